@@ -26,8 +26,8 @@ typedef struct {
     bench_pace_t pace;
     FILE *progress; /* null: nobody wants to know */
     uint64_t angle_told_us;
-    bool left;      /* all guests have, and the run was told to end */
-    bool asked;     /* a question waits for an answer from standard input */
+    bool left;  /* all guests have, and the run was told to end */
+    bool asked; /* a question waits for an answer from standard input */
 } session_t;
 
 /* What the world tells. */

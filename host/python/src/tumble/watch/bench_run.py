@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from tumble.watch.snapshot import Gravity, Matrix, Snapshot, Vector, without_prefix
+from tumble.watch.snapshot import Gravity, Matrix, Mean, Snapshot, Vector, without_prefix
 
 
 class BenchRun:
@@ -61,18 +61,12 @@ def after_event(before: Snapshot, event: dict[str, Any]) -> Snapshot:
     after = replace(
         after,
         state=without_prefix(event["state"]),
-        **_reason(event["reason"]),
+        reason=_reason(event["reason"]),
         **{name: event[name] for name in ("mounting", "position", "count", "finished", "attempt")},
     )
     if kind == "state":
-        return replace(after, samples=None, wanted=None, mean_v=None, standard_error_v=None)
-    return replace(
-        after,
-        samples=event["samples"],
-        wanted=event["wanted"],
-        mean_v=vector(event["mean_v"]),
-        standard_error_v=vector(event["standard_error_v"]),
-    )
+        return replace(after, samples=None)
+    return replace(after, samples=event["samples"], wanted=event["wanted"], mean=_mean(before, event))
 
 
 def after_document(before: Snapshot, document: dict[str, Any]) -> Snapshot:
@@ -88,13 +82,20 @@ def after_document(before: Snapshot, document: dict[str, Any]) -> Snapshot:
     )
     if "state" not in document:
         return after
-    told = {**_reason(document["reason"]), "state": without_prefix(document["state"])}
-    return replace(after, **told)
+    return replace(after, reason=_reason(document["reason"]), state=without_prefix(document["state"]))
 
 
-def _reason(name: str) -> dict[str, str | None]:
+def _mean(before: Snapshot, event: dict[str, Any]) -> Mean | None:
+    mean = vector(event["mean_v"])
+    if mean is None:
+        return before.mean
+    place = event["mounting"], event["position"], event["samples"], event["wanted"]
+    return Mean(*place, mean, vector(event["standard_error_v"]))
+
+
+def _reason(name: str) -> str | None:
     name = without_prefix(name)
-    return {"reason": None if name == "NONE" else name}
+    return None if name == "NONE" else name
 
 
 def _gravity(check: dict[str, Any]) -> Gravity:

@@ -12,8 +12,9 @@ from tumble.watch.snapshot import Lost, Source, View
 
 class Follower:
     """`with Follower(...)`: meanwhile the source is asked every `period_s` seconds. It is closed at the end.
+    `on_change` is given every new view.
 
-    `on_change` is given every new view. A source that does not answer is asked again as if nothing had been; `view().lost_since` tells since when."""
+    A source that does not answer is asked again as if nothing had been; `view().lost_since` tells since when."""
 
     def __init__(
         self,
@@ -28,6 +29,7 @@ class Follower:
         self._clock = clock
         self._on_change = on_change or (lambda _: None)
         self._view = View(name, 0, clock())
+        self._failure: Exception | None = None
         self._asking = threading.Lock()
         self._stopped = threading.Event()
         self._thread = threading.Thread(target=self._follow, name="tumble watch", daemon=True)
@@ -46,7 +48,9 @@ class Follower:
         return self._view
 
     def is_over(self) -> bool:
-        """Will nothing more come?"""
+        """Will nothing more come? Raises what the thread has ended by, which is a fault in this program."""
+        if self._failure is not None:
+            raise self._failure
         return self._view.snapshot is not None and self._view.snapshot.over
 
     def ask(self) -> View:
@@ -68,6 +72,9 @@ class Follower:
         return replace(after, number=before.number + 1, time=self._clock())
 
     def _follow(self) -> None:
-        while not self._stopped.is_set():
-            self.ask()
-            self._stopped.wait(self._period_s)
+        try:
+            while not self._stopped.is_set():
+                self.ask()
+                self._stopped.wait(self._period_s)
+        except Exception as error:
+            self._failure = error

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any, Protocol
 
 from tumble.watch import words
@@ -36,14 +36,28 @@ class Gravity:
 
 
 @dataclass(frozen=True)
+class Mean:
+    """The running mean of a position, and the standard error of it, V; of so many samples of `wanted`. The last one
+    stays until there is another."""
+
+    mounting: int | None
+    position: int | None
+    samples: int | None
+    wanted: int | None
+    mean_v: Vector
+    standard_error_v: Vector | None
+
+
+@dataclass(frozen=True)
 class Snapshot:
     """Of a navigation computer and its run.
 
     `state`, `reason`, `stand`: names of the firmware without prefix, such as AVERAGE; `reason` is None where nothing is
-    wrong. `trouble`: what the source itself says of it. `mounting`, `position`: their numbers in the schedule;
-    `finished` of `count` positions have a mean; `samples` of `wanted` are in the open one. `mean_v`,
-    `standard_error_v`: of the open mean. `k_v_per_g` (3 x 3), `u0_v`: of the last run, with their standard
-    uncertainties. `run`: its number. `virtual_s`: the time of a simulated run. `over`: nothing more will come.
+    wrong. `trouble`: what the source itself says of it. `run`: its number. `mounting`, `position`: their numbers in the
+    schedule; `finished` of `count` positions have a mean; `samples` of `wanted` are in the open one. `angle_rad`,
+    `target_rad`: of the table. `temperature_c`: of the block. `k_v_per_g` (3 x 3), `u0_v`: of the last run, with their
+    standard uncertainties. `emergencies`: by name of the node, the CiA 301 error code that it has raised, four
+    hexadecimal digits. `virtual_s`: the time of a simulated run. `over`: nothing more will come.
     """
 
     state: str | None = None
@@ -61,13 +75,13 @@ class Snapshot:
     angle_rad: float | None = None
     target_rad: float | None = None
     temperature_c: float | None = None
-    mean_v: Vector | None = None
-    standard_error_v: Vector | None = None
+    mean: Mean | None = None
     k_v_per_g: Matrix | None = None
     u0_v: Vector | None = None
     u_k_v_per_g: Matrix | None = None
     u_u0_v: Vector | None = None
     gravity: Gravity | None = None
+    emergencies: dict[str, str] = field(default_factory=dict)
     virtual_s: float | None = None
     over: bool = False
 

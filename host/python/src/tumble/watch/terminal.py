@@ -30,9 +30,7 @@ class Screen:
 
     def __init__(self, view: Callable[[], View], stream: TextIO | None):
         console = Console(file=stream, highlight=False)
-        self._live = Live(
-            get_renderable=lambda: drawn(view()), console=console, refresh_per_second=_UPDATES_PER_SECOND
-        )
+        self._live = Live(get_renderable=lambda: drawn(view()), console=console, refresh_per_second=_UPDATES_PER_SECOND)
 
     def __enter__(self) -> Screen:
         self._live.start()
@@ -61,7 +59,7 @@ def drawn(view: View) -> RenderableType:
     now = view.snapshot or Snapshot()
     parts: list[RenderableType] = [_state(now), *_trouble(now), *_lost(view)]
     parts += [Text(), _place(now), _samples(now), _angle(now), Text(), _means(now), Text()]
-    parts += [_coefficients(now), _gravity(now.gravity)]
+    parts += [_coefficients(now), Text(), _gravity(now.gravity)]
     title = Text(f" tumble watch {view.name} ", overflow="ellipsis")
     return Panel(Group(*parts), title=title, subtitle=_when(view), width=_WIDTH, box=box.ROUNDED)
 
@@ -96,6 +94,10 @@ def _trouble(now: Snapshot) -> Iterator[Text]:
     if now.reason is not None:
         yield Text(f"! {now.reason}: {words.sentence(now.reason) or 'an unknown reason'}", style=_BAD)
         yield Text(f"  {words.remedy(now.reason) or ''}")
+    if now.emergencies:
+        yield Text(
+            "! emergency " + ", ".join(f"{code}h of {node}" for node, code in now.emergencies.items()), style=_BAD
+        )
     if now.trouble is not None:
         yield Text(f"! {now.trouble}", style=_BAD)
 
@@ -113,11 +115,11 @@ def _where(now: Snapshot) -> str:
 
 
 def _row(name: str, value: RenderableType, done: float | None = None) -> Table:
-    row = Table.grid(padding=(0, 1, 0, 0))
+    row = Table.grid(padding=(0, 2, 0, 0))
     row.add_column(width=14, style="dim")
-    row.add_column(width=44)
-    row.add_column(width=14)
-    row.add_row(name, value, "" if done is None else ProgressBar(total=1.0, completed=done, width=14))
+    row.add_column(width=58 if done is None else 42)
+    bar = [] if done is None else [ProgressBar(total=1.0, completed=done, width=14)]
+    row.add_row(name, value, *bar)
     return row
 
 
@@ -142,14 +144,16 @@ def _numbers(heading: str, columns: list[str]) -> Table:
     table = Table(box=None, padding=(0, 2, 0, 0), pad_edge=False, header_style="dim")
     table.add_column(heading, width=14, style="dim", no_wrap=True)
     for column in columns:
-        table.add_column(column, justify="right", no_wrap=True)
+        table.add_column(column, justify="right", no_wrap=True, min_width=9)
     return table
 
 
 def _means(now: Snapshot) -> Table:
-    table = _numbers("running mean", ["x", "y", "z"])
-    table.add_row("mean, V", *_cells(now.mean_v, "{:+.6f}"))
-    table.add_row("its error, V", *_cells(now.standard_error_v, "{:.1e}"))
+    mean = now.mean
+    of = "" if mean is None else f"{mean.samples} samples of {mean.mounting}.{mean.position}"
+    table = _numbers("running mean", ["x", "y", "z", of])
+    table.add_row("mean, V", *_cells(None if mean is None else mean.mean_v, "{:+.6f}"))
+    table.add_row("its error, V", *_cells(None if mean is None else mean.standard_error_v, "{:.1e}"))
     return table
 
 

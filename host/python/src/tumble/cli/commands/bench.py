@@ -52,7 +52,7 @@ def add_to(subparsers: options.Subparsers) -> None:
     parser.set_defaults(run_command=run)
 
 
-def add_options(parser: argparse.ArgumentParser) -> None:
+def add_options(parser: options.Options) -> None:
     """All that a run can be told."""
     options.add_seed(parser, "; replays a run exactly")
     parser.add_argument("--stand", metavar="FILE", help="stand file (TOML); default: the paper's stand")

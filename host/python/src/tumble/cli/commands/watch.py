@@ -6,6 +6,7 @@ import argparse
 import sys
 import time
 from contextlib import ExitStack
+from functools import partial
 from typing import TYPE_CHECKING, TextIO
 
 from tumble import interruption
@@ -50,7 +51,7 @@ def add_to(subparsers: options.Subparsers) -> None:
         const=_HTTP,
         help=f"serve a page for browsers instead; default: {_HTTP}, which is for this machine alone; port 0: any",
     )
-    parser.add_argument("--every", metavar="S", default="0.5", help="seconds from one reading to the next; default: 0.5")
+    parser.add_argument("--every", metavar="S", default="0.5", help="seconds between two readings; default: 0.5")
     parser.add_argument("--pace", metavar="X", help="of bench: virtual seconds per second; default: 1, as a real stand")
     bench.add_options(parser.add_argument_group("with SOURCE bench"))
     parser.set_defaults(run_command=run)
@@ -126,19 +127,19 @@ def _follow(source: Source, name: str, every_s: float, address: tuple[str, int] 
     """Until nothing more will come; with a page, until Ctrl-C."""
     with ExitStack() as stack:
         follower = _shown(stack, source, name, every_s, address, sys.stdout)
-        while address is not None or not follower.is_over():
+        while not follower.is_over() or address is not None:
             time.sleep(_LOOK_S)
     return EXIT_PASS
 
 
 def _bench(arguments: argparse.Namespace, address: tuple[str, int] | None) -> int:
-    """A run of the bench. With a page its end can be looked at until Ctrl-C; the screen goes before the result comes."""
+    """A run of the bench. Its end stays on the page until Ctrl-C; a screen ends before the result is printed."""
     from tumble.watch.bench_run import BenchRun
 
     source = BenchRun(_pace(arguments))
     with ExitStack() as stack:
         follower = _shown(stack, source, _BENCH, _LOOK_S, address, sys.stderr)
-        source.when_over = follower.ask if address is not None else lambda: (follower.ask(), stack.close())
+        source.when_over = follower.ask if address is not None else partial(_end, follower, stack)
         try:
             code = bench.run(arguments, source)
         except BenchFault as error:
@@ -150,6 +151,11 @@ def _bench(arguments: argparse.Namespace, address: tuple[str, int] | None) -> in
         if address is not None:
             _until_interrupted()
     return code
+
+
+def _end(follower: Follower, stack: ExitStack) -> None:
+    follower.ask()
+    stack.close()
 
 
 def _pace(arguments: argparse.Namespace) -> float:
@@ -176,8 +182,7 @@ def _until_interrupted() -> None:
 def _shown(
     stack: ExitStack, source: Source, name: str, every_s: float, address: tuple[str, int] | None, stream: TextIO | None
 ) -> Follower:
-    """Begin to follow a source and to show it, until the stack is closed: as a page, on the terminal that `stream` is,
-    or in lines."""
+    """Follow a source and show it until the stack is closed: as a page, on the terminal `stream`, or in lines on it."""
     from tumble.watch.follower import Follower
 
     if address is not None:
