@@ -1,6 +1,7 @@
 """tumble watch at runs of the bench: one that it starts, and the folder of one."""
 
 import contextlib
+import itertools
 import json
 import math
 import os
@@ -85,8 +86,9 @@ def test_progress_lines_tell_the_angle(tmp_path):
     turning = [event for event in found if event["event"] == "angle"]
     assert len(turning) > 50 and all(set(event) == {"event", "virtual_s", "angle_deg"} for event in turning)
     times = [event["virtual_s"] for event in turning]
-    assert all(later - sooner > 0.0999 for sooner, later in zip(times, times[1:]))
-    rests = {(event["mounting"], event["position"]): event["angle_deg"] for event in found if event["event"] == "average"}
+    assert all(later - sooner > 0.0999 for sooner, later in itertools.pairwise(times))
+    averages = [event for event in found if event["event"] == "average"]
+    rests = {(event["mounting"], event["position"]): event["angle_deg"] for event in averages}
     assert [rests[1, position] for position in range(1, 10)] == pytest.approx([45 * n for n in range(9)], abs=0.05)
     before_homing = [event for event in found if event["event"] == "state"][:4]
     assert [event["angle_deg"] for event in before_homing] == [None] * 4
@@ -137,9 +139,28 @@ def test_a_page_shows_a_fault_with_its_remedy(hasty, tmp_path):
     assert "drive reported a fault" in err and (run / "fault.json").is_file()
 
 
+@pytest.mark.toolchain
+def test_over_a_whole_run_the_bus_sees_uploads_alone(tmp_path):
+    """A guest on the bus of the bench: all that stands on 601h in its log is the watcher's."""
+    pytest.importorskip("canopen", reason="python-canopen is not installed")
+    bus, log = tmp_path / "bus", tmp_path / "run/bus.log"
+    command = [program.find(), "--listen", bus, "--guests", "1", "--pace", "10", "--out", log.parent]
+    with subprocess.Popen(list(map(str, command)), stdout=subprocess.PIPE, text=True) as running:
+        watch = subprocess.Popen([sys.executable, "-m", "tumble", "watch", f"can:tumble@{bus}", "--every", "0.1"],
+                                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        result = json.loads(running.communicate(timeout=120)[0])
+        watch.terminate()
+        lines = watch.communicate(timeout=60)[0]
+    assert result["state"] == "TUMBLE_STATE_DONE" and "AVERAGE, mounting 2, position" in lines
+    frames = [line.split()[2].split("#") for line in log.read_text().splitlines()]
+    asked = [data[:2] for identifier, data in frames if identifier == "601"]
+    assert len(asked) > 100 and set(asked) <= {"40", "60", "70", "80"}
+
+
 def test_bad_input_ends_a_page_at_once(tumble, tmp_path):
     pytest.importorskip("uvicorn", reason="uvicorn is not installed")
-    done = tumble("watch", "bench", "--http", "127.0.0.1:0", "--stand", tmp_path / "none.toml", "--out", tmp_path / "run")
+    wrong = "--stand", tmp_path / "none.toml"
+    done = tumble("watch", "bench", "--http", "127.0.0.1:0", *wrong, "--out", tmp_path / "run")
     assert (done.returncode, done.stdout) == (2, "") and done.stderr.endswith("none.toml: no such file or folder\n")
 
 
@@ -164,7 +185,7 @@ def test_the_folder_of_a_run_that_goes_on(tumble, hasty, tmp_path):
     stage.mkdir(parents=True)
     watched = FolderRun(tmp_path / "again")
     assert watched.is_there()
-    with pytest.raises(Lost, match="there is no bus.log in the folder, or none yet"):
+    with pytest.raises(Lost, match=r"there is no bus\.log in the folder, or none yet"):
         watched.snapshot()
     seen = []
     with open(stage / "bus.log.part", "wb", buffering=0) as growing:

@@ -33,8 +33,8 @@ class Page:
         self.driver = driver
 
     def open(self, url, size=DESK):
-        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
-                                    {"width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": size == PHONE})
+        screen = {"width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": size == PHONE}
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
         self.driver.get(url)
 
     def text(self, name):
@@ -77,7 +77,8 @@ def chromium():
 
 
 def test_a_run_from_its_beginning_to_its_end(chromium, hasty, tmp_path):
-    with page("--stand", hasty, "--samples", 200, "--pace", 4, "--out", tmp_path / "run", cwd=tmp_path) as (process, url):
+    options = "--stand", hasty, "--samples", 200, "--pace", 4, "--out", tmp_path / "run"
+    with page(*options, cwd=tmp_path) as (process, url):
         chromium.open(url)
         chromium.wait_for("mean-of", r"of 200 samples, mounting 1, position [3-9]")
         chromium.wait_for("angle", r"^\+\d+\.\d{3} deg$")
@@ -152,7 +153,7 @@ def test_a_connection_that_goes_and_comes_again(chromium, scheme):
         assert re.fullmatch(r"since \d\d:\d\d:\d\d", chromium.text("lost-since"))
         assert chromium.text("lost-why") == "node 1 is silent." and chromium.text("state") == "AVERAGE"
         chromium.picture(f"lost-{scheme}")
-        style = "const s = getComputedStyle(document.querySelector(arguments[0])); return s.getPropertyValue(arguments[1])"
+        style = "return getComputedStyle(document.querySelector(arguments[0])).getPropertyValue(arguments[1])"
         colours = [chromium.driver.execute_script(style, *of) for of in (
             (".alarm strong", "color"), (".alarm", "background-color"), ("#meaning", "color"),
             ("#state", "color"), ("section", "background-color"))]

@@ -119,7 +119,7 @@ def test_a_node_that_falls_silent_is_asked_anew():
     run = NodeRun("any", lambda _: next(opened))
     assert run.snapshot().state == "AVERAGE"
     links[0].silent = True
-    with pytest.raises(Lost, match="^node 1 does not answer$"):
+    with pytest.raises(Lost, match=r"^node 1 does not answer$"):
         run.snapshot()
     assert links[0].closed == 1
     assert run.snapshot().k_v_per_g is not None  # from another link, all of it again
@@ -153,7 +153,7 @@ def spied():
     node = PlayedCanNode()
     frames = []
     bus = can.Bus(interface="virtual", channel=node.channel)
-    notifier = can.Notifier(bus, [lambda frame: frames.append(frame)], timeout=0.01)
+    notifier = can.Notifier(bus, [frames.append], timeout=0.01)
     yield node, frames
     notifier.stop()
     bus.shutdown()

@@ -31,7 +31,7 @@ def add_to(subparsers: options.Subparsers) -> None:
     parser = subparsers.add_parser(
         "watch",
         usage="%(prog)s [-h] SOURCE [--http [HOST:PORT]] [--every S] [--json]\n"
-        "       %(prog)s [-h] bench [--http [HOST:PORT]] [--pace X] [options of tumble bench]",
+        "       %(prog)s [-h] bench [--http [HOST:PORT]] [--pace X] [bench options]",
         help="look on at a run, on the terminal or as a page in a browser",
         description="Show a run as it goes: state, reason and remedy, table angle, running mean and its standard error,"
         " coefficients, gravity check. Reads only; commands nothing.",
