@@ -53,8 +53,9 @@ MAY_IMPORT = {
     "comparison": {"core", "files", "solving", "fixture"},
     "report": {"drawings", "files", "solving", "pictures", "comparison"},
     "api": {"core", "files", "solving", "fixture", "comparison", "pictures", "report"},
+    "watch": {"client"},
     "cli": {"core", "reference", "drawings", "files", "store", "solving", "fixture", "planning", "comparison",
-            "pictures", "importing", "bench", "report", "api", "client", DOOR},
+            "pictures", "importing", "bench", "report", "api", "client", "watch", DOOR},
     DOOR: {"core", "reference", "files", "solving", "fixture", "planning", "api"},
 }
 # What a user includes: firmware/include/tumble/NAME.h is the door of the room NAME, these of the core.

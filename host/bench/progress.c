@@ -3,6 +3,8 @@
 #include "bench/json.h"
 #include "bench/report.h"
 
+#define ANGLE_PERIOD_US 100000U
+
 static bench_json_t begin(const char *event, FILE *out)
 {
     bench_json_t json = {.out = out};
@@ -24,6 +26,19 @@ static void put_time(bench_json_t *json, const bench_world_t *world)
     bench_json_number(json, "virtual_s", (double)world->clock.now_us * 1e-6);
 }
 
+/* Where the table stands, as long as that is known: it has homed, and the axis has no fault. */
+static void put_angle(bench_json_t *json, const bench_world_t *world)
+{
+    tumble_navcomp_progress_t progress;
+    tumble_navcomp_progress(&world->navcomp, &progress);
+    const bool moving = progress.stand == TUMBLE_STAND_MOVING;
+    if (moving || progress.stand == TUMBLE_STAND_IN_POSITION || progress.stand == TUMBLE_STAND_STOPPED) {
+        bench_json_number(json, "angle_deg", progress.angle_deg);
+    } else {
+        bench_json_null(json, "angle_deg");
+    }
+}
+
 static void put_place(bench_json_t *json, const tumble_progress_t *progress)
 {
     bench_json_text(json, "state", tumble_state_name(progress->state));
@@ -41,6 +56,24 @@ void bench_progress_state(const bench_world_t *world, const tumble_progress_t *p
     bench_json_t json = begin("state", out);
     put_time(&json, world);
     put_place(&json, progress);
+    put_angle(&json, world);
+    end(&json);
+}
+
+void bench_progress_angle(const bench_world_t *world, uint64_t *told_us, FILE *out)
+{
+    tumble_navcomp_progress_t progress;
+    if (world->clock.now_us < *told_us + ANGLE_PERIOD_US) {
+        return;
+    }
+    *told_us = world->clock.now_us;
+    tumble_navcomp_progress(&world->navcomp, &progress);
+    if (progress.stand != TUMBLE_STAND_MOVING) {
+        return;
+    }
+    bench_json_t json = begin("angle", out);
+    put_time(&json, world);
+    put_angle(&json, world);
     end(&json);
 }
 
@@ -56,6 +89,7 @@ void bench_progress_average(const bench_world_t *world, tumble_taken_t taken, FI
     bench_json_t json = begin("average", out);
     put_time(&json, world);
     put_place(&json, &progress.run);
+    put_angle(&json, world);
     bench_json_whole(&json, "samples", taken.ordinal);
     bench_json_whole(&json, "wanted", wanted);
     if (progress.has_mean) {

@@ -27,8 +27,9 @@ typedef struct {
     bench_lock_step_t step;
     bench_pace_t pace;
     FILE *progress; /* null: nobody wants to know */
-    bool left;      /* all guests have, and the run was told to end */
-    bool asked;     /* a question waits for an answer from standard input */
+    uint64_t angle_told_us;
+    bool left;  /* all guests have, and the run was told to end */
+    bool asked; /* a question waits for an answer from standard input */
 } session_t;
 
 /* What the world tells. */
@@ -65,6 +66,9 @@ static void on_frame(void *context, uint64_t time_us, uint8_t sender, const tumb
         bench_guests_tell(&session->guests, sender, frame);
     }
     bench_lock_step_tell(&session->step, time_us, sender, frame);
+    if (session->progress != NULL) {
+        bench_progress_angle(&session->world, &session->angle_told_us, session->progress);
+    }
 }
 
 static bool on_question(void *context, const bench_question_t *question)

@@ -41,7 +41,7 @@ def section(text, name):
 def test_requirements_are_those_of_the_project():
     project = (PYTHON / "pyproject.toml").read_text()
     named = {"requirements.txt": "dependencies", "requirements-test.txt": "test"}
-    named |= {f"requirements-{name}.txt": name for name in ("plot", "report")}
+    named |= {f"requirements-{name}.txt": name for name in ("plot", "report", "watch")}
     for file, name in named.items():
         assert required(PYTHON / file) == section(project, name)
 
@@ -377,6 +377,13 @@ def test_the_gateway_links_libmodbus_dynamically():
     done = subprocess.run(["readelf", "--dynamic", path], capture_output=True, text=True, check=True)
     assert re.search(r"\(NEEDED\).*\[libmodbus\.so\.\d+\]", done.stdout)
     assert has_libmodbus(Path(path).read_bytes())
+
+
+@pytest.mark.slow
+@pytest.mark.toolchain
+def test_the_wheel_has_the_page_of_watch(packages):
+    name = "tumble/watch/page.html"
+    assert (packages["wheel"] / name).read_bytes() == (ROOT / "host/python/src" / name).read_bytes()
 
 
 @pytest.mark.slow

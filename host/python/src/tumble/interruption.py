@@ -40,6 +40,12 @@ def ignore() -> None:
         signal.signal(number, signal.SIG_IGN)
 
 
+def heed_again() -> None:
+    """What `ignore` has silenced is watched for again: there is more to do after all."""
+    for number in _watched:
+        signal.signal(number, _stop)
+
+
 def exit_code() -> int:
     """128 and the number of the signal that came; of Ctrl-C where none is known."""
     return 128 + (_received[0] if _received else signal.SIGINT)

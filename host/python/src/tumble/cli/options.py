@@ -15,6 +15,7 @@ from tumble.schedule import BUILT_IN
 from tumble.terms import EXTENDABLE, TERMS
 
 Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"  # in quotes: no generic when it runs
+Options: TypeAlias = "argparse._ActionsContainer"  # a parser, or a group of options in one
 
 FIRMWARES = ("host", "zcu102")
 _PROMISING = frozenset(
@@ -32,14 +33,14 @@ def add_subjects(subparsers: Subparsers, name: str, about: str, description: str
     return parser.add_subparsers(metavar="SUBJECT", required=True)
 
 
-def add_schedule(parser: argparse.ArgumentParser) -> None:
+def add_schedule(parser: Options) -> None:
     """--schedule."""
     names = ", ".join(BUILT_IN[1:])
     about = f"{names}, or a schedule file (TOML); default: paper, its 2 x 9 positions"
     parser.add_argument("--schedule", metavar="NAME", help=about)
 
 
-def add_estimator(parser: argparse.ArgumentParser, remark: str = "") -> None:
+def add_estimator(parser: Options, remark: str = "") -> None:
     """--estimator."""
     parser.add_argument(
         "--estimator",
@@ -50,7 +51,7 @@ def add_estimator(parser: argparse.ArgumentParser, remark: str = "") -> None:
     )
 
 
-def add_model(parser: argparse.ArgumentParser) -> None:
+def add_model(parser: Options) -> None:
     """--model."""
     parser.add_argument(
         "--model",
@@ -70,7 +71,7 @@ def refuse_model(parser: argparse.ArgumentParser, why: str) -> None:
     parser.add_argument("--model", action=Refuse, help=argparse.SUPPRESS)
 
 
-def add_limit(parser: argparse.ArgumentParser) -> None:
+def add_limit(parser: Options) -> None:
     """--limit."""
     parser.add_argument(
         "--limit",
@@ -89,17 +90,17 @@ def add_confidence(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_firmware(parser: argparse.ArgumentParser, remark: str = "") -> None:
+def add_firmware(parser: Options, remark: str = "") -> None:
     """--firmware."""
     parser.add_argument("--firmware", choices=FIRMWARES, default=FIRMWARES[0], help=f"{remark}default: {FIRMWARES[0]}")
 
 
-def add_seed(parser: argparse.ArgumentParser, remark: str = "") -> None:
+def add_seed(parser: Options, remark: str = "") -> None:
     """--seed."""
     parser.add_argument("--seed", metavar="N", default="1", help=f"0 to 2^64 - 1{remark}; default: 1")
 
 
-def add_json(parser: argparse.ArgumentParser) -> None:
+def add_json(parser: Options) -> None:
     """--json, of a command that gives a result."""
     parser.add_argument("--json", action="store_true", help="print the result as one JSON document")
 

@@ -10,6 +10,7 @@ ABOUT = {  # by name, in the order in which they are listed
     "apply": "calibrate data by a result: outputs in, acceleration out",
     "compare": "two results of one block: has it changed, or only its seat?",
     "bench": "calibrate on a simulated stand: the firmware itself, in virtual time",
+    "watch": "show a run as it goes, on the terminal or as a page for browsers",
     "replay": "a recorded bus log through the firmware again, here or on the emulated board",
     "plan": "what a stand is worth before a run: error budget, requirements, optimal weights",
     "fixture": "judge a stand by the runs made on it",

@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 import os
 import signal
+from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from tumble.cli import options
 from tumble.cli.commands import ABOUT, ALIASES
@@ -53,6 +54,12 @@ def add_to(subparsers: options.Subparsers) -> None:
         " pass, 1 gravity check failed or the run does not fit its stand, 2 bad input, 3 fault, or firmware and numpy"
         " disagree, 77 the bus is not to be had here, 130 interrupted, the table stopped.",
     )
+    add_options(parser)
+    parser.set_defaults(run_command=run)
+
+
+def add_options(parser: options.Options) -> None:
+    """All that a run can be told."""
     options.add_seed(parser, "; replays a run exactly")
     parser.add_argument("--stand", metavar="FILE", help="stand file (TOML); default: the paper's stand")
     parser.add_argument("--block", metavar="FILE", help="file of [block] and [block.true]; overrides the stand's")
@@ -94,10 +101,21 @@ def add_to(subparsers: options.Subparsers) -> None:
         "--no-report", action="store_true", help=f"leave none; as where the environment has {_NO_REPORT}=1"
     )
     options.add_json(parser)
-    parser.set_defaults(run_command=run)
 
 
-def run(arguments: argparse.Namespace) -> int:
+class Onlooker(Protocol):
+    """Somebody who is told of a run in place of the person at the terminal. `pace`: virtual seconds per second."""
+
+    pace: float
+
+    def __call__(self, event: dict[str, Any]) -> None:
+        """Take an event (host/bench/progress.h)."""
+
+    def ended(self, document: dict[str, Any]) -> None:
+        """Take what the program says at the end."""
+
+
+def run(arguments: argparse.Namespace, onlooker: Onlooker | None = None) -> int:
     """Simulate, confirm, print. Returns the exit code; raises TumbleError."""
     from tumble.api.complaints import complaints
     from tumble.bench import board, folder, gains, outcome, realbus, setup
@@ -116,7 +134,7 @@ def run(arguments: argparse.Namespace) -> int:
     path = folder.default_path(wanted.seed) if arguments.out is None else arguments.out
     with folder.RunFolder(path, may_make_parent=folder.is_in_default_parent(path)) as made:
         scenario_path = made.add_inputs(given, scenario, gain_record)
-        document = _simulate(arguments, wanted, scenario_path, made)
+        document = _simulate(arguments, wanted, scenario_path, made, onlooker)
         try:
             outcome.require_done(document)
             solution = outcome.confirm(document, made.stage, wanted)
@@ -220,14 +238,18 @@ def _read_schedule(arguments: argparse.Namespace, given: dict[str, bytes]) -> Co
     return read_schedule(name, given.get(name), arguments.estimator)
 
 
-def _simulate(arguments: argparse.Namespace, wanted: Setup, scenario_path: Path, made: RunFolder) -> dict[str, Any]:
+def _simulate(
+    arguments: argparse.Namespace, wanted: Setup, scenario_path: Path, made: RunFolder, onlooker: Onlooker | None
+) -> dict[str, Any]:
     """Run the program. Returns its document; raises where there is none, or the user did not want to wait for it."""
     from tumble.bench import board, folder, outcome, program, realbus
 
     words = [str(scenario_path), "--seed", str(wanted.seed), "--out", str(made.stage / "bench")]
     if wanted.estimator == OPTIMAL:
         words += ["--gain-record", str(scenario_path.with_name(folder.GAINS))]
-    with _progress(wanted.schedule.data, arguments.interactive) as progress:
+    words += [] if onlooker is None else ["--pace", repr(onlooker.pace)]
+    seen = _progress(wanted.schedule.data, arguments.interactive) if onlooker is None else nullcontext(onlooker)
+    with seen as progress:
         if arguments.bus == realbus.INPROCESS:
             ended = program.run(words, progress, arguments.interactive)
         elif arguments.firmware == board.FIRMWARE:
@@ -245,6 +267,8 @@ def _simulate(arguments: argparse.Namespace, wanted: Setup, scenario_path: Path,
         raise UsageError(f"this cannot be simulated: {complaint}")
     if document is None:
         raise BenchFault(f"tumble-bench failed ({ended.code}): {complaint or 'it says nothing'}")
+    if onlooker is not None:
+        onlooker.ended(document)
     for file in (made.stage / "bench").iterdir():
         file.rename(made.stage / file.name)
     (made.stage / "bench").rmdir()

@@ -1,0 +1,204 @@
+"""`tumble watch`: look on at a run, on the terminal or as a page in a browser, and change nothing."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from contextlib import ExitStack
+from functools import partial
+from typing import TYPE_CHECKING, TextIO
+
+from tumble import interruption
+from tumble.cli import options
+from tumble.cli.commands import ABOUT, bench
+from tumble.errors import EXIT_PASS, BenchFault, NotInstalled, UsageError, quoted
+from tumble.messages import tell
+
+if TYPE_CHECKING:
+    from tumble.watch.follower import Follower
+    from tumble.watch.snapshot import Source
+
+_BENCH = "bench"
+_HTTP = "127.0.0.1:8402"
+_FASTEST_S, _SLOWEST_S = 0.1, 60.0
+_PACES = 1e-3, 1e6
+_LOOK_S = 0.1
+
+
+def add_to(subparsers: options.Subparsers) -> None:
+    """Describe the command to argparse."""
+    parser = subparsers.add_parser(
+        "watch",
+        usage="%(prog)s [-h] SOURCE [--http [HOST:PORT]] [--every S] [--json]\n"
+        "       %(prog)s [-h] bench [--http [HOST:PORT]] [--pace X] [bench options]",
+        help=ABOUT["watch"],
+        description="Show a run as it goes: state, reason and remedy, table angle, running mean and its standard error,"
+        " coefficients, gravity check. Reads only; commands nothing.",
+        epilog="Exit codes: 0 the run is over; 2 bad usage or input; 3 (--json) the source does not answer; 77 a"
+        " package is missing, or this kernel has no CAN; 130 ended by Ctrl-C. Of bench: those of tumble bench.",
+    )
+    parser.add_argument(
+        "source",
+        metavar="SOURCE",
+        help="can:IF: the computer on this CAN interface; modbus:HOST:PORT: behind this gateway; bench: a simulated run"
+        " that begins now; or the folder of a run",
+    )
+    parser.add_argument(
+        "--http",
+        metavar="HOST:PORT",
+        nargs="?",
+        const=_HTTP,
+        help=f"serve a page for browsers instead; default: {_HTTP}, which is for this machine alone; port 0: any",
+    )
+    parser.add_argument("--every", metavar="S", default="0.5", help="seconds between two readings; default: 0.5")
+    parser.add_argument("--pace", metavar="X", help="of bench: virtual seconds per second; default: 1, as a real stand")
+    bench.add_options(parser.add_argument_group("with SOURCE bench"))
+    parser.set_defaults(run_command=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Look on until the run is over, or for ever. Returns the exit code; raises TumbleError."""
+    every_s = _within(arguments.every, "--every", _FASTEST_S, _SLOWEST_S)
+    address = None if arguments.http is None else _address(arguments.http)
+    if address is not None:
+        _require_server()
+    if arguments.source == _BENCH:
+        return _bench(arguments, address)
+    _refuse_options_of_bench(arguments)
+
+    from tumble.watch.sources import opened
+
+    source = opened(arguments.source)
+    if arguments.json:
+        return _print_once(source, arguments.source)
+    return _follow(source, arguments.source, every_s, address)
+
+
+def _within(text: str, option: str, low: float, high: float) -> float:
+    value = options.parse_number(text)
+    if not low <= value <= high:
+        raise UsageError(f"{option}: {quoted(text)} is not a number from {low:g} to {high:g}")
+    return value
+
+
+def _address(text: str) -> tuple[str, int]:
+    """Host and port. Raises UsageError."""
+    host, _, port = text.rpartition(":")
+    if not host or not port.isascii() or not port.isdigit() or int(port) > 65535:
+        raise UsageError(f"--http: {quoted(text)} is not HOST:PORT, such as {_HTTP}; SOURCE comes before --http")
+    return host.removeprefix("[").removesuffix("]"), int(port)
+
+
+def _require_server() -> None:
+    try:
+        import starlette
+        import uvicorn  # noqa: F401
+    except ImportError as error:
+        raise NotInstalled("--http", error.name or "a package", extra="watch") from None
+    assert starlette is not None
+
+
+def _refuse_options_of_bench(arguments: argparse.Namespace) -> None:
+    """Raises UsageError for an option that only a simulated run has."""
+    usual = argparse.ArgumentParser(add_help=False)
+    bench.add_options(usual)
+    for name, value in vars(usual.parse_args([])).items():
+        if name != "json" and getattr(arguments, name) != value:
+            raise UsageError(f"--{name.replace('_', '-')} is of SOURCE bench alone")
+    if arguments.pace is not None:
+        raise UsageError("--pace is of SOURCE bench alone")
+
+
+def _print_once(source: Source, name: str) -> int:
+    from tumble.files.documents import to_json
+    from tumble.watch.follower import Follower
+    from tumble.watch.snapshot import document
+
+    view = Follower(source, name, 1.0).ask()
+    source.close()
+    if view.lost_since is not None:
+        raise BenchFault(f"{name}: {view.why}")
+    sys.stdout.write(to_json(document(view)))
+    return EXIT_PASS
+
+
+def _follow(source: Source, name: str, every_s: float, address: tuple[str, int] | None) -> int:
+    """Until nothing more will come; with a page, until Ctrl-C."""
+    with ExitStack() as stack:
+        follower = _shown(stack, source, name, every_s, address, sys.stdout)
+        while not follower.is_over() or address is not None:
+            time.sleep(_LOOK_S)
+    return EXIT_PASS
+
+
+def _bench(arguments: argparse.Namespace, address: tuple[str, int] | None) -> int:
+    """A run of the bench. Its end stays on the page until Ctrl-C; a screen ends before the result is printed."""
+    from tumble.watch.bench_run import BenchRun
+
+    source = BenchRun(_pace(arguments))
+    with ExitStack() as stack:
+        follower = _shown(stack, source, _BENCH, _LOOK_S, address, sys.stderr)
+        source.when_over = follower.ask if address is not None else partial(_end, follower, stack)
+        try:
+            code = bench.run(arguments, source)
+        except BenchFault as error:
+            source.failed(str(error))
+            if address is None:
+                raise
+            tell(f"tumble: {error}")
+            code = error.exit_code
+        if address is not None:
+            _until_interrupted()
+    return code
+
+
+def _end(follower: Follower, stack: ExitStack) -> None:
+    follower.ask()
+    stack.close()
+
+
+def _pace(arguments: argparse.Namespace) -> float:
+    from tumble.bench import realbus
+
+    if arguments.interactive:
+        raise UsageError("--interactive: who watches commands nothing; tumble bench --interactive asks")
+    if arguments.pace is not None and arguments.bus != realbus.INPROCESS:
+        raise UsageError("--pace: on a real bus a run goes in real time")
+    return 1.0 if arguments.pace is None else _within(arguments.pace, "--pace", *_PACES)
+
+
+def _until_interrupted() -> None:
+    """The run is over, so the first signal ends this in good order."""
+    from threading import Event
+
+    ended = Event()
+    with interruption.Instead(ended.set):
+        interruption.heed_again()
+        while not ended.wait(_LOOK_S):
+            pass
+
+
+def _shown(
+    stack: ExitStack, source: Source, name: str, every_s: float, address: tuple[str, int] | None, stream: TextIO | None
+) -> Follower:
+    """Follow a source and show it until the stack is closed: as a page, on the terminal `stream`, or in lines on it."""
+    from tumble.watch.follower import Follower
+
+    if address is not None:
+        from tumble.watch.server import Server
+
+        follower = Follower(source, name, every_s)
+        server = stack.enter_context(Server(follower.view, *address))
+        tell(f"tumble: {server.url} (Ctrl-C ends it)")
+        if server.open_to_others:
+            tell("tumble: warning: whoever reaches this address can look on; there is no password")
+    else:
+        from tumble.watch import terminal
+
+        lines = terminal.Lines(stream) if stream is None or not stream.isatty() else None
+        follower = Follower(source, name, every_s, on_change=lines)
+        if lines is None:
+            stack.enter_context(terminal.Screen(follower.view, stream))
+    stack.enter_context(follower)
+    return follower

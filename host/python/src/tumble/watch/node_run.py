@@ -1,0 +1,224 @@
+"""A navigation computer as a source: over CAN by listening and SDO uploads, over Modbus by input registers. It only
+reads."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from tumble.client import open_link
+from tumble.client.can_link import CanLink
+from tumble.client.errors import CommunicationError
+from tumble.client.link import Link, Value
+from tumble.errors import TumbleError
+from tumble.watch import words
+from tumble.watch.heard import IDENTIFIERS, Heard, Status
+from tumble.watch.snapshot import Gravity, Lost, Matrix, Mean, Snapshot, Vector
+
+if TYPE_CHECKING:
+    import can
+
+_AXES = "xyz"
+_STATUS = ("State", "Reason", "Progress: Position index", "Progress: Positions finished", "Progress: Samples taken")
+_PLACE = ("Mounting number", "Position number", "Position count", "Attempt", "Samples wanted", "Target angle")
+_TABLE = ("Stand state", "Actual angle", "Block temperature")
+_GRAVITY = (
+    *("Largest deviation on fit positions", "Largest deviation on check positions", "Limit"),
+    *("Fit positions judged", "Check positions judged", "Pass"),
+)
+_WITH_RESULT = ("VERIFY", "PROPOSE", "DONE", "FAULT", "ABORT", "IDLE")
+_FEWEST = 2  # samples that make a mean and its error
+_HALF_DEGREES_C = 2.0
+
+
+class NodeRun:
+    """`spec`: as tumble.client.connect takes it. Opened at once, so that what can never work is told at once: raises
+    UsageError, NotInstalled, Skipped. A node that does not answer yet may do so later."""
+
+    def __init__(self, spec: str, opened: Callable[[str], Link] = open_link):
+        self._spec, self._open = spec, opened
+        self._link: Link | None = None
+        self._heard: Heard | None = None
+        self._why: str | None = None
+        try:
+            self._connect()
+        except CommunicationError as error:
+            self._why = str(error)
+
+    def snapshot(self) -> Snapshot:
+        """What the node tells now. Raises Lost; the next call connects anew."""
+        try:
+            if self._why is not None:  # has been found out just now
+                raise CommunicationError(self._why)
+            return self._read(self._link or self._connect())
+        except _failures() as error:
+            self._why = None
+            self.close()
+            raise Lost(str(error)) from None
+
+    def close(self) -> None:
+        """Leave the link."""
+        link, self._link = self._link, None
+        if link is not None:
+            with contextlib.suppress(*_failures()):
+                link.close()
+
+    def _connect(self) -> Link:
+        link = self._link = self._open(self._spec)
+        self._last, self._key, self._result = Snapshot(), None, None
+        self._heard = _listening(link) if isinstance(link, CanLink) else None
+        return link
+
+    def _read(self, link: Link) -> Snapshot:
+        """What has changed since the last time, and that alone."""
+        status, run = self._status(link)
+        state = words.state(status.state)
+        key: Any = (status.state, status.index, status.finished, run)
+        now = self._last
+        if key != self._key:
+            now = replace(now, **_place(link))
+        if self._heard is None or key != self._key or self._heard.drive_has_changed():
+            now = replace(now, **_table(link))
+        result: Any = (run, state if state in _WITH_RESULT else None)
+        if result != self._result:
+            now = replace(now, **_found(link))
+        now = replace(
+            now, state=state, reason=words.reason(status.reason), run=run, finished=status.finished,
+            samples=status.samples if state == "AVERAGE" else None,
+            emergencies={} if self._heard is None else self._heard.emergencies(),
+        )  # fmt: skip
+        grown = key != self._key or now.samples != self._last.samples
+        if grown and now.samples is not None and now.samples >= _FEWEST:
+            now = replace(now, mean=_mean(link, now))
+        elif run != self._last.run:
+            now = replace(now, mean=None)
+        self._last, self._key, self._result = now, key, result
+        return now
+
+    def _status(self, link: Link) -> tuple[Status, int | None]:
+        heard = None if self._heard is None else self._heard.status()
+        run = None if self._heard is None else self._heard.run()
+        if heard is not None and run is not None:
+            return heard, run
+        *asked, run_asked = link.read_together(*_STATUS, "Run number")
+        return Status(*map(_whole, asked)), _whole(run_asked)
+
+
+def _failures() -> tuple[type[Exception], ...]:
+    """What a link raises whose other end has gone."""
+    try:
+        from can import CanError
+    except ImportError:
+        return TumbleError, OSError
+    return TumbleError, OSError, CanError
+
+
+def _listening(link: CanLink) -> Heard:
+    """What comes by itself, from now on. Of all else on the bus only answers to what is asked reach this process."""
+    import can
+
+    class Patient(can.Listener):
+        """A bus that has gone shows in answers that do not come."""
+
+        def on_message_received(self, msg: can.Message) -> None:
+            pass
+
+        def on_error(self, exc: Exception) -> None:
+            pass
+
+    heard = Heard()
+    network = link.network
+    for identifier in IDENTIFIERS:
+        network.subscribe(identifier, lambda number, data, _: heard.frame(number, bytes(data)))
+    assert network.notifier is not None
+    assert network.bus is not None  # it is connected
+    network.notifier.add_listener(Patient())
+    wanted = (*IDENTIFIERS, *network.subscribers)
+    network.bus.set_filters([{"can_id": one, "can_mask": 0x7FF, "extended": False} for one in sorted(set(wanted))])
+    return heard
+
+
+def _place(link: Link) -> dict[str, Any]:
+    mounting, position, count, attempt, wanted, target = link.read_together(*(f"Progress: {one}" for one in _PLACE))
+    numbers = {"mounting": mounting, "position": position, "count": count, "attempt": attempt, "wanted": wanted}
+    return {**numbers, "target_rad": _radians(target)}
+
+
+def _table(link: Link) -> dict[str, Any]:
+    stand, angle, temperature = link.read_together(*(f"Progress: {one}" for one in _TABLE))
+    name = words.stand(_whole(stand))
+    return {
+        "stand": name,
+        "angle_rad": _radians(angle) if name in words.ANGLE_KNOWN else None,
+        "temperature_c": None if temperature is None else _number(temperature) / _HALF_DEGREES_C,
+    }
+
+
+def _mean(link: Link, now: Snapshot) -> Mean | None:
+    """Of the open position; each channel as it is when it is asked for."""
+    names = (f"{one}: {one} {axis}" for one in ("Running mean", "Standard error") for axis in _AXES)
+    found = link.read_together(*names)
+    mean, error = _vector(found[:3]), _vector(found[3:])
+    if mean is None:
+        return None
+    return Mean(now.mounting, now.position, now.samples, now.wanted, mean, error)
+
+
+def _found(link: Link) -> dict[str, Any]:
+    """What the last run has found."""
+    return {
+        "k_v_per_g": _matrix(link, "K"),
+        "u0_v": _of_channels(link, "U0"),
+        "u_k_v_per_g": _matrix(link, "u_K"),
+        "u_u0_v": _of_channels(link, "u_U0"),
+        "gravity": _gravity(link),
+    }
+
+
+def _matrix(link: Link, name: str) -> Matrix | None:
+    found = _all(link, [f"{name}: {name}_{row}{column}" for row in _AXES for column in _AXES])
+    return None if found is None else (found[:3], found[3:6], found[6:])
+
+
+def _of_channels(link: Link, name: str) -> Vector | None:
+    return _all(link, [f"{name}: {name}_{axis}" for axis in _AXES])
+
+
+def _all(link: Link, names: list[str]) -> Vector | None:
+    """All of them, or None. Where the first is not known, the others are not asked for on CAN."""
+    if not link.has(names[0]) or (isinstance(link, CanLink) and link.read(names[0]) is None):
+        return None
+    return _vector(link.read_together(*names))
+
+
+def _gravity(link: Link) -> Gravity | None:
+    found = link.read_together(*(f"Gravity check: {one}" for one in _GRAVITY))
+    fit, check, limit, fitted, checked, passed = found
+    judged = bool(fitted) or bool(checked)
+    return Gravity(
+        _number(fit) if fitted and fit is not None else None,
+        _number(check) if checked and check is not None else None,
+        None if limit is None else _number(limit),
+        bool(passed) if judged and passed is not None else None,
+    )
+
+
+def _vector(values: list[Value]) -> Vector | None:
+    return None if any(value is None for value in values) else tuple(map(_number, values))
+
+
+def _radians(value: Value) -> float | None:
+    return None if value is None else math.radians(_number(value))
+
+
+def _number(value: Value) -> float:
+    if not isinstance(value, int | float):
+        raise CommunicationError(f"the node tells {value!r} where a number was expected")
+    return float(value)
+
+
+def _whole(value: Value) -> int:
+    return int(_number(value))

@@ -1,0 +1,140 @@
+"""The live view as a page: a small web server that tells every change by server-sent events. It takes no command.
+
+Needs Starlette and uvicorn (`pip install 'tumble[watch]'`).
+"""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import hashlib
+import json
+import re
+import socket
+import threading
+from collections.abc import AsyncIterator, Callable
+from importlib import resources
+
+import uvicorn
+from starlette.applications import Starlette
+from starlette.middleware import Middleware
+from starlette.middleware.trustedhost import TrustedHostMiddleware
+from starlette.requests import Request
+from starlette.responses import HTMLResponse, JSONResponse, Response, StreamingResponse
+from starlette.routing import Route
+
+from tumble.errors import UsageError
+from tumble.watch.snapshot import View, document
+
+_LOOK_S = 0.1  # a change is told so late at most
+_SIGN_OF_LIFE_S = 5.0  # a comment, so that both ends and what is between them notice a line that is dead
+_MOST_CONNECTIONS = 64
+_LOOPBACK = ["localhost", "127.0.0.1", "[::1]"]
+
+
+def application(view: Callable[[], View], ending: Callable[[], bool], hosts: list[str]) -> Starlette:
+    """The pages. `view`: what is to be shown now; `ending`: streams are to end; `hosts`: by which names a browser may
+    ask ("*": any), so that no page of the network's can read it through a name of its own (DNS rebinding)."""
+    page = resources.files("tumble.watch").joinpath("page.html").read_text(encoding="utf-8")
+    headers = {"Content-Security-Policy": _policy(page), **_HEADERS}
+
+    async def index(_: Request) -> Response:
+        return HTMLResponse(page, headers=headers)
+
+    async def snapshot(_: Request) -> Response:
+        return JSONResponse(document(view()), headers=_HEADERS)
+
+    async def events(_: Request) -> Response:
+        return StreamingResponse(_changes(view, ending), media_type="text/event-stream", headers=_HEADERS)
+
+    routes = [Route("/", index), Route("/snapshot.json", snapshot), Route("/events", events)]
+    guard = Middleware(TrustedHostMiddleware, allowed_hosts=hosts, www_redirect=False)
+    return Starlette(routes=routes, middleware=[guard])
+
+
+_HEADERS = {
+    "Cache-Control": "no-store",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Resource-Policy": "same-origin",
+}
+
+
+def _policy(page: str) -> str:
+    """The page may run its own script and ask its own server, and nothing else."""
+    script = re.search(r"<script>(.*?)</script>", page, re.DOTALL)
+    assert script is not None
+    digest = base64.b64encode(hashlib.sha256(script[1].encode()).digest()).decode()
+    return (
+        f"default-src 'none'; script-src 'sha256-{digest}'; style-src 'unsafe-inline'; img-src data:;"
+        " connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    )
+
+
+async def _changes(view: Callable[[], View], ending: Callable[[], bool]) -> AsyncIterator[str]:
+    told, silent_s = -1, 0.0
+    while not ending():
+        now = view()
+        if now.number != told:
+            told, silent_s = now.number, 0.0
+            yield f"id: {now.number}\ndata: {json.dumps(document(now), allow_nan=False)}\n\n"
+        elif silent_s >= _SIGN_OF_LIFE_S:
+            silent_s = 0.0
+            yield ": still there\n\n"
+        await asyncio.sleep(_LOOK_S)
+        silent_s += _LOOK_S
+
+
+class Server:
+    """`with Server(...) as server:` serves in a thread of its own; `server.url` is where. Raises UsageError where it
+    cannot listen."""
+
+    def __init__(self, view: Callable[[], View], host: str, port: int):
+        self._socket = _listening(host, port)
+        address, port = self._socket.getsockname()[:2]
+        shown = f"[{address}]" if ":" in address else address
+        self.url = f"http://{shown}:{port}/"
+        self.open_to_others = shown not in _LOOPBACK and not address.startswith("127.")
+        hosts = ["*"] if self.open_to_others else [*_LOOPBACK, shown]
+        pages = application(view, lambda: self._server.should_exit, hosts)
+        config = uvicorn.Config(
+            pages,
+            log_config=None,
+            access_log=False,
+            lifespan="off",
+            ws="none",
+            server_header=False,
+            limit_concurrency=_MOST_CONNECTIONS,
+            timeout_graceful_shutdown=2,
+        )
+        self._server = uvicorn.Server(config)
+        self._thread = threading.Thread(target=self._server.run, args=([self._socket],), daemon=True)
+
+    def __enter__(self) -> Server:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._server.should_exit = True
+        self._thread.join()
+        self._socket.close()
+
+
+def _listening(host: str, port: int) -> socket.socket:
+    try:
+        family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+        found = socket.socket(family, kind, protocol)
+    except (OSError, UnicodeError) as error:
+        raise UsageError(f"--http: {host}: {_words(error)}") from None
+    try:
+        found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        found.bind(address)
+        found.listen(_MOST_CONNECTIONS)
+        return found
+    except OSError as error:
+        found.close()
+        raise UsageError(f"--http: cannot listen on {host} port {port}: {_words(error)}") from None
+
+
+def _words(error: Exception) -> str:
+    return (getattr(error, "strerror", None) or str(error)).lower()
