@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import importlib
 import io
 import os
 import re
@@ -12,7 +13,7 @@ from typing import Any, NoReturn
 
 from tumble import __version__, interruption
 from tumble.cli import completion
-from tumble.cli.commands import ABOUT, ALIASES
+from tumble.cli.commands import ABOUT, ALIASES, MODULES
 from tumble.errors import EXIT_BAD_INPUT, EXIT_DISAGREEMENT, EXIT_PASS, Interrupted, TumbleError, UsageError
 from tumble.messages import tell
 
@@ -87,59 +88,9 @@ def _parser(wanted: str | None = None) -> argparse.ArgumentParser:
 
 def _adder_of(name: str) -> Callable[[Any], None]:
     """What describes a command to argparse. Loads the command's module, and no other."""
-    if name == "solve":
-        from tumble.cli.commands import solve
-
-        return solve.add_to
-    if name == "import":
-        from tumble.cli.commands import import_recording
-
-        return import_recording.add_to
-    if name == "apply":
-        from tumble.cli.commands import apply
-
-        return apply.add_to
-    if name == "compare":
-        from tumble.cli.commands import compare
-
-        return compare.add_to
-    if name == "bench":
-        from tumble.cli.commands import bench
-
-        return bench.add_to
-    if name == "replay":
-        from tumble.cli.commands import replay
-
-        return replay.add_to
-    if name == "plan":
-        from tumble.cli.commands import plan
-
-        return plan.add_to
-    if name == "fixture":
-        from tumble.cli.commands import fixture
-
-        return fixture.add_to
-    if name == "draw":
-        from tumble.cli.commands import draw
-
-        return draw.add_to
-    if name == "export":
-        from tumble.cli.commands import export
-
-        return export.add_to
-    if name == "report":
-        from tumble.cli.commands import report
-
-        return report.add_to
-    if name == "store":
-        from tumble.cli.commands import store
-
-        return store.add_to
-    if name == "uml":
-        from tumble.cli.commands import uml
-
-        return uml.add_to
-    raise KeyError(name)
+    module = importlib.import_module(f"tumble.cli.commands.{MODULES.get(name, name)}")
+    adder: Callable[[Any], None] = module.add_to
+    return adder
 
 
 def _help(parser: argparse.ArgumentParser) -> int:

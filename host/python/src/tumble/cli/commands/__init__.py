@@ -21,3 +21,4 @@ ABOUT = {  # by name, in the order in which they are listed
     "uml": "run any command inside user-mode Linux, with a CAN interface vcan0",
 }
 ALIASES = {"bench": ["simulate"]}
+MODULES = {"import": "import_recording"}  # whose name is another one than the command's

@@ -22,7 +22,11 @@ def add_to(subparsers: Subparsers) -> None:
         epilog="Exit codes: 0 pass, 1 gravity check failed, 2 bad input, 3 the run does not come to a result, 77 the"
         " emulator or what reads such logs is not there, 130 interrupted.",
     )
-    parser.add_argument("log", metavar="BUS.log", help="of a run folder or of any interface: candump -L, ASC, BLF, TRC, MF4, CSV of python-can")
+    parser.add_argument(
+        "log",
+        metavar="BUS.log",
+        help="of a run folder or of any interface: candump -L, ASC, BLF, TRC, MF4, CSV of python-can",
+    )
     add_firmware(parser)
     parser.add_argument(
         "--scenario",
