@@ -139,7 +139,7 @@ static void pass(uint64_t us)
 /* Mostly identifiers that somebody listens to. */
 static void give_frame(input_t *input)
 {
-    static const uint16_t ids[] = {0x000, 0x082, 0x083, 0x182, 0x282, 0x582, 0x601, 0x683, 0x693, 0x702, 0x703};
+    static const uint16_t ids[] = {0x000, 0x082, 0x083, 0x182, 0x282, 0x582, 0x601, 0x401, 0x683, 0x693, 0x702, 0x703};
     const uint8_t choice = take(input);
     tumble_can_frame_t frame = {.id = ids[choice % (sizeof ids / sizeof ids[0])], .length = 8};
     if (choice >= 240U) {
