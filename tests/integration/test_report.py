@@ -382,7 +382,8 @@ def test_a_bench_run_is_said_to_be_simulated(drawn):
 
 def test_faces_laid_by_hand_have_no_table(tmp_path):
     """Neither in the picture nor in the list of what is declared; and one number gets no figure of its own."""
-    faces = np.array([one.matrix for one in read_schedule(str(EXAMPLES / "hand_laid_faces.toml")).data.mountings])[:, :, 2]
+    mountings = read_schedule(str(EXAMPLES / "hand_laid_faces.toml")).data.mountings
+    faces = np.array([one.matrix for one in mountings])[:, :, 2]
     outputs = 9.81 * (faces * [1.001, 0.999, 1.0] + [0.01, -0.02, 0.03])
     rows = [[mounting, 1, *place] for mounting, place in enumerate(outputs, 1) for _ in range(2)]
     run = np.array(rows) + np.resize([0.01, -0.01], (12, 1)) * [0, 0, 1, 1, 1]
@@ -390,7 +391,8 @@ def test_faces_laid_by_hand_have_no_table(tmp_path):
                            schedule=EXAMPLES / "hand_laid_faces.toml", estimator="least_squares")  # fmt: skip
     source = Source(result.document, "result")
     (picture,) = make._mountings(source)
-    assert picture[2] == "How the block lay in each mounting, seen from the front." and "able at angle" not in picture[1]
+    assert picture[2] == "How the block lay in each mounting, seen from the front."
+    assert "able at angle" not in picture[1]
     _, listed = method.declared(source)
     assert [str(row[0].text) for row in listed.rows] == [
         "Noise of one sample", "Seat not square, in a mounting", "Drift over a run"]  # fmt: skip
