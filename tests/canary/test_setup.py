@@ -21,6 +21,7 @@ case "${0##*/} $*" in
 "cc "*) cat >/dev/null ;;
 "cmake --build"*) mkdir -p build/host/python && touch build/host/python/_tumble_core.abi3.so ;;
 sudo* | apt-get*install* | dpkg*) exit 1 ;;
+*launch.py*) echo "$TUMBLE_PROGRAM" >"$WORLD/program" ;;
 esac
 """
 WITHOUT_PANGO = "tumble: set up without Pango; what needs it will be skipped"
@@ -171,3 +172,4 @@ def test_a_command_installs_what_it_needs(machine, command, installs):
     assert {name for name in ("plot", "report") if f"-rhost/python/requirements-{name}.txt" in calls} == installs
     assert ("python -c import weasyprint" in lines) == ("apt-get update" in lines) == ("report" in installs)
     assert lines[-1] == f"python {machine.tree}/host/python/launch.py {command}"
+    assert (machine.world / "program").read_text() == f"{machine.tree}/tools/tumble\n"  # as it was called

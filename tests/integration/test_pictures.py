@@ -251,3 +251,10 @@ def test_other_units(unit, per_volt, shown):
     volts = dots(solved("paper")[3]["residuals"].axes[0]) / 1e6
     assert dots(drawn["residuals"].axes[0]) == pytest.approx(scale * volts, rel=1e-6)
     assert shares_of(drawn["budget"])["noise"] == pytest.approx(shares_of(solved("paper")[3]["budget"])["noise"])
+
+
+def test_names_above_the_samples_keep_off_the_edge():
+    """By a millimetre and more."""
+    figure = solved("paper")[3]["samples"]
+    top = max(one.get_window_extent().y1 for one in figure.axes[0].texts)
+    assert top / figure.dpi <= figure.get_size_inches()[1] - 1.0 / 25.4

@@ -11,6 +11,7 @@ from conftest import EXAMPLES, ROOT
 from test_readme import shows
 
 import tumble as tumble_package
+from tumble.solving.coverage import HANDS as HANDS_SENTENCE
 
 try:
     import tomllib
@@ -57,7 +58,9 @@ HANDS_OF_4_MRAD = '[stand]\nsamples = 100\nnoise_v = 0.0143\nlimits = "sigma1"\n
 
 
 def test_hands_are_over_100_times_worse_than_noise(tumble, tmp_path):
-    """As `solve` and reports say of u without a stand file: what 4 mrad an angle make of it."""
+    """As `solve`, reports and a page say of u without a stand file: what 4 mrad an angle make of it."""
+    assert "100 times" in HANDS_SENTENCE
+    assert HANDS_SENTENCE[1:] in " ".join((ROOT / "docs/method.md").read_text(encoding="utf-8").split())
     run = tmp_path / "run.csv"
     done = tumble("import", *RECORDED, "--repeats", "first", "--out", run)
     assert done.returncode == 0, done.stderr

@@ -127,6 +127,7 @@ def test_a_run_without_a_unit_is_warned_of(tumble):
     shown = tumble("solve", run).stdout.splitlines()
     assert "All values assume volts: the run file names no unit (--unit)" in shown
     assert shown[-1].startswith("PASS, assuming a square seat, volts and one temperature: ")
+    assert shown[-1].endswith(" 0.0003 g") and len(shown[-1]) <= 80  # the limit is the last to go
     told = tumble("solve", run, "--unit", "V", "--json")
     assert told.stderr == "" and json.loads(told.stdout)["assumes"] == ["seat", "temperature"]
 
