@@ -41,6 +41,8 @@ const char bench_options_help[] =
     "                   mounts and confirms after operator.mount_s; on-confirm: a\n"
     "                   guest confirms, and in that moment the block is on; never:\n"
     "                   nobody mounts\n"
+    "  --memory         with --lock-step: the firmware has non-volatile memory, empty\n"
+    "                   at first, and keeps coefficients; needs keeper.serial\n"
     "\n"
     "  --runs N         N runs with seeds from --seed upwards\n"
     "  --jobs N         on so many processes, 1 to 64; default: all processors\n"
@@ -91,6 +93,7 @@ static const argument_t OPTIONS[] = {
     ARGUMENT_WHOLE("guests", bench_options_t, guests, 0, 4),
     ARGUMENT_WHOLE("lock-step", bench_options_t, lock_step, 0, 1023),
     ARGUMENT_TAKE("operator", take_operator),
+    ARGUMENT_FLAG("memory", bench_options_t, memory),
     ARGUMENT_WHOLE("runs", bench_options_t, runs, 1, MOST_RUNS),
     ARGUMENT_WHOLE("jobs", bench_options_t, jobs, 1, BENCH_MAX_JOBS),
     ARGUMENT_FLAG("means", bench_options_t, means),
@@ -143,6 +146,9 @@ static bool check(const bench_options_t *options)
     }
     if (options->lock_step >= 0 && (options->listen != NULL || options->interactive || options->pace > 0.0)) {
         return arguments_refuse("--lock-step", "cannot be combined with --listen, --interactive or --pace");
+    }
+    if (options->memory && options->lock_step < 0) {
+        return arguments_refuse("--memory", "needs --lock-step");
     }
     if (options->operator != BENCH_OPERATOR_BY_ITSELF && (options->interactive || !has_guests(options))) {
         return arguments_refuse("--operator", "needs --listen or --lock-step, and no --interactive");

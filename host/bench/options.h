@@ -30,6 +30,7 @@ typedef struct {
     int lock_step;   /* descriptor of a socket, or -1 */
     double pace;     /* virtual seconds per second; 0: as fast as it goes */
     bench_operator_t operator;
+    bool memory; /* of the firmware */
     bool means;
     bool summary;
     bool interactive;

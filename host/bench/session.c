@@ -7,6 +7,7 @@
 #include "bench/guests.h"
 #include "bench/interrupt.h"
 #include "bench/lock_step.h"
+#include "bench/memory.h"
 #include "bench/pace.h"
 #include "bench/person.h"
 #include "bench/progress.h"
@@ -25,6 +26,7 @@ typedef struct {
     bench_folder_t folder;
     bench_guests_t guests;
     bench_lock_step_t step;
+    bench_memory_t memory;
     bench_pace_t pace;
     FILE *progress; /* null: nobody wants to know */
     uint64_t angle_told_us;
@@ -241,7 +243,10 @@ int bench_session(const bench_config_t *config, const bench_options_t *options, 
                                         .on_sample = on_sample,
                                         .on_frame = on_frame,
                                         .on_question = on_question};
-    const tumble_status_t status = bench_world_init(&session.world, config, options->seed, &session.watcher);
+    tumble_status_t status = bench_world_init(&session.world, config, options->seed, &session.watcher);
+    if (status == TUMBLE_OK && options->memory) {
+        status = bench_memory_add(&session.memory, &session.world);
+    }
     if (status != TUMBLE_OK) {
         return arguments_fail("the firmware refuses its configuration", tumble_status_sentence(status),
                               BENCH_EXIT_USAGE);

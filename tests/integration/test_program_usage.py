@@ -74,6 +74,9 @@ def test_operators_that_are_none(given):
     (("--lock-step", "0", "--runs", "2"), "--runs: cannot be combined with --out, --progress, --interactive, --pace, "
                                           "--listen or --lock-step"),
     (("--lock-step", "0", "--campaign", "2"), "--campaign: takes --seed, --jobs and -v, and nothing else"),
+    (("--memory",), "--memory: needs --lock-step"),
+    (("--memory", "--lock-step", "0"),
+     "keeper.serial: is missing: with --memory the scenario must name the block"),
     (("--lock-step", "-1"), "--lock-step: must be a whole number from 0 to 1023"),
     (("--lock-step", "0"), "--lock-step: is no open stream socket"),
     (("--lock-step", "99"), "--lock-step: is no open stream socket"),

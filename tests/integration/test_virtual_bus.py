@@ -28,9 +28,9 @@ def virtual(tmp_path):
     """Open a bus with the scenario FAST, changed by keys."""
     opened = []
 
-    def begin(operator="on-confirm", seed=1, out=None, can_filters=None, **keys):
+    def begin(operator="on-confirm", seed=1, memory=False, out=None, can_filters=None, **keys):
         path = scenario(tmp_path, **{name.replace(".", "__"): value for name, value in FAST.items()} | keys)
-        opened.append(VirtualBus(path, seed=seed, operator=operator, out=out, can_filters=can_filters))
+        opened.append(VirtualBus(path, seed=seed, operator=operator, memory=memory, out=out, can_filters=can_filters))
         return opened[-1]
 
     yield begin
@@ -122,6 +122,20 @@ def test_the_run_is_kept_as_any_run_of_the_bench(virtual, tmp_path):
     assert abs(result.K - document["truth"]["K"]).max() < 3e-3
     assert (tmp_path / "run/run.csv").read_text().count("\n") == 1 + 18 * 10
     assert json.loads((tmp_path / "run/bench.json").read_text())["state"] == "TUMBLE_STATE_DONE"
+
+
+def test_a_node_with_memory_keeps_what_the_script_accepts_and_commits_the_next_run_by_itself(virtual):
+    bus = virtual(memory=True, keeper__serial="TB-0001")
+    with time_of(bus), client.connect(bus) as node:
+        for verdict in ("HELD", "COMMITTED"):
+            node.start()
+            while node.wait(until=("WAIT_MOUNTING", "DONE"), timeout=600) != "DONE":
+                node.confirm()
+            result = node.result()
+            assert result.verdict == verdict and result.u_K.shape == (3, 3)
+            if verdict == "HELD":
+                assert [one.name for one in result.objections] == ["FIRST"] and node.accept(result) == "ACCEPTED"
+        assert node.status.calibration_counter == 2
 
 
 def test_without_a_confirmation_the_node_waits_and_the_block_is_not_mounted(virtual):

@@ -45,7 +45,7 @@ class Wanted:
     """What the marker `tumble` says.
 
     `operator`: who mounts the block (OPERATORS); `seed`: of all that is random; `scenario`: a scenario file, else the
-    keys FAST; `memory`: the node keeps coefficients (on CAN only); `keys`: more keys of the scenario, `__` for the
+    keys FAST; `memory`: the node keeps coefficients; `keys`: more keys of the scenario, `__` for the
     point, a list for a key that comes several times. Raises UsageError.
     """
 
@@ -123,10 +123,9 @@ def virtual(wanted: Wanted, folder: Path) -> Iterator[Rig]:
 
     from tumble.testing.virtual_bus import VirtualBus, time_of
 
-    if wanted.memory:
-        raise UsageError("tumble(memory=True): there is no memory in virtual time; use --tumble-bus=can: or uml")
     try:
-        bus = VirtualBus(wanted.write(folder), seed=wanted.seed, operator=wanted.operator)
+        path = wanted.write(folder)
+        bus = VirtualBus(path, seed=wanted.seed, operator=wanted.operator, memory=wanted.memory)
     except can.CanInitializationError as error:
         raise BenchFault(str(error)) from None
     try:

@@ -49,7 +49,8 @@ _ABORT = 0x80
 
 class VirtualBus(can.BusABC):
     """`scenario`: a scenario file as of tumble-bench, or None for the paper's stand; `operator`: who mounts the block
-    and who confirms, by-itself, on-confirm or never; `out`: a folder for run.csv, bus.log and bench.json.
+    and who confirms, by-itself, on-confirm or never; `memory`: the node keeps coefficients, and the scenario names the
+    block by keeper.serial; `out`: a folder for run.csv, bus.log and bench.json.
 
     Classic data frames with 11-bit identifiers only. Timestamps are seconds since power-on. Raises
     can.CanInitializationError, can.CanOperationError, BenchFault where there is no tumble-bench.
@@ -61,6 +62,7 @@ class VirtualBus(can.BusABC):
         *,
         seed: int = 1,
         operator: str = "on-confirm",
+        memory: bool = False,
         out: str | os.PathLike[str] | None = None,
         **options: Any,
     ):
@@ -75,7 +77,8 @@ class VirtualBus(can.BusABC):
         self._document: dict[str, Any] | None = None
         self.channel_info = "tumble-bench in virtual time"
         words = [] if scenario is None else [os.fspath(scenario)]
-        words += ["--seed", str(seed), "--operator", operator, *([] if out is None else ["--out", os.fspath(out)])]
+        words += ["--seed", str(seed), "--operator", operator, *(["--memory"] if memory else [])]
+        words += [] if out is None else ["--out", os.fspath(out)]
         self._start(words)
         super().__init__(channel="virtual", **options)
         try:
