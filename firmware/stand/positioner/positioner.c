@@ -1,0 +1,276 @@
+#include "stand/positioner/internal.h"
+
+#include "core/arith.h"
+#include "core/count.h"
+
+#include <stddef.h>
+
+#define US_PER_MS UINT64_C(1000)
+#define TURN_DEG 360.0
+
+#define WRITE_AT 0U
+#define READ_AT 16U
+
+enum { WRITE_WATCH = 1, WRITE_ORDER = 5 }; /* so many registers */
+
+/* Orders. */
+
+/* As a new one, with the next exchange, which goes at once. No order has the number 0. */
+static void tell(tumble_positioner_t *axis)
+{
+    axis->number = (axis->number == UINT16_MAX) ? 1U : (uint16_t)(axis->number + 1U);
+    axis->taken = false;
+    axis->restart_timer = true;
+}
+
+void tumble_positioner_give(tumble_positioner_t *axis, unsigned order)
+{
+    const bool stops = (order == (unsigned)ORDER_STOP) || (order == (unsigned)ORDER_RESET);
+    axis->order = (uint8_t)order;
+    axis->travelled = 0;
+    axis->rung = (uint8_t)(stops ? TUMBLE_RUNG_TOLD : TUMBLE_RUNG_NONE);
+    tell(axis);
+}
+
+/* A stop that is under way is not begun anew: its harsher means must come. */
+static void stop_axis(tumble_positioner_t *axis)
+{
+    if (!is_stopping(axis)) {
+        tumble_positioner_give(axis, ORDER_STOP);
+    }
+}
+
+void tumble_positioner_fail(tumble_positioner_t *axis, tumble_stand_fault_t fault)
+{
+    if (!is(axis, TUMBLE_STAND_FAULT)) {
+        axis->fault = (uint8_t)fault;
+        axis->state = (uint8_t)TUMBLE_STAND_FAULT;
+        if (axis->known) { /* else nothing has been set going */
+            stop_axis(axis);
+        }
+    }
+}
+
+/* The course of time. */
+
+static void receive(tumble_positioner_t *axis)
+{
+    const tumble_exchange_link_t *link = axis->profile->link;
+    uint16_t values[TUMBLE_EXCHANGE_REGISTERS];
+    const tumble_status_t status = axis->under_way ? link->end(link->context, values) : TUMBLE_E_PORT_BUSY;
+    axis->under_way = axis->under_way && (status == TUMBLE_E_PORT_BUSY);
+    if (status == TUMBLE_OK) {
+        tumble_positioner_report(axis, values);
+    } else if (status == TUMBLE_E_FRAME) {
+        tumble_positioner_fail(axis, TUMBLE_STAND_FAULT_PROTOCOL);
+    } else {
+        /* the time will tell */
+    }
+}
+
+static bool has_passed(const tumble_positioner_t *axis, uint64_t since_us, uint32_t ms)
+{
+    return (axis->now_us - since_us) >= (ms * US_PER_MS);
+}
+
+/* For so long nothing is exchanged: the watchdog runs out, and the axis brakes. */
+static uint32_t silent_ms(const tumble_positioner_profile_t *profile)
+{
+    return (uint32_t)profile->watch_ms + profile->stop_timeout_ms;
+}
+
+static void climb(tumble_positioner_t *axis)
+{
+    const tumble_positioner_profile_t *profile = axis->profile;
+    const bool told = (axis->rung == (uint8_t)TUMBLE_RUNG_TOLD);
+    const uint32_t ms = told ? profile->stop_timeout_ms : (silent_ms(profile) + profile->silence_ms);
+    if ((axis->rung < (uint8_t)TUMBLE_RUNG_UNCONFIRMED) && has_passed(axis, axis->since_us, ms)) {
+        tumble_positioner_fail(axis, TUMBLE_STAND_FAULT_STOP);
+        axis->rung = (uint8_t)(told ? TUMBLE_RUNG_SILENCE : TUMBLE_RUNG_UNCONFIRMED);
+        tell(axis); /* as soon as it is not silent */
+        tumble_count(&axis->report.stop.rungs[axis->rung - (uint8_t)TUMBLE_RUNG_AGAIN]);
+    }
+}
+
+static void watch(tumble_positioner_t *axis)
+{
+    const tumble_positioner_profile_t *profile = axis->profile;
+    const bool silent = has_passed(axis, axis->heard_us, profile->silence_ms);
+    if (axis->known && silent && !is(axis, TUMBLE_STAND_FAULT)) {
+        tumble_positioner_fail(axis, TUMBLE_STAND_FAULT_HEARTBEAT);
+    } else if (is_stopping(axis)) {
+        climb(axis);
+    } else if (is(axis, TUMBLE_STAND_HOMING) && has_passed(axis, axis->since_us, profile->home_timeout_ms)) {
+        tumble_positioner_fail(axis, TUMBLE_STAND_FAULT_HOMING);
+    } else if (is(axis, TUMBLE_STAND_MOVING) && has_passed(axis, axis->since_us, profile->move_timeout_ms)) {
+        tumble_positioner_fail(axis, TUMBLE_STAND_FAULT_TIMEOUT);
+    } else {
+        /* nothing is late */
+    }
+}
+
+/* An order that has been taken is not sent again: a controller that was switched off must not find it. */
+static void send(tumble_positioner_t *axis)
+{
+    const tumble_positioner_profile_t *profile = axis->profile;
+    const uint32_t target = (uint32_t)axis->target;
+    const tumble_exchange_t exchange = {
+        .write_at = WRITE_AT,
+        .read_at = READ_AT,
+        .writes = (uint8_t)(!axis->known  ? 0U
+                            : axis->taken ? WRITE_WATCH
+                                          : WRITE_ORDER),
+        .reads = READ_COUNT,
+        .values = {profile->watch_ms, axis->number, axis->order, (uint16_t)(target >> 16U), (uint16_t)target},
+    };
+    const bool silent = (axis->rung == (uint8_t)TUMBLE_RUNG_SILENCE) &&
+                        (axis->restart_timer || !has_passed(axis, axis->since_us, silent_ms(profile)));
+    axis->due_us = axis->now_us + (profile->cycle_ms * US_PER_MS);
+    if (!axis->under_way && !silent) {
+        axis->under_way = (profile->link->begin(profile->link->context, &exchange) == TUMBLE_OK);
+    }
+}
+
+static void positioner_step(void *self, uint64_t now_us)
+{
+    tumble_positioner_t *axis = self;
+    axis->now_us = now_us;
+    receive(axis);
+    if (axis->restart_timer) {
+        axis->restart_timer = false;
+        axis->since_us = now_us;
+        axis->due_us = now_us;
+    }
+    watch(axis);
+    if (now_us >= axis->due_us) {
+        send(axis);
+    }
+}
+
+static uint64_t positioner_next_us(const void *self)
+{
+    const tumble_positioner_t *axis = self;
+    return axis->restart_timer ? 0U : axis->due_us;
+}
+
+/* What the rest of the firmware asks for. */
+
+static bool is_usable(const tumble_positioner_profile_t *profile)
+{
+    return (profile != NULL) && (profile->link != NULL) && (profile->link->begin != NULL) &&
+           (profile->link->end != NULL) && tumble_is_positive(tumble_abs(profile->counts_per_deg)) &&
+           tumble_is_positive(profile->window_deg) && (profile->home_timeout_ms != 0U) &&
+           (profile->move_timeout_ms != 0U) && (profile->stop_timeout_ms != 0U) && (profile->cycle_ms != 0U) &&
+           ((profile->silence_ms / 2U) >= profile->cycle_ms) && ((profile->watch_ms / 2U) >= profile->cycle_ms);
+}
+
+/* Beyond what 32 bits hold: false. */
+static bool to_counts(const tumble_positioner_profile_t *profile, double angle_deg, int32_t *counts)
+{
+    const double exact = angle_deg * profile->counts_per_deg;
+    if (!tumble_within(exact, (double)INT32_MAX)) {
+        return false;
+    }
+    *counts = (int32_t)tumble_nearest(exact);
+    return true;
+}
+
+static tumble_status_t positioner_init(void *self, const tumble_stand_setup_t *setup)
+{
+    tumble_positioner_t *axis = self;
+    const tumble_positioner_profile_t *profile = setup->profile;
+    int32_t window = 0;
+    int32_t from = 0;
+    int32_t to = 0;
+    int32_t turn = 0;
+    if (!is_usable(profile) || !to_counts(profile, profile->window_deg, &window) ||
+        !to_counts(profile, setup->cable_min_deg, &from) || !to_counts(profile, setup->cable_max_deg, &to) ||
+        !to_counts(profile, TURN_DEG, &turn)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    const int64_t window_counts = distance(window, 0);
+    *axis = (tumble_positioner_t){
+        .report = {.stop = axis->report.stop},
+        .profile = profile,
+        .window_counts = window_counts,
+        .lowest_counts = (int64_t)((from < to) ? from : to) - window_counts,
+        .highest_counts = (int64_t)((from < to) ? to : from) + window_counts,
+        .most_travel = (uint64_t)(distance(to, from) + distance(turn, 0)),
+    };
+    return TUMBLE_OK;
+}
+
+static tumble_status_t set_out(tumble_positioner_t *axis, unsigned order, tumble_stand_state_t state, int32_t target)
+{
+    if (!is_at_rest(axis) || ((order == (unsigned)ORDER_GO) && is(axis, TUMBLE_STAND_READY))) {
+        return TUMBLE_E_STAND_STATE;
+    }
+    axis->target = target;
+    axis->state = (uint8_t)state;
+    tumble_positioner_give(axis, order);
+    return TUMBLE_OK;
+}
+
+static tumble_status_t positioner_home(void *self)
+{
+    return set_out(self, ORDER_HOME, TUMBLE_STAND_HOMING, 0);
+}
+
+static tumble_status_t positioner_move(void *self, double angle_deg)
+{
+    const tumble_positioner_t *axis = self;
+    int32_t target = 0;
+    return to_counts(axis->profile, angle_deg, &target) ? set_out(self, ORDER_GO, TUMBLE_STAND_MOVING, target)
+                                                        : TUMBLE_E_ARGUMENT;
+}
+
+static void positioner_stop(void *self)
+{
+    tumble_positioner_t *axis = self;
+    if (is(axis, TUMBLE_STAND_OFFLINE)) {
+        return; /* it has no other order */
+    }
+    stop_axis(axis);
+    if (!is(axis, TUMBLE_STAND_FAULT)) {
+        axis->state = (uint8_t)TUMBLE_STAND_MOVING; /* until it is seen at rest */
+    }
+}
+
+static tumble_status_t positioner_clear_fault(void *self)
+{
+    tumble_positioner_t *axis = self;
+    const bool enforces = is_stopping(axis) && (axis->rung != (uint8_t)TUMBLE_RUNG_UNCONFIRMED);
+    if (!is(axis, TUMBLE_STAND_FAULT) || enforces) {
+        return TUMBLE_E_STAND_STATE;
+    }
+    axis->state = (uint8_t)TUMBLE_STAND_OFFLINE;
+    axis->fault = (uint8_t)TUMBLE_STAND_FAULT_NONE;
+    axis->report.fault_code = 0;
+    axis->rung = (uint8_t)TUMBLE_RUNG_NONE;
+    axis->order = (uint8_t)ORDER_RESET;
+    axis->known = false;
+    return TUMBLE_OK;
+}
+
+static tumble_stand_state_t positioner_state(const void *self)
+{
+    return (tumble_stand_state_t)((const tumble_positioner_t *)self)->state;
+}
+
+static tumble_stand_fault_t positioner_fault(const void *self)
+{
+    return (tumble_stand_fault_t)((const tumble_positioner_t *)self)->fault;
+}
+
+static double positioner_angle_deg(const void *self)
+{
+    const tumble_positioner_t *axis = self;
+    return (double)axis->actual / axis->profile->counts_per_deg;
+}
+
+const tumble_stand_kind_t tumble_positioner_kind = {
+    .bytes = (uint16_t)sizeof(tumble_positioner_t),
+    .report_at = (uint16_t)offsetof(tumble_positioner_t, report),
+    .numbers = {{(uint8_t)TUMBLE_STAND_NUMBER_F64, (uint8_t)offsetof(tumble_positioner_profile_t, counts_per_deg)}},
+    TUMBLE_STAND_FUNCTIONS(positioner),
+};
