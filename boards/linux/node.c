@@ -5,6 +5,7 @@
 #include "bench/person.h"
 #include "bench/progress.h"
 #include "bench/report.h"
+#include "positioner_option.h"
 #include "run_log.h"
 
 #include <errno.h>
@@ -301,6 +302,9 @@ static tumble_status_t init_firmware(bench_world_t *world, node_t *node)
     if (world->port.nv != NULL) {
         add_keeper(world, node);
     }
+    if (!positioner_option_use(&world->navcomp_config)) {
+        return TUMBLE_E_ARGUMENT;
+    }
     tumble_status_t status = tumble_navcomp_init(&world->navcomp, &world->navcomp_config);
     if (status == TUMBLE_OK && world->port.nv != NULL) {
         status = tumble_sets_set_utc(&node->keeper.sets, node->epoch_us / US_PER_S);
@@ -373,6 +377,7 @@ int node_run(const bench_config_t *config, const node_options_t *options, FILE *
     node_log_ready(options);
     go(&node, out);
     can_socket_look(&node.port.can);
+    positioner_option_close();
     events_close(&node.events);
     port_linux_close(&node.port);
     if (options->nv != NULL) {

@@ -1,6 +1,7 @@
 #include "node_options.h"
 
 #include "event_log.h"
+#include "positioner_option.h"
 #include "signals.h"
 
 #include <getopt.h>
@@ -43,6 +44,12 @@ const char node_options_help[] =
     "                   new or empty folder\n"
     "  --gain-record F  gain record for procedure.estimator = optimal\n"
     "                   (docs/gain-record.md)\n"
+    "  --stand modbus:HOST:PORT[,NAME=NUMBER...]\n"
+    "                   the stand is a motor controller with registers, over Modbus\n"
+    "                   TCP (docs/own-stand.md), and not the drive; NAME is unit (1),\n"
+    "                   counts_per_deg (10000), window_deg (0.02), home_timeout_ms\n"
+    "                   (120000), move_timeout_ms (60000), stop_timeout_ms (2000),\n"
+    "                   cycle_ms (20), silence_ms (500), watch_ms (500)\n"
     "  --nv FILE        non-volatile memory, 64 kB; made if it is not there, in a\n"
     "                   folder that is; else nothing is kept\n"
     "  --progress       one JSON line on standard error for every step of the\n"
@@ -75,6 +82,7 @@ static const argument_t OPTIONS[] = {
     ARGUMENT_TAKE("patience", take_patience),
     ARGUMENT_TEXT("out", node_options_t, out),
     ARGUMENT_TEXT("gain-record", node_options_t, gains),
+    ARGUMENT_TAKE("stand", positioner_option_take),
     ARGUMENT_TEXT("nv", node_options_t, nv),
     ARGUMENT_CONSTANT("progress", node_options_t, progress_fd, STDERR_FILENO),
     ARGUMENT_WHOLE("progress-fd", node_options_t, progress_fd, 0, 1023),
