@@ -70,6 +70,16 @@ def test_a_controller_that_falls_silent_in_a_move_stops_by_itself(run):
     assert ended["table"]["at_rest"] and ended["angle_deg"] < 85.0
 
 
+def test_a_computer_that_is_killed_in_a_move_leaves_a_table_that_stops(run):
+    node, stand, controller = run(SLOW_DEG_S, {"silence_ms": 300, "watch_ms": 300})
+    node.wait_for("MOVE", 2)
+    wait_until(lambda: controller.goal_deg == 90.0)
+    node.kill()
+    wait_until(lambda: controller.events[-2:] == ["watchdog", "stop"])
+    ended = stand.end()
+    assert ended["table"]["at_rest"] and ended["angle_deg"] < 85.0
+
+
 def test_a_fault_of_the_controller_in_a_move(run):
     node, stand, controller = run(SLOW_DEG_S)
     node.wait_for("MOVE", 2)

@@ -4,8 +4,9 @@
  * start an action, `state` tells how far it has come. Angles are degrees of the table, counted from the home position,
  * over as many turns as the cable allows; they are the schedule's angles and not counts of an encoder.
  *
- * Two kinds come with Tumble: &tumble_drive402_kind, a CiA 402 drive in profile position mode, and
- * &tumble_operator_kind, a person at a dividing head. A stand of your own is a folder with a header that declares its
+ * Three kinds come with Tumble: &tumble_drive402_kind, a CiA 402 drive in profile position mode,
+ * &tumble_operator_kind, a person at a dividing head, and &tumble_positioner_kind, a motor controller with Modbus
+ * registers (docs/own-stand.md). A stand of your own is a folder with a header that declares its
  * object, its profile and its kind; name them in the computer's tumble_navcomp_config_t. Nothing else in the firmware
  * asks of what kind a stand is.
  *

@@ -9,9 +9,9 @@
 #define TURN_DEG 360.0
 
 #define WRITE_AT 0U
+#define WRITE_WATCH 1U /* so many registers */
+#define WRITE_ORDER 5U
 #define READ_AT 16U
-
-enum { WRITE_WATCH = 1, WRITE_ORDER = 5 }; /* so many registers */
 
 /* Orders. */
 
@@ -109,7 +109,16 @@ static void watch(tumble_positioner_t *axis)
     }
 }
 
-/* An order that has been taken is not sent again: a controller that was switched off must not find it. */
+/* Nothing, before it is known what is there; the order, until it is taken: a controller that was switched off must not find
+ * it again. */
+static uint8_t registers_to_write(const tumble_positioner_t *axis)
+{
+    if (!axis->known) {
+        return 0U;
+    }
+    return axis->taken ? WRITE_WATCH : WRITE_ORDER;
+}
+
 static void send(tumble_positioner_t *axis)
 {
     const tumble_positioner_profile_t *profile = axis->profile;
@@ -117,11 +126,9 @@ static void send(tumble_positioner_t *axis)
     const tumble_exchange_t exchange = {
         .write_at = WRITE_AT,
         .read_at = READ_AT,
-        .writes = (uint8_t)(!axis->known  ? 0U
-                            : axis->taken ? WRITE_WATCH
-                                          : WRITE_ORDER),
+        .writes = registers_to_write(axis),
         .reads = READ_COUNT,
-        .values = {profile->watch_ms, axis->number, axis->order, (uint16_t)(target >> 16U), (uint16_t)target},
+        .values = {profile->watch_ms, axis->number, axis->order, (uint16_t)(target >> 16U), (uint16_t)target, 0U},
     };
     const bool silent = (axis->rung == (uint8_t)TUMBLE_RUNG_SILENCE) &&
                         (axis->restart_timer || !has_passed(axis, axis->since_us, silent_ms(profile)));
@@ -271,6 +278,8 @@ static double positioner_angle_deg(const void *self)
 const tumble_stand_kind_t tumble_positioner_kind = {
     .bytes = (uint16_t)sizeof(tumble_positioner_t),
     .report_at = (uint16_t)offsetof(tumble_positioner_t, report),
-    .numbers = {{(uint8_t)TUMBLE_STAND_NUMBER_F64, (uint8_t)offsetof(tumble_positioner_profile_t, counts_per_deg)}},
+    .numbers = {{(uint8_t)TUMBLE_STAND_NUMBER_F64, (uint8_t)offsetof(tumble_positioner_profile_t, counts_per_deg)},
+                {(uint8_t)TUMBLE_STAND_NUMBER_NONE, 0U},
+                {(uint8_t)TUMBLE_STAND_NUMBER_NONE, 0U}},
     TUMBLE_STAND_FUNCTIONS(positioner),
 };

@@ -1,0 +1,49 @@
+"""docs/own-stand.md shows what is there: its C is that of the files, its numbers are those of program and headers."""
+
+import re
+
+import pytest
+from conftest import ROOT
+
+PAGE = (ROOT / "docs/own-stand.md").read_text(encoding="utf-8")
+POSITIONER = ROOT / "firmware/stand/positioner"
+SHOWN = [*POSITIONER.glob("*.[ch]"), ROOT / "tests/unit/stand/test_stand_rules.c"]
+pytestmark = pytest.mark.python
+
+
+@pytest.mark.parametrize("block", re.findall(r"```c\n(.*?)```", PAGE, re.DOTALL), ids=lambda block: block.split("\n")[0])
+def test_its_c_is_that_of_a_file(block):
+    assert any(block in path.read_text(encoding="utf-8") for path in SHOWN), block
+
+
+def rows(first, last):
+    """The cells of the page's table rows between two texts."""
+    part = PAGE[PAGE.index(first):PAGE.index(last)]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in part.splitlines() if line.startswith("| ")]
+
+
+def test_its_registers_are_those_of_the_header():
+    """Number and name, in their order."""
+    header = (POSITIONER / "positioner.h").read_text(encoding="utf-8")
+    expected = re.findall(r"^ \*     (?:written|read|) +(\d+(?:, \d+)?) +(\w+) ", header, re.MULTILINE)
+    shown = [(cells[0], cells[1]) for cells in rows("## 1.", "## 2.") if cells[0][:1].isdigit()]
+    assert len(shown) == 9 and shown == expected
+
+
+def test_its_defaults_are_those_of_the_option():
+    source = (ROOT / "boards/linux/positioner_option.c").read_text(encoding="utf-8")
+    expected = {name: float(value) for name, value in re.findall(r"^    \.(\w+) = ([0-9.]+),$", source, re.MULTILINE)}
+    expected["unit"] = float(re.search(r"static uint8_t unit = (\d+);", source)[1])
+    shown = {}
+    for names, numbers, _ in rows("| name |", "An order may have to wait")[1:]:
+        shown.update(zip(re.findall(r"`(\w+)`", names), map(float, numbers.split(", ")), strict=True))
+    assert shown == expected and len(shown) == 9
+    helps = (ROOT / "boards/linux/node_options.c").read_text(encoding="utf-8").replace('\\n"\n    "', " ")
+    told = dict(re.findall(r"(\w+) +\(([0-9.]+)\)", helps[helps.index("--stand"):helps.index("--nv FILE")]))
+    assert {name: float(value) for name, value in told.items()} == expected
+
+
+def test_its_reasons_are_there():
+    names = (ROOT / "firmware/procedure/states.h").read_text(encoding="utf-8")
+    reasons = set(re.findall(r"TUMBLE_REASON_\w+", PAGE))
+    assert len(reasons) >= 9 and all(reason in names for reason in reasons)
