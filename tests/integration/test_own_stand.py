@@ -11,7 +11,10 @@ SHOWN = [*POSITIONER.glob("*.[ch]"), ROOT / "tests/unit/stand/test_stand_rules.c
 pytestmark = pytest.mark.python
 
 
-@pytest.mark.parametrize("block", re.findall(r"```c\n(.*?)```", PAGE, re.DOTALL), ids=lambda block: block.split("\n")[0])
+BLOCKS = re.findall(r"```c\n(.*?)```", PAGE, re.DOTALL)
+
+
+@pytest.mark.parametrize("block", BLOCKS, ids=lambda block: block.split("\n")[0])
 def test_its_c_is_that_of_a_file(block):
     assert any(block in path.read_text(encoding="utf-8") for path in SHOWN), block
 
@@ -19,7 +22,8 @@ def test_its_c_is_that_of_a_file(block):
 def rows(first, last):
     """The cells of the page's table rows between two texts."""
     part = PAGE[PAGE.index(first):PAGE.index(last)]
-    return [[cell.strip() for cell in line.strip("|").split("|")] for line in part.splitlines() if line.startswith("| ")]
+    lines = [line.strip("|").split("|") for line in part.splitlines() if line.startswith("| ")]
+    return [[cell.strip() for cell in line] for line in lines]
 
 
 def test_its_registers_are_those_of_the_header():

@@ -1,4 +1,4 @@
-"""A motor controller with holding registers, served by pymodbus: the registers of firmware/stand/positioner/positioner.h.
+"""A motor controller with holding registers, served by pymodbus: those of firmware/stand/positioner/positioner.h.
 
 It shares nothing with the firmware, and turns the table of tumble-stand (present.drive = no). It lives in a thread.
 """

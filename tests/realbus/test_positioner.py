@@ -1,4 +1,4 @@
-"""tumble-node leads a motor controller over Modbus TCP, which turns the table of a simulated stand: docs/own-stand.md."""
+"""tumble-node leads a motor controller over Modbus TCP that turns the table of a simulated stand: docs/own-stand.md."""
 
 import re
 
@@ -8,7 +8,7 @@ from processes import HASTE, PATIENCE, Node, Stand, scenario, wait_until
 from test_interop import TurningBus
 
 pytest.importorskip("pymodbus.server", reason="pymodbus is not installed")
-from modbus_positioner import ModbusPositioner  # noqa: E402
+from modbus_positioner import ModbusPositioner
 
 PATIENT = {"silence_ms": 3000, "watch_ms": 3000}  # where a busy machine that lets a process wait is not what is tested
 KEYS = {**HASTE, **PATIENCE, "present__drive": "no", "procedure__settle_ms": 150}
@@ -26,7 +26,7 @@ def run(bus, started, tmp_path):
         controller = ModbusPositioner(TurningBus(channel=str(bus)).turn_table, speed_deg_s)
         controllers.append(controller)
         before(controller)
-        where = ",".join([f"modbus:127.0.0.1:{controller.port}", *(f"{name}={value}" for name, value in numbers.items())])
+        where = f"modbus:127.0.0.1:{controller.port}" + "".join(f",{name}={value}" for name, value in numbers.items())
         node = Node(bus, path, "--start", "--stand", where, folder=tmp_path)
         started.extend([stand, node])
         return node, stand, controller
@@ -55,7 +55,7 @@ def test_a_calibration_finds_the_truth_within_its_uncertainty(run):
     assert np.all(u > 0.0) and np.abs(errors / u).max() < 4.0
     angles = [event for event in controller.events if isinstance(event, float)]
     assert controller.events[0] == "home" and {45.0 * number for number in range(9)} <= set(angles)
-    assert "watchdog" not in controller.events[:-1], controller.events  # it was fed all the time; at most in the end not
+    assert "watchdog" not in controller.events[:-1], controller.events  # it was fed until the end
 
 
 def test_a_controller_that_falls_silent_in_a_move_stops_by_itself(run):

@@ -34,7 +34,7 @@ static inline bool is_at_rest(const tumble_positioner_t *axis)
 /* Order it, as something new. */
 void tumble_positioner_give(tumble_positioner_t *axis, unsigned order);
 
-/* Stop and wait for clear_fault. */
+/* Stop and wait for clear_fault; in FAULT, stop again. */
 void tumble_positioner_fail(tumble_positioner_t *axis, tumble_stand_fault_t fault);
 
 /* The READ_COUNT registers have come. */

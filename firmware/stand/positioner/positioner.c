@@ -45,9 +45,9 @@ void tumble_positioner_fail(tumble_positioner_t *axis, tumble_stand_fault_t faul
     if (!is(axis, TUMBLE_STAND_FAULT)) {
         axis->fault = (uint8_t)fault;
         axis->state = (uint8_t)TUMBLE_STAND_FAULT;
-        if (axis->known) { /* else nothing has been set going */
-            stop_axis(axis);
-        }
+    }
+    if (axis->known) { /* else nothing has been set going */
+        stop_axis(axis);
     }
 }
 

@@ -16,6 +16,12 @@ static bool has(const tumble_positioner_t *axis, unsigned bit)
     return (axis->status & bit) != 0U;
 }
 
+/* In FAULT the axis may still be set going, such as by an order that was given up and arrives late. */
+static tumble_stand_fault_t further_fault_of(const tumble_positioner_t *axis)
+{
+    return has(axis, IS_MOVING) ? TUMBLE_STAND_FAULT_POSITION : TUMBLE_STAND_FAULT_NONE;
+}
+
 /* What is wrong with a controller that has our order. */
 static tumble_stand_fault_t fault_of(const tumble_positioner_t *axis)
 {
@@ -62,9 +68,10 @@ static void look(tumble_positioner_t *axis, uint16_t number, uint16_t code)
 {
     if (number == axis->number) {
         axis->taken = true;
-        const tumble_stand_fault_t fault = fault_of(axis);
-        if ((fault != TUMBLE_STAND_FAULT_NONE) && !is(axis, TUMBLE_STAND_FAULT)) {
-            axis->report.fault_code = code;
+        const bool first = !is(axis, TUMBLE_STAND_FAULT);
+        const tumble_stand_fault_t fault = first ? fault_of(axis) : further_fault_of(axis);
+        if (fault != TUMBLE_STAND_FAULT_NONE) {
+            axis->report.fault_code = first ? code : axis->report.fault_code;
             tumble_positioner_fail(axis, fault);
         }
         if (axis->taken && !has(axis, IS_MOVING)) {

@@ -214,6 +214,26 @@ static void test_a_table_that_nothing_stops(void)
     positioner_assert_fault(TUMBLE_STAND_FAULT_STOP);
 }
 
+/* An order that was given up may arrive late: the first fault stays, and the table is stopped again. */
+static void test_a_table_that_is_set_going_in_a_fault_is_stopped_again(void)
+{
+    positioner_start_move(390.0);
+    at.controller.fault = 0x2310;
+    positioner_run_to(TUMBLE_STAND_FAULT, 50);
+    positioner_run_ms(100);
+    TEST_ASSERT_FALSE(at.controller.moving);
+    at.controller.moving = true;
+    at.controller.number--;
+    positioner_run_ms(50);
+    TEST_ASSERT_FALSE(at.controller.moving);
+    at.controller.moving = true;
+    positioner_run_ms(50);
+    TEST_ASSERT_FALSE(at.controller.moving);
+    positioner_assert_fault(TUMBLE_STAND_FAULT_DRIVE);
+    TEST_ASSERT_EQUAL_HEX16(0x2310, at.axis.report.fault_code);
+    assert_rungs(0, 0);
+}
+
 static void test_a_controller_that_takes_no_order(void)
 {
     positioner_go_home();
