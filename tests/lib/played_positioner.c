@@ -13,7 +13,7 @@ enum { STOP = 0, HOME, GO, RESET };
 static uint16_t status_of(const played_positioner_t *played)
 {
     const bool arrived = !played->moving && (played->order == GO || played->order == HOME) &&
-                         played->table == played->goal && !played->never_arrives;
+                         played->table == played->goal && !played->never_arrives && !played->never_tells;
     const bool claims = arrived || (played->arrives_early && played->order == GO);
     return (uint16_t)(((played->moving && !claims) ? PLAYED_MOVING : 0) | (claims ? PLAYED_IN_POSITION : 0) |
                       (played->homed ? PLAYED_HOMED : 0) | ((played->fault != 0U) ? PLAYED_FAULT : 0) |

@@ -53,6 +53,7 @@ typedef struct {
     bool never_stops;   /* the watchdog alone stops it */
     bool has_no_brake;  /* nothing stops it */
     bool never_arrives;
+    bool never_tells;   /* that it is in position */
     bool never_homes;   /* turns and turns */
     bool arrives_early; /* says that it is in position when it sets out */
     uint8_t spoilt;     /* this one of the registers that are read, from 0, ... */

@@ -1,7 +1,6 @@
 /* stand_rules.h - what tumble/stand.h promises of every kind of stand, as checks: each kind is held to the same ones.
  *
- * Whoever writes a kind of his own fills in a played_stand_t and calls stand_rules_check. A rule that is broken fails
- * the test, and its sentence is told.
+ * Whoever writes a kind of his own fills in a played_stand_t and asks which rule it breaks.
  */
 #ifndef TUMBLE_TESTS_UNIT_STAND_RULES_H
 #define TUMBLE_TESTS_UNIT_STAND_RULES_H
@@ -34,6 +33,7 @@ typedef struct {
     unsigned fault_ms; /* after which a lost contact must be a fault, and the table at rest */
 } played_stand_t;
 
-void stand_rules_check(const played_stand_t *played);
+/* The first rule that it breaks, in a sentence; null: it keeps them all. */
+const char *stand_rules_broken(const played_stand_t *played);
 
 #endif

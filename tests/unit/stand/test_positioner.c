@@ -77,6 +77,7 @@ static void test_something_else_at_that_address(void)
     positioner_run_ms(1000);
     positioner_assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
     TEST_ASSERT_EQUAL_UINT(0, at.controller.writes);
+    assert_rungs(0, 0);
     at.controller.spoils = 0;
     positioner_run_ms(200);
     positioner_clear(TUMBLE_STAND_READY);
@@ -106,6 +107,7 @@ static void test_a_computer_that_starts_again_finds_it_homed(void)
     at.controller.now_ms += 1000U;
     played_positioner_step(&at.controller);
     TEST_ASSERT_FALSE(at.controller.moving);
+    at.controller.number = 1; /* what a computer that does not look would begin with */
     at.axis = (tumble_positioner_t){.known = false};
     ASSERT_STATUS(TUMBLE_OK, positioner_init(&at.profile));
     positioner_run_to(TUMBLE_STAND_STOPPED, 100);
@@ -113,10 +115,20 @@ static void test_a_computer_that_starts_again_finds_it_homed(void)
     positioner_run_to(TUMBLE_STAND_IN_POSITION, 1000);
 }
 
+/* 0 is the number of a controller that has no order. */
+static void test_the_numbers_of_orders_go_round_without_0(void)
+{
+    at.controller.number = UINT16_MAX;
+    positioner_run_to(TUMBLE_STAND_READY, 100);
+    TEST_ASSERT_EQUAL_UINT16(1, at.controller.number);
+}
+
 static void test_a_table_that_is_found_turning_is_stopped(void)
 {
     positioner_start_move(390.0);
+    at.axis.report.stop.implausible = 7;
     ASSERT_STATUS(TUMBLE_OK, positioner_init(&at.profile)); /* an NMT reset of our node */
+    TEST_ASSERT_EQUAL_UINT32_MESSAGE(7, at.axis.report.stop.implausible, "counters go on");
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_OFFLINE, at.stand.kind->state(&at.axis));
     positioner_run_to(TUMBLE_STAND_STOPPED, 100);
     TEST_ASSERT_FALSE(at.controller.moving);

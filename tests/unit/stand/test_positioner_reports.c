@@ -72,6 +72,47 @@ static void test_an_angle_that_changes_at_rest(void)
     positioner_assert_fault(TUMBLE_STAND_FAULT_POSITION);
 }
 
+static void test_an_axis_that_loses_its_home(void)
+{
+    positioner_go_home();
+    at.controller.homed = false;
+    positioner_run_to(TUMBLE_STAND_FAULT, 50);
+    positioner_assert_fault(TUMBLE_STAND_FAULT_POSITION);
+    positioner_run_ms(50);
+    positioner_clear(TUMBLE_STAND_READY);
+}
+
+static void test_an_axis_that_sets_out_by_itself(void)
+{
+    positioner_run_to(TUMBLE_STAND_READY, 100);
+    at.controller.moving = true;
+    at.controller.goal = 400000;
+    positioner_run_to(TUMBLE_STAND_FAULT, 50);
+    positioner_assert_fault(TUMBLE_STAND_FAULT_POSITION);
+    positioner_run_ms(50);
+    TEST_ASSERT_FALSE(at.controller.moving);
+}
+
+/* The zero that homing sets is no movement. */
+static void test_homing_from_far_off(void)
+{
+    at.controller.zero = -10000000;
+    positioner_go_home();
+    ASSERT_SAME_DOUBLE(0.0, at.stand.kind->angle_deg(&at.axis));
+}
+
+static void test_homing_that_sets_no_zero_does_not_end(void)
+{
+    positioner_run_to(TUMBLE_STAND_READY, 100);
+    ASSERT_STATUS(TUMBLE_OK, at.stand.kind->home(&at.axis));
+    for (unsigned ms = 0; ms < 1000U; ms++) {
+        positioner_run_ms(1);
+        at.controller.homed = false;
+    }
+    TEST_ASSERT_TRUE(at.controller.table == at.controller.goal);
+    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_HOMING, at.stand.kind->state(&at.axis));
+}
+
 static void test_an_angle_within_the_window_is_no_fault(void)
 {
     positioner_go_home();
@@ -99,6 +140,19 @@ static void test_a_move_that_begins_in_position_is_not_believed(void)
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, at.stand.kind->state(&at.axis));
     positioner_run_to(TUMBLE_STAND_IN_POSITION, 150);
     TEST_ASSERT_INT32_WITHIN(50, 90000, at.controller.table);
+}
+
+/* Where it should be, and at rest; but its loop has not settled. */
+static void test_an_axis_that_does_not_say_that_it_is_in_position(void)
+{
+    positioner_go_home();
+    at.controller.never_tells = true;
+    ASSERT_STATUS(TUMBLE_OK, at.stand.kind->move(&at.axis, 10.0));
+    positioner_run_ms(1000);
+    TEST_ASSERT_EQUAL_INT32(10000, at.controller.table);
+    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, at.stand.kind->state(&at.axis));
+    at.controller.never_tells = false;
+    positioner_run_to(TUMBLE_STAND_IN_POSITION, 50);
 }
 
 static void test_a_move_that_does_not_arrive(void)
