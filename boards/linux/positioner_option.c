@@ -127,13 +127,17 @@ bool positioner_option_take(void *options, const char *value)
     if (list != NULL) {
         *list = '\0';
     }
-    char *const colon = strrchr(text, ':'); /* an address of IPv6 has some, too */
+    char *const colon = strrchr(text, ':'); /* an address in brackets has some, too */
     if (colon == NULL || colon == text || colon[1] == '\0') {
         return arguments_refuse(OPTION, FORM);
     }
     *colon = '\0';
-    host = text;
     port = colon + 1;
+    host = text;
+    if (text[0] == '[' && colon[-1] == ']') {
+        colon[-1] = '\0';
+        host = text + 1;
+    }
     return (list == NULL || take_numbers(list + 1)) && fits();
 }
 

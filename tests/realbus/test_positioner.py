@@ -13,6 +13,8 @@ from modbus_positioner import ModbusPositioner
 PATIENT = {"silence_ms": 3000, "watch_ms": 3000}  # where a busy machine that lets a process wait is not what is tested
 KEYS = {**HASTE, **PATIENCE, "present__drive": "no", "procedure__settle_ms": 150}
 SLOW_DEG_S = 60.0
+WATCHED = {"silence_ms": 1500, "watch_ms": 1500, "stop_timeout_ms": 500}
+CRAWLING_DEG_S = 15.0  # so that a move lasts longer than the watchdog
 
 
 @pytest.fixture
@@ -20,13 +22,13 @@ def run(bus, started, tmp_path):
     """Begin a calibration: (node, stand, controller)."""
     controllers = []
 
-    def begin(speed_deg_s=720.0, numbers=PATIENT, before=lambda controller: None, **keys):
+    def begin(speed_deg_s=720.0, numbers=PATIENT, before=lambda _: None, host="127.0.0.1", **keys):
         path = scenario(tmp_path, **{**KEYS, **keys})
         stand = Stand(bus, path, "--seed", 5)
         controller = ModbusPositioner(TurningBus(channel=str(bus)).turn_table, speed_deg_s)
         controllers.append(controller)
         before(controller)
-        where = f"modbus:127.0.0.1:{controller.port}" + "".join(f",{name}={value}" for name, value in numbers.items())
+        where = f"modbus:{host}:{controller.port}" + "".join(f",{name}={value}" for name, value in numbers.items())
         node = Node(bus, path, "--start", "--stand", where, folder=tmp_path)
         started.extend([stand, node])
         return node, stand, controller
@@ -60,7 +62,7 @@ def test_a_calibration_finds_the_truth_within_its_uncertainty(run):
 
 def test_a_controller_that_falls_silent_in_a_move_stops_by_itself(run):
     """The computer tells; nobody else can stop the table but the controller's own watchdog."""
-    node, stand, controller = run(SLOW_DEG_S, {"silence_ms": 300, "watch_ms": 300, "stop_timeout_ms": 300})
+    node, stand, controller = run(CRAWLING_DEG_S, WATCHED)
     node.wait_for("MOVE", 2)
     wait_until(lambda: controller.goal_deg == 90.0)
     controller.silent = True
@@ -71,7 +73,7 @@ def test_a_controller_that_falls_silent_in_a_move_stops_by_itself(run):
 
 
 def test_a_computer_that_is_killed_in_a_move_leaves_a_table_that_stops(run):
-    node, stand, controller = run(SLOW_DEG_S, {"silence_ms": 300, "watch_ms": 300})
+    node, stand, controller = run(CRAWLING_DEG_S, WATCHED)
     node.wait_for("MOVE", 2)
     wait_until(lambda: controller.goal_deg == 90.0)
     node.kill()
@@ -81,7 +83,7 @@ def test_a_computer_that_is_killed_in_a_move_leaves_a_table_that_stops(run):
 
 
 def test_a_fault_of_the_controller_in_a_move(run):
-    node, stand, controller = run(SLOW_DEG_S)
+    node, stand, controller = run(SLOW_DEG_S, host="[127.0.0.1]")
     node.wait_for("MOVE", 2)
     wait_until(lambda: controller.goal_deg == 90.0)
     controller.fail(0x77)

@@ -9,7 +9,7 @@
 #include "stand/positioner/positioner.h"
 
 enum { ORDER_STOP = 0, ORDER_HOME, ORDER_GO, ORDER_RESET };
-enum { READ_IDENTITY = 0, READ_STATUS, READ_NUMBER, READ_FAULT, READ_ANGLE, READ_COUNT = READ_ANGLE + 2 };
+enum { READ_IDENTITY = 0, READ_STATUS, READ_NUMBER, READ_FAULT, READ_ANGLE, READ_ANGLE_LOW, READ_COUNT };
 
 static inline bool is(const tumble_positioner_t *axis, tumble_stand_state_t state)
 {
