@@ -105,10 +105,7 @@ class NodeRun:
         run = None if self._heard is None else self._heard.run()
         if heard is not None and run is not None:
             return heard, run
-        for _ in range(_TIMES_ASKED):
-            *asked, run_asked = link.read_together(*_STATUS, "Run number")
-            if None not in (*asked, run_asked):  # each node has them; None is the answer to another client's question
-                break
+        *asked, run_asked = _asked(link, *_STATUS, "Run number")
         return Status(*map(_whole, asked)), _whole(run_asked)
 
 
@@ -146,14 +143,24 @@ def _listening(link: CanLink) -> Heard:
     return heard
 
 
+def _asked(link: Link, *names: str) -> list[Value]:
+    """Objects that each node has at any time: on CAN, None is the answer to another client's question."""
+    found = link.read_together(*names)
+    for _ in range(_TIMES_ASKED):
+        if None not in found:
+            break
+        found = link.read_together(*names)
+    return found
+
+
 def _place(link: Link) -> dict[str, Any]:
-    mounting, position, count, attempt, wanted, target = link.read_together(*(f"Progress: {one}" for one in _PLACE))
+    mounting, position, count, attempt, wanted, target = _asked(link, *(f"Progress: {one}" for one in _PLACE))
     numbers = {"mounting": mounting, "position": position, "count": count, "attempt": attempt, "wanted": wanted}
     return {**numbers, "target_rad": _radians(target)}
 
 
 def _table(link: Link) -> dict[str, Any]:
-    stand, angle, temperature = link.read_together(*(f"Progress: {one}" for one in _TABLE))
+    stand, angle, temperature = _asked(link, *(f"Progress: {one}" for one in _TABLE))
     name = words.stand(_whole(stand))
     return {
         "stand": name,
