@@ -15,8 +15,10 @@ import documents
 import pytest
 from bench_program import HASTY_STAND, bench, scenario
 from played_run import events
+from test_terminal import on_terminal
 
 from tumble.bench import program
+from tumble.client.names import STATE_NAMES
 from tumble.errors import BenchFault
 from tumble.watch.folder_run import FolderRun
 from tumble.watch.snapshot import Lost
@@ -57,9 +59,9 @@ def page(*options, cwd, **environment):
 
 
 def ended(process, number=signal.SIGINT):
-    """(exit code, standard output, standard error), after a signal when the run folder is there."""
+    """(exit code, standard output, standard error), after a signal when the run is over."""
     told = ""
-    while not told.endswith("\n") or "run folder: " not in told:
+    while not told.endswith("tumble: the run is over; the page stays until Ctrl-C\n"):
         line = process.stderr.readline()
         assert line, told
         told += line
@@ -107,6 +109,17 @@ def test_a_run_is_watched_in_lines_and_is_the_run_that_nobody_watches(tumble, ha
 
 
 @pytest.mark.toolchain
+def test_a_screen_ends_before_the_result_is_printed(hasty, tmp_path):
+    command = [sys.executable, "-m", "tumble", "watch", "bench", "--stand", str(hasty), "--pace", "50"]
+    shown = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", on_terminal([*command, "--out", str(tmp_path / "run")]))
+    screens, _, result = shown.rpartition("run folder: ")
+    last = screens[screens.rindex("╭") :]
+    assert "│ DONE  finished" in last and "gravity check   PASS" in last and last.rstrip().endswith("╯")
+    assert {len(line) for line in last.strip().splitlines()} == {80}
+    assert "PASS, assuming a square seat" in result and "╭" not in result
+
+
+@pytest.mark.toolchain
 def test_a_page_shows_a_run_to_its_end_and_stays(hasty, tmp_path):
     pytest.importorskip("uvicorn", reason="uvicorn is not installed")
     with page("--stand", hasty, "--pace", 20, "--out", tmp_path / "run", "--seed", 7, cwd=tmp_path) as (process, url):
@@ -114,10 +127,11 @@ def test_a_page_shows_a_run_to_its_end_and_stays(hasty, tmp_path):
         assert next(events(url + "events"))[1]["snapshot"] == told[-1]  # who comes late sees it too
         code, out, _ = ended(process)
     assert code == 0 and "PASS" in out
-    assert {one["state"] for one in told} >= {"MOVE", "AVERAGE", "DONE"}
+    assert {one["state"] for one in told} - {None} <= set(STATE_NAMES)  # how many it has seen, the machine decides
     finished = [one["finished"] for one in told if one["finished"] is not None]
     assert finished == sorted(finished) and finished[-1] == 18
-    assert any(one["mean"] and one["angle_rad"] is not None for one in told)
+    assert (told[-1]["mean"]["mounting"], told[-1]["mean"]["position"]) == (2, 9)
+    assert told[-1]["angle_rad"] is not None
     result = json.loads((tmp_path / "run/result.json").read_text())
     assert (told[-1]["k_v_per_g"], told[-1]["u0_v"]) == (result["K"], result["U0"])
     assert told[-1]["gravity"]["max_fit_g"] == result["verification"]["max_abs_delta_g_g"]

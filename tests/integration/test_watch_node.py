@@ -254,3 +254,24 @@ def test_the_watcher_calls_nothing_that_writes():
         code = path.read_text(encoding="utf-8")
         for call in (".write(", ".command(", ".download(", "write_register", "write_coil", ".start()", ".unlock("):
             assert call not in code.replace("self._thread.start()", "").replace("self._live.start()", ""), (path, call)
+
+
+class DisturbedLink(PlayedLink):
+    """The first time that each of these is asked for, somebody else's answer comes."""
+
+    def __init__(self, objects, **wrong):
+        super().__init__(objects)
+        self.wrong = wrong["wrong"]
+
+    def read_together(self, *names):
+        return [self.wrong.pop(name, value) for name, value in zip(names, super().read_together(*names))]
+
+    def read(self, name):
+        return self.read_together(name)[0]
+
+
+def test_answers_to_somebody_else_are_not_kept():
+    link = DisturbedLink(with_result(averaging()), wrong={"State": None, "K: K_xy": 77.0, "U0: U0_z": None})
+    seen = NodeRun("any", lambda _: link).snapshot()
+    assert (seen.state, seen.k_v_per_g, seen.u0_v) == ("DONE", tuple(map(tuple, K)), tuple(U0))
+    assert link.wrong == {}

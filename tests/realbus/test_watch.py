@@ -38,30 +38,43 @@ def snapshot(source):
     return documents.document_of(done, "watch")["snapshot"]
 
 
-def test_a_run_on_can_and_behind_the_gateway(bus, started, tmp_path):
+def done(bus, started, folder, source, config):
+    """Watch a run until it is done: the lines, and one snapshot afterwards."""
+    watch = Watch(source, folder)
+    started.append(watch)
+    watch.wait_for("IDLE")
+    started.append(Stand(bus, config, "--operator", "start"))
+    watch.wait_for("DONE")
+    watch.kill()
+    return watch.lines(), snapshot(source)
+
+
+def same(seen, document, off):
+    """What was seen is what the node says at the end."""
+    flat = [[value for row in k for value in row] for k in (seen["k_v_per_g"], document["K"])]
+    assert flat[0] == pytest.approx(flat[1], abs=off) and seen["u0_v"] == pytest.approx(document["U0"], abs=off)
+    assert (seen["state"], seen["mounting"], seen["position"], seen["finished"]) == ("DONE", 2, 9, 18)
+    assert seen["gravity"]["passed"] is True and seen["run"] == 1 and seen["emergencies"] == {}
+
+
+def test_a_run_on_can(bus, started, tmp_path):
     config = scenario(tmp_path, **HASTE, **PATIENCE)
     node = Node(bus, config, folder=tmp_path)
     started.append(node)
-    gateway = Served(bus)
-    started.append(gateway)
-    sources = f"can:{bus}", f"modbus:127.0.0.1:{gateway.port}"
-    watches = [Watch(source, tmp_path) for source in sources]
-    started.extend(watches)
-    for watch in watches:
-        watch.wait_for("IDLE")
-    started.append(Stand(bus, config, "--operator", "start"))
-    for watch in watches:
-        watch.wait_for("DONE, mounting 2, position 9, 18 of 18 finished")
-        assert any(line.startswith(("AVERAGE, mounting ", "MOVE, mounting ")) for line in watch.lines())
-    over_can, over_modbus = map(snapshot, sources)
+    lines, seen = done(bus, started, tmp_path, f"can:{bus}", config)
     node.signal()
-    _, document = node.wait()
-    assert over_can["k_v_per_g"] == document["K"] and over_can["u0_v"] == document["U0"]
-    flat = [[value for row in one["k_v_per_g"] for value in row] for one in (over_can, over_modbus)]
-    assert flat[1] == pytest.approx(flat[0], abs=1e-8)  # as fine as its registers are
-    assert over_can["gravity"]["passed"] is over_modbus["gravity"]["passed"] is True
-    assert over_can["run"] == over_modbus["run"] == 1
-    assert over_can["emergencies"] == {}
+    same(seen, node.wait()[1], 0.0)
+    assert any(line.startswith(("AVERAGE, mounting ", "MOVE, mounting ")) for line in lines), lines
+
+
+def test_a_run_behind_the_gateway(bus, started, tmp_path):
+    config = scenario(tmp_path, **HASTE, **PATIENCE)
+    node = Node(bus, config, folder=tmp_path)
+    started.append(node)
+    started.append(Served(bus))
+    _, seen = done(bus, started, tmp_path, f"modbus:127.0.0.1:{started[-1].port}", config)
+    node.signal()
+    same(seen, node.wait()[1], 1e-8)  # as fine as its registers are
 
 
 def test_a_node_that_goes_and_comes_again(bus, started, tmp_path):

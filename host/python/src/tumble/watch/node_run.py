@@ -32,6 +32,7 @@ _GRAVITY = (
 _WITH_RESULT = ("VERIFY", "PROPOSE", "DONE", "FAULT", "ABORT", "IDLE")
 _FEWEST = 2  # samples that make a mean and its error
 _HALF_DEGREES_C = 2.0
+_TIMES_ASKED = 5  # where others ask as well
 
 
 class NodeRun:
@@ -84,7 +85,7 @@ class NodeRun:
             now = replace(now, **_table(link))
         result: Any = (run, state if state in _WITH_RESULT else None)
         if result != self._result:
-            now = replace(now, **_found(link))
+            now = replace(now, **_found_twice(link))
         now = replace(
             now, state=state, reason=words.reason(status.reason), run=run, finished=status.finished,
             samples=status.samples if state == "AVERAGE" else None,
@@ -95,7 +96,8 @@ class NodeRun:
             now = replace(now, mean=_mean(link, now))
         elif run != self._last.run:
             now = replace(now, mean=None)
-        self._last, self._key, self._result = now, key, result
+        complete = state != "DONE" or None not in (now.k_v_per_g, now.u0_v)
+        self._last, self._key, self._result = now, key, result if complete else None
         return now
 
     def _status(self, link: Link) -> tuple[Status, int | None]:
@@ -103,7 +105,7 @@ class NodeRun:
         run = None if self._heard is None else self._heard.run()
         if heard is not None and run is not None:
             return heard, run
-        *asked, run_asked = link.read_together(*_STATUS, "Run number")
+        *asked, run_asked = _asked(link, *_STATUS, "Run number")
         return Status(*map(_whole, asked)), _whole(run_asked)
 
 
@@ -141,14 +143,24 @@ def _listening(link: CanLink) -> Heard:
     return heard
 
 
+def _asked(link: Link, *names: str) -> list[Value]:
+    """Objects that each node has at any time: on CAN, None is the answer to another client's question."""
+    found = link.read_together(*names)
+    for _ in range(_TIMES_ASKED):
+        if None not in found:
+            break
+        found = link.read_together(*names)
+    return found
+
+
 def _place(link: Link) -> dict[str, Any]:
-    mounting, position, count, attempt, wanted, target = link.read_together(*(f"Progress: {one}" for one in _PLACE))
+    mounting, position, count, attempt, wanted, target = _asked(link, *(f"Progress: {one}" for one in _PLACE))
     numbers = {"mounting": mounting, "position": position, "count": count, "attempt": attempt, "wanted": wanted}
     return {**numbers, "target_rad": _radians(target)}
 
 
 def _table(link: Link) -> dict[str, Any]:
-    stand, angle, temperature = link.read_together(*(f"Progress: {one}" for one in _TABLE))
+    stand, angle, temperature = _asked(link, *(f"Progress: {one}" for one in _TABLE))
     name = words.stand(_whole(stand))
     return {
         "stand": name,
@@ -167,8 +179,19 @@ def _mean(link: Link, now: Snapshot) -> Mean | None:
     return Mean(now.mounting, now.position, now.samples, now.wanted, mean, error)
 
 
+def _found_twice(link: Link) -> dict[str, Any]:
+    """What the last run has found. It is kept until the next run, so it is read until two readings agree: on CAN
+    another client of the same SDO server may disturb a transfer unseen."""
+    before = _found(link)
+    for _ in range(_TIMES_ASKED):
+        again = _found(link)
+        if again == before:
+            break
+        before = again
+    return before
+
+
 def _found(link: Link) -> dict[str, Any]:
-    """What the last run has found."""
     return {
         "k_v_per_g": _matrix(link, "K"),
         "u0_v": _of_channels(link, "U0"),

@@ -14,14 +14,16 @@ import socket
 import threading
 from collections.abc import AsyncIterator, Callable
 from importlib import resources
+from urllib.parse import urlsplit
 
 import uvicorn
 from starlette.applications import Starlette
+from starlette.datastructures import Headers
 from starlette.middleware import Middleware
-from starlette.middleware.trustedhost import TrustedHostMiddleware
 from starlette.requests import Request
-from starlette.responses import HTMLResponse, JSONResponse, Response, StreamingResponse
+from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, Response, StreamingResponse
 from starlette.routing import Route
+from starlette.types import ASGIApp, Receive, Scope, Send
 
 from tumble.errors import UsageError
 from tumble.watch.snapshot import View, document
@@ -29,12 +31,12 @@ from tumble.watch.snapshot import View, document
 _LOOK_S = 0.1  # a change is told so late at most
 _SIGN_OF_LIFE_S = 5.0  # a comment, so that both ends and what is between them notice a line that is dead
 _MOST_CONNECTIONS = 64
-_LOOPBACK = ["localhost", "127.0.0.1", "[::1]"]
+_LOOPBACK = ["localhost", "127.0.0.1", "::1"]
 
 
-def application(view: Callable[[], View], ending: Callable[[], bool], hosts: list[str]) -> Starlette:
+def application(view: Callable[[], View], ending: Callable[[], bool], hosts: list[str] | None) -> Starlette:
     """The pages. `view`: what is to be shown now; `ending`: streams are to end; `hosts`: by which names a browser may
-    ask ("*": any), so that no page of the network's can read it through a name of its own (DNS rebinding)."""
+    ask (None: any), so that no page of the network's can read it through a name of its own (DNS rebinding)."""
     page = resources.files("tumble.watch").joinpath("page.html").read_text(encoding="utf-8")
     headers = {"Content-Security-Policy": _policy(page), **_HEADERS}
 
@@ -48,8 +50,24 @@ def application(view: Callable[[], View], ending: Callable[[], bool], hosts: lis
         return StreamingResponse(_changes(view, ending), media_type="text/event-stream", headers=_HEADERS)
 
     routes = [Route("/", index), Route("/snapshot.json", snapshot), Route("/events", events)]
-    guard = Middleware(TrustedHostMiddleware, allowed_hosts=hosts, www_redirect=False)
-    return Starlette(routes=routes, middleware=[guard])
+    return Starlette(routes=routes, middleware=[Middleware(_OwnNames, names=hosts)])
+
+
+class _OwnNames:
+    """Refuses requests under any other name (None: under none), upper or lower case, with or without a port."""
+
+    def __init__(self, app: ASGIApp, names: list[str] | None):
+        self._app, self._names = app, names
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        try:
+            name = urlsplit("//" + Headers(scope=scope).get("host", "")).hostname
+        except ValueError:
+            name = None
+        if self._names is None or name in self._names:
+            await self._app(scope, receive, send)
+        else:
+            await PlainTextResponse("not one of my names", status_code=400)(scope, receive, send)
 
 
 _HEADERS = {
@@ -94,8 +112,8 @@ class Server:
         address, port = self._socket.getsockname()[:2]
         shown = f"[{address}]" if ":" in address else address
         self.url = f"http://{shown}:{port}/"
-        self.open_to_others = shown not in _LOOPBACK and not address.startswith("127.")
-        hosts = ["*"] if self.open_to_others else [*_LOOPBACK, shown]
+        self.open_to_others = address not in _LOOPBACK and not address.startswith("127.")
+        hosts = None if self.open_to_others else [*_LOOPBACK, address]
         pages = application(view, lambda: self._server.should_exit, hosts)
         config = uvicorn.Config(
             pages,

@@ -175,6 +175,7 @@ def _until_interrupted() -> None:
     ended = Event()
     with interruption.Instead(ended.set):
         interruption.heed_again()
+        tell("tumble: the run is over; the page stays until Ctrl-C")
         while not ended.wait(_LOOK_S):
             pass
 
