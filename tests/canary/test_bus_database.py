@@ -12,7 +12,7 @@ from bus_database import DBC, complaints, load
 FRAMES = [(0x182, bytes.fromhex("3716000002A0")), (0x602, bytes.fromhex("407A600000000000")), (0x703, b"\x05")]
 TEMPERED = {  # name: (what is replaced, by what, what must be said)
     "a message less": (" 1795 ", " 1796 ", "703#05: no such message"),
-    "another length": ("BO_ 386 DRIVE_TPDO1: 6", "BO_ 386 DRIVE_TPDO1: 8", "DRIVE_TPDO1 has 8 bytes"),
+    "another length": ("386 DRIVE_TPDO1: 6", "386 DRIVE_TPDO1: 8", "DRIVE_TPDO1 has 8 bytes"),
     "a signal that is too narrow": ("position_actual_value : 16|32@1-", "position_actual_value : 16|24@1-",
                                     "182#3716000002a0: DRIVE_TPDO1 comes back as 371600000200"),
     "a bit that is no signal": ("position_actual_value : 16|32@1-", "position_actual_value : 17|31@1-", None),

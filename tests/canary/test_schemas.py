@@ -13,7 +13,7 @@ from schema_folder import faults
 
 NODE, BENCH = "tumble.node-1.schema.json", "tumble.bench-1.schema.json"
 DEFECTS = {  # name: (file, what is replaced, by what, what must be said)
-    "an $id twice": (NODE, '/tumble.node/1"', '/tumble.bench/1"', "https://schemas.tumble.invalid/tumble.bench/1 is the $id"),
+    "an $id twice": (NODE, '/tumble.node/1"', '/tumble.bench/1"', "tumble.invalid/tumble.bench/1 is the $id of two"),
     "no $id": (NODE, '"$id"', '"id"', f"{NODE}: $id is not https://schemas.tumble.invalid/tumble.node/1"),
     "another document's name": (NODE, '"const": "tumble.node/1"', '"const": "tumble.node/2"', 'is not tumble.node/1'),
     "a reference to nobody": (NODE, "/$defs/counters", "/$defs/meters", "$defs/meters leads nowhere"),

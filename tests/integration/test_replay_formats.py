@@ -1,6 +1,7 @@
 """`tumble replay` of one run's log in every form that python-can writes: the same bits; and what is no log."""
 
 import json
+import os
 import subprocess
 import sys
 
@@ -9,9 +10,8 @@ import pytest
 can = pytest.importorskip("can", reason="python-can is not installed")
 pytest.importorskip("cantools", reason="cantools is not installed")
 
-from bench_program import bench as run_bench
-from bench_program import scenario
-from can_logs import rewritten
+from bench_program import bench, scenario  # noqa: E402
+from can_logs import rewritten  # noqa: E402
 
 pytestmark = pytest.mark.python
 QUICK = {"motion__settling_s": 0.05, "motion__speed_deg_s": 720, "motion__acceleration_deg_s2": 7200,
@@ -24,7 +24,7 @@ READABLE = "these can be read: candump -L, ASC, BLF, TRC, MF4, CSV of python-can
 def run(tmp_path_factory):
     """Its folder, and what the run itself has found."""
     folder = tmp_path_factory.mktemp("run")
-    done = run_bench(scenario(folder, **QUICK), "--seed", 11, "--out", folder / "run")
+    done = bench(scenario(folder, **QUICK), "--seed", 11, "--out", folder / "run")
     assert done.returncode == 0, done.stderr
     return folder, json.loads(done.stdout)
 
@@ -116,10 +116,9 @@ def test_without_python_can_a_line_says_what_to_install(run, tumble, tmp_path):
     folder, _ = run
     log = rewritten(folder / "run/bus.log", tmp_path / "bus.blf")
     (tmp_path / "can.py").write_text("raise ImportError('none')\n")
-    import os
-
     path = f"{tmp_path}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
     done = tumble("replay", log, PYTHONPATH=path)
     said = f"tumble: {log}: a CAN log needs python-can: pip install 'tumble[can]'\n"
     assert (done.returncode, done.stdout, done.stderr) == (77, "", said)
-    assert tumble("replay", folder / "run/bus.log", "--scenario", folder / "scenario.txt", PYTHONPATH=path).returncode == 0
+    own = folder / "run/bus.log", "--scenario", folder / "scenario.txt"
+    assert tumble("replay", *own, PYTHONPATH=path).returncode == 0

@@ -1,4 +1,4 @@
-"""A folder of JSON schemas, looked over: drafts valid, each `$id` once and that of its file, every `$ref` found here."""
+"""A folder of JSON schemas, looked over: valid drafts, each `$id` once and that of its file, every `$ref` found."""
 
 import json
 

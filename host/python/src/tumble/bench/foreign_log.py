@@ -16,7 +16,7 @@ _MOST_BYTES, _MOST_IDENTIFIER = 8, 0x7FF
 
 
 class Read(NamedTuple):
-    """`path`: of the log in candump's form. `time_step_us`: all its times are multiples of this, None if not looked at."""
+    """`path`: of the log in candump's form. `time_step_us`: all times are multiples of this; None: not looked at."""
 
     path: str
     format: str

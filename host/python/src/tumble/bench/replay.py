@@ -38,7 +38,8 @@ def default_scenario(log: str) -> str | None:
 def replay(log: str, scenario: str | None, firmware: str) -> dict[str, Any]:
     """Replay. Returns the document:
 
-        schema; log; format, time_step_us: as of foreign_log.Read; firmware: "host" | "zcu102"; state, reason: names of the firmware's lists
+        schema; log; format, time_step_us: as of foreign_log.Read; firmware: "host" | "zcu102"
+        state, reason: names of the firmware's lists
         K (3 x 3, V/g), U0 (3, V); bits: the same twelve as hexadecimal digits of IEEE 754 doubles; pass: of the gravity
         check; all null where the run came to no result
         counters {received, samples, averaged, lost, retries, commands_refused}

@@ -39,8 +39,8 @@ def file(name: str) -> Path:
 
 
 def schema(name: str) -> Path:
-    """Where the JSON schema of documents is whose "schema" is `name`, such as "tumble.result/1". Its "$id" is SCHEMAS and
-    that name; a "$ref" in it that begins with "/" is another one's. Raises FileNotFoundError, as `file` does."""
+    """Where the JSON schema is of documents whose "schema" is `name`, such as "tumble.result/1". Its "$id" is SCHEMAS
+    and that name; a "$ref" in it that begins with "/" is another one's. Raises FileNotFoundError, as `file` does."""
     return file(f"schemas/{name.replace('/', '-')}.schema.json")
 
 

@@ -25,6 +25,8 @@ _ROWS_TO_LOOK_AT = 200
 _LONGEST_HEADER = 400
 _BRACKETED = re.compile(r"[\[(]([^\])]*)[\])]\s*$")
 _TOML = re.compile(r"\s*(\[\[?[\w.]+\]\]?\s*(#.*)?$|[\w.]+\s*=)")
+_TIME_UNITS = ("", "s", "sec", "ms", "us", "ns")
+_CLOSEST = {"time": {f"time{unit}" for unit in _TIME_UNITS}}  # before others: a bench run has a timestamp as well
 _ALIASES = {
     "mounting": {"mounting", "mount", "mountingno", "mountingnumber", "setup"},
     "position": {"position", "pos", "positionno", "positionnumber", "testposition"},
@@ -34,7 +36,7 @@ _ALIASES = {
     "time": {
         stem + unit
         for stem in ("time", "t", "timestamp", "ts", "elapsed", "elapsedtime", "clock", "datetime", "gpstime", "uptime")
-        for unit in ("", "s", "sec", "ms", "us", "ns")
+        for unit in _TIME_UNITS
     },
     **{f"u{axis}": {f"{stem}{axis}" for stem in ("u", "out", "output", "acc", "accel", "a", "")} for axis in "xyz"},
     TEMPERATURE: {"temperature", "temp", "temperaturec", "tempc"},
@@ -280,6 +282,7 @@ def find_column(wanted: str, names: list[str], renamed: dict[str, str]) -> int |
             lambda i: plain[i] == wanted,
             lambda i: plain[i].lower() == wanted,
             lambda i: bare[i] == wanted,
+            lambda i: bare[i] in _CLOSEST.get(wanted, ()),
             lambda i: bare[i] in _ALIASES[wanted],
         ]
     )
