@@ -4,6 +4,7 @@ import struct
 import threading
 
 import pytest
+from bench_program import wait_until
 from gateway_bench import gateway_program, start
 
 from tumble import client
@@ -132,6 +133,15 @@ def test_what_is_not_allowed_says_what_would_allow_it(played):
     with pytest.raises(client.Refused, match=r"START was refused: the state does not allow it \(0800 0022h\)") as end:
         node.start()
     assert end.value.code == 0x08000022
+
+
+def test_a_moment_of_silence_is_waited_out(played):
+    theirs, node = played
+    for act, said in ((lambda: node.state, "DONE"), (node.start, "PREFLIGHT")):
+        theirs.gateway.tell("silent 1")
+        wait_until(lambda: node.link._own("Link state") == 2)
+        threading.Timer(0.3, theirs.gateway.tell, ["silent 0"]).start()
+        assert act() == said
 
 
 def test_a_gateway_that_takes_no_commands_and_a_node_that_falls_silent(start):
