@@ -79,22 +79,32 @@ static tumble_abort_t read_service(const tumble_navcomp_t *navcomp, uint8_t subi
     return TUMBLE_ABORT_NONE;
 }
 
-/* The same run all the time, but only of what there is. */
-static tumble_abort_t read_run(const tumble_navcomp_t *navcomp, uint8_t subindex, uint8_t *bytes)
+static bool has_result(const tumble_navcomp_t *navcomp)
+{
+    tumble_result_t result;
+    return tumble_navcomp_result(navcomp, &result) == TUMBLE_OK;
+}
+
+static bool has_mean(const tumble_navcomp_t *navcomp)
 {
     double mean_v[TUMBLE_CHANNELS];
     double standard_error_v[TUMBLE_CHANNELS];
-    tumble_result_t result;
-    tumble_status_t status = TUMBLE_OK;
+    return tumble_procedure_running(&navcomp->procedure, mean_v, standard_error_v) == TUMBLE_OK;
+}
+
+/* The same run all the time, but only of what there is. */
+static tumble_abort_t read_run(const tumble_navcomp_t *navcomp, uint8_t subindex, uint8_t *bytes)
+{
+    bool is_there = true;
     if (subindex == RUN_OF_RESULT) {
-        status = tumble_navcomp_result(navcomp, &result);
+        is_there = has_result(navcomp);
     } else if (subindex == RUN_OF_MEAN) {
-        status = tumble_procedure_running(&navcomp->procedure, mean_v, standard_error_v);
+        is_there = has_mean(navcomp);
     } else {
         /* there is always a state */
     }
     tumble_put_u32(bytes, tumble_service_runs(navcomp));
-    return (status == TUMBLE_OK) ? TUMBLE_ABORT_NONE : TUMBLE_ABORT_NO_DATA;
+    return is_there ? TUMBLE_ABORT_NONE : TUMBLE_ABORT_NO_DATA;
 }
 
 static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *bytes, uint8_t *size)

@@ -273,7 +273,7 @@ def test_how_many_frames_a_poll_takes(bus, calibrating, serve, tmp_path):
     served.wait_for("Measurement at rest: Samples taken", 40)
     served.end()
     with open(tmp_path / "polls.log", "w") as log:
-        dump = subprocess.Popen(["candump", "-L", f"{bus},601:7FF,581:7FF"], stdout=log)
+        dump = subprocess.Popen(["candump", "-L", f"{bus},401:7FF,381:7FF"], stdout=log)
         time.sleep(0.5)
         served = serve("--poll", "2000", "--allow-commands")
         served.wait_for("Link state", 1)
@@ -286,7 +286,7 @@ def test_how_many_frames_a_poll_takes(bus, calibrating, serve, tmp_path):
     polls = polls_on(tmp_path / "polls.log")
     print(f"frames of the polls: {polls}")
     # One that is under way when a setting comes begins anew, and then reads the position's group as well.
-    assert 900 < polls[0] < 1600 and min(polls) < 350 and sorted(polls)[-2] < 350 + 450, polls
+    assert 900 < polls[0] < 1600 and min(polls) < 360 and sorted(polls)[-2] < 360 + 450, polls
 
 
 def test_a_gateway_that_may_not_command_cannot(calibrating, serve):

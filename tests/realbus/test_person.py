@@ -11,7 +11,7 @@ import can
 from bench_program import HASTY_STAND
 from processes import HASTE, Node, Stand, scenario, wait_until
 
-CONFIRM = (0x601, bytes.fromhex("2F02200203000000"))  # 2002h:2, command 3
+CONFIRM = (0x401, bytes.fromhex("2F02200203000000"))  # 2002h:2, command 3
 
 
 def answer(child, said, asked, line):
