@@ -176,6 +176,31 @@ def test_a_silent_node_is_a_sentence(played):
             act()
 
 
+@pytest.mark.real_time
+def test_an_answer_that_is_lost_is_asked_for_again(played):
+    """Twice of each reading and each setting; of a command it is told."""
+    theirs, node = played()
+    node.link._sdo.RESPONSE_TIMEOUT = 0.3
+    send, lost = theirs.network.send_message, []
+
+    def lose(identifier, data, remote=False):
+        if len(lost) < 2 and identifier == 0x581:
+            lost.append(bytes(data))
+        else:
+            send(identifier, data, remote)
+
+    theirs.network.send_message = lose
+    assert node.state == "IDLE" and len(lost) == 2
+    lost.clear()
+    node.settings["Configuration: Settling time"] = 70
+    assert len(lost) == 2 and node.settings["Configuration: Settling time"] == 70
+    lost.clear()
+    with pytest.raises(client.CommunicationError, match="node 1 does not answer"):
+        node.link._tell("Command: Command", 1, "START")
+    lost.extend([b""] * 2)
+    assert (node.state, theirs.commands) == ("PREFLIGHT", [("START", 0)])
+
+
 class Shared(can_link.CanLink):
     """A channel on which so many answers are to another client first."""
 

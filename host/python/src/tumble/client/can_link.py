@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import logging
 import random
 import struct
 import time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from tumble import data
 from tumble.client import names
@@ -26,12 +28,14 @@ from tumble.errors import NotInstalled, Skipped, UsageError
 if TYPE_CHECKING:
     import can
 
+T = TypeVar("T")
 EXTRA = "client"
 SERVERS = {1: (0x600, 0x580), 2: (0x400, 0x380)}  # identifiers of request and response, to which the node is added
-NEWS_S = 0.02  # between two looks at the node
+NEWS_S = 0.05  # between two looks at the node: a status takes 20 frames, so 400 a second, a tenth of 500 kbit/s
 NO_VALUE = (NO_DATA, DEVICE_STATE, NO_SUCH_OBJECT, NO_SUCH_SUBINDEX)
 _SIGNS_OF_ANOTHER = ("Unexpected response", "Node returned a value", "Toggle bit mismatch")  # python-canopen's words
 _ASKED_AGAIN, _PAUSE_S = 20, 0.05
+_TIMES_SILENT = 3  # before a node counts as silent: an answer may be lost where machines are busy
 _ANSWERED_IN_VAIN = (0x05040000,)
 
 
@@ -61,10 +65,14 @@ class _Disturbed(CommunicationError):
     """The answer was to a question of somebody else's."""
 
 
+class _Unanswered(CommunicationError):
+    """No answer came in time."""
+
+
 class CanLink(Link):
     """A node by SDO. `bus`: is left open in the end if `owned` is False; `server`: which of the node's SDO servers."""
 
-    def __init__(self, bus: can.BusABC, node: int = 1, server: int = 1, answer_s: float = 3.0, owned: bool = True):
+    def __init__(self, bus: can.BusABC, node: int = 1, server: int = 1, answer_s: float = 2.0, owned: bool = True):
         try:
             import canopen
         except ModuleNotFoundError:
@@ -72,6 +80,7 @@ class CanLink(Link):
                 bus.shutdown()
             raise NotInstalled("a node on CAN", "python-canopen", extra=EXTRA) from None
         self._abort, self._silence = canopen.SdoAbortedError, canopen.SdoCommunicationError
+        logging.getLogger("canopen").addHandler(logging.NullHandler())  # what it says of a lost answer, we say or mend
         self._owned, self._answer_s = owned, answer_s
         self.network = canopen.Network(bus)
         self.network.NOTIFIER_CYCLE = 0.01
@@ -95,13 +104,8 @@ class CanLink(Link):
         return [self.ask(self._sdo, name) for name in names]
 
     def ask(self, sdo: Any, name: str) -> Value:
-        """Of a node's object. Asked again while the answers to another SDO client, such as a gateway, come between."""
-        for _ in range(_ASKED_AGAIN):
-            try:
-                return self._ask_once(sdo, name)
-            except _Disturbed:
-                time.sleep(random.uniform(0.0, _PAUSE_S))
-        return self._ask_once(sdo, name)
+        """Of a node's object."""
+        return _repeated(lambda: self._ask_once(sdo, name))
 
     def _ask_once(self, sdo: Any, name: str) -> Value:
         try:
@@ -115,7 +119,7 @@ class CanLink(Link):
             raise _silent(sdo, error) from None
 
     def write(self, name: str, value: float) -> None:
-        self._tell(name, value, f"writing {name}")
+        _repeated(lambda: self._tell(name, value, f"writing {name}"))
 
     def command(self, number: int, argument: int = 0, angle_deg: float | None = None, proposal: int = 0) -> None:
         self.write("Command: Argument", argument)
@@ -152,6 +156,22 @@ class CanLink(Link):
             bus.shutdown()
 
 
+def _repeated(act: Callable[[], T]) -> T:
+    """What does no harm if it is done twice: again while the answers to another SDO client, such as a gateway, come
+    between, and a few times when there is none."""
+    silent = 0
+    for _ in range(_ASKED_AGAIN):
+        try:
+            return act()
+        except _Disturbed:
+            time.sleep(random.uniform(0.0, _PAUSE_S))
+        except _Unanswered:
+            silent += 1
+            if silent == _TIMES_SILENT:
+                raise
+    return act()
+
+
 def _split(name: str) -> tuple[str, str]:
     """Of an object, and of the entry in it."""
     parent, _, child = name.rpartition(": ")
@@ -170,4 +190,4 @@ def _silent(sdo: Any, error: Exception) -> CommunicationError:
     number = sdo.rx_cobid & 0x7F
     if any(sign in str(error) for sign in _SIGNS_OF_ANOTHER):
         return _Disturbed(f"node {number} answers another SDO client as well, say a gateway: {error}")
-    return CommunicationError(f"node {number} does not answer: {error}")
+    return _Unanswered(f"node {number} does not answer: {error}")

@@ -134,7 +134,7 @@ class Node:
 
     def events(self, timeout: float | None = None) -> Iterator[Status]:
         """The status now, and again whenever it has changed; ends after `timeout` seconds, None: never. What comes and
-        goes between two looks (50 a second over CAN, the gateway's polls over Modbus) is not seen."""
+        goes between two looks (20 a second over CAN, the gateway's polls over Modbus) is not seen."""
         end, before = _end(timeout), None
         while True:
             now = self.status
