@@ -16,8 +16,8 @@ TEMPERED = {  # name: (what is replaced, by what, what must be said)
     "a signal that is too narrow": ("position_actual_value : 16|32@1-", "position_actual_value : 16|24@1-",
                                     "182#3716000002a0: DRIVE_TPDO1 comes back as 371600000200"),
     "a bit that is no signal": ("position_actual_value : 16|32@1-", "position_actual_value : 17|31@1-", None),
-    "a selector's value without its signals": ("object_index request 1-1, 2-2,", "object_index request 1-1,",
-                                               "602#407a600000000000: DRIVE_SDO_REQUEST comes back as 4000000000000000"),
+    "a selected value without signals": ("object_index request 1-1, 2-2,", "object_index request 1-1,",
+                                          "602#407a600000000000: DRIVE_SDO_REQUEST comes back as 4000000000000000"),
 }  # fmt: skip
 
 
