@@ -42,7 +42,8 @@ _END_S = 60.0  # of the machine's, for tumble-bench to end
 _STUCK_S = 10.0  # likewise, for another thread to take a frame
 _KEPT = 100_000  # frames that nobody has taken
 
-_REQUESTS = range(0x600, 0x680)
+_REQUESTS = (0x600, 0x400)  # to SDO servers; the second one's are those of object 1201h
+_SERVICE = 0x780
 _TO_ANSWER = -0x80
 _ABORT = 0x80
 
@@ -124,7 +125,7 @@ class VirtualBus(can.BusABC):
         """Put a frame on the bus. An SDO request: and let time pass until it is answered, 5 s at most."""
         if msg.is_extended_id or msg.is_remote_frame or msg.is_fd or msg.is_error_frame:
             raise can.CanOperationError("only classic data frames with 11-bit identifiers can be sent")
-        asks = msg.arbitration_id in _REQUESTS and len(msg.data) > 0 and msg.data[0] != _ABORT
+        asks = msg.arbitration_id & _SERVICE in _REQUESTS and len(msg.data) > 0 and msg.data[0] != _ABORT
         with self._talk:
             self._say(msg.arbitration_id, bytes(msg.data))
             if asks:
