@@ -16,6 +16,7 @@ from test_report import drawn, solve  # noqa: F401 # a fixture
 
 import tumble as package
 from tumble.api.result import Result
+from tumble.cli.commands import bench
 from tumble.cli.main import main
 from tumble.errors import BadInput, UsageError
 from tumble.report.make import context
@@ -313,6 +314,20 @@ def test_who_asks_for_none_gets_no_report(option, tmp_path, tumble, monkeypatch)
     done = tumble("bench", "--out", tmp_path / "run", *filter(None, [option]))
     assert done.returncode == 0 and "no report" not in done.stderr
     assert sorted(os.listdir(tmp_path / "run")) == ["bus.log", "inputs", "result.json", "run.csv"]
+
+
+@pytest.mark.parametrize(("options", "code"), [((), 0), (("--report",), 2)])
+def test_a_report_that_fails_costs_no_run(options, code, tmp_path, monkeypatch, capsys):
+    """Unless it was asked for."""
+
+    def fail(*_):
+        raise BadInput("cannot be drawn", "result")
+
+    monkeypatch.delenv("TUMBLE_NO_REPORT")
+    monkeypatch.setattr(bench, "_report", fail)
+    assert main(["bench", "--out", str(tmp_path / "run"), *options]) == code
+    assert "result: cannot be drawn\n" in capsys.readouterr().err
+    assert (tmp_path / "run/result.json").exists() == (code == 0)
 
 
 def test_a_report_is_wanted_or_not(refused, tmp_path):

@@ -56,7 +56,7 @@ def _guess(word: str, known: Iterable[str]) -> str:
     """What a misspelt word may have been; empty where nothing is like it."""
     import difflib
 
-    alike = difflib.get_close_matches(word, list(known), n=1)
+    alike = difflib.get_close_matches(word, list(known), n=1, cutoff=0.7)
     return f"; did you mean {alike[0]}?" if alike else ""
 
 

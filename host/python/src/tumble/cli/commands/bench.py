@@ -19,6 +19,7 @@ from tumble.errors import (
     BenchFault,
     Interrupted,
     NotInstalled,
+    TumbleError,
     UsageError,
     file_name,
     quoted,
@@ -144,7 +145,7 @@ def run(arguments: argparse.Namespace, onlooker: Onlooker | None = None) -> int:
             raise
         text = _result_text(solution, wanted, arguments, stand_file)
         if with_report:
-            made.add("report.html", _report(text, made.stage / "run.csv"))
+            _add_report(made, text, arguments.report)
         made.keep(outcome.DOCUMENT, result=text)
     tell(f"run folder: {file_name(path)}")
     warn(complaints(solution))
@@ -306,6 +307,16 @@ def _result_text(solution: Solution, wanted: Setup, arguments: argparse.Namespac
     origin = {"seed": wanted.seed, "bus": arguments.bus, "firmware": arguments.firmware}
     assert solution.truth is not None  # it has been simulated
     return to_json({**document, **origin, "truth": result.truth(solution.truth)})
+
+
+def _add_report(made: RunFolder, result: str, is_asked_for: bool) -> None:
+    """One that nobody asked for must not cost the run. Raises TumbleError for one that was."""
+    try:
+        made.add("report.html", _report(result, made.stage / "run.csv"))
+    except TumbleError as error:
+        if is_asked_for:
+            raise
+        tell(f"tumble: no report is left: {error}")
 
 
 def _report(result: str, run: Path) -> bytes:
