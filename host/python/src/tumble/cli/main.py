@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import importlib
 import io
 import os
 import re
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, NoReturn
 
 from tumble import __version__, interruption
 from tumble.cli import completion
-from tumble.cli.commands import ABOUT, ALIASES, MODULES
+from tumble.cli.aliases import ALIASES
+from tumble.cli.commands import ABOUT, adder_of
 from tumble.errors import EXIT_BAD_INPUT, EXIT_DISAGREEMENT, EXIT_PASS, Interrupted, TumbleError, UsageError
 from tumble.messages import tell
 
@@ -79,18 +79,11 @@ def _parser(wanted: str | None = None) -> argparse.ArgumentParser:
     subparsers = parser.add_subparsers(metavar="COMMAND")
     for name, about in ABOUT.items():
         if wanted in (None, name):
-            _adder_of(name)(subparsers)
+            adder_of(name)(subparsers, about)
         else:
             subparsers.add_parser(name, aliases=ALIASES.get(name, ()), help=about)
     parser.set_defaults(run_command=lambda _: _help(parser))
     return parser
-
-
-def _adder_of(name: str) -> Callable[[Any], None]:
-    """What describes a command to argparse. Loads the command's module, and no other."""
-    module = importlib.import_module(f"tumble.cli.commands.{MODULES.get(name, name)}")
-    adder: Callable[[Any], None] = module.add_to
-    return adder
 
 
 def _help(parser: argparse.ArgumentParser) -> int:

@@ -1,8 +1,13 @@
-"""The commands of the command line: each module has `add_to(subparsers)` and `run(arguments) -> exit code`.
+"""The commands of the command line: each module has `add_to(subparsers, about)` and `run(arguments) -> exit code`.
 
 What only the run needs is imported in `run`, so that asking for help or making a typing error costs nothing. For the
 same reason a module is loaded only when its command is named: what all of them are about stands here.
 """
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
 
 ABOUT = {  # by name, in the order in which they are listed
     "solve": "solve a recorded run: K, U0, their uncertainties and a verdict",
@@ -20,5 +25,65 @@ ABOUT = {  # by name, in the order in which they are listed
     "store": "look into the non-volatile memory of a navigation computer",
     "uml": "run any command inside user-mode Linux, with a CAN interface vcan0",
 }
-ALIASES = {"bench": ["simulate"]}
-MODULES = {"import": "import_recording"}  # whose name is another one than the command's
+
+
+def adder_of(name: str) -> Callable[[Any, str], None]:
+    """What describes a command to argparse. Loads the command's module, and no other: each import is spelt out, so that
+    tools/rooms.py sees it."""
+    if name == "solve":
+        from tumble.cli.commands import solve
+
+        return solve.add_to
+    if name == "import":
+        from tumble.cli.commands import import_recording
+
+        return import_recording.add_to
+    if name == "apply":
+        from tumble.cli.commands import apply
+
+        return apply.add_to
+    if name == "compare":
+        from tumble.cli.commands import compare
+
+        return compare.add_to
+    if name == "bench":
+        from tumble.cli.commands import bench
+
+        return bench.add_to
+    if name == "watch":
+        from tumble.cli.commands import watch
+
+        return watch.add_to
+    if name == "replay":
+        from tumble.cli.commands import replay
+
+        return replay.add_to
+    if name == "plan":
+        from tumble.cli.commands import plan
+
+        return plan.add_to
+    if name == "fixture":
+        from tumble.cli.commands import fixture
+
+        return fixture.add_to
+    if name == "draw":
+        from tumble.cli.commands import draw
+
+        return draw.add_to
+    if name == "export":
+        from tumble.cli.commands import export
+
+        return export.add_to
+    if name == "report":
+        from tumble.cli.commands import report
+
+        return report.add_to
+    if name == "store":
+        from tumble.cli.commands import store
+
+        return store.add_to
+    if name == "uml":
+        from tumble.cli.commands import uml
+
+        return uml.add_to
+    raise KeyError(name)

@@ -9,7 +9,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from tumble.cli import layout_options, options
-from tumble.cli.commands import ABOUT
 from tumble.errors import EXIT_PASS, BadInput, UsageError, file_name, quoted
 from tumble.messages import tell
 from tumble.units import SI, force_unit
@@ -21,11 +20,11 @@ if TYPE_CHECKING:
 _IN_MEMORY = 1 << 24  # bytes of output, before they go to a temporary file
 
 
-def add_to(subparsers: options.Subparsers) -> None:
+def add_to(subparsers: options.Subparsers, about: str) -> None:
     """Describe the command to argparse."""
     parser = subparsers.add_parser(
         "apply",
-        help=ABOUT["apply"],
+        help=about,
         description="Write measured data again with the acceleration in its last three columns, x, y, z: by K and U0 of"
         " a result, and by its K2 and K3. Other columns are kept. CSV; Parquet where pyarrow or polars is installed.",
         epilog="Several files are joined, or written into --out FOLDER one by one. Exit codes: 0 done, 2 bad input, 77"

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from tumble.cli import options
-from tumble.cli.commands import ABOUT, ALIASES
+from tumble.cli.aliases import ALIASES
 from tumble.defaults import DEFAULT_LIMIT_G
 from tumble.errors import (
     EXIT_LIMITS_FAILED,
@@ -43,12 +43,12 @@ if TYPE_CHECKING:
 _NO_REPORT = "TUMBLE_NO_REPORT"
 
 
-def add_to(subparsers: options.Subparsers) -> None:
+def add_to(subparsers: options.Subparsers, about: str) -> None:
     """Describe the command to argparse."""
     parser = subparsers.add_parser(
         "bench",
         aliases=ALIASES["bench"],
-        help=ABOUT["bench"],
+        help=about,
         description="Let the firmware calibrate a block on a simulated stand over CAN, and confirm what it finds.",
         epilog="Leaves a run folder: run.csv, bus.log (candump -L), result.json, report.html, inputs/. After a fault:"
         " run.csv as far as it got, bus.log, fault.json, inputs/. After bad input or Ctrl-C: nothing. Exit codes: 0"

@@ -7,17 +7,16 @@ import sys
 from typing import Any
 
 from tumble.cli import options
-from tumble.cli.commands import ABOUT
 from tumble.defaults import ANEW, DEFAULT_CONFIDENCE, LEVELLED
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
 from tumble.schedule import file_of
 
 
-def add_to(subparsers: options.Subparsers) -> None:
+def add_to(subparsers: options.Subparsers, about: str) -> None:
     """Describe the command to argparse."""
     parser = subparsers.add_parser(
         "compare",
-        help=ABOUT["compare"],
+        help=about,
         description="Hold two calibrations of one block against each other: the differences in units of their combined"
         " uncertainty, and whether the block has changed, only the way it sits, or neither.",
         epilog="Exit codes: 0 the block has not changed (its seat may have), 1 it has, or nobody can tell, as a result"

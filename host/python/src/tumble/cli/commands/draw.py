@@ -7,7 +7,6 @@ import sys
 from typing import TYPE_CHECKING
 
 from tumble.cli import options
-from tumble.cli.commands import ABOUT
 from tumble.errors import EXIT_PASS, UsageError
 from tumble.schedule import file_of
 
@@ -25,12 +24,12 @@ _SUBJECTS = {
 _OF_A_SCHEDULE = ("stand", "mountings", "angles")
 
 
-def add_to(subparsers: options.Subparsers) -> None:
+def add_to(subparsers: options.Subparsers, about: str) -> None:
     """Describe the command and its subjects to argparse."""
     subjects = options.add_subjects(
         subparsers,
         "draw",
-        ABOUT["draw"],
+        about,
         "Draw, as SVG, at most 170 mm wide. Exit codes: 0 done, 2 bad input, 130 interrupted.",
     )
     for name, about in _SUBJECTS.items():

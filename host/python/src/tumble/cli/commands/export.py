@@ -6,7 +6,6 @@ import argparse
 import sys
 from typing import Any
 
-from tumble.cli.commands import ABOUT
 from tumble.cli.options import Subparsers, parse_number, require_ending
 from tumble.errors import EXIT_PASS, BadInput, UsageError, file_name, quoted
 from tumble.messages import tell
@@ -23,11 +22,11 @@ _FOR_SI = ("ros", "imucal")  # which take accelerations in m/s^2
 _NUMBERS = ("double", "float", "fixed")
 
 
-def add_to(subparsers: Subparsers) -> None:
+def add_to(subparsers: Subparsers, about: str) -> None:
     """Describe the command to argparse."""
     parser = subparsers.add_parser(
         "export",
-        help=ABOUT["export"],
+        help=about,
         description="Write the coefficients of a result, each with its unit and its standard uncertainty.",
         epilog="Exit codes: 0 done, 2 bad input, 130 interrupted.",
     )

@@ -8,7 +8,6 @@ import os
 import sys
 from typing import TYPE_CHECKING
 
-from tumble.cli.commands import ABOUT
 from tumble.cli.options import (
     Subparsers,
     add_estimator,
@@ -31,9 +30,9 @@ AGAINST = ("declared", "needed")
 DEFAULT_CONFIDENCE = 0.95
 
 
-def add_to(subparsers: Subparsers) -> None:
+def add_to(subparsers: Subparsers, about: str) -> None:
     """Describe the command to argparse."""
-    subjects = add_subjects(subparsers, "fixture", ABOUT["fixture"])
+    subjects = add_subjects(subparsers, "fixture", about)
     parser = subjects.add_parser(
         "check",
         help="runs against a stand file and an acceptance limit",

@@ -10,7 +10,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from tumble.cli import layout_options, options
-from tumble.cli.commands import ABOUT
 from tumble.errors import EXIT_PASS, UsageError, quoted
 from tumble.schedule import file_of
 
@@ -24,11 +23,11 @@ if TYPE_CHECKING:
 _REPEATS = ("first", "last", "longest")
 
 
-def add_to(subparsers: options.Subparsers) -> None:
+def add_to(subparsers: options.Subparsers, about: str) -> None:
     """Describe the command to argparse."""
     parser = subparsers.add_parser(
         "import",
-        help=ABOUT["import"],
+        help=about,
         description="Find the rests in time-stamped recordings, match them to the positions of a schedule by the"
         " direction of gravity, and write a run file. What was taken for granted is told, what fits two ways refused.",
         epilog="Exit codes: 0 done, 2 bad input or a recording in doubt, 77 a package is missing, 130 interrupted.",

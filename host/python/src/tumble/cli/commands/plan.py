@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from tumble.cli.commands import (
-    ABOUT,
     plan_budget,
     plan_optimize,
     plan_paper,
@@ -17,12 +16,12 @@ from tumble.cli.options import Subparsers, add_subjects
 _SUBJECTS = (plan_budget, plan_require, plan_optimize, plan_schedule, plan_validate, plan_paper)
 
 
-def add_to(subparsers: Subparsers) -> None:
+def add_to(subparsers: Subparsers, about: str) -> None:
     """Describe the command and its subjects to argparse."""
     subjects = add_subjects(
         subparsers,
         "plan",
-        ABOUT["plan"],
+        about,
         "What a stand is worth, before anything is measured on it.",
     )
     for subject in _SUBJECTS:

@@ -6,17 +6,16 @@ import argparse
 import sys
 from typing import Any
 
-from tumble.cli.commands import ABOUT
 from tumble.cli.options import Subparsers, add_firmware, add_json
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BenchFault
 from tumble.estimators import COEFFICIENTS
 
 
-def add_to(subparsers: Subparsers) -> None:
+def add_to(subparsers: Subparsers, about: str) -> None:
     """Describe the command to argparse."""
     parser = subparsers.add_parser(
         "replay",
-        help=ABOUT["replay"],
+        help=about,
         description="Feed a recorded bus log, in order and at its recorded times, to the firmware of node 1 and ignore"
         " what it sends: the coefficients come out with the same bits as in the run, on every processor.",
         epilog="Exit codes: 0 pass, 1 gravity check failed, 2 bad input, 3 the run does not come to a result, 77 the"

@@ -7,16 +7,15 @@ import sys
 from dataclasses import replace
 
 from tumble.cli import layout_options
-from tumble.cli.commands import ABOUT
 from tumble.cli.options import Subparsers
 from tumble.errors import EXIT_PASS, UsageError
 
 
-def add_to(subparsers: Subparsers) -> None:
+def add_to(subparsers: Subparsers, about: str) -> None:
     """Describe the command to argparse."""
     parser = subparsers.add_parser(
         "report",
-        help=ABOUT["report"],
+        help=about,
         description="Write a calibration report on a result, with what ISO/IEC 17025 asks of one: one HTML file that"
         " needs no other, or the same as PDF.",
         epilog="Exit codes: 0 done, also of a result that failed; 2 bad input; 77 a package is missing; 130"

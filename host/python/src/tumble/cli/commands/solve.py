@@ -6,7 +6,6 @@ import argparse
 import os
 
 from tumble.cli import layout_options, options
-from tumble.cli.commands import ABOUT
 from tumble.defaults import NEEDS_STAND
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
 from tumble.estimators import OPTIMAL
@@ -16,11 +15,11 @@ from tumble.terms import parse
 FEWEST_SIMULATED, MOST_SIMULATED = 1000, 1_000_000
 
 
-def add_to(subparsers: options.Subparsers) -> None:
+def add_to(subparsers: options.Subparsers, about: str) -> None:
     """Describe the command to argparse."""
     parser = subparsers.add_parser(
         "solve",
-        help=ABOUT["solve"],
+        help=about,
         description="Solve a recorded run: the firmware's code computes, an independent numpy computation confirms.",
         epilog="Exit codes: 0 pass, 1 gravity check failed or the run does not fit its stand, 2 bad input,"
         " 3 core and numpy disagree, 130 interrupted.",

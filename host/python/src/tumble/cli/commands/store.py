@@ -5,16 +5,15 @@ from __future__ import annotations
 import argparse
 import sys
 
-from tumble.cli.commands import ABOUT
 from tumble.cli.options import Subparsers, add_json, add_subjects, parse_whole
 from tumble.errors import EXIT_PASS
 
 _LARGEST_SECTOR = 1 << 24
 
 
-def add_to(subparsers: Subparsers) -> None:
+def add_to(subparsers: Subparsers, about: str) -> None:
     """Describe the command to argparse."""
-    subjects = add_subjects(subparsers, "store", ABOUT["store"])
+    subjects = add_subjects(subparsers, "store", about)
     parser = subjects.add_parser(
         "dump",
         help="what an image of the memory holds",

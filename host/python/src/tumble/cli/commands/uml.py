@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import argparse
 
-from tumble.cli.commands import ABOUT
 from tumble.cli.options import Subparsers
 
 
-def add_to(subparsers: Subparsers) -> None:
+def add_to(subparsers: Subparsers, about: str) -> None:
     """Describe the command to argparse."""
     parser = subparsers.add_parser(
         "uml",
         usage="%(prog)s [-h] [-- COMMAND ...]",
-        help=ABOUT["uml"],
+        help=about,
         description="Run a command inside user-mode Linux, a kernel as an ordinary process, where vcan0 is up. It may"
         " write in the directory it is called in, in the checkout, and in a TMPDIR that is gone afterwards; it has no"
         " other network than vcan0 and 127.0.0.1. All that it started ends with it.",

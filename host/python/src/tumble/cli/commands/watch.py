@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TextIO
 
 from tumble import interruption
 from tumble.cli import options
-from tumble.cli.commands import ABOUT, bench
+from tumble.cli.commands import bench
 from tumble.errors import EXIT_PASS, BenchFault, NotInstalled, UsageError, quoted
 from tumble.messages import tell
 
@@ -26,13 +26,13 @@ _PACES = 1e-3, 1e6
 _LOOK_S = 0.1
 
 
-def add_to(subparsers: options.Subparsers) -> None:
+def add_to(subparsers: options.Subparsers, about: str) -> None:
     """Describe the command to argparse."""
     parser = subparsers.add_parser(
         "watch",
         usage="%(prog)s [-h] SOURCE [--http [HOST:PORT]] [--every S] [--json]\n"
         "       %(prog)s [-h] bench [--http [HOST:PORT]] [--pace X] [bench options]",
-        help=ABOUT["watch"],
+        help=about,
         description="Show a run as it goes: state, reason and remedy, table angle, running mean and its standard error,"
         " coefficients, gravity check. Reads only; commands nothing.",
         epilog="Exit codes: 0 the run is over; 2 bad usage or input; 3 (--json) the source does not answer; 77 a"
