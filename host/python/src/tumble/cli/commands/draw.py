@@ -32,8 +32,8 @@ def add_to(subparsers: options.Subparsers, about: str) -> None:
         about,
         "Draw, as SVG, at most 170 mm wide. Exit codes: 0 done, 2 bad input, 130 interrupted.",
     )
-    for name, about in _SUBJECTS.items():
-        parser = subjects.add_parser(name, help=about, description=f"Draw {about}.")
+    for name, picture in _SUBJECTS.items():
+        parser = subjects.add_parser(name, help=picture, description=f"Draw {picture}.")
         if name in _OF_A_SCHEDULE:
             options.add_schedule(parser)
         if name == "angles":
