@@ -15,6 +15,7 @@ void tumble_sdo_client_init(tumble_sdo_client_t *client)
     (void)memset(client, 0, sizeof *client);
     client->deadline_us = TUMBLE_NEVER;
     client->result = TUMBLE_OK;
+    client->below = TUMBLE_SDO_TO_FIRST;
 }
 
 static void request(tumble_sdo_client_t *client, uint8_t command)
