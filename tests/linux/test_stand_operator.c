@@ -25,7 +25,8 @@ static void on_frame(void *context, uint64_t time_us, uint8_t sender, const tumb
     }
 }
 
-static uint32_t server_below; /* so much lower than those of the first SDO server are his identifiers: first, the second's */
+static uint32_t
+    server_below; /* so much lower than those of the first SDO server are his identifiers: first, the second's */
 
 static bench_watcher_t watcher = {.on_frame = on_frame};
 
@@ -142,12 +143,13 @@ static void test_who_does_not_answer_is_asked_again(void)
     run_s(0.35);
     other_server();
     expect_request(4, 1, 0); /* from the argument on */
-    answer_sdo(0x80, 1); /* refused: a second later again */
+    answer_sdo(0x80, 1);     /* refused: a second later again */
     TEST_ASSERT_EQUAL_UINT32(1, operator.refusals);
     run_s(0.01);
     expect_request(5, 1, 0);
     expect_sent_after(0.98, 5);
     run_s(0.03);
+    other_server();
     expect_request(6, 1, 0);
 }
 
