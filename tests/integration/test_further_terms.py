@@ -297,6 +297,7 @@ def test_channels_that_are_exchanged(tmp_path, capsys):
 def test_outputs_in_millivolts_and_of_any_sign(tmp_path, capsys):
     """Values are those in volts; K2 and K3 have no sign of K."""
     run = write_run(tmp_path / "run.csv", PAPER, -1e3 * perfect(PAPER))
+    run.write_text(run.read_text().replace(" [V]", ""))
     options = ("--unit", "mV", "--estimator", "optimal", "--model", "k2,k3,drift")
     (tmp_path / "stand.toml").write_text((EXAMPLES / "paper_stand.toml").read_text().replace("= 2.0", "= -2.0"))
     code, result, _ = solved(capsys, run, "--stand", tmp_path / "stand.toml", *options)

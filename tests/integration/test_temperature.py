@@ -132,7 +132,7 @@ def test_a_solution_assumes_it_where_it_is_not_told(tmp_path):
         assert assumed(solution).keys() - {"seat", "white_noise"} == rests_on
         said = [line for line in presentation.remarks(solution) if "emperature" in line]
         assert said == lines
-        assert any("assuming one temperature" in line for line in presentation.notes(solution)) == bool(rests_on)
+        assert any("assume one temperature" in line for line in presentation.notes(solution)) == bool(rests_on)
 
 
 def test_results_and_exports_carry_it(tumble, tmp_path):
