@@ -52,7 +52,12 @@ def application(view: Callable[[], View], ending: Callable[[], bool], hosts: lis
     async def icon(_: Request) -> Response:
         return Response(status_code=204, headers=_HEADERS)  # a browser asks, and tells its console where there is none
 
-    routes = [Route("/", index), Route("/favicon.ico", icon), Route("/snapshot.json", snapshot), Route("/events", events)]
+    routes = [
+        Route("/", index),
+        Route("/favicon.ico", icon),
+        Route("/snapshot.json", snapshot),
+        Route("/events", events),
+    ]
     return Starlette(routes=routes, middleware=[Middleware(_OwnNames, names=hosts)])
 
 

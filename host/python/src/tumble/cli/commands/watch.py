@@ -169,15 +169,13 @@ def _pace(arguments: argparse.Namespace) -> float:
 
 
 def _until_interrupted() -> None:
-    """The run is over, so the first signal ends this in good order."""
-    from threading import Event
-
-    ended = Event()
-    with interruption.Instead(ended.set):
+    """The run is over, so the first signal ends this in good order. No lock is waited for: a signal
+    comes within any call of this thread, and a lock that it holds then would never be free."""
+    with interruption.Instead(lambda: None):
         interruption.heed_again()
         tell("tumble: the run is over; the page stays until Ctrl-C")
-        while not ended.wait(_LOOK_S):
-            pass
+        while not interruption.has_come():
+            time.sleep(_LOOK_S)
 
 
 def _shown(
