@@ -52,7 +52,7 @@ MAY_IMPORT = {
     "importing": {"data", "reference", "files", "pictures"},
     "comparison": {"core", "files", "solving", "fixture"},
     "report": {"drawings", "files", "solving", "pictures", "comparison"},
-    "api": {"core", "files", "solving", "fixture", "comparison", "pictures", "report"},
+    "api": {"core", "files", "solving", "fixture", "comparison", "pictures", "importing", "report"},
     "watch": {"client"},
     "cli": {"core", "reference", "drawings", "files", "store", "solving", "fixture", "planning", "comparison",
             "pictures", "importing", "bench", "report", "api", "client", "watch", DOOR},

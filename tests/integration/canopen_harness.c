@@ -157,6 +157,7 @@ static bool start_navcomp(const char *name)
                                                         .average_timeout_ms = 60000,
                                                         .sample_timeout_ms = 60000};
     static tumble_operator_t head;
+    static tumble_second_client_t second_client;
     static const tumble_operator_config_t person = {.tolerance_deg = 0.1, .timeout_ms = 60000};
     static tumble_navcomp_config_t config = {.port = &port,
                                              .procedure = &procedure,
@@ -164,6 +165,7 @@ static bool start_navcomp(const char *name)
                                              .stand_profile = &person,
                                              .stand_memory = &head,
                                              .stand_bytes = sizeof head,
+                                             .second_client = &second_client,
                                              .block_period_us = 1000000,
                                              .heartbeat_ms = 100,
                                              .heartbeat_timeout_ms = 500,

@@ -13,7 +13,8 @@ pytest.importorskip("cantools", reason="cantools is not installed")
 
 from can_logs import DBC, V_PER_COUNT, bench, rewritten  # noqa: E402, F401
 
-from tumble.errors import BadInput  # noqa: E402
+import tumble as api  # noqa: E402
+from tumble.errors import BadInput, UsageError  # noqa: E402
 from tumble.files import can_log  # noqa: E402
 from tumble.files.run_layout import Wishes  # noqa: E402
 from tumble.importing import can_bus  # noqa: E402
@@ -58,6 +59,23 @@ def test_the_log_of_a_run_becomes_its_run_file(suffix, bench, tumble, tmp_path):
     assert header == ["mounting", "position", "ux [V]", "uy [V]", "uz [V]", "time_s", "rest", "temperature"]
     _, expected = rows_of(bench.run)
     require_nearly_the_same(rows, expected)
+
+
+@pytest.mark.parametrize("suffix", [".log", ".blf"])
+def test_it_is_read_in_python_as_it_is_imported(suffix, bench, tumble, tmp_path):
+    log = bench.log if suffix == ".log" else rewritten(bench.log, tmp_path / f"bus{suffix}")
+    assert tumble("import", log, "--stand", bench.stand, "--out", tmp_path / "run.csv").returncode == 0
+    imported, found = api.read(tmp_path / "run.csv"), api.read(log, v_per_count=V_PER_COUNT)
+    assert (found.outputs == imported.outputs).all() and found.unit == "V" and len(found) > 100
+    assert (found.mounting == imported.mounting).all() and (found.position == imported.position).all()
+    assert any(note.startswith(f"CAN log ({KINDS[suffix]}): ") for note in found.notes) and imported.notes == ()
+    assert (api.solve(found).K == api.solve(imported).K).all()
+    with pytest.raises(UsageError, match=r"^dbc is for a log of a CAN bus$"):
+        api.read(tmp_path / "run.csv", dbc=DBC)
+    with pytest.raises(UsageError, match=r"^v_per_count: 0 is no number of volts above 0$"):
+        api.read(log, v_per_count=0)
+    with pytest.raises(BadInput):
+        api.read(log, v_per_count=V_PER_COUNT, schedule=str(tmp_path / "none.toml"))
 
 
 def require_nearly_the_same(rows, expected):
@@ -167,18 +185,15 @@ def test_times_that_count_from_the_line_before_are_refused(bench, refused, tmp_p
 
 
 def test_solve_and_others_say_what_to_do(bench, refused, tmp_path):
-    import tumble as package
-
     said = (
         f"{bench.log}: is a CAN log (candump), which has no positions: "
         f"tumble import {bench.log} --out RUN.csv finds them by the rests"
     )
     assert refused("solve", bench.log) == f"tumble: {said}\n"
     assert refused("fixture", "check", "--stand", bench.stand, bench.log) == f"tumble: {said}\n"
-    for take in (package.read, package.solve):
-        with pytest.raises(package.BadInput) as caught:
-            take(bench.log)
-        assert str(caught.value) == said
+    with pytest.raises(BadInput) as caught:
+        api.solve(bench.log)
+    assert str(caught.value) == said
     blf = rewritten(bench.log, tmp_path / "bus.blf")
     assert "is a CAN log (BLF), which has no positions" in refused("solve", blf)
 

@@ -30,7 +30,8 @@ _ANYWHERE = 256  # numbers of mountings and positions: 0 to 255
 class Recording:
     """Rows of a run as they were recorded. Made by `tumble.read`, given to `tumble.solve`. Immutable.
 
-    A row is one sample, or one mean, of the three outputs at a position of a mounting.
+    A row is one sample, or one mean, of the three outputs at a position of a mounting. `notes`: of a CAN log, what was
+    found in it and taken for granted, as sentences; else empty.
     """
 
     def __init__(self, name: str, wishes: Wishes, data: bytes | None = None, table: Any = None, from_file: bool = True):
@@ -40,6 +41,7 @@ class Recording:
         self._wishes = wishes
         self._data = data
         self._table = table
+        self.notes: tuple[str, ...] = ()
 
     @property
     def is_file(self) -> bool:
@@ -194,6 +196,9 @@ def read(
     unit: str | None = None,
     delimiter: str | None = None,
     decimal: str | None = None,
+    dbc: str | None = None,
+    schedule: str | None = None,
+    v_per_count: float | None = None,
 ) -> Recording:
     """Read a recorded run.
 
@@ -202,6 +207,11 @@ def read(
     or an array (rows, 5). Its columns are mounting, position, ux, uy, uz; it may have temperature, deg C; others are
     ignored. `columns` names those that are named otherwise, as in `{"ux": "AccX"}`; `unit` says the unit of the
     outputs; both, like `delimiter` and `decimal` of CSV, are detected unless given.
+
+    A log of a CAN bus, in any format that python-can reads, has no positions: its rests are found and matched to those
+    of `schedule` (a built-in one's name, or a file; paper unless given), as `tumble import` does and docs/import.md
+    says, and the recording's `notes` tell what was found. Of a block that is not Tumble's `dbc` names the DBC file, and
+    `columns` three of its signals. `v_per_count`: volts of a count, above 0, where the block sends counts.
 
     Raises tumble.BadInput, a ValueError, for what cannot be used: it names file, row and column; row 1 of a table that
     is no CSV file is its first. Raises tumble.NotInstalled, an ImportError, where a library is missing.
@@ -215,7 +225,37 @@ def read(
     (2, 3)
     """
     with told_in_python():
-        recording = recording_of(source, wishes_of(columns, unit, delimiter, decimal))
+        wishes = wishes_of(columns, unit, delimiter, decimal)
+        recording = _of_can_log(source, wishes, dbc, schedule, v_per_count) or recording_of(source, wishes)
         len(recording)  # what cannot be used is told now
         _ = recording.temperature_c if TEMPERATURE in (columns or {}) else None
     return recording
+
+
+def _of_can_log(
+    source: Any, wishes: Wishes, dbc: str | None, schedule: str | None, v_per_count: float | None
+) -> Recording | None:
+    """What the rests of a CAN log tell; None for any other source, which must be told nothing that only a log has."""
+    file = str(os.fspath(source)) if isinstance(source, (str, os.PathLike)) else None
+    data = read_bytes(file, RUN_FILE) if file is not None and suffix_of(file) not in SUFFIXES else b""
+    if file is None or can_log.kind_of(data) is None:
+        said = {"dbc": dbc, "schedule": schedule, "v_per_count": v_per_count}
+        for name, value in said.items():
+            if value is not None:
+                raise UsageError(f"{name} is for a log of a CAN bus")
+        return None
+    if v_per_count is not None and not (isinstance(v_per_count, (int, float)) and 0 < v_per_count < MAX_MEAN):
+        raise UsageError(f"v_per_count: {v_per_count!r} is no number of volts above 0")
+    from tumble.files.schedule_file import read_schedule
+    from tumble.importing import report
+    from tumble.importing.can_bus import Bus
+    from tumble.importing.pipeline import Settings, import_recordings
+
+    bus = Bus(dbc=None if dbc is None else str(os.fspath(dbc)), v_per_count=float(v_per_count or 0.0))
+    settings = Settings(schedule=None if schedule is None else str(schedule), wishes=wishes, bus=bus)
+    done = import_recordings([file], read_schedule(settings.schedule_name).data, settings)
+    found = Recording(
+        file, replace(NO_WISHES, unit=done.unit if done.unit_told else None), report.run_csv(done).encode()
+    )
+    found.notes = done.notes
+    return found
