@@ -150,7 +150,7 @@ def test_a_class_half_made_when_the_interrupt_came(monkeypatch, capsys, received
             raise RuntimeError("Error calling __set_name__") from interrupt
 
     monkeypatch.setattr(
-        main, "_parser", lambda: SimpleNamespace(parse_args=lambda _: SimpleNamespace(run_command=command))
+        main, "_parser", lambda *_: SimpleNamespace(parse_args=lambda _: SimpleNamespace(run_command=command))
     )
     monkeypatch.setattr(main.interruption, "_received", received)
     assert main.main([]) == code
