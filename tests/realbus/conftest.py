@@ -18,6 +18,12 @@ pytest_plugins = ["busy_machine", "heeding_interrupts"]
 os.environ["TUMBLE_NO_REPORT"] = "1"  # of every bench, for the time it takes
 _number = iter(range(1, 1000))
 
+# Neither requests to the second SDO server nor its answers, with which a gateway fills a virtual interface: that has no
+# bit rate, python-canopen falls behind, and the kernel drops the answer that it waits for.
+NOT_OF_THE_SECOND_SERVER = [
+    {"can_id": group, "can_mask": 0x780} for group in range(0, 0x800, 0x80) if group not in (0x380, 0x400)
+]
+
 
 def pytest_addoption(parser):
     parser.addoption("--full", action="store_true", help="run the long ones too")
@@ -44,7 +50,7 @@ def network(bus):
     canopen = pytest.importorskip("canopen", reason="python-canopen is not installed")
     made = canopen.Network()
     made.NOTIFIER_CYCLE = 0.01
-    made.connect(interface="socketcan", channel=str(bus))
+    made.connect(interface="socketcan", channel=str(bus), can_filters=NOT_OF_THE_SECOND_SERVER)
     yield made
     made.disconnect()
 
