@@ -20,7 +20,7 @@ from tumble.files.run_layout import Wishes  # noqa: E402
 from tumble.importing import can_bus  # noqa: E402
 from tumble.importing.can_bus import Bus  # noqa: E402
 
-pytestmark = pytest.mark.python
+pytestmark = [pytest.mark.python, pytest.mark.toolchain]
 
 KINDS = {".log": "candump", ".asc": "ASC", ".blf": "BLF", ".trc": "TRC", ".csv": "python-can CSV", ".mf4": "MF4"}
 

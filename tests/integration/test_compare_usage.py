@@ -20,7 +20,7 @@ from tumble.cli.main import main
 from tumble.errors import BadInput, UsageError
 from tumble.files.stand_file import read_stand
 
-pytestmark = pytest.mark.python
+pytestmark = [pytest.mark.python, pytest.mark.toolchain]
 U0 = np.array([0.01, -0.02, 0.03])
 JOINT = np.diag(U**2)
 STAND = EXAMPLES / "paper_stand.toml"

@@ -12,7 +12,7 @@ from tumble import core, pictures, reference
 from tumble.core.optimal import estimate_runs
 from tumble.estimators import COEFFICIENTS
 
-pytestmark = pytest.mark.python
+pytestmark = [pytest.mark.python, pytest.mark.toolchain]
 
 POINTS = len(PAPER.positions)
 
