@@ -284,17 +284,17 @@ def c_functions(text):
     """(first line, lines) of every function body: a brace at depth 0 that follows a closing parenthesis."""
     depth, begin, before = 0, None, ""
     text = blank_strings(re.sub(r'extern "C" \{', "", without_comments(text)))  # its functions are at depth 0 as well
-    for match in re.finditer(r"[{}]|[^\s{}]", text):
-        mark, line = match[0], text.count("\n", 0, match.start()) + 1
-        if mark == "{":
-            begin = line if depth == 0 and before == ")" else begin
-            depth += 1
-        elif mark == "}":
-            depth -= 1
-            if depth == 0 and begin is not None:
-                yield begin, line - begin + 1
-                begin = None
-        before = mark
+    for line, content in enumerate(text.split("\n"), 1):
+        for mark in re.findall(r"[{}]|[^\s{}]+", content):
+            if mark == "{":
+                begin = line if depth == 0 and before == ")" else begin
+                depth += 1
+            elif mark == "}":
+                depth -= 1
+                if depth == 0 and begin is not None:
+                    yield begin, line - begin + 1
+                    begin = None
+            before = mark[-1]
 
 
 def python_functions(text):
