@@ -7,7 +7,9 @@ import textwrap
 import time
 from collections import Counter
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from itertools import groupby
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -44,6 +46,7 @@ class Stage:
     about: str
     run: Callable  # run(log) -> Outcome
     needs: tuple = ()  # names of what tools/setup could not always install
+    light: bool = False  # leaves processors idle: runs side by side with its light neighbours
 
 
 class Log:
@@ -160,12 +163,24 @@ def run_stages(stages, log_folder, missing=None, timeout_s=1800):
         print(f"  {stage.name:12} {stage.about}")
     print(flush=True)
     total = Outcome()
-    for stage in stages:
-        add_up(total, stage, *run_stage(stage, log_folder, missing, timeout_s))
+    for group in side_by_side(stages):
+        with ThreadPoolExecutor(len(group)) as pool:
+            # Of a stage alone an interrupt must end the command, which it does in this thread only.
+            each = pool.map if len(group) > 1 else map
+            ran = each(lambda stage: run_stage(stage, log_folder, missing, timeout_s), group)
+            for stage, told in zip(group, ran, strict=True):
+                add_up(total, stage, *told)
     for told in total.broken:
         print(f"\nFAILED: {without_middle(told, BROKEN_CHARACTERS)}")
     print(f"\n{total.passed} passed, {total.failed} failed, {total.skipped} skipped")
     return 0 if total.verdict == "passed" else 1
+
+
+def side_by_side(stages):
+    """Lists of stages that run at the same time."""
+    for light, neighbours in groupby(stages, key=lambda stage: stage.light):
+        neighbours = list(neighbours)
+        yield from [neighbours] if light else ([stage] for stage in neighbours)
 
 
 def add_up(total, stage, outcome, seconds, log):

@@ -169,11 +169,13 @@ def every_stage():
 
 def first_stages():
     return [
-        Stage("rooms", "who includes whom, what firmware may not use, sizes of files and functions", rooms),
-        Stage("objects", "object dictionaries, EDS files and their page are what their table says", objects),
-        Stage("style", "layout of C by clang-format, Python by ruff, types of the package by mypy", style),
+        Stage("rooms", "who includes whom, what firmware may not use, sizes of files and functions", rooms,
+              light=True),
+        Stage("objects", "object dictionaries, EDS files and their page are what their table says", objects,
+              light=True),
+        Stage("style", "layout of C by clang-format, Python by ruff, types of the package by mypy", style, light=True),
         Stage("unit", "Unity tests of firmware and simulation, with AddressSanitizer and UndefinedBehaviorSanitizer",
-              unit, ("Unity",)),
+              unit, ("Unity",), light=True),
     ]
 
 

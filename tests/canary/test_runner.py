@@ -1,5 +1,6 @@
 """tools/test does not hide a failure, nor count as passed what was skipped."""
 import re
+import threading
 
 import pytest
 import runner
@@ -94,6 +95,30 @@ def test_what_could_not_be_installed_skips_its_stage(tmp_path, capsys):
 def test_nothing_but_skips_is_no_success(tmp_path, capsys):
     status, text = outcome_of(tmp_path, capsys, stage(lambda log: runner.skipped("no tool")))
     assert (status, text.splitlines()[-1]) == (1, "0 passed, 0 failed, 1 skipped")
+
+
+def test_light_neighbours_run_side_by_side_and_are_told_of_in_their_order(tmp_path, capsys):
+    """Each waits for the other; without it the wait fails, and so does the stage."""
+    both = threading.Barrier(2, timeout=30)
+
+    def meets(_log):
+        both.wait()
+        return runner.Outcome(passed=1)
+
+    def fails_after_it_met(_log):
+        both.wait()
+        return runner.Outcome(failed=1)
+
+    status, text = outcome_of(tmp_path, capsys, runner.Stage("one", "planted", meets, light=True),
+                              runner.Stage("other", "planted", fails_after_it_met, light=True),
+                              stage(lambda _log: runner.Outcome(passed=both.n_waiting == 0), "alone"))
+    assert (status, text.splitlines()[-1]) == (1, "2 passed, 1 failed, 0 skipped")
+    assert re.findall("^(?:passed|FAILED) +([a-z]+)", text, re.MULTILINE) == ["one", "other", "alone"]
+
+
+def test_a_heavy_stage_runs_alone():
+    planted = [runner.Stage(name, "planted", print, light=name.islower()) for name in "abCDe"]
+    assert [[one.name for one in group] for group in runner.side_by_side(planted)] == [["a", "b"], ["C"], ["D"], ["e"]]
 
 
 def test_a_command_that_hangs_or_is_missing_fails(tmp_path):
