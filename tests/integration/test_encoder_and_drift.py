@@ -300,6 +300,7 @@ def test_a_budget_has_a_column_for_each(estimator, tmp_path, tumble):
     assert "V, mean" in tumble("plan", "budget", "--stand", stand).stdout
 
 
+@pytest.mark.toolchain
 @pytest.mark.parametrize("estimator", ["refined", "optimal"])
 def test_requirements_name_both(estimator, tmp_path, tumble):
     stand = with_keys(tmp_path, encoder_rad=1e-4, drift_v=5e-4)

@@ -72,6 +72,7 @@ def judged(rng, actual, declared, count=1, views=views_of, ranges=True):
     return Judge(shown, 0.95, False, ranges).judge(Limits.declared(declared, 2))
 
 
+@pytest.mark.toolchain
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "views", [views_by_core, pytest.param(views_of, marks=pytest.mark.full)], ids=["by the core", "whole"]
@@ -126,6 +127,7 @@ def test_one_run_cannot_tell_much_of_what_it_shows_once():
     assert found["alpha1_rad"].verdict is found["alpha3_difference_rad"].verdict is Verdict.CANNOT_TELL
 
 
+@pytest.mark.toolchain
 @pytest.mark.slow
 def test_the_range_of_a_standard_deviation_holds_the_truth_as_often_as_it_says():
     rng, stand, inside = np.random.default_rng(95), stand_named("lab"), dict.fromkeys(SOURCES, 0)

@@ -211,6 +211,7 @@ def turned(random, alpha4, noise_v):
     return harmonic.Harmonic(angles, angles, [samples.Mean(value, u, u, 2) for value in values])
 
 
+@pytest.mark.toolchain
 @pytest.mark.parametrize(("alpha4", "noise_v"), [(1e-4, 0.0), (1e-4, 1e-4), (1e-3, 3e-5)])
 def test_the_set_angle_found_is_the_one_drawn(fresh_seed, alpha4, noise_v):
     """Its mean square over 2000 turns within 8 %, and the interval of 95 % holds it in 92.5 to 97.5 % of them."""

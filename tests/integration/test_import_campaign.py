@@ -83,6 +83,7 @@ def is_true(case):
     return order and (case.signs is not None or (case.order == "schedule" and case.true_signs == (1, 1, 1)))
 
 
+@pytest.mark.toolchain
 def test_a_few_dozen(tmp_path):
     require(outcomes(range(32), tmp_path), 0.8)
 

@@ -50,6 +50,7 @@ def squares(rho, counted, alpha4=4e-5):
     return values.mean(), values.std() / np.sqrt(len(values))
 
 
+@pytest.mark.toolchain
 @pytest.mark.parametrize("rho", [0.5, 0.9])
 def test_set_angles_are_not_blamed_for_noise_that_hangs_together(rho):
     """By the scatter over root N they are; by the measured noise the square of alpha4 is about the truth."""
@@ -62,6 +63,7 @@ def test_set_angles_are_not_blamed_for_noise_that_hangs_together(rho):
     assert mean == pytest.approx(1.0, abs=0.35)
 
 
+@pytest.mark.toolchain
 @pytest.mark.parametrize("trust_stand", [False, True], ids=["run", "stand"])
 def test_angles_lie_where_their_uncertainty_says(trust_stand):
     """AR(1) of 0.9 on a stand whose set angles are exact: rms of the error over u, of level + yaw."""

@@ -24,6 +24,7 @@ def errors_over_u(result):
     return np.concatenate([((np.array(found) - truth) / u).ravel() for found, truth, u in parts])
 
 
+@pytest.mark.toolchain
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["paper", "angle", "lab"])
 def test_runs_of_the_firmware_are_as_good_as_they_say(name, tumble, tmp_path):

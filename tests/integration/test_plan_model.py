@@ -103,6 +103,7 @@ def test_where_no_order_is_high_both_ways_find_the_same(terms):
     assert climbed == pytest.approx(largest_over_attitudes(field.forms), rel=1e-3, abs=1e-12)
 
 
+@pytest.mark.toolchain
 @pytest.mark.slow
 @pytest.mark.parametrize("estimator", ["least_squares", "optimal"])
 @pytest.mark.parametrize("terms", [MODELS[0], *(pytest.param(terms, marks=pytest.mark.full) for terms in MODELS[1:])])

@@ -140,6 +140,7 @@ def test_a_margin_of_one_promises_less_than_it_seems(name, estimator):
         assert promise(replace(case, limit_g=1.33 * LIMIT_G / margin), estimator).passes.value > 0.955
 
 
+@pytest.mark.toolchain
 @pytest.mark.slow
 @pytest.mark.parametrize("estimator", ["refined", "optimal"])
 @pytest.mark.parametrize("name", STATED)

@@ -68,6 +68,7 @@ def test_at_the_requirements_every_share_is_met_and_each_source_exhausts_one(est
         assert found.shares**2 * parts.sum(axis=1, keepdims=True) == pytest.approx(parts * (LIMIT_G / 3) ** 2, rel=1e-9)
 
 
+@pytest.mark.toolchain
 @pytest.mark.parametrize("misalignment, split", [(0.02, EQUAL), (0.1, np.array([1, 1, 1, 4, 0.1]))])
 @pytest.mark.parametrize("remounting", ["independent", "common"])
 def test_requirements_of_the_optimal_estimator_fill_the_rows_and_are_never_stricter(misalignment, split, remounting):

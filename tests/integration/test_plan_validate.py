@@ -44,6 +44,7 @@ def plan(tumble, *arguments, cwd=EXAMPLES):
     return document
 
 
+@pytest.mark.toolchain
 @pytest.mark.slow
 @pytest.mark.parametrize("name", STANDS)
 def test_spread_coverage_and_efficiency_are_as_claimed(name):
@@ -86,6 +87,7 @@ def test_a_large_yaw_biases_the_others_and_not_the_optimal(yaw):
     assert any(complaint.startswith("K_xx") for complaint in refined.outside)
 
 
+@pytest.mark.toolchain
 @pytest.mark.slow
 @pytest.mark.parametrize("name", STANDS)
 def test_one_table_serves_blocks_of_any_misalignments(name):

@@ -89,6 +89,7 @@ LARGE = {
 }
 
 
+@pytest.mark.toolchain
 @pytest.mark.slow
 @pytest.mark.parametrize("errors", LARGE)
 def test_runs_are_biased_as_it_says(errors):

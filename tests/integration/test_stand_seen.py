@@ -63,6 +63,7 @@ def scores(name):
     return {key: np.array([row[key] for row in rows]) for key in rows[0]}
 
 
+@pytest.mark.toolchain
 @pytest.mark.slow
 @pytest.mark.parametrize("name", STANDS)
 def test_what_is_seen_lies_where_its_uncertainty_says(name):
@@ -74,6 +75,7 @@ def test_what_is_seen_lies_where_its_uncertainty_says(name):
         assert abs(rms - 1) < 0.05, key
 
 
+@pytest.mark.toolchain
 @pytest.mark.slow
 @pytest.mark.parametrize("name", STANDS)
 def test_the_runs_own_alpha4_and_student(name):

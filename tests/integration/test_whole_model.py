@@ -186,6 +186,7 @@ VIOLATIONS = {  # sizes at which the paper's stand nearly always finds them
 }
 
 
+@pytest.mark.toolchain
 @pytest.mark.parametrize("name", VIOLATIONS)
 def test_the_cause_is_named_first(name):
     rng, stand, scene = np.random.default_rng(43), stand_named("paper"), perfect(2).scene
