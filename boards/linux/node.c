@@ -230,15 +230,6 @@ static void step(node_t *node)
     node_log_look(&node->log, &world->navcomp, (node->options->nv != NULL) ? &node->keeper.sets : NULL);
 }
 
-/* They may have been away for a while. */
-static void look_for_readers(node_t *node)
-{
-    outlet_retry(&node->documents);
-    outlet_retry(&node->progress);
-    node_log_unread(&node->log.unread_documents, node->documents.lost, "standard output");
-    node_log_unread(&node->log.unread_progress, node->progress.lost, "progress");
-}
-
 static void go(node_t *node)
 {
     do {
@@ -248,7 +239,7 @@ static void go(node_t *node)
         } else {
             report_ended(node);
         }
-        look_for_readers(node);
+        node_outputs_retry(node);
         events_wait(&node->events, node->port.start_us + tumble_navcomp_next_deadline_us(&node->world.navcomp));
         take_signal(node);
     } while (!has_ended(node));
@@ -258,12 +249,6 @@ static void go(node_t *node)
 }
 
 /* Getting ready. */
-
-static int refuse_output(void)
-{
-    (void)fputs("tumble-node: standard output cannot be written\n", stderr);
-    return BENCH_EXIT_FAULT;
-}
 
 static int open_bus(node_t *node)
 {
@@ -346,14 +331,6 @@ static const char *open_outputs(node_t *node, const char **subject)
     return wrong;
 }
 
-/* A result is waited for: whoever reads the documents may be slow, and a signal ends it. */
-static int end_outputs(node_t *node, int code)
-{
-    const bool is_told = node->world.end == BENCH_LEFT || node->world.end == BENCH_INTERRUPTED;
-    (void)outlet_end(&node->progress, true);
-    return outlet_end(&node->documents, is_told) ? code : refuse_output();
-}
-
 static int finish(node_t *node)
 {
     int code = bench_exit_code(&node->world);
@@ -365,7 +342,7 @@ static int finish(node_t *node)
         node_report(node, node->documents.stream);
     }
     node_log_end(&node->world, code, &node->fault);
-    return end_outputs(node, code);
+    return node_outputs_end(node, code);
 }
 
 int node_run(const bench_config_t *config, const node_options_t *options)
@@ -376,7 +353,7 @@ int node_run(const bench_config_t *config, const node_options_t *options)
     node.world.config = config;
     node.world.limit_us = (uint64_t)(config->virtual_limit_s * 1e6);
     if (!outlet_open(&node.documents, STDOUT_FILENO)) {
-        return refuse_output();
+        return node_outputs_refuse();
     }
     int opened = open_bus(&node);
     opened = (opened == BENCH_EXIT_PASS) ? open_memory(&node) : opened;

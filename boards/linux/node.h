@@ -52,4 +52,14 @@ int node_run(const bench_config_t *config, const node_options_t *options);
  * fault, whatever followed from it; null where there was none or the run got over it. */
 void node_report(const node_t *node, FILE *out);
 
+/* What waits for its reader goes, as far as it can; that something was left out is told once. */
+void node_outputs_retry(node_t *node);
+
+/* Standard output cannot be written: says so, and returns the exit code. */
+int node_outputs_refuse(void);
+
+/* The end of documents and progress. A result is waited for: whoever reads the documents may be slow, and a signal ends
+ * it. Returns `code`, or that of documents which have not gone. */
+int node_outputs_end(node_t *node, int code);
+
 #endif
