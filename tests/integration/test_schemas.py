@@ -83,13 +83,11 @@ def test_the_document_of_tumble_bench(run):
     required_of("bench", document)
 
 
-def test_of_a_fault(tmp_path, tumble):
+def test_of_a_fault(tmp_path):
     path = scenario(tmp_path, **QUICK, fault="drive_fault at=1.5 phase=move delay=0.05 value=30001")
     done = bench(path, "--out", tmp_path / "run")
     document = valid(done.stdout, "bench")
     assert done.returncode == 3 and document["K"] is None and document["faults"][0]["times"] == 1
-    again = valid(tumble("replay", tmp_path / "run/bus.log", "--json").stdout, "replay")
-    assert again["reason"] == document["reason"] and again["K"] is again["bits"] is again["pass"] is None
 
 
 def test_both_documents_of_a_replay(run, tumble):
