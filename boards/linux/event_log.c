@@ -3,22 +3,17 @@
 #include "event_log.h"
 
 #include "bench/json.h"
+#include "nowait.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
-#include <poll.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/socket.h>
 #include <sys/stat.h>
 #include <time.h>
-#include <unistd.h>
 
 #define LINE_BYTES 4096 /* what a pipe takes whole or not at all */
-#define PATH_BYTES 40
 #define TIME_BYTES 40
 #define US_PER_S UINT64_C(1000000)
 #define NS_PER_US 1000
@@ -30,9 +25,7 @@ typedef struct {
     form_t form;
     event_log_level_t level; /* the least severe that is told; 0: EVENT_LOG_INFO */
     const char *program;     /* null: not begun */
-    int fd;
-    bool is_own;   /* opened anew, and asked not to wait: others who have the same terminal or pipe notice nothing */
-    bool may_wait; /* a terminal or pipe that could not be opened anew */
+    nowait_t to;
     bool is_journal;
     bool is_torn; /* the last line went in part: its end is still owed */
     uint32_t lost;
@@ -108,87 +101,32 @@ static uint64_t monotonic_us(void)
     return (uint64_t)now.tv_sec * US_PER_S + (uint64_t)now.tv_nsec / NS_PER_US;
 }
 
-static void forget_own(void)
-{
-    if (the_log.is_own) {
-        (void)close(the_log.fd);
-    }
-    the_log.is_own = false;
-}
-
-/* Who reads a terminal or a pipe may stop reading. Their O_NONBLOCK belongs to all who have them, a shell above all, so
- * the log has a description of its own. A file keeps nobody waiting, and a socket is asked with every line. */
-static void open_own(int fd)
-{
-    char path[PATH_BYTES];
-    struct stat status;
-    the_log.may_wait = fstat(fd, &status) == 0 && (S_ISFIFO(status.st_mode) || S_ISCHR(status.st_mode));
-    if (!the_log.may_wait) {
-        return;
-    }
-    (void)snprintf(path, sizeof path, "/proc/self/fd/%d", fd);
-    const int own = open(path, O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
-    if (own >= 0) {
-        the_log.fd = own;
-        the_log.is_own = true;
-        the_log.may_wait = false;
-    }
-}
-
 void event_log_start(const char *program, int fd)
 {
-    forget_own();
+    nowait_close(&the_log.to);
+    nowait_open(&the_log.to, fd);
     the_log.program = program;
-    the_log.fd = fd;
     the_log.level = (the_log.level == 0) ? EVENT_LOG_INFO : the_log.level;
     the_log.is_journal = leads_to_journal(fd);
     the_log.room_us = MOST_US;
     the_log.seen_us = monotonic_us();
     the_log.lost = 0;
     the_log.is_torn = false;
-    open_own(fd);
 }
 
 void event_log_reset(void)
 {
-    forget_own();
+    nowait_close(&the_log.to);
     the_log = (event_log_t){0};
-}
-
-static bool is_writable(void)
-{
-    struct pollfd asked = {.fd = the_log.fd, .events = POLLOUT};
-    return poll(&asked, 1, 0) == 1 && asked.revents == POLLOUT; /* and no error: nobody would read it */
-}
-
-/* Of another's terminal, which this user may not open, say: for this one write nobody waits there. */
-static ssize_t put_on_shared(const char *bytes, size_t size)
-{
-    const int flags = fcntl(the_log.fd, F_GETFL);
-    if (flags < 0 || fcntl(the_log.fd, F_SETFL, flags | O_NONBLOCK) != 0) {
-        return -1;
-    }
-    const ssize_t written = write(the_log.fd, bytes, size);
-    (void)fcntl(the_log.fd, F_SETFL, flags);
-    return written;
-}
-
-static ssize_t put(const char *bytes, size_t size)
-{
-    if (the_log.may_wait) {
-        return put_on_shared(bytes, size);
-    }
-    const ssize_t sent = send(the_log.fd, bytes, size, MSG_DONTWAIT | MSG_NOSIGNAL);
-    return (sent < 0 && errno == ENOTSOCK) ? write(the_log.fd, bytes, size) : sent;
 }
 
 /* False: it is left out. */
 static bool write_line(const char *line, size_t size)
 {
-    if (!is_writable() || (the_log.is_torn && put("\n", 1) != 1)) {
+    if (!nowait_is_writable(&the_log.to) || (the_log.is_torn && nowait_write(&the_log.to, "\n", 1) != 1)) {
         return false;
     }
-    const ssize_t written = put(line, size);
+    const ssize_t written = nowait_write(&the_log.to, line, size);
     the_log.is_torn = written > 0 && (size_t)written < size;
     return written == (ssize_t)size;
 }

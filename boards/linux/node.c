@@ -34,8 +34,8 @@ static void on_sample(void *context, tumble_taken_t taken, const tumble_block_sa
     if (node->options->out != NULL) {
         bench_folder_sample(&node->folder, node->world.clock.now_us, taken, sample);
     }
-    if (node->progress != NULL) {
-        bench_progress_average(&node->world, taken, node->progress);
+    if (node->progress.stream != NULL) {
+        bench_progress_average(&node->world, taken, node->progress.stream);
     }
 }
 
@@ -56,7 +56,7 @@ static void ask(const node_t *node, const tumble_progress_t *progress)
 {
     const bench_question_t question = bench_person_question(progress);
     if (question.kind != BENCH_QUESTION_NONE) {
-        bench_progress_question(&node->world, &question, node->progress);
+        bench_progress_question(&node->world, &question, node->progress.stream);
     }
 }
 
@@ -98,8 +98,8 @@ static void note_state(node_t *node)
     if (is_of_a_run(now->state)) {
         node->reported = false;
     }
-    if (node->progress != NULL) {
-        bench_progress_state(world, now, node->progress);
+    if (node->progress.stream != NULL) {
+        bench_progress_state(world, now, node->progress.stream);
         ask(node, now);
     }
 }
@@ -117,8 +117,8 @@ static void note_refusals(node_t *node)
     const uint32_t refused = count_refused(node);
     if (refused != node->refused) {
         node_log_refused(&node->log, &node->world.progress);
-        if (node->progress != NULL) {
-            bench_progress_refused("the navigation computer does not take this command now", node->progress);
+        if (node->progress.stream != NULL) {
+            bench_progress_refused("the navigation computer does not take this command now", node->progress.stream);
         }
     }
     node->refused = refused;
@@ -158,7 +158,7 @@ static void look_for_end(node_t *node)
 }
 
 /* Served: one line for each run that has ended. */
-static void report_ended(node_t *node, FILE *out)
+static void report_ended(node_t *node)
 {
     bench_world_t *const world = &node->world;
     const tumble_state_t state = world->progress.state;
@@ -168,7 +168,7 @@ static void report_ended(node_t *node, FILE *out)
     node->reported = true;
     can_socket_look(&node->port.can);
     world->end = (state == TUMBLE_STATE_DONE) ? BENCH_DONE : BENCH_FAULT;
-    node_report(node, out);
+    node_report(node, node->documents.stream);
     world->end = BENCH_RUNNING;
 }
 
@@ -230,20 +230,21 @@ static void step(node_t *node)
     node_log_look(&node->log, &world->navcomp, (node->options->nv != NULL) ? &node->keeper.sets : NULL);
 }
 
-static void go(node_t *node, FILE *out)
+static void go(node_t *node)
 {
     do {
         step(node);
         if (node->options->start) {
             look_for_end(node);
         } else {
-            report_ended(node, out);
+            report_ended(node);
         }
+        node_outputs_retry(node);
         events_wait(&node->events, node->port.start_us + tumble_navcomp_next_deadline_us(&node->world.navcomp));
         take_signal(node);
     } while (!has_ended(node));
-    if (node->progress != NULL) {
-        bench_progress_end(&node->world, node->progress);
+    if (node->progress.stream != NULL) {
+        bench_progress_end(&node->world, node->progress.stream);
     }
 }
 
@@ -316,8 +317,7 @@ static const char *open_outputs(node_t *node, const char **subject)
     const node_options_t *const options = node->options;
     if (options->progress_fd >= 0) {
         *subject = "--progress-fd";
-        node->progress = fdopen(options->progress_fd, "w");
-        if (node->progress == NULL) {
+        if (!outlet_open(&node->progress, options->progress_fd)) {
             return "is not an open file descriptor";
         }
     }
@@ -331,7 +331,7 @@ static const char *open_outputs(node_t *node, const char **subject)
     return wrong;
 }
 
-static int finish(node_t *node, FILE *out)
+static int finish(node_t *node)
 {
     int code = bench_exit_code(&node->world);
     const char *const folder = node->options->out;
@@ -339,19 +339,22 @@ static int finish(node_t *node, FILE *out)
     if (wrong != NULL) {
         code = node_log_unwritten(folder, wrong);
     } else if (node->options->start || node->world.end == BENCH_INTERRUPTED) {
-        node_report(node, out);
+        node_report(node, node->documents.stream);
     }
     node_log_end(&node->world, code, &node->fault);
-    return code;
+    return node_outputs_end(node, code);
 }
 
-int node_run(const bench_config_t *config, const node_options_t *options, FILE *out)
+int node_run(const bench_config_t *config, const node_options_t *options)
 {
     static node_t node;
     const char *subject = "";
     node = (node_t){.options = options, .faulted_us = SIM_NEVER, .ending_us = SIM_NEVER, .reported = true};
     node.world.config = config;
     node.world.limit_us = (uint64_t)(config->virtual_limit_s * 1e6);
+    if (!outlet_open(&node.documents, STDOUT_FILENO)) {
+        return node_outputs_refuse();
+    }
     int opened = open_bus(&node);
     opened = (opened == BENCH_EXIT_PASS) ? open_memory(&node) : opened;
     if (opened != BENCH_EXIT_PASS) {
@@ -370,7 +373,7 @@ int node_run(const bench_config_t *config, const node_options_t *options, FILE *
         return arguments_fail(subject, wrong, BENCH_EXIT_USAGE);
     }
     node_log_ready(options);
-    go(&node, out);
+    go(&node);
     can_socket_look(&node.port.can);
     positioner_option_close();
     events_close(&node.events);
@@ -378,5 +381,5 @@ int node_run(const bench_config_t *config, const node_options_t *options, FILE *
     if (options->nv != NULL) {
         nv_file_close(&node.nv);
     }
-    return finish(&node, out);
+    return finish(&node);
 }

@@ -11,9 +11,8 @@
 #include "node_log.h"
 #include "node_options.h"
 #include "nv_file.h"
+#include "outlet.h"
 #include "port_linux.h"
-
-#include <stdio.h>
 
 typedef struct {
     const node_options_t *options;
@@ -29,7 +28,8 @@ typedef struct {
     events_t events;
     bench_folder_t folder;
     node_log_t log;
-    FILE *progress;          /* null: nobody wants to know */
+    outlet_t documents;      /* to standard output */
+    outlet_t progress;       /* not open: nobody wants to know */
     uint64_t epoch_us;       /* UTC at the port's time 0: bus.log */
     tumble_progress_t fault; /* the first that the run has not got over; TUMBLE_REASON_NONE: there is none */
     bool in_first_fault;     /* it is the one in which the run waits now */
@@ -42,8 +42,8 @@ typedef struct {
     bool left;               /* nobody will give a command after a fault */
 } node_t;
 
-/* Serve until the end; the exit code of the program. Documents go to `out`. */
-int node_run(const bench_config_t *config, const node_options_t *options, FILE *out);
+/* Serve until the end; the exit code of the program. Documents go to standard output. */
+int node_run(const bench_config_t *config, const node_options_t *options);
 
 /* The document of a run: schema "tumble.node/1"; as of tumble-bench, without what only a simulation knows, and with
  * counters of the interface: frames_foreign, kernel_received, kernel_sent, kernel_dropped, kernel_busy, error_frames,
@@ -51,5 +51,15 @@ int node_run(const bench_config_t *config, const node_options_t *options, FILE *
  * FAULT is the command; `cause` {failed_in, reason, reason_number, reason_sentence, drive_code} is that of its first
  * fault, whatever followed from it; null where there was none or the run got over it. */
 void node_report(const node_t *node, FILE *out);
+
+/* What waits for its reader goes, as far as it can; that something was left out is told once. */
+void node_outputs_retry(node_t *node);
+
+/* Standard output cannot be written: says so, and returns the exit code. */
+int node_outputs_refuse(void);
+
+/* The end of documents and progress. A result is waited for: whoever reads the documents may be slow, and a signal ends
+ * it. Returns `code`, or that of documents which have not gone. */
+int node_outputs_end(node_t *node, int code);
 
 #endif

@@ -83,6 +83,15 @@ void node_log_look(node_log_t *log, const tumble_navcomp_t *navcomp, const tumbl
     run_log_sets(&log->sets, &state);
 }
 
+void node_log_unread(bool *told, uint32_t lost, const char *output)
+{
+    if (lost > 0U && !*told) {
+        *told = true;
+        event_log_tell(EVENT_LOG_WARNING, "unread", EVENT_FIELDS(EVENT_TEXT("output", output)),
+                       "nobody reads %s, lines of it are left out", output);
+    }
+}
+
 /* The end. */
 
 int node_log_unwritten(const char *folder, const char *why)

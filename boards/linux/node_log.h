@@ -15,6 +15,8 @@ typedef struct {
     uint8_t asked;       /* the one that was refused last */
     run_log_sets_t sets;
     bool is_unlocked;
+    bool unread_documents;
+    bool unread_progress;
 } node_log_t;
 
 /* It serves. Without --log also tells it, unless it makes a single run or standard error has its progress. */
@@ -28,6 +30,9 @@ void node_log_refused(const node_log_t *log, const tumble_progress_t *now);
 
 /* After every step: the service level; what became of a result (`sets` null: nothing is kept). */
 void node_log_look(node_log_t *log, const tumble_navcomp_t *navcomp, const tumble_sets_t *sets);
+
+/* So many lines of an output were left out, for nobody reads them: told once, which `told` notes. */
+void node_log_unread(bool *told, uint32_t lost, const char *output);
 
 /* The folder of --out could not be written in the end. Returns the exit code. */
 int node_log_unwritten(const char *folder, const char *why);

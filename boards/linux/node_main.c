@@ -22,10 +22,5 @@ int main(int count, char *arguments[])
         (void)fputs("tumble-node: keeper.serial: is missing: with --nv the scenario must name the block\n", stderr);
         return BENCH_EXIT_USAGE;
     }
-    const int code = node_run(&config, &options, stdout);
-    if (fflush(stdout) != 0) {
-        (void)fputs("tumble-node: standard output cannot be written\n", stderr);
-        return BENCH_EXIT_FAULT;
-    }
-    return code;
+    return node_run(&config, &options);
 }

@@ -12,6 +12,7 @@ int signals_open(int further)
     const struct sigaction ignore = {.sa_handler = SIG_IGN};
     sigset_t set;
     (void)sigaction(SIGPIPE, &ignore, NULL);
+    (void)sigaction(SIGTTOU, &ignore, NULL);
     (void)sigemptyset(&set);
     (void)sigaddset(&set, SIGINT);
     (void)sigaddset(&set, SIGTERM);

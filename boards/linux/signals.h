@@ -5,7 +5,8 @@
 #include <stdbool.h>
 
 /* From now on SIGINT, SIGTERM and `further` (0: no other) are taken by the descriptor returned alone, a signalfd that
- * does not block, and SIGPIPE is ignored. Negative: errno says why. */
+ * does not block. SIGPIPE is ignored, and so is SIGTTOU: after `stty tostop` the first line of its log would stop a
+ * program in the background, and with it its heartbeat. Negative: errno says why. */
 int signals_open(int further);
 
 /* An option's `take` (bench/arguments.h): SIGTERM comes when the process that started this one has ended. */

@@ -4,6 +4,7 @@
 
 #include "bench/report.h"
 #include "events.h"
+#include "outlet.h"
 #include "port_linux.h"
 #include "stand_answers.h"
 #include "stand_bridge.h"
@@ -26,6 +27,7 @@ typedef struct {
     stand_operator_t operator;
     stand_answers_t answers;
     stand_log_t log;
+    outlet_t document;
     bool listening; /* to standard input */
     events_t events;
     uint64_t start_us; /* of the monotonic clock: virtual time 0 */
@@ -131,9 +133,18 @@ static void report(const stand_t *stand, FILE *out)
     (void)fputc('\n', out);
 }
 
-int stand_run(const bench_config_t *config, const stand_options_t *options, FILE *out)
+static int refuse_output(void)
+{
+    (void)fputs("tumble-stand: standard output cannot be written\n", stderr);
+    return BENCH_EXIT_FAULT;
+}
+
+int stand_run(const bench_config_t *config, const stand_options_t *options)
 {
     static stand_t stand;
+    if (!outlet_open(&stand.document, STDOUT_FILENO)) {
+        return refuse_output();
+    }
     stand.ending_us = SIM_NEVER;
     stand.watcher = (bench_watcher_t){.context = &stand, .on_frame = on_frame};
     stand_operator_init(&stand.operator, options->operator);
@@ -161,7 +172,7 @@ int stand_run(const bench_config_t *config, const stand_options_t *options, FILE
     can_socket_look(&stand.bridge.can);
     events_close(&stand.events);
     can_socket_close(&stand.bridge.can);
-    report(&stand, out);
+    report(&stand, stand.document.stream);
     stand_log_end(&stand.world, BENCH_EXIT_PASS);
-    return BENCH_EXIT_PASS;
+    return outlet_end(&stand.document, true) ? BENCH_EXIT_PASS : refuse_output();
 }

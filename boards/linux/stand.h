@@ -5,11 +5,9 @@
 #include "bench/config.h"
 #include "stand_options.h"
 
-#include <stdio.h>
-
-/* Serve until told to end; the exit code of the program. The document, schema "tumble.stand/1", goes to `out`:
- * interface, seed, truth, faults, virtual_s and table as of tumble-bench; angle_deg: where the table is; operator
+/* Serve until told to end; the exit code of the program. The document, schema "tumble.stand/1", goes to standard
+ * output: interface, seed, truth, faults, virtual_s and table as of tumble-bench; angle_deg: where the table is; operator
  * {answers, refusals}; counters: of the simulated bus (bus_...) and of the interface. */
-int stand_run(const bench_config_t *config, const stand_options_t *options, FILE *out);
+int stand_run(const bench_config_t *config, const stand_options_t *options);
 
 #endif

@@ -35,10 +35,5 @@ int main(int count, char *arguments[])
     if (!bench_config_prepare_stand(&config, options.scenario) || !adapt(&config)) {
         return BENCH_EXIT_USAGE;
     }
-    const int code = stand_run(&config, &options, stdout);
-    if (fflush(stdout) != 0) {
-        (void)fputs("tumble-stand: standard output cannot be written\n", stderr);
-        return BENCH_EXIT_FAULT;
-    }
-    return code;
+    return stand_run(&config, &options);
 }

@@ -154,7 +154,7 @@ static void put_document(const bench_world_t *world, FILE *out)
         (const replay_run_t *)(const void *)((const char *)world - offsetof(replay_run_t, world));
     bench_json_t json = {.out = out};
     bench_json_open(&json, NULL, '{');
-    bench_json_text(&json, "schema", "tumble.replay/1");
+    bench_json_text(&json, "schema", "tumble.replayed/1");
     bench_json_text(&json, "firmware", "host");
     bench_report_firmware(world, &json);
     bench_json_open(&json, "counters", '{');

@@ -2,17 +2,17 @@
 
 import contextlib
 import struct
-import threading
 
 import numpy as np
 from fixture_table import PlayedTable, Refused
+from played_behind_gateway import PlayedBehindGateway
 
 ARGUMENT, COMMAND, ANGLE = (0x2002, 1), (0x2002, 2), (0x2002, 3)
 STATE, ACTUAL, STAND = (0x2000, 0), (0x2003, 10), (0x2003, 12)
 POSITION, SCHEDULE, AT_REST = 0x2150, 0x2151, 0x2152
 
 
-class PlayedNode(threading.Thread):
+class PlayedNode(PlayedBehindGateway):
     """Homes, turns and measures at once: a write is answered when all objects are as it makes them.
 
     `table`: PlayedTable; `memory`: whether there are 2150h to 2152h; `run`: the one that the node keeps, with its
@@ -20,8 +20,8 @@ class PlayedNode(threading.Thread):
     """
 
     def __init__(self, gateway, table=None, memory=True, run=None, schedule=None, spoils=0, stuck=False, serial=1):
-        super().__init__(daemon=True)
-        self.gateway, self.table, self.run_kept, self.schedule = gateway, table or PlayedTable(), run, schedule
+        super().__init__(gateway)
+        self.table, self.run_kept, self.schedule = table or PlayedTable(), run, schedule
         self.spoils, self.stuck, self.commands, self.measured, self.angle = spoils, stuck, [], [], 0.0
         for sub, number in enumerate((0, 0x54420001, 0x10000, serial), start=1):
             self.set(0x1018, sub, struct.pack("<I", number))
@@ -30,22 +30,11 @@ class PlayedNode(threading.Thread):
         if memory:
             self.measure(0)
             self.select(0)
-        gateway.tell("boot")
-        gateway.tell("play 1")
-        self.start()
-
-    def set(self, index, sub, data):
-        self.gateway.set(index, sub, data, boot=False)
+        self.begin()
 
     def show_stand(self):
         self.set(*ACTUAL, struct.pack("<d", self.table.read("Progress: Actual angle")))
         self.set(*STAND, bytes([self.table.read("Progress: Stand state")]))
-
-    def run(self):
-        while line := self.gateway.written.get():
-            _, index, sub, *data = line.split()
-            self.take((int(index, 16), int(sub)), bytes.fromhex("".join(data)))
-            self.gateway.tell("played")
 
     def take(self, entry, data):
         if entry == ANGLE:

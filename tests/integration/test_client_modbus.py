@@ -6,6 +6,7 @@ import threading
 import pytest
 from bench_program import wait_until
 from gateway_bench import gateway_program, start
+from played_behind_gateway import PlayedBehindGateway
 
 from tumble import client
 from tumble.client.names import COMMAND, STATE_NAMES
@@ -18,13 +19,13 @@ K = [[-2.00000001, 0.01, 0.02], [0.03, -2.01, 0.04], [0.05, 0.06, -2.02]]
 PROPOSAL, SERVICE_KEY = 0xBEEF0001, 0x76726573
 
 
-class PlayedRun(threading.Thread):
+class PlayedRun(PlayedBehindGateway):
     """Node 1 with a run that the test moves on by `show`. It has finished one already. `written`: all that it was told
     since: ((index, subindex), bytes)."""
 
     def __init__(self, gateway):
-        super().__init__(daemon=True)
-        self.gateway, self.run_number, self.written = gateway, 1, []
+        super().__init__(gateway)
+        self.run_number, self.written = 1, []
         self.show("DONE")
         self.put((0x2001, 0), "B", 0)
         self.put((0x2003, 4), "B", 2)
@@ -35,28 +36,20 @@ class PlayedRun(threading.Thread):
             self.put((0x2020, place + 1), "<d", K[place // 3][place % 3])
         for place in range(3):
             self.put((0x2021, place + 1), "<d", 0.1)
-        gateway.tell("boot")
-        gateway.tell("play 1")
-        self.start()
+        self.begin()
 
     def put(self, entry, form, value):
-        self.gateway.set(*entry, struct.pack(form, value), boot=False)
+        self.set(*entry, struct.pack(form, value))
 
     def show(self, state):
         self.put((0x2000, 0), "B", STATE[state])
-
-    def run(self):
-        while line := self.gateway.written.get():
-            _, index, sub, *data = line.split()
-            self.take((int(index, 16), int(sub)), bytes.fromhex("".join(data)))
-            self.gateway.tell("played")
 
     def take(self, entry, data):
         self.written.append((entry, data))
         if entry == (0x2002, 2):
             self.obey(data[0])
         elif entry[0] == 0x2123:
-            self.gateway.set(*entry, data, boot=False)
+            self.set(*entry, data)
 
     def obey(self, command):
         if command == COMMAND["START"]:

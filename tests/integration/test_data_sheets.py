@@ -51,3 +51,10 @@ def test_the_two_of_the_computer_differ_by_what_its_memory_brings():
     assert small < large
     further = {entry.index for entry in large - small}
     assert {0x1010, 0x2120, 0x2170} <= further and not further & {entry.index for entry in small}
+
+
+def test_the_two_of_the_computer_are_one_product_and_have_order_codes_of_their_own():
+    told = [dict(line.split("=") for line in EDS[name].read_text().splitlines()
+                 if line.startswith(("VendorNumber", "ProductNumber", "RevisionNumber", "OrderCode")))
+            for name in ("navcomp", "navcomp_without_sets")]
+    assert [one.pop("OrderCode") for one in told] == ["navcomp", "navcomp_without_sets"] and told[0] == told[1]

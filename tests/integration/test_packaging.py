@@ -5,19 +5,19 @@ import email
 import hashlib
 import importlib.util
 import json
-import os
 import re
 import subprocess
 import sys
 import tarfile
-import venv
 import zipfile
 from pathlib import Path
 
+import paced_scripts
 import pytest
 from _tumble_core import ffi, lib
 from bench_program import built
 from conftest import ROOT
+from wheels import build, installed_in
 
 from tumble import __version__, core, data
 from tumble.cli import options
@@ -203,15 +203,6 @@ def test_every_program_says_its_version(name):
         assert subprocess.run([path, "--version"], stdout=full, timeout=20).returncode in (2, 3)
 
 
-def build(kind, source, folder):
-    """The package of this kind that the backend makes of a project, and its file."""
-    environment = {key: value for key, value in os.environ.items() if key not in ("LD_PRELOAD", "PYTHONPATH")}
-    program = f"import scikit_build_core.build as b; b.build_{kind}({str(folder)!r})"
-    done = subprocess.run([sys.executable, "-c", program], cwd=source, env=environment, capture_output=True, text=True)
-    assert done.returncode == 0 and "WARNING" not in done.stdout, done.stdout + done.stderr
-    return next(folder.glob("*.tar.gz" if kind == "sdist" else "*.whl"))
-
-
 @pytest.fixture(scope="module")
 def packages(tmp_path_factory):
     """The source package, unpacked; and unpacked the wheel that is made of it, away from the checkout. {kind: folder};
@@ -310,18 +301,8 @@ def test_a_checkout_gives_the_same_wheel(packages, tmp_path):
 
 @pytest.fixture(scope="module")
 def installed(packages, tmp_path_factory):
-    """Run a command of an environment that has the wheel and what it requires alone, away from the checkout."""
-    folder = tmp_path_factory.mktemp("environment")
-    environment = {key: value for key, value in os.environ.items() if not key.startswith(("PYTHON", "TUMBLE", "LD_"))}
-
-    def run(name, *arguments):
-        command = [folder / "venv/bin" / name, *arguments]
-        return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=600)
-
-    venv.create(folder / "venv", with_pip=True)
-    done = run("python", "-m", "pip", "install", "--no-input", "--disable-pip-version-check", packages["file"])
-    assert done.returncode == 0, done.stderr
-    return run
+    """Of an environment that has the wheel."""
+    return installed_in(tmp_path_factory.mktemp("environment"), packages["file"])
 
 
 IN_THE_WHEEL = """
@@ -353,6 +334,16 @@ def test_the_installed_wheel_works_alone(installed, tmp_path):
     done = installed("tumble", "import", tmp_path / "run/bus.log")
     assert (done.returncode, done.stdout) == (77, "")
     assert done.stderr.endswith("a CAN log needs python-can: pip install 'tumble[can]'\n")
+
+
+@pytest.mark.slow
+@pytest.mark.toolchain
+def test_the_pytest_plugin_of_the_wheel(packages, tmp_path):
+    """docs/testing-your-scripts.md as it is printed, where nobody names the plugin."""
+    (tmp_path / "calibrate.py").write_text(paced_scripts.SCRIPT, encoding="utf-8")
+    (tmp_path / "test_calibrate.py").write_text(paced_scripts.TEST, encoding="utf-8")
+    done = installed_in(tmp_path, f"{packages['file']}[client]", "pytest")("pytest", "test_calibrate.py")
+    assert done.returncode == 0 and " 1 passed in " in done.stdout, done.stdout + done.stderr
 
 
 def has_libmodbus(binary):

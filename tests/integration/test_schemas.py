@@ -94,7 +94,7 @@ def test_both_documents_of_a_replay(run, tumble):
     folder, path, done = run
     program = programs.find("tumble-replay", "host/replay")
     ended = subprocess.run([program, folder / "bus.log", path], capture_output=True, text=True, check=True)
-    assert valid(ended.stdout, "replay")["K"] == json.loads(done.stdout)["K"]
+    assert valid(ended.stdout, "replayed")["K"] == json.loads(done.stdout)["K"]
     shown = tumble("replay", folder / "bus.log", "--scenario", path, "--json")
     document = valid(shown.stdout, "replay")
     assert document["K"] == json.loads(done.stdout)["K"] and shown.returncode == 0

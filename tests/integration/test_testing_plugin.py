@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 from bench_program import scenario
-from conftest import ROOT
+from paced_scripts import ALONE, MARKER, PAGE, SCRIPT, TEST, calibrate
 from uml_kernels import inside
 
 from tumble import client
@@ -19,8 +19,6 @@ pytest.importorskip("can", reason="python-can is not installed")
 pytest.importorskip("canopen", reason="python-canopen is not installed")
 pytestmark = pytest.mark.python
 
-PAGE = (ROOT / "docs/testing-your-scripts.md").read_text(encoding="utf-8")
-SCRIPT, TEST, MARKER, ALONE = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
 PLUGIN = ["-p", "tumble.testing.plugin", "-p", "no:cacheprovider"]
 
 OTHERS = f"""
@@ -144,19 +142,6 @@ def test_it_loads_nothing_unless_it_is_used():
     assert loaded == ["tumble", "tumble._version", "tumble.errors", "tumble.testing", "tumble.testing.plugin"]
 
 
-class Paced:
-    """A node between whose calls time passes."""
-
-    def __init__(self, node, pause_s):
-        self._node, self._pause_s = node, pause_s
-
-    def __getattr__(self, name):
-        import time
-
-        time.sleep(self._pause_s)
-        return getattr(self._node, name)
-
-
 PACES_S = [0.0, *(0.001 * 1.9**power for power in range(19))]  # to 104 s
 
 
@@ -164,11 +149,9 @@ PACES_S = [0.0, *(0.001 * 1.9**power for power in range(19))]  # to 104 s
                                     for number, pace in enumerate(PACES_S)])
 def test_the_script_works_at_any_pace(pace_s, tmp_path):
     """From at once to a person who thinks about every call for more than a minute; the warm-up does not matter."""
-    found = {}
-    exec(compile(SCRIPT, "page", "exec"), found)
     path = scenario(tmp_path, **{name.replace(".", "__"): value for name, value in FAST.items()})
     with VirtualBus(path, seed=11) as bus, time_of(bus), client.connect(bus) as node:
-        result = found["calibrate"](Paced(node, pace_s))
+        result = calibrate(node, pace_s)
         truth = bus.end()["truth"]
     assert result.passed and np.abs(result.K - truth["K"]).max() < 3e-3 and np.abs(result.U0 - truth["U0"]).max() < 3e-3
 

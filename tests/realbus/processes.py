@@ -27,6 +27,7 @@ HASTE = {  # a calibration within seconds of real time
 PATIENCE = {  # where a busy machine that lets a process wait is not what is tested
     "firmware__heartbeat_timeout_ms": 3000,
     "profile__heartbeat_timeout_ms": 3000,
+    "profile__handshake_timeout_ms": 10000,
 }
 SLOW_TABLE = {**HASTE, "motion__speed_deg_s": 60, "profile__homing_fast_deg_s": 180}  # time for something to happen
 

@@ -1,22 +1,18 @@
 """People's scripts on a real bus, with the fixtures of the pytest plugin: docs/testing-your-scripts.md."""
 
-import re
 import threading
-import time
 from datetime import datetime, timezone
 
 import can
 import documents
 import numpy as np
 import pytest
-from conftest import ROOT
+from paced_scripts import calibrate
 
 from tumble import client
 from tumble.testing import rigs
 
 pytest.importorskip("canopen", reason="python-canopen is not installed")
-PAGE = (ROOT / "docs/testing-your-scripts.md").read_text(encoding="utf-8")
-SCRIPT = re.search(r"```python\n(.*?)```", PAGE, re.DOTALL)[1]
 SLOW_TABLE = {"motion__speed_deg_s": 60, "profile__homing_fast_deg_s": 180, "firmware__heartbeat_timeout_ms": 500,
               "profile__heartbeat_timeout_ms": 500}
 LOST = ("STAND_HEARTBEAT", "BLOCK_HEARTBEAT")
@@ -37,25 +33,13 @@ def rig(bus, tmp_path):
         one.__exit__(None, None, None)
 
 
-class Paced:
-    """A node between whose calls time passes."""
-
-    def __init__(self, node, pause_s):
-        self._node, self._pause_s = node, pause_s
-
-    def __getattr__(self, name):
-        time.sleep(self._pause_s)
-        return getattr(self._node, name)
-
-
 @pytest.mark.parametrize("pace_s", [pytest.param(pace, marks=[] if number in (0, 14) else pytest.mark.full)
                                     for number, pace in enumerate(PACES_S)])
 def test_the_script_of_the_page_works_at_any_pace(rig, pace_s):
     """The block is in the asked mounting as soon as the script confirms; the stand itself tells node 1 nothing."""
-    made, found = rig(seed=11), {}
-    exec(compile(SCRIPT, "page", "exec"), found)
+    made = rig(seed=11)
     with client.connect(made.node.link) as node:
-        result = found["calibrate"](Paced(node, pace_s))
+        result = calibrate(node, pace_s)
     document, truth = made.node.end(), made.stand.end()
     assert result.passed and result.run == 1 and document["end"] == "done"
     assert np.abs(result.K - truth["truth"]["K"]).max() < 3e-3 and np.abs(result.U0 - truth["truth"]["U0"]).max() < 3e-3
@@ -81,10 +65,9 @@ def test_who_mounts_without_the_script(rig, operator):
 
 
 def test_a_node_with_memory_keeps_what_the_script_accepts(rig, tmp_path):
-    made, found = rig(memory=True), {}
-    exec(compile(SCRIPT, "page", "exec"), found)
+    made = rig(memory=True)
     with client.connect(made.node.link) as node:
-        result = found["calibrate"](node)
+        result = calibrate(node)
         assert (result.verdict, [one.name for one in result.objections]) == ("HELD", ["FIRST"])
         assert node.accept(result) == "ACCEPTED"
     assert made.node.end()["state"] == "TUMBLE_STATE_DONE" and (tmp_path / "tumble-memory").exists()

@@ -1,9 +1,11 @@
-"""A script over CAN beside the gateway, in a run: each has an SDO server of the node to itself, and no read is lost.
+"""A script over CAN beside the gateway and a client of it, in runs: script and gateway have an SDO server of the node
+each to themselves, and no read is lost.
 
 A virtual interface has no bit rate, so the gateway makes as many frames as the machine can. The script lets the kernel
 filter them: python-can takes every frame by itself, falls behind, and loses what its socket has no room for.
 """
 
+import threading
 import time
 
 import canopen
@@ -12,9 +14,10 @@ from conftest import ROOT
 from processes import HASTE, PATIENCE, Node, Stand, scenario
 from test_gateway import Served
 
-READS = 200
+from tumble import client
+
 PACE_S = 0.05
-PATIENCE_S = 150.0  # for all of it; each read has its own limit
+PATIENCE_S = 150.0  # for the first run; each read has its own limit
 ANSWER_S = 10.0  # a machine that lets a process wait is not what is tested
 NAME = "Tumble navigation computer"
 NO_DATA = 0x08000024
@@ -54,25 +57,62 @@ def counted(served):
     return {name: served.number(name) for name in ("Polls", "Polls torn", "Polls failed")}
 
 
-def test_a_script_beside_the_gateway_loses_no_read(bus, script, started, tmp_path):
+class Second(threading.Thread):
+    """A client of the gateway, which reads without a pause, and begins another run whenever one is done."""
+
+    def __init__(self, port):
+        super().__init__(daemon=True)
+        self.link, self.reads, self.runs, self.lost = f"modbus:127.0.0.1:{port}", 0, 0, []
+        self.is_over = threading.Event()
+        self.start()
+
+    def run(self):
+        with client.connect(self.link) as node:
+            while not self.is_over.is_set():
+                try:
+                    if node.state == "DONE":
+                        node.start()
+                        self.runs += 1
+                except client.Refused:
+                    pass  # the last result is being judged
+                except client.CommunicationError as error:
+                    self.lost.append(str(error))
+                self.reads += 1
+
+    def end(self):
+        """Wait for what it does now."""
+        self.is_over.set()
+        self.join(timeout=60)
+        assert not self.is_alive()
+
+
+def was_done(node):
+    return any(event.get("state") == "TUMBLE_STATE_DONE" for event in node.events())
+
+
+@pytest.mark.parametrize("reads, pace_s", [(200, PACE_S), pytest.param(10_000, 0.0, marks=pytest.mark.full)])
+def test_a_script_beside_the_gateway_loses_no_read(bus, script, started, tmp_path, reads, pace_s):
     path = scenario(tmp_path, **HASTE, **PATIENCE)
     stand = Stand(bus, path, "--operator", "start")
     node = Node(bus, path, "--nv", tmp_path / "memory", folder=tmp_path)
-    served = Served(bus, "--poll", FASTEST)
+    served = Served(bus, "--poll", FASTEST, "--allow-commands")
     started.extend([stand, node, served])
+    second = Second(served.port)
     began, took, lost = time.monotonic(), [], []
-    while len(took) < READS or not any(event.get("state") == "TUMBLE_STATE_DONE" for event in node.events()):
-        assert time.monotonic() - began < PATIENCE_S, (len(took), [event["state"] for event in node.events()][-3:])
+    while len(took) < reads or not was_done(node):
+        assert len(took) < reads or time.monotonic() - began < PATIENCE_S, [one["state"] for one in node.events()][-3:]
         asked = time.monotonic()
         try:
             read(script, len(took))
         except canopen.SdoCommunicationError as error:
             lost.append((len(took), str(error)))
         took.append(time.monotonic() - asked)
-        time.sleep(max(0.0, PACE_S - took[-1]))
+        time.sleep(max(0.0, pace_s - took[-1]))
+    second.end()
     took.sort()
     print(f"{len(took)} reads, {len(lost)} lost; 50 % within {1e3 * took[len(took) // 2]:.1f} ms, "
-          f"99 % {1e3 * took[len(took) * 99 // 100]:.1f} ms, all {1e3 * took[-1]:.1f} ms; {counted(served)}")
-    assert not lost, lost
+          f"99 % {1e3 * took[len(took) * 99 // 100]:.1f} ms, all {1e3 * took[-1]:.1f} ms; the second client: "
+          f"{second.reads} reads, {len(second.lost)} lost, {second.runs} runs begun; {counted(served)}")
+    assert (lost, second.lost) == ([], []) and second.reads > 0
     assert counted(served)["Polls failed"] == 0
     stand.end()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from pathlib import PurePath
 
 from kinds import Entry
 from model import Node, Object
@@ -47,7 +48,7 @@ def device_info(node: Node) -> dict[str, object]:
         "ProductName": settings["device_name"],
         "ProductNumber": f"0x{settings['product']:08X}",
         "RevisionNumber": f"0x{settings['revision']:08X}",
-        "OrderCode": settings["name"],
+        "OrderCode": PurePath(settings["eds"]).stem.removeprefix("tumble_"),
         **rates,
         "SimpleBootUpMaster": int(any(item.index == 0x1280 for item in node.objects)),
         "SimpleBootUpSlave": 1,

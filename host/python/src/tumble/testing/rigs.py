@@ -32,6 +32,7 @@ FAST = {  # a calibration within seconds of real time
     "operator.mount_s": 0.05,
     "firmware.heartbeat_timeout_ms": 3000,
     "profile.heartbeat_timeout_ms": 3000,
+    "profile.handshake_timeout_ms": 10000,
 }
 SERIAL = {"keeper.serial": "SIMULATED"}
 
