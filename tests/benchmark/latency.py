@@ -228,6 +228,7 @@ def page_lines(found):
     yield "|---|---|" + "---|" * (len(SHARES) + 1)
     for condition, what, cells in rows(found):
         yield f"| {condition if what == 'node' else ''} | {what} | {' | '.join(cells)} |"
+    yield from ("", "```text", *machine_lines(found), "```")
 
 
 def machine_lines(found):
@@ -244,6 +245,8 @@ def machine_lines(found):
                f" {one['bus_load']:.0%} of 500 kbit/s")
         if one["samples_lost"] or one["kernel_dropped"]:
             yield f"{'':20}lost by the node: {one['samples_lost']} samples, {one['kernel_dropped']} frames"
+        if one["ended_by"] is not None:
+            yield f"{'':20}the node's run ended early: {one['ended_by']}"
 
 
 if __name__ == "__main__":

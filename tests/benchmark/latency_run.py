@@ -25,8 +25,14 @@ FLOOD_ID = "110"  # outranks all of ours but NMT's
 BARE_BITS = 47  # of a frame without data, and without stuff bits, with the interframe space
 BITS_PER_S = 500_000
 PROGRESS = 0x181  # node 1's transmit PDO 3: state, reason, position, finished, samples
-# One position that is averaged for as long as the measurement takes.
-LONG = {**HASTE, **PATIENCE, "procedure__samples": 1048576, "procedure__average_timeout_ms": 4000000000}
+# One position that is averaged for as long as the measurement takes, however slow the machine is.
+LONG = {
+    **HASTE,
+    **dict.fromkeys(PATIENCE, 60000),
+    "procedure__samples": 1048576,
+    "procedure__average_timeout_ms": 4000000000,
+    "procedure__sample_timeout_ms": 1150,  # the most, with a heartbeat of 100 ms
+}
 BUS, ASIDE = "vcan810", "vcan811"
 
 
@@ -55,12 +61,14 @@ def one(settings, folder, path, name):
             before, began = counted(bus), time.monotonic()
             pairs = ask(settings, folder, bus, aside)
             taken_s, after = time.monotonic() - began, counted(bus)
+        ended_early = node.poll() is not None
         node.terminate()
-        counters = json.loads(node.communicate(timeout=60)[0])["counters"]
+        document = json.loads(node.communicate(timeout=60)[0])
     frames, octets = (now - then for now, then in zip(after, before))
     return {"name": name, "requests": settings["requests"], "frames_per_s": frames / taken_s,
             "bus_load": (BARE_BITS * frames + 8 * octets) / taken_s / BITS_PER_S, **pairs,
-            **{counter: counters[counter] for counter in ("samples_lost", "kernel_dropped")}}
+            **{counter: document["counters"][counter] for counter in ("samples_lost", "kernel_dropped")},
+            "ended_by": document["reason"] if ended_early else None}
 
 
 def interface(stack, name):
@@ -82,6 +90,8 @@ def start_programs(stack, folder, path, bus, aside):
     echo = started(stack, folder / "echo", aside)
     stand = Stand(bus, path, "--seed", 1)
     stack.callback(stand.kill)
+    if stand.process.poll() is not None:
+        raise SystemExit(f"tumble-stand: {stand.process.communicate()[1]}")
     raise_to(stand.process.pid, OUTSIDE)
     with socket.socket(socket.PF_CAN, socket.SOCK_RAW, socket.CAN_RAW) as watching:
         watching.bind((str(bus),))

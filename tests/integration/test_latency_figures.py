@@ -22,7 +22,7 @@ def pairs(*latencies_us):
 def found(node, echo):
     """One condition, as a measurement leaves it."""
     condition = {"name": "busy,bus-load,fifo", "requests": len(node), "frames_per_s": 1234.0, "bus_load": 0.3,
-                 "samples_lost": 3, "kernel_dropped": 1234, "node": node, "echo": echo}
+                 "samples_lost": 3, "kernel_dropped": 1234, "ended_by": "BUS", "node": node, "echo": echo}
     return {"kernel": "6.1", "processors": 1, "inside_s": 7.0, "outside": OUTSIDE, "conditions": [condition]}
 
 
@@ -69,15 +69,17 @@ def test_the_table_has_ratios_and_80_columns():
     assert lines[1].split() == ["busy,bus-load,fifo", "node", "300", "300", "9,000", "none", "none", "1"]
     assert lines[2].split() == ["echo", "100", "100", "100", "9,876,543", "9,876,543", "0"]
     assert lines[3].split() == ["ratio", "3.0", "3.0", "90.0"]
-    assert lines[-1].strip() == "lost by the node: 3 samples, 1234 frames"
+    assert [line.strip() for line in lines[-2:]] == [
+        "lost by the node: 3 samples, 1234 frames", "the node's run ended early: BUS"]
     assert "its clock left out 2 of 9 s" in lines
 
 
 def test_the_page_has_the_same_cells():
     page = list(latency.page_lines(found(pairs(250.0, 350.0), pairs(100.0, 100.0))))
-    assert page[2:] == ["| busy,bus-load,fifo | node | 250 | 350 | 350 | 350 | 350 | 0 |",
+    assert page[2:5] == ["| busy,bus-load,fifo | node | 250 | 350 | 350 | 350 | 350 | 0 |",
                         "|  | echo | 100 | 100 | 100 | 100 | 100 | 0 |",
                         "|  | ratio | 2.5 | 3.5 | 3.5 | 3.5 | 3.5 |  |"]
+    assert "of whose time others had 50%, and 25% was idle" in page
 
 
 @pytest.mark.parametrize("words", [["--requests", "0"], ["--period-ms", "-1"], ["--busy", "-1"], ["--flood", "0"],

@@ -69,5 +69,6 @@ def test_every_load_at_once(folder):
     for name in latency.PROGRAMS:
         pairs = condition[name]
         assert len(pairs) == REQUESTS and pairs == sorted(pairs) and all(asked < answered for asked, answered in pairs)
+    assert condition["ended_by"] is None and condition["samples_lost"] == 0
     assert condition["frames_per_s"] > 0 and 0 < condition["bus_load"] < 1
     assert (folder / "began").exists() and (folder / "ended").exists()
