@@ -1,12 +1,14 @@
 """What samples, estimators and steps cost on a Cortex-M4 without floating point hardware: instructions, code, stack.
 
-    tools/benchmark cortex_m4 [-O s|2] [--json]
+    tools/benchmark cortex_m4 [-O s|2] [--json | --table]
 
 Each candidate is linked alone with what it needs and run in QEMU (mps2-an386), which counts instructions, not cycles:
 no time follows from them. The run and the gains are those of the paper's stand. `code` is the project's own, `library`
 the soft floating point that comes with it, `data` constants beside the code (the schedule apart); stack is painted and
 read back, below the call. Every result is compared with the host's. Steps of the navigation computer are those of a
-whole calibration, with a bus, a drive and a block played beside it (tests/target/navcomp_steps.c). Beside them, what
+whole calibration, with a bus, a drive and a block played beside it (tests/target/navcomp_steps.c). `formula` is what
+the additions, multiplications and divisions of a row's formula cost in the compiler's library: their number
+(arithmetic.py) times what one takes, measured in the same emulator. Beside them, what
 tools/budget measured in the builds that are there: code, RAM and worst stack of whole parts, with their limits. Needs
 the package to be importable, as in the tests; gcc for Arm and qemu-system-arm, or exit 77.
 """
@@ -23,6 +25,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
+import page
+from cortex_m4_formulas import formulas
 
 from tumble import core
 from tumble.core import optimal as core_optimal, uncertainty
@@ -79,6 +83,7 @@ LAST_BITS = 4 * np.finfo(float).eps
 UNITY = ("build/unity", "build/*/_deps/unity-src/src")
 UNITY_FLAGS = """-DUNITY_INCLUDE_DOUBLE -DUNITY_SUPPORT_64 -DUNITY_OUTPUT_CHAR=target_put
                  -DUNITY_OUTPUT_CHAR_HEADER_DECLARATION=target_put(int)""".split()
+PAGE_COLUMNS = ("instructions", "before", "goal", "formula", "code, B", "constants, B", "stack, B")
 HONEST = """
 Ratios are to `refined`, from means to coefficients; the division that makes the means stands apart, since all need it.
 The honest comparison is with the shared normal matrix of four unknowns: what one would write who has thought about it,
@@ -99,19 +104,23 @@ QEMU = """qemu-system-arm -M mps2-an386 -display none -monitor none -serial none
 
 @dataclass
 class Cost:
-    """Instructions for one estimate; bytes of the project's code, of libraries, of constants, of stack."""
+    """Instructions for one estimate; bytes of the project's code, of libraries, of constants, of stack; instructions of
+    the formula's operations in the library, where it was counted."""
 
     instructions: int
     code: int
     library: int
     data: int
     stack: int
+    formula: int | None = None
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("-O", dest="optimise", choices=("s", "2"), default="s", help="as flown (s), or for speed")
-    parser.add_argument("--json", action="store_true")
+    shape = parser.add_mutually_exclusive_group()
+    shape.add_argument("--json", action="store_true")
+    shape.add_argument("--table", action="store_true", help="the one of docs/performance.md")
     options = parser.parse_args()
     for program in ("arm-none-eabi-gcc", "qemu-system-arm"):
         if shutil.which(program) is None:
@@ -119,12 +128,19 @@ def main():
             return NOT_THERE
     with tempfile.TemporaryDirectory() as folder:
         costs = measure(Path(folder), f"-O{options.optimise}")
+        operations = library_costs(Path(folder), f"-O{options.optimise}")
+        add_formulas(costs, operations)
+        if options.table:
+            print(page_table(costs))
+            return 0
         whole = whole_model(Path(folder), f"-O{options.optimise}")
         steps = navcomp_steps(Path(folder), f"-O{options.optimise}")
     if options.json:
-        print(json.dumps({name: asdict(cost) for name, cost in costs.items()} | {"steps": steps, "whole_model": whole}))
+        rows = {name: asdict(cost) for name, cost in costs.items()}
+        print(json.dumps(rows | {"steps": steps, "whole_model": whole, "operations": operations}))
     else:
-        print(table(costs), *whole_lines(whole), *step_lines(steps), *budget_lines(), HONEST, sep="\n")
+        parts = operation_lines(operations), whole_lines(whole), step_lines(steps), budget_lines()
+        print(table(costs), *(line for lines in parts for line in lines), HONEST, sep="\n")
     return 0
 
 
@@ -165,6 +181,31 @@ def whole_model(folder, optimise):
     result = subprocess.run([*QEMU, elf], check=True, capture_output=True, text=True, timeout=120)
     lines = [line.split()[1:] for line in (result.stdout + result.stderr).splitlines() if line.startswith("whole ")]
     return {name: [*map(int, numbers)] for name, *numbers in lines}
+
+
+def library_costs(folder, optimise):
+    """Instructions of one operation of the library by its kind, after `measure`."""
+    (folder / "library").mkdir()
+    sources = [HERE / "library.c", *(TARGET / name for name in ("start.c", "measure.c"))]
+    driver = [compile_c(source, folder / "library", optimise) for source in sources]
+    elf = folder / "library.elf"
+    command = ["arm-none-eabi-gcc", *FLAGS, f"-T{TARGET / 'link.ld'}", *driver, folder / "data.o"]
+    objects = [folder / f"{source.stem}.o" for source in sorted((ROOT / "firmware/core").glob("*.c"))]
+    subprocess.run([*command, *objects, *LINK, "-o", elf], check=True)
+    result = subprocess.run([*QEMU, elf], check=True, capture_output=True, text=True, timeout=60)
+    lines = [line.split()[1:] for line in (result.stdout + result.stderr).splitlines() if line.startswith("library ")]
+    return {kind: int(instructions) for kind, instructions in lines}
+
+
+def operation_lines(operations):
+    """One operation of the library as text."""
+    return ["", f"{'one in the library':32}{'instructions':>12}", *(f"{k:32}{n:12,}" for k, n in operations.items())]
+
+
+def add_formulas(costs, operations):
+    """What the operations of each formula cost that was counted."""
+    for name, counted in formulas().items():
+        costs[name].formula = sum(number * operations[kind] for kind, number in counted.items())
 
 
 def whole_lines(whole):
@@ -329,6 +370,21 @@ def table(costs):
         ratio = cost.instructions / unit
         lines.append(f"{name:32}{cost.instructions:12,}{ratio:8.2f}{cost.code:7}{cost.library:9}{cost.data:7}{cost.stack:7}")
     return "\n".join(lines)
+
+
+def page_table(costs):
+    """As docs/performance.md has it, with its goals, and what it said before."""
+    said = page.rows_of(page.table_of(page.PAGE.read_text(encoding="utf-8"), "cortex_m4"))
+    return page.markdown(PAGE_COLUMNS, {name: page_row(cost, said.get(name, {})) for name, cost in costs.items()})
+
+
+def page_row(cost, said):
+    """The cells of one row, from what was measured and what the page says of it."""
+    now = {"instructions": cost.instructions, "code, B": cost.code, "constants, B": cost.data, "stack, B": cost.stack}
+    earlier = page.before(cost.instructions, said.get("instructions", ""), said.get("before", ""))
+    formula = "" if cost.formula is None else f"{cost.formula:,}"
+    return {name: f"{value:,}" for name, value in now.items()} | {
+        "before": earlier, "formula": formula, "goal": said.get("goal", "")}
 
 
 if __name__ == "__main__":
