@@ -205,8 +205,8 @@ static int32_t rows_index(const rows_layout_t *layout, const double *values)
 {
     const double mounting = values[0];
     const double position = values[1];
-    if (!(mounting >= 0.0 && mounting <= 255.0 && position >= 0.0 && position <= 255.0) || floor(mounting) != mounting
-        || floor(position) != position) {
+    const bool in_table = mounting >= 0.0 && mounting <= 255.0 && position >= 0.0 && position <= 255.0;
+    if (!in_table || floor(mounting) != mounting || floor(position) != position) {
         return -1;
     }
     for (int channel = 2; channel < 2 + ROWS_OUTPUTS; channel++) {

@@ -171,8 +171,8 @@ class Recording:
 
 @dataclass(frozen=True)
 class _Rows:
-    """`index` (rows,): NUMBERS times the mounting, and the position; `outputs` (rows, 3); `lines` (rows,): their numbers
-    in the file, from 1."""
+    """`index` (rows,): NUMBERS times the mounting, and the position; `outputs` (rows, 3); `lines` (rows,): their
+    numbers in the file, from 1."""
 
     index: Integers
     outputs: Floats

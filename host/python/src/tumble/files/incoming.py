@@ -72,12 +72,12 @@ class Incoming:
                 raise
             raise BadInput(f"its compressed data are damaged: {quoted(error)}", self.name) from None
 
-    def _decompressed(self, stream: io.BufferedReader) -> BinaryIO:
+    def _decompressed(self, stream: Any) -> Any:
         magic = stream.peek(4)[:4]
         if magic.startswith(_GZIP):
             import gzip
 
-            return gzip.GzipFile(fileobj=stream)  # type: ignore[return-value]
+            return gzip.GzipFile(fileobj=stream)
         return self._zstd(stream) if magic == _ZSTD else stream
 
     def _zstd(self, stream: BinaryIO) -> Any:

@@ -52,9 +52,7 @@ class RunReader:
     Raises BadInput with row and column; a zero byte anywhere comes before other complaints.
     """
 
-    def __init__(
-        self, blocks: Iterable[bytes], positions: PositionIndex, wishes: Wishes, file: str, fast: bool = True
-    ):
+    def __init__(self, blocks: Iterable[bytes], positions: PositionIndex, wishes: Wishes, file: str, fast: bool = True):
         self._positions, self._file = positions, file
         self._blocks = iter(blocks)
         start = self._beginning()

@@ -8,14 +8,14 @@ quantiles, so that a third of them may be wrong; where the converter is coarse, 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from tumble.arrays import Flags, Floats, Integers
 from tumble.errors import BadInput
-from tumble.files.run_facts import WITHIN_ONE_SIGMA, Channel
+from tumble.files.run_facts import WITHIN_ONE_SIGMA
 from tumble.files.run_file import Run
 from tumble.files.run_store import RowStore
 from tumble.files.stand_file import StandFile
@@ -87,26 +87,21 @@ class _Judge:
             (full - 1.5 * step, f"at the end of the range of +-{full:g} {self._run.unit}: saturated"),
         ):
             least = math.nextafter(limit, math.inf) if limit > full else limit
-            found = self._rows_where(
-                lambda channel, least=least: max(map(abs, channel.ends)) >= least,
-                lambda outputs, least=least: np.abs(outputs) >= least,
-            )
+            found = self._rows_from(least)
             if found is not None:
                 line, channel, value, rows = found
                 more = f" (and {rows - 1} more rows)" if rows > 1 else ""
                 raise self._refusal(f"{self._said(value)} is {what}{more}", line, channel)
 
-    def _rows_where(
-        self, may_be: Callable[[Channel], bool], are: Callable[[Floats], Flags]
-    ) -> tuple[int, int, float, int] | None:
-        """Of the outputs that `are` something the first one's line, channel and value, and how many rows have such;
-        None: there are none. Looked for where it `may_be`."""
+    def _rows_from(self, least: float) -> tuple[int, int, float, int] | None:
+        """Of the outputs that are so large, of either sign, the first one's line, channel and value, and how many rows
+        have such; None: there are none."""
         first, rows = (0, 0, 0.0), 0
         for position in self._present:
-            if not any(map(may_be, self._facts[position].channels)):
+            if all(max(map(abs, channel.ends)) < least for channel in self._facts[position].channels):
                 continue
             outputs, lines = self._table.rows(position)
-            found = are(outputs)
+            found = np.abs(outputs) >= least
             if (count := int(found.any(axis=1).sum())) > 0:
                 row, channel = np.argwhere(found)[0].tolist()
                 one = int(lines[row]), channel, float(outputs[row, channel])

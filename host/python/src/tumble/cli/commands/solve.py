@@ -24,7 +24,11 @@ def add_to(subparsers: options.Subparsers, about: str) -> None:
         epilog="Exit codes: 0 pass, 1 gravity check failed or the run does not fit its stand, 2 bad input,"
         " 3 core and numpy disagree, 130 interrupted.",
     )
-    parser.add_argument("run", metavar="RUN.csv", help="run file with columns mounting,position,ux,uy,uz; - for standard input")
+    parser.add_argument(
+        "run",
+        metavar="RUN.csv",
+        help="run file with columns mounting,position,ux,uy,uz, also compressed by gzip or zstd; - for standard input",
+    )
     options.add_estimator(parser, "; optimal needs --stand")
     parser.add_argument("--stand", metavar="FILE", help="stand file (TOML): gives the uncertainties")
     options.add_schedule(parser)
