@@ -11,7 +11,9 @@ installed. `--packed`: the same of `tumble solve -` and of a file that gzip has 
 import argparse
 import gzip
 import importlib.util
+import multiprocessing
 import os
+import shutil
 import sys
 import tempfile
 from pathlib import Path
@@ -83,6 +85,16 @@ def write_run(path: Path, rows: int) -> None:
             file.write(lines.tobytes())
 
 
+def prepare(run: Path, packed: Path | None, rows: int) -> None:
+    """Write a run, and what gzip makes of it, in another process: the peak of a process counts that of its parent."""
+    process = multiprocessing.Process(target=write_run, args=(run, rows))
+    process.start()
+    process.join()
+    if packed is not None:
+        with open(run, "rb") as source, gzip.open(packed, "wb", compresslevel=6) as target:
+            shutil.copyfileobj(source, target, 1 << 20)
+
+
 def measure(command: list[str], source: str = os.devnull) -> tuple[float, float]:
     """Seconds of the processor and peak resident memory in MB of a command, given its standard input."""
     files = [(0, source, os.O_RDONLY), (1, os.devnull, os.O_WRONLY), (2, os.devnull, os.O_WRONLY)]
@@ -120,10 +132,9 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         for rows in map(int, arguments.rows.split(",")):
             run, packed = Path(folder) / f"{rows}.csv", Path(folder) / f"{rows}.csv.gz"
-            write_run(run, rows)
+            prepare(run, packed if arguments.packed else None, rows)
             commands = {"tumble solve": ([*solve, str(run)], os.devnull)}
             if arguments.packed:
-                packed.write_bytes(gzip.compress(run.read_bytes(), 6))
                 commands["tumble solve -"] = [*solve, "-"], str(run)
                 commands["tumble solve, gzip"] = [*solve, str(packed)], os.devnull
             else:

@@ -37,7 +37,7 @@ class NoisyRuns:
     def _judge(self, samples):
         case = self._case
         scatter = samples.std(axis=1, ddof=1)
-        facts = [facts_of(rows, np.arange(len(rows))) for rows in samples]
+        facts = [facts_of(np.column_stack((rows, np.arange(len(rows))))) for rows in samples]
         run = Run(case.samples, samples.mean(axis=1), scatter, "V", {}, blocks=blocks_of(facts))
         seen = noise.look(run, case.stand, self._declared)
         stand = case.stand.with_step(self._declared)

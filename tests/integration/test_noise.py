@@ -62,7 +62,7 @@ def run_of(samples, unit="V"):
 
 def blocks_of_rows(positions):
     """Of the rows (samples, 3) of every position."""
-    return blocks_of([facts_of(rows, np.arange(len(rows))) for rows in positions])
+    return blocks_of([facts_of(np.column_stack((rows, np.arange(len(rows))))) for rows in positions])
 
 
 def noisy_run(rng, samples, rho=0.0, sigma=PAPER_STAND.noise, step=0.0):

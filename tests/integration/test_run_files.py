@@ -9,7 +9,6 @@ from blocks import NOMINAL_K
 from hypothesis import given, strategies as st
 
 from tumble.errors import BadInput
-from tumble.files.run_facts import facts_of
 from tumble.files.run_file import read_run
 from tumble.files.run_layout import Wishes
 from tumble.files.run_positions import PositionIndex
@@ -148,8 +147,7 @@ def test_means_are_quotients_of_exact_sums(rows):
     store = RowStore(18, "f")
     for part in reader_of(data):
         store.add(*part)
-    facts = [facts_of(*store.rows(index)) for index in range(18)]
-    counts, means, scatter = zip(*((one.samples, one.means, one.scatter) for one in facts))
+    counts, means, scatter = zip(*((one.samples, one.means, one.scatter) for one in store.facts))
     for index in range(18):
         own = [row[1:] for row in rows if row[0] == index]
         assert counts[index] == len(own)

@@ -152,7 +152,7 @@ def test_sums_and_order_of_many(some, seed):
 def test_facts_of_a_position(numbers, step):
     """Against numpy and brute force."""
     values = np.array(numbers) * step
-    facts = facts_of(np.stack([values, -values, values**2], axis=1), np.arange(len(values)) + 7)
+    facts = facts_of(np.stack([values, -values, values**2, np.arange(len(values)) + 7], axis=1))
     off = np.abs(values - np.median(values))
     runs = [(begin, end) for begin in range(len(values)) for end in range(begin + 1, len(values) + 1)]
     longest = max((end - begin, -begin) for begin, end in runs if len(set(values[begin:end])) == 1)
@@ -168,6 +168,18 @@ def test_facts_of_a_position(numbers, step):
         usual = np.quantile(off, 0.6827, method="lower") * math.sqrt(len(values) / (len(values) - 1))
         assert one.usual == usual
     assert facts.lines == (7, 6 + len(values))
+
+
+@pytest.mark.parametrize("rows", [*range(2, 20), 63, 64, 65, 5000])
+def test_scatter_and_squares_are_those_of_numpy_to_the_bit(rows):
+    values = np.random.default_rng(rows).normal(2.0, 1e-3, (rows, 4))
+    facts, sums, length = facts_of(values), values[:, :3] - values[0, :3], 1
+    assert facts.scatter.tolist() == np.ascontiguousarray(values[:, :3]).std(axis=0, ddof=1).tolist()
+    for squares in facts.squares:
+        first, second = sums[: len(sums) // 2 * 2 : 2], sums[1::2]
+        assert squares.tolist() == (((first - second) ** 2).sum(axis=0) / (2 * length)).tolist()
+        sums, length = first + second, 2 * length
+    assert len(sums) == 1
 
 
 # Rows in memory and in a file.

@@ -322,6 +322,8 @@ typedef struct {
 } rows_found_t;
 void rows_parse(const rows_layout_t *, const char *text, size_t size, double line, uint16_t *index, double (*rows)[4],
                 rows_found_t *);
+void rows_scatter(const double (*rows)[4], size_t number, double *scatter);
+void rows_squares(const double (*rows)[4], size_t number, double (*sums)[3], double (*squares)[3]);
 void rows_sort(uint64_t *values, uint64_t *scratch, size_t number);
 """
 

@@ -1,6 +1,6 @@
 /* rows.c - lines of a run file as numbers, and numbers in order; part of the extension's source.
  *
- * rows_parse takes the lines that are plain: numbers that one division or product makes exact, no quotes, no comments,
+ * Rows are ux, uy, uz and the number of the line. rows_parse takes the lines that are plain: numbers that one division or product makes exact, no quotes, no comments,
  * a position of the schedule. At any other line it stops: tumble.files.run_reader reads that one and complains of it.
  */
 #include <float.h>
@@ -252,6 +252,47 @@ void rows_parse(const rows_layout_t *layout, const char *text, size_t size, doub
         found->high_c = fmax(found->high_c, values[ROWS_TEMPERATURE]);
     }
     found->bytes = (size_t)(at - text);
+}
+
+/* Standard deviation of each channel (n - 1), of two rows or more; summed in their order. */
+void rows_scatter(const double (*rows)[4], size_t number, double *scatter)
+{
+    for (int channel = 0; channel < ROWS_OUTPUTS; channel++) {
+        double sum = 0.0;
+        for (size_t row = 0; row < number; row++) {
+            sum += rows[row][channel];
+        }
+        const double mean = sum / (double)number;
+        double squares = 0.0;
+        for (size_t row = 0; row < number; row++) {
+            const double off = rows[row][channel] - mean;
+            squares += off * off;
+        }
+        scatter[channel] = sqrt(squares / (double)(number - 1U));
+    }
+}
+
+/* Sums of squares of neighbouring blocks of 1, 2, 4, ... rows, as tumble.files.run_blocks defines them: a row of
+ * `squares` for each length. `sums` holds number / 2 rows. */
+void rows_squares(const double (*rows)[4], size_t number, double (*sums)[ROWS_OUTPUTS], double (*squares)[ROWS_OUTPUTS])
+{
+    double length = 1.0;
+    for (size_t blocks = number; blocks > 1U; blocks /= 2U, length *= 2.0, squares++) {
+        const bool of_rows = blocks == number;
+        double found[ROWS_OUTPUTS] = {0.0, 0.0, 0.0};
+        for (size_t pair = 0; pair < blocks / 2U; pair++) {
+            for (int channel = 0; channel < ROWS_OUTPUTS; channel++) {
+                const double origin = rows[0][channel];
+                const double first = of_rows ? rows[2U * pair][channel] - origin : sums[2U * pair][channel];
+                const double second = of_rows ? rows[2U * pair + 1U][channel] - origin : sums[2U * pair + 1U][channel];
+                found[channel] += (first - second) * (first - second);
+                sums[pair][channel] = first + second;
+            }
+        }
+        for (int channel = 0; channel < ROWS_OUTPUTS; channel++) {
+            squares[0][channel] = found[channel] / (2.0 * length);
+        }
+    }
 }
 
 /* The bits of a double as an integer in the order of the doubles, and back. */

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from _tumble_core import ffi, lib
 
-from tumble.arrays import Floats, Integers
+from tumble.arrays import Floats
 
 WITHIN_ONE_SIGMA = 0.6827
 _FEW_ROWS = 1 << 14  # as many are kept of what is ordered or follows in time
@@ -53,21 +53,18 @@ class PositionFacts:
     runs: tuple[tuple[int, int], ...]
 
 
-def facts_of(outputs: Floats, lines: Integers) -> PositionFacts:
-    """Of the rows of a position in the order of the file: outputs (rows, 3), numbers of their lines (rows,)."""
-    samples, unknown = len(outputs), np.full(3, np.nan)
+def facts_of(rows: Floats) -> PositionFacts:
+    """Of the rows of a position in the order of the file: three outputs and the number of the line, (rows, 4)."""
+    samples, unknown = len(rows), np.full(3, np.nan)
     if samples == 0:
         return PositionFacts(0, unknown, unknown, np.zeros((0, 3)), (), 1, (0, 0), ())
     stride = 1
     while samples > stride * _FEW_ROWS:
         stride *= 2
-    columns = [np.ascontiguousarray(channel) for channel in outputs.T]
-    channels = tuple(_channel(values, stride) for values in columns)
-    means = np.array([exact_sum(values) / samples for values in columns])
-    scatter = outputs.std(axis=0, ddof=1) if samples > 1 else unknown
-    runs = tuple((int(lines[one.run[0]]), int(lines[one.run[1] - 1])) for one in channels)
-    ends = int(lines[0]), int(lines[-1])
-    return PositionFacts(samples, means, scatter, _squares(outputs), channels, stride, ends, runs)
+    sums, channels = zip(*(_sum_and_channel(rows[:, channel].copy(), stride) for channel in range(3)))
+    runs = tuple((int(rows[one.run[0], 3]), int(rows[one.run[1] - 1, 3])) for one in channels)
+    ends = int(rows[0, 3]), int(rows[-1, 3])
+    return PositionFacts(samples, np.array(sums) / samples, *_spread(rows), channels, stride, ends, runs)
 
 
 def exact_sum(values: Floats) -> float:
@@ -88,14 +85,18 @@ def exact_sum(values: Floats) -> float:
     return math.fsum(parts)
 
 
-def _squares(rows: Floats) -> Floats:
-    found, sums, length = [], rows - rows[0], 1
-    while len(sums) > 1:
-        paired = sums[: len(sums) // 2 * 2]
-        first, second = paired[0::2], paired[1::2]
-        found.append(((first - second) ** 2).sum(axis=0) / (2 * length))
-        sums, length = first + second, 2 * length
-    return np.array(found).reshape(-1, 3)
+def _spread(rows: Floats) -> tuple[Floats, Floats]:
+    """`scatter` and `squares`."""
+    scatter, squares = np.full(3, np.nan), np.zeros((len(rows).bit_length() - 1, 3))
+    if len(rows) > 1:
+        given, sums = ffi.from_buffer("double[][4]", np.ascontiguousarray(rows)), np.empty((len(rows) // 2, 3))
+        lib.rows_scatter(given, len(rows), ffi.from_buffer("double[]", scatter))
+        lib.rows_squares(given, len(rows), *(ffi.from_buffer("double[][3]", one) for one in (sums, squares)))
+    return scatter, squares
+
+
+def _sum_and_channel(values: Floats, stride: int) -> tuple[float, Channel]:
+    return exact_sum(values), _channel(values, stride)
 
 
 def _channel(values: Floats, stride: int) -> Channel:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import math
 import os
-import tempfile
 from collections.abc import Sequence
 from functools import cached_property
 from typing import BinaryIO
@@ -13,9 +13,9 @@ import numpy as np
 from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput
 from tumble.files.disk import reason
-from tumble.files.run_facts import PositionFacts, facts_of
+from tumble.files.run_facts import PositionFacts, facts_of, in_order, smallest_step_of
 
-ROWS_IN_MEMORY = 1 << 19
+ROWS_IN_MEMORY = 1 << 18
 _ROWS_FOR_STEP = 20000
 _WIDTH = 4  # of a row: three outputs and the number of its line
 
@@ -50,6 +50,8 @@ class RowStore:
             self._write()
 
     def _write(self) -> None:
+        import tempfile
+
         folder = os.environ.get("TMPDIR") or ("/var/tmp" if os.access("/var/tmp", os.W_OK) else tempfile.gettempdir())
         try:
             self._file = self._file or tempfile.TemporaryFile(dir=folder)  # noqa: SIM115 # it lives as long as its rows
@@ -72,6 +74,10 @@ class RowStore:
 
     def rows(self, position: int) -> tuple[Floats, Integers]:
         """Of a position: outputs (rows, 3) and numbers of lines (rows,)."""
+        values = self._rows(position)
+        return values[:, :3], values[:, 3].astype(np.intp)
+
+    def _rows(self, position: int) -> Floats:
         values, begin = np.empty((int(self.samples[position]), _WIDTH)), 0
         for place, count in self._written[position]:
             assert self._file is not None
@@ -81,12 +87,12 @@ class RowStore:
         for part in self._parts[position]:
             values[begin : begin + len(part)] = part
             begin += len(part)
-        return np.ascontiguousarray(values[:, :3]), values[:, 3].astype(np.intp)
+        return values
 
     @cached_property
     def facts(self) -> list[PositionFacts]:
         """What the rows of every position say together."""
-        return [facts_of(*self.rows(position)) for position in range(len(self.samples))]
+        return [facts_of(self._rows(position)) for position in range(len(self.samples))]
 
     @cached_property
     def step(self) -> Floats:
@@ -117,5 +123,5 @@ class _EveryNth:
 
 
 def _smallest_difference(values: Floats) -> float:
-    different = np.diff(np.unique(values))
-    return float(different.min()) if len(different) else 0.0
+    step = smallest_step_of(in_order(values))
+    return step if math.isfinite(step) else 0.0
