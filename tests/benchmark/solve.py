@@ -1,31 +1,29 @@
-"""How long `tumble solve` takes, start of the interpreter included, and how much memory.
+"""What `tumble solve` takes of the processor and of memory, start of the interpreter included.
 
-    tools/benchmark solve [--repeat N]
+    tools/benchmark solve [--repeat N] [--rows N,...] [--packed]
 
-For runs of 900, 5,000 and 1,000,000 rows: the best of N wall times and the peak resident memory of the whole command;
-beside it, measured in the same run, what one would write without it: Python's csv module, numpy, formulas (3) and (7),
-no checks, no witness. Needs the package to be importable, as in the tests.
+For runs of 900 to 10,000,000 rows: the least of N times of the processor (user and system) and the peak resident memory
+of the whole command; beside it, measured in the same run and by turns, what one would write without it, with no checks
+and no witness: Python's csv module and numpy, up to a million rows; pandas.read_csv and groupby where pandas is
+installed. `--packed`: the same of `tumble solve -` and of a file that gzip has compressed, against the plain file.
 """
 
 import argparse
+import gzip
+import importlib.util
+import multiprocessing
 import os
-import random
+import shutil
 import sys
 import tempfile
-import time
 from pathlib import Path
 
-ROWS = (900, 5_000, 1_000_000)
-
-NAIVE = """\
-import csv, sys
 import numpy as np
-samples = {}
-with open(sys.argv[1], newline="") as file:
-    for row in csv.DictReader(file):
-        key = int(row["mounting"]), int(row["position"])
-        samples.setdefault(key, []).append([float(row["ux"]), float(row["uy"]), float(row["uz"])])
-u = {key: np.mean(values, axis=0) for key, values in samples.items()}
+
+ROWS = (900, 5_000, 100_000, 1_000_000, 10_000_000)
+MOST_FOR_CSV = 1_000_000
+
+FORMULAS = """\
 r = np.sqrt(2)
 c, s, b = {}, {}, {}
 for m in (1, 2):
@@ -38,54 +36,114 @@ K[1, 0], K[2, 0] = -s[2][1], s[1][2]
 print(K, (b[1] + b[2]) / 2)
 """
 
+CSV = """\
+import csv, sys
+import numpy as np
+samples = {}
+with open(sys.argv[1], newline="") as file:
+    for row in csv.DictReader(file):
+        key = int(row["mounting"]), int(row["position"])
+        samples.setdefault(key, []).append([float(row["ux"]), float(row["uy"]), float(row["uz"])])
+u = {key: np.mean(values, axis=0) for key, values in samples.items()}
+"""
+
+PANDAS = """\
+import sys
+import numpy as np, pandas
+means = pandas.read_csv(sys.argv[1]).groupby(["mounting", "position"])[["ux", "uy", "uz"]].mean()
+u = dict(zip(means.index, means.to_numpy()))
+"""
+
+RIVALS = {"csv and numpy": CSV + FORMULAS, "pandas": PANDAS + FORMULAS}
+
+
+def written(outputs: np.ndarray) -> np.ndarray:
+    """Numbers as text with seven decimals, ten bytes each: a sign or 0, and the digits."""
+    units = np.rint(np.abs(outputs) * 1e7).astype(np.int64)
+    text = np.full((*outputs.shape, 10), ord("."), dtype=np.uint8)
+    text[..., 0] = np.where(outputs < 0, ord("-"), ord("0"))
+    for place, digit in zip((1, *range(3, 10)), range(7, -1, -1)):
+        text[..., place] = ord("0") + units // 10**digit % 10
+    return text
+
 
 def write_run(path: Path, rows: int) -> None:
-    """A run of so many rows, position after position, noise in the last digits."""
-    rng, half = random.Random(rows), 0.5**0.5
-    sines = [0, half, 1, half, 0, -half, -1, -half, 0]
-    cosines = [1, half, 0, -half, -1, -half, 0, half, 1]
-    with open(path, "w", encoding="ascii") as file:
-        file.write("mounting,position,ux,uy,uz\n")
-        for row in range(rows):
-            mounting, turn = divmod(row * 18 // rows, 9)
-            h, v = sines[turn], cosines[turn]
-            a = (h, 0.0, v) if mounting == 0 else (-h, v, 0.0)
-            u = (f"{0.01 + 2.0 * axis + rng.uniform(-5e-4, 5e-4):.7f}" for axis in a)
-            file.write(f"{mounting + 1},{turn + 1},{','.join(u)}\n")
+    """A run of so many rows, position after position, with Gaussian noise and set angles off by 1e-5 rad."""
+    rng, angles = np.random.default_rng(rows), np.arange(9) * np.pi / 4
+    with open(path, "wb") as file:
+        file.write(b"mounting,position,ux,uy,uz\n")
+        for place in range(18):
+            mounting, turn = divmod(place, 9)
+            angle = angles[turn] + 1e-5 * rng.normal()
+            h, v = np.sin(angle), np.cos(angle)
+            mean = 0.01 + 2.0 * np.array([h, 0.0, v] if mounting == 0 else [-h, v, 0.0])
+            own = (place + 1) * rows // 18 - place * rows // 18
+            lines = np.full((own, 37), ord(","), dtype=np.uint8)
+            lines[:, 0], lines[:, 2], lines[:, -1] = ord("1") + mounting, ord("1") + turn, ord("\n")
+            for channel, text in enumerate(written(mean + 3e-4 * rng.normal(size=(own, 3))).swapaxes(0, 1)):
+                lines[:, 4 + 11 * channel : 14 + 11 * channel] = text
+            file.write(lines.tobytes())
 
 
-def measure(command: list[str], repeat: int) -> tuple[float, float]:
-    """Best wall time in s, and peak resident memory in MB, of a command."""
-    best, peak = float("inf"), 0
-    for _ in range(repeat):
-        start = time.perf_counter()
-        child = os.posix_spawnp(
-            command[0], command, os.environ, file_actions=[(os.POSIX_SPAWN_OPEN, 1, os.devnull, os.O_WRONLY, 0)]
-        )
-        _, status, usage = os.wait4(child, 0)
-        best = min(best, time.perf_counter() - start)
-        if os.waitstatus_to_exitcode(status) != 0:
-            raise SystemExit(f"failed: {' '.join(command)}")
-        peak = max(peak, usage.ru_maxrss)
-    return best, peak / 1024
+def prepare(run: Path, packed: Path | None, rows: int) -> None:
+    """Write a run, and what gzip makes of it, in another process: the peak of a process counts that of its parent."""
+    process = multiprocessing.Process(target=write_run, args=(run, rows))
+    process.start()
+    process.join()
+    if packed is not None:
+        with open(run, "rb") as source, gzip.open(packed, "wb", compresslevel=6) as target:
+            shutil.copyfileobj(source, target, 1 << 20)
+
+
+def measure(command: list[str], source: str = os.devnull) -> tuple[float, float]:
+    """Seconds of the processor and peak resident memory in MB of a command, given its standard input."""
+    files = [(0, source, os.O_RDONLY), (1, os.devnull, os.O_WRONLY), (2, os.devnull, os.O_WRONLY)]
+    actions = [(os.POSIX_SPAWN_OPEN, number, file, mode, 0) for number, file, mode in files]
+    child = os.posix_spawnp(command[0], command, os.environ, file_actions=actions)
+    _, status, usage = os.wait4(child, 0)
+    if os.waitstatus_to_exitcode(status) != 0:
+        raise SystemExit(f"failed: {' '.join(command)}")
+    return usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024
+
+
+def race(commands: dict[str, tuple[list[str], str]], repeat: int) -> dict[str, tuple[float, float]]:
+    """The least of each, measured by turns."""
+    rounds = [{name: measure(*given) for name, given in commands.items()} for _ in range(repeat)]
+    return {name: tuple(map(min, zip(*(one[name] for one in rounds)))) for name in commands}
+
+
+def show(rows: int, found: dict[str, tuple[float, float]]) -> None:
+    """A line for each, with the first one's ratio to it."""
+    (first, (seconds, memory)), *_ = found.items()
+    for name, (its_seconds, its_memory) in found.items():
+        ratios = "" if name == first else f"  {seconds / its_seconds:>6.2f}  {memory / its_memory:>6.2f}"
+        print(f"{rows:>9}  {name:<20}  {its_seconds:>8.2f} s  {its_memory:>5.0f} MB{ratios}", flush=True)
 
 
 def main() -> None:
     """Measure and print a table."""
-    parser = argparse.ArgumentParser(description="Time `tumble solve` beside csv and numpy.")
-    parser.add_argument("--repeat", type=int, default=3, help="the best of so many (default 3)")
-    repeat = parser.parse_args().repeat
-    print(f"{'rows':>9}  {'tumble solve':>20}  {'csv and numpy':>20}  {'time':>6}  {'memory':>6}")
+    parser = argparse.ArgumentParser(description="Measure `tumble solve` beside csv, numpy and pandas.")
+    parser.add_argument("--repeat", type=int, default=3, help="the least of so many (default 3)")
+    parser.add_argument("--rows", default=",".join(map(str, ROWS)), help="sizes (default %(default)s)")
+    parser.add_argument("--packed", action="store_true", help="standard input and gzip instead of others")
+    arguments = parser.parse_args()
+    solve = [sys.executable, "-m", "tumble", "solve"]
+    print("     rows  what                  processor    memory    time  memory   (tumble solve to it)")
     with tempfile.TemporaryDirectory() as folder:
-        for rows in ROWS:
-            run = Path(folder) / f"{rows}.csv"
-            write_run(run, rows)
-            ours, our_memory = measure([sys.executable, "-m", "tumble", "solve", str(run)], repeat)
-            naive, naive_memory = measure([sys.executable, "-c", NAIVE, str(run)], repeat)
-            print(
-                f"{rows:>9}  {ours:>8.2f} s  {our_memory:>5.0f} MB  {naive:>8.2f} s  {naive_memory:>5.0f} MB"
-                f"  {ours / naive:>6.2f}  {our_memory / naive_memory:>6.2f}"
-            )
+        for rows in map(int, arguments.rows.split(",")):
+            run, packed = Path(folder) / f"{rows}.csv", Path(folder) / f"{rows}.csv.gz"
+            prepare(run, packed if arguments.packed else None, rows)
+            commands = {"tumble solve": ([*solve, str(run)], os.devnull)}
+            if arguments.packed:
+                commands["tumble solve -"] = [*solve, "-"], str(run)
+                commands["tumble solve, gzip"] = [*solve, str(packed)], os.devnull
+            else:
+                for name, text in RIVALS.items():
+                    is_there = importlib.util.find_spec("pandas") is not None if text.startswith(PANDAS) else True
+                    if is_there and (rows <= MOST_FOR_CSV or not text.startswith(CSV)):
+                        commands[name] = [sys.executable, "-c", text, str(run)], os.devnull
+            show(rows, race(commands, arguments.repeat))
+            run.unlink()
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ from violation_rows import U0, K
 
 from tumble.core.fit import chi_squared
 from tumble.files.run_blocks import blocks_of
+from tumble.files.run_facts import facts_of
 from tumble.files.run_file import Run
 from tumble.solving import noise
 from tumble.solving.fit import variance_of_means
@@ -36,7 +37,8 @@ class NoisyRuns:
     def _judge(self, samples):
         case = self._case
         scatter = samples.std(axis=1, ddof=1)
-        run = Run(case.samples, samples.mean(axis=1), scatter, "V", {}, blocks=blocks_of([*samples]))
+        facts = [facts_of(np.column_stack((rows, np.arange(len(rows))))) for rows in samples]
+        run = Run(case.samples, samples.mean(axis=1), scatter, "V", {}, blocks=blocks_of(facts))
         seen = noise.look(run, case.stand, self._declared)
         stand = case.stand.with_step(self._declared)
         variance = variance_of_means(stand, run.samples, float(seen.rounding.max()))

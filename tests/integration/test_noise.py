@@ -20,6 +20,7 @@ from tumble.cli import presentation
 from tumble.core import paper_schedule
 from tumble.distributions import chi_squared_above
 from tumble.files.run_blocks import NO_BLOCKS, blocks_of
+from tumble.files.run_facts import facts_of
 from tumble.files.run_file import Run
 from tumble.reference.estimators import estimate
 from tumble.reference.noise import CHANCE_SIGMAS, chance_limit
@@ -56,8 +57,12 @@ def run_of(samples, unit="V"):
     """A run of samples (positions, samples, 3)."""
     count = samples.shape[1]
     scatter = samples.std(axis=1, ddof=1) if count > 1 else np.full((len(samples), 3), np.nan)
-    counts, rows = np.full(len(samples), count), [*samples]
-    return Run(counts, samples.mean(axis=1), scatter, unit, {}, blocks=blocks_of(rows))
+    return Run(np.full(len(samples), count), samples.mean(axis=1), scatter, unit, {}, blocks=blocks_of_rows(samples))
+
+
+def blocks_of_rows(positions):
+    """Of the rows (samples, 3) of every position."""
+    return blocks_of([facts_of(np.column_stack((rows, np.arange(len(rows))))) for rows in positions])
 
 
 def noisy_run(rng, samples, rho=0.0, sigma=PAPER_STAND.noise, step=0.0):
@@ -75,7 +80,7 @@ whole = st.integers(-(2**31), 2**31 - 1)
 @given(st.lists(st.lists(st.tuples(whole, whole, whole), max_size=40), min_size=1, max_size=4).filter(any))
 def test_block_sums_are_those_of_exact_arithmetic(positions):
     """Against fractions, by the definition: every pair of neighbouring blocks of every length."""
-    found = blocks_of([np.array(rows, dtype=float).reshape(-1, 3) for rows in positions])
+    found = blocks_of_rows([np.array(rows, dtype=float).reshape(-1, 3) for rows in positions])
     assert len(found.squares) == max(map(len, positions)).bit_length() - 1
     for level, of_positions in enumerate(found.squares):
         m = 2**level

@@ -6,8 +6,9 @@ from conftest import EXAMPLES
 
 from tumble.core import paper_schedule
 from tumble.errors import BadInput
-from tumble.files.run_file import Run, RunTable, read_run
+from tumble.files.run_file import Run, read_run
 from tumble.files.run_rows import require
+from tumble.files.run_store import RowStore
 from tumble.reference import Geometry
 
 pytestmark = pytest.mark.python
@@ -26,8 +27,15 @@ def honest(rng, rows, step=0.0, rho=0.0):
         noise[:, row] = rho * noise[:, row - 1] + np.sqrt(1 - rho**2) * noise[:, row]
     outputs = (FORCE @ K.T + rng.uniform(-0.05, 0.05, 3))[:, None] + SIGMA * noise
     outputs = np.round(outputs / step) * step if step else outputs
-    table = RunTable(np.repeat(np.arange(18), rows), outputs.reshape(-1, 3), np.arange(18 * rows) + 2, 0, 0)
-    return Run(np.full(18, rows), outputs.mean(axis=1), np.zeros((18, 3)), "V", {}, table=table)
+    return run_of(outputs)
+
+
+def run_of(outputs):
+    """Of outputs (18, rows, 3)."""
+    rows = outputs.shape[1]
+    store = RowStore(18, "run.csv")
+    store.add(np.repeat(np.arange(18), rows), np.column_stack((outputs.reshape(-1, 3), np.arange(18 * rows) + 2)))
+    return Run(np.full(18, rows), outputs.mean(axis=1), np.zeros((18, 3)), "V", {}, table=store)
 
 
 @pytest.mark.parametrize("rows", [1, 2, 3, 5, 50])
@@ -146,11 +154,11 @@ def test_the_declared_range(bits, range_v, said, refused, tmp_path):
 
 def test_noise_that_is_cut_off_without_a_run_of_equal_values():
     run = honest(np.random.default_rng(23), 50)
-    outputs = run.table.outputs
-    top = np.sort(outputs[:, 2])[-30]
-    outputs[:, 2] = np.minimum(outputs[:, 2], top)
+    outputs = np.array([run.table.rows(position)[0] for position in range(18)])
+    top = np.sort(outputs[..., 2], axis=None)[-30]
+    outputs[..., 2] = np.minimum(outputs[..., 2], top)
     with pytest.raises(BadInput, match=r"column uz: 2\.\d+ V in 30 rows, and none beyond: saturated"):
-        require(run, PAPER, None, "run.csv")
+        require(run_of(outputs), PAPER, None, "run.csv")
 
 
 @pytest.mark.parametrize("name", ["paper_stand", "angle_stand", "lab_stand"])

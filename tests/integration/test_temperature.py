@@ -98,6 +98,11 @@ def test_what_is_no_temperature(header, texts, why, tmp_path):
     assert refused.value.fault == message and refused.value.row == (int(row.split()[1]) if row else None)
 
 
+def test_a_decimal_comma_among_points_is_no_temperature(tmp_path):
+    said = "column 'temperature' passed over: row 2: '20,5' is no temperature from -100 to 230 deg C"
+    assert told(tmp_path, ["20,5"], delimiter=";") == (None, (said,))
+
+
 def test_two_columns_that_could_be_it(tmp_path):
     file = run_file(tmp_path, ["20,30"], header="temp,Temp (C)")
     run = read_run(file, PAPER)

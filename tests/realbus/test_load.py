@@ -16,7 +16,7 @@ import can
 import pytest
 from processes import HASTE, Node, Stand, scenario, wait_until
 
-RATES = (500000, 500000, 250000, 125000)  # bits a second, one after the other, until the load is there
+RATES = (500000, 500000, 250000, 125000, 83333)  # bits a second, one after the other, until the load is there
 WANTED, ENOUGH, MOST = 0.80, 0.77, 0.95
 OURS_BITS_PER_S = 32500  # samples, process data, heartbeats
 FLOOD_ID = 0x110

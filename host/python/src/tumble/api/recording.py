@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -15,16 +14,18 @@ from tumble.api.words import told_in_python
 from tumble.arrays import Floats, Integers
 from tumble.core import MAX_MEAN, CoreSchedule
 from tumble.errors import BadInput, UsageError
-from tumble.files import can_log, frames, run_file
+from tumble.files import can_log, frames, incoming, run_file
 from tumble.files.csv_rows import Refused
 from tumble.files.disk import RUN_FILE, read_bytes
-from tumble.files.run_file import PositionIndex, Run, RunTable
-from tumble.files.run_layout import COLUMNS, NO_WISHES, TEMPERATURE, Wishes, detect, find_all, unit_of
+from tumble.files.incoming import Held, held
+from tumble.files.run_file import Rows, Run
+from tumble.files.run_layout import COLUMNS, NO_WISHES, TEMPERATURE, Wishes, find_all, unit_of
+from tumble.files.run_positions import NUMBERS, Anywhere, PositionIndex
+from tumble.files.run_reader import RunReader
+from tumble.files.run_store import RowStore
 from tumble.files.run_temperature import Temperatures, temperatures_of_table
 from tumble.files.tables import SUFFIXES, read_table_file, suffix_of
 from tumble.schedule import Schedule
-
-_ANYWHERE = 256  # numbers of mountings and positions: 0 to 255
 
 
 class Recording:
@@ -34,34 +35,37 @@ class Recording:
     found in it and taken for granted, as sentences; else empty.
     """
 
-    def __init__(self, name: str, wishes: Wishes, data: bytes | None = None, table: Any = None, from_file: bool = True):
-        """`data`: of a CSV file; else `table`: any that files.frames knows. `name`: what errors call it."""
+    def __init__(
+        self, name: str, wishes: Wishes, source: str | Held | None = None, table: Any = None, is_file: bool = True
+    ):
+        """`source`: a run file, "-" for standard input, or what was in one; else `table`: any that files.frames knows.
+        `name`: what errors call it."""
         self.name = name
-        self._from_file = from_file
+        self._is_file = is_file
         self._wishes = wishes
-        self._data = data
+        self._source = source
         self._table = table
         self.notes: tuple[str, ...] = ()
 
     @property
     def is_file(self) -> bool:
         """Was it read from a file?"""
-        return self._from_file
+        return self._is_file
 
     @property
     def sha256(self) -> str | None:
         """Of the bytes of a CSV file, in hexadecimal digits, as results have it; None for other recordings."""
-        return None if self._data is None else hashlib.sha256(self._data).hexdigest()
+        return None if self._source is None else self._held.sha256
 
     @property
     def mounting(self) -> Integers:
         """Number of each row's mounting: (rows,)."""
-        return self._rows.index // _ANYWHERE
+        return self._rows.index // NUMBERS
 
     @property
     def position(self) -> Integers:
         """Number of each row's position: (rows,)."""
-        return self._rows.index % _ANYWHERE
+        return self._rows.index % NUMBERS
 
     @property
     def outputs(self) -> Floats:
@@ -71,8 +75,8 @@ class Recording:
     @property
     def unit(self) -> str | None:
         """Of the outputs; None where nobody told it: volts are assumed."""
-        if self._data is not None:
-            layout = detect(self._data, self._wishes, self.name)
+        if self._source is not None:
+            layout = self._text[1].layout
             return layout.unit if layout.unit_told else None
         return self._columns[1]
 
@@ -91,11 +95,12 @@ class Recording:
     def on(self, schedule: CoreSchedule) -> tuple[Run, CoreSchedule]:
         """The run, averaged position by position, and the schedule: the given one, or its form with closures where the
         run has them. Raises BadInput."""
-        if self._data is not None:
-            return run_file.read_measured(self.name, schedule, self._wishes, self._data)
+        if self._source is not None:
+            known = self._held if "_held" in self.__dict__ else self._source
+            return run_file.read_measured(known, schedule, self._wishes)
         return run_file.on_schedule(self._on, schedule)
 
-    def _on(self, schedule: Schedule) -> Run:
+    def _on(self, schedule: Schedule) -> Rows:
         positions, rows = PositionIndex(schedule), self._rows
         index = positions.of_arrays(self.mounting.astype(float), self.position.astype(float))
         if (index < 0).any():
@@ -104,31 +109,44 @@ class Recording:
                 positions.of_row(float(self.mounting[row]), float(self.position[row]))
             except Refused as refused:
                 raise BadInput(str(refused), self.name, int(rows.lines[row]), refused.column) from None
+        store = RowStore(len(schedule.positions), self.name)
+        store.add(index, np.column_stack((rows.outputs, rows.lines)))
         unit, (felt, passed_over) = self.unit, self._temperatures
         ignored = len(frames.names_of(self._table)) - len(COLUMNS) - (felt is not None)
-        told = unit or "V", unit is not None, ignored
-        return run_file.averaged(replace(rows, index=index), schedule, *told, temperature=felt, passed_over=passed_over)
+        counters = {"blank_lines": 0, "comment_lines": 0, "columns_ignored": ignored}
+        return Rows(store, unit or "V", unit is not None, counters, temperature=felt, passed_over=passed_over)
+
+    @cached_property
+    def _held(self) -> Held:
+        """All of a run file."""
+        return held(self._source) if isinstance(self._source, str) else cast(Held, self._source)
+
+    @cached_property
+    def _text(self) -> tuple[_Rows, RunReader]:
+        """The rows of a run file, and what has read them."""
+        reader = RunReader(self._held, Anywhere(), self._wishes, self.name)
+        index, values = zip(*reader)
+        rows = np.concatenate(values)
+        return _Rows(np.concatenate(index), rows[:, :3], rows[:, 3].astype(int)), reader
 
     @cached_property
     def _temperatures(self) -> tuple[Temperatures | None, tuple[str, ...]]:
         """And sentences on a column that is passed over."""
-        if self._data is not None:
-            return run_file.temperatures(self._data, detect(self._data, self._wishes, self.name), self.name)
+        if self._source is not None:
+            return self._text[1].temperature
         return temperatures_of_table(self._table, self._wishes.columns, len(self), self.name)
 
     @cached_property
-    def _rows(self) -> RunTable:
-        if self._data is not None:
-            run_file.require_text(self._data, self.name)
-            layout = detect(self._data, self._wishes, self.name)
-            return run_file.read_table(self._data, layout, _Anywhere(), self.name)
+    def _rows(self) -> _Rows:
+        if self._source is not None:
+            return self._text[0]
         places, _ = self._columns
         rows = frames.stacked(self._table, places, COLUMNS, self.name)
         if not len(rows):
             raise BadInput("no samples", self.name)
         self._require(rows)
-        index = _Anywhere().of_arrays(rows[:, 0], rows[:, 1])
-        return RunTable(index, rows[:, 2:], np.arange(1, len(rows) + 1), 0, 0)
+        index = Anywhere().of_arrays(rows[:, 0], rows[:, 1])
+        return _Rows(index, rows[:, 2:], np.arange(1, len(rows) + 1))
 
     @cached_property
     def _columns(self) -> tuple[tuple[int, ...], str | None]:
@@ -143,7 +161,7 @@ class Recording:
     def _require(self, rows: Floats) -> None:
         """Numbers in range, as of a run file; the first row that has none is complained of. Rows count from 1."""
         bad = ~(np.abs(rows) <= MAX_MEAN)
-        bad[:, :2] |= ~((rows[:, :2] >= 0) & (rows[:, :2] < _ANYWHERE) & (rows[:, :2] == np.floor(rows[:, :2])))
+        bad[:, :2] |= ~((rows[:, :2] >= 0) & (rows[:, :2] < NUMBERS) & (rows[:, :2] == np.floor(rows[:, :2])))
         if bad.any():
             row, column = np.argwhere(bad)[0].tolist()
             value = float(rows[row, column])
@@ -151,12 +169,14 @@ class Recording:
             raise BadInput(f"{value!r} is not {kind}", self.name, row + 1, COLUMNS[column])
 
 
-class _Anywhere(PositionIndex):
-    """For rows whose schedule is not known yet: every number of a mounting and of a position is good."""
+@dataclass(frozen=True)
+class _Rows:
+    """`index` (rows,): NUMBERS times the mounting, and the position; `outputs` (rows, 3); `lines` (rows,): their
+    numbers in the file, from 1."""
 
-    def __init__(self) -> None:
-        self.mountings = set(range(_ANYWHERE))
-        self._table = np.arange(_ANYWHERE**2).reshape(_ANYWHERE, _ANYWHERE)
+    index: Integers
+    outputs: Floats
+    lines: Integers
 
 
 def recording_of(source: Any, wishes: Wishes = NO_WISHES) -> Recording:
@@ -167,12 +187,10 @@ def recording_of(source: Any, wishes: Wishes = NO_WISHES) -> Recording:
         file = str(os.fspath(source))
         if suffix_of(file) in SUFFIXES:
             return Recording(file, wishes, table=read_table_file(file))
-        data = read_bytes(file, RUN_FILE)
-        can_log.refuse(data, file)
-        return Recording(file, wishes, data=data)
+        return Recording(incoming.name_of(file), wishes, file, is_file=file != incoming.STANDARD_INPUT)
     if not frames.is_table(source):
         source = _of_array(source)
-    return Recording(frames.library_of(source) or "table", wishes, table=source, from_file=False)
+    return Recording(frames.library_of(source) or "table", wishes, table=source, is_file=False)
 
 
 def _of_array(source: Any) -> dict[str, Floats]:
@@ -237,7 +255,8 @@ def _of_can_log(
 ) -> Recording | None:
     """What the rests of a CAN log tell; None for any other source, which must be told nothing that only a log has."""
     file = str(os.fspath(source)) if isinstance(source, (str, os.PathLike)) else None
-    data = read_bytes(file, RUN_FILE) if file is not None and suffix_of(file) not in SUFFIXES else b""
+    is_text = file is not None and file != incoming.STANDARD_INPUT and suffix_of(file) not in SUFFIXES
+    data = read_bytes(file, RUN_FILE) if file is not None and is_text else b""
     if file is None or can_log.kind_of(data) is None:
         said = {"dbc": dbc, "schedule": schedule, "v_per_count": v_per_count}
         for name, value in said.items():
@@ -254,8 +273,7 @@ def _of_can_log(
     bus = Bus(dbc=None if dbc is None else str(os.fspath(dbc)), v_per_count=float(v_per_count or 0.0))
     settings = Settings(schedule=None if schedule is None else str(schedule), wishes=wishes, bus=bus)
     done = import_recordings([file], read_schedule(settings.schedule_name).data, settings)
-    found = Recording(
-        file, replace(NO_WISHES, unit=done.unit if done.unit_told else None), report.run_csv(done).encode()
-    )
+    own = Held(report.run_csv(done).encode(), file)
+    found = Recording(file, replace(NO_WISHES, unit=done.unit if done.unit_told else None), own)
     found.notes = done.notes
     return found

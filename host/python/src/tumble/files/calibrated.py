@@ -22,8 +22,7 @@ from tumble.errors import BadInput, NotInstalled, file_name, quoted
 from tumble.files import frames
 from tumble.files.csv_rows import Refused, fast_numbers, row_of_numbers
 from tumble.files.disk import reason
-from tumble.files.run_file import require_text
-from tumble.files.run_layout import Wishes, detect, find_all, is_blank, is_comment, split, unit_of
+from tumble.files.run_layout import Wishes, detect, find_all, is_blank, is_comment, require_text, split, unit_of
 from tumble.files.run_temperature import Temperatures, read_temperatures, temperatures_of_table
 from tumble.units import noise_unit, volts_per
 

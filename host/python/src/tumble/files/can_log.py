@@ -7,7 +7,6 @@ when there is such a file.
 from __future__ import annotations
 
 import io
-import logging
 import re
 from collections.abc import Iterator
 from typing import Any, NamedTuple
@@ -137,5 +136,7 @@ def _reader_of(file: str, kind: str) -> Any:
             import asammdf  # noqa: F401
         except ImportError:
             raise NotInstalled(f"{file_name(file)}: a CAN log in MF4", "asammdf", extra="mf4") from None
+    import logging
+
     logging.getLogger("can").addHandler(logging.NullHandler())  # else its remarks would stand among ours
     return getattr(can, _READERS[kind])

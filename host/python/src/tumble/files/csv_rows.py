@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Iterable
 
 import numpy as np
 
-from tumble.arrays import Flags, Floats
+from tumble.arrays import Flags, Floats, Integers
 from tumble.core import MAX_MEAN
 from tumble.errors import quoted
-from tumble.files.run_layout import NUMBER, Layout, split
+from tumble.files.run_layout import NUMBER, Layout, decoded, split
 
 LARGEST_OUTPUT: float = MAX_MEAN  # of either sign: beyond, no output is believed
 _NOT_FINITE = {"nan", "inf", "infinity"}
@@ -56,6 +57,33 @@ def fast_numbers(data: bytes, body: int, layout: Layout) -> tuple[Floats, Flags]
     except ValueError:
         return None
     return values, full
+
+
+def read_plain(data: bytes, layout: Layout) -> tuple[Floats, Integers, int] | None:
+    """The numbers in the layout's columns, their lines, and how many blank lines there are; None where the file is not
+    plain."""
+    found = fast_numbers(data, _end_of_line(data, layout.header_row), layout)
+    if found is None:
+        return None
+    values, full = found
+    lines = layout.header_row + 1 + np.flatnonzero(full)
+    blanks = int((~full).sum()) - (0 if full[-1] else 1)  # what follows the last line end is no line
+    return values, lines, layout.blanks + blanks
+
+
+def _end_of_line(data: bytes, row: int) -> int:
+    """Where the line after line number `row` begins."""
+    end = 0
+    for _ in range(row):
+        newline = data.find(b"\n", end)
+        end = len(data) if newline < 0 else newline + 1
+    return end
+
+
+def body_of(data: bytes, layout: Layout) -> Iterable[tuple[int, str]]:
+    """What follows the header: lines and their numbers."""
+    lines = enumerate(io.StringIO(decoded(data), newline=None), start=1)
+    return ((row, line) for row, line in lines if row > layout.header_row)
 
 
 def _is_plain(data: bytes, body: int, layout: Layout) -> bool:

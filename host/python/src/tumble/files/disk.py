@@ -26,13 +26,19 @@ def path_of(file: object) -> str:
 
 def read_bytes(file: str, within: str | None = None) -> bytes:
     """All of a file. `within`: the file of a run folder to be advised where a folder is given. Raises BadInput."""
-    if within is not None and os.path.isfile(inner := os.path.join(path_of(file), within)):
-        raise BadInput(f"a folder, not a file: give {file_name(inner)}", file)
+    if within is not None:
+        require_no_folder_of(file, within)
     with opened(file) as stream:
         try:
             return stream.read()
         except OSError as error:
             raise BadInput(reason(error), file) from None
+
+
+def require_no_folder_of(file: str, within: str) -> None:
+    """Raises BadInput for a run folder, where its file `within` is what is wanted."""
+    if os.path.isfile(inner := os.path.join(path_of(file), within)):
+        raise BadInput(f"a folder, not a file: give {file_name(inner)}", file)
 
 
 def opened(file: str) -> BinaryIO:

@@ -5,11 +5,13 @@ Rows of a position are taken for consecutive samples, in the order of the file.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from tumble.arrays import Floats
+from tumble.files.run_facts import PositionFacts, smallest_step_of
 
 
 @dataclass(frozen=True)
@@ -26,28 +28,16 @@ class Blocks:
 NO_BLOCKS = Blocks(np.zeros((0, 0, 3)), np.full(3, np.inf))
 
 
-def blocks_of(positions: list[Floats]) -> Blocks:
-    """Of the rows (samples, 3) of every position."""
-    lengths = max(len(rows) for rows in positions).bit_length() - 1
+def blocks_of(positions: Sequence[PositionFacts]) -> Blocks:
+    """Of all positions."""
+    lengths = max(len(one.squares) for one in positions)
     squares, resolution = np.zeros((lengths, len(positions), 3)), np.full(3, np.inf)
-    for index, rows in enumerate(positions):
-        if len(rows) > 1:
-            squares[: len(rows).bit_length() - 1, index] = _squares(rows)
-            resolution = np.minimum(resolution, [smallest_step(channel) for channel in rows.T])
+    for index, one in enumerate(positions):
+        squares[: len(one.squares), index] = one.squares
+        resolution = np.minimum(resolution, [channel.resolution for channel in one.channels] or np.inf)
     return Blocks(squares, resolution)
-
-
-def _squares(rows: Floats) -> list[Floats]:
-    found, sums, length = [], rows - rows[0], 1
-    while len(sums) > 1:
-        paired = sums[: len(sums) // 2 * 2]
-        first, second = paired[0::2], paired[1::2]
-        found.append(((first - second) ** 2).sum(axis=0) / (2 * length))
-        sums, length = first + second, 2 * length
-    return found
 
 
 def smallest_step(values: Floats) -> float:
     """Between two values of a channel: the converter's, where it is coarse; infinite where there is one value alone."""
-    steps = np.diff(np.unique(values))
-    return float(steps.min(initial=np.inf))
+    return smallest_step_of(np.sort(values))

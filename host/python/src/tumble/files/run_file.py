@@ -1,45 +1,27 @@
 """Run files: recorded samples in, one mean per position and channel out.
 
-A file goes one way: its bytes, its layout, its rows as numbers, their means. Rows are read fast where the file is
-plain, carefully where it is not. The fast way hands plain files to numpy's parser after proving, from the places of
-delimiters and line ends, that every row has as many fields as the header. Whatever it does not take for certain, it
-leaves to the careful way, which reads line by line and is the one that complains: so both accept the same files, and
-every complaint knows its row.
+A file goes one way: its bytes in blocks (incoming), its layout (run_layout), its rows as numbers (run_reader), grouped
+by position (run_store), what those of a position say together (run_facts). Only the last two look at more than a block,
+and only at the rows of one position at a time.
 """
 
 from __future__ import annotations
 
-import hashlib
-import io
-import math
-import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from tumble.arrays import Flags, Floats, Integers
-from tumble.core import MAX_MEAN, CoreSchedule
-from tumble.errors import BadInput
-from tumble.files import can_log
-from tumble.files.csv_rows import NotANumber, Refused, fast_numbers, row_of_numbers
-from tumble.files.disk import read_bytes
+from tumble.core import CoreSchedule
+from tumble.files.incoming import Held, Incoming
 from tumble.files.run_blocks import NO_BLOCKS, Blocks, blocks_of
-from tumble.files.run_layout import (
-    COLUMNS,
-    NO_WISHES,
-    NUMBER,
-    Layout,
-    Wishes,
-    decoded,
-    detect,
-    is_blank,
-    is_comment,
-    is_number,
-    split,
-)
-from tumble.files.run_temperature import Temperatures, read_temperatures
-from tumble.schedule import CHECK, CLOSED, Schedule
+from tumble.files.run_layout import COLUMNS, NO_WISHES, Wishes
+from tumble.files.run_positions import PositionIndex
+from tumble.files.run_reader import RunReader
+from tumble.files.run_store import RowStore
+from tumble.files.run_temperature import Temperatures
+from tumble.schedule import CHECK, CLOSED, Position, Schedule
 
 
 @dataclass(frozen=True)
@@ -61,7 +43,7 @@ class Run:
     counters: dict[str, int]
     sha256: str = ""
     unit_told: bool = True
-    table: RunTable | None = None
+    table: RowStore | None = None
     blocks: Blocks = NO_BLOCKS
     temperature: Temperatures | None = None
     passed_over: tuple[str, ...] = ()
@@ -73,247 +55,78 @@ class Run:
 
 
 def read_measured(
-    file: str, schedule: CoreSchedule, wishes: Wishes = NO_WISHES, data: bytes | None = None
+    source: str | Incoming | Held, schedule: CoreSchedule, wishes: Wishes = NO_WISHES
 ) -> tuple[Run, CoreSchedule]:
     """Read a run file as `read_run` does, on a schedule as `on_schedule` takes it. Raises BadInput."""
-    return on_schedule(lambda planned: read_run(file, planned, wishes, data), schedule)
+    return on_schedule(lambda planned: read_rows(source, planned, wishes), schedule)
 
 
-def on_schedule(run_on: Callable[[Schedule], Run], schedule: CoreSchedule) -> tuple[Run, CoreSchedule]:
-    """A run on a schedule, or where it has positions that close its mountings, on the form of it that has them."""
-    if schedule.name in CLOSED:
-        closed = CoreSchedule.built_in(CLOSED[schedule.name])
-        run = run_on(closed.data)
-        if any(run.samples[index] > 0 for index, one in enumerate(closed.data.positions) if one.use == CHECK):
-            return run, closed
-    return run_on(schedule.data), schedule
+def on_schedule(read: Callable[[Schedule], Rows], schedule: CoreSchedule) -> tuple[Run, CoreSchedule]:
+    """A run on a schedule, or where it has positions that close its mountings, on the form of it that has them. It is
+    read once, on that form."""
+    if schedule.name not in CLOSED:
+        return read(schedule.data).run(), schedule
+    closed = CoreSchedule.built_in(CLOSED[schedule.name])
+    rows = read(closed.data)
+    if any(rows.store.samples[index] > 0 for index, one in enumerate(closed.data.positions) if one.use == CHECK):
+        return rows.run(), closed
+    return rows.on(closed.data, schedule.data).run(), schedule
 
 
-def read_run(file: str, schedule: Schedule, wishes: Wishes = NO_WISHES, data: bytes | None = None) -> Run:
-    """Read a run file (CSV); `data`: what is in it, if that has been read. Raises BadInput."""
-    data = read_bytes(file) if data is None else data
-    can_log.refuse(data, file)
-    require_text(data, file)
-    layout = detect(data, wishes, file)
-    table = read_table(data, layout, PositionIndex(schedule), file)
-    temperature, passed_over = temperatures(data, layout, file)
-    ignored = layout.width - len(COLUMNS) - (temperature is not None)
-    told = ignored, hashlib.sha256(data).hexdigest(), temperature, passed_over
-    return averaged(table, schedule, layout.unit, layout.unit_told, *told)
-
-
-def averaged(
-    table: RunTable,
-    schedule: Schedule,
-    unit: str,
-    unit_told: bool,
-    columns_ignored: int,
-    sha256: str = "",
-    temperature: Temperatures | None = None,
-    passed_over: tuple[str, ...] = (),
-) -> Run:
-    """The run that the rows of a `table` are."""
-    samples, means, scatter, blocks = _average(table, len(schedule.positions))
-    measured = int((samples > 0).sum())
-    counters = {
-        "rows": len(table.index),
-        "positions": measured,
-        "positions_missing": len(schedule.positions) - measured,
-        "blank_lines": table.blanks,
-        "comment_lines": table.comments,
-        "columns_ignored": columns_ignored,
-    }
-    given = samples, means, scatter, unit, counters, sha256, unit_told, table, blocks
-    return Run(*given, temperature, passed_over)
-
-
-def require_text(data: bytes, file: str) -> None:
-    """Raise BadInput for what is no text, or empty."""
-    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
-        raise BadInput("UTF-16 text; save it as UTF-8", file, 1)
-    zero = data.find(b"\0")
-    if zero >= 0:
-        raise BadInput("not a text file", file, data.count(b"\n", 0, zero) + 1)
-    if not data.strip():
-        raise BadInput("the file is empty", file, 1)
+def read_run(file: str, schedule: Schedule, wishes: Wishes = NO_WISHES) -> Run:
+    """Read a run file (CSV), or standard input ("-"), compressed or not. Raises BadInput, NotInstalled."""
+    return read_rows(file, schedule, wishes).run()
 
 
 @dataclass(frozen=True)
-class RunTable:
-    """`index` (rows,): each row's position in the schedule; `outputs` (rows, 3); `lines` (rows,): their numbers in the
-    file, from 1; lines that were passed over."""
+class Rows:
+    """What a file or a table holds: its rows in a `store`, the `unit` of their outputs and whether that is told, and as
+    in Run `counters` of what was passed over, `sha256`, `temperature` and `passed_over`."""
 
-    index: Integers
-    outputs: Floats
-    lines: Integers
-    blanks: int
-    comments: int
+    store: RowStore
+    unit: str
+    unit_told: bool
+    counters: dict[str, int]
+    sha256: str = ""
+    temperature: Temperatures | None = None
+    passed_over: tuple[str, ...] = ()
 
+    def on(self, planned: Schedule, other: Schedule) -> Rows:
+        """On a schedule that has all their positions, after the one that they were read on."""
+        places = {_numbers(position): index for index, position in enumerate(planned.positions)}
+        return replace(self, store=self.store.on([places[_numbers(position)] for position in other.positions]))
 
-class PositionIndex:
-    """From mounting and position numbers to the index of a position in the schedule."""
-
-    def __init__(self, schedule: Schedule):
-        self.mountings = {mounting.number for mounting in schedule.mountings}
-        self._table = np.full((256, 256), -1)
-        for index, position in enumerate(schedule.positions):
-            self._table[position.mounting, position.number] = index
-
-    def of_arrays(self, mountings: Floats, positions: Floats) -> Integers:
-        """Indices of many rows; -1 where a number is not whole or the schedule does not have it."""
-        known = (mountings >= 0) & (mountings <= 255) & (positions >= 0) & (positions <= 255)
-        known &= (mountings == np.floor(mountings)) & (positions == np.floor(positions))
-        rows = np.where(known, mountings, 0).astype(np.intp)
-        return np.where(known, self._table[rows, np.where(known, positions, 0).astype(np.intp)], -1)
-
-    def of_row(self, mounting: float, position: float) -> int:
-        """Index of one row. Raises Refused, saying what the schedule does not have."""
-        for column, number in (("mounting", mounting), ("position", position)):
-            if number != math.floor(number):
-                raise Refused(f"{number!r} is not a whole number", column)
-        if mounting not in self.mountings:
-            hint = self._are_exchanged(mounting, position) or f"mountings are {_listed(self.mountings)}"
-            raise Refused(f"the schedule has no mounting {mounting:.15g}; {hint}", "mounting")
-        index = int(self._table[int(mounting), int(position)]) if 0 <= position <= 255 else -1
-        if index < 0:
-            missing = f"the schedule has no position {position:.15g} in mounting {mounting:.15g}"
-            known = np.flatnonzero(self._table[int(mounting)] >= 0).tolist()
-            raise Refused(f"{missing}; positions are {_listed(known)}", "position")
-        return index
-
-    def _are_exchanged(self, mounting: float, position: float) -> str | None:
-        """A question, where the row would be good the other way round."""
-        known = position in self.mountings and 0 <= mounting <= 255
-        is_good = known and self._table[int(position), int(mounting)] >= 0
-        asked = "are mounting and position exchanged? Or is it a run of another schedule (--schedule)?"
-        return asked if is_good else None
+    def run(self) -> Run:
+        """Averaged, position by position."""
+        samples, facts = self.store.samples, self.store.facts
+        measured = int((samples > 0).sum())
+        counters = {
+            "rows": int(samples.sum()),
+            "positions": measured,
+            "positions_missing": len(samples) - measured,
+            **self.counters,
+        }
+        means, scatter = np.array([one.means for one in facts]), np.array([one.scatter for one in facts])
+        given = samples, means, scatter, self.unit, counters, self.sha256, self.unit_told, self.store, blocks_of(facts)
+        return Run(*given, self.temperature, self.passed_over)
 
 
-def _listed(numbers: Iterable[int]) -> str:
-    """As "1 to 9", or all of them where some between are missing."""
-    known = sorted(numbers)
-    if known and len(known) > 2 and known[-1] - known[0] == len(known) - 1:
-        return f"{known[0]} to {known[-1]}"
-    return ", ".join(map(str, known)) or "none"
+def _numbers(position: Position) -> tuple[int, int]:
+    return position.mounting, position.number
 
 
-def read_table(data: bytes, layout: Layout, positions: PositionIndex, file: str) -> RunTable:
-    """All rows of a run file. Raises BadInput with row and column."""
-    table = _read_fast(data, layout, positions)
-    return table if table is not None else _read_carefully(data, layout, positions, file)
-
-
-def _read_fast(data: bytes, layout: Layout, positions: PositionIndex) -> RunTable | None:
-    """All rows, or None where the file is not plain or not in order."""
-    plain = read_plain(data, layout)
-    if plain is None:
-        return None
-    values, lines, blanks = plain
-    index = positions.of_arrays(values[:, 0], values[:, 1])
-    outputs = values[:, 2:]
-    if not (np.abs(outputs) <= MAX_MEAN).all() or (index < 0).any():
-        return None
-    return RunTable(index, outputs, lines, blanks, layout.comments)
-
-
-def read_plain(data: bytes, layout: Layout) -> tuple[Floats, Integers, int] | None:
-    """The numbers in the layout's columns, their lines, and how many blank lines there are; None where the file is not
-    plain."""
-    found = fast_numbers(data, _end_of_line(data, layout.header_row), layout)
-    if found is None:
-        return None
-    values, full = found
-    lines = layout.header_row + 1 + np.flatnonzero(full)
-    blanks = int((~full).sum()) - (0 if full[-1] else 1)  # what follows the last line end is no line
-    return values, lines, layout.blanks + blanks
-
-
-def _end_of_line(data: bytes, row: int) -> int:
-    """Where the line after line number `row` begins."""
-    end = 0
-    for _ in range(row):
-        newline = data.find(b"\n", end)
-        end = len(data) if newline < 0 else newline + 1
-    return end
-
-
-def _read_carefully(data: bytes, layout: Layout, positions: PositionIndex, file: str) -> RunTable:
-    """All rows, line by line."""
-    indices: list[int] = []
-    outputs, lines = [], []
-    blanks, comments = layout.blanks, layout.comments
-    for row, line in body_of(data, layout):
-        if is_blank(line) or is_comment(line):
-            blanks, comments = blanks + is_blank(line), comments + is_comment(line)
-            continue
-        try:
-            index, values = _read_row(line, layout, positions)
-        except NotANumber as refused:
-            hint = _hint(refused, line, not indices, data, layout, positions)
-            raise BadInput(f"{refused}{hint}", file, row, refused.column) from None
-        except Refused as refused:
-            raise BadInput(str(refused), file, row, refused.column) from None
-        indices.append(index)
-        outputs.append(values)
-        lines.append(row)
-    if not indices:
-        raise BadInput("no samples after the header", file, layout.header_row)
-    return RunTable(np.array(indices), np.array(outputs), np.array(lines), blanks, comments)
-
-
-def body_of(data: bytes, layout: Layout) -> Iterable[tuple[int, str]]:
-    """What follows the header: lines and their numbers."""
-    lines = enumerate(io.StringIO(decoded(data), newline=None), start=1)
-    return ((row, line) for row, line in lines if row > layout.header_row)
-
-
-def temperatures(data: bytes, layout: Layout, file: str) -> tuple[Temperatures | None, tuple[str, ...]]:
-    """Of a run file, as read_temperatures reads them. Raises BadInput."""
-    rows = ((row, line) for row, line in body_of(data, layout) if not is_blank(line) and not is_comment(line))
-    return read_temperatures(rows, layout, file)
-
-
-def _hint(refused: NotANumber, line: str, is_first: bool, data: bytes, layout: Layout, positions: PositionIndex) -> str:
-    """What to do about it. Another option is advised only where all rows can be read with it: else one piece of advice
-    would lead to the next."""
-    if is_first and not any(map(is_number, split(line, layout.delimiter))):
-        return " (a row of units? Delete it, or begin it with #; --unit says the unit)"
-    if refused.column == "mounting":
-        return f"; mountings are {_listed(positions.mountings)}"
-    if not NUMBER.fullmatch(re.sub(r"[.,\s']", "", refused.text)):
-        return ""
-    other = replace(layout, decimal="." if layout.decimal == "," else ",")
-    if other.decimal in refused.text and _has_numbers_alone(data, other, positions):
-        return f" (its decimal mark? see --decimal {other.decimal})"
-    return " (write all numbers with the same decimal mark, and without thousands separators)"
-
-
-def _has_numbers_alone(data: bytes, layout: Layout, positions: PositionIndex) -> bool:
-    """Can all rows be read, as far as numbers go?"""
-    for _, line in body_of(data, layout):
-        try:
-            if not is_blank(line) and not is_comment(line):
-                _read_row(line, layout, positions)
-        except NotANumber:
-            return False
-        except Refused:
-            continue
-    return True
-
-
-def _read_row(line: str, layout: Layout, positions: PositionIndex) -> tuple[int, list[float]]:
-    values = row_of_numbers(line, layout, COLUMNS)
-    return positions.of_row(*values[:2]), values[2:]
-
-
-def _average(table: RunTable, positions: int) -> tuple[Integers, Floats, Floats, Blocks]:
-    """Samples, means, scatter and blocks per position. Sums are exact (fsum): to them the order does not matter."""
-    samples = np.bincount(table.index, minlength=positions)
-    means, scatter = np.full((2, positions, 3), np.nan)
-    grouped = np.split(table.outputs[np.argsort(table.index, kind="stable")], np.cumsum(samples)[:-1])
-    for index, rows in enumerate(grouped):
-        if len(rows) > 0:
-            means[index] = [math.fsum(channel) / len(rows) for channel in rows.T.tolist()]
-        if len(rows) > 1:
-            scatter[index] = rows.std(axis=0, ddof=1)
-    return samples, means, scatter, blocks_of(grouped)
+def read_rows(source: str | Incoming | Held, schedule: Schedule, wishes: Wishes = NO_WISHES) -> Rows:
+    """As read_run, without looking at the rows. Raises BadInput, NotInstalled."""
+    incoming = Incoming(source) if isinstance(source, str) else source
+    reader = RunReader(incoming, PositionIndex(schedule), wishes, incoming.name)
+    store = RowStore(len(schedule.positions), incoming.name)
+    for index, values in reader:
+        store.add(index, values)
+    temperature, passed_over = reader.temperature
+    counters = {
+        "blank_lines": reader.blanks,
+        "comment_lines": reader.comments,
+        "columns_ignored": reader.layout.width - len(COLUMNS) - (temperature is not None),
+    }
+    told = reader.layout.unit, reader.layout.unit_told, counters
+    return Rows(store, *told, incoming.sha256, temperature, passed_over)

@@ -100,7 +100,11 @@ def is_delimiter(sign: object) -> bool:
 
 def decoded(data: bytes) -> str:
     """Text of a file: UTF-8 with or without a mark, or else one byte a character (only names can differ then)."""
-    data = data.removeprefix(b"\xef\xbb\xbf")
+    return as_text(data.removeprefix(b"\xef\xbb\xbf"))
+
+
+def as_text(data: bytes) -> str:
+    """Of a part of a file that is not its beginning."""
     try:
         return data.decode("utf-8")
     except UnicodeDecodeError:
@@ -122,14 +126,35 @@ def split(line: str, delimiter: str) -> list[str]:
     return [name.strip() for name in next(csv.reader((line,), delimiter=delimiter, strict=True), [])]
 
 
+def require_text(data: bytes, file: str) -> None:
+    """Raise BadInput for what is no text, or empty."""
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        raise BadInput("UTF-16 text; save it as UTF-8", file, 1)
+    zero = data.find(b"\0")
+    if zero >= 0:
+        raise BadInput("not a text file", file, data.count(b"\n", 0, zero) + 1)
+    if not data.strip():
+        raise BadInput("the file is empty", file, 1)
+
+
 def detect(data: bytes, wishes: Wishes, file: str) -> Layout:
     """Find out how a run file is laid out. Raises BadInput."""
+    found = detect_in_head(data, wishes, file) or _detect(data, wishes, file, whole=True)
+    assert found is not None  # of a whole file it complains instead
+    return found
+
+
+def is_long_enough(start: bytes | bytearray) -> bool:
+    """Does `detect_in_head` find in this beginning of a file whatever it finds in all of it?"""
+    return len(start) > _HEAD_BYTES
+
+
+def detect_in_head(data: bytes, wishes: Wishes, file: str) -> Layout | None:
+    """As `detect`, by the beginning alone; None if there is no header line in it."""
     head = data[:_HEAD_BYTES]
     if len(data) > len(head):
         head = head[: max(head.rfind(b"\n"), head.rfind(b"\r")) + 1]
-    found = _detect(head, wishes, file) or _detect(data, wishes, file, whole=True)
-    assert found is not None  # of a whole file it complains instead
-    return found
+    return _detect(head, wishes, file)
 
 
 def _detect(head: bytes, wishes: Wishes, file: str, whole: bool = False) -> Layout | None:

@@ -15,7 +15,9 @@ import numpy as np
 
 from tumble.arrays import Flags, Floats, Integers
 from tumble.errors import BadInput
-from tumble.files.run_file import Run, RunTable
+from tumble.files.run_facts import WITHIN_ONE_SIGMA
+from tumble.files.run_file import Run
+from tumble.files.run_store import RowStore
 from tumble.files.stand_file import StandFile
 from tumble.schedule import Schedule
 from tumble.units import volts_per
@@ -24,23 +26,22 @@ _FAR = 8.0  # noise: further off no row is at rest, nor is a position that scatt
 _ABSURD = 20.0  # noise: further off a single row is no spike of a block that has some
 _MATTERS = 3.0  # standard errors of a mean: rows that move it further are not averaged
 _FEWEST = 12  # degrees of freedom, to know the noise of a channel
-_WITHIN_ONE_SIGMA = 0.6827
 _TREND = 0.5  # part of the scatter that is a ramp where a table moves
 _FEWEST_FOR_TREND = 8
 _STUCK_CHANCE = 1e-6  # that a run of honest rows has so many equal values in a row
 _STUCK_RUN, _STUCK_POSITION = 10, 4  # rows, at least: within a position, or all of it
 _EXTREMES, _STEPS_FOR_EXTREMES = 15, 5.0  # equal largest values, where noise is so many steps
-_ROWS_FOR_STEP = 20000
 _MOST_NAMED = 3
 _CHANNELS = ("ux", "uy", "uz")
 
 
 @dataclass(frozen=True)
 class Stretch:
-    """Rows of one position that belong together: indices into the table, in the order of the file."""
+    """Rows of one position that belong together, in the order of the file: outputs (rows, 3), numbers of lines."""
 
     position: int
-    rows: Integers
+    outputs: Floats
+    lines: Integers
 
 
 @dataclass(frozen=True)
@@ -68,13 +69,10 @@ def require(run: Run, schedule: Schedule, stand_file: StandFile | None, file: st
 
 
 class _Judge:
-    def __init__(self, run: Run, table: RunTable, schedule: Schedule, file: str):
+    def __init__(self, run: Run, table: RowStore, schedule: Schedule, file: str):
         self._run, self._table, self._schedule, self._file = run, table, schedule, file
-        order = np.argsort(table.index, kind="stable")
-        ends = np.cumsum(run.samples)[:-1]
-        self._rows: list[Integers] = np.split(order, ends)
-        self._outputs = [table.outputs[rows] for rows in self._rows]
-        self._step = np.array([_step(channel) for channel in table.outputs.T])
+        self._facts = table.facts
+        self._present = [position for position, one in enumerate(self._facts) if one.samples > 0]
 
     # What the converter cannot have given, or gave for want of a better value.
 
@@ -84,29 +82,46 @@ class _Judge:
             return
         unit = volts_per(self._run.unit)
         full, step = range_v / unit, step_v / unit
-        size = np.abs(self._table.outputs)
         for limit, what in (
             (full + step, f"beyond the declared range of +-{full:g} {self._run.unit}; another unit? (--unit)"),
             (full - 1.5 * step, f"at the end of the range of +-{full:g} {self._run.unit}: saturated"),
         ):
-            over = size > limit if limit > full else size >= limit
-            if over.any():
-                row, channel = np.argwhere(over)[0].tolist()
-                rows = int(over.any(axis=1).sum())
+            least = math.nextafter(limit, math.inf) if limit > full else limit
+            found = self._rows_from(least)
+            if found is not None:
+                line, channel, value, rows = found
                 more = f" (and {rows - 1} more rows)" if rows > 1 else ""
-                raise self._refusal(f"{self._value(row, channel)} is {what}{more}", row, channel)
+                raise self._refusal(f"{self._said(value)} is {what}{more}", line, channel)
+
+    def _rows_from(self, least: float) -> tuple[int, int, float, int] | None:
+        """Of the outputs that are so large, of either sign, the first one's line, channel and value, and how many rows
+        have such; None: there are none."""
+        first, rows = (0, 0, 0.0), 0
+        for position in self._present:
+            if all(max(map(abs, channel.ends)) < least for channel in self._facts[position].channels):
+                continue
+            outputs, lines = self._table.rows(position)
+            found = np.abs(outputs) >= least
+            if (count := int(found.any(axis=1).sum())) > 0:
+                row, channel = np.argwhere(found)[0].tolist()
+                one = int(lines[row]), channel, float(outputs[row, channel])
+                first, rows = one if rows == 0 or one < first else first, rows + count
+        return (*first, rows) if rows else None
 
     def require_no_stuck_channel(self) -> None:
         """No value that comes again and again where noise should have changed it."""
         for channel, name in enumerate(_CHANNELS):
             least = self._least_run(channel)
-            for position, rows in enumerate(self._rows):
-                first, length = _longest_run(self._outputs[position][:, channel])
-                whole = length == len(rows) >= _STUCK_POSITION
+            for position in self._present:
+                one = self._facts[position]
+                first, behind = one.channels[channel].run
+                length = behind - first
+                whole = length == one.samples >= _STUCK_POSITION
                 if length >= least and (whole or length >= _STUCK_RUN):
-                    begin, end = rows[first], rows[first + length - 1]
+                    begin, end = one.runs[channel]
+                    value = float(self._table.rows(position)[0][first, channel])
                     raise self._refusal(
-                        f"{self._value(begin, channel)} in all rows to {self._line(end)} ({self._label(position)}), "
+                        f"{self._said(value)} in all rows to {end} ({self._label(position)}), "
                         f"where {name} shows noise elsewhere: stuck or saturated",
                         begin,
                         channel,
@@ -115,23 +130,34 @@ class _Judge:
     def require_no_extremes(self) -> None:
         """No largest or smallest value that many rows share: noise that is cut off."""
         for channel in range(3):
-            outputs = self._table.outputs[:, channel]
             if self._least_noise(channel) < _STEPS_FOR_EXTREMES:
                 continue
-            for extreme in (outputs.max(), outputs.min()):
-                rows = np.flatnonzero(outputs == extreme)
-                if len(rows) >= _EXTREMES:
-                    said = f"{self._value(rows[0], channel)} in {len(rows)} rows, and none beyond: saturated"
-                    raise self._refusal(said, int(rows[0]), channel)
+            own = [self._facts[position].channels[channel] for position in self._present]
+            for end, extreme in ((1, max(one.ends[1] for one in own)), (0, min(one.ends[0] for one in own))):
+                rows = sum(one.at_ends[end] for one in own if one.ends[end] == extreme)
+                if rows >= _EXTREMES:
+                    line = self._first_with(channel, extreme)
+                    said = f"{self._said(extreme)} in {rows} rows, and none beyond: saturated"
+                    raise self._refusal(said, line, channel)
+
+    def _first_with(self, channel: int, value: float) -> int:
+        """The line of the first row with a value of a channel."""
+        lines = []
+        for position in self._present:
+            if value in self._facts[position].channels[channel].ends:
+                outputs, own = self._table.rows(position)
+                lines.append(int(own[(outputs[:, channel] == value).argmax()]))
+        return min(lines)
 
     def _least_noise(self, channel: int) -> float:
         """Noise of a channel in steps of its values, at least, by the differences of neighbouring rows of positions in
         which it changes; 0 where the steps hide it."""
-        changes = [np.abs(np.diff(outputs[:, channel])) for outputs in self._outputs]
-        changing = [change for change in changes if change.any()]
-        if not changing or sum(map(len, changing)) < _FEWEST:
+        facts = [self._facts[position] for position in self._present]
+        changing = [one for one in facts if one.channels[channel].ends[0] < one.channels[channel].ends[1]]
+        if sum(one.samples - 1 for one in changing) < _FEWEST:
             return 0.0
-        steps = float(np.quantile(np.concatenate(changing), _WITHIN_ONE_SIGMA) / self._step[channel])
+        changes = _at_one_stride([(one.stride, one.channels[channel].changes) for one in changing])
+        steps = float(np.quantile(changes, WITHIN_ONE_SIGMA) / self._table.step[channel])
         return 0.0 if steps < 1.5 else (steps - 0.5) / math.sqrt(2.0)  # one step back and forth needs no noise
 
     def _least_run(self, channel: int) -> float:
@@ -141,7 +167,7 @@ class _Judge:
         chance = math.erf(0.5 / (math.sqrt(2.0) * noise)) if noise > 0.0 else 1.0
         if chance >= 1.0:
             return math.inf
-        return 1.0 + math.log(_STUCK_CHANCE / (3 * len(self._table.index))) / math.log(chance)
+        return 1.0 + math.log(_STUCK_CHANCE / (3 * int(self._table.samples.sum()))) / math.log(chance)
 
     # Was the table at rest?
 
@@ -151,8 +177,8 @@ class _Judge:
         if noise is None:
             return ()
         found = _Found([], [], [])
-        for position, rows in enumerate(self._rows):
-            if len(rows) > 1:
+        for position in self._present:
+            if self._facts[position].samples > 1:
                 self._judge_position(position, noise, found)
         if found.moving:
             raise self._turned(found.moving)
@@ -161,125 +187,106 @@ class _Judge:
         return tuple(found.warnings)
 
     def _judge_position(self, position: int, noise: Floats, found: _Found) -> None:
-        rows, outputs = self._rows[position], self._outputs[position]
-        off = _off(outputs)
-        own = _usual(off)
+        channels = self._facts[position].channels
+        own, farthest = np.array([one.usual for one in channels]), np.array([one.farthest for one in channels])
+        level = np.maximum(noise, own)
+        if not (own > _FAR * noise).any() and not (farthest > _FAR * level).any():
+            return
+        outputs, lines = self._table.rows(position)
         if (own > _FAR * noise).any():
             if _is_ramp(outputs, int((own / noise).argmax())):
-                found.moving.append(Stretch(position, rows))
+                found.moving.append(Stretch(position, outputs, lines))
             else:
                 found.warnings.append(self._restless(position, own, noise))
             return
-        level = np.maximum(noise, own)
+        off = np.abs(outputs - self._medians(position))
         far: Flags = np.any(off > _FAR * level, axis=1)
-        if not far.any():
-            return
         at_edge = _edges(far)
         matters = _matters(outputs, far, level)
         if matters and at_edge.any():
-            found.moving.extend(Stretch(position, rows[part]) for part in _parts(at_edge))
+            found.moving.extend(Stretch(position, outputs[part], lines[part]) for part in _parts(at_edge))
         elif matters and (off > _ABSURD * level).any():
-            found.absurd.append(Stretch(position, rows[far]))
+            found.absurd.append(Stretch(position, outputs[far], lines[far]))
         else:
-            found.warnings.append(self._odd(Stretch(position, rows[far])))
+            found.warnings.append(self._odd(Stretch(position, outputs[far], lines[far])))
 
     def _noise(self) -> Floats | None:
         """Of one sample of each channel; None where too few rows tell."""
-        freedom = int(np.maximum(self._run.samples - 1, 0).sum())
-        if freedom < _FEWEST:
+        facts = [one for one in self._facts if one.samples > 1]
+        if sum(one.samples - 1 for one in facts) < _FEWEST:
             return None
-        off = [_off(outputs) for outputs in self._outputs if len(outputs) > 1]
-        free = [math.sqrt(len(part) / (len(part) - 1)) * np.sort(part, axis=0)[1:] for part in off]
-        return np.maximum(np.quantile(np.concatenate(free), _WITHIN_ONE_SIGMA, axis=0), self._step / 2)
+        noise = []
+        for channel in range(3):
+            free = [
+                (one.stride, math.sqrt(one.samples / (one.samples - 1)) * one.channels[channel].off) for one in facts
+            ]
+            noise.append(np.quantile(_at_one_stride(free), WITHIN_ONE_SIGMA))
+        return np.maximum(np.array(noise), self._table.step / 2)
 
     # Words.
 
     def _turned(self, stretches: list[Stretch]) -> BadInput:
-        named = [f"{self._range(one.rows)} ({self._label(one.position)})" for one in stretches]
+        named = [f"{_range(one.lines[0], one.lines[-1])} ({self._label(one.position)})" for one in stretches]
         rest = len(named) - _MOST_NAMED
         more = f" and {rest} more such stretches" if rest > 0 else ""
         said = f"the table was not at rest: rows {', '.join(named[:_MOST_NAMED])}{more} are off the others of their"
-        return self._refusal(f"{said} position; leave them out", int(stretches[0].rows[0]))
+        return self._refusal(f"{said} position; leave them out", int(stretches[0].lines[0]))
 
     def _absurd(self, stretches: list[Stretch]) -> BadInput:
         row, channel = self._farthest(stretches[0])
-        lines = [str(self._line(row)) for one in stretches for row in one.rows]
+        lines = [str(line) for one in stretches for line in one.lines]
         more = ""
         if len(lines) > 1:
             shown = ", ".join(lines[: 2 * _MOST_NAMED])
             more = f"; absurd are rows {shown}" + (
                 f" and {len(lines) - 2 * _MOST_NAMED} more" if len(lines) > 6 else ""
             )
-        return self._refusal(f"{self._beside(stretches[0], row, channel)}{more}", row, channel)
+        said = f"{self._beside(stretches[0], row, channel)}{more}"
+        return self._refusal(said, int(stretches[0].lines[row]), channel)
 
     def _odd(self, one: Stretch) -> str:
         row, channel = self._farthest(one)
-        place = f"row {self._line(row)}, column {_CHANNELS[channel]}"
+        place = f"row {int(one.lines[row])}, column {_CHANNELS[channel]}"
         return f"{place}: {self._beside(one, row, channel)}"
 
     def _restless(self, position: int, own: Floats, noise: Floats) -> str:
         channel = int((own / noise).argmax())
-        rows = self._rows[position]
         times = f"{own[channel] / noise[channel]:.0f} times as much as elsewhere"
-        return f"rows {self._range(rows)} ({self._label(position)}): {_CHANNELS[channel]} scatters {times}"
+        place = f"rows {_range(*self._facts[position].lines)} ({self._label(position)})"
+        return f"{place}: {_CHANNELS[channel]} scatters {times}"
+
+    def _medians(self, position: int) -> Floats:
+        return np.array([one.median for one in self._facts[position].channels])
 
     def _farthest(self, one: Stretch) -> tuple[int, int]:
-        outputs = self._table.outputs[one.rows]
-        off = np.abs(outputs - np.median(self._outputs[one.position], axis=0))
+        off = np.abs(one.outputs - self._medians(one.position))
         row, channel = np.unravel_index(int(off.argmax()), off.shape)
-        return int(one.rows[row]), int(channel)
+        return int(row), int(channel)
 
     def _beside(self, one: Stretch, row: int, channel: int) -> str:
-        usual = np.median(self._outputs[one.position][:, channel])
+        usual = self._facts[one.position].channels[channel].median
         others = f"the others of {self._label(one.position)} lie about {usual:.5g} {self._run.unit}"
-        return f"{self._value(row, channel)} is far off: {others}"
+        return f"{self._said(one.outputs[row, channel])} is far off: {others}"
 
-    def _value(self, row: int, channel: int) -> str:
-        return f"{self._table.outputs[row, channel]:.5g} {self._run.unit}"
-
-    def _range(self, rows: Integers) -> str:
-        first, last = self._line(rows[0]), self._line(rows[-1])
-        return str(first) if first == last else f"{first} to {last}"
-
-    def _line(self, row: int) -> int:
-        return int(self._table.lines[row])
+    def _said(self, value: float) -> str:
+        return f"{value:.5g} {self._run.unit}"
 
     def _label(self, position: int) -> str:
         return self._schedule.positions[position].label
 
-    def _refusal(self, message: str, row: int, channel: int | None = None) -> BadInput:
+    def _refusal(self, message: str, line: int, channel: int | None = None) -> BadInput:
         column = None if channel is None else _CHANNELS[channel]
-        return BadInput(message, self._file, self._line(row), column)
+        return BadInput(message, self._file, line, column)
 
 
-def _off(outputs: Floats) -> Floats:
-    """How far each row of a position is off their median."""
-    found: Floats = np.abs(outputs - np.median(outputs, axis=0))
-    return found
+def _range(first: int, last: int) -> str:
+    return str(int(first)) if first == last else f"{int(first)} to {int(last)}"
 
 
-def _step(values: Floats) -> float:
-    """The smallest difference of two values: the converter's step where it is coarse, next to nothing where it is not;
-    0 where all are equal."""
-    different = np.diff(np.unique(values[:: max(1, len(values) // _ROWS_FOR_STEP)]))
-    return float(different.min()) if len(different) else 0.0
-
-
-def _longest_run(values: Floats) -> tuple[int, int]:
-    """Where the longest run of equal values begins, and its length; (0, 0) of none."""
-    if len(values) == 0:
-        return 0, 0
-    begins = np.flatnonzero(np.append(True, np.diff(values) != 0.0))
-    lengths = np.diff(np.append(begins, len(values)))
-    longest = int(lengths.argmax())
-    return int(begins[longest]), int(lengths[longest])
-
-
-def _usual(off: Floats) -> Floats:
-    """Scatter of each channel of a position, by the rows within one sigma: one wrong row of three does not show."""
-    root = math.sqrt(len(off) / (len(off) - 1))
-    found: Floats = root * np.quantile(off, _WITHIN_ONE_SIGMA, axis=0, method="lower")
-    return found
+def _at_one_stride(parts: list[tuple[int, Floats]]) -> Floats:
+    """Values of several positions, of each every n-th, with one n for all: none weighs more than its rows."""
+    widest = max(stride for stride, _ in parts)
+    return np.concatenate([values[:: widest // stride] for stride, values in parts])
 
 
 def _is_ramp(outputs: Floats, channel: int) -> bool:

@@ -18,7 +18,7 @@ import numpy as np
 from tumble.arrays import Floats
 from tumble.errors import BadInput, quoted
 from tumble.files import frames
-from tumble.files.run_layout import Column, Layout, is_number, temperature_column
+from tumble.files.run_layout import NUMBER, Column, Layout, temperature_column
 
 LOWEST_C, HIGHEST_C = -100.0, 230.0  # beyond any block; room temperature in kelvins is above
 OF_RUN_FILE, OF_ENVIRONMENT = "run_file", "environment"
@@ -45,11 +45,47 @@ def range_text(low_c: float, high_c: float) -> str:
     return f"{low} deg C" if low == high else f"{low} to {high} deg C"
 
 
+class Thermometer:
+    """The temperatures of a run file, row by row, as far as they are wanted: `index` of their column, None where there
+    is none or where a row has shown that they are no temperatures."""
+
+    def __init__(self, layout: Layout):
+        self._layout, self._low_c, self._high_c = layout, math.inf, -math.inf
+        self._odd: _NotTemperatures | None = None
+        self._values: dict[str, float] = {}  # a thermometer gives the same few values again and again
+        column = layout.temperature
+        self.index = None if column is None or not _is_celsius(column) else column.index
+
+    def take(self, text: str, row: int) -> None:
+        """What a row says; empty tells nothing."""
+        try:
+            if text and text not in self._values:
+                self._values[text] = _value(text, self._layout, row)
+        except _NotTemperatures as odd:
+            self._odd, self.index = odd, None
+        else:
+            if text:
+                self.take_range(self._values[text], self._values[text])
+
+    def take_range(self, low_c: float, high_c: float) -> None:
+        """Of other rows; an empty range tells nothing."""
+        self._low_c, self._high_c = min(self._low_c, low_c), max(self._high_c, high_c)
+
+    def told(self, file: str) -> tuple[Temperatures | None, tuple[str, ...]]:
+        """By all rows, and sentences about a column that is passed over. Raises BadInput with row and column."""
+        found, odd = _told(self._layout.temperature, self._layout.doubt, lambda _: self._range(), file)
+        return range_of(found), odd
+
+    def _range(self) -> Floats:
+        if self._odd is not None:
+            raise self._odd
+        return np.array([self._low_c, self._high_c] if self._low_c <= self._high_c else [])
+
+
 def read_temperatures(
     lines: Iterable[tuple[int, str]], layout: Layout, file: str
 ) -> tuple[Temperatures | None, tuple[str, ...]]:
-    """What the rows of a run file say, and sentences about a column that is passed over. `lines`: numbers and texts of
-    those with a row. Fields that are empty tell nothing. Raises BadInput with row and column."""
+    """The range of `temperatures_of_rows`, and its sentences. Raises BadInput with row and column."""
     rows, odd = temperatures_of_rows(lines, layout, file)
     return range_of(rows), odd
 
@@ -57,14 +93,17 @@ def read_temperatures(
 def temperatures_of_rows(
     lines: Iterable[tuple[int, str]], layout: Layout, file: str
 ) -> tuple[Floats | None, tuple[str, ...]]:
-    """The same, row by row: (rows,), NaN where a field is empty; None where there is no such column."""
+    """What the rows of a file say: (rows,), NaN where a field is empty; None where there is no such column; and
+    sentences about a column that is passed over. `lines`: numbers and texts of those with a row. Raises BadInput with
+    row and column."""
     return _told(layout.temperature, layout.doubt, lambda column: _read(lines, layout, column), file)
 
 
 def temperatures_of_table(
     table: Any, columns: dict[str, str], rows: int, name: str
 ) -> tuple[Temperatures | None, tuple[str, ...]]:
-    """The same of a table of files.frames with so many `rows`, of which `columns` (names by name) are told."""
+    """The range of a table of files.frames with so many `rows`, of which `columns` (names by name) are told; and
+    the same sentences."""
     column, doubt = temperature_column(frames.names_of(table), columns)
     found, odd = _told(column, doubt, lambda column: _of_table(table, column, rows, name), name)
     return range_of(found), odd
@@ -83,7 +122,7 @@ def _told(
     if column is None:
         return None, (() if doubt is None else (doubt,))
     try:
-        if column.unit and not _CELSIUS.fullmatch(column.unit):
+        if not _is_celsius(column):
             raise _NotTemperatures("its unit is not deg C")
         return read(column), ()
     except _NotTemperatures as odd:
@@ -91,6 +130,10 @@ def _told(
             raise BadInput(odd.message, file, odd.row, column.name) from None
         where = "" if odd.row is None else f"row {odd.row}: "
         return None, (f"column {quoted(column.name)} passed over: {where}{odd.message}",)
+
+
+def _is_celsius(column: Column) -> bool:
+    return not column.unit or _CELSIUS.fullmatch(column.unit) is not None
 
 
 class _NotTemperatures(Exception):
@@ -119,7 +162,7 @@ def _read(lines: Iterable[tuple[int, str]], layout: Layout, column: Column) -> F
 
 def _value(text: str, layout: Layout, row: int) -> float:
     pointed = text.replace(",", ".") if layout.decimal == "," else text
-    if not is_number(pointed) or not LOWEST_C <= float(pointed) <= HIGHEST_C:
+    if not NUMBER.fullmatch(pointed) or not LOWEST_C <= float(pointed) <= HIGHEST_C:
         raise _NotTemperatures(_odd(quoted(text)), row)
     return float(pointed)
 

@@ -1,6 +1,6 @@
 """Recordings in, as loggers write them: rows of a preamble, a row of units, clocks, labels, raw logs of receivers.
 
-The layout is found by files.run_layout, the numbers of a plain file by files.run_file; what a run file must not have
+The layout is found by files.run_layout, the numbers of a plain file by files.csv_rows; what a run file must not have
 and a recording may is added here. Everything that was passed over or taken for granted is noted.
 """
 
@@ -15,9 +15,8 @@ import numpy as np
 from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.files import can_log
-from tumble.files.csv_rows import LARGEST_OUTPUT
+from tumble.files.csv_rows import LARGEST_OUTPUT, body_of, read_plain
 from tumble.files.disk import read_bytes
-from tumble.files.run_file import body_of, read_plain, require_text
 from tumble.files.run_layout import (
     DEFAULT_UNIT,
     NUMBER,
@@ -30,6 +29,7 @@ from tumble.files.run_layout import (
     is_blank,
     is_comment,
     is_number,
+    require_text,
     split,
     unit_of,
 )

@@ -24,7 +24,11 @@ def add_to(subparsers: options.Subparsers, about: str) -> None:
         epilog="Exit codes: 0 pass, 1 gravity check failed or the run does not fit its stand, 2 bad input,"
         " 3 core and numpy disagree, 130 interrupted.",
     )
-    parser.add_argument("run", metavar="RUN.csv", help="run file with columns mounting,position,ux,uy,uz")
+    parser.add_argument(
+        "run",
+        metavar="RUN.csv",
+        help="run file with columns mounting,position,ux,uy,uz, also compressed by gzip or zstd; - for standard input",
+    )
     options.add_estimator(parser, "; optimal needs --stand")
     parser.add_argument("--stand", metavar="FILE", help="stand file (TOML): gives the uncertainties")
     options.add_schedule(parser)
@@ -59,11 +63,11 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.files.documents import to_json
     from tumble.files.run_layout import COLUMNS, TEMPERATURE
 
-    wishes = layout_options.wishes(arguments, (*COLUMNS, TEMPERATURE))
+    recording = recording_of(arguments.run, layout_options.wishes(arguments, (*COLUMNS, TEMPERATURE)))
     refuse_overwriting(arguments.out, arguments.run, arguments.stand, file_of(arguments.schedule))
     options.require_ending(arguments.out, "--out", ".json")
     found = solved(
-        recording_of(arguments.run, wishes),
+        recording,
         stand=arguments.stand,
         schedule=arguments.schedule,
         estimator=arguments.estimator,
@@ -78,7 +82,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.out is not None:
         write_text(arguments.out, text)
     warn(sentences)
-    print_solution(solution, text if arguments.json else None, os.path.basename(arguments.run))
+    print_solution(solution, text if arguments.json else None, os.path.basename(recording.name))
     return EXIT_PASS if solution.passed else EXIT_LIMITS_FAILED
 
 

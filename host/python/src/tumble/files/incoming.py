@@ -1,0 +1,129 @@
+"""The bytes of an input in blocks, and their SHA-256: of a file or of standard input, decompressed where gzip or zstd
+has compressed them. What they begin with tells, whatever the file's name is.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, BinaryIO
+
+from tumble.errors import BadInput, NotInstalled, file_name, quoted
+from tumble.files.disk import RUN_FILE, opened, reason, require_no_folder_of
+
+STANDARD_INPUT = "-"  # as the command line names it
+BLOCK = 1 << 20
+_GZIP, _ZSTD = b"\x1f\x8b", b"\x28\xb5\x2f\xfd"
+
+
+def name_of(file: str) -> str:
+    """As messages have it."""
+    return "standard input" if file == STANDARD_INPUT else file
+
+
+class Incoming:
+    """An input, to be gone through once: `name` as messages have it; `sha256` of its bytes as they are, compressed or
+    not, in hexadecimal digits, when all have been read. Raises BadInput, NotInstalled."""
+
+    def __init__(self, file: str, block: int = BLOCK):
+        self.name = name_of(file)
+        self._file, self._block = file, block
+        self._hash = hashlib.sha256()
+
+    @property
+    def sha256(self) -> str:
+        """Of what has been read."""
+        return self._hash.hexdigest()
+
+    def __iter__(self) -> Iterator[bytes]:
+        with self._opened() as raw, self._naming():
+            stream = io.BufferedReader(_Whole(raw, self._hash.update), self._block)
+            source = self._decompressed(stream)
+            while block := source.read(self._block):
+                yield block
+            while stream.read(self._block):  # of what follows compressed data only the hash is taken
+                pass
+
+    @contextmanager
+    def _opened(self) -> Iterator[BinaryIO]:
+        if self._file == STANDARD_INPUT:
+            yield sys.stdin.buffer
+            return
+        require_no_folder_of(self._file, RUN_FILE)
+        with opened(self._file) as raw:
+            yield raw
+
+    @contextmanager
+    def _naming(self) -> Iterator[None]:
+        """What the system or a decompressor says becomes BadInput."""
+        try:
+            yield
+        except BadInput:
+            raise
+        except EOFError:
+            raise BadInput("its compressed data end too early", self.name) from None
+        except OSError as error:
+            raise BadInput(reason(error) if error.errno else f"cannot be read: {quoted(error)}", self.name) from None
+        except Exception as error:
+            if type(error).__name__ not in ("error", "ZstdError"):  # of zlib and zstd, which are loaded when needed
+                raise
+            raise BadInput(f"its compressed data are damaged: {quoted(error)}", self.name) from None
+
+    def _decompressed(self, stream: Any) -> Any:
+        magic = stream.peek(4)[:4]
+        if magic.startswith(_GZIP):
+            import gzip
+
+            return gzip.GzipFile(fileobj=stream)
+        return self._zstd(stream) if magic == _ZSTD else stream
+
+    def _zstd(self, stream: BinaryIO) -> Any:
+        try:
+            from compression import zstd  # of Python 3.14
+        except ImportError:
+            try:
+                from backports import zstd
+            except ImportError:
+                raise NotInstalled(f"{file_name(self.name)}: zstd", "backports.zstd", extra="zstd") from None
+        return zstd.ZstdFile(stream)
+
+
+class _Whole(io.RawIOBase):
+    """A stream that fills whatever it is given to fill, as a pipe does not, and shows `see` what it read."""
+
+    def __init__(self, raw: BinaryIO, see: Callable[[memoryview], None]):
+        self._raw, self._see = raw, see
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: Any) -> int:
+        view, filled = memoryview(buffer).cast("B"), 0
+        while filled < len(view):
+            count = self._raw.readinto(view[filled:])  # type: ignore[attr-defined]
+            if not count:
+                break
+            filled += count
+        self._see(view[:filled])
+        return filled
+
+
+class Held:
+    """The same of bytes that are in memory."""
+
+    def __init__(self, data: bytes, name: str, sha256: str | None = None):
+        self.name, self.data = name, data
+        self.sha256 = hashlib.sha256(data).hexdigest() if sha256 is None else sha256
+
+    def __iter__(self) -> Iterator[bytes]:
+        return (self.data[begin : begin + BLOCK] for begin in range(0, len(self.data), BLOCK))
+
+
+def held(file: str) -> Held:
+    """All of an input. Raises BadInput, NotInstalled."""
+    incoming = Incoming(file)
+    data = b"".join(incoming)
+    return Held(data, incoming.name, incoming.sha256)
