@@ -170,8 +170,8 @@ uint64_t sim_axis_quiet_us(const sim_axis_t *axis, double window_deg)
 
 bool sim_axis_is_still(const sim_axis_t *axis, uint64_t now_us)
 {
-    if (now_us < sim_axis_end_us(axis)) {
-        return false;
+    if (now_us < axis->start_us || (double)(now_us - axis->start_us) < axis->motion.end_s * 1e6) {
+        return false; /* as now_us < sim_axis_end_us(axis), without its rounding up: asked for every sample */
     }
     return !axis->swings || seconds(axis->swing_us, now_us) >= SETTLINGS_UNTIL_STILL * axis->config->settling_s;
 }

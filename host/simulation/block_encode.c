@@ -26,25 +26,25 @@ static const uint8_t CRC[256] = {
 };
 /* clang-format on */
 
-/* Put the checksum of the other seven bytes, under the frame's identifier, into byte 7. */
-static void seal(tumble_can_frame_t *frame)
+/* The checksum of seven bytes, the lowest first, under a frame's identifier. */
+static uint8_t checksum(uint16_t id, uint64_t bits)
 {
-    uint8_t crc = CRC[0xFFU ^ (frame->id & 0xFFU)];
+    uint8_t crc = CRC[0xFFU ^ (id & 0xFFU)];
     for (int i = 0; i < 7; i++) {
-        crc = CRC[crc ^ frame->data[i]];
+        crc = CRC[crc ^ (uint8_t)(bits >> (8 * i))];
     }
-    frame->data[7] = crc ^ 0xFFU;
+    return crc ^ 0xFFU;
 }
 
-/* Little endian, one byte of a frame after the other. */
+/* Little endian: seven bytes of a frame, and their checksum. */
 static void fill(tumble_can_frame_t *frame, uint16_t id, uint64_t bits)
 {
+    const uint64_t sealed = bits | (uint64_t)checksum(id, bits) << 56;
     frame->id = id;
     frame->length = 8;
     for (int i = 0; i < 8; i++) {
-        frame->data[i] = (uint8_t)(bits >> (8 * i));
+        frame->data[i] = (uint8_t)(sealed >> (8 * i));
     }
-    seal(frame);
 }
 
 void sim_block_encode(const tumble_block_sample_t *sample, sim_block_frames_t *frames)

@@ -26,8 +26,10 @@ void sim_geometry_init(sim_geometry_t *geometry, const tumble_mounting_t *mounti
         }
     }
     geometry->level_deg = (seat->alpha2_rad + seat->theta_n_rad) * SIM_DEG_PER_RAD;
+    geometry->turns_true = true;
     for (int n = 0; n < TUMBLE_WAVES; n++) {
         geometry->encoder_deg[n] = seat->encoder_rad[n] * SIM_DEG_PER_RAD;
+        geometry->turns_true = geometry->turns_true && geometry->encoder_deg[n] == 0.0;
     }
 }
 
@@ -35,6 +37,9 @@ static double encoder_error_deg(const sim_geometry_t *geometry, double actual_de
 {
     double sine;
     double cosine;
+    if (geometry->turns_true) {
+        return 0.0;
+    }
     sim_sincos_deg(actual_deg, &sine, &cosine);
     const double *const number = geometry->encoder_deg;
     return number[0] * sine + number[1] * cosine + number[2] * (2.0 * sine * cosine) +

@@ -14,10 +14,13 @@
 
 #include "tumble/core.h"
 
+#include <stdbool.h>
+
 typedef struct {
     double a[3][3];   /* block axes x, y, z over (sin p, cos p, 1) */
     double level_deg; /* alpha2 + theta_n */
     double encoder_deg[TUMBLE_WAVES];
+    bool turns_true; /* all of these are 0 */
 } sim_geometry_t;
 
 /* The errors of the stand that do not change as long as a block stays mounted. */

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from _tumble_core import CData
 
 
+_BEFORE_NUMBERS, _HEAD, _SIGMA_MEAN = 24, 26, 13  # of a gain record: bytes; numbers before the gains; one of them
+
+
 @dataclass(frozen=True)
 class OptimalEstimate:
     """K (3, 3), U0 (3,), and the errors of the stand (rad): `alpha1`, `alpha2`, `alpha3` (mountings,)."""
@@ -48,6 +51,10 @@ class GainRecord:
         drifts, 3 x fit positions)."""
         rows = 2 + self.struct.yaws + 2 * self.struct.seats + self.struct.waves + self.struct.drifts
         return self._table(lib.tumble_gain_record_stand_gains(self.struct), rows)
+
+    def numbers(self) -> Floats:
+        """K, the prior, the noise and the uncertainties (26 numbers), then all gains: in place."""
+        return np.frombuffer(ffi.buffer(self._memory), offset=_BEFORE_NUMBERS)[:-1]  # the last: zero and CRC
 
     def _table(self, numbers: CData, rows: int) -> Floats:
         shape = rows, 3 * int(self.struct.fit_positions)
@@ -90,6 +97,35 @@ def optimal_runs(record: GainRecord, means: Floats) -> tuple[Floats, Floats]:
     status = lib.batch_optimal(record.struct, record.schedule.struct, len(means), *pointers, where)
     require_ok(status, run=where[0])
     return found, stand[:, : 2 + record.struct.mountings]
+
+
+@dataclass(frozen=True)
+class Gains:
+    """Tables of many runs: `k` (runs, 3, 3) that each was made at, `sigma_mean` (runs,), `gains` (runs, 12, 3 x fit
+    positions) and `stand_gains`, rows as in a gain record."""
+
+    k: Floats
+    sigma_mean: Floats
+    gains: Floats
+    stand_gains: Floats
+
+
+def optimal_each(record: GainRecord, means: Floats, tables: Gains) -> Floats:
+    """As optimal_runs, but each run by its own table, of finite numbers: coefficients (runs, 12). The tables take turns
+    in the memory of `record`, which the core has checked and which lends the rest; nobody else sees them, so they get
+    no checksum. Raises CoreRefusal(run=index)."""
+    means, found, where = _arrays(record.schedule, means)
+    stand = np.empty(ffi.sizeof("tumble_stand_errors_t") // 8)
+    numbers = np.concatenate([tables.gains.reshape(len(means), -1), tables.stand_gains.reshape(len(means), -1)], axis=1)
+    into = record.numbers()
+    pointers = [ffi.from_buffer("double[]", array) for array in (means, found)]
+    spare, columns = ffi.from_buffer("double[]", stand), means[0].size
+    for run, (k, sigma_mean) in enumerate(zip(tables.k.reshape(-1, 9), tables.sigma_mean)):
+        into[:9], into[_SIGMA_MEAN], into[_HEAD:] = k, sigma_mean, numbers[run]
+        here = pointers[0] + run * columns, pointers[1] + run * lib.TUMBLE_COEFFICIENTS
+        status = lib.batch_optimal(record.struct, record.schedule.struct, 1, *here, spare, where)
+        require_ok(status, run=run)
+    return found
 
 
 def require_small(angles: Floats) -> None:

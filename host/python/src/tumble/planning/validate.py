@@ -22,7 +22,7 @@ from tumble.planning.promise import Promise, promise
 from tumble.planning.simulate import U0_V, position_means
 from tumble.planning.weights import estimator_gains
 from tumble.reference.estimators import fit_indices
-from tumble.solving import extended, optimal_run
+from tumble.solving import extended, optimal_run, tables_of_runs
 from tumble.solving.covariance import spread_attitudes
 from tumble.solving.extended import columns_at
 from tumble.solving.gain_record import record_of, to_bytes
@@ -231,10 +231,5 @@ def _weighted_anew(case: Case, schedule: core.CoreSchedule, means: Floats) -> tu
     """As a solve: weights for each run's own K."""
     all_measured, lone = np.ones(len(schedule), dtype=bool), np.ones(len(schedule), dtype=int)
     weighting = optimal_run.Weighting(case.stand, lone, case.step_v)
-    found, u = np.empty((2, len(means), 12))
-    for index, run in enumerate(means):
-        table = optimal_run.make_table(schedule, run, all_measured, weighting)
-        estimate = optimal_run.apply_table(table, schedule, run)
-        found[index] = np.concatenate([estimate.k.ravel(), estimate.u0])
-        u[index] = optimal_table(case.fitted, estimate.k, case.stand, case.step_v).u
-    return found, u
+    samples = optimal_run.samples_in_a_mean(schedule.data, all_measured, weighting)
+    return tables_of_runs.solve(schedule.data, means, case.stand, case.step_v, samples)

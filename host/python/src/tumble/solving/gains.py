@@ -24,7 +24,7 @@ from functools import lru_cache
 import numpy as np
 
 from tumble import reference
-from tumble.arrays import Floats, Integers
+from tumble.arrays import Flags, Floats, Integers
 from tumble.errors import UsageError
 from tumble.estimators import HARMONIC, OPTIMAL
 from tumble.reference.estimators import circles, fit_indices, unidentified
@@ -36,7 +36,7 @@ UNEQUAL = "no optimal weights: the stand's errors are too large, or too unequal,
 _LARGEST_SIGMA = 1e100
 _LARGEST_DRIFT = 1e12  # times the noise of a mean: weights let a drift through by some 1e-16 of it, their rounding
 _REMEMBERED = 64  # schedules: a plan asks for the same one thousands of times
-_LARGEST_LOSS = 1e-5  # of bias and of spread to rounding, before weights are refused
+LARGEST_LOSS = 1e-5  # of bias and of spread to rounding, before weights are refused
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ def optimal_table(
     _require_rank(schedule)
     k = np.asarray(k, dtype=float)
     sigma_mean, floored = mean_sigma(k, stand, step, stand.samples if samples is None else samples)
-    _require_drift(stand.sigma("drift") / sigma_mean)
+    require_drift(stand.sigma("drift") / sigma_mean)
     shared, angle = shared_sigmas(schedule, stand), stand.sigma("angle")
     model = linearise(schedule)
     by_unknown = design(model) if further is None else np.hstack([design(model), further])
@@ -132,15 +132,15 @@ def optimal_table(
         u = sigma_mean * np.sqrt((np.linalg.inv(r[nuisances:, nuisances:]) ** 2).sum(axis=1))
         lost = np.abs(beta @ system[: data.shape[1], nuisances:] - np.eye(len(beta))).max()
         claimed = standard_deviations(schedule, beta, k, stand, sigma_mean)
-    if not (np.isfinite(prior).all() and lost < _LARGEST_LOSS and (np.abs(claimed - u) < _LARGEST_LOSS * u).all()):
+    if not (np.isfinite(prior).all() and lost < LARGEST_LOSS and (np.abs(claimed - u) < LARGEST_LOSS * u).all()):
         raise UsageError(UNEQUAL)
-    nuisance_gains = _by_mounting(shared[:, None] * prior[: len(shared)], schedule, stand)
+    nuisance_gains = by_mounting(shared[:, None] * prior[: len(shared)], schedule, stand)
     seats = len(schedule.mountings) if stand.declares_seat else 0
     counts = yaws_of(schedule, stand), seats, *_waves_and_drifts(stand)
     return OptimalTable(k, beta, nuisance_gains, *counts, shared, angle, sigma_mean, u, floored)
 
 
-def _require_drift(size: float) -> None:
+def require_drift(size: float) -> None:
     """Raise UsageError for a drift of more than so many times the noise of a mean."""
     if not size <= _LARGEST_DRIFT:
         said = f"drift_v is {size:.2g} times the noise of a mean, above {_LARGEST_DRIFT:g}"
@@ -180,11 +180,18 @@ def _waves_and_drifts(stand: Stand) -> tuple[int, int]:
 
 def mean_sigma(k: Floats, stand: Stand, step: float, samples: float) -> tuple[float, bool]:
     """Standard deviation of a position's mean, and whether that is only the floor, NOISE_FLOOR_G of max|K|."""
-    floor = NOISE_FLOOR_G * float(np.abs(k).max())
+    sigma, floored = mean_sigmas(k, stand, step, samples)
+    return float(sigma), bool(floored)
+
+
+def mean_sigmas(k: Floats, stand: Stand, step: float, samples: float) -> tuple[Floats, Flags]:
+    """The same for blocks of sensitivity `k` (..., 3, 3), each of shape (...)."""
+    floor = NOISE_FLOOR_G * np.abs(k).max(axis=(-2, -1))
     sigma = max(stand.sigma("noise"), rounding_of(step)) / samples**0.5
-    if not 0.0 < max(sigma, floor) < _LARGEST_SIGMA:
+    larger: Floats = np.maximum(sigma, floor)
+    if not ((larger > 0.0) & (larger < _LARGEST_SIGMA)).all():
         raise UsageError("no optimal weights: K is zero, or the noise beyond any number of volts")
-    return max(sigma, floor), sigma < floor
+    return larger, sigma < floor
 
 
 @lru_cache(_REMEMBERED)
@@ -253,13 +260,14 @@ def shared_derivatives(model: Linearised, k: Floats, stand: Stand) -> Floats:
     return np.hstack([by_angles, by_drift])
 
 
-def _by_mounting(found: Floats, schedule: Schedule, stand: Stand) -> Floats:
-    """Gains of what positions share, with that of the platform in the seat of each mounting, where it is felt."""
+def by_mounting(found: Floats, schedule: Schedule, stand: Stand) -> Floats:
+    """Gains (..., rows, 3P) of what positions share, with that of the platform in the seat of each mounting, where it
+    is felt."""
     if not stand.declares_seat:
         return found
     angles, mountings = 2 + yaws_of(schedule, stand), len(schedule.mountings)
-    platform, leaning, others = np.split(found[angles:], [1, 1 + mountings])
-    return np.concatenate([found[:angles], platform + leaning, others])
+    platform, leaning, others = np.split(found[..., angles:, :], [1, 1 + mountings], axis=-2)
+    return np.concatenate([found[..., :angles, :], platform + leaning, others], axis=-2)
 
 
 def _augmented(
