@@ -2,9 +2,9 @@
 
     tools/benchmark [all] [--write]
 
-The page names what prints each (page.py). A benchmark that this machine cannot run is told on standard error, and its
-table is left as the page has it. --write puts the tables into the page. Exit 1 when one failed, 77 when one was left
-out.
+The page names what prints each (costs_page.py). A benchmark that this machine cannot run is told on standard error,
+and its table is left as the page has it. --write puts the tables into the page. Exit 1 when one failed, 77 when one
+was left out.
 """
 
 import argparse
@@ -12,7 +12,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-import page
+import costs_page as page
 
 HERE = Path(__file__).resolve().parent
 LEFT_OUT = 77

@@ -24,8 +24,8 @@ import tempfile
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+import costs_page as page
 import numpy as np
-import page
 from cortex_m4_formulas import formulas
 
 from tumble import core

@@ -10,7 +10,7 @@ from conftest import ROOT
 
 sys.path.insert(0, str(ROOT / "tests/benchmark"))
 
-import page
+import costs_page as page
 
 PROGRAMS = ("arm-none-eabi-gcc", "qemu-system-arm")
 MISSING = [program for program in PROGRAMS if shutil.which(program) is None]

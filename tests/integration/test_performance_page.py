@@ -9,7 +9,7 @@ from conftest import ROOT
 sys.path.insert(0, str(ROOT / "tests/benchmark"))
 
 import all as every
-import page
+import costs_page as page
 
 TEXT = """# Page
 
