@@ -58,8 +58,8 @@ def test_a_memory(tumble_client):
     assert tumble_client.has("Keeper: Verdict") and tumble_client.status.calibration_counter == 0
 """
 WRONG = (
-    "tumble(operator=): 'nobody' is not by-itself, on-confirm, never\n",
-    "tumble-scenario.txt:13: no such key: no.key\n",
+    r"tumble\(operator=\): 'nobody' is not by-itself, on-confirm, never\n",
+    r"tumble-scenario\.txt:\d+: no such key: no\.key\n",  # after as many lines as the rig writes of its own
 )
 
 
@@ -90,7 +90,7 @@ def test_markers_and_what_is_wrong_with_them(written):
     done = ran(written, "test_others.py", "-rE")
     assert done.returncode == 1 and " 4 passed, 2 errors in " in done.stdout, done.stdout
     for said in WRONG:
-        assert said in done.stdout
+        assert re.search(said, done.stdout), done.stdout
     assert "Traceback" not in done.stdout and "rigs.py" not in done.stdout
 
 
