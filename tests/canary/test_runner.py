@@ -1,5 +1,6 @@
 """tools/test does not hide a failure, nor count as passed what was skipped."""
 import re
+import shutil
 import threading
 
 import pytest
@@ -167,9 +168,35 @@ def test_every_stage_has_a_name_of_its_own():
     names = {kind: [planned.name for planned in stages.plan(kind)] for kind in ("", "real", "full")}
     assert all(len(set(some)) == len(some) for some in names.values())
     assert set(names[""]) < set(names["real"]) < set(names["full"]) | {"integration"}
-    virtual = " | ".join(names[""])
-    assert f"    {virtual}) continue ;;\n" in (ROOT / "tools/test").read_text()  # which need the set-up of "test" alone
     assert (ROOT / ".ci/run").read_text().count("tools/test\" --real") == 1
+
+
+@pytest.fixture
+def set_up_for(tmp_path):
+    """What tools/test asks tools/setup for, which fails, so that nothing else happens."""
+    (tmp_path / "tools").mkdir()
+    shutil.copy(ROOT / "tools/test", tmp_path / "tools")
+    asked = tmp_path / "tools/setup"
+    asked.write_text('#!/bin/sh\necho "$@"\nexit 1\n')
+    asked.chmod(0o755)
+
+    def ask(*arguments):
+        result = run(tmp_path / "tools/test", *arguments)
+        assert result.returncode == 3, result
+        return result.stdout.strip()
+
+    return ask
+
+
+def test_a_stage_is_set_up_for_what_it_needs(set_up_for):
+    virtual, real = ({planned.name for planned in stages.plan(kind)} for kind in ("", "real"))
+    assert {name: set_up_for(name) for name in virtual} == {
+        "rooms": "core", "objects": "core", "style": "test", "unit": "test", "integration": "test"}
+    assert {set_up_for(name) for name in real - virtual} == {"real"}
+    assert [set_up_for(*options) for options in ((), ("--real",), ("--full",))] == ["test", "real", "full"]
+    larger = {more: set_up_for("rooms", more) for more in ("unit", "realbus", "--real", "--full")}
+    assert larger == {"unit": "test", "realbus": "real", "--real": "real", "--full": "full"}
+    assert set_up_for("--full", "rooms") == "full"
 
 
 def test_what_needs_real_time_or_a_toolchain_is_not_in_virtual_time():

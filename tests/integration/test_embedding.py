@@ -148,15 +148,18 @@ def test_its_costs_are_those_of_the_budget():
 
 @needs_cc
 def test_the_program_of_the_readme(tumble, tmp_path):
-    """By the page's command; from the means of a recorded run what the page shows, and of its first position what
+    """By the page's commands; from the means of a recorded run what the page shows, and of its first position what
     `solve` says. Without means, or with bad ones, exit code 1 and nothing else."""
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    program, shown = re.search(r"```c\n(.*?)```.*?```text\n(.*?)```", readme, re.DOTALL).groups()
-    command = re.search(r"`(cc .*? main)`", readme)[1]
+    blocks = r"```c\n(.*?)```.*?```console\n(.*?)```.*?```text\n(.*?)```"
+    program, commands, shown = re.search(blocks, readme, re.DOTALL).groups()
+    compile_it, run_it = re.split(r"^\$ ", commands, flags=re.MULTILINE)[1:]
     assert program.count("\n") <= 20
     (tmp_path / "main.c").write_text(program)
-    (tmp_path / "firmware").symlink_to(ROOT / "firmware")
-    run("sh", "-c", command.replace("cc ", f"cc {' '.join(STRICT)} "), cwd=tmp_path)
+    for folder in ("firmware", "examples"):
+        (tmp_path / folder).symlink_to(ROOT / folder)
+    run("sh", "-c", compile_it.replace("cc ", f"cc {' '.join(STRICT)} "), cwd=tmp_path)
+    assert run("sh", "-c", run_it, cwd=tmp_path) == shown
     solved = json.loads(tumble("solve", EXAMPLES / "paper_stand.csv", "--json").stdout)
     text = "\n".join(" ".join(map(repr, mean["mean"])) for mean in solved["means"])
     assert run(tmp_path / "main", input=text) == shown

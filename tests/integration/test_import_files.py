@@ -312,6 +312,9 @@ def test_lost_samples_and_a_footer(imported, logged):
     assert "1 fields, but the header has 4; delete the row, or begin it with #" in said
     said, means = imported(text + "\n# End of log\n")
     assert is_right(means) and "rows without a number in an output are left out" in said
+    said, _ = imported(text.replace(".", ","))  # to delete the row would help nobody
+    assert "8 fields, but the header has 4; if some of its commas are decimal marks, write" in said
+    assert "delete" not in said
 
 
 def test_blanks_between_columns_and_no_clock(imported, logged):

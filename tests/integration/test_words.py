@@ -96,13 +96,17 @@ def test_signs_may_begin_with_a_minus(signs, tumble, tmp_path):
     assert np.sign(np.diag(json.loads(done.stdout)["K"])).tolist() == [1.0 if sign == "+" else -1.0 for sign in signs]
 
 
-def test_a_picture_does_not_flood_a_terminal():
+@pytest.mark.parametrize("arguments, said", [
+    (("draw", "states"), "a picture is no text for a terminal: --out FILE.svg"),
+    (("report", "result.json"), "a page is no text for a terminal: --out FILE.html or --out FILE.pdf"),
+])
+def test_what_is_no_text_does_not_flood_a_terminal(arguments, said):
     ours, theirs = pty.openpty()
-    command = [sys.executable, "-m", "tumble", "draw", "states"]
+    command = [sys.executable, "-m", "tumble", *arguments]
     done = subprocess.run(command, stdout=theirs, stderr=subprocess.PIPE, text=True, cwd=ROOT)
     os.close(theirs)
     os.close(ours)
-    assert (done.returncode, done.stderr) == (2, "tumble: a picture is no text for a terminal: --out FILE.svg\n")
+    assert (done.returncode, done.stderr) == (2, f"tumble: {said}\n")
 
 
 def test_many_named_mountings_are_refused_at_once():

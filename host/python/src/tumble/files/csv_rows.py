@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from collections.abc import Iterable
 
 import numpy as np
@@ -20,6 +21,7 @@ from tumble.files.run_layout import NUMBER, Layout, decoded, split
 
 LARGEST_OUTPUT: float = MAX_MEAN  # of either sign: beyond, no output is believed
 _NOT_FINITE = {"nan", "inf", "infinity"}
+_DIGITS = re.compile(r"[+-]?\d*(e[+-]?\d+)?", re.IGNORECASE)  # what a decimal comma leaves on either side of it
 
 
 class Refused(Exception):
@@ -118,8 +120,15 @@ def row_of_numbers(line: str, layout: Layout, columns: tuple[str, ...]) -> list[
     except csv.Error as error:
         raise Refused(f"cannot be split into columns: {error}") from None
     if len(fields) != layout.width:
-        raise Refused(f"{len(fields)} fields, but the header has {layout.width}")
+        raise Refused(wrong_width(fields, layout.width, layout.delimiter))
     return [_number(fields[index], column, layout) for column, index in zip(columns, layout.indices)]
+
+
+def wrong_width(fields: list[str], width: int, delimiter: str, advice: str = "") -> str:
+    """What to say of a row that has not as many fields as the header, with `advice` unless there is a better one."""
+    if delimiter == "," and len(fields) > width and all(map(_DIGITS.fullmatch, fields)):
+        advice = "; if some of its commas are decimal marks, write the file with semicolons or with decimal points"
+    return f"{len(fields)} fields, but the header has {width}{advice}"
 
 
 def _number(text: str, column: str, layout: Layout) -> float:

@@ -15,7 +15,7 @@ import numpy as np
 from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.files import can_log
-from tumble.files.csv_rows import LARGEST_OUTPUT, body_of, read_plain
+from tumble.files.csv_rows import LARGEST_OUTPUT, body_of, read_plain, wrong_width
 from tumble.files.disk import read_bytes
 from tumble.files.run_layout import (
     DEFAULT_UNIT,
@@ -247,8 +247,7 @@ def _fields(line: str, layout: Layout, width: int, file: str, row: int) -> list[
     if len(fields) > width and not any(fields[width:]):
         return fields[:width]
     if len(fields) != width:
-        advice = "delete the row, or begin it with #"
-        raise BadInput(f"{len(fields)} fields, but the header has {width}; {advice}", file, row)
+        raise BadInput(wrong_width(fields, width, layout.delimiter, "; delete the row, or begin it with #"), file, row)
     return fields
 
 

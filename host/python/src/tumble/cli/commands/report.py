@@ -22,7 +22,9 @@ def add_to(subparsers: Subparsers, about: str) -> None:
         " interrupted.",
     )
     parser.add_argument("result", metavar="RESULT.json", help="a result of tumble solve or tumble bench")
-    parser.add_argument("--out", metavar="FILE.html|.pdf", help="default: HTML on standard output")
+    parser.add_argument(
+        "--out", metavar="FILE.html|.pdf", help="default: HTML on standard output, unless that is a terminal"
+    )
     parser.add_argument("--run", metavar="RUN.csv", help="the run that was solved: draws its samples too")
     parser.add_argument("--template", metavar="FILE", help="in place of the own one, or extending it (Jinja2)")
     parser.add_argument("--logo", metavar="FILE", help="PNG, JPEG or SVG, for the head of the first page")
@@ -36,6 +38,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Write. Returns the exit code; raises TumbleError."""
     from tumble.report.make import HTML, kind_of, require_installed
 
+    if arguments.out is None and sys.stdout.isatty():
+        raise UsageError("a page is no text for a terminal: --out FILE.html or --out FILE.pdf")
     kind = HTML if arguments.out is None else kind_of(arguments.out)
     require_installed(kind)
 
