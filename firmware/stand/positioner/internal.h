@@ -1,7 +1,8 @@
 /* internal.h - what the files of positioner share (private to it).
  *
- *     positioner.c  orders, time, the stand's functions
+ *     positioner.c  time, the exchange, the stand's functions
  *     report.c      what follows from what the controller reports
+ *     orders.c      what it is ordered: the ground, on which both stand
  */
 #ifndef TUMBLE_STAND_POSITIONER_INTERNAL_H
 #define TUMBLE_STAND_POSITIONER_INTERNAL_H
@@ -31,8 +32,14 @@ static inline bool is_at_rest(const tumble_positioner_t *axis)
     return is(axis, TUMBLE_STAND_READY) || is(axis, TUMBLE_STAND_IN_POSITION) || is(axis, TUMBLE_STAND_STOPPED);
 }
 
+/* Tell the order once more, as a new one: with the next exchange, which goes at once. No order has the number 0. */
+void tumble_positioner_tell(tumble_positioner_t *axis);
+
 /* Order it, as something new. */
 void tumble_positioner_give(tumble_positioner_t *axis, unsigned order);
+
+/* Order a stop. One that is under way is not begun anew: its harsher means must come. */
+void tumble_positioner_halt(tumble_positioner_t *axis);
 
 /* Stop and wait for clear_fault; in FAULT, stop again. */
 void tumble_positioner_fail(tumble_positioner_t *axis, tumble_stand_fault_t fault);

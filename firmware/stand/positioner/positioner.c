@@ -13,44 +13,6 @@
 #define WRITE_ORDER 5U
 #define READ_AT 16U
 
-/* Orders. */
-
-/* As a new one, with the next exchange, which goes at once. No order has the number 0. */
-static void tell(tumble_positioner_t *axis)
-{
-    axis->number = (axis->number == UINT16_MAX) ? 1U : (uint16_t)(axis->number + 1U);
-    axis->taken = false;
-    axis->restart_timer = true;
-}
-
-void tumble_positioner_give(tumble_positioner_t *axis, unsigned order)
-{
-    const bool stops = (order == (unsigned)ORDER_STOP) || (order == (unsigned)ORDER_RESET);
-    axis->order = (uint8_t)order;
-    axis->travelled = 0;
-    axis->rung = (uint8_t)(stops ? TUMBLE_RUNG_TOLD : TUMBLE_RUNG_NONE);
-    tell(axis);
-}
-
-/* A stop that is under way is not begun anew: its harsher means must come. */
-static void stop_axis(tumble_positioner_t *axis)
-{
-    if (!is_stopping(axis)) {
-        tumble_positioner_give(axis, ORDER_STOP);
-    }
-}
-
-void tumble_positioner_fail(tumble_positioner_t *axis, tumble_stand_fault_t fault)
-{
-    if (!is(axis, TUMBLE_STAND_FAULT)) {
-        axis->fault = (uint8_t)fault;
-        axis->state = (uint8_t)TUMBLE_STAND_FAULT;
-    }
-    if (axis->known) { /* else nothing has been set going */
-        stop_axis(axis);
-    }
-}
-
 /* The course of time. */
 
 static void receive(tumble_positioner_t *axis)
@@ -87,7 +49,7 @@ static void climb(tumble_positioner_t *axis)
     if ((axis->rung < (uint8_t)TUMBLE_RUNG_UNCONFIRMED) && has_passed(axis, axis->since_us, ms)) {
         tumble_positioner_fail(axis, TUMBLE_STAND_FAULT_STOP);
         axis->rung = (uint8_t)(told ? TUMBLE_RUNG_SILENCE : TUMBLE_RUNG_UNCONFIRMED);
-        tell(axis); /* as soon as it is not silent */
+        tumble_positioner_tell(axis); /* as soon as it is not silent */
         tumble_count(&axis->report.stop.rungs[axis->rung - (uint8_t)TUMBLE_RUNG_AGAIN]);
     }
 }
@@ -237,7 +199,7 @@ static void positioner_stop(void *self)
     if (is(axis, TUMBLE_STAND_OFFLINE)) {
         return; /* it has no other order */
     }
-    stop_axis(axis);
+    tumble_positioner_halt(axis);
     if (!is(axis, TUMBLE_STAND_FAULT)) {
         axis->state = (uint8_t)TUMBLE_STAND_MOVING; /* until it is seen at rest */
     }
