@@ -13,6 +13,7 @@ from documents import paper_stand
 from tumble import core, reference
 from tumble.core import stand_seen
 from tumble.distributions import f_cdf
+from tumble.errors import Disagreement
 from tumble.files.stand_file import read_stand
 from tumble.schedule import CHECK, Position, Schedule
 from tumble.solving.crosscheck import compare_seen
@@ -254,3 +255,29 @@ def test_people_read_the_yaw_of_each_mounting(tumble):
     lines = shown[shown.index("Stand seen:") :].splitlines()[:6]
     names = ["axis tilt", "level + yaw", "yaw 1 - 2", "yaw 1 - 3", "set angle", "noise"]
     assert [line[12:24].strip() for line in lines] == names
+
+
+def hardly_any_set_angles(rng, above):
+    """A run whose noise leaves so much of chi-squared `above` its degrees of freedom, relative to them."""
+    schedule, samples, measured = core.CoreSchedule(PAPER), np.full(18, 5), np.ones(18, bool)
+    k, u0 = random_block(rng)
+    means = reference.Geometry(PAPER).outputs(k, u0) + 1e-4 * np.abs(k).max() * rng.normal(size=(18, 3))
+    k, u0 = core.estimate(schedule, means)
+    shown = stand_seen.RunSeen(schedule, means, measured, k, u0)
+    chi_squared, freedom = shown.angle_chi_squared(0.0, np.ones(18))
+    scatter = np.full((18, 3), math.sqrt(5 * chi_squared / freedom / (1 + above)))
+    return shown, reference.RunSeen(PAPER, means, k), samples, scatter
+
+
+@pytest.mark.parametrize("above", [1e-3, 1e-5, 1e-7, 1e-9])
+def test_set_angles_hardly_worse_than_the_noise_are_no_disagreement(above):
+    """What rounding leaves of the square of alpha4 its root magnifies, and the uncertainty of that even more."""
+    rng = np.random.default_rng(84)
+    for _ in range(20):
+        shown, witness, samples, scatter = hardly_any_set_angles(rng, above)
+        found = look(shown, stand_seen.noise(samples, scatter), samples, None)
+        assert found.alpha4 is not None and found.alpha4.u > 10 * found.alpha4.value
+        compare_seen(found, witness, samples, scatter, None)
+        with pytest.raises(Disagreement, match="alpha4 squared"):
+            larger = replace(found.alpha4, u=found.alpha4.u * (1 + 1e-5))
+            compare_seen(replace(found, alpha4=larger), witness, samples, scatter, None)

@@ -113,8 +113,8 @@ def compare_seen(
     """Look at the stand again, through the witness. Raises Disagreement.
 
     Values may differ by 1e-6 of their standard uncertainty, or where that is less by 1e-11 rad or by what rounding
-    leaves of the largest output; uncertainties likewise. Where the outputs fit worse than the noise allows, as behind a
-    coarse converter, the uncertainty is that which they show: times their misfit.
+    leaves of the largest output; uncertainties likewise; alpha4 by its square. Where the outputs fit worse than the
+    noise allows, as behind a coarse converter, the uncertainty is that which they show: times their misfit.
     """
     noise, u_noise = reference.pooled_noise(samples, scatter)
     rounded = max(_ROUNDED_RAD, _LAST_BITS * _SUMMED * run.largest_force)
@@ -125,7 +125,7 @@ def compare_seen(
     ]  # by the run and by the stand
     misfit = max([1.0, *(run.misfit(variance) for variance in variances if variance is not None)])
     _require_seen("noise", found.noise, witness.noise, 0.0)
-    _require_seen("alpha4", found.alpha4, witness.alpha4, rounded, misfit)
+    _require_alpha4(found.alpha4, witness.alpha4, rounded, misfit)
     for name in ANGLES:
         _require_seen(name, found.angles[name], witness.angles[name], rounded, misfit)
         _require_seen(f"augmented {name}", found.augmented[name], witness.augmented[name], rounded, misfit)
@@ -166,6 +166,16 @@ def _require_seen(
     allowed = max(SEEN_LIMIT_U * misfit * witness.u, rounded)
     _require(f"{name} of the stand seen", core.value, witness.value, allowed)
     _require(f"u of {name} of the stand seen", core.u, witness.u, allowed)
+
+
+def _require_alpha4(core: Quantity | None, witness: Quantity | None, rounded: float, misfit: float) -> None:
+    """By its square and the uncertainty of that, which are what is estimated: where the set angles are hardly worse
+    than the noise, the root of a small number and its uncertainty magnify what rounding leaves of the square."""
+    if core is None or witness is None:
+        _require_both("alpha4 of the stand seen", core, witness)
+        return
+    squares = [Estimate(one.value**2, 2.0 * one.value * one.u) for one in (core, witness)]
+    _require_seen("alpha4 squared", squares[0], squares[1], 2.0 * witness.value * rounded, misfit)
 
 
 def _allowed(schedule: Schedule, means: Floats, largest_k: float, terms: Terms) -> float:
