@@ -227,7 +227,8 @@ static void step(node_t *node)
     world->steps++;
     note_refusals(node);
     note_state(node);
-    node_log_look(&node->log, &world->navcomp, (node->options->nv != NULL) ? &node->keeper.sets : NULL);
+    node_log_look(&node->log, &world->navcomp, (node->options->nv != NULL) ? &node->keeper.sets : NULL,
+                  &node->port.can);
 }
 
 static void go(node_t *node)

@@ -28,19 +28,34 @@ void node_log_ready(const node_options_t *options)
 
 /* Commands. */
 
+static bool is_of_command(const tumble_can_frame_t *frame)
+{
+    return tumble_get_u16(&frame->data[1]) == TUMBLE_NAVCOMP_INDEX_COMMAND && frame->data[3] == COMMAND;
+}
+
+/* A client writes: the value is in the frame itself, or in the segment that follows. */
+static void hear_request(node_log_t *log, const tumble_can_frame_t *frame, bool is_second)
+{
+    const uint8_t service = frame->data[0] & TUMBLE_SDO_COMMAND_MASK;
+    if (service == TUMBLE_SDO_DOWNLOAD_SEGMENT_REQUEST && log->in_segments[is_second]) {
+        log->asked_by[is_second] = frame->data[1];
+    }
+    const bool begins = service == TUMBLE_SDO_DOWNLOAD_REQUEST && is_of_command(frame);
+    const bool at_once = (frame->data[0] & TUMBLE_SDO_E) != 0U;
+    if (begins && at_once) {
+        log->asked_by[is_second] = frame->data[4];
+    }
+    log->in_segments[is_second] = begins && !at_once;
+}
+
 void node_log_frame(node_log_t *log, const tumble_can_frame_t *frame)
 {
     const unsigned kind = frame->id - NODE;
     const bool is_second = kind == TUMBLE_SDO_SECOND_REQUEST_ID || kind == TUMBLE_SDO_SECOND_RESPONSE_ID;
-    const uint8_t service = frame->data[0] & TUMBLE_SDO_COMMAND_MASK;
-    if (tumble_get_u16(&frame->data[1]) != TUMBLE_NAVCOMP_INDEX_COMMAND || frame->data[3] != COMMAND) {
-        return;
-    }
-    if ((kind == TUMBLE_SDO_REQUEST_ID || kind == TUMBLE_SDO_SECOND_REQUEST_ID) &&
-        service == TUMBLE_SDO_DOWNLOAD_REQUEST) {
-        log->asked_by[is_second] = frame->data[4];
+    if (kind == TUMBLE_SDO_REQUEST_ID || kind == TUMBLE_SDO_SECOND_REQUEST_ID) {
+        hear_request(log, frame, is_second);
     } else if ((kind == TUMBLE_SDO_RESPONSE_ID || kind == TUMBLE_SDO_SECOND_RESPONSE_ID) &&
-               service == TUMBLE_SDO_ABORT) {
+               frame->data[0] == TUMBLE_SDO_ABORT && is_of_command(frame)) {
         log->asked = log->asked_by[is_second];
     }
 }
@@ -69,12 +84,13 @@ static void look_at_level(node_log_t *log, const tumble_navcomp_t *navcomp)
     log->is_unlocked = is_open;
 }
 
-void node_log_look(node_log_t *log, const tumble_navcomp_t *navcomp, const tumble_sets_t *sets)
+void node_log_look(node_log_t *log, const tumble_navcomp_t *navcomp, const tumble_sets_t *sets, const can_socket_t *can)
 {
     tumble_sets_state_t state;
     if (!event_log_is_on()) {
         return;
     }
+    link_log_look(&log->link, can);
     look_at_level(log, navcomp);
     if (sets == NULL) {
         return;

@@ -3,6 +3,7 @@
 #define TUMBLE_LINUX_NODE_LOG_H
 
 #include "bench/world.h"
+#include "link_log.h"
 #include "node_options.h"
 #include "run_log.h"
 
@@ -12,7 +13,9 @@
 /* What was told last. */
 typedef struct {
     uint8_t asked_by[2]; /* the command that was written last, through either SDO server */
+    bool in_segments[2]; /* it is still to come, in a segment */
     uint8_t asked;       /* the one that was refused last */
+    link_log_t link;
     run_log_sets_t sets;
     bool is_unlocked;
     bool unread_documents;
@@ -28,8 +31,9 @@ void node_log_frame(node_log_t *log, const tumble_can_frame_t *frame);
 /* A command was refused. */
 void node_log_refused(const node_log_t *log, const tumble_progress_t *now);
 
-/* After every step: the service level; what became of a result (`sets` null: nothing is kept). */
-void node_log_look(node_log_t *log, const tumble_navcomp_t *navcomp, const tumble_sets_t *sets);
+/* After every step: the interface; the service level; what became of a result (`sets` null: nothing is kept). */
+void node_log_look(node_log_t *log, const tumble_navcomp_t *navcomp, const tumble_sets_t *sets,
+                   const can_socket_t *can);
 
 /* So many lines of an output were left out, for nobody reads them: told once, which `told` notes. */
 void node_log_unread(bool *told, uint32_t lost, const char *output);

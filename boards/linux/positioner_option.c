@@ -8,7 +8,7 @@
 #include <string.h>
 
 #define OPTION "--stand"
-#define FORM "must be modbus:HOST:PORT[,NAME=NUMBER...]; see --help"
+#define FORM "must be modbus:HOST:PORT[,NAME=NUMBER...], with PORT from 1 to 65535; see --help"
 #define SCHEME "modbus:"
 #define PARTS_OF_SILENCE 3U /* a connection and two questions, within the time after which the link is dead */
 
@@ -16,6 +16,7 @@ static char text[256];
 static const char *host; /* null: the option was not given */
 static const char *port;
 static uint8_t unit = 1;
+static unsigned given; /* a bit for each of NUMBERS */
 static tumble_positioner_profile_t profile = {
     .counts_per_deg = 10000.0,
     .window_deg = 0.02,
@@ -42,6 +43,33 @@ static const number_t NUMBERS[] = {
     NUMBER(home_timeout_ms, 1, 1e9),      NUMBER(move_timeout_ms, 1, 1e9),   NUMBER(stop_timeout_ms, 1, 60000),
     NUMBER(cycle_ms, 1, 10000),           NUMBER(silence_ms, 2, 60000),      NUMBER(watch_ms, 2, 60000),
 };
+
+static bool is_port(const char *digits)
+{
+    const size_t length = strspn(digits, "0123456789");
+    const unsigned long number = strtoul(digits, NULL, 10);
+    return length > 0U && length <= 5U && digits[length] == '\0' && number > 0U && number <= UINT16_MAX;
+}
+
+/* Cut HOST:PORT in two. An address with colons of its own stands in brackets, or its last part might be the port. */
+static bool take_address(char *address)
+{
+    char *const colon = strrchr(address, ':');
+    if (colon == NULL || colon == address || !is_port(colon + 1)) {
+        return arguments_refuse(OPTION, FORM);
+    }
+    *colon = '\0';
+    const bool in_brackets = address[0] == '[' && colon[-1] == ']';
+    if (in_brackets ? colon - address < 3 : strpbrk(address, "[]:") != NULL) {
+        return arguments_refuse(OPTION, FORM);
+    }
+    if (in_brackets) {
+        colon[-1] = '\0';
+    }
+    port = colon + 1;
+    host = address + (in_brackets ? 1 : 0);
+    return true;
+}
 
 static bool put(const number_t *number, double value)
 {
@@ -71,6 +99,10 @@ static bool take_number(const char *name, const char *digits)
     for (size_t i = 0; i < sizeof NUMBERS / sizeof NUMBERS[0]; i++) {
         const number_t *const number = &NUMBERS[i];
         if (strcmp(name, number->name) == 0) {
+            if ((given & (1U << i)) != 0U) {
+                return arguments_refuse(OPTION, "has a number twice");
+            }
+            given |= 1U << i;
             char *end = NULL;
             const double value = strtod(digits, &end);
             return (end != digits && *end == '\0' && value >= number->low && value <= number->high &&
@@ -127,18 +159,7 @@ bool positioner_option_take(void *options, const char *value)
     if (list != NULL) {
         *list = '\0';
     }
-    char *const colon = strrchr(text, ':'); /* an address in brackets has some, too */
-    if (colon == NULL || colon == text || colon[1] == '\0') {
-        return arguments_refuse(OPTION, FORM);
-    }
-    *colon = '\0';
-    port = colon + 1;
-    host = text;
-    if (text[0] == '[' && colon[-1] == ']') {
-        colon[-1] = '\0';
-        host = text + 1;
-    }
-    return (list == NULL || take_numbers(list + 1)) && fits();
+    return take_address(text) && (list == NULL || take_numbers(list + 1)) && fits();
 }
 
 #ifdef TUMBLE_HAS_MODBUS

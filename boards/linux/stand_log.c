@@ -71,11 +71,7 @@ void stand_log_look(stand_log_t *log, const bench_world_t *world, const can_sock
     }
     look_at_person(log, world);
     look_at_faults(log, world);
-    if (can->counters.downs != log->downs) {
-        event_log_tell(EVENT_LOG_WARNING, "link", EVENT_FIELDS(EVENT_TEXT("link", "down")), "the interface %s is down",
-                       can->name);
-    }
-    log->downs = can->counters.downs;
+    link_log_look(&log->link, can);
 }
 
 void stand_log_end(const bench_world_t *world, int code)

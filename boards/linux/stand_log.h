@@ -3,7 +3,7 @@
 #define TUMBLE_LINUX_STAND_LOG_H
 
 #include "bench/world.h"
-#include "can_socket.h"
+#include "link_log.h"
 #include "stand_operator.h"
 #include "stand_options.h"
 
@@ -15,7 +15,7 @@ typedef struct {
     uint32_t mounted[TUMBLE_MAX_MOUNTINGS];
     uint32_t mended;
     uint32_t faults[SIM_MAX_FAULTS];
-    uint64_t downs;
+    link_log_t link;
 } stand_log_t;
 
 /* It serves. */

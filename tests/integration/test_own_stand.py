@@ -1,13 +1,17 @@
 """docs/own-stand.md shows what is there: its C is that of the files, its numbers are those of program and headers."""
 
 import re
+import subprocess
 
 import pytest
-from conftest import ROOT
+from conftest import EXAMPLES, ROOT
+
+from tumble.bench import programs
 
 PAGE = (ROOT / "docs/own-stand.md").read_text(encoding="utf-8")
 POSITIONER = ROOT / "firmware/stand/positioner"
 SHOWN = [*POSITIONER.glob("*.[ch]"), ROOT / "tests/unit/stand/test_stand_rules.c"]
+FORM = re.search(r'#define FORM "(.*)"', (ROOT / "boards/linux/positioner_option.c").read_text(encoding="utf-8"))[1]
 pytestmark = pytest.mark.python
 
 
@@ -51,3 +55,27 @@ def test_its_reasons_are_there():
     names = (ROOT / "firmware/procedure/states.h").read_text(encoding="utf-8")
     reasons = set(re.findall(r"TUMBLE_REASON_\w+", PAGE))
     assert len(reasons) >= 9 and all(reason in names for reason in reasons)
+
+
+def refused(stand):
+    """Exit code and message of tumble-node with such a --stand; it needs no interface to say it."""
+    program = programs.find("tumble-node", "boards/linux")
+    command = [program, "nocan0", EXAMPLES / "none.txt", "--stand", f"modbus:{stand}"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    if "without libmodbus" in done.stderr:
+        pytest.skip("tumble-node was built without libmodbus")
+    return done.returncode, done.stderr
+
+
+@pytest.mark.parametrize("wrong", ["h:0", "h:70000", "h:x", "h:", ":502", "h", "[::1:502", "::1:502", "[]:502"])
+def test_an_address_that_none_can_have_is_refused_at_once(wrong):
+    assert refused(wrong) == (2, f"tumble-node: --stand: {FORM}\n")
+
+
+@pytest.mark.parametrize("numbers, says", [
+    ("unit=1,unit=2", "has a number twice"),
+    ("unit=1.5", "a number is out of its range, or no number; see --help"),
+    ("units=1", "no such number of a stand; see --help"),
+])
+def test_numbers_of_a_stand_that_are_refused(numbers, says):
+    assert refused(f"h:502,{numbers}") == (2, f"tumble-node: --stand: {says}\n")

@@ -44,6 +44,38 @@ def test_a_unit_has_what_hardens_it_and_no_capability(name):
     assert settings["ExecStart"].startswith(f"/usr/local/bin/{name} ") and settings["ExecStart"].endswith(" --log text")
 
 
+def starts(unit_text, tmp_path, times):
+    """Whether its ExecStartPre let the program start, so many times, on an interface as the kernel has it: no bit rate
+    is taken while it is up, and it does not come up without one."""
+    state, ip = tmp_path / "state", tmp_path / "ip"
+    state.mkdir()
+    ip.write_text(f"""#!/bin/sh
+cd {state}
+for word; do case $word in bitrate) [ ! -e up ] || exit 2; touch bitrate ;; up) up=1 ;; esac; done
+[ -z "$up" ] || {{ [ -e bitrate ] && touch up; }}
+""")
+    ip.chmod(0o755)
+
+    def start():
+        for prefix, command in re.findall(r"^ExecStartPre=([-+]*)(.*)$", unit_text, re.MULTILINE):
+            done = subprocess.run(command.replace("/sbin/ip", str(ip)).split(), check=False)
+            if done.returncode and "-" not in prefix:
+                return False
+        return True
+
+    return [start() for _ in range(times)]
+
+
+def test_the_interface_comes_up_and_the_unit_can_be_started_anew(tmp_path):
+    assert starts(unit("tumble-node"), tmp_path, 3) == [True, True, True]
+
+
+def test_one_command_for_both_would_not_start_anew(tmp_path):
+    """Canary: the line that the page had."""
+    line = "ExecStartPre=+/sbin/ip link set can0 up type can bitrate 500000 restart-ms 100\n"
+    assert starts(line, tmp_path, 2) == [True, False]
+
+
 @needs_systemd
 @pytest.mark.parametrize("name", UNITS)
 def test_systemd_takes_the_unit(name, analyze):

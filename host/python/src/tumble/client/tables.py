@@ -29,7 +29,7 @@ REASONS: tuple[tuple[str, str, str], ...] = (  # by number: name, meaning, what 
     ("COMMAND", "aborted by command", "Somebody gave ABORT, or the node was reset."),
     ("SCHEDULE", "the schedule is not valid or cannot identify the coefficients", "2004h:2 says how the schedule is wrong, as a number of tumble/status.h: positions missing that the estimator needs, or too few to tell all coefficients."),
     ("CONFIGURATION", "the configuration is out of range", "A number of 2050h or of the board is out of range."),
-    ("STAND_OFFLINE", "the stand did not come up", "No drive: power, node number 2, bit rate, termination."),
+    ("STAND_OFFLINE", "the stand did not come up", "No drive: power; on CAN node number 2, bit rate, termination; of a Modbus stand its address, port and unit."),
     ("STAND_HEARTBEAT", "the stand's heartbeat was lost", "The drive fell silent for half a second: cable, power, bus load."),
     ("STAND_PROTOCOL", "the stand refused its configuration or broke the handshake", "The drive refused an object of its profile, or does not keep to it: the drive's manual, and the bus while it boots."),
     ("DRIVE_FAULT", "the drive reported a fault", "2004h:3 is the drive's own error code. CLEAR_FAULT (8) or RESUME resets it."),
