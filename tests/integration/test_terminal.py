@@ -12,6 +12,8 @@ from fcntl import ioctl
 import pytest
 from conftest import EXAMPLES
 
+from tumble.cli.commands import ABOUT
+
 pytestmark = pytest.mark.python
 
 SOLVE = [sys.executable, "-m", "tumble", "solve", "paper_stand.csv", "--unit", "V", "--stand", "paper_stand.toml"]
@@ -98,9 +100,9 @@ def test_the_widest_table_fits_eighty_columns(estimator, tumble, tmp_path):
 
 @pytest.mark.parametrize(
     "command",
-    ["solve", "apply", "bench", "export", "report", "replay", "fixture check", "store dump", "watch"]
+    [*ABOUT, "fixture check", "store dump"]
     + [f"draw {subject}" for subject in ("stand", "mountings", "angles", "states", "wiring")]
-    + [f"plan {subject}" for subject in ("budget", "require", "optimize", "validate", "paper")],
+    + [f"plan {subject}" for subject in ("budget", "require", "optimize", "schedule", "validate", "paper")],
 )
 def test_help_fits_eighty_columns(command, tumble):
     done = tumble(*command.split(), "--help", COLUMNS="80")
