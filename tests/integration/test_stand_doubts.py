@@ -73,7 +73,7 @@ def test_the_last_line_names_the_culprit(tumble, tmp_path):
         done = tumble("solve", tmp_path / "run.csv", "--stand", EXAMPLES / "paper_stand.toml", "--limit", limit)
         last = done.stdout.splitlines()[-1]
         assert done.returncode == 1 and last.startswith(
-            "FAIL: does not fit, explained best by position of 1.4 x; gravity error "
+            "FAIL: does not fit, explained best by position 1.4 (x); gravity error "
         )
         assert len(last) <= 80 and " at " not in last
 

@@ -81,15 +81,23 @@ def _explained(solution: Solution, explanation: Explanation) -> str:
         seen = "" if size is None else f" {abs(size):.1e} {unit}"
         said = f"{NAMES[name]}{seen} (declared {limits.sigma[name]:.1e})"
     else:
-        said = name + (f" of {explanation.column}" if explanation.column else "")
-        said += "" if size is None else f" {size:.3g} +- {explanation.u_size:.2g} {unit}"
+        said = _placed(name, explanation.column)
+        said += "" if size is None else f" {size:.4g} +- {explanation.u_size:.2g} {unit}"
     return " or ".join([said, *(NAMES.get(other, other) for other in others)])
 
 
 def named(explanation: Explanation) -> str:
-    """Its likeliest pattern without sizes, such as "position of 2.5 x" or "axis tilt"."""
+    """Its likeliest pattern without sizes, such as "position 2.5 (x)" or "axis tilt"."""
     name = explanation.patterns[0]
-    return NAMES.get(name, name) + (f" of {explanation.column}" if explanation.column else "")
+    return _placed(NAMES.get(name, name), explanation.column)
+
+
+def _placed(name: str, column: str) -> str:
+    """With what shows it. One bad mean is that of a channel at a position."""
+    if name == "position":
+        place, channel = column.split()
+        return f"position {place} ({channel})"
+    return f"{name} of {column}" if column else name
 
 
 def consequence(solution: Solution) -> str:
