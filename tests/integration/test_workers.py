@@ -12,8 +12,8 @@ from conftest import EXAMPLES
 
 from tumble.errors import BadInput, BenchFault
 from tumble.workers.kept import Kept
-from tumble.workers.local import Alone, Processes
-from tumble.workers.over import Team, over
+from tumble.workers.local import Processes
+from tumble.workers.over import Alone, Team, over
 from tumble.workers.pieces import Piece
 
 pytestmark = pytest.mark.python

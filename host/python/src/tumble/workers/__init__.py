@@ -2,7 +2,7 @@
 
 over     the one loop that all campaigns are: results in the order of their pieces, whoever did them, and in which order
 pieces   what is handed out: a job, pieces, results; and what a worker does with them
-local    this process, or several of this machine; a dead one is replaced
+local    processes of this machine; a dead one is replaced
 cluster  Dask distributed, which is imported for --cluster alone
 kept     what is done, as Parquet, to go on from
 """

@@ -49,7 +49,7 @@ class Kept(Nothing):
             import pyarrow  # noqa: F401
         except ImportError:
             raise NotInstalled("--resume", "pyarrow", extra="parquet") from None
-        text = json.dumps({**depends, "tumble": __version__}, default=repr, sort_keys=True)
+        text = json.dumps({**depends, "tumble": __version__}, default=_as_text, sort_keys=True)
         self._about = {
             "schema": SCHEMA,
             "campaign": str(depends["campaign"]),
@@ -104,6 +104,11 @@ class Kept(Nothing):
             piece: {name: _value(column[row], table.schema.field(name).type) for name, column in rows.items()}
             for row, piece in enumerate(names)
         }
+
+
+def _as_text(value: Any) -> Any:
+    """Of what JSON does not know; an array by its numbers, all of them."""
+    return value.tolist() if isinstance(value, np.ndarray) else repr(value)
 
 
 def _value(found: Any, kind: Any) -> Any:

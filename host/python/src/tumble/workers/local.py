@@ -1,4 +1,4 @@
-"""This process, or several of this machine."""
+"""Processes of this machine."""
 
 from __future__ import annotations
 
@@ -18,18 +18,6 @@ from tumble.workers.pieces import Job, Placed, Result, call, packed
 
 _TRIES = 3  # of a piece that was under way when a process died: it may be what kills them
 _AHEAD = 2  # pieces for each process, so that none waits for the next
-
-
-class Alone:
-    """This process."""
-
-    def results(self, job: Job, pieces: Iterable[Placed]) -> Iterator[tuple[Placed, Result]]:
-        """One after the other."""
-        for placed in pieces:
-            yield placed, job(placed[1].what)
-
-    def close(self) -> None:
-        """Nobody else is here."""
 
 
 class Processes:

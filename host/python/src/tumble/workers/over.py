@@ -7,10 +7,21 @@ from dataclasses import dataclass, field
 from types import TracebackType
 
 from tumble.workers.kept import NOTHING, Nothing
-from tumble.workers.local import Alone
 from tumble.workers.pieces import Crew, Job, Piece, Placed, Result
 
 Progress = Callable[[int], None]
+
+
+class Alone:
+    """This process."""
+
+    def results(self, job: Job, pieces: Iterable[Placed]) -> Iterator[tuple[Placed, Result]]:
+        """One after the other."""
+        for placed in pieces:
+            yield placed, job(placed[1].what)
+
+    def close(self) -> None:
+        """Nobody else is here."""
 
 
 @dataclass
