@@ -5,6 +5,7 @@ import subprocess
 
 import pytest
 from conftest import EXAMPLES
+from documents import document_of
 
 from tumble.bench import program
 
@@ -39,6 +40,7 @@ def test_lives_are_the_document_of_one_process(tumble):
     plain = without_speed(bench("--campaign", "130", "--seed", "5"))
     for options in ((), ("--workers", "2")):
         done = tumble("campaign", "lives", "--lives", "130", "--seed", "5", *options)
+        document_of(done, "hostile")
         assert (done.returncode, without_speed(done.stdout)) == (0, plain)
 
 

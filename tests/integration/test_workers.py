@@ -122,11 +122,22 @@ def test_a_validation_is_the_same_by_two_workers_and_from_a_file(tumble, tmp_pat
     assert plain.stderr == kept.stderr == again.stderr == ""
 
 
+def refuses(_):
+    raise BadInput("no such thing", "a file", row=3)
+
+
+def test_what_a_job_complains_of_comes_as_it_is():
+    with pytest.raises(BadInput, match=r"^a file: row 3: no such thing$") as raised:
+        done_by(Processes(2), refuses)
+    assert raised.value.row == 3
+
+
 @pytest.mark.parametrize(
     "arguments, complaint",
     [
         (["--workers", "0"], "--workers: '0' is not a whole number from 1 to 256"),
         (["--workers", "2", "--cluster", "tcp://here:1"], "--cluster: it has workers of its own"),
+        (["--resume", "nowhere/done.parquet"], "nowhere/done.parquet: cannot be written"),
         (["--resume", "done.txt"], "--resume: 'done.txt' does not end in .parquet"),
     ],
 )

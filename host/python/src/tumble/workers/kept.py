@@ -44,7 +44,7 @@ class Kept(Nothing):
     """In a file, which need not be there yet. `depends`: on what the results do, by name."""
 
     def __init__(self, file: str, depends: dict[str, Any]):
-        """Raises BadInput where the file is another campaign's, or none; NotInstalled."""
+        """Raises BadInput where the file is another campaign's, or none, or cannot be there; NotInstalled."""
         try:
             import pyarrow  # noqa: F401
         except ImportError:
@@ -56,6 +56,8 @@ class Kept(Nothing):
             "fingerprint": hashlib.sha256(text.encode()).hexdigest(),
         }
         self._file = file
+        if not os.access(os.path.dirname(os.path.realpath(file)), os.W_OK):  # told now, not after the first hours
+            raise BadInput("cannot be written: its folder is not there, or nobody may write to it", file)
         self._done = self._read() if os.path.exists(file) else {}
         self._is_new = not self._done
         self._wait_until = time.monotonic() + _PAUSE_S
