@@ -98,8 +98,7 @@ def test_the_widest_table_fits_eighty_columns(estimator, tumble, tmp_path):
 
 @pytest.mark.parametrize(
     "command",
-    ["solve", "apply", "bench", "export", "report", "replay", "fixture check", "store dump", "watch", "campaign runs",
-     "campaign lives"]
+    ["solve", "apply", "bench", "export", "report", "replay", "fixture check", "store dump", "watch"]
     + [f"draw {subject}" for subject in ("stand", "mountings", "angles", "states", "wiring")]
     + [f"plan {subject}" for subject in ("budget", "require", "optimize", "validate", "paper")],
 )
