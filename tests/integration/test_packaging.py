@@ -125,7 +125,7 @@ def test_every_status_has_a_name_and_a_sentence():
 
 
 OPTIONAL = ("matplotlib", "jinja2", "weasyprint", "PIL", "pandas", "polars", "pyarrow", "scipy", "can", "cantools",
-            "canopen", "pymodbus")
+            "canopen", "pymodbus", "dask", "distributed")
 
 
 def test_no_plot_or_table_library_is_loaded_for_plain_output(tmp_path):

@@ -82,4 +82,4 @@ def test_each_program_that_the_page_names_prints_a_table():
 
 def test_a_name_that_is_none_is_refused():
     refused = subprocess.run([ROOT / "tools/benchmark", "nothing"], capture_output=True, text=True, check=False)
-    assert refused.returncode == 2 and "NAME is one of: all campaign cortex_m4 latency solve" in refused.stderr
+    assert refused.returncode == 2 and "NAME is one of: all campaign cortex_m4 latency scaling solve" in refused.stderr

@@ -120,7 +120,7 @@ def test_no_subset_of_eight_positions_is_much_quicker():
     block = mountings(mounting_sets(2)[3])
     schedule = Schedule(block, tuple(Position(m.number, n + 1, 90.0 * n) for m in block for n in range(4)))
     candidates = _Candidates(NormSpread(case, schedule, "optimal"), PACE, 3e-5)
-    found = candidates.quickest()
+    found, _ = candidates.quickest()
     subsets = [np.isin(range(8), one) for count in (6, 7, 8) for one in combinations(range(8), count)]
     best = min(timed.duration.total for timed in map(candidates.timed, subsets) if timed is not None)
     assert best <= found.duration.total <= best + 1.0

@@ -7,6 +7,7 @@ needs is not there   130 interrupted
 from __future__ import annotations
 
 import os
+from typing import Any
 
 EXIT_PASS = 0
 EXIT_LIMITS_FAILED = 1
@@ -34,6 +35,16 @@ class TumbleError(Exception):
     """An outcome that ends the command with one line on stderr and `exit_code`."""
 
     exit_code = EXIT_BAD_INPUT
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """From process to process as it is; those with a constructor of their own are made without it."""
+        return _again, (type(self), self.args, self.__dict__)
+
+
+def _again(kind: type[TumbleError], args: tuple[Any, ...], state: dict[str, Any]) -> TumbleError:
+    error = kind.__new__(kind, *args)
+    error.__dict__.update(state)
+    return error
 
 
 class UsageError(TumbleError, ValueError):

@@ -30,6 +30,7 @@ from tumble.planning.schedule_search import (
 from tumble.schedule import Schedule
 from tumble.solving.extended import confused
 from tumble.solving.further import Further
+from tumble.workers.over import ALONE, Team
 
 BESIDE = ("paper", "three_mountings", "diagonal")
 _STEPS = 8
@@ -63,13 +64,20 @@ class Planned:
 
 
 def plan_schedule(
-    case: Case, goal: Goal, pace: Pace, step_deg: float, most_mountings: int, progress: Callable[[int, int], None]
+    case: Case,
+    goal: Goal,
+    pace: Pace,
+    step_deg: float,
+    most_mountings: int,
+    progress: Callable[..., None],
+    team: Team = ALONE,
 ) -> Planned:
-    """Raises UsageError where no schedule gets there."""
+    """Whatever the `team`. `progress` as of `quickest`, of which there may be several. Raises UsageError where no
+    schedule gets there."""
 
     def search(norm_g: float) -> Timed | None:
         for part in _PARTS:
-            found = quickest(case, goal.estimator, part * norm_g, pace, step_deg, most_mountings, progress)
+            found = quickest(case, goal.estimator, part * norm_g, pace, step_deg, most_mountings, progress, team)
             reached = None if found is None else reaching(case, goal, found.schedule, pace)
             if found is None or reached is not None:
                 return reached

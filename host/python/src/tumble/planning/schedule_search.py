@@ -7,8 +7,9 @@ angle for another, as long as that saves time. It is a search, and proves no opt
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -21,6 +22,8 @@ from tumble.planning.mounting_sets import KINDS, mounting_sets, mountings, witho
 from tumble.planning.norm_spread import NormSpread
 from tumble.schedule import Position, Schedule
 from tumble.solving.covariance import worst_norm
+from tumble.workers.over import ALONE, Progress, Team, over
+from tumble.workers.pieces import Piece, Result
 
 _FEWEST_POSITIONS = 6  # so that six residuals are left to check the model with
 _ALL_SETS = 3  # of so many mountings; more are added one by one
@@ -72,22 +75,18 @@ class _Candidates:
     def timed(self, chosen: Flags) -> Timed | None:
         """What a subset takes; None if it cannot do it, or has too many positions to be measured."""
         samples = fewest_at_some(self.spread, chosen, self.norm_g)
-        if samples is None:
-            return None
-        schedule = without_unused(self.spread.schedule.part(chosen))
-        return Timed(schedule, samples, self.norm_g, self.pace.duration(schedule, samples))
+        return None if samples is None else _part(self.spread.schedule, chosen, samples, self.norm_g, self.pace)
 
-    def quickest(self) -> Timed | None:
-        """By leaving out, then by exchange."""
+    def quickest(self) -> tuple[Timed | None, Flags]:
+        """By leaving out, then by exchange; and which positions it has."""
         best, chosen = self._left_out()
-        if best is None:
-            return None
-        while True:
+        while best is not None:
             tried = self._swapped(chosen, best.samples)
             found = self.timed(tried)
             if found is None or found.duration.total >= best.duration.total:
-                return best
+                break
             best, chosen = found, tried
+        return best, chosen
 
     def _left_out(self) -> tuple[Timed | None, Flags]:
         chosen = np.ones(len(self.spread.schedule.positions), dtype=bool)
@@ -116,33 +115,95 @@ def quickest(
     pace: Pace,
     step_deg: float,
     most_mountings: int,
-    progress: Callable[[int, int], None] = lambda done, of: None,
+    progress: Callable[..., None] = lambda done, of: None,
+    team: Team = ALONE,
 ) -> Timed | None:
     """The quickest schedule of at most so many mountings, with table angles of multiples of `step_deg`; None if there
-    is none. `progress`: sets of mountings done, and their number as far as it is known."""
-    sets = [one for count in range(2, min(most_mountings, _ALL_SETS) + 1) for one in mounting_sets(count)]
-    best, best_set, done = None, sets[0], 0
-    for more in reversed(range(max(0, most_mountings - _ALL_SETS) + 1)):
-        for kinds in sets:
-            hopeless = best is not None and pace.remounting * (len(kinds) - 1) >= best.duration.total
-            found = None if hopeless else _of_set(case, estimator, norm_g, pace, step_deg, kinds)
-            if found is not None and (best is None or found.duration.total < best.duration.total):
-                best, best_set = found, kinds
-            done += 1
-            progress(done, len(sets))
-        if more:
-            sets = [(*best_set, kind) for kind in KINDS if kind not in best_set]
-    return best
+    is none, whatever the `team`. `progress`: how many sets of mountings more are done, and of how many all in all, as
+    far as it is known."""
+    job, rounds = _OfSet(case, estimator, norm_g, pace, step_deg), range(2, most_mountings + 1)
+    known = [mounting_sets(count) for count in rounds if count <= _ALL_SETS]
+    best, of = _Best(None, known[0][0]), 0
+    for count in rounds:
+        sets = known[count - 2] if count <= _ALL_SETS else best.with_one_more()
+        of += len(sets)
+        for kinds, found in job.over(sets, best, team, partial(progress, of=of)):
+            if found is not None and (best.timed is None or found.duration.total < best.timed.duration.total):
+                best.timed, best.kinds = found, kinds
+    return best.timed
 
 
-def _of_set(
-    case: Case, estimator: str, norm_g: float, pace: Pace, step_deg: float, kinds: tuple[int, ...]
-) -> Timed | None:
-    angles = [index * step_deg for index in range(round(360.0 / step_deg))]
-    block = mountings(kinds)
-    positions = tuple(Position(one.number, index, angle) for one in block for index, angle in enumerate(angles, 1))
-    spread = NormSpread(case, Schedule(block, positions), estimator)
-    return _Candidates(spread, pace, norm_g).quickest()
+@dataclass
+class _Best:
+    """The quickest so far, and its set of mountings."""
+
+    timed: Timed | None
+    kinds: tuple[int, ...]
+
+    def with_one_more(self) -> list[tuple[int, ...]]:
+        """Its set with another mounting."""
+        return [(*self.kinds, kind) for kind in KINDS if kind not in self.kinds]
+
+    def is_out_of_reach(self, kinds: tuple[int, ...], pace: Pace) -> bool:
+        """Do the mountings of a set alone take as long?"""
+        return self.timed is not None and pace.remounting * (len(kinds) - 1) >= self.timed.duration.total
+
+
+@dataclass(frozen=True)
+class _OfSet:
+    """A job: the quickest of a set of mountings."""
+
+    case: Case
+    estimator: str
+    norm_g: float
+    pace: Pace
+    step_deg: float
+
+    def __call__(self, kinds: tuple[int, ...]) -> Result:
+        spread = NormSpread(self.case, self._all(kinds), self.estimator)
+        best, chosen = _Candidates(spread, self.pace, self.norm_g).quickest()
+        return {
+            "positions": np.flatnonzero(chosen if best is not None else []),
+            "samples": np.array([] if best is None else [best.samples], dtype=int),
+        }
+
+    def over(
+        self, sets: list[tuple[int, ...]], best: _Best, team: Team, progress: Progress
+    ) -> Iterator[tuple[tuple[int, ...], Timed | None]]:
+        """What is found for each of the sets, in their order, but for those that their mountings alone make slower than
+        the `best` so far: whoever works ahead may do more of them, to no effect."""
+        asked = []
+
+        def hopeful() -> Iterator[Piece]:
+            for kinds in sets:
+                if best.is_out_of_reach(kinds, self.pace):
+                    progress(1)
+                else:
+                    asked.append(kinds)
+                    yield Piece(f"{self.norm_g!r} {kinds}", kinds)
+
+        for place, result in enumerate(over(hopeful(), self, team, progress)):
+            if not best.is_out_of_reach(asked[place], self.pace):
+                yield asked[place], self._timed(asked[place], result)
+
+    def _timed(self, kinds: tuple[int, ...], result: Result) -> Timed | None:
+        """None if nothing has been found."""
+        if not len(result["samples"]):
+            return None
+        everything = self._all(kinds)
+        chosen = np.isin(np.arange(len(everything.positions)), result["positions"])
+        return _part(everything, chosen, int(result["samples"][0]), self.norm_g, self.pace)
+
+    def _all(self, kinds: tuple[int, ...]) -> Schedule:
+        angles = [index * self.step_deg for index in range(round(360.0 / self.step_deg))]
+        block = mountings(kinds)
+        positions = tuple(Position(one.number, index, angle) for one in block for index, angle in enumerate(angles, 1))
+        return Schedule(block, positions)
+
+
+def _part(everything: Schedule, chosen: Flags, samples: int, norm_g: float, pace: Pace) -> Timed:
+    schedule = without_unused(everything.part(chosen))
+    return Timed(schedule, samples, norm_g, pace.duration(schedule, samples))
 
 
 def held_to(case: Case, estimator: str, schedule: Schedule, norm_g: float, pace: Pace) -> Timed | None:

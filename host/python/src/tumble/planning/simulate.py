@@ -7,7 +7,7 @@ import numpy as np
 from tumble.arrays import Floats
 from tumble.planning.case import Case
 from tumble.reference.uncertainty import sources
-from tumble.solving.monte_carlo import drawn_outputs
+from tumble.solving.drawn_runs import Errors, drawn_outputs
 
 U0_V = (0.01, -0.02, 0.03)  # of the simulated block: linear estimators do not care
 
@@ -18,6 +18,9 @@ def position_means(case: Case, k: Floats, runs: int, rng: np.random.Generator) -
     The stand's errors are drawn anew for every run: normal, or uniform where the stand declares half-widths. The noise
     of a mean is normal, of the stand's noise or the converter's rounding, whichever is larger.
     """
-    lone = np.ones(len(case.schedule.positions), dtype=int)
-    errors = sources(case.schedule, k, case.stand, lone)
-    return drawn_outputs(case.schedule, k, np.array(U0_V), errors, case.stand.limits, runs, rng)
+    return drawn_outputs(case.schedule, k, np.array(U0_V), errors_of(case, k), case.stand.limits, runs, rng)
+
+
+def errors_of(case: Case, k: Floats) -> Errors:
+    """What is drawn of a case's stand."""
+    return sources(case.schedule, k, case.stand, np.ones(len(case.schedule.positions), dtype=int))

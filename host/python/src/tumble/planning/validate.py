@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -19,11 +20,12 @@ from tumble.estimators import LINEAR
 from tumble.planning.case import Case
 from tumble.planning.error_field import largest_over_attitudes, norm_forms
 from tumble.planning.promise import Promise, promise
-from tumble.planning.simulate import U0_V, position_means
+from tumble.planning.simulate import U0_V, errors_of, position_means
 from tumble.planning.weights import estimator_gains
 from tumble.reference.estimators import fit_indices
 from tumble.solving import extended, optimal_run, tables_of_runs
 from tumble.solving.covariance import spread_attitudes
+from tumble.solving.drawn_runs import Chunk, chunks, stream_of
 from tumble.solving.extended import columns_at
 from tumble.solving.gain_record import record_of, to_bytes
 from tumble.solving.gains import (
@@ -36,12 +38,13 @@ from tumble.solving.gains import (
     standard_deviations,
 )
 from tumble.terms import POWERS, Terms
+from tumble.workers.over import ALONE, Progress, Team, over
+from tumble.workers.pieces import Result
 
 KNOWN = "known"  # optimal weights for the block's true K, as a last known one
 RUN = "run"  # for each run's own first estimate of K, as in a solve
 COVERAGE_FACTORS = (1, 2, 3)
 _ATTITUDES = 2000
-_CHUNK = 2000  # runs at a time: part of what a seed means
 HISTOGRAM = (-5.0, 5.0, 50)  # of error over u: from, to, bins
 
 
@@ -75,6 +78,21 @@ class Tally:
         self.passed += int((check <= limit_g).sum())
         self.everywhere += int((everywhere <= limit_g).sum())
 
+    def result(self, name: str) -> Result:
+        """For `take`, under a name of its own."""
+        counts = np.array([self.runs, self.passed, self.everywhere])
+        sums = {"counts": counts, "within": self.within.ravel(), "histograms": self.histograms.ravel()}
+        return {f"{name} {part}": one for part, one in {**sums, "total": self.total, "squares": self.squares}.items()}
+
+    def take(self, result: Result, name: str) -> None:
+        """Add what another tally was, of later runs: sums depend on their order."""
+        runs, passed, everywhere = result[f"{name} counts"].tolist()
+        self.runs, self.passed, self.everywhere = self.runs + runs, self.passed + passed, self.everywhere + everywhere
+        self.total += result[f"{name} total"]
+        self.squares += result[f"{name} squares"]
+        self.within = self.within + result[f"{name} within"].reshape(self.within.shape)
+        self.histograms = self.histograms + result[f"{name} histograms"].reshape(self.histograms.shape)
+
     @property
     def bias(self) -> Floats:
         """Mean error (12,)."""
@@ -104,32 +122,54 @@ def validate(
     runs: int,
     seed: int,
     table: str = KNOWN,
-    progress: Callable[[int], None] = lambda runs: None,
+    progress: Progress = lambda runs: None,
+    team: Team = ALONE,
 ) -> list[Validated]:
-    """Let every estimator solve the same `runs` runs of the nominal block. `progress` is told of runs done.
+    """Let every estimator solve the same `runs` runs of the nominal block, whatever the `team`. `progress` is told of
+    runs done.
 
     Raises UsageError where the schedule, or a run on such a stand, cannot be solved.
     """
     k = case.nominal_k()
-    solvers = {estimator: _solver(case, estimator, k, table) for estimator in estimators}
     tallies = {estimator: Tally() for estimator in estimators}
-    rng, truth = np.random.default_rng(seed), np.concatenate([k.ravel(), U0_V])
-    for start in range(0, runs, _CHUNK):
-        means = position_means(case, k, min(_CHUNK, runs - start), rng)
-        for estimator, solver in solvers.items():
-            try:
-                found, u = solver(means)
-            except core.CoreRefusal as refusal:
-                raise UsageError(f"a run on such a stand cannot be solved by {estimator}: {refusal}") from None
-            tallies[estimator].add(found[:, :12] - truth, u)
-            check = largest_gravity_errors(means, found, case.terms)
-            tallies[estimator].judge(check, _everywhere(found, k, case.terms), case.limit_g)
-        progress(len(means))
+    pieces = chunks(errors_of(case, k), case.stand.limits, runs, seed)
+    for result in over(pieces, _Tallied(case, estimators, table), team, progress):
+        for estimator, tally in tallies.items():
+            tally.take(result, estimator)
     bound = _optimal(case, k).u[:12]
     return [
         Validated(estimator, tallies[estimator], _planned(case, estimator, k), bound, promise(case, estimator))
         for estimator in estimators
     ]
+
+
+@dataclass(frozen=True)
+class _Tallied:
+    """A job: the tallies of a chunk of runs."""
+
+    case: Case
+    estimators: tuple[str, ...]
+    table: str
+
+    def __call__(self, chunk: Chunk) -> Result:
+        case, k, result = self.case, self.case.nominal_k(), Result()
+        means, truth = position_means(case, k, chunk[0], stream_of(chunk)), np.concatenate([k.ravel(), U0_V])
+        for estimator, solver in self._solvers.items():
+            tally = Tally()
+            try:
+                found, u = solver(means)
+            except core.CoreRefusal as refusal:
+                raise UsageError(f"a run on such a stand cannot be solved by {estimator}: {refusal}") from None
+            tally.add(found[:, :12] - truth, u)
+            check = largest_gravity_errors(means, found, case.terms)
+            tally.judge(check, _everywhere(found, k, case.terms), case.limit_g)
+            result |= tally.result(estimator)
+        return result
+
+    @cached_property
+    def _solvers(self) -> dict[str, Solver]:
+        k = self.case.nominal_k()
+        return {estimator: _solver(self.case, estimator, k, self.table) for estimator in self.estimators}
 
 
 def largest_gravity_errors(means: Floats, found: Floats, terms: Terms = ()) -> Floats:

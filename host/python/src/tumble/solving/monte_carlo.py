@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -19,17 +20,19 @@ from tumble.arrays import Floats, Integers
 from tumble.core import CoreRefusal
 from tumble.errors import UsageError
 from tumble.estimators import COEFFICIENTS
-from tumble.reference.uncertainty import Source, exact_outputs, sources
+from tumble.reference.uncertainty import sources
 from tumble.schedule import Schedule
+from tumble.solving.drawn_runs import Chunk, Errors, chunks, drawn_outputs, stream_of
 from tumble.solving.many_runs import ManyRuns, estimator_for
-from tumble.stand import SIGMA, Stand
+from tumble.stand import Stand
 from tumble.terms import Terms
+from tumble.workers.over import ALONE, Progress, Team, over
+from tumble.workers.pieces import Result
 
 COVERAGE = 0.95
 LEVEL = 0.999  # of the range in which an end of a simulated interval lies
 NORMAL_COVERAGE = 1.959963984540054
 _NORMAL_LEVEL = 3.2905267314919255
-_CHUNK = 2000  # runs at a time: part of what a seed means
 _ROUNDING = 1e-12  # of max|K|
 
 
@@ -115,21 +118,21 @@ def simulate(
     seed: int,
     mean_variance: Floats | None = None,
     terms: Terms = (),
+    team: Team = ALONE,
+    progress: Progress = lambda runs: None,
 ) -> MonteCarlo:
     """Of a result `k` (3, 3), `u0` (3,) with stated uncertainties `u` (12,), on `schedule`, all of it measured, with
     `samples` (positions,) rows each. `stand` in the unit of the outputs; `mean_variance` as of
-    `sources`; `terms`: further unknowns of the estimate. The same seed gives the same numbers.
+    `sources`; `terms`: further unknowns of the estimate. The same seed gives the same numbers, whatever the
+    `team`. `progress` is told of runs done.
 
     Raises UsageError where a run on such a stand cannot be solved.
     """
-    estimate = estimator_for(schedule, k, stand, estimator, samples, terms=terms)
     errors = sources(schedule, k, stand, samples, mean_variance)
-    try:
-        found = _estimates(schedule, k, u0, errors, stand.limits, estimate, runs, seed)
-    except CoreRefusal as refusal:
-        raise UsageError(f"--monte-carlo: a run on such a stand cannot be solved: {refusal}") from None
+    job = _Estimates(schedule, k, u0, errors, stand, estimator, samples, terms)
+    found = [one["found"] for one in over(chunks(errors, stand.limits, runs, seed), job, team, progress)]
     value = np.concatenate([k.ravel(), u0])
-    return compare(found - value, value, u, seed, _ROUNDING * float(np.abs(k).max()))
+    return compare(np.concatenate(found).reshape(-1, 12) - value, value, u, seed, _ROUNDING * float(np.abs(k).max()))
 
 
 def compare(errors: Floats, value: Floats, u: Floats, seed: int, rounding: float) -> MonteCarlo:
@@ -167,40 +170,26 @@ def _tolerance(u: float) -> float:
     return 0.5 * 10.0 ** int(f"{u:.0e}".partition("e")[2]) if u > 0.0 else 0.0
 
 
-def _estimates(
-    schedule: Schedule,
-    k: Floats,
-    u0: Floats,
-    errors: dict[str, Source],
-    limits: str,
-    estimate: ManyRuns,
-    runs: int,
-    seed: int,
-) -> Floats:
-    """Coefficients (runs, 12)."""
-    rng, found = np.random.default_rng(seed), []
-    for start in range(0, runs, _CHUNK):
-        found.append(estimate(drawn_outputs(schedule, k, u0, errors, limits, min(_CHUNK, runs - start), rng)))
-    return np.concatenate(found)
+@dataclass(frozen=True)
+class _Estimates:
+    """A job: the coefficients of a chunk of runs, one after the other. Raises UsageError where they cannot be had."""
 
+    schedule: Schedule
+    k: Floats
+    u0: Floats
+    errors: Errors
+    stand: Stand
+    estimator: str
+    samples: Integers
+    terms: Terms
 
-def drawn_outputs(
-    schedule: Schedule,
-    k: Floats,
-    u0: Floats,
-    errors: dict[str, Source],
-    limits: str,
-    runs: int,
-    rng: np.random.Generator,
-) -> Floats:
-    """Outputs (runs, positions, 3) of the exact geometry, every error drawn anew for every run: by a uniform law where
-    the stand's `limits` are half-widths, but noise, which is normal, by a normal one."""
-    draws = [
-        unit_draws(rng, SIGMA if source.normal else limits, (runs, len(source.sigma))) for source in errors.values()
-    ]
-    return exact_outputs(schedule, k, u0, errors, np.concatenate(draws, axis=1))
+    def __call__(self, chunk: Chunk) -> Result:
+        given = self.schedule, self.k, self.u0, self.errors, self.stand.limits, chunk[0], stream_of(chunk)
+        try:
+            return {"found": self._estimate(drawn_outputs(*given)).ravel()}
+        except CoreRefusal as refusal:
+            raise UsageError(f"--monte-carlo: a run on such a stand cannot be solved: {refusal}") from None
 
-
-def unit_draws(rng: np.random.Generator, limits: str, shape: tuple[int, int]) -> Floats:
-    """Numbers of mean 0 and variance 1; of a uniform law where the stand declares half-widths."""
-    return rng.uniform(-(3.0**0.5), 3.0**0.5, shape) if limits == "uniform" else rng.standard_normal(shape)
+    @cached_property
+    def _estimate(self) -> ManyRuns:
+        return estimator_for(self.schedule, self.k, self.stand, self.estimator, self.samples, terms=self.terms)

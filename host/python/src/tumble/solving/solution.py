@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 
@@ -44,6 +45,7 @@ from tumble.solving.stated import Propagation, Stated, Witness
 from tumble.stand import Stand
 from tumble.terms import Terms
 from tumble.units import volts_per
+from tumble.workers.over import ALONE, Progress, Team
 
 
 @dataclass(frozen=True)
@@ -152,12 +154,26 @@ class Solution:
         by_variance = partial(witness.covariance, terms=self.found.terms)
         return coverage(self.noise, measured, stand, samples, by_variance, by_intrinsic(self.found.k, self.found.u0))
 
-    def simulated(self, runs: int, seed: int) -> Solution:
-        """This solution with its `monte_carlo`; it has a declared stand. Raises UsageError."""
+    def simulated(self, runs: int, seed: int, team: Team = ALONE, progress: Progress = lambda runs: None) -> Solution:
+        """This solution with its `monte_carlo`, by a team; it has a declared stand. Raises UsageError."""
+        given = self.drawn_from
+        return replace(self, monte_carlo=simulate(**given, runs=runs, seed=seed, team=team, progress=progress))
+
+    @property
+    def drawn_from(self) -> dict[str, Any]:
+        """All that its simulated runs depend on, beside their seed; for whoever knows that there is a stand."""
         schedule, stand, samples = self._as_propagated
-        given = schedule, self.found.k, self.found.u0, self._u, stand, self.found.estimator, samples
-        variance = self.noise.mean_variance[self.run.measured]
-        return replace(self, monte_carlo=simulate(*given, runs, seed, variance, self.found.terms))
+        return {
+            "schedule": schedule,
+            "k": self.found.k,
+            "u0": self.found.u0,
+            "u": self._u,
+            "stand": stand,
+            "estimator": self.found.estimator,
+            "samples": samples,
+            "mean_variance": self.noise.mean_variance[self.run.measured],
+            "terms": self.found.terms,
+        }
 
     @property
     def _as_propagated(self) -> tuple[Schedule, Stand, Integers]:

@@ -15,6 +15,7 @@ ABOUT = {  # by name, in the order in which they are listed
     "apply": "calibrate data by a result: outputs in, acceleration out",
     "compare": "two results of one block: has it changed, or only its seat?",
     "bench": "calibrate on a simulated stand: the firmware itself, in virtual time",
+    "campaign": "thousands of simulated runs, or of hostile lives, on many processors",
     "watch": "show a run as it goes, on the terminal or as a page for browsers",
     "replay": "a recorded bus log through the firmware again, here or on the emulated board",
     "plan": "what a stand is worth before a run: error budget, requirements, optimal weights",
@@ -50,6 +51,10 @@ def adder_of(name: str) -> Callable[[Any, str], None]:
         from tumble.cli.commands import bench
 
         return bench.add_to
+    if name == "campaign":
+        from tumble.cli.commands import campaign
+
+        return campaign.add_to
     if name == "watch":
         from tumble.cli.commands import watch
 

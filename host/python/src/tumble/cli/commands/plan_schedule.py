@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 
 from tumble.cli.commands.plan_options import (
     add_limit_options,
@@ -16,8 +14,8 @@ from tumble.cli.commands.plan_options import (
     write_json,
 )
 from tumble.cli.options import Subparsers, add_model, parse_number, parse_whole
+from tumble.cli.working import add_workers, progress_bar, team_of
 from tumble.errors import EXIT_PASS, UsageError, quoted
-from tumble.messages import on_terminal
 
 _FEWEST, _MOST = 2, 6
 _STEPS = ("15", "22.5", "45")
@@ -55,6 +53,7 @@ def add_to(subparsers: Subparsers) -> None:
     )
     parser.add_argument("--remounting", metavar="SECONDS", help="what it takes to mount the block anew; default: 300")
     parser.add_argument("--out", metavar="FILE.toml", help="also write it as a schedule file")
+    add_workers(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -80,8 +79,9 @@ def run(arguments: argparse.Namespace) -> int:
     stand_file = None if arguments.stand is None else read_stand(arguments.stand)
     pace = Pace.of(stand_file, DEFAULT_REMOUNT_S if remounting is None else remounting)
     goal, step_deg = Goal(norm_g, probability, arguments.estimator), float(arguments.angles)
-    with _progress() as progress:
-        found = plan_schedule(case, goal, pace, step_deg, most, progress)
+    depends = {"case": case, "goal": goal, "pace": pace, "step_deg": step_deg}
+    with team_of(arguments, "plan schedule", **depends) as team, progress_bar("searching") as progress:
+        found = plan_schedule(case, goal, pace, step_deg, most, progress, team)
     if arguments.out is not None:
         write_text(arguments.out, to_toml(found.best.schedule))
     if arguments.json:
@@ -98,17 +98,3 @@ def _seconds(text: str | None) -> float | None:
     if not 0.0 <= seconds <= _LONGEST_S:
         raise UsageError(f"--remounting: {quoted(text)} is not a number of seconds from 0 to {_LONGEST_S:g}")
     return seconds
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[int, int], None]]:
-    """A function that is told of sets of mountings done; on a terminal it moves a bar."""
-    if not on_terminal():
-        yield lambda done, of: None
-        return
-    from rich.console import Console
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("searching", total=None)
-        yield lambda done, of: bar.update(task, completed=done, total=of)

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from tumble.cli.commands.plan_options import add_case_options, add_subject, read_case, write_json
 from tumble.cli.options import Subparsers, add_seed, parse_seed, parse_whole
+from tumble.cli.working import add_workers, progress_bar, team_of
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError, quoted
 from tumble.estimators import ESTIMATORS, HARMONIC
-from tumble.messages import on_terminal
 from tumble.schedule import file_of
 
 if TYPE_CHECKING:
@@ -46,6 +44,7 @@ def add_to(subparsers: Subparsers) -> None:
         help="optimal weights: for the block's known K (default), or made anew for each run, as solve does",
     )
     parser.add_argument("--plot", metavar="FILE.svg", help="also draw histograms of error over stated uncertainty")
+    add_workers(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -65,8 +64,10 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.planning.verdict import judge
 
     refuse_overwriting(arguments.plot, arguments.stand, file_of(arguments.schedule), option="--plot")
-    with _progress(runs) as progress:
-        found = validate(case, _estimators(arguments, case), runs, seed, arguments.table, progress)
+    estimators = _estimators(arguments, case)
+    depends = {"case": case, "estimators": estimators, "seed": seed, "table": arguments.table}
+    with team_of(arguments, "plan validate", **depends) as team, progress_bar("simulating", runs) as progress:
+        found = validate(case, estimators, runs, seed, arguments.table, progress, team)
     judged = [(one, judge(one)) for one in found]
     if arguments.plot is not None:
         write_text(arguments.plot, render(found, f"{case.stand.name}: error over stated u, {runs} runs"))
@@ -86,17 +87,3 @@ def _estimators(arguments: argparse.Namespace, case: Case) -> tuple[str, ...]:
         return (arguments.estimator,)
     harmonic = circles(case.fitted) is not None
     return tuple(name for name in estimators_of(case) if harmonic or name not in HARMONIC)
-
-
-@contextmanager
-def _progress(runs: int) -> Iterator[Callable[[int], None]]:
-    """A function that is told of runs done; on a terminal it moves a bar."""
-    if not on_terminal():
-        yield lambda done: None
-        return
-    from rich.console import Console
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("simulating", total=runs)
-        yield lambda done: bar.advance(task, done)

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import argparse
 import os
+from typing import TYPE_CHECKING
 
-from tumble.cli import layout_options, options
+from tumble.cli import layout_options, options, working
 from tumble.defaults import NEEDS_STAND
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
 from tumble.estimators import OPTIMAL
 from tumble.schedule import file_of
 from tumble.terms import parse
+
+if TYPE_CHECKING:
+    from tumble.solving.solution import Solution
 
 FEWEST_SIMULATED, MOST_SIMULATED = 1000, 1_000_000
 
@@ -44,6 +48,7 @@ def add_to(subparsers: options.Subparsers, about: str) -> None:
         " decide nearly all); 1000 to 1000000; needs --stand",
     )
     parser.add_argument("--seed", metavar="N", help="of --monte-carlo, 0 to 2^64 - 1; default: 1")
+    working.add_workers(parser.add_argument_group("who does --monte-carlo"))
     layout_options.add_layout(parser, "run file")
     parser.set_defaults(run_command=run)
 
@@ -75,7 +80,7 @@ def run(arguments: argparse.Namespace) -> int:
         confidence=confidence,
         terms=terms,
     )
-    solution = found.solution if runs is None else found.solution.simulated(runs, seed)
+    solution = found.solution if runs is None else _simulated(arguments, found.solution, runs, seed)
     sentences = found.complaints(solution)
     wanted = arguments.json or arguments.out is not None
     text = to_json(found.document(solution)) if wanted else ""
@@ -89,10 +94,21 @@ def run(arguments: argparse.Namespace) -> int:
 def _parse_monte_carlo(arguments: argparse.Namespace) -> tuple[int | None, int]:
     """Runs to simulate, None for no such wish, and the seed. Raises UsageError."""
     if arguments.monte_carlo is None:
-        if arguments.seed is not None:
-            raise UsageError("--seed: without --monte-carlo there is nothing to draw")
+        for option in ("seed", "workers", "cluster", "resume"):
+            if getattr(arguments, option) is not None:
+                raise UsageError(f"--{option}: without --monte-carlo there is nothing to draw")
         return None, 0
     if arguments.stand is None:
         raise UsageError("--monte-carlo draws the stand's errors: it needs --stand FILE")
     runs = options.parse_whole(arguments.monte_carlo, "--monte-carlo", FEWEST_SIMULATED, MOST_SIMULATED)
     return runs, options.parse_seed("1" if arguments.seed is None else arguments.seed)
+
+
+def _simulated(arguments: argparse.Namespace, solution: Solution, runs: int, seed: int) -> Solution:
+    """With its Monte Carlo, by whoever is to do it. Raises TumbleError."""
+    depends = {"seed": seed, **solution.drawn_from}
+    with (
+        working.team_of(arguments, "solve --monte-carlo", **depends) as team,
+        working.progress_bar("simulating", runs) as progress,
+    ):
+        return solution.simulated(runs, seed, team, progress)

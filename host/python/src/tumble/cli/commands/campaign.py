@@ -1,0 +1,84 @@
+"""`tumble campaign ...`: thousands of simulated runs, or hostile lives, of the firmware, by as many as are at hand."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from tumble.cli.options import LARGEST_SEED, Subparsers, add_seed, add_subjects, parse_seed, parse_whole
+from tumble.cli.working import add_workers, progress_bar, team_of
+from tumble.errors import EXIT_PASS, UsageError
+from tumble.messages import tell
+
+MOST = 1_000_000_000
+_DEFAULT = "1000"
+
+
+def add_to(subparsers: Subparsers, about: str) -> None:
+    """Describe the command and its subjects to argparse."""
+    subjects = add_subjects(subparsers, "campaign", about)
+    runs = subjects.add_parser(
+        "runs",
+        help="calibrations, each of its own seed: one JSON line each",
+        description="Calibrations on a simulated stand, each of its own seed: the lines of tumble-bench --runs.",
+        epilog="Exit codes: 0 all passed, 1 a gravity check failed, 2 bad input, 3 a run ended in a fault, 130"
+        " interrupted.",
+    )
+    runs.add_argument(
+        "scenario", nargs="?", metavar="SCENARIO", help="file of tumble-bench --keys; default: the paper's stand"
+    )
+    runs.add_argument("--runs", metavar="N", default=_DEFAULT, help=f"default: {_DEFAULT}")
+    runs.add_argument("--means", action="store_true", help="with the means of all positions in every line")
+    lives = subjects.add_parser(
+        "lives",
+        help="hostile lives: random faults, commands, forged frames, losses of power",
+        description="Hostile lives, each of its own seed: the document of tumble-bench --campaign.",
+        epilog="Exit codes: 0 all rules held, 2 bad input, 3 one was violated, 130 interrupted.",
+    )
+    lives.add_argument("--lives", metavar="N", default=_DEFAULT, help=f"default: {_DEFAULT}")
+    for parser, run in ((runs, run_runs), (lives, run_lives)):
+        add_seed(parser, ", of the first")
+        add_workers(parser)
+        parser.set_defaults(run_command=run)
+
+
+def run_runs(arguments: argparse.Namespace) -> int:
+    """Calibrate, and print lines as they come. Returns the exit code; raises TumbleError."""
+    seed, count = _seeds(arguments, "--runs", arguments.runs)
+
+    from tumble.bench import campaigns
+    from tumble.files.disk import read_bytes
+
+    scenario = None if arguments.scenario is None else read_bytes(arguments.scenario)
+    job, code = campaigns.of_runs(scenario, arguments.means), EXIT_PASS
+    with team_of(arguments, "campaign runs", job=job) as team, progress_bar("calibrating", count) as progress:
+        for ended in job.ended(seed, count, team, progress):
+            sys.stdout.write(ended.output)
+            code = campaigns.worse(code, ended.code)
+    return code
+
+
+def run_lives(arguments: argparse.Namespace) -> int:
+    """Live, tell of violations as they come, print the document. Returns the exit code; raises TumbleError."""
+    seed, count = _seeds(arguments, "--lives", arguments.lives)
+
+    from tumble.bench import campaigns
+    from tumble.files.documents import to_json
+
+    documents, code = [], EXIT_PASS
+    with team_of(arguments, "campaign lives") as team, progress_bar("living", count) as progress:
+        for ended in campaigns.LIVES.ended(seed, count, team, progress):
+            for line in ended.said.splitlines():
+                tell(line)
+            documents.append(ended.output)
+            code = campaigns.worse(code, ended.code)
+    sys.stdout.write(to_json(campaigns.merged(documents)))
+    return code
+
+
+def _seeds(arguments: argparse.Namespace, option: str, text: str) -> tuple[int, int]:
+    """The first, and how many. Raises UsageError."""
+    seed, count = parse_seed(arguments.seed), parse_whole(text, option, 1, MOST)
+    if seed + count - 1 > LARGEST_SEED:
+        raise UsageError(f"{option}: the seeds would go beyond 2^64 - 1")
+    return seed, count

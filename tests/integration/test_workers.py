@@ -1,0 +1,161 @@
+"""Work in pieces: the same results whoever does them; a killed worker's are done again; what is done is kept."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from conftest import EXAMPLES
+
+from tumble.errors import BadInput, BenchFault
+from tumble.workers.kept import Kept
+from tumble.workers.local import Processes
+from tumble.workers.over import Alone, Team, over
+from tumble.workers.pieces import Piece
+
+pytestmark = pytest.mark.python
+COUNT = 12
+VALIDATE = ("plan", "validate", "--estimator", "refined", "--runs", "9000", "--json")
+
+
+class Noted:
+    """A job that leaves numbers and words, and notes in a folder who has done what. `kills`: at this piece its process
+    dies, so many `times`."""
+
+    def __init__(self, folder, kills=None, times=1):
+        self.folder, self.kills, self.times = str(folder), kills, times
+
+    def __call__(self, number):
+        with open(os.path.join(self.folder, f"{number}"), "a") as notes:
+            notes.write(f"{os.getpid()}\n")
+        if number == self.kills and len(self.noted(number)) <= self.times:
+            os.kill(os.getpid(), signal.SIGKILL)
+        time.sleep(0.002 * (number % 3))  # so that later ones are done earlier
+        drawn = np.random.default_rng(number).standard_normal(3)
+        return {"drawn": drawn, "counts": np.arange(number), "words": f"piece {number}"}
+
+    def noted(self, number):
+        with open(os.path.join(self.folder, f"{number}")) as notes:
+            return notes.read().split()
+
+
+def pieces():
+    return (Piece(f"number {number}", number, 10) for number in range(COUNT))
+
+
+def done_by(crew, job, kept=None, **options):
+    with Team(crew, *([] if kept is None else [kept])) as team:
+        return list(over(pieces(), job, team, **options))
+
+
+def same(one, other):
+    return len(one) == len(other) and all(
+        a.keys() == b.keys() and all(np.array_equal(a[name], b[name]) for name in a) for a, b in zip(one, other)
+    )
+
+
+def test_processes_give_what_this_one_gives_in_its_order(tmp_path):
+    sizes = []
+    job = Noted(tmp_path)
+    assert same(done_by(Alone(), job), done_by(Processes(2), job, progress=sizes.append))
+    assert sizes == [10] * COUNT
+    assert {len(set(job.noted(number))) for number in range(COUNT)} == {2}
+
+
+def test_what_a_killed_process_had_is_done_again(tmp_path, capfd):
+    alone = done_by(Alone(), Noted(tmp_path))
+    again = tmp_path / "again"
+    again.mkdir()
+    assert same(alone, done_by(Processes(2), Noted(again, kills=5)))
+    assert capfd.readouterr().err.startswith("tumble: a worker process has died: new ones do again")
+
+
+def test_a_piece_that_kills_everybody_ends_it(tmp_path, capfd):
+    with pytest.raises(BenchFault, match="died 3 times; under way each time: number 0"):
+        done_by(Processes(1), Noted(tmp_path, kills=0, times=99))
+    assert len(capfd.readouterr().err.splitlines()) == 2
+
+
+def test_goes_on_from_what_is_kept(tmp_path):
+    pytest.importorskip("pyarrow")
+    file, job = str(tmp_path / "done.parquet"), Noted(tmp_path)
+    with pytest.raises(KeyboardInterrupt), Team(kept=Kept(file, {"campaign": "test", "seed": 1})) as team:
+        for number, _ in enumerate(over(pieces(), job, team)):
+            if number == 4:
+                raise KeyboardInterrupt
+    sizes = []
+    resumed = done_by(Alone(), job, Kept(file, {"campaign": "test", "seed": 1}), progress=sizes.append)
+    assert [len(job.noted(number)) for number in range(COUNT)] == [1] * COUNT
+    assert sizes == [10] * COUNT
+    assert same(resumed, done_by(Alone(), job))
+    done_by(Alone(), job, Kept(file, {"campaign": "test", "seed": 1}))
+    assert [len(job.noted(number)) for number in range(COUNT)] == [2] * COUNT
+
+
+def test_what_is_kept_of_another_campaign_is_refused(tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    file = str(tmp_path / "done.parquet")
+    done_by(Alone(), Noted(tmp_path), Kept(file, {"campaign": "test", "seed": 1}))
+    with pytest.raises(BadInput, match="other inputs, options or version"):
+        Kept(file, {"campaign": "test", "seed": 2})
+    with pytest.raises(BadInput, match="of another campaign: 'test'"):
+        Kept(file, {"campaign": "else", "seed": 1})
+    parquet.write_table(parquet.read_table(file).replace_schema_metadata({}), file)
+    with pytest.raises(BadInput, match="not a file of --resume"):
+        Kept(file, {"campaign": "test", "seed": 1})
+    with open(file, "w") as stream:
+        stream.write("text")
+    with pytest.raises(BadInput, match="not a Parquet file"):
+        Kept(file, {"campaign": "test", "seed": 1})
+
+
+def test_a_validation_is_the_same_by_two_workers_and_from_a_file(tumble, tmp_path):
+    pytest.importorskip("pyarrow")
+    file = str(tmp_path / "done.parquet")
+    plain = tumble(*VALIDATE, cwd=EXAMPLES)
+    kept = tumble(*VALIDATE, "--workers", "2", "--resume", file, cwd=EXAMPLES)
+    again = tumble(*VALIDATE, "--resume", file, cwd=EXAMPLES)
+    assert plain.returncode == 0 and plain.stdout == kept.stdout == again.stdout
+    assert plain.stderr == kept.stderr == again.stderr == ""
+
+
+def refuses(_):
+    raise BadInput("no such thing", "a file", row=3)
+
+
+def test_what_a_job_complains_of_comes_as_it_is():
+    with pytest.raises(BadInput, match=r"^a file: row 3: no such thing$") as raised:
+        done_by(Processes(2), refuses)
+    assert raised.value.row == 3
+
+
+@pytest.mark.parametrize(
+    "arguments, complaint",
+    [
+        (["--workers", "0"], "--workers: '0' is not a whole number from 1 to 256"),
+        (["--workers", "2", "--cluster", "tcp://here:1"], "--cluster: it has workers of its own"),
+        (["--resume", "nowhere/done.parquet"], "nowhere/done.parquet: cannot be written"),
+        (["--resume", "done.txt"], "--resume: 'done.txt' does not end in .parquet"),
+    ],
+)
+def test_usage(refused, arguments, complaint):
+    assert complaint in refused("plan", "validate", *arguments, cwd=EXAMPLES)
+
+
+@pytest.mark.slow
+def test_ctrl_c_keeps_what_is_done(tmp_path):
+    """The file comes after the first few seconds."""
+    parquet = pytest.importorskip("pyarrow.parquet")
+    file = tmp_path / "done.parquet"
+    many = ["plan", "validate", "--runs", "10000000", "--workers", "2", "--resume", str(file)]
+    child = subprocess.Popen([sys.executable, "-m", "tumble", *many], stderr=subprocess.PIPE, text=True)
+    until = time.monotonic() + 300
+    while not file.exists() and time.monotonic() < until and child.poll() is None:
+        time.sleep(0.1)
+    child.send_signal(signal.SIGINT)
+    assert (child.communicate(timeout=120)[1], child.returncode) == ("tumble: interrupted\n", 130)
+    assert [one.name for one in tmp_path.iterdir()] == ["done.parquet"]
+    assert parquet.read_table(file).num_rows > 0
