@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import textwrap
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from tumble.cli import propagated
 from tumble.estimators import COEFFICIENTS, HARMONIC
 from tumble.files.run_temperature import OF_ENVIRONMENT, OF_RUN_FILE
 from tumble.fixture.judge import Limits
+from tumble.records import dataclass
 from tumble.schedule import CHECK
 from tumble.solving.assumptions import ASSUMPTIONS, assumed, phrase
 from tumble.solving.coverage import HANDS, NEARLY_INFINITE, PROBABILITY, Coverage
@@ -130,9 +130,9 @@ def uncertainty_notes(solution: Solution) -> list[str]:
 def _expanded(coverage: Coverage, of: str = "") -> str:
     """By what factor u is to be multiplied, and where they differ, of which coefficient it is largest. `of`: what u
     holds, where that is not all."""
-    k, freedom = coverage.factors, coverage.freedom
+    freedom = coverage.freedom
     least = int(freedom.argmin())
-    low, high = f"{k.min():.2f}", f"{k.max():.2f}"
+    low, high = (f"{k:.2f}" for k in coverage.extremes)
     line = f"{PROBABILITY * 100:.0f} % {of}within k u: k = {high if low == high else f'{low} to {high}'}"
     if freedom[least] > NEARLY_INFINITE:
         return line
