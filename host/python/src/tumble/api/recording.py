@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, cast
 
@@ -25,6 +25,7 @@ from tumble.files.run_reader import RunReader
 from tumble.files.run_store import RowStore
 from tumble.files.run_temperature import Temperatures, temperatures_of_table
 from tumble.files.tables import SUFFIXES, read_table_file, suffix_of
+from tumble.records import dataclass
 from tumble.schedule import Schedule
 
 

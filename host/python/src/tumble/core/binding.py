@@ -8,13 +8,13 @@ volts per g, row i = channel i; U0 (3,) in volts. Rows of `means` that are not m
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from _tumble_core import ffi, lib
 
 from tumble.arrays import Flags, Floats, Integers
+from tumble.records import dataclass
 from tumble.schedule import CHECK, FIT, Mounting, Position, Schedule
 
 if TYPE_CHECKING:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,6 +9,7 @@ from _tumble_core import ffi, lib
 
 from tumble.arrays import Flags, Floats
 from tumble.core.binding import LINEAR_ESTIMATORS, CoreSchedule, require_ok, unpack
+from tumble.records import dataclass
 
 if TYPE_CHECKING:
     from _tumble_core import CData

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +17,7 @@ from tumble.core.binding import (
     require_ok,
     residual_rms,
 )
+from tumble.records import dataclass
 from tumble.schedule import FIT, Schedule
 
 if TYPE_CHECKING:

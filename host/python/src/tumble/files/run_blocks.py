@@ -6,12 +6,12 @@ Rows of a position are taken for consecutive samples, in the order of the file.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from tumble.arrays import Floats
 from tumble.files.run_facts import PositionFacts, smallest_step_of
+from tumble.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from _tumble_core import ffi, lib
 
 from tumble.arrays import Floats
+from tumble.records import dataclass
 
 WITHIN_ONE_SIGMA = 0.6827
 _FEW_ROWS = 1 << 14  # as many are kept of what is ordered or follows in time

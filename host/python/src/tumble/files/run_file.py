@@ -8,7 +8,7 @@ and only at the rows of one position at a time.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from tumble.files.run_positions import PositionIndex
 from tumble.files.run_reader import RunReader
 from tumble.files.run_store import RowStore
 from tumble.files.run_temperature import Temperatures
+from tumble.records import dataclass
 from tumble.schedule import CHECK, CLOSED, Position, Schedule
 
 

@@ -8,10 +8,11 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from tumble.errors import BadInput, quoted
 from tumble.files.kinds import JSON, TOML
+from tumble.records import dataclass
 from tumble.units import UNIT, are_at_odds, spelled
 
 COLUMNS = ("mounting", "position", "ux", "uy", "uz")

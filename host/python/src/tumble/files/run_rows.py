@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from tumble.files.run_facts import WITHIN_ONE_SIGMA
 from tumble.files.run_file import Run
 from tumble.files.run_store import RowStore
 from tumble.files.stand_file import StandFile
+from tumble.records import dataclass
 from tumble.schedule import Schedule
 from tumble.units import volts_per
 

@@ -10,7 +10,6 @@ import csv
 import math
 import re
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,6 +18,7 @@ from tumble.arrays import Floats
 from tumble.errors import BadInput, quoted
 from tumble.files import frames
 from tumble.files.run_layout import NUMBER, Column, Layout, temperature_column
+from tumble.records import dataclass
 
 LOWEST_C, HIGHEST_C = -100.0, 230.0  # beyond any block; room temperature in kelvins is above
 OF_RUN_FILE, OF_ENVIRONMENT = "run_file", "environment"

@@ -6,12 +6,12 @@ maps derivatives of outputs to derivatives of coefficients.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from tumble.arrays import Flags, Floats, Integers
+from tumble.records import dataclass
 from tumble.reference.geometry import Geometry
 from tumble.reference.schedules import paper_schedule
 from tumble.schedule import FIT, Mounting, Schedule

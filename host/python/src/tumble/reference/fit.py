@@ -8,12 +8,12 @@ Newton's way after Gauss, from a least-squares fit on the ideal stand; so it dep
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from tumble.arrays import Floats
+from tumble.records import dataclass
 from tumble.reference.estimators import fit_indices, least_squares
 from tumble.reference.extended import fitted_columns
 from tumble.reference.geometry import Geometry

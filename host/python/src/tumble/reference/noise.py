@@ -13,11 +13,10 @@ cut to that.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from tumble.arrays import Flags, Floats, Integers
+from tumble.records import dataclass
 
 CHANCE_SIGMAS = 4.2  # one-sided, 1.3e-5: for three channels and twenty lengths below 1e-3
 _GROWN_SIGMAS = 2.33  # 99 %

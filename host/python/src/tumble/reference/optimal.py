@@ -9,11 +9,12 @@ estimate, after the second order is taken out, but their own propagation would o
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from tumble.arrays import Floats, Integers
+from tumble.records import dataclass
 from tumble.reference.estimators import dense_design, fit_indices, least_squares
 from tumble.reference.extended import fitted_columns
 from tumble.reference.geometry import Geometry

@@ -8,11 +8,11 @@ computes no statistics.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from tumble.arrays import Floats
+from tumble.records import dataclass
 from tumble.reference.geometry import Geometry
 from tumble.schedule import Schedule
 

@@ -14,12 +14,12 @@ rotation of the block's own frame.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
 
 from tumble.arrays import Floats, Integers
+from tumble.records import dataclass
 from tumble.reference.estimators import dense_design, fit_indices, functionals, paper_slots
 from tumble.reference.geometry import Geometry
 from tumble.schedule import Schedule

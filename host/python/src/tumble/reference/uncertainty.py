@@ -7,11 +7,11 @@ linear, maps them to derivatives of the coefficients. Sources are independent; t
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from tumble.arrays import Floats, Integers
+from tumble.records import dataclass
 from tumble.reference.estimators import estimate
 from tumble.reference.geometry import Geometry
 from tumble.schedule import FIT, Schedule

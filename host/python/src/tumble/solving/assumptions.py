@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from tumble import reference
 from tumble.arrays import Flags, Floats
 from tumble.estimators import OPTIMAL
+from tumble.records import dataclass
 from tumble.schedule import Schedule
 from tumble.solving.solution import Solution
 from tumble.stand import Stand
@@ -93,7 +94,8 @@ ASSUMPTIONS: Mapping[str, Assumption] = {
 }
 
 
-def assumed(solution: Solution) -> dict[str, Coefficients]:
+@lru_cache(1)  # all parts of an output ask for it
+def assumed(solution: Solution) -> Mapping[str, Coefficients]:
     """What a solution rests on, by name and in the order of ASSUMPTIONS, and the coefficients that do."""
     found = {name: assumption.of(solution) for name, assumption in ASSUMPTIONS.items()}
     return {name: coefficients for name, coefficients in found.items() if coefficients is not None}

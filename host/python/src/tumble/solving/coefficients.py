@@ -5,7 +5,6 @@ A result is a document of schema tumble.result/1, as solving.result makes it and
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import chain
 from typing import Any
 
@@ -13,6 +12,7 @@ import numpy as np
 
 from tumble.arrays import Floats
 from tumble.estimators import COEFFICIENTS
+from tumble.records import dataclass
 from tumble.solving import si
 from tumble.terms import KEYS, POWERS, Terms, names
 from tumble.units import per_g, per_m_s2

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from tumble import core
 from tumble.arrays import Flags, Floats
 from tumble.estimators import OPTIMAL
+from tumble.records import dataclass
 from tumble.reference.estimators import fit_indices
 from tumble.solving import extended, optimal_run
 from tumble.terms import Terms

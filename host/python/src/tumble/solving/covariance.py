@@ -12,12 +12,12 @@ to first order, and the length of that is 1 - w (dK n + dU0) with w = n K^-1.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from tumble.arrays import Floats
+from tumble.records import dataclass
 from tumble.terms import POWERS, Terms
 
 PAIRS = ((0, 1), (0, 2), (1, 2))

@@ -12,13 +12,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import numpy as np
 
 from tumble.arrays import Flags, Floats, Integers
 from tumble.distributions import student_quantile
+from tumble.records import dataclass
 from tumble.solving.covariance import named, variances
 from tumble.solving.noise import Noise
 from tumble.stand import Stand

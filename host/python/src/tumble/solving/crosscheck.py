@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from tumble import reference
 from tumble.arrays import Floats, Integers
 from tumble.errors import Disagreement
+from tumble.records import dataclass
 from tumble.reference.extended import least_squares, linear_outputs, magnification
 from tumble.reference.optimal import OptimalEstimate
 from tumble.reference.stand_seen import Estimate

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from tumble.arrays import Floats, Integers
 from tumble.core import MAX_STAND_ERROR_RAD
 from tumble.distributions import chi_squared_above, chi_squared_log_above
+from tumble.records import dataclass
 from tumble.reference.fit import Score, WholeModel, basis
 from tumble.reference.patterns import BY_NAME, PATTERNS, STAND, Columns, Pattern
 from tumble.solving.stand_seen import ANGLES, Quantity, StandSeen

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from tumble.arrays import Floats
+from tumble.records import dataclass
 from tumble.solving.covariance import WorstNorm, worst_norm
 from tumble.terms import DRIFT, KEYS, POWERS, Terms, names
 

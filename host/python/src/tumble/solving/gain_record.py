@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import struct
 import zlib
-from dataclasses import dataclass
 
 import numpy as np
 
 from tumble.arrays import Floats
+from tumble.records import dataclass
 from tumble.schedule import FIT, Schedule
 from tumble.solving.gains import OptimalTable
 

@@ -18,7 +18,6 @@ zero or large.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -27,6 +26,7 @@ from tumble import reference
 from tumble.arrays import Flags, Floats, Integers
 from tumble.errors import UsageError
 from tumble.estimators import HARMONIC, OPTIMAL
+from tumble.records import dataclass
 from tumble.reference.estimators import circles, fit_indices, unidentified
 from tumble.schedule import Schedule
 from tumble.stand import COMMON, Stand, rounding_of

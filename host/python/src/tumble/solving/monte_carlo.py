@@ -9,7 +9,6 @@ runs go; where that leaves the outcome open, it says so.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum
 from typing import Any
 
@@ -19,6 +18,7 @@ from tumble.arrays import Floats, Integers
 from tumble.core import CoreRefusal
 from tumble.errors import UsageError
 from tumble.estimators import COEFFICIENTS
+from tumble.records import dataclass
 from tumble.reference.uncertainty import Source, exact_outputs, sources
 from tumble.schedule import Schedule
 from tumble.solving.many_runs import ManyRuns, estimator_for

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from tumble import reference
 from tumble.arrays import Flags, Floats, Integers
 from tumble.files.run_file import Run
+from tumble.records import dataclass
 from tumble.solving.stand_seen import averaged_over
 from tumble.stand import Stand, rounding_of
 

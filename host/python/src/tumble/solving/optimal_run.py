@@ -5,13 +5,12 @@ Weights depend on K: they are made at the last known K of the block, or at a fir
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from tumble import core
 from tumble.arrays import Flags, Floats, Integers
 from tumble.core.optimal import OptimalEstimate, optimal
+from tumble.records import dataclass
 from tumble.schedule import CHECK, Schedule
 from tumble.solving.gain_record import record_of, to_bytes
 from tumble.solving.gains import OptimalTable, optimal_table

@@ -11,7 +11,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from tumble.arrays import Floats
 from tumble.core import AXES
 from tumble.errors import BadInput
 from tumble.files.stand_file import StandFile
+from tumble.records import dataclass
 from tumble.reference import Geometry
 from tumble.schedule import FIT, Position, Schedule
 from tumble.solving.solution import Solution

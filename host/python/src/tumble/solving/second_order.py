@@ -8,7 +8,6 @@ outputs come from the exact geometry and go through the estimator itself.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,6 +15,7 @@ import numpy as np
 from tumble import core
 from tumble.arrays import Floats, Integers
 from tumble.estimators import COEFFICIENTS, OPTIMAL
+from tumble.records import dataclass
 from tumble.reference.estimators import fit_indices
 from tumble.reference.uncertainty import exact_outputs, sources
 from tumble.schedule import Schedule

@@ -6,12 +6,12 @@ common to all nine, so they are correlated by it. A bias in m/s^2 is that in g t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from tumble.arrays import Floats
+from tumble.records import dataclass
 from tumble.solving.covariance import by_bias
 from tumble.units import per_m_s2
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -15,6 +15,7 @@ from tumble.core.stand_seen import RunSeen, noise
 from tumble.errors import BadInput
 from tumble.estimators import OPTIMAL
 from tumble.files.run_file import Run
+from tumble.records import dataclass
 from tumble.schedule import Schedule
 from tumble.solving import extended, noise as noise_of_runs, optimal_run
 from tumble.solving.computation import Computation, DeadChannels, compute
@@ -64,7 +65,7 @@ class Truth:
     drift: tuple[float, ...] = (0.0,) * 3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Solution:
     """Everything known after a run: one row per position of `schedule`, in its order.
 

@@ -7,13 +7,14 @@ once.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Protocol
 
 import numpy as np
 
 from tumble.arrays import Floats, Integers
 from tumble.core import MAX_STAND_ERROR_RAD, MAX_YAWS
+from tumble.records import dataclass
 from tumble.stand import Stand
 
 ANGLES = ("alpha1", "alpha2_plus_alpha3", "alpha3_difference")

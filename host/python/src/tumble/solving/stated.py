@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from tumble import core, reference
 from tumble.arrays import Floats, Integers
 from tumble.estimators import OPTIMAL
 from tumble.files.run_file import Run
+from tumble.records import dataclass
 from tumble.reference.extended import covariance as extended_covariance
 from tumble.schedule import Schedule
 from tumble.solving import uncertainty
