@@ -1,5 +1,7 @@
 #include "procedure/procedure_internal.h"
 
+#include "core/one_copy.h"
+
 #include <stddef.h>
 
 typedef tumble_status_t (*estimator_t)(const tumble_schedule_t *schedule, const tumble_means_t *means,
@@ -11,7 +13,7 @@ static outcome_t fail_to_solve(tumble_procedure_t *procedure, tumble_status_t st
     return tumble_fail(procedure, TUMBLE_REASON_SINGULAR);
 }
 
-static void make_means(tumble_procedure_t *procedure)
+TUMBLE_ONE_COPY static void make_means(tumble_procedure_t *procedure)
 {
     (void)tumble_averaging_means(&procedure->averaging, procedure->config->v_per_count, &procedure->work.means);
 }
@@ -37,11 +39,10 @@ outcome_t tumble_solve_poll(tumble_procedure_t *procedure)
     return (status == TUMBLE_OK) ? OUTCOME_DONE : fail_to_solve(procedure, status);
 }
 
-/* The check takes the memory of the means; they can be made again from the averages. */
+/* The check's result takes the memory of the means, which nothing has touched since SOLVE made them. */
 outcome_t tumble_verify_poll(tumble_procedure_t *procedure)
 {
     tumble_gravity_check_t found;
-    make_means(procedure);
     const tumble_status_t status =
         tumble_gravity_check(procedure->config->schedule, &procedure->work.means, &procedure->calibration,
                              procedure->config->gravity_limit_g, &found);
