@@ -1,5 +1,7 @@
 #include "core/arith.h"
 
+#include "tumble/core.h"
+
 #define FRACTION_BITS 52U
 #define EXPONENT_OF_ONE 1023U
 #define IMPLIED_ONE (UINT64_C(1) << FRACTION_BITS)
@@ -81,4 +83,49 @@ int64_t tumble_nearest(double x)
 {
     const int64_t size = (int64_t)tumble_whole(tumble_abs(x) + 0.5);
     return tumble_is_positive(-x) ? -size : size;
+}
+
+#define UPPER_ONE 0x100000U /* of the upper word of a double: the digit that is implied */
+#define UPPER_OF_HALF 0x3FE00000U
+#define DIGIT_BITS 11U
+#define QUOTIENT_DIGITS 5U
+#define LEAST_EXPONENT (1U + 21U)
+static_assert(TUMBLE_MAX_SAMPLES < INT64_C(0x200000), "a remainder and a digit must fit 32 bits");
+
+static uint32_t upper_digits(uint32_t upper)
+{
+    return (upper & (UPPER_ONE - 1U)) | UPPER_ONE;
+}
+
+/* Long division in base 2^11: a remainder below 2^21 and the next digit fit 32 bits. It leaves 55 or 56 bits, of which 53
+ * stay. Nothing lies halfway between two doubles: a quotient of 54 bits, the last one 1, times `n` would have more bits
+ * than x has. So half of the last place is added, the rest is cut off, and neither remainder nor evenness is asked for. */
+double tumble_divide(double x, double n)
+{
+    const uint64_t bits = bits_of(x);
+    const uint32_t upper = (uint32_t)(bits >> 32);
+    const uint32_t upper_of_n = (uint32_t)(bits_of(n) >> 32);
+    if (((upper >> 20) & 0x7FFU) < LEAST_EXPONENT) {
+        return x; /* 0, or so small that the quotient might have fewer digits */
+    }
+    const uint32_t divisor = upper_digits(upper_of_n);
+    uint32_t rest = upper_digits(upper);
+    uint32_t head = ((upper - rest) - (upper_of_n - divisor)) + UPPER_OF_HALF;
+    uint32_t below = (uint32_t)bits;
+    uint64_t found = 0;
+    for (uint32_t digits = QUOTIENT_DIGITS; digits > 0U; digits--) {
+        const uint32_t dividend = (rest << DIGIT_BITS) | (below >> (32U - DIGIT_BITS));
+        const uint32_t quotient = dividend / divisor;
+        rest = dividend - (quotient * divisor);
+        below <<= DIGIT_BITS;
+        found = (found << DIGIT_BITS) | quotient;
+    }
+    if ((found >> 55) == 0U) {
+        found <<= 1;
+        head -= UPPER_ONE;
+    }
+    found = ((found + 4U) >> 3) + ((uint64_t)head << 32);
+    double result;
+    (void)memcpy(&result, &found, sizeof result);
+    return result;
 }

@@ -6,13 +6,19 @@
 
 #include <stddef.h>
 
+/* From 0 on, and finite. */
+static TUMBLE_ONE_COPY bool is_size(float x)
+{
+    const double size = (double)x;
+    return tumble_is_finite(size) && !tumble_is_positive(-size);
+}
+
 static bool config_is_valid(const tumble_averaging_config_t *config)
 {
-    const double noise = (double)config->noise_counts;
     const double ratio = (double)config->stillness_ratio;
     const bool gates = (config->saturation_counts >= 1) && (config->stuck_run != 1U);
     const bool samples = (config->min_samples >= 1U) && ((int64_t)config->min_samples <= TUMBLE_MAX_SAMPLES);
-    const bool stillness = tumble_is_finite(noise) && !tumble_is_positive(-noise) && tumble_is_positive(ratio);
+    const bool stillness = is_size(config->noise_counts) && tumble_is_positive(ratio);
     return gates && samples && stillness;
 }
 
@@ -116,9 +122,8 @@ static bool is_possible(const tumble_average_t *average, const tumble_averaging_
     const int64_t largest = (int64_t)average->samples * (config->saturation_counts - 1);
     bool possible = (int64_t)average->samples <= TUMBLE_MAX_SAMPLES;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        const double scatter = (double)average->scatter_counts[i];
         possible = possible && (average->sum_counts[i] >= -largest) && (average->sum_counts[i] <= largest) &&
-                   tumble_is_finite(scatter) && !tumble_is_positive(-scatter);
+                   is_size(average->scatter_counts[i]);
     }
     return possible;
 }
@@ -143,11 +148,12 @@ uint32_t tumble_averaging_samples(const tumble_averaging_t *averaging)
     return tumble_averaging_is_open(averaging) ? averaging->averages[averaging->open.index].samples : 0U;
 }
 
-/* S / n: both are exact as doubles (limits.h), so the division rounds once. */
-static void mean_of(const tumble_average_t *average, double mean_counts[TUMBLE_CHANNELS])
+/* S / n: both are exact as doubles (core.h), so the division rounds once. */
+void tumble_average_mean(const tumble_average_t *average, double mean[TUMBLE_CHANNELS], double unit)
 {
+    const double n = (double)average->samples;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        mean_counts[i] = (double)average->sum_counts[i] / (double)average->samples;
+        mean[i] = tumble_divide((double)average->sum_counts[i], n) * unit;
     }
 }
 
@@ -164,7 +170,7 @@ tumble_status_t tumble_averaging_running(const tumble_averaging_t *averaging, do
     if (average->samples < 2U) {
         return TUMBLE_E_TOO_FEW;
     }
-    mean_of(average, mean_counts);
+    tumble_average_mean(average, mean_counts, 1.0);
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         standard_error_counts[i] = scatter_of_open(averaging, i) / tumble_sqrt((double)average->samples);
     }
@@ -182,7 +188,7 @@ tumble_status_t tumble_averaging_mean(const tumble_averaging_t *averaging, uint8
         return TUMBLE_E_MISSING_POSITION;
     }
     const tumble_average_t *average = &averaging->averages[index];
-    mean_of(average, mean_counts);
+    tumble_average_mean(average, mean_counts, 1.0);
     if (standard_error_counts != NULL) {
         const double root_n = tumble_sqrt((double)average->samples);
         for (int i = 0; i < TUMBLE_CHANNELS; i++) {
@@ -197,13 +203,11 @@ tumble_status_t tumble_averaging_means(const tumble_averaging_t *averaging, doub
     if ((averaging == NULL) || (means == NULL) || !tumble_is_positive(tumble_abs(v_per_count))) {
         return TUMBLE_E_ARGUMENT;
     }
+    *means = (tumble_means_t){.measured = {false}};
     for (uint8_t p = 0; p < TUMBLE_MAX_POSITIONS; p++) {
         means->measured[p] = tumble_averaging_has_mean(averaging, p);
         if (means->measured[p]) {
-            mean_of(&averaging->averages[p], means->u_v[p]);
-        }
-        for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-            means->u_v[p][i] = means->measured[p] ? (means->u_v[p][i] * v_per_count) : 0.0;
+            tumble_average_mean(&averaging->averages[p], means->u_v[p], v_per_count);
         }
     }
     return TUMBLE_OK;

@@ -21,4 +21,7 @@ static inline tumble_average_t *tumble_averaging_open_average(tumble_averaging_t
     return &averaging->averages[averaging->open.index];
 }
 
+/* The mean of three channels, correctly rounded in counts, times `unit`. It has samples. */
+void tumble_average_mean(const tumble_average_t *average, double mean[TUMBLE_CHANNELS], double unit);
+
 #endif

@@ -4,6 +4,7 @@
 #include "core/harmonic.h"
 #include "core/means.h"
 #include "core/normal.h"
+#include "core/vector.h"
 
 #include <stddef.h>
 
@@ -11,9 +12,8 @@
 
 /* What one channel tells on one circle, times 8 for nine positions and times 4 for the diagonals. */
 typedef struct {
-    double c; /* amplitude of cos phi, formula (3) */
-    double s; /* amplitude of sin phi */
-    double b; /* mean */
+    double force[3]; /* amplitudes of the force (sin phi, 0, cos phi): the last one is formula (3) */
+    double b;        /* mean */
 } harmonics_t;
 
 /* Of nine positions, numbered from 1:
@@ -22,24 +22,28 @@ typedef struct {
  *     8 b = (U1 + U9)/2 + U2 + U3 + U4 + U5 + U6 + U7 + U8
  * with opposite positions paired, so that the bias cancels before anything is scaled. Of the diagonals the same, less
  * what is not there: with the U of even number 4 c, 4 s and 4 b. */
-static harmonics_t harmonics(const tumble_means_t *means, const tumble_circle_t *circle, int channel)
+static void harmonics(const tumble_means_t *means, const tumble_circle_t *circle, int channel, harmonics_t *h)
 {
+    const uint32_t stride = 8U / circle->over; /* of the diagonals: 2 */
     double u[TUMBLE_STEPS + 1U];
-    for (uint32_t l = 1; l <= TUMBLE_STEPS; l++) {
-        const uint8_t p = circle->index[l];
-        u[l] = (p != TUMBLE_NOWHERE) ? means->u_v[p][channel] : 0.0;
-    }
     double difference[5]; /* of the positions l and l + 4, and their sum */
     double sum[5];
-    for (int l = 1; l <= 4; l++) {
-        difference[l] = u[l] - u[l + 4];
-        sum[l] = u[l] + u[l + 4];
+    for (uint32_t l = stride; l <= TUMBLE_STEPS; l += stride) {
+        u[l] = means->u_v[circle->index[l]][channel];
     }
-    return (harmonics_t){
-        .c = (difference[1] + (u[9] - u[5])) + (SQRT2 * (difference[2] - difference[4])),
-        .s = (2.0 * difference[3]) + (SQRT2 * (difference[2] + difference[4])),
-        .b = (((0.5 * (u[1] + u[9])) + u[5]) + sum[3]) + (sum[2] + sum[4]),
-    };
+    for (uint32_t l = stride; l <= 4U; l += stride) {
+        difference[l] = u[l] - u[l + 4U];
+        sum[l] = u[l] + u[l + 4U];
+    }
+    h->force[0] = SQRT2 * (difference[2] + difference[4]);
+    h->force[1] = 0.0;
+    h->force[2] = SQRT2 * (difference[2] - difference[4]);
+    h->b = sum[2] + sum[4];
+    if (stride == 1U) {
+        h->force[2] += difference[1] + (u[9] - u[5]);
+        h->force[0] += 2.0 * difference[3];
+        h->b += ((0.5 * (u[1] + u[9])) + u[5]) + sum[3];
+    }
 }
 
 static tumble_status_t check_arguments(const tumble_schedule_t *schedule, const tumble_means_t *means,
@@ -66,10 +70,10 @@ static void add_circle(const harmonics_t *h, const tumble_circle_t *circle, cons
     for (int j = 0; j < TUMBLE_CHANNELS; j++) {
         const int share = circle->over * tumble_circle_share(map, refined, i, j, circle->normal);
         if (share != 0) {
-            coefficients->k_v_per_g[i][j] += ((matrix[j][0] * h->s) + (matrix[j][2] * h->c)) / (double)share;
+            coefficients->k_v_per_g[i][j] += tumble_divide(tumble_dot(matrix[j], h->force), (double)share);
         }
     }
-    coefficients->u0_v[i] += h->b / (double)(circle->over * tumble_circle_count(map));
+    coefficients->u0_v[i] += tumble_divide(h->b, (double)(circle->over * tumble_circle_count(map)));
 }
 
 static tumble_status_t estimate_harmonic(const tumble_schedule_t *schedule, const tumble_means_t *means, bool refined,
@@ -90,7 +94,8 @@ static tumble_status_t estimate_harmonic(const tumble_schedule_t *schedule, cons
         tumble_circle_t circle;
         tumble_circle_find(schedule, means->measured, m, &circle);
         for (int i = 0; (i < TUMBLE_CHANNELS) && (circle.over != 0U); i++) {
-            const harmonics_t h = harmonics(means, &circle, i);
+            harmonics_t h;
+            harmonics(means, &circle, i, &h);
             add_circle(&h, &circle, &map, schedule->mountings[m].matrix, refined, i, coefficients);
         }
     }

@@ -6,21 +6,25 @@
 
 #define ANGLE_TOLERANCE 1e-12
 #define ROTATION_TOLERANCE 1e-9
+#define TOLERANCE 4U /* 1e-9 degrees in 2^-32 */
+#define UPPER_OF_2_20 0x41300000U
 
 /* Steps as bits: all nine, and the diagonals 45, 135, 225 and 315 degrees. */
 #define NINE 0x3FEU
 #define FOUR 0x154U
 
-/* Step 1 to 9; 10 for an angle that is none. */
+/* Step 1 to 9; 0 for an angle that is none. A double from 2^20 on has 2^-32 for its last place, so the sum's lower word
+ * counts parts of a degree and its upper one, less that of 2^20, whole degrees. */
 static uint8_t step_of(const tumble_angle_t *angle)
 {
-    double rest_deg = angle->deg;
-    uint8_t step = 1;
-    while ((step <= TUMBLE_STEPS) && !tumble_within(rest_deg, ROTATION_TOLERANCE)) {
-        rest_deg -= 45.0;
-        step++;
-    }
-    return step;
+    const double sum = angle->deg + (1048576.0 + 45.0);
+    uint64_t bits;
+    (void)memcpy(&bits, &sum, sizeof bits);
+    bits += TOLERANCE;
+    const uint32_t whole_deg = (uint32_t)(bits >> 32) - UPPER_OF_2_20;
+    const uint32_t step = whole_deg / 45U;
+    const bool is_step = ((uint32_t)bits <= (2U * TOLERANCE)) && (whole_deg == (45U * step));
+    return (is_step && (step <= TUMBLE_STEPS)) ? (uint8_t)step : 0U;
 }
 
 /* The block axis along the axis of the stand, up or down; TUMBLE_CHANNELS if none is, or if that axis is tilted. */
@@ -30,10 +34,9 @@ static uint8_t normal_of(const tumble_mounting_t *mounting)
     bool straight = tumble_within(mounting->tilt.sine, ANGLE_TOLERANCE) && tumble_is_positive(mounting->tilt.cosine);
     for (uint8_t j = 0; j < TUMBLE_CHANNELS; j++) {
         const double along = tumble_abs(mounting->matrix[j][1]);
-        if (tumble_within(along - 1.0, ROTATION_TOLERANCE)) {
+        if (!tumble_within(along, ROTATION_TOLERANCE)) {
+            straight = straight && tumble_within(along - 1.0, ROTATION_TOLERANCE);
             normal = j;
-        } else {
-            straight = straight && tumble_within(along, ROTATION_TOLERANCE);
         }
     }
     return straight ? normal : TUMBLE_CHANNELS;

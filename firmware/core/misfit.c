@@ -1,6 +1,7 @@
 #include "tumble/core.h"
 
 #include "core/arith.h"
+#include "core/averaging_state.h"
 #include "core/one_copy.h"
 #include "core/vector.h"
 
@@ -100,8 +101,8 @@ static void look_at(const tumble_misfit_work_t *work, const tumble_misfit_run_t 
     const double cosine = mounting->tilt.cosine * angle->cosine;
     double force[TUMBLE_CHANNELS];
     double by_angle[TUMBLE_CHANNELS];
-    double mean_counts[TUMBLE_CHANNELS] = {0.0, 0.0, 0.0};
-    (void)tumble_averaging_mean(run->averaging, p, mean_counts, NULL);
+    double mean_v[TUMBLE_CHANNELS];
+    tumble_average_mean(&run->averaging->averages[p], mean_v, run->v_per_count);
     place->basis[0] = 1.0;
     place->basis[1] = angle->sine;
     place->basis[2] = angle->cosine;
@@ -110,7 +111,7 @@ static void look_at(const tumble_misfit_work_t *work, const tumble_misfit_run_t 
     turn_to_block(mounting, cosine, -sine, by_angle);
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         const double *k = run->coefficients->k_v_per_g[i];
-        place->residual_v[i] = (mean_counts[i] * run->v_per_count) - run->coefficients->u0_v[i] - tumble_dot(k, force);
+        place->residual_v[i] = mean_v[i] - run->coefficients->u0_v[i] - tumble_dot(k, force);
         place->by_angle_v[i] = is_in(work, i) ? tumble_dot(k, by_angle) : 0.0;
     }
 }

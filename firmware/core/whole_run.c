@@ -1,6 +1,7 @@
 #include "core/whole_model.h"
 
 #include "core/arith.h"
+#include "core/averaging_state.h"
 #include "core/course.h"
 
 #include <stddef.h>
@@ -69,13 +70,13 @@ static double course_of_average(const tumble_misfit_run_t *run, uint8_t p)
 
 static void read_average(const tumble_misfit_run_t *run, uint8_t p, tumble_whole_reading_t *reading)
 {
-    const uint32_t samples = run->averaging->averages[p].samples;
-    reading->measured = (samples != 0U) && (tumble_averaging_mean(run->averaging, p, reading->u_v, NULL) == TUMBLE_OK);
+    const tumble_average_t *average = &run->averaging->averages[p];
+    reading->measured = tumble_averaging_has_mean(run->averaging, p);
     if (reading->measured) {
-        reading->variance_v2 = declared_variance(run, samples);
+        reading->variance_v2 = declared_variance(run, average->samples);
         reading->course = tumble_is_positive(run->stand->drift_v) ? course_of_average(run, p) : 0.0;
-        for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-            reading->u_v[i] *= run->v_per_count;
+        for (int i = 0; i < TUMBLE_CHANNELS; i++) { /* three divisions a step: not worth tumble_divide's code */
+            reading->u_v[i] = ((double)average->sum_counts[i] / (double)average->samples) * run->v_per_count;
         }
     }
 }

@@ -1,6 +1,7 @@
 #include "procedure/procedure_internal.h"
 
 #include "core/arith.h"
+#include "core/averaging_state.h"
 #include "core/vector.h"
 #include "procedure/config_fields.h"
 
@@ -228,10 +229,7 @@ static double distance_g(const double a[TUMBLE_CHANNELS], const double b[TUMBLE_
 static void seen_g(const tumble_procedure_t *procedure, uint8_t index, double seen[TUMBLE_CHANNELS])
 {
     const double g_per_count = procedure->config->v_per_count / procedure->config->nominal_scale_v_per_g;
-    (void)tumble_averaging_mean(&procedure->averaging, index, seen, NULL);
-    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        seen[i] *= g_per_count;
-    }
+    tumble_average_mean(&procedure->averaging.averages[index], seen, g_per_count);
 }
 
 /* What the position at `index` would show in another mounting. */

@@ -125,8 +125,8 @@ double tumble_procedure_closure_g(const tumble_procedure_t *procedure, uint8_t m
     }
     double early_counts[TUMBLE_CHANNELS];
     double late_counts[TUMBLE_CHANNELS];
-    (void)tumble_averaging_mean(&procedure->averaging, pair.early, early_counts, NULL);
-    (void)tumble_averaging_mean(&procedure->averaging, pair.late, late_counts, NULL);
+    tumble_average_mean(&procedure->averaging.averages[pair.early], early_counts, 1.0);
+    tumble_average_mean(&procedure->averaging.averages[pair.late], late_counts, 1.0);
     double largest_counts = 0.0;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         largest_counts = tumble_larger(tumble_abs(late_counts[i] - early_counts[i]), largest_counts);

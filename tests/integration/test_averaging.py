@@ -49,6 +49,37 @@ def test_mean_is_the_correctly_rounded_quotient_of_exact_numbers(samples):
     assert mean.tolist() == [float(Fraction(sum(channel), len(channel))) for channel in zip(*samples)]
 
 
+@st.composite
+def quotients(draw):
+    """Samples of a position and their sum: any that samples can have, and those whose mean is next to halfway between
+    two doubles."""
+    samples = draw(st.one_of(st.integers(1, 200), st.integers(1, MAX_SAMPLES), st.just(MAX_SAMPLES)))
+    bits = draw(st.integers(1, 51))
+    total = draw(st.integers(0, 2**bits))
+    if draw(st.booleans()):
+        total = hard_sum(samples, draw(st.integers(2**52, 2**53 - 1))) + draw(st.integers(-1, 1))
+    return samples, total * draw(st.sampled_from([-1, 1]))
+
+
+def hard_sum(samples, digits):
+    """The largest sum below 2^53 of which the mean, times a power of two, is nearly `digits` and a half."""
+    wanted = samples * (2 * digits + 1)
+    return wanted >> (wanted.bit_length() - 53)
+
+
+@given(st.lists(st.tuples(quotients(), quotients(), quotients()), min_size=1, max_size=36))
+def test_means_of_any_sums_are_correctly_rounded(run):
+    averaging, expected = Averaging(), []
+    for index, three in enumerate(run):
+        average = averaging.state.averages[index]
+        average.samples = three[0][0]
+        average.sum_counts = [total for _, total in three]
+        expected.append([float(Fraction(total, three[0][0])) for _, total in three])
+    found, measured = averaging.means(1.0, len(run))
+    assert measured.all() and found.tolist() == expected
+    assert averaging.mean(0)[0].tolist() == expected[0]
+
+
 @given(positions())
 def test_running_error_is_that_of_the_exact_scatter(samples):
     averaging = averaged(samples)

@@ -59,3 +59,60 @@ static void test_what_no_normal_float_holds_is_infinite_or_0(void)
     TEST_ASSERT_EQUAL_HEX32(0, float_bits(tumble_to_float(1e-39)));
     TEST_ASSERT_EQUAL_HEX32(0x80000000U, float_bits(tumble_to_float(-1e-300)));
 }
+
+static void assert_as_divided(double x, double n)
+{
+    const double quotient = x / n;
+    const double found = tumble_divide(x, n);
+    TEST_ASSERT_EQUAL_HEX64_ARRAY(&quotient, &found, 1);
+}
+
+static uint64_t next_random(uint64_t random)
+{
+    return (random * UINT64_C(6364136223846793005)) + UINT64_C(1442695040888963407);
+}
+
+static void test_it_divides_sums_as_the_machine_does(void)
+{
+    uint64_t random = 2;
+    for (int i = 0; i < 100000; i++) {
+        random = next_random(random);
+        const double n = (double)(((random >> 44) >> (random % 20U)) + 1U);
+        random = next_random(random);
+        const double sum = (double)((random >> 11) >> (random % 52U));
+        assert_as_divided(sum, n);
+        assert_as_divided(-sum, n);
+    }
+}
+
+/* A quotient of 54 digits that ends with 1 lies halfway between two doubles; the nearest double to its product with n
+ * has a quotient next to it. */
+static void test_it_divides_where_the_quotient_is_nearly_halfway(void)
+{
+    uint64_t random = 3;
+    for (int i = 0; i < 100000; i++) {
+        random = next_random(random);
+        const uint64_t halfway = (random >> 10) | (UINT64_C(1) << 53) | 1U;
+        const uint64_t n = 1U + (random % 1023U);
+        assert_as_divided((double)(halfway * n), (double)n);
+    }
+}
+
+static void test_it_divides_0_and_what_is_tiny_or_huge(void)
+{
+    const double all[] = {0.0, 1e-300, 1e-16, 1e300, DBL_MAX};
+    for (size_t i = 0; i < (sizeof all / sizeof all[0]); i++) {
+        for (uint32_t n = 1; n <= 1048576U; n = (n * 3U) + 1U) {
+            assert_as_divided(all[i], (double)n);
+            assert_as_divided(-all[i], (double)n);
+        }
+        assert_as_divided(all[i], 1048576.0);
+    }
+}
+
+static void test_it_leaves_what_is_too_small(void)
+{
+    const double smallest = from_bits(1);
+    const double found = tumble_divide(smallest, 3.0);
+    TEST_ASSERT_EQUAL_HEX64_ARRAY(&smallest, &found, 1);
+}
