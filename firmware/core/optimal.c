@@ -133,7 +133,6 @@ static bool subtract_curvature(const work_t *work, uint8_t p, size_t fit, double
 {
     const pose_t pose = pose_of(work, p);
     const double course = tumble_course_of((uint8_t)fit, work->record->fit_positions);
-    const tumble_coefficients_t *block = work->block;
     float *const curvature_rad = &work->curvature_rad[fit];
     double f_g[3];
     double by_angle[3] = {0.0, 0.0, 0.0};
@@ -141,20 +140,20 @@ static bool subtract_curvature(const work_t *work, uint8_t p, size_t fit, double
     turning_force(&pose, f_g);
     add_outputs(work->record->k_v_per_g, &pose, f_g, by_angle);
     ideal_force(&pose, f_g);
-    add_outputs(block->k_v_per_g, &pose, f_g, beyond);
+    add_outputs(((const tumble_coefficients_t *)work->block)->k_v_per_g, &pose, f_g, beyond);
     linear_change(&pose, work->stand->alpha1_rad, f_g);
     add_outputs(work->record->k_v_per_g, &pose, f_g, beyond);
     const double gain = angle_gain(work->record, by_angle);
     double delta = 0.0;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        delta += by_angle[i] * (u_v[i] - block->u0_v[i] - (course * work->stand->drift_v[i]) - beyond[i]);
+        delta += by_angle[i] * (u_v[i] - work->block->u0_v[i] - (course * work->stand->drift_v[i]) - beyond[i]);
     }
     delta = (gain * delta) - (double)*curvature_rad;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         beyond[i] = -(beyond[i] + (by_angle[i] * delta));
     }
     const bool small = exact_force(&pose, work->stand->alpha1_rad, delta, f_g);
-    add_outputs(block->k_v_per_g, &pose, f_g, beyond);
+    add_outputs(((const tumble_coefficients_t *)work->block)->k_v_per_g, &pose, f_g, beyond);
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         u_v[i] -= beyond[i];
     }
