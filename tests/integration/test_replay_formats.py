@@ -112,6 +112,19 @@ def test_what_is_no_log_is_named_with_what_can_be_read(name, data, said, refused
     assert line.startswith(f"tumble: {tmp_path / name}: ") and said in line
 
 
+@pytest.mark.parametrize("kept", [0.001, 0.5, 0.99])
+def test_a_log_in_mf4_that_was_cut_is_one_line(kept, run, tmp_path):
+    """In a process of its own: asammdf has more to say when that ends."""
+    pytest.importorskip("asammdf", reason="asammdf is not installed")
+    cut = rewritten(run[0] / "run/bus.log", tmp_path / "bus.mf4")
+    data = cut.read_bytes()
+    cut.write_bytes(data[: max(100, int(kept * len(data)))])
+    command = [sys.executable, "-m", "tumble", "replay", cut]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    said = f"tumble: {cut}: cannot be read as a CAN log (MF4) after 0 frames: "
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1) and done.stderr.startswith(said), done.stderr
+
+
 def test_without_python_can_a_line_says_what_to_install(run, tumble, tmp_path):
     folder, _ = run
     log = rewritten(folder / "run/bus.log", tmp_path / "bus.blf")
