@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 
@@ -110,6 +111,32 @@ def test_what_is_no_log_is_named_with_what_can_be_read(name, data, said, refused
     (tmp_path / name).write_bytes(data)
     line = refused("replay", tmp_path / name)
     assert line.startswith(f"tumble: {tmp_path / name}: ") and said in line
+
+
+@pytest.mark.parametrize("kept", [0.001, 0.5, 0.99])
+def test_a_log_in_mf4_that_was_cut_is_one_line(kept, run, tmp_path):
+    """In a process of its own: asammdf has more to say when that ends."""
+    pytest.importorskip("asammdf", reason="asammdf is not installed")
+    cut = rewritten(run[0] / "run/bus.log", tmp_path / "bus.mf4")
+    data = cut.read_bytes()
+    cut.write_bytes(data[: max(100, int(kept * len(data)))])
+    command = [sys.executable, "-m", "tumble", "replay", cut]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    said = f"tumble: {cut}: cannot be read as a CAN log (MF4) after 0 frames: "
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1) and done.stderr.startswith(said), done.stderr
+
+
+def test_a_log_away_from_its_run_names_the_option(tumble, run, tmp_path):
+    """Without its scenario it is replayed on the paper's stand, where it may come to no result."""
+    folder, _ = run
+    log = tmp_path / "bus.log"
+    log.write_bytes((folder / "run/bus.log").read_bytes())
+    done = tumble("replay", log)
+    said = r"tumble: .*: the firmware comes to no result in this log \(TUMBLE_STATE_\w+, TUMBLE_REASON_\w+\)"
+    hint = "; it took the paper's stand: --scenario names the run's own\n"
+    assert done.returncode == 3 and re.fullmatch(said + hint, done.stderr), done.stderr
+    (tmp_path / "empty.txt").touch()
+    assert hint not in tumble("replay", log, "--scenario", tmp_path / "empty.txt").stderr
 
 
 def test_without_python_can_a_line_says_what_to_install(run, tumble, tmp_path):

@@ -5,7 +5,10 @@ import hashlib
 import http.client
 import io
 import json
+import logging
 import re
+import socket
+import time
 import urllib.error
 import urllib.request
 from dataclasses import replace
@@ -246,6 +249,53 @@ def test_the_server_reads_only_and_answers_to_its_own_names_alone(served):
     for host in ("evil.example", "127.0.0.1.evil.example", "www.localhost"):
         assert status(server, Host=host) == 400, host
     assert follower._source.asked == 0  # who looks on asks the node nothing
+
+
+def port_of(server):
+    return int(server.url.rstrip("/").rpartition(":")[2])
+
+
+def test_the_head_of_a_stream_ends(served):
+    """The connection is free for what is asked next."""
+    server, _ = served(DONE)
+    connection = http.client.HTTPConnection("127.0.0.1", port_of(server), timeout=20)
+    for method, path, code in (("HEAD", "/events", 200), ("GET", "/nothing", 404)):
+        connection.request(method, path)
+        answer = connection.getresponse()
+        assert answer.status == code
+        answer.read()
+    connection.close()
+
+
+def said_to(server, request):
+    """The first bytes of the answer to what need not be HTTP."""
+    with socket.create_connection(("127.0.0.1", port_of(server)), timeout=20) as one:
+        one.sendall(request)
+        return one.recv(12)
+
+
+def test_bad_requests_are_not_told_on_stderr(served, capfd, monkeypatch):
+    """pytest's own handlers of logging would take what goes to stderr without them."""
+    monkeypatch.setattr(logging.getLogger(), "handlers", [])
+    server, _ = served(DONE)
+    assert said_to(server, b"\x16\x03\x01 no request\r\n\r\n") == b"HTTP/1.1 400"
+    upgrade = b"GET / HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\r\n"
+    assert said_to(server, upgrade) == b"HTTP/1.1 200"
+    assert capfd.readouterr().err == ""
+
+
+def test_64_look_on_and_no_more(served):
+    server, _ = served(DONE)
+    streams = [events(server.url + "events") for _ in range(64)]
+    for stream in streams:
+        next(stream)
+    assert status(server) == 503
+    streams.pop().close()
+    end = time.monotonic() + 20
+    while status(server) != 200:
+        assert time.monotonic() < end
+    for stream in streams:
+        stream.close()
 
 
 def test_a_port_that_is_taken(served):

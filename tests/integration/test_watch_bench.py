@@ -218,3 +218,26 @@ def test_a_folder_with_a_result_that_is_none(tumble, tmp_path):
     (tmp_path / "result.json").write_text("[1")
     done = tumble("watch", tmp_path, "--json")
     assert done.returncode == 3 and re.fullmatch(r"tumble: .*: result\.json cannot be read: .*\n", done.stderr)
+
+
+NO_RESULTS = (
+    [], {}, {"verification": {}}, {"K": 5}, {"K": [[1, 2], [3, 4]]}, {"K": None, "U0": ["a", "b", "c"]}, {"state": "X"},
+    {"state": 7, "reason": "TUMBLE_REASON_NONE"}, {"K": None, "verification": 1},
+    {"K": None, "verification": {"delta_g_g": [{"use": "other", "delta_g_g": 1}], "limit_g": 1, "pass": True}},
+    {"K": None, "verification": {"delta_g_g": [], "limit_g": "x", "pass": True}},
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("damaged", NO_RESULTS, ids=json.dumps)
+def test_a_damaged_result_is_one_line(damaged, tmp_path):
+    (tmp_path / "bus.log").touch()
+    (tmp_path / "result.json").write_text(json.dumps(damaged))
+    with pytest.raises(Lost, match=r"^result\.json is no result of a run$"):
+        FolderRun(tmp_path).snapshot()
+
+
+def test_a_damaged_result_is_no_fault_in_tumble(tumble, tmp_path):
+    (tmp_path / "bus.log").touch()
+    (tmp_path / "fault.json").write_text('{"state": "X"}')
+    done = tumble("watch", tmp_path, "--json")
+    assert (done.returncode, done.stderr) == (3, f"tumble: {tmp_path}: fault.json is no result of a run\n")

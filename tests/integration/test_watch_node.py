@@ -41,6 +41,9 @@ class PlayedLink:
         self.asked += names
         return [self.objects.get(name) for name in names]
 
+    def of_one_moment(self, read):
+        return read()
+
     def close(self):
         self.closed += 1
 
@@ -185,6 +188,7 @@ class PlayedGateway:
 
     def __init__(self, values):
         self.words, self.functions, self.snapshot = {}, [], 0
+        self.moves = 0  # so often, while a mean is read, and then there is another snapshot
         self.map = read_map().input
         own = {"Magic word": 0x54554D42, "Known number": 123456.0, "Link state": 1}
         for name, value in {**own, **values}.items():
@@ -219,6 +223,11 @@ class PlayedGateway:
             self.set("Snapshot number", self.snapshot)
             self.set("Snapshot held", self.snapshot)
         words = [self.words.get(at + place, 0) for place in range(count)]
+        if self.moves and at == self.map["Running mean: Running mean x"][0].valid[0]:  # a request for the mean alone
+            self.moves -= 1
+            self.set("Snapshot held", self.snapshot + 1)
+            self.set("Progress: Position number", 5)
+            self.set("Running mean: Running mean x", 7.0)
         body = struct.pack(f">BBB{count}H", unit, function, 2 * count, *words)
         connection.sendall(struct.pack(">HHH", transaction, 0, len(body)) + body)
 
@@ -246,6 +255,25 @@ def test_over_modbus_only_input_registers_are_read(gateway):
     assert [round(value, 7) for row in done.k_v_per_g for value in row] == [value for row in K for value in row]
     assert done.gravity.passed is True and done.gravity.max_check_g is None
     assert set(gateway.functions) == {READ_INPUT} and len(gateway.functions) > 10
+
+
+def test_one_view_over_modbus_is_of_one_snapshot(gateway):
+    run = NodeRun(f"modbus:127.0.0.1:{gateway.port}")
+    before = gateway.snapshot
+    for number in (1, 2):
+        run.snapshot()
+        assert gateway.snapshot == before + number
+    run.close()
+
+
+@pytest.mark.parametrize("times", [1, 9], ids=["now and then", "always, on a slow line"])
+def test_a_view_of_two_snapshots_is_read_again(gateway, times):
+    run = NodeRun(f"modbus:127.0.0.1:{gateway.port}")
+    gateway.moves = times
+    seen = run.snapshot()
+    run.close()
+    assert gateway.moves == (0 if times == 1 else times - 3)
+    assert (seen.position, seen.mean.position, seen.mean.mean_v[0]) == (5, 5, 7.0)
 
 
 def test_the_watcher_calls_nothing_that_writes():

@@ -6,7 +6,10 @@ A name is that of the EDS file and of docs/modbus.csv: "State", "Progress: Actua
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
+from typing import TypeVar
 
+T = TypeVar("T")
 Value = int | float | str | None
 
 
@@ -41,6 +44,11 @@ class Link(ABC):
     def read(self, name: str) -> Value:
         """Of one object."""
         return self.read_together(name)[0]
+
+    def of_one_moment(self, read: Callable[[], T]) -> T:
+        """What `read` makes of several readings: all of one moment, where the link has such and is fast enough. It may
+        be called several times for that."""
+        return read()
 
     def fresh(self) -> None:  # noqa: B027 - nothing to do where nothing is kept
         """Return when what is read from now on is from after this call."""

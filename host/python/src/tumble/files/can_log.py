@@ -6,8 +6,11 @@ when there is such a file.
 
 from __future__ import annotations
 
+import gc
 import io
 import re
+import sys
+import traceback
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
@@ -101,7 +104,20 @@ class CanLog:
         row = None if self._lines is None or not self._lines.number else self._lines.number
         place = f" after {self.frames} frames" if self._lines is None else ""
         why = f": {quoted(error)}" if str(error) else ""
+        _forget(error)
         return BadInput(f"cannot be read as a CAN log ({self._kind}){place}{why}", self._file, row)
+
+
+def _forget(error: BaseException | None) -> None:
+    """Delete here, unheard, what a reader had half made when it failed: asammdf's complains on standard error then."""
+    hook, sys.unraisablehook = sys.unraisablehook, lambda _: None
+    try:
+        while error is not None:
+            traceback.clear_frames(error.__traceback__)
+            error = error.__context__
+        gc.collect()
+    finally:
+        sys.unraisablehook = hook
 
 
 class _Lines(io.StringIO):

@@ -71,7 +71,7 @@ def _tumble_rig(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Rig]
     where = _where(request.config)
     with ExitStack() as stack:
         try:
-            wanted = rigs.Wanted(**(marker.kwargs if marker else {}))
+            wanted = rigs.Wanted(*marker.args, **marker.kwargs) if marker else rigs.Wanted()
             made = rigs.virtual(wanted, tmp_path) if where == _VIRTUAL else rigs.on_can(wanted, tmp_path, where)
             rig = stack.enter_context(made)
         except TumbleError as error:

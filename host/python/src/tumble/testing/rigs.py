@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tumble.bench import programs
-from tumble.errors import BenchFault, UsageError, quoted
+from tumble.errors import BadInput, BenchFault, UsageError, quoted
 
 if TYPE_CHECKING:
     import can
@@ -47,17 +47,20 @@ class Wanted:
 
     `operator`: who mounts the block (OPERATORS); `seed`: of all that is random; `scenario`: a scenario file, else the
     keys FAST; `memory`: the node keeps coefficients; `keys`: more keys of the scenario, `__` for the
-    point, a list for a key that comes several times. Raises UsageError.
+    point, a list for a key that comes several times. `unnamed`: there must be none. Raises UsageError.
     """
 
     def __init__(
         self,
+        *unnamed: object,
         operator: str = "on-confirm",
         seed: int = 1,
         scenario: str | Path | None = None,
         memory: bool = False,
         **keys: Any,
     ):
+        if unnamed:
+            raise UsageError(f"tumble({quoted(unnamed[0])}): an argument needs its name, such as operator=")
         if operator not in OPERATORS:
             raise UsageError(f"tumble(operator=): {quoted(operator)} is not {', '.join(OPERATORS)}")
         self.operator, self.seed, self.memory = operator, seed, memory
@@ -65,13 +68,16 @@ class Wanted:
         self._keys = {name.replace("__", "."): value for name, value in keys.items()}
 
     def write(self, folder: Path) -> Path:
-        """The scenario file."""
-        text = "" if self._file is None else self._file.read_text(encoding="utf-8").rstrip("\n") + "\n"
+        """The scenario file. Raises BadInput."""
+        try:
+            text = "" if self._file is None else self._file.read_text("utf-8", "surrogateescape").rstrip("\n") + "\n"
+        except OSError as error:
+            raise BadInput(f"the scenario cannot be read: {error.strerror}", str(self._file)) from None
         usual = {**FAST, **(SERIAL if self.memory else {})} if self._file is None else {}
         for key, value in {**usual, **self._keys}.items():
             text += "".join(f"{key} = {one}\n" for one in (value if isinstance(value, list) else [value]))
         path = folder / "tumble-scenario.txt"
-        path.write_text(text, encoding="utf-8")
+        path.write_text(text, encoding="utf-8", errors="surrogateescape")
         return path
 
 
@@ -119,7 +125,7 @@ class Rig:
 
 @contextmanager
 def virtual(wanted: Wanted, folder: Path) -> Iterator[Rig]:
-    """Both in one process, and the time of the caller's thread is theirs. Raises UsageError, BenchFault."""
+    """Both in one process, and the time of the caller's thread is theirs. Raises UsageError, BadInput, BenchFault."""
     import can
 
     from tumble.testing.virtual_bus import VirtualBus, time_of
@@ -146,7 +152,7 @@ def _no_process() -> None:
 @contextmanager
 def on_can(wanted: Wanted, folder: Path, where: str) -> Iterator[Rig]:
     """tumble-stand and tumble-node on the interface behind "can:". What they told is printed in the end, for pytest to
-    show where a test fails. Raises BenchFault."""
+    show where a test fails. Raises BadInput, BenchFault."""
     interface, scenario = where.removeprefix("can:"), str(wanted.write(folder))
     memory = ["--nv", str(folder / "tumble-memory")] if wanted.memory else []
     options = ["--seed", str(wanted.seed), "--operator", wanted.operator]

@@ -10,6 +10,8 @@ from typing import Any
 
 from tumble.watch.snapshot import Gravity, Matrix, Mean, Snapshot, Vector, without_prefix
 
+NOT_THE_FORM = AttributeError, KeyError, OverflowError, TypeError, ValueError
+
 
 class BenchRun:
     """Takes the events of a run (host/bench/progress.h) in one thread; is asked in another. `pace`: virtual seconds
@@ -70,11 +72,12 @@ def after_event(before: Snapshot, event: dict[str, Any]) -> Snapshot:
 
 
 def after_document(before: Snapshot, document: dict[str, Any]) -> Snapshot:
-    """The snapshot with what the document of a bench run (tumble.bench/1) or a result (tumble.result/1) tells."""
+    """The snapshot with what the document of a bench run (tumble.bench/1) or a result (tumble.result/1) tells. Raises
+    one of NOT_THE_FORM where it is neither."""
     check = document.get("verification")
     after = replace(
         before,
-        k_v_per_g=matrix(document.get("K")),
+        k_v_per_g=matrix(document["K"]),
         u0_v=vector(document.get("U0")),
         u_k_v_per_g=matrix(document.get("u_K")),
         u_u0_v=vector(document.get("u_U0")),
@@ -103,14 +106,22 @@ def _gravity(check: dict[str, Any]) -> Gravity:
     for row in check["delta_g_g"]:
         worst[row["use"]].append(abs(row["delta_g_g"]))
     fit, checked = (max(worst[use], default=None) for use in ("fit", "check"))
-    return Gravity(fit, checked, check["limit_g"], check["pass"])
+    return Gravity(fit, checked, float(check["limit_g"]), check["pass"])
 
 
 def vector(numbers: list[float] | None) -> Vector | None:
     """A list from a document; None stays."""
-    return None if numbers is None else tuple(numbers)
+    return None if numbers is None else _three(numbers)
 
 
 def matrix(rows: list[list[float]] | None) -> Matrix | None:
     """A list of lists from a document; None stays."""
-    return None if rows is None else tuple(tuple(row) for row in rows)
+    if rows is None:
+        return None
+    x, y, z = map(_three, rows)
+    return x, y, z
+
+
+def _three(numbers: list[float]) -> Vector:
+    x, y, z = map(float, numbers)
+    return x, y, z

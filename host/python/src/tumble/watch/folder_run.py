@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from tumble.watch import words
-from tumble.watch.bench_run import after_document
+from tumble.watch.bench_run import NOT_THE_FORM, after_document
 from tumble.watch.heard import Heard
 from tumble.watch.snapshot import Lost, Snapshot
 
@@ -38,9 +38,7 @@ class FolderRun:
         found = self._document()
         self._read_log()
         now = self._heard_so_far()
-        if found is None:
-            return now
-        return replace(_with_state(after_document(now, found), found), over=True)
+        return now if found is None else _ended(now, *found)
 
     def close(self) -> None:
         """No file is kept open."""
@@ -50,7 +48,8 @@ class FolderRun:
         stages = self._path / name, self._path.resolve().parent / name
         return [self._path, *stages, *(stage / "bench" for stage in stages)]
 
-    def _document(self) -> dict[str, Any] | None:
+    def _document(self) -> tuple[str, Any] | None:
+        """(name of the file, what is in it)."""
         for name in _DOCUMENTS:
             try:
                 found = json.loads((self._path / name).read_text(encoding="utf-8"))
@@ -58,9 +57,7 @@ class FolderRun:
                 continue
             except (OSError, ValueError) as error:
                 raise Lost(f"{name} cannot be read: {error}") from None
-            if not isinstance(found, dict):
-                raise Lost(f"{name} is no result of a run")
-            return found
+            return name, found
         return None
 
     def _read_log(self) -> None:
@@ -106,6 +103,11 @@ class FolderRun:
         )
 
 
-def _with_state(now: Snapshot, document: dict[str, Any]) -> Snapshot:
-    """A result is of a run that is done, whether or not the log says so to its last line."""
-    return now if "state" in document else replace(now, state="DONE")
+def _ended(now: Snapshot, name: str, document: Any) -> Snapshot:
+    """With what the document says. A result is of a run that is done, whether or not the log says so to its last line.
+    Raises Lost for any other document, such as a damaged one."""
+    try:
+        after = after_document(now, document)
+    except NOT_THE_FORM:
+        raise Lost(f"{name} is no result of a run") from None
+    return replace(after, state=after.state if "state" in document else "DONE", over=True)

@@ -54,7 +54,10 @@ class NodeRun:
         try:
             if self._why is not None:  # has been found out just now
                 raise CommunicationError(self._why)
-            return self._read(self._link or self._connect())
+            link = self._link or self._connect()
+            now, self._key, self._result = link.of_one_moment(lambda: self._read(link))
+            self._last = now
+            return now
         except _failures() as error:
             self._why = None
             self.close()
@@ -73,8 +76,9 @@ class NodeRun:
         self._heard = _listening(link) if isinstance(link, CanLink) else None
         return link
 
-    def _read(self, link: Link) -> Snapshot:
-        """What has changed since the last time, and that alone."""
+    def _read(self, link: Link) -> tuple[Snapshot, Any, Any]:
+        """What has changed since the last time, and that alone; and what shows next time whether place and result
+        have."""
         status, run = self._status(link)
         state = words.state(status.state)
         key: Any = (status.state, status.index, status.finished, run)
@@ -97,8 +101,7 @@ class NodeRun:
         elif run != self._last.run:
             now = replace(now, mean=None)
         complete = state != "DONE" or None not in (now.k_v_per_g, now.u0_v)
-        self._last, self._key, self._result = now, key, result if complete else None
-        return now
+        return now, key, result if complete else None
 
     def _status(self, link: Link) -> tuple[Status, int | None]:
         heard = None if self._heard is None else self._heard.status()

@@ -9,6 +9,7 @@ import asyncio
 import base64
 import hashlib
 import json
+import logging
 import re
 import socket
 import threading
@@ -46,7 +47,9 @@ def application(view: Callable[[], View], ending: Callable[[], bool], hosts: lis
     async def snapshot(_: Request) -> Response:
         return JSONResponse(document(view()), headers=_HEADERS)
 
-    async def events(_: Request) -> Response:
+    async def events(request: Request) -> Response:
+        if request.method == "HEAD":  # a stream without a body would never end
+            return Response(media_type="text/event-stream", headers=_HEADERS)
         return StreamingResponse(_changes(view, ending), media_type="text/event-stream", headers=_HEADERS)
 
     async def icon(_: Request) -> Response:
@@ -130,9 +133,10 @@ class Server:
             lifespan="off",
             ws="none",
             server_header=False,
-            limit_concurrency=_MOST_CONNECTIONS,
+            limit_concurrency=_MOST_CONNECTIONS + 1,  # at which it refuses
             timeout_graceful_shutdown=2,
         )
+        logging.getLogger("uvicorn").addHandler(logging.NullHandler())  # a line for each bad request that others send
         self._server = uvicorn.Server(config)
         self._thread = threading.Thread(target=self._server.run, args=([self._socket],), daemon=True)
 

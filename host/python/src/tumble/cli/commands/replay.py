@@ -46,7 +46,8 @@ def run(arguments: argparse.Namespace) -> int:
     document = replay.replay(arguments.log, scenario, arguments.firmware)
     if document["K"] is None:
         state, reason = document["state"], document["reason"]
-        raise BenchFault(f"{document['log']}: the firmware comes to no result in this log ({state}, {reason})")
+        told = f"{document['log']}: the firmware comes to no result in this log ({state}, {reason})"
+        raise BenchFault(told if scenario else f"{told}; it took the paper's stand: --scenario names the run's own")
     if arguments.json:
         print(json.dumps(document, allow_nan=False))
     else:
