@@ -19,7 +19,7 @@ from tumble.errors import BadInput, NotInstalled, quoted
 from tumble.files.disk import written
 from tumble.workers.pieces import Result
 
-SCHEMA = "tumble.done/1"
+FORMAT = "tumble-done/1"  # of a table of Parquet, so no JSON schema stands for it
 _NAME, _ABOUT = "piece", b"tumble"
 _PAUSE_S, _SHARE = 5.0, 0.05  # between two writings at least; and no more of the time than this is spent on them
 
@@ -51,7 +51,7 @@ class Kept(Nothing):
             raise NotInstalled("--resume", "pyarrow", extra="parquet") from None
         text = json.dumps({**depends, "tumble": __version__}, default=_as_text, sort_keys=True)
         self._about = {
-            "schema": SCHEMA,
+            "schema": FORMAT,
             "campaign": str(depends["campaign"]),
             "fingerprint": hashlib.sha256(text.encode()).hexdigest(),
         }
@@ -94,8 +94,8 @@ class Kept(Nothing):
             about = json.loads((table.schema.metadata or {}).get(_ABOUT, b"{}"))
         except (ArrowException, OSError, ValueError) as error:
             raise BadInput(f"not a Parquet file that can be read: {quoted(error)}", self._file) from None
-        if about.get("schema") != SCHEMA:
-            raise BadInput(f"not a file of --resume (schema {SCHEMA})", self._file)
+        if about.get("schema") != FORMAT:
+            raise BadInput(f"not a file of --resume (schema {FORMAT})", self._file)
         if about.get("campaign") != self._about["campaign"]:
             raise BadInput(f"what is done of another campaign: {quoted(about.get('campaign'))}", self._file)
         if about.get("fingerprint") != self._about["fingerprint"]:
