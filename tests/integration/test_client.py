@@ -123,6 +123,43 @@ def test_what_there_is_not_is_told_by_its_name(played):
     assert node.has("Progress: Actual angle") and not node.has("Progress: Weather") and not node.has("Weather")
 
 
+def begins_a_run_at(theirs, entry, times=1):
+    """Somebody else gives START just when this object is read, so many times."""
+    value, left = theirs.computed.get(entry, lambda: 0), [theirs] * times
+
+    def read():
+        if left:
+            left.pop().start(0)
+        return value()
+
+    theirs.computed[entry] = read
+
+
+@pytest.mark.parametrize("entry", [(0x2007, 0), (0x2021, 3), (0x2022, 1)])
+def test_a_result_is_of_one_run_whenever_another_one_begins(played, entry):
+    theirs, node = played(mountings=1)
+    node.start()
+    node.wait(until="WAIT_MOUNTING", timeout=30)
+    node.confirm()
+    node.wait(timeout=30)
+    begins_a_run_at(theirs, entry)
+    with pytest.raises(client.NoResult, match="the node has no result"):
+        node.result()
+    assert node.run == 2
+
+
+def test_a_status_is_of_one_run_and_reading_ends(played):
+    theirs, node = played(stays="WARM_UP")
+    begins_a_run_at(theirs, (0x2001, 0))
+    theirs.states = ["ABORT"]
+    status = node.status
+    assert (status.run, status.state) == (1, "PREFLIGHT")
+    theirs.states = ["ABORT"]
+    theirs.computed[0x2001, 0] = lambda: setattr(theirs, "run", theirs.run + 1) or 0
+    with pytest.raises(client.CommunicationError, match="runs begin faster than the node can be read"):
+        _ = node.status
+
+
 def test_a_board_without_memory_has_a_result_and_no_verdict(played):
     _theirs, node = played(memory=False, mountings=1)
     node.start()

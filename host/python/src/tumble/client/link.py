@@ -8,6 +8,8 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 
 Value = int | float | str | None
+RUN = "Run number"
+TIMES_READ = 5  # until what takes several requests is of one run, or of one snapshot
 
 
 class Link(ABC):
@@ -19,8 +21,8 @@ class Link(ABC):
 
     @abstractmethod
     def read_together(self, *names: str) -> list[Value]:
-        """Of objects, in this order, and of one moment where the link has such; None where the node has no value, or
-        none now. Raises Refused."""
+        """Of objects, in this order, and of one run, of one moment where the link has such; None where the node has no
+        value, or none now. Raises Refused."""
 
     @abstractmethod
     def write(self, name: str, value: float) -> None:

@@ -85,7 +85,7 @@ class Node:
         return self.link.read(name)
 
     def read_together(self, *wanted: str) -> list[Value]:
-        """Several, in this order; over Modbus all of one moment. Raises Refused."""
+        """Several, in this order: all of one run, over Modbus of one moment. Raises Refused."""
         return self.link.read_together(*wanted)
 
     def write(self, name: str, value: float) -> None:
