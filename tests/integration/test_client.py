@@ -118,6 +118,8 @@ def test_what_there_is_not_is_told_by_its_name(played):
         node.settings["Weather"] = 1
     with pytest.raises(UsageError, match="there is no command 'FLY'; there are NONE, START"):
         node.command("FLY")
+    with pytest.raises(UsageError, match="TURN_AXIS needs angle_deg"):
+        node.command("TURN_AXIS")
     with pytest.raises(client.Refused, match=r"reading Weather was refused: no such object \(0602 0000h\)"):
         node.read("Weather")
     assert node.has("Progress: Actual angle") and not node.has("Progress: Weather") and not node.has("Weather")

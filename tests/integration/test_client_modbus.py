@@ -126,6 +126,10 @@ def test_what_is_not_allowed_says_what_would_allow_it(played):
     with pytest.raises(client.Refused, match=r"START was refused: the state does not allow it \(0800 0022h\)") as end:
         node.start()
     assert end.value.code == 0x08000022
+    theirs.written.clear()
+    with pytest.raises(client.UsageError, match="TURN_AXIS needs angle_deg"):
+        node.command("TURN_AXIS")
+    assert theirs.written == []
 
 
 def test_a_moment_of_silence_is_waited_out(played):

@@ -176,10 +176,12 @@ class Node:
     # Commands. All raise Refused where the state does not allow them.
 
     def command(self, name: str, argument: int = 0, angle_deg: float | None = None, proposal: int = 0) -> str:
-        """Any of `TUMBLE_COMMAND_...`, such as "HOME_AXIS"; `angle_deg`: for TURN_AXIS. Raises UsageError for another
-        name."""
+        """Any of `TUMBLE_COMMAND_...`, such as "HOME_AXIS"; `angle_deg`: where to, for TURN_AXIS. Raises UsageError for
+        another name, and for TURN_AXIS without an angle."""
         if name not in COMMAND:
             raise UsageError(f"there is no command {quoted(name)}; there are {', '.join(COMMAND)}")
+        if name == "TURN_AXIS" and angle_deg is None:  # the node would go where somebody sent it before
+            raise UsageError("TURN_AXIS needs angle_deg, where to turn to")
         self._give(name, argument, angle_deg, proposal)
         return self.state
 
