@@ -5,6 +5,7 @@ import threading
 
 import pytest
 from bench_program import wait_until
+from false_gateway import FalseGateway
 from gateway_bench import gateway_program, start
 from played_behind_gateway import PlayedBehindGateway
 
@@ -152,3 +153,23 @@ def test_a_gateway_that_takes_no_commands_and_a_node_that_falls_silent(start):
             node.wait(until="IDLE", timeout=60)
 
 
+
+
+@pytest.mark.parametrize("spoil", [
+    pytest.param(lambda function, words: (function, words[:1]), id="short"),
+    pytest.param(lambda function, _: (function, []), id="empty"),
+    pytest.param(lambda function, words: (3, words), id="another function"),
+    pytest.param(lambda function, words: (function, [*words, 0]), id="long"),
+])
+def test_an_answer_to_another_question_is_told_as_such(spoil):
+    said = r"the gateway answers another question: function \d, \d+ words"
+    gateway = FalseGateway(spoil)
+    with pytest.raises(client.CommunicationError, match=said):
+        client.connect(gateway.link)
+    gateway = FalseGateway()
+    with client.connect(gateway.link) as node:
+        assert node.state == "IDLE"
+        gateway.spoil = spoil
+        with pytest.raises(client.CommunicationError, match=said):
+            _ = node.status
+    gateway.close()
