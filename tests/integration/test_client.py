@@ -76,6 +76,28 @@ def test_waiting_ends_in_time_with_the_last_state(played):
         node.wait(until="FINISHED")
 
 
+@pytest.mark.parametrize(("now", "said"), [
+    (0, "run 2 is gone: the node has restarted; the state is IDLE"),
+    (3, "run 2 is gone: run 3 has been begun; the state is IDLE"),
+])
+def test_a_run_that_is_gone_is_waited_for_no_longer(played, now, said):
+    theirs, node = played(stays="AVERAGE")
+    theirs.run = 1
+    node.start()
+    node.wait(until="AVERAGE", timeout=30)
+
+    theirs.run, theirs.states = now, ["IDLE"]
+    with pytest.raises(client.RunGone, match=said) as end:
+        node.wait()
+    assert (end.value.run, end.value.state) == (2, "IDLE") and isinstance(end.value, client.RunFailed)
+
+
+def test_a_run_that_somebody_else_begins_is_waited_for(played):
+    theirs, node = played()
+    begins_a_run_at(theirs, (0x2001, 0))
+    assert node.wait(until="WAIT_MOUNTING", timeout=30) == "WAIT_MOUNTING" and node.run == 1
+
+
 def test_what_the_state_does_not_allow_is_refused(played):
     theirs, node = played()
     for command in (node.abort, node.resume, node.confirm, node.discard):

@@ -89,6 +89,19 @@ def test_done_is_never_that_of_the_run_before(played):
     assert node.wait(timeout=30) == "DONE"
 
 
+def test_a_node_that_restarts_in_a_run_is_waited_for_no_longer(played):
+    theirs, node = played
+    node.start()
+
+    def restart():
+        theirs.put((0x2007, 0), "<I", 0)
+        theirs.show("IDLE")
+
+    threading.Timer(1.0, restart).start()
+    with pytest.raises(client.RunGone, match="run 2 is gone: the node has restarted; the state is IDLE"):
+        node.wait()
+
+
 def test_a_result_is_read_as_fine_as_registers_have_it_and_accepted_by_its_name(played):
     theirs, node = played
     theirs.put((0x2120, 7), "B", 3)

@@ -15,7 +15,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from tumble.client.can_link import CanLink, open_bus
-from tumble.client.errors import CommunicationError, NoResult, Refused, RunFailed, TimedOut
+from tumble.client.errors import CommunicationError, NoResult, Refused, RunFailed, RunGone, TimedOut
 from tumble.client.link import Link
 from tumble.client.modbus_link import ModbusLink
 from tumble.client.names import COMMAND, Objection, Reason
@@ -41,6 +41,7 @@ __all__ = [
     "Refused",
     "Result",
     "RunFailed",
+    "RunGone",
     "Settings",
     "Status",
     "TimedOut",

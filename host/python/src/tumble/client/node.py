@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from types import TracebackType
 
 from tumble.client import names, result as results
-from tumble.client.errors import DEVICE_STATE, CommunicationError, NoResult, Refused, RunFailed, TimedOut
+from tumble.client.errors import DEVICE_STATE, CommunicationError, NoResult, Refused, RunFailed, RunGone, TimedOut
 from tumble.client.link import Link, Value, number
 from tumble.client.names import COMMAND, Objection, Reason
 from tumble.client.result import Result
@@ -18,6 +18,8 @@ from tumble.errors import UsageError, quoted
 
 SERVICE_KEY = 0x76726573  # "serv"
 ENDED = ("FAULT", "ABORT")
+AT_REST = ("IDLE", "DONE", "ABORT")  # whoever waits in one of these waits for a run that is still to begin
+OTHER_RUN = ("START", "ABORT", "RESUME")  # RESUME after a loss of power, too
 STEP_S = 10.0  # within which a command that the node has taken shows
 WORKING = "WORKING"
 _STATUS = (
@@ -61,6 +63,7 @@ class Node:
     def __init__(self, link: Link):
         self.link = link
         self.settings = Settings(link)
+        self._run: int | None = None  # the one that is waited for
 
     def __enter__(self) -> Node:
         return self
@@ -147,19 +150,30 @@ class Node:
 
     def wait(self, until: str | tuple[str, ...] = "DONE", timeout: float | None = None) -> str:
         """Return the state as soon as it is `until`, or one of them. Raises RunFailed where it is FAULT or ABORT and
-        that is not asked for, TimedOut, UsageError for a state that there is not."""
+        that is not asked for, RunGone where the run ends otherwise, TimedOut, UsageError for a state that there is
+        not."""
         wanted = (until,) if isinstance(until, str) else until
         for name in wanted:
             if name not in names.STATE_NAMES:
                 raise UsageError(f"there is no state {quoted(name)}; there are {', '.join(names.STATE_NAMES)}")
         end = _end(timeout)
-        while (state := self.state) not in wanted:
+        while (look := self._look())[0] not in wanted:
+            state, reason = look
             if state in ENDED:
-                raise RunFailed(state, self.reason)
+                raise RunFailed(state, reason)
             if time.monotonic() >= end:
                 raise TimedOut(" or ".join(wanted), timeout or 0.0, state)
             self.link.wait_for_news()
-        return state
+        return look[0]
+
+    def _look(self) -> tuple[str, Reason]:
+        """State and reason, as long as they are of the run that is waited for. Raises RunGone."""
+        run, state_number, reason_number = (int(number(one)) for one in self._all("Run number", "State", "Reason"))
+        state, reason = names.state(state_number), names.reason(reason_number)
+        before, self._run = self._run, None if state in AT_REST else run
+        if before not in (None, run):
+            raise RunGone(before, run, state, reason)
+        return state, reason
 
     def result(self, timeout: float = 60.0) -> Result:
         """Of the last finished run, once it is judged and stored. Raises NoResult, TimedOut."""
@@ -188,6 +202,7 @@ class Node:
     def _give(self, name: str, argument: int = 0, angle_deg: float | None = None, proposal: int = 0) -> None:
         try:
             self.link.command(COMMAND[name], argument, angle_deg, proposal)
+            self._run = None if name in OTHER_RUN else self._run
         except Refused as refusal:
             if refusal.code != DEVICE_STATE:
                 raise
@@ -197,10 +212,11 @@ class Node:
         """Begin a run. The state that is returned, and all that is read later, is of this run and of none before."""
         before, end = self.run, time.monotonic() + STEP_S
         self._give("START")
-        while self.run == before:
+        while (run := self.run) <= before:
             if time.monotonic() >= end:
                 raise CommunicationError("the node has taken START and shows no new run")
             self.link.wait_for_news()
+        self._run = run
         return self.state
 
     def abort(self) -> str:
@@ -250,10 +266,14 @@ class Node:
         return names.verdict(None if value is None else int(number(value)))
 
     def _whole(self, name: str) -> int:
-        value = self.link.read(name)
-        if value is None:
-            raise CommunicationError(f"the node does not tell its {name}")
+        [value] = self._all(name)
         return int(number(value))
+
+    def _all(self, *wanted: str) -> list[Value]:
+        found = self.link.read_together(*wanted)
+        if None in found:
+            raise CommunicationError(f"the node does not tell its {wanted[found.index(None)]}")
+        return found
 
 
 def _end(timeout: float | None) -> float:
