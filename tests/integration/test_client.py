@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import pytest
+from bench_program import wait_until
 from conftest import ROOT
 from played_node import U0, K, PlayedCanNode
 
@@ -235,6 +236,58 @@ def test_a_silent_node_is_a_sentence(played):
     for act in (lambda: node.state, node.start, lambda: node.wait(timeout=9)):
         with pytest.raises(client.CommunicationError, match="node 1 does not answer: No SDO response received"):
             act()
+
+
+def test_a_bus_that_goes_away_is_told_and_when_it_is_back_the_client_goes_on(played, capfd, monkeypatch):
+    """As an interface of Linux does: receiving ends with an error, and each sending, until it is up again."""
+    import can
+
+    _theirs, node = played()
+    bus = node.link.network.bus
+    gone, failures = can.CanOperationError("Network is down [Error Code 100]", 100), [1]
+
+    def fail(*_, **__):
+        failures.append(1)
+        raise gone
+
+    with monkeypatch.context() as down:
+        down.setattr(bus, "send", fail)
+        down.setattr(bus, "_recv_internal", fail)
+        wait_until(lambda: len(failures) > 3)
+        for act in (lambda: node.state, node.start, node.unlock().__enter__):
+            with pytest.raises(client.CommunicationError, match="the bus takes no question: Network is down"):
+                act()
+    assert node.state == "IDLE" and node.start() == "PREFLIGHT"
+    assert capfd.readouterr().err == ""
+
+
+def test_what_goes_wrong_while_unlocked_is_what_is_told(played, monkeypatch):
+    import can
+
+    theirs, node = played()
+    with monkeypatch.context() as down, pytest.raises(ValueError, match="mine"), node.unlock():
+        down.setattr(node.link.network.bus, "send", lambda *_: (_ for _ in ()).throw(can.CanOperationError("gone")))
+        raise ValueError("mine")
+    with pytest.raises(ValueError, match="mine"), node.unlock():
+        raise ValueError("mine")
+    assert theirs.level == 0
+
+
+def test_a_record_is_no_object(played):
+    _theirs, node = played()
+    for name in ("Command", "State: foo", "K: foo", ""):
+        assert not node.has(name)
+        for act in (lambda: node.read(name), lambda: node.write(name, 1)):
+            with pytest.raises(client.Refused, match=r"no such object \(0602 0000h\)"):
+                act()
+
+
+def test_a_link_that_is_closed_stays_so(played):
+    _theirs, node = played()
+    node.close()
+    node.close()
+    with pytest.raises(UsageError, match="the link has been closed"):
+        _ = node.state
 
 
 @pytest.mark.real_time

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import errno
-import logging
 import random
 import struct
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from tumble import data
@@ -22,7 +21,7 @@ from tumble.client.errors import (
     CommunicationError,
     Refused,
 )
-from tumble.client.link import RUN, TIMES_READ, Link, Value
+from tumble.client.link import RUN, TIMES_READ, Link, Value, keep_quiet
 from tumble.errors import NotInstalled, Skipped, UsageError
 
 if TYPE_CHECKING:
@@ -46,6 +45,7 @@ def open_bus(where: str) -> can.BusABC:
         import can
     except ModuleNotFoundError:
         raise NotInstalled("a node on CAN", "python-can", extra=EXTRA) from None
+    keep_quiet("can")
     kind, _, channel = where.rpartition("@")
     try:
         if kind == "tumble":
@@ -80,12 +80,14 @@ class CanLink(Link):
                 bus.shutdown()
             raise NotInstalled("a node on CAN", "python-canopen", extra=EXTRA) from None
         self._abort, self._silence = canopen.SdoAbortedError, canopen.SdoCommunicationError
-        logging.getLogger("canopen").addHandler(logging.NullHandler())  # what it says of a lost answer, we say or mend
+        self._misfit = (struct.error, ValueError, canopen.ObjectDictionaryError)
+        keep_quiet("can", "canopen")
         self._owned, self._answer_s = owned, answer_s
         self.network = canopen.Network(bus)
         self.network.NOTIFIER_CYCLE = 0.01
-        self.network.connect()
         self._sdo = self.add_node(node, "navcomp", server)
+        self.network.listeners.append(_patience(self.network))
+        self.network.connect()
 
     def add_node(self, number: int, name: str, server: int = 1) -> Any:
         """The SDO client of another node on the same bus; `name`: of its EDS file."""
@@ -96,9 +98,7 @@ class CanLink(Link):
         return sdo
 
     def has(self, name: str) -> bool:
-        parent, child = _split(name)
-        entries = self._sdo.od
-        return parent in entries and (not child or child in entries[parent])
+        return _has(self._sdo, name)
 
     def read_together(self, *names: str) -> list[Value]:
         """Between two readings of the run number that are equal. Raises Refused, CommunicationError."""
@@ -118,15 +118,15 @@ class CanLink(Link):
         return _repeated(lambda: self._ask_once(sdo, name))
 
     def _ask_once(self, sdo: Any, name: str) -> Value:
+        what = f"reading {name}"
         try:
-            value: Value = _entry(sdo, name, f"reading {name}").raw
-            return value
-        except self._abort as error:
-            if error.code in NO_VALUE:
+            with self._transfer(sdo, what):
+                value: Value = _entry(sdo, name, what).raw
+                return value
+        except Refused as refusal:
+            if _has(sdo, name) and refusal.code in NO_VALUE:
                 return None
-            raise self._refused(f"reading {name}", sdo, error) from None
-        except (self._silence, OSError) as error:
-            raise _silent(sdo, error) from None
+            raise
 
     def write(self, name: str, value: float) -> None:
         _repeated(lambda: self._tell(name, value, f"writing {name}"))
@@ -142,16 +142,30 @@ class CanLink(Link):
     def _tell(self, name: str, value: float, what: str) -> None:
         entry = _entry(self._sdo, name, what)
         try:
-            entry.raw = value
-        except self._abort as error:
-            raise self._refused(what, self._sdo, error) from None
-        except (struct.error, ValueError, OverflowError, TypeError):  # python-canopen's, before anything is sent
+            data = entry.od.encode_raw(value)
+        except (struct.error, ValueError, OverflowError, TypeError):
             raise Refused(what, OUT_OF_RANGE) from None
-        except (self._silence, OSError) as error:
-            raise _silent(self._sdo, error) from None
+        with self._transfer(self._sdo, what):
+            entry.data = data
 
-    def _refused(self, what: str, sdo: Any, error: Any) -> CommunicationError | Refused:
-        return _silent(sdo, error) if error.code in _ANSWERED_IN_VAIN else Refused(what, error.code)
+    @contextlib.contextmanager
+    def _transfer(self, sdo: Any, what: str) -> Iterator[None]:
+        """All that is asked goes this way, and whatever the libraries raise ends here."""
+        from can import CanError
+
+        self.require_open()
+        try:
+            yield
+        except self._abort as error:
+            if error.code in _ANSWERED_IN_VAIN:
+                raise _silent(sdo, error) from None
+            raise Refused(what, error.code) from None
+        except self._silence as error:
+            raise _silent(sdo, error) from None
+        except (CanError, OSError) as error:
+            raise CommunicationError(f"the bus takes no question: {error}") from None
+        except self._misfit as error:
+            raise CommunicationError(f"node {sdo.rx_cobid & 0x7F}, {what}: {error}") from None
 
     def wait_for_news(self) -> None:
         time.sleep(NEWS_S)
@@ -159,6 +173,7 @@ class CanLink(Link):
     def close(self) -> None:
         import can
 
+        self.closed = True
         bus, self.network.bus = self.network.bus, None  # canopen would shut down what is not ours
         with contextlib.suppress(can.CanError):  # the bus has gone before us
             self.network.disconnect()
@@ -188,12 +203,36 @@ def _split(name: str) -> tuple[str, str]:
     return (parent, child) if parent else (child, "")
 
 
-def _entry(sdo: Any, name: str, what: str) -> Any:
+def _has(sdo: Any, name: str) -> bool:
+    """Whether the EDS file has this entry; a record as a whole is none."""
     parent, child = _split(name)
-    try:
-        return sdo[parent][child] if child else sdo[parent]
-    except KeyError:
-        raise Refused(what, NO_SUCH_OBJECT) from None
+    if parent not in sdo.od:
+        return False
+    entries = getattr(sdo.od[parent], "names", None)
+    return not child if entries is None else child in entries
+
+
+def _entry(sdo: Any, name: str, what: str) -> Any:
+    if not _has(sdo, name):
+        raise Refused(what, NO_SUCH_OBJECT)
+    parent, child = _split(name)
+    return sdo[parent][child] if child else sdo[parent]
+
+
+def _patience(network: Any) -> can.Listener:
+    """A bus that goes away shows in answers that do not come, and when it comes back python-canopen goes on: else it
+    ends with its first error."""
+    import can
+
+    class Patience(can.Listener):
+        def on_message_received(self, msg: can.Message) -> None:
+            pass
+
+        def on_error(self, _exc: Exception) -> None:
+            network.notifier.exception = None
+            time.sleep(_PAUSE_S)
+
+    return Patience()
 
 
 def _silent(sdo: Any, error: Exception) -> CommunicationError:

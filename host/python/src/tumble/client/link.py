@@ -5,15 +5,34 @@ A name is that of the EDS file and of docs/modbus.csv: "State", "Progress: Actua
 
 from __future__ import annotations
 
+import logging
 from abc import ABC, abstractmethod
+
+from tumble.errors import UsageError
 
 Value = int | float | str | None
 RUN = "Run number"
 TIMES_READ = 5  # until what takes several requests is of one run, or of one snapshot
 
 
+_QUIET = logging.NullHandler()
+
+
+def keep_quiet(*libraries: str) -> None:
+    """What they say of a fault the exception says; whoever sets logging up sees it still."""
+    for name in libraries:
+        logging.getLogger(name).addHandler(_QUIET)
+
+
 class Link(ABC):
-    """Everything raises CommunicationError when nobody answers in time."""
+    """Everything raises CommunicationError when nobody answers in time, and UsageError once the link is closed."""
+
+    closed = False
+
+    def require_open(self) -> None:
+        """Before anything is asked: a library may open again what was closed."""
+        if self.closed:
+            raise UsageError("the link has been closed; connect anew")
 
     @abstractmethod
     def has(self, name: str) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from types import TracebackType
 
@@ -14,7 +14,7 @@ from tumble.client.link import Link, Value, number
 from tumble.client.names import COMMAND, Objection, Reason
 from tumble.client.result import Result
 from tumble.client.settings import Settings
-from tumble.errors import UsageError, quoted
+from tumble.errors import BenchFault, UsageError, quoted
 
 SERVICE_KEY = 0x76726573  # "serv"
 ENDED = ("FAULT", "ABORT")
@@ -250,8 +250,11 @@ class Node:
         self.link.write("Service level: Key", SERVICE_KEY)
         try:
             yield
-        finally:
-            self.link.write("Service level: Key", 0)
+        except BaseException:
+            with suppress(BenchFault):  # what went wrong first is what is told
+                self.link.write("Service level: Key", 0)
+            raise
+        self.link.write("Service level: Key", 0)
 
     def _decided(self) -> str:
         end = time.monotonic() + STEP_S
