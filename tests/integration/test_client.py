@@ -273,6 +273,22 @@ def test_what_goes_wrong_while_unlocked_is_what_is_told(played, monkeypatch):
     assert theirs.level == 0
 
 
+def test_what_is_no_number_and_no_whole_one(played):
+    theirs, node = played()
+    for name in ("Configuration: Samples per position", "Commit rules: Coverage"):
+        for value in (None, "abc"):
+            with pytest.raises(UsageError, match=rf"writing {name}: '{value}' is no number"):
+                node.settings[name] = value
+    for argument in (-1, 1.5, 300, float("nan")):
+        with pytest.raises(client.Refused, match=r"value out of range \(0609 0030h\)"):
+            node.confirm(argument)
+    with pytest.raises(UsageError, match="no state is given to wait for"):
+        node.wait(())
+    with pytest.raises(client.NoResult):
+        node.result(timeout=None)
+    assert theirs.commands == []
+
+
 def test_a_record_is_no_object(played):
     _theirs, node = played()
     for name in ("Command", "State: foo", "K: foo", ""):
@@ -384,6 +400,12 @@ def test_the_page_lists_every_setting_with_its_unit():
                        for one in (("xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz") if end == "xx" else "xyz")]
         listed |= {f"{record}: {entry}": (unit, bool(unlock)) for entry in entries}
     assert listed == {name: (unit, level) for name, (unit, _, level) in SETTINGS.items()}
+
+
+def test_libraries_say_nothing_beside_the_exception():
+    program = "import tumble.client as c\ntry: c.connect('modbus:127.0.0.1:1')\nexcept c.CommunicationError as e: print(e)"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert (done.stdout, done.stderr) == ("the gateway cannot be reached\n", "")
 
 
 def test_the_package_loads_no_library_of_a_bus():

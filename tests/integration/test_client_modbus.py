@@ -1,5 +1,6 @@
 """tumble.client over Modbus: tumble-gateway as it is, before a node that the test plays."""
 
+import os
 import struct
 import threading
 
@@ -186,3 +187,52 @@ def test_an_answer_to_another_question_is_told_as_such(spoil):
         with pytest.raises(client.CommunicationError, match=said):
             _ = node.status
     gateway.close()
+
+
+def test_arguments_that_no_command_can_have_are_refused_as_over_can(played):
+    theirs, node = played
+    theirs.show("WAIT_MOUNTING")
+    for argument in (-1, 70000, 1.5, float("nan"), float("inf")):
+        with pytest.raises(client.Refused, match=r"CONFIRM_MOUNTING was refused: value out of range \(0609 0030h\)"):
+            node.confirm(argument)
+    with pytest.raises(client.Refused, match=r"CONFIRM_MOUNTING was refused: value out of range"):
+        node.confirm(300)  # the gateway says so
+    for angle in (1e9, float("nan")):
+        with pytest.raises(client.Refused, match=r"TURN_AXIS was refused: value out of range \(0609 0030h\)"):
+            node.command("TURN_AXIS", angle_deg=angle)
+    for name in ("Configuration: Samples per position", "Commit rules: Coverage"):
+        for value in (None, "abc"):
+            with pytest.raises(client.UsageError, match=rf"writing {name}: '{value}' is no number"):
+                node.settings[name] = value
+    assert theirs.written == []
+
+
+def test_a_gateway_that_has_read_nothing_yet_is_waited_for():
+    """As after its restart: the node is there, and there is no snapshot of it."""
+    gateway = FalseGateway()
+    with client.connect(gateway.link) as node:
+        gateway.values["Snapshot number"] = 0
+        threading.Timer(0.5, gateway.values.pop, ["Snapshot number"]).start()
+        assert node.state == "IDLE" and "Snapshot number" not in gateway.values
+    with pytest.raises(client.UsageError, match="the link has been closed"):
+        _ = node.state
+    gateway.close()
+
+
+def test_a_connect_in_vain_leaves_nothing_open_and_nothing_said(capfd):
+    gateway = FalseGateway(lambda function, words: (function, [0] * len(words)))
+    kept = []
+    before = open_sockets()
+    for _ in range(5):
+        with pytest.raises(client.CommunicationError, match="this is no tumble-gateway") as error:
+            client.connect(gateway.link)
+        kept.append(error)
+    wait_until(lambda: open_sockets() <= before)
+    gateway.close()
+    with pytest.raises(client.CommunicationError, match="the gateway cannot be reached"):
+        client.connect("modbus:127.0.0.1:1")
+    assert capfd.readouterr().err == ""
+
+
+def open_sockets():
+    return len(os.listdir("/proc/self/fd"))

@@ -21,7 +21,7 @@ from tumble.client.errors import (
     CommunicationError,
     Refused,
 )
-from tumble.client.link import RUN, TIMES_READ, Link, Value, keep_quiet
+from tumble.client.link import RUN, TIMES_READ, Link, Value, keep_quiet, require_number, whole
 from tumble.errors import NotInstalled, Skipped, UsageError
 
 if TYPE_CHECKING:
@@ -80,6 +80,7 @@ class CanLink(Link):
                 bus.shutdown()
             raise NotInstalled("a node on CAN", "python-canopen", extra=EXTRA) from None
         self._abort, self._silence = canopen.SdoAbortedError, canopen.SdoCommunicationError
+        self._real = canopen.objectdictionary.datatypes.FLOAT_TYPES
         self._misfit = (struct.error, ValueError, canopen.ObjectDictionaryError)
         keep_quiet("can", "canopen")
         self._owned, self._answer_s = owned, answer_s
@@ -140,10 +141,11 @@ class CanLink(Link):
         self._tell("Command: Command", number, names.command(number))
 
     def _tell(self, name: str, value: float, what: str) -> None:
+        require_number(what, value)
         entry = _entry(self._sdo, name, what)
         try:
-            data = entry.od.encode_raw(value)
-        except (struct.error, ValueError, OverflowError, TypeError):
+            data = entry.od.encode_raw(value if entry.od.data_type in self._real else whole(value))
+        except (struct.error, ValueError, OverflowError):
             raise Refused(what, OUT_OF_RANGE) from None
         with self._transfer(self._sdo, what):
             entry.data = data

@@ -65,4 +65,4 @@ class TimedOut(BenchFault, TimeoutError):
 
 
 class NoResult(BenchFault):
-    """The node has no result: no run has been finished since it was switched on."""
+    """The node has no result: no run has been finished since it was switched on, or since the last START."""

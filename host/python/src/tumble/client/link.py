@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import logging
 from abc import ABC, abstractmethod
+from numbers import Real
 
-from tumble.errors import UsageError
+from tumble.errors import UsageError, quoted
 
 Value = int | float | str | None
 RUN = "Run number"
@@ -69,6 +70,19 @@ class Link(ABC):
     def step(self, _name: str, _value: float) -> float:
         """The least difference that the link itself lets be told about a value of an object; 0: none to speak of."""
         return 0.0
+
+
+def require_number(what: str, value: object) -> None:
+    """Raises UsageError."""
+    if not isinstance(value, Real):
+        raise UsageError(f"{what}: {quoted(value)} is no number")
+
+
+def whole(value: float) -> int:
+    """Raises ValueError, OverflowError for a number that is not."""
+    if value != int(value):
+        raise ValueError(f"{value} is no whole number")
+    return int(value)
 
 
 def number(value: Value) -> int | float:

@@ -153,6 +153,8 @@ class Node:
         that is not asked for, RunGone where the run ends otherwise, TimedOut, UsageError for a state that there is
         not."""
         wanted = (until,) if isinstance(until, str) else until
+        if not wanted:
+            raise UsageError("no state is given to wait for")
         for name in wanted:
             if name not in names.STATE_NAMES:
                 raise UsageError(f"there is no state {quoted(name)}; there are {', '.join(names.STATE_NAMES)}")
@@ -175,12 +177,12 @@ class Node:
             raise RunGone(before, run, state, reason)
         return state, reason
 
-    def result(self, timeout: float = 60.0) -> Result:
-        """Of the last finished run, once it is judged and stored. Raises NoResult, TimedOut."""
-        end = time.monotonic() + timeout
+    def result(self, timeout: float | None = 60.0) -> Result:
+        """Of the last run, if it is finished, once it is judged and stored. Raises NoResult, TimedOut."""
+        end = _end(timeout)
         while self._verdict() == WORKING:
             if time.monotonic() >= end:
-                raise TimedOut("the verdict", timeout, self.state)
+                raise TimedOut("the verdict", timeout or 0.0, self.state)
             self.link.wait_for_news()
         found = results.read(self.link)
         if found is None:
