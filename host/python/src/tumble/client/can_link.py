@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import os
 import random
 import struct
+import sys
 import time
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeGuard, TypeVar
 
 from tumble import data
 from tumble.client import names
@@ -40,25 +42,36 @@ _ANSWERED_IN_VAIN = (0x05040000,)
 
 def open_bus(where: str) -> can.BusABC:
     """A bus of python-can: an interface of Linux, or KIND@CHANNEL for any other that python-can knows. Raises
-    NotInstalled, Skipped where the kernel has no CAN, UsageError."""
+    NotInstalled, Skipped where the kernel has no CAN or a driver is missing, UsageError."""
     try:
         import can
     except ModuleNotFoundError:
         raise NotInstalled("a node on CAN", "python-can", extra=EXTRA) from None
     keep_quiet("can")
-    kind, _, channel = where.rpartition("@")
+    kind, at, channel = where.rpartition("@")
+    if not channel or (at and kind not in ("tumble", *can.VALID_INTERFACES)):
+        raise UsageError(f"can:{where} is neither can:INTERFACE nor can:KIND@CHANNEL with a kind that python-can knows")
     try:
         if kind == "tumble":
             from tumble.canbus import TumbleBus
 
             return TumbleBus(channel)
         return can.Bus(interface=kind or "socketcan", channel=channel)
-    except OSError as error:
-        if error.errno in (errno.ENODEV, errno.ENXIO):
-            raise UsageError(f"can:{where}: there is no CAN interface of this name") from None
-        raise Skipped(f"can:{where}: this kernel has no CAN ({error.strerror})") from None
-    except (can.CanError, AttributeError) as error:  # AttributeError: a Python without socket.AF_CAN
+    except (can.CanInterfaceNotImplementedError, AttributeError) as error:  # the latter: a Python without socket.AF_CAN
         raise Skipped(f"can:{where}: {error}") from None
+    except (can.CanError, OSError, ValueError) as error:
+        number = getattr(error, "errno", None)
+        if number in (errno.EAFNOSUPPORT, errno.EPROTONOSUPPORT):
+            raise Skipped(f"can:{where}: this kernel has no CAN ({os.strerror(number)})") from None
+        if number in (errno.ENODEV, errno.ENXIO):
+            raise UsageError(f"can:{where}: there is no CAN interface of this name") from None
+        raise UsageError(f"can:{where} cannot be opened: {error}") from None
+
+
+def is_bus(link: object) -> TypeGuard[can.BusABC]:
+    """Whether it is one of python-can, which is loaded then."""
+    can = sys.modules.get("can")
+    return can is not None and isinstance(link, can.BusABC)
 
 
 class _Disturbed(CommunicationError):
@@ -87,8 +100,12 @@ class CanLink(Link):
         self.network = canopen.Network(bus)
         self.network.NOTIFIER_CYCLE = 0.01
         self._sdo = self.add_node(node, "navcomp", server)
-        self.network.listeners.append(_patience(self.network))
-        self.network.connect()
+        try:
+            self.network.connect()
+        except ValueError:
+            raise UsageError("the bus has a client, or another Notifier of python-can, already") from None
+        assert self.network.notifier is not None
+        self.network.notifier.add_listener(_patience(self.network.notifier))
 
     def add_node(self, number: int, name: str, server: int = 1) -> Any:
         """The SDO client of another node on the same bus; `name`: of its EDS file."""
@@ -221,7 +238,7 @@ def _entry(sdo: Any, name: str, what: str) -> Any:
     return sdo[parent][child] if child else sdo[parent]
 
 
-def _patience(network: Any) -> can.Listener:
+def _patience(notifier: can.Notifier) -> can.Listener:
     """A bus that goes away shows in answers that do not come, and when it comes back python-canopen goes on: else it
     ends with its first error."""
     import can
@@ -231,7 +248,7 @@ def _patience(network: Any) -> can.Listener:
             pass
 
         def on_error(self, _exc: Exception) -> None:
-            network.notifier.exception = None
+            notifier.exception = None
             time.sleep(_PAUSE_S)
 
     return Patience()
