@@ -2,10 +2,9 @@
 
 import logging
 import re
-import subprocess
-import sys
 
 import pytest
+from bench_program import wait_until
 from conftest import ROOT
 from played_node import U0, K, PlayedCanNode
 
@@ -13,8 +12,9 @@ from tumble import client
 from tumble.client import can_link
 from tumble.client.registers import read_map
 from tumble.client.tables import SETTINGS
-from tumble.errors import NotInstalled, TumbleError, UsageError
+from tumble.errors import TumbleError, UsageError
 
+can = pytest.importorskip("can", reason="python-can is not installed")
 pytest.importorskip("canopen", reason="python-canopen is not installed")
 pytestmark = pytest.mark.python
 logging.getLogger("canopen").setLevel(logging.CRITICAL)
@@ -76,6 +76,28 @@ def test_waiting_ends_in_time_with_the_last_state(played):
         node.wait(until="FINISHED")
 
 
+@pytest.mark.parametrize(("now", "said"), [
+    (0, "run 2 is gone: the node has restarted; the state is IDLE"),
+    (3, "run 2 is gone: run 3 has been begun; the state is IDLE"),
+])
+def test_a_run_that_is_gone_is_waited_for_no_longer(played, now, said):
+    theirs, node = played(stays="AVERAGE")
+    theirs.run = 1
+    node.start()
+    node.wait(until="AVERAGE", timeout=30)
+
+    theirs.run, theirs.states = now, ["IDLE"]
+    with pytest.raises(client.RunGone, match=said) as end:
+        node.wait()
+    assert (end.value.run, end.value.state) == (2, "IDLE") and isinstance(end.value, client.RunFailed)
+
+
+def test_a_run_that_somebody_else_begins_is_waited_for(played):
+    theirs, node = played()
+    begins_a_run_at(theirs, (0x2001, 0))
+    assert node.wait(until="WAIT_MOUNTING", timeout=30) == "WAIT_MOUNTING" and node.run == 1
+
+
 def test_what_the_state_does_not_allow_is_refused(played):
     theirs, node = played()
     for command in (node.abort, node.resume, node.confirm, node.discard):
@@ -118,9 +140,48 @@ def test_what_there_is_not_is_told_by_its_name(played):
         node.settings["Weather"] = 1
     with pytest.raises(UsageError, match="there is no command 'FLY'; there are NONE, START"):
         node.command("FLY")
+    with pytest.raises(UsageError, match="TURN_AXIS needs angle_deg"):
+        node.command("TURN_AXIS")
     with pytest.raises(client.Refused, match=r"reading Weather was refused: no such object \(0602 0000h\)"):
         node.read("Weather")
     assert node.has("Progress: Actual angle") and not node.has("Progress: Weather") and not node.has("Weather")
+
+
+def begins_a_run_at(theirs, entry, times=1):
+    """Somebody else gives START just when this object is read, so many times."""
+    value, left = theirs.computed.get(entry, lambda: 0), [theirs] * times
+
+    def read():
+        if left:
+            left.pop().start(0)
+        return value()
+
+    theirs.computed[entry] = read
+
+
+@pytest.mark.parametrize("entry", [(0x2007, 0), (0x2021, 3), (0x2022, 1)])
+def test_a_result_is_of_one_run_whenever_another_one_begins(played, entry):
+    theirs, node = played(mountings=1)
+    node.start()
+    node.wait(until="WAIT_MOUNTING", timeout=30)
+    node.confirm()
+    node.wait(timeout=30)
+    begins_a_run_at(theirs, entry)
+    with pytest.raises(client.NoResult, match="the node has no result"):
+        node.result()
+    assert node.run == 2
+
+
+def test_a_status_is_of_one_run_and_reading_ends(played):
+    theirs, node = played(stays="WARM_UP")
+    begins_a_run_at(theirs, (0x2001, 0))
+    theirs.states = ["ABORT"]
+    status = node.status
+    assert (status.run, status.state) == (1, "PREFLIGHT")
+    theirs.states = ["ABORT"]
+    theirs.computed[0x2001, 0] = lambda: setattr(theirs, "run", theirs.run + 1) or 0
+    with pytest.raises(client.CommunicationError, match="runs begin faster than the node can be read"):
+        _ = node.status
 
 
 def test_a_board_without_memory_has_a_result_and_no_verdict(played):
@@ -153,8 +214,6 @@ def test_events_are_the_changes(played):
 
 
 def test_a_bus_that_is_given_is_left_open_and_both_servers_answer(played):
-    import can
-
     theirs, _node = played()
     bus = can.Bus(interface="virtual", channel=theirs.channel)
     with client.connect(bus) as node:
@@ -174,6 +233,71 @@ def test_a_silent_node_is_a_sentence(played):
     for act in (lambda: node.state, node.start, lambda: node.wait(timeout=9)):
         with pytest.raises(client.CommunicationError, match="node 1 does not answer: No SDO response received"):
             act()
+
+
+def test_a_bus_that_goes_away_is_told_and_when_it_is_back_the_client_goes_on(played, capfd, monkeypatch):
+    """As an interface of Linux does: receiving ends with an error, and each sending, until it is up again."""
+    _theirs, node = played()
+    bus = node.link.network.bus
+    gone, failures = can.CanOperationError("Network is down [Error Code 100]", 100), [1]
+
+    def fail(*_, **__):
+        failures.append(1)
+        raise gone
+
+    with monkeypatch.context() as down:
+        down.setattr(bus, "send", fail)
+        down.setattr(bus, "_recv_internal", fail)
+        wait_until(lambda: len(failures) > 3)
+        for act in (lambda: node.state, node.start, node.unlock().__enter__):
+            with pytest.raises(client.CommunicationError, match="the bus takes no question: Network is down"):
+                act()
+    assert node.state == "IDLE" and node.start() == "PREFLIGHT"
+    assert capfd.readouterr().err == ""
+
+
+def test_what_goes_wrong_while_unlocked_is_what_is_told(played, monkeypatch):
+    theirs, node = played()
+    with monkeypatch.context() as down, pytest.raises(ValueError, match="mine"), node.unlock():
+        down.setattr(node.link.network.bus, "send", lambda *_: (_ for _ in ()).throw(can.CanOperationError("gone")))
+        raise ValueError("mine")
+    with pytest.raises(ValueError, match="mine"), node.unlock():
+        raise ValueError("mine")
+    assert theirs.level == 0
+
+
+def test_what_is_no_number_and_no_whole_one(played):
+    theirs, node = played()
+    for name in ("Configuration: Samples per position", "Commit rules: Coverage"):
+        for value in (None, "abc"):
+            with pytest.raises(UsageError, match=rf"writing {name}: '{value}' is no number"):
+                node.settings[name] = value
+    for argument in (-1, 1.5, 300, float("nan")):
+        with pytest.raises(client.Refused, match=r"value out of range \(0609 0030h\)"):
+            node.confirm(argument)
+    with pytest.raises(UsageError, match="no state is given to wait for"):
+        node.wait(())
+    with pytest.raises(client.NoResult):
+        node.result(timeout=None)
+    assert theirs.commands == []
+
+
+def test_a_record_is_no_object(played):
+    _theirs, node = played()
+    for name in ("Command", "State: foo", "K: foo", ""):
+        assert not node.has(name)
+        with pytest.raises(client.Refused, match=r"no such object \(0602 0000h\)"):
+            node.read(name)
+        with pytest.raises(client.Refused, match=r"no such object \(0602 0000h\)"):
+            node.write(name, 1)
+
+
+def test_a_link_that_is_closed_stays_so(played):
+    _theirs, node = played()
+    node.close()
+    node.close()
+    with pytest.raises(UsageError, match="the link has been closed"):
+        _ = node.state
 
 
 @pytest.mark.real_time
@@ -221,32 +345,6 @@ def test_what_another_client_was_told_is_asked_for_again(played):
         Shared(21).ask(node.link._sdo, "State")
 
 
-@pytest.mark.parametrize(
-    ("link", "said"),
-    [
-        ("serial:x", "the link 'serial:x' is not can:INTERFACE, "),
-        ("can:", "the link 'can:' is not "),
-        ("modbus:localhost", "has no HOST:PORT"),
-        ("modbus:localhost:99999", "has no HOST:PORT"),
-        ("modbus-rtu:/dev/tty,9600,X", "with parity N, E or O"),
-        ("modbus-rtu:/dev/tty,9600,E,1", "with parity N, E or O"),
-    ],
-)
-def test_what_is_no_link(link, said):
-    with pytest.raises(UsageError, match=re.escape(said)):
-        client.connect(link)
-
-
-@pytest.mark.parametrize("library", ["can", "canopen", "pymodbus"])
-def test_a_library_that_is_missing_is_named_with_the_extra_that_has_it(monkeypatch, library):
-    for name in [one for one in sys.modules if one.partition(".")[0] == library]:
-        monkeypatch.delitem(sys.modules, name)
-    monkeypatch.setitem(sys.modules, library, None)
-    link = "modbus:127.0.0.1:1" if library == "pymodbus" else "can:virtual@missing"
-    with pytest.raises(NotInstalled, match=rf"needs (python-)?{library}: pip install 'tumble\[client\]'"):
-        client.connect(link)
-
-
 def test_both_links_call_an_object_by_the_same_name(played):
     """The names of the registers are those of the EDS file, and every setting is in both."""
     _theirs, node = played()
@@ -270,9 +368,3 @@ def test_the_page_lists_every_setting_with_its_unit():
                        for one in (("xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz") if end == "xx" else "xyz")]
         listed |= {f"{record}: {entry}": (unit, bool(unlock)) for entry in entries}
     assert listed == {name: (unit, level) for name, (unit, _, level) in SETTINGS.items()}
-
-
-def test_the_package_loads_no_library_of_a_bus():
-    program = "import sys, tumble.client; print({'can', 'canopen', 'pymodbus'} & set(sys.modules))"
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
-    assert (done.stdout, done.stderr) == ("set()\n", "")

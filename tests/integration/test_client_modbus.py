@@ -1,10 +1,12 @@
 """tumble.client over Modbus: tumble-gateway as it is, before a node that the test plays."""
 
+import os
 import struct
 import threading
 
 import pytest
 from bench_program import wait_until
+from false_gateway import FalseGateway
 from gateway_bench import gateway_program, start
 from played_behind_gateway import PlayedBehindGateway
 
@@ -88,6 +90,19 @@ def test_done_is_never_that_of_the_run_before(played):
     assert node.wait(timeout=30) == "DONE"
 
 
+def test_a_node_that_restarts_in_a_run_is_waited_for_no_longer(played):
+    theirs, node = played
+    node.start()
+
+    def restart():
+        theirs.put((0x2007, 0), "<I", 0)
+        theirs.show("IDLE")
+
+    threading.Timer(1.0, restart).start()
+    with pytest.raises(client.RunGone, match="run 2 is gone: the node has restarted; the state is IDLE"):
+        node.wait()
+
+
 def test_a_result_is_read_as_fine_as_registers_have_it_and_accepted_by_its_name(played):
     theirs, node = played
     theirs.put((0x2120, 7), "B", 3)
@@ -126,6 +141,10 @@ def test_what_is_not_allowed_says_what_would_allow_it(played):
     with pytest.raises(client.Refused, match=r"START was refused: the state does not allow it \(0800 0022h\)") as end:
         node.start()
     assert end.value.code == 0x08000022
+    theirs.written.clear()
+    with pytest.raises(client.UsageError, match="TURN_AXIS needs angle_deg"):
+        node.command("TURN_AXIS")
+    assert theirs.written == []
 
 
 def test_a_moment_of_silence_is_waited_out(played):
@@ -148,3 +167,72 @@ def test_a_gateway_that_takes_no_commands_and_a_node_that_falls_silent(start):
             node.wait(until="IDLE", timeout=60)
 
 
+
+
+@pytest.mark.parametrize("spoil", [
+    pytest.param(lambda function, words: (function, words[:1]), id="short"),
+    pytest.param(lambda function, _: (function, []), id="empty"),
+    pytest.param(lambda function, words: (3, words), id="another function"),
+    pytest.param(lambda function, words: (function, [*words, 0]), id="long"),
+])
+def test_an_answer_to_another_question_is_told_as_such(spoil):
+    said = r"the gateway answers another question: function \d, \d+ words"
+    gateway = FalseGateway(spoil)
+    with pytest.raises(client.CommunicationError, match=said):
+        client.connect(gateway.link)
+    gateway = FalseGateway()
+    with client.connect(gateway.link) as node:
+        assert node.state == "IDLE"
+        gateway.spoil = spoil
+        with pytest.raises(client.CommunicationError, match=said):
+            _ = node.status
+    gateway.close()
+
+
+def test_arguments_that_no_command_can_have_are_refused_as_over_can(played):
+    theirs, node = played
+    theirs.show("WAIT_MOUNTING")
+    for argument in (-1, 70000, 1.5, float("nan"), float("inf")):
+        with pytest.raises(client.Refused, match=r"CONFIRM_MOUNTING was refused: value out of range \(0609 0030h\)"):
+            node.confirm(argument)
+    with pytest.raises(client.Refused, match=r"CONFIRM_MOUNTING was refused: value out of range"):
+        node.confirm(300)  # the gateway says so
+    for angle in (1e9, float("nan")):
+        with pytest.raises(client.Refused, match=r"TURN_AXIS was refused: value out of range \(0609 0030h\)"):
+            node.command("TURN_AXIS", angle_deg=angle)
+    for name in ("Configuration: Samples per position", "Commit rules: Coverage"):
+        for value in (None, "abc"):
+            with pytest.raises(client.UsageError, match=rf"writing {name}: '{value}' is no number"):
+                node.settings[name] = value
+    assert theirs.written == []
+
+
+def test_a_gateway_that_has_read_nothing_yet_is_waited_for():
+    """As after its restart: the node is there, and there is no snapshot of it."""
+    gateway = FalseGateway()
+    with client.connect(gateway.link) as node:
+        gateway.values["Snapshot number"] = 0
+        threading.Timer(0.5, gateway.values.pop, ["Snapshot number"]).start()
+        assert node.state == "IDLE" and "Snapshot number" not in gateway.values
+    with pytest.raises(client.UsageError, match="the link has been closed"):
+        _ = node.state
+    gateway.close()
+
+
+def test_a_connect_in_vain_leaves_nothing_open_and_nothing_said(capfd):
+    gateway = FalseGateway(lambda function, words: (function, [0] * len(words)))
+    kept = []
+    before = open_sockets()
+    for _ in range(5):
+        with pytest.raises(client.CommunicationError, match="this is no tumble-gateway") as error:
+            client.connect(gateway.link)
+        kept.append(error)
+    wait_until(lambda: open_sockets() <= before)
+    gateway.close()
+    with pytest.raises(client.CommunicationError, match="the gateway cannot be reached"):
+        client.connect("modbus:127.0.0.1:1")
+    assert capfd.readouterr().err == ""
+
+
+def open_sockets():
+    return len(os.listdir("/proc/self/fd"))

@@ -14,8 +14,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from tumble.client.can_link import CanLink, open_bus
-from tumble.client.errors import CommunicationError, NoResult, Refused, RunFailed, TimedOut
+from tumble.client.can_link import CanLink, is_bus, open_bus
+from tumble.client.errors import CommunicationError, NoResult, Refused, RunFailed, RunGone, TimedOut
 from tumble.client.link import Link
 from tumble.client.modbus_link import ModbusLink
 from tumble.client.names import COMMAND, Objection, Reason
@@ -41,6 +41,7 @@ __all__ = [
     "Refused",
     "Result",
     "RunFailed",
+    "RunGone",
     "Settings",
     "Status",
     "TimedOut",
@@ -60,17 +61,20 @@ def connect(link: str | can.BusABC, *, node: int = 1, server: int = 1, unit: int
     with ",19200,E" behind it if need be; or a bus of python-can, which stays open. `node`: its number on CAN; `server`:
     which of its SDO servers, 1 or 2; `unit`: of the gateway.
 
-    Raises UsageError for what is no link and for an interface that is not there, NotInstalled, Skipped where the kernel
-    has no CAN, CommunicationError where nobody answers.
+    Raises UsageError for what is no link and for an interface that is not there or cannot be opened, NotInstalled,
+    Skipped where the kernel has no CAN or a driver is missing, CommunicationError where nobody answers.
     """
     return Node(open_link(link, node, server, unit))
 
 
 def open_link(link: str | can.BusABC, node: int = 1, server: int = 1, unit: int = 1) -> Link:
     """The same, as objects by name alone."""
-    if not isinstance(link, str):
+    for name, value, last in (("node", node, 127), ("server", server, 2), ("unit", unit, 255)):
+        if not isinstance(value, int) or not 1 <= value <= last:
+            raise UsageError(f"{name}={quoted(value)} is not 1 to {last}")
+    if is_bus(link):
         return CanLink(link, node, server, owned=False)
-    kind, _, where = link.partition(":")
+    kind, _, where = str(link).partition(":")
     if kind == "can" and where:
         return CanLink(open_bus(where), node, server)
     if kind == "modbus" and where:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import errno
-import logging
+import os
 import random
 import struct
+import sys
 import time
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, TypeVar
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any, TypeGuard, TypeVar
 
 from tumble import data
 from tumble.client import names
@@ -22,7 +23,7 @@ from tumble.client.errors import (
     CommunicationError,
     Refused,
 )
-from tumble.client.link import Link, Value
+from tumble.client.link import RUN, TIMES_READ, Link, Value, keep_quiet, require_number, whole
 from tumble.errors import NotInstalled, Skipped, UsageError
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 EXTRA = "client"
 SERVERS = {1: (0x600, 0x580), 2: (0x400, 0x380)}  # identifiers of request and response, to which the node is added
-NEWS_S = 0.05  # between two looks at the node: a status takes 20 frames, so 400 a second, a tenth of 500 kbit/s
+NEWS_S = 0.05  # between two looks at the node: a status takes 22 frames, so 440 a second, a tenth of 500 kbit/s
 NO_VALUE = (NO_DATA, DEVICE_STATE, NO_SUCH_OBJECT, NO_SUCH_SUBINDEX)
 _SIGNS_OF_ANOTHER = ("Unexpected response", "Node returned a value", "Toggle bit mismatch")  # python-canopen's words
 _ASKED_AGAIN, _PAUSE_S = 20, 0.05
@@ -41,24 +42,36 @@ _ANSWERED_IN_VAIN = (0x05040000,)
 
 def open_bus(where: str) -> can.BusABC:
     """A bus of python-can: an interface of Linux, or KIND@CHANNEL for any other that python-can knows. Raises
-    NotInstalled, Skipped where the kernel has no CAN, UsageError."""
+    NotInstalled, Skipped where the kernel has no CAN or a driver is missing, UsageError."""
     try:
         import can
     except ModuleNotFoundError:
         raise NotInstalled("a node on CAN", "python-can", extra=EXTRA) from None
-    kind, _, channel = where.rpartition("@")
+    keep_quiet("can")
+    kind, at, channel = where.rpartition("@")
+    if not channel or (at and kind not in ("tumble", *can.VALID_INTERFACES)):
+        raise UsageError(f"can:{where} is neither can:INTERFACE nor can:KIND@CHANNEL with a kind that python-can knows")
     try:
         if kind == "tumble":
             from tumble.canbus import TumbleBus
 
             return TumbleBus(channel)
         return can.Bus(interface=kind or "socketcan", channel=channel)
-    except OSError as error:
-        if error.errno in (errno.ENODEV, errno.ENXIO):
-            raise UsageError(f"can:{where}: there is no CAN interface of this name") from None
-        raise Skipped(f"can:{where}: this kernel has no CAN ({error.strerror})") from None
-    except (can.CanError, AttributeError) as error:  # AttributeError: a Python without socket.AF_CAN
+    except (can.CanInterfaceNotImplementedError, AttributeError) as error:  # the latter: a Python without socket.AF_CAN
         raise Skipped(f"can:{where}: {error}") from None
+    except (can.CanError, OSError, ValueError) as error:
+        number = getattr(error, "errno", None)
+        if number in (errno.EAFNOSUPPORT, errno.EPROTONOSUPPORT):
+            raise Skipped(f"can:{where}: this kernel has no CAN ({os.strerror(number)})") from None
+        if number in (errno.ENODEV, errno.ENXIO):
+            raise UsageError(f"can:{where}: there is no CAN interface of this name") from None
+        raise UsageError(f"can:{where} cannot be opened: {error}") from None
+
+
+def is_bus(link: object) -> TypeGuard[can.BusABC]:
+    """Whether it is one of python-can, which is loaded then."""
+    can = sys.modules.get("can")
+    return can is not None and isinstance(link, can.BusABC)
 
 
 class _Disturbed(CommunicationError):
@@ -80,12 +93,19 @@ class CanLink(Link):
                 bus.shutdown()
             raise NotInstalled("a node on CAN", "python-canopen", extra=EXTRA) from None
         self._abort, self._silence = canopen.SdoAbortedError, canopen.SdoCommunicationError
-        logging.getLogger("canopen").addHandler(logging.NullHandler())  # what it says of a lost answer, we say or mend
+        self._real = canopen.objectdictionary.datatypes.FLOAT_TYPES
+        self._misfit = (struct.error, ValueError, canopen.ObjectDictionaryError)
+        keep_quiet("can", "canopen")
         self._owned, self._answer_s = owned, answer_s
         self.network = canopen.Network(bus)
         self.network.NOTIFIER_CYCLE = 0.01
-        self.network.connect()
         self._sdo = self.add_node(node, "navcomp", server)
+        try:
+            self.network.connect()
+        except ValueError:
+            raise UsageError("the bus has a client, or another Notifier of python-can, already") from None
+        assert self.network.notifier is not None
+        self.network.notifier.add_listener(_patience(self.network.notifier))
 
     def add_node(self, number: int, name: str, server: int = 1) -> Any:
         """The SDO client of another node on the same bus; `name`: of its EDS file."""
@@ -96,27 +116,35 @@ class CanLink(Link):
         return sdo
 
     def has(self, name: str) -> bool:
-        parent, child = _split(name)
-        entries = self._sdo.od
-        return parent in entries and (not child or child in entries[parent])
+        return _has(self._sdo, name)
 
     def read_together(self, *names: str) -> list[Value]:
-        return [self.ask(self._sdo, name) for name in names]
+        """Between two readings of the run number that are equal. Raises Refused, CommunicationError."""
+        if len(names) == 1:
+            return [self.ask(self._sdo, names[0])]
+        others = [name for name in names if name != RUN]
+        run = self.ask(self._sdo, RUN)
+        for _ in range(TIMES_READ):
+            found = {RUN: run, **{name: self.ask(self._sdo, name) for name in others}}
+            run = self.ask(self._sdo, RUN)
+            if run == found[RUN]:
+                return [found[name] for name in names]
+        raise CommunicationError("runs begin faster than the node can be read")
 
     def ask(self, sdo: Any, name: str) -> Value:
         """Of a node's object."""
         return _repeated(lambda: self._ask_once(sdo, name))
 
     def _ask_once(self, sdo: Any, name: str) -> Value:
+        what = f"reading {name}"
         try:
-            value: Value = _entry(sdo, name, f"reading {name}").raw
-            return value
-        except self._abort as error:
-            if error.code in NO_VALUE:
+            with self._transfer(sdo, what):
+                value: Value = _entry(sdo, name, what).raw
+                return value
+        except Refused as refusal:
+            if _has(sdo, name) and refusal.code in NO_VALUE:
                 return None
-            raise self._refused(f"reading {name}", sdo, error) from None
-        except (self._silence, OSError) as error:
-            raise _silent(sdo, error) from None
+            raise
 
     def write(self, name: str, value: float) -> None:
         _repeated(lambda: self._tell(name, value, f"writing {name}"))
@@ -130,18 +158,33 @@ class CanLink(Link):
         self._tell("Command: Command", number, names.command(number))
 
     def _tell(self, name: str, value: float, what: str) -> None:
+        require_number(what, value)
         entry = _entry(self._sdo, name, what)
         try:
-            entry.raw = value
-        except self._abort as error:
-            raise self._refused(what, self._sdo, error) from None
-        except (struct.error, ValueError, OverflowError, TypeError):  # python-canopen's, before anything is sent
+            data = entry.od.encode_raw(value if entry.od.data_type in self._real else whole(value))
+        except (struct.error, ValueError, OverflowError):
             raise Refused(what, OUT_OF_RANGE) from None
-        except (self._silence, OSError) as error:
-            raise _silent(self._sdo, error) from None
+        with self._transfer(self._sdo, what):
+            entry.data = data
 
-    def _refused(self, what: str, sdo: Any, error: Any) -> CommunicationError | Refused:
-        return _silent(sdo, error) if error.code in _ANSWERED_IN_VAIN else Refused(what, error.code)
+    @contextlib.contextmanager
+    def _transfer(self, sdo: Any, what: str) -> Iterator[None]:
+        """All that is asked goes this way, and whatever the libraries raise ends here."""
+        from can import CanError
+
+        self.require_open()
+        try:
+            yield
+        except self._abort as error:
+            if error.code in _ANSWERED_IN_VAIN:
+                raise _silent(sdo, error) from None
+            raise Refused(what, error.code) from None
+        except self._silence as error:
+            raise _silent(sdo, error) from None
+        except (CanError, OSError) as error:
+            raise CommunicationError(f"the bus takes no question: {error}") from None
+        except self._misfit as error:
+            raise CommunicationError(f"node {sdo.rx_cobid & 0x7F}, {what}: {error}") from None
 
     def wait_for_news(self) -> None:
         time.sleep(NEWS_S)
@@ -149,6 +192,7 @@ class CanLink(Link):
     def close(self) -> None:
         import can
 
+        self.closed = True
         bus, self.network.bus = self.network.bus, None  # canopen would shut down what is not ours
         with contextlib.suppress(can.CanError):  # the bus has gone before us
             self.network.disconnect()
@@ -178,12 +222,36 @@ def _split(name: str) -> tuple[str, str]:
     return (parent, child) if parent else (child, "")
 
 
-def _entry(sdo: Any, name: str, what: str) -> Any:
+def _has(sdo: Any, name: str) -> bool:
+    """Whether the EDS file has this entry; a record as a whole is none."""
     parent, child = _split(name)
-    try:
-        return sdo[parent][child] if child else sdo[parent]
-    except KeyError:
-        raise Refused(what, NO_SUCH_OBJECT) from None
+    if parent not in sdo.od:
+        return False
+    entries = getattr(sdo.od[parent], "names", None)
+    return not child if entries is None else child in entries
+
+
+def _entry(sdo: Any, name: str, what: str) -> Any:
+    if not _has(sdo, name):
+        raise Refused(what, NO_SUCH_OBJECT)
+    parent, child = _split(name)
+    return sdo[parent][child] if child else sdo[parent]
+
+
+def _patience(notifier: can.Notifier) -> can.Listener:
+    """A bus that goes away shows in answers that do not come, and when it comes back python-canopen goes on: else it
+    ends with its first error."""
+    import can
+
+    class Patience(can.Listener):
+        def on_message_received(self, msg: can.Message) -> None:
+            pass
+
+        def on_error(self, _exc: Exception) -> None:
+            notifier.exception = None
+            time.sleep(_PAUSE_S)
+
+    return Patience()
 
 
 def _silent(sdo: Any, error: Exception) -> CommunicationError:

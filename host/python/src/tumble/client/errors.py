@@ -46,6 +46,16 @@ class RunFailed(BenchFault):
         super().__init__(f"the run is in {state}: {reason}")
 
 
+class RunGone(RunFailed):
+    """The run that was waited for is no more: the node has restarted, or somebody has begun another. `run`: its number;
+    `state`, `reason`: the node's now."""
+
+    def __init__(self, run: int, now: int, state: str, reason: Reason):
+        self.run, self.state, self.reason = run, state, reason
+        why = "the node has restarted" if now < run else f"run {now} has been begun"
+        BenchFault.__init__(self, f"run {run} is gone: {why}; the state is {state}")
+
+
 class TimedOut(BenchFault, TimeoutError):
     """What was waited for did not come in time. `state`: the last that was seen."""
 
@@ -55,4 +65,4 @@ class TimedOut(BenchFault, TimeoutError):
 
 
 class NoResult(BenchFault):
-    """The node has no result: no run has been finished since it was switched on."""
+    """The node has no result: no run has been finished since it was switched on, or since the last START."""

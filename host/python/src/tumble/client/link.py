@@ -5,16 +5,38 @@ A name is that of the EDS file and of docs/modbus.csv: "State", "Progress: Actua
 
 from __future__ import annotations
 
+import logging
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from numbers import Real
 from typing import TypeVar
+
+from tumble.errors import UsageError, quoted
 
 T = TypeVar("T")
 Value = int | float | str | None
+RUN = "Run number"
+TIMES_READ = 5  # until what takes several requests is of one run, or of one snapshot
+
+
+_QUIET = logging.NullHandler()
+
+
+def keep_quiet(*libraries: str) -> None:
+    """What they say of a fault the exception says; whoever sets logging up sees it still."""
+    for name in libraries:
+        logging.getLogger(name).addHandler(_QUIET)
 
 
 class Link(ABC):
-    """Everything raises CommunicationError when nobody answers in time."""
+    """Everything raises CommunicationError when nobody answers in time, and UsageError once the link is closed."""
+
+    closed = False
+
+    def require_open(self) -> None:
+        """Before anything is asked: a library may open again what was closed."""
+        if self.closed:
+            raise UsageError("the link has been closed; connect anew")
 
     @abstractmethod
     def has(self, name: str) -> bool:
@@ -22,8 +44,8 @@ class Link(ABC):
 
     @abstractmethod
     def read_together(self, *names: str) -> list[Value]:
-        """Of objects, in this order, and of one moment where the link has such; None where the node has no value, or
-        none now. Raises Refused."""
+        """Of objects, in this order, and of one run, of one moment where the link has such; None where the node has no
+        value, or none now. Raises Refused."""
 
     @abstractmethod
     def write(self, name: str, value: float) -> None:
@@ -56,6 +78,19 @@ class Link(ABC):
     def step(self, _name: str, _value: float) -> float:
         """The least difference that the link itself lets be told about a value of an object; 0: none to speak of."""
         return 0.0
+
+
+def require_number(what: str, value: object) -> None:
+    """Raises UsageError."""
+    if not isinstance(value, Real):
+        raise UsageError(f"{what}: {quoted(value)} is no number")
+
+
+def whole(value: float) -> int:
+    """Raises ValueError, OverflowError for a number that is not."""
+    if value != int(value):
+        raise ValueError(f"{value} is no whole number")
+    return int(value)
 
 
 def number(value: Value) -> int | float:

@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from types import TracebackType
 
 from tumble.client import names, result as results
-from tumble.client.errors import DEVICE_STATE, CommunicationError, NoResult, Refused, RunFailed, TimedOut
+from tumble.client.errors import DEVICE_STATE, CommunicationError, NoResult, Refused, RunFailed, RunGone, TimedOut
 from tumble.client.link import Link, Value, number
 from tumble.client.names import COMMAND, Objection, Reason
 from tumble.client.result import Result
 from tumble.client.settings import Settings
-from tumble.errors import UsageError, quoted
+from tumble.errors import BenchFault, UsageError, quoted
 
 SERVICE_KEY = 0x76726573  # "serv"
 ENDED = ("FAULT", "ABORT")
+AT_REST = ("IDLE", "DONE", "ABORT")  # whoever waits in one of these waits for a run that is still to begin
+OTHER_RUN = ("START", "ABORT", "RESUME")  # RESUME after a loss of power, too
 STEP_S = 10.0  # within which a command that the node has taken shows
 WORKING = "WORKING"
 _STATUS = (
@@ -61,6 +63,7 @@ class Node:
     def __init__(self, link: Link):
         self.link = link
         self.settings = Settings(link)
+        self._run: int | None = None  # the one that is waited for
 
     def __enter__(self) -> Node:
         return self
@@ -85,7 +88,7 @@ class Node:
         return self.link.read(name)
 
     def read_together(self, *wanted: str) -> list[Value]:
-        """Several, in this order; over Modbus all of one moment. Raises Refused."""
+        """Several, in this order: all of one run, over Modbus of one moment. Raises Refused."""
         return self.link.read_together(*wanted)
 
     def write(self, name: str, value: float) -> None:
@@ -147,26 +150,39 @@ class Node:
 
     def wait(self, until: str | tuple[str, ...] = "DONE", timeout: float | None = None) -> str:
         """Return the state as soon as it is `until`, or one of them. Raises RunFailed where it is FAULT or ABORT and
-        that is not asked for, TimedOut, UsageError for a state that there is not."""
+        that is not asked for, RunGone where the run ends otherwise, TimedOut, UsageError for a state that there is
+        not."""
         wanted = (until,) if isinstance(until, str) else until
+        if not wanted:
+            raise UsageError("no state is given to wait for")
         for name in wanted:
             if name not in names.STATE_NAMES:
                 raise UsageError(f"there is no state {quoted(name)}; there are {', '.join(names.STATE_NAMES)}")
         end = _end(timeout)
-        while (state := self.state) not in wanted:
+        while (look := self._look())[0] not in wanted:
+            state, reason = look
             if state in ENDED:
-                raise RunFailed(state, self.reason)
+                raise RunFailed(state, reason)
             if time.monotonic() >= end:
                 raise TimedOut(" or ".join(wanted), timeout or 0.0, state)
             self.link.wait_for_news()
-        return state
+        return look[0]
 
-    def result(self, timeout: float = 60.0) -> Result:
-        """Of the last finished run, once it is judged and stored. Raises NoResult, TimedOut."""
-        end = time.monotonic() + timeout
+    def _look(self) -> tuple[str, Reason]:
+        """State and reason, as long as they are of the run that is waited for. Raises RunGone."""
+        run, state_number, reason_number = (int(number(one)) for one in self._all("Run number", "State", "Reason"))
+        state, reason = names.state(state_number), names.reason(reason_number)
+        before, self._run = self._run, None if state in AT_REST else run
+        if before not in (None, run):
+            raise RunGone(before, run, state, reason)
+        return state, reason
+
+    def result(self, timeout: float | None = 60.0) -> Result:
+        """Of the last run, if it is finished, once it is judged and stored. Raises NoResult, TimedOut."""
+        end = _end(timeout)
         while self._verdict() == WORKING:
             if time.monotonic() >= end:
-                raise TimedOut("the verdict", timeout, self.state)
+                raise TimedOut("the verdict", timeout or 0.0, self.state)
             self.link.wait_for_news()
         found = results.read(self.link)
         if found is None:
@@ -176,16 +192,19 @@ class Node:
     # Commands. All raise Refused where the state does not allow them.
 
     def command(self, name: str, argument: int = 0, angle_deg: float | None = None, proposal: int = 0) -> str:
-        """Any of `TUMBLE_COMMAND_...`, such as "HOME_AXIS"; `angle_deg`: for TURN_AXIS. Raises UsageError for another
-        name."""
+        """Any of `TUMBLE_COMMAND_...`, such as "HOME_AXIS"; `angle_deg`: where to, for TURN_AXIS. Raises UsageError for
+        another name, and for TURN_AXIS without an angle."""
         if name not in COMMAND:
             raise UsageError(f"there is no command {quoted(name)}; there are {', '.join(COMMAND)}")
+        if name == "TURN_AXIS" and angle_deg is None:  # the node would go where somebody sent it before
+            raise UsageError("TURN_AXIS needs angle_deg, where to turn to")
         self._give(name, argument, angle_deg, proposal)
         return self.state
 
     def _give(self, name: str, argument: int = 0, angle_deg: float | None = None, proposal: int = 0) -> None:
         try:
             self.link.command(COMMAND[name], argument, angle_deg, proposal)
+            self._run = None if name in OTHER_RUN else self._run
         except Refused as refusal:
             if refusal.code != DEVICE_STATE:
                 raise
@@ -195,10 +214,11 @@ class Node:
         """Begin a run. The state that is returned, and all that is read later, is of this run and of none before."""
         before, end = self.run, time.monotonic() + STEP_S
         self._give("START")
-        while self.run == before:
+        while (run := self.run) <= before:
             if time.monotonic() >= end:
                 raise CommunicationError("the node has taken START and shows no new run")
             self.link.wait_for_news()
+        self._run = run
         return self.state
 
     def abort(self) -> str:
@@ -232,8 +252,11 @@ class Node:
         self.link.write("Service level: Key", SERVICE_KEY)
         try:
             yield
-        finally:
-            self.link.write("Service level: Key", 0)
+        except BaseException:
+            with suppress(BenchFault):  # what went wrong first is what is told
+                self.link.write("Service level: Key", 0)
+            raise
+        self.link.write("Service level: Key", 0)
 
     def _decided(self) -> str:
         end = time.monotonic() + STEP_S
@@ -248,10 +271,14 @@ class Node:
         return names.verdict(None if value is None else int(number(value)))
 
     def _whole(self, name: str) -> int:
-        value = self.link.read(name)
-        if value is None:
-            raise CommunicationError(f"the node does not tell its {name}")
+        [value] = self._all(name)
         return int(number(value))
+
+    def _all(self, *wanted: str) -> list[Value]:
+        found = self.link.read_together(*wanted)
+        if None in found:
+            raise CommunicationError(f"the node does not tell its {wanted[found.index(None)]}")
+        return found
 
 
 def _end(timeout: float | None) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from tumble.client.errors import DEVICE_STATE, OUT_OF_RANGE, Refused
-from tumble.client.link import Link, number
+from tumble.client.link import Link, number, require_number
 from tumble.client.tables import SETTINGS
 from tumble.errors import UsageError, quoted
 
@@ -33,6 +33,7 @@ class Settings(Mapping[str, float | None]):
     def __setitem__(self, name: str, value: float) -> None:
         if name not in SETTINGS:
             raise UsageError(f"there is no setting {quoted(name)}; see docs/client.md")
+        require_number(f"writing {name}", value)
         whole = SETTINGS[name][1] not in ("f32", "f64")
         if whole and not float(value).is_integer():
             raise Refused(f"writing {name}", OUT_OF_RANGE, "; it is a whole number")
