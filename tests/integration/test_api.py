@@ -279,7 +279,7 @@ def test_what_is_not_installed_is_told(file, package, tmp_path):
     done = subprocess.run([sys.executable, "-c", program, tmp_path / file], capture_output=True, text=True)
     extra = {"run.parquet": "parquet", "run.mat": "mat"}[file]
     kind = {"run.parquet": "Parquet", "run.mat": "MAT"}[file]
-    said = f"tumble: {tmp_path / file}: {kind} needs {package}: pip install 'tumble[{extra}]'\n"
+    said = f"tumble: {tmp_path / file}: {kind} needs {package}: pip install './host/python[{extra}]'\n"
     assert (done.returncode, done.stdout, done.stderr) == (77, "", said)
     assert issubclass(tumble.NotInstalled, ImportError)
 

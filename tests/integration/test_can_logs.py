@@ -217,7 +217,7 @@ def test_without_the_packages_a_line_says_what_to_install(package, extra, bench,
     assert (done.returncode, done.stdout) == (77, "")
     name = {"can": "python-can"}.get(package, package)
     kind = " in MF4" if package == "asammdf" else ""
-    assert done.stderr == f"tumble: {log}: a CAN log{kind} needs {name}: pip install 'tumble[{extra}]'\n"
+    assert done.stderr == f"tumble: {log}: a CAN log{kind} needs {name}: pip install './host/python[{extra}]'\n"
 
 
 def test_an_old_python_can_is_told(tmp_path, tumble):
@@ -225,7 +225,7 @@ def test_an_old_python_can_is_told(tmp_path, tumble):
     (tmp_path / "bus.trc").write_text(";$FILEVERSION=2.1\n")
     path = f"{tmp_path}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
     done = tumble("import", tmp_path / "bus.trc", PYTHONPATH=path)
-    said = f"tumble: {tmp_path}/bus.trc: a CAN log in TRC needs a newer python-can: pip install 'tumble[can]'\n"
+    said = f"tumble: {tmp_path}/bus.trc: a CAN log in TRC needs a newer python-can: pip install './host/python[can]'\n"
     assert (done.returncode, done.stdout, done.stderr) == (77, "", said)
 
 

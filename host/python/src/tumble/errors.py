@@ -17,6 +17,7 @@ EXIT_SKIPPED = 77
 EXIT_INTERRUPTED = 130
 
 _LONGEST_QUOTE = 40
+_PROFILES = ("plot", "report", "watch")  # of tools/setup that have the name of an extra
 
 
 def quoted(text: object, longest: int = _LONGEST_QUOTE) -> str:
@@ -77,11 +78,14 @@ class Skipped(TumbleError):
 
 
 class NotInstalled(Skipped, ImportError):
-    """A Python package that only some inputs need is not there."""
+    """A Python package that only some inputs need is not there. Says how to get it: the package is on no index, so from
+    a checkout, whose tools/setup brings the most common ones."""
 
     def __init__(self, needed_for: str, *packages: str, extra: str):
         listed = " or ".join(packages)
-        super().__init__(f"{needed_for} needs {listed}: pip install 'tumble[{extra}]'")
+        brought = extra in _PROFILES and "TUMBLE_PROGRAM" in os.environ
+        remedy = f"tools/setup {extra}" if brought else f"pip install './host/python[{extra}]'"
+        super().__init__(f"{needed_for} needs {listed}: {remedy}")
 
 
 class Interrupted(TumbleError):

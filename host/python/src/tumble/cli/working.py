@@ -26,12 +26,12 @@ def add_workers(parser: Options) -> None:
         "--cluster",
         metavar="ADDRESS",
         help="a scheduler of Dask distributed, such as tcp://HOST:8786, or tls:// with the files of Dask's own"
-        " configuration; needs tumble[cluster]",
+        " configuration; needs the extra cluster",
     )
     parser.add_argument(
         "--resume",
         metavar="FILE.parquet",
-        help="keep there what is done, and go on from what is there; needs tumble[parquet]",
+        help="keep there what is done, and go on from what is there; needs the extra parquet",
     )
 
 

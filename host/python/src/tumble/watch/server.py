@@ -1,6 +1,6 @@
 """The live view as a page: a small web server that tells every change by server-sent events. It takes no command.
 
-Needs Starlette and uvicorn (`pip install 'tumble[watch]'`).
+Needs Starlette and uvicorn (`pip install './host/python[watch]'`).
 """
 
 from __future__ import annotations
