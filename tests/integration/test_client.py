@@ -264,6 +264,9 @@ def test_what_goes_wrong_while_unlocked_is_what_is_told(played, monkeypatch):
     with pytest.raises(ValueError, match="mine"), node.unlock():
         raise ValueError("mine")
     assert theirs.level == 0
+    with pytest.raises(ValueError, match="mine"), node.unlock():
+        node.close()
+        raise ValueError("mine")
 
 
 def test_what_is_no_number_and_no_whole_one(played):

@@ -59,7 +59,7 @@ def test_only_what_the_machine_lacks_is_a_skip(monkeypatch, error, kind):
                                    {"unit": 256}, {"unit": None}])
 def test_a_number_that_no_node_has_leaves_the_bus_free(given):
     with can.Bus(interface="virtual", channel="numbers") as bus:
-        with pytest.raises(UsageError, match=f"{next(iter(given))}=.* is not 1 to "):
+        with pytest.raises(UsageError, match=f"{next(iter(given))} .* is not 1 to "):
             client.connect(bus, **given)
         with client.connect(bus), pytest.raises(UsageError, match="the bus has a client"):
             client.connect(bus)
@@ -76,6 +76,7 @@ def test_a_library_that_is_missing_is_named_with_the_extra_that_has_it(monkeypat
 
 
 def test_libraries_say_nothing_beside_the_exception():
+    pytest.importorskip("pymodbus", reason="pymodbus is not installed")
     program = "import tumble.client as c\ntry: c.connect('modbus:127.0.0.1:1')\nexcept Exception as e: print(e)"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert (done.stdout, done.stderr) == ("the gateway cannot be reached\n", "")

@@ -71,7 +71,7 @@ def open_link(link: str | can.BusABC, node: int = 1, server: int = 1, unit: int 
     """The same, as objects by name alone."""
     for name, value, last in (("node", node, 127), ("server", server, 2), ("unit", unit, 255)):
         if not isinstance(value, int) or not 1 <= value <= last:
-            raise UsageError(f"{name}={quoted(value)} is not 1 to {last}")
+            raise UsageError(f"{name} {quoted(value)} is not 1 to {last}")
     if is_bus(link):
         return CanLink(link, node, server, owned=False)
     kind, _, where = str(link).partition(":")

@@ -14,7 +14,7 @@ from tumble.client.link import Link, Value, number
 from tumble.client.names import COMMAND, Objection, Reason
 from tumble.client.result import Result
 from tumble.client.settings import Settings
-from tumble.errors import BenchFault, UsageError, quoted
+from tumble.errors import TumbleError, UsageError, quoted
 
 SERVICE_KEY = 0x76726573  # "serv"
 ENDED = ("FAULT", "ABORT")
@@ -253,7 +253,7 @@ class Node:
         try:
             yield
         except BaseException:
-            with suppress(BenchFault):  # what went wrong first is what is told
+            with suppress(TumbleError):  # what went wrong first is what is told
                 self.link.write("Service level: Key", 0)
             raise
         self.link.write("Service level: Key", 0)
