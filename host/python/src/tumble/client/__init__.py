@@ -7,7 +7,7 @@
         node.wait(until="DONE", timeout=600)
         print(node.result().K)
 
-Needs python-can and python-canopen, or pymodbus: pip install './host/python[client]'. They are loaded by `connect` alone.
+Needs python-can and python-canopen, or pymodbus: pip install './host/python[client]'. `connect` alone loads them.
 """
 
 from __future__ import annotations
