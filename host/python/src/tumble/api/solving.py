@@ -5,11 +5,12 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from tumble.api.arguments import as_list, as_number, is_one_of
 from tumble.api.complaints import complaints
 from tumble.api.recording import Recording, recording_of
+from tumble.api.result import Result
 from tumble.api.words import told_in_python
 from tumble.defaults import DEFAULT_CONFIDENCE, DEFAULT_ESTIMATOR, DEFAULT_LIMIT_G, DEFAULT_SCHEDULE, NEEDS_STAND
 from tumble.errors import UsageError, quoted
@@ -24,9 +25,6 @@ from tumble.solving.solution import Solution, solve as solve_run
 from tumble.solving.temperature import contradicted, in_environment
 from tumble.stand import Stand
 from tumble.terms import Terms, parse
-
-if TYPE_CHECKING:
-    from tumble.api.result import Result
 
 
 @dataclass(frozen=True)
@@ -129,8 +127,6 @@ def solve(
         raise UsageError(f"limit_g: {quoted(limit_g)} is not a number of g above 0, at most 1")
     if not 0.5 <= as_number(confidence) <= 0.999999:
         raise UsageError(f"confidence: {quoted(confidence)} is not a number from 0.5 to 0.999999")
-    from tumble.api.result import Result
-
     with told_in_python():
         found = solved(
             recording_of(run),
