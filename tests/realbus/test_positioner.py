@@ -108,9 +108,13 @@ def test_another_device_at_that_address_is_not_written_to(run):
     assert (controller.events, controller.number, controller.watch_until) == ([], 0, 0.0)
 
 
+FORM = "must be modbus:HOST:PORT[,NAME=NUMBER...], with PORT from 1 to 65535; see --help"
+
+
 @pytest.mark.parametrize("text, what", [
-    ("modbus:", "must be modbus:HOST:PORT[,NAME=NUMBER...]; see --help"),
-    ("tcp:127.0.0.1:502", "must be modbus:HOST:PORT[,NAME=NUMBER...]; see --help"),
+    ("modbus:", FORM),
+    ("tcp:127.0.0.1:502", FORM),
+    ("modbus:127.0.0.1:70000", FORM),
     ("modbus:127.0.0.1:502,speed=1", "no such number of a stand; see --help"),
     ("modbus:127.0.0.1:502,unit=248", "a number is out of its range, or no number; see --help"),
     ("modbus:127.0.0.1:502,cycle_ms=1.5", "a number is out of its range, or no number; see --help"),
