@@ -106,16 +106,3 @@ def test_hardly_any_freedom_is_answered_too():
         for value in (distributions.f_quantile(p, freedom, below), distributions.student_quantile(p, freedom)):
             assert 0.0 <= value < math.inf
     assert distributions.student_quantile(0.95, 1e-6) > 1e100
-
-
-@given(st.floats(0.1, 1e3), st.floats(0.1, 1e7), st.floats(1e-6, 0.999))
-def test_the_fraction_that_is_spelt_out_has_the_bits_of_the_general_one(a, b, share):
-    x = share * (a + 1.0) / (a + b + 2.0)
-
-    def numerator(n):
-        half = n // 2
-        if n % 2 == 0:
-            return half * (b - half) * x / ((a + n - 1) * (a + n))
-        return -(a + half) * (a + b + half) * x / ((a + n - 1) * (a + n))
-
-    assert distributions._beta_continued(a, b, x) == distributions._continued(numerator, lambda n: 1.0)

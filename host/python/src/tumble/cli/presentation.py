@@ -130,9 +130,9 @@ def uncertainty_notes(solution: Solution) -> list[str]:
 def _expanded(coverage: Coverage, of: str = "") -> str:
     """By what factor u is to be multiplied, and where they differ, of which coefficient it is largest. `of`: what u
     holds, where that is not all."""
-    freedom = coverage.freedom
+    k, freedom = coverage.factors, coverage.freedom
     least = int(freedom.argmin())
-    low, high = (f"{k:.2f}" for k in coverage.extremes)
+    low, high = f"{k.min():.2f}", f"{k.max():.2f}"
     line = f"{PROBABILITY * 100:.0f} % {of}within k u: k = {high if low == high else f'{low} to {high}'}"
     if freedom[least] > NEARLY_INFINITE:
         return line

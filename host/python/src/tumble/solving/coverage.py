@@ -41,12 +41,6 @@ class Coverage:
         """k (12,): within k u of the value the truth lies with PROBABILITY."""
         return _factors(self.freedom)
 
-    @property
-    def extremes(self) -> tuple[float, float]:
-        """The least and the largest of `factors`, without the others: the more degrees of freedom, the less."""
-        most, least = float(self.freedom.max()), float(self.freedom.min())
-        return student_quantile(PROBABILITY, most), student_quantile(PROBABILITY, least)
-
     def document(self) -> dict[str, Any]:
         """As it stands in a result: null for infinitely many."""
         freedom, k = _null_if_infinite(self.freedom), self.factors
