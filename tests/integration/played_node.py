@@ -17,6 +17,7 @@ REASON = {row[0]: number for number, row in enumerate(REASONS)}
 VERDICT = {row[0]: number for number, row in enumerate(VERDICTS)}
 FREE, ON = ("IDLE", "DONE", "ABORT"), ("WAIT_MOUNTING", "MOVE", "AVERAGE", "FAULT", "PREFLIGHT")
 NO_DATA, BAD_STATE, BAD_VALUE = 0x08000024, 0x08000022, 0x06090030
+HOMING = 2
 KEY, PROPOSAL = 0x76726573, 0xBEEF0001
 K = [[-2.0, 0.01, 0.02], [0.03, -2.01, 0.04], [0.05, 0.06, -2.02]]
 U0 = [0.1, 0.2, 0.3]
@@ -41,6 +42,7 @@ class PlayedCanNode:
             (0x2000, 0): lambda: STATE[self.step(self.states)],
             (0x2001, 0): lambda: REASON[self.reason],
             (0x2003, 4): lambda: self.mounting,
+            (0x2003, 12): lambda: HOMING,
             (0x2006, 2): lambda: self.level,
             (0x2007, 0): lambda: self.run,
             (0x2120, 2): lambda: self.counter,
@@ -124,6 +126,9 @@ class PlayedCanNode:
     def abort(self, _argument):
         self.refuse_unless(self.states[-1] not in FREE, BAD_STATE)
         self.states, self.reason = ["ABORT"], "COMMAND"
+
+    def home_axis(self, _argument):
+        self.refuse_unless(False, BAD_STATE)  # the table is at it
 
     def accept(self, _argument):
         self.refuse_unless(self.verdicts[-1] == "HELD", BAD_STATE)

@@ -103,6 +103,8 @@ def test_what_the_state_does_not_allow_is_refused(played):
     for command in (node.abort, node.resume, node.confirm, node.discard):
         with pytest.raises(client.Refused, match=r"refused: the state does not allow it \(0800 0022h\); it is IDLE"):
             command()
+    with pytest.raises(client.Refused, match=r"does not allow it \(0800 0022h\); it is IDLE, the stand homing$"):
+        node.command("HOME_AXIS")
     with pytest.raises(client.NoResult, match="the node has no result; its state is IDLE"):
         node.result()
     assert theirs.commands == []

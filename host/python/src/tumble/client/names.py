@@ -8,6 +8,7 @@ from tumble.client.tables import COMMANDS, OBJECTIONS, REASONS, STATES, VERDICTS
 
 COMMAND = {row[0]: number for number, row in enumerate(COMMANDS)}
 STATE_NAMES = tuple(row[0] for row in STATES)
+STAND_STATES = ("offline", "not homed", "homing", "moving", "in position", "stopped", "in fault")  # 2003h:12
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,11 @@ def objections(bits: int) -> tuple[Objection, ...]:
 def state(number: int) -> str:
     """Of 2000h."""
     return STATE_NAMES[number] if number < len(STATE_NAMES) else f"STATE_{number}"
+
+
+def stand(number: int) -> str:
+    """Of 2003h:12."""
+    return STAND_STATES[number] if number < len(STAND_STATES) else f"in state {number}"
 
 
 def verdict(number: int | None) -> str | None:

@@ -20,6 +20,8 @@ SERVICE_KEY = 0x76726573  # "serv"
 ENDED = ("FAULT", "ABORT")
 AT_REST = ("IDLE", "DONE", "ABORT")  # whoever waits in one of these waits for a run that is still to begin
 OTHER_RUN = ("START", "ABORT", "RESUME")  # RESUME after a loss of power, too
+TO_TABLE = ("HOME_AXIS", "TURN_AXIS")
+STAND_STATE = "Progress: Stand state"
 STEP_S = 10.0  # within which a command that the node has taken shows
 WORKING = "WORKING"
 _STATUS = (
@@ -208,7 +210,11 @@ class Node:
         except Refused as refusal:
             if refusal.code != DEVICE_STATE:
                 raise
-            raise Refused(refusal.what, refusal.code, f"; it is {self.state}") from None
+            raise Refused(refusal.what, refusal.code, f"; it is {self.state}{self._stand(name)}") from None
+
+    def _stand(self, command: str) -> str:
+        """Its state for a message, where the command is one to the table, which the node's own state alone allows."""
+        return f", the stand {names.stand(self._whole(STAND_STATE))}" if command in TO_TABLE else ""
 
     def start(self) -> str:
         """Begin a run. The state that is returned, and all that is read later, is of this run and of none before."""
