@@ -66,6 +66,10 @@ ADVICE = {  # of a file and options each: what is advised; the last is what foll
         (OTHERS + rows(comma), ("--columns", "mounting=M,position=Q,ux=X"), "no columns 'Q' and 'X' (for position and"),
         (OTHERS + rows(comma), SAY),
     ],
+    "angles for positions": [
+        (NAMES.replace("position", "angle_deg") + rows(comma), (), "or add it; a position is counted from 1 in its"),
+        (NAMES + rows(comma), ()),
+    ],
     "another separator": [
         ((NAMES + rows()).replace(";", "|"), (), "say what separates the columns with --delimiter"),
         ((NAMES + rows()).replace(";", "|"), ("--delimiter", "|")),

@@ -271,6 +271,8 @@ def find_all(names: list[str], wishes: Wishes, is_text: bool = True) -> tuple[in
         raise ValueError(f"{said}; say what separates the columns with --delimiter")
     if plain:
         said += f"; name what is missing with --columns {','.join(f'{wanted}=NAME' for wanted in plain)}, or add it"
+    if "position" in plain and any(name.strip().lower().startswith("angle") for name in names):
+        said += "; a position is counted from 1 in its mounting, its angle is the schedule's"
     if missing == list(COLUMNS[:2]):
         said += "; tumble import makes a run file of a logger's recording"
     raise ValueError(said)
