@@ -27,7 +27,7 @@ int main(void)
     static tumble_means_t means;
     static tumble_store_t store;
     tumble_set_t set = {.estimator = TUMBLE_ESTIMATE_REFINED, .flags = TUMBLE_SET_HAS_UNCERTAINTY}, kept;
-    const tumble_judged_run_t run = {&tumble_schedule_paper, &stand, &set.coefficients, NULL, NULL, 0, NULL, NULL};
+    const tumble_judged_run_t run = {&tumble_schedule_paper, &stand, .coefficients = &set.coefficients};
     tumble_calibration_t calibration;
     tumble_gravity_check_t check;
     double a_g[TUMBLE_CHANNELS];
