@@ -9,9 +9,11 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tools"))
+sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tests/lib")]
 
 import stages  # noqa: E402
+
+pytest_plugins = ["hang_guards"]
 
 
 def run(*command, **environment):

@@ -11,6 +11,8 @@ import subprocess
 import sys
 import tempfile
 
+import hang_guards
+
 import tumble
 
 _context = multiprocessing.get_context("forkserver")
@@ -25,7 +27,7 @@ def run(arguments, cwd, timeout):
         streams = [multiprocessing.reduction.DupFd(stream.fileno()) for stream in (out, err)]
         child = _context.Process(target=_command, args=(arguments, cwd, dict(os.environ), streams))
         child.start()
-        child.join(timeout)
+        child.join(hang_guards.longer(timeout))
         if child.exitcode is None:
             child.kill()
             child.join()

@@ -14,7 +14,7 @@ sys.path[:0] = [str(ROOT / "tests/integration"), str(ROOT / "tests/lib")]
 
 from processes import Interface  # noqa: E402
 
-pytest_plugins = ["busy_machine", "heeding_interrupts"]
+pytest_plugins = ["busy_machine", "hang_guards", "heeding_interrupts"]
 os.environ["TUMBLE_NO_REPORT"] = "1"  # of every bench, for the time it takes
 _number = iter(range(1, 1000))
 
