@@ -37,7 +37,7 @@ FAST = {  # a calibration within seconds of real time
 SERIAL = {"keeper.serial": "SIMULATED"}
 
 _FOLDER = "boards/linux"
-_READY_S, _END_S = 20.0, 30.0
+_READY_S, _END_S = 60.0, 60.0
 
 Document = dict[str, Any]
 

@@ -39,7 +39,7 @@ _TO_FIRST_FRAME, _TO_MOMENT = 0x80000001, 0x80000002
 _ANSWER_US = 5_000_000  # of virtual time, for an answer to an SDO request
 _FOREVER_US = 10**12
 _END_S = 60.0  # of the machine's, for tumble-bench to end
-_STUCK_S = 10.0  # likewise, for another thread to take a frame
+_STUCK_S = 60.0  # likewise, for another thread to take a frame
 _KEPT = 100_000  # frames that nobody has taken
 
 _REQUESTS = (0x600, 0x400)  # to SDO servers; the second one's are those of object 1201h
