@@ -113,7 +113,10 @@ typedef struct {
     bool supervised;
     bool clearing;      /* PREFLIGHT: the stand's fault is still to be cleared */
     uint16_t corrupted; /* frames at this position */
-    uint16_t warm_run;  /* samples within the band */
+    union {
+        uint16_t warm_run;   /* WARM_UP: samples within the band */
+        uint16_t parts_done; /* SOLVE: of its three */
+    };
     uint16_t last_counter;
     uint16_t last_timestamp_ms;
     uint16_t drive_code;

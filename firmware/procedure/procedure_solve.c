@@ -18,25 +18,35 @@ TUMBLE_ONE_COPY static void make_means(tumble_procedure_t *procedure)
     (void)tumble_averaging_means(&procedure->averaging, procedure->config->v_per_count, &procedure->work.means);
 }
 
-outcome_t tumble_solve_poll(tumble_procedure_t *procedure)
+static tumble_status_t estimate(tumble_procedure_t *procedure)
 {
 #define ESTIMATOR(number, name, needs, estimate, uncertainty) [TUMBLE_ESTIMATE_##number] = (estimate),
 #define NONE_OF_ITS_OWN(number, name) [TUMBLE_ESTIMATE_##number] = NULL,
     static const estimator_t estimators[] = {TUMBLE_ESTIMATOR_LIST(ESTIMATOR, NONE_OF_ITS_OWN)};
     const tumble_procedure_config_t *config = procedure->config;
-    make_means(procedure);
-    tumble_status_t status;
-    if (estimators[config->estimate] == NULL) {
-        status = config->weighted->estimate(config->weighted->source, config->schedule, &procedure->work.means,
-                                            &procedure->coefficients);
+    const estimator_t own = estimators[config->estimate];
+    if (own == NULL) {
+        return config->weighted->estimate(config->weighted->source, config->schedule, &procedure->work.means,
+                                          &procedure->coefficients);
+    }
+    return own(config->schedule, &procedure->work.means, &procedure->coefficients, &procedure->refusal);
+}
+
+/* A part for each step, so that none is long. */
+outcome_t tumble_solve_poll(tumble_procedure_t *procedure)
+{
+    tumble_status_t status = TUMBLE_OK;
+    outcome_t outcome = OUTCOME_STAY;
+    procedure->parts_done++;
+    if (procedure->parts_done == 1U) {
+        make_means(procedure);
+    } else if (procedure->parts_done == 2U) {
+        status = estimate(procedure);
     } else {
-        status = estimators[config->estimate](config->schedule, &procedure->work.means, &procedure->coefficients,
-                                              &procedure->refusal);
-    }
-    if (status == TUMBLE_OK) {
         status = tumble_calibration_invert(&procedure->coefficients, &procedure->calibration);
+        outcome = OUTCOME_DONE;
     }
-    return (status == TUMBLE_OK) ? OUTCOME_DONE : fail_to_solve(procedure, status);
+    return (status == TUMBLE_OK) ? outcome : fail_to_solve(procedure, status);
 }
 
 /* The check's result takes the memory of the means, which nothing has touched since SOLVE made them. */

@@ -152,6 +152,7 @@ outcome_t tumble_next_enter(tumble_procedure_t *procedure)
         next = tumble_first_unmeasured(procedure, TUMBLE_NOT_MOUNTED);
     }
     if (next == count) {
+        procedure->parts_done = 0;
         return OUTCOME_OTHER;
     }
     procedure->index = next;

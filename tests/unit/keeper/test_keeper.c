@@ -223,7 +223,7 @@ static void test_a_result_overtaken_by_a_start_is_not_lost(void)
     while ((bench_progress(&bench).run.samples < (BENCH_SAMPLES - 1U)) || (bench.fake.to_firmware.count < 2U)) {
         bench_event(&bench); /* until the last sample waits */
     }
-    for (int i = 0; i < 4; i++) { /* each lets the procedure go on by one: SOLVE, VERIFY, PROPOSE, DONE */
+    for (int i = 0; i < 6; i++) { /* each lets the procedure go on by one: the parts of SOLVE, VERIFY, PROPOSE, DONE */
         fake_port_give(&bench.fake, &heartbeat);
     }
     fake_port_give(&bench.fake, &start);

@@ -214,7 +214,7 @@ void bench_tick(bench_t *b)
         stand->angle_deg = stand->target_deg;
         stand->state = TUMBLE_STAND_IN_POSITION;
     }
-    const uint64_t computing_us = (bench_state_of(b) == TUMBLE_STATE_SOLVE) ? SAMPLE_US / 4U : 0U;
+    const uint64_t computing_us = (bench_state_of(b) == TUMBLE_STATE_SOLVE) ? SAMPLE_US / 8U : 0U;
     const uint64_t step_us = (b->step_us != 0U) ? b->step_us : computing_us;
     for (uint64_t at_us = 0; (step_us != 0U) && (at_us < SAMPLE_US); at_us += step_us) {
         tumble_procedure_step(&b->procedure, b->now_us + at_us);
