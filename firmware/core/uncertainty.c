@@ -41,17 +41,17 @@ typedef struct {
     double yaws_squared;
     double lean;
     double seats_squared;
-    double declared_v2; /* noise of a mean of so many samples: the next one mostly has as many */
-    uint32_t samples;
+    double variance_v2[TUMBLE_CHANNELS]; /* of the noise of a mean */
+    uint32_t samples[TUMBLE_CHANNELS];   /* of so many samples: the next one mostly has as many */
     tumble_course_response_t course;
 } response_t;
 
-/* The same of the errors that each mounting has for itself, for one of them. */
+/* A channel in one mounting: what it gives of a force along h, n, v of the table frame (its row of K M), and the sums
+ * over its means of their gains, times the sine of the table angle, 1, and its cosine. */
 typedef struct {
-    double alpha3;
-    double theta_h;
-    double theta_n;
-} seat_t;
+    double force[3];
+    double moment[3];
+} channel_t;
 
 #define NORMAL_SHIFT 4U
 #define SIXTEENTHS 0xFU
@@ -78,7 +78,7 @@ static double harmonic_gain(const gains_t *gains, uint8_t p)
     const uint32_t slot = gains->slots[p];
     const double weight = (double)(slot & SIXTEENTHS) / 16.0;
     if (gains->unknown == BIAS) {
-        return (0.5 * weight) / (double)tumble_circle_count(gains->map);
+        return tumble_divide(0.5 * weight, (double)tumble_circle_count(gains->map));
     }
     const uint8_t share = tumble_circle_share(gains->map, gains->kind == REFINED, gains->channel, gains->unknown,
                                               (int)(slot >> NORMAL_SHIFT));
@@ -87,7 +87,7 @@ static double harmonic_gain(const gains_t *gains, uint8_t p)
     }
     const tumble_angle_t *angle = &gains->run->schedule->positions[p].angle;
     const double *axis = tumble_schedule_mounting_of(gains->run->schedule, p)->matrix[gains->unknown];
-    return (weight * ((axis[0] * angle->sine) + (axis[2] * angle->cosine))) / (double)share;
+    return tumble_divide(weight * ((axis[0] * angle->sine) + (axis[2] * angle->cosine)), (double)share);
 }
 
 /* The gain that least squares gives the mean of a position in one unknown: its row times that column of N^-1. The row
@@ -133,68 +133,82 @@ static bool gains_at(const gains_t *gains, uint8_t p, size_t fit, double g[TUMBL
     return tumble_is_positive(tumble_abs(g[gains->channel]));
 }
 
-/* What the noise of the mean of a position does. Not inlined: else its numbers lie on the stack below add_position's. */
+static double noise_variance_v2(const tumble_judged_run_t *run, int i, uint32_t samples)
+{
+    const tumble_stand_record_t *stand = run->stand;
+    const double declared_v2 =
+        tumble_larger(tumble_square(stand->noise_v) / (double)samples, tumble_square(stand->least_noise_v));
+    return (run->noise != NULL) ? (declared_v2 + tumble_noise_excess(run->noise, i, samples, declared_v2))
+                                : declared_v2;
+}
+
+/* What the noise of the mean of a position does. Not inlined: else its numbers lie on the stack below add_mounting's. */
 TUMBLE_ONE_COPY static void add_noise(const tumble_judged_run_t *run, uint8_t p, const double g[TUMBLE_CHANNELS],
                                       response_t *response)
 {
-    const tumble_stand_record_t *stand = run->stand;
-    const uint32_t samples = (run->samples != NULL) ? run->samples[p] : stand->samples;
-    if (samples != response->samples) { /* a division costs as much as all the rest */
-        response->samples = samples;
-        response->declared_v2 =
-            tumble_larger(tumble_square(stand->noise_v) / (double)samples, tumble_square(stand->least_noise_v));
-    }
-    response->noise_squared += tumble_dot(g, g) * response->declared_v2;
-    for (int i = 0; (run->noise != NULL) && (i < TUMBLE_CHANNELS); i++) {
+    const uint32_t samples = (run->samples != NULL) ? run->samples[p] : run->stand->samples;
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         if (tumble_is_positive(tumble_abs(g[i]))) { /* most are 0 */
-            response->noise_squared +=
-                tumble_square(g[i]) * tumble_noise_excess(run->noise, i, samples, response->declared_v2);
+            if (samples != response->samples[i]) {  /* a division costs as much as all the rest */
+                response->samples[i] = samples;
+                response->variance_v2[i] = noise_variance_v2(run, i, samples);
+            }
+            double variance_v2 = response->variance_v2[i];
+            if (run->excess_variance_v2 != NULL) {
+                variance_v2 += run->excess_variance_v2[p][i];
+            }
+            response->noise_squared += tumble_square(g[i]) * variance_v2;
         }
-    }
-    for (int i = 0; (run->excess_variance_v2 != NULL) && (i < TUMBLE_CHANNELS); i++) {
-        response->noise_squared += tumble_square(g[i]) * run->excess_variance_v2[p][i];
     }
 }
 
-/* Add what the errors of one position do to the coefficient. w: how it answers to a force along h, n, v of the table
- * frame, g^T K M. The derivatives of the force f = (cos t sin p, sin t, cos t cos p) at zero error:
+static void open_channel(const tumble_coefficients_t *coefficients, const tumble_mounting_t *mounting, int i,
+                         channel_t *channel)
+{
+    const double *k = coefficients->k_v_per_g[i];
+    for (int n = 0; n < 3; n++) {
+        channel->force[n] =
+            (k[0] * mounting->matrix[0][n]) + (k[1] * mounting->matrix[1][n]) + (k[2] * mounting->matrix[2][n]);
+        channel->moment[n] = 0.0;
+    }
+}
+
+/* Add a mean to its channel. What an error of its table angle does to the coefficient, but for cos t. */
+static double add_mean(const tumble_angle_t *angle, double gain, channel_t *channel)
+{
+    const double part[3] = {gain * angle->sine, gain, gain * angle->cosine};
+    for (int n = 0; n < 3; n++) {
+        channel->moment[n] += part[n];
+    }
+    return (channel->force[0] * part[2]) - (channel->force[2] * part[0]);
+}
+
+/* Add what the errors of the mounting do. The derivatives of the force f = (cos t sin p, sin t, cos t cos p) by each at
+ * zero error:
  *     alpha1           (-sin t sin p, cos t, -sin t cos p)
  *     alpha2, delta    ( cos t cos p,     0, -cos t sin p)
  *     theta_n          the same
  *     alpha3           ( sin t, -cos t sin p, 0)               the yaw turns h towards n
- *     theta_h          (0, cos t cos p, -sin t)                the tilt turns n towards v */
-static void add_position(const tumble_judged_run_t *run, const tumble_mounting_t *mounting, uint8_t p,
-                         const double g[TUMBLE_CHANNELS], response_t *response, seat_t *seat)
+ *     theta_h          (0, cos t cos p, -sin t)                the tilt turns n towards v
+ * What is common to all mountings adds up before it is squared. */
+static void close_mounting(const tumble_angle_t *tilt, const channel_t *channels, int first, int last,
+                           response_t *response)
 {
-    const tumble_angle_t *angle = &run->schedule->positions[p].angle;
-    double w[3] = {0.0, 0.0, 0.0};
-    for (int j = 0; j < TUMBLE_CHANNELS; j++) {
-        double along_j = 0.0;
-        for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-            along_j += g[i] * run->coefficients->k_v_per_g[i][j];
-        }
-        for (int n = 0; n < 3; n++) {
-            w[n] += along_j * mounting->matrix[j][n];
+    double sum[3][3] = {{0.0}}; /* of force times moment */
+    for (int i = first; i <= last; i++) {
+        for (int n = 0; n < 9; n++) {
+            sum[n / 3][n % 3] += channels[i].force[n / 3] * channels[i].moment[n % 3];
         }
     }
-    const double across = (w[0] * angle->sine) + (w[2] * angle->cosine);
-    const double turning = mounting->tilt.cosine * ((w[0] * angle->cosine) - (w[2] * angle->sine));
-    response->alpha1 += (w[1] * mounting->tilt.cosine) - (across * mounting->tilt.sine);
+    const double turning = tilt->cosine * (sum[0][2] - sum[2][0]);
+    const double alpha3 = (tilt->sine * sum[0][1]) - (tilt->cosine * sum[1][0]);
+    const double theta_h = (tilt->cosine * sum[1][2]) - (tilt->sine * sum[2][1]);
+    response->alpha1 += (tilt->cosine * sum[1][1]) - (tilt->sine * (sum[0][0] + sum[2][2]));
     response->alpha2 += turning;
-    seat->alpha3 += (w[0] * mounting->tilt.sine) - (w[1] * mounting->tilt.cosine * angle->sine);
-    seat->theta_h += (w[1] * mounting->tilt.cosine * angle->cosine) - (w[2] * mounting->tilt.sine);
-    seat->theta_n += turning;
-    response->alpha4_squared += turning * turning;
-    tumble_course_add(run, p, turning, g, &response->course);
-}
-
-/* What is common to all mountings adds up before it is squared. */
-static void add_seat(const seat_t *seat, response_t *response)
-{
-    response->yaw += seat->alpha3;
-    response->yaws_squared += tumble_square(seat->alpha3);
-    response->lean += seat->theta_h;
-    response->seats_squared += tumble_square(seat->theta_h) + tumble_square(seat->theta_n);
+    response->yaw += alpha3;
+    response->yaws_squared += tumble_square(alpha3);
+    response->lean += theta_h;
+    response->seats_squared += tumble_square(theta_h) + tumble_square(turning);
 }
 
 /* All sources in quadrature. */
@@ -209,29 +223,44 @@ static double combined(const tumble_stand_record_t *stand, const response_t *res
         tumble_square(stand->platform_rad * response->lean) + tumble_course_variance(stand, &response->course));
 }
 
+/* A coefficient is made of the means of its channel, but of all three by a table. */
+static void add_mounting(const gains_t *gains, const tumble_mounting_t *mounting, response_t *response)
+{
+    const tumble_judged_run_t *run = gains->run;
+    const int first = (gains->kind == TABLE) ? X : gains->channel;
+    const int last = (gains->kind == TABLE) ? Z : gains->channel;
+    channel_t channels[TUMBLE_CHANNELS];
+    size_t fit = 0;
+    for (int i = first; i <= last; i++) {
+        open_channel(run->coefficients, mounting, i, &channels[i]);
+    }
+    for (uint8_t p = 0; p < run->schedule->position_count; p++) {
+        const tumble_position_t *position = &run->schedule->positions[p];
+        const bool used = tumble_normal_uses(run->schedule, run->measured, p);
+        double g[TUMBLE_CHANNELS];
+        if (used && (position->mounting == mounting->number) && gains_at(gains, p, fit, g)) {
+            double turning = 0.0;
+            for (int i = first; i <= last; i++) {
+                turning += add_mean(&position->angle, g[i], &channels[i]);
+            }
+            turning *= mounting->tilt.cosine;
+            response->alpha4_squared += tumble_square(turning);
+            tumble_course_add(run, p, turning, g, &response->course);
+            add_noise(run, p, g, response);
+        }
+        fit += used ? 1U : 0U;
+    }
+    close_mounting(&mounting->tilt, channels, first, last, response);
+}
+
 /* Mounting by mounting, so that no number has to be kept for each. */
 static double uncertainty_of(const gains_t *gains)
 {
-    const tumble_judged_run_t *run = gains->run;
     response_t response = {0};
-    for (uint8_t m = 0; m < run->schedule->mounting_count; m++) {
-        const tumble_mounting_t *mounting = &run->schedule->mountings[m];
-        seat_t seat = {0};
-        size_t fit = 0;
-        for (uint8_t p = 0; p < run->schedule->position_count; p++) {
-            const bool used = tumble_normal_uses(run->schedule, run->measured, p);
-            if (used && (run->schedule->positions[p].mounting == mounting->number)) {
-                double g[TUMBLE_CHANNELS];
-                if (gains_at(gains, p, fit, g)) {
-                    add_position(run, mounting, p, g, &response, &seat);
-                    add_noise(run, p, g, &response);
-                }
-            }
-            fit += used ? 1U : 0U;
-        }
-        add_seat(&seat, &response);
+    for (uint8_t m = 0; m < gains->run->schedule->mounting_count; m++) {
+        add_mounting(gains, &gains->run->schedule->mountings[m], &response);
     }
-    return combined(run->stand, &response);
+    return combined(gains->run->stand, &response);
 }
 
 static bool is_wanted(const gains_t *gains)
@@ -344,8 +373,10 @@ tumble_status_t tumble_uncertainty_refined(const tumble_judged_run_t *run, tumbl
     return judge_harmonic(REFINED, run, uncertainty, refusal);
 }
 
-tumble_status_t tumble_uncertainty_least_squares(const tumble_judged_run_t *run, tumble_uncertainty_t *uncertainty,
-                                                 tumble_refusal_t *refusal)
+/* Not inlined: else a matrix lies on the stack below the other estimators' judges, too. */
+TUMBLE_ONE_COPY tumble_status_t tumble_uncertainty_least_squares(const tumble_judged_run_t *run,
+                                                                 tumble_uncertainty_t *uncertainty,
+                                                                 tumble_refusal_t *refusal)
 {
     const tumble_status_t status = check_arguments(run, uncertainty);
     report(refusal, 0, 0);

@@ -500,8 +500,8 @@ tumble_status_t tumble_residual_rms(const tumble_schedule_t *schedule, const tum
  * An estimate is linear in the means, so its standard uncertainty follows exactly to first order from the estimator's
  * gains and from the derivatives of the specific force by each error of the stand, taken at zero error on the exact
  * geometry, the known tilt of the axis included (docs/method.md, "Uncertainty"). Independent errors add in quadrature.
- * The gains are computed row by row as they are needed: no table, no matrix. Cost: some 80 double operations for each
- * of the twelve coefficients and each position whose mean it is made of.
+ * The gains are computed row by row as they are needed: no table, no matrix. Cost: some 20 double operations for each
+ * of the twelve coefficients and each position whose mean it is made of, 50 with a table of gains.
  */
 
 #define TUMBLE_MAX_STAND_SIGMA_RAD 1.0
