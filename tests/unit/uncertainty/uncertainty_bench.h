@@ -24,7 +24,7 @@ static inline tumble_uncertainty_t judged(judge_t *judge, const tumble_judged_ru
 static inline void assert_uncertainties(const double k[3][3], const double u0[3], const tumble_uncertainty_t *found,
                                         double relative)
 {
-    double largest = 0.0;
+    double largest = 1.0; /* what cancels is of that size, also where nothing is left */
     for (int cell = 0; cell < 12; cell++) {
         const double expected = (cell < 9) ? k[cell / 3][cell % 3] : u0[cell - 9];
         largest = (expected > largest) ? expected : largest;
