@@ -3,7 +3,7 @@ find_package(Python3 REQUIRED COMPONENTS Interpreter)
 # The parts that are measured, by their sources, which tumble::core and tumble::navcomp hold among others.
 set(part_optimal core/crc32.c core/gain_record.c core/optimal.c core/turn.c)
 set(part_whole_model core/whole_model.c core/whole_place.c core/whole_run.c)
-set(part_uncertainty core/uncertainty.c)
+set(part_uncertainty core/uncertainty.c core/stand_record.c)
 set(part_misfit core/misfit.c)
 set(part_blocks core/blocks.c)
 set(part_noise core/noise.c)

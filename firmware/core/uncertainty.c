@@ -6,7 +6,7 @@
 #include "core/means.h"
 #include "core/normal.h"
 #include "core/one_copy.h"
-#include "core/vector.h"
+#include "core/stand_record.h"
 
 #include <stddef.h>
 
@@ -304,28 +304,10 @@ static tumble_status_t judge(gains_t *gains, tumble_uncertainty_t *uncertainty)
     return TUMBLE_OK;
 }
 
-static bool is_sigma(double sigma, double largest)
-{
-    return tumble_within(sigma, largest) && !tumble_is_positive(-sigma);
-}
-
-static bool stand_is_valid(const tumble_stand_record_t *stand)
-{
-    return is_sigma(stand->axis_tilt_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
-           is_sigma(stand->level_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
-           is_sigma(stand->remount_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
-           is_sigma(stand->angle_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
-           is_sigma(stand->seat_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
-           is_sigma(stand->platform_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
-           is_sigma(stand->encoder_rad, TUMBLE_MAX_STAND_SIGMA_RAD) && is_sigma(stand->drift_v, TUMBLE_MAX_MEAN_V) &&
-           is_sigma(stand->noise_v, TUMBLE_MAX_MEAN_V) && is_sigma(stand->least_noise_v, TUMBLE_MAX_MEAN_V) &&
-           (stand->samples >= 1U);
-}
-
 static tumble_status_t check_arguments(const tumble_judged_run_t *run, const tumble_uncertainty_t *uncertainty)
 {
     if ((run == NULL) || (uncertainty == NULL) || (run->schedule == NULL) || (run->stand == NULL) ||
-        (run->coefficients == NULL) || !stand_is_valid(run->stand)) {
+        (run->coefficients == NULL) || !tumble_stand_record_is_valid(run->stand)) {
         return TUMBLE_E_ARGUMENT;
     }
     bool counted = true;
