@@ -194,7 +194,7 @@ static double add_mean(const tumble_angle_t *angle, double gain, channel_t *chan
 static void close_mounting(const tumble_angle_t *tilt, const channel_t *channels, int first, int last,
                            response_t *response)
 {
-    double sum[3][3] = {{0.0}}; /* of force times moment */
+    double sum[3][3] = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}; /* of force times moment */
     for (int i = first; i <= last; i++) {
         for (int n = 0; n < 9; n++) {
             sum[n / 3][n % 3] += channels[i].force[n / 3] * channels[i].moment[n % 3];

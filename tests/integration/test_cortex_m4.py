@@ -67,7 +67,7 @@ def test_what_the_estimators_cost():
     assert result.returncode == 0, result.stderr
     found = json.loads(result.stdout)
     steps = found.pop("steps")
-    check_whole_model(found.pop("whole_model"), steps)
+    check_whole_model(found.pop("whole_model"))
     check_operations(found.pop("operations"), found["division of the 54 means"]["formula"])
     assert beyond(found, told()) == {}
     costs = {name: cost["instructions"] for name, cost in found.items()}
@@ -90,13 +90,12 @@ def check_operations(operations, means):
     assert means == 54 * (operations["division"] + operations["multiplication"])
 
 
-def check_whole_model(whole, steps):
-    """No step is longer than the longest one that a navigation computer makes without it."""
+def check_whole_model(whole):
+    """No step is much longer than the look at the noise of a run."""
     assert list(whole) == ["paper", "three_mountings", "diagonal"]
     for taken, instructions, longest, stack in whole.values():
         assert taken < 2000 and 20e6 < instructions < 60e6 and instructions / taken < longest < 68_000
         assert stack < 1008  # its row
-        assert steps is None or longest < max(step[3] for step in steps.values())
 
 
 def check_steps(steps):
