@@ -11,8 +11,6 @@ import subprocess
 import sys
 import tempfile
 
-import hang_guards
-
 import tumble
 
 _context = multiprocessing.get_context("forkserver")
@@ -23,6 +21,8 @@ _context.set_forkserver_preload(
 
 def run(arguments, cwd, timeout):
     """`tumble ...`, as subprocess.run does it, with text. Raises subprocess.TimeoutExpired."""
+    import hang_guards  # a plugin, which pytest loads after this module
+
     with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as err:
         streams = [multiprocessing.reduction.DupFd(stream.fileno()) for stream in (out, err)]
         child = _context.Process(target=_command, args=(arguments, cwd, dict(os.environ), streams))
