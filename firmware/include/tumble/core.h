@@ -501,7 +501,7 @@ tumble_status_t tumble_residual_rms(const tumble_schedule_t *schedule, const tum
  * gains and from the derivatives of the specific force by each error of the stand, taken at zero error on the exact
  * geometry, the known tilt of the axis included (docs/method.md, "Uncertainty"). Independent errors add in quadrature.
  * The gains are computed row by row as they are needed: no table, no matrix. Cost: some 20 double operations for each
- * of the twelve coefficients and each position whose mean it is made of, 50 with a table of gains.
+ * of the twelve coefficients and each position whose mean it is made of, 40 with a table of gains.
  */
 
 #define TUMBLE_MAX_STAND_SIGMA_RAD 1.0
