@@ -137,12 +137,17 @@ def test_what_a_job_complains_of_comes_as_it_is():
     [
         (["--workers", "0"], "--workers: '0' is not a whole number from 1 to 256"),
         (["--workers", "2", "--cluster", "tcp://here:1"], "--cluster: it has workers of its own"),
-        (["--resume", "nowhere/done.parquet"], "nowhere/done.parquet: cannot be written"),
         (["--resume", "done.txt"], "--resume: 'done.txt' does not end in .parquet"),
     ],
 )
 def test_usage(refused, arguments, complaint):
     assert complaint in refused("plan", "validate", *arguments, cwd=EXAMPLES)
+
+
+def test_nowhere_to_keep_what_is_done(refused):
+    pytest.importorskip("pyarrow")
+    said = refused("plan", "validate", "--resume", "nowhere/done.parquet", cwd=EXAMPLES)
+    assert "nowhere/done.parquet: cannot be written" in said
 
 
 @pytest.mark.slow
