@@ -65,6 +65,22 @@ static void test_the_noise_is_looked_at_in_a_step_of_its_own(void)
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2026, 1));
 }
 
+/* The checkpoint of the last position is kept first: while the memory is busy, the noise is still to come. */
+static void test_until_it_is_looked_at_noise_is_refused(void)
+{
+    static tumble_run_noise_t noise;
+    declared.take = tumble_navcomp_take_noise;
+    declared.noise = &noise;
+    start_to_average(POSITIONS - 1U);
+    memory.busy_every = 1;
+    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, refusal_of(0x2026, 1));
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, refusal_of(0x2026, 6));
+    memory.busy_every = 0;
+    settle_memory();
+    TEST_ASSERT_EQUAL_HEX32(0, refusal_of(0x2026, 1));
+}
+
 static void test_without_memory_for_it_no_noise_is_told(void)
 {
     (void)run_and_judge();
