@@ -59,8 +59,8 @@ def add_to(subparsers: options.Subparsers, about: str) -> None:
     parser.set_defaults(run_command=run)
 
 
-def add_options(parser: options.Options) -> None:
-    """All that a run can be told."""
+def add_options(parser: options.Options, shows_interactive: bool = True) -> None:
+    """All that a run can be told. Who refuses --interactive does not show it."""
     options.add_seed(parser, "; replays a run exactly")
     parser.add_argument("--stand", metavar="FILE", help="stand file (TOML); default: the paper's stand")
     parser.add_argument("--block", metavar="FILE", help="file of [block] and [block.true]; overrides the stand's")
@@ -85,9 +85,10 @@ def add_options(parser: options.Options) -> None:
     parser.add_argument(
         "--interactive",
         action="store_true",
-        help="you are the operator: the"
-        " bench shows how the block has to sit, waits until you have mounted it (Enter), and asks what to"
-        " do after a fault; without it mountings are taken for done and a fault ends the run",
+        help="you are the operator: the bench shows how the block has to sit, waits until you have mounted it (Enter),"
+        " and asks what to do after a fault; without it mountings are taken for done and a fault ends the run"
+        if shows_interactive
+        else argparse.SUPPRESS,
     )
     options.add_limit(parser)
     parser.add_argument("--out", metavar="DIR", help="run folder, new or empty; default: runs/<UTC time>-<seed>")

@@ -41,8 +41,9 @@ def add_to(subparsers: options.Subparsers, about: str) -> None:
     parser.add_argument(
         "source",
         metavar="SOURCE",
-        help="can:IF: the computer on this CAN interface; modbus:HOST:PORT: behind this gateway; bench: a simulated run"
-        " that begins now; or the folder of a run",
+        help="can:IF: the computer on this CAN interface, can:KIND@CHANNEL on any that python-can knows;"
+        " modbus:HOST:PORT or modbus-rtu:DEVICE[,BAUD[,PARITY]]: behind this gateway; bench: a simulated run that"
+        " begins now; or the folder of a run",
     )
     parser.add_argument(
         "--http",
@@ -53,7 +54,7 @@ def add_to(subparsers: options.Subparsers, about: str) -> None:
     )
     parser.add_argument("--every", metavar="S", default="0.5", help="seconds between two readings; default: 0.5")
     parser.add_argument("--pace", metavar="X", help="of bench: virtual seconds per second; default: 1, as a real stand")
-    bench.add_options(parser.add_argument_group("with SOURCE bench"))
+    bench.add_options(parser.add_argument_group("with SOURCE bench"), shows_interactive=False)
     parser.set_defaults(run_command=run)
 
 
