@@ -1,13 +1,13 @@
 """What `tumble solve` takes of the processor and of memory, start of the interpreter included.
 
-    tools/benchmark solve [--repeat N] [--rows N,...] [--packed]
+    tools/benchmark solve [--repeat N] [--rows N,...] [--packed | --table]
 
 For runs of 900 to 10,000,000 rows: the least of N times of the processor (user and system) and the peak resident memory
 of the whole command; beside it, measured in the same run and by turns, what one would write without it, with no checks
 and no witness: Python's csv module and numpy, up to a million rows; pandas.read_csv and groupby where pandas is
 installed; and the import of numpy alone, below which no way is. All run from compiled modules, whatever
 PYTHONDONTWRITEBYTECODE says. `--packed`: the same of `tumble solve -` and of a file that gzip has compressed, against
-the plain file.
+the plain file. `--table`: as docs/performance.md has it; needs pandas, or exit 77.
 """
 
 import argparse
@@ -18,12 +18,14 @@ import os
 import shutil
 import sys
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
 ROWS = (900, 5_000, 100_000, 1_000_000, 10_000_000)
 MOST_FOR_CSV = 1_000_000
+EXIT_SKIPPED = 77
 
 FORMULAS = """\
 r = np.sqrt(2)
@@ -116,6 +118,41 @@ def race(commands: dict[str, tuple[list[str], str]], repeat: int) -> dict[str, t
     return {name: tuple(map(min, zip(*(one[name] for one in rounds)))) for name in commands}
 
 
+def raced(sizes: list[int], repeat: int, is_packed: bool) -> Iterator[tuple[int, dict[str, tuple[float, float]]]]:
+    """For each size what every command took; `is_packed`: of our own alone, from other sources of the rows."""
+    with tempfile.TemporaryDirectory() as folder:
+        for rows in sizes:
+            run, packed = Path(folder) / f"{rows}.csv", Path(folder) / f"{rows}.csv.gz"
+            prepare(run, packed if is_packed else None, rows)
+            commands = ours(run, packed) if is_packed else {**ours(run, None), **rivals(run, rows)}
+            yield rows, race(commands, repeat)
+            run.unlink()
+
+
+def ours(run: Path, packed: Path | None) -> dict[str, tuple[list[str], str]]:
+    """Commands of `tumble solve`, each with its standard input."""
+    solve = [sys.executable, "-m", "tumble", "solve"]
+    commands = {"tumble solve": ([*solve, str(run)], os.devnull)}
+    if packed is not None:
+        commands["tumble solve -"] = [*solve, "-"], str(run)
+        commands["tumble solve, gzip"] = [*solve, str(packed)], os.devnull
+    return commands
+
+
+def rivals(run: Path, rows: int) -> dict[str, tuple[list[str], str]]:
+    """Commands of the others that can be had here."""
+    return {
+        name: ([sys.executable, "-c", text, str(run)], os.devnull)
+        for name, text in RIVALS.items()
+        if (has_pandas() or not text.startswith(PANDAS)) and (rows <= MOST_FOR_CSV or not text.startswith(CSV))
+    }
+
+
+def has_pandas() -> bool:
+    """Is it installed?"""
+    return importlib.util.find_spec("pandas") is not None
+
+
 def show(rows: int, found: dict[str, tuple[float, float]]) -> None:
     """A line for each, with the first one's ratio to it."""
     (first, (seconds, memory)), *_ = found.items()
@@ -124,31 +161,50 @@ def show(rows: int, found: dict[str, tuple[float, float]]) -> None:
         print(f"{rows:>9}  {name:<20}  {its_seconds:>8.2f} s  {its_memory:>5.0f} MB{ratios}", flush=True)
 
 
-def main() -> None:
-    """Measure and print a table."""
+def row_of_page(rows: int, found: dict[str, tuple[float, float]]) -> str:
+    """The row of the page: seconds and memory of each, and ratios of ours to the others."""
+    seconds, memory = found["tumble solve"]
+    cells = [f"{rows:,}", f"{seconds:.2f} s, {memory:,.0f} MB"]
+    for name in ("pandas", "csv and numpy"):
+        its = found.get(name)
+        cells.append(f"{its[0]:.2f} s, {its[1]:,.0f} MB" if its else "")
+        cells.append(f"{seconds / its[0]:.2f}, {memory / its[1]:.2f}" if its else "")
+    cells.append(f"{seconds / found['import numpy'][0]:.2f}")
+    return f"| {' | '.join(cells)} |"
+
+
+def print_table(sizes: list[int], repeat: int) -> None:
+    """The table of docs/performance.md, and what other sources of the rows cost."""
+    print("| rows | tumble solve | pandas | ratios to it | csv | ratios to it | time to numpy's import |")
+    print("|---|---|---|---|---|---|---|")
+    for rows, found in raced(sizes, repeat, is_packed=False):
+        print(row_of_page(rows, found), flush=True)
+    for rows, found in raced(sizes[-1:], repeat, is_packed=True):
+        taken = "; ".join(f"{name}: {seconds:.2f} s" for name, (seconds, _) in found.items())
+        machine = f"{os.cpu_count()} processors, load {os.getloadavg()[1]:.1f} in the last five minutes"
+        print(f"\n```text\n{rows:,} rows, {taken}\n{machine}\n```")
+
+
+def main() -> int:
+    """Measure and print a table. Returns the exit code."""
     parser = argparse.ArgumentParser(description="Measure `tumble solve` beside csv, numpy and pandas.")
     parser.add_argument("--repeat", type=int, default=3, help="the least of so many (default 3)")
     parser.add_argument("--rows", default=",".join(map(str, ROWS)), help="sizes (default %(default)s)")
     parser.add_argument("--packed", action="store_true", help="standard input and gzip instead of others")
+    parser.add_argument("--table", action="store_true", help="for docs/performance.md")
     arguments = parser.parse_args()
-    solve = [sys.executable, "-m", "tumble", "solve"]
+    sizes = [int(size) for size in arguments.rows.split(",")]
+    if arguments.table:
+        if not has_pandas():
+            print("needs pandas", file=sys.stderr)
+            return EXIT_SKIPPED
+        print_table(sizes, arguments.repeat)
+        return 0
     print("     rows  what                  processor    memory    time  memory   (tumble solve to it)")
-    with tempfile.TemporaryDirectory() as folder:
-        for rows in map(int, arguments.rows.split(",")):
-            run, packed = Path(folder) / f"{rows}.csv", Path(folder) / f"{rows}.csv.gz"
-            prepare(run, packed if arguments.packed else None, rows)
-            commands = {"tumble solve": ([*solve, str(run)], os.devnull)}
-            if arguments.packed:
-                commands["tumble solve -"] = [*solve, "-"], str(run)
-                commands["tumble solve, gzip"] = [*solve, str(packed)], os.devnull
-            else:
-                for name, text in RIVALS.items():
-                    is_there = importlib.util.find_spec("pandas") is not None if text.startswith(PANDAS) else True
-                    if is_there and (rows <= MOST_FOR_CSV or not text.startswith(CSV)):
-                        commands[name] = [sys.executable, "-c", text, str(run)], os.devnull
-            show(rows, race(commands, arguments.repeat))
-            run.unlink()
+    for rows, found in raced(sizes, arguments.repeat, arguments.packed):
+        show(rows, found)
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -74,7 +74,7 @@ def test_what_is_left_out_stays_as_it_was(tmp_path, monkeypatch, capsys, exits, 
 def test_each_program_that_the_page_names_prints_a_table():
     """The option is there; the figures are for the benchmarks' own tests."""
     named = page.names(page.PAGE.read_text(encoding="utf-8"))
-    assert {"cortex_m4", "latency"} <= set(named) and len(named) == len(set(named))
+    assert {"cortex_m4", "latency", "solve", "simulation"} <= set(named) and len(named) == len(set(named))
     for name in named:
         assert page.table_of(page.PAGE.read_text(encoding="utf-8"), name)
         assert '"--table"' in (ROOT / f"tests/benchmark/{name}.py").read_text(encoding="utf-8")
@@ -82,4 +82,5 @@ def test_each_program_that_the_page_names_prints_a_table():
 
 def test_a_name_that_is_none_is_refused():
     refused = subprocess.run([ROOT / "tools/benchmark", "nothing"], capture_output=True, text=True, check=False)
-    assert refused.returncode == 2 and "NAME is one of: all campaign cortex_m4 latency scaling solve" in refused.stderr
+    assert refused.returncode == 2
+    assert "NAME is one of: all campaign cortex_m4 latency scaling simulation solve" in refused.stderr
