@@ -17,13 +17,44 @@
 #define TURN_COMMAND 0x80000000U
 #define DEG_PER_UNIT 1e-5
 #define LONG_WAIT_S 1.0
+#define PATIENCE_MS 10000 /* with a guest that is behind when the run ends */
 
 static void send_away(bench_guests_t *guests, bench_guest_t *guest)
 {
     (void)close(guest->socket);
     guest->socket = -1;
     guest->have = 0;
+    guest->waiting = 0;
     guests->present--;
+}
+
+/* As much of the backlog as its socket takes. False: it is gone. */
+static bool send_backlog(bench_guest_t *guest)
+{
+    while (guest->waiting > 0U) {
+        const uint32_t to_end = (uint32_t)sizeof guest->backlog - guest->first;
+        const uint32_t span = (guest->waiting < to_end) ? guest->waiting : to_end;
+        const ssize_t sent = send(guest->socket, guest->backlog + guest->first, span, MSG_NOSIGNAL);
+        if (sent < 0) {
+            return errno == EAGAIN || errno == EINTR;
+        }
+        guest->first = (guest->first + (uint32_t)sent) % (uint32_t)sizeof guest->backlog;
+        guest->waiting -= (uint32_t)sent;
+    }
+    return true;
+}
+
+/* False: it is gone, or so slow that its backlog is full. */
+static bool tell(bench_guest_t *guest, const uint8_t *record)
+{
+    if (guest->waiting > sizeof guest->backlog - BENCH_GUEST_RECORD) {
+        return false;
+    }
+    for (uint32_t i = 0; i < BENCH_GUEST_RECORD; i++) { /* the ring may end within a record of which a part was sent */
+        guest->backlog[(guest->first + guest->waiting + i) % sizeof guest->backlog] = record[i];
+    }
+    guest->waiting += BENCH_GUEST_RECORD;
+    return send_backlog(guest);
 }
 
 static const char *listen_at(bench_guests_t *guests, const char *path)
@@ -71,7 +102,7 @@ static void welcome(bench_guests_t *guests)
     for (uint32_t i = 0; i < BENCH_MAX_GUESTS; i++) {
         if (guests->guests[i].socket < 0) {
             (void)fcntl(newcomer, F_SETFL, O_NONBLOCK);
-            guests->guests[i] = (bench_guest_t){.socket = newcomer};
+            guests->guests[i].socket = newcomer;
             guests->present++;
             guests->had_any = true;
             return;
@@ -85,11 +116,17 @@ bool bench_guests_poll(bench_guests_t *guests, double timeout_s)
     struct pollfd watched[1 + BENCH_MAX_GUESTS];
     watched[0] = (struct pollfd){.fd = guests->listener, .events = POLLIN};
     for (uint32_t i = 0; i < BENCH_MAX_GUESTS; i++) {
-        watched[1U + i] = (struct pollfd){.fd = guests->guests[i].socket, .events = POLLIN}; /* -1 is passed over */
+        const bench_guest_t *const guest = &guests->guests[i]; /* the socket -1 is passed over */
+        watched[1U + i] = (struct pollfd){guest->socket, (short)(POLLIN | ((guest->waiting > 0U) ? POLLOUT : 0)), 0};
     }
     const int ready = poll(watched, 1 + BENCH_MAX_GUESTS, (int)(timeout_s * 1e3));
     if (ready > 0 && watched[0].revents != 0) {
         welcome(guests);
+    }
+    for (uint32_t i = 0; i < BENCH_MAX_GUESTS; i++) {
+        if (ready > 0 && (watched[1U + i].revents & POLLOUT) != 0 && !send_backlog(&guests->guests[i])) {
+            send_away(guests, &guests->guests[i]);
+        }
     }
     return ready > 0;
 }
@@ -162,9 +199,8 @@ void bench_guests_tell(bench_guests_t *guests, uint8_t sender, const tumble_can_
     bench_guests_write(record, frame);
     for (uint32_t i = 0; i < BENCH_MAX_GUESTS; i++) {
         bench_guest_t *const guest = &guests->guests[i];
-        if (guest->socket >= 0 && sender != BENCH_BUS_GUEST + i &&
-            send(guest->socket, record, sizeof record, MSG_NOSIGNAL) != (ssize_t)sizeof record) {
-            send_away(guests, guest); /* gone, or so slow that its buffer is full */
+        if (guest->socket >= 0 && sender != BENCH_BUS_GUEST + i && !tell(guest, record)) {
+            send_away(guests, guest);
         }
     }
 }
@@ -177,8 +213,12 @@ bool bench_guests_have_left(const bench_guests_t *guests)
 void bench_guests_close(bench_guests_t *guests)
 {
     for (uint32_t i = 0; i < BENCH_MAX_GUESTS; i++) {
-        if (guests->guests[i].socket >= 0) {
-            send_away(guests, &guests->guests[i]);
+        bench_guest_t *const guest = &guests->guests[i];
+        struct pollfd room = {guest->socket, POLLOUT, 0};
+        while (guest->waiting > 0U && poll(&room, 1, PATIENCE_MS) > 0 && send_backlog(guest)) {
+        }
+        if (guest->socket >= 0) {
+            send_away(guests, guest);
         }
     }
     (void)close(guests->listener);

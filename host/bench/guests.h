@@ -3,7 +3,9 @@
  * A stream socket of the Unix domain. Either side sends records of 16 bytes, laid out as struct can_frame of Linux with
  * the identifier in little endian: identifier (4 bytes), length (1), three bytes 0, data (8). Every guest receives
  * every frame of the bus but its own, at the end of the frame. What a guest sends takes part in arbitration as the
- * frames of one more node; a record that is no classic data frame with an 11-bit identifier ends the connection.
+ * frames of one more node; a record that is no classic data frame with an 11-bit identifier ends the connection. What a
+ * guest does not take at once waits for it, up to BENCH_GUEST_BACKLOG records: on a busy machine it may stand still for
+ * seconds. One that is further behind is sent away.
  *
  * Identifier 0x80000000 is no frame but turns the table of the simulated stand, for a drive that runs outside (with
  * present.drive = no): data 0-3 the angle, int32, data 4-7 the speed, uint32 above 0, both in units of 1e-5 degrees (a
@@ -22,11 +24,15 @@
 #include <stdint.h>
 
 #define BENCH_GUEST_RECORD 16
+#define BENCH_GUEST_BACKLOG 8192 /* 13 s of a block of 250 samples a second and its drive */
 
 typedef struct {
     int socket;                        /* -1: nobody */
     uint8_t bytes[BENCH_GUEST_RECORD]; /* a record that has not come whole */
     uint32_t have;
+    uint8_t backlog[BENCH_GUEST_BACKLOG * BENCH_GUEST_RECORD]; /* a ring: what its socket has not taken yet */
+    uint32_t first;
+    uint32_t waiting; /* bytes from `first` on */
 } bench_guest_t;
 
 typedef struct {
@@ -40,7 +46,8 @@ typedef struct {
 /* Make the socket and wait until `awaited` guests have come. Null, or what is wrong. */
 const char *bench_guests_open(bench_guests_t *guests, const char *path, uint32_t awaited);
 
-/* Wait for at most `timeout_s` for something to come from a guest or a new one. True: something has. */
+/* Wait for at most `timeout_s` for something to come from a guest or a new one, or for a guest that is behind to take
+ * more. True: that was so. */
 bool bench_guests_poll(bench_guests_t *guests, double timeout_s);
 
 /* Take what has come: frames go on the bus at the world's present time. */
@@ -52,6 +59,7 @@ void bench_guests_tell(bench_guests_t *guests, uint8_t sender, const tumble_can_
 /* There were guests, and all have left. */
 bool bench_guests_have_left(const bench_guests_t *guests);
 
+/* A guest that is behind gets the rest, if it takes some of it every ten seconds. */
 void bench_guests_close(bench_guests_t *guests);
 
 /* A frame as such a record. */

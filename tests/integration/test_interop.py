@@ -1,7 +1,9 @@
 """Others on the simulated bus: python-canopen as a master, a drive that is not ours, cantools on the bus log."""
 
+import contextlib
 import re
 import signal
+import time
 
 import numpy as np
 import pytest
@@ -171,3 +173,41 @@ def test_the_bus_says_what_it_cannot_do(tmp_path):
 def test_python_can_finds_the_bus_by_its_name():
     project = (ROOT / "host/python/pyproject.toml").read_text()
     assert re.search(r'\[project\.entry-points\."can\.interface"\]\ntumble = "tumble\.canbus:TumbleBus"\n', project)
+
+
+def frames_of(log):
+    """(identifier, data) of every frame of a bus log, in hexadecimal."""
+    return [tuple(line.split()[2].split("#")) for line in log.read_text().splitlines()]
+
+
+def heard(bus):
+    """Everything until the bench ends, or sends this guest away."""
+    found = []
+    with contextlib.suppress(can.CanOperationError):
+        while (message := bus.recv(timeout=20.0)) is not None:
+            found.append((f"{message.arbitration_id:03X}", message.data.hex().upper()))
+    return found
+
+
+def test_a_guest_that_stands_still_for_a_while_misses_nothing(tmp_path):
+    """For a whole run of thousands of frames, many times what a socket holds: a machine may be that busy."""
+    keys = {"motion__speed_deg_s": 720, "motion__acceleration_deg_s2": 7200, "procedure__samples": 10}
+    path, out = scenario(tmp_path, **keys), tmp_path / "run"
+    with served(path, "--pace", "1000", "--out", out) as (run, socket):
+        bus = TumbleBus(socket)
+        time.sleep(1.0)
+        found = heard(bus)
+        assert run.wait() == 0
+        bus.shutdown()
+    assert len(found) > 4000 and found == frames_of(out / "bus.log")
+
+
+def test_a_guest_that_is_too_far_behind_is_sent_away_and_the_run_goes_on(tmp_path):
+    path, out = scenario(tmp_path), tmp_path / "run"
+    with served(path, "--pace", "1000", "--out", out) as (run, socket):
+        bus = TumbleBus(socket)
+        assert run.wait() == 0
+        found = heard(bus)
+        bus.shutdown()
+    sent = frames_of(out / "bus.log")
+    assert len(sent) > 10000 and 0 < len(found) < len(sent) and found == sent[: len(found)]
