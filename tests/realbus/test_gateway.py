@@ -26,11 +26,11 @@ U0 = [f"U0: U0_{row}" for row in "xyz"]
 
 
 class Served:
-    """tumble-gateway, and a pymodbus client of it."""
+    """tumble-gateway, and a pymodbus client of it, which may be silent for minutes while others ask."""
 
     def __init__(self, bus, *options):
         program = built("tumble-gateway", "host/gateway")
-        command = [program, "--can", str(bus), "--tcp", "127.0.0.1:0", "--poll", "100", *options]
+        command = [program, "--can", str(bus), "--tcp", "127.0.0.1:0", "--poll", "100", "--idle", "86400", *options]
         self.process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
         self.line = self.process.stderr.readline()
         self.port = int(re.search(r" at 127\.0\.0\.1:(\d+)", self.line)[1])
