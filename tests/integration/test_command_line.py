@@ -1,5 +1,6 @@
 """`tumble` alone, other names of commands, and what a shell completes."""
 
+import os
 import shutil
 import subprocess
 import sys
@@ -127,3 +128,15 @@ def test_every_shell_has_a_script(shell, script):
     assert "tumble" in text and "uncertainty" in text
     if shutil.which(shell):
         subprocess.run([shell, "-n"], input=text, text=True, check=True)
+
+
+@pytest.mark.skipif((os.cpu_count() or 1) < 2, reason="one processor")
+@pytest.mark.parametrize(("given", "threads"), [({}, 1), ({"OPENBLAS_NUM_THREADS": "2"}, 2)])
+def test_numpy_has_one_thread_unless_somebody_asks_for_more(given, threads):
+    """As a process of its own; a script that imports the package keeps numpy as it was."""
+    environment = {name: value for name, value in os.environ.items() if name != "OPENBLAS_NUM_THREADS"}
+    count = "import tumble.__main__, os, numpy; print(len(os.listdir('/proc/self/task')), 'openblas' in str("
+    count += "numpy.show_config(mode='dicts')['Build Dependencies']['blas']['name']))"
+    done = subprocess.run([sys.executable, "-c", count], env={**environment, **given}, capture_output=True, text=True)
+    found, is_openblas = done.stdout.split()
+    assert done.stderr == "" and (int(found) == threads or is_openblas == "False")
