@@ -236,7 +236,7 @@ def machine_lines(found):
     outside, count = found["outside"], found["processors"]
     where = "Linux" if outside["taken_s"] is None else "user-mode Linux"
     yield f"{where} {found['kernel']}, {count} processor{'s' * (count > 1)}; on a machine of {outside['processors']},"
-    yield f"of whose time others had {outside['others']:.0%}, and {outside['idle']:.0%} was idle"
+    yield f"of whose time others had {max(0.0, outside['others']):.0%}, and {outside['idle']:.0%} was idle"
     if outside["taken_s"] is not None:
         left_out_s = max(outside["taken_s"] - found["inside_s"], 0.0)
         yield f"its clock left out {left_out_s:.0f} of {outside['taken_s']:.0f} s"
