@@ -215,7 +215,7 @@ void bench_guests_close(bench_guests_t *guests)
     for (uint32_t i = 0; i < BENCH_MAX_GUESTS; i++) {
         bench_guest_t *const guest = &guests->guests[i];
         struct pollfd room = {guest->socket, POLLOUT, 0};
-        while (guest->waiting > 0U && poll(&room, 1, PATIENCE_MS) > 0 && send_backlog(guest)) {
+        while (guest->waiting > 0U && !bench_interrupted() && poll(&room, 1, PATIENCE_MS) > 0 && send_backlog(guest)) {
         }
         if (guest->socket >= 0) {
             send_away(guests, guest);

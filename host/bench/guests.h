@@ -24,7 +24,7 @@
 #include <stdint.h>
 
 #define BENCH_GUEST_RECORD 16
-#define BENCH_GUEST_BACKLOG 8192 /* 13 s of a block of 250 samples a second and its drive */
+#define BENCH_GUEST_BACKLOG 8192 /* 30 s of a run with 100 samples a second */
 
 typedef struct {
     int socket;                        /* -1: nobody */
@@ -59,7 +59,7 @@ void bench_guests_tell(bench_guests_t *guests, uint8_t sender, const tumble_can_
 /* There were guests, and all have left. */
 bool bench_guests_have_left(const bench_guests_t *guests);
 
-/* A guest that is behind gets the rest, if it takes some of it every ten seconds. */
+/* A guest that is behind gets the rest, if it takes some of it every ten seconds and the run was not interrupted. */
 void bench_guests_close(bench_guests_t *guests);
 
 /* A frame as such a record. */
