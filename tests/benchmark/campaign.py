@@ -4,8 +4,8 @@
 
 For every stand: how many runs of tumble-bench numpy disagrees with; mean and root mean square of (estimate - truth)/u
 by coefficient; the share of runs that pass the gravity check, beside the share that a Monte Carlo of the exact geometry
-in numpy predicts, and how probable it is to be that far off by chance; calibrations and frames per second. Needs the
-package to be importable, as in the tests.
+in numpy predicts, and how probable it is to be that far off by chance. Needs the package to be importable, as
+in the tests.
 """
 
 import argparse
@@ -183,17 +183,6 @@ def show(name: str, campaign: Campaign) -> None:
     print(f"  largest |error| {np.abs(campaign.errors).max():.2f} u")
 
 
-def show_speed(runs: int) -> None:
-    """Print how fast one core is, by the program's own clock."""
-    setup, _ = setup_of(STANDS[0])
-    summary = run_program(setup, "--runs", str(runs), "--summary", "--jobs", "1")[0]
-    print(
-        f"one core: {summary['calibrations_per_s']:.0f} calibrations/s,"
-        f" {summary['frames_per_s'] / 1e6:.2f} million frames/s"
-        f" (of processor time: {summary['calibrations_per_cpu_s']:.0f}, {summary['frames_per_cpu_s'] / 1e6:.2f})"
-    )
-
-
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description="Campaigns of tumble-bench on the example stands.")
@@ -204,7 +193,6 @@ def main() -> None:
     arguments = parser.parse_args()
     for name in arguments.stands:
         show(name, measure(name, arguments.runs, arguments.seed, arguments.jobs))
-    show_speed(arguments.runs)
 
 
 if __name__ == "__main__":
