@@ -130,13 +130,15 @@ def test_every_shell_has_a_script(shell, script):
         subprocess.run([shell, "-n"], input=text, text=True, check=True)
 
 
-@pytest.mark.skipif((os.cpu_count() or 1) < 2, reason="one processor")
+@pytest.mark.skipif(len(os.sched_getaffinity(0)) < 2, reason="one processor")
 @pytest.mark.parametrize(("given", "threads"), [({}, 1), ({"OPENBLAS_NUM_THREADS": "2"}, 2)])
 def test_numpy_has_one_thread_unless_somebody_asks_for_more(given, threads):
     """As a process of its own; a script that imports the package keeps numpy as it was."""
     environment = {name: value for name, value in os.environ.items() if name != "OPENBLAS_NUM_THREADS"}
-    count = "import tumble.__main__, os, numpy; print(len(os.listdir('/proc/self/task')), 'openblas' in str("
-    count += "numpy.show_config(mode='dicts')['Build Dependencies']['blas']['name']))"
+    count = "import tumble.__main__, os, numpy; print(len(os.listdir('/proc/self/task')))"
+    count += "; print(open('/proc/self/maps').read())"
     done = subprocess.run([sys.executable, "-c", count], env={**environment, **given}, capture_output=True, text=True)
-    found, is_openblas = done.stdout.split()
-    assert done.stderr == "" and (int(found) == threads or is_openblas == "False")
+    assert done.stderr == ""
+    if "openblas" not in done.stdout:
+        pytest.skip("this numpy has another library for matrices")
+    assert int(done.stdout.split()[0]) == threads

@@ -8,8 +8,8 @@ from tumble import interruption
 # Before anything else is loaded, which takes its time.
 interruption.end_at_once()
 
-# Its matrices are too small for threads, which would wait for work in a loop: a half more of the processor for nothing.
-# And no last bit depends on how many processors there are.
+# Our matrices are too small for OpenBLAS's threads, which wait for work in a loop: `plan validate` took half as much
+# again of the processor. And no last bit depends on how many processors there are.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from tumble.cli.main import main  # noqa: E402
