@@ -14,21 +14,12 @@
 #define INFINITE_FLOAT_BITS 0x7F800000U
 #define EXPONENT_DIFFERENCE 0xC0000000U
 
-/* Doubles without a sign order as their bits do, and what is not a number lies above infinity. So these tests compare
- * integers: without floating point hardware that is a tenth of the work. */
-static uint64_t bits_of(double x)
-{
-    uint64_t bits;
-    (void)memcpy(&bits, &x, sizeof bits);
-    return bits;
-}
-
 /* Float and double differ in the number of bits of the fraction, 29, and in what an exponent counts from. A fraction that is
  * rounded up beyond its bits carries into the exponent, as it should. */
 float tumble_to_float(double x)
 {
-    const uint64_t size = bits_of(tumble_abs(x));
-    const uint32_t sign = (uint32_t)(bits_of(x) >> 32) & 0x80000000U;
+    const uint64_t size = tumble_bits(tumble_abs(x));
+    const uint32_t sign = (uint32_t)(tumble_bits(x) >> 32) & 0x80000000U;
     const uint32_t even = (uint32_t)(size >> 29) & 1U;
     const uint32_t rounded = (uint32_t)((size + 0x0FFFFFFFU + even) >> 29);
     uint32_t bits = 0;
@@ -47,33 +38,33 @@ float tumble_to_float(double x)
 
 bool tumble_is_finite(double x)
 {
-    return bits_of(tumble_abs(x)) < INFINITE_BITS;
+    return tumble_bits(tumble_abs(x)) < INFINITE_BITS;
 }
 
 bool tumble_is_positive(double x)
 {
-    return (bits_of(x) - 1U) < (INFINITE_BITS - 1U);
+    return (tumble_bits(x) - 1U) < (INFINITE_BITS - 1U);
 }
 
 bool tumble_within(double x, double bound)
 {
-    return bits_of(tumble_abs(x)) <= bits_of(bound);
+    return tumble_bits(tumble_abs(x)) <= tumble_bits(bound);
 }
 
 /* A difference is 0 between equal numbers alone, and may be infinite. */
 bool tumble_exceeds(double a, double b)
 {
-    return (bits_of(a - b) - 1U) < INFINITE_BITS;
+    return (tumble_bits(a - b) - 1U) < INFINITE_BITS;
 }
 
 double tumble_larger(double a, double b)
 {
-    return (bits_of(a) > bits_of(b)) ? a : b;
+    return (tumble_bits(a) > tumble_bits(b)) ? a : b;
 }
 
 uint64_t tumble_whole(double x)
 {
-    const uint64_t bits = bits_of(x);
+    const uint64_t bits = tumble_bits(x);
     const uint64_t digits = (bits & (IMPLIED_ONE - 1U)) | IMPLIED_ONE;
     const uint32_t behind_point = (EXPONENT_OF_ONE + FRACTION_BITS) - (uint32_t)(bits >> FRACTION_BITS);
     return (behind_point <= FRACTION_BITS) ? (digits >> behind_point) : 0U;
@@ -102,9 +93,9 @@ static uint32_t upper_digits(uint32_t upper)
  * than x has. So half of the last place is added, the rest is cut off, and neither remainder nor evenness is asked for. */
 double tumble_divide(double x, double n)
 {
-    const uint64_t bits = bits_of(x);
+    const uint64_t bits = tumble_bits(x);
     const uint32_t upper = (uint32_t)(bits >> 32);
-    const uint32_t upper_of_n = (uint32_t)(bits_of(n) >> 32);
+    const uint32_t upper_of_n = (uint32_t)(tumble_bits(n) >> 32);
     if (((upper >> 20) & 0x7FFU) < LEAST_EXPONENT) {
         return x; /* 0, or so small that the quotient might have fewer digits */
     }
@@ -125,7 +116,5 @@ double tumble_divide(double x, double n)
         head -= UPPER_ONE;
     }
     found = ((found + 4U) >> 3) + ((uint64_t)head << 32);
-    double result;
-    (void)memcpy(&result, &found, sizeof result);
-    return result;
+    return tumble_from_bits(found);
 }

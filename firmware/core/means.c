@@ -3,15 +3,22 @@
 #include "core/arith.h"
 #include "tumble/core.h"
 
-bool tumble_means_are_numbers(const tumble_schedule_t *schedule, const tumble_means_t *means)
+#include <stddef.h>
+
+tumble_status_t tumble_means_check(const tumble_schedule_t *schedule, const tumble_means_t *means,
+                                   const tumble_coefficients_t *coefficients)
 {
-    bool numbers = true;
+    if ((schedule == NULL) || (means == NULL) || (coefficients == NULL)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    uint64_t largest = 0;
     for (uint8_t p = 0; p < schedule->position_count; p++) {
         for (int i = 0; (i < TUMBLE_CHANNELS) && means->measured[p]; i++) {
-            numbers = numbers && tumble_within(means->u_v[p][i], TUMBLE_MAX_MEAN_V);
+            const uint64_t size = tumble_bits(tumble_abs(means->u_v[p][i]));
+            largest = (size > largest) ? size : largest;
         }
     }
-    return numbers;
+    return (largest <= tumble_bits(TUMBLE_MAX_MEAN_V)) ? TUMBLE_OK : TUMBLE_E_NOT_FINITE;
 }
 
 bool tumble_means_are_complete(const tumble_schedule_t *schedule, const tumble_means_t *means)

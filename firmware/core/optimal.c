@@ -239,9 +239,6 @@ static tumble_status_t pass(work_t *work, const tumble_means_t *means, bool firs
 static tumble_status_t check(const tumble_gain_record_t *record, const tumble_schedule_t *schedule,
                              const tumble_means_t *means)
 {
-    if (!tumble_means_are_numbers(schedule, means)) {
-        return TUMBLE_E_NOT_FINITE;
-    }
     if ((record->fit_positions != tumble_means_fit_positions(schedule)) ||
         (record->mountings != schedule->mounting_count)) {
         return TUMBLE_E_GAIN_TABLE;
@@ -253,10 +250,13 @@ tumble_status_t tumble_estimate_optimal(const tumble_gain_record_t *record, cons
                                         const tumble_means_t *means, tumble_coefficients_t *coefficients,
                                         tumble_optimal_t *optimal)
 {
-    if ((record == NULL) || (schedule == NULL) || (means == NULL) || (coefficients == NULL) || (optimal == NULL)) {
+    if ((record == NULL) || (optimal == NULL)) {
         return TUMBLE_E_ARGUMENT;
     }
-    tumble_status_t status = check(record, schedule, means);
+    tumble_status_t status = tumble_means_check(schedule, means, coefficients);
+    if (status == TUMBLE_OK) {
+        status = check(record, schedule, means);
+    }
     if (status != TUMBLE_OK) {
         return status;
     }

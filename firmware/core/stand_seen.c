@@ -81,22 +81,20 @@ static bool is_alike(const tumble_mounting_t *a, const tumble_mounting_t *b)
 }
 
 /* Where the paper's positions are. False when one is not there, or when there are other circles. */
-static bool find_paper(const tumble_schedule_t *schedule, const bool *measured, uint8_t index[MOUNTINGS * POSITIONS])
+static bool find_paper(const tumble_harmonic_map_t *map, uint8_t index[MOUNTINGS * POSITIONS])
 {
-    uint8_t circles = 0;
     uint8_t found = 0;
-    for (uint8_t m = 0; m < schedule->mounting_count; m++) {
-        tumble_circle_t circle;
-        tumble_circle_find(schedule, measured, m, &circle);
-        circles = (uint8_t)(circles + ((circle.over != 0U) ? 1U : 0U));
-        for (uint8_t paper = 0; (paper < MOUNTINGS) && (circle.over == 8U); paper++) {
-            if (is_alike(&schedule->mountings[m], &tumble_schedule_paper.mountings[paper])) {
-                (void)memcpy(&index[(size_t)POSITIONS * paper], &circle.index[1], POSITIONS);
+    for (uint8_t c = 0; c < map->count; c++) {
+        const tumble_circle_t *circle = &map->circle[c];
+        const tumble_mounting_t *mounting = &map->schedule->mountings[circle->mounting];
+        for (uint8_t paper = 0; (paper < MOUNTINGS) && (circle->stride == 1U); paper++) {
+            if (is_alike(mounting, &tumble_schedule_paper.mountings[paper])) {
+                (void)memcpy(&index[(size_t)POSITIONS * paper], circle->index, POSITIONS);
                 found++;
             }
         }
     }
-    return (found == MOUNTINGS) && (circles == MOUNTINGS);
+    return (found == MOUNTINGS) && (map->count == MOUNTINGS);
 }
 
 tumble_status_t tumble_seen_angles(const tumble_schedule_t *schedule, const tumble_means_t *means,
@@ -117,7 +115,7 @@ tumble_status_t tumble_seen_angles(const tumble_schedule_t *schedule, const tumb
     tumble_harmonic_map_t map;
     uint8_t index[MOUNTINGS * POSITIONS];
     tumble_status_t status = tumble_schedule_harmonic(schedule, means->measured, &map, NULL);
-    if ((status == TUMBLE_OK) && !find_paper(schedule, means->measured, index)) {
+    if ((status == TUMBLE_OK) && !find_paper(&map, index)) {
         status = TUMBLE_E_NOT_HARMONIC;
     }
     if (status == TUMBLE_OK) {

@@ -56,19 +56,16 @@ typedef struct {
 #define NORMAL_SHIFT 4U
 #define SIXTEENTHS 0xFU
 
-/* What each mean weighs in s and c, times sine or cosine (estimator.c), and twice what it weighs in b: of nine positions
+/* What each mean weighs in s and c, times sine or cosine (closed_form.c), and twice what it weighs in b: of nine positions
  * 1/4, but the two ends, which share one attitude, 1/8; of the diagonals 1/2. */
-static void find_slots(const tumble_judged_run_t *run, uint8_t slots[TUMBLE_MAX_POSITIONS])
+static void find_slots(const tumble_harmonic_map_t *map, uint8_t slots[TUMBLE_MAX_POSITIONS])
 {
-    for (uint8_t m = 0; m < run->schedule->mounting_count; m++) {
-        tumble_circle_t circle;
-        tumble_circle_find(run->schedule, run->measured, m, &circle);
-        for (uint32_t step = 1; (step <= TUMBLE_STEPS) && (circle.over != 0U); step++) {
-            const bool is_end = (step == 1U) || (step == TUMBLE_STEPS);
-            const uint32_t weight = is_end ? 2U : (32U / circle.over);
-            if (circle.index[step] != TUMBLE_NOWHERE) {
-                slots[circle.index[step]] = (uint8_t)(weight | ((uint32_t)circle.normal << NORMAL_SHIFT));
-            }
+    for (uint8_t m = 0; m < map->count; m++) {
+        const tumble_circle_t *circle = &map->circle[m];
+        for (uint32_t step = circle->stride - 1U; step < TUMBLE_STEPS; step += circle->stride) {
+            const bool is_end = (step == 0U) || (step == (TUMBLE_STEPS - 1U));
+            const uint32_t weight = is_end ? 2U : (4U * circle->stride);
+            slots[circle->index[step]] = (uint8_t)(weight | ((uint32_t)circle->normal << NORMAL_SHIFT));
         }
     }
 }
@@ -78,7 +75,7 @@ static double harmonic_gain(const gains_t *gains, uint8_t p)
     const uint32_t slot = gains->slots[p];
     const double weight = (double)(slot & SIXTEENTHS) / 16.0;
     if (gains->unknown == BIAS) {
-        return tumble_divide(0.5 * weight, (double)tumble_circle_count(gains->map));
+        return tumble_divide(0.5 * weight, (double)gains->map->count);
     }
     const uint8_t share = tumble_circle_share(gains->map, gains->kind == REFINED, gains->channel, gains->unknown,
                                               (int)(slot >> NORMAL_SHIFT));
@@ -337,7 +334,7 @@ static tumble_status_t judge_harmonic(kind_t kind, const tumble_judged_run_t *ru
     }
     report(refusal, missing, 0);
     if (status == TUMBLE_OK) {
-        find_slots(run, slots);
+        find_slots(&map, slots);
         status = judge(&gains, uncertainty);
     }
     return status;

@@ -26,13 +26,8 @@ from pathlib import Path
 
 import costs_page as page
 import numpy as np
+from cortex_m4_data import OTHERS, write_data
 from cortex_m4_formulas import formulas
-
-from tumble import core
-from tumble.core import optimal as core_optimal, uncertainty
-from tumble.reference import Geometry
-from tumble.solving import gain_record, gains
-from tumble.stand import PAPER_STAND
 
 ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).resolve().parent / "cortex_m4"
@@ -63,8 +58,11 @@ CANDIDATES = {
     "one of `least_squares`, noise above": 20,
     "refined, three mountings": 16,
     "refined, diagonal": 17,
+    "refined, circles known": 22,
+    "refined, from sums": 23,
+    "refined, diagonal, circles known": 24,
+    "refined, diagonal, from sums": 25,
 }
-OTHERS = ("three_mountings", "diagonal")  # schedules beside the paper's
 SAMPLES = 512  # in one loop, as benchmark.h has it
 BUDGETS = "build/{0}/boards/*/budget_*.csv"  # by preset
 PRESETS = ("cortex-m4", "zcu102")
@@ -72,6 +70,7 @@ SOURCES = ("firmware/**/*.[ch]", "boards/**/*.[chS]", "boards/**/CMakeLists.txt"
 KNOWN = {1: "refined", 2: "least_squares", 3: "linear", 4: "optimal"}
 KNOWN |= dict.fromkeys((6, 7, 12), "least_squares")
 KNOWN |= {13: "u refined", 14: "u least_squares", 15: "u optimal", 16: OTHERS[0], 17: OTHERS[1]}
+KNOWN |= {22: "refined", 23: "sums", 24: OTHERS[1], 25: "diagonal_sums"}
 LOOP = "a loop over samples"
 SAMPLE_PATHS = ("a sample, without gates", "a sample, with gates", "a sample in blocks")
 STEPS = {"idle": "an idle step", "sample": "a step with a sample", "other": "any other step"}
@@ -280,54 +279,6 @@ def budget_lines():
             old = "" if path.stat().st_mtime >= changed else "  older than the sources"
             lines.append(f"{rows['code']['target'] + ' ' + rows['code']['part']:32}{cells}{old}")
     return lines
-
-
-def write_data(path):
-    """Write the run, its stand and its record as C; return what the host makes of them, (12,) by estimator."""
-    schedule = core.CoreSchedule(core.paper_schedule())
-    rng = np.random.default_rng(1)
-    k = np.full((3, 3), 0.04) + 1.96 * np.eye(3)
-    errors = {"alpha1": 2e-5, "alpha2": -2e-5, "alpha3": [4e-4, -4e-4], "delta": 4e-5 * rng.normal(size=18)}
-    means = Geometry(schedule.data).outputs(k, np.array([0.01, -0.02, 0.03]), **errors) + 4e-5 * rng.normal(
-        size=(18, 3)
-    )
-    others = {name: Geometry(core.built_in(name)).outputs(k, np.array([0.01, -0.02, 0.03])) for name in OTHERS}
-    written = gain_record.record_of(gains.optimal_table(schedule.data, k, PAPER_STAND), schedule.data)
-    sigmas = ", ".join(
-        PAPER_STAND.sigma(source).hex() for source in ("axis_tilt", "level", "remount", "angle", "noise")
-    )
-    path.write_text(
-        gain_record.to_c_header(written)
-        + f"""#include "data.h"
-const tumble_means_t benchmark_means = {{.u_v = {{{rows_of(means)}}},
-    .measured = {{{", ".join(["true"] * 18)}}}}};
-{"".join(means_as_c(name, outputs) for name, outputs in others.items())}
-const tumble_gain_record_t *const benchmark_record = &tumble_optimal_gains.head;
-const tumble_gain_table_t benchmark_table = {{tumble_optimal_gains.gains[0], 18}};
-const tumble_stand_record_t benchmark_stand = {{{sigmas}, 0.0, {PAPER_STAND.samples}, false, 0.0, 0.0, 0.0, 0.0}};
-const tumble_coefficients_t benchmark_coefficients = {{.k_v_per_g = {{{rows_of(k)}}}}};
-"""
-    )
-    data = gain_record.to_bytes(written)
-    optimal = core_optimal.optimal(data, schedule, means)
-    found = {name: core.estimate(schedule, means, None, name) for name in ("refined", "least_squares")}
-    found |= {"linear": core.estimate_gains(schedule, written.gains, means), "optimal": (optimal.k, optimal.u0)}
-    once = np.ones(18, dtype=int)
-    for name in ("refined", "least_squares"):
-        found[f"u {name}"] = uncertainty.uncertainties(schedule, k, PAPER_STAND, once, name)
-    for name, outputs in others.items():
-        found[name] = core.estimate(core.CoreSchedule.built_in(name), outputs)
-    found["u optimal"] = uncertainty.uncertainties_of_gains(schedule, k, PAPER_STAND, once, written.gains)
-    return {name: np.concatenate([k.ravel(), u0]) for name, (k, u0) in found.items()}
-
-
-def means_as_c(name, means):
-    measured = ", ".join(["true"] * len(means))
-    return f"const tumble_means_t benchmark_{name} = {{.u_v = {{{rows_of(means)}}}, .measured = {{{measured}}}}};\n"
-
-
-def rows_of(matrix):
-    return ",\n    ".join("{" + ", ".join(map(float.hex, map(float, row))) + "}" for row in matrix)
 
 
 def compile_c(source, folder, optimise, *more):

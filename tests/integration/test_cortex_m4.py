@@ -73,8 +73,9 @@ def test_what_the_estimators_cost():
     costs = {name: cost["instructions"] for name, cost in found.items()}
     stacks = {name: cost["stack"] for name, cost in found.items()}
     refined, table = costs["refined"], costs["optimal: table, 2nd order"]
-    assert table < 60 * refined
+    assert table < 90 * refined
     assert refined < costs["optimal, linear: table alone"] < table
+    assert costs["refined, from sums"] < costs["refined, circles known"] < 0.7 * refined
     assert 1.8 * refined < costs["4 unknowns, shared normal matrix"] < costs["least_squares: 4 unknowns"]
     assert costs["least_squares: 4 unknowns"] < 0.6 * costs["12 unknowns, normal equations"]
     assert costs["12 unknowns, normal equations"] < costs["12 unknowns, Householder QR"]
@@ -115,7 +116,7 @@ def test_a_table_is_printed_with_ratios():
     assert header.split() == ["instructions", "ratio", "code", "library", "data", "stack"]
     assert first.split()[0] == "refined" and first.split()[2] == "1.00"
     assert len(operations.splitlines()) == 4
-    assert len(rest) == 19 and len(whole.splitlines()) == 4
+    assert len(rest) == 23 and len(whole.splitlines()) == 4
     assert "LEFT OUT" in steps or len(steps.splitlines()) == 4
     assert budget.splitlines()[0].split()[-4:] == ["code", "library", "static_ram", "stack"]
     for target in ("cortex-m4", "cortex-a53"):

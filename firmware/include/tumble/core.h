@@ -189,9 +189,23 @@ tumble_status_t tumble_schedule_identify(const tumble_schedule_t *schedule, cons
  * mean square over the positions. Below it the noise of a mean would be magnified about a thousandfold. */
 #define TUMBLE_MIN_SENSITIVITY_G 1e-3
 
-/* The circles that a schedule holds for the closed forms. */
+#define TUMBLE_STEPS 9U /* 0, 45, ... 360 degrees */
+#define TUMBLE_MAX_CIRCLES (TUMBLE_MAX_POSITIONS / 4)
+
+/* One of the circles that a schedule holds for the closed forms: what a mounting offers to them. */
 typedef struct {
-    uint8_t circles[TUMBLE_CHANNELS]; /* how many have the block's x, y, z along the stand's axis, normal to them */
+    uint8_t index[TUMBLE_STEPS]; /* by step: of the position in the schedule */
+    uint8_t stride;              /* 1: all nine steps count; 2: the diagonals alone, every second from 45 degrees on */
+    uint8_t normal;              /* the block axis along the stand's axis, normal to the circle */
+    uint8_t mounting;            /* by its index */
+} tumble_circle_t;
+
+/* All of them. It is the same for every run of a schedule, so whoever solves many may keep it, and the schedule with it. */
+typedef struct {
+    const tumble_schedule_t *schedule;
+    uint8_t circles[TUMBLE_CHANNELS]; /* how many have the block's x, y, z normal to them */
+    uint8_t count;
+    tumble_circle_t circle[TUMBLE_MAX_CIRCLES];
 } tumble_harmonic_map_t;
 
 /* Find the circles of a schedule by geometry (matrix, tilt, angle), whatever their numbers. A mounting is one if a block
@@ -392,6 +406,21 @@ tumble_status_t tumble_estimate_averaged(const tumble_schedule_t *schedule, cons
  * (then refusal->missing), TUMBLE_E_NOT_FINITE. */
 tumble_status_t tumble_estimate_refined(const tumble_schedule_t *schedule, const tumble_means_t *means,
                                         tumble_coefficients_t *coefficients, tumble_refusal_t *refusal);
+
+/* `refined` with circles that were found before (tumble_schedule_harmonic, `measured` null): the same bits for two thirds
+ * of the work. Only the means of the map's positions are looked at.
+ * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT (null), TUMBLE_E_MISSING_POSITION, TUMBLE_E_NOT_FINITE. */
+tumble_status_t tumble_refined_of_means(const tumble_harmonic_map_t *map, const tumble_means_t *means,
+                                        tumble_coefficients_t *coefficients);
+
+#define TUMBLE_MAX_V_PER_COUNT 1e90
+
+/* The same from the sums of the finished positions, which must have equally many samples: no means are made, one division
+ * serves them all. `v_per_count` finite, not 0, at most TUMBLE_MAX_V_PER_COUNT in size.
+ * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT (null, `v_per_count`), TUMBLE_E_MISSING_POSITION (one of the map's positions is
+ * empty or open), TUMBLE_E_STATE (their numbers of samples differ: take the means). */
+tumble_status_t tumble_refined_of_sums(const tumble_harmonic_map_t *map, const tumble_averaging_t *averaging,
+                                       double v_per_count, tumble_coefficients_t *coefficients);
 
 /* `least_squares`: ordinary least squares of the measured fit positions on the ideal geometry, any schedule. Solves the
  * four-unknown normal matrix that the three channels share, then corrects the solution once from its residuals

@@ -67,6 +67,18 @@ static const tumble_gain_record_t *record;
 #elif CANDIDATE == 21
 #define BEGIN() samples_begin()
 #define ESTIMATE() samples_in_blocks()
+#elif CANDIDATE == 22
+#define BEGIN() (void)tumble_schedule_harmonic(&tumble_schedule_paper, NULL, &map, NULL)
+#define ESTIMATE() tumble_refined_of_means(&map, &benchmark_means, &found)
+#elif CANDIDATE == 23
+#define BEGIN() (void)tumble_schedule_harmonic(&tumble_schedule_paper, NULL, &map, NULL)
+#define ESTIMATE() tumble_refined_of_sums(&map, &benchmark_sums, BENCHMARK_V_PER_COUNT, &found)
+#elif CANDIDATE == 24
+#define BEGIN() (void)tumble_schedule_harmonic(&tumble_schedule_diagonal, NULL, &map, NULL)
+#define ESTIMATE() tumble_refined_of_means(&map, &benchmark_diagonal, &found)
+#elif CANDIDATE == 25
+#define BEGIN() (void)tumble_schedule_harmonic(&tumble_schedule_diagonal, NULL, &map, NULL)
+#define ESTIMATE() tumble_refined_of_sums(&map, &benchmark_diagonal_sums, BENCHMARK_V_PER_COUNT, &found)
 #elif CANDIDATE == 15
 #define ESTIMATE() tumble_uncertainty_gains(&benchmark_table, &judged, &uncertainty)
 #endif
@@ -89,6 +101,10 @@ static const tumble_judged_run_t one_judged = {.schedule = &tumble_schedule_pape
 #else
 static tumble_coefficients_t found;
 #define FOUND found
+#endif
+
+#if CANDIDATE >= 22
+static tumble_harmonic_map_t map;
 #endif
 
 #ifndef BEGIN

@@ -64,11 +64,11 @@ static void test_they_are_the_published_functionals_on_any_data(void)
             expected.u0_v[i] = (first[i].b + second[i].b) / 2.0;
         }
         const tumble_coefficients_t averaged = estimate_with(tumble_estimate_averaged, &tumble_schedule_paper, &means);
-        assert_coefficients(&expected, &averaged, 4e-15);
+        assert_coefficients(&expected, &averaged, 1e-15);
         expected.k_v_per_g[1][0] = -second[1].s;
         expected.k_v_per_g[2][0] = first[2].s;
         const tumble_coefficients_t refined = estimate_with(tumble_estimate_refined, &tumble_schedule_paper, &means);
-        assert_coefficients(&expected, &refined, 4e-15);
+        assert_coefficients(&expected, &refined, 1e-15);
     }
 }
 

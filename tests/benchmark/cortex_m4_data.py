@@ -1,0 +1,72 @@
+"""What the candidates of cortex_m4.py get: a run, its stand and its gains, as C, and what the host makes of them."""
+
+import numpy as np
+
+from tumble import core
+from tumble.core import optimal as core_optimal, uncertainty
+from tumble.reference import Geometry
+from tumble.solving import gain_record, gains
+from tumble.stand import PAPER_STAND
+
+OTHERS = ("three_mountings", "diagonal")  # schedules beside the paper's
+V_PER_COUNT, PER_POSITION = 1e-6, 50  # of the sums
+
+
+def write_data(path):
+    """Write the run, its stand and its record as C; return what the host makes of them, (12,) by estimator."""
+    schedule = core.CoreSchedule(core.paper_schedule())
+    rng = np.random.default_rng(1)
+    k = np.full((3, 3), 0.04) + 1.96 * np.eye(3)
+    errors = {"alpha1": 2e-5, "alpha2": -2e-5, "alpha3": [4e-4, -4e-4], "delta": 4e-5 * rng.normal(size=18)}
+    means = Geometry(schedule.data).outputs(k, np.array([0.01, -0.02, 0.03]), **errors) + 4e-5 * rng.normal(
+        size=(18, 3)
+    )
+    others = {name: Geometry(core.built_in(name)).outputs(k, np.array([0.01, -0.02, 0.03])) for name in OTHERS}
+    sums = {"sums": means, "diagonal_sums": others["diagonal"]}
+    sums = {name: np.rint(outputs * (PER_POSITION / V_PER_COUNT)).astype(int) for name, outputs in sums.items()}
+    written = gain_record.record_of(gains.optimal_table(schedule.data, k, PAPER_STAND), schedule.data)
+    sigmas = ", ".join(
+        PAPER_STAND.sigma(source).hex() for source in ("axis_tilt", "level", "remount", "angle", "noise")
+    )
+    path.write_text(
+        gain_record.to_c_header(written)
+        + f"""#include "data.h"
+const tumble_means_t benchmark_means = {{.u_v = {{{rows_of(means)}}},
+    .measured = {{{", ".join(["true"] * 18)}}}}};
+{"".join(means_as_c(name, outputs) for name, outputs in others.items())}
+{"".join(sums_as_c(name, counts) for name, counts in sums.items())}
+const tumble_gain_record_t *const benchmark_record = &tumble_optimal_gains.head;
+const tumble_gain_table_t benchmark_table = {{tumble_optimal_gains.gains[0], 18}};
+const tumble_stand_record_t benchmark_stand = {{{sigmas}, 0.0, {PAPER_STAND.samples}, false, 0.0, 0.0, 0.0, 0.0}};
+const tumble_coefficients_t benchmark_coefficients = {{.k_v_per_g = {{{rows_of(k)}}}}};
+"""
+    )
+    data = gain_record.to_bytes(written)
+    optimal = core_optimal.optimal(data, schedule, means)
+    found = {name: core.estimate(schedule, means, None, name) for name in ("refined", "least_squares")}
+    found |= {"linear": core.estimate_gains(schedule, written.gains, means), "optimal": (optimal.k, optimal.u0)}
+    once = np.ones(18, dtype=int)
+    for name in ("refined", "least_squares"):
+        found[f"u {name}"] = uncertainty.uncertainties(schedule, k, PAPER_STAND, once, name)
+    for name, outputs in others.items():
+        found[name] = core.estimate(core.CoreSchedule.built_in(name), outputs)
+    for name, counts in sums.items():
+        of_counts = counts / PER_POSITION * V_PER_COUNT
+        own = core.CoreSchedule.built_in(OTHERS[1]) if name == "diagonal_sums" else schedule
+        found[name] = core.estimate(own, of_counts)
+    found["u optimal"] = uncertainty.uncertainties_of_gains(schedule, k, PAPER_STAND, once, written.gains)
+    return {name: np.concatenate([k.ravel(), u0]) for name, (k, u0) in found.items()}
+
+
+def means_as_c(name, means):
+    measured = ", ".join(["true"] * len(means))
+    return f"const tumble_means_t benchmark_{name} = {{.u_v = {{{rows_of(means)}}}, .measured = {{{measured}}}}};\n"
+
+
+def sums_as_c(name, sums):
+    rows = ",\n    ".join(f"{{{{{', '.join(map(str, row))}}}, {PER_POSITION}, {{0}}}}" for row in sums)
+    return f"const tumble_averaging_t benchmark_{name} = {{.open.index = UINT8_MAX, .averages = {{{rows}}}}};\n"
+
+
+def rows_of(matrix):
+    return ",\n    ".join("{" + ", ".join(map(float.hex, map(float, row))) + "}" for row in matrix)
