@@ -180,8 +180,8 @@ class Result:
 
         >>> import tumble
         >>> result = tumble.solve("examples/paper_stand.csv", stand="examples/paper_stand.toml")
-        >>> result.apply(result.U0 + result.K @ [0.0, 0.6, 0.8]).round(9).tolist()
-        [0.0, 0.6, 0.8]
+        >>> result.apply(result.U0 + result.K @ [0.36, 0.48, 0.8]).round(9).tolist()
+        [0.36, 0.48, 0.8]
         >>> table = result.apply({"time": [0.0], "ux": [0.01], "uy": [0.02], "uz": [2.0]})
         >>> list(table)
         ['time', 'ux', 'uy', 'uz', 'x', 'y', 'z']
