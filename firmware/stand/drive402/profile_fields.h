@@ -20,18 +20,21 @@
     X(F64, velocity_deg_s, 90.0, ANY, NO_RESULT, 1, "profile.speed_deg_s", 0, 1e4, "deg/s; 0: motion.speed_deg_s")     \
     X(F64, acceleration_deg_s2, 180.0, ANY, NO_RESULT, 1, "profile.acceleration_deg_s2", 0, 1e5,                       \
       "deg/s2; 0: motion.acceleration_deg_s2")                                                                         \
-    X(F64, deceleration_deg_s2, 180.0, ANY, NO_RESULT, 1, NULL, 0, 1e5, "deg/s2")                                      \
-    X(F64, quick_stop_deg_s2, 180.0, ANY, NO_RESULT, 1, NULL, 0, 1e5, "deg/s2")                                        \
+    X(F64, deceleration_deg_s2, 180.0, ANY, NO_RESULT, 1, "profile.deceleration_deg_s2", 0, 1e5, \
+      "deg/s2; 6084h; 0: not written; unless given as the acceleration") \
+    X(F64, quick_stop_deg_s2, 180.0, ANY, NO_RESULT, 1, "profile.quick_stop_deg_s2", 0, 1e5, \
+      "deg/s2; 6085h; likewise") \
     X(F64, homing_fast_deg_s, 45.0, ANY, NO_RESULT, 1, "profile.homing_fast_deg_s", 0, 1e4, "deg/s")                   \
     X(F64, homing_slow_deg_s, 4.5, ANY, NO_RESULT, 1, "profile.homing_slow_deg_s", 0, 1e4, "deg/s")                    \
-    X(F64, homing_acceleration_deg_s2, 180.0, ANY, NO_RESULT, 1, NULL, 0, 1e5, "deg/s2")                               \
+    X(F64, homing_acceleration_deg_s2, 180.0, ANY, NO_RESULT, 1, "profile.homing_acceleration_deg_s2", 0, 1e5, \
+      "deg/s2; 609Ah; likewise") \
     X(F64, homing_travel_deg, 0.0, NOT_NEGATIVE, NO_RESULT, 5, "profile.homing_travel_deg", 0, 1e5,                    \
       "deg; the table may turn so far in homing; 0: the cable's span and one turn")                                    \
     X(BOOL, software_limits, true, ANY, NO_RESULT, 5, "profile.software_limits", 0, 0,                                 \
       "write the cable's limits to 607Dh, if the drive has it")                                                        \
-    X(I8, homing_method, 34, ANY, RESULT, 3, "profile.homing_method", INT8_MIN, INT8_MAX, "object 6098h")              \
+    X(I8, homing_method, 34, ANY, RESULT, 3, "profile.homing_method", INT8_MIN, INT8_MAX, "object 6098h; 0: not written")              \
     X(ENUM8, stop, TUMBLE_STOP_BY_QUICK_STOP, ANY, NO_RESULT, 3, "profile.stop", 0, 0, "quick_stop|halt")              \
-    X(U16, heartbeat_ms, 100U, POSITIVE, NO_RESULT, 4, "profile.heartbeat_ms", 1, UINT16_MAX, "ms; of the drive")      \
+    X(U16, heartbeat_ms, 100U, ANY, NO_RESULT, 4, "profile.heartbeat_ms", 0, UINT16_MAX, "ms; of the drive, 1017h; 0: not written") \
     X(U16, heartbeat_timeout_ms, 500U, ANY, NO_RESULT, 4, "profile.heartbeat_timeout_ms", 0, UINT16_MAX,               \
       "ms; our silence after which it stops")                                                                          \
     X(U32, start_timeout_ms, 3000U, POSITIVE, NO_RESULT, 2, "profile.start_timeout_ms", 1, UINT32_MAX, "ms")           \
@@ -39,7 +42,9 @@
     X(U32, handshake_timeout_ms, 1000U, POSITIVE, NO_RESULT, 2, "profile.handshake_timeout_ms", 1, UINT32_MAX, "ms")   \
     X(U32, home_timeout_ms, 60000U, POSITIVE, NO_RESULT, 2, "profile.home_timeout_ms", 1, UINT32_MAX, "ms")            \
     X(U32, move_timeout_ms, 30000U, POSITIVE, NO_RESULT, 2, "profile.move_timeout_ms", 1, UINT32_MAX, "ms")            \
-    X(U32, stop_timeout_ms, 5000U, POSITIVE, NO_RESULT, 2, "profile.stop_timeout_ms", 1, UINT32_MAX, "ms")
+    X(U32, stop_timeout_ms, 5000U, POSITIVE, NO_RESULT, 2, "profile.stop_timeout_ms", 1, UINT32_MAX, "ms") \
+    X(BOOL, keeps_pdos, false, ANY, NO_RESULT, 6, "profile.keeps_pdos", 0, 0, "its PDOs cannot be written: they are read, and must be as given here") \
+    X(BOOL, acknowledges_enabling, false, ANY, NO_RESULT, 6, "profile.acknowledges_enabling", 0, 0, "bit 12 is set from Operation enabled on, and the first set-point clears it")
 /* clang-format on */
 
 #endif
