@@ -107,6 +107,20 @@ VERDICTS: tuple[tuple[str, str], ...] = (  # by number: name, meaning
     ("FAILED", "the memory failed; see status"),
 )
 
+STAND_STEPS: dict[int, str] = {  # of 2004h:9: what the drive was asked for
+    0: "first contact",
+    1: "configuration",
+    2: "the first process data after NMT start",
+    3: "the way up to Operation enabled",
+    5: "the change to homing mode",
+    6: "homing",
+    7: "the change to profile position mode",
+    8: "the target, before the set-point",
+    9: "the set-point: bit 12 after bit 4 was set",
+    10: "the set-point: bit 12 after bit 4 was cleared",
+    11: "the motion",
+}
+
 SETTINGS: dict[str, tuple[str, str, bool]] = {  # name: unit, type, whether it needs the service level
     "Configuration: Samples per position": ("", "u32", False),
     "Configuration: Estimator": ("", "u8", False),
