@@ -12,15 +12,13 @@ static tumble_status_t confirm_angle(const tumble_navcomp_t *navcomp, double ang
     return tumble_stand_report(stand)->asks ? stand->kind->confirm(stand->self, angle_deg) : TUMBLE_E_STATE;
 }
 
-/* Between runs there may be a table to stop: then that is what was asked for. A table at rest is stopped as well, in
- * case it does not show, but nothing was given up: TUMBLE_E_STATE. */
+/* Between runs there may be a table to stop, in FAULT as well: then that is what was asked for. A table at rest is told
+ * to stop all the same, but nothing is given up: TUMBLE_E_STATE. */
 static tumble_status_t stop(tumble_navcomp_t *navcomp)
 {
     const tumble_stand_t *stand = &navcomp->stand;
-    const tumble_stand_state_t state = stand->kind->state(stand->self);
-    const uint8_t rung = tumble_stand_report(stand)->rung;
-    const bool stopping = (rung != (uint8_t)TUMBLE_RUNG_NONE) && (rung != (uint8_t)TUMBLE_RUNG_UNCONFIRMED);
-    if (!tumble_run_is_on(navcomp) && (stopping || (state == TUMBLE_STAND_HOMING) || (state == TUMBLE_STAND_MOVING))) {
+    const unsigned turns = (1U << TUMBLE_STAND_HOMING) | (1U << TUMBLE_STAND_MOVING) | (1U << TUMBLE_STAND_FAULT);
+    if (!tumble_run_is_on(navcomp) && (((turns >> (unsigned)stand->kind->state(stand->self)) & 1U) != 0U)) {
         stand->kind->stop(stand->self);
         return TUMBLE_OK;
     }

@@ -67,7 +67,7 @@ static tumble_status_t drive_init(void *self, const tumble_stand_setup_t *setup)
     *setup->mirror =
         (tumble_drive_mirror_t){.controlword = TUMBLE_402_CONTROL_QUICK_STOP, .mode = TUMBLE_402_MODE_PROFILE_POSITION};
     bound(drive, setup->cable_min_deg, setup->cable_max_deg);
-    return tumble_drive_map_own(drive, false) ? TUMBLE_OK : TUMBLE_E_ARGUMENT;
+    return tumble_drive_map_own(drive) ? TUMBLE_OK : TUMBLE_E_ARGUMENT;
 }
 
 /* What the node tells. */

@@ -153,21 +153,19 @@ bool tumble_drive_may_turn(const tumble_drive402_t *drive);
 /* Has the motion, or the stop, come to its end? */
 bool tumble_drive_is_at_rest(const tumble_drive402_t *drive);
 
-/* The configuration, one object after the other: false after the last. `write->size` 0: nothing to write at this
- * step. */
+/* The configuration, one object after the other: false after the last. `write->size` 0: nothing to write at this step;
+ * TUMBLE_DRIVE_READS: the value is to be read, and must be this one. */
+#define TUMBLE_DRIVE_READS 0xFFU
 bool tumble_drive_configuration(const tumble_drive402_t *drive, uint8_t step, tumble_object_write_t *write);
-
-/* Is the object of this step to be read and compared, instead of written? */
-bool tumble_drive_only_reads(const tumble_drive402_t *drive, uint8_t step);
 
 /* Is this object (as in a mapping) in this PDO? */
 bool tumble_drive_carries(const tumble_drive_pdo_t *pdo, uint32_t object);
 #define TUMBLE_DRIVE_STATUS TUMBLE_MAP(TUMBLE_402_STATUSWORD, 0, 16)
 #define TUMBLE_DRIVE_POSITION TUMBLE_MAP(TUMBLE_402_POSITION_ACTUAL, 0, 32)
 
-/* Set up our own PDOs as the other end of the drive's; `sends` false: those that command it stay invalid. False: the
+/* Set up our own PDOs as the other end of the drive's. Before START those that command it stay invalid. False: the
  * dictionary cannot take them. */
-bool tumble_drive_map_own(const tumble_drive402_t *drive, bool sends);
+bool tumble_drive_map_own(const tumble_drive402_t *drive);
 
 /* Units. False: beyond what the drive can express. */
 bool tumble_drive_counts(const tumble_drive_profile_t *profile, double angle_deg, int64_t *counts);

@@ -136,15 +136,10 @@ bool tumble_drive_configuration(const tumble_drive402_t *drive, uint8_t step, tu
     const uint16_t base = (number < profile->receive_count) ? RECEIVE_COMMUNICATION : TRANSMIT_COMMUNICATION;
     const uint8_t part = (uint8_t)(at % TUMBLE_PDO_SETUP_STEPS);
     tumble_pdo_setup_write(&pdo->setup, (uint16_t)(base + pdo->number), part, write);
-    if (profile->keeps_pdos && !tumble_pdo_setup_stays(part)) {
-        write->size = 0;
+    if (profile->keeps_pdos && (write->size != 0U)) {
+        write->size = tumble_pdo_setup_stays(part) ? TUMBLE_DRIVE_READS : 0U;
     }
     return true;
-}
-
-bool tumble_drive_only_reads(const tumble_drive402_t *drive, uint8_t step)
-{
-    return drive->profile->keeps_pdos && (step >= (drive->profile->write_count + OBJECT_COUNT));
 }
 
 /* Our own PDOs. */
@@ -180,31 +175,30 @@ static void own_setup(const tumble_pdo_setup_t *theirs, tumble_pdo_setup_t *own)
     }
 }
 
-/* Those that are told to go keep that. */
 static bool map_own(const tumble_drive402_t *drive, tumble_pdo_direction_t direction, uint8_t number,
-                    const tumble_drive_pdo_t *pdo, bool valid)
+                    const tumble_drive_pdo_t *pdo)
 {
     tumble_pdos_t *pdos = &drive->node->pdos;
     tumble_pdo_setup_t setup;
     own_setup(&pdo->setup, &setup);
-    setup.cob_id |= valid ? 0U : TUMBLE_PDO_INVALID;
-    const bool due = valid && (direction == TUMBLE_PDO_TRANSMIT) && pdos->transmit[number].pdo.due;
+    const bool sends = (direction == TUMBLE_PDO_TRANSMIT);
+    setup.cob_id |= (sends && (drive->phase < (uint8_t)PHASE_START)) ? TUMBLE_PDO_INVALID : 0U;
     const tumble_abort_t refusal = tumble_pdo_configure(pdos, &drive->node->dictionary, direction, number, &setup);
-    if (direction == TUMBLE_PDO_TRANSMIT) {
-        pdos->transmit[number].pdo.due = due;
+    if (sends) {
+        pdos->transmit[number].pdo.due = false; /* nothing is to be said yet */
     }
     return refusal == TUMBLE_ABORT_NONE;
 }
 
-bool tumble_drive_map_own(const tumble_drive402_t *drive, bool sends)
+bool tumble_drive_map_own(const tumble_drive402_t *drive)
 {
     const tumble_drive_profile_t *profile = drive->profile;
     bool mapped = true;
     for (uint8_t i = 0; i < profile->receive_count; i++) {
-        mapped = mapped && map_own(drive, TUMBLE_PDO_TRANSMIT, i, &profile->receive[i], sends);
+        mapped = mapped && map_own(drive, TUMBLE_PDO_TRANSMIT, i, &profile->receive[i]);
     }
     for (uint8_t i = 0; i < profile->transmit_count; i++) {
-        mapped = mapped && map_own(drive, TUMBLE_PDO_RECEIVE, i, &profile->transmit[i], true);
+        mapped = mapped && map_own(drive, TUMBLE_PDO_RECEIVE, i, &profile->transmit[i]);
     }
     return mapped;
 }

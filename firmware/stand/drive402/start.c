@@ -67,7 +67,7 @@ void tumble_drive_enter_configure(tumble_drive402_t *drive)
 {
     tumble_nmt_t *nmt = &drive->node->nmt;
     tumble_drive_leave_sdo(drive);
-    (void)tumble_drive_map_own(drive, false); /* as it passed at init */
+    (void)tumble_drive_map_own(drive); /* as it passed at init */
     if (tumble_nmt_state_of(nmt, drive->drive_node) == TUMBLE_NMT_STOPPED) {
         (void)tumble_nmt_command(nmt, drive->drive_node, TUMBLE_NMT_ENTER_PRE_OPERATIONAL);
     }
@@ -80,53 +80,51 @@ void tumble_drive_enter_configure(tumble_drive402_t *drive)
 
 #define HIGHEST 2U /* 607Dh:2, the last one written */
 
-/* Is what has just been written to be read back, or what has been read another value? A drive may take a limit and not
- * keep it. A PDO that is kept must be what our own is the other end of. */
-static bool checks(tumble_drive402_t *drive)
+/* What has been asked for at a step of the configuration has been answered. Is there more to it? A drive may take a limit
+ * and not keep it, so it is read back; a PDO that is kept must be what our own is the other end of. */
+static bool goes_on(tumble_drive402_t *drive, const tumble_object_write_t *step)
 {
-    const tumble_sdo_client_t *client = &drive->node->client;
-    const bool limit = (client->index == TUMBLE_402_SOFTWARE_LIMIT);
+    const bool limit = (step->index == TUMBLE_402_SOFTWARE_LIMIT);
     if (drive->asked == ASKED_WRITE) {
         if (limit) {
-            tumble_drive_ask(drive, TUMBLE_402_SOFTWARE_LIMIT, client->subindex);
+            tumble_drive_ask(drive, step->index, step->subindex);
         }
         return limit;
     }
-    tumble_object_write_t wanted = {0, 0, 0, 0};
-    (void)tumble_drive_configuration(drive, drive->write, &wanted);
     const uint32_t ignored = limit ? 0U : TUMBLE_PDO_NO_RTR;
-    if (((tumble_sdo_client_u32(client) ^ wanted.value) & ~ignored) == 0U) {
-        drive->report.limited = drive->report.limited || (limit && (client->subindex == HIGHEST));
-        return false;
+    if (((tumble_sdo_client_u32(&drive->node->client) ^ step->value) & ~ignored) != 0U) {
+        tumble_drive_refused(drive, step->index, step->subindex, (uint32_t)TUMBLE_ABORT_VALUE);
+        return true;
     }
-    tumble_drive_refused(drive, client->index, client->subindex, (uint32_t)TUMBLE_ABORT_VALUE);
-    return true;
+    drive->report.limited = drive->report.limited || (limit && (step->subindex == HIGHEST));
+    return false;
 }
 
 void tumble_drive_look_configure(tumble_drive402_t *drive, bool fresh)
 {
     (void)fresh;
-    if (!tumble_drive_is_answered(drive) || ((drive->asked != ASKED_NOTHING) && checks(drive))) {
+    tumble_object_write_t step = {0, 0, 0, 0};
+    if (!tumble_drive_is_answered(drive)) {
         return;
     }
-    if (drive->asked != ASKED_NOTHING) {
-        drive->asked = ASKED_NOTHING;
-        drive->write++;
-    }
-    tumble_object_write_t write = {0, 0, 0, 0};
-    while (tumble_drive_configuration(drive, drive->write, &write)) {
-        if (write.size == 0U) {
-            drive->write++;
-        } else if (tumble_drive_only_reads(drive, drive->write)) {
-            tumble_drive_ask(drive, write.index, write.subindex);
+    for (; tumble_drive_configuration(drive, drive->write, &step); drive->write++) {
+        if (drive->asked != ASKED_NOTHING) {
+            if (goes_on(drive, &step)) {
+                return;
+            }
+            drive->asked = ASKED_NOTHING;
+        } else if (step.size == TUMBLE_DRIVE_READS) {
+            tumble_drive_ask(drive, step.index, step.subindex);
+            return;
+        } else if (step.size != 0U) {
+            ask_write(drive, &step);
             return;
         } else {
-            ask_write(drive, &write);
-            return;
+            /* nothing to do at this step */
         }
     }
-    (void)tumble_drive_map_own(drive, true);
     tumble_drive_go(drive, PHASE_START);
+    (void)tumble_drive_map_own(drive);
 }
 
 void tumble_drive_ask(tumble_drive402_t *drive, uint16_t index, uint8_t subindex)
