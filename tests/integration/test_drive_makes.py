@@ -52,7 +52,8 @@ VARIANTS = {
         {"profile__keeps_pdos": "yes", "profile__transmit_pdo": f"{STATUS_PDO} 0x6061:0:8 0x6064:0:32"},
         (0x1A00, 2, WRONG_VALUE, "CONFIGURATION")),
     "everything that may be missing": (
-        {**UNTURNED, "drive__lacks": " ".join(f"0x{index:04X}" for index, (known, _) in WITHOUT.items() if known is not None)},
+        {**UNTURNED,
+         "drive__lacks": " ".join(f"0x{index:04X}" for index, (known, _) in WITHOUT.items() if known is not None)},
         {key: value for known, _ in WITHOUT.values() for key, value in (known or {}).items()}, None),
 }
 for lacked, (known, refused) in WITHOUT.items():
