@@ -116,7 +116,7 @@ static void note_refusals(node_t *node)
 {
     const uint32_t refused = count_refused(node);
     if (refused != node->refused) {
-        node_log_refused(&node->log, &node->world.progress);
+        node_log_refused(&node->log, &node->world.progress, tumble_stand_report(&node->world.navcomp.stand)->rung);
         if (node->progress.stream != NULL) {
             bench_progress_refused("the navigation computer does not take this command now", node->progress.stream);
         }

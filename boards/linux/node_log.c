@@ -60,14 +60,17 @@ void node_log_frame(node_log_t *log, const tumble_can_frame_t *frame)
     }
 }
 
-void node_log_refused(const node_log_t *log, const tumble_progress_t *now)
+void node_log_refused(const node_log_t *log, const tumble_progress_t *now, uint8_t rung)
 {
     const char *const name = tumble_command_name((tumble_command_t)log->asked);
     const char *const state = tumble_state_name(now->state);
+    const bool stopping = rung != (uint8_t)TUMBLE_RUNG_NONE && rung != (uint8_t)TUMBLE_RUNG_UNCONFIRMED;
+    const bool waits = stopping && log->asked == (uint8_t)TUMBLE_COMMAND_CLEAR_FAULT;
     event_log_tell(EVENT_LOG_WARNING, "refused",
                    EVENT_FIELDS(EVENT_TEXT("command", name), EVENT_WHOLE("command_number", log->asked),
-                                EVENT_TEXT("state", state)),
-                   "refused %s (%u) in %s", name, (unsigned)log->asked, state);
+                                EVENT_TEXT("state", state), EVENT_WHOLE("stop_rung", rung)),
+                   "refused %s (%u) in %s%s", name, (unsigned)log->asked, state,
+                   waits ? ": the axis has been told to stop and is not seen at rest yet" : "");
 }
 
 /* After a step. */
@@ -84,6 +87,30 @@ static void look_at_level(node_log_t *log, const tumble_navcomp_t *navcomp)
     log->is_unlocked = is_open;
 }
 
+/* In a run its fault tells the reason; what a drive has refused, and what goes wrong between runs, is told here. */
+static void look_at_stand(node_log_t *log, const tumble_navcomp_t *navcomp)
+{
+    static const char *const FAULTS[] = {
+        "none",        "the drive's own",    "stall",    "heartbeat",       "homing", "protocol", "power",
+        "not reached", "stop not confirmed", "position", "foreign command",
+    };
+    const uint8_t fault = (uint8_t)navcomp->stand.kind->fault(navcomp->stand.self);
+    if (fault == log->stand_fault) {
+        return;
+    }
+    log->stand_fault = fault;
+    const char *const name = (fault < sizeof FAULTS / sizeof FAULTS[0]) ? FAULTS[fault] : "unknown";
+    char refused[BENCH_REFUSAL_BYTES] = "";
+    const tumble_stand_refusal_t refusal = tumble_navcomp_drive_refusal(navcomp);
+    if (refusal.index != 0U) {
+        bench_refusal_sentence(&refusal, refused, sizeof refused);
+    }
+    event_log_tell((fault == 0U) ? EVENT_LOG_NOTICE : EVENT_LOG_ERROR, "stand",
+                   EVENT_FIELDS(EVENT_WHOLE("stand_fault", fault), EVENT_TEXT("sentence", name),
+                                EVENT_TEXT((*refused != '\0') ? "refusal" : NULL, refused)),
+                   "fault of the stand: %s%s%s", name, (*refused != '\0') ? ": " : "", refused);
+}
+
 void node_log_look(node_log_t *log, const tumble_navcomp_t *navcomp, const tumble_sets_t *sets, const can_socket_t *can)
 {
     tumble_sets_state_t state;
@@ -92,6 +119,7 @@ void node_log_look(node_log_t *log, const tumble_navcomp_t *navcomp, const tumbl
     }
     link_log_look(&log->link, can);
     look_at_level(log, navcomp);
+    look_at_stand(log, navcomp);
     if (sets == NULL) {
         return;
     }

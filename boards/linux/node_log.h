@@ -18,6 +18,7 @@ typedef struct {
     link_log_t link;
     run_log_sets_t sets;
     bool is_unlocked;
+    uint8_t stand_fault; /* the one that was told last */
     bool unread_documents;
     bool unread_progress;
 } node_log_t;
@@ -28,10 +29,10 @@ void node_log_ready(const node_options_t *options);
 /* A frame has come or gone: it may be a command. */
 void node_log_frame(node_log_t *log, const tumble_can_frame_t *frame);
 
-/* A command was refused. */
-void node_log_refused(const node_log_t *log, const tumble_progress_t *now);
+/* A command was refused; `rung`: of a stop under way, which CLEAR_FAULT waits for. */
+void node_log_refused(const node_log_t *log, const tumble_progress_t *now, uint8_t rung);
 
-/* After every step: the interface; the service level; what became of a result (`sets` null: nothing is kept). */
+/* After every step: the interface; the service level; a fault of the stand, also between runs; what became of a result (`sets` null: nothing is kept). */
 void node_log_look(node_log_t *log, const tumble_navcomp_t *navcomp, const tumble_sets_t *sets,
                    const can_socket_t *can);
 

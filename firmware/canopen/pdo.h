@@ -94,6 +94,9 @@ void tumble_pdo_init(tumble_pdos_t *pdos);
 void tumble_pdo_setup_write(const tumble_pdo_setup_t *setup, uint16_t index, uint8_t step,
                             tumble_object_write_t *write);
 
+/* Does a step leave its value for good, and one that both ends must agree on: identifier, mapping? */
+bool tumble_pdo_setup_stays(uint8_t step);
+
 /* Set up the PDO `number` (0 is 1400h / 1800h) at once, in the order above: what was there before is gone. On a refusal
  * the PDO is left invalid.
  * Returns TUMBLE_ABORT_NONE or the reason, as from SDO; TUMBLE_ABORT_NO_OBJECT for a number that does not exist. */

@@ -358,6 +358,11 @@ void tumble_pdo_setup_write(const tumble_pdo_setup_t *setup, uint16_t index, uin
     }
 }
 
+bool tumble_pdo_setup_stays(uint8_t step)
+{
+    return ((step >= STEP_FIRST_OBJECT) && (step <= STEP_COUNT)) || (step > STEP_EVENT);
+}
+
 /* Disabled first whatever the setup says, so that a refusal leaves it invalid. */
 tumble_abort_t tumble_pdo_configure(tumble_pdos_t *pdos, const tumble_dictionary_t *dictionary,
                                     tumble_pdo_direction_t direction, uint8_t number, const tumble_pdo_setup_t *setup)

@@ -12,6 +12,19 @@ static tumble_status_t confirm_angle(const tumble_navcomp_t *navcomp, double ang
     return tumble_stand_report(stand)->asks ? stand->kind->confirm(stand->self, angle_deg) : TUMBLE_E_STATE;
 }
 
+/* Between runs there may be a table to stop, in FAULT as well: then that is what was asked for. A table at rest is told
+ * to stop all the same, but nothing is given up: TUMBLE_E_STATE. */
+static tumble_status_t stop(tumble_navcomp_t *navcomp)
+{
+    const tumble_stand_t *stand = &navcomp->stand;
+    const unsigned turns = (1U << TUMBLE_STAND_HOMING) | (1U << TUMBLE_STAND_MOVING) | (1U << TUMBLE_STAND_FAULT);
+    if (!tumble_run_is_on(navcomp) && (((turns >> (unsigned)stand->kind->state(stand->self)) & 1U) != 0U)) {
+        stand->kind->stop(stand->self);
+        return TUMBLE_OK;
+    }
+    return tumble_procedure_abort(&navcomp->procedure);
+}
+
 /* The stand answers TUMBLE_E_STAND_STATE when it is not in FAULT or cannot leave it now; a caller knows
  * TUMBLE_E_STATE. */
 static tumble_status_t clear_fault(tumble_navcomp_t *navcomp)
@@ -51,7 +64,7 @@ tumble_status_t tumble_navcomp_obey(tumble_navcomp_t *navcomp, tumble_command_t 
         status = tumble_procedure_start(procedure);
         break;
     case TUMBLE_COMMAND_ABORT:
-        status = tumble_procedure_abort(procedure);
+        status = stop(navcomp);
         break;
     case TUMBLE_COMMAND_CONFIRM_MOUNTING:
         status = tumble_procedure_confirm_mounting(procedure, argument);
@@ -144,7 +157,10 @@ void tumble_navcomp_progress(const tumble_navcomp_t *navcomp, tumble_navcomp_pro
     progress->angle_deg = navcomp->stand.kind->angle_deg(navcomp->stand.self);
     progress->temperature_half_c = navcomp->temperature_half_c;
     progress->stand_fault = (uint8_t)tumble_stand_fault(&navcomp->stand);
-    progress->limited = tumble_stand_report(&navcomp->stand)->limited ? 1U : 0U;
+    const tumble_stand_report_t *report = tumble_stand_report(&navcomp->stand);
+    progress->limited = report->limited ? 1U : 0U;
+    progress->rung = report->rung;
+    progress->refusal = report->refusal;
     progress->as_byte.state = (uint8_t)progress->run.state;
     progress->as_byte.reason = (uint8_t)progress->run.reason;
     progress->as_byte.failed_in = (uint8_t)progress->run.failed_in;

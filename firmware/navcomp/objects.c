@@ -56,6 +56,11 @@ TUMBLE_FOLLOWS("2004h:2", tumble_navcomp_progress_t, as_byte.failed_in, as_byte.
 TUMBLE_HAS_SIZE("2004h:3", tumble_navcomp_progress_t, run.drive_code, 2U);
 TUMBLE_HAS_SIZE("2004h:4", tumble_navcomp_progress_t, stand_fault, 1U);
 TUMBLE_FOLLOWS("2004h:5", tumble_navcomp_progress_t, stand_fault, limited, 1U);
+TUMBLE_HAS_SIZE("2004h:6", tumble_navcomp_progress_t, refusal.index, 2U);
+TUMBLE_HAS_SIZE("2004h:7", tumble_navcomp_progress_t, refusal.subindex, 1U);
+TUMBLE_HAS_SIZE("2004h:8", tumble_navcomp_progress_t, refusal.abort, 4U);
+TUMBLE_HAS_SIZE("2004h:9", tumble_navcomp_progress_t, refusal.step, 1U);
+TUMBLE_HAS_SIZE("2004h:10", tumble_navcomp_progress_t, rung, 1U);
 TUMBLE_IS_ARRAY("2010h:1", tumble_navcomp_progress_t, mean_v, mean_v[0], 8U, 3U);
 TUMBLE_IS_ARRAY("2011h:1", tumble_navcomp_progress_t, standard_error_v, standard_error_v[0], 8U, 3U);
 TUMBLE_IS_ARRAY("2020h:1", tumble_coefficients_t, k_v_per_g, k_v_per_g[0][0], 8U, 9U);
@@ -251,6 +256,16 @@ static const tumble_entry_t entries[] = {
      TUMBLE_ACCESS_READ, 2U, 0U, 0U, 0U, offsetof(tumble_navcomp_progress_t, run.drive_code)},
     {0x2004U, 4U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMPUTED,
      TUMBLE_ACCESS_READ, 1U, 0U, 0U, 1U, offsetof(tumble_navcomp_progress_t, stand_fault)},
+    {0x2004U, 6U, TUMBLE_TYPE_UNSIGNED16, TUMBLE_HOME_COMPUTED,
+     TUMBLE_ACCESS_READ, 2U, 0U, 0U, 0U, offsetof(tumble_navcomp_progress_t, refusal.index)},
+    {0x2004U, 7U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMPUTED,
+     TUMBLE_ACCESS_READ, 1U, 0U, 0U, 0U, offsetof(tumble_navcomp_progress_t, refusal.subindex)},
+    {0x2004U, 8U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMPUTED,
+     TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, offsetof(tumble_navcomp_progress_t, refusal.abort)},
+    {0x2004U, 9U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMPUTED,
+     TUMBLE_ACCESS_READ, 1U, 0U, 0U, 0U, offsetof(tumble_navcomp_progress_t, refusal.step)},
+    {0x2004U, 10U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMPUTED,
+     TUMBLE_ACCESS_READ, 1U, 0U, 0U, 0U, offsetof(tumble_navcomp_progress_t, rung)},
     /* Service level */
     {0x2006U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMPUTED, TUMBLE_ACCESS_WRITE, 4U, 0U, 0U, 0U, 0U},
     {0x2006U, 2U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMPUTED,

@@ -15,6 +15,8 @@
 /* With an error budget, unless the configuration says otherwise: the scatter of so few samples is known to a fifth. */
 #define LEAST_SAMPLES 16U
 
+#define OPEN (-1.0) /* not given, of what may be 0 */
+
 /* As standard.h has it, but what follows from the scenario is left open (0). */
 static void default_averaging(tumble_averaging_config_t *averaging)
 {
@@ -42,9 +44,9 @@ static void default_profile(tumble_drive_profile_t *profile)
     profile->sign = 0;
     profile->velocity_deg_s = 0.0;
     profile->acceleration_deg_s2 = 0.0;
-    profile->deceleration_deg_s2 = 0.0;
-    profile->quick_stop_deg_s2 = 0.0;
-    profile->homing_acceleration_deg_s2 = 0.0;
+    profile->deceleration_deg_s2 = OPEN; /* 0 is an answer: not written */
+    profile->quick_stop_deg_s2 = OPEN;
+    profile->homing_acceleration_deg_s2 = OPEN;
     profile->receive_count = 0;
     profile->transmit_count = 0;
 }
@@ -69,6 +71,13 @@ void bench_config_defaults(bench_config_t *config)
 static void set_if_open(double *value, double otherwise)
 {
     if (*value == 0.0) {
+        *value = otherwise;
+    }
+}
+
+static void set_unless_given(double *value, double otherwise)
+{
+    if (*value == OPEN) {
         *value = otherwise;
     }
 }
@@ -230,9 +239,9 @@ static void complete_profile(bench_config_t *config)
     set_if_open(&profile->acceleration_units_per_deg_s2, drive->acceleration_per_deg_s2);
     set_if_open(&profile->velocity_deg_s, drive->speed_deg_s);
     set_if_open(&profile->acceleration_deg_s2, drive->acceleration_deg_s2);
-    set_if_open(&profile->deceleration_deg_s2, profile->acceleration_deg_s2);
-    set_if_open(&profile->quick_stop_deg_s2, profile->deceleration_deg_s2);
-    set_if_open(&profile->homing_acceleration_deg_s2, profile->acceleration_deg_s2);
+    set_unless_given(&profile->deceleration_deg_s2, profile->acceleration_deg_s2);
+    set_unless_given(&profile->quick_stop_deg_s2, profile->acceleration_deg_s2);
+    set_unless_given(&profile->homing_acceleration_deg_s2, profile->acceleration_deg_s2);
     if (profile->sign == 0) {
         profile->sign = (int8_t)drive->sign;
         profile->wrap_counts = drive->wrap_counts;

@@ -96,6 +96,11 @@ const bench_key_t bench_config_keys[] = {
     {"drive.software_limits", BENCH_BOOL, 1, DRIVE(software_limits), 0, 0, "it has 607Dh and keeps to it"},
     {"drive.latches_stale_target", BENCH_BOOL, 1, DRIVE(latches_stale_target), 0, 0,
      "takes the target of the frame before"},
+    {"drive.instant_homing", BENCH_BOOL, 1, DRIVE(instant_homing), 0, 0, "at its mark it is home at once"},
+    {"drive.fixed_pdos", BENCH_BOOL, 1, DRIVE(fixed_pdos), 0, 0,
+     "its PDOs cannot be written; they are those of the standard profile"},
+    {"drive.acknowledges_enabling", BENCH_BOOL, 1, DRIVE(acknowledges_enabling), 0, 0,
+     "bit 12 is set from Operation enabled on, and the first set-point clears it"},
 
     TUMBLE_DRIVE_FIELDS(PROFILE_KEY)
 
@@ -343,9 +348,11 @@ void bench_config_print_keys(FILE *out)
                   "\nLines that may repeat:\n"
                   "mounting = NUMBER  TILT_DEG SINE COSINE  M11 M12 M13 M21 M22 M23 M31 M32 M33\n"
                   "position = MOUNTING NUMBER fit|check  ANGLE_DEG SINE COSINE\n"
+                  "drive.lacks = INDEX ...\n"
                   "profile.receive_pdo = NUMBER COB_ID INDEX:SUBINDEX:BITS ...\n"
                   "profile.transmit_pdo = NUMBER COB_ID INHIBIT_100US EVENT_MS INDEX:SUBINDEX:BITS ...\n"
                   "profile.write = INDEX SUBINDEX SIZE VALUE\n"
+                  "        INDEX is hexadecimal: 0x6040; 6040 in a PDO. Other numbers are decimal or 0x.\n"
                   "fault = KIND at=MOUNTING.POSITION [phase=mount|home|move|settle|average] | time=SECONDS\n"
                   "        [delay=S] [duration=S] [times=N] [channels=xyz] [value=X] [count=N] [id=N] [mask=N]\n"
                   "        [probability=P]\n\nKinds of faults:\n");

@@ -1,5 +1,7 @@
 #include "bench/report.h"
 
+#include "canopen/abort.h"
+
 #include <stddef.h>
 
 int bench_exit_code(const bench_world_t *world)
@@ -15,6 +17,26 @@ int bench_exit_code(const bench_world_t *world)
         return BENCH_EXIT_FAULT;
     }
     return result.pass ? BENCH_EXIT_PASS : BENCH_EXIT_LIMITS;
+}
+
+const char *bench_step_name(uint8_t step)
+{
+#define NAME(number, name, what) [number] = #name,
+    static const char *const NAMES[] = {TUMBLE_STAND_STEP_LIST(NAME)};
+#undef NAME
+    const bool known = step < sizeof NAMES / sizeof NAMES[0] && NAMES[step] != NULL;
+    return known ? NAMES[step] : "UNKNOWN";
+}
+
+void bench_refusal_sentence(const tumble_stand_refusal_t *refusal, char *text, size_t size)
+{
+#define WHAT(number, name, what) [number] = (what),
+    static const char *const WHATS[] = {TUMBLE_STAND_STEP_LIST(WHAT)};
+#undef WHAT
+    const bool known = refusal->step < sizeof WHATS / sizeof WHATS[0] && WHATS[refusal->step] != NULL;
+    (void)snprintf(text, size, "drive object %04Xh:%u, abort %04X %04Xh (%s), in %s", (unsigned)refusal->index,
+                   (unsigned)refusal->subindex, (unsigned)(refusal->abort >> 16U), (unsigned)(refusal->abort & 0xFFFFU),
+                   tumble_abort_sentence(refusal->abort), known ? WHATS[refusal->step] : "a step unknown here");
 }
 
 const char *bench_end_name(bench_end_t end)
@@ -41,10 +63,14 @@ static void put_outcome(const bench_world_t *world, bench_json_t *json)
         bench_json_null(json, "drive_refusal");
         return;
     }
+    char sentence[BENCH_REFUSAL_BYTES];
+    bench_refusal_sentence(&refusal, sentence, sizeof sentence);
     bench_json_open(json, "drive_refusal", '{');
     bench_json_whole(json, "index", refusal.index);
     bench_json_whole(json, "subindex", refusal.subindex);
     bench_json_whole(json, "abort", refusal.abort);
+    bench_json_text(json, "step", bench_step_name(refusal.step));
+    bench_json_text(json, "sentence", sentence);
     bench_json_close(json, '}');
 }
 

@@ -7,7 +7,7 @@
  *     state, failed_in, reason, status: names of the firmware's lists
  *     reason_number, reason_sentence: the reason once more
  *     drive_code: the drive's own error code, or 0
- *     drive_refusal: {index, subindex, abort} or null
+ *     drive_refusal: {index, subindex, abort, step, sentence} or null
  *     estimator: its name in TUMBLE_ESTIMATOR_LIST
  *     K, U0: 3 x 3 in V/g, 3 in V; null without a result
  *     u_K, u_U0: their standard uncertainties; null where none can be stated
@@ -56,6 +56,12 @@ bool bench_mean(const bench_world_t *world, uint8_t index, double mean_v[TUMBLE_
 
 /* The larger of what a gravity check found on fit and on check positions. */
 double bench_largest_delta_g(const tumble_gravity_check_t *check);
+
+/* What a drive has refused, or not done in time, as a sentence: object, abort code, and in which step; and that step's
+ * name (tumble_stand_step_t). */
+#define BENCH_REFUSAL_BYTES 200
+void bench_refusal_sentence(const tumble_stand_refusal_t *refusal, char *text, size_t size);
+const char *bench_step_name(uint8_t step);
 
 /* "done", "fault", "interrupted", "too long", "left". */
 const char *bench_end_name(bench_end_t end);

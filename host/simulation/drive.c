@@ -87,11 +87,54 @@ static void reset(void *context, bool application)
 static const tumble_object_hooks_t HOOKS = {.write = check_write};
 static const tumble_node_events_t EVENTS = {.state_changed = state_changed, .heartbeat = heartbeat, .reset = reset};
 
-static const tumble_node_config_t NODE = {.table = &tumble_drive_table,
-                                          .defaults = &tumble_drive_defaults,
-                                          .hooks = &HOOKS,
-                                          .events = &EVENTS,
-                                          .node = TUMBLE_DRIVE_NODE};
+/* Of a drive whose PDOs cannot be written. */
+static const tumble_pdo_setup_t FIXED_RECEIVE = {
+    .cob_id = 0x200, .type = 255, .count = 2, .map = {0x60400010U, 0x607A0020U}};
+static const tumble_pdo_setup_t FIXED_TRANSMIT = {
+    .cob_id = 0x180, .type = 255, .count = 2, .inhibit_100us = 50, .event_ms = 100, .map = {0x60410010U, 0x60640020U}};
+
+static bool is_pdo(uint16_t index)
+{
+    return index >= 0x1400U && index < 0x1C00U;
+}
+
+static bool lacks(const sim_drive_config_t *config, uint16_t index)
+{
+    bool found = false;
+    for (uint8_t i = 0; i < config->lack_count; i++) {
+        found = found || config->lacks[i] == index;
+    }
+    return found;
+}
+
+static void make_dictionary(sim_drive_dictionary_t *own, const sim_drive_config_t *config)
+{
+    uint8_t count = 0;
+    assert(tumble_drive_table.count <= SIM_DRIVE_ENTRIES);
+    for (uint8_t i = 0; i < tumble_drive_table.count; i++) {
+        tumble_entry_t entry = tumble_drive_table.entries[i];
+        const bool fixed = config->fixed_pdos && is_pdo(entry.index);
+        entry.access = (uint8_t)(fixed ? entry.access & ~TUMBLE_ACCESS_WRITE : entry.access);
+        if (!lacks(config, entry.index)) {
+            own->entries[count++] = entry;
+        }
+    }
+    own->table = tumble_drive_table;
+    own->table.entries = own->entries;
+    own->table.count = count;
+    own->defaults = tumble_drive_defaults;
+    own->defaults.consumers[0] = lacks(config, 0x1016U) ? 0U : own->defaults.consumers[0];
+    if (config->fixed_pdos) {
+        own->defaults.receive = &FIXED_RECEIVE;
+        own->defaults.transmit = &FIXED_TRANSMIT;
+        own->defaults.transmit_count = 1;
+    }
+    own->node = (tumble_node_config_t){.table = &own->table,
+                                       .defaults = &own->defaults,
+                                       .hooks = &HOOKS,
+                                       .events = &EVENTS,
+                                       .node = TUMBLE_DRIVE_NODE};
+}
 
 static uint32_t in_units(double value)
 {
@@ -128,6 +171,7 @@ static void wake_up(sim_drive_t *drive)
     drive->seen_target = 0;
     drive->mode = drive->objects.modes_of_operation;
     drive->acknowledged = false;
+    drive->unused = false;
     drive->buffered = false;
     drive->halted = false;
     drive->limited = false;
@@ -149,7 +193,7 @@ static void boot(sim_drive_t *drive)
 {
     const tumble_node_binding_t binding = {.port = &drive->port, .variables = &drive->objects, .context = drive};
     wake_up(drive);
-    const tumble_status_t status = tumble_node_init(&drive->node, &NODE, &binding);
+    const tumble_status_t status = tumble_node_init(&drive->node, &drive->dictionary.node, &binding);
     assert(status == TUMBLE_OK);
     (void)status;
     drive->powered = true;
@@ -166,6 +210,7 @@ void sim_drive_init(sim_drive_t *drive, const sim_drive_config_t *config, sim_cl
     drive->port = sim_bus_port(&drive->bus);
     sim_bus_attach(bus, bus_node, SIM_ACTOR_DRIVE);
     sim_axis_init(&drive->axis, &config->axis, error, angle_deg);
+    make_dictionary(&drive->dictionary, config);
     boot(drive);
 }
 
@@ -231,14 +276,28 @@ static bool publish_status(sim_drive_t *drive)
     return changed;
 }
 
+static bool carries_status(const sim_drive_t *drive, uint8_t number)
+{
+    const tumble_pdo_t *const pdo = &drive->node.pdos.transmit[number].pdo;
+    bool found = false;
+    for (uint8_t i = 0; i < pdo->count; i++) {
+        found = found || tumble_dictionary_row(&drive->node.dictionary, pdo->place[i])->index == TUMBLE_402_STATUSWORD;
+    }
+    return found;
+}
+
 /* Refresh what the dictionary shows; what has changed goes out by PDO. */
 static void publish(sim_drive_t *drive)
 {
     const bool moved = drive->looked && publish_motion(drive);
-    const bool changed = publish_status(drive) || moved;
+    const bool changed = publish_status(drive);
     drive->objects.modes_of_operation_display = drive->mode;
-    for (uint8_t number = 0; changed && number < TUMBLE_MAX_TRANSMIT_PDOS; number++) {
-        tumble_pdo_trigger(&drive->node.pdos, number);
+    for (uint8_t number = 0; (changed || moved) && number < TUMBLE_MAX_TRANSMIT_PDOS; number++) {
+        const bool tells_status = carries_status(drive, number);
+        const bool tells_motion = !tells_status || drive->node.pdos.transmit[number].pdo.count > 1U;
+        if ((changed && tells_status) || (moved && tells_motion)) {
+            tumble_pdo_trigger(&drive->node.pdos, number);
+        }
     }
 }
 

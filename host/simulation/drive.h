@@ -8,7 +8,8 @@
  *   - silence of the master (1016h), or leaving the NMT state Operational, stops the axis and is a fault;
  *   - when it is told to switch its voltage off while the axis moves, the axis coasts;
  *   - units, sign and counts per turn are its own; positions may wrap;
- *   - it keeps to software position limits (607Dh) once it is homed, if it has them.
+ *   - it keeps to software position limits (607Dh) once it is homed, if it has them;
+ *   - what it does not have, or does not let be written, is a matter of configuration.
  *
  * drive.c is the node, drive_motion.c the two modes, drive_power.c the states, drive_axis.c the axis and its units.
  * Object values live in drive_objects.h, which is generated from the same table as the EDS file.
@@ -35,12 +36,23 @@ typedef enum {
     SIM_HOMING_ERROR
 } sim_homing_t;
 
+#define SIM_DRIVE_ENTRIES 80
+
+/* Its dictionary: the table's, without what it lacks. */
+typedef struct {
+    tumble_entry_t entries[SIM_DRIVE_ENTRIES];
+    tumble_object_table_t table;
+    tumble_node_defaults_t defaults;
+    tumble_node_config_t node;
+} sim_drive_dictionary_t;
+
 typedef struct {
     const sim_drive_config_t *config;
     sim_clock_t *clock;
     sim_bus_end_t bus;
     tumble_port_t port;
     tumble_node_t node;
+    sim_drive_dictionary_t dictionary;
     tumble_drive_objects_t objects;
     sim_axis_t axis;
 
@@ -53,6 +65,7 @@ typedef struct {
 
     bool powered;
     bool acknowledged; /* bit 12: a set-point was taken, bit 4 has not fallen since, or the buffer is full */
+    bool unused;       /* bit 12 as well: no set-point has come since it was enabled */
     bool buffered;     /* one more set-point waits */
     bool halted;
     bool limited;        /* the target was beyond the software limits (607Dh) and has been cut to them */

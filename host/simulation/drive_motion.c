@@ -61,7 +61,8 @@ static void take_set_point(sim_drive_t *drive, int32_t target)
     const uint16_t controlword = drive->objects.controlword;
     const bool relative = (controlword & TUMBLE_402_CONTROL_RELATIVE) != 0U;
     const bool at_once = (controlword & TUMBLE_402_CONTROL_CHANGE_AT_ONCE) != 0U;
-    drive->acknowledged = true;
+    drive->acknowledged = !drive->unused;
+    drive->unused = false;
     if (drive->reached || at_once) {
         drive->buffered = false;
         start_set_point(drive, target, relative);
@@ -101,9 +102,14 @@ static void finish_homing(sim_drive_t *drive)
     drive->looked = true; /* its position counts from another zero */
 }
 
+static bool is_at_mark(const sim_drive_t *drive)
+{
+    return fabs(drive->axis.motion.end_position) < drive->config->axis.resolution_deg;
+}
+
 static void start_homing(sim_drive_t *drive)
 {
-    if (homes_on_the_spot(drive)) {
+    if (homes_on_the_spot(drive) || (drive->config->instant_homing && is_at_mark(drive))) {
         sim_motion_rest(&drive->axis.motion, drive->axis.motion.end_position);
         finish_homing(drive);
         return;

@@ -102,20 +102,20 @@ static const tumble_entry_t entries[] = {
      TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 1U, 0U, 0U, 0U, 0U},
     {0x1600U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMMUNICATION,
      TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 4U, 0U, 0U, 7U, 0U},
-    /* Transmit PDO 1 parameter */
+    /* Transmit PDO 1 parameter, and 1 more */
     {0x1800U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 4U, 0U, 0U, 0U, 0U},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 4U, 0U, 1U, 0U, 0U},
     {0x1800U, 2U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 1U, 0U, 0U, 0U, 0U},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 1U, 0U, 1U, 0U, 0U},
     {0x1800U, 3U, TUMBLE_TYPE_UNSIGNED16, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 2U, 0U, 0U, 0U, 0U},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 2U, 0U, 1U, 0U, 0U},
     {0x1800U, 5U, TUMBLE_TYPE_UNSIGNED16, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 2U, 0U, 0U, 0U, 0U},
-    /* Transmit PDO 1 mapping */
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 2U, 0U, 1U, 0U, 0U},
+    /* Transmit PDO 1 mapping, and 1 more */
     {0x1A00U, 0U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 1U, 0U, 0U, 0U, 0U},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 1U, 0U, 1U, 0U, 0U},
     {0x1A00U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 4U, 0U, 0U, 7U, 0U},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 4U, 0U, 1U, 7U, 0U},
     /* Abort connection option code */
     {0x6007U, 0U, TUMBLE_TYPE_INTEGER16, TUMBLE_HOME_VARIABLES,
      TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 2U, 2U, 0U, 0U, offsetof(tumble_drive_objects_t, abort_connection_option_code)},
@@ -214,6 +214,8 @@ static_assert((sizeof receive / sizeof receive[0]) <= TUMBLE_MAX_RECEIVE_PDOS, "
 static const tumble_pdo_setup_t transmit[] = {
     {.cob_id = 0x180U, .type = 255U, .count = 1U, .inhibit_100us = 0U, .event_ms = 0U,
      .map = {0x60410010U, 0U, 0U, 0U, 0U, 0U, 0U, 0U}},
+    {.cob_id = 0x80000000U, .type = 255U, .count = 0U, .inhibit_100us = 0U, .event_ms = 0U,
+     .map = {0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U}},
 };
 static_assert((sizeof transmit / sizeof transmit[0]) <= TUMBLE_MAX_TRANSMIT_PDOS, "transmit");
 
@@ -223,7 +225,7 @@ const tumble_node_defaults_t tumble_drive_defaults = {
     .receive_count = 1U,
     .transmit = transmit,
     .first_transmit = 0U,
-    .transmit_count = 1U,
+    .transmit_count = 2U,
     .heartbeat_ms = 100U,
     .consumers = {0x000101F4U, 0x00000000U, 0x00000000U, 0x00000000U},
     .on_error = 0U,

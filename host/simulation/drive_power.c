@@ -38,6 +38,7 @@ void sim_drive_enter(sim_drive_t *drive, sim_power_t power)
         drive->reached = true;
         drive->halted = false;
         drive->acknowledged = false;
+        drive->unused = drive->config->acknowledges_enabling;
     } else if (before == SIM_POWER_OPERATION_ENABLED || brakes) {
         sim_drive_stop_axis(drive, deceleration_into(drive, power));
     }
@@ -59,7 +60,7 @@ static uint16_t profile_position_status(const sim_drive_t *drive)
     const bool reached = (drive->halted || drive->reached) && stands(drive);
     return (
         uint16_t)((reached ? TUMBLE_402_STATUS_TARGET_REACHED : 0U) |
-                  (drive->acknowledged ? TUMBLE_402_STATUS_SET_POINT_ACKNOWLEDGE : 0U) |
+                  ((drive->acknowledged || drive->unused) ? TUMBLE_402_STATUS_SET_POINT_ACKNOWLEDGE : 0U) |
                   ((drive->objects.error_code == TUMBLE_402_ERROR_FOLLOWING) ? TUMBLE_402_STATUS_FOLLOWING_ERROR : 0U));
 }
 

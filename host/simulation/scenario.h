@@ -47,6 +47,8 @@ typedef struct {
     uint16_t first_timestamp_ms;
 } sim_block_config_t;
 
+#define SIM_MAX_LACKS 16
+
 /* The drive's own habits, which its master must cope with. */
 typedef struct {
     sim_axis_config_t axis;
@@ -57,11 +59,16 @@ typedef struct {
     double acceleration_per_deg_s2;
     double speed_deg_s; /* the most it can do, whatever it is told */
     double acceleration_deg_s2;
-    double power_on_deg;       /* it wakes up at most this far from the home mark, either way */
-    uint32_t reaction_us;      /* from a command to the statusword that shows it */
-    uint32_t report_us;        /* its control cycle while it moves */
-    bool software_limits;      /* it has 607Dh */
-    bool latches_stale_target; /* at the rising edge of bit 4 it takes the target it had before that frame */
+    double power_on_deg;        /* it wakes up at most this far from the home mark, either way */
+    uint32_t reaction_us;       /* from a command to the statusword that shows it */
+    uint32_t report_us;         /* its control cycle while it moves */
+    bool software_limits;       /* it has 607Dh */
+    bool latches_stale_target;  /* at the rising edge of bit 4 it takes the target it had before that frame */
+    bool instant_homing;        /* an axis at its mark is home at once */
+    bool fixed_pdos;            /* its PDOs cannot be written; they are those of the standard profile */
+    bool acknowledges_enabling; /* bit 12 is set from Operation enabled on, and its first set-point clears it */
+    uint8_t lack_count;
+    uint16_t lacks[SIM_MAX_LACKS]; /* objects that it does not have */
 } sim_drive_config_t;
 
 /* When a fault begins: at a time, or when a position gets to a phase, plus a delay. */

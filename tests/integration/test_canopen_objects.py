@@ -27,7 +27,7 @@ PRODUCTS = (
     "host/python/src/tumble/drawings/tables.py", "host/python/src/tumble/client/tables.py",
 )  # fmt: skip
 READ = [path.relative_to(ROOT).as_posix()
-        for path in (ROOT / "docs/operations.md", *(ROOT / "firmware").rglob("*.h"),
+        for path in (ROOT / "docs/operations.md", ROOT / "docs/your-drive.md", *(ROOT / "firmware").rglob("*.h"),
                      *(ROOT / "firmware/procedure").glob("*.c"), ROOT / "firmware/navcomp/standard.c",
                      ROOT / "docs/bus/block.dbc")]
 
@@ -159,6 +159,20 @@ def test_a_change_of_a_product_by_hand_is_noticed(tree, product):
     done = generate("--check", "--root", tree)
     assert done.returncode == 1
     assert done.stderr.splitlines() == [f"generate: {product} is not what the tables say; run tools/objects/generate"]
+
+
+@pytest.mark.parametrize(("name", "old", "new"), [
+    ("docs/your-drive.md", "| `profile.window_counts` |", "| `profile.window` |"),
+    ("firmware/stand/drive402/profile_fields.h", "6098h; 0: not written", "6098h; 0: no homing"),
+])  # fmt: skip
+def test_the_table_of_a_drive_s_profile_is_that_of_its_fields(tree, name, old, new):
+    change(tree / name, old, new)
+    done = generate("--check", "--root", tree)
+    told = "generate: docs/your-drive.md is not what the tables say; run tools/objects/generate"
+    assert (done.returncode, done.stderr.splitlines()) == (1, [told])
+    change(tree / "docs/your-drive.md", "<!-- End of the table. -->", "")
+    done = generate("--check", "--root", tree)
+    assert (done.returncode, done.stderr) == (2, "generate: docs/your-drive.md: the marks of its table are missing\n")
 
 
 def test_a_missing_product_is_noticed_and_written(tree):

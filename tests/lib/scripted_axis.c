@@ -29,6 +29,8 @@ void scripted_drive_power(scripted_drive_t *d, uint16_t before)
     } else if ((command == 0x07U) && (d->state != IS_DISABLED)) {
         d->state = IS_ON;
     } else if ((command == 0x0FU) && ((d->state == IS_ON) || (d->state == IS_ENABLED))) {
+        d->unused = (d->state == IS_ON) ? d->acknowledges_enabling : d->unused;
+        d->bits |= d->unused ? 0x1000U : 0U;
         d->state = d->stays_in_switched_on ? IS_ON : IS_ENABLED;
     }
 }
@@ -53,13 +55,14 @@ static int32_t scripted_drive_speed(const scripted_drive_t *d)
 void scripted_drive_position_mode(scripted_drive_t *d, uint16_t before)
 {
     const bool rises = ((d->control & 0x10U) != 0U) && ((before & 0x10U) == 0U);
-    if (rises && ((d->bits & 0x1000U) == 0U) && !d->never_acknowledges) {
+    if (rises && (d->unused || ((d->bits & 0x1000U) == 0U)) && !d->never_acknowledges) {
         d->goal = d->target; /* what 607Ah is now */
         d->counts_per_ms = scripted_drive_speed(d);
         d->moving = true;
-        d->bits |= 0x1000U;
+        d->bits = (uint16_t)(d->unused ? (d->bits & ~0x1000U) : (d->bits | 0x1000U));
+        d->unused = false;
         d->bits &= d->reached_lingers ? 0xFFFFU : (uint16_t)~0x0400U;
-    } else if (((d->control & 0x10U) == 0U) && !d->keeps_acknowledging) {
+    } else if (((d->control & 0x10U) == 0U) && !d->keeps_acknowledging && !d->unused) {
         d->bits &= (uint16_t)~0x1000U;
     }
 }
@@ -70,6 +73,10 @@ void scripted_drive_homing_mode(scripted_drive_t *d, uint16_t before)
         d->homing = true;
         d->homing_ms = 0;
         d->reports = 0;
+        if (d->homes_at_once) {
+            d->homing_ms = UINT16_MAX;
+            scripted_drive_home(d);
+        }
     }
 }
 

@@ -17,6 +17,8 @@ static void scripted_drive_expect(scripted_drive_t *d, bool right, const char *w
 static uint32_t scripted_drive_value(const scripted_drive_t *d, uint32_t object)
 {
     switch (object >> 16) {
+    case 0x6040:
+        return d->control;
     case 0x6041:
         return (uint32_t)d->state | d->bits | 0x0210U;
     case 0x6064:
@@ -37,6 +39,9 @@ void scripted_drive_report(scripted_drive_t *d)
     }
     for (unsigned n = 0; n < 4U; n++) {
         const scripted_pdo_t *pdo = &d->transmit[n];
+        if ((n == 1U) && (d->second_ms != 0U) && ((d->clock_ms % d->second_ms) != 0U)) {
+            continue;
+        }
         if (((pdo->cob_id & 0x80000000U) != 0U) || (pdo->count == 0U) || !d->operational) {
             continue;
         }
@@ -78,7 +83,7 @@ void scripted_drive_boot(scripted_drive_t *d, fake_port_t *fake)
     d->control = 0;
     d->moving = false;
     d->homing = false;
-    for (unsigned n = 0; n < 4U; n++) {
+    for (unsigned n = 0; (n < 4U) && !d->fixed_pdos; n++) {
         d->receive[n] = (scripted_pdo_t){.cob_id = 0x80000000U};
         d->transmit[n] = (scripted_pdo_t){.cob_id = 0x80000000U};
     }
@@ -117,6 +122,11 @@ static bool scripted_drive_map(scripted_drive_t *d, uint16_t index, uint8_t subi
     return disabled && (pdo->count == 0U);
 }
 
+static bool is_of_motion(uint16_t index)
+{
+    return (index >= 0x6081U) && (index <= 0x609AU);
+}
+
 /* Where an object of its motions is kept; null: it is none. */
 static scripted_write_t *scripted_drive_kept(scripted_drive_t *d, uint16_t index, uint8_t subindex)
 {
@@ -124,7 +134,7 @@ static scripted_write_t *scripted_drive_kept(scripted_drive_t *d, uint16_t index
     while ((i < 7U) && (d->kept[i].index != 0U) && ((d->kept[i].index != index) || (d->kept[i].subindex != subindex))) {
         i++;
     }
-    return ((index >= 0x6081U) && (index <= 0x609AU)) ? &d->kept[i] : NULL;
+    return is_of_motion(index) ? &d->kept[i] : NULL;
 }
 
 static void scripted_drive_write(scripted_drive_t *d, const scripted_write_t *write)
@@ -153,6 +163,7 @@ static void scripted_drive_write(scripted_drive_t *d, const scripted_write_t *wr
         d->mode = (int8_t)write->value;
         d->mode_display = d->mode_sticks ? d->mode_display : d->mode;
         d->bits = (d->attained_from_before && (d->mode == 6)) ? 0x1400 : (uint16_t)(d->bits & 0x0400U);
+        d->bits |= (d->unused && (d->mode == 1)) ? 0x1000U : 0U;
         scripted_drive_report(d);
     }
 }
@@ -166,6 +177,35 @@ void scripted_drive_change(scripted_drive_t *d, uint16_t index, uint8_t subindex
     }
 }
 
+static bool is_pdo(uint16_t index)
+{
+    return (index >= 0x1400U) && (index < 0x1C00U);
+}
+
+static uint32_t scripted_drive_read(scripted_drive_t *d, uint16_t index, uint8_t subindex)
+{
+    const scripted_write_t *kept = scripted_drive_kept(d, index, subindex);
+    if (kept != NULL) {
+        return kept->value;
+    }
+    if (index == 0x607DU) {
+        return (uint32_t)d->limits[subindex - 1U];
+    }
+    if (!is_pdo(index)) {
+        return scripted_drive_value(d, (uint32_t)index << 16);
+    }
+    const scripted_pdo_t *pdo = (index >= 0x1800U) ? &d->transmit[index & 3U] : &d->receive[index & 3U];
+    const uint32_t mapped = (subindex == 0U) ? pdo->count : pdo->map[(subindex - 1U) & 7U];
+    return ((index & 0x0200U) != 0U) ? mapped : pdo->cob_id;
+}
+
+static unsigned scripted_drive_size(uint16_t index, uint8_t subindex)
+{
+    const bool is_long = (index == 0x607AU) || (index == 0x607DU) || (index == 0x6064U) || is_of_motion(index);
+    const bool is_word = (index == 0x6040U) || (index == 0x6041U);
+    return (is_long || (is_pdo(index) && (subindex != 0U))) ? 4U : (is_word ? 2U : 1U);
+}
+
 static void scripted_drive_sdo(scripted_drive_t *d, const tumble_can_frame_t *frame)
 {
     const uint8_t *r = frame->data;
@@ -174,7 +214,8 @@ static void scripted_drive_sdo(scripted_drive_t *d, const tumble_can_frame_t *fr
     if (d->sdo_is_deaf || (r[0] == 0x80U)) {
         return;
     }
-    if (index == d->refuse_index) {
+    const bool fixed = d->fixed_pdos && is_pdo(index) && ((r[0] & 0xE0U) == 0x20U);
+    if ((index == d->refuse_index) || fixed) {
         d->refusals++;
         const uint8_t abort[8] = {0x80, r[1], r[2], r[3], 0x00, 0x00, 0x02, 0x06};
         scripted_drive_send(d, 0x580U + SCRIPTED_DRIVE_NODE, 8, abort);
@@ -186,13 +227,10 @@ static void scripted_drive_sdo(scripted_drive_t *d, const tumble_can_frame_t *fr
         scripted_drive_send(d, 0x580U + SCRIPTED_DRIVE_NODE, 8, answer);
         scripted_drive_write(d, &write);
     } else {
-        const scripted_write_t *kept = scripted_drive_kept(d, index, r[3]);
-        scripted_drive_expect(d, (r[3] == 0U) || (index == 0x607DU) || (kept != NULL),
-                              "what is read has no subindices");
-        uint32_t value = (kept != NULL) ? kept->value : scripted_drive_value(d, (uint32_t)index << 16);
-        value = (index == 0x607DU) ? (uint32_t)d->limits[r[3] - 1U] : value;
-        const unsigned size = ((index == 0x607AU) || (index == 0x607DU) || (kept != NULL)) ? 4U : 1U;
-        d->reads++;
+        const bool has_subindices = (index == 0x607DU) || (index == 0x6099U) || is_pdo(index);
+        scripted_drive_expect(d, (r[3] == 0U) || has_subindices, "what is read has no subindices");
+        const uint32_t value = scripted_drive_read(d, index, r[3]);
+        const unsigned size = scripted_drive_size(index, r[3]);
         answer[0] = (uint8_t)(0x43U | ((4U - size) << 2U));
         for (unsigned byte = 0; byte < size; byte++) {
             answer[4U + byte] = (uint8_t)(value >> (8U * byte));
@@ -308,7 +346,8 @@ static void scripted_drive_tick(scripted_drive_t *d)
     if (d->homing) {
         scripted_drive_home(d);
     }
-    if (!d->event_only && ((d->clock_ms % scripted_drive_period_ms(d)) == 0U)) {
+    const bool second = (d->second_ms != 0U) && ((d->clock_ms % d->second_ms) == 0U);
+    if (second || (!d->event_only && ((d->clock_ms % scripted_drive_period_ms(d)) == 0U))) {
         scripted_drive_report(d);
     }
 }

@@ -85,7 +85,6 @@ typedef struct {
     unsigned braking_ms; /* left until it stands */
     unsigned nmt_starts; /* commands to it */
     unsigned refusals;   /* of SDO requests */
-    unsigned reads;      /* SDO requests to read that it has answered */
     bool coasted;        /* it lost its power while it moved */
 
     /* Habits. */
@@ -112,15 +111,20 @@ typedef struct {
     unsigned brakes_for_ms;    /* in quick stop active or under Halt */
     bool hides_standstill;     /* no bit 10 after a stop */
     bool ignores_stop;
-    bool ignores_nmt;     /* goes on when it is taken out of operation */
-    unsigned watches_ms;  /* stops when the master is silent for so long; 0: never */
-    uint64_t heard_ms;    /* when it heard the master last */
-    uint64_t silent_ms;   /* the longest that the master has been silent */
-    unsigned nmt_stops;   /* commands to it */
-    int32_t homing_turns; /* counts per ms while it homes */
-    int32_t home;         /* where homing ends */
-    unsigned report_ms;   /* from one transmit PDO to the next; 0: the usual */
-    bool event_only;      /* transmit PDOs on change only */
+    bool ignores_nmt;           /* goes on when it is taken out of operation */
+    unsigned watches_ms;        /* stops when the master is silent for so long; 0: never */
+    uint64_t heard_ms;          /* when it heard the master last */
+    uint64_t silent_ms;         /* the longest that the master has been silent */
+    unsigned nmt_stops;         /* commands to it */
+    int32_t homing_turns;       /* counts per ms while it homes */
+    int32_t home;               /* where homing ends */
+    unsigned report_ms;         /* from one transmit PDO to the next; 0: the usual */
+    bool event_only;            /* transmit PDOs on change only */
+    unsigned second_ms;         /* the second transmit PDO comes by a timer of its own alone; 0: with the first */
+    bool homes_at_once;         /* it stands at its mark: bit 12 is never seen clear */
+    bool fixed_pdos;            /* they are what they are, and a write is refused */
+    bool acknowledges_enabling; /* bit 12 is set from Operation enabled on, and its first set-point clears it */
+    bool unused;                /* there was none yet */
 } scripted_drive_t;
 
 /* At rest somewhere; homing and any move take 0.2 s, reports come every 20 ms. */

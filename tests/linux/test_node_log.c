@@ -47,9 +47,23 @@ static void expect_refused(unsigned command)
     char expected[80];
     (void)snprintf(expected, sizeof expected, "\"command_number\":%u,", command);
     hear(0x581, (const uint8_t[8]){0x80, 0x02, 0x20, 0x02, 0x22, 0x00, 0x00, 0x08});
-    node_log_refused(&heard, &idle);
+    node_log_refused(&heard, &idle, 0);
     const char *const line = log_pipe_read();
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(line, expected), line);
+}
+
+/* A command that has to wait says for what. */
+static void test_a_refused_clear_fault_says_that_a_stop_is_under_way(void)
+{
+    const tumble_progress_t idle = {.state = TUMBLE_STATE_IDLE};
+    heard = (node_log_t){.asked = TUMBLE_COMMAND_CLEAR_FAULT};
+    log_pipe_open("text", NULL);
+    node_log_refused(&heard, &idle, TUMBLE_RUNG_SDO);
+    const char *line = log_pipe_read();
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(line, "is not seen at rest yet"), line);
+    node_log_refused(&heard, &idle, TUMBLE_RUNG_UNCONFIRMED);
+    line = log_pipe_read();
+    TEST_ASSERT_NULL_MESSAGE(strstr(line, "is not seen at rest yet"), line);
 }
 
 static void test_a_refused_command_is_named_by_its_value_in_the_frame_or_in_a_segment(void)

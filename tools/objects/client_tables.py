@@ -17,6 +17,8 @@ LISTS = {
     "COMMAND": "firmware/navcomp/commands.h",
     "OBJECTION": SETS,
 }
+STAND = "firmware/include/tumble/stand.h"
+STEP = re.compile(r'Y\((\d+), (\w+), "(.*?)"\)')
 VERDICT = re.compile(r"TUMBLE_VERDICT_(\w+) = (\d+),?\s*/\* (.*?) \*/")
 HOST = 0x2121  # what the host tells; it is no setting that 1010h saves, but one all the same
 HEAD = '''"""Names that the client library calls things by. Written by tools/objects/generate from firmware lists,
@@ -34,7 +36,7 @@ def module(root: Path, node: Node) -> str:
     """tumble/client/tables.py. Raises TableError."""
     said = remedies((root / PAGE).read_text(encoding="utf-8"))
     parts = [listed(root, name, said) for name in LISTS]
-    return HEAD + "\n".join([*parts, verdicts(root), settings(node)])
+    return HEAD + "\n".join([*parts, verdicts(root), stand_steps(root), settings(node)])
 
 
 def listed(root: Path, name: str, said: dict[str, str]) -> str:
@@ -51,6 +53,13 @@ def verdicts(root: Path) -> str:
     check([int(number) for _, number, _ in found] == list(range(len(found))) != [], SETS, "no list of verdicts")
     rows = [[name, meaning.replace("`", "")] for name, _, meaning in found]
     return table("VERDICTS", "by number: name, meaning", rows)
+
+
+def stand_steps(root: Path) -> str:
+    found = STEP.findall((root / STAND).read_text(encoding="utf-8"))
+    check(found != [], STAND, "no list of steps")
+    rows = "".join(f"    {number}: {text(what)},\n" for number, _, what in found)
+    return f"STAND_STEPS: dict[int, str] = {{  # of 2004h:9: what the drive was asked for\n{rows}}}\n"
 
 
 def table(name: str, about: str, rows: list[list[str]]) -> str:

@@ -15,7 +15,7 @@ LAST, VALIDITY_BITS = 0xFFFF, 16  # the last register's number; bits of one
 SERVICE_KEY = 0x2006_01
 OF_SCALED = " (scaled)"  # behind the name of a number that is there in floating point as well
 COLUMNS = 120
-MODBUS_KEYS = {"at", "scaled_at", "scale", "marks", "command", "kept", "keys", "with", "settings"}
+MODBUS_KEYS = {"at", "scaled_at", "scale", "marks", "command", "kept", "keys", "with", "settings", "more"}
 OWN_KEYS = {"at", "name", "type", "about", "unit", "access", "scale"}
 OWN_TYPES = ("u16", "u32", "i32", "f32", "f64")
 ALWAYS, KEPT = 0, 1  # groups of values: read in every poll; kept until a mark changes. Others have numbers above.
@@ -176,16 +176,20 @@ def group(item: Object, numbers: dict[int, int], where: str) -> list[Register]:
     check(0 < len(readable) <= VALIDITY_BITS, where, f"modbus: not 1 to {VALIDITY_BITS} values that can be read")
     check(set(keys.get("keys", [])) <= {entry.subindex for entry in readable}, where, "modbus: a key does not exist")
     number = numbers.get(item.index, KEPT if keys.get("kept") else ALWAYS)
-    made = block(item, readable, keys["at"], None, number)
+    first, more_at = keys.get("more", (LAST, 0))
+    made = block(item, [entry for entry in readable if entry.subindex < first], keys["at"], None, number)
+    if "more" in keys:
+        made += block(item, [entry for entry in readable if entry.subindex >= first], more_at, None, number, ", more")
     if "scaled_at" in keys:
         check(keys["scale"] > 0, where, "modbus: scale is not above 0")
         made += block(item, readable, keys["scaled_at"], keys["scale"], number)
     return made
 
 
-def block(item: Object, entries: list[Entry], at: int, scale: float | None, number: int) -> list[Register]:
+def block(item: Object, entries: list[Entry], at: int, scale: float | None, number: int,
+          also: str = "") -> list[Register]:
     about = "Bit n: the value of place n below is there." if scale is None else "As for the numbers in floating point."
-    title = item.name if scale is None else f"{item.name}, scaled"
+    title = item.name + also if scale is None else f"{item.name}, scaled"
     made = [Register("input", at, 1, "u16", f"{title}: valid", about=about)]
     for bit, entry in enumerate(entries):
         if scale is not None and not entry.type.is_real:

@@ -161,7 +161,7 @@ tumble_status_t tumble_navcomp_command(tumble_navcomp_t *navcomp, tumble_command
 /* TUMBLE_COMMAND_TURN_AXIS to this angle (degrees of the table), for the validation of a fixture. It turns straight
  * there, without the approach from below. Allowed between runs only (IDLE, DONE, ABORT), after
  * TUMBLE_COMMAND_HOME_AXIS, which is also allowed between runs only, has homed the table. TUMBLE_COMMAND_ABORT stops
- * the table, although the command itself is refused then.
+ * the table; it is refused only where nothing turns.
  * Returns TUMBLE_OK, TUMBLE_E_STATE (not now), TUMBLE_E_ARGUMENT (not within the cable's limits). */
 tumble_status_t tumble_navcomp_turn(tumble_navcomp_t *navcomp, double angle_deg);
 
@@ -180,7 +180,9 @@ typedef struct {
     int8_t temperature_half_c; /* of the block's last sample */
     uint8_t stand_fault;       /* tumble_stand_fault_t */
     uint8_t limited;           /* 1: the drive itself keeps to the cable's limits (607Dh) */
-    struct {                   /* of what is above, one byte each: so the object dictionary tells it */
+    uint8_t rung;              /* tumble_stop_rung_t: how far a stop under way has gone */
+    tumble_stand_refusal_t refusal;
+    struct { /* of what is above, one byte each: so the object dictionary tells it */
         uint8_t state;
         uint8_t reason;
         uint8_t failed_in;

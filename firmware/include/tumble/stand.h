@@ -110,11 +110,32 @@ typedef struct {
     uint32_t implausible;                                       /* position reports that were not believed */
 } tumble_stop_counters_t;
 
-/* What the stand refused of its configuration. */
+/* What a drive was being asked for when it refused, or did not do it in time. The numbers travel over CAN: they don't
+ * change. Y(number, name, what) */
+#define TUMBLE_STAND_STEP_LIST(Y)                                                                                      \
+    Y(0, CONTACT, "first contact")                                                                                     \
+    Y(1, CONFIGURATION, "configuration")                                                                               \
+    Y(2, START, "the first process data after NMT start")                                                              \
+    Y(3, POWER, "the way up to Operation enabled")                                                                     \
+    Y(5, HOMING_MODE, "the change to homing mode")                                                                     \
+    Y(6, HOMING, "homing")                                                                                             \
+    Y(7, POSITION_MODE, "the change to profile position mode")                                                         \
+    Y(8, TARGET, "the target, before the set-point")                                                                   \
+    Y(9, SET_POINT, "the set-point: bit 12 after bit 4 was set")                                                       \
+    Y(10, RELEASE, "the set-point: bit 12 after bit 4 was cleared")                                                    \
+    Y(11, MOTION, "the motion")                                                                                         \
+    Y(12, VERIFY, "what a motion depends on, read back before it")
+
+#define TUMBLE_STAND_STEP(number, name, what) TUMBLE_STAND_STEP_##name = (number),
+typedef enum { TUMBLE_STAND_STEP_LIST(TUMBLE_STAND_STEP) TUMBLE_STAND_STEPS = 13 } tumble_stand_step_t;
+
+/* What the stand refused, or did not do in time. */
 typedef struct {
-    uint16_t index; /* 0: nothing */
+    uint16_t index; /* 0: nothing. Of a handshake: the object that did not show what was waited for */
     uint8_t subindex;
-    uint32_t abort; /* the SDO abort code; TUMBLE_ABORT_TIMEOUT when it did not answer */
+    uint8_t step; /* tumble_stand_step_t */
+    uint32_t
+        abort; /* the SDO abort code; TUMBLE_ABORT_TIMEOUT when it did not answer, or a handshake ran out of time */
 } tumble_stand_refusal_t;
 
 /* The motion that the axis makes now, for the bounds of its time and its progress. All 0: it has not set out, or the
@@ -154,7 +175,8 @@ typedef struct {
     tumble_motion_bounds_t bounds; /* not the kind's: it only stands here */
     uint16_t fault_code;           /* the drive's own error code (EMCY) */
     bool asks;                     /* a person is to turn the head and to confirm */
-    bool limited;                  /* the drive itself keeps to the cable's limits, or will from its next bring-up on */
+    bool limited;                  /* the drive itself keeps to the cable's limits: they have been written and read back */
+    uint8_t rung;                  /* tumble_stop_rung_t: how far a stop under way has gone; CLEAR_FAULT waits for its end */
 } tumble_stand_report_t;
 
 /* ---- What a stand is. */

@@ -38,7 +38,6 @@ static void bound(tumble_drive402_t *drive, double min_deg, double max_deg)
         tumble_drive_counts(profile, max_deg, &at_max)) {
         drive->low_counts = (int32_t)(turned ? at_max : at_min);
         drive->high_counts = (int32_t)(turned ? at_min : at_max);
-        drive->report.limited = (drive->low_counts != drive->high_counts);
     }
 }
 
@@ -131,9 +130,9 @@ static void drive_heartbeat(void *self, tumble_heartbeat_event_t event, tumble_n
 
 static void drive_emergency(void *self, const tumble_emergency_t *message)
 {
-    if (message->code != TUMBLE_EMCY_NO_ERROR) {
-        tumble_drive402_t *drive = self;
-        drive->report.fault_code = message->code;
+    tumble_drive402_t *drive = self;
+    if ((message->code != TUMBLE_EMCY_NO_ERROR) || (drive->phase != (uint8_t)PHASE_FAULT)) {
+        drive->report.fault_code = message->code; /* an error that is over is none of a later fault */
     }
 }
 
@@ -146,6 +145,9 @@ static void drive_pdo_received(void *self, uint8_t number)
     const tumble_drive_pdo_t *pdo = &drive->profile->transmit[number];
     if (tumble_drive_carries(pdo, TUMBLE_DRIVE_POSITION)) {
         tumble_drive_take_position(drive);
+    } else {
+        drive->placed = drive->placed && (drive->phase == (uint8_t)PHASE_MOVING) &&
+                        tumble_drive_has(drive, TUMBLE_402_STATUS_TARGET_REACHED);
     }
     tumble_drive_look(drive, tumble_drive_carries(pdo, TUMBLE_DRIVE_STATUS));
 }
@@ -170,6 +172,14 @@ static void end_late(tumble_drive402_t *drive)
 {
     const bool faulty = (drive->phase == (uint8_t)PHASE_POWER) && tumble_drive_is_faulty(drive);
     const uint8_t late = tumble_drive_rows[drive->phase].late;
+    /* A mode is told by its display, what was read back as something else has been named, all else is the statusword. */
+    const bool named = (drive->report.refusal.index != 0U);
+    if ((late == (uint8_t)TUMBLE_STAND_FAULT_PROTOCOL) && !named) {
+        const bool mode = (drive->phase == (uint8_t)PHASE_HOME_MODE) || (drive->phase == (uint8_t)PHASE_MOVE_MODE);
+        tumble_drive_refused(drive, mode ? TUMBLE_402_MODE_DISPLAY : TUMBLE_402_STATUSWORD, 0,
+                             (uint32_t)TUMBLE_ABORT_TIMEOUT);
+        return;
+    }
     tumble_drive_fail(drive, faulty ? TUMBLE_STAND_FAULT_DRIVE : (tumble_stand_fault_t)late);
 }
 
@@ -189,6 +199,7 @@ static void drive_step(void *self, uint64_t now_us)
         /* in time */
     }
     tumble_drive_climb(drive, now_us);
+    drive->report.rung = drive->rung;
 }
 
 static uint64_t drive_next_us(const void *self)
@@ -286,7 +297,7 @@ static tumble_status_t drive_clear_fault(void *self)
     drive->rung = (uint8_t)TUMBLE_RUNG_NONE;
     drive->fault = (uint8_t)TUMBLE_STAND_FAULT_NONE;
     drive->report.fault_code = 0;
-    drive->report.refusal = (tumble_stand_refusal_t){0, 0, TUMBLE_ABORT_NONE};
+    drive->report.refusal = (tumble_stand_refusal_t){0, 0, 0, TUMBLE_ABORT_NONE};
     drive->may_reset = true;
     if (drive->present) {
         configure(drive);

@@ -72,7 +72,7 @@ typedef struct {
     uint32_t wrap_counts;   /* 6064h and 607Ah count modulo this, the drive takes the shorter way; 0: they don't wrap */
     uint32_t window_counts; /* target reached is believed within this distance only; 0: always */
 
-    /* Motion, written at configuration; what is 0 is left as the drive has it. */
+    /* Motion, written at configuration; what is 0 is left as the drive has it, which need not have the object. */
     double velocity_deg_s;
     double acceleration_deg_s2;
     double deceleration_deg_s2;
@@ -80,7 +80,7 @@ typedef struct {
     double homing_fast_deg_s;
     double homing_slow_deg_s;
     double homing_acceleration_deg_s2;
-    int8_t homing_method;
+    int8_t homing_method;     /* 6098h; 0: left as the drive has it */
     uint8_t stop;             /* tumble_drive_stop_t */
     bool software_limits;     /* it has 607Dh and keeps to it: the cable's limits are written there and read back. Not
                                * used where positions wrap */
@@ -96,7 +96,7 @@ typedef struct {
     uint8_t transmit_count;
     uint8_t write_count;
     const tumble_object_write_t *writes; /* further objects, written first; null with write_count 0 */
-    uint16_t heartbeat_ms;               /* 1017h of the drive; above 0 */
+    uint16_t heartbeat_ms;               /* 1017h of the drive; 0: left, it sends a heartbeat by itself */
     uint16_t heartbeat_timeout_ms; /* 1016h:1 of the drive: our silence after which it must stop; 0: not written */
 
     /* Bounds, all above 0. */
@@ -106,6 +106,10 @@ typedef struct {
     uint32_t home_timeout_ms;
     uint32_t move_timeout_ms;
     uint32_t stop_timeout_ms;
+
+    /* Habits. */
+    bool keeps_pdos;            /* its PDOs cannot be written: they are read, and must be as they are given here */
+    bool acknowledges_enabling; /* bit 12 is set from Operation enabled on, and its first set-point clears it */
 } tumble_drive_profile_t;
 
 /* The object; its fields are private. */
@@ -129,6 +133,8 @@ typedef struct {
     bool timed;       /* its reports come by a timer, too, also while nothing changes */
     bool tracked;     /* actual_counts is what the next report is compared with */
     bool settled;     /* at rest long enough for `strayed` to count */
+    bool falls;       /* bit 12 will acknowledge this set-point by falling */
+    bool placed;      /* a position has come since the statusword showed target reached */
     uint8_t rung;     /* tumble_stop_rung_t: how far a stop has gone */
     uint8_t doubtful; /* reports in a row that were not believed */
     const tumble_drive_profile_t *profile;

@@ -15,13 +15,13 @@
 
 #include "stand/drive402/drive402.h"
 
+/* Their numbers travel over CAN (tumble_stand_step_t). */
 typedef enum {
     PHASE_ABSENT = 0, /* no heartbeat; it is asked for one */
     PHASE_CONFIGURE,  /* objects are written by SDO */
     PHASE_START,      /* NMT start; waiting for its first transmit PDO */
     PHASE_POWER,      /* up to Operation enabled, then on to `wanted` */
     PHASE_IDLE,       /* enabled, at rest */
-    PHASE_VERIFY,     /* before a motion: what it depends on is read back, and written again where it differs */
     PHASE_HOME_MODE,  /* changing to homing mode */
     PHASE_HOMING,
     PHASE_MOVE_MODE, /* changing back to profile position mode */
@@ -29,6 +29,7 @@ typedef enum {
     PHASE_SET_POINT, /* bit 4 high, waiting for bit 12 */
     PHASE_RELEASE,   /* bit 4 low again, waiting for bit 12 to fall */
     PHASE_MOVING,    /* waiting for target reached */
+    PHASE_VERIFY,     /* before a motion: what it depends on is read back, and written again where it differs */
     PHASE_STOPPING,
     PHASE_STOPPED, /* at rest, maybe without power */
     PHASE_FAULT,
@@ -60,6 +61,9 @@ void tumble_drive_go(tumble_drive402_t *drive, tumble_drive_phase_t phase);
 
 /* Stop and wait for clear_fault. */
 void tumble_drive_fail(tumble_drive402_t *drive, tumble_stand_fault_t fault);
+
+/* Fail for an object that the drive has refused, or not shown in time: it is told with the phase. */
+void tumble_drive_refused(tumble_drive402_t *drive, uint16_t index, uint8_t subindex, uint32_t abort);
 
 /* Follow the phases as far as they lead by themselves. */
 void tumble_drive_look(tumble_drive402_t *drive, bool fresh);
@@ -104,8 +108,8 @@ void tumble_drive_lose_position(tumble_drive402_t *drive, tumble_stand_fault_t f
 /* When the axis, if it turns, has been unseen for too long. */
 uint64_t tumble_drive_blind_us(const tumble_drive402_t *drive);
 
-/* Write the mode by SDO, then read its display until it shows it; then go on. */
-void tumble_drive_look_mode(tumble_drive402_t *drive, int8_t mode, tumble_drive_phase_t next);
+/* Write the mode by SDO, then read its display until it shows it: true, once. */
+bool tumble_drive_shows_mode(tumble_drive402_t *drive, int8_t mode);
 
 /* Start to read an object of the drive; and, true when nothing is under way any more (a transfer that went wrong is a
  * fault). */
@@ -153,8 +157,9 @@ bool tumble_drive_may_turn(const tumble_drive402_t *drive);
 /* Has the motion, or the stop, come to its end? */
 bool tumble_drive_is_at_rest(const tumble_drive402_t *drive);
 
-/* The configuration, one object after the other: false after the last. `write->size` 0: nothing to write at this
- * step. */
+/* The configuration, one object after the other: false after the last. `write->size` 0: nothing to write at this step;
+ * TUMBLE_DRIVE_READS: the value is to be read, and must be this one. */
+#define TUMBLE_DRIVE_READS 0xFFU
 bool tumble_drive_configuration(const tumble_drive402_t *drive, uint8_t step, tumble_object_write_t *write);
 
 /* The step of the configuration at which what a motion depends on begins: speeds, accelerations, limits. They end where
@@ -162,15 +167,13 @@ bool tumble_drive_configuration(const tumble_drive402_t *drive, uint8_t step, tu
 uint8_t tumble_drive_first_of_motion(const tumble_drive402_t *drive);
 #define TUMBLE_DRIVE_PROFILE_OBJECTS 0x6000U
 
-/* 607Dh:1 or :2, as it is to be. */
-uint32_t tumble_drive_limit(const tumble_drive402_t *drive, uint8_t subindex);
-
 /* Is this object (as in a mapping) in this PDO? */
 bool tumble_drive_carries(const tumble_drive_pdo_t *pdo, uint32_t object);
 #define TUMBLE_DRIVE_STATUS TUMBLE_MAP(TUMBLE_402_STATUSWORD, 0, 16)
 #define TUMBLE_DRIVE_POSITION TUMBLE_MAP(TUMBLE_402_POSITION_ACTUAL, 0, 32)
 
-/* Set up our own PDOs as the other end of the drive's. False: the dictionary cannot take them. */
+/* Set up our own PDOs as the other end of the drive's. Before START those that command it stay invalid. False: the
+ * dictionary cannot take them. */
 bool tumble_drive_map_own(const tumble_drive402_t *drive);
 
 /* Units. False: beyond what the drive can express. */

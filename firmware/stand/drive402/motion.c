@@ -2,12 +2,22 @@
 #include "stand/bounds.h"
 #include "stand/drive402/internal.h"
 
-/* Right after the start of homing the statusword may still show the end of an earlier one. A method that homes where
- * the axis stands may be over at once, so only this many statuswords are not believed. With any other method bits 12
- * and 13 must have been seen clear; otherwise a start that got lost would pass for a homing that never took place. */
+/* Homing. Bit 12 set after the start may still be that of an earlier homing. There are three ways to tell:
+ *
+ *     bit 12 before the start    after it
+ *     set                        it must be seen clear first
+ *     clear (by SDO, in the      it is new if the drive has heard the start, which 6040h tells, and two statuswords
+ *     mode of homing)            later it is still set: a table at its mark is home at once, and bit 12 is never
+ *                                seen clear
+ *     set, methods 35 and 37     likewise: home is where the axis stands
+ *
+ * Otherwise a start that got lost would pass for a homing that never took place. */
 #define STALE_STATUSWORDS 2U
+#define UNHEARD 254U /* of `stale`: 6040h has yet to show the start; */
+#define UNCLEARED UINT8_MAX
 #define ON_THE_SPOT 35 /* and 37 */
 #define ON_THE_SPOT_TOO 37
+#define HOMING_OVER (TUMBLE_402_STATUS_HOMING_ATTAINED | TUMBLE_402_STATUS_HOMING_ERROR)
 
 #define UNKNOWN_RAMP_S 1.0
 #define TURN_DEG 360.0
@@ -33,32 +43,54 @@ static void tell_motion(tumble_drive402_t *drive, bool homes, int64_t to_counts)
     };
 }
 
-/* Homing. */
-
 void tumble_drive_look_home_mode(tumble_drive402_t *drive, bool fresh)
 {
     (void)fresh;
-    tumble_drive_look_mode(drive, TUMBLE_402_MODE_HOMING, PHASE_HOMING);
+    const tumble_sdo_client_t *client = &drive->node->client;
+    const int8_t method = drive->profile->homing_method;
+    const bool spot = (method == ON_THE_SPOT) || (method == ON_THE_SPOT_TOO);
+    if ((drive->asked != ASKED_READ) || (client->index != TUMBLE_402_STATUSWORD)) {
+        if (tumble_drive_shows_mode(drive, TUMBLE_402_MODE_HOMING)) {
+            tumble_drive_ask(drive, TUMBLE_402_STATUSWORD, 0);
+        }
+    } else if (tumble_drive_is_answered(drive)) {
+        const bool clear = (tumble_sdo_client_u32(client) & HOMING_OVER) == 0U;
+        drive->asked = ASKED_NOTHING;
+        drive->stale = (clear || spot) ? UNHEARD : UNCLEARED;
+        tumble_drive_go(drive, PHASE_HOMING);
+    } else {
+        /* on its way, or refused */
+    }
 }
 
 void tumble_drive_enter_homing(tumble_drive402_t *drive)
 {
-    const tumble_drive_profile_t *profile = drive->profile;
-    const int8_t method = profile->homing_method;
-    drive->stale = ((method == ON_THE_SPOT) || (method == ON_THE_SPOT_TOO)) ? STALE_STATUSWORDS : UINT8_MAX;
-    tell_motion(drive, true, (int64_t)drive->homing_counts * profile->sign);
+    tell_motion(drive, true, (int64_t)drive->homing_counts * drive->profile->sign);
     tumble_drive_control(drive, TUMBLE_402_CONTROL_ENABLE | TUMBLE_402_CONTROL_START_HOMING);
 }
 
-void tumble_drive_look_homing(tumble_drive402_t *drive, bool fresh)
+/* Has the drive heard the start? A start that got lost is given again: it has seen no edge yet. */
+static void confirm_start(tumble_drive402_t *drive)
 {
-    if (tumble_drive_is_blocked(drive) || !fresh) {
+    if (!tumble_drive_is_answered(drive)) {
         return;
     }
-    if (!tumble_drive_has(drive, TUMBLE_402_STATUS_HOMING_ATTAINED | TUMBLE_402_STATUS_HOMING_ERROR)) {
-        drive->stale = 0;
+    drive->asked = ASKED_NOTHING;
+    if ((tumble_sdo_client_u32(&drive->node->client) & TUMBLE_402_CONTROL_START_HOMING) != 0U) {
+        drive->stale = STALE_STATUSWORDS;
+    } else {
+        tumble_drive_enter_homing(drive);
+    }
+}
+
+static void look_attained(tumble_drive402_t *drive)
+{
+    if (drive->stale == UNHEARD) {
+        tumble_drive_ask(drive, TUMBLE_402_CONTROLWORD, 0);
+    } else if (drive->stale == UNCLEARED) {
+        /* it may be that of the homing before */
     } else if (drive->stale > 0U) {
-        drive->stale = (drive->stale < UINT8_MAX) ? (uint8_t)(drive->stale - 1U) : UINT8_MAX;
+        drive->stale--;
     } else if (tumble_drive_has(drive, TUMBLE_402_STATUS_HOMING_ERROR)) {
         tumble_drive_fail(drive, TUMBLE_STAND_FAULT_HOMING);
     } else if (tumble_drive_has(drive, TUMBLE_402_STATUS_TARGET_REACHED)) {
@@ -69,17 +101,34 @@ void tumble_drive_look_homing(tumble_drive402_t *drive, bool fresh)
     }
 }
 
+void tumble_drive_look_homing(tumble_drive402_t *drive, bool fresh)
+{
+    if (tumble_drive_is_blocked(drive)) {
+        return;
+    }
+    if (fresh && !tumble_drive_has(drive, HOMING_OVER)) {
+        drive->stale = 0;
+        tumble_drive_leave_sdo(drive);
+    } else if (drive->asked != ASKED_NOTHING) {
+        confirm_start(drive);
+    } else if (fresh) {
+        look_attained(drive);
+    } else {
+        /* nothing new */
+    }
+}
+
 void tumble_drive_look_move_mode(tumble_drive402_t *drive, bool fresh)
 {
     (void)fresh;
-    tumble_drive_look_mode(drive, TUMBLE_402_MODE_PROFILE_POSITION, PHASE_IDLE);
-    if (drive->phase == (uint8_t)PHASE_IDLE) {
+    if (tumble_drive_shows_mode(drive, TUMBLE_402_MODE_PROFILE_POSITION)) {
         drive->homed = true;
         drive->tracked = false; /* a report from before the new zero may be the last one known */
         /* A drive that wraps and stands a count below zero is not a whole circle above it. */
         drive->actual_counts = tumble_drive_unwrapped(drive->profile, (int32_t)drive->actual_counts, 0);
         drive->arrived = true;
         drive->at_goal = false;
+        tumble_drive_go(drive, PHASE_IDLE);
     }
 }
 
@@ -118,7 +167,8 @@ void tumble_drive_enter_target(tumble_drive402_t *drive)
 void tumble_drive_look_target(tumble_drive402_t *drive, bool fresh)
 {
     (void)fresh;
-    if (tumble_drive_is_blocked(drive) || tumble_drive_has(drive, TUMBLE_402_STATUS_SET_POINT_ACKNOWLEDGE) ||
+    const bool taken = tumble_drive_has(drive, TUMBLE_402_STATUS_SET_POINT_ACKNOWLEDGE);
+    if (tumble_drive_is_blocked(drive) || (taken && !drive->profile->acknowledges_enabling) ||
         !tumble_drive_is_answered(drive)) {
         return;
     }
@@ -135,15 +185,18 @@ void tumble_drive_look_target(tumble_drive402_t *drive, bool fresh)
     }
 }
 
+/* Bit 12 that has been set since the drive was enabled acknowledges its first set-point by falling. */
 void tumble_drive_enter_set_point(tumble_drive402_t *drive)
 {
+    drive->falls = tumble_drive_has(drive, TUMBLE_402_STATUS_SET_POINT_ACKNOWLEDGE);
     tumble_drive_control(drive, TUMBLE_402_CONTROL_ENABLE | TUMBLE_402_CONTROL_NEW_SET_POINT);
 }
 
 void tumble_drive_look_set_point(tumble_drive402_t *drive, bool fresh)
 {
     (void)fresh;
-    if (!tumble_drive_is_blocked(drive) && tumble_drive_has(drive, TUMBLE_402_STATUS_SET_POINT_ACKNOWLEDGE)) {
+    const bool is_set = tumble_drive_has(drive, TUMBLE_402_STATUS_SET_POINT_ACKNOWLEDGE);
+    if (!tumble_drive_is_blocked(drive) && (is_set != drive->falls)) {
         tumble_drive_go(drive, PHASE_RELEASE);
     }
 }
@@ -173,12 +226,30 @@ static bool is_near(const tumble_drive402_t *drive)
     return (window == 0) || ((off <= window) && (off >= -window));
 }
 
+/* Target reached tells of an angle that may not have been reported yet: where statusword and position travel apart, the
+ * last report may be from the way. A drive that reports on change alone will not report again, so it is asked at once.
+ * Whichever comes first counts. */
+static bool is_placed(tumble_drive402_t *drive)
+{
+    if (!drive->placed && tumble_drive_is_answered(drive)) {
+        if (drive->asked == ASKED_NOTHING) {
+            tumble_drive_ask(drive, TUMBLE_402_POSITION_ACTUAL, 0);
+        } else {
+            drive->asked = ASKED_NOTHING;
+            drive->mirror->actual_position = (int32_t)tumble_sdo_client_u32(&drive->node->client);
+            tumble_drive_take_position(drive);
+        }
+    }
+    return drive->placed;
+}
+
 void tumble_drive_look_moving(tumble_drive402_t *drive, bool fresh)
 {
     (void)fresh;
-    if (!tumble_drive_has(drive, TUMBLE_402_STATUS_TARGET_REACHED) || !is_near(drive)) {
+    if (!tumble_drive_has(drive, TUMBLE_402_STATUS_TARGET_REACHED) || !is_placed(drive) || !is_near(drive)) {
         return;
     }
+    tumble_drive_leave_sdo(drive);
     if (drive->set_counts != drive->goal_counts) {
         tumble_drive_go(drive, PHASE_TARGET);
         return;

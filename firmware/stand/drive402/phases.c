@@ -57,6 +57,10 @@ void tumble_drive_look(tumble_drive402_t *drive, bool fresh)
 #define IS(name) (uint8_t)TUMBLE_STAND_##name
 
 static_assert(sizeof(tumble_drive_profile_t) <= UINT8_MAX, "an offset into the profile is one byte");
+static_assert(((unsigned)PHASE_POWER == (unsigned)TUMBLE_STAND_STEP_POWER) &&
+                  ((unsigned)PHASE_HOME_MODE == (unsigned)TUMBLE_STAND_STEP_HOMING_MODE) &&
+                  ((unsigned)PHASE_MOVING == (unsigned)TUMBLE_STAND_STEP_MOTION),
+              "a refusal tells the phase by its number");
 
 /* clang-format off */
 const tumble_drive_row_t tumble_drive_rows[PHASE_COUNT] = {

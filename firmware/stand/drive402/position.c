@@ -119,10 +119,12 @@ void tumble_drive_take_position(tumble_drive402_t *drive)
     const int64_t before = drive->actual_counts;
     const int64_t change = tumble_drive_unwrapped(drive->profile, raw, before) - before;
     settle(drive);
+    drive->placed = false;
     if (!is_plausible(drive, change)) {
         doubt(drive);
         return;
     }
+    drive->placed = tumble_drive_has(drive, TUMBLE_402_STATUS_TARGET_REACHED);
     if (drive->settled) {
         drive->strayed += (int32_t)change;
     }

@@ -19,12 +19,11 @@
 
 /* object_row_t.kind */
 enum {
-    VALUE_CONSTANT = 0, /* the row's number itself; otherwise where the value stands in the profile */
+    VALUE_CONSTANT = 0, /* the row's number itself; otherwise where the value stands in the profile, 0: not written */
     VALUE_BYTE,
     VALUE_WORD,
     VALUE_LIMIT,    /* of the position; both 0: not written */
-    VALUE_CONSUMER, /* the milliseconds of our heartbeat, with our node's number above them; from here on 0 is not
-                         * written */
+    VALUE_CONSUMER, /* the milliseconds of our heartbeat, with our node's number above them */
     VALUE_VELOCITY, /* quantities */
     VALUE_ACCELERATION
 };
@@ -80,11 +79,6 @@ uint8_t tumble_drive_first_of_motion(const tumble_drive402_t *drive)
     return (uint8_t)(drive->profile->write_count + FIRST_OF_MOTION);
 }
 
-uint32_t tumble_drive_limit(const tumble_drive402_t *drive, uint8_t subindex)
-{
-    return (uint32_t)((subindex == 1U) ? drive->low_counts : drive->high_counts);
-}
-
 static uint32_t value_of(const tumble_drive402_t *drive, const object_row_t *row)
 {
     const unsigned char *at = (const unsigned char *)drive->profile + row->number;
@@ -98,7 +92,7 @@ static uint32_t value_of(const tumble_drive402_t *drive, const object_row_t *row
     case VALUE_WORD:
         return word;
     case VALUE_LIMIT:
-        return tumble_drive_limit(drive, row->subindex);
+        return (uint32_t)((row->subindex == 1U) ? drive->low_counts : drive->high_counts);
     case VALUE_CONSUMER:
         return (word != 0U) ? (((uint32_t)drive->node->config->node << 16) | word) : 0U;
     default:
@@ -108,8 +102,8 @@ static uint32_t value_of(const tumble_drive402_t *drive, const object_row_t *row
 
 static void write_object(const tumble_drive402_t *drive, const object_row_t *row, tumble_object_write_t *write)
 {
-    const bool optional = (row->kind >= (uint8_t)VALUE_CONSUMER);
-    const bool unlimited = (row->kind == (uint8_t)VALUE_LIMIT) && !drive->report.limited;
+    const bool optional = (row->kind != (uint8_t)VALUE_CONSTANT) && (row->kind != (uint8_t)VALUE_LIMIT);
+    const bool unlimited = (row->kind == (uint8_t)VALUE_LIMIT) && (drive->low_counts == drive->high_counts);
     write->index = row->index;
     write->subindex = row->subindex;
     write->value = value_of(drive, row);
@@ -147,7 +141,11 @@ bool tumble_drive_configuration(const tumble_drive402_t *drive, uint8_t step, tu
     }
     const tumble_drive_pdo_t *pdo = pdo_at(profile, number);
     const uint16_t base = (number < profile->receive_count) ? RECEIVE_COMMUNICATION : TRANSMIT_COMMUNICATION;
-    tumble_pdo_setup_write(&pdo->setup, (uint16_t)(base + pdo->number), (uint8_t)(at % TUMBLE_PDO_SETUP_STEPS), write);
+    const uint8_t part = (uint8_t)(at % TUMBLE_PDO_SETUP_STEPS);
+    tumble_pdo_setup_write(&pdo->setup, (uint16_t)(base + pdo->number), part, write);
+    if (profile->keeps_pdos && (write->size != 0U)) {
+        write->size = tumble_pdo_setup_stays(part) ? TUMBLE_DRIVE_READS : 0U;
+    }
     return true;
 }
 
@@ -184,17 +182,17 @@ static void own_setup(const tumble_pdo_setup_t *theirs, tumble_pdo_setup_t *own)
     }
 }
 
-/* Those that are told to go keep that. */
 static bool map_own(const tumble_drive402_t *drive, tumble_pdo_direction_t direction, uint8_t number,
                     const tumble_drive_pdo_t *pdo)
 {
     tumble_pdos_t *pdos = &drive->node->pdos;
     tumble_pdo_setup_t setup;
     own_setup(&pdo->setup, &setup);
-    const bool due = (direction == TUMBLE_PDO_TRANSMIT) && pdos->transmit[number].pdo.due;
+    const bool sends = (direction == TUMBLE_PDO_TRANSMIT);
+    setup.cob_id |= (sends && (drive->phase < (uint8_t)PHASE_START)) ? TUMBLE_PDO_INVALID : 0U;
     const tumble_abort_t refusal = tumble_pdo_configure(pdos, &drive->node->dictionary, direction, number, &setup);
-    if (direction == TUMBLE_PDO_TRANSMIT) {
-        pdos->transmit[number].pdo.due = due;
+    if (sends) {
+        pdos->transmit[number].pdo.due = false; /* nothing is to be said yet */
     }
     return refusal == TUMBLE_ABORT_NONE;
 }
@@ -232,8 +230,8 @@ static bool numbers_are_valid(const tumble_drive_profile_t *profile)
         valid = valid && (ms > 0U);
     }
     return valid && tumble_is_finite(profile->homing_travel_deg) && !tumble_is_positive(-profile->homing_travel_deg) &&
-           (profile->heartbeat_ms > 0U) && ((profile->sign == 1) || (profile->sign == -1)) &&
-           (profile->wrap_counts <= (uint32_t)INT32_MAX) && (profile->stop <= (uint8_t)TUMBLE_STOP_BY_HALT);
+           ((profile->sign == 1) || (profile->sign == -1)) && (profile->wrap_counts <= (uint32_t)INT32_MAX) &&
+           (profile->stop <= (uint8_t)TUMBLE_STOP_BY_HALT);
 }
 
 static bool quantities_are_valid(const tumble_drive_profile_t *profile)

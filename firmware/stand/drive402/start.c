@@ -9,6 +9,12 @@ static void ask_write(tumble_drive402_t *drive, const tumble_object_write_t *wri
     drive->asked = (status == TUMBLE_OK) ? ASKED_WRITE : ASKED_NOTHING;
 }
 
+void tumble_drive_refused(tumble_drive402_t *drive, uint16_t index, uint8_t subindex, uint32_t abort)
+{
+    drive->report.refusal = (tumble_stand_refusal_t){index, subindex, drive->phase, abort};
+    tumble_drive_fail(drive, TUMBLE_STAND_FAULT_PROTOCOL);
+}
+
 bool tumble_drive_is_answered(tumble_drive402_t *drive)
 {
     const tumble_sdo_client_t *client = &drive->node->client;
@@ -18,8 +24,7 @@ bool tumble_drive_is_answered(tumble_drive402_t *drive)
     }
     if ((drive->asked != ASKED_NOTHING) && (result != TUMBLE_OK)) {
         drive->asked = ASKED_NOTHING;
-        drive->report.refusal = (tumble_stand_refusal_t){client->index, client->subindex, client->abort};
-        tumble_drive_fail(drive, TUMBLE_STAND_FAULT_PROTOCOL);
+        tumble_drive_refused(drive, client->index, client->subindex, client->abort);
         return false;
     }
     return true;
@@ -32,12 +37,13 @@ bool tumble_drive_is_answered(tumble_drive402_t *drive)
  *               |         |             |                                      |
  *     drive     (off)     x timeout     answer, then heartbeat ... heartbeat --+--> present
  *
- * A timeout means that nobody is there yet: ask again. An answer without a heartbeat is not enough to be present. */
+ * A timeout means that nobody is there yet: ask again. An answer without a heartbeat is not enough to be present. A
+ * profile without a heartbeat's time says that the drive sends one unasked. */
 void tumble_drive_look_absent(tumble_drive402_t *drive, bool fresh)
 {
     (void)fresh;
     const tumble_sdo_client_t *client = &drive->node->client;
-    if ((tumble_sdo_client_result(client) == TUMBLE_E_SDO_BUSY) ||
+    if ((tumble_sdo_client_result(client) == TUMBLE_E_SDO_BUSY) || (drive->profile->heartbeat_ms == 0U) ||
         (tumble_node_state(drive->node) == TUMBLE_NMT_INITIALISING)) {
         return;
     }
@@ -52,7 +58,10 @@ void tumble_drive_look_absent(tumble_drive402_t *drive, bool fresh)
     }
 }
 
-/* Outsiders may have changed our own process data while there was no drive: set them up again. A drive that the ladder
+/* Outsiders may have changed our own process data while there was no drive: set them up again. They don't go before the
+ * drive has the mapping that they have: it would answer a controlword of another length with an emergency message, or
+ * take it for something else. A drive that is Operational may be turning, so it is told to stop by SDO first; whether it
+ * takes that is seen at START. A drive that the ladder
  * of a stop has taken out of operation by NMT has no SDO: put it back into Pre-operational first. */
 void tumble_drive_enter_configure(tumble_drive402_t *drive)
 {
@@ -62,47 +71,60 @@ void tumble_drive_enter_configure(tumble_drive402_t *drive)
     if (tumble_nmt_state_of(nmt, drive->drive_node) == TUMBLE_NMT_STOPPED) {
         (void)tumble_nmt_command(nmt, drive->drive_node, TUMBLE_NMT_ENTER_PRE_OPERATIONAL);
     }
+    if (tumble_nmt_state_of(nmt, drive->drive_node) == TUMBLE_NMT_OPERATIONAL) {
+        tumble_drive_tell_by_sdo(drive); /* it may be turning */
+    }
+    drive->report.limited = false;
     drive->write = 0;
 }
 
-/* Is what has just been written to be read back? A drive may take a limit and not keep it. */
-static bool checks(tumble_drive402_t *drive)
+#define HIGHEST 2U /* 607Dh:2, the last one written */
+
+/* What has been asked for at a step of the configuration has been answered. Is there more to it? A drive may take a limit
+ * and not keep it, so it is read back; a PDO that is kept must be what our own is the other end of. */
+static bool goes_on(tumble_drive402_t *drive, const tumble_object_write_t *step)
 {
-    const tumble_sdo_client_t *client = &drive->node->client;
-    if (client->index != TUMBLE_402_SOFTWARE_LIMIT) {
-        return false;
-    }
+    const bool limit = (step->index == TUMBLE_402_SOFTWARE_LIMIT);
     if (drive->asked == ASKED_WRITE) {
-        tumble_drive_ask(drive, TUMBLE_402_SOFTWARE_LIMIT, client->subindex);
+        if (limit) {
+            tumble_drive_ask(drive, step->index, step->subindex);
+        }
+        return limit;
+    }
+    const uint32_t ignored = limit ? 0U : TUMBLE_PDO_NO_RTR;
+    if (((tumble_sdo_client_u32(&drive->node->client) ^ step->value) & ~ignored) != 0U) {
+        tumble_drive_refused(drive, step->index, step->subindex, (uint32_t)TUMBLE_ABORT_VALUE);
         return true;
     }
-    if (tumble_sdo_client_u32(client) == tumble_drive_limit(drive, client->subindex)) {
-        return false;
-    }
-    drive->report.refusal = (tumble_stand_refusal_t){client->index, client->subindex, (uint32_t)TUMBLE_ABORT_VALUE};
-    tumble_drive_fail(drive, TUMBLE_STAND_FAULT_PROTOCOL);
-    return true;
+    drive->report.limited = drive->report.limited || (limit && (step->subindex == HIGHEST));
+    return false;
 }
 
 void tumble_drive_look_configure(tumble_drive402_t *drive, bool fresh)
 {
     (void)fresh;
-    if (!tumble_drive_is_answered(drive) || ((drive->asked != ASKED_NOTHING) && checks(drive))) {
+    tumble_object_write_t step = {0, 0, 0, 0};
+    if (!tumble_drive_is_answered(drive)) {
         return;
     }
-    if (drive->asked != ASKED_NOTHING) {
-        drive->asked = ASKED_NOTHING;
-        drive->write++;
-    }
-    tumble_object_write_t write = {0, 0, 0, 0};
-    while (tumble_drive_configuration(drive, drive->write, &write)) {
-        if (write.size != 0U) {
-            ask_write(drive, &write);
+    for (; tumble_drive_configuration(drive, drive->write, &step); drive->write++) {
+        if (drive->asked != ASKED_NOTHING) {
+            if (goes_on(drive, &step)) {
+                return;
+            }
+            drive->asked = ASKED_NOTHING;
+        } else if (step.size == TUMBLE_DRIVE_READS) {
+            tumble_drive_ask(drive, step.index, step.subindex);
             return;
+        } else if (step.size != 0U) {
+            ask_write(drive, &step);
+            return;
+        } else {
+            /* nothing to do at this step */
         }
-        drive->write++;
     }
     tumble_drive_go(drive, PHASE_START);
+    (void)tumble_drive_map_own(drive);
 }
 
 void tumble_drive_ask(tumble_drive402_t *drive, uint16_t index, uint8_t subindex)
@@ -138,7 +160,8 @@ void tumble_drive_look_verify(tumble_drive402_t *drive, bool fresh)
     if (drive->asked == ASKED_READ) {
         drive->asked = ASKED_NOTHING;
         if (!keeps(&drive->node->client, &wanted)) {
-            drive->report.refusal = (tumble_stand_refusal_t){wanted.index, wanted.subindex, TUMBLE_ABORT_VALUE};
+            drive->report.refusal = (tumble_stand_refusal_t){wanted.index, wanted.subindex,
+                                                             (uint8_t)TUMBLE_STAND_STEP_VERIFY, TUMBLE_ABORT_VALUE};
             ask_write(drive, &wanted);
             return;
         }
@@ -150,29 +173,29 @@ void tumble_drive_look_verify(tumble_drive402_t *drive, bool fresh)
     if (wanted.index >= TUMBLE_DRIVE_PROFILE_OBJECTS) {
         tumble_drive_ask(drive, wanted.index, wanted.subindex);
     } else {
-        drive->report.refusal = (tumble_stand_refusal_t){0, 0, TUMBLE_ABORT_NONE};
+        drive->report.refusal = (tumble_stand_refusal_t){0, 0, 0, TUMBLE_ABORT_NONE};
         tumble_drive_go(drive, (tumble_drive_phase_t)drive->wanted);
     }
 }
 
 /* Write the mode, then read its display until it shows it. */
-void tumble_drive_look_mode(tumble_drive402_t *drive, int8_t mode, tumble_drive_phase_t next)
+bool tumble_drive_shows_mode(tumble_drive402_t *drive, int8_t mode)
 {
     if (!tumble_drive_is_answered(drive)) {
-        return;
+        return false;
     }
     if (drive->asked == ASKED_NOTHING) {
         const tumble_object_write_t write = {TUMBLE_402_MODE, 0, 1, (uint32_t)mode};
         drive->mirror->mode = mode; /* in case that process data carry it */
         ask_write(drive, &write);
-        return;
+        return false;
     }
     if ((drive->asked == ASKED_READ) && (tumble_sdo_client_u32(&drive->node->client) == (uint32_t)mode)) {
         drive->asked = ASKED_NOTHING;
-        tumble_drive_go(drive, next);
-        return;
+        return true;
     }
     tumble_drive_ask(drive, TUMBLE_402_MODE_DISPLAY, 0);
+    return false;
 }
 
 /* START and POWER: the ramp of CiA 402. Each statusword asks for the next controlword; the drive may take its time.
@@ -251,6 +274,7 @@ void tumble_drive_look_power(tumble_drive402_t *drive, bool fresh)
     case TUMBLE_402_STATE_OPERATION_ENABLED:
         if (drive->mirror->controlword == TUMBLE_402_CONTROL_ENABLE) {
             drive->may_reset = false;
+            drive->report.fault_code = 0; /* what it told of on its way up is over */
             tumble_drive_go(drive, (drive->wanted == (uint8_t)PHASE_IDLE) ? PHASE_IDLE : PHASE_VERIFY);
         }
         break;

@@ -11,6 +11,10 @@ typedef struct {
     const char *lines;
 } refusal_t;
 
+#define WRITE_WORDS                                                                                                    \
+    "a write is index, subindex, size (1, 2, 4) and value, at most 16 of them; an index is hexadecimal, such as "      \
+    "0x6040"
+
 static const refusal_t REFUSALS[] = {
     {1, "neither a comment nor key = value", "stand.angle_rad 4e-5\n"},
     {2, "no such key: stand.angle", "\nstand.angle = 1\n"},
@@ -53,10 +57,13 @@ static const refusal_t REFUSALS[] = {
     {1, "a fault needs either at=MOUNTING.POSITION or time=SECONDS", "fault = stall\n"},
     {1, "a fault needs either at=MOUNTING.POSITION or time=SECONDS", "fault = stall at=1.1 time=3\n"},
     {1,
-     "a PDO is its number (0 to 511), COB-ID, for a transmit PDO inhibit time (100 us) and event timer (ms), and up "
-     "to eight objects INDEX:SUBINDEX:BITS",
+     "a PDO is its number (0 to 255), COB-ID, for a transmit PDO inhibit time (100 us) and event timer (ms), and up "
+     "to eight objects INDEX:SUBINDEX:BITS; an index is hexadecimal, such as 0x6040",
      "profile.receive_pdo = 0 0x202 6040.16\n"},
-    {1, "a write is index, subindex, size (1, 2, 4) and value; at most 16 of them", "profile.write = 0x6081 0 4\n"},
+    {1, WRITE_WORDS, "profile.write = 0x6081 0 4\n"},
+    {1, WRITE_WORDS, "profile.write = 6081 0 4 1\n"}, /* 0x6081, or 0x17C1? */
+    {1, "drive.lacks names objects, at most 16 of them; an index is hexadecimal, such as 0x6040",
+     "drive.lacks = 0x6084 6085\n"},
 };
 
 /* What does not go together, found when the whole is there. */

@@ -127,6 +127,16 @@ void bench_setup(const tumble_drive_profile_t *profile)
     run_ms(5);
 }
 
+void restart_computer(void)
+{
+    memset(&bench, 0, sizeof bench);
+    const tumble_node_binding_t binding = {.port = &port.port, .other = &bench.mirror, .context = &bench};
+    ASSERT_STATUS(TUMBLE_OK, tumble_node_init(&bench.node, &own_config, &binding));
+    ASSERT_STATUS(TUMBLE_OK, drive_init(&common, SCRIPTED_DRIVE_NODE));
+    bench.stand = (tumble_stand_t){&tumble_drive402_kind, &bench.drive};
+    tumble_node_set_state(&bench.node, TUMBLE_NMT_OPERATIONAL);
+}
+
 void boot_drive(void)
 {
     scripted_drive_boot(&played, &port);

@@ -38,6 +38,9 @@ void bench_setup(const tumble_drive_profile_t *profile);
 void bring_up(const tumble_drive_profile_t *profile);
 void bring_home(const tumble_drive_profile_t *profile);
 
+/* Our computer begins anew, with the common profile, and the drive has not noticed. */
+void restart_computer(void);
+
 void assert_fault(tumble_stand_fault_t fault);
 void assert_angle(double expected_deg);
 void move_to(double angle_deg);

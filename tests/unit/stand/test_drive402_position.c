@@ -44,7 +44,7 @@ static void test_one_garbled_report_changes_nothing(void)
 {
     const tumble_drive_profile_t profile = slow();
     bring_home(&profile);
-    run_ms(20);
+    run_ms(SCRIPTED_REPORT_MS); /* the first report after the new zero is what the next is compared with */
     for (int i = 0; i < 20; i++) {
         forge((i & 1) ? 12000 : -30000);
         run_ms(10U + (unsigned)i);
@@ -87,8 +87,7 @@ static void test_a_wrapping_drive_does_not_lose_a_turn(void)
         scripted_drive_t *d = &played;
         bring_home(&profile);
         d->wrap = 36000;
-        run_ms(20);
-        run_ms(pause_ms);
+        run_ms(SCRIPTED_REPORT_MS + pause_ms);
         d->event_only = true; /* no true report comes between them */
         forge(12000);
         forge(24000);
@@ -302,8 +301,9 @@ static void test_the_cables_limits_are_written_and_read_back(void)
     profile.software_limits = true;
     profile.sign = -1;
     bench_setup(&profile);
-    TEST_ASSERT_TRUE(bench.drive.report.limited);
+    TEST_ASSERT_FALSE(bench.drive.report.limited); /* nobody has asked the drive yet */
     boot_drive();
+    TEST_ASSERT_TRUE(bench.drive.report.limited);
     TEST_ASSERT_EQUAL_INT32(-40000, played.limits[0]);
     TEST_ASSERT_EQUAL_INT32(3000, played.limits[1]);
     TEST_ASSERT_EQUAL_UINT(26, played.write_count);
@@ -321,7 +321,9 @@ static void test_a_drive_that_does_not_keep_them_does_not_run(void)
     const tumble_stand_refusal_t refusal = bench.drive.report.refusal;
     TEST_ASSERT_EQUAL_HEX16(0x607D, refusal.index);
     TEST_ASSERT_EQUAL_HEX8(1, refusal.subindex);
+    TEST_ASSERT_EQUAL_UINT8(TUMBLE_STAND_STEP_CONFIGURATION, refusal.step);
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_VALUE, refusal.abort);
+    TEST_ASSERT_FALSE(bench.drive.report.limited);
 }
 
 static void test_a_drive_without_them_is_said_to_be_so(void)

@@ -215,7 +215,6 @@ static void test_profiles_that_cannot_be(void)
     EXPECT_BAD(transmit = without_position);
     EXPECT_BAD(transmit = too_many);
     EXPECT_BAD(write_count = 1);
-    EXPECT_BAD(heartbeat_ms = 0);
     EXPECT_BAD(start_timeout_ms = 0);
     EXPECT_BAD(power_timeout_ms = 0);
     EXPECT_BAD(handshake_timeout_ms = 0);

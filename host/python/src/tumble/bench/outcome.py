@@ -42,6 +42,7 @@ def require_done(document: dict[str, Any]) -> None:
         )
     where = f"in state {in_words(document['failed_in'])}, positions finished: {len(document['means'])}"
     code = f", drive error 0x{document['drive_code']:04X}" if document["drive_code"] else ""
+    code += f", {document['drive_refusal']['sentence']}" if document["drive_refusal"] else ""
     rest = "" if document["table"]["at_rest"] else "; THE TABLE IS NOT AT REST"
     name = document["reason"].removeprefix("TUMBLE_REASON_")
     raise BenchFault(f"the run failed: {document['reason_sentence']} ({name}, {where}{code}){rest}")

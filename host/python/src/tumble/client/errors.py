@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tumble.client.names import Reason
+from tumble.client.names import Reason, abort_code
 from tumble.errors import BenchFault
 
 NO_SUCH_OBJECT = 0x06020000
@@ -34,16 +34,16 @@ class Refused(BenchFault):
 
     def __init__(self, what: str, code: int, hint: str = ""):
         self.what, self.code = what, code
-        number = f"{code >> 16:04X} {code & 0xFFFF:04X}h"
-        super().__init__(f"{what} was refused: {_WORDS.get(code, 'abort code')} ({number}){hint}")
+        super().__init__(f"{what} was refused: {_WORDS.get(code, 'abort code')} ({abort_code(code)}){hint}")
 
 
 class RunFailed(BenchFault):
-    """The run has stopped. `state`: FAULT, which can be mended and resumed, or ABORT; `reason`: why, and what to do."""
+    """The run has stopped. `state`: FAULT, which can be mended and resumed, or ABORT; `reason`: why, and what to do;
+    `drive_refusal`: what the drive refused, "" for nothing."""
 
-    def __init__(self, state: str, reason: Reason):
-        self.state, self.reason = state, reason
-        super().__init__(f"the run is in {state}: {reason}")
+    def __init__(self, state: str, reason: Reason, drive_refusal: str = ""):
+        self.state, self.reason, self.drive_refusal = state, reason, drive_refusal
+        super().__init__(f"the run is in {state}: {reason}{drive_refusal and f' ({drive_refusal})'}")
 
 
 class RunGone(RunFailed):
@@ -51,7 +51,7 @@ class RunGone(RunFailed):
     `state`, `reason`: the node's now."""
 
     def __init__(self, run: int, now: int, state: str, reason: Reason):
-        self.run, self.state, self.reason = run, state, reason
+        self.run, self.state, self.reason, self.drive_refusal = run, state, reason, ""
         why = "the node has restarted" if now < run else f"run {now} has been begun"
         BenchFault.__init__(self, f"run {run} is gone: {why}; the state is {state}")
 

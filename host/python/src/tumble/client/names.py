@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from tumble.client.tables import COMMANDS, OBJECTIONS, REASONS, STATES, VERDICTS
+from tumble.client.tables import COMMANDS, OBJECTIONS, REASONS, STAND_STEPS, STATES, VERDICTS
 
 COMMAND = {row[0]: number for number, row in enumerate(COMMANDS)}
 STATE_NAMES = tuple(row[0] for row in STATES)
@@ -55,6 +55,19 @@ def objections(bits: int) -> tuple[Objection, ...]:
     further = [bit for bit in range(len(OBJECTIONS), bits.bit_length()) if bits >> bit & 1]
     unknown = ("not in the list of this version of tumble", "Do not accept.")
     return (*known, *(Objection(bit, f"OBJECTION_{bit}", *unknown) for bit in further))
+
+
+def abort_code(code: int) -> str:
+    """As CiA 301 writes it."""
+    return f"{code >> 16:04X} {code & 0xFFFF:04X}h"
+
+
+def drive_refusal(index: int, subindex: int, code: int, step: int) -> str:
+    """Of 2004h:6 to :9: what the drive refused, or did not do in time; "" for nothing."""
+    if not index:
+        return ""
+    what = STAND_STEPS.get(step, f"step {step}")
+    return f"drive object {index:04X}h:{subindex}, abort {abort_code(code)}, in {what}"
 
 
 def state(number: int) -> str:

@@ -22,6 +22,7 @@ AT_REST = ("IDLE", "DONE", "ABORT")  # whoever waits in one of these waits for a
 OTHER_RUN = ("START", "ABORT", "RESUME")  # RESUME after a loss of power, too
 TO_TABLE = ("HOME_AXIS", "TURN_AXIS")
 STAND_STATE = "Progress: Stand state"
+STOP_NOT_CONFIRMED = 6  # of 2004h:10
 STEP_S = 10.0  # within which a command that the node has taken shows
 WORKING = "WORKING"
 _STATUS = (
@@ -36,6 +37,10 @@ _STATUS = (
     "Keeper: Objections",
     "Keeper: Calibration counter",
 )
+
+
+_REFUSAL = ("Failure: Refused object", "Failure: Refused subindex", "Failure: Abort code", "Failure: Refused in")
+_STOP_RUNG = "Failure: Stop rung"
 
 
 @dataclass(frozen=True)
@@ -110,6 +115,15 @@ class Node:
         return names.reason(self._whole("Reason"))
 
     @property
+    def drive_refusal(self) -> str:
+        """What the drive refused, or did not do in time: object, abort code, and in what; "" for nothing. At this
+        moment, also between runs."""
+        wanted = [name for name in _REFUSAL if self.has(name)]
+        if len(wanted) < len(_REFUSAL):  # a node of an older version
+            return ""
+        return names.drive_refusal(*(int(number(one)) for one in self._all(*wanted)))
+
+    @property
     def run(self) -> int:
         """How many runs have begun since power-on."""
         return self._whole("Run number")
@@ -164,7 +178,7 @@ class Node:
         while (look := self._look())[0] not in wanted:
             state, reason = look
             if state in ENDED:
-                raise RunFailed(state, reason)
+                raise RunFailed(state, reason, self.drive_refusal)
             if time.monotonic() >= end:
                 raise TimedOut(" or ".join(wanted), timeout or 0.0, state)
             self.link.wait_for_news()
@@ -213,8 +227,14 @@ class Node:
             raise Refused(refusal.what, refusal.code, f"; it is {self.state}{self._stand(name)}") from None
 
     def _stand(self, command: str) -> str:
-        """Its state for a message, where the command is one to the table, which the node's own state alone allows."""
-        return f", the stand {names.stand(self._whole(STAND_STATE))}" if command in TO_TABLE else ""
+        """For a message: the stand's state where the command is one to the table, which the node's own state alone
+        allows, and what the drive refused; a stop under way where CLEAR_FAULT has to wait for its end."""
+        if command == "CLEAR_FAULT" and self.has(_STOP_RUNG) and 0 < self._whole(_STOP_RUNG) < STOP_NOT_CONFIRMED:
+            return ", and the axis, told to stop, is not seen at rest yet: ask again"
+        if command not in TO_TABLE:
+            return ""
+        refusal = self.drive_refusal
+        return f", the stand {names.stand(self._whole(STAND_STATE))}{refusal and f': {refusal}'}"
 
     def start(self) -> str:
         """Begin a run. The state that is returned, and all that is read later, is of this run and of none before."""

@@ -31,7 +31,7 @@ REASONS: tuple[tuple[str, str, str], ...] = (  # by number: name, meaning, what 
     ("CONFIGURATION", "the configuration is out of range", "A number of 2050h or of the board is out of range."),
     ("STAND_OFFLINE", "the stand did not come up", "No drive: power; on CAN node number 2, bit rate, termination; of a Modbus stand its address, port and unit."),
     ("STAND_HEARTBEAT", "the stand's heartbeat was lost", "The drive fell silent for half a second: cable, power, bus load."),
-    ("STAND_PROTOCOL", "the stand refused its configuration or broke the handshake", "The drive refused an object of its profile, or does not keep to it: the drive's manual, and the bus while it boots."),
+    ("STAND_PROTOCOL", "the stand refused its configuration or broke the handshake", "The drive refused an object of its profile, or does not keep to it. 2004h:6 to 2004h:9 name object, abort code and step: the drive's manual, and docs/your-drive.md."),
     ("DRIVE_FAULT", "the drive reported a fault", "2004h:3 is the drive's own error code. CLEAR_FAULT (8) or RESUME resets it."),
     ("DRIVE_POWER", "the drive lost power or was switched off", "Power stage off: emergency stop, enable input."),
     ("STALL", "the axis did not follow its command", "The axis does not follow: brake, obstacle, current limit."),
@@ -108,6 +108,21 @@ VERDICTS: tuple[tuple[str, str], ...] = (  # by number: name, meaning
     ("ROLLED_BACK", "the set before is active again"),
     ("FAILED", "the memory failed; see status"),
 )
+
+STAND_STEPS: dict[int, str] = {  # of 2004h:9: what the drive was asked for
+    0: "first contact",
+    1: "configuration",
+    2: "the first process data after NMT start",
+    3: "the way up to Operation enabled",
+    5: "the change to homing mode",
+    6: "homing",
+    7: "the change to profile position mode",
+    8: "the target, before the set-point",
+    9: "the set-point: bit 12 after bit 4 was set",
+    10: "the set-point: bit 12 after bit 4 was cleared",
+    11: "the motion",
+    12: "what a motion depends on, read back before it",
+}
 
 SETTINGS: dict[str, tuple[str, str, bool]] = {  # name: unit, type, whether it needs the service level
     "Configuration: Samples per position": ("", "u32", False),
