@@ -36,6 +36,7 @@ class PlayedCanNode:
         self.mountings, self.fails, self.memory, self.stays = mountings, fails or {}, memory, stays
         self.states, self.run, self.reason, self.mounting = ["IDLE"], 0, "NONE", 0
         self.verdicts, self.counter, self.commands, self.level, self.silent = ["NONE"], 0, [], 0, False
+        self.refusal, self.rung = (0, 0, 0, 0), 0  # 2004h:6 to 2004h:10
         self.node.add_read_callback(self.read)
         self.node.add_write_callback(self.write)
         self.computed = {
@@ -43,6 +44,7 @@ class PlayedCanNode:
             (0x2001, 0): lambda: REASON[self.reason],
             (0x2003, 4): lambda: self.mounting,
             (0x2003, 12): lambda: HOMING,
+            (0x2004, 10): lambda: self.rung,
             (0x2006, 2): lambda: self.level,
             (0x2007, 0): lambda: self.run,
             (0x2120, 2): lambda: self.counter,
@@ -51,6 +53,8 @@ class PlayedCanNode:
             (0x2102, 14): lambda: PROPOSAL,
             (0x2022, 1): lambda: 1e-4, (0x2022, 2): lambda: 2e-4, (0x2022, 3): lambda: 1e-3, (0x2022, 6): lambda: 1,
         }
+        for place in range(4):
+            self.computed[0x2004, place + 6] = lambda place=place: self.refusal[place]
         for place in range(9):
             self.computed[0x2020, place + 1] = lambda place=place: self.found(K[place // 3][place % 3])
             self.computed[0x2023, place + 1] = lambda: self.found(1e-5)
@@ -129,6 +133,9 @@ class PlayedCanNode:
 
     def home_axis(self, _argument):
         self.refuse_unless(False, BAD_STATE)  # the table is at it
+
+    def clear_fault(self, _argument):
+        self.refuse_unless(False, BAD_STATE)
 
     def accept(self, _argument):
         self.refuse_unless(self.verdicts[-1] == "HELD", BAD_STATE)
