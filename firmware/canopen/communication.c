@@ -15,6 +15,20 @@
 #define LAST_PDO 0x1BFFU
 #define PDO_MAPPING 0x0200U /* set in 1600h and 1A00h, not in 1400h and 1800h */
 
+/* The third transmit PDO and those after it are for outsiders to set up as they like. At the normal level they get no
+ * identifier that another node or service could have: above those of NMT, SYNC, EMCY and TIME, and with the node's own
+ * number in its low six bits, as 180h + node, ..., 680h + node and 6C0h + node have it. And none of them goes more often
+ * than every 10 ms: all three together then take 8 % of a bus of 500 kbit/s, and no heartbeat is lost at 125 kbit/s. */
+#define FREE_PDO 0x1802U
+#define LAST_FREE_PDO 0x19FFU
+#define LAST_SERVICE_ID 0x180U
+#define OWN_NUMBER 0x3FU
+#define SUB_COB_ID 1U
+#define SUB_INHIBIT 3U
+#define SUB_EVENT 5U
+#define LEAST_INHIBIT_100US 100U
+#define LEAST_EVENT_MS 10U
+
 void tumble_communication_mend(tumble_node_t *node)
 {
     if (!tumble_nmt_any_lost(&node->nmt) && !tumble_pdo_any_fault(&node->pdos) &&
@@ -62,6 +76,40 @@ static bool is_of_second(const tumble_node_t *node, uint32_t cob_id)
 
     return (node->server.second != NULL) &&
            ((kind == TUMBLE_SDO_SECOND_REQUEST_ID) || (kind == TUMBLE_SDO_SECOND_RESPONSE_ID));
+}
+
+/* See FREE_PDO. */
+static tumble_abort_t check_free_pdo(const tumble_node_t *node, uint8_t subindex, uint32_t value)
+{
+    tumble_abort_t refusal = TUMBLE_ABORT_NONE;
+
+    if (subindex == SUB_COB_ID) {
+        const bool is_own = ((value ^ node->config->node) & OWN_NUMBER) == 0U;
+        const bool is_free = is_own && ((value & TUMBLE_CAN_MAX_ID) > LAST_SERVICE_ID);
+
+        refusal = (is_free || ((value & TUMBLE_PDO_INVALID) != 0U)) ? TUMBLE_ABORT_NONE : TUMBLE_ABORT_VALUE;
+    } else if (((subindex == SUB_INHIBIT) && (value < LEAST_INHIBIT_100US)) ||
+               ((subindex == SUB_EVENT) && ((value - 1U) < (LEAST_EVENT_MS - 1U)))) { /* 0: no timer */
+        refusal = TUMBLE_ABORT_TOO_LOW;
+    } else {
+        /* any value */
+    }
+    return refusal;
+}
+
+static tumble_abort_t write_pdo(tumble_node_t *node, uint16_t index, uint8_t subindex, uint32_t value)
+{
+    tumble_abort_t refusal = TUMBLE_ABORT_NONE;
+
+    if ((index >= FREE_PDO) && (index <= LAST_FREE_PDO) && !node->server.service) {
+        refusal = check_free_pdo(node, subindex, value);
+    }
+    if ((subindex == SUB_COB_ID) && ((index & PDO_MAPPING) == 0U) && is_of_second(node, value)) {
+        refusal = TUMBLE_ABORT_VALUE;
+    }
+    return (refusal == TUMBLE_ABORT_NONE)
+               ? tumble_pdo_write_parameter(&node->pdos, &node->dictionary, index, subindex, value)
+               : refusal;
 }
 
 static bool is_consumer(uint8_t subindex)
@@ -124,10 +172,8 @@ static tumble_abort_t write_number(tumble_node_t *node, uint16_t index, uint8_t 
 {
     tumble_abort_t refusal = TUMBLE_ABORT_NONE;
 
-    if (is_pdo(index) && (subindex == 1U) && ((index & PDO_MAPPING) == 0U) && is_of_second(node, value)) {
-        refusal = TUMBLE_ABORT_VALUE;
-    } else if (is_pdo(index)) {
-        refusal = tumble_pdo_write_parameter(&node->pdos, &node->dictionary, index, subindex, value);
+    if (is_pdo(index)) {
+        refusal = write_pdo(node, index, subindex, value);
     } else if (index == ERROR_HISTORY) {
         refusal = write_history(&node->emcy, value);
     } else if ((index == CONSUMER_TIME) && is_consumer(subindex)) {

@@ -85,15 +85,36 @@ static double closure_v(const tumble_navcomp_t *navcomp)
     return largest_g * tumble_abs(navcomp->procedure_config.nominal_scale_v_per_g);
 }
 
+/* Samples received, less so many for each that went wrong. It falls below where it stood as soon as the share of those is
+ * too large. The counters stop at their ends after more than a year of samples: then it says nothing any more. */
+static uint32_t balance(const tumble_navcomp_t *navcomp)
+{
+    const tumble_procedure_counters_t *run = &navcomp->procedure.counters;
+    const tumble_block_counters_t *block = &navcomp->block.counters;
+    const uint32_t wrong = run->corrupted + run->lost + block->repeated + block->reordered +
+                           tumble_stand_report(&navcomp->stand)->stop.implausible;
+    return run->samples - (TUMBLE_KEEPER_DISTURBED_ONE_IN * wrong);
+}
+
+/* A repetition of some positions leaves standing what was found of the others. */
+static void begin_part(tumble_keeper_t *keeper, bool is_disturbed)
+{
+    keeper->disturbed = is_disturbed;
+    keeper->undisturbed = balance(keeper->navcomp);
+    (void)tumble_at_rest_begin(&keeper->at_rest, 0);
+}
+
 static void end_run(tumble_keeper_t *keeper)
 {
     const tumble_navcomp_t *navcomp = keeper->navcomp;
     tumble_result_t result;
     if (tumble_navcomp_result(navcomp, &result) == TUMBLE_OK) {
+        keeper->disturbed = keeper->disturbed || ((balance(navcomp) - keeper->undisturbed) > (uint32_t)INT32_MAX);
         const tumble_finished_run_t run = {.coefficients = result.coefficients,
                                            .check = result.check,
                                            .closure_v = closure_v(navcomp),
-                                           .stand_crc = tumble_stand_fingerprint(navcomp)};
+                                           .stand_crc = tumble_stand_fingerprint(navcomp),
+                                           .disturbed = keeper->disturbed};
         tumble_sets_run_done(&keeper->sets, &run);
     } else if (keeper->run.idle) {
         tumble_sets_run_forgotten(&keeper->sets);
@@ -107,7 +128,7 @@ static void tell(tumble_keeper_t *keeper)
 {
     const bool was_on = keeper->sets.run_was_on;
     if (keeper->run.on && !was_on) {
-        (void)tumble_at_rest_begin(&keeper->at_rest, 0);
+        begin_part(keeper, keeper->disturbed && (keeper->run.measured != 0U));
         tumble_sets_run_began(&keeper->sets);
     }
     if (!keeper->run.on && was_on) {
@@ -139,7 +160,7 @@ static void resume(tumble_keeper_t *keeper)
     const bool done = (tumble_navcomp_obey(keeper->navcomp, TUMBLE_COMMAND_RESUME, 0) == TUMBLE_OK);
     tumble_keeper_look(keeper);
     if (done) {
-        (void)tumble_at_rest_begin(&keeper->at_rest, 0);
+        begin_part(keeper, false); /* a reset may have taken the counters away */
     }
     tumble_sets_run_goes_on(&keeper->sets, done);
 }

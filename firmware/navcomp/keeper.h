@@ -44,6 +44,12 @@ typedef struct {
  * counter, little endian. "No error" follows when the next set becomes active. */
 #define TUMBLE_KEEPER_EMCY_DECAYED 0xFF20U
 
+/* A run of which more than one in so many samples was lost, corrupted, repeated or out of order is disturbed, and so is
+ * one in which as many position reports, per sample, were not believed. No set comes of it by itself
+ * (TUMBLE_OBJECTION_DISTURBED): a second block, or a node that forges reports, may be on the bus. The samples of a mean
+ * have limits of their own besides (max_lost, max_corrupted). */
+#define TUMBLE_KEEPER_DISTURBED_ONE_IN 20U
+
 /* The transmit PDO that is triggered when the calibration counter, the verdict or what is due changes. */
 #define TUMBLE_KEEPER_PDO 3U
 
@@ -58,6 +64,8 @@ typedef struct {
     uint8_t shown_position; /* 2150h:1 */
     uint8_t shown_entry;    /* 2160h:1 */
     bool decay_told;        /* by an emergency message that is not cleared yet */
+    bool disturbed;         /* a part of the run that gave the last result was: see TUMBLE_KEEPER_DISTURBED_ONE_IN */
+    uint32_t undisturbed;   /* where the balance below stood when the run, or its repetition, began */
     tumble_parameters_t parameters;
     tumble_at_rest_t at_rest; /* 2152h */
     uint64_t due_us;          /* next step */

@@ -117,6 +117,7 @@ void tumble_sets_run_done(tumble_sets_t *sets, const tumble_finished_run_t *run)
     add_closure(run->closure_v, set);
     tumble_count(&sets->counters.judged);
     note_rules(sets);
+    object_if(sets, run->disturbed, TUMBLE_OBJECTION_DISTURBED);
     sets->verdict = TUMBLE_VERDICT_WORKING;
     sets->repeated = false;
     sets->looked_again = false;
@@ -260,6 +261,7 @@ static uint16_t object(const tumble_sets_t *sets, tumble_set_t *active)
     }
     const unsigned found = (unsigned)TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_DOES_NOT_FIT) |
                            TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_WHOLE_MODEL) |
+                           TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_DISTURBED) |
                            TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_RULES);
     return (uint16_t)((sets->set.reasons & found) |
                       tumble_commit_objections(&sets->set, active, &sets->settings.limits, sets->repeated));

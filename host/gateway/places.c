@@ -34,7 +34,14 @@ static uint32_t free_place(const gateway_client_t *clients)
     return place;
 }
 
-static uint32_t longest_idle(const gateway_client_t *clients, const gateway_address_t *address, uint64_t now_us)
+/* It gives way to an address that would still hold fewer places than its own; to one that holds as many, if it is idle. */
+static bool may_give_way(const gateway_client_t *client, uint32_t held, uint32_t own, uint64_t now_us)
+{
+    return held > own + 1U || (held >= own && is_idle(client, now_us));
+}
+
+/* Of those whose address holds most, the client that has been silent for longest. */
+static uint32_t place_to_take(const gateway_client_t *clients, const gateway_address_t *address, uint64_t now_us)
 {
     const uint32_t own = places_of(clients, address);
     uint32_t chosen = NONE;
@@ -43,7 +50,7 @@ static uint32_t longest_idle(const gateway_client_t *clients, const gateway_addr
         const gateway_client_t *const client = &clients[place];
         const uint32_t held = places_of(clients, &client->address);
         const bool is_longer = held > most || (held == most && client->asked_us < clients[chosen].asked_us);
-        if (held >= own && is_longer && is_idle(client, now_us)) {
+        if (is_longer && may_give_way(client, held, own, now_us)) {
             chosen = place;
             most = held;
         }
@@ -55,5 +62,5 @@ uint32_t gateway_place_for(const gateway_client_t clients[GATEWAY_MAX_CLIENTS], 
                            uint64_t now_us)
 {
     const uint32_t place = free_place(clients);
-    return (place != NONE) ? place : longest_idle(clients, address, now_us);
+    return (place != NONE) ? place : place_to_take(clients, address, now_us);
 }

@@ -104,7 +104,7 @@ static uint32_t make_place(server_t *server, const gateway_address_t *address)
     const uint32_t place = gateway_place_for(server->clients, address, clock_us(server));
     if (place < GATEWAY_MAX_CLIENTS && server->clients[place].fd >= 0) {
         gateway_count(&server->gateway.counters, GATEWAY_COUNT_CONNECTIONS_DISPLACED);
-        close_client(server, place, "idle, and its place was wanted");
+        close_client(server, place, "its place was wanted");
     }
     return place;
 }

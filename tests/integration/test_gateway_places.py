@@ -104,8 +104,24 @@ def test_an_address_with_many_busy_clients_takes_nobody_s_place(start):
     assert all(client.ask(GOOD) == GOOD_ANSWER for client in busy)
     assert gateway.connect().receive() == b""
     assert all(map(is_open, idle)) and busy[0].number("Connections refused") == 1
-    assert served_at_once(gateway.connect("127.0.0.3"))  # who holds less than they do, may
-    assert [is_open(client) for client in idle] == [False, True, True, True]
+    assert served_at_once(gateway.connect("127.0.0.3"))  # from the address with most places, busy or not
+    assert all(map(is_open, idle)) and [is_open(client) for client in busy[:3]] == [True, False, True]
+
+
+def test_an_address_whose_clients_all_poll_locks_nobody_else_out(start):
+    """All places are taken by clients of one address that have just asked: others get places, up to an equal share."""
+    gateway = start()
+    pollers = [gateway.connect() for _ in range(MOST_CLIENTS)]
+    assert all(client.ask(GOOD) == GOOD_ANSWER for client in pollers)
+    newcomers = [gateway.connect("127.0.0.2") for _ in range(MOST_CLIENTS // 2)]
+    assert all(map(served_at_once, newcomers))
+    half = MOST_CLIENTS // 2
+    assert [is_open(client) for client in pollers] == half * [False] + half * [True]  # who asked first went first
+    late = [gateway.connect(source) for source in ("127.0.0.2", "127.0.0.1")]  # nobody has fewer than the other now
+    assert [client.receive() for client in late] == [b"", b""]
+    assert served_at_once(gateway.connect("127.0.0.3"))
+    counts = [pollers[-1].number(f"Connections {what}") for what in ("displaced", "refused")]
+    assert counts == [half + 1, 2]
 
 
 def processor_s(gateway):

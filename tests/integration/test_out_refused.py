@@ -15,6 +15,12 @@ ROWS = {  # arguments of the command, name of the output, what the line says
     "solve, capitals": (("solve", "run.csv"), "RESULT.TOML", "does not end in .json"),
     "solve, its input": (("solve", "run.csv"), "run.csv", "is an input of this command"),
     "solve, its input by a link": (("solve", "run.csv"), "link", "is an input of this command"),
+    "solve, a link": (("solve", "run.csv"), "link.json", "link.json: cannot be written: a symbolic link to"),
+    "solve, a link to nothing": (("solve", "run.csv"), "nowhere.json", "cannot be written: a symbolic link to"),
+    "export, a link": (("export", "result.json", "--format", "csv"), "link.csv", "cannot be written: a symbolic link to"),
+    "apply, a link": (("apply", "result.json", "other/run.csv"), "link.csv", "cannot be written: a symbolic link to"),
+    "draw, a link": (("draw", "stand"), "link.svg", "cannot be written: a symbolic link to"),
+    "schedule, a link": (("plan", "schedule"), "link.toml", "cannot be written: a symbolic link to"),
     "solve, its stand": (("solve", "run.csv", "--stand", "stand.toml"), "stand.toml", "is an input of this command"),
     "solve, a folder": (("solve", "run.csv"), "folder", "cannot be written: a folder, not a file"),
     "solve, no such folder": (("solve", "run.csv"), "none/result.json", "cannot be written: no such file or folder"),
@@ -55,6 +61,10 @@ def test_it_is_refused(row, result, refused, tmp_path):
     (tmp_path / "full/kept").write_text("kept")
     shutil.copy(tmp_path / "run.csv", tmp_path / "other/run.csv")
     (tmp_path / "link").symlink_to("run.csv")
+    for suffix in ("json", "csv", "svg", "toml"):
+        (tmp_path / f"link.{suffix}").symlink_to("kept.txt")
+    (tmp_path / "kept.txt").write_text("kept")
+    (tmp_path / "nowhere.json").symlink_to("nothing.json")
     before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
     arguments, out, said = ROWS[row]
     line = refused(*arguments, "--out", out, cwd=tmp_path)
@@ -62,8 +72,17 @@ def test_it_is_refused(row, result, refused, tmp_path):
     assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
 
 
+def test_links_of_the_system_are_written_to(tumble, tmp_path):
+    """And a link to a folder of the path is followed."""
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "link").symlink_to("folder")
+    assert tumble("draw", "stand", "--out", "/dev/null").returncode == 0
+    assert tumble("draw", "stand", "--out", tmp_path / "link/stand.svg").returncode == 0
+    assert [path.name for path in (tmp_path / "folder").iterdir()] == ["stand.svg"]
+
+
 def test_the_page_has_what_the_lines_say():
-    for said in ("is an input of this command", "cannot be written: a folder, not a file", "does not end in .json",
+    for said in ("is an input of this command", "a symbolic link to", "cannot be written: a folder, not a file", "does not end in .json",
                  "ends in none of", "is there already and is not an empty folder", "and is not a folder",
                  "of a run that goes on or was killed", "have the same name", "the folder cannot be made:"):
         assert said in PAGE, said

@@ -40,7 +40,7 @@ KEY_TYPES = {
     "map": (str, list), "type": (str, int), "runs": bool, "apart": bool, "modbus": dict,
     "like": int, "extension": dict, "number": int, "service": list,
 }
-PDO_KEYS = {"cob_id", "type", "inhibit_100us", "event_ms", "map", "level", "number"}
+PDO_KEYS = {"about", "cob_id", "type", "inhibit_100us", "event_ms", "map", "level", "number"}
 
 
 def check(good: bool, where: str, what: str) -> None:

@@ -34,8 +34,9 @@ def pdo_objects(pdos: list[dict], base: int, transmit: bool) -> list[dict]:
             ]
         word = "Transmit" if transmit else "Receive"
         level = {"level": pdo["level"]} if "level" in pdo else {}
+        about = {"about": pdo["about"]} if "about" in pdo else {}
         tables.append({"index": base + number, "name": f"{word} PDO {number + 1} parameter", "kind": "record",
-                       "home": "communication", "access": "rw", "subs": communication} | level)
+                       "home": "communication", "access": "rw", "subs": communication} | level | about)
         slots = [{"name": f"Mapped object {slot + 1}", "value": 0} for slot in range(MAX_MAPPED)]
         tables.append({"index": base + 0x200 + number, "name": f"{word} PDO {number + 1} mapping", "kind": "record",
                        "home": "communication", "access": "rw", "type": "u32", "count_access": "rw",

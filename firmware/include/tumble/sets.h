@@ -521,8 +521,8 @@ tumble_status_t tumble_checkpoint_read(tumble_checkpoint_t *checkpoint, uint8_t 
  * TUMBLE_COMMIT_MAX_MONTHS, and kelvin the difference of their temperatures (0 where one is unknown). An unknown
  * uncertainty of the active set counts as 0: it excuses no change.
  *
- * The caller adds TUMBLE_OBJECTION_DOES_NOT_FIT, TUMBLE_OBJECTION_WHOLE_MODEL and TUMBLE_OBJECTION_OTHER_RULES: a set
- * holds no means, and does not know who set its rules.
+ * The caller adds TUMBLE_OBJECTION_DOES_NOT_FIT, TUMBLE_OBJECTION_WHOLE_MODEL, TUMBLE_OBJECTION_DISTURBED and
+ * TUMBLE_OBJECTION_OTHER_RULES: a set holds no means, and knows neither its bus nor who set its rules.
  */
 /* Drift is allowed for so many months at most, however far apart the dates are. Otherwise a clock that is years ahead
  * would excuse any change; and after so long a time somebody should look at the block. */
@@ -543,7 +543,8 @@ tumble_status_t tumble_checkpoint_read(tumble_checkpoint_t *checkpoint, uint8_t 
     X(TUMBLE_OBJECTION_BY_HAND, "every set is to be accepted by an operator")                                          \
     X(TUMBLE_OBJECTION_OTHER_RULES, "the rules were changed from the board's")                                         \
     X(TUMBLE_OBJECTION_DOES_NOT_FIT, "the means scatter by more than the declared stand and noise explain")            \
-    X(TUMBLE_OBJECTION_WHOLE_MODEL, "twelve coefficients and the declared stand do not explain the run as a whole")
+    X(TUMBLE_OBJECTION_WHOLE_MODEL, "twelve coefficients and the declared stand do not explain the run as a whole")    \
+    X(TUMBLE_OBJECTION_DISTURBED, "too many samples or position reports of the run were lost, refused or not believed")
 
 /* The bit numbers. */
 typedef enum {
@@ -681,6 +682,7 @@ typedef struct {
     const tumble_gravity_check_t *check;
     double closure_v;   /* the largest difference in magnitude; 0: no mounting comes back to where it began */
     uint32_t stand_crc; /* fingerprint of the stand; 0: unknown */
+    bool disturbed;     /* its bus was: TUMBLE_OBJECTION_DISTURBED */
 } tumble_finished_run_t;
 
 /* What the owner is asked to do. */

@@ -155,6 +155,8 @@ static const attempt_t attempts[] = {
      HELD(TUMBLE_OBJECTION_WHOLE_MODEL), NEXT_MONTH, 0},
     {"a channel stuck for 8 s, 18 samples a position", "procedure.samples = 18\nfault = stuck at=1.2 channels=z duration=8\n",
      NULL, FAULT(TUMBLE_REASON_STUCK), NEXT_MONTH, 0},
+    {"every sample begun twice", "fault = frame_duplicate time=0 id=0x683 mask=0x7FF probability=1 count=1000000\n", NULL,
+     HELD(TUMBLE_OBJECTION_DISTURBED), NEXT_MONTH, 0},
     {"an operator is to decide", NULL, by_hand, HELD(TUMBLE_OBJECTION_BY_HAND), NEXT_MONTH, 0},
     {"replayed: every frame of the first run", NULL, NULL, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE,
      TUMBLE_VERDICT_REPEATED, TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_REPLAYED), NEXT_MONTH, 1},

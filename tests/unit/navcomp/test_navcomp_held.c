@@ -79,4 +79,54 @@ static void test_without_a_drive_it_is_free(void)
     }
 }
 
+/* SYNC, EMCY, TIME, the drive's, other nodes', the block's; reserved ones. */
+static const uint32_t of_others[] = {0x080, 0x081, 0x082, 0x083, 0x100, 0x182, 0x202, 0x282, 0x383, 0x580, 0x600,
+                                     0x680, 0x683, 0x693, 0x700, 0x001, 0x101, 0x581, 0x601, 0x6E1, 0x701};
+
+static uint32_t write_id(uint16_t index, uint32_t id)
+{
+    return write_object(&(object_write_t){index, 1, 4, id});
+}
+
+static uint32_t write_time(uint16_t index, uint8_t subindex, uint32_t value)
+{
+    return write_object(&(object_write_t){index, subindex, 2, value});
+}
+
+static void test_what_is_free_takes_no_identifier_of_others(void)
+{
+    static const uint32_t own[] = {0x181, 0x281, 0x481, 0x681, 0x6C1};
+    power_on_for(1.0);
+    for (uint16_t pdo = 0x1802; pdo <= 0x1804U; pdo++) {
+        TEST_ASSERT_EQUAL_HEX32(0, write_id(pdo, 0x80000181U));
+        for (size_t i = 0; i < sizeof of_others / sizeof of_others[0]; i++) {
+            TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_VALUE, write_id(pdo, of_others[i]));
+        }
+    }
+    for (size_t i = 0; i < sizeof own / sizeof own[0]; i++) {
+        TEST_ASSERT_EQUAL_HEX32(0, write_id(0x1802, own[i]));
+        TEST_ASSERT_EQUAL_HEX32(0, write_id(0x1802, 0x80000000U));
+    }
+    unlock();
+    TEST_ASSERT_EQUAL_HEX32(0, write_id(0x1802, 0x693)); /* whoever opens the level knows the bus */
+}
+
+static void test_what_is_free_leaves_the_bus_to_others(void)
+{
+    power_on_for(1.0);
+    for (uint16_t pdo = 0x1802; pdo <= 0x1804U; pdo++) {
+        TEST_ASSERT_EQUAL_HEX32(0, write_id(pdo, 0x80000000U));
+        TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_TOO_LOW, write_time(pdo, 3, 0));
+        TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_TOO_LOW, write_time(pdo, 3, 99));
+        TEST_ASSERT_EQUAL_HEX32(0, write_time(pdo, 3, 100));
+        TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_TOO_LOW, write_time(pdo, 5, 1));
+        TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_TOO_LOW, write_time(pdo, 5, 9));
+        TEST_ASSERT_EQUAL_HEX32(0, write_time(pdo, 5, 0));
+        TEST_ASSERT_EQUAL_HEX32(0, write_time(pdo, 5, 10));
+    }
+    unlock();
+    TEST_ASSERT_EQUAL_HEX32(0, write_time(0x1802, 3, 0));
+    TEST_ASSERT_EQUAL_HEX32(0, write_time(0x1802, 5, 1));
+}
+
 static const around_t around_each = {bench_begin, NULL};

@@ -16,7 +16,7 @@ from tumble.core import MAX_MEAN, CoreSchedule
 from tumble.errors import BadInput, UsageError
 from tumble.files import can_log, frames, incoming, run_file
 from tumble.files.csv_rows import Refused
-from tumble.files.disk import RUN_FILE, read_bytes
+from tumble.files.disk import RUN_FILE, read_head, require_no_folder_of
 from tumble.files.incoming import Held, held
 from tumble.files.run_file import Rows, Run
 from tumble.files.run_layout import COLUMNS, NO_WISHES, TEMPERATURE, Wishes, find_all, unit_of
@@ -250,14 +250,18 @@ def read(
     return recording
 
 
+def _is_can_log(file: str) -> bool:
+    require_no_folder_of(file, RUN_FILE)
+    return can_log.kind_of(read_head(file, can_log.HEAD)) is not None
+
+
 def _of_can_log(
     source: Any, wishes: Wishes, dbc: str | None, schedule: str | None, v_per_count: float | None
 ) -> Recording | None:
     """What the rests of a CAN log tell; None for any other source, which must be told nothing that only a log has."""
     file = str(os.fspath(source)) if isinstance(source, (str, os.PathLike)) else None
     is_text = file is not None and file != incoming.STANDARD_INPUT and suffix_of(file) not in SUFFIXES
-    data = read_bytes(file, RUN_FILE) if file is not None and is_text else b""
-    if file is None or can_log.kind_of(data) is None:
+    if file is None or not is_text or not _is_can_log(file):
         said = {"dbc": dbc, "schedule": schedule, "v_per_count": v_per_count}
         for name, value in said.items():
             if value is not None:

@@ -21,7 +21,8 @@ from tumble.core import MAX_MEAN
 from tumble.errors import BadInput, NotInstalled, file_name, quoted
 from tumble.files import frames
 from tumble.files.csv_rows import Refused, fast_numbers, row_of_numbers
-from tumble.files.disk import reason
+from tumble.files.disk import LONGEST_LINE, in_words, reason
+from tumble.files.memory import bounded
 from tumble.files.run_layout import Wishes, detect, find_all, is_blank, is_comment, require_text, split, unit_of
 from tumble.files.run_temperature import Temperatures, read_temperatures, temperatures_of_table
 from tumble.units import noise_unit, volts_per
@@ -207,6 +208,8 @@ def _pieces(stream: BinaryIO, file: str) -> Iterator[bytes]:
         if end:
             yield data[:end]
         rest = data[end:]
+        if len(rest) > LONGEST_LINE:
+            raise BadInput(f"a line of more than {in_words(LONGEST_LINE)}", file)
         if not read:
             return
 
@@ -231,6 +234,11 @@ def _quoted(name: str, delimiter: str) -> str:
 
 def calibrate_parquet(file: str, out: BinaryIO, demand: Demand) -> Seen:
     """Write a Parquet file with calibrated columns. Raises BadInput, NotInstalled."""
+    with bounded(file):
+        return _calibrate_parquet(file, out, demand)
+
+
+def _calibrate_parquet(file: str, out: BinaryIO, demand: Demand) -> Seen:
     try:
         with open(file, "rb"):
             pass

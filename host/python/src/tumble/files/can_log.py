@@ -15,10 +15,11 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from tumble.errors import BadInput, NotInstalled, file_name, quoted
+from tumble.files.memory import bounded
 from tumble.files.run_layout import decoded
 
 CANDUMP, ASC, BLF, TRC, MF4, CSV = "candump", "ASC", "BLF", "TRC", "MF4", "python-can CSV"
-_HEAD = 4096
+HEAD = 4096  # bytes that tell it
 _BEGINNINGS = {
     BLF: rb"LOGG",
     MF4: rb"(MDF     |UnFinMF )4\.",
@@ -52,7 +53,7 @@ class Frame(NamedTuple):
 
 def kind_of(data: bytes) -> str | None:
     """What kind of CAN log this is, as it is called in messages; None: it is none."""
-    head = data[:_HEAD].removeprefix(b"\xef\xbb\xbf")
+    head = data[:HEAD].removeprefix(b"\xef\xbb\xbf")
     return next((kind for kind, beginning in _BEGINNINGS.items() if re.match(beginning, head)), None)
 
 
@@ -77,21 +78,16 @@ class CanLog:
         self._lines = None if kind in _BINARY else _Lines(decoded(data))
         reader = _reader_of(file, kind)
         try:
-            self._reader = reader(io.BytesIO(data) if self._lines is None else self._lines)
+            with bounded(file):
+                self._reader = reader(io.BytesIO(data) if self._lines is None else self._lines)
         except Exception as error:  # each reader has its own for what it does not know
             raise self._refusal(error) from None
 
     def __iter__(self) -> Iterator[Frame]:
         try:
-            for number, message in enumerate(self._reader, 1):
-                if message.is_error_frame or message.is_remote_frame:
-                    continue
-                self.frames += 1
-                channel = "" if message.channel is None else str(message.channel)
-                line = number if self._lines is None else self._lines.number
-                data = bytes(message.data)
-                yield Frame(message.timestamp, message.arbitration_id, message.is_extended_id, channel, data, line)
-        except (BadInput, MemoryError):
+            with bounded(self._file):
+                yield from self._frames()
+        except BadInput:
             raise
         except Exception as error:  # likewise
             if not self.frames or self._lines is None or not self._lines.at_end:
@@ -99,6 +95,16 @@ class CanLog:
             self.torn = True
         if getattr(self._reader, "timestamps_format", None) == "relative":
             raise BadInput("its times count from the line before; log it with absolute timestamps", self._file)
+
+    def _frames(self) -> Iterator[Frame]:
+        for number, message in enumerate(self._reader, 1):
+            if message.is_error_frame or message.is_remote_frame:
+                continue
+            self.frames += 1
+            channel = "" if message.channel is None else str(message.channel)
+            line = number if self._lines is None else self._lines.number
+            data = bytes(message.data)
+            yield Frame(message.timestamp, message.arbitration_id, message.is_extended_id, channel, data, line)
 
     def _refusal(self, error: Exception) -> BadInput:
         row = None if self._lines is None or not self._lines.number else self._lines.number
@@ -154,5 +160,6 @@ def _reader_of(file: str, kind: str) -> Any:
             raise NotInstalled(f"{file_name(file)}: a CAN log in MF4", "asammdf", extra="mf4") from None
     import logging
 
-    logging.getLogger("can").addHandler(logging.NullHandler())  # else its remarks would stand among ours
+    for library in ("can", "asammdf"):  # else their remarks would stand among ours
+        logging.getLogger(library).handlers = [logging.NullHandler()]
     return getattr(can, _READERS[kind])

@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 import errno
+import itertools
 import os
 import shutil
 import stat
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from typing import BinaryIO
 
 from tumble.errors import BadInput, TumbleError, UsageError, file_name, quoted
 
 RUN_FILE, RESULT_FILE = "run.csv", "result.json"  # in a run folder
+
+# What a file that is held in memory as a whole may have, in bytes; docs/files.md lists what they are for.
+MIB = 1 << 20
+MOST_OF_DOCUMENT = 64 * MIB
+MOST_OF_RECORDING = 1024 * MIB
+LONGEST_LINE = MIB  # of a text that is read in pieces
+_BLOCK = MIB
 _REASONS = {errno.ENOENT: "no such file or folder", errno.EISDIR: "a folder, not a file"}
 
 
@@ -24,15 +32,47 @@ def path_of(file: object) -> str:
     return path
 
 
-def read_bytes(file: str, within: str | None = None) -> bytes:
-    """All of a file. `within`: the file of a run folder to be advised where a folder is given. Raises BadInput."""
+def read_bytes(
+    file: str,
+    within: str | None = None,
+    most: int = MOST_OF_DOCUMENT,
+    look: Callable[[bytes], None] = lambda _: None,
+) -> bytes:
+    """All of a file or a pipe, which may have `most` bytes. `within`: the file of a run folder to be advised where a
+    folder is given; `look` sees how it begins before the rest is read. Raises BadInput."""
     if within is not None:
         require_no_folder_of(file, within)
     with opened(file) as stream:
         try:
-            return stream.read()
+            look(first := stream.read(_BLOCK))
+            return joined(itertools.chain((first,), iter(lambda: stream.read(_BLOCK), b"")), file, most)
         except OSError as error:
             raise BadInput(reason(error), file) from None
+
+
+def read_head(file: str, size: int) -> bytes:
+    """How a file begins, `size` bytes at most. Raises BadInput."""
+    with opened(file) as stream:
+        try:
+            return stream.read(size)
+        except OSError as error:
+            raise BadInput(reason(error), file) from None
+
+
+def joined(blocks: Iterable[bytes], name: str, most: int) -> bytes:
+    """All blocks. Raises BadInput as soon as there are more than `most` bytes of them."""
+    found, size = [], 0
+    for block in blocks:
+        size += len(block)
+        if size > most:
+            raise BadInput(f"more than {in_words(most)}, which is the most that such a file may have", name)
+        found.append(block)
+    return b"".join(found)
+
+
+def in_words(size: int) -> str:
+    """A limit in bytes, as messages have it."""
+    return f"{size // MIB} MiB" if size % MIB == 0 else f"{size} bytes"
 
 
 def require_no_folder_of(file: str, within: str) -> None:
@@ -75,7 +115,7 @@ def write_all(files: Mapping[str, bytes]) -> None:
 def written(file: str) -> Iterator[BinaryIO]:
     """A file to be written as a whole or not at all: into a temporary one beside it, then renamed. Raises BadInput.
 
-    A pipe or a device, such as /dev/stdout, cannot be replaced and is written to directly.
+    A pipe or a device, such as /dev/stdout, cannot be replaced and is written to directly. See `refuse_link`.
     """
     with together() as them, them.written(file) as stream:
         yield stream
@@ -104,6 +144,7 @@ class Together:
         """One of them. Raises BadInput."""
         with _naming(file):
             target = os.path.realpath(file)
+            refuse_link(file)
             if _is_special(target):
                 with open(target, "wb") as stream:
                     yield stream
@@ -167,6 +208,14 @@ def _naming(file: str) -> Iterator[None]:
         raise BadInput("not a file name", file) from None
 
 
+def refuse_link(file: str) -> None:
+    """A symbolic link is no place for an output: whoever may put one there would choose which file is replaced. Those
+    of the system, such as /dev/stdout, are. Raises BadInput."""
+    if os.path.islink(file) and not os.path.abspath(file).startswith(("/dev/", "/proc/")):
+        target = file_name(os.path.realpath(file))
+        raise BadInput(f"cannot be written: a symbolic link to {target}: name that file itself", file)
+
+
 def _is_special(file: str) -> bool:
     """Is it there, but no file that can be replaced?"""
     return os.path.exists(file) and not os.path.isfile(file)
@@ -179,10 +228,13 @@ def _beside(target: str, suffix: str) -> str:
 
 
 def refuse_overwriting(out: str | None, *sources: str | None, option: str = "--out") -> None:
-    """An output, given by `option`, must not replace what it is made from. Raises UsageError."""
+    """An output, given by `option`, must not replace what it is made from, nor be a link. Raises UsageError,
+    BadInput."""
     for source in sources:
         if out and source and _is_same(out, source):
             raise UsageError(f"{option}: {quoted(out)} is an input of this command")
+    if out:
+        refuse_link(out)
 
 
 def _is_same(one: str, other: str) -> bool:

@@ -12,10 +12,11 @@ from contextlib import contextmanager
 from typing import Any, BinaryIO
 
 from tumble.errors import BadInput, NotInstalled, file_name, quoted
-from tumble.files.disk import RUN_FILE, opened, reason, require_no_folder_of
+from tumble.files.disk import MOST_OF_RECORDING, RUN_FILE, joined, opened, reason, require_no_folder_of
 
 STANDARD_INPUT = "-"  # as the command line names it
 BLOCK = 1 << 20
+MOST_IN_ALL = 4 << 30  # bytes, decompressed: of an input that is read in blocks
 _GZIP, _ZSTD = b"\x1f\x8b", b"\x28\xb5\x2f\xfd"
 
 
@@ -41,8 +42,11 @@ class Incoming:
     def __iter__(self) -> Iterator[bytes]:
         with self._opened() as raw, self._naming():
             stream = io.BufferedReader(_Whole(raw, self._hash.update), self._block)
-            source = self._decompressed(stream)
+            source, size = self._decompressed(stream), 0
             while block := source.read(self._block):
+                size += len(block)
+                if size > MOST_IN_ALL:
+                    raise BadInput(f"more than {MOST_IN_ALL >> 30} GiB, decompressed", self.name)
                 yield block
             while stream.read(self._block):  # of what follows compressed data only the hash is taken
                 pass
@@ -123,7 +127,7 @@ class Held:
 
 
 def held(file: str) -> Held:
-    """All of an input. Raises BadInput, NotInstalled."""
+    """All of an input, decompressed. Raises BadInput, NotInstalled."""
     incoming = Incoming(file)
-    data = b"".join(incoming)
+    data = joined(incoming, incoming.name, MOST_OF_RECORDING)
     return Held(data, incoming.name, incoming.sha256)

@@ -21,6 +21,7 @@ from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput
 from tumble.files import can_log
 from tumble.files.csv_rows import NotANumber, Refused, row_of_numbers
+from tumble.files.disk import LONGEST_LINE, MIB, in_words
 from tumble.files.run_layout import (
     COLUMNS,
     NUMBER,
@@ -39,6 +40,7 @@ from tumble.files.run_layout import (
 from tumble.files.run_positions import PositionIndex, listed
 from tumble.files.run_temperature import HIGHEST_C, LOWEST_C, Temperatures, Thermometer
 
+LONGEST_HEAD = 16 * MIB  # of comments and blank lines above the header
 _SHORTEST_ROW = 10  # bytes: five fields of a digit each, and what ends them
 _LINE_END = re.compile(rb"\r\n?|\n")
 
@@ -60,12 +62,12 @@ class RunReader:
         with _to_its_end(self._blocks):
             layout = detect_in_head(start, wishes, file)
             if layout is None:
-                start += b"".join(self._blocks)
+                start = self._head(start)
                 layout = detect(start, wishes, file)
         self.layout = layout
         self.blanks, self.comments = layout.blanks, layout.comments
         self._line, self._rows, self._marked = layout.header_row + 1, 0, False
-        self._pieces = _pieces(itertools.chain((_after_lines(start, layout.header_row),), self._blocks))
+        self._pieces = pieces(itertools.chain((_after_lines(start, layout.header_row),), self._blocks), file)
         self._thermometer = Thermometer(layout)
         self._plain = _Plain(layout, positions, self._thermometer) if fast and _can_be_plain(layout) else None
 
@@ -85,15 +87,29 @@ class RunReader:
 
     def _beginning(self) -> bytes:
         """Enough of it to find the layout in. Raises BadInput for what is no text."""
-        start = bytearray()
+        start, blank = bytearray(), True
         for block in self._blocks:
             start += block
-            if is_long_enough(start) and not start.endswith(b"\r") and not start.isspace():
+            blank = blank and block.isspace()
+            if is_long_enough(start) and not start.endswith(b"\r") and not blank:
                 break
+            self._require_head(start)
         found = bytes(start)
         can_log.refuse(found, self._file)
         require_text(found, self._file)
         return found
+
+    def _head(self, start: bytes) -> bytes:
+        """What is left of a file without a header line in its beginning. Raises BadInput where that is much."""
+        whole = bytearray(start)
+        for block in self._blocks:
+            whole += block
+            self._require_head(whole)
+        return bytes(whole)
+
+    def _require_head(self, start: bytes | bytearray) -> None:
+        if len(start) > LONGEST_HEAD:
+            raise BadInput(f"no header line within {in_words(LONGEST_HEAD)}", self._file)
 
     def _without_zeros(self, blocks: Iterator[bytes], ends: int) -> Iterator[bytes]:
         """Raises BadInput for a zero byte; `ends`: of lines, before these blocks."""
@@ -237,15 +253,19 @@ def _after_lines(data: bytes, lines: int) -> bytes:
     return data[ends[-1] :] if len(ends) == lines else b""
 
 
-def _pieces(blocks: Iterable[bytes]) -> Iterator[bytes]:
-    """The same bytes, cut where lines end."""
+def pieces(blocks: Iterable[bytes], file: str) -> Iterator[bytes]:
+    """The same bytes, cut where lines end. Raises BadInput for a line that does not end."""
     parts: list[bytes] = []
+    held = 0
     for block in blocks:
         cut = block.rfind(b"\n") + 1 or block.rfind(b"\r", 0, len(block) - 1) + 1  # a last \r may be half an end
         if cut:
             yield b"".join((*parts, block[:cut]))
-            parts = []
+            parts, held = [], 0
         parts.append(block[cut:])
+        held += len(block) - cut
+        if held > LONGEST_LINE:
+            raise BadInput(f"a line of more than {in_words(LONGEST_LINE)}", file)
     if last := b"".join(parts):
         yield last if last.endswith(b"\n") else last + b"\n"
 

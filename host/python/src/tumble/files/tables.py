@@ -12,6 +12,7 @@ import numpy as np
 
 from tumble.errors import BadInput, NotInstalled, file_name, quoted
 from tumble.files.disk import reason
+from tumble.files.memory import bounded
 
 PARQUET = (".parquet", ".pq")
 _NPZ, _MAT = ".npz", ".mat"
@@ -28,8 +29,9 @@ def read_table_file(file: str) -> Any:
     suffix = suffix_of(file)
     reader = _read_npz if suffix == _NPZ else _read_mat if suffix == _MAT else _read_parquet
     try:
-        return reader(file)
-    except (BadInput, NotInstalled, MemoryError):
+        with bounded(file):
+            return reader(file)
+    except (BadInput, NotInstalled):
         raise
     except OSError as error:
         raise BadInput(reason(error) if error.errno else f"cannot be read: {quoted(error)}", file) from None

@@ -5,6 +5,7 @@ Messages that are sent together make a row: of each, the frame that is nearest i
 
 from __future__ import annotations
 
+import io
 from array import array
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -15,10 +16,12 @@ import numpy as np
 from tumble.arrays import Flags, Floats, Integers
 from tumble.errors import BadInput, file_name, quoted
 from tumble.files.can_log import Frame
-from tumble.files.disk import reason
+from tumble.files.disk import read_bytes
 from tumble.files.run_layout import Wishes, find_all, unit_of
+from tumble.files.tables import suffix_of
 
 OUTPUTS = ("ux", "uy", "uz")
+_FORMATS = ("arxml", "cdd", "dbc", "kcd", "sym")  # of cantools, by the file's name
 _TOGETHER = 0.5  # intervals: frames farther apart are not of one sample
 _AGAIN = 0.1  # intervals: a frame that comes so soon with the same bytes is the one before, logged twice
 
@@ -37,10 +40,12 @@ def load(file: str) -> list[Signal]:
     """All signals of a DBC file. Raises BadInput."""
     import cantools
 
+    data, suffix = read_bytes(file), suffix_of(file)[1:]
+    encoding = "cp1252" if suffix in ("dbc", "sym") else "utf-8"  # as cantools does with a file of this name
+    text = io.TextIOWrapper(io.BytesIO(data), encoding, "replace").read()
+    kind = suffix if suffix in _FORMATS else None
     try:
-        found: Any = cantools.database.load_file(file, strict=False)  # signals that overlap can be none of ours
-    except OSError as error:
-        raise BadInput(reason(error), file) from None
+        found: Any = cantools.database.load_string(text, kind, strict=False)  # signals that overlap can be none of ours
     except Exception as error:  # the parser has classes of its own, and others escape it
         raise BadInput(f"not a DBC file that can be read: {quoted(error)}", file) from None
     signals = [(signal, message) for message in getattr(found, "messages", ()) for signal in message.signals]

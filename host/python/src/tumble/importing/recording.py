@@ -7,6 +7,7 @@ and a recording may is added here. Everything that was passed over or taken for 
 from __future__ import annotations
 
 import csv
+import functools
 import itertools
 from dataclasses import dataclass, replace
 
@@ -16,7 +17,7 @@ from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.files import can_log
 from tumble.files.csv_rows import LARGEST_OUTPUT, body_of, read_plain, wrong_width
-from tumble.files.disk import read_bytes
+from tumble.files.disk import MOST_OF_RECORDING, read_bytes
 from tumble.files.run_layout import (
     DEFAULT_UNIT,
     NUMBER,
@@ -81,12 +82,18 @@ def read(file: str, wishes: Wishes, timing: Timing, bus: Bus = NO_BUS) -> Record
         raise BadInput(
             "no text: import takes CSV and RAWIMU logs, tumble solve such a file of samples at positions", file
         )
-    data = read_bytes(file)
+    data = read_bytes(file, most=MOST_OF_RECORDING, look=functools.partial(_require_kind, file))
     if (kind := can_log.kind_of(data)) is not None:
         return _read_bus(file, data, kind, wishes, timing, bus)
     bus.require_log()
     require_text(data, file)
     return _read_log(file, data, wishes, timing) if novatel.is_log(data) else _read_table(file, data, wishes, timing)
+
+
+def _require_kind(file: str, beginning: bytes) -> None:
+    """It is text, if it is no CAN log. Raises BadInput."""
+    if beginning.strip() and can_log.kind_of(beginning) is None:
+        require_text(beginning, file)
 
 
 def _read_log(file: str, data: bytes, wishes: Wishes, timing: Timing) -> Recording:

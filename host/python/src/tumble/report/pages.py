@@ -14,6 +14,7 @@ from typing import Any
 from tumble.errors import BadInput, NotInstalled, quoted
 from tumble.files.disk import read_bytes
 from tumble.report.cells import MISSING
+from tumble.report.picture import picture_fault
 
 TEMPLATE = "report.html.j2"
 TABLES = "tables.html.j2"
@@ -87,14 +88,14 @@ def css_string(text: str) -> str:
 
 def logo(file: str) -> str:
     """A picture as a data URI. Raises BadInput."""
-    data = read_bytes(file)
-    if len(data) > _LARGEST_LOGO:
-        raise BadInput(f"{len(data)} bytes; a logo may have {_LARGEST_LOGO}", file)
+    data = read_bytes(file, most=_LARGEST_LOGO)
     kind = next((kind for begin, kind in _PICTURES.items() if data.startswith(begin)), None)
     if kind is None and _SVG.match(data.removeprefix(b"\xef\xbb\xbf")):
         kind = "image/svg+xml"
     if kind is None:
         raise BadInput("not a picture in PNG, JPEG or SVG", file)
+    if (fault := picture_fault(data, kind)) is not None:
+        raise BadInput(fault, file)
     return f"data:{kind};base64,{base64.b64encode(data).decode('ascii')}"
 
 

@@ -16,7 +16,8 @@ import numpy as np
 
 from tumble._version import __version__
 from tumble.errors import BadInput, NotInstalled, quoted
-from tumble.files.disk import written
+from tumble.files.disk import refuse_link, written
+from tumble.files.memory import bounded
 from tumble.workers.pieces import Result
 
 FORMAT = "tumble-done/1"  # of a table of Parquet, so no JSON schema stands for it
@@ -56,6 +57,7 @@ class Kept(Nothing):
             "fingerprint": hashlib.sha256(text.encode()).hexdigest(),
         }
         self._file = file
+        refuse_link(file)
         if not os.access(os.path.dirname(os.path.realpath(file)), os.W_OK):  # told now, not after the first hours
             raise BadInput("cannot be written: its folder is not there, or nobody may write to it", file)
         self._done = self._read() if os.path.exists(file) else {}
@@ -90,7 +92,8 @@ class Kept(Nothing):
         from pyarrow import ArrowException, parquet
 
         try:
-            table = parquet.read_table(self._file)
+            with bounded(self._file):
+                table = parquet.read_table(self._file)
             about = json.loads((table.schema.metadata or {}).get(_ABOUT, b"{}"))
         except (ArrowException, OSError, ValueError) as error:
             raise BadInput(f"not a Parquet file that can be read: {quoted(error)}", self._file) from None
