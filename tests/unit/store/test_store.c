@@ -207,6 +207,25 @@ static void test_what_has_decayed_is_found_out_and_the_next_is_active(void)
     assert_sets(0, 0, 0, 0);
 }
 
+/* An erase may leave a whole mark standing, and a record of another set may come before it: the mark's CRC tells. */
+static void test_a_mark_is_of_its_own_record_alone(void)
+{
+    uint8_t *const slot_a = &memory.bytes[4096];
+    const uint8_t *const slot_b = &memory.bytes[2U * 4096U];
+    tumble_set_t set;
+    put_commit(FIRST);
+    put_commit(SECOND);
+    memcpy(slot_a, slot_b, TUMBLE_SET_BYTES);
+    TEST_ASSERT_EQUAL_HEX32(tumble_set_crc(slot_a), tumble_get_u32(&slot_b[TUMBLE_SET_BYTES + 4U]));
+    TEST_ASSERT_TRUE(jobs_boot(&memory));
+    assert_sets(SECOND, 0, 0, 0);
+    TEST_ASSERT_EQUAL_UINT32(1, tumble_store_counters(&jobs_store)->torn_at_boot);
+    memcpy(&memory.bytes[2U * 4096U + TUMBLE_SET_BYTES], &slot_a[TUMBLE_SET_BYTES], TUMBLE_SET_MARK_BYTES);
+    assert_status(TUMBLE_E_FRAME, tumble_store_read(&jobs_store, TUMBLE_SET_ACTIVE, &set));
+    TEST_ASSERT_TRUE(store_settles(&jobs_store));
+    assert_sets(0, 0, 0, 0);
+}
+
 static void test_what_decayed_before_it_was_copied_is_not_copied(void)
 {
     put_commit(FIRST);
