@@ -3,7 +3,7 @@
 
 #include "session.h"
 
-#define SETTING_LIMIT 5U /* 2050h:5, which needs the level */
+#define SETTING_LIMIT 5U   /* 2050h:5, which needs the level */
 #define SETTING_SAMPLES 1U /* 2050h:1, which does not */
 
 static gateway_t gateway;
@@ -49,10 +49,10 @@ static gateway_result_t write_setting(gateway_session_t *session, uint16_t numbe
         words[1U + i] = tumble_get_u16(&bytes[6U - (2U * i)]);
     }
     bench.written = 0;
-    TEST_ASSERT_EQUAL(
-        GATEWAY_OK, gateway_session_write(session, &gateway, GATEWAY_HOLDING_SETTING, 5, words, bench.fake.now_us));
-    TEST_ASSERT_EQUAL(
-        GATEWAY_OK, gateway_session_write(session, &gateway, GATEWAY_HOLDING_EXECUTE, 1, &token, bench.fake.now_us));
+    TEST_ASSERT_EQUAL(GATEWAY_OK,
+                      gateway_session_write(session, &gateway, GATEWAY_HOLDING_SETTING, 5, words, bench.fake.now_us));
+    TEST_ASSERT_EQUAL(GATEWAY_OK,
+                      gateway_session_write(session, &gateway, GATEWAY_HOLDING_EXECUTE, 1, &token, bench.fake.now_us));
     for (unsigned i = 0; i < 20U && session->sent.result == GATEWAY_RESULT_PENDING; i++) {
         step(1);
     }
@@ -124,8 +124,7 @@ static void test_it_ends_with_its_session(void)
 static void test_a_key_that_the_node_refuses_opens_nothing(void)
 {
     bench.refuse = BUSY_NOW;
-    TEST_ASSERT_EQUAL(GATEWAY_RESULT_REFUSED,
-                      write_setting(&one, GATEWAY_SERVICE_KEY, (double)GATEWAY_SERVICE_NUMBER));
+    TEST_ASSERT_EQUAL(GATEWAY_RESULT_REFUSED, write_setting(&one, GATEWAY_SERVICE_KEY, (double)GATEWAY_SERVICE_NUMBER));
     bench.refuse = 0;
     assert_refused(&one);
 }
