@@ -1,4 +1,5 @@
 """Canaries: every gate of tools/test must reject a planted defect, and accept the same thing without it."""
+import contextlib
 import functools
 import os
 import shutil
@@ -30,7 +31,7 @@ def configured(preset, *options):
     return ROOT / "build" / preset
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def sanitizers():
     if "Unity" in stages.read_missing():
         pytest.skip("Unity is not installed, and the preset builds its tests with it")
@@ -47,3 +48,21 @@ def cortex_m4():
 def build(directory, target):
     """Try to build one target; the finished process."""
     return run("cmake", "--build", directory, "--target", target)
+
+
+@contextlib.contextmanager
+def planted(tree, defects):
+    """For as long as it lasts, files of a copy hold defects: (file, text, what stands there instead). Each text must be
+    there exactly once. Gives the files."""
+    sound = {}
+    try:
+        for path, text, instead in defects:
+            source = tree / path
+            now = source.read_text()
+            assert now.count(text) == 1, f"{path}: {text}"
+            sound.setdefault(source, now)
+            source.write_text(now.replace(text, instead))
+        yield list(sound)
+    finally:
+        for source, text in sound.items():
+            source.write_text(text)

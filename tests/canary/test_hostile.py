@@ -5,7 +5,7 @@ import subprocess
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-from conftest import ROOT
+from conftest import ROOT, planted
 
 LIVES = 400  # within so many seeds; each hole comes up in one life of a hundred or oftener
 ROOMS = ("firmware", "host/bench", "host/simulation", "boards")
@@ -72,20 +72,12 @@ def live(program, lives=LIVES):
 
 
 def plant(tree, objects, folder, defects):
-    """The same program with the mends taken out, each of which must be there exactly once."""
-    own, sound = folder / "objects", {}
+    """The same program with the mends taken out."""
+    own = folder / "objects"
     shutil.copytree(objects, own)
-    for path, mend, without in defects:
-        source = tree / path
-        assert source.read_text().count(mend) == 1, f"{path}: {mend}"
-        sound.setdefault(source, source.read_text())
-        source.write_text(source.read_text().replace(mend, without))
-    try:
-        for source in sound:
+    with planted(tree, defects) as sources:
+        for source in sources:
             compile_file(tree, own, source)
-    finally:
-        for source, text in sound.items():
-            source.write_text(text)
     return link(own, folder / "tumble-bench")
 
 

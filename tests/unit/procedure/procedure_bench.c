@@ -54,6 +54,10 @@ static tumble_status_t bench_clear(void *self)
 {
     bench_t *b = bench_of(self);
     b->stand.clears++;
+    if (b->stand.refuses_clears > 0U) {
+        b->stand.refuses_clears--;
+        return TUMBLE_E_STAND_STATE;
+    }
     if (!b->stand.stays_faulty) {
         b->stand.fault = TUMBLE_STAND_FAULT_NONE;
         b->stand.state = b->stand.loses_home ? TUMBLE_STAND_READY : TUMBLE_STAND_STOPPED;

@@ -31,8 +31,9 @@ typedef struct {
     bool never_arrives;
     bool refuses_moves;
     bool refuses_homing;
-    bool stays_faulty; /* clear_fault does not help */
-    bool loses_home;   /* clear_fault leads to READY */
+    unsigned refuses_clears; /* so many more */
+    bool stays_faulty;       /* clear_fault does not help */
+    bool loses_home;         /* clear_fault leads to READY */
 } fake_stand_t;
 
 typedef struct {

@@ -163,6 +163,24 @@ static void test_change_of_every_coefficient(void)
     }
 }
 
+/* Each coefficient is judged by its own uncertainties: by those of no other, however certain or uncertain that is. */
+static void test_change_by_the_uncertainty_of_the_same_coefficient(void)
+{
+    for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
+        set_up();
+        *uncertainty(&candidate, c) = 6.0 * TINY;
+        *uncertainty(&active, c) = 8.0 * TINY;
+        for (int other = 0; other < TUMBLE_COEFFICIENTS; other++) {
+            change_and_assert(other, (((other == c) ? 20.0 : 10.0) * TINY) + 0x1p-9);
+        }
+        *uncertainty(&active, c) = 0.0;
+        change_and_assert(c, (12.0 * TINY) + 0x1p-9);
+        *uncertainty(&candidate, c) = 0.0;
+        *uncertainty(&active, c) = 8.0 * TINY;
+        change_and_assert(c, (16.0 * TINY) + 0x1p-9);
+    }
+}
+
 /* A bias has no part in the length of a row: here one unit in the last place decides. */
 static void test_change_to_the_last_bit(void)
 {
