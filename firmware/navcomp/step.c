@@ -178,9 +178,15 @@ static void show_state(tumble_navcomp_t *navcomp)
     }
 }
 
+static uint32_t motion_margin_ms(const tumble_navcomp_t *navcomp)
+{
+    const uint32_t ms = navcomp->procedure_config.motion_margin_ms;
+    return (ms != 0U) ? ms : TUMBLE_MOTION_MARGIN_MS;
+}
+
 static void advance(tumble_navcomp_t *navcomp, uint64_t now_us)
 {
-    navcomp->stand.kind->step(navcomp->stand.self, now_us);
+    tumble_stand_step(&navcomp->stand, now_us, motion_margin_ms(navcomp));
     tumble_procedure_step(&navcomp->procedure, now_us);
     show_state(navcomp);
     tumble_node_step(&navcomp->node, now_us);
@@ -242,7 +248,7 @@ static void take_frame(tumble_navcomp_t *navcomp, const tumble_can_frame_t *fram
     navcomp->node.server.service = tumble_service_is_open(navcomp);
     if (!tumble_node_receive(&navcomp->node, frame, now_us)) {
         tumble_count(&navcomp->events.frames_ignored);
-        if (!tumble_notice_foreign(navcomp, frame->id)) {
+        if (!tumble_notice_foreign(navcomp, frame)) {
             return;
         }
     }
