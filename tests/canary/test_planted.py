@@ -79,8 +79,8 @@ PLANTED = {
         "block_frames/test_block_frames.c", "test_every_error_of_up_to_three_bits_is_detected"),
     "settling: goes on when the table moves again": (
         "firmware/procedure/procedure_states.c",
-        "if (tumble_stand_state(procedure) != TUMBLE_STAND_IN_POSITION) {\n        procedure->settled_ms = 0;",
-        "if (tumble_stand_state(procedure) != TUMBLE_STAND_IN_POSITION) {",
+        "!= TUMBLE_STAND_IN_POSITION) {\n        procedure->settled_ms = 0;",
+        "!= TUMBLE_STAND_IN_POSITION) {",
         "procedure/test_procedure.c", "test_settling_starts_again_when_the_table_moves_again"),
     "schedule: a reflection is a mounting": (
         "firmware/core/schedule.c",
@@ -137,6 +137,27 @@ PLANTED = {
         "sim_motion_stop(&axis->motion, position, velocity, deceleration_deg_s2);",
         "sim_motion_rest(&axis->motion, position);",
         "simulation/test_sim_axis.c", "test_a_stop_leaves_the_table_where_it_is"),
+    # The bounds of a motion.
+    "motion: its way is not bounded upwards": (
+        "firmware/stand/bounds.c",
+        "if ((here < bounds->lowest_mdeg) || (here > bounds->highest_mdeg)) {",
+        "if (here < bounds->lowest_mdeg) {",
+        "stand/test_bounds.c", "test_past_the_goal_and_the_other_way"),
+    "motion: its time is not bounded": (
+        "firmware/stand/bounds.c",
+        "if ((int32_t)(now - bounds->due) > (int32_t)margin_ms) {",
+        "if (false) {",
+        "stand/test_bounds.c", "test_a_homing_that_never_ends"),
+    "motion: reports that stand still are progress": (
+        "firmware/stand/bounds.c",
+        "return stalls ? TUMBLE_STAND_FAULT_STALL : TUMBLE_STAND_FAULT_NONE;",
+        "return TUMBLE_STAND_FAULT_NONE;",
+        "stand/test_bounds.c", "test_reports_that_stand_still_or_flicker"),
+    "set-point by SDO: a stranger's is none": (
+        "firmware/navcomp/navcomp_events.c",
+        " || commands_by_sdo(navcomp, frame);",
+        ";",
+        "navcomp/test_navcomp_bus.c", "test_a_set_point_of_a_stranger_by_sdo_is_foreign"),
 }
 SUITES = sorted({suite for *_, suite, _ in PLANTED.values()})
 

@@ -53,17 +53,16 @@ def test_a_run_from_start_to_accept(played):
 
 def test_what_a_drive_refuses_is_named_in_a_run_and_between_runs(played):
     theirs, node = played(fails={1: "STAND_PROTOCOL"})
-    assert node.drive_refusal == ""
-    theirs.refusal = (0x6084, 0, 0x06020000, 1)
+    before, theirs.refusal = node.drive_refusal, (0x6084, 0, 0x06020000, 1)
     said = "drive object 6084h:0, abort 0602 0000h, in configuration"
-    assert node.drive_refusal == said
+    assert (before, node.drive_refusal) == ("", said)
     with pytest.raises(client.Refused, match=f"HOME_AXIS was refused: .* the stand homing: {said}"):
         node.command("HOME_AXIS")
     node.start()
     node.wait(until="WAIT_MOUNTING", timeout=30)
     node.confirm()
     theirs.refusal = (0x6041, 0, 0x05040000, 9)
-    with pytest.raises(client.RunFailed, match=r"object 6041h:0, .*, in the set-point: bit 12 after bit 4 was set") as end:
+    with pytest.raises(client.RunFailed, match=r"6041h:0, .*, in the set-point: bit 12 after bit 4 was set") as end:
         node.wait(timeout=30)
     assert end.value.drive_refusal == node.drive_refusal
 
