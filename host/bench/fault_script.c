@@ -93,6 +93,13 @@ static void act(bench_world_t *world, uint32_t number, bool on)
         sim_axis_jam(world->axis, world->clock.now_us, on);
         sim_drive_disturb(drive);
         break;
+    case SIM_FAULT_RUNAWAY:
+        sim_drive_run_away(drive);
+        break;
+    case SIM_FAULT_FROZEN_POSITION:
+    case SIM_FAULT_POSITION_SCALE:
+        sim_drive_disturb(drive);
+        break;
     case SIM_FAULT_SLIP:
         sim_axis_slip(world->axis, on ? fault->value : -fault->value, fault->count == 1U);
         sim_drive_disturb(drive);

@@ -204,7 +204,7 @@ static bool publish_motion(sim_drive_t *drive)
     const uint64_t now = drive->clock->now_us;
     double velocity;
     (void)sim_axis_commanded_deg(&drive->axis, now, &velocity);
-    const int32_t position = sim_drive_counts(drive, sim_axis_encoder_deg(&drive->axis, now));
+    const int32_t position = sim_drive_reported_counts(drive, sim_axis_encoder_deg(&drive->axis, now));
     const bool changed = position != drive->objects.position_actual_value;
     drive->objects.position_actual_value = position;
     drive->objects.velocity_actual_value =

@@ -86,6 +86,9 @@ void sim_drive_set_power(sim_drive_t *drive, bool on);
 void sim_drive_fail(sim_drive_t *drive, uint16_t code, bool lasting);
 void sim_drive_mend(sim_drive_t *drive);
 
+/* SIM_FAULT_RUNAWAY has begun or ended: a motion under way takes another end. */
+void sim_drive_run_away(sim_drive_t *drive);
+
 /* The axis has moved in a way that was not commanded (slip, jam): the control cycle looks at it. */
 void sim_drive_disturb(sim_drive_t *drive);
 

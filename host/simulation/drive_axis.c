@@ -35,6 +35,16 @@ int32_t sim_drive_counts(const sim_drive_t *drive, double angle_deg)
     return wrapped(drive, whole_counts(drive, angle_deg));
 }
 
+int32_t sim_drive_reported_counts(const sim_drive_t *drive, double angle_deg)
+{
+    const sim_fault_effect_t *const scale = &drive->faults[SIM_FAULT_POSITION_SCALE];
+    if (drive->faults[SIM_FAULT_FROZEN_POSITION].on) {
+        return drive->objects.position_actual_value;
+    }
+    const double counts = whole_counts(drive, angle_deg);
+    return wrapped(drive, scale->on ? floor(counts * scale->value + 0.5) : counts);
+}
+
 /* Table angle of a target. Where positions wrap, it is reached by the shorter way. */
 double sim_drive_target_deg(const sim_drive_t *drive, int32_t target)
 {

@@ -8,6 +8,9 @@
 /* The drive's own position at this table angle. */
 int32_t sim_drive_counts(const sim_drive_t *drive, double angle_deg);
 
+/* What it reports there: the same, unless a fault has spoilt its reports. */
+int32_t sim_drive_reported_counts(const sim_drive_t *drive, double angle_deg);
+
 double sim_drive_counts_per_deg(const sim_drive_t *drive);
 
 /* Table angle of a target. Where positions wrap, it is reached by the shorter way. */

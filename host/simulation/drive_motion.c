@@ -8,6 +8,16 @@
 #define HOMING_ON_THE_SPOT_MAX 37 /* methods 35 and 37: where the axis stands is home */
 #define HOMING_ON_THE_SPOT_MIN 35
 
+/* How far a motion to `end_deg` runs on, in its own direction. */
+static double beyond_deg(const sim_drive_t *drive, double end_deg)
+{
+    const sim_fault_effect_t *const fault = &drive->faults[SIM_FAULT_RUNAWAY];
+    double velocity;
+    const double here = sim_axis_commanded_deg(&drive->axis, drive->clock->now_us, &velocity);
+    const double way_deg = fault->on ? ((fault->value > 0.0) ? fault->value : ENDLESS_DEG) : 0.0;
+    return (end_deg < here) ? -way_deg : way_deg;
+}
+
 /* Profile position mode */
 
 static void go_to_target(sim_drive_t *drive)
@@ -20,6 +30,7 @@ static void go_to_target(sim_drive_t *drive)
         const double here = sim_axis_commanded_deg(&drive->axis, drive->clock->now_us, &velocity);
         end_deg += (end_deg > here) ? -short_by_deg : short_by_deg;
     }
+    end_deg += beyond_deg(drive, end_deg);
     sim_drive_set_out(drive, end_deg, &dynamics);
 }
 
@@ -105,6 +116,7 @@ static void start_homing(sim_drive_t *drive)
     } else if (drive->faults[SIM_FAULT_HOMING_FAILS].on) {
         end_deg = drive->axis.motion.end_position - LOST_SEARCH_DEG;
     }
+    end_deg += beyond_deg(drive, end_deg);
     drive->homing = SIM_HOMING_SEARCH;
     sim_drive_set_out(drive, end_deg, &dynamics);
 }
@@ -132,6 +144,16 @@ static void obey_homing(sim_drive_t *drive, uint16_t risen, uint16_t fallen)
         start_homing(drive);
     } else if ((fallen & TUMBLE_402_CONTROL_START_HOMING) != 0U && under_way) {
         sim_drive_stop_axis(drive, sim_drive_homing_dynamics(drive, 0).deceleration_deg_s2);
+    }
+}
+
+void sim_drive_run_away(sim_drive_t *drive)
+{
+    const bool turns = drive->power == SIM_POWER_OPERATION_ENABLED && !sim_axis_is_still(&drive->axis, drive->clock->now_us);
+    if (turns && drive->mode == TUMBLE_402_MODE_PROFILE_POSITION && !drive->halted) {
+        go_to_target(drive);
+    } else if (turns && drive->homing == SIM_HOMING_SEARCH) {
+        start_homing(drive);
     }
 }
 

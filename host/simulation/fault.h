@@ -16,6 +16,9 @@
     X(SIM_FAULT_DRIVE_SILENT, "drive_silent", "the drive is off the bus")                                              \
     X(SIM_FAULT_DRIVE_POWER_CYCLE, "drive_power_cycle", "the drive loses power and comes back")                        \
     X(SIM_FAULT_NEVER_REACHED, "never_reached", "the table stops short of its target; value: by how many degrees")     \
+    X(SIM_FAULT_RUNAWAY, "runaway", "the drive runs on past its target; value: by how many degrees, 0: without end")   \
+    X(SIM_FAULT_FROZEN_POSITION, "frozen_position", "the drive reports one position, whatever the table does")         \
+    X(SIM_FAULT_POSITION_SCALE, "position_scale", "reported positions are too large; value: by this factor")           \
     X(SIM_FAULT_SLIP, "slip", "the table slips on its shaft; value: degrees; count 1: the encoder sees it")            \
     X(SIM_FAULT_HOMING_FAILS, "homing_fails", "the home mark is not found")                                            \
     X(SIM_FAULT_HOMING_ENDLESS, "homing_endless", "homing never ends")                                                 \
