@@ -24,7 +24,14 @@ void bench_watch_change(bench_life_t *life, const tumble_progress_t *progress)
     const bool was_on = is_of_a_run(life->watch.state);
     const tumble_state_t state = progress->state;
     const bool changed = state != life->watch.state;
+    const bool waited = !was_on && life->watch.state != TUMBLE_STATE_FAULT;
+    bench_watch_count_run(life, waited && is_of_a_run(state), !was_on && changed); /* it may have failed at once */
     life->watch.state = state;
+    if (is_of_a_run(state)) {
+        life->watch.level_until_us = 0; /* it ends with the beginning of a run */
+    } else if (state == TUMBLE_STATE_DONE && changed) {
+        bench_watch_may_go(life, true); /* the new result takes its place */
+    }
     if ((state == TUMBLE_STATE_FAULT || state == TUMBLE_STATE_ABORT) && progress->reason == TUMBLE_REASON_NONE) {
         bench_watch_break(life, BENCH_BROKEN_REASON, 0.0, (uint32_t)state);
     }
@@ -140,6 +147,7 @@ void bench_watch_look(bench_life_t *life)
 {
     look_at_table(life);
     if (!life->world.off) {
+        bench_watch_rules(life);
         bench_watch_sets(life);
     }
 }

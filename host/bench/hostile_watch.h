@@ -6,6 +6,7 @@
 
 #include "procedure/states.h"
 #include "simulation/drive.h"
+#include "tumble/core.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -27,6 +28,11 @@
     X(BENCH_BROKEN_TRUTH, "truth", "a set that became active by itself is off by more than 6 u")                       \
     X(BENCH_BROKEN_LOST, "lost", "the active set is lost")                                                             \
     X(BENCH_BROKEN_COUNTER, "counter", "the calibration counter went back, and nothing was told")                      \
+    X(BENCH_BROKEN_PROPOSAL, "proposal", "a proposal is lost that nobody has decided about")                           \
+    X(BENCH_BROKEN_DECAYED, "decayed", "a record or mark with a flipped bit counts as valid")                          \
+    X(BENCH_BROKEN_MEAN, "mean", "a mean is not of its own samples, as many as are configured")                        \
+    X(BENCH_BROKEN_LEVEL, "level", "the service level is open, or was not asked for, without its key")                 \
+    X(BENCH_BROKEN_RUN, "run", "the run number does not count the runs")                                               \
     X(BENCH_BROKEN_BENCH, "bench", "the bench cannot go on")
 
 typedef enum {
@@ -62,6 +68,27 @@ typedef struct {
     uint32_t what; /* object, coefficient, state: by kind */
 } bench_violation_t;
 
+/* The samples of the position that is being averaged, as they came; the frames of the block that came last. */
+#define BENCH_RECENT 32U
+#define BENCH_COUNTERS 64U
+
+typedef struct {
+    tumble_can_frame_t frames[BENCH_RECENT];
+    uint32_t next;
+    uint8_t index;
+    uint32_t count;
+    uint16_t counters[BENCH_COUNTERS];
+    int64_t sum[TUMBLE_CHANNELS];
+} bench_collected_t;
+
+/* Means of a position that were found to be right. */
+#define BENCH_KNOWN 4U
+
+typedef struct {
+    tumble_average_t means[BENCH_KNOWN];
+    uint32_t next;
+} bench_known_t;
+
 typedef struct {
     bench_violation_t violation;
     uint32_t excuses;      /* bit per bench_excuse_t */
@@ -77,6 +104,15 @@ typedef struct {
     uint32_t counter;
     uint64_t told_by_us; /* a decay must be told by then; SIM_NEVER: none */
     bool told;
+    uint32_t proposal; /* its name; 0: there is none */
+    uint64_t decided_us; /* until then a command about it, or another result, may take it away; SIM_NEVER: power was
+                          * lost before that */
+    uint64_t level_until_us; /* the service level may be open; */
+    uint64_t open_us;        /* since when it is although it may not; SIM_NEVER: it is not */
+    bool locked;             /* when the last write was asked for it could not be open */
+    uint32_t runs;           /* the run number, when the state changed last */
+    bench_collected_t collected;
+    bench_known_t known[TUMBLE_MAX_POSITIONS];
     tumble_state_t state;
 } bench_watch_t;
 
