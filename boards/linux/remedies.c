@@ -37,6 +37,8 @@ static const char *const remedies[TUMBLE_REASON_COUNT] = {
     [TUMBLE_REASON_STOP_NOT_CONFIRMED] = "The table was told to stop and was not seen to: look at it, use the emergency stop. 2035h says how far the computer went (docs/bus/README.md).",
     [TUMBLE_REASON_FOREIGN_COMMAND] = "Somebody else commands the drive, or a second computer has node number 1: 1003h names the identifier. Find it, then home again.",
     [TUMBLE_REASON_SUPERVISION] = "1016h or 1017h of node 1 is not as configured; somebody wrote it while there was no drive. Reset node 1 (NMT): they are the board's again.",
+    [TUMBLE_REASON_RUNAWAY] = "The table turned past its goal, or the other way. Look at cable and table before anything moves. Compare the profile's sign and wrap_counts with the drive, look for a second master (1003h) and for a drive that does not obey its set-point. RESUME homes again.",
+    [TUMBLE_REASON_SCALE] = "The reported angle changes at another speed than the drive was told. Compare the profile's counts_per_turn and velocity_per_deg_s with the drive, and the drive's own limit of speed with speed_deg_s and the homing speeds. RESUME homes again.",
 };
 /* clang-format on */
 

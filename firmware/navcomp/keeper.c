@@ -30,8 +30,8 @@ static uint64_t measured_positions(const tumble_navcomp_t *navcomp)
 void tumble_keeper_look(tumble_keeper_t *keeper)
 {
     const tumble_navcomp_t *navcomp = keeper->navcomp;
-    const tumble_stand_state_t stand = navcomp->stand.kind->state(navcomp->stand.self);
-    const tumble_stand_fault_t fault = navcomp->stand.kind->fault(navcomp->stand.self);
+    const tumble_stand_state_t stand = tumble_stand_state(&navcomp->stand);
+    const tumble_stand_fault_t fault = tumble_stand_fault(&navcomp->stand);
     const tumble_state_t state = tumble_run_state(navcomp);
     tumble_sets_run_t *run = &keeper->run;
     run->measured = measured_positions(navcomp);
@@ -128,7 +128,7 @@ static void hold_off(tumble_keeper_t *keeper, uint64_t now_us)
         tumble_procedure_give_up(&navcomp->procedure, TUMBLE_REASON_INHIBITED);
         tumble_keeper_look(keeper);
     } else if (wish == TUMBLE_SETS_STOP) {
-        navcomp->stand.kind->stop(navcomp->stand.self);
+        tumble_stand_stop(&navcomp->stand);
     } else {
         /* nobody holds it off */
     }

@@ -1,5 +1,7 @@
 #include "navcomp/navcomp_internal.h"
 
+#include "core/bytes.h"
+
 #include <stddef.h>
 
 static bool is_stand(const tumble_navcomp_t *navcomp, uint8_t node)
@@ -74,11 +76,20 @@ static void reset(void *context, bool application)
     navcomp->restart = (uint8_t)(application ? RESTART_APPLICATION : RESTART_COMMUNICATION);
 }
 
-bool tumble_notice_foreign(tumble_navcomp_t *navcomp, uint16_t id)
+/* A request to the drive's SDO server that begins to write what commands its axis. */
+static bool commands_by_sdo(const tumble_navcomp_t *navcomp, const tumble_can_frame_t *frame)
 {
-    bool ours = (id == (TUMBLE_HEARTBEAT_ID + navcomp->config->node));
+    const uint16_t index = tumble_get_u16(&frame->data[1]);
+    return (frame->id == (TUMBLE_SDO_REQUEST_ID + navcomp->config->stand_node)) && (frame->length >= 4U) &&
+           ((frame->data[0] >> 5U) == 1U) &&
+           ((index == TUMBLE_402_CONTROLWORD) || (index == TUMBLE_402_TARGET_POSITION) || (index == TUMBLE_402_MODE));
+}
+
+bool tumble_notice_foreign(tumble_navcomp_t *navcomp, const tumble_can_frame_t *frame)
+{
+    bool ours = (frame->id == (TUMBLE_HEARTBEAT_ID + navcomp->config->node)) || commands_by_sdo(navcomp, frame);
     if (tumble_is_on_bus(navcomp)) {
-        ours = navcomp->stand.kind->foreign(navcomp->stand.self, id, ours);
+        ours = navcomp->stand.kind->foreign(navcomp->stand.self, frame->id, ours);
     }
     if (ours) {
         tumble_count(&navcomp->events.foreign);

@@ -10,6 +10,7 @@
 #ifndef TUMBLE_NAVCOMP_NAVCOMP_INTERNAL_H
 #define TUMBLE_NAVCOMP_NAVCOMP_INTERNAL_H
 
+#include "stand/bounds.h"
 #include "tumble/navcomp.h"
 
 /* tumble_navcomp_t.restart */
@@ -55,9 +56,9 @@ void tumble_set_heartbeats(tumble_navcomp_t *navcomp, uint64_t now_us);
 /* Are 1016h and 1017h such that stand and block are watched, and hear us, as configured? */
 bool tumble_is_supervised(const tumble_navcomp_t *navcomp);
 
-/* A frame came that is no service of this node. True: nobody but this node may send it (set-points for the stand, and
- * the heartbeat of its number); the stand has been told. */
-bool tumble_notice_foreign(tumble_navcomp_t *navcomp, uint16_t id);
+/* A frame came that is no service of this node. True: nobody but this node may send it (set-points for the stand, by
+ * process data or by SDO, and the heartbeat of its number); the stand has been told. */
+bool tumble_notice_foreign(tumble_navcomp_t *navcomp, const tumble_can_frame_t *frame);
 
 /* Tell the procedure whether the block is alive: it streams, or samples come from another source. */
 void tumble_tell_block_alive(tumble_navcomp_t *navcomp);

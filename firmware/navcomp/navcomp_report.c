@@ -16,7 +16,7 @@ static tumble_status_t confirm_angle(const tumble_navcomp_t *navcomp, double ang
  * TUMBLE_E_STATE. */
 static tumble_status_t clear_fault(tumble_navcomp_t *navcomp)
 {
-    const tumble_status_t status = navcomp->stand.kind->clear_fault(navcomp->stand.self);
+    const tumble_status_t status = tumble_stand_clear_fault(&navcomp->stand);
     return (status == TUMBLE_OK) ? TUMBLE_OK : TUMBLE_E_STATE;
 }
 
@@ -33,7 +33,7 @@ static tumble_status_t serve(tumble_navcomp_t *navcomp, bool turn)
     if (tumble_run_is_on(navcomp) || !tumble_is_supervised(navcomp)) {
         return TUMBLE_E_STATE;
     }
-    const tumble_status_t status = turn ? stand->kind->move(stand->self, angle_deg) : stand->kind->home(stand->self);
+    const tumble_status_t status = turn ? tumble_stand_move(stand, angle_deg) : tumble_stand_home(stand);
     return (status == TUMBLE_E_STAND_STATE) ? TUMBLE_E_STATE : status;
 }
 
@@ -140,10 +140,10 @@ void tumble_navcomp_progress(const tumble_navcomp_t *navcomp, tumble_navcomp_pro
     tumble_procedure_progress(&navcomp->procedure, &progress->run);
     progress->has_mean =
         tumble_procedure_running(&navcomp->procedure, progress->mean_v, progress->standard_error_v) == TUMBLE_OK;
-    progress->stand = navcomp->stand.kind->state(navcomp->stand.self);
+    progress->stand = tumble_stand_state(&navcomp->stand);
     progress->angle_deg = navcomp->stand.kind->angle_deg(navcomp->stand.self);
     progress->temperature_half_c = navcomp->temperature_half_c;
-    progress->stand_fault = (uint8_t)navcomp->stand.kind->fault(navcomp->stand.self);
+    progress->stand_fault = (uint8_t)tumble_stand_fault(&navcomp->stand);
     progress->limited = tumble_stand_report(&navcomp->stand)->limited ? 1U : 0U;
     progress->as_byte.state = (uint8_t)progress->run.state;
     progress->as_byte.reason = (uint8_t)progress->run.reason;

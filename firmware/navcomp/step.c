@@ -77,6 +77,7 @@ static tumble_status_t init_stand(tumble_navcomp_t *navcomp)
         .cable_max_deg = config->procedure->cable_max_deg,
         .stand_node = config->stand_node,
     };
+    navcomp->bounds = (tumble_motion_bounds_t){0};
     return navcomp->stand.kind->init(navcomp->stand.self, &setup);
 }
 
@@ -133,7 +134,7 @@ tumble_status_t tumble_navcomp_init(tumble_navcomp_t *navcomp, const tumble_navc
     if ((navcomp == NULL) || !is_usable(config)) {
         return TUMBLE_E_ARGUMENT;
     }
-    *navcomp = (tumble_navcomp_t){.config = config, .stand = {config->stand, config->stand_memory}};
+    *navcomp = (tumble_navcomp_t){.config = config, .stand = {config->stand, config->stand_memory, &navcomp->bounds}};
     (void)memset(config->stand_memory, 0, config->stand->bytes);
     if ((config->declared != NULL) && (config->declared->noise != NULL)) {
         *config->declared->noise = (tumble_run_noise_t){.looked = false};
@@ -178,9 +179,15 @@ static void show_state(tumble_navcomp_t *navcomp)
     }
 }
 
+static uint32_t motion_margin_ms(const tumble_navcomp_t *navcomp)
+{
+    const uint32_t ms = navcomp->procedure_config.motion_margin_ms;
+    return (ms != 0U) ? ms : TUMBLE_MOTION_MARGIN_MS;
+}
+
 static void advance(tumble_navcomp_t *navcomp, uint64_t now_us)
 {
-    navcomp->stand.kind->step(navcomp->stand.self, now_us);
+    tumble_stand_step(&navcomp->stand, now_us, motion_margin_ms(navcomp));
     tumble_procedure_step(&navcomp->procedure, now_us);
     show_state(navcomp);
     tumble_node_step(&navcomp->node, now_us);
@@ -242,7 +249,7 @@ static void take_frame(tumble_navcomp_t *navcomp, const tumble_can_frame_t *fram
     navcomp->node.server.service = tumble_service_is_open(navcomp);
     if (!tumble_node_receive(&navcomp->node, frame, now_us)) {
         tumble_count(&navcomp->events.frames_ignored);
-        if (!tumble_notice_foreign(navcomp, frame->id)) {
+        if (!tumble_notice_foreign(navcomp, frame)) {
             return;
         }
     }

@@ -50,7 +50,7 @@ static outcome_t watch(tumble_procedure_t *procedure, unsigned watched)
         return tumble_fail(procedure, TUMBLE_REASON_BUS);
     }
     if ((watched & WATCH_STAND) != 0U) {
-        const tumble_stand_state_t stand = tumble_stand_state(procedure);
+        const tumble_stand_state_t stand = tumble_stand_state(&procedure->stand);
         if (stand == TUMBLE_STAND_FAULT) {
             return tumble_fail(procedure, tumble_stand_reason(procedure));
         }
@@ -62,6 +62,7 @@ static outcome_t watch(tumble_procedure_t *procedure, unsigned watched)
         return tumble_fail(procedure, TUMBLE_REASON_BLOCK_HEARTBEAT);
     }
     if (((watched & WATCH_ANGLE) != 0U) && table_slipped(procedure)) {
+        procedure->homed = false; /* nobody knows whether it is the table or the count that slipped */
         return tumble_fail(procedure, TUMBLE_REASON_SLIP);
     }
     return OUTCOME_STAY;
@@ -272,7 +273,7 @@ void tumble_procedure_give_up(tumble_procedure_t *procedure, tumble_reason_t rea
 tumble_status_t tumble_procedure_abort(tumble_procedure_t *procedure)
 {
     if (!allows(procedure, COMMAND_ABORT)) {
-        procedure->stand.kind->stop(procedure->stand.self);
+        tumble_stand_stop(&procedure->stand);
         return refuse_command(procedure, TUMBLE_E_STATE);
     }
     tumble_procedure_give_up(procedure, TUMBLE_REASON_COMMAND);

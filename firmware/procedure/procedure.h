@@ -66,6 +66,8 @@ typedef struct {
     uint32_t settle_timeout_ms; /* above settle_ms */
     uint32_t average_timeout_ms;
     uint32_t sample_timeout_ms; /* silence of the block that is a fault, in states that need samples */
+    uint32_t motion_margin_ms;  /* a motion may take so much longer than way / speed and ramps, and may show no progress
+                                 * for so long (stand/bounds.h); 0: TUMBLE_MOTION_MARGIN_MS */
 } tumble_procedure_config_t;
 
 /* Monotonic since init, over all runs; they stop at UINT32_MAX. */

@@ -10,7 +10,7 @@ outcome_t tumble_average_enter(tumble_procedure_t *procedure)
 
 outcome_t tumble_average_poll(tumble_procedure_t *procedure)
 {
-    if (tumble_stand_state(procedure) != TUMBLE_STAND_IN_POSITION) {
+    if (tumble_stand_state(&procedure->stand) != TUMBLE_STAND_IN_POSITION) {
         return tumble_refuse_position(procedure, TUMBLE_E_NOT_STILL);
     }
     if (procedure->corrupted > procedure->config->max_corrupted) {

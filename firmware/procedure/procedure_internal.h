@@ -15,6 +15,7 @@
 
 #include "core/count.h"
 #include "procedure/procedure.h"
+#include "stand/bounds.h"
 
 #define TUMBLE_NOT_MOUNTED UINT8_MAX
 
@@ -101,9 +102,6 @@ outcome_t tumble_fail(tumble_procedure_t *procedure, tumble_reason_t reason);
 
 /* The reason behind the stand's fault. */
 tumble_reason_t tumble_stand_reason(const tumble_procedure_t *procedure);
-
-/* The stand's state. */
-tumble_stand_state_t tumble_stand_state(const tumble_procedure_t *procedure);
 
 /* Has the position a mean? */
 bool tumble_is_measured(const tumble_procedure_t *procedure, uint8_t index);

@@ -9,14 +9,9 @@ outcome_t tumble_fail(tumble_procedure_t *procedure, tumble_reason_t reason)
     return OUTCOME_FAULT;
 }
 
-tumble_stand_state_t tumble_stand_state(const tumble_procedure_t *procedure)
-{
-    return procedure->stand.kind->state(procedure->stand.self);
-}
-
 tumble_reason_t tumble_stand_reason(const tumble_procedure_t *procedure)
 {
-    static const uint8_t reasons[TUMBLE_STAND_FAULT_FOREIGN + 1] = {
+    static const uint8_t reasons[TUMBLE_STAND_FAULT_SCALE + 1] = {
         [TUMBLE_STAND_FAULT_NONE] = TUMBLE_REASON_DRIVE_FAULT,
         [TUMBLE_STAND_FAULT_DRIVE] = TUMBLE_REASON_DRIVE_FAULT,
         [TUMBLE_STAND_FAULT_STALL] = TUMBLE_REASON_STALL,
@@ -28,8 +23,10 @@ tumble_reason_t tumble_stand_reason(const tumble_procedure_t *procedure)
         [TUMBLE_STAND_FAULT_STOP] = TUMBLE_REASON_STOP_NOT_CONFIRMED,
         [TUMBLE_STAND_FAULT_POSITION] = TUMBLE_REASON_SLIP,
         [TUMBLE_STAND_FAULT_FOREIGN] = TUMBLE_REASON_FOREIGN_COMMAND,
+        [TUMBLE_STAND_FAULT_RUNAWAY] = TUMBLE_REASON_RUNAWAY,
+        [TUMBLE_STAND_FAULT_SCALE] = TUMBLE_REASON_SCALE,
     };
-    const unsigned fault = (unsigned)procedure->stand.kind->fault(procedure->stand.self);
+    const unsigned fault = (unsigned)tumble_stand_fault(&procedure->stand);
     return (fault < sizeof reasons) ? (tumble_reason_t)reasons[fault] : TUMBLE_REASON_DRIVE_FAULT;
 }
 

@@ -46,7 +46,7 @@ outcome_t tumble_preflight_enter(tumble_procedure_t *procedure)
     if (!procedure->supervised) {
         return tumble_fail(procedure, TUMBLE_REASON_SUPERVISION);
     }
-    procedure->clearing = (tumble_stand_state(procedure) == TUMBLE_STAND_FAULT);
+    procedure->clearing = (tumble_stand_state(&procedure->stand) == TUMBLE_STAND_FAULT);
     return OUTCOME_STAY;
 }
 
@@ -55,14 +55,14 @@ outcome_t tumble_preflight_enter(tumble_procedure_t *procedure)
 static void clear_fault(tumble_procedure_t *procedure)
 {
     if (procedure->clearing) {
-        procedure->status = procedure->stand.kind->clear_fault(procedure->stand.self);
+        procedure->status = tumble_stand_clear_fault(&procedure->stand);
         procedure->clearing = (procedure->status != TUMBLE_OK);
     }
 }
 
 static bool stand_is_at_rest(const tumble_procedure_t *procedure)
 {
-    const tumble_stand_state_t state = tumble_stand_state(procedure);
+    const tumble_stand_state_t state = tumble_stand_state(&procedure->stand);
     return (state == TUMBLE_STAND_READY) || (state == TUMBLE_STAND_STOPPED) || (state == TUMBLE_STAND_IN_POSITION);
 }
 
@@ -84,7 +84,7 @@ outcome_t tumble_preflight_sample(tumble_procedure_t *procedure, const tumble_bl
 
 outcome_t tumble_preflight_late(tumble_procedure_t *procedure)
 {
-    if (tumble_stand_state(procedure) == TUMBLE_STAND_FAULT) {
+    if (tumble_stand_state(&procedure->stand) == TUMBLE_STAND_FAULT) {
         return tumble_fail(procedure, tumble_stand_reason(procedure));
     }
     if (!stand_is_at_rest(procedure)) {
@@ -170,17 +170,17 @@ outcome_t tumble_wait_mounting_poll(tumble_procedure_t *procedure)
 
 outcome_t tumble_home_enter(tumble_procedure_t *procedure)
 {
-    if (procedure->homed && (tumble_stand_state(procedure) != TUMBLE_STAND_READY)) {
+    if (procedure->homed && (tumble_stand_state(&procedure->stand) != TUMBLE_STAND_READY)) {
         return OUTCOME_DONE;
     }
     procedure->homed = false;
     tumble_count(&procedure->counters.homings);
-    return follow_command(procedure, procedure->stand.kind->home(procedure->stand.self));
+    return follow_command(procedure, tumble_stand_home(&procedure->stand));
 }
 
 outcome_t tumble_home_poll(tumble_procedure_t *procedure)
 {
-    procedure->homed = (tumble_stand_state(procedure) == TUMBLE_STAND_IN_POSITION);
+    procedure->homed = (tumble_stand_state(&procedure->stand) == TUMBLE_STAND_IN_POSITION);
     return procedure->homed ? OUTCOME_DONE : OUTCOME_STAY;
 }
 
@@ -204,7 +204,7 @@ static outcome_t command_move(tumble_procedure_t *procedure, double angle_deg)
 {
     procedure->restart_timer = true;
     tumble_count(&procedure->counters.moves);
-    return follow_command(procedure, procedure->stand.kind->move(procedure->stand.self, angle_deg));
+    return follow_command(procedure, tumble_stand_move(&procedure->stand, angle_deg));
 }
 
 outcome_t tumble_move_enter(tumble_procedure_t *procedure)
@@ -224,7 +224,7 @@ outcome_t tumble_move_enter(tumble_procedure_t *procedure)
 
 outcome_t tumble_move_poll(tumble_procedure_t *procedure)
 {
-    if (tumble_stand_state(procedure) != TUMBLE_STAND_IN_POSITION) {
+    if (tumble_stand_state(&procedure->stand) != TUMBLE_STAND_IN_POSITION) {
         return OUTCOME_STAY;
     }
     if (procedure->leading_in) {
@@ -247,7 +247,7 @@ outcome_t tumble_settle_enter(tumble_procedure_t *procedure)
 
 outcome_t tumble_settle_poll(tumble_procedure_t *procedure)
 {
-    if (tumble_stand_state(procedure) != TUMBLE_STAND_IN_POSITION) {
+    if (tumble_stand_state(&procedure->stand) != TUMBLE_STAND_IN_POSITION) {
         procedure->settled_ms = 0;
         procedure->marked = false;
         return OUTCOME_STAY;
@@ -267,7 +267,7 @@ outcome_t tumble_settle_sample(tumble_procedure_t *procedure, const tumble_block
     if ((sample->raw.status & (UNHEALTHY | TUMBLE_SAMPLE_TEMPERATURE)) != 0U) {
         return tumble_fail(procedure, TUMBLE_REASON_BLOCK_STATUS);
     }
-    if (tumble_stand_state(procedure) != TUMBLE_STAND_IN_POSITION) {
+    if (tumble_stand_state(&procedure->stand) != TUMBLE_STAND_IN_POSITION) {
         return OUTCOME_STAY;
     }
     const uint16_t ahead = (uint16_t)(sample->raw.counter - procedure->last_counter);
@@ -286,7 +286,7 @@ outcome_t tumble_settle_sample(tumble_procedure_t *procedure, const tumble_block
 
 outcome_t tumble_settle_late(tumble_procedure_t *procedure)
 {
-    const bool steady = (tumble_stand_state(procedure) == TUMBLE_STAND_IN_POSITION);
+    const bool steady = (tumble_stand_state(&procedure->stand) == TUMBLE_STAND_IN_POSITION);
     return tumble_fail(procedure, steady ? TUMBLE_REASON_NO_SAMPLES : TUMBLE_REASON_TARGET_NOT_REACHED);
 }
 
@@ -295,7 +295,7 @@ outcome_t tumble_settle_late(tumble_procedure_t *procedure)
 outcome_t tumble_fault_enter(tumble_procedure_t *procedure)
 {
     tumble_count(&procedure->counters.faults);
-    procedure->stand.kind->stop(procedure->stand.self);
+    tumble_stand_stop(&procedure->stand);
     return OUTCOME_STAY;
 }
 
@@ -303,7 +303,7 @@ outcome_t tumble_fault_enter(tumble_procedure_t *procedure)
  * later. */
 outcome_t tumble_fault_poll(tumble_procedure_t *procedure)
 {
-    const bool stand_fault = (tumble_stand_state(procedure) == TUMBLE_STAND_FAULT);
+    const bool stand_fault = (tumble_stand_state(&procedure->stand) == TUMBLE_STAND_FAULT);
     if (stand_fault && (procedure->reason == TUMBLE_REASON_DRIVE_FAULT)) {
         procedure->reason = tumble_stand_reason(procedure);
     }
@@ -315,15 +315,15 @@ outcome_t tumble_fault_poll(tumble_procedure_t *procedure)
 
 outcome_t tumble_abort_enter(tumble_procedure_t *procedure)
 {
-    procedure->stand.kind->stop(procedure->stand.self);
+    tumble_stand_stop(&procedure->stand);
     return OUTCOME_STAY;
 }
 
 /* That the table does not stop matters more than why it was told to. */
 outcome_t tumble_abort_poll(tumble_procedure_t *procedure)
 {
-    const bool stand_fault = (tumble_stand_state(procedure) == TUMBLE_STAND_FAULT);
-    if (stand_fault && (procedure->stand.kind->fault(procedure->stand.self) == TUMBLE_STAND_FAULT_STOP)) {
+    const bool stand_fault = (tumble_stand_state(&procedure->stand) == TUMBLE_STAND_FAULT);
+    if (stand_fault && (tumble_stand_fault(&procedure->stand) == TUMBLE_STAND_FAULT_STOP)) {
         procedure->reason = TUMBLE_REASON_STOP_NOT_CONFIRMED;
     }
     return OUTCOME_STAY;

@@ -56,7 +56,9 @@
     X(TUMBLE_REASON_INHIBITED, "host or board allow no run at this time")                                              \
     X(TUMBLE_REASON_STOP_NOT_CONFIRMED, "the table was told to stop and was not seen to rest: look at it")             \
     X(TUMBLE_REASON_FOREIGN_COMMAND, "somebody else commands the drive, or has this computer's node number")           \
-    X(TUMBLE_REASON_SUPERVISION, "heartbeats or process data are not set up to watch stand and block")
+    X(TUMBLE_REASON_SUPERVISION, "heartbeats or process data are not set up to watch stand and block")                 \
+    X(TUMBLE_REASON_RUNAWAY, "the table turned past its goal, or the other way")                                       \
+    X(TUMBLE_REASON_SCALE, "the table reports another speed than it was told: counts of a turn, or units, are wrong")
 
 typedef enum {
 #define TUMBLE_STATE_ENUM(name, sentence) name,

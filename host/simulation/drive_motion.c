@@ -149,7 +149,8 @@ static void obey_homing(sim_drive_t *drive, uint16_t risen, uint16_t fallen)
 
 void sim_drive_run_away(sim_drive_t *drive)
 {
-    const bool turns = drive->power == SIM_POWER_OPERATION_ENABLED && !sim_axis_is_still(&drive->axis, drive->clock->now_us);
+    const bool turns =
+        drive->power == SIM_POWER_OPERATION_ENABLED && drive->clock->now_us < sim_axis_end_us(&drive->axis);
     if (turns && drive->mode == TUMBLE_402_MODE_PROFILE_POSITION && !drive->halted) {
         go_to_target(drive);
     } else if (turns && drive->homing == SIM_HOMING_SEARCH) {

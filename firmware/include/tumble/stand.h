@@ -88,7 +88,9 @@ typedef enum {
     TUMBLE_STAND_FAULT_TIMEOUT,   /* the angle was not reached, or not confirmed, in the stand's own time */
     TUMBLE_STAND_FAULT_STOP,      /* the axis was told to stop and was not seen to rest */
     TUMBLE_STAND_FAULT_POSITION,  /* the position jumped, or changed at rest: it is unknown now */
-    TUMBLE_STAND_FAULT_FOREIGN    /* somebody else commands the axis, or has our node number */
+    TUMBLE_STAND_FAULT_FOREIGN,   /* somebody else commands the axis, or has our node number */
+    TUMBLE_STAND_FAULT_RUNAWAY,   /* it turned past its goal, or the other way */
+    TUMBLE_STAND_FAULT_SCALE      /* it turns at another speed than it was told: counts of a turn, or units, are wrong */
 } tumble_stand_fault_t;
 
 /* The rungs of a stop: by what means the axis is told. The numbers travel over CAN: new ones go to the end. */
@@ -115,11 +117,22 @@ typedef struct {
     uint32_t abort; /* the SDO abort code; TUMBLE_ABORT_TIMEOUT when it did not answer */
 } tumble_stand_refusal_t;
 
+/* The motion that the axis makes now, for the bounds of its time and its progress. All 0: it has not set out, or the
+ * kind does not know. */
+typedef struct {
+    uint32_t speed_mdeg_s; /* steady; in homing the faster one */
+    uint32_t slow_mdeg_s;  /* in homing the slower one; 0: not known */
+    uint16_t ramp_ms;      /* what starting and braking add to way / speed */
+    uint16_t count_mdeg;   /* what reports may flicker by */
+    int32_t to_mdeg;       /* where it ends; in homing how far it may turn in all, back and forth added up */
+} tumble_stand_motion_t;
+
 /* What a stand tells without a function call: a part of its object. Zeros: there is nothing to tell. */
 typedef struct {
     double asked_deg;               /* with `asks`: the angle, 0 for homing */
     tumble_stand_refusal_t refusal; /* what led to TUMBLE_STAND_FAULT_PROTOCOL */
     tumble_stop_counters_t stop;
+    tumble_stand_motion_t motion;
     uint16_t fault_code; /* the drive's own error code (EMCY) */
     bool asks;           /* a person is to turn the head and to confirm */
     bool limited;        /* the drive itself keeps to the cable's limits, or will from its next bring-up on */
@@ -222,9 +235,27 @@ typedef struct {
     .stop = name##_stop, .clear_fault = name##_clear_fault, .state = name##_state, .fault = name##_fault,              \
     .angle_deg = name##_angle_deg
 
+/* What is watched of a motion: private to stand/bounds.h. */
+typedef struct {
+    int32_t start_mdeg;
+    int32_t goal_mdeg;
+    int32_t from_mdeg;     /* at the last look at its speed, */
+    int32_t before_mdeg;   /* and at the last step */
+    uint32_t due;          /* when it should have ended, in units of 1024 us, as `looked` */
+    uint32_t looked;       /* the last look at its speed, */
+    uint32_t speed_mdeg_s; /* and what that was */
+    uint8_t looks;         /* so many in a row agree */
+    uint8_t fault;         /* tumble_stand_fault_t: it was given up */
+    bool moves;
+    bool homes;
+    bool told; /* it has set out */
+    bool lost; /* its position is unknown until it is homed */
+} tumble_motion_bounds_t;
+
 typedef struct {
     const tumble_stand_kind_t *kind;
     void *self;
+    tumble_motion_bounds_t *bounds; /* null: none, as for a stand under test */
 } tumble_stand_t;
 
 /* The numbers of a profile that decide where an angle is. `numbers` has room for TUMBLE_STAND_NUMBERS; returns how many

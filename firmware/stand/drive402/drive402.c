@@ -206,7 +206,8 @@ static uint64_t drive_next_us(const void *self)
 static tumble_stand_state_t drive_state(const void *self)
 {
     const tumble_drive402_t *drive = self;
-    if ((drive->phase == (uint8_t)PHASE_POWER) && (drive->wanted != (uint8_t)PHASE_IDLE)) {
+    const bool prepares = (drive->phase == (uint8_t)PHASE_POWER) || (drive->phase == (uint8_t)PHASE_VERIFY);
+    if (prepares && (drive->wanted != (uint8_t)PHASE_IDLE)) {
         return (drive->wanted == (uint8_t)PHASE_HOME_MODE) ? TUMBLE_STAND_HOMING : TUMBLE_STAND_MOVING;
     }
     const tumble_stand_state_t known = (tumble_stand_state_t)tumble_drive_rows[drive->phase].state;
@@ -229,7 +230,7 @@ TUMBLE_ONE_COPY static tumble_status_t begin(tumble_drive402_t *drive, tumble_dr
     drive->wanted = (uint8_t)action;
     drive->travel = 0;
     drive->reported_us = drive->node->now_us;
-    tumble_drive_go(drive, (drive->phase == (uint8_t)PHASE_IDLE) ? action : PHASE_POWER);
+    tumble_drive_go(drive, (drive->phase == (uint8_t)PHASE_IDLE) ? PHASE_VERIFY : PHASE_POWER);
     return TUMBLE_OK;
 }
 

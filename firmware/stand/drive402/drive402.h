@@ -30,7 +30,7 @@
  *     later     not confirmed    nothing is left to try: somebody must look at the table
  *
  * A position is believed when it can have been reached since the last one, at twice profile velocity (and a quarter of
- * a second more, for reports that waited). One report that is not believed is dropped; a second in a row, or an axis
+ * a second more in all, for reports that waited). One report that is not believed is dropped; a second in a row, or an axis
  * that strays at rest, makes the position unknown: a fault, and the axis must be homed again.
  */
 #ifndef TUMBLE_STAND_DRIVE402_H
@@ -144,6 +144,7 @@ typedef struct {
     uint32_t travel;        /* counts turned in this homing, back and forth added up */
     uint32_t homing_counts; /* the most of that; 0: no bound */
     uint32_t counts_per_s;  /* at profile velocity */
+    uint32_t spare_counts;  /* of the way that reports may still jump */
     uint32_t rest_counts;   /* an axis at rest may stray so far */
     int32_t low_counts;     /* software limits; both 0: none */
     int32_t high_counts;

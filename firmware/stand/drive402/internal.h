@@ -21,6 +21,7 @@ typedef enum {
     PHASE_START,      /* NMT start; waiting for its first transmit PDO */
     PHASE_POWER,      /* up to Operation enabled, then on to `wanted` */
     PHASE_IDLE,       /* enabled, at rest */
+    PHASE_VERIFY,     /* before a motion: what it depends on is read back, and written again where it differs */
     PHASE_HOME_MODE,  /* changing to homing mode */
     PHASE_HOMING,
     PHASE_MOVE_MODE, /* changing back to profile position mode */
@@ -126,6 +127,8 @@ void tumble_drive_look_power(tumble_drive402_t *drive, bool fresh);
 void tumble_drive_look_home_mode(tumble_drive402_t *drive, bool fresh);
 void tumble_drive_enter_homing(tumble_drive402_t *drive);
 void tumble_drive_look_homing(tumble_drive402_t *drive, bool fresh);
+void tumble_drive_enter_verify(tumble_drive402_t *drive);
+void tumble_drive_look_verify(tumble_drive402_t *drive, bool fresh);
 void tumble_drive_look_move_mode(tumble_drive402_t *drive, bool fresh);
 void tumble_drive_enter_target(tumble_drive402_t *drive);
 void tumble_drive_look_target(tumble_drive402_t *drive, bool fresh);
@@ -133,6 +136,7 @@ void tumble_drive_enter_set_point(tumble_drive402_t *drive);
 void tumble_drive_look_set_point(tumble_drive402_t *drive, bool fresh);
 void tumble_drive_enter_release(tumble_drive402_t *drive);
 void tumble_drive_look_release(tumble_drive402_t *drive, bool fresh);
+void tumble_drive_enter_moving(tumble_drive402_t *drive);
 void tumble_drive_look_moving(tumble_drive402_t *drive, bool fresh);
 void tumble_drive_enter_stopping(tumble_drive402_t *drive);
 void tumble_drive_look_stopping(tumble_drive402_t *drive, bool fresh);
@@ -152,6 +156,11 @@ bool tumble_drive_is_at_rest(const tumble_drive402_t *drive);
 /* The configuration, one object after the other: false after the last. `write->size` 0: nothing to write at this
  * step. */
 bool tumble_drive_configuration(const tumble_drive402_t *drive, uint8_t step, tumble_object_write_t *write);
+
+/* The step of the configuration at which what a motion depends on begins: speeds, accelerations, limits. They end where
+ * the objects of the device profile end. */
+uint8_t tumble_drive_first_of_motion(const tumble_drive402_t *drive);
+#define TUMBLE_DRIVE_PROFILE_OBJECTS 0x6000U
 
 /* 607Dh:1 or :2, as it is to be. */
 uint32_t tumble_drive_limit(const tumble_drive402_t *drive, uint8_t subindex);

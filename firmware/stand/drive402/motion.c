@@ -1,3 +1,4 @@
+#include "stand/bounds.h"
 #include "stand/drive402/internal.h"
 
 /* Right after the start of homing the statusword may still show the end of an earlier one. A method that homes where
@@ -6,6 +7,27 @@
 #define STALE_STATUSWORDS 2U
 #define ON_THE_SPOT 35 /* and 37 */
 #define ON_THE_SPOT_TOO 37
+
+#define UNKNOWN_RAMP_S 1.0
+
+static uint16_t sixteen_bits(double quantity)
+{
+    const int32_t thousandths = tumble_thousandths(quantity);
+    return (thousandths < (int32_t)UINT16_MAX) ? (uint16_t)(thousandths + 1) : UINT16_MAX;
+}
+
+/* What bounds the motion that begins: its speed and its ramps. */
+static void tell_motion(tumble_drive402_t *drive, double fast_deg_s, double slow_deg_s, double ramp_deg_s2,
+                        double to_deg)
+{
+    drive->report.motion = (tumble_stand_motion_t){
+        .speed_mdeg_s = (uint32_t)tumble_thousandths(fast_deg_s),
+        .slow_mdeg_s = (uint32_t)tumble_thousandths(slow_deg_s),
+        .ramp_ms = sixteen_bits(tumble_is_positive(ramp_deg_s2) ? (fast_deg_s / ramp_deg_s2) : UNKNOWN_RAMP_S),
+        .count_mdeg = sixteen_bits(tumble_abs(tumble_drive_angle_deg(drive->profile, 1))),
+        .to_mdeg = tumble_thousandths(to_deg),
+    };
+}
 
 /* Homing. */
 
@@ -17,8 +39,11 @@ void tumble_drive_look_home_mode(tumble_drive402_t *drive, bool fresh)
 
 void tumble_drive_enter_homing(tumble_drive402_t *drive)
 {
-    const int8_t method = drive->profile->homing_method;
+    const tumble_drive_profile_t *profile = drive->profile;
+    const int8_t method = profile->homing_method;
     drive->stale = ((method == ON_THE_SPOT) || (method == ON_THE_SPOT_TOO)) ? STALE_STATUSWORDS : UINT8_MAX;
+    tell_motion(drive, profile->homing_fast_deg_s, profile->homing_slow_deg_s, profile->homing_acceleration_deg_s2,
+                tumble_abs(tumble_drive_angle_deg(profile, (int64_t)drive->homing_counts)));
     tumble_drive_control(drive, TUMBLE_402_CONTROL_ENABLE | TUMBLE_402_CONTROL_START_HOMING);
 }
 
@@ -131,6 +156,13 @@ void tumble_drive_look_release(tumble_drive402_t *drive, bool fresh)
     if (!tumble_drive_is_blocked(drive) && !tumble_drive_has(drive, TUMBLE_402_STATUS_SET_POINT_ACKNOWLEDGE)) {
         tumble_drive_go(drive, PHASE_MOVING);
     }
+}
+
+void tumble_drive_enter_moving(tumble_drive402_t *drive)
+{
+    const tumble_drive_profile_t *profile = drive->profile;
+    tell_motion(drive, profile->velocity_deg_s, 0.0, profile->acceleration_deg_s2,
+                tumble_drive_angle_deg(profile, drive->set_counts));
 }
 
 static bool is_near(const tumble_drive402_t *drive)

@@ -8,6 +8,7 @@ void tumble_drive_go(tumble_drive402_t *drive, tumble_drive_phase_t phase)
     drive->restart_timer = true;
     drive->blocked = false;
     drive->settled = false;
+    drive->report.motion = (tumble_stand_motion_t){0, 0, 0, 0, 0};
     if (tumble_drive_rows[phase].enter != NULL) {
         tumble_drive_rows[phase].enter(drive);
     }
@@ -65,13 +66,14 @@ const tumble_drive_row_t tumble_drive_rows[PHASE_COUNT] = {
     [PHASE_START]     = {NULL,             LOOK(start),     FOR(start),     OR(PROTOCOL), IS(OFFLINE),  0},
     [PHASE_POWER]     = {ENTER(power),     LOOK(power),     FOR(power),     OR(POWER),    IS(OFFLINE),  0},
     [PHASE_IDLE]      = {NULL,             NULL,            0,              0,            IS(STOPPED),  WATCH_POWER},
+    [PHASE_VERIFY]    = {ENTER(verify),    LOOK(verify),    FOR(handshake), OR(PROTOCOL), IS(MOVING),   WATCH_POWER},
     [PHASE_HOME_MODE] = {NULL,             LOOK(home_mode), FOR(handshake), OR(PROTOCOL), IS(HOMING),   WATCH_POWER},
     [PHASE_HOMING]    = {ENTER(homing),    LOOK(homing),    FOR(home),      OR(HOMING),   IS(HOMING),   WATCH_POWER},
     [PHASE_MOVE_MODE] = {NULL,             LOOK(move_mode), FOR(handshake), OR(PROTOCOL), IS(HOMING),   WATCH_POWER},
     [PHASE_TARGET]    = {ENTER(target),    LOOK(target),    FOR(handshake), OR(PROTOCOL), IS(MOVING),   WATCH_POWER | WATCH_MOTION},
     [PHASE_SET_POINT] = {ENTER(set_point), LOOK(set_point), FOR(handshake), OR(PROTOCOL), IS(MOVING),   WATCH_POWER | WATCH_MOTION},
     [PHASE_RELEASE]   = {ENTER(release),   LOOK(release),   FOR(handshake), OR(PROTOCOL), IS(MOVING),   WATCH_POWER | WATCH_MOTION},
-    [PHASE_MOVING]    = {NULL,             LOOK(moving),    FOR(move),      OR(TIMEOUT),  IS(MOVING),   WATCH_POWER | WATCH_MOTION},
+    [PHASE_MOVING]    = {ENTER(moving),    LOOK(moving),    FOR(move),      OR(TIMEOUT),  IS(MOVING),   WATCH_POWER | WATCH_MOTION},
     [PHASE_STOPPING]  = {ENTER(stopping),  LOOK(stopping),  0,              0,            IS(MOVING),   0},
     [PHASE_STOPPED]   = {NULL,             NULL,            0,              0,            IS(STOPPED),  0},
     [PHASE_FAULT]     = {ENTER(fault),     LOOK(fault),     0,              0,            IS(FAULT),    0},

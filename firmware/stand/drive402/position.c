@@ -6,11 +6,14 @@
  *     reported    350    10     20       small steps: the axis has turned on, to 370 and 380
  *     reported    350           170      half a circle unseen: 170 or 530?
  *
- * So a change counts only if the axis can have made it since the report before,
+ * So a change counts only if the axis can have made it since the report before. What a report leaves of its way, the
+ * next ones may use, but not for more than 1 s / REPORTS_PER_S in all:
  *
- *     |change| <= 2 velocity (time since the last report + 1 s / REPORTS_PER_S)
+ *     |change| <= way = spare + 2 velocity (time since the last report)
+ *     spare     = min(way - |change|, 2 velocity / REPORTS_PER_S)
  *
- * The constant is for reports that waited for each other: all that a step finds have the same time.
+ * The spare way is for reports that waited for each other: all that a step finds have the same time. It grows with time
+ * and not with reports, so that no number of forged ones turns the count by more than that.
  */
 #include "stand/drive402/internal.h"
 
@@ -40,10 +43,16 @@ static uint32_t way_counts(const tumble_drive402_t *drive)
     return saturated(((uint64_t)drive->counts_per_s * passed) >> 10U);
 }
 
-/* Can the axis have come so far? */
-static bool is_in_reach(const tumble_drive402_t *drive, uint32_t size)
+/* Can the axis have come so far? Uses up its way. */
+static bool is_in_reach(tumble_drive402_t *drive, uint32_t size)
 {
-    return (size / 2U) <= ((uint64_t)way_counts(drive) + (drive->counts_per_s / REPORTS_PER_S));
+    const uint32_t most = drive->counts_per_s / (REPORTS_PER_S / 2U);
+    const uint64_t way = (uint64_t)drive->spare_counts + (2U * (uint64_t)way_counts(drive));
+    if (size > way) {
+        return false;
+    }
+    drive->spare_counts = ((way - size) < most) ? (uint32_t)(way - size) : most;
+    return true;
 }
 
 /* A drive that wraps and was not heard for half a circle: nobody knows which one it is in. */
@@ -77,7 +86,7 @@ static void settle(tumble_drive402_t *drive)
 
 /* Before homing any position is plausible, because homing sets another zero. But an axis that was told to rest must
  * rest. */
-static bool is_plausible(const tumble_drive402_t *drive, int64_t change)
+static bool is_plausible(tumble_drive402_t *drive, int64_t change)
 {
     if (drive->settled) {
         return size_of((int64_t)drive->strayed + change) <= drive->rest_counts;

@@ -73,6 +73,13 @@ static double units_of(const tumble_drive_profile_t *profile, const object_row_t
     return quantity * (is_velocity ? profile->velocity_units_per_deg_s : profile->acceleration_units_per_deg_s2);
 }
 
+#define FIRST_OF_MOTION 4U /* among the rows above */
+
+uint8_t tumble_drive_first_of_motion(const tumble_drive402_t *drive)
+{
+    return (uint8_t)(drive->profile->write_count + FIRST_OF_MOTION);
+}
+
 uint32_t tumble_drive_limit(const tumble_drive402_t *drive, uint8_t subindex)
 {
     return (uint32_t)((subindex == 1U) ? drive->low_counts : drive->high_counts);

@@ -111,6 +111,50 @@ void tumble_drive_ask(tumble_drive402_t *drive, uint16_t index, uint8_t subindex
     (void)tumble_sdo_client_read(&drive->node->client, drive->drive_node, index, subindex);
 }
 
+/* VERIFY. Somebody else on the bus may have changed what was written at configuration. It is read back before every
+ * motion; what differs is written again until the drive keeps it, or the handshake's time is over. A drive may round its
+ * quantities; limits it must keep as they are. */
+
+void tumble_drive_enter_verify(tumble_drive402_t *drive)
+{
+    drive->write = tumble_drive_first_of_motion(drive);
+}
+
+static bool keeps(const tumble_sdo_client_t *client, const tumble_object_write_t *wanted)
+{
+    const uint32_t value = tumble_sdo_client_u32(client);
+    const uint32_t off = (value > wanted->value) ? (value - wanted->value) : (wanted->value - value);
+    return off <= ((wanted->index == TUMBLE_402_SOFTWARE_LIMIT) ? 0U : (wanted->value / 64U));
+}
+
+void tumble_drive_look_verify(tumble_drive402_t *drive, bool fresh)
+{
+    (void)fresh;
+    tumble_object_write_t wanted = {0, 0, 0, 0};
+    if (!tumble_drive_is_answered(drive)) {
+        return;
+    }
+    (void)tumble_drive_configuration(drive, drive->write, &wanted);
+    if (drive->asked == ASKED_READ) {
+        drive->asked = ASKED_NOTHING;
+        if (!keeps(&drive->node->client, &wanted)) {
+            drive->report.refusal = (tumble_stand_refusal_t){wanted.index, wanted.subindex, TUMBLE_ABORT_VALUE};
+            ask_write(drive, &wanted);
+            return;
+        }
+        drive->write++;
+    }
+    while (tumble_drive_configuration(drive, drive->write, &wanted) && (wanted.size == 0U)) {
+        drive->write++;
+    }
+    if (wanted.index >= TUMBLE_DRIVE_PROFILE_OBJECTS) {
+        tumble_drive_ask(drive, wanted.index, wanted.subindex);
+    } else {
+        drive->report.refusal = (tumble_stand_refusal_t){0, 0, TUMBLE_ABORT_NONE};
+        tumble_drive_go(drive, (tumble_drive_phase_t)drive->wanted);
+    }
+}
+
 /* Write the mode, then read its display until it shows it. */
 void tumble_drive_look_mode(tumble_drive402_t *drive, int8_t mode, tumble_drive_phase_t next)
 {
@@ -207,7 +251,7 @@ void tumble_drive_look_power(tumble_drive402_t *drive, bool fresh)
     case TUMBLE_402_STATE_OPERATION_ENABLED:
         if (drive->mirror->controlword == TUMBLE_402_CONTROL_ENABLE) {
             drive->may_reset = false;
-            tumble_drive_go(drive, (tumble_drive_phase_t)drive->wanted);
+            tumble_drive_go(drive, (drive->wanted == (uint8_t)PHASE_IDLE) ? PHASE_IDLE : PHASE_VERIFY);
         }
         break;
     case TUMBLE_402_STATE_FAULT:

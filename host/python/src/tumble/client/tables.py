@@ -59,6 +59,8 @@ REASONS: tuple[tuple[str, str, str], ...] = (  # by number: name, meaning, what 
     ("STOP_NOT_CONFIRMED", "the table was told to stop and was not seen to rest: look at it", "The table was told to stop and was not seen to: look at it, use the emergency stop. 2035h says how far the computer went (docs/bus/README.md)."),
     ("FOREIGN_COMMAND", "somebody else commands the drive, or has this computer's node number", "Somebody else commands the drive, or a second computer has node number 1: 1003h names the identifier. Find it, then home again."),
     ("SUPERVISION", "heartbeats or process data are not set up to watch stand and block", "1016h or 1017h of node 1 is not as configured; somebody wrote it while there was no drive. Reset node 1 (NMT): they are the board's again."),
+    ("RUNAWAY", "the table turned past its goal, or the other way", "The table turned past its goal, or the other way. Look at cable and table before anything moves. Compare the profile's sign and wrap_counts with the drive, look for a second master (1003h) and for a drive that does not obey its set-point. RESUME homes again."),
+    ("SCALE", "the table reports another speed than it was told: counts of a turn, or units, are wrong", "The reported angle changes at another speed than the drive was told. Compare the profile's counts_per_turn and velocity_per_deg_s with the drive, and the drive's own limit of speed with speed_deg_s and the homing speeds. RESUME homes again."),
 )
 
 COMMANDS: tuple[tuple[str, str], ...] = (  # by number: name, meaning
