@@ -52,7 +52,7 @@ static bool is_excused(const bench_life_t *life)
 {
     const bench_watch_t *const watch = &life->watch;
     return bench_watch_has_excuse(life, BENCH_EXCUSE_COMMANDED) &&
-           life->world.clock.now_us < watch->commanded_us + BENCH_REST_US;
+           life->world.clock.now_us < watch->commanded_us + BENCH_NOTICE_US;
 }
 
 static bench_broken_t blamed(const bench_life_t *life, bench_broken_t otherwise)
@@ -107,7 +107,6 @@ static bool is_under_way(sim_homing_t homing)
 static void look_at_homing(bench_life_t *life, bool moves, double deg)
 {
     bench_watch_t *const watch = &life->watch;
-    const bench_config_t *const config = &life->plan->config;
     const sim_homing_t homing = life->world.drive.homing;
     if (is_under_way(homing) && !is_under_way(watch->homing)) {
         watch->searches = true;
@@ -117,11 +116,20 @@ static void look_at_homing(bench_life_t *life, bool moves, double deg)
         watch->searches = false;
     }
     watch->homing = homing;
-    const double bound_deg = config->procedure.cable_max_deg - config->procedure.cable_min_deg + 360.0 +
-                             config->profile.homing_fast_deg_s * 1e-6 * BENCH_REST_US +
-                             braking_deg(&config->scenario.drive);
-    if (watch->searches && fabs(deg - watch->from_deg) > bound_deg) {
+    if (watch->searches && fabs(deg - watch->from_deg) > BENCH_HOMING_DEG) {
         bench_watch_break(life, BENCH_BROKEN_HOMING, deg - watch->from_deg, (uint32_t)watch->state);
+    }
+}
+
+/* A motion takes its speed when it sets out, and what a stranger has changed before that is read back. */
+static void look_at_speed(bench_life_t *life, double velocity_deg_s, double deg)
+{
+    const bench_config_t *const config = &life->plan->config;
+    const double most_deg_s = fmax(config->profile.velocity_deg_s, config->profile.homing_fast_deg_s);
+    const bool may_be_told = life->watch.rewritten_us != 0U &&
+                             life->world.axis->start_us < life->watch.rewritten_us + BENCH_NOTICE_US;
+    if (fabs(velocity_deg_s) > most_deg_s * BENCH_SPEED_EXCESS && !may_be_told && !is_excused(life)) {
+        bench_watch_break(life, BENCH_BROKEN_SPEED, deg, (uint32_t)life->watch.state);
     }
 }
 
@@ -130,11 +138,12 @@ static void look_at_table(bench_life_t *life)
     const bench_world_t *const world = &life->world;
     const uint64_t now_us = world->clock.now_us;
     const bool moves = now_us < sim_axis_end_us(world->axis);
-    double velocity;
+    double velocity_deg_s;
     if (bench_watch_has_excuse(life, BENCH_EXCUSE_REWRITTEN)) {
         return;
     }
-    const double deg = sim_axis_commanded_deg(world->axis, now_us, &velocity);
+    const double deg = sim_axis_commanded_deg(world->axis, now_us, &velocity_deg_s);
+    look_at_speed(life, velocity_deg_s, deg);
     look_at_rest(life, moves, deg);
     look_at_homing(life, moves, deg);
     if (world->drive.homing == SIM_HOMING_ATTAINED && world->drive.powered) {

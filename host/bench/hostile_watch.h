@@ -12,6 +12,9 @@
 #include <stdint.h>
 
 #define BENCH_REST_US 6000000U
+#define BENCH_NOTICE_US 1000000U /* a stranger's set-point is noticed, and the table stops, by then */
+#define BENCH_HOMING_DEG 900.0   /* cable and a turn, braking, and what is turned until a homing that does not end is */
+#define BENCH_SPEED_EXCESS 1.02
 #define BENCH_TRUTH_COVERAGE 6.0
 #define BENCH_CABLE_TOLERANCE_DEG 5.0
 
@@ -22,7 +25,8 @@
     X(BENCH_BROKEN_STAYS, "stays", "the table at rest moves without a command")                                        \
     X(BENCH_BROKEN_CABLE, "cable", "the table goes beyond the cable's limits")                                         \
     X(BENCH_BROKEN_HOMING, "homing", "homing goes farther than the cable's span and a turn")                           \
-    X(BENCH_BROKEN_FOREIGN, "foreign", "a stranger's motion is not stopped within 6 s")                                \
+    X(BENCH_BROKEN_SPEED, "speed", "the table turns faster than it was told to")                                       \
+    X(BENCH_BROKEN_FOREIGN, "foreign", "a stranger's motion is not stopped within 1 s")                                \
     X(BENCH_BROKEN_REASON, "reason", "FAULT or ABORT without a reason")                                                \
     X(BENCH_BROKEN_FINITE, "finite", "a readable object is not a finite number")                                       \
     X(BENCH_BROKEN_TRUTH, "truth", "a set that became active by itself is off by more than 6 u")                       \
@@ -96,6 +100,7 @@ typedef struct {
     bool peace;            /* it rests, and nobody has commanded anything */
     uint64_t still_us;     /* since when it stands; SIM_NEVER: it moves */
     uint64_t commanded_us; /* when a stranger commanded the drive last */
+    uint64_t rewritten_us; /* and when he last wrote to what is read back before a motion */
     double last_deg;
     sim_homing_t homing; /* as last seen */
     bool searches;       /* from the start of a homing until the table rests */
