@@ -142,9 +142,6 @@ static void note_excuses(bench_life_t *life, const bench_event_t *event)
     if (bench_event_commands_drive(event)) {
         bench_watch_excuse(life, BENCH_EXCUSE_COMMANDED);
     }
-    if (bench_event_rewrites_motion(event)) {
-        life->watch.rewritten_us = life->world.clock.now_us;
-    }
     if (bench_event_rewrites_drive(event)) {
         bench_watch_excuse(life, BENCH_EXCUSE_REWRITTEN);
     }

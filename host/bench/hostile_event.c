@@ -67,11 +67,6 @@ bool bench_event_rewrites_drive(const bench_event_t *event)
            !((event->frame.data[0] & 0xE0U) == 0x20U && (is_of_motion(&event->frame) || is_read_back(&event->frame)));
 }
 
-bool bench_event_rewrites_motion(const bench_event_t *event)
-{
-    return event->kind >= BENCH_HOSTILE_SDO_NAVCOMP && is_download(&event->frame) && is_read_back(&event->frame);
-}
-
 bool bench_event_commands_drive(const bench_event_t *event)
 {
     const sim_fault_kind_t kind = event->fault.kind;

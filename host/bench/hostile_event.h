@@ -68,9 +68,6 @@ const char *bench_hostile_name(bench_hostile_t kind);
  * navigation computer reads back before each motion. */
 bool bench_event_rewrites_drive(const bench_event_t *event);
 
-/* Is one of those rewritten? */
-bool bench_event_rewrites_motion(const bench_event_t *event);
-
 /* May the drive be commanded by this past the navigation computer? */
 bool bench_event_commands_drive(const bench_event_t *event);
 

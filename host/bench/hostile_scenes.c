@@ -172,25 +172,29 @@ static void garble_the_count(bench_plan_t *plan, sim_random_t *stream)
 /* The table turns by command, alone on the stand, and something is wrong with what moves it or tells where it is. */
 static void spoil_a_motion(bench_plan_t *plan, sim_random_t *stream)
 {
-    static const sim_fault_kind_t KINDS[] = {SIM_FAULT_RUNAWAY, SIM_FAULT_FROZEN_POSITION, SIM_FAULT_POSITION_SCALE};
+    static const sim_fault_kind_t KINDS[] = {SIM_FAULT_RUNAWAY, SIM_FAULT_RUNAWAY, SIM_FAULT_FROZEN_POSITION,
+                                             SIM_FAULT_POSITION_SCALE};
     const double at_s = bench_draw(stream, 2.0, 8.0);
     const bool homes = bench_chance(stream, 0.4);
     const double moves_s = at_s + (homes ? 0.0 : 16.0);
     const double spoils_s = moves_s + bench_draw(stream, -0.5, 2.5);
-    const uint32_t what = bench_pick(stream, 6);
+    const uint32_t what = bench_pick(stream, 7);
     plan->count = 0; /* a run would be in the way */
     bench_plan_add_command(plan, at_s, TUMBLE_COMMAND_HOME_AXIS, 0);
     if (!homes) {
         const double angle_deg = bench_chance(stream, 0.5) ? bench_draw(stream, -30.0, 400.0) : 400.0;
         bench_plan_add_command(plan, moves_s, TUMBLE_COMMAND_TURN_AXIS, 0)->angle_deg = angle_deg;
     }
-    if (what < 3U) {
+    if (homes && bench_chance(stream, 0.5)) {
+        (void)add_fault(plan, SIM_FAULT_HOMING_ENDLESS, at_s - 1.0, FOR_GOOD);
+    }
+    if (what < 4U) {
         sim_fault_t *const fault = add_fault(plan, KINDS[what], spoils_s, FOR_GOOD);
         draw_value(stream, fault);
-    } else if (what == 3U) {
+    } else if (what == 4U) {
         bench_draw_near_positions(stream, bench_plan_add(plan, BENCH_HOSTILE_NEAR_POSITION, spoils_s));
         bench_plan_add_command(plan, moves_s + 12.0, TUMBLE_COMMAND_TURN_AXIS, 0)->angle_deg = 395.0;
-    } else if (what == 4U) {
+    } else if (what == 5U) {
         bench_draw_set_point(stream, bench_plan_add(plan, BENCH_HOSTILE_SDO_SET_POINT, spoils_s));
     } else {
         bench_draw_read_back_write(stream, &bench_plan_add(plan, BENCH_HOSTILE_SDO_DRIVE, spoils_s)->frame);
@@ -212,11 +216,11 @@ static void command_the_drive(bench_plan_t *plan, sim_random_t *stream)
 void bench_plan_scenes(bench_plan_t *plan)
 {
     static void (*const SCENES[])(bench_plan_t *plan, sim_random_t *stream) = {
-        void_the_stop,    lose_the_mark,  garble_the_count, garble_the_count,
-        command_the_drive, spoil_a_motion, spoil_a_motion};
+        void_the_stop,     lose_the_mark,  garble_the_count, garble_the_count,
+        command_the_drive, spoil_a_motion, spoil_a_motion,   spoil_a_motion};
     sim_random_t stream;
     sim_random_open(&stream, plan->seed, SIM_CAUSE_LIFE, BENCH_STREAM_SCENES);
-    if (bench_chance(&stream, 0.3)) {
+    if (bench_chance(&stream, 0.4)) {
         SCENES[bench_pick(&stream, sizeof SCENES / sizeof SCENES[0])](plan, &stream);
     }
 }

@@ -121,15 +121,19 @@ static void look_at_homing(bench_life_t *life, bool moves, double deg)
     }
 }
 
-/* A motion takes its speed when it sets out, and what a stranger has changed before that is read back. */
+/* What a stranger has changed is read back before a motion; what he changes on its way may count for its next leg. */
 static void look_at_speed(bench_life_t *life, double velocity_deg_s, double deg)
 {
-    const bench_config_t *const config = &life->plan->config;
-    const double most_deg_s = fmax(config->profile.velocity_deg_s, config->profile.homing_fast_deg_s);
-    const bool may_be_told = life->watch.rewritten_us != 0U &&
-                             life->world.axis->start_us < life->watch.rewritten_us + BENCH_NOTICE_US;
-    if (fabs(velocity_deg_s) > most_deg_s * BENCH_SPEED_EXCESS && !may_be_told && !is_excused(life)) {
-        bench_watch_break(life, BENCH_BROKEN_SPEED, deg, (uint32_t)life->watch.state);
+    bench_watch_t *const watch = &life->watch;
+    const uint64_t now_us = life->world.clock.now_us;
+    const tumble_drive_profile_t *const profile = &life->plan->config.profile;
+    const double told_deg_s = is_under_way(watch->homing) ? profile->homing_fast_deg_s : profile->velocity_deg_s;
+    if (fabs(velocity_deg_s) <= told_deg_s * BENCH_SPEED_EXCESS) {
+        watch->fast_us = SIM_NEVER;
+    } else if (watch->fast_us == SIM_NEVER) {
+        watch->fast_us = now_us;
+    } else if (now_us - watch->fast_us > BENCH_NOTICE_US) {
+        bench_watch_break(life, BENCH_BROKEN_SPEED, deg, (uint32_t)watch->state);
     }
 }
 
@@ -143,9 +147,9 @@ static void look_at_table(bench_life_t *life)
         return;
     }
     const double deg = sim_axis_commanded_deg(world->axis, now_us, &velocity_deg_s);
-    look_at_speed(life, velocity_deg_s, deg);
     look_at_rest(life, moves, deg);
     look_at_homing(life, moves, deg);
+    look_at_speed(life, velocity_deg_s, deg);
     if (world->drive.homing == SIM_HOMING_ATTAINED && world->drive.powered) {
         look_at_cable(life, moves, deg);
     }

@@ -15,6 +15,7 @@ void bench_watch_init(bench_life_t *life)
                                   .still_us = SIM_NEVER,
                                   .told_by_us = SIM_NEVER,
                                   .open_us = SIM_NEVER,
+                                  .fast_us = SIM_NEVER,
                                   .state = TUMBLE_STATE_IDLE};
 }
 

@@ -25,7 +25,7 @@
     X(BENCH_BROKEN_STAYS, "stays", "the table at rest moves without a command")                                        \
     X(BENCH_BROKEN_CABLE, "cable", "the table goes beyond the cable's limits")                                         \
     X(BENCH_BROKEN_HOMING, "homing", "homing goes farther than the cable's span and a turn")                           \
-    X(BENCH_BROKEN_SPEED, "speed", "the table turns faster than it was told to")                                       \
+    X(BENCH_BROKEN_SPEED, "speed", "the table turns for 1 s faster than it was told to")                                       \
     X(BENCH_BROKEN_FOREIGN, "foreign", "a stranger's motion is not stopped within 1 s")                                \
     X(BENCH_BROKEN_REASON, "reason", "FAULT or ABORT without a reason")                                                \
     X(BENCH_BROKEN_FINITE, "finite", "a readable object is not a finite number")                                       \
@@ -100,7 +100,7 @@ typedef struct {
     bool peace;            /* it rests, and nobody has commanded anything */
     uint64_t still_us;     /* since when it stands; SIM_NEVER: it moves */
     uint64_t commanded_us; /* when a stranger commanded the drive last */
-    uint64_t rewritten_us; /* and when he last wrote to what is read back before a motion */
+    uint64_t fast_us;      /* since when the table turns too fast; SIM_NEVER: it does not */
     double last_deg;
     sim_homing_t homing; /* as last seen */
     bool searches;       /* from the start of a homing until the table rests */
