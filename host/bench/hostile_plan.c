@@ -17,6 +17,7 @@ static void draw_drive(bench_config_t *config, sim_random_t *stream)
     drive->report_us = (uint32_t)bench_draw(stream, 5000.0, 50000.0);
     drive->speed_deg_s = SPEEDS[bench_pick(stream, 4)];
     drive->axis.settling_s = 0.1;
+    config->profile.homing_fast_deg_s = (drive->speed_deg_s < 45.0) ? drive->speed_deg_s : 45.0;
     config->profile.velocity_deg_s = (drive->speed_deg_s >= 60.0 && bench_chance(stream, 0.5)) ? 30.0 : 0.0;
     config->profile.stop = (uint8_t)(bench_chance(stream, 0.3) ? TUMBLE_STOP_BY_HALT : TUMBLE_STOP_BY_QUICK_STOP);
 }

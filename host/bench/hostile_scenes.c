@@ -178,7 +178,7 @@ static void spoil_a_motion(bench_plan_t *plan, sim_random_t *stream)
     const bool homes = bench_chance(stream, 0.4);
     const double moves_s = at_s + (homes ? 0.0 : 16.0);
     const double spoils_s = moves_s + bench_draw(stream, -0.5, 2.5);
-    const uint32_t what = bench_pick(stream, 7);
+    const uint32_t what = bench_pick(stream, 8);
     plan->count = 0; /* a run would be in the way */
     bench_plan_add_command(plan, at_s, TUMBLE_COMMAND_HOME_AXIS, 0);
     if (!homes) {
