@@ -61,8 +61,9 @@ static const write_t DRIVE_SETTINGS[] = {
 
 /* Those that the navigation computer reads back before a motion. */
 static const write_t READ_BACK[] = {
-    {0x6081, 0, 4, 265000}, {0x6081, 0, 4, 265000},      {0x6081, 0, 4, 0},           {0x6081, 0, 4, 1000},
-    {0x6083, 0, 4, 2000},   {0x607D, 1, 4, 0x80000000U}, {0x607D, 2, 4, 0x7FFFFFFFU}, {0x607A, 0, 4, 500000},
+    {0x6081, 0, 4, 265000}, {0x6081, 0, 4, 265000}, {0x6081, 0, 4, 265000},      {0x6081, 0, 4, 0},
+    {0x6081, 0, 4, 1000},   {0x6083, 0, 4, 2000},   {0x607D, 1, 4, 0x80000000U}, {0x607D, 2, 4, 0x7FFFFFFFU},
+    {0x607A, 0, 4, 500000},
 };
 
 void bench_frame_write(tumble_can_frame_t *frame, uint8_t node, uint16_t index, uint8_t subindex, uint8_t size,

@@ -197,9 +197,23 @@ static void spoil_a_motion(bench_plan_t *plan, sim_random_t *stream)
     } else if (what == 5U) {
         bench_draw_set_point(stream, bench_plan_add(plan, BENCH_HOSTILE_SDO_SET_POINT, spoils_s));
     } else {
+        plan->config.profile.velocity_deg_s = 0.5 * plan->config.scenario.drive.speed_deg_s;
         bench_draw_read_back_write(stream, &bench_plan_add(plan, BENCH_HOSTILE_SDO_DRIVE, spoils_s)->frame);
-        bench_plan_add_command(plan, moves_s + 12.0, TUMBLE_COMMAND_TURN_AXIS, 0)->angle_deg = -25.0;
+        bench_plan_add_command(plan, moves_s + 30.0, TUMBLE_COMMAND_TURN_AXIS, 0)->angle_deg = 185.0;
+        bench_plan_add_command(plan, moves_s + 50.0, TUMBLE_COMMAND_TURN_AXIS, 0)->angle_deg = -25.0;
     }
+}
+
+/* A result waits for its operator, and power is lost. */
+static void leave_a_proposal(bench_plan_t *plan, sim_random_t *stream)
+{
+    bench_event_t *const cut = bench_plan_add(plan, BENCH_HOSTILE_CUT, 10.0);
+    cut->off_us = (uint32_t)bench_draw(stream, 1e4, 8e6);
+    cut->moment.states = 1U << TUMBLE_STATE_DONE;
+    cut->moment.delay_us = (uint32_t)bench_draw(stream, 1e3, 15e6);
+    cut->count = bench_chance(stream, 0.5) ? 1U : 0U;
+    plan->has_set = false;
+    plan->config.keeping.first = false;
 }
 
 static void command_the_drive(bench_plan_t *plan, sim_random_t *stream)
@@ -217,7 +231,7 @@ void bench_plan_scenes(bench_plan_t *plan)
 {
     static void (*const SCENES[])(bench_plan_t *plan, sim_random_t *stream) = {
         void_the_stop,     lose_the_mark,  garble_the_count, garble_the_count,
-        command_the_drive, spoil_a_motion, spoil_a_motion,   spoil_a_motion};
+        command_the_drive, spoil_a_motion, spoil_a_motion,   spoil_a_motion, leave_a_proposal};
     sim_random_t stream;
     sim_random_open(&stream, plan->seed, SIM_CAUSE_LIFE, BENCH_STREAM_SCENES);
     if (bench_chance(&stream, 0.4)) {

@@ -82,6 +82,16 @@ static void look_whether_told(bench_life_t *life)
     }
 }
 
+/* Have bits of the proposal flipped? */
+static bool was_hit(const bench_life_t *life)
+{
+    bool hit = false;
+    for (uint32_t i = 0; i < life->flipped_count; i++) {
+        hit = hit || life->flipped[i].offset == TUMBLE_REGION_PROPOSAL * SIM_NV_SECTOR;
+    }
+    return hit;
+}
+
 /* A proposal stays until somebody decides, or another result takes its place. */
 static void look_at_proposal(bench_life_t *life)
 {
@@ -90,7 +100,7 @@ static void look_at_proposal(bench_life_t *life)
     if (proposal == watch->proposal) {
         return;
     }
-    if (watch->proposal != 0U && life->world.clock.now_us > watch->decided_us && !bench_watch_has_excuse(life, BENCH_EXCUSE_FLIPPED)) {
+    if (watch->proposal != 0U && life->world.clock.now_us > watch->decided_us && !was_hit(life)) {
         bench_watch_break(life, BENCH_BROKEN_PROPOSAL, (double)proposal, watch->proposal);
     }
     watch->proposal = proposal;
