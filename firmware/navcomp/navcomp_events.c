@@ -82,7 +82,7 @@ static bool commands_by_sdo(const tumble_navcomp_t *navcomp, const tumble_can_fr
     const uint16_t index = tumble_get_u16(&frame->data[1]);
     return (frame->id == (TUMBLE_SDO_REQUEST_ID + navcomp->config->stand_node)) && (frame->length >= 4U) &&
            ((frame->data[0] >> 5U) == 1U) &&
-           ((index == TUMBLE_402_CONTROLWORD) || (index == TUMBLE_402_TARGET_POSITION) || (index == TUMBLE_402_MODE));
+           ((index == TUMBLE_402_CONTROLWORD) || (index == TUMBLE_402_TARGET_POSITION));
 }
 
 bool tumble_notice_foreign(tumble_navcomp_t *navcomp, const tumble_can_frame_t *frame)

@@ -77,7 +77,6 @@ static tumble_status_t init_stand(tumble_navcomp_t *navcomp)
         .cable_max_deg = config->procedure->cable_max_deg,
         .stand_node = config->stand_node,
     };
-    navcomp->bounds = (tumble_motion_bounds_t){0};
     return navcomp->stand.kind->init(navcomp->stand.self, &setup);
 }
 
@@ -134,7 +133,7 @@ tumble_status_t tumble_navcomp_init(tumble_navcomp_t *navcomp, const tumble_navc
     if ((navcomp == NULL) || !is_usable(config)) {
         return TUMBLE_E_ARGUMENT;
     }
-    *navcomp = (tumble_navcomp_t){.config = config, .stand = {config->stand, config->stand_memory, &navcomp->bounds}};
+    *navcomp = (tumble_navcomp_t){.config = config, .stand = {config->stand, config->stand_memory}};
     (void)memset(config->stand_memory, 0, config->stand->bytes);
     if ((config->declared != NULL) && (config->declared->noise != NULL)) {
         *config->declared->noise = (tumble_run_noise_t){.looked = false};

@@ -1,13 +1,27 @@
 #include "stand/bounds.h"
 
+#include "core/arith.h"
 #include "core/one_copy.h"
 
 #define MS_PER_S 1000U
+/* What calls the kind stays one function, so that firmware/calls.csv can name it. */
+
 #define LEAST_CHANGE_MDEG 20U /* less is no progress */
 #define LOOKS 3U              /* in a row that must agree */
 #define LEAST_LOOK_MS 64U
 #define TICK 10U /* times are counted in units of 2^10 us */
-#define TICKS_PER_MS (1000.0 / 1024.0)
+#define MS_PER_LOST_TICK 43U
+
+int32_t tumble_thousandths(double quantity)
+{
+    return tumble_within(quantity, 1e6) ? (int32_t)tumble_nearest(quantity * 1000.0) : 1000000000;
+}
+
+static tumble_motion_bounds_t *bounds_of(const tumble_stand_t *stand)
+{
+    void *report = (uint8_t *)stand->self + stand->kind->report_at;
+    return &((tumble_stand_report_t *)report)->bounds;
+}
 
 static uint32_t distance(int32_t a, int32_t b)
 {
@@ -17,13 +31,6 @@ static uint32_t distance(int32_t a, int32_t b)
 TUMBLE_ONE_COPY static int32_t here_mdeg(const tumble_stand_t *stand)
 {
     return tumble_thousandths(stand->kind->angle_deg(stand->self));
-}
-
-/* On the way from start to goal, or no farther than the overshoot from either. */
-static bool is_on_its_way(const tumble_motion_bounds_t *bounds, int32_t here)
-{
-    const uint32_t way = distance(bounds->start_mdeg, bounds->goal_mdeg) + TUMBLE_OVERSHOOT_MDEG;
-    return (distance(here, bounds->start_mdeg) <= way) && (distance(here, bounds->goal_mdeg) <= way);
 }
 
 static bool is_at_goal(const tumble_motion_bounds_t *bounds, int32_t here)
@@ -54,9 +61,10 @@ static bool is_out_of_pace(tumble_motion_bounds_t *bounds, const tumble_stand_mo
 static void set_out(tumble_motion_bounds_t *bounds, const tumble_stand_motion_t *told, int32_t here, uint32_t now)
 {
     const uint32_t way = bounds->homes ? (uint32_t)told->to_mdeg : distance(told->to_mdeg, here);
-    const double ms = (((double)way * (double)MS_PER_S) / (double)told->speed_mdeg_s) + (double)told->ramp_ms;
+    const uint32_t eighths = (told->speed_mdeg_s / 125U) + ((told->speed_mdeg_s < 125U) ? 1U : 0U); /* deg/s */
+    const uint32_t ms = ((way * 8U) / eighths) + told->ramp_ms; /* mdeg over deg/s; ways are shorter than 2^29 mdeg */
     bounds->told = true;
-    bounds->due = now + (uint32_t)tumble_whole(ms * TICKS_PER_MS);
+    bounds->due = now + (ms - (ms / MS_PER_LOST_TICK));
     bounds->looked = now;
     bounds->looks = 0;
     bounds->from_mdeg = here;
@@ -65,7 +73,7 @@ static void set_out(tumble_motion_bounds_t *bounds, const tumble_stand_motion_t 
 static tumble_stand_fault_t judge(tumble_motion_bounds_t *bounds, const tumble_stand_motion_t *told, int32_t here,
                                   uint32_t now, uint32_t margin_ms)
 {
-    if (!bounds->homes && !is_on_its_way(bounds, here)) {
+    if ((here < bounds->lowest_mdeg) || (here > bounds->highest_mdeg)) {
         return TUMBLE_STAND_FAULT_RUNAWAY;
     }
     if (told->speed_mdeg_s == 0U) {
@@ -93,11 +101,11 @@ static tumble_stand_fault_t judge(tumble_motion_bounds_t *bounds, const tumble_s
                                                                        : TUMBLE_STAND_FAULT_NONE;
 }
 
-void tumble_stand_step(const tumble_stand_t *stand, uint64_t now_us, uint32_t margin_ms)
+TUMBLE_ONE_COPY void tumble_stand_step(const tumble_stand_t *stand, uint64_t now_us, uint32_t margin_ms)
 {
-    tumble_motion_bounds_t *bounds = stand->bounds;
+    tumble_motion_bounds_t *bounds = bounds_of(stand);
     stand->kind->step(stand->self, now_us);
-    if ((bounds == NULL) || !bounds->moves) {
+    if (!bounds->moves) {
         return;
     }
     const tumble_stand_state_t state = stand->kind->state(stand->self);
@@ -119,46 +127,52 @@ void tumble_stand_step(const tumble_stand_t *stand, uint64_t now_us, uint32_t ma
     }
 }
 
-static tumble_status_t begin(const tumble_stand_t *stand, bool homes, double goal_deg)
+TUMBLE_ONE_COPY static tumble_status_t begin_motion(const tumble_stand_t *stand, bool homes, double goal_deg)
 {
-    tumble_motion_bounds_t *bounds = stand->bounds;
-    const bool refused = (bounds != NULL) && ((bounds->fault != 0U) || (bounds->lost && !homes));
-    if (refused) {
+    tumble_motion_bounds_t *bounds = bounds_of(stand);
+    if ((bounds->fault != 0U) || (bounds->lost && !homes)) {
         return TUMBLE_E_STAND_STATE;
     }
     const tumble_status_t status =
         homes ? stand->kind->home(stand->self) : stand->kind->move(stand->self, goal_deg);
-    if ((status == TUMBLE_OK) && (bounds != NULL)) {
-        *bounds = (tumble_motion_bounds_t){
-            .start_mdeg = here_mdeg(stand), .goal_mdeg = tumble_thousandths(goal_deg), .moves = true, .homes = homes};
+    if (status == TUMBLE_OK) {
+        const int32_t here = here_mdeg(stand);
+        const int32_t goal = tumble_thousandths(goal_deg);
+        *bounds = (tumble_motion_bounds_t){.lowest_mdeg = INT32_MIN,
+                                           .highest_mdeg = INT32_MAX,
+                                           .goal_mdeg = goal,
+                                           .moves = true,
+                                           .homes = homes};
+        if (!homes) {
+            bounds->lowest_mdeg = ((here < goal) ? here : goal) - TUMBLE_OVERSHOOT_MDEG;
+            bounds->highest_mdeg = ((here < goal) ? goal : here) + TUMBLE_OVERSHOOT_MDEG;
+        }
     }
     return status;
 }
 
 tumble_status_t tumble_stand_home(const tumble_stand_t *stand)
 {
-    return begin(stand, true, 0.0);
+    return begin_motion(stand, true, 0.0);
 }
 
 tumble_status_t tumble_stand_move(const tumble_stand_t *stand, double angle_deg)
 {
-    return begin(stand, false, angle_deg);
+    return begin_motion(stand, false, angle_deg);
 }
 
-void tumble_stand_stop(const tumble_stand_t *stand)
+TUMBLE_ONE_COPY void tumble_stand_stop(const tumble_stand_t *stand)
 {
-    if (stand->bounds != NULL) {
-        stand->bounds->moves = false;
-    }
+    bounds_of(stand)->moves = false;
     stand->kind->stop(stand->self);
 }
 
 /* Of a motion that was given up: not before the kind has seen the axis at rest. What the kind itself has found wrong
  * is cleared with it. */
-tumble_status_t tumble_stand_clear_fault(const tumble_stand_t *stand)
+TUMBLE_ONE_COPY tumble_status_t tumble_stand_clear_fault(const tumble_stand_t *stand)
 {
-    tumble_motion_bounds_t *bounds = stand->bounds;
-    if ((bounds == NULL) || (bounds->fault == 0U)) {
+    tumble_motion_bounds_t *bounds = bounds_of(stand);
+    if (bounds->fault == 0U) {
         return stand->kind->clear_fault(stand->self);
     }
     const tumble_stand_state_t state = stand->kind->state(stand->self);
@@ -174,24 +188,21 @@ tumble_status_t tumble_stand_clear_fault(const tumble_stand_t *stand)
     return status;
 }
 
-tumble_stand_state_t tumble_stand_state(const tumble_stand_t *stand)
+TUMBLE_ONE_COPY tumble_stand_state_t tumble_stand_state(const tumble_stand_t *stand)
 {
-    const tumble_motion_bounds_t *bounds = stand->bounds;
+    const tumble_motion_bounds_t *bounds = bounds_of(stand);
     const tumble_stand_state_t state = stand->kind->state(stand->self);
-    if ((bounds == NULL) || ((bounds->fault == 0U) && !bounds->lost)) {
-        return state;
-    }
     if (bounds->fault != 0U) {
         return TUMBLE_STAND_FAULT;
     }
     const bool rests = (state == TUMBLE_STAND_STOPPED) || (state == TUMBLE_STAND_IN_POSITION);
-    return rests ? TUMBLE_STAND_READY : state;
+    return (bounds->lost && rests) ? TUMBLE_STAND_READY : state;
 }
 
 /* That the axis was not seen to rest matters more than why it was told to. */
-tumble_stand_fault_t tumble_stand_fault(const tumble_stand_t *stand)
+TUMBLE_ONE_COPY tumble_stand_fault_t tumble_stand_fault(const tumble_stand_t *stand)
 {
     const tumble_stand_fault_t fault = stand->kind->fault(stand->self);
-    const bool given_up = (stand->bounds != NULL) && (stand->bounds->fault != 0U);
-    return (given_up && (fault != TUMBLE_STAND_FAULT_STOP)) ? (tumble_stand_fault_t)stand->bounds->fault : fault;
+    const uint8_t given_up = bounds_of(stand)->fault;
+    return ((given_up != 0U) && (fault != TUMBLE_STAND_FAULT_STOP)) ? (tumble_stand_fault_t)given_up : fault;
 }

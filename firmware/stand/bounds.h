@@ -24,20 +24,15 @@
 #ifndef TUMBLE_STAND_BOUNDS_H
 #define TUMBLE_STAND_BOUNDS_H
 
-#include "core/arith.h"
 #include "tumble/stand.h"
 
 #define TUMBLE_OVERSHOOT_MDEG 2000
 #define TUMBLE_MOTION_MARGIN_MS 2000U /* where the configuration has 0 */
 
-/* Thousandths of a quantity, limited to 32 bits. */
-static inline int32_t tumble_thousandths(double quantity)
-{
-    const double exact = quantity * 1000.0;
-    return tumble_within(exact, (double)INT32_MAX) ? (int32_t)tumble_nearest(exact) : INT32_MAX;
-}
+/* Thousandths of a quantity; beyond 1e6, or no number: 1e9. */
+int32_t tumble_thousandths(double quantity);
 
-/* The kind's functions of the same names, within the bounds. A stand without bounds (null) is its kind alone. */
+/* The kind's functions of the same names, within the bounds. */
 tumble_status_t tumble_stand_home(const tumble_stand_t *stand);
 tumble_status_t tumble_stand_move(const tumble_stand_t *stand, double angle_deg);
 void tumble_stand_stop(const tumble_stand_t *stand);

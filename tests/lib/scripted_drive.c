@@ -117,10 +117,24 @@ static bool scripted_drive_map(scripted_drive_t *d, uint16_t index, uint8_t subi
     return disabled && (pdo->count == 0U);
 }
 
+/* Where an object of its motions is kept; null: it is none. */
+static scripted_write_t *scripted_drive_kept(scripted_drive_t *d, uint16_t index, uint8_t subindex)
+{
+    unsigned i = 0;
+    while ((i < 7U) && (d->kept[i].index != 0U) && ((d->kept[i].index != index) || (d->kept[i].subindex != subindex))) {
+        i++;
+    }
+    return ((index >= 0x6081U) && (index <= 0x609AU)) ? &d->kept[i] : NULL;
+}
+
 static void scripted_drive_write(scripted_drive_t *d, const scripted_write_t *write)
 {
     d->writes[d->write_count % SCRIPTED_WRITES] = *write;
     d->write_count++;
+    scripted_write_t *kept = scripted_drive_kept(d, write->index, write->subindex);
+    if ((kept != NULL) && !d->keeps_nothing) {
+        *kept = *write;
+    }
     if ((write->index >= 0x1400U) && (write->index < 0x1C00U)) {
         const bool in_order = scripted_drive_map(d, write->index, write->subindex, write->value);
         scripted_drive_expect(d, in_order, "PDO written in a wrong order");
@@ -140,6 +154,15 @@ static void scripted_drive_write(scripted_drive_t *d, const scripted_write_t *wr
         d->mode_display = d->mode_sticks ? d->mode_display : d->mode;
         d->bits = (d->attained_from_before && (d->mode == 6)) ? 0x1400 : (uint16_t)(d->bits & 0x0400U);
         scripted_drive_report(d);
+    }
+}
+
+void scripted_drive_change(scripted_drive_t *d, uint16_t index, uint8_t subindex, uint32_t value)
+{
+    scripted_write_t *kept = scripted_drive_kept(d, index, subindex);
+    scripted_drive_expect(d, kept != NULL, "not an object of its motions");
+    if (kept != NULL) {
+        *kept = (scripted_write_t){index, subindex, 4, value};
     }
 }
 
@@ -163,10 +186,12 @@ static void scripted_drive_sdo(scripted_drive_t *d, const tumble_can_frame_t *fr
         scripted_drive_send(d, 0x580U + SCRIPTED_DRIVE_NODE, 8, answer);
         scripted_drive_write(d, &write);
     } else {
-        scripted_drive_expect(d, (r[3] == 0U) || (index == 0x607DU), "what is read has no subindices");
-        const uint32_t value =
-            (index == 0x607DU) ? (uint32_t)d->limits[r[3] - 1U] : scripted_drive_value(d, (uint32_t)index << 16);
-        const unsigned size = ((index == 0x607AU) || (index == 0x607DU)) ? 4U : 1U;
+        const scripted_write_t *kept = scripted_drive_kept(d, index, r[3]);
+        scripted_drive_expect(d, (r[3] == 0U) || (index == 0x607DU) || (kept != NULL), "what is read has no subindices");
+        uint32_t value = (kept != NULL) ? kept->value : scripted_drive_value(d, (uint32_t)index << 16);
+        value = (index == 0x607DU) ? (uint32_t)d->limits[r[3] - 1U] : value;
+        const unsigned size = ((index == 0x607AU) || (index == 0x607DU) || (kept != NULL)) ? 4U : 1U;
+        d->reads++;
         answer[0] = (uint8_t)(0x43U | ((4U - size) << 2U));
         for (unsigned byte = 0; byte < size; byte++) {
             answer[4U + byte] = (uint8_t)(value >> (8U * byte));

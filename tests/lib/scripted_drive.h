@@ -20,7 +20,7 @@
 #define SCRIPTED_HOMING_MS 30U
 #define SCRIPTED_HEARTBEAT_MS 100U
 #define SCRIPTED_REPORT_MS 10U
-#define SCRIPTED_WRITES 96U
+#define SCRIPTED_WRITES 256U
 #define SCRIPTED_CONTROLS 2048U
 
 /* The 402 states as their statusword has them. */
@@ -60,6 +60,7 @@ typedef struct {
     scripted_pdo_t transmit[4];
     scripted_write_t writes[SCRIPTED_WRITES];
     unsigned write_count;
+    scripted_write_t kept[8]; /* 6081h to 609Ah, as they are now */
     scripted_control_t controls[SCRIPTED_CONTROLS]; /* the last receive PDOs */
     unsigned control_count;
     uint16_t control;
@@ -76,6 +77,7 @@ typedef struct {
     bool stopped;         /* in the NMT state of that name */
     int32_t limits[2];    /* 607Dh */
     bool keeps_no_limits; /* takes 607Dh and forgets it */
+    bool keeps_nothing;   /* likewise what its motions depend on */
     bool moving;
     bool homing;
     unsigned homing_ms;
@@ -83,6 +85,7 @@ typedef struct {
     unsigned braking_ms; /* left until it stands */
     unsigned nmt_starts; /* commands to it */
     unsigned refusals;   /* of SDO requests */
+    unsigned reads;      /* SDO requests to read that it has answered */
     bool coasted;        /* it lost its power while it moved */
 
     /* Habits. */
@@ -145,6 +148,9 @@ void scripted_drive_send(scripted_drive_t *d, uint16_t id, uint8_t length, const
 void scripted_drive_report(scripted_drive_t *d);
 void scripted_drive_beat(scripted_drive_t *d, uint8_t state);
 void scripted_drive_emergency(scripted_drive_t *d, uint16_t code);
+
+/* A stranger writes anew what the master has written of its motions, 6081h to 609Ah. */
+void scripted_drive_change(scripted_drive_t *d, uint16_t index, uint8_t subindex, uint32_t value);
 
 /* Its axis: power state machine, modes, motion (scripted_axis.c). */
 void scripted_drive_stop(scripted_drive_t *d, uint16_t state);

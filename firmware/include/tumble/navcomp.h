@@ -123,7 +123,6 @@ typedef struct tumble_navcomp {
     uint64_t due_us;           /* of the next one if no frame comes */
     uint64_t block_start_us;   /* not before: the next NMT start for the block */
     tumble_stand_t stand;
-    tumble_motion_bounds_t bounds; /* of the stand's motions */
     tumble_procedure_config_t procedure_config;
     tumble_node_config_t node_config;
     tumble_node_t node;

@@ -127,12 +127,31 @@ typedef struct {
     int32_t to_mdeg;       /* where it ends; in homing how far it may turn in all, back and forth added up */
 } tumble_stand_motion_t;
 
+/* What is watched of a motion: private to stand/bounds.h. */
+typedef struct {
+    int32_t lowest_mdeg; /* where the reported angle may be */
+    int32_t highest_mdeg;
+    int32_t goal_mdeg;
+    int32_t from_mdeg;     /* at the last look at its speed, */
+    int32_t before_mdeg;   /* and at the last step */
+    uint32_t due;          /* when it should have ended, in units of 1024 us, as `looked` */
+    uint32_t looked;       /* the last look at its speed, */
+    uint32_t speed_mdeg_s; /* and what that was */
+    uint8_t looks;         /* so many in a row agree */
+    uint8_t fault;         /* tumble_stand_fault_t: it was given up */
+    bool moves;
+    bool homes;
+    bool told; /* it has set out */
+    bool lost; /* its position is unknown until it is homed */
+} tumble_motion_bounds_t;
+
 /* What a stand tells without a function call: a part of its object. Zeros: there is nothing to tell. */
 typedef struct {
     double asked_deg;               /* with `asks`: the angle, 0 for homing */
     tumble_stand_refusal_t refusal; /* what led to TUMBLE_STAND_FAULT_PROTOCOL */
     tumble_stop_counters_t stop;
     tumble_stand_motion_t motion;
+    tumble_motion_bounds_t bounds; /* not the kind's: it only stands here */
     uint16_t fault_code; /* the drive's own error code (EMCY) */
     bool asks;           /* a person is to turn the head and to confirm */
     bool limited;        /* the drive itself keeps to the cable's limits, or will from its next bring-up on */
@@ -235,27 +254,9 @@ typedef struct {
     .stop = name##_stop, .clear_fault = name##_clear_fault, .state = name##_state, .fault = name##_fault,              \
     .angle_deg = name##_angle_deg
 
-/* What is watched of a motion: private to stand/bounds.h. */
-typedef struct {
-    int32_t start_mdeg;
-    int32_t goal_mdeg;
-    int32_t from_mdeg;     /* at the last look at its speed, */
-    int32_t before_mdeg;   /* and at the last step */
-    uint32_t due;          /* when it should have ended, in units of 1024 us, as `looked` */
-    uint32_t looked;       /* the last look at its speed, */
-    uint32_t speed_mdeg_s; /* and what that was */
-    uint8_t looks;         /* so many in a row agree */
-    uint8_t fault;         /* tumble_stand_fault_t: it was given up */
-    bool moves;
-    bool homes;
-    bool told; /* it has set out */
-    bool lost; /* its position is unknown until it is homed */
-} tumble_motion_bounds_t;
-
 typedef struct {
     const tumble_stand_kind_t *kind;
     void *self;
-    tumble_motion_bounds_t *bounds; /* null: none, as for a stand under test */
 } tumble_stand_t;
 
 /* The numbers of a profile that decide where an angle is. `numbers` has room for TUMBLE_STAND_NUMBERS; returns how many

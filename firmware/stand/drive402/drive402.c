@@ -230,6 +230,7 @@ TUMBLE_ONE_COPY static tumble_status_t begin(tumble_drive402_t *drive, tumble_dr
     drive->wanted = (uint8_t)action;
     drive->travel = 0;
     drive->reported_us = drive->node->now_us;
+    drive->spare_counts = drive->counts_per_s / 2U;
     tumble_drive_go(drive, (drive->phase == (uint8_t)PHASE_IDLE) ? PHASE_VERIFY : PHASE_POWER);
     return TUMBLE_OK;
 }

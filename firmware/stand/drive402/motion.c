@@ -1,3 +1,4 @@
+#include "core/arith.h"
 #include "stand/bounds.h"
 #include "stand/drive402/internal.h"
 
@@ -9,6 +10,7 @@
 #define ON_THE_SPOT_TOO 37
 
 #define UNKNOWN_RAMP_S 1.0
+#define TURN_DEG 360.0
 
 static uint16_t sixteen_bits(double quantity)
 {
@@ -16,16 +18,18 @@ static uint16_t sixteen_bits(double quantity)
     return (thousandths < (int32_t)UINT16_MAX) ? (uint16_t)(thousandths + 1) : UINT16_MAX;
 }
 
-/* What bounds the motion that begins: its speed and its ramps. */
-static void tell_motion(tumble_drive402_t *drive, double fast_deg_s, double slow_deg_s, double ramp_deg_s2,
-                        double to_deg)
+/* What bounds the motion that begins. */
+static void tell_motion(tumble_drive402_t *drive, bool homes, int64_t to_counts)
 {
+    const tumble_drive_profile_t *profile = drive->profile;
+    const double speed_deg_s = homes ? profile->homing_fast_deg_s : profile->velocity_deg_s;
+    const double ramp_deg_s2 = homes ? profile->homing_acceleration_deg_s2 : profile->acceleration_deg_s2;
     drive->report.motion = (tumble_stand_motion_t){
-        .speed_mdeg_s = (uint32_t)tumble_thousandths(fast_deg_s),
-        .slow_mdeg_s = (uint32_t)tumble_thousandths(slow_deg_s),
-        .ramp_ms = sixteen_bits(tumble_is_positive(ramp_deg_s2) ? (fast_deg_s / ramp_deg_s2) : UNKNOWN_RAMP_S),
-        .count_mdeg = sixteen_bits(tumble_abs(tumble_drive_angle_deg(drive->profile, 1))),
-        .to_mdeg = tumble_thousandths(to_deg),
+        .speed_mdeg_s = (uint32_t)tumble_thousandths(speed_deg_s),
+        .slow_mdeg_s = homes ? (uint32_t)tumble_thousandths(profile->homing_slow_deg_s) : 0U,
+        .ramp_ms = sixteen_bits(tumble_is_positive(ramp_deg_s2) ? (speed_deg_s / ramp_deg_s2) : UNKNOWN_RAMP_S),
+        .count_mdeg = sixteen_bits(TURN_DEG / profile->counts_per_revolution),
+        .to_mdeg = tumble_thousandths(tumble_drive_angle_deg(profile, to_counts)),
     };
 }
 
@@ -42,8 +46,7 @@ void tumble_drive_enter_homing(tumble_drive402_t *drive)
     const tumble_drive_profile_t *profile = drive->profile;
     const int8_t method = profile->homing_method;
     drive->stale = ((method == ON_THE_SPOT) || (method == ON_THE_SPOT_TOO)) ? STALE_STATUSWORDS : UINT8_MAX;
-    tell_motion(drive, profile->homing_fast_deg_s, profile->homing_slow_deg_s, profile->homing_acceleration_deg_s2,
-                tumble_abs(tumble_drive_angle_deg(profile, (int64_t)drive->homing_counts)));
+    tell_motion(drive, true, (int64_t)drive->homing_counts * profile->sign);
     tumble_drive_control(drive, TUMBLE_402_CONTROL_ENABLE | TUMBLE_402_CONTROL_START_HOMING);
 }
 
@@ -160,9 +163,7 @@ void tumble_drive_look_release(tumble_drive402_t *drive, bool fresh)
 
 void tumble_drive_enter_moving(tumble_drive402_t *drive)
 {
-    const tumble_drive_profile_t *profile = drive->profile;
-    tell_motion(drive, profile->velocity_deg_s, 0.0, profile->acceleration_deg_s2,
-                tumble_drive_angle_deg(profile, drive->set_counts));
+    tell_motion(drive, false, drive->set_counts);
 }
 
 static bool is_near(const tumble_drive402_t *drive)

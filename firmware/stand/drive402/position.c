@@ -35,12 +35,10 @@ static uint32_t size_of(int64_t counts)
     return saturated((uint64_t)((counts < 0) ? -counts : counts));
 }
 
-/* The way at profile velocity since the last report, by binary fractions of a second: 5 % short, which the factor 2
- * forgives. */
+/* The way at profile velocity since the last report, by 2^20 us for a second: 5 % short, which the factor 2 forgives. */
 static uint32_t way_counts(const tumble_drive402_t *drive)
 {
-    const uint32_t passed = saturated(drive->node->now_us - drive->reported_us) >> 10U;
-    return saturated(((uint64_t)drive->counts_per_s * passed) >> 10U);
+    return saturated(((uint64_t)drive->counts_per_s * saturated(drive->node->now_us - drive->reported_us)) >> 20U);
 }
 
 /* Can the axis have come so far? Uses up its way. */
@@ -133,7 +131,9 @@ void tumble_drive_take_position(tumble_drive402_t *drive)
     }
     drive->doubtful = 0;
     drive->tracked = true;
-    drive->reported_us = drive->node->now_us;
+    if (way_counts(drive) != 0U) { /* else the time since then goes on: reports may be closer than a count */
+        drive->reported_us = drive->node->now_us;
+    }
     drive->actual_counts = drive->homed ? (before + change) : raw;
     if (drive->actual_counts != before) {
         drive->still = 0;

@@ -59,6 +59,12 @@ static const case_t FAULTS[] = {
     {TUMBLE_REASON_SWAPPED_CHANNELS, TUMBLE_STATE_AVERAGE, 10, "fault = inverted time=0 channels=x\n"},
     {TUMBLE_REASON_UNCERTAIN, TUMBLE_STATE_AVERAGE, 15, "procedure.error_budget_v = 1e-6\n"},
     {TUMBLE_REASON_BUS, TUMBLE_STATE_AVERAGE, 15, "fault = bus_off at=1.5\n"},
+    {TUMBLE_REASON_RUNAWAY, TUMBLE_STATE_MOVE, 15, "fault = runaway at=1.5 phase=move\n"},
+    {TUMBLE_REASON_RUNAWAY, TUMBLE_STATE_MOVE, 15, "fault = runaway at=1.5 phase=move delay=0.3 value=30\n"},
+    {TUMBLE_REASON_HOMING, TUMBLE_STATE_HOME, 24, "fault = runaway time=0\n"},
+    {TUMBLE_REASON_STALL, TUMBLE_STATE_MOVE, 15, "fault = frozen_position at=1.5 phase=move delay=0.3\n"},
+    {TUMBLE_REASON_STALL, TUMBLE_STATE_HOME, 5, "fault = frozen_position time=0\nfault = homing_endless time=0\n"},
+    {TUMBLE_REASON_SCALE, TUMBLE_STATE_HOME, 5, "fault = position_scale time=0 value=0.5\n"},
     {TUMBLE_REASON_BUS, TUMBLE_STATE_MOVE, 15, "fault = bus_off at=1.5 phase=move delay=0.3\n"},
 };
 

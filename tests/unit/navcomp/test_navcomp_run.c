@@ -169,8 +169,15 @@ static void test_a_drive_that_refuses_its_configuration(void)
 static void test_a_target_that_is_never_reached(void)
 {
     start_and_run_to(TUMBLE_STATE_AVERAGE, 2);
+    bench.drive.never_reaches = true;
+    assert_stops_for(TUMBLE_REASON_TARGET_NOT_REACHED, 10.0);
+}
+
+static void test_an_axis_that_does_not_turn(void)
+{
+    start_and_run_to(TUMBLE_STATE_AVERAGE, 2);
     bench.drive.jammed = true;
-    assert_stops_for(TUMBLE_REASON_TARGET_NOT_REACHED, 60.0);
+    assert_stops_for(TUMBLE_REASON_STALL, 10.0);
 }
 
 static void test_a_silent_block_is_a_fault(void)

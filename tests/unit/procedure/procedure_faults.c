@@ -65,6 +65,8 @@ STAND_FAULT(homing_error, TUMBLE_STAND_FAULT_HOMING, 0)
 STAND_FAULT(protocol_error, TUMBLE_STAND_FAULT_PROTOCOL, 0)
 STAND_FAULT(stand_timeout, TUMBLE_STAND_FAULT_TIMEOUT, 0)
 STAND_FAULT(stop_not_seen, TUMBLE_STAND_FAULT_STOP, 0)
+STAND_FAULT(runs_away, TUMBLE_STAND_FAULT_RUNAWAY, 0)
+STAND_FAULT(scale_is_wrong, TUMBLE_STAND_FAULT_SCALE, 0)
 STAND_FAULT(position_lost, TUMBLE_STAND_FAULT_POSITION, 0)
 STAND_FAULT(foreign_command, TUMBLE_STAND_FAULT_FOREIGN, 0)
 
@@ -211,6 +213,8 @@ const fault_case_t fault_cases[] = {
     DURING(DRIVE_FAULT, MOVE, stand_fault_beyond_the_list, 11, MOVE),
     DURING(DRIVE_POWER, MOVE, power_lost, 2, MOVE),
     DURING(STOP_NOT_CONFIRMED, MOVE, stop_not_seen, 2, MOVE),
+    DURING(RUNAWAY, MOVE, runs_away, 2, MOVE),
+    DURING(SCALE, MOVE, scale_is_wrong, 2, MOVE),
     DURING(SLIP, MOVE, position_lost, 2, MOVE),
     DURING(FOREIGN_COMMAND, MOVE, foreign_command, 2, MOVE),
     DURING(STAND_HEARTBEAT, MOVE, heartbeat_of_stand, 2, MOVE),

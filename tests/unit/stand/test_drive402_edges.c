@@ -131,6 +131,7 @@ static void test_following_error_at_every_moment_of_a_move(void)
         run_ms(ms);
         played.bits |= 0x2000U;
         report_now();
+        run_ms(20); /* what the motion depends on is being read back */
         assert_fault(TUMBLE_STAND_FAULT_STALL);
     }
 }

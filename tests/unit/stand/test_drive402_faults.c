@@ -272,7 +272,7 @@ static void test_a_mode_that_is_refused(void)
     bring_up(&common);
     played.refuse_index = 0x6060;
     ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-    run_ms(5);
+    run_ms(15);
     assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
     TEST_ASSERT_EQUAL_HEX16(0x6060, bench.drive.report.refusal.index);
 }

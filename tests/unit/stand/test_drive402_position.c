@@ -16,6 +16,14 @@ static void forge(int32_t counts)
     run_ms(1);
 }
 
+/* Its reports may say less in the same time. */
+static tumble_drive_profile_t slow(void)
+{
+    tumble_drive_profile_t profile = common;
+    profile.velocity_deg_s = 90.0;
+    return profile;
+}
+
 static tumble_drive_profile_t wrapping(void)
 {
     tumble_drive_profile_t profile = common;
@@ -34,7 +42,9 @@ static void assert_lost(void)
 
 static void test_one_garbled_report_changes_nothing(void)
 {
-    bring_home(&common);
+    const tumble_drive_profile_t profile = slow();
+    bring_home(&profile);
+    run_ms(20);
     for (int i = 0; i < 20; i++) {
         forge((i & 1) ? 12000 : -30000);
         run_ms(10U + (unsigned)i);
@@ -55,10 +65,13 @@ static void test_nor_does_one_in_a_move(void)
 
 static void test_two_in_a_row_lose_the_position(void)
 {
+    const tumble_drive_profile_t profile = slow();
     static const double angles_deg[] = {0.0, 60.0};
     for (size_t i = 0; i < COUNT_OF(angles_deg); i++) {
-        bring_home(&common);
+        bring_home(&profile);
+        played.move_ms = 800;
         move_to(angles_deg[i]);
+        played.move_ms = 0;
         forge(12000);
         forge(24000);
         assert_lost();
@@ -68,11 +81,13 @@ static void test_two_in_a_row_lose_the_position(void)
 /* 120 degrees apart they would be a turn on a drive that wraps: the table would go on a turn away. */
 static void test_a_wrapping_drive_does_not_lose_a_turn(void)
 {
-    const tumble_drive_profile_t profile = wrapping();
+    tumble_drive_profile_t profile = slow();
+    profile.wrap_counts = 36000;
     for (unsigned pause_ms = 0; pause_ms <= 150U; pause_ms += 50U) {
         scripted_drive_t *d = &played;
         bring_home(&profile);
         d->wrap = 36000;
+        run_ms(20);
         run_ms(pause_ms);
         d->event_only = true; /* no true report comes between them */
         forge(12000);
@@ -81,6 +96,25 @@ static void test_a_wrapping_drive_does_not_lose_a_turn(void)
         TEST_ASSERT_EQUAL_INT(0, tumble_drive402_kind.angle_deg(&bench.drive) > 1.0);
         assert_lost();
         assert_angle(0.0);
+    }
+}
+
+/* Each step could have been made in the time of a report, but not all of them: the way grows with time. */
+static void test_forged_reports_between_two_true_ones_turn_no_count(void)
+{
+    tumble_drive_profile_t profile = slow();
+    profile.wrap_counts = 36000;
+    for (int step_deg = 5; step_deg <= 45; step_deg += 5) {
+        bring_home(&profile);
+        played.wrap = 36000;
+        run_ms(50);
+        played.event_only = true;
+        for (int i = 1; i <= (360 / step_deg); i++) {
+            played.actual = (i * step_deg * PER_DEG) % 36000;
+            scripted_drive_report(&played);
+        }
+        run_ms(1);
+        assert_lost();
     }
 }
 

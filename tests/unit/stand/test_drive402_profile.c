@@ -5,7 +5,7 @@ static void test_configuration_in_order_and_in_units(void)
 {
     static const scripted_write_t expected[] = {
         {0x1016, 1, 4, 0x000101F4}, {0x1017, 0, 2, 100},        {0x6060, 0, 1, 1},          {0x6098, 0, 1, 0xFD},
-        {0x6081, 0, 4, 9000},       {0x6083, 0, 4, 18000},      {0x6085, 0, 4, 72050},      {0x6099, 1, 4, 2000},
+        {0x6081, 0, 4, 100000},     {0x6083, 0, 4, 18000},      {0x6085, 0, 4, 72050},      {0x6099, 1, 4, 2000},
         {0x1400, 1, 4, 0x80000202}, {0x1600, 0, 1, 0},          {0x1600, 1, 4, 0x60400010}, {0x1600, 2, 4, 0x607A0020},
         {0x1600, 0, 1, 2},          {0x1400, 2, 1, 255},        {0x1400, 1, 4, 0x202},      {0x1800, 1, 4, 0xC0000182},
         {0x1A00, 0, 1, 0},          {0x1A00, 1, 4, 0x60410010}, {0x1A00, 2, 4, 0x60640020}, {0x1A00, 0, 1, 2},
@@ -38,6 +38,7 @@ static tumble_drive_profile_t other_profile(void)
     tumble_drive_profile_t profile = common;
     profile.counts_per_revolution = 14400.0 * 101.0 / 3.0; /* not whole per degree */
     profile.velocity_units_per_deg_s = 1.0 / 6.0;          /* rpm */
+    profile.velocity_deg_s = 90.0;
     profile.sign = -1;
     profile.receive = other_receive;
     profile.transmit = other_transmit;
