@@ -1,6 +1,8 @@
 /* What belongs together: a fault alone or a frame alone seldom meets the moment at which it hurts. */
 #include "bench/hostile_draw.h"
 
+#include "navcomp/service.h"
+
 #define FOR_GOOD 0.0
 #define LIFE_FAULTS 4U
 
@@ -123,6 +125,10 @@ static void void_the_stop(bench_plan_t *plan, sim_random_t *stream)
             bench_draw(stream, 200.0, 399.0);
     } else if (bench_chance(stream, 0.8)) {
         (void)add_fault(plan, SIM_FAULT_HOMING_ENDLESS, bench_draw(stream, 0.0, 2.0), FOR_GOOD);
+    }
+    if (bench_chance(stream, 0.3)) { /* the stranger knows the key */
+        bench_event_t *const key = bench_plan_add(plan, BENCH_HOSTILE_SDO_NAVCOMP, writes_s - 0.1);
+        bench_frame_write(&key->frame, 1, 0x2006, 1, 4, TUMBLE_SERVICE_KEY);
     }
     for (uint32_t i = 1U + bench_pick(stream, 2); i > 0U; i--) {
         bench_event_t *const event = bench_plan_add(plan, BENCH_HOSTILE_SDO_NAVCOMP, writes_s);
