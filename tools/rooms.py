@@ -74,7 +74,7 @@ FORBIDDEN = {**dict.fromkeys(HEAP_AND_IO.split(), "heap, libc I/O and exits are 
 
 DYNAMIC = {"__import__", "import_module"}
 
-MAX_FILE_LINES = 400
+MAX_FILE_LINES = 800
 MAX_FUNCTION_LINES = 80
 HOSTED = ("boards", "linux")  # programs of an operating system: held to sizes, not to what firmware may use
 SOURCE_FOLDERS = ["firmware", "boards", "host", "tests", "tools", "examples", "cmake"]

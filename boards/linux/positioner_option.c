@@ -42,6 +42,7 @@ static const number_t NUMBERS[] = {
     {"unit", &unit, sizeof unit, 0, 247}, NUMBER(counts_per_deg, -1e6, 1e6), NUMBER(window_deg, 1e-6, 10),
     NUMBER(home_timeout_ms, 1, 1e9),      NUMBER(move_timeout_ms, 1, 1e9),   NUMBER(stop_timeout_ms, 1, 60000),
     NUMBER(cycle_ms, 1, 10000),           NUMBER(silence_ms, 2, 60000),      NUMBER(watch_ms, 2, 60000),
+    NUMBER(speed_deg_s, 0, 1e4),
 };
 
 static bool is_port(const char *digits)

@@ -98,7 +98,7 @@ static tumble_stand_fault_t judge(tumble_motion_bounds_t *bounds, const tumble_s
     bounds->looked = now;
     bounds->from_mdeg = here;
     return is_out_of_pace(bounds, told, (change * MS_PER_S) / passed) ? TUMBLE_STAND_FAULT_SCALE
-                                                                       : TUMBLE_STAND_FAULT_NONE;
+                                                                      : TUMBLE_STAND_FAULT_NONE;
 }
 
 TUMBLE_ONE_COPY void tumble_stand_step(const tumble_stand_t *stand, uint64_t now_us, uint32_t margin_ms)
@@ -133,16 +133,12 @@ TUMBLE_ONE_COPY static tumble_status_t begin_motion(const tumble_stand_t *stand,
     if ((bounds->fault != 0U) || (bounds->lost && !homes)) {
         return TUMBLE_E_STAND_STATE;
     }
-    const tumble_status_t status =
-        homes ? stand->kind->home(stand->self) : stand->kind->move(stand->self, goal_deg);
+    const tumble_status_t status = homes ? stand->kind->home(stand->self) : stand->kind->move(stand->self, goal_deg);
     if (status == TUMBLE_OK) {
         const int32_t here = here_mdeg(stand);
         const int32_t goal = tumble_thousandths(goal_deg);
-        *bounds = (tumble_motion_bounds_t){.lowest_mdeg = INT32_MIN,
-                                           .highest_mdeg = INT32_MAX,
-                                           .goal_mdeg = goal,
-                                           .moves = true,
-                                           .homes = homes};
+        *bounds = (tumble_motion_bounds_t){
+            .lowest_mdeg = INT32_MIN, .highest_mdeg = INT32_MAX, .goal_mdeg = goal, .moves = true, .homes = homes};
         if (!homes) {
             bounds->lowest_mdeg = ((here < goal) ? here : goal) - TUMBLE_OVERSHOOT_MDEG;
             bounds->highest_mdeg = ((here < goal) ? goal : here) + TUMBLE_OVERSHOOT_MDEG;

@@ -187,7 +187,8 @@ static void scripted_drive_sdo(scripted_drive_t *d, const tumble_can_frame_t *fr
         scripted_drive_write(d, &write);
     } else {
         const scripted_write_t *kept = scripted_drive_kept(d, index, r[3]);
-        scripted_drive_expect(d, (r[3] == 0U) || (index == 0x607DU) || (kept != NULL), "what is read has no subindices");
+        scripted_drive_expect(d, (r[3] == 0U) || (index == 0x607DU) || (kept != NULL),
+                              "what is read has no subindices");
         uint32_t value = (kept != NULL) ? kept->value : scripted_drive_value(d, (uint32_t)index << 16);
         value = (index == 0x607DU) ? (uint32_t)d->limits[r[3] - 1U] : value;
         const unsigned size = ((index == 0x607AU) || (index == 0x607DU) || (kept != NULL)) ? 4U : 1U;

@@ -60,7 +60,7 @@ typedef struct {
     scripted_pdo_t transmit[4];
     scripted_write_t writes[SCRIPTED_WRITES];
     unsigned write_count;
-    scripted_write_t kept[8]; /* 6081h to 609Ah, as they are now */
+    scripted_write_t kept[8];                       /* 6081h to 609Ah, as they are now */
     scripted_control_t controls[SCRIPTED_CONTROLS]; /* the last receive PDOs */
     unsigned control_count;
     uint16_t control;

@@ -57,7 +57,7 @@ static void test_what_goes_in_comes_out(void)
 static void test_no_field_is_left_out(void)
 {
     fill(&before.procedure.samples,
-         offsetof(tumble_procedure_config_t, sample_timeout_ms) + 4U - offsetof(tumble_procedure_config_t, samples));
+         offsetof(tumble_procedure_config_t, motion_margin_ms) + 4U - offsetof(tumble_procedure_config_t, samples));
     fill(&before.averaging, sizeof before.averaging);
     (void)zcu102_commissioning_write(&before, record);
     TEST_ASSERT_EQUAL(TUMBLE_OK, zcu102_commissioning_read(&after, record));
@@ -86,6 +86,7 @@ static void test_no_field_is_left_out(void)
     SAME(procedure.settle_timeout_ms);
     SAME(procedure.average_timeout_ms);
     SAME(procedure.sample_timeout_ms);
+    SAME(procedure.motion_margin_ms);
     SAME(receive[0].setup.map);
     SAME(transmit[0].setup.map);
     SAME(transmit[0].setup.event_ms);
@@ -97,16 +98,38 @@ static void test_no_field_is_left_out(void)
     SAME(drive.software_limits);
 }
 
+static void put_u32(uint8_t *at, uint32_t value)
+{
+    for (unsigned i = 0; i < 4U; i++) {
+        at[i] = (uint8_t)(value >> (8U * i));
+    }
+}
+
+static uint32_t fnv1a(const uint8_t *bytes, size_t count)
+{
+    uint32_t sum = 2166136261U;
+    for (size_t i = 0; i < count; i++) {
+        sum = (sum ^ bytes[i]) * 16777619U;
+    }
+    return sum;
+}
+
 /* Records that are out there must be read: no field changes its place. */
 static void test_the_record_of_the_standard_stand_is_as_it_always_was(void)
 {
-    static const uint8_t CHECKSUM[] = {0x1D, 0x4D, 0x7C, 0x93};
+    static const uint8_t CHECKSUM[] = {0x1D, 0x4D, 0x7C, 0x93}; /* of its first 1060 bytes, all that there were */
     config.block_period_us = 10000;
     config.heartbeat_ms = 100;
     config.heartbeat_timeout_ms = 500;
     TEST_ASSERT_EQUAL(TUMBLE_OK, zcu102_commission(&before, &config));
-    TEST_ASSERT_EQUAL_size_t(1060, zcu102_commissioning_write(&before, record));
+    TEST_ASSERT_EQUAL_size_t(1064, zcu102_commissioning_write(&before, record));
+    put_u32(&record[8], 1060U - 16U);
+    put_u32(&record[12], fnv1a(&record[16], 1060U - 16U));
     TEST_ASSERT_EQUAL_HEX8_ARRAY(CHECKSUM, &record[12], sizeof CHECKSUM);
+    memset(&record[1060], 0xFF, sizeof record - 1060U);
+    TEST_ASSERT_EQUAL(TUMBLE_OK, zcu102_commissioning_read(&after, record));
+    TEST_ASSERT_EQUAL_UINT32(0, after.procedure.motion_margin_ms); /* TUMBLE_MOTION_MARGIN_MS */
+    TEST_ASSERT_EQUAL_UINT32(before.procedure.sample_timeout_ms, after.procedure.sample_timeout_ms);
 }
 
 static void test_every_wrong_bit_is_refused(void)

@@ -90,7 +90,7 @@ typedef enum {
     TUMBLE_STAND_FAULT_POSITION,  /* the position jumped, or changed at rest: it is unknown now */
     TUMBLE_STAND_FAULT_FOREIGN,   /* somebody else commands the axis, or has our node number */
     TUMBLE_STAND_FAULT_RUNAWAY,   /* it turned past its goal, or the other way */
-    TUMBLE_STAND_FAULT_SCALE      /* it turns at another speed than it was told: counts of a turn, or units, are wrong */
+    TUMBLE_STAND_FAULT_SCALE /* it turns at another speed than it was told: counts of a turn, or units, are wrong */
 } tumble_stand_fault_t;
 
 /* The rungs of a stop: by what means the axis is told. The numbers travel over CAN: new ones go to the end. */
@@ -152,9 +152,9 @@ typedef struct {
     tumble_stop_counters_t stop;
     tumble_stand_motion_t motion;
     tumble_motion_bounds_t bounds; /* not the kind's: it only stands here */
-    uint16_t fault_code; /* the drive's own error code (EMCY) */
-    bool asks;           /* a person is to turn the head and to confirm */
-    bool limited;        /* the drive itself keeps to the cable's limits, or will from its next bring-up on */
+    uint16_t fault_code;           /* the drive's own error code (EMCY) */
+    bool asks;                     /* a person is to turn the head and to confirm */
+    bool limited;                  /* the drive itself keeps to the cable's limits, or will from its next bring-up on */
 } tumble_stand_report_t;
 
 /* ---- What a stand is. */

@@ -128,7 +128,8 @@ static bool is_usable(const tumble_positioner_profile_t *profile)
 {
     return (profile != NULL) && (profile->link != NULL) && (profile->link->begin != NULL) &&
            (profile->link->end != NULL) && tumble_is_positive(tumble_abs(profile->counts_per_deg)) &&
-           tumble_is_positive(profile->window_deg) && (profile->home_timeout_ms != 0U) &&
+           tumble_is_positive(profile->window_deg) && (profile->speed_deg_s >= 0.0) &&
+           tumble_is_finite(profile->speed_deg_s) && (profile->home_timeout_ms != 0U) &&
            (profile->move_timeout_ms != 0U) && (profile->stop_timeout_ms != 0U) && (profile->cycle_ms != 0U) &&
            ((profile->silence_ms / 2U) >= profile->cycle_ms) && ((profile->watch_ms / 2U) >= profile->cycle_ms);
 }

@@ -78,6 +78,8 @@ typedef struct {
     uint16_t cycle_ms;        /* from one exchange to the next; above 0 */
     uint16_t silence_ms;      /* without an answer: the link is dead; two cycles or more */
     uint16_t watch_ms;        /* of the controller's watchdog; two cycles or more */
+    double speed_deg_s;       /* of a move, and the faster one of homing: bounds of time and progress follow from it
+                               * (stand/bounds.h); 0: not known, the two timeouts alone bound the time */
 } tumble_positioner_profile_t;
 
 /* The object; its fields are private. */

@@ -1,7 +1,9 @@
 /* What the controller reports, what is wrong with it, and when an order has come to its end. */
 #include "stand/positioner/internal.h"
 
+#include "core/arith.h"
 #include "core/count.h"
+#include "stand/bounds.h"
 
 #define IDENTITY 0x5450U
 #define IS_MOVING 1U
@@ -10,6 +12,8 @@
 #define IS_FAULT 8U
 #define IS_WATCHED 16U
 #define IS_ANY 31U
+#define RAMP_MS 2000U   /* for starting and braking */
+#define COUNT_MDEG 100U /* flickers by more are no axis that is good for a calibration */
 
 static bool has(const tumble_positioner_t *axis, unsigned bit)
 {
@@ -84,6 +88,28 @@ static void look(tumble_positioner_t *axis, uint16_t number, uint16_t code)
     }
 }
 
+static int32_t mdeg_of(const tumble_positioner_t *axis, double counts)
+{
+    return tumble_thousandths(counts / axis->profile->counts_per_deg);
+}
+
+/* What bounds the motion that the controller makes. How it starts and brakes is its own affair. */
+static void tell_motion(tumble_positioner_t *axis)
+{
+    const bool homes = is(axis, TUMBLE_STAND_HOMING);
+    const bool turns = axis->taken && !is_stopping(axis) && (homes || is(axis, TUMBLE_STAND_MOVING));
+    const double travel = tumble_abs((double)axis->most_travel / axis->profile->counts_per_deg);
+    axis->report.motion = (tumble_stand_motion_t){0, 0, 0, 0, 0};
+    if (turns) {
+        axis->report.motion = (tumble_stand_motion_t){
+            .speed_mdeg_s = (uint32_t)tumble_thousandths(axis->profile->speed_deg_s),
+            .ramp_ms = RAMP_MS,
+            .count_mdeg = COUNT_MDEG,
+            .to_mdeg = homes ? tumble_thousandths(travel) : mdeg_of(axis, (double)axis->target),
+        };
+    }
+}
+
 static int32_t counts_at(const uint16_t *values)
 {
     const uint32_t raw = ((uint32_t)values[0] << 16U) | values[1];
@@ -111,4 +137,5 @@ void tumble_positioner_report(tumble_positioner_t *axis, const uint16_t *values)
     }
     axis->travelled += has(axis, IS_HOMED) ? 0U : (uint64_t)distance(axis->actual, before);
     look(axis, values[READ_NUMBER], values[READ_FAULT]);
+    tell_motion(axis);
 }

@@ -276,6 +276,30 @@ static void test_malformed_and_foreign_frames_are_counted(void)
     TEST_ASSERT_EQUAL_UINT32(2, counters.events.frames_ignored);
 }
 
+/* A set-point that we did not send, by SDO: the axis is told to stop. What only reads, or writes what moves nothing, is
+ * nothing to us. */
+static void test_a_set_point_of_a_stranger_by_sdo_is_foreign(void)
+{
+    static const struct {
+        uint8_t data[8];
+        bool foreign;
+    } requests[] = {
+        {{0x23, 0x7A, 0x60, 0x00, 1, 2, 3, 4}, true},  {{0x2B, 0x40, 0x60, 0x00, 0x1F, 0, 0, 0}, true},
+        {{0x40, 0x7A, 0x60, 0x00, 0, 0, 0, 0}, false}, {{0x40, 0x40, 0x60, 0x00, 0, 0, 0, 0}, false},
+        {{0x23, 0x65, 0x60, 0x00, 1, 2, 3, 4}, false}, {{0x80, 0x7A, 0x60, 0x00, 0, 0, 0, 0}, false},
+    };
+    for (size_t i = 0; i < (sizeof requests / sizeof requests[0]); i++) {
+        power_on_for(1.0);
+        give(0x602, 8, requests[i].data);
+        bench_event(&bench);
+        bench_pass(&bench, 0.1);
+        TEST_ASSERT_EQUAL_UINT32(requests[i].foreign ? 1U : 0U, bench_counters(&bench).events.foreign);
+        TEST_ASSERT_EQUAL(requests[i].foreign ? TUMBLE_STAND_FAULT : TUMBLE_STAND_READY, bench_progress(&bench).stand);
+        TEST_ASSERT_EQUAL_UINT8(requests[i].foreign ? TUMBLE_STAND_FAULT_FOREIGN : TUMBLE_STAND_FAULT_NONE,
+                                bench_progress(&bench).stand_fault);
+    }
+}
+
 /* Noise on every identifier, valid frames in between: nothing crashes, everything received is counted, and afterwards a
  * calibration still works. */
 static void test_garbage_does_no_lasting_harm(void)
