@@ -20,6 +20,7 @@ typedef struct {
     double max_abs_delta_g_g;
     uint64_t virtual_us;
     uint64_t frames;
+    bench_travel_t travel;
     uint32_t positions;
     uint64_t measured; /* one bit per position */
     double mean_v[TUMBLE_MAX_POSITIONS][TUMBLE_CHANNELS];
@@ -36,6 +37,7 @@ typedef struct {
     uint64_t reasons[TUMBLE_REASON_COUNT];
     uint64_t frames;
     uint64_t virtual_us;
+    bench_travel_t travel;
     double sum[TUMBLE_COEFFICIENTS]; /* of estimate less truth */
     double square_sum[TUMBLE_COEFFICIENTS];
     double wall_s;
@@ -63,6 +65,7 @@ static void sum_up(record_t *record, const bench_world_t *world)
     record->truth = world->truth.block;
     record->virtual_us = world->clock.now_us;
     record->frames = world->bus.load.frames;
+    record->travel = bench_travel(world);
     record->positions = world->config->scenario.schedule.position_count;
     take_result(record, world);
     for (uint8_t i = 0; i < world->config->scenario.schedule.position_count; i++) {
@@ -122,6 +125,7 @@ static void put_line(const record_t *record, bool with_means, FILE *out)
     bench_json_close(&json, '}');
     bench_json_number(&json, "virtual_s", (double)record->virtual_us * 1e-6);
     bench_json_whole(&json, "frames", record->frames);
+    bench_report_table(&record->travel, &json);
     if (with_means) {
         put_means(&json, record);
     }
@@ -131,6 +135,7 @@ static void put_line(const record_t *record, bool with_means, FILE *out)
 
 static void add(statistics_t *statistics, const record_t *record)
 {
+    bench_travel_add(&statistics->travel, &record->travel, statistics->runs == 0U);
     statistics->runs++;
     statistics->passed += (record->exit == BENCH_EXIT_PASS) ? 1U : 0U;
     statistics->failed += (record->exit == BENCH_EXIT_LIMITS) ? 1U : 0U;
@@ -200,6 +205,7 @@ static void put_summary(const statistics_t *statistics, const bench_options_t *o
     put_errors(&json, "U0", statistics, TUMBLE_CHANNELS * TUMBLE_CHANNELS, TUMBLE_CHANNELS);
     bench_json_whole(&json, "frames", statistics->frames);
     bench_json_number(&json, "virtual_s", (double)statistics->virtual_us * 1e-6);
+    bench_report_table(&statistics->travel, &json);
     bench_json_whole(&json, "jobs", options->jobs);
     bench_json_number(&json, "wall_s", statistics->wall_s);
     bench_json_number(&json, "cpu_s", statistics->cpu_s);

@@ -36,6 +36,9 @@ static void run_one(void *context, uint64_t number, void *record)
     kept->counts = life->counts;
     kept->excuses = life->watch.excuses;
     kept->virtual_us = life->world.clock.now_us;
+    if (kept->virtual_us > 0U) {
+        kept->travel = bench_travel(&life->world);
+    }
     kept->frames = life->world.bus.load.frames;
     kept->steps = life->world.steps;
 }

@@ -14,6 +14,7 @@
  *     ends {state: {reason: times}} of DONE, FAULT and ABORT
  *     homings; sets {committed (by themselves), judged (of those, not excused), held}; lives_with_commit
  *     excuses {name: lives}
+ *     table {at_rest, lowest_deg, highest_deg}: where the tables of all lives have been (report.h); at_rest: all ended so
  *     virtual_s, frames, steps
  *     speed {jobs, wall_s, cpu_s, ms_per_life (of processor time)}: the last member, and different every time
  *

@@ -1,10 +1,12 @@
 /* What an event does when its moment has come. */
 #include "bench/hostile_invariants.h"
 
+#include "canopen/cia402.h"
 #include "core/bytes.h"
 #include "simulation/block_encode.h"
 
 #define NEXT_US 1000U    /* from one frame of a group to the next */
+#define NEAR_US 300U     /* as near as the bus allows */
 #define SEGMENT_US 4000U /* from one of a transfer to the next: the server has answered by then */
 #define SPOILS 0x55U
 
@@ -87,17 +89,28 @@ static void forge_positions(bench_life_t *life, const bench_event_t *event)
         counts = wrapped(life, counts + counts_of(life, event->angle_deg));
         tumble_put_u16(&frame.data[0], objects->statusword);
         tumble_put_i32(&frame.data[2], counts);
-        bench_life_send(life, &frame, i * NEXT_US);
+        bench_life_send(life, &frame, i * ((event->kind == BENCH_HOSTILE_NEAR_POSITION) ? NEAR_US : NEXT_US));
     }
 }
 
-/* The target, and then the edge. */
+/* The target, and then the edge: as process data, or by SDO. */
 static void forge_set_point(bench_life_t *life, const bench_event_t *event)
 {
     static const uint16_t CONTROLS[] = {0x000F, 0x003F, 0x000F};
+    const double from_deg = event->relative ? life->world.drive.target_deg : 0.0;
+    const int32_t target = wrapped(life, counts_of(life, from_deg + event->angle_deg));
     tumble_can_frame_t frame = {.id = 0x202, .length = 6};
-    tumble_put_i32(&frame.data[2], counts_of(life, event->angle_deg));
+    tumble_put_i32(&frame.data[2], target);
+    if (event->kind == BENCH_HOSTILE_SDO_SET_POINT) {
+        bench_frame_write(&frame, 2, TUMBLE_402_TARGET_POSITION, 0, 4, (uint32_t)target);
+        bench_life_send(life, &frame, 0);
+    }
     for (uint32_t i = 0; i < 3U; i++) {
+        if (event->kind == BENCH_HOSTILE_SDO_SET_POINT) {
+            bench_frame_write(&frame, 2, TUMBLE_402_CONTROLWORD, 0, 2, CONTROLS[i]);
+            bench_life_send(life, &frame, (i + 1U) * SEGMENT_US);
+            continue;
+        }
         tumble_put_u16(&frame.data[0], CONTROLS[i]);
         bench_life_send(life, &frame, i * 3U * NEXT_US);
     }
@@ -162,9 +175,11 @@ void bench_life_act(bench_life_t *life, const bench_event_t *event)
         bench_life_cut(life, event);
         break;
     case BENCH_HOSTILE_SET_POINT:
+    case BENCH_HOSTILE_SDO_SET_POINT:
         forge_set_point(life, event);
         break;
     case BENCH_HOSTILE_POSITION:
+    case BENCH_HOSTILE_NEAR_POSITION:
         forge_positions(life, event);
         break;
     case BENCH_HOSTILE_SAMPLE:

@@ -67,8 +67,13 @@ void bench_plan_faults(bench_plan_t *plan);
 void bench_plan_scenes(bench_plan_t *plan);
 void bench_plan_frames(bench_plan_t *plan);
 
-/* One random write to an object that a stop depends on. */
+/* One random write to an object that a stop depends on; to one of the drive that is read back before a motion. */
 void bench_draw_stop_write(sim_random_t *stream, tumble_can_frame_t *frame);
+void bench_draw_read_back_write(sim_random_t *stream, tumble_can_frame_t *frame);
+
+/* Where a forged set-point leads; how many positions are forged near each other, and how far apart. */
+void bench_draw_set_point(sim_random_t *stream, bench_event_t *event);
+void bench_draw_near_positions(sim_random_t *stream, bench_event_t *event);
 
 /* Draw the whole of it (hostile_plan.c). What the configuration does not allow is a mistake of the drawing: null, or the
  * sentence. The plan must not be moved. */

@@ -44,6 +44,14 @@ static bool is_of_motion(const tumble_can_frame_t *frame)
     return index == TUMBLE_402_CONTROLWORD || index == TUMBLE_402_TARGET_POSITION;
 }
 
+/* What the navigation computer reads back before a motion. */
+static bool is_read_back(const tumble_can_frame_t *frame)
+{
+    const uint16_t index = (uint16_t)(frame->data[1] | frame->data[2] << 8);
+    return index == TUMBLE_402_PROFILE_VELOCITY || index == TUMBLE_402_PROFILE_ACCELERATION ||
+           index == TUMBLE_402_SOFTWARE_LIMIT;
+}
+
 static bool hits(const sim_fault_t *fault, uint16_t id)
 {
     return (id & fault->mask) == (fault->id & fault->mask);
@@ -56,7 +64,7 @@ bool bench_event_rewrites_drive(const bench_event_t *event)
     }
     const bool is_frame = event->kind >= BENCH_HOSTILE_SDO_NAVCOMP;
     return is_frame && is_download(&event->frame) &&
-           !((event->frame.data[0] & 0xE0U) == 0x20U && is_of_motion(&event->frame));
+           !((event->frame.data[0] & 0xE0U) == 0x20U && (is_of_motion(&event->frame) || is_read_back(&event->frame)));
 }
 
 bool bench_event_commands_drive(const bench_event_t *event)
@@ -66,7 +74,7 @@ bool bench_event_commands_drive(const bench_event_t *event)
         return (kind == SIM_FAULT_FRAME_CORRUPT || kind == SIM_FAULT_FRAME_DELAY || kind == SIM_FAULT_FRAME_REORDER) &&
                hits(&event->fault, SET_POINT_ID);
     }
-    return event->kind == BENCH_HOSTILE_SET_POINT ||
+    return event->kind == BENCH_HOSTILE_SET_POINT || event->kind == BENCH_HOSTILE_SDO_SET_POINT ||
            (event->kind >= BENCH_HOSTILE_SDO_NAVCOMP &&
             (event->frame.id == SET_POINT_ID || (is_download(&event->frame) && is_of_motion(&event->frame))));
 }

@@ -18,7 +18,9 @@
     X(BENCH_HOSTILE_SDO_DRIVE, "sdo_drive")                                                                            \
     X(BENCH_HOSTILE_SDO_ANSWER, "sdo_answer")                                                                          \
     X(BENCH_HOSTILE_SET_POINT, "set_point")                                                                            \
+    X(BENCH_HOSTILE_SDO_SET_POINT, "sdo_set_point")                                                                    \
     X(BENCH_HOSTILE_POSITION, "position")                                                                              \
+    X(BENCH_HOSTILE_NEAR_POSITION, "near_position")                                                                    \
     X(BENCH_HOSTILE_SAMPLE, "sample")                                                                                  \
     X(BENCH_HOSTILE_SPOILT_SAMPLE, "spoilt_sample")                                                                    \
     X(BENCH_HOSTILE_NMT, "nmt")                                                                                        \
@@ -52,6 +54,7 @@ typedef struct {
     tumble_command_t command;
     uint8_t argument;
     double angle_deg; /* of a turn; of a set-point: where to; of positions: how far each is off the one before */
+    bool relative;    /* of a set-point: so far off the drive's present target */
     bool by_host;     /* the command comes from the board itself, not over CAN */
     tumble_can_frame_t frame; /* as it is sent, where neither position, set-point nor sample is forged */
     uint32_t count;           /* forged positions; flipped bits */
@@ -61,7 +64,8 @@ typedef struct {
 
 const char *bench_hostile_name(bench_hostile_t kind);
 
-/* Does the node's or the drive's own setting, instead of a command, get rewritten in the drive? */
+/* Does the node's or the drive's own setting, instead of a command, get rewritten in the drive? Not one that the
+ * navigation computer reads back before each motion. */
 bool bench_event_rewrites_drive(const bench_event_t *event);
 
 /* May the drive be commanded by this past the navigation computer? */

@@ -22,7 +22,7 @@ static const write_t STOP_WRITES[] = {
     {0x1600, 0, 1, 0},           {0x1016, 1, 4, 0},           {0x1016, 1, 4, 0x00021388U}, {0x1016, 2, 4, 0},
     {0x1017, 0, 2, 0},           {0x1017, 0, 2, 60000},       {0x1029, 1, 1, 0},           {0x1029, 1, 1, 2},
     {0x1802, 1, 4, 0x80000181U}, {0x1802, 1, 4, 0x202},       {0x1804, 1, 4, 0x800006C1U}, {0x1804, 1, 4, 0x202},
-    {0x2006, 1, 4, 0x76726573U}, {0x2006, 1, 4, 0x76726573U},
+    {0x2006, 1, 4, 0x76726573U}, {0x2006, 1, 4, 0x76726573U}, {0x2006, 1, 4, 0x73657276U}, {0x2006, 1, 4, 0},
 };
 
 /* Other objects of the navigation computer that can be written, most with a value that might do harm. */
@@ -54,9 +54,16 @@ static const write_t DRIVE_COMMANDS[] = {
     {0x607A, 0, 4, 1440000U}, {0x6040, 0, 2, 0x10F},
 };
 static const write_t DRIVE_SETTINGS[] = {
-    {0x6060, 0, 1, 6},    {0x6098, 0, 1, 37},          {0x6081, 0, 4, 1000}, {0x6085, 0, 4, 100},
+    {0x6060, 0, 1, 6},    {0x6098, 0, 1, 37},          {0x6085, 0, 4, 100},
     {0x607C, 0, 4, 5000}, {0x1016, 1, 4, 0},           {0x1017, 0, 2, 0},    {0x1400, 1, 4, 0x80000202U},
-    {0x605A, 0, 2, 0},    {0x1800, 1, 4, 0x80000182U}, {0x6007, 0, 2, 0},    {0x607D, 1, 4, 0x80000000U},
+    {0x605A, 0, 2, 0},    {0x1800, 1, 4, 0x80000182U}, {0x6007, 0, 2, 0},
+};
+
+/* Those that the navigation computer reads back before a motion. */
+static const write_t READ_BACK[] = {
+    {0x6081, 0, 4, 265000}, {0x6081, 0, 4, 265000}, {0x6081, 0, 4, 265000},      {0x6081, 0, 4, 0},
+    {0x6081, 0, 4, 1000},   {0x6083, 0, 4, 2000},   {0x607D, 1, 4, 0x80000000U}, {0x607D, 2, 4, 0x7FFFFFFFU},
+    {0x607A, 0, 4, 500000},
 };
 
 void bench_frame_write(tumble_can_frame_t *frame, uint8_t node, uint16_t index, uint8_t subindex, uint8_t size,
@@ -79,6 +86,11 @@ void bench_draw_stop_write(sim_random_t *stream, tumble_can_frame_t *frame)
     write_of(frame, 1, &STOP_WRITES[bench_pick(stream, COUNT(STOP_WRITES))]);
 }
 
+void bench_draw_read_back_write(sim_random_t *stream, tumble_can_frame_t *frame)
+{
+    write_of(frame, 2, &READ_BACK[bench_pick(stream, COUNT(READ_BACK))]);
+}
+
 static void fill(sim_random_t *stream, tumble_can_frame_t *frame, uint16_t id, uint8_t length)
 {
     *frame = (tumble_can_frame_t){.id = id, .length = length};
@@ -93,6 +105,7 @@ static void draw_navcomp_frame(sim_random_t *stream, tumble_can_frame_t *frame)
         bench_draw_stop_write(stream, frame);
     } else if (bench_chance(stream, 0.7)) {
         write_of(frame, 1, &OTHER_WRITES[bench_pick(stream, COUNT(OTHER_WRITES))]);
+        frame->id = bench_chance(stream, 0.2) ? 0x401U : frame->id; /* the other server */
     } else {
         fill(stream, frame, 0x601, 8); /* segments, aborts, reads of anything */
         frame->data[0] = (uint8_t)(bench_pick(stream, 8) << 5);
@@ -106,6 +119,8 @@ static void draw_drive_frame(sim_random_t *stream, tumble_can_frame_t *frame)
         fill(stream, frame, 0x602, 8);
         frame->data[0] = 0x40; /* a read, which may come between a transfer of the node's */
         frame->data[2] = 0x60;
+    } else if (bench_chance(stream, 0.3)) {
+        bench_draw_read_back_write(stream, frame);
     } else if (bench_chance(stream, 0.7)) {
         write_of(frame, 2, &DRIVE_COMMANDS[bench_pick(stream, COUNT(DRIVE_COMMANDS))]);
     } else {
@@ -138,6 +153,21 @@ static void draw_heartbeat(sim_random_t *stream, tumble_can_frame_t *frame)
     frame->data[0] = STATES[bench_pick(stream, COUNT(STATES))];
 }
 
+/* Some within the window in which the drive is at its target. */
+void bench_draw_set_point(sim_random_t *stream, bench_event_t *event)
+{
+    event->relative = bench_chance(stream, 0.3);
+    event->angle_deg = event->relative ? bench_draw(stream, -0.2, 0.2) : bench_draw(stream, -1500.0, 1500.0);
+}
+
+/* Eight of 45 deg are a turn. */
+void bench_draw_near_positions(sim_random_t *stream, bench_event_t *event)
+{
+    const double sign = bench_chance(stream, 0.5) ? 1.0 : -1.0;
+    event->count = 7U + bench_pick(stream, 4);
+    event->angle_deg = sign * (bench_chance(stream, 0.5) ? 360.0 / event->count : bench_draw(stream, 30.0, 45.0));
+}
+
 /* Of the kinds whose frame is made when it is sent, only what it is made with. */
 static void draw_content(sim_random_t *stream, bench_event_t *event)
 {
@@ -152,7 +182,11 @@ static void draw_content(sim_random_t *stream, bench_event_t *event)
         draw_answer(stream, &event->frame);
         break;
     case BENCH_HOSTILE_SET_POINT:
-        event->angle_deg = bench_draw(stream, -800.0, 800.0);
+    case BENCH_HOSTILE_SDO_SET_POINT:
+        bench_draw_set_point(stream, event);
+        break;
+    case BENCH_HOSTILE_NEAR_POSITION:
+        bench_draw_near_positions(stream, event);
         break;
     case BENCH_HOSTILE_POSITION:
         event->angle_deg = bench_draw(stream, -360.0, 360.0);
@@ -188,7 +222,8 @@ static bench_hostile_t draw_kind(sim_random_t *stream, bool spares_drive)
 {
     const uint32_t first = BENCH_HOSTILE_SDO_NAVCOMP;
     bench_hostile_t kind = (bench_hostile_t)(first + bench_pick(stream, BENCH_HOSTILE_KINDS - first));
-    if (spares_drive && (kind == BENCH_HOSTILE_SDO_DRIVE || kind == BENCH_HOSTILE_SET_POINT)) {
+    if (spares_drive && (kind == BENCH_HOSTILE_SDO_DRIVE || kind == BENCH_HOSTILE_SET_POINT ||
+                         kind == BENCH_HOSTILE_SDO_SET_POINT)) {
         kind = BENCH_HOSTILE_SDO_NAVCOMP;
     }
     return kind;

@@ -6,6 +6,10 @@
 #include <string.h>
 
 #define COMMAND_OBJECT 0x2002U
+#define FIRST_SERVER 0x601U
+#define SECOND_SERVER 0x401U
+#define BLOCK_XY 0x683U
+#define BLOCK_Z 0x693U
 #define ABORT_WAS_REFUSED 0x08000022U
 
 /* What the world tells. */
@@ -47,6 +51,7 @@ static void on_change(void *context, const tumble_progress_t *progress)
 {
     bench_life_t *const life = context;
     bench_watch_change(life, progress);
+    bench_watch_means(life);
     bench_life_attend_to(life, progress);
     look_at_waiting(life);
     if (progress->state == TUMBLE_STATE_DONE) {
@@ -58,6 +63,11 @@ static bool is_write(const tumble_can_frame_t *frame, uint16_t index, uint8_t su
 {
     return frame->length == 8U && (frame->data[0] & 0xE0U) == 0x20U && frame->data[1] == (index & 0xFFU) &&
            frame->data[2] == index >> 8 && frame->data[3] == subindex;
+}
+
+static void on_sample(void *context, tumble_taken_t taken, const tumble_block_sample_t *sample)
+{
+    bench_watch_sample(context, taken, sample);
 }
 
 /* The computer answers a write: taken, or why not. */
@@ -73,6 +83,12 @@ static void note_answer(bench_life_t *life, const tumble_can_frame_t *frame)
             bench_watch_ended(life);
         }
     }
+    if (index == COMMAND_OBJECT && frame->data[3] == 2U && frame->data[0] == 0x80U) {
+        bench_watch_decide(life, life->command_asked, true);
+    }
+    if (taken) {
+        bench_watch_written(life, index, frame->data[3]);
+    }
     if (taken && (index == 0x2050U || (index >= 0x2122U && index <= 0x2126U))) {
         bench_watch_excuse(life, BENCH_EXCUSE_RULES);
     }
@@ -83,12 +99,21 @@ static void on_frame(void *context, uint64_t time_us, uint8_t sender, const tumb
 {
     bench_life_t *const life = context;
     (void)time_us;
-    if (frame->id == 0x601U && sender != BENCH_BUS_NAVCOMP && is_write(frame, COMMAND_OBJECT, 2)) {
+    if (frame->id == FIRST_SERVER || frame->id == SECOND_SERVER) {
+        bench_watch_request(life, frame);
+    } else if (frame->id == BLOCK_XY || frame->id == BLOCK_Z) {
+        bench_watch_block_frame(life, frame);
+    } else if (frame->id == 0U && frame->length == 2U && frame->data[0] >= 0x81U && frame->data[1] <= 1U) {
+        life->watch.level_until_us = 0; /* reset */
+    }
+    if (frame->id == FIRST_SERVER && sender != BENCH_BUS_NAVCOMP && is_write(frame, COMMAND_OBJECT, 2)) {
+        life->command_asked = (tumble_command_t)frame->data[4];
         life->abort_asked = frame->data[4] == TUMBLE_COMMAND_ABORT;
+        bench_watch_decide(life, life->command_asked, false);
         if (!life->abort_asked) {
             bench_watch_commanded(life);
         }
-    } else if (sender == BENCH_BUS_NAVCOMP && frame->id == 0x581U && frame->length == 8U) {
+    } else if (sender == BENCH_BUS_NAVCOMP && (frame->id == 0x581U || frame->id == 0x381U) && frame->length == 8U) {
         note_answer(life, frame);
     } else if (sender == BENCH_BUS_NAVCOMP && frame->id == 0x081U && frame->length == 8U &&
                tumble_get_u16(frame->data) == TUMBLE_KEEPER_EMCY_DECAYED) {
@@ -215,7 +240,8 @@ static void begin(bench_life_t *life, bench_plan_t *plan)
     }
     find_next(life);
     bench_watch_init(life);
-    life->watcher = (bench_watcher_t){.context = life, .on_change = on_change, .on_frame = on_frame};
+    life->watcher =
+        (bench_watcher_t){.context = life, .on_change = on_change, .on_sample = on_sample, .on_frame = on_frame};
 }
 
 static void compose(bench_life_t *life)

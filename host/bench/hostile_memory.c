@@ -67,15 +67,73 @@ void bench_life_tear_memory(bench_life_t *life, sim_random_t *stream)
     }
 }
 
+static uint64_t hash(const uint8_t *bytes, uint32_t size)
+{
+    uint64_t found = 14695981039346656037U; /* FNV-1a */
+    for (uint32_t i = 0; i < size; i++) {
+        found = (found ^ bytes[i]) * 1099511628211U;
+    }
+    return found;
+}
+
+bool bench_life_is_flipped(const bench_life_t *life, const bench_flipped_t *flipped)
+{
+    return hash(&life->nv.bytes[flipped->offset], flipped->size) == flipped->hash;
+}
+
+/* The set with its mark, or the entry of the history, that this byte belongs to: as it is before the flip. */
+static void note_flip(bench_life_t *life, uint32_t first, uint32_t at)
+{
+    const uint32_t region = at / SIM_NV_SECTOR;
+    const bool of_history = region == TUMBLE_REGION_HISTORY || region == TUMBLE_REGION_HISTORY + 1U;
+    const bool of_set = region >= TUMBLE_REGION_SLOT_A && region <= TUMBLE_REGION_PROPOSAL;
+    const uint32_t size = of_history ? TUMBLE_HISTORY_BYTES : TUMBLE_SET_PLACE_BYTES;
+    const uint32_t offset = of_history ? at - at % size : region * SIM_NV_SECTOR;
+    for (uint32_t i = first; i < life->flipped_count; i++) {
+        if (life->flipped[i].offset == offset) {
+            return;
+        }
+    }
+    if ((of_history || (of_set && at < offset + size)) && life->flipped_count < BENCH_FLIPPED) {
+        life->flipped[life->flipped_count++] =
+            (bench_flipped_t){.offset = offset, .size = size, .hash = hash(&life->nv.bytes[offset], size)};
+    }
+}
+
+/* Their content from now on. What two flips have left as it was is none. */
+static void take_flipped(bench_life_t *life, uint32_t first)
+{
+    uint32_t kept = first;
+    for (uint32_t i = first; i < life->flipped_count; i++) {
+        bench_flipped_t flipped = life->flipped[i];
+        const uint64_t before = flipped.hash;
+        flipped.hash = hash(&life->nv.bytes[flipped.offset], flipped.size);
+        life->flipped[kept] = flipped;
+        kept += (flipped.hash != before) ? 1U : 0U;
+    }
+    life->flipped_count = kept;
+}
+
+/* Anywhere, or as often in a mark, which is small and decides. */
+static uint32_t draw_place(sim_random_t *stream)
+{
+    const uint32_t region = TUMBLE_REGION_SLOT_A + bench_pick(stream, 3);
+    return bench_chance(stream, 0.5) ? bench_pick(stream, SIM_NV_BYTES)
+                                     : region * SIM_NV_SECTOR + TUMBLE_SET_BYTES + bench_pick(stream, 8);
+}
+
 /* Where something is written: an erased byte means nothing to anyone. */
 void bench_life_flip_bits(bench_life_t *life, sim_random_t *stream, uint32_t count)
 {
+    const uint32_t first = life->flipped_count;
     for (uint32_t flipped = 0, tries = 0; flipped < count && tries < 20000U; tries++) {
-        const uint32_t at = bench_pick(stream, SIM_NV_BYTES);
+        const uint32_t at = draw_place(stream);
         if (life->nv.bytes[at] != 0xFFU) {
+            note_flip(life, first, at);
             life->nv.bytes[at] ^= (uint8_t)(1U << bench_pick(stream, 8));
             life->counts.flips++;
             flipped++;
         }
     }
+    take_flipped(life, first);
 }

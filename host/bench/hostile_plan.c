@@ -17,6 +17,8 @@ static void draw_drive(bench_config_t *config, sim_random_t *stream)
     drive->report_us = (uint32_t)bench_draw(stream, 5000.0, 50000.0);
     drive->speed_deg_s = SPEEDS[bench_pick(stream, 4)];
     drive->axis.settling_s = 0.1;
+    config->profile.homing_fast_deg_s = (drive->speed_deg_s < 45.0) ? drive->speed_deg_s : 45.0;
+    config->profile.velocity_deg_s = (drive->speed_deg_s >= 60.0 && bench_chance(stream, 0.5)) ? 30.0 : 0.0;
     config->profile.stop = (uint8_t)(bench_chance(stream, 0.3) ? TUMBLE_STOP_BY_HALT : TUMBLE_STOP_BY_QUICK_STOP);
 }
 
@@ -43,7 +45,7 @@ static void draw_keeping(bench_plan_t *plan, sim_random_t *stream)
 {
     bench_keeping_t *const keeping = &plan->config.keeping;
     (void)strcpy(keeping->serial, "TB-0001");
-    keeping->first = true;
+    keeping->first = bench_chance(stream, 0.7); /* else the first result is held */
     keeping->settings.gravity_m_s2 = 9.81;
     plan->has_set = bench_chance(stream, 0.5);
     plan->utc_s = bench_chance(stream, 0.7) ? 1800000000U : 0U;

@@ -12,6 +12,9 @@ tumble_status_t bench_life_command(bench_life_t *life, tumble_command_t command,
         bench_watch_commanded(life);
     }
     const tumble_status_t status = tumble_navcomp_command(&life->world.navcomp, command, argument);
+    if (status == TUMBLE_OK) {
+        bench_watch_decide(life, command, false);
+    }
     if (command == TUMBLE_COMMAND_ABORT) {
         bench_watch_ended(life);
     }
@@ -56,6 +59,7 @@ void bench_life_cut(bench_life_t *life, const bench_event_t *event)
         bench_life_flip_bits(life, &stream, event->count);
     }
     bench_watch_ended(life);
+    life->watch.decided_us = (life->watch.decided_us >= world->clock.now_us) ? SIM_NEVER : 0U;
     life->attend_us = SIM_NEVER;
     life->power_us = world->clock.now_us + event->off_us;
 }

@@ -5,6 +5,9 @@
 void bench_hostile_add(bench_hostile_sum_t *sum, const bench_hostile_record_t *record)
 {
     const bench_life_counts_t *const counts = &record->counts;
+    if (record->virtual_us > 0U) { /* there was a world */
+        bench_travel_add(&sum->travel, &record->travel, sum->virtual_us == 0U);
+    }
     sum->runs++;
     sum->violated += (record->violation.kind != BENCH_HOLDS) ? 1U : 0U;
     sum->violations[record->violation.kind]++;
@@ -120,6 +123,7 @@ void bench_hostile_document(const bench_hostile_sum_t *sum, const bench_options_
     put_violations(&json, sum);
     put_injected(&json, sum);
     put_ends(&json, sum);
+    bench_report_table(&sum->travel, &json);
     bench_json_number(&json, "virtual_s", 1e-6 * (double)sum->virtual_us);
     bench_json_whole(&json, "frames", sum->frames);
     bench_json_whole(&json, "steps", sum->steps);

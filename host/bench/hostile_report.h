@@ -6,6 +6,7 @@
 #include "bench/hostile_life.h"
 #include "bench/hostile_text.h"
 #include "bench/pool.h"
+#include "bench/report.h"
 
 /* What is kept of a life: numbers only, fit to be sent through a pipe. */
 typedef struct {
@@ -13,6 +14,7 @@ typedef struct {
     bench_violation_t violation;
     bench_life_counts_t counts;
     uint32_t excuses;
+    bench_travel_t travel;
     uint64_t virtual_us;
     uint64_t frames;
     uint64_t steps;
@@ -37,6 +39,7 @@ typedef struct {
     uint64_t ends[TUMBLE_STATE_COUNT][TUMBLE_REASON_COUNT];
     uint64_t excuses[BENCH_EXCUSES];
     uint64_t flips, committed, judged, held, homings, lives_with_commit;
+    bench_travel_t travel;
     uint64_t virtual_us, frames, steps;
     uint32_t shrunk_count;
     bench_shrunk_t shrunk[BENCH_HOSTILE_SHRUNK];

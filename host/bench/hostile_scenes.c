@@ -1,6 +1,8 @@
 /* What belongs together: a fault alone or a frame alone seldom meets the moment at which it hurts. */
 #include "bench/hostile_draw.h"
 
+#include "navcomp/service.h"
+
 #define FOR_GOOD 0.0
 #define LIFE_FAULTS 4U
 
@@ -40,6 +42,7 @@ static void draw_frame_fault(sim_random_t *stream, sim_fault_t *fault)
 static void draw_value(sim_random_t *stream, sim_fault_t *fault)
 {
     static const uint8_t PAIRS[] = {3, 5, 6};
+    static const double SCALES[] = {0.1, 0.25, 0.5, 0.9, 1.1, 2.0, 4.0, 10.0};
     const double sign = bench_chance(stream, 0.5) ? 1.0 : -1.0;
     const double size = bench_draw(stream, 0.0, 1.0);
     fault->channels = (uint8_t)(1U + bench_pick(stream, 7));
@@ -49,6 +52,12 @@ static void draw_value(sim_random_t *stream, sim_fault_t *fault)
         break;
     case SIM_FAULT_NEVER_REACHED:
         fault->value = 0.2 + 20.0 * size;
+        break;
+    case SIM_FAULT_RUNAWAY:
+        fault->value = bench_chance(stream, 0.5) ? 0.0 : 720.0 * size * size;
+        break;
+    case SIM_FAULT_POSITION_SCALE:
+        fault->value = SCALES[bench_pick(stream, sizeof SCALES / sizeof SCALES[0])];
         break;
     case SIM_FAULT_SLIP:
         fault->value = sign * 20.0 * size * size;
@@ -117,6 +126,10 @@ static void void_the_stop(bench_plan_t *plan, sim_random_t *stream)
     } else if (bench_chance(stream, 0.8)) {
         (void)add_fault(plan, SIM_FAULT_HOMING_ENDLESS, bench_draw(stream, 0.0, 2.0), FOR_GOOD);
     }
+    if (bench_chance(stream, 0.3)) { /* the stranger knows the key */
+        bench_event_t *const key = bench_plan_add(plan, BENCH_HOSTILE_SDO_NAVCOMP, writes_s - 0.1);
+        bench_frame_write(&key->frame, 1, 0x2006, 1, 4, TUMBLE_SERVICE_KEY);
+    }
     for (uint32_t i = 1U + bench_pick(stream, 2); i > 0U; i--) {
         bench_event_t *const event = bench_plan_add(plan, BENCH_HOSTILE_SDO_NAVCOMP, writes_s);
         bench_draw_stop_write(stream, &event->frame);
@@ -148,6 +161,10 @@ static void garble_the_count(bench_plan_t *plan, sim_random_t *stream)
     event->moment.delay_us = (uint32_t)bench_draw(stream, 5000.0, 250000.0);
     event->angle_deg = STEPS_DEG[bench_pick(stream, 8)];
     event->count = 1U + bench_pick(stream, 3);
+    if (bench_chance(stream, 0.4)) {
+        event->kind = BENCH_HOSTILE_NEAR_POSITION;
+        bench_draw_near_positions(stream, event);
+    }
     plan->attendant.errs = false;
     if (event->moment.states == 1U << TUMBLE_STATE_DONE) {
         bench_event_t *const turn =
@@ -158,11 +175,59 @@ static void garble_the_count(bench_plan_t *plan, sim_random_t *stream)
     }
 }
 
+/* The table turns by command, alone on the stand, and something is wrong with what moves it or tells where it is. */
+static void spoil_a_motion(bench_plan_t *plan, sim_random_t *stream)
+{
+    static const sim_fault_kind_t KINDS[] = {SIM_FAULT_RUNAWAY, SIM_FAULT_RUNAWAY, SIM_FAULT_FROZEN_POSITION,
+                                             SIM_FAULT_POSITION_SCALE};
+    const double at_s = bench_draw(stream, 2.0, 8.0);
+    const bool homes = bench_chance(stream, 0.4);
+    const double moves_s = at_s + (homes ? 0.0 : 16.0);
+    const double spoils_s = moves_s + bench_draw(stream, -0.5, 2.5);
+    const uint32_t what = bench_pick(stream, 8);
+    plan->count = 0; /* a run would be in the way */
+    bench_plan_add_command(plan, at_s, TUMBLE_COMMAND_HOME_AXIS, 0);
+    if (!homes) {
+        const double angle_deg = bench_chance(stream, 0.5) ? bench_draw(stream, -30.0, 400.0) : 400.0;
+        bench_plan_add_command(plan, moves_s, TUMBLE_COMMAND_TURN_AXIS, 0)->angle_deg = angle_deg;
+    }
+    if (homes && bench_chance(stream, 0.5)) {
+        (void)add_fault(plan, SIM_FAULT_HOMING_ENDLESS, at_s - 1.0, FOR_GOOD);
+    }
+    if (what < 4U) {
+        sim_fault_t *const fault = add_fault(plan, KINDS[what], spoils_s, FOR_GOOD);
+        draw_value(stream, fault);
+    } else if (what == 4U) {
+        bench_draw_near_positions(stream, bench_plan_add(plan, BENCH_HOSTILE_NEAR_POSITION, spoils_s));
+        bench_plan_add_command(plan, moves_s + 12.0, TUMBLE_COMMAND_TURN_AXIS, 0)->angle_deg = 395.0;
+    } else if (what == 5U) {
+        bench_draw_set_point(stream, bench_plan_add(plan, BENCH_HOSTILE_SDO_SET_POINT, spoils_s));
+    } else {
+        plan->config.profile.velocity_deg_s = 0.5 * plan->config.scenario.drive.speed_deg_s;
+        bench_draw_read_back_write(stream, &bench_plan_add(plan, BENCH_HOSTILE_SDO_DRIVE, spoils_s)->frame);
+        bench_plan_add_command(plan, moves_s + 30.0, TUMBLE_COMMAND_TURN_AXIS, 0)->angle_deg = 185.0;
+        bench_plan_add_command(plan, moves_s + 50.0, TUMBLE_COMMAND_TURN_AXIS, 0)->angle_deg = -25.0;
+    }
+}
+
+/* A result waits for its operator, and power is lost. */
+static void leave_a_proposal(bench_plan_t *plan, sim_random_t *stream)
+{
+    bench_event_t *const cut = bench_plan_add(plan, BENCH_HOSTILE_CUT, 10.0);
+    cut->off_us = (uint32_t)bench_draw(stream, 1e4, 8e6);
+    cut->moment.states = 1U << TUMBLE_STATE_DONE;
+    cut->moment.delay_us = (uint32_t)bench_draw(stream, 1e3, 15e6);
+    cut->count = bench_chance(stream, 0.5) ? 1U : 0U;
+    plan->has_set = false;
+    plan->config.keeping.first = false;
+}
+
 static void command_the_drive(bench_plan_t *plan, sim_random_t *stream)
 {
+    const bench_hostile_t kind = bench_chance(stream, 0.5) ? BENCH_HOSTILE_SET_POINT : BENCH_HOSTILE_SDO_SET_POINT;
     bench_event_t *const event =
-        bench_plan_add(plan, BENCH_HOSTILE_SET_POINT, bench_draw(stream, 1.0, 1e-6 * (double)plan->lasts_us));
-    event->angle_deg = bench_draw(stream, -1500.0, 1500.0);
+        bench_plan_add(plan, kind, bench_draw(stream, 1.0, 1e-6 * (double)plan->lasts_us));
+    bench_draw_set_point(stream, event);
     if (bench_chance(stream, 0.5)) {
         event->moment.states = bench_chance(stream, 0.5) ? 1U << TUMBLE_STATE_IDLE : 1U << TUMBLE_STATE_WAIT_MOUNTING;
     }
@@ -171,10 +236,11 @@ static void command_the_drive(bench_plan_t *plan, sim_random_t *stream)
 void bench_plan_scenes(bench_plan_t *plan)
 {
     static void (*const SCENES[])(bench_plan_t *plan, sim_random_t *stream) = {
-        void_the_stop, lose_the_mark, garble_the_count, garble_the_count, command_the_drive};
+        void_the_stop,     lose_the_mark,  garble_the_count, garble_the_count,
+        command_the_drive, spoil_a_motion, spoil_a_motion,   spoil_a_motion, leave_a_proposal};
     sim_random_t stream;
     sim_random_open(&stream, plan->seed, SIM_CAUSE_LIFE, BENCH_STREAM_SCENES);
-    if (bench_chance(&stream, 0.3)) {
+    if (bench_chance(&stream, 0.4)) {
         SCENES[bench_pick(&stream, sizeof SCENES / sizeof SCENES[0])](plan, &stream);
     }
 }

@@ -6,6 +6,7 @@
 #include <math.h>
 
 #define TOLD_US 2000000U
+#define DECIDED_US 5000000U /* what is decided is done by then */
 
 /* What excuses coefficients that are off. */
 static bool is_excused(const bench_life_t *life)
@@ -81,6 +82,65 @@ static void look_whether_told(bench_life_t *life)
     }
 }
 
+/* Have bits of the proposal flipped? */
+static bool was_hit(const bench_life_t *life)
+{
+    bool hit = false;
+    for (uint32_t i = 0; i < life->flipped_count; i++) {
+        hit = hit || life->flipped[i].offset == TUMBLE_REGION_PROPOSAL * SIM_NV_SECTOR;
+    }
+    return hit;
+}
+
+/* A proposal stays until somebody decides, or another result takes its place. */
+static void look_at_proposal(bench_life_t *life)
+{
+    bench_watch_t *const watch = &life->watch;
+    const uint32_t proposal = tumble_store_proposal(&life->keeper.sets.store);
+    if (proposal == watch->proposal) {
+        return;
+    }
+    if (watch->proposal != 0U && life->world.clock.now_us > watch->decided_us && !was_hit(life)) {
+        bench_watch_break(life, BENCH_BROKEN_PROPOSAL, (double)proposal, watch->proposal);
+    }
+    watch->proposal = proposal;
+    watch->decided_us = 0;
+}
+
+void bench_watch_decide(bench_life_t *life, tumble_command_t command, bool refused)
+{
+    if (command == TUMBLE_COMMAND_ACCEPT || command == TUMBLE_COMMAND_DISCARD || command == TUMBLE_COMMAND_ROLLBACK) {
+        bench_watch_may_go(life, !refused);
+    }
+}
+
+void bench_watch_may_go(bench_life_t *life, bool may)
+{
+    life->watch.decided_us = may ? life->world.clock.now_us + DECIDED_US : 0U;
+}
+
+static bool counts_as_valid(const bench_life_t *life, uint32_t offset)
+{
+    const tumble_sets_t *const sets = &life->keeper.sets;
+    const uint32_t region = offset / SIM_NV_SECTOR;
+    if (region <= TUMBLE_REGION_PROPOSAL) {
+        return sets->store.places[region].valid;
+    }
+    const uint32_t cell = offset % SIM_NV_SECTOR / TUMBLE_HISTORY_BYTES;
+    return !tumble_history_busy(&sets->history) &&
+           (sets->history.valid[region - TUMBLE_REGION_HISTORY] >> cell & 1U) != 0U;
+}
+
+static void look_at_flipped(bench_life_t *life)
+{
+    for (uint32_t i = 0; i < life->flipped_count; i++) {
+        const bench_flipped_t *const flipped = &life->flipped[i];
+        if (counts_as_valid(life, flipped->offset) && bench_life_is_flipped(life, flipped)) {
+            bench_watch_break(life, BENCH_BROKEN_DECAYED, 0.0, flipped->offset);
+        }
+    }
+}
+
 void bench_watch_sets(bench_life_t *life)
 {
     bench_watch_t *const watch = &life->watch;
@@ -100,11 +160,15 @@ void bench_watch_sets(bench_life_t *life)
     watch->has_set = has_set;
     watch->counter = counter;
     look_whether_told(life);
+    look_at_proposal(life);
+    look_at_flipped(life);
 }
 
 void bench_watch_power_on(bench_life_t *life)
 {
     life->watch.told = false;
+    bench_watch_may_go(life, life->watch.decided_us == SIM_NEVER);
+    bench_watch_begin_again(life);
 }
 
 /* What can be read. */

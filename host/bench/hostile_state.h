@@ -17,6 +17,15 @@ typedef struct {
     tumble_can_frame_t frame;
 } bench_follower_t;
 
+/* A record in the memory, with its mark, in which bits have flipped: what it looks like since. */
+#define BENCH_FLIPPED 32U
+
+typedef struct {
+    uint32_t offset;
+    uint32_t size;
+    uint64_t hash;
+} bench_flipped_t;
+
 /* Counted for the summary. */
 typedef struct {
     uint32_t faults[SIM_FAULT_KINDS];
@@ -51,6 +60,9 @@ typedef struct bench_life {
     bool erred;
     bool run_was_on; /* when power was cut */
     bool abort_asked;
+    tumble_command_t command_asked; /* the last one over CAN */
+    bench_flipped_t flipped[BENCH_FLIPPED];
+    uint32_t flipped_count;
     bench_watch_t watch;
     bench_life_counts_t counts;
 } bench_life_t;
@@ -72,6 +84,9 @@ void bench_life_send(bench_life_t *life, const tumble_can_frame_t *frame, uint32
 void bench_life_prepare_memory(bench_life_t *life);
 void bench_life_tear_memory(bench_life_t *life, sim_random_t *stream);
 void bench_life_flip_bits(bench_life_t *life, sim_random_t *stream, uint32_t count);
+
+/* Is this record still as the flips have left it? False: it has been written anew. */
+bool bench_life_is_flipped(const bench_life_t *life, const bench_flipped_t *flipped);
 
 /* Power of the computer (hostile_power.c): what is in its memory is there; it is lost; it comes back. */
 void bench_life_boot(bench_life_t *life);

@@ -24,7 +24,14 @@ void bench_watch_change(bench_life_t *life, const tumble_progress_t *progress)
     const bool was_on = is_of_a_run(life->watch.state);
     const tumble_state_t state = progress->state;
     const bool changed = state != life->watch.state;
+    const bool waited = !was_on && life->watch.state != TUMBLE_STATE_FAULT;
+    bench_watch_count_run(life, waited && is_of_a_run(state), !was_on && changed); /* it may have failed at once */
     life->watch.state = state;
+    if (is_of_a_run(state)) {
+        life->watch.level_until_us = 0; /* it ends with the beginning of a run */
+    } else if (state == TUMBLE_STATE_DONE && changed) {
+        bench_watch_may_go(life, true); /* the new result takes its place */
+    }
     if ((state == TUMBLE_STATE_FAULT || state == TUMBLE_STATE_ABORT) && progress->reason == TUMBLE_REASON_NONE) {
         bench_watch_break(life, BENCH_BROKEN_REASON, 0.0, (uint32_t)state);
     }
@@ -45,7 +52,7 @@ static bool is_excused(const bench_life_t *life)
 {
     const bench_watch_t *const watch = &life->watch;
     return bench_watch_has_excuse(life, BENCH_EXCUSE_COMMANDED) &&
-           life->world.clock.now_us < watch->commanded_us + BENCH_REST_US;
+           life->world.clock.now_us < watch->commanded_us + BENCH_NOTICE_US;
 }
 
 static bench_broken_t blamed(const bench_life_t *life, bench_broken_t otherwise)
@@ -100,7 +107,6 @@ static bool is_under_way(sim_homing_t homing)
 static void look_at_homing(bench_life_t *life, bool moves, double deg)
 {
     bench_watch_t *const watch = &life->watch;
-    const bench_config_t *const config = &life->plan->config;
     const sim_homing_t homing = life->world.drive.homing;
     if (is_under_way(homing) && !is_under_way(watch->homing)) {
         watch->searches = true;
@@ -110,11 +116,24 @@ static void look_at_homing(bench_life_t *life, bool moves, double deg)
         watch->searches = false;
     }
     watch->homing = homing;
-    const double bound_deg = config->procedure.cable_max_deg - config->procedure.cable_min_deg + 360.0 +
-                             config->profile.homing_fast_deg_s * 1e-6 * BENCH_REST_US +
-                             braking_deg(&config->scenario.drive);
-    if (watch->searches && fabs(deg - watch->from_deg) > bound_deg) {
+    if (watch->searches && fabs(deg - watch->from_deg) > BENCH_HOMING_DEG) {
         bench_watch_break(life, BENCH_BROKEN_HOMING, deg - watch->from_deg, (uint32_t)watch->state);
+    }
+}
+
+/* What a stranger has changed is read back before a motion; what he changes on its way may count for its next leg. */
+static void look_at_speed(bench_life_t *life, double velocity_deg_s, double deg)
+{
+    bench_watch_t *const watch = &life->watch;
+    const uint64_t now_us = life->world.clock.now_us;
+    const tumble_drive_profile_t *const profile = &life->plan->config.profile;
+    const double told_deg_s = is_under_way(watch->homing) ? profile->homing_fast_deg_s : profile->velocity_deg_s;
+    if (fabs(velocity_deg_s) <= told_deg_s * BENCH_SPEED_EXCESS) {
+        watch->fast_us = SIM_NEVER;
+    } else if (watch->fast_us == SIM_NEVER) {
+        watch->fast_us = now_us;
+    } else if (now_us - watch->fast_us > BENCH_NOTICE_US) {
+        bench_watch_break(life, BENCH_BROKEN_SPEED, deg, (uint32_t)watch->state);
     }
 }
 
@@ -123,13 +142,14 @@ static void look_at_table(bench_life_t *life)
     const bench_world_t *const world = &life->world;
     const uint64_t now_us = world->clock.now_us;
     const bool moves = now_us < sim_axis_end_us(world->axis);
-    double velocity;
+    double velocity_deg_s;
     if (bench_watch_has_excuse(life, BENCH_EXCUSE_REWRITTEN)) {
         return;
     }
-    const double deg = sim_axis_commanded_deg(world->axis, now_us, &velocity);
+    const double deg = sim_axis_commanded_deg(world->axis, now_us, &velocity_deg_s);
     look_at_rest(life, moves, deg);
     look_at_homing(life, moves, deg);
+    look_at_speed(life, velocity_deg_s, deg);
     if (world->drive.homing == SIM_HOMING_ATTAINED && world->drive.powered) {
         look_at_cable(life, moves, deg);
     }
@@ -140,6 +160,7 @@ void bench_watch_look(bench_life_t *life)
 {
     look_at_table(life);
     if (!life->world.off) {
+        bench_watch_rules(life);
         bench_watch_sets(life);
     }
 }

@@ -114,10 +114,14 @@ bench_text_t bench_text_event(const bench_event_t *event)
         add(&text, "power off for %.6f s, %u bits flipped", 1e-6 * (double)event->off_us, (unsigned)event->count);
         break;
     case BENCH_HOSTILE_SET_POINT:
-        add(&text, "forged set-point 202h: %.3f deg", event->angle_deg);
+    case BENCH_HOSTILE_SDO_SET_POINT:
+        add(&text, "forged set-point %s: %.3f deg%s", (event->kind == BENCH_HOSTILE_SET_POINT) ? "202h" : "602h",
+            event->angle_deg, event->relative ? " off the target" : "");
         break;
     case BENCH_HOSTILE_POSITION:
-        add(&text, "%u forged positions 182h, each %.3f deg further", (unsigned)event->count, event->angle_deg);
+    case BENCH_HOSTILE_NEAR_POSITION:
+        add(&text, "%u forged positions 182h, each %.3f deg further%s", (unsigned)event->count, event->angle_deg,
+            (event->kind == BENCH_HOSTILE_POSITION) ? "" : ", 0.3 ms apart");
         break;
     case BENCH_HOSTILE_SAMPLE:
     case BENCH_HOSTILE_SPOILT_SAMPLE:
@@ -141,9 +145,20 @@ bench_text_t bench_text_violation(const bench_violation_t *violation)
     case BENCH_BROKEN_TRUTH:
         add(&text, "%s by %.1f u", COEFFICIENTS[violation->what], violation->value);
         break;
+    case BENCH_BROKEN_LEVEL:
     case BENCH_BROKEN_FINITE:
         add(&text, "%04Xh:%u", violation->what >> 8, violation->what & 0xFFU);
         break;
+    case BENCH_BROKEN_DECAYED:
+        add(&text, "at %u", violation->what);
+        break;
+    case BENCH_BROKEN_PROPOSAL:
+        add(&text, "%08X", violation->what);
+        break;
+    case BENCH_BROKEN_MEAN:
+        add(&text, "of row %u of the schedule, sample %.0f", violation->what, violation->value);
+        break;
+    case BENCH_BROKEN_RUN:
     case BENCH_BROKEN_LOST:
     case BENCH_BROKEN_COUNTER:
         add(&text, "from %u to %.0f", violation->what, violation->value);

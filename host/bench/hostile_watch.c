@@ -14,6 +14,8 @@ void bench_watch_init(bench_life_t *life)
                                   .peace = true,
                                   .still_us = SIM_NEVER,
                                   .told_by_us = SIM_NEVER,
+                                  .open_us = SIM_NEVER,
+                                  .fast_us = SIM_NEVER,
                                   .state = TUMBLE_STATE_IDLE};
 }
 

@@ -322,19 +322,36 @@ void bench_report_firmware(const bench_world_t *world, bench_json_t *json)
     put_means(world, json);
 }
 
+bench_travel_t bench_travel(const bench_world_t *world)
+{
+    bench_travel_t travel = {.at_rest = bench_world_is_at_rest(world)};
+    sim_axis_extent(world->axis, world->clock.now_us, &travel.lowest_deg, &travel.highest_deg);
+    return travel;
+}
+
+void bench_travel_add(bench_travel_t *all, const bench_travel_t *one, bool first)
+{
+    all->at_rest = one->at_rest && (first || all->at_rest);
+    all->lowest_deg = (first || one->lowest_deg < all->lowest_deg) ? one->lowest_deg : all->lowest_deg;
+    all->highest_deg = (first || one->highest_deg > all->highest_deg) ? one->highest_deg : all->highest_deg;
+}
+
+void bench_report_table(const bench_travel_t *travel, bench_json_t *json)
+{
+    bench_json_open(json, "table", '{');
+    bench_json_flag(json, "at_rest", travel->at_rest);
+    bench_json_number(json, "lowest_deg", travel->lowest_deg);
+    bench_json_number(json, "highest_deg", travel->highest_deg);
+    bench_json_close(json, '}');
+}
+
 void bench_report_simulation(const bench_world_t *world, bench_json_t *json)
 {
-    double lowest_deg;
-    double highest_deg;
-    sim_axis_extent(world->axis, world->clock.now_us, &lowest_deg, &highest_deg);
+    const bench_travel_t travel = bench_travel(world);
     put_truth(world, json);
     put_faults(world, json);
     bench_json_number(json, "virtual_s", (double)world->clock.now_us * 1e-6);
-    bench_json_open(json, "table", '{');
-    bench_json_flag(json, "at_rest", bench_world_is_at_rest(world));
-    bench_json_number(json, "lowest_deg", lowest_deg);
-    bench_json_number(json, "highest_deg", highest_deg);
-    bench_json_close(json, '}');
+    bench_report_table(&travel, json);
 }
 
 void bench_report_document(const bench_world_t *world, FILE *out)

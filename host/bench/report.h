@@ -21,7 +21,7 @@
  *             theta_h_rad, theta_n_rad (by mounting; the platform's in theta_h), encoder_rad (4), drift_v (3)}
  *     faults: list of {kind, times}: those of the scenario, and how often each has come
  *     virtual_s: when it ended
- *     table: {at_rest, lowest_deg, highest_deg}: how far the table has turned
+ *     table: {at_rest, lowest_deg, highest_deg}: how far the table has turned since power-on, by the simulation's truth
  */
 #ifndef TUMBLE_BENCH_REPORT_H
 #define TUMBLE_BENCH_REPORT_H
@@ -39,6 +39,21 @@ int bench_exit_code(const bench_world_t *world);
 /* Parts of it: what the firmware did and found; what the simulation was made of and where it ended. */
 void bench_report_firmware(const bench_world_t *world, bench_json_t *json);
 void bench_report_simulation(const bench_world_t *world, bench_json_t *json);
+
+/* Where the table of the simulation has been since power-on, whatever its drive reports; and whether it rests now. */
+typedef struct {
+    double lowest_deg;
+    double highest_deg;
+    bool at_rest;
+} bench_travel_t;
+
+bench_travel_t bench_travel(const bench_world_t *world);
+
+/* The extremes of several; at rest: all of them are. `first`: `all` holds nothing yet. */
+void bench_travel_add(bench_travel_t *all, const bench_travel_t *one, bool first);
+
+/* "table": {at_rest, lowest_deg, highest_deg}. */
+void bench_report_table(const bench_travel_t *travel, bench_json_t *json);
 
 /* Members of it: of the firmware, of the simulated bus. */
 void bench_report_firmware_counters(const bench_world_t *world, bench_json_t *json);

@@ -84,12 +84,19 @@ LIVES = Campaign((), "--campaign")  # hostile ones: a document of each piece (ho
 def merged(documents: list[str]) -> dict[str, Any]:
     """The document of all lives from those of their pieces, in order; `speed` is that of one process."""
     parts = [json.loads(document) for document in documents]
+    tables = [part.pop("table") for part in parts]
     first_seed, virtual_us = parts[0]["first_seed"], sum(round(part["virtual_s"] / _MICROSECOND) for part in parts)
     found: dict[str, Any] = parts[0]
     for part in parts[1:]:
         found = _sum(found, part)
     speed = {**found["speed"], "jobs": 1, "ms_per_life": 1e3 * found["speed"]["cpu_s"] / found["runs"]}
-    return {**found, "first_seed": first_seed, "virtual_s": virtual_us * _MICROSECOND, "speed": speed}
+    table = {
+        "at_rest": all(one["at_rest"] for one in tables),
+        "lowest_deg": min(one["lowest_deg"] for one in tables),
+        "highest_deg": max(one["highest_deg"] for one in tables),
+    }
+    own = {"first_seed": first_seed, "table": table, "virtual_s": virtual_us * _MICROSECOND, "speed": speed}
+    return {**found, **own}
 
 
 def _sum(one: Any, other: Any) -> Any:

@@ -31,6 +31,16 @@ _USUAL_MOTION = {"velocity_deg_per_s": 90.0, "acceleration_deg_per_s2": 180.0, "
 _USUAL_CABLE_DEG = (-30.0, 400.0)
 _CABLE_SLACK_DEG = 30.0
 _LONGEST_MS = 2**32 - 1
+_BY_OPTION = {  # keys of a scenario that the check of the result has to know of
+    "mounting": "--schedule",
+    "position": "--schedule",
+    "procedure.estimator": "--estimator",
+    "procedure.samples": "--samples",
+    "procedure.error_budget_v": "--error-budget",
+    "procedure.gravity_limit_g": "--limit",
+    "block.converter_bits": "--block",
+    "block.range_v": "--block",
+}
 _USUAL_CONVERTER = {"converter_bits": 24, "range_v": 10.0}  # where the file leaves it open
 
 
@@ -56,20 +66,51 @@ class Setup:
     terms: Terms = ()
 
 
-def scenario_text(setup: Setup) -> str:
-    """The scenario file. Raises BadInput for what can be declared but not simulated."""
-    lines = [*_stand(setup.stand), *_block(setup), *_motion(setup), *_procedure(setup), *_schedule(setup.schedule)]
-    return "".join(f"{key} = {value}\n" for key, value in lines) + _serial(setup.block)
+def scenario_text(setup: Setup, file: str | None = None, given: bytes | None = None) -> str:
+    """The scenario file, in which the lines of another one, `given`, win over those of the setup. Raises BadInput for
+    what can be declared but not simulated, and for lines of `file` in whose place there is an option."""
+    pairs = [*_stand(setup.stand), *_block(setup), *_motion(setup), *_procedure(setup), *_schedule(setup.schedule)]
+    own = [*(f"{key} = {value}" for key, value in pairs), *_serial(setup.block)]
+    lines = own if file is None or given is None else _overridden(own, file, given)
+    return "".join(f"{line}\n" for line in lines)
 
 
-def _serial(block: dict[str, Any] | None) -> str:
+def _overridden(own: list[str], file: str, given: bytes) -> list[str]:
+    """The file's lines come first: then a line number of a complaint is the file's. Those that say the same as `own`,
+    as in inputs/ of an earlier run, are left out."""
+    lines, keys = [], set()
+    for row, line in enumerate(_scenario_lines(file, given), start=1):
+        key = _key(line)
+        same = line in own
+        if key in _BY_OPTION and not same:
+            raise BadInput(f"{key} is given by {_BY_OPTION[key]}", file, row)
+        keys |= set() if same else {key}
+        lines.append("" if same else line)
+    return [*lines, *(line for line in own if _key(line) not in keys)]
+
+
+def _key(line: str) -> str:
+    return line.partition("=")[0].strip()
+
+
+def _scenario_lines(file: str, given: bytes) -> Iterator[str]:
+    """Without what stands in comments, which may be in any language."""
+    for row, line in enumerate(given.split(b"\n"), start=1):
+        text = line.strip()
+        if not text.isascii() and not text.startswith(b"#"):
+            raise BadInput("is not ASCII text", file, row)
+        yield "" if text.startswith(b"#") else text.decode("ascii")
+
+
+def _serial(block: dict[str, Any] | None) -> Iterator[str]:
     """The block's, for a computer that keeps coefficients: a word there, not any text as in a stand file."""
     serial = (block or {}).get("serial")
     if serial is None:
-        return ""
+        return
     if re.fullmatch("[!-~]{1,24}", serial) is None:
-        return "# keeper.serial: the stand file's is no word of at most 24 ASCII characters\n"
-    return f"keeper.serial = {serial}\n"
+        yield "# keeper.serial: the stand file's is no word of at most 24 ASCII characters"
+    else:
+        yield f"keeper.serial = {serial}"
 
 
 def _numbers(*values: float) -> str:

@@ -65,6 +65,9 @@ def add_options(parser: options.Options, shows_interactive: bool = True) -> None
     parser.add_argument("--stand", metavar="FILE", help="stand file (TOML); default: the paper's stand")
     parser.add_argument("--block", metavar="FILE", help="file of [block] and [block.true]; overrides the stand's")
     options.add_schedule(parser)
+    parser.add_argument(
+        "--scenario", metavar="FILE", help="faults, and other keys of tumble-bench --keys; overrides the stand file"
+    )
     parser.add_argument("--samples", metavar="N", help="averaged at a position; default: the stand file's, else 50")
     parser.add_argument(
         "--error-budget",
@@ -131,7 +134,8 @@ def run(arguments: argparse.Namespace, onlooker: Onlooker | None = None) -> int:
         board.require_there(bus)
     given = _read_files(arguments)
     wanted, stand_file = _read_setup(arguments, given)
-    scenario = setup.scenario_text(wanted)
+    extra = None if arguments.scenario is None else given[arguments.scenario]
+    scenario = setup.scenario_text(wanted, arguments.scenario, extra)
     gain_record = gains.record(wanted) if wanted.estimator == OPTIMAL else None
     path = folder.default_path(wanted.seed) if arguments.out is None else arguments.out
     with folder.RunFolder(path, may_make_parent=folder.is_in_default_parent(path)) as made:
@@ -144,7 +148,7 @@ def run(arguments: argparse.Namespace, onlooker: Onlooker | None = None) -> int:
             made.keep(outcome.DOCUMENT, renamed="fault.json")
             tell(f"run folder: {file_name(path)}")
             raise
-        text = _result_text(solution, wanted, arguments, stand_file)
+        text = _result_text(solution, wanted, arguments, stand_file, document["table"])
         if with_report:
             _add_report(made, text, arguments.report)
         made.keep(outcome.DOCUMENT, result=text)
@@ -175,7 +179,7 @@ def _read_files(arguments: argparse.Namespace) -> dict[str, bytes]:
     """The given files and what is in them. Each is read once, as it may be a pipe. Raises BadInput."""
     from tumble.files.disk import read_bytes
 
-    given = (arguments.stand, arguments.block, file_of(arguments.schedule))
+    given = (arguments.stand, arguments.block, file_of(arguments.schedule), arguments.scenario)
     return {file: read_bytes(file) for file in dict.fromkeys(given) if file is not None}
 
 
@@ -264,7 +268,7 @@ def _simulate(
         at_rest = never_began or (document is not None and document["table"]["at_rest"])
         raise Interrupted("interrupted; " + ("the table is at rest" if at_rest else "THE TABLE MAY STILL TURN"))
     _require_written(ended, made)
-    complaint = ended.complaint.replace(str(scenario_path), "scenario")
+    complaint = ended.complaint.replace(str(scenario_path), arguments.scenario or "scenario")
     if ended.code == BadInput.exit_code:
         raise UsageError(f"this cannot be simulated: {complaint}")
     if document is None:
@@ -295,7 +299,13 @@ def _progress(schedule: Schedule, interactive: bool) -> Progress:
     return Progress(schedule, interactive)
 
 
-def _result_text(solution: Solution, wanted: Setup, arguments: argparse.Namespace, stand_file: StandFile | None) -> str:
+def _result_text(
+    solution: Solution,
+    wanted: Setup,
+    arguments: argparse.Namespace,
+    stand_file: StandFile | None,
+    table: dict[str, Any],
+) -> str:
     from tumble.api.complaints import complaints
     from tumble.bench import realbus
     from tumble.files.documents import to_json
@@ -307,7 +317,7 @@ def _result_text(solution: Solution, wanted: Setup, arguments: argparse.Namespac
     document = result.document(solution, item, environment, serial, "run.csv", created, complaints(solution))
     origin = {"seed": wanted.seed, "bus": arguments.bus, "firmware": arguments.firmware}
     assert solution.truth is not None  # it has been simulated
-    return to_json({**document, **origin, "truth": result.truth(solution.truth)})
+    return to_json({**document, **origin, "table": table, "truth": result.truth(solution.truth)})
 
 
 def _add_report(made: RunFolder, result: str, is_asked_for: bool) -> None:
