@@ -123,8 +123,12 @@ typedef struct {
     Y(10, RELEASE, "the set-point: bit 12 after bit 4 was cleared")                                                    \
     Y(11, MOTION, "the motion")
 
+typedef enum {
 #define TUMBLE_STAND_STEP(number, name, what) TUMBLE_STAND_STEP_##name = (number),
-typedef enum { TUMBLE_STAND_STEP_LIST(TUMBLE_STAND_STEP) TUMBLE_STAND_STEPS = 12 } tumble_stand_step_t;
+    TUMBLE_STAND_STEP_LIST(TUMBLE_STAND_STEP)
+#undef TUMBLE_STAND_STEP
+        TUMBLE_STAND_STEPS = 12
+} tumble_stand_step_t;
 
 /* What the stand refused, or did not do in time. */
 typedef struct {
