@@ -126,8 +126,12 @@ typedef struct {
     Y(11, MOTION, "the motion")                                                                                         \
     Y(12, VERIFY, "what a motion depends on, read back before it")
 
+typedef enum {
 #define TUMBLE_STAND_STEP(number, name, what) TUMBLE_STAND_STEP_##name = (number),
-typedef enum { TUMBLE_STAND_STEP_LIST(TUMBLE_STAND_STEP) TUMBLE_STAND_STEPS = 13 } tumble_stand_step_t;
+    TUMBLE_STAND_STEP_LIST(TUMBLE_STAND_STEP)
+#undef TUMBLE_STAND_STEP
+        TUMBLE_STAND_STEPS = 13
+} tumble_stand_step_t;
 
 /* What the stand refused, or did not do in time. */
 typedef struct {
