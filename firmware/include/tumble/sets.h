@@ -550,8 +550,7 @@ tumble_status_t tumble_checkpoint_read(tumble_checkpoint_t *checkpoint, uint8_t 
     X(TUMBLE_OBJECTION_OTHER_RULES, "the rules were changed from the board's")                                         \
     X(TUMBLE_OBJECTION_DOES_NOT_FIT, "the means scatter by more than the declared stand and noise explain")            \
     X(TUMBLE_OBJECTION_WHOLE_MODEL, "twelve coefficients and the declared stand do not explain the run as a whole")    \
-    X(TUMBLE_OBJECTION_DISTURBED,                                                                                      \
-      "too many samples or position reports of the run were lost, refused or not believed")                            \
+    X(TUMBLE_OBJECTION_DISTURBED, "too many samples or position reports were lost, refused or not believed")           \
     X(TUMBLE_OBJECTION_NEWER_SET, "the memory holds a set of a newer version, which this one would replace")
 
 /* The bit numbers. */
