@@ -20,7 +20,6 @@
  * number in its low six bits, as 180h + node, ..., 680h + node and 6C0h + node have it. And none of them goes more often
  * than every 10 ms: all three together then take 8 % of a bus of 500 kbit/s, and no heartbeat is lost at 125 kbit/s. */
 #define FREE_PDO 0x1802U
-#define LAST_FREE_PDO 0x19FFU
 #define LAST_SERVICE_ID 0x180U
 #define OWN_NUMBER 0x3FU
 #define SUB_COB_ID 1U
@@ -85,9 +84,11 @@ static tumble_abort_t check_free_pdo(const tumble_node_t *node, uint8_t subindex
 
     if (subindex == SUB_COB_ID) {
         const bool is_own = ((value ^ node->config->node) & OWN_NUMBER) == 0U;
-        const bool is_free = is_own && ((value & TUMBLE_CAN_MAX_ID) > LAST_SERVICE_ID);
+        const bool is_used = (value & TUMBLE_PDO_INVALID) == 0U;
 
-        refusal = (is_free || ((value & TUMBLE_PDO_INVALID) != 0U)) ? TUMBLE_ABORT_NONE : TUMBLE_ABORT_VALUE;
+        if (is_used && (!is_own || ((value & TUMBLE_CAN_MAX_ID) <= LAST_SERVICE_ID))) {
+            refusal = TUMBLE_ABORT_VALUE;
+        }
     } else if (((subindex == SUB_INHIBIT) && (value < LEAST_INHIBIT_100US)) ||
                ((subindex == SUB_EVENT) && ((value - 1U) < (LEAST_EVENT_MS - 1U)))) { /* 0: no timer */
         refusal = TUMBLE_ABORT_TOO_LOW;
@@ -101,11 +102,14 @@ static tumble_abort_t write_pdo(tumble_node_t *node, uint16_t index, uint8_t sub
 {
     tumble_abort_t refusal = TUMBLE_ABORT_NONE;
 
-    if ((index >= FREE_PDO) && (index <= LAST_FREE_PDO) && !node->server.service) {
-        refusal = check_free_pdo(node, subindex, value);
-    }
-    if ((subindex == SUB_COB_ID) && ((index & PDO_MAPPING) == 0U) && is_of_second(node, value)) {
+    if ((index & PDO_MAPPING) != 0U) {
+        /* an object, or their number */
+    } else if ((subindex == SUB_COB_ID) && is_of_second(node, value)) {
         refusal = TUMBLE_ABORT_VALUE;
+    } else if ((index >= FREE_PDO) && !node->server.service) {
+        refusal = check_free_pdo(node, subindex, value);
+    } else {
+        /* of the node's own parts, or at service level */
     }
     return (refusal == TUMBLE_ABORT_NONE)
                ? tumble_pdo_write_parameter(&node->pdos, &node->dictionary, index, subindex, value)

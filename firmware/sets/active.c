@@ -81,7 +81,8 @@ TUMBLE_ONE_COPY void tumble_sets_record_decay(tumble_sets_t *sets)
 static void note_decay(tumble_sets_t *sets)
 {
     const uint32_t known = tumble_history_sequence(&sets->history);
-    const bool decayed = (known > sets->sequence) && (known < TUMBLE_MAX_SEQUENCE);
+    const bool gone = (known > sets->sequence) && (known < TUMBLE_MAX_SEQUENCE);
+    const bool decayed = gone && !tumble_store_has_newer(&sets->store);
     if (decayed && !sets->decayed) {
         sets->wants |= WANT_RECORD_DECAY;
     }

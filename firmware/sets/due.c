@@ -61,6 +61,7 @@ uint8_t tumble_sets_due(const tumble_sets_t *sets)
                ? (unsigned)TUMBLE_DUE_DATE
                : 0U;
     due |= sets->decayed ? (unsigned)TUMBLE_DUE_DECAYED : 0U;
+    due |= tumble_store_has_newer(&sets->store) ? (unsigned)TUMBLE_DUE_NEWER : 0U;
     return (uint8_t)due;
 }
 
@@ -97,7 +98,8 @@ void tumble_sets_pause(tumble_sets_t *sets)
 TUMBLE_ONE_COPY bool tumble_sets_start(tumble_sets_t *sets)
 {
     const tumble_sets_run_t *at_hand = sets->run;
-    const bool wanted = ((sets->settings.flags & TUMBLE_SETS_STARTS) != 0U) && (tumble_sets_due(sets) != 0U);
+    const bool wanted = ((sets->settings.flags & TUMBLE_SETS_STARTS) != 0U) &&
+                        ((tumble_sets_due(sets) & ~(unsigned)TUMBLE_DUE_NEWER) != 0U);
     if (!wanted || at_hand->on || tumble_sets_is_inhibited(sets) || (sets->now_us < sets->pause_us) ||
         (sets->resumable != 0U) || at_hand->to_be_looked_at || tumble_store_has(&sets->store, TUMBLE_SET_PROPOSAL)) {
         return false;

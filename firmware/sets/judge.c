@@ -259,10 +259,10 @@ static uint16_t object(const tumble_sets_t *sets, tumble_set_t *active)
     if ((active != NULL) && tumble_sets_is_ahead(sets, active->date_utc_s, 0)) {
         active->date_utc_s = 0;
     }
-    const unsigned found = (unsigned)TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_DOES_NOT_FIT) |
-                           TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_WHOLE_MODEL) |
-                           TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_DISTURBED) |
-                           TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_RULES);
+    const unsigned found =
+        (unsigned)TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_DOES_NOT_FIT) |
+        TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_WHOLE_MODEL) | TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_DISTURBED) |
+        TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_NEWER_SET) | TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_RULES);
     return (uint16_t)((sets->set.reasons & found) |
                       tumble_commit_objections(&sets->set, active, &sets->settings.limits, sets->repeated));
 }
@@ -281,6 +281,7 @@ TUMBLE_ONE_COPY static void decide(tumble_sets_t *sets)
         return;
     }
     note_rules(sets);
+    object_if(sets, tumble_store_has_newer(&sets->store), TUMBLE_OBJECTION_NEWER_SET);
     sets->objections = object(sets, (status == TUMBLE_OK) ? &active : NULL);
     sets->set.reasons = sets->objections;
     if (sets->repeated) {

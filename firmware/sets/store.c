@@ -66,6 +66,15 @@ bool tumble_store_has(const tumble_store_t *store, tumble_which_set_t which)
     return !tumble_store_busy(store) && (find(store, which) != NO_REGION);
 }
 
+bool tumble_store_has_newer(const tumble_store_t *store)
+{
+    bool newer = false;
+    for (uint32_t region = 0; region < (sizeof store->places / sizeof store->places[0]); region++) {
+        newer = newer || store->places[region].newer;
+    }
+    return newer;
+}
+
 uint32_t tumble_store_proposal(const tumble_store_t *store)
 {
     return tumble_store_has(store, TUMBLE_SET_PROPOSAL) ? store->places[TUMBLE_REGION_PROPOSAL].crc : 0U;

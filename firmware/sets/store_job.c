@@ -30,6 +30,7 @@
 #define SCAN_PLACES (TUMBLE_FACTORY_PLACES + 3U) /* factory set, both slots, proposal */
 #define SCAN_DONE SCAN_PLACES
 #define MARK_CRC 4U
+#define SET_MAGIC 0x54455354U /* "TSET" */
 
 static const uint8_t done[MARK_CRC] = {0x44, 0x4F, 0x4E, 0x45}; /* DONE */
 
@@ -105,6 +106,13 @@ static bool is_valid(const uint8_t bytes[TUMBLE_SET_PLACE_BYTES])
     return tumble_store_is_marked(bytes) && (tumble_set_check(bytes) == TUMBLE_OK);
 }
 
+/* Its checksum and its mark are right, so nothing has decayed. */
+static bool is_whole(const uint8_t bytes[TUMBLE_SET_PLACE_BYTES])
+{
+    return (tumble_get_u32(bytes) == SET_MAGIC) && tumble_store_is_marked(bytes) &&
+           tumble_record_is_sealed(bytes, TUMBLE_SET_BYTES - sizeof(uint32_t), 0);
+}
+
 void tumble_store_begin_scan(tumble_store_t *store)
 {
     (void)memset(store->places, 0, sizeof store->places);
@@ -115,7 +123,7 @@ void tumble_store_begin_scan(tumble_store_t *store)
 }
 
 /* The first valid factory set counts. While there is none, the first blank place is where it would go. */
-static void note_place(tumble_store_t *store, bool valid, bool blank)
+static void note_place(tumble_store_t *store, bool valid, bool blank, bool newer)
 {
     const bool is_factory = store->scanned < TUMBLE_FACTORY_PLACES;
     const uint32_t region = is_factory ? 0U : (store->scanned - TUMBLE_FACTORY_PLACES + 1U);
@@ -128,7 +136,8 @@ static void note_place(tumble_store_t *store, bool valid, bool blank)
         place->crc = tumble_set_crc(store->bytes);
         tumble_set_get_stamp(store->bytes, &place->stamp);
     }
-    if (!store->booted && !valid && !blank) {
+    place->newer = place->newer || newer;
+    if (!store->booted && !valid && !blank && !newer) {
         tumble_count(&store->counters.torn_at_boot);
     }
 }
@@ -181,7 +190,9 @@ static tumble_status_t scan(tumble_store_t *store)
     }
     const bool read = (status == TUMBLE_OK);
     store->unread = store->unread || !read;
-    note_place(store, read && is_valid(store->bytes), read && tumble_nv_is_blank(store->bytes, TUMBLE_SET_PLACE_BYTES));
+    const bool valid = read && is_valid(store->bytes);
+    note_place(store, valid, read && tumble_nv_is_blank(store->bytes, TUMBLE_SET_PLACE_BYTES),
+               read && !valid && is_whole(store->bytes));
     store->scanned++;
     if (store->scanned == SCAN_DONE) {
         end_scan(store);

@@ -32,8 +32,9 @@ def refused_within(tmp_path):
 
     def run(*arguments, stdin=subprocess.DEVNULL):
         before = sorted(tmp_path.rglob("*"))
-        done = subprocess.run([sys.executable, "-m", "tumble", *map(str, arguments)], stdin=stdin, text=True, cwd=tmp_path,
-                              capture_output=True, timeout=WITHIN_S, preexec_fn=limit_memory)
+        command = [sys.executable, "-m", "tumble", *map(str, arguments)]
+        done = subprocess.run(command, stdin=stdin, text=True, cwd=tmp_path, capture_output=True, timeout=WITHIN_S,
+                              preexec_fn=limit_memory)
         assert (done.returncode, done.stdout) == (2, ""), done.stderr
         assert done.stderr.count("\n") == 1 and "fault in tumble itself" not in done.stderr, done.stderr
         assert "not enough memory" not in done.stderr
@@ -82,10 +83,10 @@ def test_a_pipe_without_an_end(refused_within):
         assert "not a text file" in refused_within("solve", "-", stdin=zeros)
 
 
-@pytest.mark.parametrize("byte, said", [(b"1", "no header line within 16 MiB"), (b"\n", "no header line within 16 MiB")])
-def test_what_gzip_has_made_small(byte, said, refused_within, tmp_path):
+@pytest.mark.parametrize("byte", [b"1", b"\n"])
+def test_what_gzip_has_made_small(byte, refused_within, tmp_path):
     (tmp_path / "run.csv.gz").write_bytes(64 * gzip.compress(byte * (8 << 20), 1))  # half a gigabyte
-    assert said in refused_within("solve", "run.csv.gz")
+    assert "no header line within 16 MiB" in refused_within("solve", "run.csv.gz")
 
 
 def test_a_line_without_an_end_below_the_header(refused_within, tmp_path):
@@ -135,7 +136,8 @@ def test_tables_cut_anywhere(suffix, columns, refused, tmp_path):
     WRITERS[suffix](tmp_path / f"whole{suffix}", columns)
     data = (tmp_path / f"whole{suffix}").read_bytes()
     run = tmp_path / f"run{suffix}"
-    for size in sorted({0, 1, 4, 8, 127, 128, 136, *range(0, len(data), len(data) // 40), len(data) - 8, len(data) - 1}):
+    sizes = {0, 1, 4, 8, 127, 128, 136, *range(0, len(data), len(data) // 40), len(data) - 8, len(data) - 1}
+    for size in sorted(sizes):
         run.write_bytes(data[:size])
         line = refused("solve", run)
         assert "fault in tumble itself" not in line, (size, line)

@@ -17,7 +17,7 @@ ROWS = {  # arguments of the command, name of the output, what the line says
     "solve, its input by a link": (("solve", "run.csv"), "link", "is an input of this command"),
     "solve, a link": (("solve", "run.csv"), "link.json", "link.json: cannot be written: a symbolic link to"),
     "solve, a link to nothing": (("solve", "run.csv"), "nowhere.json", "cannot be written: a symbolic link to"),
-    "export, a link": (("export", "result.json", "--format", "csv"), "link.csv", "cannot be written: a symbolic link to"),
+    "export, a link": (("export", "result.json", "--format", "csv"), "link.csv", "a symbolic link to"),
     "apply, a link": (("apply", "result.json", "other/run.csv"), "link.csv", "cannot be written: a symbolic link to"),
     "draw, a link": (("draw", "stand"), "link.svg", "cannot be written: a symbolic link to"),
     "schedule, a link": (("plan", "schedule"), "link.toml", "cannot be written: a symbolic link to"),
@@ -82,7 +82,8 @@ def test_links_of_the_system_are_written_to(tumble, tmp_path):
 
 
 def test_the_page_has_what_the_lines_say():
-    for said in ("is an input of this command", "a symbolic link to", "cannot be written: a folder, not a file", "does not end in .json",
+    for said in ("is an input of this command", "a symbolic link to",
+                 "cannot be written: a folder, not a file", "does not end in .json",
                  "ends in none of", "is there already and is not an empty folder", "and is not a folder",
                  "of a run that goes on or was killed", "have the same name", "the folder cannot be made:"):
         assert said in PAGE, said

@@ -94,7 +94,7 @@ def test_unknown_is_null_in_the_document(tumble, tmp_path):
     blank.write_bytes(b"\xff" * 8 * 4096)
     assert document_of(tumble("store", "dump", blank, "--json"), "store") == {
         "schema": "tumble.store/1", "active": None, "factory": None, "slots": {"A": None, "B": None}, "proposal": None,
-        "history": [], "checkpoint": None, "torn": []}
+        "history": [], "checkpoint": None, "torn": [], "newer": []}
     image = bytearray(b"\xff" * 8 * 4096)
     put(image, 0, place(codec.CoefficientSet(**numbers_of("set_bare") | {"origin": 1})))
     entry = numbers_of("history_entry") | {"flags": 0, "origin": 6, "date_utc_s": None}
@@ -109,6 +109,23 @@ def test_unknown_is_null_in_the_document(tumble, tmp_path):
     (told,) = found["history"]
     assert {key for key, value in told.items() if value is None} == {"date_utc_s", "temperature_c", "u_K", "u_U0"}
     assert told["origin"] == "decayed" and told["K"][0] == [None, *entry["values"][1:3]]
+
+
+@pytest.mark.parametrize("at, said", [(4, "(schema 2, flags 0x3f)"), (15, "(schema 1, flags 0x23f)")])
+def test_a_set_of_a_newer_version_is_not_torn(at, said, tumble, tmp_path):
+    image = an_image()
+    record = bytearray(image[2 * 4096 : 2 * 4096 + 316])
+    record[at] = 2
+    sealed = codec._sealed(bytes(record))
+    put(image, 2 * 4096, sealed + codec.mark_of(sealed))
+    (tmp_path / "nv").write_bytes(image)
+    found = read_image(bytes(image))
+    assert (found.active_slot, found.torn) == ("A", [])
+    assert found.newer == [f"slot B: a set of a newer version {said}"], found.newer
+    done = tumble("store", "dump", tmp_path / "nv")
+    assert done.returncode == 0 and f"newer: {found.newer[0]}, which this one cannot read\n" in done.stdout
+    image[2 * 4096 + 100] ^= 1  # with a wrong checksum it has decayed
+    assert read_image(bytes(image)).newer == []
 
 
 def test_the_dump_finds_what_is_torn_and_what_is_left_over():

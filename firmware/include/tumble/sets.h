@@ -230,7 +230,7 @@ typedef struct {
     uint32_t commits;      /* sets that became active: committed, accepted, rolled back */
     uint32_t verify;       /* what was read back differed from what the memory had confirmed */
     uint32_t nv_errors;    /* a call of the memory failed, or a record has decayed since it was found */
-    uint32_t torn_at_boot; /* places that the first scan found neither blank nor holding a valid set */
+    uint32_t torn_at_boot; /* places that the first scan found neither blank nor holding a whole set */
 } tumble_store_counters_t;
 
 /* What the last scan found in a region. Private to the store, as all that follows. */
@@ -238,6 +238,7 @@ typedef struct {
     tumble_set_stamp_t stamp;
     uint32_t crc;
     bool valid;
+    bool newer; /* what is here is whole, but of a newer version */
 } tumble_store_place_t;
 
 typedef struct {
@@ -312,6 +313,10 @@ tumble_status_t tumble_store_read(tumble_store_t *store, tumble_which_set_t whic
 
 /* Make a set active. TUMBLE_E_STATE: the sequence has reached TUMBLE_MAX_SEQUENCE. */
 tumble_status_t tumble_store_commit(tumble_store_t *store, const tumble_set_t *set);
+
+/* Is there a set that a newer version of the firmware wrote: whole by its checksum and its mark, but with a schema or with
+ * flags that this version does not know? It counts as none, and stays until a job needs its place. */
+bool tumble_store_has_newer(const tumble_store_t *store);
 
 /* Keep a set as the proposal, in place of one that is held. Power lost on the way may lose both proposals.
  * TUMBLE_E_STATE: as tumble_store_commit. */
@@ -521,8 +526,9 @@ tumble_status_t tumble_checkpoint_read(tumble_checkpoint_t *checkpoint, uint8_t 
  * TUMBLE_COMMIT_MAX_MONTHS, and kelvin the difference of their temperatures (0 where one is unknown). An unknown
  * uncertainty of the active set counts as 0: it excuses no change.
  *
- * The caller adds TUMBLE_OBJECTION_DOES_NOT_FIT, TUMBLE_OBJECTION_WHOLE_MODEL, TUMBLE_OBJECTION_DISTURBED and
- * TUMBLE_OBJECTION_OTHER_RULES: a set holds no means, and knows neither its bus nor who set its rules.
+ * The caller adds TUMBLE_OBJECTION_DOES_NOT_FIT, TUMBLE_OBJECTION_WHOLE_MODEL, TUMBLE_OBJECTION_DISTURBED,
+ * TUMBLE_OBJECTION_OTHER_RULES and TUMBLE_OBJECTION_NEWER_SET: a set holds no means, and knows neither its bus nor who set
+ * its rules, nor what else is in the memory.
  */
 /* Drift is allowed for so many months at most, however far apart the dates are. Otherwise a clock that is years ahead
  * would excuse any change; and after so long a time somebody should look at the block. */
@@ -544,7 +550,8 @@ tumble_status_t tumble_checkpoint_read(tumble_checkpoint_t *checkpoint, uint8_t 
     X(TUMBLE_OBJECTION_OTHER_RULES, "the rules were changed from the board's")                                         \
     X(TUMBLE_OBJECTION_DOES_NOT_FIT, "the means scatter by more than the declared stand and noise explain")            \
     X(TUMBLE_OBJECTION_WHOLE_MODEL, "twelve coefficients and the declared stand do not explain the run as a whole")    \
-    X(TUMBLE_OBJECTION_DISTURBED, "too many samples or position reports of the run were lost, refused or not believed")
+    X(TUMBLE_OBJECTION_DISTURBED, "too many samples or position reports were lost, refused or not believed")           \
+    X(TUMBLE_OBJECTION_NEWER_SET, "the memory holds a set of a newer version, which this one would replace")
 
 /* The bit numbers. */
 typedef enum {
@@ -710,7 +717,8 @@ enum {
     TUMBLE_DUE_TEMPERATURE = 2, /* the block is warmer or colder than it was when calibrated */
     TUMBLE_DUE_NO_SET = 4,      /* there is no active set */
     TUMBLE_DUE_DATE = 8,        /* the active set is dated more than TUMBLE_SETS_CLOCK_SLACK_S after the present */
-    TUMBLE_DUE_DECAYED = 16     /* the active set has decayed in the memory, and the one before it counts */
+    TUMBLE_DUE_DECAYED = 16,    /* the active set has decayed in the memory, and the one before it counts */
+    TUMBLE_DUE_NEWER = 32       /* the memory holds a set of a newer version, which cannot be read */
 };
 
 /* What became of the last result, or of the last command about sets. The numbers travel over CAN and Modbus. */

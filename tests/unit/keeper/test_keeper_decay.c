@@ -2,6 +2,7 @@
 #include "keeper_bench.h"
 
 #include "core/bytes.h"
+#include "core/crc32.h"
 
 static uint8_t events; /* in the history, besides the sets */
 
@@ -202,6 +203,57 @@ static void test_parameters_that_can_be_read_at_the_second_attempt(void)
         TEST_ASSERT_EQUAL_UINT32(34, bench.navcomp.procedure_config.samples);
         TEST_ASSERT_EQUAL_UINT32(1, keeper.parameters.view.sequence);
     }
+}
+
+/* The set with this sequence gets a flag, or a schema, of a version that is not written yet; checksum and mark are right. */
+static uint8_t *make_newer(uint32_t sequence, uint32_t at)
+{
+    uint8_t *found = NULL;
+    for (uint32_t s = TUMBLE_REGION_SLOT_A; s <= TUMBLE_REGION_SLOT_B; s++) {
+        uint8_t *place = &memory.bytes[MEMORY_SECTOR * s];
+        if (tumble_get_u32(&place[8]) == sequence) {
+            place[at] = 2;
+            tumble_put_u32(&place[316], tumble_crc32(0, place, 316));
+            tumble_put_u32(&place[324], tumble_get_u32(&place[316]));
+            found = place;
+        }
+    }
+    TEST_ASSERT_NOT_NULL(found);
+    return found;
+}
+
+/* It is told as what it is, nothing is written over it, and no run begins because of it. */
+static void assert_newer_is_kept(uint32_t at)
+{
+    uint8_t before[TUMBLE_SET_PLACE_BYTES];
+    commit_one(1);
+    commit_one(2);
+    uint8_t *place = make_newer(2, at);
+    memcpy(before, place, sizeof before);
+    keeper_power_cycle();
+    settle_memory();
+    TEST_ASSERT_EQUAL_HEX8(TUMBLE_DUE_NEWER, state_of_keeper().due);
+    assert_not_told();
+    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counter(&keeper.sets));
+    TEST_ASSERT_EQUAL_UINT32(0, keeper.sets.store.counters.torn_at_boot);
+    TEST_ASSERT_EQUAL_UINT8(2, tumble_history_count(&keeper.sets.history));
+    assert_verdict_after(1e-5, TUMBLE_VERDICT_HELD);
+    TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_NEWER_SET), state_of_keeper().objections);
+    TEST_ASSERT_EQUAL_HEX8_ARRAY(before, place, sizeof before);
+    ASSERT_STATUS(TUMBLE_OK, accept_proposal()); /* whoever wants it so */
+    settle_memory();
+    TEST_ASSERT_EQUAL_UINT32(3, tumble_sets_counter(&keeper.sets));
+    TEST_ASSERT_BITS_LOW(TUMBLE_DUE_NEWER, state_of_keeper().due);
+}
+
+static void test_a_newer_schema_is_kept_and_told(void)
+{
+    assert_newer_is_kept(4);
+}
+
+static void test_newer_flags_are_kept_and_told(void)
+{
+    assert_newer_is_kept(15);
 }
 
 static const around_t around_each = {set_up, NULL};

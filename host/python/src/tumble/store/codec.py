@@ -31,6 +31,10 @@ class NotARecord(Exception):
     """The bytes hold no such record; says why."""
 
 
+class NewerVersion(NotARecord):
+    """The record is whole, but of a version that this one does not know."""
+
+
 @dataclass
 class CoefficientSet:
     """One set, numbers as docs/store.md names them; None: unknown."""
@@ -198,12 +202,23 @@ def mark_of(record: bytes) -> bytes:
 
 
 def decode_place(bytes_: bytes) -> CoefficientSet:
-    """The set of a place, with its mark. Raises NotARecord."""
+    """The set of a place, with its mark. Raises NotARecord, NewerVersion."""
     record = bytes_[:SET_BYTES]
+    is_marked = bytes_[SET_BYTES : SET_BYTES + 8] == mark_of(record)[:8]
+    if is_marked:
+        _require_known(record)
     found = decode_set(record)
-    if bytes_[SET_BYTES : SET_BYTES + 8] != mark_of(record)[:8]:
+    if not is_marked:
         raise NotARecord("it was not written to its end: the mark is missing")
     return found
+
+
+def _require_known(record: bytes) -> None:
+    """Raises NewerVersion for a whole set with another schema or further flags."""
+    magic, schema, flags = record[:4], *struct.unpack_from("<H8xH", record, 4)
+    if magic == _SET_HEAD[:4] and (schema != 1 or flags >> 8):
+        _check_seal(record)
+        raise NewerVersion(f"a set of a newer version (schema {schema}, flags {flags:#x})")
 
 
 def encode_entry(e: HistoryEntry) -> bytes:

@@ -28,6 +28,7 @@ def document(found: Image) -> dict[str, Any]:
         "history": [_entry(entry) for entry in found.history],
         "checkpoint": checkpoint,
         "torn": found.torn,
+        "newer": found.newer,
     }
 
 

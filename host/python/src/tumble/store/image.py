@@ -18,6 +18,7 @@ from tumble.store.codec import (
     SET_BYTES,
     CoefficientSet,
     HistoryEntry,
+    NewerVersion,
     NotARecord,
     Position,
     decode_entry,
@@ -35,7 +36,8 @@ _T = TypeVar("_T")
 
 @dataclass
 class Image:
-    """What an image holds. `torn`: places that are neither blank nor valid, in words."""
+    """What an image holds. `torn`: places that are neither blank nor valid, in words; `newer`: those of sets that a
+    newer version wrote, which nothing is wrong with."""
 
     factory: CoefficientSet | None = None
     slots: dict[str, CoefficientSet] = field(default_factory=dict)
@@ -44,6 +46,7 @@ class Image:
     run: int | None = None  # fingerprint
     positions: dict[int, Position] = field(default_factory=dict)
     torn: list[str] = field(default_factory=list)
+    newer: list[str] = field(default_factory=list)
 
     @property
     def active_slot(self) -> str | None:
@@ -75,9 +78,11 @@ def _read(decode: Callable[[bytes], _T], bytes_: bytes, where: str, found: Image
         return None
     try:
         return decode(bytes_)
+    except NewerVersion as reason:
+        found.newer.append(f"{where}: {reason}")
     except NotARecord as reason:
         found.torn.append(f"{where}: {reason}")
-        return None
+    return None
 
 
 def _read_sets(image: bytes, sector: int, found: Image) -> None:
@@ -172,4 +177,5 @@ def describe(found: Image) -> list[str]:
     lines += [_set_line("proposal", found.proposal)]
     lines += [_history_line(found.history)]
     kept = f"run {found.run:#010x}, {len(found.positions)} positions" if found.run is not None else "no run is kept"
-    return [*lines, f"checkpoint: {kept}", *(f"torn: {place}" for place in found.torn)]
+    lines += [f"checkpoint: {kept}", *(f"newer: {place}, which this one cannot read" for place in found.newer)]
+    return [*lines, *(f"torn: {place}" for place in found.torn)]
