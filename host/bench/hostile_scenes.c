@@ -181,8 +181,8 @@ static void lead_away(bench_plan_t *plan, sim_random_t *stream, double at_s)
 {
     const double sign = bench_chance(stream, 0.5) ? 1.0 : -1.0;
     const uint32_t count = 1U + bench_pick(stream, 5);
-    bench_frame_write(&bench_plan_add(plan, BENCH_HOSTILE_SDO_DRIVE, at_s - 0.1)->frame, 2, TUMBLE_402_SOFTWARE_LIMIT, 1,
-                      4, 0x80000001U);
+    bench_frame_write(&bench_plan_add(plan, BENCH_HOSTILE_SDO_DRIVE, at_s - 0.1)->frame, 2, TUMBLE_402_SOFTWARE_LIMIT,
+                      1, 4, 0x80000001U);
     bench_frame_write(&bench_plan_add(plan, BENCH_HOSTILE_SDO_DRIVE, at_s - 0.05)->frame, 2, TUMBLE_402_SOFTWARE_LIMIT,
                       2, 4, 0x7FFFFFFFU);
     for (uint32_t i = 0; i < count; i++) {
@@ -247,8 +247,7 @@ static void leave_a_proposal(bench_plan_t *plan, sim_random_t *stream)
 static void command_the_drive(bench_plan_t *plan, sim_random_t *stream)
 {
     const bench_hostile_t kind = bench_chance(stream, 0.5) ? BENCH_HOSTILE_SET_POINT : BENCH_HOSTILE_SDO_SET_POINT;
-    bench_event_t *const event =
-        bench_plan_add(plan, kind, bench_draw(stream, 1.0, 1e-6 * (double)plan->lasts_us));
+    bench_event_t *const event = bench_plan_add(plan, kind, bench_draw(stream, 1.0, 1e-6 * (double)plan->lasts_us));
     bench_draw_set_point(stream, event);
     if (bench_chance(stream, 0.5)) {
         event->moment.states = bench_chance(stream, 0.5) ? 1U << TUMBLE_STATE_IDLE : 1U << TUMBLE_STATE_WAIT_MOUNTING;
@@ -258,8 +257,8 @@ static void command_the_drive(bench_plan_t *plan, sim_random_t *stream)
 void bench_plan_scenes(bench_plan_t *plan)
 {
     static void (*const SCENES[])(bench_plan_t *plan, sim_random_t *stream) = {
-        void_the_stop,     lose_the_mark,  garble_the_count, garble_the_count,
-        command_the_drive, spoil_a_motion, spoil_a_motion,   spoil_a_motion, leave_a_proposal};
+        void_the_stop,  lose_the_mark,  garble_the_count, garble_the_count, command_the_drive,
+        spoil_a_motion, spoil_a_motion, spoil_a_motion,   leave_a_proposal};
     sim_random_t stream;
     sim_random_open(&stream, plan->seed, SIM_CAUSE_LIFE, BENCH_STREAM_SCENES);
     if (bench_chance(&stream, 0.4)) {
