@@ -54,16 +54,15 @@ static const write_t DRIVE_COMMANDS[] = {
     {0x607A, 0, 4, 1440000U}, {0x6040, 0, 2, 0x10F},
 };
 static const write_t DRIVE_SETTINGS[] = {
-    {0x6060, 0, 1, 6},    {0x6098, 0, 1, 37},          {0x6085, 0, 4, 100},
-    {0x607C, 0, 4, 5000}, {0x1016, 1, 4, 0},           {0x1017, 0, 2, 0},    {0x1400, 1, 4, 0x80000202U},
-    {0x605A, 0, 2, 0},    {0x1800, 1, 4, 0x80000182U}, {0x6007, 0, 2, 0},
+    {0x6060, 0, 1, 6}, {0x6098, 0, 1, 37},          {0x6085, 0, 4, 100}, {0x607C, 0, 4, 5000},        {0x1016, 1, 4, 0},
+    {0x1017, 0, 2, 0}, {0x1400, 1, 4, 0x80000202U}, {0x605A, 0, 2, 0},   {0x1800, 1, 4, 0x80000182U}, {0x6007, 0, 2, 0},
 };
 
 /* Those that the navigation computer reads back before a motion. */
 static const write_t READ_BACK[] = {
-    {0x6081, 0, 4, 265000}, {0x6081, 0, 4, 265000}, {0x6081, 0, 4, 265000},      {0x6081, 0, 4, 0},
-    {0x6081, 0, 4, 1000},   {0x6083, 0, 4, 2000},   {0x607D, 1, 4, 0x80000000U}, {0x607D, 2, 4, 0x7FFFFFFFU},
-    {0x607A, 0, 4, 500000},
+    {0x6081, 0, 4, 265000},      {0x6081, 0, 4, 265000},      {0x6081, 0, 4, 265000},
+    {0x6081, 0, 4, 0},           {0x6081, 0, 4, 1000},        {0x6083, 0, 4, 2000},
+    {0x607D, 1, 4, 0x80000000U}, {0x607D, 2, 4, 0x7FFFFFFFU}, {0x607A, 0, 4, 500000},
 };
 
 void bench_frame_write(tumble_can_frame_t *frame, uint8_t node, uint16_t index, uint8_t subindex, uint8_t size,
@@ -222,8 +221,8 @@ static bench_hostile_t draw_kind(sim_random_t *stream, bool spares_drive)
 {
     const uint32_t first = BENCH_HOSTILE_SDO_NAVCOMP;
     bench_hostile_t kind = (bench_hostile_t)(first + bench_pick(stream, BENCH_HOSTILE_KINDS - first));
-    if (spares_drive && (kind == BENCH_HOSTILE_SDO_DRIVE || kind == BENCH_HOSTILE_SET_POINT ||
-                         kind == BENCH_HOSTILE_SDO_SET_POINT)) {
+    if (spares_drive &&
+        (kind == BENCH_HOSTILE_SDO_DRIVE || kind == BENCH_HOSTILE_SET_POINT || kind == BENCH_HOSTILE_SDO_SET_POINT)) {
         kind = BENCH_HOSTILE_SDO_NAVCOMP;
     }
     return kind;

@@ -89,27 +89,32 @@ static void note_flip(bench_life_t *life, uint32_t first, uint32_t at)
     const bool of_set = region >= TUMBLE_REGION_SLOT_A && region <= TUMBLE_REGION_PROPOSAL;
     const uint32_t size = of_history ? TUMBLE_HISTORY_BYTES : TUMBLE_SET_PLACE_BYTES;
     const uint32_t offset = of_history ? at - at % size : region * SIM_NV_SECTOR;
-    for (uint32_t i = first; i < life->flipped_count; i++) {
-        if (life->flipped[i].offset == offset) {
+    if (!of_history && !(of_set && at < offset + size)) {
+        return;
+    }
+    bench_flipped_t flipped = {.offset = offset, .size = size, .sound = hash(&life->nv.bytes[offset], size)};
+    for (uint32_t i = 0; i < life->flipped_count; i++) {
+        if (life->flipped[i].offset == offset && i >= first) {
             return;
         }
+        if (life->flipped[i].offset == offset && life->flipped[i].hash == flipped.sound) {
+            flipped.sound = life->flipped[i].sound; /* nobody has written it since */
+        }
     }
-    if ((of_history || (of_set && at < offset + size)) && life->flipped_count < BENCH_FLIPPED) {
-        life->flipped[life->flipped_count++] =
-            (bench_flipped_t){.offset = offset, .size = size, .hash = hash(&life->nv.bytes[offset], size)};
+    if (life->flipped_count < BENCH_FLIPPED) {
+        life->flipped[life->flipped_count++] = flipped;
     }
 }
 
-/* Their content from now on. What two flips have left as it was is none. */
+/* Their content from now on. What a second flip has put right is none. */
 static void take_flipped(bench_life_t *life, uint32_t first)
 {
     uint32_t kept = first;
     for (uint32_t i = first; i < life->flipped_count; i++) {
         bench_flipped_t flipped = life->flipped[i];
-        const uint64_t before = flipped.hash;
         flipped.hash = hash(&life->nv.bytes[flipped.offset], flipped.size);
         life->flipped[kept] = flipped;
-        kept += (flipped.hash != before) ? 1U : 0U;
+        kept += (flipped.hash != flipped.sound) ? 1U : 0U;
     }
     life->flipped_count = kept;
 }

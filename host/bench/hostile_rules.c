@@ -116,8 +116,7 @@ static bool is_new(const bench_collected_t *collected, uint16_t counter)
 /* Of the true table; a slip, and a stop too short to be refused, are excused. */
 static bool is_there(const bench_life_t *life, uint8_t index)
 {
-    static const uint32_t EXCUSES =
-        1U << BENCH_EXCUSE_REWRITTEN | 1U << BENCH_EXCUSE_SLIP | 1U << BENCH_EXCUSE_SHORT;
+    static const uint32_t EXCUSES = 1U << BENCH_EXCUSE_REWRITTEN | 1U << BENCH_EXCUSE_SLIP | 1U << BENCH_EXCUSE_SHORT;
     const bench_config_t *const config = &life->plan->config;
     const double wanted_deg = config->scenario.schedule.positions[index].angle.deg;
     const double deg = sim_axis_actual_deg(life->world.axis, life->world.clock.now_us);

@@ -1,6 +1,7 @@
 /* What belongs together: a fault alone or a frame alone seldom meets the moment at which it hurts. */
 #include "bench/hostile_draw.h"
 
+#include "canopen/cia402.h"
 #include "navcomp/service.h"
 
 #define FOR_GOOD 0.0
@@ -175,6 +176,25 @@ static void garble_the_count(bench_plan_t *plan, sim_random_t *stream)
     }
 }
 
+/* The limits first, then set-points, each less than half a turn off: by the shorter way of a drive that wraps. */
+static void lead_away(bench_plan_t *plan, sim_random_t *stream, double at_s)
+{
+    const double sign = bench_chance(stream, 0.5) ? 1.0 : -1.0;
+    const uint32_t count = 1U + bench_pick(stream, 5);
+    bench_frame_write(&bench_plan_add(plan, BENCH_HOSTILE_SDO_DRIVE, at_s - 0.1)->frame, 2, TUMBLE_402_SOFTWARE_LIMIT,
+                      1, 4, 0x80000001U);
+    bench_frame_write(&bench_plan_add(plan, BENCH_HOSTILE_SDO_DRIVE, at_s - 0.05)->frame, 2, TUMBLE_402_SOFTWARE_LIMIT,
+                      2, 4, 0x7FFFFFFFU);
+    for (uint32_t i = 0; i < count; i++) {
+        bench_event_t *const event = bench_plan_add(plan, BENCH_HOSTILE_SDO_SET_POINT, at_s + 0.8 * i);
+        bench_draw_set_point(stream, event);
+        if (i > 0U) {
+            event->relative = true;
+            event->angle_deg = sign * bench_draw(stream, 100.0, 175.0);
+        }
+    }
+}
+
 /* The table turns by command, alone on the stand, and something is wrong with what moves it or tells where it is. */
 static void spoil_a_motion(bench_plan_t *plan, sim_random_t *stream)
 {
@@ -184,7 +204,7 @@ static void spoil_a_motion(bench_plan_t *plan, sim_random_t *stream)
     const bool homes = bench_chance(stream, 0.4);
     const double moves_s = at_s + (homes ? 0.0 : 16.0);
     const double spoils_s = moves_s + bench_draw(stream, -0.5, 2.5);
-    const uint32_t what = bench_pick(stream, 8);
+    const uint32_t what = bench_pick(stream, 10);
     plan->count = 0; /* a run would be in the way */
     bench_plan_add_command(plan, at_s, TUMBLE_COMMAND_HOME_AXIS, 0);
     if (!homes) {
@@ -197,11 +217,13 @@ static void spoil_a_motion(bench_plan_t *plan, sim_random_t *stream)
     if (what < 4U) {
         sim_fault_t *const fault = add_fault(plan, KINDS[what], spoils_s, FOR_GOOD);
         draw_value(stream, fault);
-    } else if (what == 4U) {
+    } else if (what < 6U) {
+        plan->config.scenario.drive.speed_deg_s = 90.0; /* which makes such steps plausible */
+        plan->config.profile.velocity_deg_s = 0.0;
         bench_draw_near_positions(stream, bench_plan_add(plan, BENCH_HOSTILE_NEAR_POSITION, spoils_s));
         bench_plan_add_command(plan, moves_s + 12.0, TUMBLE_COMMAND_TURN_AXIS, 0)->angle_deg = 395.0;
-    } else if (what == 5U) {
-        bench_draw_set_point(stream, bench_plan_add(plan, BENCH_HOSTILE_SDO_SET_POINT, spoils_s));
+    } else if (what < 8U) {
+        lead_away(plan, stream, spoils_s);
     } else {
         plan->config.profile.velocity_deg_s = 0.5 * plan->config.scenario.drive.speed_deg_s;
         bench_draw_read_back_write(stream, &bench_plan_add(plan, BENCH_HOSTILE_SDO_DRIVE, spoils_s)->frame);
@@ -225,8 +247,7 @@ static void leave_a_proposal(bench_plan_t *plan, sim_random_t *stream)
 static void command_the_drive(bench_plan_t *plan, sim_random_t *stream)
 {
     const bench_hostile_t kind = bench_chance(stream, 0.5) ? BENCH_HOSTILE_SET_POINT : BENCH_HOSTILE_SDO_SET_POINT;
-    bench_event_t *const event =
-        bench_plan_add(plan, kind, bench_draw(stream, 1.0, 1e-6 * (double)plan->lasts_us));
+    bench_event_t *const event = bench_plan_add(plan, kind, bench_draw(stream, 1.0, 1e-6 * (double)plan->lasts_us));
     bench_draw_set_point(stream, event);
     if (bench_chance(stream, 0.5)) {
         event->moment.states = bench_chance(stream, 0.5) ? 1U << TUMBLE_STATE_IDLE : 1U << TUMBLE_STATE_WAIT_MOUNTING;
@@ -236,8 +257,8 @@ static void command_the_drive(bench_plan_t *plan, sim_random_t *stream)
 void bench_plan_scenes(bench_plan_t *plan)
 {
     static void (*const SCENES[])(bench_plan_t *plan, sim_random_t *stream) = {
-        void_the_stop,     lose_the_mark,  garble_the_count, garble_the_count,
-        command_the_drive, spoil_a_motion, spoil_a_motion,   spoil_a_motion, leave_a_proposal};
+        void_the_stop,  lose_the_mark,  garble_the_count, garble_the_count, command_the_drive,
+        spoil_a_motion, spoil_a_motion, spoil_a_motion,   leave_a_proposal};
     sim_random_t stream;
     sim_random_open(&stream, plan->seed, SIM_CAUSE_LIFE, BENCH_STREAM_SCENES);
     if (bench_chance(&stream, 0.4)) {

@@ -24,6 +24,7 @@ typedef struct {
     uint32_t offset;
     uint32_t size;
     uint64_t hash;
+    uint64_t sound; /* before the first flip */
 } bench_flipped_t;
 
 /* Counted for the summary. */

@@ -25,7 +25,7 @@
     X(BENCH_BROKEN_STAYS, "stays", "the table at rest moves without a command")                                        \
     X(BENCH_BROKEN_CABLE, "cable", "the table goes beyond the cable's limits")                                         \
     X(BENCH_BROKEN_HOMING, "homing", "homing goes farther than the cable's span and a turn")                           \
-    X(BENCH_BROKEN_SPEED, "speed", "the table turns for 1 s faster than it was told to")                                       \
+    X(BENCH_BROKEN_SPEED, "speed", "the table turns for 1 s faster than it was told to")                               \
     X(BENCH_BROKEN_FOREIGN, "foreign", "a stranger's motion is not stopped within 1 s")                                \
     X(BENCH_BROKEN_REASON, "reason", "FAULT or ABORT without a reason")                                                \
     X(BENCH_BROKEN_FINITE, "finite", "a readable object is not a finite number")                                       \
@@ -109,8 +109,8 @@ typedef struct {
     uint32_t counter;
     uint64_t told_by_us; /* a decay must be told by then; SIM_NEVER: none */
     bool told;
-    uint32_t proposal; /* its name; 0: there is none */
-    uint64_t decided_us; /* until then a command about it, or another result, may take it away; SIM_NEVER: power was
+    uint32_t proposal;       /* its name; 0: there is none */
+    uint64_t decided_us;     /* until then a command about it, or another result, may take it away; SIM_NEVER: power was
                           * lost before that */
     uint64_t level_until_us; /* the service level may be open; */
     uint64_t open_us;        /* since when it is although it may not; SIM_NEVER: it is not */
