@@ -103,7 +103,8 @@ static void on_frame(void *context, uint64_t time_us, uint8_t sender, const tumb
         bench_watch_request(life, frame);
     } else if (frame->id == BLOCK_XY || frame->id == BLOCK_Z) {
         bench_watch_block_frame(life, frame);
-    } else if (frame->id == 0U && frame->length == 2U && frame->data[0] >= 0x81U && frame->data[1] <= 1U) {
+    } else if (frame->id == 0U && frame->length == 2U && (frame->data[0] == 0x81U || frame->data[0] == 0x82U) &&
+               frame->data[1] <= 1U) {
         life->watch.level_until_us = 0; /* reset */
     }
     if (frame->id == FIRST_SERVER && sender != BENCH_BUS_NAVCOMP && is_write(frame, COMMAND_OBJECT, 2)) {

@@ -89,7 +89,9 @@ static void look_at_rest(bench_life_t *life, bool moves, double deg)
 static void look_at_cable(bench_life_t *life, bool moves, double deg)
 {
     const bench_config_t *const config = &life->plan->config;
-    const double tolerance_deg = BENCH_CABLE_TOLERANCE_DEG + braking_deg(&config->scenario.drive);
+    const sim_drive_config_t *const drive = &config->scenario.drive;
+    const double unseen_deg = drive->speed_deg_s * 1e-6 * drive->report_us; /* between two reports */
+    const double tolerance_deg = BENCH_CABLE_TOLERANCE_DEG + unseen_deg + braking_deg(drive);
     const double last_deg = life->watch.last_deg;
     const bool below = deg < config->procedure.cable_min_deg - tolerance_deg && deg < last_deg;
     const bool above = deg > config->procedure.cable_max_deg + tolerance_deg && deg > last_deg;
