@@ -175,19 +175,25 @@ def test_every_stage_has_a_name_of_its_own():
 
 @pytest.fixture
 def set_up_for(tmp_path):
-    """What tools/test asks tools/setup for, which fails, so that nothing else happens."""
+    """What tools/test asks tools/setup for, which fails, so that nothing else happens; its exit code is handed on."""
     (tmp_path / "tools").mkdir()
-    shutil.copy(ROOT / "tools/test", tmp_path / "tools")
+    for name in ("test", "stages.py"):
+        shutil.copy(ROOT / "tools" / name, tmp_path / "tools")
     asked = tmp_path / "tools/setup"
-    asked.write_text('#!/bin/sh\necho "$@"\nexit 1\n')
+    asked.write_text('#!/bin/sh\necho "$@"\nexit 130\n')
     asked.chmod(0o755)
 
     def ask(*arguments):
         result = run(tmp_path / "tools/test", *arguments)
-        assert result.returncode == 3, result
+        assert result.returncode == 130, result
         return result.stdout.strip()
 
     return ask
+
+
+def test_a_stage_that_is_not_there_is_told_before_set_up(set_up_for, tmp_path):
+    result = run(tmp_path / "tools/test", "unti")
+    assert (result.returncode, result.stdout) == (2, "test: no such stage: unti\n")
 
 
 def test_a_stage_is_set_up_for_what_it_needs(set_up_for):
