@@ -40,7 +40,7 @@ program() {
     for path in "${3:-/}" "$root/build/host/$2/$1" "$(command -v "$1")"; do
         if [ -f "$path" ] && [ -x "$path" ]; then echo "$path"; return; fi
     done
-    fail 77 "the program $1 is not built (tools/setup test builds all)"
+    fail 77 "the program $1 is not built (tools/setup gateway builds it)"
 }
 
 fail() {

@@ -4,10 +4,12 @@ import re
 import subprocess
 import sys
 import textwrap
+import threading
 import time
 from collections import Counter
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import groupby
 from pathlib import Path
@@ -16,6 +18,8 @@ from xml.etree import ElementTree
 SKIPPED = 77  # exit status of a command that could not do its check
 TAIL_LINES = 40
 TAIL_CHARACTERS = 200  # of each
+PROGRESS_S = 2
+CLEAR = "\r\033[K"  # the line of a terminal
 BROKEN_CHARACTERS = 2000  # of why a test failed
 
 
@@ -164,7 +168,7 @@ def run_stages(stages, log_folder, missing=None, timeout_s=1800):
     print(flush=True)
     total = Outcome()
     for group in side_by_side(stages):
-        with ThreadPoolExecutor(len(group)) as pool:
+        with progress(group, log_folder, sys.stdout), ThreadPoolExecutor(len(group)) as pool:
             # Of a stage alone an interrupt must end the command, which it does in this thread only.
             each = pool.map if len(group) > 1 else map
             ran = each(lambda stage: run_stage(stage, log_folder, missing, timeout_s), group)
@@ -174,6 +178,37 @@ def run_stages(stages, log_folder, missing=None, timeout_s=1800):
         print(f"\nFAILED: {without_middle(told, BROKEN_CHARACTERS)}")
     print(f"\n{total.passed} passed, {total.failed} failed, {total.skipped} skipped")
     return 0 if total.verdict == "passed" else 1
+
+
+@contextmanager
+def progress(group, log_folder, out):
+    """At a terminal, a line that says every few seconds what runs, and how far it is; elsewhere nothing."""
+    if not out.isatty():
+        yield
+        return
+    begin, ended = time.monotonic(), threading.Event()
+
+    def show():
+        while not ended.wait(PROGRESS_S):
+            running = ", ".join(stage.name + how_far(Path(log_folder) / f"{stage.name}.log") for stage in group)
+            out.write(f"{CLEAR}  {time.monotonic() - begin:.0f} s: {running}")
+            out.flush()
+
+    thread = threading.Thread(target=show, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()
+        out.write(CLEAR)
+
+
+def how_far(path):
+    """What pytest, ctest or Ninja last said of it in a log, such as " 62%" or " 12/80"; empty if none did."""
+    end = path.read_text(encoding="utf-8", errors="replace")[-4000:] if path.exists() else ""
+    told = re.findall(r"\[ *(\d+%|\d+/\d+)\]|^ *(\d+/\d+) Test", end, re.MULTILINE)
+    return f" {told[-1][0] or told[-1][1]}" if told else ""
 
 
 def side_by_side(stages):
@@ -218,6 +253,8 @@ def shortened(told):
 
 def report(stage, outcome, seconds, log):
     counts = f"{outcome.passed} passed"
+    if sys.stdout.isatty():
+        print(CLEAR, end="")
     counts += f", {outcome.failed} failed" if outcome.failed else ""
     counts += f", {outcome.skipped} skipped" if outcome.skipped else ""
     print(f"{outcome.verdict:8} {stage.name:12} {seconds:7.1f} s  {counts}")

@@ -1,7 +1,9 @@
 """tools/test does not hide a failure, nor count as passed what was skipped."""
+import io
 import re
 import shutil
 import threading
+import time
 
 import pytest
 import runner
@@ -173,19 +175,25 @@ def test_every_stage_has_a_name_of_its_own():
 
 @pytest.fixture
 def set_up_for(tmp_path):
-    """What tools/test asks tools/setup for, which fails, so that nothing else happens."""
+    """What tools/test asks tools/setup for, which fails, so that nothing else happens; its exit code is handed on."""
     (tmp_path / "tools").mkdir()
-    shutil.copy(ROOT / "tools/test", tmp_path / "tools")
+    for name in ("test", "stages.py"):
+        shutil.copy(ROOT / "tools" / name, tmp_path / "tools")
     asked = tmp_path / "tools/setup"
-    asked.write_text('#!/bin/sh\necho "$@"\nexit 1\n')
+    asked.write_text('#!/bin/sh\necho "$@"\nexit 130\n')
     asked.chmod(0o755)
 
     def ask(*arguments):
         result = run(tmp_path / "tools/test", *arguments)
-        assert result.returncode == 3, result
+        assert result.returncode == 130, result
         return result.stdout.strip()
 
     return ask
+
+
+def test_a_stage_that_is_not_there_is_told_before_set_up(set_up_for, tmp_path):
+    result = run(tmp_path / "tools/test", "unti")
+    assert (result.returncode, result.stdout) == (2, "test: no such stage: unti\n")
 
 
 def test_a_stage_is_set_up_for_what_it_needs(set_up_for):
@@ -222,3 +230,23 @@ def test_tests_started_in_the_background_heed_interrupts(tmp_path, plugin, faile
     done = run("sh", "-c", 'trap "" INT; exec "$@"', "sh", *command, PYTHONPATH=str(ROOT / "tests/lib"))
     assert done.returncode == failed, done.stdout
     assert ("started with interrupts ignored" in done.stdout) == (failed == 0)
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+def test_a_terminal_is_shown_how_far_it_is_and_a_file_is_not(tmp_path, monkeypatch):
+    monkeypatch.setattr(runner, "PROGRESS_S", 0.01)
+    (tmp_path / "one.log").write_text("....... [ 12%]\n........ [ 62%]\n")
+    (tmp_path / "other.log").write_text("[7/80] Building C object\n")
+    group = [stage(print, name) for name in ("one", "other", "silent")]
+    for out, shown in ((Terminal(), True), (io.StringIO(), False)):
+        with runner.progress(group, tmp_path, out):
+            for _ in range(1000):
+                if " s: " in out.getvalue():
+                    break
+                time.sleep(0.01 if shown else 0.0001)
+        assert (" s: one 62%, other 7/80, silent" in out.getvalue()) == shown
+        assert out.getvalue().endswith(runner.CLEAR) == shown

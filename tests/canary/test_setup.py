@@ -1,12 +1,18 @@
-"""tools/setup: what pictures and reports lack is told once, and tried again when something could have changed.
+"""tools/setup: what pictures and reports lack is told once, and tried again when something could have changed. What may
+not be installed is told with the line for an administrator; Ctrl-C ends it; no file is installed that is not locked.
 
 It runs in a tree of its own, on a machine of which every program that installs or builds is a stub that writes down how
 it was called.
 """
+import hashlib
 import os
+import pty
 import shutil
+import signal
 import subprocess
+import sys
 import time
+import zipfile
 
 import pytest
 from conftest import ROOT
@@ -16,16 +22,22 @@ echo "${0##*/} $*" >>"$WORLD/calls"
 case "${0##*/} $*" in
 "python -" | "python3 -") cat >/dev/null; echo "$0" ;;
 "python3 -m venv "*) mkdir -p "$3/bin" "$3/lib/python3.12/site-packages" && cp "$0" "$3/bin/python" ;;
-*"pip install"*-plot.txt | *"pip install"*-report.txt) [[ ! -e $WORLD/no-network ]] ;;
-"python -c import weasyprint") [[ -e $WORLD/pango ]] ;;
-"cc "*) cat >/dev/null ;;
+*"pip install"*/plot.txt | *"pip install"*/report.txt) [[ ! -e $WORLD/no-network ]] ;;
+"ldconfig -p") [[ ! -e $WORLD/pango ]] || echo libpangoft2-1.0.so.0 libharfbuzz-subset.so.0 ;;
+"cc "*) cat >/dev/null; [[ ! -e $WORLD/no-compiler ]] ;;
+*usage.py*) exec "$REAL_PYTHON" "$@" ;;
+*apt-get*install*)
+    [[ ! -e $WORLD/slow ]] || { trap '' INT; echo $$ >"$WORLD/busy"; sleep 60; }
+    exit 1
+    ;;
 "cmake --build"*) mkdir -p build/host/python && touch build/host/python/_tumble_core.abi3.so ;;
 sudo* | apt-get*install* | dpkg*) exit 1 ;;
 *launch.py*) echo "$TUMBLE_PROGRAM" >"$WORLD/program" ;;
 esac
 """
-WITHOUT_PANGO = "tumble: set up without Pango; what needs it will be skipped"
-NAMES = ("python3", "cc", "cmake", "ninja", "apt-get", "dpkg", "sudo", "pkg-config")
+WITHOUT_PANGO = "tumble: set up without libpango-1.0-0; what needs it will be skipped; to have it: sudo apt-get" \
+    " install --no-install-recommends libpango-1.0-0 libpangoft2-1.0-0 libharfbuzz-subset0 fonts-dejavu-core"
+NAMES = ("python3", "cc", "cmake", "ninja", "apt-get", "dpkg", "sudo", "pkg-config", "ldconfig")
 
 
 class Machine:
@@ -35,13 +47,14 @@ class Machine:
         self.tree, self.world = folder / "tree", folder / "world"
         (self.tree / "host/python").mkdir(parents=True)
         (self.world / "bin").mkdir(parents=True)
-        for file in (ROOT / "host/python").glob("requirements*.txt"):
-            shutil.copy(file, self.tree / "host/python")
-        shutil.copytree(ROOT / "tools", self.tree / "tools", ignore=lambda _, names: set(names) - {"setup", "tumble"})
+        mine = {"setup", "tumble", "usage", "packages.sh", "packages.txt", "locks"}
+        shutil.copytree(ROOT / "tools", self.tree / "tools", ignore=lambda folder, names: set(names) - mine
+                        if folder == str(ROOT / "tools") else ())
         script = self.tree / "tools/setup"
-        text = script.read_text().replace("EUID", "WHO")
-        assert text.count("/var/lib/dpkg/status") == 1 and text.count("WHO") == 2
-        script.write_text(text.replace("/var/lib/dpkg/status", str(self.world / "status")))
+        for file in (script, self.tree / "tools/packages.sh"):
+            text = file.read_text()
+            assert text.count("EUID") == 1
+            file.write_text(text.replace("EUID", "WHO").replace("/var/lib/dpkg/status", str(self.world / "status")))
         for file in (self.tree / "VERSION", self.world / "status"):
             file.touch()
         for name in NAMES:
@@ -58,11 +71,14 @@ class Machine:
     def call(self, *command, who=0):
         """What a call told, without the log's name; and the programs that it called."""
         (self.world / "calls").write_text("")
-        path = f"{self.world / 'bin'}:{os.environ['PATH']}"
         done = subprocess.run([str(self.tree / command[0]), *command[1:]], text=True, capture_output=True, timeout=60,
-                              env={"PATH": path, "WORLD": str(self.world), "WHO": str(who)})
+                              env=self.environment(who))
         assert (done.returncode, done.stdout) == (0, ""), done.stderr
         return done.stderr.partition(" (log: ")[0], (self.world / "calls").read_text()
+
+    def environment(self, who=0, path=os.environ["PATH"]):
+        return {"PATH": f"{self.world / 'bin'}:{path}", "WORLD": str(self.world), "WHO": str(who),
+                "REAL_PYTHON": sys.executable}
 
     def setup(self, profile="report", who=0):
         return self.call("tools/setup", profile, who=who)
@@ -152,24 +168,143 @@ def test_what_was_there_and_is_gone_is_told_once_as_well(machine):
 
 def test_packages_that_pip_does_not_get_are_told_once(machine):
     (machine.world / "no-network").touch()
-    said = "tumble: set up without the packages of host/python/requirements-{}.txt; what needs it will be skipped"
+    (machine.world / "pango").touch()
+    said = "tumble: set up without the Python packages of tools/locks/{}.txt; what needs it will be skipped"
     for profile in ("plot", "report"):
         assert machine.setup(profile)[0] == said.format(profile)
         assert machine.setup(profile) == ("", "")
+
+
+def with_package(machine):
+    for name in ("src", "usage.py"):
+        (machine.tree / "host/python" / name).symlink_to(ROOT / "host/python" / name)
 
 
 @pytest.mark.parametrize(("command", "installs"), [
     ("import a.csv --plot a.svg", {"plot"}),
     ("compare a.json b.json --plot=c.svg", {"plot"}),
     ("report a.json --out a.pdf", {"report"}),
-    ("bench --report a.html", {"report"}),
+    ("bench --report --seed 2", {"report"}),
     ("plan validate --plot a.svg", set()),  # it draws by itself
     ("solve a.csv", set()),
 ])
 def test_a_command_installs_what_it_needs(machine, command, installs):
+    with_package(machine)
     _, calls = machine.call("tools/tumble", *command.split())
     lines = calls.splitlines()
-    assert {name for name in ("plot", "report") if f"-rhost/python/requirements-{name}.txt" in calls} == installs
-    assert ("python -c import weasyprint" in lines) == ("apt-get update" in lines) == ("report" in installs)
+    assert {name for name in ("plot", "report") if f"-rtools/locks/{name}.txt" in calls} == installs
+    assert ("ldconfig -p" in lines) == ("apt-get update" in lines) == ("report" in installs)
     assert lines[-1] == f"python {machine.tree}/host/python/launch.py {command}"
     assert (machine.world / "program").read_text() == f"{machine.tree}/tools/tumble\n"  # as it was called
+
+
+NEEDED = ("Or ask an administrator for: sudo apt-get install --no-install-recommends gcc libc6-dev libpango-1.0-0"
+          " libpangoft2-1.0-0 libharfbuzz-subset0 fonts-dejavu-core")
+
+
+def refused(machine, **more):
+    """What is told, in one line, by a set-up that ends with 3."""
+    (machine.world / "no-compiler").touch()
+    done = subprocess.run([machine.tree / "tools/setup", "report"], capture_output=True, text=True, timeout=60, **more)
+    assert (done.returncode, done.stdout) == (3, "")
+    return done.stderr.partition(" (log: ")[0]
+
+
+def test_without_a_terminal_an_administrator_is_needed(machine):
+    assert refused(machine, env=machine.environment(1000)) == (
+        "tumble: set-up: cannot install gcc libc6-dev: sudo does not do it without a password, and there is no terminal"
+        f" to ask for it. {NEEDED}")
+
+
+def test_a_machine_without_sudo_is_told_from_one_that_refuses(machine, tmp_path):
+    (machine.world / "bin/sudo").unlink()
+    for program in os.listdir("/usr/bin"):
+        if program != "sudo" and not (machine.world / "bin" / program).exists():
+            (machine.world / "bin" / program).symlink_to(f"/usr/bin/{program}")
+    assert refused(machine, env=machine.environment(1000, path="/nowhere")) == (
+        f"tumble: set-up: cannot install gcc libc6-dev: you are not root, and there is no sudo. {NEEDED}")
+
+
+def test_at_a_terminal_it_says_why_before_sudo_asks(machine):
+    (machine.world / "no-compiler").touch()
+    ours, theirs = pty.openpty()
+    done = subprocess.Popen([machine.tree / "tools/setup", "report"], stderr=theirs, env=machine.environment(1000))
+    os.close(theirs)
+    told = b""
+    try:
+        while block := os.read(ours, 4096):
+            told += block
+    except OSError:  # its other end is closed
+        pass
+    assert done.wait(60) == 3
+    first, *_, last = [line for line in told.decode().replace("\r\x1b[K", "").splitlines() if "tumble: " in line]
+    assert first.startswith("tumble: set-up for 'report' installs gcc libc6-dev libpango-1.0-0 ") and " min " in first
+    assert f"tumble: set-up: cannot install gcc libc6-dev: sudo refused. {NEEDED}" in last
+    calls = (machine.world / "calls").read_text()
+    assert calls.count("sudo -p ") == 1 and "apt-get" not in calls
+
+
+def test_an_interrupt_ends_it_while_packages_are_installed(machine):
+    """Even if apt-get does not listen; it is left to complete what it has begun."""
+    for name in ("no-compiler", "slow"):
+        (machine.world / name).touch()
+    done = subprocess.Popen([machine.tree / "tools/setup", "core"], stderr=subprocess.PIPE, text=True,
+                            env=machine.environment(), start_new_session=True)
+    busy = machine.world / "busy"
+    while not (busy.exists() and busy.read_text()):
+        assert done.poll() is None
+        time.sleep(0.01)
+    os.killpg(done.pid, signal.SIGINT)
+    try:
+        assert done.wait(30) == 130
+        os.kill(int(busy.read_text()), 0)  # is still there
+    finally:
+        os.killpg(done.pid, signal.SIGKILL)
+    assert done.stderr.read().startswith("tumble: set-up: interrupted; ")
+    assert {path.name for path in (machine.tree / "build/setup").iterdir()} == {"lock", "missing"}
+
+
+@pytest.mark.parametrize(("words", "code"), [
+    ("--help", 0), ("", 0), ("solve --help", 0), ("bench -h", 0), ("--version", 0), ("watch --help", 0),
+    ("frob", 2), ("solve", 2), ("bench --bogus", 2), ("report r.json --out r.pdf --frob", 2),
+])
+def test_help_and_usage_errors_install_nothing(machine, words, code):
+    with_package(machine)
+    done = subprocess.run([machine.tree / "tools/tumble", *words.split()], capture_output=True, text=True, timeout=60,
+                          env=machine.environment())
+    assert done.returncode == code and bool(done.stdout) == (code == 0) and bool(done.stderr) == (code == 2)
+    assert not (machine.tree / "build").exists() and not (machine.tree / ".venv").exists()
+
+
+WHEEL = "numpy-1.0-py3-none-any.whl"
+
+
+@pytest.fixture
+def locked(machine):
+    """The machine's real Python, an index of one package that is no more than its name, and a lock that asks for it."""
+    for name in ("python3", "cc", "cmake", "ninja"):
+        (machine.world / "bin" / name).unlink()
+    about = "Metadata-Version: 2.1\nName: numpy\nVersion: 1.0\n"
+    tag = "Wheel-Version: 1.0\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
+    with zipfile.ZipFile(machine.world / WHEEL, "w") as wheel:
+        for name, text in (("METADATA", about), ("WHEEL", tag), ("RECORD", "")):
+            wheel.writestr(f"numpy-1.0.dist-info/{name}", text)
+    true = hashlib.sha256((machine.world / WHEEL).read_bytes()).hexdigest()
+
+    def setup(line):
+        (machine.tree / "tools/locks/core.txt").write_text(line.format(true=true) + "\n")
+        environment = {**machine.environment(), "PIP_NO_INDEX": "1", "PIP_FIND_LINKS": str(machine.world)}
+        done = subprocess.run([machine.tree / "tools/setup", "core"], capture_output=True, text=True, timeout=120,
+                              env=environment)
+        assert done.returncode == 3  # at the latest where there is nothing to build
+        return done.stderr.partition(" (log: ")[0]
+
+    return setup
+
+
+def test_only_files_of_the_lock_are_installed(locked):
+    why = "tumble: set-up: cannot install Python packages: "
+    forged = f"{why}numpy==1.0 is not the file whose hash stands in tools/locks"
+    assert locked("numpy==1.0 --hash=sha256:" + "0" * 64) == forged
+    assert locked("numpy==1.0") == why + "a package of tools/locks has no hash"
+    assert locked("numpy==1.0 --hash=sha256:{true}") == "tumble: set-up: cannot build the extension module"

@@ -79,7 +79,7 @@ def test_simulate_is_bench(tumble, refused):
 def test_completion_without_shtab():
     program = "import sys; sys.modules['shtab'] = None; from tumble.__main__ import run; sys.exit(run())"
     done = subprocess.run([sys.executable, "-c", program, "--print-completion", "bash"], capture_output=True, text=True)
-    said = "tumble: --print-completion needs shtab: pip install './host/python[completion]'\n"
+    said = "tumble: --print-completion needs shtab: .venv/bin/pip install shtab\n"
     assert (done.returncode, done.stdout, done.stderr) == (77, "", said)
 
 

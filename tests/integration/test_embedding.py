@@ -1,4 +1,4 @@
-"""The C that docs/embedding.md and the README show: it is that of the files, it runs, and it finds the truth."""
+"""The C that docs/embedding.md shows: it is that of the files, it runs, and it finds the truth."""
 
 import csv
 import json
@@ -148,12 +148,12 @@ def test_its_costs_are_those_of_the_budget():
 
 
 @needs_cc
-def test_the_program_of_the_readme(tumble, tmp_path):
+def test_the_mathematics_alone(tumble, tmp_path):
     """By the page's commands; from the means of a recorded run what the page shows, and of its first position what
     `solve` says. Without means, or with bad ones, exit code 1 and nothing else."""
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
     blocks = r"```c\n(.*?)```.*?```sh\n(.*?)```.*?```text\n(.*?)```"
-    program, commands, shown = re.search(blocks, readme, re.DOTALL).groups()
+    section = PAGE[PAGE.index("\n## The mathematics alone\n"):]
+    program, commands, shown = re.search(blocks, section, re.DOTALL).groups()
     compile_it, _, run_it = commands.partition("\n")
     assert program.count("\n") <= 20
     (tmp_path / "main.c").write_text(program)

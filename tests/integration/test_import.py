@@ -229,7 +229,7 @@ def without_matplotlib(folder):
 def test_without_matplotlib_a_picture_is_refused_in_a_line(tumble, tmp_path):
     done = tumble("import", HAND_HELD, "--plot", tmp_path / "x.png", **without_matplotlib(tmp_path))
     assert (done.returncode, done.stdout) == (77, "")
-    assert done.stderr == "tumble: --plot needs matplotlib: pip install './host/python[plot]'\n"
+    assert done.stderr == "tumble: --plot needs matplotlib: tools/setup plot\n"
 
 
 @pytest.mark.parametrize(("suffix", "begins"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")])

@@ -217,7 +217,7 @@ def test_without_matplotlib(result, monkeypatch, tmp_path):
     for arguments, needed in (((), "a picture"), ((tmp_path / "x.png",), "file")):
         with pytest.raises(NotInstalled) as told:
             result.plot(*arguments)
-        assert str(told.value) == f"{needed} needs matplotlib: pip install './host/python[plot]'"
+        assert str(told.value) == f"{needed} needs matplotlib: tools/setup plot"
         assert isinstance(told.value, Skipped) and isinstance(told.value, ImportError)
 
 

@@ -145,7 +145,7 @@ def test_without_python_can_a_line_says_what_to_install(run, tumble, tmp_path):
     (tmp_path / "can.py").write_text("raise ImportError('none')\n")
     path = f"{tmp_path}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
     done = tumble("replay", log, PYTHONPATH=path)
-    said = f"tumble: {log}: a CAN log needs python-can: pip install './host/python[can]'\n"
+    said = f"tumble: {log}: a CAN log needs python-can: .venv/bin/pip install python-can cantools\n"
     assert (done.returncode, done.stdout, done.stderr) == (77, "", said)
     own = folder / "run/bus.log", "--scenario", folder / "scenario.txt"
     assert tumble("replay", *own, PYTHONPATH=path).returncode == 0

@@ -18,7 +18,7 @@ import tumble as package
 from tumble.api.result import Result
 from tumble.cli.commands import bench
 from tumble.cli.main import main
-from tumble.errors import BadInput, NotInstalled, UsageError
+from tumble.errors import BadInput, UsageError
 from tumble.report.make import context
 from tumble.report.number import number_of, require_number
 from tumble.report.pages import css_string, own
@@ -283,9 +283,9 @@ def test_another_logo_is_refused(data, why, refused, result, tmp_path):
 @pytest.mark.parametrize(
     ("missing", "out", "said"),
     [
-        ("jinja2", "r.html", "a report needs jinja2: pip install './host/python[report]'"),
-        ("matplotlib", "r.html", "a report needs matplotlib: pip install './host/python[report]'"),
-        ("weasyprint", "r.pdf", "a report as PDF needs WeasyPrint and Pango: pip install './host/python[report]'"),
+        ("jinja2", "r.html", "a report needs jinja2: tools/setup report"),
+        ("matplotlib", "r.html", "a report needs matplotlib: tools/setup report"),
+        ("weasyprint", "r.pdf", "a report as PDF needs WeasyPrint and Pango: tools/setup report"),
     ],
 )
 def test_a_missing_package_is_named(missing, out, said, result, tmp_path, tumble):
@@ -302,8 +302,9 @@ def test_without_a_package_a_bench_run_says_that_it_leaves_no_report(tmp_path, t
     written(tmp_path, "jinja2.py", "raise ImportError('none', name='jinja2')\n")
     paths = f"{tmp_path}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
     done = tumble("bench", "--out", tmp_path / "run", PYTHONPATH=paths, TUMBLE_NO_REPORT="")
-    remedy = "pip install './host/python[report]'"
-    said = f"tumble: no report is left: a report needs jinja2: {remedy}; --no-report to do without"
+    remedy = "tools/setup report"
+    said = f"tumble: the run is made without a report: a report needs jinja2: {remedy}"
+    said += "; --no-report leaves this line out"
     assert done.returncode == 0 and done.stderr.splitlines()[0] == said
     assert not (tmp_path / "run/report.html").exists() and (tmp_path / "run/result.json").exists()
 
@@ -388,11 +389,3 @@ def test_a_bench_run_leaves_the_report_on_its_result(tmp_path, tumble, monkeypat
     assert sorted(os.listdir(tmp_path / "run")) == ["bus.log", "inputs", "report.html", "result.json", "run.csv"]
     package.load(tmp_path / "run/result.json").report(tmp_path / "again.html", run=tmp_path / "run/run.csv")
     assert (tmp_path / "again.html").read_bytes() == (tmp_path / "run/report.html").read_bytes()
-
-
-def test_in_a_checkout_its_own_set_up_is_the_remedy(monkeypatch):
-    """Not of what that does not bring."""
-    monkeypatch.setenv("TUMBLE_PROGRAM", "./tools/tumble")
-    assert str(NotInstalled("a report", "jinja2", extra="report")) == "a report needs jinja2: tools/setup report"
-    remedy = "pip install './host/python[mat]'"
-    assert str(NotInstalled("a MAT file", "scipy", extra="mat")) == f"a MAT file needs scipy: {remedy}"

@@ -7,6 +7,7 @@ needs is not there   130 interrupted
 from __future__ import annotations
 
 import os
+from pathlib import Path
 from typing import Any
 
 EXIT_PASS = 0
@@ -17,7 +18,9 @@ EXIT_SKIPPED = 77
 EXIT_INTERRUPTED = 130
 
 _LONGEST_QUOTE = 40
-_PROFILES = ("plot", "report", "watch")  # of tools/setup that have the name of an extra
+_CHECKOUT = Path(__file__).parents[4]  # if this is one
+_PROFILES = {"plot": "plot", "report": "report", "watch": "watch", "client": "watch"}  # of tools/setup, by extra
+_ON_PYPI = {"can": "python-can cantools"}  # where more is to be installed than the one that was missed
 
 
 def quoted(text: object, longest: int = _LONGEST_QUOTE) -> str:
@@ -78,14 +81,27 @@ class Skipped(TumbleError):
 
 
 class NotInstalled(Skipped, ImportError):
-    """A Python package that only some inputs need is not there. Says how to get it: the package is on no index, so from
-    a checkout, whose tools/setup brings the most common ones."""
+    """A Python package that only some inputs need is not there. Says how to get it: by tools/setup in a checkout, by
+    its pip what that does not bring; elsewhere, where the package itself is installed already, by its extra."""
 
     def __init__(self, needed_for: str, *packages: str, extra: str):
         listed = " or ".join(packages)
-        brought = extra in _PROFILES and "TUMBLE_PROGRAM" in os.environ
-        remedy = f"tools/setup {extra}" if brought else f"pip install './host/python[{extra}]'"
+        setup = _CHECKOUT / "tools/setup"
+        if not setup.exists():
+            remedy = f"pip install 'tumble[{extra}]'"
+        elif extra in _PROFILES:
+            remedy = f"{file_name(_shorter(setup))} {_PROFILES[extra]}"
+        else:
+            remedy = f"{file_name(_shorter(_CHECKOUT / '.venv/bin/pip'))} install {_ON_PYPI.get(extra, packages[0])}"
         super().__init__(f"{needed_for} needs {listed}: {remedy}")
+
+
+def _shorter(path: Path) -> str:
+    """From the working directory, if the path lies below it."""
+    try:
+        return os.fspath(path.relative_to(Path.cwd()))
+    except (ValueError, OSError):
+        return os.fspath(path)
 
 
 class Interrupted(TumbleError):

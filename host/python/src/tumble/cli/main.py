@@ -17,6 +17,7 @@ from tumble.cli.commands import ABOUT, adder_of
 from tumble.errors import EXIT_BAD_INPUT, EXIT_DISAGREEMENT, EXIT_PASS, Interrupted, TumbleError, UsageError
 from tumble.messages import tell
 
+ANSWERED = 10  # of `parse`: it was --help or --version
 _UNKNOWN = "unrecognized arguments: "
 _NEGATIVE = re.compile(r"-(\.?\d|[+-]{2}$)")  # or three signs, of --signs
 
@@ -109,6 +110,24 @@ def _prepare_output() -> None:
         raise UsageError("standard output is closed")
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")
+
+
+def parse(words: list[str]) -> int:
+    """Everything but the run, for host/python/usage.py, whose exit codes these are."""
+    try:
+        _prepare_output()
+        if not words:
+            _help(_parser(""))
+            return ANSWERED
+        _parser(_named(words)).parse_args(words)
+    except SystemExit:
+        return ANSWERED
+    except UsageError as error:
+        _complain(str(error))
+        return error.exit_code
+    except TumbleError:
+        pass  # it wants what only a set-up brings
+    return EXIT_PASS
 
 
 def main(argv: list[str] | None = None, *, interruptible: bool = False) -> int:

@@ -170,7 +170,7 @@ def _wants_report(arguments: argparse.Namespace) -> bool:
     except NotInstalled as error:
         if arguments.report:
             raise
-        tell(f"tumble: no report is left: {error}; --no-report to do without")
+        tell(f"tumble: the run is made without a report: {error}; --no-report leaves this line out")
         return False
     return True
 
