@@ -123,7 +123,7 @@ typedef struct {
     Y(8, TARGET, "the target, before the set-point")                                                                   \
     Y(9, SET_POINT, "the set-point: bit 12 after bit 4 was set")                                                       \
     Y(10, RELEASE, "the set-point: bit 12 after bit 4 was cleared")                                                    \
-    Y(11, MOTION, "the motion")                                                                                         \
+    Y(11, MOTION, "the motion")                                                                                        \
     Y(12, VERIFY, "what a motion depends on, read back before it")
 
 typedef enum {
@@ -179,8 +179,8 @@ typedef struct {
     tumble_motion_bounds_t bounds; /* not the kind's: it only stands here */
     uint16_t fault_code;           /* the drive's own error code (EMCY) */
     bool asks;                     /* a person is to turn the head and to confirm */
-    bool limited;                  /* the drive itself keeps to the cable's limits: they have been written and read back */
-    uint8_t rung;                  /* tumble_stop_rung_t: how far a stop under way has gone; CLEAR_FAULT waits for its end */
+    bool limited; /* the drive itself keeps to the cable's limits: they have been written and read back */
+    uint8_t rung; /* tumble_stop_rung_t: how far a stop under way has gone; CLEAR_FAULT waits for its end */
 } tumble_stand_report_t;
 
 /* ---- What a stand is. */

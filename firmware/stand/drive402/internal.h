@@ -29,7 +29,7 @@ typedef enum {
     PHASE_SET_POINT, /* bit 4 high, waiting for bit 12 */
     PHASE_RELEASE,   /* bit 4 low again, waiting for bit 12 to fall */
     PHASE_MOVING,    /* waiting for target reached */
-    PHASE_VERIFY,     /* before a motion: what it depends on is read back, and written again where it differs */
+    PHASE_VERIFY,    /* before a motion: what it depends on is read back, and written again where it differs */
     PHASE_STOPPING,
     PHASE_STOPPED, /* at rest, maybe without power */
     PHASE_FAULT,
