@@ -225,7 +225,7 @@ int main(int count, char *arguments[])
 {
     static bench_config_t config;
     options_t options;
-    bus_log_t log;
+    bus_log_t log = {0};
     if (!read_options(&options, count, arguments)) {
         return BENCH_EXIT_USAGE;
     }
