@@ -50,7 +50,7 @@ const char node_options_help[] =
     "                   counts_per_deg (10000), window_deg (0.02), home_timeout_ms\n"
     "                   (120000), move_timeout_ms (60000), stop_timeout_ms (2000),\n"
     "                   cycle_ms (20), silence_ms (500), watch_ms (500),\n"
-    "                   speed_deg_s (0: not known)\n"
+    "                   speed_deg_s (0)\n"
     "  --nv FILE        non-volatile memory, 64 kB; made if it is not there, in a\n"
     "                   folder that is; else nothing is kept\n"
     "  --progress       one JSON line on standard error for every step of the\n"

@@ -26,6 +26,7 @@ static tumble_positioner_profile_t profile = {
     .cycle_ms = 20,
     .silence_ms = 500,
     .watch_ms = 500,
+    .speed_deg_s = 0.0,
 };
 
 typedef struct {

@@ -45,7 +45,7 @@ def test_its_defaults_are_those_of_the_option():
     shown = {}
     for names, numbers, _ in rows("| name |", "An order may have to wait")[1:]:
         shown.update(zip(re.findall(r"`(\w+)`", names), map(float, numbers.split(", ")), strict=True))
-    assert shown == expected and len(shown) == 9
+    assert shown == expected and len(shown) == 10
     helps = (ROOT / "boards/linux/node_options.c").read_text(encoding="utf-8").replace('\\n"\n    "', " ")
     told = dict(re.findall(r"(\w+) +\(([0-9.]+)\)", helps[helps.index("--stand"):helps.index("--nv FILE")]))
     assert {name: float(value) for name, value in told.items()} == expected
