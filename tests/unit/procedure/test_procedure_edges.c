@@ -191,6 +191,21 @@ static void test_the_tolerance_is_the_last_angle_that_holds(void)
     }
 }
 
+/* Whether it is the table or the count that slipped nobody knows: a run that goes on homes first. */
+static void test_after_a_slip_of_the_angle_a_run_homes_again(void)
+{
+    bench_start(&bench);
+    bench_run_to_position(&bench, 3, TUMBLE_STATE_SETTLE);
+    TEST_ASSERT_EQUAL_UINT32(1, counters()->homings);
+    bench.stand.error_deg = 360.0;
+    bench_tick(&bench);
+    ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_SLIP);
+    bench.stand.error_deg = 0.0;
+    TEST_ASSERT_EQUAL(TUMBLE_OK, tumble_procedure_resume(&bench.procedure));
+    bench_run_to_done(&bench);
+    TEST_ASSERT_EQUAL_UINT32(2, counters()->homings);
+}
+
 static void test_states_that_wait_for_nothing_wait_for_ever(void)
 {
     bench_init(&bench);
