@@ -80,9 +80,10 @@ static void reset(void *context, bool application)
 static bool commands_by_sdo(const tumble_navcomp_t *navcomp, const tumble_can_frame_t *frame)
 {
     const uint16_t index = tumble_get_u16(&frame->data[1]);
+    const unsigned begins = frame->data[0] & 0xE1U; /* 20h, 21h: a download; C0h: one in blocks */
     return (frame->id == (TUMBLE_SDO_REQUEST_ID + navcomp->config->stand_node)) && (frame->length >= 4U) &&
-           ((frame->data[0] >> 5U) == 1U) &&
-           ((index == TUMBLE_402_CONTROLWORD) || (index == TUMBLE_402_TARGET_POSITION));
+           (((begins & 0xE0U) == 0x20U) || (begins == 0xC0U)) &&
+           ((index == TUMBLE_402_CONTROLWORD) || (index == TUMBLE_402_TARGET_POSITION) || (index == TUMBLE_402_MODE));
 }
 
 bool tumble_notice_foreign(tumble_navcomp_t *navcomp, const tumble_can_frame_t *frame)

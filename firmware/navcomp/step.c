@@ -26,7 +26,8 @@
 #define US_PER_MS 1000U
 #define RETRY_US 1000U /* after the port had no room or was off the bus */
 #define MAX_NODE 127U
-#define STATE_PDO 2U /* the first two belong to the drive */
+#define WATCH_MS 100U /* the bounds of a motion are looked at so often at least */
+#define STATE_PDO 2U  /* the first two belong to the drive */
 
 /* Getting ready. */
 
@@ -330,7 +331,8 @@ static bool is_bus_off(const tumble_navcomp_t *navcomp)
 static uint64_t next_due_us(const tumble_navcomp_t *navcomp)
 {
     const tumble_status_t last = navcomp->node.link.last;
-    uint64_t due_us = navcomp->stepped_us + ((uint64_t)navcomp->config->heartbeat_ms * US_PER_MS);
+    const uint32_t most_ms = (navcomp->config->heartbeat_ms < WATCH_MS) ? navcomp->config->heartbeat_ms : WATCH_MS;
+    uint64_t due_us = navcomp->stepped_us + ((uint64_t)most_ms * US_PER_MS);
     due_us = tumble_earlier(due_us, tumble_node_next_us(&navcomp->node));
     due_us = tumble_earlier(due_us, tumble_procedure_next_us(&navcomp->procedure));
     due_us = tumble_earlier(due_us, navcomp->stand.kind->next_us(navcomp->stand.self));

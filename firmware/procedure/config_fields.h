@@ -82,7 +82,7 @@
     /* 100 samples */                                                                                                  \
     X(U32, sample_timeout_ms, 1000U, POSITIVE, NO_RESULT, 1, "procedure.sample_timeout_ms", 0, UINT32_MAX,             \
       "ms; 0: 100 samples")                                                                                             \
-    X(U32, motion_margin_ms, 2000U, ANY, NO_RESULT, 6, "procedure.motion_margin_ms", 0, UINT32_MAX,                    \
+    X(U32, motion_margin_ms, 2000U, ANY, NO_RESULT, 6, "procedure.motion_margin_ms", 0, 3600000,                    \
       "ms; a motion may last so much longer than way / speed; 0: 2000")
 /* clang-format on */
 

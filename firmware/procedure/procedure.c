@@ -62,6 +62,7 @@ static outcome_t watch(tumble_procedure_t *procedure, unsigned watched)
         return tumble_fail(procedure, TUMBLE_REASON_BLOCK_HEARTBEAT);
     }
     if (((watched & WATCH_ANGLE) != 0U) && table_slipped(procedure)) {
+        tumble_stand_lose_position(&procedure->stand);
         procedure->homed = false; /* nobody knows whether it is the table or the count that slipped */
         return tumble_fail(procedure, TUMBLE_REASON_SLIP);
     }

@@ -9,6 +9,9 @@
 #define LEAST_CHANGE_MDEG 20U /* less is no progress */
 #define LOOKS 3U              /* in a row that must agree */
 #define LEAST_LOOK_MS 64U
+#define UNKNOWN_RAMP_MS 1000U
+#define MDEG_PER_DEG 1000U
+#define MOST_S 1000000U
 #define TICK 10U /* times are counted in units of 2^10 us */
 #define MS_PER_LOST_TICK 43U
 
@@ -44,30 +47,78 @@ static bool is_about(uint32_t speed, uint32_t told)
     return distance((int32_t)speed, (int32_t)told) <= ((told / 10U) * 3U);
 }
 
-/* Has the axis a steady speed that it was not told? */
+/* Has the axis a steady speed that it was not told? The first look of those that agree is what the others are compared
+ * with: a gentle ramp would pass from one to the next. Where the ramp is not known, a slower speed may be its. */
 static bool is_out_of_pace(tumble_motion_bounds_t *bounds, const tumble_stand_motion_t *told, uint32_t speed)
 {
     const bool both_mad = ((speed / 2U) > told->speed_mdeg_s) && ((bounds->speed_mdeg_s / 2U) > told->speed_mdeg_s);
-    const bool agrees =
-        both_mad || (distance((int32_t)speed, (int32_t)bounds->speed_mdeg_s) <= (bounds->speed_mdeg_s / 8U));
     const uint32_t slow = bounds->homes ? told->slow_mdeg_s : told->speed_mdeg_s;
-    bounds->looks = agrees ? (uint8_t)(bounds->looks + 1U) : 1U;
-    bounds->speed_mdeg_s = speed;
-    return (bounds->looks >= LOOKS) && (speed > (slow / 16U)) && (slow != 0U) && !is_about(speed, slow) &&
+    if (both_mad || (distance((int32_t)speed, (int32_t)bounds->speed_mdeg_s) <= (bounds->speed_mdeg_s / 8U))) {
+        bounds->looks++;
+    } else {
+        bounds->looks = 1;
+        bounds->speed_mdeg_s = speed;
+    }
+    const bool ramps = (told->ramp_ms == 0U) && (speed < told->speed_mdeg_s);
+    return (bounds->looks >= LOOKS) && !ramps && (speed > (slow / 16U)) && (slow != 0U) && !is_about(speed, slow) &&
            !is_about(speed, told->speed_mdeg_s);
+}
+
+/* Milliseconds for a way, at most some twelve days. */
+static uint32_t duration_ms(uint32_t way_mdeg, uint32_t speed_mdeg_s)
+{
+    if (speed_mdeg_s >= MDEG_PER_DEG) {
+        return (way_mdeg * 8U) / (speed_mdeg_s / 125U); /* ways are shorter than 2^29 mdeg */
+    }
+    const uint32_t s = (speed_mdeg_s != 0U) ? (way_mdeg / speed_mdeg_s) : MOST_S;
+    return ((s < MOST_S) ? s : MOST_S) * MS_PER_S;
 }
 
 /* The motion is set going: from now on its time counts. */
 static void set_out(tumble_motion_bounds_t *bounds, const tumble_stand_motion_t *told, int32_t here, uint32_t now)
 {
     const uint32_t way = bounds->homes ? (uint32_t)told->to_mdeg : distance(told->to_mdeg, here);
-    const uint32_t eighths = (told->speed_mdeg_s / 125U) + ((told->speed_mdeg_s < 125U) ? 1U : 0U); /* deg/s */
-    const uint32_t ms = ((way * 8U) / eighths) + told->ramp_ms; /* mdeg over deg/s; ways are shorter than 2^29 mdeg */
+    const uint32_t ramp_ms = (told->ramp_ms != 0U) ? told->ramp_ms : UNKNOWN_RAMP_MS;
+    const uint32_t ms = duration_ms(way, told->speed_mdeg_s) + ramp_ms;
     bounds->told = true;
     bounds->due = now + (ms - (ms / MS_PER_LOST_TICK));
     bounds->looked = now;
     bounds->looks = 0;
     bounds->from_mdeg = here;
+    bounds->seen_mdeg = here;
+    bounds->progressed = now;
+}
+
+/* Reports that no longer change, but for a flicker, for longer than the slowest motion needs to leave it. At its end, also
+ * of one leg of several, an axis may rest; in homing it may for a while, such as where it turns back. */
+static bool stalls(tumble_motion_bounds_t *bounds, const tumble_stand_motion_t *told, int32_t here, uint32_t now,
+                   uint32_t margin_ms)
+{
+    const uint32_t least = (told->count_mdeg > LEAST_CHANGE_MDEG) ? told->count_mdeg : LEAST_CHANGE_MDEG;
+    const uint32_t slowest = (told->slow_mdeg_s != 0U) ? told->slow_mdeg_s : told->speed_mdeg_s;
+    const uint32_t leaves_ms = (slowest != 0U) ? duration_ms(2U * least, slowest) : 0U;
+    if (distance(here, bounds->seen_mdeg) > least) {
+        bounds->seen_mdeg = here;
+        bounds->progressed = now;
+    }
+    const bool rests = !bounds->homes && (distance(here, told->to_mdeg) <= (uint32_t)TUMBLE_OVERSHOOT_MDEG);
+    return !rests && ((now - bounds->progressed) > ((bounds->homes ? margin_ms : (margin_ms / 2U)) + leaves_ms));
+}
+
+/* The next look at the speed, if it is time for one and a report shows that the axis has gone on. */
+static bool is_at_another_speed(tumble_motion_bounds_t *bounds, const tumble_stand_motion_t *told, int32_t here,
+                                uint32_t now)
+{
+    const uint32_t passed = now - bounds->looked;
+    const uint32_t change = distance(here, bounds->from_mdeg);
+    if ((told->speed_mdeg_s == 0U) || (bounds->progressed != now) || (passed < LEAST_LOOK_MS) ||
+        (passed < (told->ramp_ms / 4U))) {
+        return false;
+    }
+    bounds->looked = now;
+    bounds->from_mdeg = here;
+    const uint32_t speed = (change < (UINT32_MAX / MS_PER_S)) ? ((change * MS_PER_S) / passed) : UINT32_MAX;
+    return is_out_of_pace(bounds, told, speed);
 }
 
 static tumble_stand_fault_t judge(tumble_motion_bounds_t *bounds, const tumble_stand_motion_t *told, int32_t here,
@@ -76,29 +127,21 @@ static tumble_stand_fault_t judge(tumble_motion_bounds_t *bounds, const tumble_s
     if ((here < bounds->lowest_mdeg) || (here > bounds->highest_mdeg)) {
         return TUMBLE_STAND_FAULT_RUNAWAY;
     }
-    if (told->speed_mdeg_s == 0U) {
+    if (told->count_mdeg == 0U) { /* it has not set out */
         bounds->told = false;
         return TUMBLE_STAND_FAULT_NONE;
     }
     if (!bounds->told) {
         set_out(bounds, told, here, now);
     }
-    if ((int32_t)(now - bounds->due) > (int32_t)margin_ms) {
+    const uint32_t late = now - bounds->due;
+    if ((late <= (uint32_t)INT32_MAX) && (late > margin_ms)) {
         return bounds->homes ? TUMBLE_STAND_FAULT_HOMING : TUMBLE_STAND_FAULT_TIMEOUT;
     }
-    const uint32_t passed = now - bounds->looked;
-    const uint32_t change = distance(here, bounds->from_mdeg);
-    if (change <= ((told->count_mdeg > LEAST_CHANGE_MDEG) ? told->count_mdeg : LEAST_CHANGE_MDEG)) {
-        const bool stalls = (passed > (margin_ms / 2U)) && (bounds->homes || !is_at_goal(bounds, here));
-        return stalls ? TUMBLE_STAND_FAULT_STALL : TUMBLE_STAND_FAULT_NONE;
+    if (stalls(bounds, told, here, now, margin_ms)) {
+        return TUMBLE_STAND_FAULT_STALL;
     }
-    if ((here == bounds->before_mdeg) || (passed < LEAST_LOOK_MS) || (passed < (told->ramp_ms / 4U))) {
-        return TUMBLE_STAND_FAULT_NONE; /* no new report, or too soon */
-    }
-    bounds->looked = now;
-    bounds->from_mdeg = here;
-    return is_out_of_pace(bounds, told, (change * MS_PER_S) / passed) ? TUMBLE_STAND_FAULT_SCALE
-                                                                      : TUMBLE_STAND_FAULT_NONE;
+    return is_at_another_speed(bounds, told, here, now) ? TUMBLE_STAND_FAULT_SCALE : TUMBLE_STAND_FAULT_NONE;
 }
 
 TUMBLE_ONE_COPY void tumble_stand_step(const tumble_stand_t *stand, uint64_t now_us, uint32_t margin_ms)
@@ -113,10 +156,11 @@ TUMBLE_ONE_COPY void tumble_stand_step(const tumble_stand_t *stand, uint64_t now
     tumble_stand_fault_t fault = TUMBLE_STAND_FAULT_NONE;
     if ((state == TUMBLE_STAND_MOVING) || (state == TUMBLE_STAND_HOMING)) {
         fault = judge(bounds, &tumble_stand_report(stand)->motion, here, (uint32_t)(now_us >> TICK), margin_ms);
-        bounds->before_mdeg = here;
     } else {
         bounds->moves = false;
-        if ((state == TUMBLE_STAND_IN_POSITION) && !is_at_goal(bounds, here)) {
+        const bool arrived = (state == TUMBLE_STAND_IN_POSITION);
+        bounds->lost = bounds->lost && !(arrived && bounds->homes);
+        if (arrived && bounds->told && !is_at_goal(bounds, here)) {
             fault = TUMBLE_STAND_FAULT_STALL;
         }
     }
@@ -127,10 +171,23 @@ TUMBLE_ONE_COPY void tumble_stand_step(const tumble_stand_t *stand, uint64_t now
     }
 }
 
+/* A homing that has come to its end has found the position again, also before the next step. */
+static bool is_lost(const tumble_stand_t *stand)
+{
+    const tumble_motion_bounds_t *bounds = bounds_of(stand);
+    return bounds->lost &&
+           !(bounds->homes && bounds->moves && (stand->kind->state(stand->self) == TUMBLE_STAND_IN_POSITION));
+}
+
+void tumble_stand_lose_position(const tumble_stand_t *stand)
+{
+    bounds_of(stand)->lost = true;
+}
+
 TUMBLE_ONE_COPY static tumble_status_t begin_motion(const tumble_stand_t *stand, bool homes, double goal_deg)
 {
     tumble_motion_bounds_t *bounds = bounds_of(stand);
-    if ((bounds->fault != 0U) || (bounds->lost && !homes)) {
+    if ((bounds->fault != 0U) || (is_lost(stand) && !homes)) {
         return TUMBLE_E_STAND_STATE;
     }
     const tumble_status_t status = homes ? stand->kind->home(stand->self) : stand->kind->move(stand->self, goal_deg);
@@ -139,6 +196,7 @@ TUMBLE_ONE_COPY static tumble_status_t begin_motion(const tumble_stand_t *stand,
         const int32_t goal = tumble_thousandths(goal_deg);
         *bounds = (tumble_motion_bounds_t){
             .lowest_mdeg = INT32_MIN, .highest_mdeg = INT32_MAX, .goal_mdeg = goal, .moves = true, .homes = homes};
+        bounds->lost = homes; /* until it is at home */
         if (!homes) {
             bounds->lowest_mdeg = ((here < goal) ? here : goal) - TUMBLE_OVERSHOOT_MDEG;
             bounds->highest_mdeg = ((here < goal) ? goal : here) + TUMBLE_OVERSHOOT_MDEG;
@@ -192,7 +250,7 @@ TUMBLE_ONE_COPY tumble_stand_state_t tumble_stand_state(const tumble_stand_t *st
         return TUMBLE_STAND_FAULT;
     }
     const bool rests = (state == TUMBLE_STAND_STOPPED) || (state == TUMBLE_STAND_IN_POSITION);
-    return (bounds->lost && rests) ? TUMBLE_STAND_READY : state;
+    return (rests && is_lost(stand)) ? TUMBLE_STAND_READY : state;
 }
 
 /* That the axis was not seen to rest matters more than why it was told to. */

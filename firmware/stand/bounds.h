@@ -5,8 +5,8 @@
  *
  *     way       The reported angle may leave the way from start to goal by TUMBLE_OVERSHOOT_MDEG.           RUNAWAY
  *     time      way / speed, what starting and braking add, and a margin.                TIMEOUT, in homing HOMING
- *     progress  Within half the margin the reported angle must change, by more than a flicker, and at the end it must be
- *               at the goal, within the same distance.                                                       STALL
+ *     progress  Within half the margin (in homing, which turns back, the whole) the reported angle must change, by more
+ *               than a flicker, and at the end it must be at the goal, within the same distance.             STALL
  *               While it changes steadily, it does so at the speed that was told.                            SCALE
  *
  * The last one notices a wrong number of counts in a turn, or a speed that somebody has changed. Steady is what three
@@ -18,8 +18,8 @@
  *             |__/____|___|___|___|____\___
  *
  * A motion that is given up leaves the stand in FAULT, on the ladder of its kind's own stop, and its position unknown:
- * after clear_fault it must home. How fast a motion is, the kind tells in report.motion. A kind that does not tell has
- * the bound of the way alone.
+ * after clear_fault it must home. How fast a motion is, the kind tells in report.motion. A kind that does not tell of
+ * its motions has the bound of the way alone; one that does not know its speed has those of way and progress.
  */
 #ifndef TUMBLE_STAND_BOUNDS_H
 #define TUMBLE_STAND_BOUNDS_H
@@ -39,6 +39,9 @@ void tumble_stand_stop(const tumble_stand_t *stand);
 tumble_status_t tumble_stand_clear_fault(const tumble_stand_t *stand);
 tumble_stand_state_t tumble_stand_state(const tumble_stand_t *stand);
 tumble_stand_fault_t tumble_stand_fault(const tumble_stand_t *stand);
+
+/* Nobody knows any more where the table is: before the next move it must home. */
+void tumble_stand_lose_position(const tumble_stand_t *stand);
 
 /* Let the kind go on, then look at the bounds. It must be called every 100 ms at least while the table turns. */
 void tumble_stand_step(const tumble_stand_t *stand, uint64_t now_us, uint32_t margin_ms);

@@ -142,12 +142,12 @@ typedef struct {
         abort; /* the SDO abort code; TUMBLE_ABORT_TIMEOUT when it did not answer, or a handshake ran out of time */
 } tumble_stand_refusal_t;
 
-/* The motion that the axis makes now, for the bounds of its time and its progress. All 0: it has not set out, or the
- * kind does not know. */
+/* The motion that the axis makes now, for the bounds of its time and its progress. count_mdeg 0: it has not set out, or
+ * the kind does not tell. */
 typedef struct {
-    uint32_t speed_mdeg_s; /* steady; in homing the faster one */
+    uint32_t speed_mdeg_s; /* steady; in homing the faster one; 0: not known */
     uint32_t slow_mdeg_s;  /* in homing the slower one; 0: not known */
-    uint16_t ramp_ms;      /* what starting and braking add to way / speed */
+    uint16_t ramp_ms;      /* what starting and braking add to way / speed; 0: not known */
     uint16_t count_mdeg;   /* what reports may flicker by */
     int32_t to_mdeg;       /* where it ends; in homing how far it may turn in all, back and forth added up */
 } tumble_stand_motion_t;
@@ -158,10 +158,11 @@ typedef struct {
     int32_t highest_mdeg;
     int32_t goal_mdeg;
     int32_t from_mdeg;     /* at the last look at its speed, */
-    int32_t before_mdeg;   /* and at the last step */
+    int32_t seen_mdeg;     /* and at the last progress */
     uint32_t due;          /* when it should have ended, in units of 1024 us, as `looked` */
     uint32_t looked;       /* the last look at its speed, */
-    uint32_t speed_mdeg_s; /* and what that was */
+    uint32_t progressed;   /* and the last progress */
+    uint32_t speed_mdeg_s; /* of the first of the looks that agree */
     uint8_t looks;         /* so many in a row agree */
     uint8_t fault;         /* tumble_stand_fault_t: it was given up */
     bool moves;

@@ -19,7 +19,6 @@
 #define ON_THE_SPOT_TOO 37
 #define HOMING_OVER (TUMBLE_402_STATUS_HOMING_ATTAINED | TUMBLE_402_STATUS_HOMING_ERROR)
 
-#define UNKNOWN_RAMP_S 1.0
 #define TURN_DEG 360.0
 
 static uint16_t sixteen_bits(double quantity)
@@ -33,11 +32,15 @@ static void tell_motion(tumble_drive402_t *drive, bool homes, int64_t to_counts)
 {
     const tumble_drive_profile_t *profile = drive->profile;
     const double speed_deg_s = homes ? profile->homing_fast_deg_s : profile->velocity_deg_s;
-    const double ramp_deg_s2 = homes ? profile->homing_acceleration_deg_s2 : profile->acceleration_deg_s2;
+    const double brake_deg_s2 = homes ? 0.0 : profile->deceleration_deg_s2; /* 0: as it starts */
+    double ramp_deg_s2 = homes ? profile->homing_acceleration_deg_s2 : profile->acceleration_deg_s2;
+    if (tumble_is_positive(brake_deg_s2) && tumble_exceeds(ramp_deg_s2, brake_deg_s2)) {
+        ramp_deg_s2 = brake_deg_s2;
+    }
     drive->report.motion = (tumble_stand_motion_t){
         .speed_mdeg_s = (uint32_t)tumble_thousandths(speed_deg_s),
         .slow_mdeg_s = homes ? (uint32_t)tumble_thousandths(profile->homing_slow_deg_s) : 0U,
-        .ramp_ms = sixteen_bits(tumble_is_positive(ramp_deg_s2) ? (speed_deg_s / ramp_deg_s2) : UNKNOWN_RAMP_S),
+        .ramp_ms = tumble_is_positive(ramp_deg_s2) ? sixteen_bits(speed_deg_s / ramp_deg_s2) : 0U,
         .count_mdeg = sixteen_bits(TURN_DEG / profile->counts_per_revolution),
         .to_mdeg = tumble_thousandths(tumble_drive_angle_deg(profile, to_counts)),
     };
@@ -121,14 +124,22 @@ void tumble_drive_look_homing(tumble_drive402_t *drive, bool fresh)
 void tumble_drive_look_move_mode(tumble_drive402_t *drive, bool fresh)
 {
     (void)fresh;
-    if (tumble_drive_shows_mode(drive, TUMBLE_402_MODE_PROFILE_POSITION)) {
-        drive->homed = true;
-        drive->tracked = false; /* a report from before the new zero may be the last one known */
-        /* A drive that wraps and stands a count below zero is not a whole circle above it. */
-        drive->actual_counts = tumble_drive_unwrapped(drive->profile, (int32_t)drive->actual_counts, 0);
+    if (!drive->homed) {
+        if (tumble_drive_shows_mode(drive, TUMBLE_402_MODE_PROFILE_POSITION)) {
+            drive->homed = true;
+            drive->tracked = false;   /* a report from before the new zero may be the last one known: ask */
+            drive->actual_counts = 0; /* a drive that wraps and stands a count below zero is no circle above it */
+            tumble_drive_ask(drive, TUMBLE_402_POSITION_ACTUAL, 0);
+        }
+    } else if (tumble_drive_is_answered(drive)) {
+        drive->asked = ASKED_NOTHING;
+        drive->mirror->actual_position = (int32_t)tumble_sdo_client_u32(&drive->node->client);
+        tumble_drive_take_position(drive);
         drive->arrived = true;
         drive->at_goal = false;
         tumble_drive_go(drive, PHASE_IDLE);
+    } else {
+        /* the answer is on its way */
     }
 }
 

@@ -146,7 +146,7 @@ static bool keeps(const tumble_sdo_client_t *client, const tumble_object_write_t
 {
     const uint32_t value = tumble_sdo_client_u32(client);
     const uint32_t off = (value > wanted->value) ? (value - wanted->value) : (wanted->value - value);
-    return off <= ((wanted->index == TUMBLE_402_SOFTWARE_LIMIT) ? 0U : (wanted->value / 64U));
+    return off <= ((wanted->index == TUMBLE_402_SOFTWARE_LIMIT) ? 0U : (1U + (wanted->value / 64U)));
 }
 
 void tumble_drive_look_verify(tumble_drive402_t *drive, bool fresh)
@@ -166,6 +166,7 @@ void tumble_drive_look_verify(tumble_drive402_t *drive, bool fresh)
             return;
         }
         drive->write++;
+        drive->restart_timer = true; /* of one object */
     }
     while (tumble_drive_configuration(drive, drive->write, &wanted) && (wanted.size == 0U)) {
         drive->write++;

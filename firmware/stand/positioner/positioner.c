@@ -160,7 +160,7 @@ static tumble_status_t positioner_init(void *self, const tumble_stand_setup_t *s
     }
     const int64_t window_counts = distance(window, 0);
     *axis = (tumble_positioner_t){
-        .report = {.stop = axis->report.stop},
+        .report = {.stop = axis->report.stop, .bounds = {.lost = axis->report.bounds.lost}},
         .profile = profile,
         .window_counts = window_counts,
         .lowest_counts = (int64_t)((from < to) ? from : to) - window_counts,

@@ -12,7 +12,6 @@
 #define IS_FAULT 8U
 #define IS_WATCHED 16U
 #define IS_ANY 31U
-#define RAMP_MS 2000U   /* for starting and braking */
 #define COUNT_MDEG 100U /* flickers by more are no axis that is good for a calibration */
 
 static bool has(const tumble_positioner_t *axis, unsigned bit)
@@ -103,7 +102,7 @@ static void tell_motion(tumble_positioner_t *axis)
     if (turns) {
         axis->report.motion = (tumble_stand_motion_t){
             .speed_mdeg_s = (uint32_t)tumble_thousandths(axis->profile->speed_deg_s),
-            .ramp_ms = RAMP_MS,
+            .ramp_ms = 0U,
             .count_mdeg = COUNT_MDEG,
             .to_mdeg = homes ? tumble_thousandths(travel) : mdeg_of(axis, (double)axis->target),
         };

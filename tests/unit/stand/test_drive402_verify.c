@@ -65,7 +65,7 @@ static void test_a_drive_may_round_its_quantities(void)
     ASSERT_STATUS(TUMBLE_OK, begin_motion(false));
     run_to(TUMBLE_STAND_IN_POSITION, 500);
     TEST_ASSERT_EQUAL_UINT(writes, played.write_count);
-    scripted_drive_change(&played, 0x6081, 0, 100000U - (100000U / 64U) - 1U);
+    scripted_drive_change(&played, 0x6081, 0, 100000U - (100000U / 64U) - 2U);
     ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 0.0));
     run_to(TUMBLE_STAND_IN_POSITION, 500);
     TEST_ASSERT_EQUAL_UINT(writes + 1U, played.write_count);
