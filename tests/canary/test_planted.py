@@ -145,13 +145,13 @@ PLANTED = {
         "stand/test_bounds.c", "test_past_the_goal_and_the_other_way"),
     "motion: its time is not bounded": (
         "firmware/stand/bounds.c",
-        "if ((int32_t)(now - bounds->due) > (int32_t)margin_ms) {",
+        "if ((late <= (uint32_t)INT32_MAX) && (late > margin_ms)) {",
         "if (false) {",
         "stand/test_bounds.c", "test_a_homing_that_never_ends"),
     "motion: reports that stand still are progress": (
         "firmware/stand/bounds.c",
-        "return stalls ? TUMBLE_STAND_FAULT_STALL : TUMBLE_STAND_FAULT_NONE;",
-        "return TUMBLE_STAND_FAULT_NONE;",
+        "if (stalls(bounds, told, here, now, margin_ms)) {",
+        "if (false) {",
         "stand/test_bounds.c", "test_reports_that_stand_still_or_flicker"),
     "set-point by SDO: a stranger's is none": (
         "firmware/navcomp/navcomp_events.c",
