@@ -6,8 +6,8 @@
 #define MS_PER_S 1000U
 /* What calls the kind stays one function, so that firmware/calls.csv can name it. */
 
-#define LEAST_CHANGE_MDEG 20U /* less is no progress */
-#define LOOKS 3U              /* in a row that must agree */
+#define LEAST_CHANGE_MDEG 5U /* less is no progress */
+#define LOOKS 4U              /* in a row that must agree: reports of a busy machine come at random */
 #define LEAST_LOOK_MS 64U
 #define UNKNOWN_RAMP_MS 1000U
 #define MDEG_PER_DEG 1000U
@@ -53,8 +53,8 @@ static bool is_out_of_pace(tumble_motion_bounds_t *bounds, const tumble_stand_mo
 {
     const bool both_mad = ((speed / 2U) > told->speed_mdeg_s) && ((bounds->speed_mdeg_s / 2U) > told->speed_mdeg_s);
     const uint32_t slow = bounds->homes ? told->slow_mdeg_s : told->speed_mdeg_s;
-    if (both_mad || (distance((int32_t)speed, (int32_t)bounds->speed_mdeg_s) <= (bounds->speed_mdeg_s / 8U))) {
-        bounds->looks++;
+    if (both_mad || (distance((int32_t)speed, (int32_t)bounds->speed_mdeg_s) <= (bounds->speed_mdeg_s / 16U))) {
+        bounds->looks = (uint8_t)(bounds->looks + (both_mad ? 2U : 1U));
     } else {
         bounds->looks = 1;
         bounds->speed_mdeg_s = speed;

@@ -9,8 +9,8 @@
  *               than a flicker, and at the end it must be at the goal, within the same distance.             STALL
  *               While it changes steadily, it does so at the speed that was told.                            SCALE
  *
- * The last one notices a wrong number of counts in a turn, or a speed that somebody has changed. Steady is what three
- * looks in a row agree on, or all find twice as fast as told: a ramp changes too much from one look to the next.
+ * The last one notices a wrong number of counts in a turn, or a speed that somebody has changed. Steady is what four
+ * looks in a row agree on, or three find twice as fast as told: a ramp changes too much from one look to the next.
  *
  *     speed   ^        ____________            looks: a quarter of the ramp apart, at a report that shows progress
  *             |      /|   |   |   |\
