@@ -71,7 +71,7 @@ def test_a_library_that_is_missing_is_named_with_the_extra_that_has_it(monkeypat
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, library, None)
     link = "modbus:127.0.0.1:1" if library == "pymodbus" else "can:virtual@missing"
-    with pytest.raises(NotInstalled, match=rf"needs (python-)?{library}: pip install './host/python\[client\]'"):
+    with pytest.raises(NotInstalled, match=rf"needs (python-)?{library}: tools/setup watch"):
         client.connect(link)
 
 
