@@ -7,7 +7,7 @@
 /* What calls the kind stays one function, so that firmware/calls.csv can name it. */
 
 #define LEAST_CHANGE_MDEG 5U /* less is no progress */
-#define LOOKS 4U              /* in a row that must agree: reports of a busy machine come at random */
+#define LOOKS 4U             /* in a row that must agree: reports of a busy machine come at random */
 #define LEAST_LOOK_MS 64U
 #define UNKNOWN_RAMP_MS 1000U
 #define MDEG_PER_DEG 1000U
