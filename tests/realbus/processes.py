@@ -29,9 +29,17 @@ PATIENCE = {  # where a busy machine that lets a process wait is not what is tes
     "profile__heartbeat_timeout_ms": 3000,
     "profile__handshake_timeout_ms": 10000,
 }
-SLOW_TABLE = {**HASTE, "motion__speed_deg_s": 60, "profile__homing_fast_deg_s": 180}  # time for something to happen
 
-__all__ = ["HASTE", "PATIENCE", "SLOW_TABLE", "Interface", "Node", "Stand", "scenario", "sdo_command", "wait_until"]
+
+def slow_table(speed_deg_s=60):
+    """Time for something to happen. The table turns no faster when it homes: its drive would not."""
+    homing = {f"profile__homing_{pace}_deg_s": min(speed_deg_s, HASTE[f"profile__homing_{pace}_deg_s"])
+              for pace in ("fast", "slow")}
+    return {**HASTE, **homing, "motion__speed_deg_s": speed_deg_s}
+
+
+
+__all__ = ["HASTE", "PATIENCE", "Interface", "Node", "Stand", "scenario", "sdo_command", "slow_table", "wait_until"]
 
 
 class Interface:

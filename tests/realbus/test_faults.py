@@ -7,7 +7,7 @@ import time
 
 import can
 import pytest
-from processes import HASTE, SLOW_TABLE, Node, Stand, scenario, sdo_command, wait_until
+from processes import HASTE, Node, Stand, scenario, sdo_command, slow_table, wait_until
 
 HEARTBEAT_S = 0.5  # as the scenario has it
 SLACK_S = 1.0  # of a slow machine
@@ -27,8 +27,8 @@ def first(node, state, position=None):
 def turning(bus, started, tmp_path):
     """A run with the table on its way to position 1.3: (node, stand)."""
 
-    def start(*options, serve=False, **keys):
-        path = scenario(tmp_path, **{**SLOW_TABLE, **keys})
+    def start(*options, serve=False, speed_deg_s=60, **keys):
+        path = scenario(tmp_path, **slow_table(speed_deg_s), **keys)
         stand = Stand(bus, path, *(["--operator", "start"] if serve else []))
         node = Node(bus, path, *([] if serve else ["--start"]), *options, folder=tmp_path)
         started.extend([stand, node])
@@ -86,7 +86,7 @@ def test_a_stand_that_dies_and_another_that_takes_its_place(turning, bus, starte
 
 def test_a_drive_that_misses_its_master_stops_within_its_time(turning, bus):
     """The node is killed in a move: when the axis comes to rest, as the bus shows it."""
-    node, stand = turning(motion__speed_deg_s=20)
+    node, stand = turning(speed_deg_s=20)
     watcher = can.Bus(interface="socketcan", channel=str(bus), can_filters=[{"can_id": 0x182, "can_mask": 0x7FF}])
     node.signal(signal.SIGKILL)
     killed = time.time()
@@ -113,11 +113,11 @@ def test_a_stand_that_dies(turning):
 
 def test_a_node_that_dies_and_another_that_starts_again_by_command(turning, bus, started, tmp_path):
     """The drive has missed its master, stopped and keeps its fault until somebody says that all is well."""
-    node, stand = turning(motion__speed_deg_s=20)
+    node, stand = turning(speed_deg_s=20)
     node.signal(signal.SIGKILL)
     node.wait()
     time.sleep(HEARTBEAT_S + SLACK_S)  # of the 2.25 s that the move would take
-    path = scenario(tmp_path, "again.txt", **HASTE, procedure__preflight_timeout_ms=1500)
+    path = scenario(tmp_path, "again.txt", **slow_table(20), procedure__preflight_timeout_ms=1500)
     again = Node(bus, path, "--start", "--patience", 20, folder=tmp_path)
     started.append(again)
     assert again.wait_for("FAULT")["reason"] == "TUMBLE_REASON_DRIVE_FAULT"
@@ -130,7 +130,7 @@ def test_a_node_that_dies_and_another_that_starts_again_by_command(turning, bus,
 
 def test_a_node_that_dies_and_a_stand_that_is_told_to_end_at_once(turning):
     """The stand goes on until the drive has missed its master and stopped, far from its target."""
-    node, stand = turning(motion__speed_deg_s=10)
+    node, stand = turning(speed_deg_s=10)
     node.signal(signal.SIGKILL)
     began = time.monotonic()
     document = stand.end()
@@ -183,7 +183,7 @@ def test_an_interface_that_is_taken_away_and_comes_back(turning, bus):
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_stops_the_table_first(turning, number, tmp_path):
-    node, stand = turning("--out", tmp_path / "run", motion__speed_deg_s=20)
+    node, stand = turning("--out", tmp_path / "run", speed_deg_s=20)
     node.signal(number)
     began = time.monotonic()
     code, document = node.wait(timeout=10)
@@ -279,7 +279,7 @@ def test_a_fault_that_was_mended_is_no_cause(turning, bus):
 
 def test_remote_frames_and_long_identifiers_change_nothing(bus, started, tmp_path):
     """Neither is a frame of ours: requests for each PDO, heartbeat and SDO, set-points in 29 bits. Both ends count."""
-    path = scenario(tmp_path, **SLOW_TABLE)
+    path = scenario(tmp_path, **slow_table())
     stand = Stand(bus, path, "--seed", 5)
     node = Node(bus, path, "--start", folder=tmp_path)
     started.extend([stand, node])

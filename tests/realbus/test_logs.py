@@ -12,7 +12,7 @@ import documents
 import pytest
 from bench_program import built
 from conftest import ROOT
-from processes import HASTE, PATIENCE, SLOW_TABLE, Stand, scenario, sdo_command, wait_until
+from processes import HASTE, PATIENCE, Stand, scenario, sdo_command, slow_table, wait_until
 from test_gateway import KEYS, Served
 
 PAGE = (ROOT / "docs/operations.md").read_text(encoding="utf-8")
@@ -88,7 +88,7 @@ def seconds(line):
 def test_a_stand_that_is_killed_is_the_cause_to_the_end(bus, started, tmp_path, logged, ended_by):
     """kill -9 of the stand in a run, served or single: the line within a second, the cause in the last document and the
     last line, whatever follows."""
-    path = scenario(tmp_path, **SLOW_TABLE, procedure__preflight_timeout_ms=1500)
+    path = scenario(tmp_path, **slow_table(), procedure__preflight_timeout_ms=1500)
     single = ended_by == "itself"
     stand = Stand(bus, path, "--operator", "mount" if single else "start")
     started.append(stand)
@@ -120,7 +120,7 @@ def test_a_stand_that_is_killed_is_the_cause_to_the_end(bus, started, tmp_path, 
 def test_a_fault_that_the_run_has_got_over_is_no_cause(bus, started, tmp_path, logged):
     """The last line does not tell of it any more."""
     fault = "drive_fault at=1.3 phase=move duration=0.1 value=0x7500"
-    path = scenario(tmp_path, **SLOW_TABLE, procedure__retries=0, fault=fault)
+    path = scenario(tmp_path, **slow_table(), procedure__retries=0, fault=fault)
     stand, told = logged("tumble-stand", bus, path, "--operator", "start")
     node, log = logged("tumble-node", bus, path)
     failed = log.wait_for("fault")

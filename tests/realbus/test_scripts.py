@@ -13,8 +13,13 @@ from tumble import client
 from tumble.testing import rigs
 
 pytest.importorskip("canopen", reason="python-canopen is not installed")
-SLOW_TABLE = {"motion__speed_deg_s": 60, "profile__homing_fast_deg_s": 180, "firmware__heartbeat_timeout_ms": 500,
-              "profile__heartbeat_timeout_ms": 500}
+SLOW_TABLE = {
+    "motion__speed_deg_s": 60,
+    "profile__homing_fast_deg_s": 60,
+    "profile__homing_slow_deg_s": 60,
+    "firmware__heartbeat_timeout_ms": 500,
+    "profile__heartbeat_timeout_ms": 500,
+}
 LOST = ("STAND_HEARTBEAT", "BLOCK_HEARTBEAT")
 PACES_S = [0.0, *(0.001 * 1.5**power for power in range(19))]  # to 1.5 s between two calls
 
