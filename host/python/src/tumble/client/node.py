@@ -118,10 +118,8 @@ class Node:
     def drive_refusal(self) -> str:
         """What the drive refused, or did not do in time: object, abort code, and in what; "" for nothing. At this
         moment, also between runs."""
-        wanted = [name for name in _REFUSAL if self.has(name)]
-        if len(wanted) < len(_REFUSAL):  # a node of an older version
-            return ""
-        return names.drive_refusal(*(int(number(one)) for one in self._all(*wanted)))
+        told = self.read_together(*_REFUSAL) if all(map(self.has, _REFUSAL)) else [None]
+        return "" if None in told else names.drive_refusal(*map(int, map(number, told)))  # None: an older node
 
     @property
     def run(self) -> int:
