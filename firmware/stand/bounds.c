@@ -49,19 +49,20 @@ static bool is_about(uint32_t speed, uint32_t told)
 
 /* Has the axis a steady speed that it was not told? The first look of those that agree is what the others are compared
  * with: a gentle ramp would pass from one to the next. Where the ramp is not known, a slower speed may be its. */
-static bool is_out_of_pace(tumble_motion_bounds_t *bounds, const tumble_stand_motion_t *told, uint32_t speed)
+static bool is_out_of_pace(tumble_motion_bounds_t *bounds, const tumble_stand_motion_t *motion, uint32_t speed)
 {
-    const bool both_mad = ((speed / 2U) > told->speed_mdeg_s) && ((bounds->speed_mdeg_s / 2U) > told->speed_mdeg_s);
-    const uint32_t slow = bounds->homes ? told->slow_mdeg_s : told->speed_mdeg_s;
-    if (both_mad || (distance((int32_t)speed, (int32_t)bounds->speed_mdeg_s) <= (bounds->speed_mdeg_s / 16U))) {
-        bounds->looks = (uint8_t)(bounds->looks + (both_mad ? 2U : 1U));
+    const bool both_twice =
+        ((speed / 2U) > motion->speed_mdeg_s) && ((bounds->speed_mdeg_s / 2U) > motion->speed_mdeg_s);
+    const uint32_t slow = bounds->homes ? motion->slow_mdeg_s : motion->speed_mdeg_s;
+    if (both_twice || (distance((int32_t)speed, (int32_t)bounds->speed_mdeg_s) <= (bounds->speed_mdeg_s / 16U))) {
+        bounds->looks = (uint8_t)(bounds->looks + (both_twice ? 2U : 1U));
     } else {
         bounds->looks = 1;
         bounds->speed_mdeg_s = speed;
     }
-    const bool ramps = (told->ramp_ms == 0U) && (speed < told->speed_mdeg_s);
+    const bool ramps = (motion->ramp_ms == 0U) && (speed < motion->speed_mdeg_s);
     return (bounds->looks >= LOOKS) && !ramps && (speed > (slow / 16U)) && (slow != 0U) && !is_about(speed, slow) &&
-           !is_about(speed, told->speed_mdeg_s);
+           !is_about(speed, motion->speed_mdeg_s);
 }
 
 /* Milliseconds for a way, at most some twelve days. */
@@ -75,73 +76,73 @@ static uint32_t duration_ms(uint32_t way_mdeg, uint32_t speed_mdeg_s)
 }
 
 /* The motion is set going: from now on its time counts. */
-static void set_out(tumble_motion_bounds_t *bounds, const tumble_stand_motion_t *told, int32_t here, uint32_t now)
+static void begin_time(tumble_motion_bounds_t *bounds, const tumble_stand_motion_t *motion, int32_t here, uint32_t now)
 {
-    const uint32_t way = bounds->homes ? (uint32_t)told->to_mdeg : distance(told->to_mdeg, here);
-    const uint32_t ramp_ms = (told->ramp_ms != 0U) ? told->ramp_ms : UNKNOWN_RAMP_MS;
-    const uint32_t ms = duration_ms(way, told->speed_mdeg_s) + ramp_ms;
-    bounds->told = true;
+    const uint32_t way = bounds->homes ? (uint32_t)motion->to_mdeg : distance(motion->to_mdeg, here);
+    const uint32_t ramp_ms = (motion->ramp_ms != 0U) ? motion->ramp_ms : UNKNOWN_RAMP_MS;
+    const uint32_t ms = duration_ms(way, motion->speed_mdeg_s) + ramp_ms;
+    bounds->set_out = true;
     bounds->due = now + (ms - (ms / MS_PER_LOST_TICK));
     bounds->looked = now;
     bounds->looks = 0;
     bounds->from_mdeg = here;
-    bounds->seen_mdeg = here;
+    bounds->progress_mdeg = here;
     bounds->progressed = now;
 }
 
 /* Reports that no longer change, but for a flicker, for longer than the slowest motion needs to leave it. At its end, also
  * of one leg of several, an axis may rest; in homing it may for a while, such as where it turns back. */
-static bool stalls(tumble_motion_bounds_t *bounds, const tumble_stand_motion_t *told, int32_t here, uint32_t now,
+static bool stalls(tumble_motion_bounds_t *bounds, const tumble_stand_motion_t *motion, int32_t here, uint32_t now,
                    uint32_t margin_ms)
 {
-    const uint32_t least = (told->count_mdeg > LEAST_CHANGE_MDEG) ? told->count_mdeg : LEAST_CHANGE_MDEG;
-    const uint32_t slowest = (told->slow_mdeg_s != 0U) ? told->slow_mdeg_s : told->speed_mdeg_s;
+    const uint32_t least = (motion->count_mdeg > LEAST_CHANGE_MDEG) ? motion->count_mdeg : LEAST_CHANGE_MDEG;
+    const uint32_t slowest = (motion->slow_mdeg_s != 0U) ? motion->slow_mdeg_s : motion->speed_mdeg_s;
     const uint32_t leaves_ms = (slowest != 0U) ? duration_ms(2U * least, slowest) : 0U;
-    if (distance(here, bounds->seen_mdeg) > least) {
-        bounds->seen_mdeg = here;
+    if (distance(here, bounds->progress_mdeg) > least) {
+        bounds->progress_mdeg = here;
         bounds->progressed = now;
     }
-    const bool rests = !bounds->homes && (distance(here, told->to_mdeg) <= (uint32_t)TUMBLE_OVERSHOOT_MDEG);
+    const bool rests = !bounds->homes && (distance(here, motion->to_mdeg) <= (uint32_t)TUMBLE_OVERSHOOT_MDEG);
     return !rests && ((now - bounds->progressed) > ((bounds->homes ? margin_ms : (margin_ms / 2U)) + leaves_ms));
 }
 
 /* The next look at the speed, if it is time for one and a report shows that the axis has gone on. */
-static bool is_at_another_speed(tumble_motion_bounds_t *bounds, const tumble_stand_motion_t *told, int32_t here,
+static bool is_at_another_speed(tumble_motion_bounds_t *bounds, const tumble_stand_motion_t *motion, int32_t here,
                                 uint32_t now)
 {
     const uint32_t passed = now - bounds->looked;
     const uint32_t change = distance(here, bounds->from_mdeg);
-    if ((told->speed_mdeg_s == 0U) || (bounds->progressed != now) || (passed < LEAST_LOOK_MS) ||
-        (passed < (told->ramp_ms / 4U))) {
+    if ((motion->speed_mdeg_s == 0U) || (bounds->progressed != now) || (passed < LEAST_LOOK_MS) ||
+        (passed < (motion->ramp_ms / 4U))) {
         return false;
     }
     bounds->looked = now;
     bounds->from_mdeg = here;
     const uint32_t speed = (change < (UINT32_MAX / MS_PER_S)) ? ((change * MS_PER_S) / passed) : UINT32_MAX;
-    return is_out_of_pace(bounds, told, speed);
+    return is_out_of_pace(bounds, motion, speed);
 }
 
-static tumble_stand_fault_t judge(tumble_motion_bounds_t *bounds, const tumble_stand_motion_t *told, int32_t here,
+static tumble_stand_fault_t judge(tumble_motion_bounds_t *bounds, const tumble_stand_motion_t *motion, int32_t here,
                                   uint32_t now, uint32_t margin_ms)
 {
     if ((here < bounds->lowest_mdeg) || (here > bounds->highest_mdeg)) {
         return TUMBLE_STAND_FAULT_RUNAWAY;
     }
-    if (told->count_mdeg == 0U) { /* it has not set out */
-        bounds->told = false;
+    if (motion->count_mdeg == 0U) { /* it has not set out */
+        bounds->set_out = false;
         return TUMBLE_STAND_FAULT_NONE;
     }
-    if (!bounds->told) {
-        set_out(bounds, told, here, now);
+    if (!bounds->set_out) {
+        begin_time(bounds, motion, here, now);
     }
     const uint32_t late = now - bounds->due;
     if ((late <= (uint32_t)INT32_MAX) && (late > margin_ms)) {
         return bounds->homes ? TUMBLE_STAND_FAULT_HOMING : TUMBLE_STAND_FAULT_TIMEOUT;
     }
-    if (stalls(bounds, told, here, now, margin_ms)) {
+    if (stalls(bounds, motion, here, now, margin_ms)) {
         return TUMBLE_STAND_FAULT_STALL;
     }
-    return is_at_another_speed(bounds, told, here, now) ? TUMBLE_STAND_FAULT_SCALE : TUMBLE_STAND_FAULT_NONE;
+    return is_at_another_speed(bounds, motion, here, now) ? TUMBLE_STAND_FAULT_SCALE : TUMBLE_STAND_FAULT_NONE;
 }
 
 TUMBLE_ONE_COPY void tumble_stand_step(const tumble_stand_t *stand, uint64_t now_us, uint32_t margin_ms)
@@ -160,7 +161,7 @@ TUMBLE_ONE_COPY void tumble_stand_step(const tumble_stand_t *stand, uint64_t now
         bounds->moves = false;
         const bool arrived = (state == TUMBLE_STAND_IN_POSITION);
         bounds->lost = bounds->lost && !(arrived && bounds->homes);
-        if (arrived && bounds->told && !is_at_goal(bounds, here)) {
+        if (arrived && bounds->set_out && !is_at_goal(bounds, here)) {
             fault = TUMBLE_STAND_FAULT_STALL;
         }
     }

@@ -14,8 +14,8 @@ OPTIONS = ("-std=gnu11", "-O1", "-w", "-ffp-contract=off", "-fno-math-errno", "-
 BOUNDS = "firmware/stand/bounds.c"
 WAY = (BOUNDS, "(here < bounds->lowest_mdeg) || (here > bounds->highest_mdeg)", "false")
 TIME = (BOUNDS, "(late <= (uint32_t)INT32_MAX) && (late > margin_ms)", "late == UINT32_MAX")
-STALL = (BOUNDS, "if (stalls(bounds, told, here, now, margin_ms)) {",
-         "if (stalls(bounds, told, here, now, margin_ms) && false) {")
+STALL = (BOUNDS, "if (stalls(bounds, motion, here, now, margin_ms)) {",
+         "if (stalls(bounds, motion, here, now, margin_ms) && false) {")
 PACE = (BOUNDS, "return is_out_of_pace(", "return false && is_out_of_pace(")
 SERVICE = "firmware/navcomp/service.c"
 STORE = "firmware/sets/store_job.c"

@@ -150,7 +150,7 @@ PLANTED = {
         "stand/test_bounds.c", "test_a_homing_that_never_ends"),
     "motion: reports that stand still are progress": (
         "firmware/stand/bounds.c",
-        "if (stalls(bounds, told, here, now, margin_ms)) {",
+        "if (stalls(bounds, motion, here, now, margin_ms)) {",
         "if (false) {",
         "stand/test_bounds.c", "test_reports_that_stand_still_or_flicker"),
     "set-point by SDO: a stranger's is none": (

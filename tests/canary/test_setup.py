@@ -169,7 +169,7 @@ def test_what_was_there_and_is_gone_is_told_once_as_well(machine):
 def test_packages_that_pip_does_not_get_are_told_once(machine):
     (machine.world / "no-network").touch()
     (machine.world / "pango").touch()
-    said = "tumble: set up without the Python packages of tools/locks/{}.txt; what needs it will be skipped"
+    said = "tumble: set up without the Python packages of tools/locks/{}.lock; what needs it will be skipped"
     for profile in ("plot", "report"):
         assert machine.setup(profile)[0] == said.format(profile)
         assert machine.setup(profile) == ("", "")
@@ -192,7 +192,7 @@ def test_a_command_installs_what_it_needs(machine, command, installs):
     with_package(machine)
     _, calls = machine.call("tools/tumble", *command.split())
     lines = calls.splitlines()
-    assert {name for name in ("plot", "report") if f"-rtools/locks/{name}.txt" in calls} == installs
+    assert {name for name in ("plot", "report") if f"-rtools/locks/{name}.lock" in calls} == installs
     assert ("ldconfig -p" in lines) == ("apt-get update" in lines) == ("report" in installs)
     assert lines[-1] == f"python {machine.tree}/host/python/launch.py {command}"
     assert (machine.world / "program").read_text() == f"{machine.tree}/tools/tumble\n"  # as it was called
@@ -292,7 +292,7 @@ def locked(machine):
     true = hashlib.sha256((machine.world / WHEEL).read_bytes()).hexdigest()
 
     def setup(line):
-        (machine.tree / "tools/locks/core.txt").write_text(line.format(true=true) + "\n")
+        (machine.tree / "tools/locks/core.lock").write_text(line.format(true=true) + "\n")
         environment = {**machine.environment(), "PIP_NO_INDEX": "1", "PIP_FIND_LINKS": str(machine.world)}
         done = subprocess.run([machine.tree / "tools/setup", "core"], capture_output=True, text=True, timeout=120,
                               env=environment)

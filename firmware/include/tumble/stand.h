@@ -158,7 +158,7 @@ typedef struct {
     int32_t highest_mdeg;
     int32_t goal_mdeg;
     int32_t from_mdeg;     /* at the last look at its speed, */
-    int32_t seen_mdeg;     /* and at the last progress */
+    int32_t progress_mdeg; /* and at the last progress */
     uint32_t due;          /* when it should have ended, in units of 1024 us, as `looked` */
     uint32_t looked;       /* the last look at its speed, */
     uint32_t progressed;   /* and the last progress */
@@ -167,7 +167,7 @@ typedef struct {
     uint8_t fault;         /* tumble_stand_fault_t: it was given up */
     bool moves;
     bool homes;
-    bool told; /* it has set out */
+    bool set_out;
     bool lost; /* its position is unknown until it is homed */
 } tumble_motion_bounds_t;
 
