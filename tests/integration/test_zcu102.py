@@ -11,7 +11,7 @@ import time
 from contextlib import contextmanager
 
 import pytest
-from bench_program import HASTY_STAND
+from bench_program import HASTY_STAND, wait_until
 from conftest import EXAMPLES
 
 from tumble.bench import console, emulator, programs, uml
@@ -192,7 +192,8 @@ def test_an_interrupt_before_the_board_has_booted(tmp_path):
     """There is no stand yet, whose document tells that it is at rest."""
     need_bus()
     with interrupted_run(tmp_path):
-        time.sleep(2.0)
+        wait_until(lambda: list(tmp_path.glob("tmp/tumble-*/job.json")))  # the last before the board is started
+        time.sleep(1.0)
     assert not list(tmp_path.rglob("stand.json")) and not list(tmp_path.glob(".run*"))
 
 
@@ -202,7 +203,9 @@ def interrupted_run(folder):
     (folder / "stand.toml").write_text(HASTY_STAND + FEW_FRAMES)
     command = [sys.executable, "-m", "tumble", "bench", "--bus", "uml", "--firmware", "zcu102", "--out", "run"]
     command += ["--stand", "stand.toml", "--samples", "100"]
-    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=folder, env=dict(os.environ))
+    (folder / "tmp").mkdir()
+    environment = {**os.environ, "TMPDIR": str(folder / "tmp")}
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=folder, env=environment)
     try:
         yield process
         process.send_signal(signal.SIGINT)
