@@ -90,18 +90,23 @@ def test_a_shell_on_a_terminal():
     before = termios.tcgetattr(theirs)
     child = subprocess.Popen(COMMAND[:-1], stdin=theirs, stdout=theirs, stderr=theirs, start_new_session=True,
                              env={**os.environ, "SHELL": "/bin/sh", "PS1": "READY "})
-    wait_for_words(ours, b"READY ")
-    os.write(ours, b"stty size; sleep 1000\n")
-    wait_for_words(ours, b"33 99\r\n")
-    os.write(ours, b"\x03")
-    wait_for_words(ours, b"READY ")
-    os.write(ours, b"cat /sys/class/net/vcan0/operstate\n")
-    wait_for_words(ours, b"unknown\r\n")
-    os.write(ours, b"exit 5\n")
-    assert child.wait(timeout=20) == 5
-    assert termios.tcgetattr(theirs) == before and os.get_blocking(theirs)
-    os.close(ours)
-    os.close(theirs)
+    try:
+        wait_for_words(ours, b"READY ")
+        os.write(ours, b"sh -c 'stty size; exec sleep 1000'\n")  # one job, which Ctrl-C ends at any moment
+        wait_for_words(ours, b"33 99\r\n")
+        os.write(ours, b"\x03")
+        wait_for_words(ours, b"READY ")
+        os.write(ours, b"cat /sys/class/net/vcan0/operstate\n")
+        wait_for_words(ours, b"unknown\r\n")
+        os.write(ours, b"exit 5\n")
+        assert child.wait(timeout=20) == 5
+        assert termios.tcgetattr(theirs) == before and os.get_blocking(theirs)
+    finally:
+        if child.poll() is None:
+            os.killpg(child.pid, signal.SIGKILL)
+            child.wait()
+        os.close(ours)
+        os.close(theirs)
 
 
 def wait_for_words(terminal, words):
