@@ -9,7 +9,7 @@ from conftest import ROOT
 from tumble import errors
 from tumble.errors import NotInstalled
 
-LOCKS = {path.stem: path.read_text(encoding="utf-8") for path in (ROOT / "tools/locks").glob("*.txt")}
+LOCKS = {path.stem: path.read_text(encoding="utf-8") for path in (ROOT / "tools/locks").glob("*.lock")}
 REQUIREMENTS = {
     path.stem.removeprefix("requirements").removeprefix("-") or "core": path.read_text(encoding="utf-8")
     for folder in ("host/python", "tools") for path in (ROOT / folder).glob("requirements*.txt")
