@@ -51,11 +51,11 @@ static bool is_about(uint32_t speed, uint32_t told)
  * with: a gentle ramp would pass from one to the next. Where the ramp is not known, a slower speed may be its. */
 static bool is_out_of_pace(tumble_motion_bounds_t *bounds, const tumble_stand_motion_t *motion, uint32_t speed)
 {
-    const bool both_twice =
+    const bool both_too_fast =
         ((speed / 2U) > motion->speed_mdeg_s) && ((bounds->speed_mdeg_s / 2U) > motion->speed_mdeg_s);
     const uint32_t slow = bounds->homes ? motion->slow_mdeg_s : motion->speed_mdeg_s;
-    if (both_twice || (distance((int32_t)speed, (int32_t)bounds->speed_mdeg_s) <= (bounds->speed_mdeg_s / 16U))) {
-        bounds->looks = (uint8_t)(bounds->looks + (both_twice ? 2U : 1U));
+    if (both_too_fast || (distance((int32_t)speed, (int32_t)bounds->speed_mdeg_s) <= (bounds->speed_mdeg_s / 16U))) {
+        bounds->looks = (uint8_t)(bounds->looks + (both_too_fast ? 2U : 1U));
     } else {
         bounds->looks = 1;
         bounds->speed_mdeg_s = speed;

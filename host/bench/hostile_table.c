@@ -25,8 +25,8 @@ void bench_watch_change(bench_life_t *life, const tumble_progress_t *progress)
     const tumble_state_t state = progress->state;
     const bool changed = state != life->watch.state;
     const bool waited = !was_on && life->watch.state != TUMBLE_STATE_FAULT;
-    const bool failed_at_once = !was_on && (changed || state == TUMBLE_STATE_ABORT); /* also aborted, in ABORT */
-    bench_watch_count_run(life, waited && is_of_a_run(state), failed_at_once);
+    const bool may_begin = !was_on && (changed || state == TUMBLE_STATE_ABORT); /* and failed or aborted at once */
+    bench_watch_count_run(life, waited && is_of_a_run(state), may_begin);
     life->watch.state = state;
     if (is_of_a_run(state)) {
         life->watch.level_until_us = 0; /* it ends with the beginning of a run */

@@ -38,7 +38,6 @@ def slow_table(speed_deg_s=60):
     return {**HASTE, **homing, "motion__speed_deg_s": speed_deg_s}
 
 
-
 __all__ = ["HASTE", "PATIENCE", "Interface", "Node", "Stand", "scenario", "sdo_command", "slow_table", "wait_until"]
 
 
