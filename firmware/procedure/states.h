@@ -33,7 +33,7 @@
     X(TUMBLE_REASON_DRIVE_FAULT, "the drive reported a fault")                                                         \
     X(TUMBLE_REASON_DRIVE_POWER, "the drive lost power or was switched off")                                           \
     X(TUMBLE_REASON_STALL, "the axis did not follow its command")                                                      \
-    X(TUMBLE_REASON_HOMING, "homing failed, took too long or turned too far")                                          \
+    X(TUMBLE_REASON_HOMING, "homing failed, took too long, turned too far or left a position that is not home")        \
     X(TUMBLE_REASON_TARGET_NOT_REACHED, "the table did not reach its target in time")                                  \
     X(TUMBLE_REASON_SLIP, "the table or the block left its position")                                                  \
     X(TUMBLE_REASON_CABLE_LIMIT, "the next position lies beyond the cable's limit")                                    \

@@ -36,6 +36,11 @@ PLANTED = {
         "(is_in_reach(drive, size_of(change)) && !is_guess(drive))",
         "is_in_reach(drive, size_of(change))",
         "stand/test_drive402_position.c", "test_a_turn_is_not_guessed_after_silence"),
+    "homing: wherever it ends is home": (
+        "firmware/stand/drive402/motion.c",
+        "is_home(drive, is_offset ? (int32_t)tumble_sdo_client_u32(client) : 0)",
+        "true",
+        "stand/test_drive402_position.c", "test_a_homing_that_leaves_the_position_elsewhere"),
     "homing: no bound": (
         "firmware/stand/drive402/position.c",
         "(drive->travel > drive->homing_counts)",

@@ -22,11 +22,13 @@ static uint32_t scripted_drive_value(const scripted_drive_t *d, uint32_t object)
     case 0x6041:
         return (uint32_t)d->state | d->bits | 0x0210U;
     case 0x6064:
-        return (uint32_t)d->actual;
+        return (uint32_t)(d->frozen ? d->shown : d->actual);
     case 0x6061:
         return (uint8_t)d->mode_display;
     case 0x607A:
         return (uint32_t)d->target;
+    case 0x607C:
+        return (uint32_t)(d->negates_offset ? -d->home : d->home);
     default:
         return 0x5A5A5A5AU;
     }
@@ -201,7 +203,7 @@ static uint32_t scripted_drive_read(scripted_drive_t *d, uint16_t index, uint8_t
 
 static unsigned scripted_drive_size(uint16_t index, uint8_t subindex)
 {
-    const bool is_long = (index == 0x607AU) || (index == 0x607DU) || (index == 0x6064U) || is_of_motion(index);
+    const bool is_long = ((index >= 0x607AU) && (index <= 0x607DU)) || (index == 0x6064U) || is_of_motion(index);
     const bool is_word = (index == 0x6040U) || (index == 0x6041U);
     return (is_long || (is_pdo(index) && (subindex != 0U))) ? 4U : (is_word ? 2U : 1U);
 }

@@ -111,13 +111,16 @@ typedef struct {
     unsigned brakes_for_ms;    /* in quick stop active or under Halt */
     bool hides_standstill;     /* no bit 10 after a stop */
     bool ignores_stop;
-    bool ignores_nmt;           /* goes on when it is taken out of operation */
-    unsigned watches_ms;        /* stops when the master is silent for so long; 0: never */
-    uint64_t heard_ms;          /* when it heard the master last */
-    uint64_t silent_ms;         /* the longest that the master has been silent */
-    unsigned nmt_stops;         /* commands to it */
-    int32_t homing_turns;       /* counts per ms while it homes */
-    int32_t home;               /* where homing ends */
+    bool ignores_nmt;     /* goes on when it is taken out of operation */
+    unsigned watches_ms;  /* stops when the master is silent for so long; 0: never */
+    uint64_t heard_ms;    /* when it heard the master last */
+    uint64_t silent_ms;   /* the longest that the master has been silent */
+    unsigned nmt_stops;   /* commands to it */
+    int32_t homing_turns; /* counts per ms while it homes */
+    int32_t home;         /* where homing ends, 607Ch, */
+    bool negates_offset;  /* or minus that */
+    bool frozen;          /* its reports show this position, whatever the axis does */
+    int32_t shown;
     unsigned report_ms;         /* from one transmit PDO to the next; 0: the usual */
     bool event_only;            /* transmit PDOs on change only */
     unsigned second_ms;         /* the second transmit PDO comes by a timer of its own alone; 0: with the first */

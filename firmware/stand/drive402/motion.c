@@ -1,4 +1,5 @@
 #include "core/arith.h"
+#include "core/one_copy.h"
 #include "stand/bounds.h"
 #include "stand/drive402/internal.h"
 
@@ -20,6 +21,7 @@
 #define HOMING_OVER (TUMBLE_402_STATUS_HOMING_ATTAINED | TUMBLE_402_STATUS_HOMING_ERROR)
 
 #define TURN_DEG 360.0
+#define PAST_MARK 5U /* degrees: an axis may brake past its mark by so much, and stay there */
 
 static uint16_t sixteen_bits(double quantity)
 {
@@ -121,9 +123,35 @@ void tumble_drive_look_homing(tumble_drive402_t *drive, bool fresh)
     }
 }
 
+/* 6064h, which was asked for by SDO. */
+TUMBLE_ONE_COPY static void take_answer(tumble_drive402_t *drive)
+{
+    drive->asked = ASKED_NOTHING;
+    drive->mirror->actual_position = (int32_t)tumble_sdo_client_u32(&drive->node->client);
+    tumble_drive_take_position(drive);
+}
+
+static uint32_t size_of(int64_t counts)
+{
+    return (uint32_t)((counts < 0) ? -counts : counts);
+}
+
+/* Is the axis where homing ends: at the mark's position, which is 0 or the home offset? Drives differ in the sign of the
+ * offset. */
+static bool is_home(const tumble_drive402_t *drive, int32_t offset)
+{
+    const uint32_t home = size_of(tumble_drive_unwrapped(drive->profile, offset, 0));
+    const uint32_t here = size_of(drive->actual_counts);
+    const uint32_t most = (uint32_t)PAST_MARK * drive->rest_counts;
+    return ((here > home) ? (here - home) : (home - here)) <= most;
+}
+
+/* Reports may be as frozen as they were on the way, and a drive that wraps would turn to its next target the wrong way
+ * round. So a position that is not near 0 must be the home offset of the drive. */
 void tumble_drive_look_move_mode(tumble_drive402_t *drive, bool fresh)
 {
     (void)fresh;
+    const tumble_sdo_client_t *client = &drive->node->client;
     if (!drive->homed) {
         if (tumble_drive_shows_mode(drive, TUMBLE_402_MODE_PROFILE_POSITION)) {
             drive->homed = true;
@@ -131,15 +159,27 @@ void tumble_drive_look_move_mode(tumble_drive402_t *drive, bool fresh)
             drive->actual_counts = 0; /* a drive that wraps and stands a count below zero is no circle above it */
             tumble_drive_ask(drive, TUMBLE_402_POSITION_ACTUAL, 0);
         }
-    } else if (tumble_drive_is_answered(drive)) {
+        return;
+    }
+    if (!tumble_drive_is_answered(drive)) {
+        return; /* the answer is on its way */
+    }
+    const bool is_offset = (client->index == TUMBLE_402_HOME_OFFSET);
+    if (!is_offset) {
+        take_answer(drive);
+    }
+    if (drive->phase != (uint8_t)PHASE_MOVE_MODE) {
+        /* it has turned too far */
+    } else if (is_home(drive, is_offset ? (int32_t)tumble_sdo_client_u32(client) : 0)) {
         drive->asked = ASKED_NOTHING;
-        drive->mirror->actual_position = (int32_t)tumble_sdo_client_u32(&drive->node->client);
-        tumble_drive_take_position(drive);
         drive->arrived = true;
         drive->at_goal = false;
         tumble_drive_go(drive, PHASE_IDLE);
+    } else if (is_offset) {
+        drive->homed = false;
+        tumble_drive_fail(drive, TUMBLE_STAND_FAULT_HOMING);
     } else {
-        /* the answer is on its way */
+        tumble_drive_ask(drive, TUMBLE_402_HOME_OFFSET, 0);
     }
 }
 
@@ -246,9 +286,7 @@ static bool is_placed(tumble_drive402_t *drive)
         if (drive->asked == ASKED_NOTHING) {
             tumble_drive_ask(drive, TUMBLE_402_POSITION_ACTUAL, 0);
         } else {
-            drive->asked = ASKED_NOTHING;
-            drive->mirror->actual_position = (int32_t)tumble_sdo_client_u32(&drive->node->client);
-            tumble_drive_take_position(drive);
+            take_answer(drive);
         }
     }
     return drive->placed;

@@ -278,6 +278,91 @@ static void test_a_new_zero_is_no_travel(void)
     assert_angle(-900.0);
 }
 
+/* The home offset, which drives count the one way or the other. */
+static void test_homing_ends_at_the_home_offset(void)
+{
+    tumble_drive_profile_t wraps = wrapping();
+    const tumble_drive_profile_t *const profiles[] = {&common, &wraps};
+    static const int32_t offsets[] = {-1000, -510, 510, 9000};
+    for (size_t i = 0; i < COUNT_OF(profiles) * COUNT_OF(offsets) * 2U; i++) {
+        bring_up(profiles[i / (COUNT_OF(offsets) * 2U)]);
+        played.home = offsets[(i / 2U) % COUNT_OF(offsets)];
+        played.negates_offset = (i % 2U) != 0U;
+        go_home();
+        assert_angle((double)played.home / PER_DEG);
+    }
+}
+
+/* 35990 counts of 36000 are 10 below zero, also as an offset. */
+static void test_nor_is_there_a_circle_between_them(void)
+{
+    tumble_drive_profile_t profile = wrapping();
+    bring_up(&profile);
+    played.home = 35000;
+    go_home();
+    assert_angle(-10.0);
+}
+
+/* The table may brake past its mark: up to 5 degrees from 0 a drive needs no home offset. */
+static void test_near_zero_nobody_asks_for_the_home_offset(void)
+{
+    static const int32_t places[] = {-500, 0, 500};
+    for (size_t i = 0; i < COUNT_OF(places); i++) {
+        bring_up(&common);
+        played.refuse_index = 0x607C;
+        played.home = places[i];
+        go_home();
+        TEST_ASSERT_EQUAL_UINT(0, played.refusals);
+    }
+    bring_up(&common);
+    played.refuse_index = 0x607C;
+    played.home = 510;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
+    run_to(TUMBLE_STAND_FAULT, 1000);
+    assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
+    const tumble_stand_refusal_t refusal = bench.drive.report.refusal;
+    TEST_ASSERT_EQUAL_HEX16(0x607C, refusal.index);
+    TEST_ASSERT_EQUAL_UINT8(TUMBLE_STAND_STEP_POSITION_MODE, refusal.step);
+    TEST_ASSERT_EQUAL_HEX32(0x06020000, refusal.abort);
+}
+
+/* Reports that are frozen from before: home is where the table is, and nobody knows it. */
+static void test_a_homing_that_leaves_the_position_elsewhere(void)
+{
+    static const int32_t shown[] = {-14629, -510, 510, 14629, INT32_MIN};
+    for (size_t i = 0; i < COUNT_OF(shown); i++) {
+        bring_up(&common);
+        played.frozen = true;
+        played.shown = shown[i];
+        ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
+        run_to(TUMBLE_STAND_FAULT, 1000);
+        assert_fault(TUMBLE_STAND_FAULT_HOMING);
+        recover(TUMBLE_STAND_READY);
+        ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->move(bench.stand.self, 0.0));
+        played.frozen = false;
+        go_home();
+    }
+}
+
+/* Nobody has seen it: the statusword came, and the position only when it was asked for after homing. */
+static void test_homing_that_turned_too_far_unseen(void)
+{
+    static const tumble_drive_pdo_t apart[] = {
+        {0, {.cob_id = 0x182, .type = 255, .count = 1, .event_ms = 10, .map = {0x60410010}}},
+        {1, {.cob_id = 0x282, .type = 255, .count = 1, .event_ms = 1000, .map = {0x60640020}}},
+    };
+    tumble_drive_profile_t profile = common;
+    profile.transmit = apart;
+    profile.transmit_count = COUNT_OF(apart);
+    profile.homing_travel_deg = 80.0;
+    bring_up(&profile);
+    played.second_ms = 1000;
+    played.home = 9000;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
+    run_to(TUMBLE_STAND_FAULT, 500);
+    assert_fault(TUMBLE_STAND_FAULT_HOMING);
+}
+
 /* An axis that turns and is not seen is stopped. */
 static void test_homing_that_nobody_sees(void)
 {

@@ -35,7 +35,7 @@ REASONS: tuple[tuple[str, str, str], ...] = (  # by number: name, meaning, what 
     ("DRIVE_FAULT", "the drive reported a fault", "2004h:3 is the drive's own error code. CLEAR_FAULT (8) or RESUME resets it."),
     ("DRIVE_POWER", "the drive lost power or was switched off", "Power stage off: emergency stop, enable input."),
     ("STALL", "the axis did not follow its command", "The axis does not follow: brake, obstacle, current limit."),
-    ("HOMING", "homing failed, took too long or turned too far", "No home mark found within the cable's span and a turn: switch, direction, homing method. Unwind the cables by hand before RESUME: the next homing may turn as far again."),
+    ("HOMING", "homing failed, took too long, turned too far or left a position that is not home", "No home mark found within the cable's span and a turn: switch, direction, homing method. Or the position after it is neither 0 nor the home offset (607Ch), within 5 degrees: encoder, 607Ch. Unwind the cables by hand before RESUME: the next homing may turn as far again."),
     ("TARGET_NOT_REACHED", "the table did not reach its target in time", "Too slow or short of it: speed, gear, window of the drive."),
     ("SLIP", "the table or the block left its position", "The angle changed at rest, its reports jumped, or the mounting does not close (U9 against U1): clamp, brake, coupling, encoder cable, warm-up."),
     ("CABLE_LIMIT", "the next position lies beyond the cable's limit", "A position cannot be reached within the cable's limits: schedule, approach, limits."),
