@@ -102,14 +102,14 @@ static tumble_abort_t write_pdo(tumble_node_t *node, uint16_t index, uint8_t sub
 {
     tumble_abort_t refusal = TUMBLE_ABORT_NONE;
 
-    if ((index & PDO_MAPPING) != 0U) {
-        /* an object, or their number */
-    } else if ((subindex == SUB_COB_ID) && is_of_second(node, value)) {
+    const bool maps = ((index & PDO_MAPPING) != 0U); /* an object, or their number */
+
+    if (!maps && (subindex == SUB_COB_ID) && is_of_second(node, value)) {
         refusal = TUMBLE_ABORT_VALUE;
-    } else if ((index >= FREE_PDO) && !node->server.service) {
+    } else if (!maps && (index >= FREE_PDO) && !node->server.service) {
         refusal = check_free_pdo(node, subindex, value);
     } else {
-        /* of the node's own parts, or at service level */
+        /* a mapping, of the node's own parts, or at service level */
     }
     return (refusal == TUMBLE_ABORT_NONE)
                ? tumble_pdo_write_parameter(&node->pdos, &node->dictionary, index, subindex, value)

@@ -17,7 +17,8 @@ static tumble_status_t confirm_angle(const tumble_navcomp_t *navcomp, double ang
 static tumble_status_t stop(tumble_navcomp_t *navcomp)
 {
     const tumble_stand_t *stand = &navcomp->stand;
-    const unsigned turns = (1U << TUMBLE_STAND_HOMING) | (1U << TUMBLE_STAND_MOVING) | (1U << TUMBLE_STAND_FAULT);
+    const unsigned turns = (1U << (unsigned)TUMBLE_STAND_HOMING) | (1U << (unsigned)TUMBLE_STAND_MOVING) |
+                           (1U << (unsigned)TUMBLE_STAND_FAULT);
     if (!tumble_run_is_on(navcomp) && (((turns >> (unsigned)tumble_stand_state(stand)) & 1U) != 0U)) {
         tumble_stand_stop(stand);
         return TUMBLE_OK;

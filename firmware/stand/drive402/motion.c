@@ -90,10 +90,11 @@ static void confirm_start(tumble_drive402_t *drive)
 
 static void look_attained(tumble_drive402_t *drive)
 {
+    if (drive->stale == UNCLEARED) {
+        return; /* it may be that of the homing before */
+    }
     if (drive->stale == UNHEARD) {
         tumble_drive_ask(drive, TUMBLE_402_CONTROLWORD, 0);
-    } else if (drive->stale == UNCLEARED) {
-        /* it may be that of the homing before */
     } else if (drive->stale > 0U) {
         drive->stale--;
     } else if (tumble_drive_has(drive, TUMBLE_402_STATUS_HOMING_ERROR)) {
