@@ -93,10 +93,10 @@ def named(explanation: Explanation) -> str:
 
 
 def _placed(name: str, column: str) -> str:
-    """With what shows it. One bad mean is that of a channel at a position."""
+    """With what shows it. One bad mean is that of a channel at a position, of which the channel may not be known."""
     if name == "position":
-        place, channel = column.split()
-        return f"position {place} ({channel})"
+        place, _, channel = column.partition(" ")
+        return f"position {place} ({channel})" if channel else f"position {place}"
     return f"{name} of {column}" if column else name
 
 

@@ -242,7 +242,8 @@ class _Search:
         seen = self._of_whole_run(one.pattern)
         if seen is not None:
             return Explanation((one.pattern.name, *alike), p, seen.value, seen.u, unit, "")
-        column = max(sizes, key=lambda label: abs(sizes[label][0]) / sizes[label][1], default="")
+        where = next(iter(one.columns)).partition(" ")[0] if one.pattern.name == "position" else ""
+        column = max(sizes, key=lambda label: abs(sizes[label][0]) / sizes[label][1], default=where)
         found = sizes.get(column, (None, None))
         return Explanation((one.pattern.name, *alike), p, found[0], found[1], unit, column)
 
