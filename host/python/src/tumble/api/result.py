@@ -176,7 +176,8 @@ class Result:
         u_x, u_y, u_z, u_norm. The noise of the data itself is not in them.
 
         A column temperature, deg C, of a table is held against that of the run: a UserWarning where a row is more than
-        1 deg C outside. Missing values (NaN, null) stay missing. Raises UsageError, BadInput.
+        1 deg C outside. Where nobody tells the unit of the data or of the run, another such warning comes if the
+        acceleration at rest is not near 1 g. Missing values (NaN, null) stay missing. Raises UsageError, BadInput.
 
         >>> import tumble
         >>> result = tumble.solve("examples/paper_stand.csv", stand="examples/paper_stand.toml")
@@ -189,7 +190,8 @@ class Result:
         require_flag(uncertainty, "uncertainty")
         known_c = self._checked["temperature"]
         with told_in_python():
-            return applied(self.force(unit, uncertainty), data, self.unit, uncertainty, columns, outputs_unit, known_c)
+            given = data, self.unit, uncertainty, columns, outputs_unit, known_c
+            return applied(self.force(unit, uncertainty), *given, "unit" not in self.assumes, str(force_unit(unit)))
 
     def force(self, unit: str = "g", uncertainty: bool = False) -> Force:
         """What turns outputs in the result's unit into specific force in `unit`. `uncertainty`: it must be known."""

@@ -1,4 +1,4 @@
-"""Rows that no block at rest gives: taken while the table turned, absurd, stuck, saturated.
+"""Rows that no block at rest gives: taken while the table turned, absurd, stuck, saturated; or not those of one block.
 
 The gates are those of the firmware (core/averaging.c), which sees every sample, for a file of which nobody knows how
 it was averaged. A row is held against the other rows of its position. Noise is taken from the rows themselves, by
@@ -15,9 +15,10 @@ import numpy as np
 
 from tumble.arrays import Flags, Floats, Integers
 from tumble.errors import BadInput
+from tumble.files import run_copies
 from tumble.files.run_facts import WITHIN_ONE_SIGMA
 from tumble.files.run_file import Run
-from tumble.files.run_store import RowStore
+from tumble.files.run_store import ROWS_IN_MEMORY, RowStore
 from tumble.files.stand_file import StandFile
 from tumble.schedule import Schedule
 from tumble.units import volts_per
@@ -65,7 +66,8 @@ def require(run: Run, schedule: Schedule, stand_file: StandFile | None, file: st
         judge.require_range(stand_file.block["range_v"], stand_file.step_v)
     judge.require_no_stuck_channel()
     judge.require_no_extremes()
-    return (*run.passed_over, *judge.judge_rest())
+    judge.require_no_copies()
+    return (*run.passed_over, *judge.judge_sources(), *judge.judge_rest())
 
 
 class _Judge:
@@ -168,6 +170,38 @@ class _Judge:
         if chance >= 1.0:
             return math.inf
         return 1.0 + math.log(_STUCK_CHANCE / (3 * int(self._table.samples.sum()))) / math.log(chance)
+
+    # Is every row a measurement, and all of one block?
+
+    def require_no_copies(self) -> None:
+        """No rows that come again, digit for digit, where noise should have changed them."""
+        for outputs, lines, position in self._in_order():
+            found = run_copies.copied(outputs, position, self._table.step)
+            if found is not None:
+                last = found.length - 1
+                again, first = (
+                    f"{_range(lines[begin], lines[begin + last])} ({self._label(int(position[begin]))})"
+                    for begin in (found.again, found.first)
+                )
+                said = f"rows {again} are rows {first} again, digit for digit: written twice? Leave them out"
+                raise self._refusal(said, int(lines[found.again]))
+
+    def _in_order(self) -> Iterator[tuple[Floats, Integers, Integers]]:
+        """Rows, their lines and positions, in the order of the file: all, or of each position where they are many."""
+        is_small = int(self._table.samples.sum()) <= ROWS_IN_MEMORY
+        for some in [self._present] if is_small else [[position] for position in self._present]:
+            outputs, lines = map(np.concatenate, zip(*map(self._table.rows, some)))
+            order = np.argsort(lines, kind="stable")
+            yield outputs[order], lines[order], np.repeat(some, self._table.samples[some])[order]
+
+    def judge_sources(self) -> tuple[str, ...]:
+        """A warning where rows come in turn from what may be several sources; raises BadInput where they do."""
+        rests = (self._table.rows(position)[0] for position in self._present)
+        found = run_copies.in_turn(rests, self._table.step, self._run.unit)
+        first = min(self._facts[position].lines[0] for position in self._present)
+        if found is not None and found.is_certain:
+            raise self._refusal(f"{found.sentence}? Keep the rows of one", first)
+        return () if found is None else (f"from row {first} on {found.sentence}, or a vibration in step with them?",)
 
     # Was the table at rest?
 

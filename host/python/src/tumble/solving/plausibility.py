@@ -32,6 +32,8 @@ _ROUGHLY_RAD, _ROUGHLY_SCALE = 0.5, 1.6  # of a K once its mistakes are undone: 
 _MOST_MOUNTINGS = 3  # whose every order is tried; of more, exchanges of two
 _MOST_NAMED = 3
 UNCHECKED = "no more means than unknowns: nothing checks this run"
+_OTHERWISE_G = 0.1  # between the forces of positions whose means cannot be the same
+_STEPS = 3.0  # of a converter, at least
 _AS_WELL = 1.5  # times the rms of the residuals: fits no worse
 
 
@@ -79,9 +81,27 @@ def examine(solution: Solution, stand_file: StandFile | None) -> Plausibility:
 def require(solution: Solution, stand_file: StandFile | None, file: str) -> tuple[str, ...]:
     """The warnings about K. Raises BadInput for a K that a mistake has made of the declared one; `file`: the run's."""
     found = examine(solution, stand_file)
-    if found.refusal is not None:
-        raise BadInput(found.refusal, file)
+    refusal = _same_means(solution) or found.refusal
+    if refusal is not None:
+        raise BadInput(refusal, file)
     return found.warnings
+
+
+def _same_means(solution: Solution) -> str | None:
+    """What speaks against means that are the same in all digits, of as many rows, where the block lay otherwise."""
+    run, schedule = solution.run, solution.measured_schedule
+    samples, means = run.samples[run.measured], run.means[run.measured]
+    if run.table is None:
+        return None
+    force, scale = Geometry(schedule).force(), float(np.ptp(means)) / 2
+    for i, j in itertools.combinations(range(len(means)), 2):
+        apart = float(np.linalg.norm(force[i] - force[j]))
+        if apart > _OTHERWISE_G and apart * scale > _STEPS * run.table.step.max():
+            if samples[i] == samples[j] and (means[i] == means[j]).all():
+                one, other = schedule.positions[i].label, schedule.positions[j].label
+                same = f"positions {one} and {other} have the same means, digit for digit"
+                return f"{same}, where the block lies otherwise: a copy, or the table did not turn"
+    return None
 
 
 def marked(solution: Solution, stand_file: StandFile | None) -> Solution:
