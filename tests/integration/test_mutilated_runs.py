@@ -278,3 +278,14 @@ def test_common_mistakes_are_explained(mistake, place, tmp_path):
     assert code == 1 and "the run does not fit the stand file: " in err, err
     assert f"; position {place}; " in err
     assert out.splitlines()[-1].startswith("FAIL: ")
+
+
+@pytest.mark.parametrize("rows", [588, 645])
+def test_a_third_mounting_that_is_not_finished(rows, tmp_path):
+    """numpy took the first two for the paper's, with its closed form of the angles, and the core did not: exit 3."""
+    text = (EXAMPLES / "three_mountings_stand.csv").read_text().splitlines(keepends=True)
+    (tmp_path / "run.csv").write_text("".join(text[: 1 + rows]))
+    words = ("--schedule", "three_mountings", "--estimator", "least_squares", "--json")
+    code, out, err = run("solve", tmp_path / "run.csv", *words)
+    assert code == 0, err
+    assert valid(out)["stand_seen"]["alpha1_rad"] is None

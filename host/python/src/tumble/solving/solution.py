@@ -267,7 +267,7 @@ def solve(
         stated, costly = _state(reach, optimal, further, file)
     shown = RunSeen(core_schedule, found.linear, run.measured, found.k, found.u0)
     looked = look(shown, noise(run.samples, run.scatter), run.samples, declared, mean_variance=noisy.mean_variance)
-    witness = reference.RunSeen(witnessed, comparison.linear, found.k)
+    witness = reference.RunSeen(witnessed, comparison.linear, found.k, core_schedule.data)
     compare_seen(looked, witness, samples, scatter, declared, mean_variance=variance)
     seen = _without_angles(looked) if terms else looked
     fit = None
