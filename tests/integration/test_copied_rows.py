@@ -161,7 +161,7 @@ def alarms(kind, runs, seed):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_honest_rows_are_not_blamed(kind):
-    assert alarms(kind, 30, 1) == []
+    assert alarms(kind, 20, 1) == []
 
 
 @pytest.mark.full

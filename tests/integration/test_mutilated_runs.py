@@ -17,7 +17,7 @@ from tumble.files.schedule_file import read_schedule
 from tumble.reference import Geometry
 
 pytestmark = pytest.mark.python
-SHOWN, ALL = 20, 2000  # mutilations of a run
+SHOWN, ALL = 7, 2000  # mutilations of a run
 RUNS = {  # run: stand file, schedule
     "paper_stand": ("paper_stand.toml", "paper"),
     "angle_stand": ("angle_stand.toml", "paper"),
@@ -154,7 +154,8 @@ class Mutilated:
             self.rows[self.rng.randrange(len(self.rows)), self.rng.randrange(2, 5)] = self.rng.uniform(-10, 10)
 
 
-MISTAKES = [name for name, one in vars(Mutilated).items() if callable(one) and name[0] != "_"][4:]
+HELPERS = ("at", "relabel", "some", "part")
+MISTAKES = [name for name, one in vars(Mutilated).items() if callable(one) and name[0] != "_" and name not in HELPERS]
 
 
 @pytest.fixture(scope="module")
@@ -244,10 +245,6 @@ def relabelled(rows, new):
     return found
 
 
-def begun_late(rows):
-    return relabelled(rows, {(2, place): (2, 1 + (place + 1) % 9) for place in range(1, 10)})
-
-
 def gain_halved(rows):
     return np.column_stack((rows[:, :2], rows[:, 2:] * np.where(rows[:, :1] == 2, 0.5, 1.0)))
 
@@ -265,8 +262,6 @@ def two_turned_too_far(rows):
 
 @pytest.mark.parametrize("mistake, place", [
     (lambda rows: relabelled(rows, {(1, 1): (1, 2), (1, 2): (1, 1)}), "1.9"),
-    (lambda rows: relabelled(rows, {(2, 4): (2, 5), (2, 5): (2, 4)}), "2.5"),
-    (begun_late, "2.6"),
     (gain_halved, "1.7"),
     (two_turned_too_far, "2.6"),
 ])  # fmt: skip

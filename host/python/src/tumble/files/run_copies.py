@@ -19,10 +19,11 @@ from tumble.files.run_facts import WITHIN_ONE_SIGMA, in_order
 
 CHANCE = 1e-9  # that an honest run is taken for one with copies
 _SHORTEST = 4  # rows of a stretch
+_WINDOWS = 1 << 14  # of which the search is made
 _NEIGHBOURS = 3
 _ORDER = 8  # of the prediction
 _FEWEST = 12  # innovations, to know their size
-_MOST = 20_000
+_MOST_INNOVATIONS, MOST_IN_TURN = 20_000, 4096  # rows that are looked at; of a position
 _LEAST_NOISE = 1e-6  # of all that a channel spans: no sensor with its converter repeats itself better
 _SOURCES = (2, 3, 4)
 _FEWEST_IN_TURN = 8  # rows at a position
@@ -56,17 +57,19 @@ def copied(outputs: Floats, position: Integers, step: Floats) -> Repeat | None:
 
 
 def _longest_repeat(outputs: Floats) -> Repeat | None:
-    """By windows of 4, 8, 16, ... rows, as long as any comes again behind its end; then as far as rows are equal."""
-    bits = (np.ascontiguousarray(outputs) + 0.0).view(np.uint64)  # of which -0.0 has none
-    keys, length, best = _mixed((bits * _MULTIPLIERS).sum(axis=1, dtype=np.uint64)), 1, None
-    while len(keys) > length:
-        if length >= _SHORTEST:
-            pair = _equal_apart(keys, length)
-            if pair is None:
-                break
-            best = pair
+    """By windows of 4, 8, 16, ... rows, as long as any comes again behind its end; then as far as rows are equal. Of
+    many windows every n-th or so counts, chosen by what is in it, so that those of a copy are chosen too."""
+    bits = [(outputs[:, channel] + 0.0).view(np.uint64) for channel in range(3)]  # of which -0.0 has none
+    keys = bits[0] * _MULTIPLIERS[0] + bits[1] * _MULTIPLIERS[1] + bits[2] * _MULTIPLIERS[2]
+    keys = keys[:-1] * _MULTIPLIERS[1] + keys[1:]
+    keys = _mixed(keys[:-2] * _MULTIPLIERS[2] + keys[2:])
+    stride = 1 << max(0, len(keys).bit_length() - _WINDOWS.bit_length())
+    places = np.flatnonzero((keys & np.uint64(stride - 1)) == 0)
+    keys, length, best = keys[places], _SHORTEST if stride == 1 else 1, None
+    while len(keys) > 1 and (pair := _equal_apart(keys, length)) is not None:
+        best = pair
         keys, length = _mixed(keys[:-length] * _MULTIPLIERS[0] + keys[length:]), 2 * length
-    return None if best is None else _extended(outputs, *best)
+    return None if best is None else _extended(outputs, int(places[best[0]]), int(places[best[1]]))
 
 
 def _mixed(keys: Keys) -> Keys:
@@ -126,7 +129,7 @@ def _innovations(outputs: Floats, position: Integers, step: Floats) -> Floats | 
     visit = np.repeat(np.arange(len(lengths)), lengths)
     off = outputs - (np.add.reduceat(outputs, ends - lengths) / lengths[:, None])[visit]
     places = np.arange(order, len(off))
-    places = places[(visit[places] == visit[places - order]) & (lengths[visit[places]] > 1)][:_MOST]
+    places = places[(visit[places] == visit[places - order]) & (lengths[visit[places]] > 1)][:_MOST_INNOVATIONS]
     if len(places) < _FEWEST + 2 * order:
         return None
     sizes = np.zeros(3)
@@ -153,7 +156,7 @@ _Parts = tuple[Floats, Floats, int]  # means of the sources (sources, 3), square
 def in_turn(positions: Iterable[Floats], step: Floats, unit: str) -> Sources | None:
     """What the rows (rows, 3) of each position that has enough, at rest, show of several sources in turn; None where
     noise explains it, or a converter that alternates."""
-    long = (rows[:_MOST] for rows in positions if len(rows) >= _FEWEST_IN_TURN)
+    long = (rows[:MOST_IN_TURN] for rows in positions if len(rows) >= _FEWEST_IN_TURN)
     by_sources = zip(*([_parts(rows, sources) for sources in _SOURCES] for rows in long))
     ratio, best = max(((_ratio(parts, step), parts) for parts in by_sources), key=lambda one: one[0], default=(0.0, ()))
     if ratio <= _TIMES_NOISE:

@@ -188,15 +188,18 @@ class _Judge:
 
     def _in_order(self) -> Iterator[tuple[Floats, Integers, Integers]]:
         """Rows, their lines and positions, in the order of the file: all, or of each position where they are many."""
-        is_small = int(self._table.samples.sum()) <= ROWS_IN_MEMORY
-        for some in [self._present] if is_small else [[position] for position in self._present]:
-            outputs, lines = map(np.concatenate, zip(*map(self._table.rows, some)))
-            order = np.argsort(lines, kind="stable")
-            yield outputs[order], lines[order], np.repeat(some, self._table.samples[some])[order]
+        if int(self._table.samples.sum()) > ROWS_IN_MEMORY:
+            for position in self._present:
+                outputs, lines = self._table.rows(position)
+                yield outputs, lines, np.broadcast_to(position, len(lines))
+            return
+        outputs, lines = map(np.concatenate, zip(*map(self._table.rows, self._present)))
+        order = np.argsort(lines, kind="stable")
+        yield outputs[order], lines[order], np.repeat(self._present, self._table.samples[self._present])[order]
 
     def judge_sources(self) -> tuple[str, ...]:
         """A warning where rows come in turn from what may be several sources; raises BadInput where they do."""
-        rests = (self._table.rows(position)[0] for position in self._present)
+        rests = (self._table.rows(position, run_copies.MOST_IN_TURN)[0] for position in self._present)
         found = run_copies.in_turn(rests, self._table.step, self._run.unit)
         first = min(self._facts[position].lines[0] for position in self._present)
         if found is not None and found.is_certain:
