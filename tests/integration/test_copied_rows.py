@@ -106,6 +106,15 @@ def test_import_refuses_both(refused, tmp_path):
     assert "two sources in one file? Keep the rows of one" in refused("import", log, *options)
 
 
+def test_a_logger_that_begins_and_ends_with_zeros():
+    """And one that toggles by a step before it is moved: quiet parts are no copies of one another."""
+    rng = np.random.default_rng(3)
+    noisy = np.rint(rng.normal(0.0, 40.0, (2000, 3)))
+    for quiet in (np.zeros((160, 3)), np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 1.0]])[rng.integers(0, 2, 160)]):
+        rows = np.vstack((quiet, noisy, rng.permutation(quiet)))
+        assert run_copies.copied(rows, np.zeros(len(rows), dtype=int), np.ones(3)) is None
+
+
 # Honest ones.
 
 

@@ -51,7 +51,14 @@ def copied(outputs: Floats, position: Integers, step: Floats) -> Repeat | None:
     found = _longest_repeat(outputs)
     if found is None:
         return None
-    likely = max(_held(outputs, position), _chance_of_a_row(outputs, position, step))
+    part = slice(found.first, found.first + found.length)
+    changes = np.sqrt(np.mean(np.diff(outputs[part], axis=0) ** 2, axis=0) / 2.0)  # a part may be quiet
+    likely = max(
+        _held(outputs, position),
+        _held(outputs[part], position[part]),
+        _chance_of_a_value(changes / np.where(step > 0.0, step, np.inf)),
+        _chance_of_a_row(outputs, position, step),
+    )
     chance = 2.0 * math.log(len(outputs)) + found.length * math.log(likely)
     return found if chance < math.log(CHANCE) else None
 
@@ -112,11 +119,15 @@ def _held(outputs: Floats, position: Integers) -> float:
 
 
 def _chance_of_a_row(outputs: Floats, position: Integers, step: Floats) -> float:
-    """That a row comes out as another one did, all before it having done so: as its noisiest channel says, that of
-    the likeliest value."""
+    """That a row comes out as another one did, all before it having done so."""
     steps = _innovations(outputs, position, step)
     if steps is None:
         steps = _LEAST_NOISE * np.ptp(outputs, axis=0) / np.where(step > 0.0, step, np.inf)
+    return _chance_of_a_value(steps)
+
+
+def _chance_of_a_value(steps: Floats) -> float:
+    """Of the likeliest in the noisiest channel, by the noise of each in steps."""
     noise = float(steps.max())
     return math.erf(0.5 / (math.sqrt(2.0) * noise)) if noise > 0.0 else 1.0
 
