@@ -115,6 +115,14 @@ def test_a_logger_that_begins_and_ends_with_zeros():
         assert run_copies.copied(rows, np.zeros(len(rows), dtype=int), np.ones(3)) is None
 
 
+def test_round_numbers_are_told_apart():
+    """Their bits end with zeros, and so did what was made of them to find copies."""
+    rows = np.random.default_rng(4).integers(-8, 8, (4000, 3)) / 4.0
+    rows = np.vstack((rows, rows[1000:1100]))
+    found = run_copies.copied(rows, np.zeros(len(rows), dtype=int), np.full(3, 0.25))
+    assert found == run_copies.Repeat(1000, 4000, 100)
+
+
 # Honest ones.
 
 
@@ -147,6 +155,8 @@ KINDS = {
 def honest(kind, rng):
     """Rows at each position (positions, rows, 3) of one or two passes, on a converter of any step; the step."""
     size, step = 10 ** rng.uniform(-6, -3), rng.choice([1e-3, 0.05, 0.3, 1, 2, 3, 5, 10, 30, 100])
+    if kind == "none":  # a converter hides it: none repeats itself to a millionth
+        size, step = 1e-5, max(1.0, step)
     rows = int(rng.choice([1, 2, 4, 5, 8, 12, 20, 40, 50, 100, 200]))
     exact = Geometry(paper_schedule()).force() * rng.uniform(0.5, 2) + rng.normal(0, 0.05, 3)
     exact = exact[:, None] + rng.choice([0.0, 3e-5]) * rng.standard_normal((POSITIONS, 1, 3))

@@ -49,7 +49,7 @@ def copied(outputs: Floats, position: Integers, step: Floats) -> Repeat | None:
     """The longest stretch of rows (rows, 3) that stands there once more and that noise would have changed; None: there
     is none. `position` of each row; `step` (3,) of the values."""
     found = _longest_repeat(outputs)
-    if found is None:
+    if found is None or found.length < _SHORTEST:
         return None
     part = slice(found.first, found.first + found.length)
     changes = np.sqrt(np.mean(np.diff(outputs[part], axis=0) ** 2, axis=0) / 2.0)  # a part may be quiet
@@ -67,6 +67,7 @@ def _longest_repeat(outputs: Floats) -> Repeat | None:
     """By windows of 4, 8, 16, ... rows, as long as any comes again behind its end; then as far as rows are equal. Of
     many windows every n-th or so counts, chosen by what is in it, so that those of a copy are chosen too."""
     bits = [(outputs[:, channel] + 0.0).view(np.uint64) for channel in range(3)]  # of which -0.0 has none
+    bits = [one ^ (one >> np.uint64(31)) for one in bits]  # those of round numbers are all in the upper half
     keys = bits[0] * _MULTIPLIERS[0] + bits[1] * _MULTIPLIERS[1] + bits[2] * _MULTIPLIERS[2]
     keys = keys[:-1] * _MULTIPLIERS[1] + keys[1:]
     keys = _mixed(keys[:-2] * _MULTIPLIERS[2] + keys[2:])
@@ -104,7 +105,7 @@ def _extended(outputs: Floats, first: int, again: int) -> Repeat:
     equal: Flags = (outputs[:-apart] == outputs[apart:]).all(axis=1)
     unequal = np.flatnonzero(~equal)
     begin = int(unequal[unequal < first].max(initial=-1)) + 1
-    end = int(unequal[unequal > first].min(initial=len(equal)))
+    end = int(unequal[unequal >= first].min(initial=len(equal)))
     return Repeat(begin, begin + apart, end - begin)
 
 
