@@ -133,8 +133,8 @@ static bool gains_at(const gains_t *gains, uint8_t p, size_t fit, double g[TUMBL
 static double noise_variance_v2(const tumble_judged_run_t *run, int i, uint32_t samples)
 {
     const tumble_stand_record_t *stand = run->stand;
-    const double declared_v2 =
-        tumble_larger(tumble_square(stand->noise_v) / (double)samples, tumble_square(stand->least_noise_v));
+    const double declared_v2 = tumble_larger(tumble_square(tumble_stand_noise_v(stand, i)) / (double)samples,
+                                             tumble_square(stand->least_noise_v));
     return (run->noise != NULL) ? (declared_v2 + tumble_noise_excess(run->noise, i, samples, declared_v2))
                                 : declared_v2;
 }

@@ -207,6 +207,8 @@ typedef struct {
     double platform_rad;
     double encoder_rad;
     double drift_v;
+    double channel_noise_v[3];
+    double channel_drift_v[3];
 } tumble_stand_record_t;
 typedef struct {
     double noise_v[3];
@@ -255,6 +257,7 @@ typedef struct {
     const tumble_means_t *means;
     const tumble_stand_record_t *stand;
     const double *mean_variance_v2;
+    const double (*channel_variance_v2)[3];
 } tumble_whole_run_t;
 typedef struct {
     double chi_squared;

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from tumble.fixture.judge import Limits
 from tumble.solving import noise, plausibility, temperature
 from tumble.solving.fit import NOISE, Explanation
@@ -30,7 +32,8 @@ def complaints(solution: Solution, odd: Sequence[str] = (), confirmed_unit: bool
         told.append(span)
     unit = solution.run.unit
     if solution.stand is not None and noise_unit(unit) != "V" and not confirmed_unit:
-        told.append(f"outputs in {unit}: noise_v of the stand file, {solution.stand.noise:g}, is in {unit} too")
+        noise = ", ".join(f"{one:g}" for one in np.atleast_1d(solution.stand.noise).tolist())
+        told.append(f"outputs in {unit}: noise_v of the stand file, {noise}, is in {unit} too")
     told += [] if solution.second_order is None else solution.second_order.complaints
     if solution.lone:
         told.append(f"a single row, taken for one sample, at {', '.join(solution.lone)}")

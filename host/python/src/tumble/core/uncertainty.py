@@ -7,7 +7,8 @@ from _tumble_core import ffi, lib
 
 from tumble.arrays import Flags, Floats, Integers
 from tumble.core.binding import ESTIMATOR_ROWS, CoreSchedule, pack, require_estimable, require_ok, unpack
-from tumble.stand import COMMON, Stand
+from tumble.core.fit import record_of
+from tumble.stand import Stand
 
 
 class _JudgedRun:
@@ -23,18 +24,15 @@ class _JudgedRun:
         mean_variance: Floats | None = None,
         least_noise: float = 0.0,
     ):
-        sigmas = [stand.sigma(source) for source in ("axis_tilt", "level", "remount", "angle", "noise")]
-        record = [*sigmas, least_noise, stand.samples, stand.remounting == COMMON]
-        record += [stand.sigma(source) for source in ("seat", "platform", "encoder", "drift")]
         averaged_over = stand.averaged_over(samples)
-        self._stand = ffi.new("tumble_stand_record_t *", record)
+        self._stand = record_of(stand, least_noise)
         self._coefficients = pack(k, np.zeros(3))
         self._samples = ffi.new("uint32_t[]", averaged_over.tolist())
         self._flags = schedule.flags(measured)
         self._excess = ffi.NULL
         if mean_variance is not None:
             declared = np.maximum(stand.mean_variance(samples), least_noise**2)
-            self._excess = ffi.from_buffer(np.maximum(mean_variance - declared[:, None], 0.0))
+            self._excess = ffi.from_buffer(np.maximum(mean_variance - declared, 0.0))
         self.struct = ffi.new(
             "tumble_judged_run_t *",
             {

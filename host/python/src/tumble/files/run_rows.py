@@ -21,6 +21,7 @@ from tumble.files.run_file import Run
 from tumble.files.run_store import ROWS_IN_MEMORY, RowStore
 from tumble.files.stand_file import StandFile
 from tumble.schedule import Schedule
+from tumble.stand import PerChannel, by_channel
 from tumble.units import volts_per
 
 _FAR = 8.0  # noise: further off no row is at rest, nor is a position that scatters so much more than the others
@@ -78,29 +79,31 @@ class _Judge:
 
     # What the converter cannot have given, or gave for want of a better value.
 
-    def require_range(self, range_v: float | None, step_v: float) -> None:
+    def require_range(self, range_v: PerChannel | None, step_v: PerChannel) -> None:
         """No output at or beyond the declared range of the converter."""
         if range_v is None:
             return
         unit = volts_per(self._run.unit)
-        full, step = range_v / unit, step_v / unit
-        for limit, what in (
-            (full + step, f"beyond the declared range of +-{full:g} {self._run.unit}; another unit? (--unit)"),
-            (full - 1.5 * step, f"at the end of the range of +-{full:g} {self._run.unit}: saturated"),
+        full, step = by_channel(range_v) / unit, by_channel(step_v) / unit
+        over = np.where(step > 0.0, np.nextafter(full + step, math.inf), full)
+        for least, before, behind in (
+            (over, "beyond the declared range", "; another unit? (--unit)"),
+            (full - 1.5 * step, "at the end of the range", ": saturated"),
         ):
-            least = math.nextafter(limit, math.inf) if limit > full else limit
             found = self._rows_from(least)
             if found is not None:
                 line, channel, value, rows = found
                 more = f" (and {rows - 1} more rows)" if rows > 1 else ""
+                what = f"{before} of +-{full[channel]:g} {self._run.unit}{behind}"
                 raise self._refusal(f"{self._said(value)} is {what}{more}", line, channel)
 
-    def _rows_from(self, least: float) -> tuple[int, int, float, int] | None:
-        """Of the outputs that are so large, of either sign, the first one's line, channel and value, and how many rows
-        have such; None: there are none."""
+    def _rows_from(self, least: Floats) -> tuple[int, int, float, int] | None:
+        """Of the outputs that are so large (3,), of either sign, the first one's line, channel and value, and how many
+        rows have such; None: there are none."""
         first, rows = (0, 0, 0.0), 0
         for position in self._present:
-            if all(max(map(abs, channel.ends)) < least for channel in self._facts[position].channels):
+            channels = self._facts[position].channels
+            if all(max(map(abs, channel.ends)) < one for channel, one in zip(channels, least.tolist())):
                 continue
             outputs, lines = self._table.rows(position)
             found = np.abs(outputs) >= least

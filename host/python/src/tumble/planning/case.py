@@ -12,7 +12,7 @@ from tumble.defaults import DEFAULT_LIMIT_G
 from tumble.errors import BadInput
 from tumble.files.stand_file import StandFile
 from tumble.schedule import FIT, Schedule
-from tumble.stand import PAPER_STAND, Stand
+from tumble.stand import PAPER_STAND, PER_CHANNEL, PerChannel, Stand, by_channel
 from tumble.terms import Terms
 
 SCHEMA = "tumble.plan/1"
@@ -22,14 +22,14 @@ PAPER_BLOCK = {"scale_v_per_g": 2.0, "misalignment_rad": 0.02}
 @dataclass(frozen=True)
 class Case:
     """`stand`: as declared, but its noise no less than what the converter's steps leave; `scale` in V/g, of any sign
-    but not 0; `misalignment` in radians, the same size for all six; `step_v`: of the converter, 0 if unknown;
-    `schedule`: None for the paper's own; `limit_g`: the stand file's, else the paper's; `terms`: further ones of the
-    model, whose true sizes are 0."""
+    but not 0, of all channels or of each; `misalignment` in radians, the same size for all six; `step_v`: of the
+    converter, 0 if unknown; `schedule`: None for the paper's own; `limit_g`: the stand file's, else the paper's;
+    `terms`: further ones of the model, whose true sizes are 0."""
 
     stand: Stand
-    scale: float
+    scale: PerChannel
     misalignment: float
-    step_v: float
+    step_v: PerChannel
     own_schedule: Schedule | None
     limit_g: float
     terms: Terms = ()
@@ -49,6 +49,19 @@ class Case:
         return cls(stand_file.stand.with_step(step_v), *nominal, step_v, schedule, limit_g)
 
     @property
+    def full_scale(self) -> dict[str, float]:
+        """By which noise and drift, of the channel that has most, are as large as 1 g in one of them, V/g."""
+        sizes, profiles = np.abs(by_channel(self.scale)), {name: self.stand.profile(name) for name in PER_CHANNEL}
+        with np.errstate(divide="ignore"):
+            return {name: float((sizes / profile).min()) for name, profile in profiles.items()}
+
+    @property
+    def block_sentence(self) -> str:
+        """For people."""
+        scales = ", ".join(f"{scale:g}" for scale in np.atleast_1d(self.scale).tolist())
+        return f"Block: {scales} V/g, misalignments {self.misalignment:g} rad"
+
+    @property
     def schedule(self) -> Schedule:
         """The schedule in use."""
         return reference.paper_schedule() if self.own_schedule is None else self.own_schedule
@@ -63,4 +76,5 @@ class Case:
         """K (3, 3) of the nominal block. `signs` (3, 3): of the misalignments, the diagonal unused; default all +."""
         misaligned = self.misalignment * (np.ones((3, 3)) if signs is None else np.array(signs, dtype=float))
         np.fill_diagonal(misaligned, 1.0)
-        return self.scale * misaligned
+        nominal: Floats = by_channel(self.scale)[:, None] * misaligned
+        return nominal

@@ -95,9 +95,19 @@ class Model:
 class RunSeen:
     """What one run shows of the stand: `means` (positions, 3) of a schedule, and the `k` found from them; `whole`: that
     schedule with the positions that were not measured, where some were not. Every `variance` (positions,) is that of
-    each mean by its noise, every `alpha4` the standard deviation of a set angle."""
+    each mean by its noise, every `alpha4` the standard deviation of a set angle. `weights` (3,) make channels alike
+    that differ: every variance is then of outputs times these."""
 
-    def __init__(self, schedule: Schedule, means: Floats, k: Floats, whole: Schedule | None = None):
+    def __init__(
+        self,
+        schedule: Schedule,
+        means: Floats,
+        k: Floats,
+        whole: Schedule | None = None,
+        weights: Floats | None = None,
+    ):
+        if weights is not None:
+            means, k = means * weights, k * weights[:, None]
         self.mountings = len(schedule.mountings)
         self._fit = fit_indices(schedule)
         self._fitted = Schedule(schedule.mountings, tuple(schedule.positions[index] for index in self._fit))

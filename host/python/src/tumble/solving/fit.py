@@ -57,7 +57,7 @@ class Explanation:
 @dataclass(frozen=True)
 class Sampled:
     """A pattern that samples show by themselves: `log_p`, how often they do by chance; `size`, `u_size` in `unit`, and
-    the `column` it is of; `variance` (positions,) of the means with it."""
+    the `column` it is of; `variance` (positions, 3) of the means with it."""
 
     name: str
     log_p: float
@@ -122,8 +122,8 @@ def judge(model: WholeModel, confidence: float, seen: StandSeen, sampled: Sequen
     return Fit(model.chi_squared, model.freedom, p, confidence, explanations)
 
 
-def variance_of_means(stand: Stand, samples: Integers, rounding: float) -> Floats:
-    """By the declared noise of `stand`, and a standard deviation of `rounding` that averaging does not help."""
+def variance_of_means(stand: Stand, samples: Integers, rounding: float | Floats) -> Floats:
+    """By the declared noise of `stand`, and standard deviations of `rounding` (3,), or one, that averaging does not help."""
     return stand.mean_variance(samples) + rounding**2
 
 

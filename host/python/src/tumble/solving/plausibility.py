@@ -22,6 +22,7 @@ from tumble.files.stand_file import StandFile
 from tumble.reference import Geometry
 from tumble.schedule import FIT, Position, Schedule
 from tumble.solving.solution import Solution
+from tumble.stand import by_channel, over
 from tumble.units import noise_unit, per_g, unit_of, volts_per
 
 _SIGMAS = 4.0  # of a declared misalignment: six of them exceed it in 4 runs of 10,000
@@ -62,7 +63,7 @@ def examine(solution: Solution, stand_file: StandFile | None) -> Plausibility:
     if stand_file is None or stand_file.block is None:
         return Plausibility(warnings=_structure(solution))
     unit = volts_per(solution.run.unit)
-    nominal = stand_file.block["scale_v_per_g"] / unit * np.eye(3)
+    nominal = np.diag(by_channel(over(stand_file.block["scale_v_per_g"], unit)))
     known = [] if stand_file.truth is None else [np.array(stand_file.truth["K"], dtype=float) / unit]
     spread = 0.0 if solution.u_k is None else float((solution.u_k / np.abs(np.diag(nominal))[:, None]).max())
     misalignment = max(stand_file.block["misalignment_rad"], _LEAST_RAD)
@@ -73,7 +74,8 @@ def examine(solution: Solution, stand_file: StandFile | None) -> Plausibility:
         mistakes = _explain(solution, declared)
         if mistakes:
             said = " or ".join(" and ".join(mistake.words) for mistake in mistakes[:_MOST_NAMED])
-            return Plausibility(refusal=f"{said}: {_worst(solution, declared, misalignment)}")
+            remedy = _remedy(solution.found.k, nominal, unit) if declared is nominal else ""
+            return Plausibility(refusal=f"{said}: {_worst(solution, declared, misalignment)}{remedy}")
     odd = "; ".join(_departures(solution, nominal, misalignment, allowed)[:_MOST_NAMED])
     return Plausibility(warnings=(f"K is not that of the declared block: {odd}",))
 
@@ -185,6 +187,15 @@ def _reversal(names: list[str]) -> Mistake:
 
 
 _CHANNELS = tuple(_channel_mistakes())
+
+
+def _remedy(k: Floats, nominal: Floats, volts: float) -> str:
+    """How to declare a block of which some channels have the other sign, and nothing else is odd."""
+    signs = np.where(np.diag(k) * np.diag(nominal) < 0.0, -1.0, 1.0)
+    if abs(signs.sum()) == 3 or not _is_near(signs[:, None] * k, nominal, _ROUGHLY_RAD, _ROUGHLY_SCALE):
+        return ""
+    scales = ", ".join(f"{scale:g}" for scale in (signs * np.diag(nominal) * volts).tolist())
+    return f"; if the block is so, [block] says it per channel: scale_v_per_g = [{scales}]"
 
 
 def _unit_mistake(unit: str, k: Floats, declared: Floats) -> tuple[Mistake, float]:

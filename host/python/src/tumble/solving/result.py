@@ -15,6 +15,7 @@ from tumble.solving.assumptions import assumed
 from tumble.solving.covariance import IntrinsicUncertainties, named
 from tumble.solving.declared import schedule_document, stand_document
 from tumble.solving.solution import Solution, Truth
+from tumble.stand import by_channel, per_channel
 from tumble.units import per_g, volts_per
 
 
@@ -37,7 +38,7 @@ def document(
         "run_file": run_file,
         "run_sha256": solution.run.sha256 or None,
         "serial": serial,
-        "stand": stand_document(solution.stand, solution.step * volts_per(unit)),
+        "stand": stand_document(solution.stand, per_channel(by_channel(solution.step) * volts_per(unit))),
         "schedule": schedule_document(solution.schedule),
         "estimator": solution.found.estimator,
         "unit": unit,

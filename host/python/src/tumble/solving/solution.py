@@ -40,9 +40,9 @@ from tumble.solving.further import Further, Without
 from tumble.solving.monte_carlo import MonteCarlo, simulate
 from tumble.solving.noise_patterns import sampled_patterns
 from tumble.solving.second_order import SecondOrder, second_order
-from tumble.solving.stand_seen import ANGLES, StandSeen, look
+from tumble.solving.stand_seen import ANGLES, StandSeen, look, weights_of
 from tumble.solving.stated import Propagation, Stated, Witness
-from tumble.stand import Stand
+from tumble.stand import PerChannel, Stand, over
 from tumble.terms import Terms
 from tumble.units import volts_per
 from tumble.workers.over import ALONE, Progress, Team
@@ -91,7 +91,7 @@ class Solution:
     stated: Stated | None = None
     scatter_alone: Stated | None = None
     truth: Truth | None = None
-    step: float = 0.0
+    step: PerChannel = 0.0
     monte_carlo: MonteCarlo | None = None
     further: Further | None = None
     is_out_of_order: bool = False
@@ -220,7 +220,7 @@ def solve(
     limit_g: float,
     stand: Stand | None,
     file: str,
-    step_v: float = 0.0,
+    step_v: PerChannel = 0.0,
     known: optimal_run.Known | None = None,
     confidence: float = CONFIDENCE,
     terms: Terms = (),
@@ -233,7 +233,7 @@ def solve(
 
     Raises BadInput where the core refuses the run, Disagreement where the witness does not confirm the core.
     """
-    step = step_v / volts_per(run.unit)
+    step = over(step_v, volts_per(run.unit))
     in_unit = None if stand is None else stand.beside(terms).in_unit(run.unit)
     declared = None if in_unit is None else in_unit.with_step(step)
     core_schedule = schedule or core.CoreSchedule.built_in("paper")
@@ -265,9 +265,11 @@ def solve(
         errors, variances = declared or noise_of_runs.NO_STAND, noisy.mean_variance
         reach = Propagation(core_schedule, witnessed, run, found.k, estimator, errors, step, variances)
         stated, costly = _state(reach, optimal, further, file)
-    shown = RunSeen(core_schedule, found.linear, run.measured, found.k, found.u0)
-    looked = look(shown, noise(run.samples, run.scatter), run.samples, declared, mean_variance=noisy.mean_variance)
-    witness = reference.RunSeen(witnessed, comparison.linear, found.k, core_schedule.data)
+    weights = weights_of(declared)
+    shown = RunSeen(core_schedule, found.linear, run.measured, found.k, found.u0, weights)
+    pooled = noise(run.samples, run.scatter * weights)
+    looked = look(shown, pooled, run.samples, declared, mean_variance=noisy.mean_variance)
+    witness = reference.RunSeen(witnessed, comparison.linear, found.k, core_schedule.data, weights)
     compare_seen(looked, witness, samples, scatter, declared, mean_variance=variance)
     seen = _without_angles(looked) if terms else looked
     fit = None
@@ -321,7 +323,7 @@ def _whole_model(
     found: Computation,
 ) -> reference.WholeModel:
     """The whole model of a run, by numpy; the core's has the same chi-squared. Raises Disagreement."""
-    variance, terms = variance_of_means(stand, run.samples, float(noisy.rounding.max())), found.terms
+    variance, terms = variance_of_means(stand, run.samples, noisy.rounding), found.terms
     model = reference.WholeModel(witnessed, run.means[run.measured], variance[run.measured], stand, terms)
     given = schedule, run.means, run.measured, variance, stand
     compare_fit(extended.least_chi_squared(*given, terms, found.sizes) if terms else chi_squared(*given), model)

@@ -55,13 +55,13 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _show(found: Budget, case: Case, promised: Promise | None, further: Further | None) -> None:
     from tumble.planning import model_cost, tables
-    from tumble.planning.budget import ALPHAS, numbers_are, unit
+    from tumble.planning.budget import ALPHAS, channels_note, numbers_are, unit
     from tumble.planning.published import NAMES
 
     out = tables.console()
     out.print(tables.heading(f"Error budget, {found.weights} weights, estimator {found.estimator}"))
     out.print(f"Stand: {case.stand.name or 'without a name'}; numbers are {numbers_are(found.weights)}")
-    out.print(f"Block: {case.scale:g} V/g, misalignments {case.misalignment:g} rad")
+    out.print(case.block_sentence)
     units = ("size", *map(unit, found.sources), "")
     sizes = ("", *(tables.number(size) for size in found.sizes), "")
     rows = [units, sizes]
@@ -71,6 +71,8 @@ def _show(found: Budget, case: Case, promised: Promise | None, further: Further 
         rows.append((f"{name}, {millionth}", *cells))
     out.print(tables.table(("", *found.sources, "all"), rows))
     out.print(ALPHAS)
+    if (note := channels_note(case)) is not None:
+        out.print(note)
     if promised is not None:
         out.print(promised.sentence)
     model_cost.show(out, further)
