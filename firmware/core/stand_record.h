@@ -2,6 +2,7 @@
 #ifndef TUMBLE_CORE_STAND_RECORD_H
 #define TUMBLE_CORE_STAND_RECORD_H
 
+#include "core/arith.h"
 #include "tumble/core.h"
 
 #include <stdbool.h>
@@ -10,10 +11,26 @@
 bool tumble_stand_record_is_valid(const tumble_stand_record_t *stand);
 
 /* Noise of one sample of a channel, and its drift. */
-double tumble_stand_noise_v(const tumble_stand_record_t *stand, int channel);
-double tumble_stand_drift_v(const tumble_stand_record_t *stand, int channel);
+static inline double tumble_stand_noise_v(const tumble_stand_record_t *stand, int channel)
+{
+    const double own_v = stand->channel_noise_v[channel];
+    return tumble_is_positive(own_v) ? own_v : stand->noise_v;
+}
+
+static inline double tumble_stand_drift_v(const tumble_stand_record_t *stand, int channel)
+{
+    const double own_v = stand->channel_drift_v[channel];
+    return tumble_is_positive(own_v) ? own_v : stand->drift_v;
+}
 
 /* Is a drift declared, of any channel? */
-bool tumble_stand_drifts(const tumble_stand_record_t *stand);
+static inline bool tumble_stand_drifts(const tumble_stand_record_t *stand)
+{
+    bool drifts = tumble_is_positive(stand->drift_v);
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        drifts = drifts || tumble_is_positive(stand->channel_drift_v[i]);
+    }
+    return drifts;
+}
 
 #endif
