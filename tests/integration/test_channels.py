@@ -4,6 +4,7 @@ The exact oracle is a change of unit. Outputs of a channel in another unit are a
 and scale in that unit too, K, U0 and their uncertainties follow, and everything that has no unit stays as it is.
 """
 
+import argparse
 import dataclasses
 import json
 
@@ -14,6 +15,7 @@ from conftest import EXAMPLES
 from test_plausibility import block, declared, examined
 
 from tumble import core, reference
+from tumble.cli.commands import import_recording
 from tumble.distributions import chi_squared_above
 from tumble.errors import BadInput
 from tumble.files.run_blocks import NO_BLOCKS
@@ -269,3 +271,35 @@ def test_a_plan_says_three_numbers(tmp_path, tumble):
     ran = tumble("plan", "budget", "--stand", tmp_path / "stand.toml")
     assert "Block: 0.3, -2, 10 V/g, misalignments 0.02 rad" in ran.stdout
     assert "noise: of the channel that has most, the others in proportion" in ran.stdout
+
+
+def bench_stand(tmp_path):
+    text = with_three(TEXT).replace("range_v = [1.0, 5.0, 20.0]", "range_v = 20.0")
+    (tmp_path / "stand.toml").write_text(text.replace("[block]", "drift_v = [1e-5, 0, 4e-4]\n[block]", 1))
+    return tmp_path / "stand.toml"
+
+
+@pytest.mark.parametrize("estimator", ["refined", "optimal"])
+def test_the_firmware_takes_each_channel_by_its_own(tmp_path, tumble, estimator):
+    stand, folder = bench_stand(tmp_path), tmp_path / "run"
+    ran = tumble("bench", "--seed", 3, "--stand", stand, "--estimator", estimator, "--out", folder, "--json")
+    assert ran.returncode == 0, ran.stderr  # as numpy confirms what it states
+    result = json.loads(ran.stdout)
+    assert result["pass"] is True and result["stand"]["noise_v"] == list(NOISE)
+    assert np.sign(np.diag(result["K"])).tolist() == np.sign(SCALE).tolist()
+    off = np.array(result["K"]) - result["truth"]["K"]
+    assert (np.abs(off) < 4.0 * np.array(result["u_K"])).all()
+    ran = tumble("report", folder / "result.json", "--out", tmp_path / "report.html")
+    assert ran.returncode == 0, ran.stderr
+
+
+def test_a_bench_takes_one_range(tmp_path, tumble):
+    (tmp_path / "stand.toml").write_text(with_three(TEXT))
+    ran = tumble("bench", "--stand", tmp_path / "stand.toml", "--out", tmp_path / "run")
+    assert ran.returncode == 2 and ran.stdout == ""
+    assert "[block] range_v must be one number on the bench" in ran.stderr
+
+
+def test_an_import_takes_the_sign_of_each_channel(tmp_path):
+    given = argparse.Namespace(stand=str(bench_stand(tmp_path)), signs=None)
+    assert import_recording._told_signs(given)[0] == (1, -1, 1)

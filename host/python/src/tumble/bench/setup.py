@@ -147,8 +147,11 @@ def _block(setup: Setup) -> Iterator[tuple[str, str]]:
         if block["converter_bits"] is not None:
             _require(block["converter_bits"], 8, _MOST_BITS, "[block] converter_bits", setup.block_file)
             yield "block.converter_bits", str(block["converter_bits"])
+        if isinstance(block["range_v"], tuple):
+            said = "[block] range_v must be one number on the bench: the firmware counts all channels alike"
+            raise BadInput(said, setup.block_file)
         if block["range_v"] is not None:
-            yield "block.range_v", _per_channel(block["range_v"])
+            yield "block.range_v", _numbers(block["range_v"])
         if block["sample_rate_hz"] is not None:
             _require(block["sample_rate_hz"], *_RATES_HZ, "[block] sample_rate_hz", setup.block_file)
             yield "block.sample_period_us", str(round(1e6 / block["sample_rate_hz"]))

@@ -235,6 +235,8 @@ def _stand_remarks(solution: Solution) -> list[str]:
             has_u = seen.source is not None or source not in SYSTEMATIC
             measured = _measured(one, has_u, factor, " " if source not in SYSTEMATIC else "+")
             end = f", declared {declared[source]:.2e}" if source in declared else ""
+            if source == "noise_v" and stand is not None and isinstance(stand.noise, tuple):
+                end += " in the noisiest channel"
             begin = "" if lines else "Stand seen:"
             lines.append(f"{begin:11} {name:11} {measured} {its_unit}{end}")
     return lines

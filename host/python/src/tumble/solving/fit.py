@@ -123,7 +123,8 @@ def judge(model: WholeModel, confidence: float, seen: StandSeen, sampled: Sequen
 
 
 def variance_of_means(stand: Stand, samples: Integers, rounding: float | Floats) -> Floats:
-    """By the declared noise of `stand`, and standard deviations of `rounding` (3,), or one, that averaging does not help."""
+    """By the declared noise of `stand`, and standard deviations of `rounding`, (3,) or one, that averaging does not
+    help."""
     return stand.mean_variance(samples) + rounding**2
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import struct
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -42,10 +42,10 @@ class Record:
     k: Floats
     sigma: Floats
     sigma_mean: float
-    weights: Floats
     u: Floats
     gains: Floats
     nuisance_gains: Floats
+    weights: Floats = field(default_factory=lambda: np.ones(3))
 
 
 def record_of(table: OptimalTable, schedule: Schedule, serial: str | None = None) -> Record:
