@@ -64,6 +64,7 @@ _MODEL = {"k2": " + K_ii K2_i a_i^2", "k3": " + K_ii K3_i a_i^3"}
 DOUBLE, FLOAT = "double", "float"
 _LITERALS = {DOUBLE: double_literal, FLOAT: float_literal}
 
+_CONDITIONS = ("gravity_m_s2", "u_gravity_m_s2", "temperature_c", "pressure_hpa", "humidity_percent")
 FORCE_UNITS = {"g": "units of local gravity", "m/s2": "m/s^2"}
 
 
@@ -183,9 +184,17 @@ def _covariance(them: Coefficients, number: str) -> str:
     return f"\n{about}\n#define TUMBLE_COVARIANCE_INITIALIZER \\\n    {{ {body} }}\n"
 
 
+def unlabelled(result: dict[str, Any]) -> dict[str, Any]:
+    """Without what tells whose block it is: names and labels, which have no place in somebody's source code. The run's
+    SHA-256 stays, by which the result and its report are found."""
+    environment = {key: value for key, value in (result["environment"] or {}).items() if key in _CONDITIONS}
+    return {**result, "serial": None, "run_file": None, "item": None, "environment": environment}
+
+
 def origin(result: dict[str, Any]) -> list[str]:
     """Where the coefficients come from, as lines that fit into a comment."""
     told = [("Block", result["serial"]), ("Run file", result["run_file"])]
+    told.append(("SHA-256 of the run file", result["run_sha256"]))
     told += [(f"{name}.{key}", text) for name in ("item", "environment") for key, text in (result[name] or {}).items()]
     lines = [f"{_comment(name)}: {_comment(text)}" for name, text in told if text is not None]
     if DRIFT in (result["extended"] or {"terms": []})["terms"]:
