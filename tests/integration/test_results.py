@@ -34,6 +34,29 @@ def solve(tumble, *arguments):
     return result
 
 
+def known_by_noise(place, mean, result):
+    """The uncertainty of a delta_g, by differences: a mean that is off by its standard error in one channel. Of that
+    the declared noise counts, or the measured one where it is larger or the only one."""
+    k, u0, stand, seen = np.array(result["K"]), np.array(result["U0"]), result["stand"], result["noise"]
+    if stand is None and seen["of_means"] is None:
+        return place["u_delta_g_g"] is None and place["k_delta_g"] is None
+
+    def delta_g(outputs):
+        force = np.linalg.solve(k, outputs - u0)
+        return (force @ force - 1) / 2
+
+    by_volt = [(delta_g(np.array(mean["mean"]) + one) - delta_g(np.array(mean["mean"]) - one)) / 2e-3
+               for one in 1e-3 * np.eye(3)]  # fmt: skip
+    if stand is None:
+        sigma = np.array(seen["of_means"])
+    elif seen["above_declared"] or seen["undithered"]:
+        return place["u_delta_g_g"] > 0.0
+    else:
+        sigma = np.full(3, stand["noise_v"] / {"sigma1": 1.0, "sigma3": 3.0, "uniform": 3**0.5}[stand["limits"]])
+    expected = float(np.linalg.norm(by_volt * sigma)) / mean["samples"] ** 0.5
+    return place["u_delta_g_g"] == pytest.approx(expected, rel=1e-3) and 1.95 < place["k_delta_g"] < 13.0
+
+
 @pytest.mark.parametrize("case", SOLVES)
 def test_results_follow_the_schema_and_their_own_logic(case, tumble):
     result = solve(tumble, *SOLVES[case])
@@ -43,6 +66,7 @@ def test_results_follow_the_schema_and_their_own_logic(case, tumble):
         assert (place["mounting"], place["position"], place["use"]) == (mean["mounting"], mean["position"], mean["use"])
         force = np.linalg.solve(k, np.array(mean["mean"]) - u0)
         assert place["delta_g_g"] == pytest.approx((force @ force - 1) / 2, abs=1e-13)
+        assert known_by_noise(place, mean, result)
     for use in ("fit", "check"):
         errors = [abs(place["delta_g_g"]) for place in judged if place["use"] == use]
         assert verification[f"max_abs_delta_g_{use}_g"] == (max(errors) if errors else None)

@@ -264,13 +264,15 @@ class Result:
         logo: str | os.PathLike[str] | None = None,
         number: str | None = None,
         since: Result | str | os.PathLike[str] | None = None,
+        issued: str | None = None,
     ) -> None:
         """Write a calibration report, HTML or PDF as the file's name ends; docs/report.md tells what is in it.
 
         `run`: what was solved, as `read` gives or takes it: then its samples are drawn too. `template`: a file of
         Jinja2 in place of the own one, or extending it. `logo`: a picture in PNG, JPEG or SVG. `number`: of the report,
         default: one by date and content, the same for the same result. `since`: an earlier result of the same block, or
-        its file: then the report says whether the block has changed, as `compare` does.
+        its file: then the report says whether the block has changed, as `compare` does. `issued`: the date of issue, as
+        "2026-11-28"; default: today's (UTC), or that of SOURCE_DATE_EPOCH.
 
         Raises BadInput, UsageError, and NotInstalled where jinja2, matplotlib or (for PDF) WeasyPrint is missing.
         """
@@ -279,7 +281,8 @@ class Result:
         with told_in_python():
             name = path_of(file)
             its_template, its_logo = (None if one is None else path_of(one) for one in (template, logo))
-            write_bytes(name, self.reported(kind_of(name, "file"), run, its_template, its_logo, number, since))
+            more = its_template, its_logo, number, since, issued
+            write_bytes(name, self.reported(kind_of(name, "file"), run, *more))
 
     def reported(
         self,
@@ -289,16 +292,20 @@ class Result:
         logo: str | None = None,
         number: str | None = None,
         since: Result | str | os.PathLike[str] | None = None,
+        issued: str | None = None,
     ) -> bytes:
         """What `report` writes; `kind`: "html" or "pdf"."""
         from tumble.report.make import made
+        from tumble.report.number import require_date
+        from tumble.solving.provenance import created
 
         recording = None if run is None else recording_of(run, Wishes(unit=self.unit))
         hashes = {self._checked["run_sha256"], None if recording is None else recording.sha256} - {None}
         if recording is not None and len(hashes) > 1:  # what has no hash is told by its means, when it is drawn
             raise BadInput(f"is not the run of {self._name}: its SHA-256 is another", recording.name)
         more: dict[str, Any] = {"template": template, "logo": logo, "number": number, "earlier": self._since(since)}
-        return made(self.document, self._name, kind, run=recording, **more)
+        more["issued"] = require_date((created() or "")[:10] if issued is None else issued)
+        return made(self.document, self._name, kind, run=recording, attached=self._text, **more)
 
     def _since(self, given: Result | str | os.PathLike[str] | None) -> tuple[dict[str, Any], dict[str, Any]] | None:
         """An earlier result, and what has changed since."""

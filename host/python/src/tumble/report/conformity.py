@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from decimal import Decimal
 
-from tumble.report.cells import MISSING, Facts, Fixed, Inline, Table, joined, line
-from tumble.report.source import Source
+from tumble.report.cells import MISSING, NO_UNCERTAINTY, Facts, Fixed, Inline, Table, aligned, joined, line
+from tumble.report.rounding import Shown, rounded
+from tumble.report.source import STANDARD_GRAVITY, Factor, Path, Source
 from tumble.solving.assumptions import ASSUMPTIONS, phrase
 from tumble.solving.stand_seen import NAMES
 
@@ -32,8 +34,9 @@ def verdict(source: Source) -> Verdict:
 def findings(source: Source) -> Facts:
     """The two things that are judged, and how they came out."""
     check = ("verification",)
-    limit = line(source.millionths(None, *check, "limit_g"), " µg")
-    largest = line(source.millionths(_places(source), *check, "max_abs_delta_g_g"), " µg", _where(source))
+    in_si = source.scaled((*check, "limit_g"), _three_digits, source.gravity, power=3)
+    limit = line(source.millionths(None, *check, "limit_g"), " µg = ", in_si, " mm/s²")
+    largest = _largest(source)
     gravity = "passed" if source.flag(*check, "pass") else "FAILED"
     return [
         (Fixed("Gravity check"), line(gravity, ": largest |Δg| ", largest, ", limit ", limit)),
@@ -41,11 +44,27 @@ def findings(source: Source) -> Facts:
     ]
 
 
-def _where(source: Source) -> Inline:
-    """Behind the largest error, at which position it is."""
+def _largest(source: Source) -> Inline:
+    """The largest error of gravity with its uncertainty, and at which position it is."""
     errors = [source.decimal("verification", "delta_g_g", i, "delta_g_g") for i in range(_count(source))]
     known = [(abs(error), place) for place, error in enumerate(errors) if error is not None]
-    return line(" at ", _label(source, max(known)[1])) if known else Fixed("")
+    size: Path = ("verification", "max_abs_delta_g_g")
+    if not known:
+        return line(source.scaled(size, _three_digits, power=6), " µg")
+    place = max(known)[1]
+    shown, u = _delta_g(source, size, place)
+    certain = Fixed(", no uncertainty") if u is NO_UNCERTAINTY else line(" (U = ", u, " µg)")
+    return line(shown, " µg", certain, " at ", _label(source, place))
+
+
+def _three_digits(value: Decimal) -> Shown:
+    return rounded(value, 3)
+
+
+def _delta_g(source: Source, value: Path, place: int, *times: Factor, power: int = _MICRO) -> tuple[Inline, Inline]:
+    """Errors of gravity in millionths of g, or in another unit: `value`, and U at this place."""
+    at: Path = ("verification", "delta_g_g", place)
+    return source.with_uncertainty(value, (*at, "u_delta_g_g"), (*at, "k_delta_g"), *times, power=power, digits=3)
 
 
 def _count(source: Source) -> int:
@@ -77,23 +96,41 @@ def rule(source: Source) -> Inline:
 
 
 def positions(source: Source) -> Table:
-    """Every measured position: samples, error of gravity, whether it is within the limit."""
-    rows, places = [], _places(source)
+    """Every measured position: samples, error of gravity with its uncertainty, whether it is within the limit."""
+    rows: list[tuple[Inline, ...]] = []
     limit = source.decimal("verification", "limit_g")
     for i in range(_count(source)):
-        at = ("verification", "delta_g_g", i)
+        at: Path = ("verification", "delta_g_g", i)
         delta_g = source.decimal(*at, "delta_g_g")
         within = limit is None or delta_g is None or abs(delta_g) <= limit
-        samples = source.told("means", i, "samples")
-        shown = source.millionths(places, *at, "delta_g_g")
-        rows.append((_label(source, i), source.told(*at, "use"), samples, shown, Fixed("yes" if within else "NO")))
-    return Table(("Position", "Use", "Samples", "Δg in µg", "Within the limit"), rows, left=(1, 4))
+        in_g = _delta_g(source, (*at, "delta_g_g"), i)
+        in_si = _delta_g(source, (*at, "delta_g_g"), i, source.gravity, power=3)
+        samples, k = source.told("means", i, "samples"), source.to_places(2, *at, "k_delta_g")
+        told = (_label(source, i), source.told(*at, "use"), samples, *in_g, *in_si, k)
+        rows.append((*told, Fixed("yes" if within else "NO")))
+    head: tuple[str, ...] = ("Position", "Use", "Samples", "Δg, µg", "U, µg", "Δg, mm/s²", "U, mm/s²", "k")
+    head += ("Within limit",)
+    if all(row[4] is NO_UNCERTAINTY for row in rows):
+        head, rows = (*head[:6], head[8]), [(*row[:6], row[8]) for row in rows]
+    last = len(head) - 1
+    return Table(head, aligned(rows, *range(3, min(last, 7))), left=(1, last))
 
 
-def _places(source: Source) -> int:
-    """Digits behind the point of a micro-g, for four significant ones of the limit."""
-    limit = source.decimal("verification", "limit_g")
-    return 1 if not limit else max(0, 3 - (limit.adjusted() + _MICRO))
+def about_positions(source: Source) -> Inline:
+    """What the columns of `positions` mean."""
+    u = "U = k u is the expanded uncertainty of Δg with the coverage factor k, by the noise of the position's mean: no"
+    why = " error of the stand changes the length of gravity. "
+    known = source.decimal("verification", "delta_g_g", 0, "u_delta_g_g") is not None
+    told = Fixed(u + why if known else "The noise of the samples is not known: Δg has no uncertainty. ")
+    return line(told, gravity(source))
+
+
+def gravity(source: Source) -> Inline:
+    """By what g is expressed in m/s^2."""
+    local = source.told("environment", "gravity_m_s2")
+    if local is MISSING:
+        return Fixed(f"mm/s² are by standard gravity, {STANDARD_GRAVITY} m/s²: the local one is not stated.")
+    return line("mm/s² are by the local gravity, ", local, " m/s².")
 
 
 def assumptions(source: Source) -> Facts:

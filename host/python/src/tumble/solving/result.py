@@ -14,6 +14,7 @@ from tumble.solving import noise, si, stand_seen, temperature
 from tumble.solving.assumptions import assumed
 from tumble.solving.covariance import IntrinsicUncertainties, named
 from tumble.solving.declared import schedule_document, stand_document
+from tumble.solving.gravity_uncertainty import UNKNOWN, gravity_uncertainty
 from tumble.solving.solution import Solution, Truth
 from tumble.stand import by_channel, per_channel
 from tumble.units import per_g, volts_per
@@ -108,8 +109,16 @@ def _places(solution: Solution) -> list[tuple[int, dict[str, Any]]]:
 def _verification(solution: Solution) -> dict[str, Any]:
     gravity, rms = solution.found.gravity, solution.found.residual_rms
     judged = [largest for largest in (gravity.max_abs_fit, gravity.max_abs_check) if largest is not None]
+    known = gravity_uncertainty(solution)
     return {
-        "delta_g_g": [{**place, "delta_g_g": float(gravity.delta_g[index])} for index, place in _places(solution)],
+        "delta_g_g": [
+            {
+                **place,
+                "delta_g_g": float(gravity.delta_g[index]),
+                **(UNKNOWN if known is None else known.document(index)),
+            }
+            for index, place in _places(solution)
+        ],
         "max_abs_delta_g_g": max(judged),
         "max_abs_delta_g_fit_g": gravity.max_abs_fit,
         "max_abs_delta_g_check_g": gravity.max_abs_check,
