@@ -51,7 +51,7 @@ def test_the_statement_of_conformity_is_not_parted_from_its_table(lines, drawn):
     """Wherever on a page it comes to stand."""
     result = Result(json.dumps({**solve().document, "item": {f"label {i}": "told" for i in range(lines)}}))
     (page,) = [text for text in pages_of(result.reported("pdf")) if "Statement of conformity" in text]
-    assert "Decision rule: PASS where" in page and "Position Use Samples" in page and "1.1 fit" in page
+    assert "Decision rule: PASS where" in page and "Position Use Samples" in page and "1.4 fit" in page
 
 
 def catalog_of(data):
@@ -101,7 +101,8 @@ def test_no_page_is_nearly_empty(lines, drawn):
     reader = pypdf.PdfReader(io.BytesIO(Result(json.dumps({**solve().document, "item": labels})).reported("pdf")))
     last = reader.pages[-1].extract_text()
     assert "Attitudes." in last and "Name, signature" in last and "End of report" in last
-    assert all(page.extract_text().count("\n") > 9 for page in reader.pages)
+    few = [text for page in reader.pages if (text := page.extract_text()).count("\n") < 10 and "Figure" not in text]
+    assert few == []
 
 
 def test_a_number_of_one_s_own_is_on_every_page(drawn):
