@@ -586,6 +586,10 @@ typedef struct {
      * 0 or more. Null: by nothing. */
     const double (*excess_variance_v2)[TUMBLE_CHANNELS];
     const tumble_noise_t *noise; /* the same by tumble_blocks_noise; null: by nothing */
+    /* A unit vector on the axes of the block: then u(|a|) there is judged in place of coefficients, into `*norm_g`, g,
+     * and `uncertainty` may be null. Null: coefficients are. */
+    const double *attitude;
+    double *norm_g;
 } tumble_judged_run_t;
 
 /* Standard uncertainties, arranged and with units as in tumble_coefficients_t. */
@@ -612,6 +616,23 @@ tumble_status_t tumble_uncertainty_least_squares(const tumble_judged_run_t *run,
  * TUMBLE_E_MISSING_POSITION. */
 tumble_status_t tumble_uncertainty_gains(const tumble_gain_table_t *table, const tumble_judged_run_t *run,
                                          tumble_uncertainty_t *uncertainty);
+
+/* The worst u(|a|) over all attitudes, one attitude at a time: tumble_worst_norm_begin, then judge at
+ * tumble_worst_norm_attitude and hand what comes out to tumble_worst_norm_next, for as long as it returns true; `worst_g`
+ * is then right to 1 %. First 26 attitudes all over the sphere, then a climb from the best of these: some 60 in all,
+ * never more than 150. */
+typedef struct {
+    double best[3];
+    double worst_g;
+    uint8_t place;
+    uint8_t rounds;
+    uint8_t halvings;
+    bool rises;
+} tumble_worst_norm_t;
+
+void tumble_worst_norm_begin(tumble_worst_norm_t *search);
+void tumble_worst_norm_attitude(const tumble_worst_norm_t *search, double attitude[3]);
+bool tumble_worst_norm_next(tumble_worst_norm_t *search, double u_g);
 
 /* ---- Gain records: a table of stand-optimal gains as it lies in non-volatile memory, validated and read in place.
  *

@@ -230,7 +230,20 @@ typedef struct {
     uint16_t only;
     const double (*excess_variance_v2)[3];
     const tumble_noise_t *noise;
+    const double *attitude;
+    double *norm_g;
 } tumble_judged_run_t;
+typedef struct {
+    double best[3];
+    double worst_g;
+    uint8_t place;
+    uint8_t rounds;
+    uint8_t halvings;
+    bool rises;
+} tumble_worst_norm_t;
+void tumble_worst_norm_begin(tumble_worst_norm_t *);
+void tumble_worst_norm_attitude(const tumble_worst_norm_t *, double[3]);
+bool tumble_worst_norm_next(tumble_worst_norm_t *, double);
 typedef struct {
     int64_t square_sum[2][3];
     int64_t open_square_sum[2][3];
