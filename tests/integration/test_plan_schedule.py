@@ -221,7 +221,8 @@ def test_a_limit_is_kept_with_the_probability_asked_for(tumble, tmp_path):
     assert found["goal"] == {"norm_g": None, "limit_g": 5e-5, "probability": 0.9}
     assert found["promise"]["growth"] >= 1.0
     lowest = min(found["promise"]["passes"], found["promise"]["every_attitude"])
-    assert 0.9 <= lowest < 0.93
+    shown = 3.0 * found["promise"]["u_norm_worst_g"] / 5e-5  # the decision rule may ask for more samples than the share
+    assert lowest >= 0.9 and (lowest < 0.93 or 0.95 < shown <= 1.0)
     stand = paper_stand(tmp_path, samples=found["schedule"]["samples"])
     common = ("--stand", stand, "--schedule", tmp_path / "quick.toml", "--estimator", "optimal", "--limit", "5e-5")
     simulated = plan(tumble, "validate", "--runs", "10000", *common)["estimators"]["optimal"]["simulated"]

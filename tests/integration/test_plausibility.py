@@ -213,7 +213,7 @@ def test_without_a_stand_the_command_warns(tumble, tmp_path):
     done = tumble("solve", write_run(tmp_path / "run.csv", schedule, means[:, [0, 2, 1]]))
     assert done.returncode == 0
     assert "tumble: warning: channel uy measures along z: K_yz = 2.01 V/g" in done.stderr
-    verdict = done.stdout.partition("\nPASS, assuming ")[2]
+    verdict = done.stdout.rpartition("\nPASS at the 18 measured positions only, assuming ")[2]
     assert " nothing exchanged or reversed, " in " ".join(verdict.split()) and max(map(len, verdict.splitlines())) <= 80
 
 
@@ -241,6 +241,8 @@ def test_a_pass_says_that_it_assumes_the_order(name, stand, tmp_path):
     run = write_run(tmp_path / "run.csv", PAPER, means)
     found = tumble_package.solve(run, stand=None if stand is None else tmp_path / "stand.toml")
     expected = is_odd and stand != "block"
-    assert found.passed and ("order" in found.assumes) == expected == bool(found.warnings)
+    assert found.document["pass_reason"] in (None, "uncertainty")  # the yaw of an exchanged channel is in u(|a|)
+    assert found.passed or name == "exchanged"
+    assert ("order" in found.assumes) == expected == bool(found.warnings)
     assert ("order", []) in found.document["assumed_for"].items() or not expected
-    assert ("nothing exchanged or reversed" in found._repr_html_()) == expected
+    assert ("nothing exchanged or reversed" in found._repr_html_()) == (expected and found.passed)

@@ -9,6 +9,7 @@ import numpy as np
 
 from tumble.fixture.judge import Limits
 from tumble.solving import noise, plausibility, temperature
+from tumble.solving.decision import Decision
 from tumble.solving.fit import NOISE, Explanation
 from tumble.solving.monte_carlo import MonteCarlo, Verdict
 from tumble.solving.noise_patterns import CORRELATED
@@ -124,6 +125,9 @@ def complaints_of_document(result: dict[str, Any]) -> list[str]:
     if not check["pass"]:
         sizes = f"largest error {check['max_abs_delta_g_g']:.2g} g, limit {check['limit_g']:g} g"
         found.append(f"the gravity check FAILED: {sizes}")
+    decision = Decision.of(result)
+    if decision.is_not_shown:
+        found.append(f"{decision.sentence}: at some attitudes the coefficients may be off by more")
     if result["warnings"] is not None:
         return found + [one for one in result["warnings"] if one != _NO_UNIT]  # which `assumes` tells
     fit = result["fit"] or {}  # of a result that is older than its warnings

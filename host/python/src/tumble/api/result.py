@@ -25,6 +25,7 @@ from tumble.files.run_layout import Wishes
 from tumble.files.stand_file import StandFile
 from tumble.schedule import Schedule
 from tumble.solving.coefficients import Coefficients
+from tumble.solving.decision import Decision
 from tumble.solving.force import Force
 from tumble.stand import Stand
 from tumble.units import force_unit
@@ -109,7 +110,8 @@ class Result:
 
     @property
     def passed(self) -> bool:
-        """The gravity check (8) passed, and the run fits the declared stand, if there is one."""
+        """The gravity check (8) passed, and if a stand is declared, the run fits it and the uncertainty is within the
+        limit at every attitude."""
         return bool(self._checked["pass"])
 
     @property
@@ -118,7 +120,7 @@ class Result:
         return tuple(self._checked["assumes"])
 
     def __repr__(self) -> str:
-        return f"<tumble.Result {self._name}: {self.estimator}, {'PASS' if self.passed else 'FAIL'}, unit {self.unit}>"
+        return f"<tumble.Result {self._name}: {self.estimator}, {Decision.of(self._checked).word}, unit {self.unit}>"
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the verdict, and the coefficients with their uncertainties."""

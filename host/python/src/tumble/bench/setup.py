@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from tumble.core import CoreSchedule, sine_cosine
+from tumble.defaults import DEFAULT_COVERAGE_FACTOR
 from tumble.errors import BadInput
 from tumble.files.stand_file import converter_step_v
 from tumble.schedule import Mounting, Position
@@ -51,7 +52,7 @@ class Setup:
     """A bench run. `block`, `truth`, `motion`: as of a stand file, None: the program's own; `block_file` and
     `stand_file` are named in complaints. `limit_g`: of the gravity check, g.
     `error_budget_v`: standard error of a mean that ends averaging before `samples`; 0: it does not. `terms`: further
-    ones of the model, to be found once the firmware is done."""
+    ones of the model, to be found once the firmware is done. `coverage_factor`: of the decision rule."""
 
     seed: int
     stand: Stand
@@ -66,6 +67,7 @@ class Setup:
     stand_file: str = ""
     block_file: str = ""
     terms: Terms = ()
+    coverage_factor: float = DEFAULT_COVERAGE_FACTOR
 
 
 def scenario_text(setup: Setup, file: str | None = None, given: bytes | None = None) -> str:

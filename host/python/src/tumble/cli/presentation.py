@@ -15,12 +15,14 @@ from tumble.estimators import COEFFICIENTS, HARMONIC
 from tumble.files.run_temperature import OF_ENVIRONMENT, OF_RUN_FILE
 from tumble.fixture.judge import Limits
 from tumble.schedule import CHECK
-from tumble.solving.assumptions import ASSUMPTIONS, assumed, phrase
+from tumble.solving.assumptions import ASSUMPTIONS, assumed, marks, phrase
 from tumble.solving.coverage import HANDS, NEARLY_INFINITE, PROBABILITY, Coverage
+from tumble.solving.decision import FIT, decide
 from tumble.solving.fit import SYSTEMATIC
 from tumble.solving.further import Further
 from tumble.solving.solution import Solution
 from tumble.solving.stand_seen import NAMES, Quantity
+from tumble.solving.would_show import in_words, would_show
 from tumble.terms import names
 from tumble.units import noise_unit, per_g, volts_per
 
@@ -66,11 +68,11 @@ def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
     simulated run also the true value, and the error (estimate less truth) over the standard uncertainty.
 
     An uncertainty is given over the scale of its row, K_ii: of K_ii itself in ppm, of a cross-axis sensitivity as the
-    angle that it is, in urad, of U0 in ug. A name that ends in * rests on what `notes` say.
+    angle that it is, in urad, of U0 in ug. A name that ends in a mark rests on what `notes` say of it.
     """
     unit, rows = solution.run.unit, []
     shown = solution.scatter_alone or solution.stated
-    marked = {name for names in assumed(solution).values() for name in names}
+    marked = marks(assumed(solution))
     truth = solution.truth
     errors = None if truth is None else _errors_over_u(solution)
     decimals = max(0, min(12, 9 - math.floor(math.log10(np.abs(solution.found.k).max()))))
@@ -82,14 +84,15 @@ def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
             value = f"{solution.found.k[i, j]:+.{decimals}f}"
             known = () if truth is None or errors is None else _known(truth.k[i, j], errors[0][i, j], decimals)
             name = f"K_{channel}{axis}"
-            rows.append((name + "*" * (name in marked), value, per_g(unit), _u(u), relative, difference, *known))
+            rows.append((name + marked.get(name, ""), value, per_g(unit), _u(u), relative, difference, *known))
     for i, channel in enumerate("xyz"):
         u = None if shown is None else shown.u_u0[i]
         relative = _ratio(u, solution.found.k[i, i], "ug  ")
         difference = _difference(solution.comparison.u0[i])
         value = f"{solution.found.u0[i]:+.{decimals}f}"
         known = () if truth is None or errors is None else _known(truth.u0[i], errors[1][i], decimals)
-        rows.append((f"U0_{channel}", value, unit, _u(u), relative, difference, *known))
+        name = f"U0_{channel}"
+        rows.append((name + marked.get(name, ""), value, unit, _u(u), relative, difference, *known))
     return rows + ([] if solution.further is None else _further_rows(solution.further, unit, decimals))
 
 
@@ -110,7 +113,7 @@ def notes(solution: Solution) -> list[str]:
     """What marked coefficients, or all, rest on."""
     rests_on = {ASSUMPTIONS[name]: names for name, names in assumed(solution).items()}
     told = [
-        f"{'Values with *' if names else 'All values'} assume {one.phrase}: {one.why}"
+        f"{f'Values with {one.mark}' if names else 'All values'} assume {one.phrase}: {one.why}"
         for one, names in rests_on.items()
     ]
     return [line for one in told for line in textwrap.wrap(one, _COLUMNS, subsequent_indent="  ")]
@@ -279,26 +282,37 @@ def beware(solution: Solution) -> list[str]:
     return [*textwrap.wrap(warning, _COLUMNS, break_on_hyphens=False), ""]
 
 
+def foremost(solution: Solution) -> list[str]:
+    """What is said before all else, and an empty line: where a PASS without a stand holds."""
+    decision = decide(solution)
+    return [decision.word + decision.where, ""] if decision.passed and decision.where else []
+
+
 def verdict(solution: Solution) -> str:
-    """Pass or fail and why, in one line if it fits. Where something explains a failure, it is named, and not the
+    """The decision and why, in one line if it fits. Where something explains a failure, it is named, and not the
     position with the largest error: an error at one position makes others look wrong."""
     worst = solution.worst_position
     size = f"{abs(solution.found.gravity.delta_g[worst]):.2g} g"
     limit = f"limit {solution.limit_g:g} g"
     rest = f"{size} at {solution.schedule.positions[worst].label}, {limit}; numpy agrees"
     best = explained_best(solution)
-    if "fit" in solution.failures:
+    decision = decide(solution)
+    if decision.is_not_shown:
+        told = f"{decision.sentence}; largest gravity error {size}. {in_words(would_show(solution))}."
+        return textwrap.fill(told, _COLUMNS, break_on_hyphens=False)
+    if FIT in decision.failures:
         if best:
             return _as_fits(f"FAIL: does not fit{best}", f"; gravity error {size}", f", {limit}")
         return f"FAIL: does not fit; gravity error {rest}"
-    if not solution.passed:
+    if not decision.passed:
         found = _as_fits(f"FAIL: gravity error {size}{best}", f"; {limit}")
         return found if best else f"FAIL: largest gravity error {rest}"
-    condition = phrase(assumed(solution))
-    line = f"PASS{condition}: {rest}" if condition else f"PASS: largest gravity error {rest}"
+    condition = phrase(decision.assumes)
+    passes = f"{decision.word}{decision.only}{condition}: "
+    line = f"{passes}{rest}" if condition else f"{passes}largest gravity error {rest}"
     shorter = [line.removesuffix("; numpy agrees")]  # as the tables show, and the place
     if condition:
-        shorter += [f"PASS{condition}: {size}, {limit}", f"PASS{condition}: {size[:-2]} <= {solution.limit_g:g} g"]
+        shorter += [f"{passes}{size}, {limit}", f"{passes}{size[:-2]} <= {solution.limit_g:g} g"]
     return next((one for one in (line, *shorter) if len(one) <= _COLUMNS), textwrap.fill(shorter[-1], _COLUMNS))
 
 

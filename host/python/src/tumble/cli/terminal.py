@@ -12,6 +12,7 @@ from rich.text import Text
 from tumble.cli import presentation
 from tumble.cli.presentation import BAR_WIDTH, GravityBar
 from tumble.signs import signed_for
+from tumble.solving.decision import decide
 from tumble.solving.solution import Solution
 
 _WIDTH = 80  # a narrower terminal wraps lines, which loses nothing
@@ -21,6 +22,8 @@ def show(solution: Solution, file: str) -> None:
     """Print on standard output. Colours heed NO_COLOR; a terminal without Unicode gets ASCII."""
     console = Console(highlight=False)
     console.width = max(console.width, _WIDTH)
+    for line in presentation.foremost(solution):
+        console.print(_text(line, style="yellow bold"))
     console.print(_text(presentation.title(solution, file), style="bold"))
     console.print(_coefficients(solution))
     for line in presentation.notes(solution) + presentation.uncertainty_notes(solution):
@@ -35,7 +38,9 @@ def show(solution: Solution, file: str) -> None:
     console.print()
     for line in presentation.beware(solution):
         console.print(_text(line, style="yellow"))
-    console.print(_text(presentation.verdict(solution), style=_colour(solution.passed) + " bold"))
+    decision = decide(solution)
+    colour = "yellow" if decision.is_not_shown or (decision.passed and decision.where) else _colour(decision.passed)
+    console.print(_text(presentation.verdict(solution), style=colour + " bold"))
 
 
 def _text(line: str, style: str = "") -> Text:

@@ -20,6 +20,7 @@ from tumble.errors import BadInput, file_name, quoted
 from tumble.files.run_temperature import Temperatures
 from tumble.solving import si
 from tumble.solving.coefficients import Coefficients
+from tumble.solving.decision import FAIL, Decision
 from tumble.solving.declared import stand_of
 from tumble.solving.temperature import TOLERANCE_C
 from tumble.terms import POWERS, Terms
@@ -59,8 +60,9 @@ class Side:
 
     @property
     def failed(self) -> bool:
-        """Whether it failed: the gravity check, or the fit to its stand."""
-        return not (self.document["pass"] and self.document["verification"]["pass"])
+        """Whether it failed: the gravity check, or the fit to its stand. A limit that is only not shown says nothing
+        against its numbers: their uncertainties are part of the comparison."""
+        return Decision.of(self.document).word == FAIL or not self.document["verification"]["pass"]
 
     @property
     def assumes(self) -> tuple[str, ...]:

@@ -37,7 +37,8 @@ def read_coefficients(file: str) -> dict[str, Any]:
 def checked_coefficients(data: bytes, file: str) -> dict[str, Any]:
     """What an export needs of a result, called `file`: estimator, unit, K, U0, u_K, u_U0 and the verdict, all checked;
     and where it has them covariance, extended, created, tumble, serial, run_file, run_sha256, item, environment,
-    fit, temperature and stand_doubts, else None; assumes and assumed_for, else empty.
+    fit, u_norm_g, pass_reason, decision, would_show, temperature and stand_doubts, else None; assumes and assumed_for,
+    else empty.
 
     Raises BadInput.
     """
@@ -67,10 +68,13 @@ def checked_coefficients(data: bytes, file: str) -> dict[str, Any]:
         _require(result["verification"], key, is_valid, file, "verification.")
     optional: dict[str, type] = {"stand_doubts": list}
     optional |= dict.fromkeys(("created", "tumble", "serial", "run_file", "run_sha256"), str)
-    optional |= dict.fromkeys(("item", "environment", "fit"), dict)
+    optional |= dict.fromkeys(("item", "environment", "fit", "u_norm_g"), dict)
     for key, kind in optional.items():
         _require(result, key, _null_or(kind), file, default=None)
     _require(result, "pass", lambda value: isinstance(value, bool), file, default=result["verification"]["pass"])
+    _require(result, "pass_reason", _null_or(str), file, default=None)
+    _require(result, "decision", _null_or_decision, file, default=None)
+    _require(result, "would_show", _null_or_remedies, file, default=None)
     _require(result, "temperature", _null_or_temperature, file, default=None)
     _require(result, "warnings", _null_or_sentences, file, default=None)
     _require(result, "assumes", _is_names, file, default=[])
@@ -131,6 +135,22 @@ def _null_or_covariance(value: Any, size: int = 12) -> bool:
 
 def _null_or_temperature(value: Any) -> bool:
     return value is None or (isinstance(value, dict) and all(_is_number(value.get(key)) for key in ("min_c", "max_c")))
+
+
+def _null_or_decision(value: Any) -> bool:
+    if value is None:
+        return True
+    numbers = isinstance(value, dict) and all(_is_uncertainty(value.get(key)) for key in ("coverage_factor", "limit_g"))
+    return numbers and (value.get("u_norm_worst_g") is None or _is_uncertainty(value["u_norm_worst_g"]))
+
+
+def _null_or_remedies(value: Any) -> bool:
+    if value is None:
+        return True
+    return isinstance(value, list) and all(
+        isinstance(one, dict) and isinstance(one.get("change"), str) and _is_uncertainty(one.get("reach_g"))
+        for one in value
+    )
 
 
 def _null_or_extended(value: Any) -> bool:

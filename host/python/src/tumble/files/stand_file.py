@@ -8,7 +8,7 @@
 [item]         labels of your own: serial numbers, operator, date; carried into the result
 [environment]  gravity_m_s2 with its standard uncertainty u_gravity_m_s2, temperature_c, pressure_hpa, humidity_percent,
                and texts; carried into the result
-[accept]       delta_g_limit_g
+[accept]       delta_g_limit_g, coverage_factor                   how many u(|a|) must be within the limit
 
 noise_v, drift_v, scale_v_per_g and range_v are one number for all channels, or an array of three, of x, y and z.
 """
@@ -24,12 +24,14 @@ from typing import Any
 import numpy as np
 
 from tumble.core import MAX_SAMPLES
+from tumble.defaults import DEFAULT_COVERAGE_FACTOR
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.files.run_temperature import HIGHEST_C, LOWEST_C
 from tumble.files.toml import Table, read_toml
 from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, PER_CHANNEL, PerChannel, Stand, by_channel, over
 
 _LARGEST_ANGLE_RAD = 0.5
+_COVERAGE_FACTORS = (1.0, 10.0)
 _LARGEST_V = 1e9  # far beyond any block, and far from where squares overflow
 _REQUIRED = {  # errors that a stand declares, by the attribute of Stand: key, largest
     "axis_tilt": ("axis_tilt_rad", _LARGEST_ANGLE_RAD),
@@ -65,6 +67,7 @@ class StandFile:
     item: dict[str, Any] | None
     environment: dict[str, Any] | None
     delta_g_limit_g: float | None
+    coverage_factor: float | None = None
 
     @property
     def serial(self) -> str | None:
@@ -75,6 +78,11 @@ class StandFile:
     def step_v(self) -> PerChannel:
         """Size of a count of the block's converter, whose range is from -range_v to +range_v; 0 if unknown."""
         return 0.0 if self.block is None else converter_step_v(self.block)
+
+    @property
+    def decided_by(self) -> float:
+        """The coverage factor of the decision rule."""
+        return DEFAULT_COVERAGE_FACTOR if self.coverage_factor is None else self.coverage_factor
 
 
 def read_stand(file: str, data: bytes | None = None) -> StandFile:
@@ -95,6 +103,7 @@ def read_stand(file: str, data: bytes | None = None) -> StandFile:
         item=None if item is None else item.labels(),
         environment=None if environment is None else _environment(environment),
         delta_g_limit_g=None if accept is None else _limit(accept),
+        coverage_factor=None if accept is None else accept.number("coverage_factor", *_COVERAGE_FACTORS, default=None),
     )
 
 
@@ -218,7 +227,7 @@ def _environment(table: Table) -> dict[str, Any]:
 
 
 def _limit(table: Table) -> float | None:
-    limit = table.only("delta_g_limit_g").number("delta_g_limit_g", 0.0, 1.0, default=None)
+    limit = table.only("delta_g_limit_g", "coverage_factor").number("delta_g_limit_g", 0.0, 1.0, default=None)
     if limit == 0.0:
         raise table.refuse("must not be 0", "delta_g_limit_g")
     return limit

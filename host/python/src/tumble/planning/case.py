@@ -8,7 +8,7 @@ import numpy as np
 
 from tumble import reference
 from tumble.arrays import Floats
-from tumble.defaults import DEFAULT_LIMIT_G
+from tumble.defaults import DEFAULT_COVERAGE_FACTOR, DEFAULT_LIMIT_G
 from tumble.errors import BadInput
 from tumble.files.stand_file import StandFile
 from tumble.schedule import FIT, Schedule
@@ -24,7 +24,7 @@ class Case:
     """`stand`: as declared, but its noise no less than what the converter's steps leave; `scale` in V/g, of any sign
     but not 0, of all channels or of each; `misalignment` in radians, the same size for all six; `step_v`: of the
     converter, 0 if unknown; `schedule`: None for the paper's own; `limit_g`: the stand file's, else the paper's;
-    `terms`: further ones of the model, whose true sizes are 0."""
+    `terms`: further ones of the model, whose true sizes are 0; `coverage_factor`: of the decision rule."""
 
     stand: Stand
     scale: PerChannel
@@ -33,6 +33,7 @@ class Case:
     own_schedule: Schedule | None
     limit_g: float
     terms: Terms = ()
+    coverage_factor: float = DEFAULT_COVERAGE_FACTOR
 
     @classmethod
     def of(cls, stand_file: StandFile | None, name: str | None, schedule: Schedule | None) -> Case:
@@ -46,7 +47,8 @@ class Case:
         limit_g = DEFAULT_LIMIT_G if stand_file.delta_g_limit_g is None else stand_file.delta_g_limit_g
         nominal = block["scale_v_per_g"], block["misalignment_rad"]
         step_v = stand_file.step_v
-        return cls(stand_file.stand.with_step(step_v), *nominal, step_v, schedule, limit_g)
+        stand, factor = stand_file.stand.with_step(step_v), stand_file.decided_by
+        return cls(stand, *nominal, step_v, schedule, limit_g, coverage_factor=factor)
 
     @property
     def full_scale(self) -> dict[str, float]:

@@ -15,6 +15,9 @@ from tumble.planning.promise import ON_A_SEAT
 from tumble.planning.published import EQUATION_18, EQUATION_19, evaluate
 from tumble.planning.require import CEILING_RAD, ROWS, Requirements
 from tumble.planning.weights import symbols
+from tumble.solving.decision import UNCERTAINTY, Decision
+from tumble.solving.stated import Witness
+from tumble.solving.would_show import Question, Remedy, in_words
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -72,7 +75,17 @@ def document(
         "margin": finite(room.margin),
         "margins": {name: finite(margin) for name, margin in margins.items()},
         **(NOT_PROMISED if just is None else just.document(estimator)),
+        "would_show": None if just is None or just.promises[estimator].shown else _would_show(case, estimator),
     }
+
+
+def _would_show(case: Case, estimator: str) -> list[dict[str, Any]]:
+    """What would show the limit, where runs on this stand do not."""
+    schedule, k = case.schedule, case.nominal_k()
+    lone = np.ones(len(schedule.positions), dtype=int)
+    witness = Witness(schedule, k, case.stand, lone, estimator, case.step_v)
+    question = Question(witness, np.zeros((len(lone), 3)), case.terms, case.limit_g, case.coverage_factor)
+    return [one.document() for one in question.answers()]
 
 
 def finite(value: float) -> float | None:
@@ -185,7 +198,9 @@ def _reached(margin: float) -> str:
 _PROMISED = (
     "passes: probability that a run passes the gravity check; every attitude: that",
     "the error of |a| is within the limit at all of them; both of the nominal block",
-    "may grow: factor for all errors of the stand until the lower of these is {asked}",
+    "u(|a|): its largest standard uncertainty; a run whose {factor:g} u(|a|) exceeds the limit is no PASS",
+    "may grow: factor for all errors of the stand until the lower of these is {asked},",
+    "or until such runs are no PASS any more",
     "margin: factor until a third of the limit is the standard deviation of a row of",
     "scale factors, biases or noise; at 1 it promises no probability",
 )
@@ -203,16 +218,29 @@ def _show_promises(out: Console, plan: dict[str, Any]) -> None:
             "yes" if one["growth"] is None or one["growth"] >= 1.0 else "no",
             tables.percent(one["passes"]),
             tables.percent(one["every_attitude"]),
+            tables.scientific(one["coverage_factor"] * one["u_norm_worst_g"]),
             _factor(one["growth"]),
             _factor(plan["margins"][name]),
         )
         for name, one in plan["promises"].items()
     ]
-    out.print(tables.table(("with", "", "passes", "every attitude", "may grow", "margin"), rows, left=(0, 1)))
+    reach = f"{plan['promise']['coverage_factor']:g} u(|a|), g"
+    out.print(tables.table(("with", "", "passes", "every attitude", reach, "may grow", "margin"), rows, left=(0, 1)))
     for line in _PROMISED:
-        out.print(line.format(asked=asked))
+        out.print(line.format(asked=asked, factor=plan["promise"]["coverage_factor"]))
     if plan["promise"]["assumes"]:
         out.print(ON_A_SEAT)
+    if not plan["promise"]["shown"]:
+        out.print(f"{plan['estimator']}: {_not_shown(plan)}", style="bold")
+
+
+def _not_shown(plan: dict[str, Any]) -> str:
+    """As a run that is solved says it."""
+    told, remedies = plan["promise"], [Remedy.of(one) for one in plan["would_show"]]
+    decision = Decision(
+        (UNCERTAINTY,), tuple(told["assumes"]), 0, told["limit_g"], told["coverage_factor"], told["u_norm_worst_g"]
+    )
+    return f"{decision.sentence}. {in_words(remedies)}."
 
 
 def _asked(plan: dict[str, Any]) -> str:

@@ -8,31 +8,32 @@ from decimal import Decimal
 from tumble.report.cells import MISSING, NO_UNCERTAINTY, Facts, Fixed, Inline, Table, aligned, joined, line
 from tumble.report.rounding import Shown, rounded
 from tumble.report.source import STANDARD_GRAVITY, Factor, Path, Source
-from tumble.solving.assumptions import ASSUMPTIONS, phrase
+from tumble.solving.assumptions import ASSUMPTIONS
+from tumble.solving.decision import UNCERTAINTY, Decision
 from tumble.solving.stand_seen import NAMES
+from tumble.solving.would_show import Remedy, in_words
 
 _MICRO = 6
-_REASONS = {"gravity": "the gravity check", "fit": "the fit to the declared stand"}
+_AS_THEY_ARE = "Numbers are compared before they are rounded."
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """`word`: PASS or FAIL; `phrase`: what stands behind it."""
+    """`word`: PASS, NOT SHOWN or FAIL; `phrase`: what stands behind it."""
 
     word: str
     phrase: Inline
 
 
 def verdict(source: Source) -> Verdict:
-    """PASS, with what it assumes, or FAIL and why."""
-    if source.flag("pass"):
-        return Verdict("PASS", Fixed(phrase(source.array("assumes"))))
-    reasons = str(source.at("pass_reason") or "gravity").split(" and ")
-    return Verdict("FAIL", Fixed(f": {' and '.join(_REASONS.get(reason, reason) for reason in reasons)}"))
+    """The decision, as on a terminal."""
+    decision = Decision.of(source.document)
+    rest = in_words([Remedy.of(one) for one in source.array("would_show")])
+    return Verdict(decision.word, Fixed(f"{decision.reason}. {rest}." if rest else decision.reason))
 
 
 def findings(source: Source) -> Facts:
-    """The two things that are judged, and how they came out."""
+    """The three things that are judged, and how they came out."""
     check = ("verification",)
     in_si = source.scaled((*check, "limit_g"), _three_digits, source.gravity, power=3)
     limit = line(source.millionths(None, *check, "limit_g"), " µg = ", in_si, " mm/s²")
@@ -41,6 +42,7 @@ def findings(source: Source) -> Facts:
     return [
         (Fixed("Gravity check"), line(gravity, ": largest |Δg| ", largest, ", limit ", limit)),
         (Fixed("Fit to the declared stand"), _fit(source)),
+        (Fixed("Uncertainty at every attitude"), _uncertainty(source)),
     ]
 
 
@@ -87,12 +89,28 @@ def _fit(source: Source) -> Inline:
     return line(word, ": χ² ", chi2, " with ", dof, " degrees of freedom, p ", p, "; confidence ", confidence)
 
 
+def _uncertainty(source: Source) -> Inline:
+    """Of |a|, against the limit."""
+    worst = source.decimal("u_norm_g", "worst_g")
+    if worst is None:
+        return Fixed("not judged: no stand is declared")
+    decision = Decision.of(source.document)
+    word = "within the limit" if UNCERTAINTY not in decision.failures else "NOT SHOWN to be within the limit"
+    u = line(source.scaled(("u_norm_g", "worst_g"), _three_digits, power=6), " µg")
+    factor = source.told("decision", "coverage_factor")
+    return line(word, ": the worst u(|a|) is ", u, ", which the decision rule takes times ", factor)
+
+
 def rule(source: Source) -> Inline:
     """The decision rule in words."""
     gravity = "PASS where |Δg| = |(|a|² - 1)/2| is at most the limit at every measured position"
-    stand = " and the residuals fit the declared stand (chi-squared, at the confidence given)"
-    simple = ". Simple acceptance: no guard band is kept from the limit. Numbers are compared before they are rounded."
-    return Fixed(gravity + (stand if source.table("fit") else "") + simple)
+    if not source.table("fit"):
+        return Fixed(f"{gravity}. No stand is declared: nothing is stated of other attitudes. {_AS_THEY_ARE}")
+    factor = Decision.of(source.document).coverage_factor
+    stand = ", the residuals fit the declared stand (chi-squared, at the confidence given)"
+    everywhere = f", and {factor:g} times the standard uncertainty of |a| is at most the limit at every attitude"
+    else_ = ". Where only the last does not hold, conformity is not shown, which is no PASS. "
+    return Fixed(f"{gravity}{stand}{everywhere}{else_}{_AS_THEY_ARE}")
 
 
 def positions(source: Source) -> Table:
@@ -140,8 +158,16 @@ def assumptions(source: Source) -> Facts:
         known = ASSUMPTIONS.get(str(name))
         whose = joined(source.each("assumed_for", str(name)) or [Fixed("all")], ", ")
         what = f"{known.phrase}: {known.why}. " if known else ""
-        rows.append((source.told("assumes", i), line(what, "Rests on it: ", whose, ".")))
+        mark = f"{known.mark} " if known and source.array("assumed_for", str(name)) else ""
+        rows.append((source.told("assumes", i), line(mark, what, "Rests on it: ", whose, ".")))
     return rows
+
+
+def legend(source: Source) -> Inline | None:
+    """What each mark behind a coefficient's name means; None where there is none."""
+    of = source.table("assumed_for")
+    told = [f"{one.mark} {one.phrase}" for name, one in ASSUMPTIONS.items() if one.mark and of.get(name)]
+    return Fixed(f"A value whose name ends in a mark is right only given: {', '.join(told)}.") if told else None
 
 
 def warnings(source: Source) -> list[Inline] | None:

@@ -133,7 +133,7 @@ def context(source: Source, number: str, logo: str | None, issued: str | None = 
         "uncertainties": given.about,
         "coefficients": values.coefficients(source, given),
         "in_si": bool(source.table("si")),
-        "starred": values.starred(source),
+        "marks": conformity.legend(source),
         "further": values.further(source),
         "intrinsic": values.intrinsic(source, given),
         "worst_norm": values.worst_norm(source),

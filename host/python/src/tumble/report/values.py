@@ -10,6 +10,7 @@ from tumble.report.cells import MISSING, NO_UNCERTAINTY, NU, Fixed, Inline, Numb
 from tumble.report.method import unit_of_k
 from tumble.report.rounding import Shown, rounded, to_places
 from tumble.report.source import Path, Source, pointer
+from tumble.solving.assumptions import marks
 from tumble.solving.coverage import HANDS, NEARLY_INFINITE
 from tumble.terms import KEYS
 from tumble.units import noise_unit
@@ -99,9 +100,9 @@ def _of_noise(source: Source, has_k: bool) -> Inline:
 
 
 def coefficients(source: Source, given: Uncertainties) -> Table:
-    """K row by row, and U0. A name that ends in * rests on an assumption that touches only some."""
+    """K row by row, and U0. A mark behind a name: it rests on an assumption that touches only some."""
     rows = []
-    marked = starred(source)
+    marked = marks(source.table("assumed_for"))
     for place, name in enumerate(COEFFICIENTS):
         at: Path = ("K", *divmod(place, 3)) if place < 9 else ("U0", place - 9)
         unit = unit_of_k(source) if place < 9 else source.told("unit")
@@ -113,13 +114,8 @@ def coefficients(source: Source, given: Uncertainties) -> Table:
             freedom=("coverage", f"freedom_{at[0]}", *at[1:]),
             in_si=(at, twin) if place < 9 else None,
         )
-        rows.append(_row(source, name + "*" * (name in marked), where, unit, given))
+        rows.append(_row(source, name + marked.get(name, ""), where, unit, given))
     return _table(source, rows, given)
-
-
-def starred(source: Source) -> set[str]:
-    """Names of the coefficients that rest on an assumption that touches only some."""
-    return {str(name) for names in source.table("assumed_for").values() for name in names}
 
 
 def intrinsic(source: Source, given: Uncertainties) -> Table:

@@ -41,7 +41,7 @@ def gravity_uncertainty(solution: Solution) -> GravityUncertainty | None:
     if solution.stand is None and not noise.is_known:
         return None
     stand = noise_of_runs.NO_STAND if solution.stand is None else solution.declared.with_step(solution.step)
-    declared = np.broadcast_to(stand.mean_variance(run.samples)[:, None], noise.mean_variance.shape)
+    declared = np.broadcast_to(stand.mean_variance(run.samples), noise.mean_variance.shape)
     inverse = np.linalg.inv(solution.found.k)
     force = (run.means - solution.found.u0) @ inverse.T
     weights = (force @ inverse) ** 2

@@ -13,9 +13,11 @@ from tumble.files.documents import RESULT
 from tumble.solving import noise, si, stand_seen, temperature
 from tumble.solving.assumptions import assumed
 from tumble.solving.covariance import IntrinsicUncertainties, named
+from tumble.solving.decision import decide
 from tumble.solving.declared import schedule_document, stand_document
 from tumble.solving.gravity_uncertainty import UNKNOWN, gravity_uncertainty
 from tumble.solving.solution import Solution, Truth
+from tumble.solving.would_show import would_show
 from tumble.stand import by_channel, per_channel
 from tumble.units import per_g, volts_per
 
@@ -31,7 +33,7 @@ def document(
 ) -> dict[str, Any]:
     """The result of a solve, ready for JSON. `serial`: of the block; `run_file`: name of what was solved; `created`:
     when, None where no clock was looked at; `warnings`: sentences that a person is told beside it."""
-    unit, rests_on = solution.run.unit, assumed(solution)
+    unit, rests_on, decision = solution.run.unit, assumed(solution), decide(solution)
     return {
         "schema": RESULT,
         "created": created,
@@ -56,8 +58,10 @@ def document(
         "misfit": None if solution.fit is None else solution.fit.misfit,
         "fit": None if solution.fit is None else solution.fit.document(),
         "stand_doubts": None if solution.fit is None else list(solution.fit.doubts),
-        "pass": solution.passed,
-        "pass_reason": " and ".join(solution.failures) or None,
+        "pass": decision.passed,
+        "pass_reason": " and ".join(decision.failures) or None,
+        "decision": decision.document(),
+        "would_show": None if not decision.is_not_shown else [one.document() for one in would_show(solution)],
         "assumes": list(rests_on),
         "assumed_for": {name: list(coefficients) for name, coefficients in rests_on.items()},
         "warnings": list(warnings),

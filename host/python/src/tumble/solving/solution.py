@@ -13,6 +13,7 @@ from tumble import core, reference
 from tumble.arrays import Floats, Integers
 from tumble.core.fit import chi_squared
 from tumble.core.stand_seen import RunSeen, noise
+from tumble.defaults import DEFAULT_COVERAGE_FACTOR
 from tumble.errors import BadInput
 from tumble.estimators import OPTIMAL
 from tumble.files.run_file import Run
@@ -76,7 +77,8 @@ class Solution:
     noise of the samples leaves if the stand has no errors at all, None where it is not known; `truth`: None for a run
     that was measured; `step`: of the converter, in the unit of the run, 0: unknown; `monte_carlo`: None where nobody
     asked for it; `further`: terms of the model beside the twelve coefficients, None where nobody asked for any;
-    `is_out_of_order`: axes or signs of K are those of an exchange or reversal, and no block is declared to have them.
+    `is_out_of_order`: axes or signs of K are those of an exchange or reversal, and no block is declared to have them;
+    `coverage_factor`: how many u(|a|) must be within the limit.
     """
 
     schedule: Schedule
@@ -95,6 +97,7 @@ class Solution:
     monte_carlo: MonteCarlo | None = None
     further: Further | None = None
     is_out_of_order: bool = False
+    coverage_factor: float = DEFAULT_COVERAGE_FACTOR
 
     @property
     def u_k(self) -> Floats | None:
@@ -122,17 +125,6 @@ class Solution:
         stand."""
         assert self.stand is not None
         return self.stand.beside(self.found.terms).in_unit(self.run.unit)
-
-    @property
-    def failures(self) -> tuple[str, ...]:
-        """Why it does not pass: "gravity", "fit" or both."""
-        gravity, fit = self.found.gravity.passed, self.fit is None or self.fit.fits
-        return tuple(name for name, good in (("gravity", gravity), ("fit", fit)) if not good)
-
-    @property
-    def passed(self) -> bool:
-        """Gravity check passed, and the run fits the stand, if one is declared."""
-        return not self.failures
 
     @cached_property
     def second_order(self) -> SecondOrder | None:
@@ -224,12 +216,13 @@ def solve(
     known: optimal_run.Known | None = None,
     confidence: float = CONFIDENCE,
     terms: Terms = (),
+    coverage_factor: float = DEFAULT_COVERAGE_FACTOR,
 ) -> Solution:
     """Solve a run on a schedule (None: the paper's). `file` names the run in errors.
 
     The optimal estimator needs a `stand`; `step_v` is its converter's step, 0 if unknown, and `known` what its table
     was made for, None if it is to be made for this run. `confidence`: at which the run must fit the stand. `terms`:
-    further ones of the model, in the order of TERMS, for one of EXTENDABLE.
+    further ones of the model, in the order of TERMS, for one of EXTENDABLE. `coverage_factor`: of the decision rule.
 
     Raises BadInput where the core refuses the run, Disagreement where the witness does not confirm the core.
     """
@@ -282,6 +275,7 @@ def solve(
         scatter_alone=stated if stand is None else None,
         step=step,
         further=further if stand is None else costly,
+        coverage_factor=coverage_factor,
     )
 
 
