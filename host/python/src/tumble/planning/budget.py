@@ -17,6 +17,8 @@ from tumble.planning import weights
 from tumble.planning.case import SCHEMA, Case
 from tumble.planning.promise import Promise
 from tumble.planning.published import NAMES, SOURCES
+from tumble.solving import reliability
+from tumble.solving.reliability import Reliability
 from tumble.solving.second_order import SecondOrder, second_order
 from tumble.stand import SIGMA, by_channel
 
@@ -105,7 +107,7 @@ def budget(case: Case, which: str, estimator: str) -> Budget:
     return Budget(which, estimator, sources(case, published), found, terms, reference, beyond)
 
 
-def document(found: Budget, case: Case, promised: Promise | None) -> dict[str, Any]:
+def document(found: Budget, case: Case, promised: Promise | None, unseen: Reliability | None) -> dict[str, Any]:
     """The budget for JSON, schema tumble.plan/1. The paper's weights promise nothing."""
     total, absolute = found.total, found.total * found.reference
     matrix = [[known(value) for value in row] for row in total[:9].reshape(3, 3)]
@@ -124,6 +126,7 @@ def document(found: Budget, case: Case, promised: Promise | None) -> dict[str, A
         "terms": {name: [known(value) for value in row] for name, row in zip(NAMES, found.terms)},
         "second_order": found.second_order.document(),
         "promise": None if promised is None else promised.document(),
+        **reliability.documents(unseen),
     }
 
 

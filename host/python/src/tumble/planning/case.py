@@ -12,6 +12,7 @@ from tumble.defaults import DEFAULT_COVERAGE_FACTOR, DEFAULT_LIMIT_G
 from tumble.errors import BadInput
 from tumble.files.stand_file import StandFile
 from tumble.schedule import FIT, Schedule
+from tumble.solving.reliability import Reliability, reliability
 from tumble.stand import PAPER_STAND, PER_CHANNEL, PerChannel, Stand, by_channel
 from tumble.terms import Terms
 
@@ -73,6 +74,12 @@ class Case:
         """The schedule without its check positions."""
         whole = self.schedule
         return Schedule(whole.mountings, tuple(position for position in whole.positions if position.use == FIT))
+
+    def reliability(self, estimator: str) -> Reliability:
+        """What no run of the nominal block would show. Raises CoreRefusal where the schedule lacks positions."""
+        lone = np.ones(len(self.schedule.positions), dtype=int)
+        given = self.schedule, self.nominal_k(), self.stand, lone, estimator
+        return reliability(*given, self.step_v, self.terms)
 
     def nominal_k(self, signs: Floats | None = None) -> Floats:
         """K (3, 3) of the nominal block. `signs` (3, 3): of the misalignments, the diagonal unused; default all +."""

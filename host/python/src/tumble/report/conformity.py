@@ -14,6 +14,7 @@ from tumble.solving.stand_seen import NAMES
 from tumble.solving.would_show import Remedy, in_words
 
 _MICRO = 6
+_MOST_UNSEEN = 6  # of the causes that cost most
 _AS_THEY_ARE = "Numbers are compared before they are rounded."
 
 
@@ -189,3 +190,29 @@ def explanations(source: Source) -> Table | None:
         said = line(name) if column is MISSING else line(name, " of ", column)
         rows.append((said, size, u, unit, source.rounded(2, *at, "p")))
     return Table(("The run shows", "Size", "u (k = 1)", "Unit", "p"), rows, left=(3,)) if rows else None
+
+
+@dataclass(frozen=True)
+class Unseen:
+    """What the run could not have shown: `table` of the sizes that cost most, and the names of what `never` shows."""
+
+    table: Table
+    never: Inline | None
+
+
+def unseen(source: Source) -> Unseen | None:
+    """None where nothing is told of it: without a stand, and in older results."""
+    rows: list[tuple[Inline, ...]] = []
+    never: list[Inline] = []
+    for i in range(len(source.array("reliability"))):
+        at = ("reliability", i)
+        name = source.told(*at, "pattern")
+        if source.decimal(*at, "size") is None:
+            never.append(name)
+        else:
+            error = source.millionths(1, *at, "norm_error_g")
+            rows.append((name, source.rounded(2, *at, "size"), source.told(*at, "unit"), error))
+    if not rows and not never:
+        return None
+    columns = ("Error of the block or stand", "Size", "Unit", "Error of |a| in µg")
+    return Unseen(Table(columns, rows[:_MOST_UNSEEN], left=(2,)), joined(never, ", ") if never else None)

@@ -116,6 +116,7 @@ def context(source: Source, number: str, logo: str | None, issued: str | None = 
         "positions": conformity.positions(source),
         "about_positions": conformity.about_positions(source),
         "explanations": conformity.explanations(source),
+        "unseen": conformity.unseen(source),
         "assumptions": conformity.assumptions(source),
         "warnings": conformity.warnings(source),
         "parties": identity.parties(source),

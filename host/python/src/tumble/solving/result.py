@@ -10,7 +10,7 @@ import numpy as np
 from tumble._version import __version__
 from tumble.core import Intrinsic
 from tumble.files.documents import RESULT
-from tumble.solving import noise, si, stand_seen, temperature
+from tumble.solving import noise, reliability, si, stand_seen, temperature
 from tumble.solving.assumptions import assumed
 from tumble.solving.covariance import IntrinsicUncertainties, named
 from tumble.solving.decision import decide
@@ -58,6 +58,7 @@ def document(
         "misfit": None if solution.fit is None else solution.fit.misfit,
         "fit": None if solution.fit is None else solution.fit.document(),
         "stand_doubts": None if solution.fit is None else list(solution.fit.doubts),
+        **reliability.documents(solution.reliability),
         "pass": decision.passed,
         "pass_reason": " and ".join(decision.failures) or None,
         "decision": decision.document(),

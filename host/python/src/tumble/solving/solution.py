@@ -40,6 +40,7 @@ from tumble.solving.fit import CONFIDENCE, Fit, judge, variance_of_means
 from tumble.solving.further import Further, Without
 from tumble.solving.monte_carlo import MonteCarlo, simulate
 from tumble.solving.noise_patterns import sampled_patterns
+from tumble.solving.reliability import Reliability, reliability
 from tumble.solving.second_order import SecondOrder, second_order
 from tumble.solving.stand_seen import ANGLES, StandSeen, look, weights_of
 from tumble.solving.stated import Propagation, Stated, Witness
@@ -134,6 +135,18 @@ class Solution:
         schedule, stand, samples = self._as_propagated
         given = schedule, self.found.k, self._u, stand, self.found.estimator, samples
         return second_order(*given, terms=self.found.terms)
+
+    @cached_property
+    def reliability(self) -> Reliability | None:
+        """What the run could not have shown, whatever it shows; None without a declared stand."""
+        if self.fit is None:
+            return None
+        schedule, stand, samples = self._as_propagated
+        return reliability(
+            *(schedule, self.found.k, stand, samples, self.found.estimator, self.step, self.found.terms),
+            confidence=self.fit.confidence,
+            rounding=float(self.noise.rounding.max()),
+        )
 
     @cached_property
     def coverage(self) -> Coverage | None:
