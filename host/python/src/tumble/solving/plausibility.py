@@ -15,8 +15,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tumble.arrays import Floats
+from tumble.arrays import Flags, Floats
 from tumble.core import AXES
+from tumble.distributions import student_quantile
 from tumble.errors import BadInput
 from tumble.files.stand_file import StandFile
 from tumble.reference import Geometry
@@ -32,6 +33,8 @@ _SCALE = 1.25  # factor by which a scale may differ from the nominal one
 _ROUGHLY_RAD, _ROUGHLY_SCALE = 0.5, 1.6  # of a K once its mistakes are undone: near enough to name them
 _MOST_MOUNTINGS = 3  # whose every order is tried; of more, exchanges of two
 _MOST_NAMED = 3
+_CLEAR = 5.0  # uncertainties by which an element of K exceeds 0, before anything is said of its channel
+_SURELY = 0.999  # the same by residuals, of which there may be few
 UNCHECKED = "no more means than unknowns: nothing checks this run"
 _OTHERWISE_G = 0.1  # between the forces of positions whose means cannot be the same
 _STEPS = 3.0  # of a converter, at least
@@ -60,8 +63,9 @@ class Mistake:
 
 def examine(solution: Solution, stand_file: StandFile | None) -> Plausibility:
     """Hold K against the block that the stand file declares, or against itself where none is."""
+    noise = _of_noise(solution)
     if stand_file is None or stand_file.block is None:
-        return Plausibility(warnings=_structure(solution))
+        return Plausibility(warnings=noise or _structure(solution))
     unit = volts_per(solution.run.unit)
     nominal = np.diag(by_channel(over(stand_file.block["scale_v_per_g"], unit)))
     known = [] if stand_file.truth is None else [np.array(stand_file.truth["K"], dtype=float) / unit]
@@ -70,6 +74,8 @@ def examine(solution: Solution, stand_file: StandFile | None) -> Plausibility:
     allowed = min(_SIGMAS * math.hypot(misalignment, spread), _LARGEST_RAD)
     if any(_is_near(solution.found.k, declared, allowed, _SCALE) for declared in (nominal, *known)):
         return Plausibility()
+    if noise:
+        return Plausibility(warnings=noise)
     for declared in (nominal, *known):
         mistakes = _explain(solution, declared)
         if mistakes:
@@ -109,7 +115,8 @@ def _same_means(solution: Solution) -> str | None:
 def marked(solution: Solution, stand_file: StandFile | None) -> Solution:
     """This solution, which tells whether its K is out of order for all that is declared of the block."""
     is_declared = stand_file is not None and stand_file.block is not None
-    return replace(solution, is_out_of_order=not is_declared and bool(_structure(solution)))
+    is_odd = not _of_noise(solution) and bool(_structure(solution))
+    return replace(solution, is_out_of_order=not is_declared and is_odd)
 
 
 def confirms_unit(solution: Solution, stand_file: StandFile | None) -> bool:
@@ -143,6 +150,46 @@ def _far(k: Floats, declared: Floats, allowed: float, scale: float) -> Floats:
     ratio = np.where(is_large, k, 1.0) / np.where(is_large, declared, 1.0)
     far: Floats = np.where(is_large, (ratio < 1 / scale) | (ratio > scale), np.abs(k - declared) > allowed * length)
     return far
+
+
+# Does K say anything?
+
+
+def _of_noise(solution: Solution) -> tuple[str, ...]:
+    """That the outputs do not follow the positions: none of them, or none along one axis, or one channel. Then K is
+    noise there, and names no mistake."""
+    limit, k = _largest_by_noise(solution), np.abs(solution.found.k)
+    for what, where in _columns_and_rows():
+        if (k <= limit)[where].all():
+            row, column = np.argwhere(where)[int(k[where].argmax())].tolist()
+            size = f"K_{AXES[row]}{AXES[column]} = {solution.found.k[row, column]:.2g} {per_g(solution.run.unit)}"
+            return (f"{what}: {size} where noise gives up to {limit[row, column]:.2g}; was the sensor not turned?",)
+    return ()
+
+
+def _columns_and_rows() -> Iterator[tuple[str, Flags]]:
+    """All of K, then what may be noise by itself: (3, 3)."""
+    everywhere = np.ones((3, 3), dtype=bool)
+    yield "the outputs do not follow the positions", everywhere
+    for axis, alone in zip(AXES, np.eye(3, dtype=bool)):
+        yield f"the outputs do not change with gravity along {axis}", everywhere & alone
+        yield f"channel u{axis} does not follow the positions", everywhere & alone[:, None]
+
+
+def _largest_by_noise(solution: Solution) -> Floats:
+    """An element of K (3, 3) that means nothing: by the scatter of samples, and by the residuals, which tell too how
+    well a face was laid down again. 0 where neither is known."""
+    stated, rms = solution.stated or solution.scatter_alone, solution.found.residual_rms
+    limit = np.zeros((3, 3)) if stated is None else _CLEAR * stated.u_k
+    if rms is None:
+        return limit
+    measured = solution.measured_schedule
+    fitted = [position.use == FIT for position in measured.positions]
+    design = np.column_stack([Geometry(measured).force(), np.ones(len(fitted))])[fitted]
+    by_axis = np.sqrt(np.diag(np.linalg.inv(design.T @ design))[:3])
+    freedom = len(design) - 4 - len(solution.found.terms)
+    largest: Floats = np.maximum(limit, student_quantile(_SURELY, freedom) * rms[:, None] * by_axis)
+    return largest
 
 
 # What the declared block would have to suffer.

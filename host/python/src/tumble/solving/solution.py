@@ -371,5 +371,5 @@ def _explain(refusal: core.CoreRefusal, estimator: str) -> str:
     if refusal.name == "TUMBLE_E_RANK":
         return f"these positions cannot identify {', '.join(refusal.details['unidentified'])}"
     if refusal.name == "TUMBLE_E_SINGULAR":
-        return f"{refusal}, or the table turned the other way in one mounting"
+        return f"{refusal}, or the table turned the other way in one mounting, or one attitude was measured twice"
     return str(refusal)
