@@ -94,7 +94,8 @@ def documents(found: Reliability | None) -> dict[str, object]:
 def lines(found: Reliability, would: str = "would not have shown") -> list[str]:
     """For people: what costs most, and what no size shows."""
     said, unseen = [], ", ".join(one.pattern.name for one in found if one.size is None)
-    if (worst := found[0]).size is not None and worst.norm_g is not None:
+    worst = found[0] if found else None
+    if worst is not None and worst.size is not None and worst.norm_g is not None:
         size = f"{worst.pattern.name} {worst.size:.3g} {worst.pattern.unit}"
         error = f"they can add up to {1e6 * worst.norm_g:.3g} ug to |a|"
         said.append(f"Errors of the block or stand up to {size} {would}; {error}")
@@ -119,14 +120,17 @@ class _Search:
         lasting: list[Columns | None] = [None] * len(variants)
         if pattern.lasts:
             lasting = [*pattern.columns(Scene(self.model.schedule, self.k, self.attitudes))]
-        found = [
+        tested = [
             self._worst_of(pattern, columns, in_use, false_alarms / len(variants))
             for columns, in_use in zip(variants, lasting)
         ]
+        found = [one for one in tested if one is not None]
         return max(found, key=lambda one: np.inf if one.norm_g is None else one.norm_g, default=None)
 
-    def _worst_of(self, pattern: Pattern, columns: Columns, in_use: Columns | None, false_alarms: float) -> Undetected:
-        """At one place, the error over all choices of its columns."""
+    def _worst_of(
+        self, pattern: Pattern, columns: Columns, in_use: Columns | None, false_alarms: float
+    ) -> Undetected | None:
+        """At one place, the error over all choices of its columns; None for what neither shows nor does any harm."""
         choices = _choices(len(columns))
         added = np.tensordot(choices, np.array(list(columns.values())), axes=1)
         shown = np.linalg.norm(self.model.whitened({str(i): one for i, one in enumerate(added)}), axis=0)
@@ -135,8 +139,8 @@ class _Search:
         if ((shown == 0.0) & (errors > harmless)).any():
             return Undetected(pattern)
         rank = basis(self.model.whitened(columns)).shape[1]
-        if rank == 0:  # it does nothing at all
-            return Undetected(pattern, 0.0, 0.0, np.zeros_like(added[0]))
+        if rank == 0:
+            return None
         sizes = noncentrality(rank, false_alarms, FOUND) ** 0.5 / np.where(shown > 0.0, shown, np.inf)
         most = int((sizes * errors).argmax())
         size = float(sizes[most])
