@@ -192,16 +192,9 @@ def explanations(source: Source) -> Table | None:
     return Table(("The run shows", "Size", "u (k = 1)", "Unit", "p"), rows, left=(3,)) if rows else None
 
 
-@dataclass(frozen=True)
-class Unseen:
-    """What the run could not have shown: `table` of the sizes that cost most, and the names of what `never` shows."""
-
-    table: Table
-    never: Inline | None
-
-
-def unseen(source: Source) -> Unseen | None:
-    """None where nothing is told of it: without a stand, and in older results."""
+def unseen(source: Source) -> tuple[Table, Inline] | None:
+    """What the run could not have shown: the sizes that cost most, and the names of what shows at no size. None where
+    nothing is told of it: without a stand, and in older results."""
     rows: list[tuple[Inline, ...]] = []
     never: list[Inline] = []
     for i in range(len(source.array("reliability"))):
@@ -215,4 +208,4 @@ def unseen(source: Source) -> Unseen | None:
     if not rows and not never:
         return None
     columns = ("Error of the block or stand", "Size", "Unit", "Error of |a| in µg")
-    return Unseen(Table(columns, rows[:_MOST_UNSEEN], left=(2,)), joined(never, ", ") if never else None)
+    return Table(columns, rows[:_MOST_UNSEEN], left=(2,)), joined(never, ", ") if never else Fixed("none")
