@@ -25,7 +25,7 @@ from tumble.schedule import Schedule
 from tumble.solving.covariance import norm_gradient, spread_attitudes
 from tumble.solving.fit import CONFIDENCE, SOURCES, variance_of_means
 from tumble.solving.uncertainty import gains_of_run
-from tumble.stand import Stand
+from tumble.stand import PerChannel, Stand
 from tumble.terms import Terms
 
 FOUND = 0.9  # share of runs
@@ -61,10 +61,10 @@ def reliability(
     stand: Stand,
     samples: Integers,
     estimator: str,
-    step: float = 0.0,
+    step: PerChannel = 0.0,
     terms: Terms = (),
     confidence: float = CONFIDENCE,
-    rounding: float = 0.0,
+    rounding: float | Floats = 0.0,
 ) -> Reliability:
     """Of all measured positions of `schedule` and their `samples`, for a block of sensitivity `k`; arguments as of
     solving.uncertainty.gains_of_run, `confidence` that of the fit, `rounding` as of variance_of_means. Raises

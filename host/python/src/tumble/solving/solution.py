@@ -145,7 +145,7 @@ class Solution:
         return reliability(
             *(schedule, self.found.k, stand, samples, self.found.estimator, self.step, self.found.terms),
             confidence=self.fit.confidence,
-            rounding=float(self.noise.rounding.max()),
+            rounding=self.noise.rounding,
         )
 
     @cached_property
