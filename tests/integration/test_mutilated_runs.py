@@ -245,8 +245,8 @@ def relabelled(rows, new):
     return found
 
 
-def gain_halved(rows):
-    return np.column_stack((rows[:, :2], rows[:, 2:] * np.where(rows[:, :1] == 2, 0.5, 1.0)))
+def gain_cut(rows):
+    return np.column_stack((rows[:, :2], rows[:, 2:] * np.where(rows[:, :1] == 2, 0.25, 1.0)))
 
 
 def two_turned_too_far(rows):
@@ -262,7 +262,7 @@ def two_turned_too_far(rows):
 
 @pytest.mark.parametrize("mistake, place", [
     (lambda rows: relabelled(rows, {(1, 1): (1, 2), (1, 2): (1, 1)}), "1.9"),
-    (gain_halved, "1.7"),
+    (gain_cut, "2.9"),
     (two_turned_too_far, "2.6"),
 ])  # fmt: skip
 def test_common_mistakes_are_explained(mistake, place, tmp_path):

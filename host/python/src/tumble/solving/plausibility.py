@@ -163,7 +163,9 @@ def _of_noise(solution: Solution) -> tuple[str, ...]:
         if (k <= limit)[where].all():
             row, column = np.argwhere(where)[int(k[where].argmax())].tolist()
             size = f"K_{AXES[row]}{AXES[column]} = {solution.found.k[row, column]:.2g} {per_g(solution.run.unit)}"
-            return (f"{what}: {size} where noise gives up to {limit[row, column]:.2g}; was the sensor not turned?",)
+            return (
+                f"{what}: {size} where noise gives up to {limit[row, column]:.2g}; was the sensor not turned, or in another order?",
+            )
     return ()
 
 
@@ -177,11 +179,12 @@ def _columns_and_rows() -> Iterator[tuple[str, Flags]]:
 
 
 def _largest_by_noise(solution: Solution) -> Floats:
-    """An element of K (3, 3) that means nothing: by the scatter of samples, and by the residuals, which tell too how
-    well a face was laid down again. 0 where neither is known."""
+    """An element of K (3, 3) that means nothing: by what is declared, else by the scatter of samples, and by the
+    residuals, which tell too how well a face was laid down again. 0 where none is known. Beside a declared stand large
+    residuals are no noise: mountings may be exchanged."""
     stated, rms = solution.stated or solution.scatter_alone, solution.found.residual_rms
     limit = np.zeros((3, 3)) if stated is None else _CLEAR * stated.u_k
-    if rms is None:
+    if rms is None or solution.stated is not None:
         return limit
     measured = solution.measured_schedule
     fitted = [position.use == FIT for position in measured.positions]
