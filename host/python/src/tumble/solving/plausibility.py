@@ -163,9 +163,8 @@ def _of_noise(solution: Solution) -> tuple[str, ...]:
         if (k <= limit)[where].all():
             row, column = np.argwhere(where)[int(k[where].argmax())].tolist()
             size = f"K_{AXES[row]}{AXES[column]} = {solution.found.k[row, column]:.2g} {per_g(solution.run.unit)}"
-            return (
-                f"{what}: {size} where noise gives up to {limit[row, column]:.2g}; was the sensor not turned, or in another order?",
-            )
+            most = f"{limit[row, column]:.2g}"
+            return (f"{what}: {size} where noise gives up to {most}; was the sensor not turned, or in another order?",)
     return ()
 
 
