@@ -97,9 +97,15 @@ def _uncertainty(source: Source) -> Inline:
         return Fixed("not judged: no stand is declared")
     decision = Decision.of(source.document)
     word = "within the limit" if UNCERTAINTY not in decision.failures else "NOT SHOWN to be within the limit"
-    u = line(source.scaled(("u_norm_g", "worst_g"), _three_digits, power=6), " µg")
+    u = line(source.millionths(_places(source), "u_norm_g", "worst_g"), " µg")
     factor = source.told("decision", "coverage_factor")
     return line(word, ": the worst u(|a|) is ", u, ", which the decision rule takes times ", factor)
+
+
+def _places(source: Source) -> int:
+    """Digits behind the point of a micro-g, for four significant ones of the limit."""
+    limit = source.decimal("verification", "limit_g")
+    return 1 if not limit else max(0, 3 - (limit.adjusted() + _MICRO))
 
 
 def rule(source: Source) -> Inline:

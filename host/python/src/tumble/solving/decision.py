@@ -73,7 +73,8 @@ class Decision:
         if self.is_not_shown:
             return f": {self.comparison}"
         if not self.passed:
-            return f": {' and '.join(_NAMES.get(one, one) for one in self.failures)}"
+            *others, last = (_NAMES.get(one, one) for one in self.failures)
+            return f": {', '.join(others)} and {last}" if others else f": {last}"
         rests_on = phrase(self.assumes)
         return f"{self.where};{rests_on.removeprefix(',')}" if self.where and rests_on else self.where + rests_on
 
