@@ -293,6 +293,45 @@ def test_the_firmware_takes_each_channel_by_its_own(tmp_path, tumble, estimator)
     assert ran.returncode == 0, ran.stderr
 
 
+@pytest.fixture
+def recorded(tmp_path, tumble):
+    """A run of the bench on channels that differ, as text, and its stand file."""
+    stand = bench_stand(tmp_path)
+    assert tumble("bench", "--seed", 3, "--stand", stand, "--out", tmp_path / "run").returncode == 0
+    return (tmp_path / "run/run.csv").read_text(), stand
+
+
+def test_a_fixture_is_checked_by_channels_that_differ(recorded, tumble, tmp_path):
+    """The witness once had no weights, and disagreed."""
+    ran = tumble("fixture", "check", "--stand", recorded[1], tmp_path / "run/run.csv", "--json")
+    assert ran.returncode == 0, ran.stderr
+    found = json.loads(ran.stdout)["sources"]["noise_v"]
+    assert found["value"] == pytest.approx(NOISE[2], rel=0.1)
+
+
+@pytest.mark.parametrize("least", ["0", "1e-300"])
+def test_a_channel_without_noise_hides_no_other(least, recorded, tumble, tmp_path):
+    """Weights of 1e9 once made K look singular: exit code 3."""
+    text = recorded[1].read_text().replace(str(NOISE[0]), least)
+    (tmp_path / "other.toml").write_text(text)
+    ran = tumble("solve", tmp_path / "run/run.csv", "--stand", tmp_path / "other.toml", "--json")
+    assert ran.returncode == 1, ran.stderr  # its noise is more than declared
+    assert json.loads(ran.stdout)["noise"]["above_declared"] == ["ux"]
+
+
+def test_a_channel_in_millionths_is_no_fault(recorded, tumble, tmp_path):
+    """The angles then hang on the last bits, and core and numpy once disagreed."""
+    rows = [line.split(",") for line in recorded[0].splitlines()]
+    at = next(i for i, name in enumerate(rows[0]) if name.startswith("ux"))
+    scaled = [[*row[:at], f"{float(row[at]) * 1e6:.9g}", *row[at + 1 :]] for row in rows[1:]]
+    (tmp_path / "scaled.csv").write_text("\n".join(map(",".join, [rows[0], *scaled])) + "\n")
+    lines = recorded[1].read_text().splitlines()
+    (tmp_path / "other.toml").write_text("\n".join(line for line in lines if "bits" not in line and "range" not in line))
+    ran = tumble("solve", tmp_path / "scaled.csv", "--stand", tmp_path / "other.toml", "--json")
+    assert ran.returncode == 1, ran.stderr
+    assert "fit" in json.loads(ran.stdout)["pass_reason"]
+
+
 def test_a_bench_takes_one_range(tmp_path, tumble):
     (tmp_path / "stand.toml").write_text(with_three(TEXT))
     ran = tumble("bench", "--stand", tmp_path / "stand.toml", "--out", tmp_path / "run")

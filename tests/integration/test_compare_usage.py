@@ -280,7 +280,7 @@ def test_the_stand_that_both_declare_is_taken(told):
 
 
 PAPER = read_stand(str(STAND)).stand
-ERRORS = {f.name: getattr(PAPER, f.name) for f in dataclasses.fields(PAPER) if f.type == "float"}
+ERRORS = {f.name: getattr(PAPER, f.name) for f in dataclasses.fields(PAPER) if f.type in ("float", "PerChannel")}
 ONE = {
     "more samples in a mean": {"samples": 200},
     "another block's noise": {"noise": 2e-4},

@@ -82,7 +82,7 @@ def test_more_samples_and_a_third_mounting_are_said_where_they_help():
         for source, sigma in sources.items():
             stand = stand.with_sigma(source, sigma)
         witness = Witness(PAPER_SCHEDULE, NOMINAL_K, stand, np.full(18, 50), "optimal", 0.0)
-        question = Question(witness, np.zeros((18, 3)), (), limit_g, 3.0)
+        question = Question(witness, np.zeros((18, 3)), np.zeros(3), (), limit_g, 3.0)
         assert question.reach_g() > limit_g
         return question, {one.change: one for one in question.answers()}
 
@@ -91,6 +91,18 @@ def test_more_samples_and_a_third_mounting_are_said_where_they_help():
     assert question.reach_g(told["samples"].to / 50) <= 2e-4 < question.reach_g(0.97 * told["samples"].to / 50)
     question, told = remedies(3e-4, seat=2e-4)
     assert set(told) == {"mountings", "stand"} and told["mountings"].reach_g < 5e-5
+
+
+def test_rounding_is_averaged_away_by_no_samples():
+    """Of a converter whose steps the noise does not cover: a finer one is needed, and said."""
+    rounding = np.array([2e-4, 2e-4, 2e-4])
+    variance = np.full((18, 3), 1e-10) + rounding**2
+    witness = Witness(PAPER_SCHEDULE, NOMINAL_K, PAPER_STAND, np.full(18, 50), "refined", 0.0)
+    question = Question(witness, variance, rounding**2, (), 1e-4, 3.0)
+    least = question.reach_g(1e6)
+    assert 1e-4 < least == pytest.approx(question.reach_g(), rel=1e-2)
+    told = {one.change for one in question.answers()}
+    assert "converter" in told and told.isdisjoint({"samples", "stand"})
 
 
 def test_a_seat_that_is_declared_coarse_does_not_pass(tmp_path):

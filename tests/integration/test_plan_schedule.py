@@ -24,7 +24,7 @@ from tumble.schedule import Position, Schedule
 pytestmark = pytest.mark.python
 
 PACE = Pace(90.0, 180.0, 0.5, 100.0, 300.0)
-# METHOD 9.1: worst u(|a|) in ug of two and of three mountings, nine positions each
+# Worst u(|a|) in ug of two and of three mountings, nine positions each
 STATED = {"paper": (14.6, 12.5), "angle": (11.1, 9.7), "lab": (36.7, 31.6)}
 
 
@@ -159,7 +159,7 @@ def with_seats(monkeypatch, sigma):
 
 
 def test_a_declared_seat_needs_three_mountings(monkeypatch):
-    """METHOD 9.1: at 1e-4 rad two mountings have 72 ug whatever the samples, three 13.4."""
+    """At 1e-4 rad two mountings have 72 ug whatever the samples, three 13.4."""
     case = case_of("paper")
     with_seats(monkeypatch, 1e-4)
     worst = {

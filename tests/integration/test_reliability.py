@@ -65,9 +65,27 @@ def found(stand="paper", schedule="paper", estimator="refined"):
     ],
 )
 def test_the_values_of_the_method(estimator, name, size, error_ug):
-    """METHOD 11, for a noncentrality of 34.9: that of 20 tests is 34.1, so its sizes are 1.2 % larger."""
+    """Computed elsewhere, for a noncentrality of 34.9: that of 20 tests is 34.1, so these sizes are 1.2 % larger."""
     one = found(estimator=estimator)[name]
     assert one.size == pytest.approx(size, rel=0.02) and 1e6 * one.norm_g == pytest.approx(error_ug, rel=0.03)
+
+
+DECLARED = {
+    "seat": ("seat", {"seat"}), "platform": ("platform", {"seat"}), "drift": ("drift", {"drift"}),
+    "encoder": ("encoder", {"once_per_turn", "twice_per_turn"}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", DECLARED)
+def test_what_is_declared_is_in_the_uncertainties_and_not_listed(case):
+    source, names = DECLARED[case]
+    plain = read_stand(str(EXAMPLES / "paper_stand.toml")).stand
+    schedule, samples = reference.built_in("paper"), np.full(18, 50)
+    listed = [
+        {one.pattern.name for one in reliability(schedule, NOMINAL_K, stand, samples, "refined")}
+        for stand in (plain, plain.with_sigma(source, 1e-4))
+    ]
+    assert listed[0] - listed[1] == names and listed[1] < listed[0]
 
 
 def test_what_is_listed():

@@ -158,7 +158,7 @@ MARKED = {("paper", "refined"): CROSS, ("paper", "optimal"): CROSS, ("lab", "ref
 
 @pytest.mark.parametrize("stand, estimator", MARKED)
 def test_every_coefficient_is_marked_whose_uncertainty_a_seat_would_raise(stand, estimator):
-    """METHOD 11: by a tenth, of 1e-4 rad. On `lab` the yaw hides it in all but two."""
+    """By a tenth, of 1e-4 rad. On `lab` the yaw hides it in all but two."""
     run, file = (EXAMPLES / f"{stand}_stand.{kind}" for kind in ("csv", "toml"))
     found = package.solve(run, stand=file, estimator=estimator).document
     assert found["assumed_for"]["seat"] == MARKED[stand, estimator]

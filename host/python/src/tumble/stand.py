@@ -24,7 +24,7 @@ LIMIT_KINDS = tuple(_SIGMAS_PER_LIMIT)
 PerChannel = float | tuple[float, float, float]  # one number for all channels, or one for each
 
 PER_CHANNEL = ("noise", "drift")  # attributes of a stand
-_LEAST_NOISE = 1e-9  # of the largest: a channel without noise still has a weight
+_LEAST_NOISE = 1e-4  # of the largest: a channel without noise has a weight too, and not one that hides the others
 
 
 def by_channel(value: PerChannel | Sequence[float] | Floats) -> Floats:
@@ -52,8 +52,7 @@ def rounding_of(step: PerChannel | Floats) -> Floats:
 @dataclass(frozen=True)
 class Stand:
     """Errors of a stand as declared: angles in radians, noise of one sample and drift in V or as `in_unit` made them,
-    all >= 0; noise and drift are one number
-    for all channels, or three.
+    all >= 0; noise and drift are one number for all channels, or three.
 
     `axis_tilt`: the axis is not level (alpha1). `level`: zero of the table angle (alpha2). `remount`: yaw of the block
     on the platform (alpha3). `angle`: error of a set table angle (alpha4). `samples`: how many samples a mean has when

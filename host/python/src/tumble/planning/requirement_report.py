@@ -84,7 +84,8 @@ def _would_show(case: Case, estimator: str) -> list[dict[str, Any]]:
     schedule, k = case.schedule, case.nominal_k()
     lone = np.ones(len(schedule.positions), dtype=int)
     witness = Witness(schedule, k, case.stand, lone, estimator, case.step_v)
-    question = Question(witness, np.zeros((len(lone), 3)), case.terms, case.limit_g, case.coverage_factor)
+    as_declared = np.zeros((len(lone), 3)), np.zeros(3)
+    question = Question(witness, *as_declared, case.terms, case.limit_g, case.coverage_factor)
     return [one.document() for one in question.answers()]
 
 

@@ -73,11 +73,19 @@ def reliability(
     model = WholeModel(schedule, means, variance_of_means(stand, samples, rounding), stand, terms)
     gains = gains_of_run(core.CoreSchedule(schedule), k, stand, samples, estimator, step, terms)
     tested = [one for one in PATTERNS if one.name not in terms]
+    declared = _declared(stand)
     false_alarms = (1.0 - confidence) / (len(tested) + _BESIDE)
     search = _Search(model, k, gains, spread_attitudes(_ATTITUDES), terms)
-    found = [search.worst(pattern, false_alarms) for pattern in tested if pattern.name not in SOURCES]
+    found = [search.worst(pattern, false_alarms) for pattern in tested if pattern.name not in declared]
     possible = [one for one in found if one is not None]
     return tuple(sorted(possible, key=lambda one: -1.0 if one.norm_g is None else one.norm_g, reverse=True))
+
+
+def _declared(stand: Stand) -> set[str]:
+    """Names of the patterns that the uncertainties contain."""
+    beside = {"drift": stand.declares_drift, "seat": stand.declares_seat}
+    beside |= dict.fromkeys(("once_per_turn", "twice_per_turn"), stand.encoder > 0.0)
+    return {*SOURCES, *(name for name, is_declared in beside.items() if is_declared)}
 
 
 def largest(found: Reliability) -> float | None:

@@ -28,12 +28,13 @@ _PHRASES = {
     "samples": "{} samples a position",
     "mountings": f"a third mounting (--schedule {_THIRD})",
     "stand": "a stand and noise {} times better",
+    "converter": "a stand, noise and converter {} times better",
 }
 
 
 @dataclass(frozen=True)
 class Remedy:
-    """`change`: "estimator", "samples", "mountings" or "stand"; `to`: the estimator, how many samples a position, how
+    """`change`: "estimator", "samples", "mountings", "stand" or "converter"; `to`: the estimator, how many samples a position, how
     many mountings, how many times better; `reach_g`: coverage factor times the worst u(|a|) then."""
 
     change: str
@@ -41,9 +42,14 @@ class Remedy:
     reach_g: float
 
     @property
+    def is_better(self) -> bool:
+        """Whether something is to be so many times better, which always helps."""
+        return self.change in ("stand", "converter")
+
+    @property
     def phrase(self) -> str:
         """Such as "120 samples a position"."""
-        to = self.to if isinstance(self.to, str) else f"{self.to:.3g}" if self.change == "stand" else f"{self.to:d}"
+        to = self.to if isinstance(self.to, str) else f"{self.to:.3g}" if self.is_better else f"{self.to:d}"
         return _PHRASES.get(self.change, "{}").format(to)
 
     @classmethod
@@ -59,10 +65,12 @@ class Remedy:
 @dataclass(frozen=True)
 class Question:
     """Of a run, done or planned: what numpy propagates, `variance` (positions, 3) of the means by the noise as it was
-    measured (0: as declared), the model's further `terms`, and the rule."""
+    measured (0: as declared), of it `rounding` (3,) that no more samples average away, the model's further `terms`,
+    and the rule."""
 
     witness: Witness
     variance: Floats
+    rounding: Floats
     terms: Terms
     limit_g: float
     coverage_factor: float
@@ -82,14 +90,14 @@ class Question:
             samples=samples,
             estimator=estimator or given.estimator,
         )
-        covariance = other.covariance(variance / times, self.terms)
+        covariance = other.covariance((variance - self.rounding) / times + self.rounding, self.terms)
         return self.coverage_factor * worst_norm(given.k, covariance, self.terms).worst
 
     def answers(self) -> list[Remedy]:
         """What would show it, the cheapest first; a better stand always does."""
         told = [one for one in (self._weights(), self._samples(), self._mounting()) if one is not None]
         better = self.reach_g() / self.limit_g * _ROUNDED
-        return [*told, Remedy("stand", better, self.limit_g)]
+        return [*told, Remedy("converter" if self.rounding.any() else "stand", better, self.limit_g)]
 
     def _weights(self) -> Remedy | None:
         reach_g = np.inf if self.witness.estimator == OPTIMAL else self._tried(lambda: self.reach_g(estimator=OPTIMAL))
@@ -134,7 +142,8 @@ def would_show(solution: Solution) -> list[Remedy]:
     )
     variance = solution.noise.mean_variance[measured]
     factor = solution.coverage_factor
-    return Question(witness, variance, solution.found.terms, solution.limit_g, factor).answers()
+    rounding = solution.noise.rounding**2
+    return Question(witness, variance, rounding, solution.found.terms, solution.limit_g, factor).answers()
 
 
 def in_words(remedies: list[Remedy]) -> str:
@@ -144,4 +153,4 @@ def in_words(remedies: list[Remedy]) -> str:
 
 def _told(remedies: list[Remedy]) -> Iterator[str]:
     for one in remedies:
-        yield one.phrase if one.change == "stand" else f"{one.phrase} ({one.reach_g:.2g} g)"
+        yield one.phrase if one.is_better else f"{one.phrase} ({one.reach_g:.2g} g)"
