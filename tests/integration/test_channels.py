@@ -326,7 +326,8 @@ def test_a_channel_in_millionths_is_no_fault(recorded, tumble, tmp_path):
     scaled = [[*row[:at], f"{float(row[at]) * 1e6:.9g}", *row[at + 1 :]] for row in rows[1:]]
     (tmp_path / "scaled.csv").write_text("\n".join(map(",".join, [rows[0], *scaled])) + "\n")
     lines = recorded[1].read_text().splitlines()
-    (tmp_path / "other.toml").write_text("\n".join(line for line in lines if "bits" not in line and "range" not in line))
+    kept = [line for line in lines if "bits" not in line and "range" not in line]
+    (tmp_path / "other.toml").write_text("\n".join(kept))
     ran = tumble("solve", tmp_path / "scaled.csv", "--stand", tmp_path / "other.toml", "--json")
     assert ran.returncode == 1, ran.stderr
     assert "fit" in json.loads(ran.stdout)["pass_reason"]

@@ -114,8 +114,7 @@ def compare_seen(
 
     Values may differ by 1e-6 of their standard uncertainty, or where that is less by 1e-11 rad or by what rounding
     leaves of the largest output; uncertainties likewise; alpha4 by its square. Where the outputs fit worse than the
-    noise allows, as behind a coarse converter, the uncertainty is that which they show: times their misfit. With more
-    than a hundred times the declared noise channels are not made alike by it, and nobody needs the angles.
+    noise allows, as behind a coarse converter, the uncertainty is that which they show: times their misfit.
     """
     noise, u_noise = reference.pooled_noise(samples, scatter * weights_of(stand))
     rounded = max(_ROUNDED_RAD, _LAST_BITS * _SUMMED * run.largest_force)
@@ -126,8 +125,6 @@ def compare_seen(
     ]  # by the run and by the stand
     misfit = max([1.0, *(run.misfit(variance) for variance in variances if variance is not None)])
     _require_seen("noise", found.noise, witness.noise, 0.0)
-    if noise is not None and stand is not None and noise > LARGEST_MISFIT * stand.sigmas("noise").max() > 0.0:
-        return
     _require_alpha4(found.alpha4, witness.alpha4, rounded, misfit)
     for name in ANGLES:
         _require_seen(name, found.angles[name], witness.angles[name], rounded, misfit)

@@ -42,7 +42,7 @@ from tumble.solving.monte_carlo import MonteCarlo, simulate
 from tumble.solving.noise_patterns import sampled_patterns
 from tumble.solving.reliability import Reliability, reliability
 from tumble.solving.second_order import SecondOrder, second_order
-from tumble.solving.stand_seen import ANGLES, StandSeen, look, weights_of
+from tumble.solving.stand_seen import ANGLES, StandSeen, look, made_alike, weights_of
 from tumble.solving.stated import Propagation, Stated, Witness
 from tumble.stand import PerChannel, Stand, over
 from tumble.terms import Terms
@@ -271,16 +271,17 @@ def solve(
         errors, variances = declared or noise_of_runs.NO_STAND, noisy.mean_variance
         reach = Propagation(core_schedule, witnessed, run, found.k, estimator, errors, step, variances)
         stated, costly = _state(reach, optimal, further, file)
-    weights = weights_of(declared)
+    alike = None if declared is None else made_alike(declared, found.k)
+    weights = weights_of(alike)
     shown = RunSeen(core_schedule, found.linear, run.measured, found.k, found.u0, weights)
     pooled = noise(run.samples, run.scatter * weights)
-    looked = look(shown, pooled, run.samples, declared, mean_variance=noisy.mean_variance)
+    looked = look(shown, pooled, run.samples, alike, mean_variance=noisy.mean_variance)
     witness = reference.RunSeen(witnessed, comparison.linear, found.k, core_schedule.data, weights)
-    compare_seen(looked, witness, samples, scatter, declared, mean_variance=variance)
+    compare_seen(looked, witness, samples, scatter, alike, mean_variance=variance)
     seen = _without_angles(looked) if terms else looked
     fit = None
-    if declared is not None and model is not None:
-        fit = judge(model, confidence, seen, sampled_patterns(noisy, run, seen.noise, declared, step))
+    if alike is not None and model is not None:
+        fit = judge(model, confidence, seen, sampled_patterns(noisy, run, seen.noise, alike, step))
     seen = replace(seen, alpha4=None, alpha4_freedom=0.0) if terms else seen
     return Solution(
         *(core_schedule.data, run, limit_g, found, comparison, stand, seen, noisy, fit),

@@ -24,6 +24,7 @@ NAMES = {  # of what is seen, for people
     "alpha4_rad": "set angle",
     "noise_v": "noise",
 }
+_FARTHEST = 1e5  # rows of K, as their noise makes them alike, from one another
 
 
 class Quantity(Protocol):
@@ -143,6 +144,13 @@ def own_variance(
 def weights_of(stand: Stand | None) -> Floats:
     """What makes the channels of a stand alike (3,): outputs and their scatter times these."""
     return np.ones(3) if stand is None else stand.weights
+
+
+def made_alike(stand: Stand, k: Floats) -> Stand:
+    """The stand, but with the same noise in every channel where its weights leave rows of `k` that are too far apart:
+    the outputs are no such channels then, as if one had another unit, and the angles would hang on last bits."""
+    rows = np.linalg.norm(k, axis=1) * stand.weights
+    return stand if rows.max() <= _FARTHEST * rows.min() else stand.with_sigma("noise", stand.sigmas("noise").max())
 
 
 def _declared(stand: Stand, samples: Integers) -> Floats:
