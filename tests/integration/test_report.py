@@ -268,6 +268,22 @@ def test_the_verdict(name, tmp_path, drawn):
     assert text.count(VERDICTS[name]) == 2  # in the box and in the statement of conformity, in one form
 
 
+@pytest.mark.parametrize("stand", [True, False])
+def test_of_a_result_that_is_older_than_the_rule_the_uncertainty_is_not_judged(stand, tumble, tmp_path):
+    """lab, refined: 3 u is beyond its limit, and it passed all the same."""
+    document = {**solve("lab_stand", stand).document, "pass": True}
+    for key in ("decision", "would_show", "pass_reason"):
+        document.pop(key)
+    (tmp_path / "old.json").write_text(json.dumps(document))
+    done = tumble("report", tmp_path / "old.json", "--out", tmp_path / "old.html", timeout=300)
+    assert done.returncode == 0, done.stderr
+    text = plain(Report((tmp_path / "old.html").read_text(encoding="utf-8")).text)
+    assert "within the limit:" not in text and "PASS" in text
+    assert ("not judged: the result is older than the rule" in text) == stand
+    assert ("not judged: no stand is declared" in text) != stand
+    assert "standard uncertainty of |a| is at most" not in text
+
+
 def gravity_rows(report):
     """Those of the gravity check."""
     return [row for row in report.rows if len(row) > 5 and text_of(row[1]) in ("fit", "check")]

@@ -15,6 +15,7 @@ from tumble.solving.would_show import Remedy, in_words
 
 _MICRO = 6
 _MOST_UNSEEN = 6  # of the causes that cost most
+_OLDER = "the result is older than the rule of the uncertainty"
 _AS_THEY_ARE = "Numbers are compared before they are rounded."
 
 
@@ -95,9 +96,11 @@ def _uncertainty(source: Source) -> Inline:
     worst = source.decimal("u_norm_g", "worst_g")
     if worst is None:
         return Fixed("not judged: no stand is declared")
+    u = line(source.millionths(_places(source), "u_norm_g", "worst_g"), " µg")
+    if not source.table("decision"):
+        return line(f"not judged: {_OLDER}. The worst u(|a|) is ", u)
     decision = Decision.of(source.document)
     word = "within the limit" if UNCERTAINTY not in decision.failures else "NOT SHOWN to be within the limit"
-    u = line(source.millionths(_places(source), "u_norm_g", "worst_g"), " µg")
     factor = source.told("decision", "coverage_factor")
     return line(word, ": the worst u(|a|) is ", u, ", which the decision rule takes times ", factor)
 
@@ -114,10 +117,12 @@ def rule(source: Source) -> Inline:
     if not source.table("fit"):
         return Fixed(f"{gravity}. No stand is declared: nothing is stated of other attitudes. {_AS_THEY_ARE}")
     factor = Decision.of(source.document).coverage_factor
-    stand = ", the residuals fit the declared stand (chi-squared, at the confidence given)"
+    stand = "the residuals fit the declared stand (chi-squared, at the confidence given)"
+    if not source.table("decision"):
+        return Fixed(f"{gravity}, and {stand}. Nothing is stated of other attitudes: {_OLDER}. {_AS_THEY_ARE}")
     everywhere = f", and {factor:g} times the standard uncertainty of |a| is at most the limit at every attitude"
     else_ = ". Where only the last does not hold, conformity is not shown, which is no PASS. "
-    return Fixed(f"{gravity}{stand}{everywhere}{else_}{_AS_THEY_ARE}")
+    return Fixed(f"{gravity}, {stand}{everywhere}{else_}{_AS_THEY_ARE}")
 
 
 def positions(source: Source) -> Table:

@@ -35,12 +35,13 @@ class Decision:
 
     @classmethod
     def of(cls, result: dict[str, Any]) -> Decision:
-        """As a document tells it that files.documents has checked; one that is older than the rule stays as it was."""
-        told, worst = result["decision"] or {}, result["u_norm_g"] or {}
-        reason = result["pass_reason"] or (None if result["pass"] else GRAVITY)
+        """As a document tells it that files.documents finds good; one that is older than the rule stays as it was."""
+        told, worst = result.get("decision") or {}, result.get("u_norm_g") or {}
+        passed = result.get("pass", result["verification"]["pass"])
+        reason = result.get("pass_reason") or (None if passed else GRAVITY)
         return cls(
             failures=() if reason is None else tuple(reason.split(" and ")),
-            assumes=tuple(result["assumes"]),
+            assumes=tuple(result.get("assumes", ())),
             positions=len(result["verification"].get("delta_g_g", [])),
             limit_g=result["verification"]["limit_g"],
             coverage_factor=told.get("coverage_factor", DEFAULT_COVERAGE_FACTOR),
