@@ -16,11 +16,12 @@ from tumble.estimators import LINEAR
 from tumble.files.stand_file import read_stand
 from tumble.planning.case import Case
 from tumble.planning.promise import promise
+from tumble.rounding import beside
 from tumble.solving.covariance import norm_uncertainty, spread_attitudes, worst_norm
-from tumble.solving.decision import is_shown
+from tumble.solving.decision import UNCERTAINTY, Decision, is_shown
 from tumble.solving.gains import optimal_table
 from tumble.solving.stated import Witness
-from tumble.solving.would_show import Question
+from tumble.solving.would_show import Question, Remedy, in_words
 from tumble.stand import PAPER_STAND, Stand
 
 pytestmark = pytest.mark.python
@@ -166,6 +167,29 @@ def test_a_result_that_is_older_than_the_rule_stays_as_it_was():
 
 def test_the_rule_is_met_at_the_limit():
     assert is_shown(3.0, 3.0, 1.0) and not is_shown(3.0, 3.0, np.nextafter(1.0, 2.0)) and is_shown(3e-4, 3.0, None)
+
+
+@pytest.mark.parametrize("limit, reach, said", [
+    (3e-4, 4.512e-4, "up to 0.00045 g, limit 0.0003 g"),
+    (3e-4, 3.046e-4, "up to 0.000305 g, limit 0.0003 g"),
+    (3e-4, 3.0000004e-4, "up to 0.00030000004 g, limit 0.0003 g"),
+    (4.55e-4, 4.56e-4, "up to 0.00046 g, limit 0.000455 g"),
+    (2.99999996e-4, 2.99999998e-4, "up to 0.0003 g, limit 0.000299999996 g"),
+])  # fmt: skip
+def test_what_exceeds_its_limit_is_never_rounded_to_it(limit, reach, said):
+    decision = Decision((UNCERTAINTY,), (), 18, limit, 1.0, reach)
+    assert decision.sentence == f"NOT SHOWN: 1 u(|a|) is {said}"
+
+
+def test_what_would_show_a_limit_is_never_rounded_to_it():
+    remedies = [Remedy("samples", 30, 2.98e-4), Remedy("mountings", 3, 2.1234e-4), Remedy("estimator", "optimal", 3e-4)]
+    assert in_words(remedies, 3e-4) == (
+        "It would be shown by 30 samples a position (0.000298 g) or a third mounting (--schedule three_mountings)"
+        " (0.00021 g) or --estimator optimal (0.0003 g)"
+    )
+    rng = np.random.default_rng(5)
+    for value, other in 1.0 + 1e-4 * rng.standard_normal((200, 2)):
+        assert (float(beside(value, other)) < other) == (value < other)
 
 
 STANDS = {

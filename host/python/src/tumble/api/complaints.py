@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from tumble.fixture.judge import Limits
+from tumble.rounding import beside
 from tumble.solving import noise, plausibility, temperature
 from tumble.solving.decision import Decision
 from tumble.solving.fit import NOISE, Explanation
@@ -123,7 +124,7 @@ def complaints_of_document(result: dict[str, Any]) -> list[str]:
     """Of a document that files.documents has checked: what whoever uses its coefficients should know first."""
     found, check = [], result["verification"]
     if not check["pass"]:
-        sizes = f"largest error {check['max_abs_delta_g_g']:.2g} g, limit {check['limit_g']:g} g"
+        sizes = f"largest error {beside(check['max_abs_delta_g_g'], check['limit_g'])} g, limit {check['limit_g']:g} g"
         found.append(f"the gravity check FAILED: {sizes}")
     decision = Decision.of(result)
     if decision.is_not_shown:

@@ -298,7 +298,7 @@ def verdict(solution: Solution) -> str:
     best = explained_best(solution)
     decision = decide(solution)
     if decision.is_not_shown:
-        told = f"{decision.sentence}; largest gravity error {size}. {in_words(would_show(solution))}."
+        told = f"{decision.sentence}; largest gravity error {size}. {in_words(would_show(solution), solution.limit_g)}."
         return textwrap.fill(told, _COLUMNS, break_on_hyphens=False)
     if FIT in decision.failures:
         if best:

@@ -241,7 +241,7 @@ def _not_shown(plan: dict[str, Any]) -> str:
     decision = Decision(
         (UNCERTAINTY,), tuple(told["assumes"]), 0, told["limit_g"], told["coverage_factor"], told["u_norm_worst_g"]
     )
-    return f"{decision.sentence}. {in_words(remedies)}."
+    return f"{decision.sentence}. {in_words(remedies, decision.limit_g)}."
 
 
 def _asked(plan: dict[str, Any]) -> str:

@@ -30,7 +30,7 @@ class Verdict:
 def verdict(source: Source) -> Verdict:
     """The decision, as on a terminal."""
     decision = Decision.of(source.document)
-    rest = in_words([Remedy.of(one) for one in source.array("would_show")])
+    rest = in_words([Remedy.of(one) for one in source.array("would_show")], decision.limit_g)
     return Verdict(decision.word, Fixed(f"{decision.reason}. {rest}." if rest else decision.reason))
 
 

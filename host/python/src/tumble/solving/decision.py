@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tumble.defaults import DEFAULT_COVERAGE_FACTOR
+from tumble.rounding import beside
 from tumble.solving.assumptions import assumed, phrase
 from tumble.solving.solution import Solution
 
@@ -97,7 +98,9 @@ class Decision:
         if self.u_norm_g is None:
             return "no uncertainty, as no stand is declared"
         reach = self.coverage_factor * self.u_norm_g
-        return f"{self.coverage_factor:g} u(|a|) is up to {reach:.2g} g, limit {self.limit_g:g} g"
+        shown = beside(reach, self.limit_g)
+        limit = beside(self.limit_g, float(shown), 6)
+        return f"{self.coverage_factor:g} u(|a|) is up to {shown} g, limit {limit} g"
 
     @property
     def sentence(self) -> str:

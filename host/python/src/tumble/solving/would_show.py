@@ -13,6 +13,7 @@ from tumble import core, reference
 from tumble.arrays import Floats
 from tumble.errors import UsageError
 from tumble.estimators import OPTIMAL
+from tumble.rounding import beside
 from tumble.schedule import Schedule
 from tumble.solving.covariance import worst_norm
 from tumble.solving.solution import Solution
@@ -146,11 +147,11 @@ def would_show(solution: Solution) -> list[Remedy]:
     return Question(witness, variance, rounding, solution.found.terms, solution.limit_g, factor).answers()
 
 
-def in_words(remedies: list[Remedy]) -> str:
+def in_words(remedies: list[Remedy], limit_g: float) -> str:
     """All, such as "It would be shown by --estimator optimal (0.00011 g) or ..."; empty for none."""
-    return "It would be shown by " + " or ".join(_told(remedies)) if remedies else ""
+    return "It would be shown by " + " or ".join(_told(remedies, limit_g)) if remedies else ""
 
 
-def _told(remedies: list[Remedy]) -> Iterator[str]:
+def _told(remedies: list[Remedy], limit_g: float) -> Iterator[str]:
     for one in remedies:
-        yield one.phrase if one.is_better else f"{one.phrase} ({one.reach_g:.2g} g)"
+        yield one.phrase if one.is_better else f"{one.phrase} ({beside(one.reach_g, limit_g)} g)"
