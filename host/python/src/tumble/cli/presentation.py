@@ -14,10 +14,11 @@ from tumble.cli import propagated
 from tumble.estimators import COEFFICIENTS, HARMONIC
 from tumble.files.run_temperature import OF_ENVIRONMENT, OF_RUN_FILE
 from tumble.fixture.judge import Limits
+from tumble.rounding import beside
 from tumble.schedule import CHECK
 from tumble.solving.assumptions import ASSUMPTIONS, assumed, marks, phrase
 from tumble.solving.coverage import HANDS, NEARLY_INFINITE, PROBABILITY, Coverage
-from tumble.solving.decision import FIT, decide
+from tumble.solving.decision import UNCERTAINTY, decide
 from tumble.solving.fit import SYSTEMATIC
 from tumble.solving.further import Further
 from tumble.solving.solution import Solution
@@ -289,24 +290,16 @@ def foremost(solution: Solution) -> list[str]:
 
 
 def verdict(solution: Solution) -> str:
-    """The decision and why, in one line if it fits. Where something explains a failure, it is named, and not the
-    position with the largest error: an error at one position makes others look wrong."""
+    """The decision and why, in one line if it fits."""
     worst = solution.worst_position
-    size = f"{abs(solution.found.gravity.delta_g[worst]):.2g} g"
+    size = f"{beside(abs(float(solution.found.gravity.delta_g[worst])), solution.limit_g)} g"
     limit = f"limit {solution.limit_g:g} g"
     rest = f"{size} at {solution.schedule.positions[worst].label}, {limit}; numpy agrees"
-    best = explained_best(solution)
     decision = decide(solution)
-    if decision.is_not_shown:
-        told = f"{decision.sentence}; largest gravity error {size}. {in_words(would_show(solution), solution.limit_g)}."
-        return textwrap.fill(told, _COLUMNS, break_on_hyphens=False)
-    if FIT in decision.failures:
-        if best:
-            return _as_fits(f"FAIL: does not fit{best}", f"; gravity error {size}", f", {limit}")
-        return f"FAIL: does not fit; gravity error {rest}"
     if not decision.passed:
-        found = _as_fits(f"FAIL: gravity error {size}{best}", f"; {limit}")
-        return found if best else f"FAIL: largest gravity error {rest}"
+        largest = f"; largest gravity error {size}"
+        told = f"{largest}. {_remedies(solution)}." if decision.is_not_shown else _failure(solution, largest)
+        return textwrap.fill(decision.sentence + told, _COLUMNS, break_on_hyphens=False)
     condition = phrase(decision.assumes)
     passes = f"{decision.word}{decision.only}{condition}: "
     line = f"{passes}{rest}" if condition else f"{passes}largest gravity error {rest}"
@@ -316,17 +309,22 @@ def verdict(solution: Solution) -> str:
     return next((one for one in (line, *shorter) if len(one) <= _COLUMNS), textwrap.fill(shorter[-1], _COLUMNS))
 
 
+def _remedies(solution: Solution) -> str:
+    return in_words(would_show(solution), solution.limit_g)
+
+
+def _failure(solution: Solution, largest: str) -> str:
+    """What stands behind a failure. Where something explains it, it is named, and not the position with the largest
+    error: an error at one position makes others look wrong."""
+    decision = decide(solution)
+    best = explained_best(solution)
+    where = "" if best else f" at {solution.schedule.positions[solution.worst_position].label}"
+    exceeds = UNCERTAINTY in decision.failures
+    return f"{best}{largest}{where}" + (f"; {decision.comparison}" if exceeds else f", limit {solution.limit_g:g} g")
+
+
 def explained_best(solution: Solution) -> str:
     """What explains the run best, to stand behind a failure; empty where nothing does."""
     if solution.fit is None or not solution.fit.explanations:
         return ""
-    return f", explained best by {named(solution.fit.explanations[0])}"
-
-
-def _as_fits(line: str, *more: str) -> str:
-    """The line, and as much more in this order as fits a terminal."""
-    for part in more:
-        if len(line + part) > _COLUMNS:
-            break
-        line += part
-    return line
+    return f"; explained best by {named(solution.fit.explanations[0])}"
