@@ -172,6 +172,16 @@ def test_what_is_no_such_number_is_refused(tmp_path, old, new, said):
     assert said in str(refused.value)
 
 
+@pytest.mark.parametrize("unit", ["V", "counts"])
+def test_what_is_seen_of_them_fits_a_terminal(unit, tmp_path, tumble):
+    noise = TEXT[: TEXT.index("[block]")].replace("noise_v = 3e-4", "noise_v = [3e-4, 3e-4, 3.1e-4]")
+    (tmp_path / "stand.toml").write_text(noise)
+    done = tumble("solve", EXAMPLES / "paper_stand.csv", "--unit", unit, "--stand", tmp_path / "stand.toml")
+    said = done.stdout[done.stdout.index("Stand seen:") :].partition("\n\n")[0]
+    assert f" {unit}, declared 3.10e-04 (noisiest) " in " ".join(said.split())
+    assert max(map(len, said.splitlines())) <= 80
+
+
 def test_a_result_repeats_what_was_declared():
     told = json.loads(json.dumps({"stand": stand_document(UNEQUAL, (1e-7, 2e-7, 3e-7))}))
     assert told["stand"]["noise_v"] == list(NOISE) and told["stand"]["drift_v"] == list(DRIFT)

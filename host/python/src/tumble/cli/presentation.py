@@ -240,9 +240,10 @@ def _stand_remarks(solution: Solution) -> list[str]:
             measured = _measured(one, has_u, factor, " " if source not in SYSTEMATIC else "+")
             end = f", declared {declared[source]:.2e}" if source in declared else ""
             if source == "noise_v" and stand is not None and isinstance(stand.noise, tuple):
-                end += " in the noisiest channel"
+                end += " (noisiest)"
             begin = "" if lines else "Stand seen:"
-            lines.append(f"{begin:11} {name:11} {measured} {its_unit}{end}")
+            line = f"{begin:11} {name:11} {measured} {its_unit}{end}"
+            lines += textwrap.wrap(line, _COLUMNS, subsequent_indent=" " * 24, break_on_hyphens=False)
     return lines
 
 
