@@ -221,6 +221,12 @@ BAD_VALUES = {
     "no verification": (["verification"], ...),
     "verdict of text": (["verification", "pass"], "yes"),
     "no limit": (["verification", "limit_g"], None),
+    "unknown reason": (["pass_reason"], "wind"),
+    "reason twice": (["pass_reason"], "fit and fit"),
+    "reason without a word": (["pass_reason"], ""),
+    "unknown remedy": (["would_show"], [{"change": "wind", "to": "optimal", "reach_g": 1e-4}]),
+    "remedy of half a sample": (["would_show"], [{"change": "samples", "to": 0.5, "reach_g": 1e-4}]),
+    "remedy to nothing": (["would_show"], [{"change": "stand", "reach_g": 1e-4}]),
 }
 
 

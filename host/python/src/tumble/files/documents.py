@@ -19,6 +19,13 @@ from tumble.units import UNIT, spelled
 
 RESULT = "tumble.result/1"
 _NAME = re.compile("[A-Za-z0-9_]+")
+_REASONS = ("gravity", "fit", "uncertainty")  # why it did not pass, in this order
+_CHANGES: dict[str, tuple[type, ...]] = {  # what would show a limit, and what it would be changed to
+    "estimator": (str,),
+    "samples": (int,),
+    "mountings": (int,),
+    "stand": (int, float),
+}
 
 Check = Callable[[Any], bool]
 
@@ -72,7 +79,7 @@ def checked_coefficients(data: bytes, file: str) -> dict[str, Any]:
     for key, kind in optional.items():
         _require(result, key, _null_or(kind), file, default=None)
     _require(result, "pass", lambda value: isinstance(value, bool), file, default=result["verification"]["pass"])
-    _require(result, "pass_reason", _null_or(str), file, default=None)
+    _require(result, "pass_reason", _null_or_reasons, file, default=None)
     _require(result, "decision", _null_or_decision, file, default=None)
     _require(result, "would_show", _null_or_remedies, file, default=None)
     _require(result, "temperature", _null_or_temperature, file, default=None)
@@ -144,13 +151,23 @@ def _null_or_decision(value: Any) -> bool:
     return numbers and (value.get("u_norm_worst_g") is None or _is_uncertainty(value["u_norm_worst_g"]))
 
 
+def _null_or_reasons(value: Any) -> bool:
+    if not isinstance(value, str):
+        return value is None
+    told = value.split(" and ")
+    return told == [one for one in _REASONS if one in told]
+
+
 def _null_or_remedies(value: Any) -> bool:
-    if value is None:
-        return True
-    return isinstance(value, list) and all(
-        isinstance(one, dict) and isinstance(one.get("change"), str) and _is_uncertainty(one.get("reach_g"))
-        for one in value
-    )
+    return value is None or (isinstance(value, list) and all(map(_is_remedy, value)))
+
+
+def _is_remedy(value: Any) -> bool:
+    if not isinstance(value, dict) or not isinstance(value.get("change"), str):
+        return False
+    to = value.get("to")
+    is_known = type(to) in _CHANGES.get(value["change"], ()) and (isinstance(to, str) or _is_uncertainty(to))
+    return is_known and _is_uncertainty(value.get("reach_g"))
 
 
 def _null_or_extended(value: Any) -> bool:
