@@ -25,6 +25,7 @@ _CHANGES: dict[str, tuple[type, ...]] = {  # what would show a limit, and what i
     "samples": (int,),
     "mountings": (int,),
     "stand": (int, float),
+    "converter": (int, float),
 }
 
 Check = Callable[[Any], bool]

@@ -35,8 +35,8 @@ _PHRASES = {
 
 @dataclass(frozen=True)
 class Remedy:
-    """`change`: "estimator", "samples", "mountings", "stand" or "converter"; `to`: the estimator, how many samples a position, how
-    many mountings, how many times better; `reach_g`: coverage factor times the worst u(|a|) then."""
+    """`change`: "estimator", "samples", "mountings", "stand" or "converter"; `to`: the estimator, how many samples a
+    position, how many mountings, how many times better; `reach_g`: coverage factor times the worst u(|a|) then."""
 
     change: str
     to: str | int | float
