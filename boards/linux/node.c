@@ -283,6 +283,7 @@ static void add_keeper(bench_world_t *world, node_t *node)
                  .whole_step = tumble_whole_step,
                  .whole_work = &node->whole_work},
         .uncertainty = tumble_navcomp_uncertainty,
+        .norm = tumble_navcomp_norm,
         .stand_view = tumble_stand_view,
         .stand_memory = &node->stand_memory,
     };

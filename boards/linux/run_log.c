@@ -89,17 +89,17 @@ void run_log_state(const tumble_progress_t *now, const tumble_progress_t *cause,
 
 /* What is kept. */
 
-static unsigned count_bits(uint16_t bits)
+static unsigned count_bits(uint32_t bits)
 {
     unsigned count = 0;
-    for (unsigned left = bits; left != 0U; left &= left - 1U) {
+    for (uint32_t left = bits; left != 0U; left &= left - 1U) {
         count++;
     }
     return count;
 }
 
 /* Name and sentence of each that fits whole, and how many more there are. */
-static void list_objections(uint16_t objections, char *text, size_t size)
+static void list_objections(uint32_t objections, char *text, size_t size)
 {
     unsigned left = count_bits(objections);
     size_t used = 0;
@@ -124,11 +124,12 @@ static void list_objections(uint16_t objections, char *text, size_t size)
 
 static void tell_held(const tumble_sets_state_t *state)
 {
+    const uint32_t bits = state->objections | ((uint32_t)state->more_objections << TUMBLE_OBJECTION_MORE);
     char objections[NAMES_BYTES];
-    list_objections(state->objections, objections, sizeof objections);
+    list_objections(bits, objections, sizeof objections);
     event_log_tell(EVENT_LOG_WARNING, "held",
-                   EVENT_FIELDS(EVENT_WHOLE("objections", state->objections), EVENT_TEXT("sentence", objections)),
-                   HELD "%s", objections);
+                   EVENT_FIELDS(EVENT_WHOLE("objections", bits), EVENT_TEXT("sentence", objections)), HELD "%s",
+                   objections);
 }
 
 static void tell_commit(const tumble_sets_state_t *state, const char *how)

@@ -7,6 +7,7 @@
 extern const tumble_keeper_config_t tumble_resident_keeper_config;
 extern const tumble_keeping_t *const tumble_resident_keeping;
 
-const tumble_keeper_config_t tumble_resident_keeper_config = {.uncertainty = tumble_navcomp_uncertainty};
+const tumble_keeper_config_t tumble_resident_keeper_config = {.uncertainty = tumble_navcomp_uncertainty,
+                                                              .norm = tumble_navcomp_norm};
 const tumble_keeping_t *const tumble_resident_keeping = &tumble_keeper_calls;
 tumble_keeper_t tumble_resident_keeper;

@@ -11,6 +11,7 @@ static tumble_whole_work_t whole_work;
 const tumble_keeper_config_t tumble_resident_keeper_config = {
     .sets = {.whole_step = tumble_whole_step, .whole_work = &whole_work},
     .uncertainty = tumble_navcomp_uncertainty,
+    .norm = tumble_navcomp_norm,
 };
 const tumble_keeping_t *const tumble_resident_keeping = &tumble_keeper_calls;
 tumble_keeper_t tumble_resident_keeper;

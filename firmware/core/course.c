@@ -2,6 +2,7 @@
 
 #include "core/arith.h"
 #include "core/normal.h"
+#include "core/stand_record.h"
 
 void tumble_course_waves(const tumble_angle_t *angle, double wave[TUMBLE_WAVES])
 {
@@ -49,7 +50,7 @@ void tumble_course_add(const tumble_judged_run_t *run, uint8_t p, double turning
             response->by_wave[n] += wave[n] * turning;
         }
     }
-    if (tumble_is_positive(run->stand->drift_v)) {
+    if (tumble_stand_drifts(run->stand)) {
         const double x = tumble_course_at(run->schedule, run->measured, p);
         for (int i = 0; i < TUMBLE_CHANNELS; i++) {
             response->by_drift[i] += x * g[i];
@@ -57,17 +58,14 @@ void tumble_course_add(const tumble_judged_run_t *run, uint8_t p, double turning
     }
 }
 
-static double sum_of_squares(const double *numbers, int count)
-{
-    double sum = 0.0;
-    for (int n = 0; n < count; n++) {
-        sum += numbers[n] * numbers[n];
-    }
-    return sum;
-}
-
 double tumble_course_variance(const tumble_stand_record_t *stand, const tumble_course_response_t *response)
 {
-    return (stand->encoder_rad * stand->encoder_rad * sum_of_squares(response->by_wave, TUMBLE_WAVES)) +
-           (stand->drift_v * stand->drift_v * sum_of_squares(response->by_drift, TUMBLE_CHANNELS));
+    double variance = 0.0;
+    for (int n = 0; n < TUMBLE_WAVES; n++) {
+        variance += tumble_square(stand->encoder_rad * response->by_wave[n]);
+    }
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        variance += tumble_square(tumble_stand_drift_v(stand, i) * response->by_drift[i]);
+    }
+    return variance;
 }

@@ -9,6 +9,7 @@
 
 #define HEAD_BYTES sizeof(tumble_gain_record_t)
 #define TAIL_BYTES 8U /* a zero and the CRC, four bytes each */
+#define WEIGHTS_BYTES (TUMBLE_CHANNELS * sizeof(double))
 #define BYTES_BEFORE_NUMBERS offsetof(tumble_gain_record_t, k_v_per_g)
 
 static const void *at(const tumble_gain_record_t *record, size_t offset)
@@ -35,6 +36,23 @@ const double *tumble_gain_record_gains(const tumble_gain_record_t *record)
 const double *tumble_gain_record_stand_gains(const tumble_gain_record_t *record)
 {
     return at(record, HEAD_BYTES + (TUMBLE_COEFFICIENTS * row_bytes(record)));
+}
+
+static size_t rows_of(const tumble_gain_record_t *record)
+{
+    return (size_t)TUMBLE_COEFFICIENTS + 2U + record->yaws + (2U * (size_t)record->seats) + (size_t)record->waves +
+           (size_t)record->drifts;
+}
+
+static size_t bytes_before_weights(const tumble_gain_record_t *record)
+{
+    return HEAD_BYTES + (rows_of(record) * row_bytes(record));
+}
+
+const double *tumble_gain_record_weights(const tumble_gain_record_t *record)
+{
+    const size_t before = bytes_before_weights(record);
+    return (record->size_bytes == (before + TAIL_BYTES)) ? NULL : at(record, before);
 }
 
 static uint32_t crc32_of_double(uint32_t crc, double x)
@@ -76,15 +94,13 @@ static bool is_record(const tumble_gain_record_t *record, size_t memory_bytes)
 
 static bool is_well_formed(const tumble_gain_record_t *record)
 {
-    const size_t rows = (size_t)TUMBLE_COEFFICIENTS + 2U + record->yaws + (2U * (size_t)record->seats) +
-                        (size_t)record->waves + (size_t)record->drifts;
-    const size_t size = HEAD_BYTES + (rows * row_bytes(record)) + TAIL_BYTES;
-    return (record->size_bytes == size) && (record->mountings <= TUMBLE_MAX_YAWS) &&
-           ((record->yaws == 1U) || (record->yaws == record->mountings)) &&
+    const size_t alike = bytes_before_weights(record) + TAIL_BYTES;
+    return ((record->size_bytes == alike) || (record->size_bytes == (alike + WEIGHTS_BYTES))) &&
+           (record->mountings <= TUMBLE_MAX_YAWS) && ((record->yaws == 1U) || (record->yaws == record->mountings)) &&
            ((record->seats == 0U) || (record->seats == record->mountings)) &&
            ((record->waves == 0U) || (record->waves == (uint8_t)TUMBLE_WAVES)) &&
            ((record->drifts == 0U) || (record->drifts == (uint8_t)TUMBLE_CHANNELS)) &&
-           (word_at(record, size - TAIL_BYTES) == 0U);
+           (word_at(record, record->size_bytes - TAIL_BYTES) == 0U);
 }
 
 static bool is_for(const tumble_gain_record_t *record, const tumble_schedule_t *schedule)
@@ -112,13 +128,23 @@ static bool none_is_negative(const double *numbers, size_t count)
     return !negative;
 }
 
+static bool weights_are_positive(const tumble_gain_record_t *record)
+{
+    const double *weights = tumble_gain_record_weights(record);
+    bool positive = true;
+    for (int i = 0; (weights != NULL) && (i < TUMBLE_CHANNELS); i++) {
+        positive = positive && tumble_is_positive(weights[i]);
+    }
+    return positive;
+}
+
 static bool numbers_are_in_range(const tumble_gain_record_t *record)
 {
     const size_t count = (record->size_bytes - BYTES_BEFORE_NUMBERS - TAIL_BYTES) / sizeof(double);
     return all_within(at(record, BYTES_BEFORE_NUMBERS), count, TUMBLE_MAX_GAIN) &&
            !all_within(record->k_v_per_g[0], (size_t)TUMBLE_CHANNELS * TUMBLE_CHANNELS, 0.0) &&
            all_within(record->sigma_rad, 4, TUMBLE_MAX_SIGMA_RAD) && none_is_negative(record->sigma_rad, 4) &&
-           tumble_is_positive(record->sigma_mean_v) &&
+           tumble_is_positive(record->sigma_mean_v) && weights_are_positive(record) &&
            none_is_negative(record->u_k_v_per_g[0], (size_t)TUMBLE_CHANNELS * TUMBLE_CHANNELS) &&
            none_is_negative(record->u_u0_v, TUMBLE_CHANNELS);
 }

@@ -3,13 +3,14 @@
 #include "core/arith.h"
 #include "core/averaging_state.h"
 #include "core/one_copy.h"
+#include "core/stand_record.h"
 #include "core/vector.h"
 
 #include <stddef.h>
 
 #define BASIS 3             /* 1, sin phi, cos phi */
 #define RANK 1e-9           /* a pivot this small a part of its diagonal element is rounding: too few attitudes */
-#define SMALLEST_NOISE 1e-7 /* of a mean, relative to the largest element of K, so that all have weights */
+#define SMALLEST_NOISE 1e-7 /* of a mean, relative to the largest element of its row of K, so that all have weights */
 #define HALF_STEP 0.5       /* less noise than that, in counts: samples round alike */
 
 /* A position as the fit sees it. */
@@ -17,7 +18,8 @@ typedef struct {
     double basis[BASIS];
     double residual_v[TUMBLE_CHANNELS];
     double by_angle_v[TUMBLE_CHANNELS]; /* per rad of the set angle; 0 for a channel that is left out */
-    double variance_v2;
+    double weighted_v[TUMBLE_CHANNELS]; /* the same over the variance */
+    double variance_v2[TUMBLE_CHANNELS];
 } fitted_t;
 
 double tumble_misfit_limit(int freedom)
@@ -51,11 +53,12 @@ static bool is_in(const tumble_misfit_work_t *work, int channel)
     return channel != ((int)work->test - 1);
 }
 
-static double largest_k(const tumble_coefficients_t *coefficients)
+/* Of a row of K. */
+static double largest_of(const double k[TUMBLE_CHANNELS])
 {
     double largest = 0.0;
-    for (int i = 0; i < (TUMBLE_CHANNELS * TUMBLE_CHANNELS); i++) {
-        largest = tumble_larger(tumble_abs(coefficients->k_v_per_g[i / TUMBLE_CHANNELS][i % TUMBLE_CHANNELS]), largest);
+    for (int j = 0; j < TUMBLE_CHANNELS; j++) {
+        largest = tumble_larger(tumble_abs(k[j]), largest);
     }
     return largest;
 }
@@ -70,18 +73,18 @@ static double angle_variance(const tumble_stand_record_t *stand)
 /* Variance of a mean: its noise, with the rounding of the converter. The second-order effect of an angle's error is
  * added: `by_angle_v` does not contain it, and on a coarse stand it exceeds the noise. So is the mean square of a drift
  * over the run. */
-static double variance_of(const tumble_misfit_run_t *run, uint32_t samples)
+static double variance_of(const tumble_misfit_run_t *run, int i, uint32_t samples)
 {
     const double step_v = tumble_abs(run->v_per_count);
-    const double noise_v = run->stand->noise_v;
+    const double noise_v = tumble_stand_noise_v(run->stand, i);
     const double rounding_v2 = tumble_square(step_v) / 12.0;
     const double n = (double)samples;
-    const double scale_v = largest_k(run->coefficients);
+    const double scale_v = largest_of(run->coefficients->k_v_per_g[i]);
     double variance = tumble_exceeds(HALF_STEP * step_v, noise_v) ? ((tumble_square(noise_v) / n) + rounding_v2)
                                                                   : ((tumble_square(noise_v) + rounding_v2) / n);
     variance = tumble_larger(variance, tumble_square(run->stand->least_noise_v));
     variance = tumble_larger(variance, tumble_square(SMALLEST_NOISE * scale_v));
-    variance += tumble_square(run->stand->drift_v) / 12.0;
+    variance += tumble_square(tumble_stand_drift_v(run->stand, i)) / 12.0;
     return variance + tumble_square(angle_variance(run->stand) * scale_v);
 }
 
@@ -106,21 +109,22 @@ static void look_at(const tumble_misfit_work_t *work, const tumble_misfit_run_t 
     place->basis[0] = 1.0;
     place->basis[1] = angle->sine;
     place->basis[2] = angle->cosine;
-    place->variance_v2 = variance_of(run, run->averaging->averages[p].samples);
     turn_to_block(mounting, sine, cosine, force);
     turn_to_block(mounting, cosine, -sine, by_angle);
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         const double *k = run->coefficients->k_v_per_g[i];
         place->residual_v[i] = mean_v[i] - run->coefficients->u0_v[i] - tumble_dot(k, force);
         place->by_angle_v[i] = is_in(work, i) ? tumble_dot(k, by_angle) : 0.0;
+        place->variance_v2[i] = variance_of(run, i, run->averaging->averages[p].samples);
+        place->weighted_v[i] = place->by_angle_v[i] / place->variance_v2[i];
     }
 }
 
-/* V^-1 = (I - kappa d d^T) / v, by Sherman and Morrison. */
+/* V^-1 = diag(1 / v) - kappa w w^T with w_i = d_i / v_i, by Sherman and Morrison. */
 static double weight(const fitted_t *place, double kappa, int i, int j)
 {
-    const double own = (i == j) ? 1.0 : 0.0;
-    return (own - (kappa * place->by_angle_v[i] * place->by_angle_v[j])) / place->variance_v2;
+    const double own = (i == j) ? (1.0 / place->variance_v2[i]) : 0.0;
+    return own - (kappa * place->weighted_v[i] * place->weighted_v[j]);
 }
 
 /* Add the rows that channel `i` has in the normal equations. */
@@ -154,8 +158,7 @@ static void add_position(tumble_misfit_work_t *work, const tumble_misfit_run_t *
     fitted_t place;
     look_at(work, run, p, &place);
     const double angle_square = angle_variance(run->stand);
-    const double length_square = tumble_dot(place.by_angle_v, place.by_angle_v);
-    const double kappa = angle_square / (place.variance_v2 + (angle_square * length_square));
+    const double kappa = angle_square / (1.0 + (angle_square * tumble_dot(place.by_angle_v, place.weighted_v)));
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         if (is_in(work, i)) {
             add_channel(work, &place, kappa, i);

@@ -2,6 +2,7 @@
 
 #include "core/arith.h"
 #include "core/averaging_state.h"
+#include "core/stand_record.h"
 
 #include <stddef.h>
 
@@ -113,11 +114,13 @@ static double noise_of_means(const tumble_noise_t *noise, const tumble_averaging
     return tumble_sqrt(sum / (double)count);
 }
 
-static void look(const tumble_blocks_t *blocks, const tumble_averaging_t *averaging, const scatter_t *scatter,
-                 double v2_per_count2, tumble_noise_t *noise)
+static void look(const tumble_blocks_t *blocks, const tumble_averaging_t *averaging, const tumble_stand_record_t *stand,
+                 const scatter_t *scatter, double v2_per_count2, tumble_noise_t *noise)
 {
-    const double declared = tumble_square(noise->declared_v) / v2_per_count2;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        const double declared_v = tumble_stand_noise_v(stand, i);
+        const double declared = tumble_square(declared_v) / v2_per_count2;
+        noise->declared_v = tumble_larger(noise->declared_v, declared_v);
         const shown_t shown = shown_in(blocks, scatter, i, declared + tumble_square(HALF_COUNT));
         const uint32_t bit = UINT32_C(1) << (uint32_t)i;
         noise->variance_v2[i] = shown.variance * v2_per_count2;
@@ -145,11 +148,11 @@ tumble_status_t tumble_blocks_noise(const tumble_blocks_t *blocks, const tumble_
         return TUMBLE_E_DEVIATION;
     }
     const double v2_per_count2 = tumble_square(v_per_count);
-    *noise = (tumble_noise_t){.declared_v = stand->noise_v, .rounding_v2 = v2_per_count2 / 12.0};
+    *noise = (tumble_noise_t){.rounding_v2 = v2_per_count2 / 12.0};
     if (blocks->block_samples != 0U) {
         noise->lengths_per_sample = 1.0 / (2.0 * (double)blocks->block_samples);
     }
-    look(blocks, averaging, &scatter, v2_per_count2, noise);
+    look(blocks, averaging, stand, &scatter, v2_per_count2, noise);
     return TUMBLE_OK;
 }
 

@@ -119,12 +119,16 @@ static bool exact_force(const pose_t *at, double alpha1_rad, double delta, doubl
 }
 
 /* The best estimate of an error of the table angle, from what its effect d has in common with what is left of the means:
- * sigma4^2 / (sigma^2 + sigma4^2 d.d) is this, to be multiplied by d. */
-static double angle_gain(const tumble_gain_record_t *record, const double by_angle_v[3])
+ * sigma4^2 / (sigma^2 + sigma4^2 w.d) is this, to be multiplied by w; w_i is d_i times the weight of the channel. */
+static double angle_gain(const tumble_gain_record_t *record, const double by_angle_v[3], double weighted_v[3])
 {
+    const double *weights = tumble_gain_record_weights(record);
     const double variance = record->sigma_rad[3] * record->sigma_rad[3];
     const double noise = record->sigma_mean_v * record->sigma_mean_v;
-    return variance / (noise + (variance * dot(by_angle_v, by_angle_v)));
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        weighted_v[i] = (weights != NULL) ? (weights[i] * by_angle_v[i]) : by_angle_v[i];
+    }
+    return variance / (noise + (variance * dot(weighted_v, by_angle_v)));
 }
 
 /* Take out of the means of one position, the fit position number `fit` from 0, what the exact outputs, at the present
@@ -143,10 +147,11 @@ static bool subtract_curvature(const work_t *work, uint8_t p, size_t fit, double
     add_outputs(((const tumble_coefficients_t *)work->block)->k_v_per_g, &pose, f_g, beyond);
     linear_change(&pose, work->stand->alpha1_rad, f_g);
     add_outputs(work->record->k_v_per_g, &pose, f_g, beyond);
-    const double gain = angle_gain(work->record, by_angle);
+    double weighted[3];
+    const double gain = angle_gain(work->record, by_angle, weighted);
     double delta = 0.0;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        delta += by_angle[i] * (u_v[i] - work->block->u0_v[i] - (course * work->stand->drift_v[i]) - beyond[i]);
+        delta += weighted[i] * (u_v[i] - work->block->u0_v[i] - (course * work->stand->drift_v[i]) - beyond[i]);
     }
     delta = (gain * delta) - (double)*curvature_rad;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
@@ -157,7 +162,7 @@ static bool subtract_curvature(const work_t *work, uint8_t p, size_t fit, double
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         u_v[i] -= beyond[i];
     }
-    const double curvature = gain * dot(by_angle, beyond);
+    const double curvature = gain * dot(weighted, beyond);
     const bool fits = is_small(curvature); /* else a float may not hold it */
     *curvature_rad = fits ? tumble_to_float(curvature) : 0.0F;
     return small && fits;

@@ -7,6 +7,7 @@
 #include "core/normal.h"
 #include "core/one_copy.h"
 #include "core/stand_record.h"
+#include "core/vector.h"
 
 #include <stddef.h>
 
@@ -29,6 +30,7 @@ typedef struct {
     const uint8_t *slots; /* with the map: what each position is to it */
     least_squares_t *least_squares;
     const tumble_gain_table_t *table;
+    double by_channel[TUMBLE_CHANNELS]; /* with an attitude n: n K^-1, what |a| changes by an output of each */
 } gains_t;
 
 /* What one unit of each source does to one coefficient; of the noise, what it does as it is. */
@@ -99,19 +101,21 @@ static double least_squares_gain(const gains_t *gains, uint8_t p, double row[TUM
     return gain;
 }
 
-/* The column of N^-1 that belongs to the unknown. A fit is corrected from its residual (normal.h), this is not: what the
+/* The column of N^-1 that belongs to the unknown, or with an attitude n the sum of them that is U0_i + K_i n. A fit is corrected from its residual (normal.h), this is not: what the
  * condition of N takes from it, 1e-8 of it at the worst, is nothing to an uncertainty. */
 static void solve_column(const gains_t *gains)
 {
+    const double *attitude = gains->run->attitude;
     double *column = gains->least_squares->column;
     for (int j = 0; j < TUMBLE_UNKNOWNS; j++) {
-        column[j] = (j == gains->unknown) ? 1.0 : 0.0;
+        const bool counts = (attitude != NULL) || (j == gains->unknown);
+        column[j] = !counts ? 0.0 : ((attitude == NULL) || (j == BIAS)) ? 1.0 : attitude[j];
     }
     tumble_normal_solve(&gains->least_squares->normal, column);
 }
 
 /* The gains of the position `p`, the fit position number `fit` from 0, for its three channels. False if all are 0. */
-static bool gains_at(const gains_t *gains, uint8_t p, size_t fit, double g[TUMBLE_CHANNELS])
+static bool gains_of_one(const gains_t *gains, uint8_t p, size_t fit, double g[TUMBLE_CHANNELS])
 {
     if (gains->kind == TABLE) {
         const size_t row_length = (size_t)gains->table->fit_positions * TUMBLE_CHANNELS;
@@ -130,11 +134,43 @@ static bool gains_at(const gains_t *gains, uint8_t p, size_t fit, double g[TUMBL
     return tumble_is_positive(tumble_abs(g[gains->channel]));
 }
 
+/* Of the length of the shown specific force at an attitude n, which an error of K_ij shortens by w_i n_j of it, and one
+ * of U0_i by w_i, with w = n K^-1. */
+static void norm_gains(gains_t *gains, uint8_t p, size_t fit, double g[TUMBLE_CHANNELS])
+{
+    double of_one[TUMBLE_CHANNELS];
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        g[i] = 0.0;
+    }
+    for (gains->channel = X; gains->channel <= Z; gains->channel++) {
+        const int last = (gains->kind == LEAST_SQUARES) ? X : BIAS; /* its column holds the sum already */
+        for (gains->unknown = X; gains->unknown <= last; gains->unknown++) {
+            const bool is_sum = (gains->kind == LEAST_SQUARES) || (gains->unknown == BIAS);
+            const double weight =
+                gains->by_channel[gains->channel] * (is_sum ? 1.0 : gains->run->attitude[gains->unknown]);
+            if (gains_of_one(gains, p, fit, of_one)) {
+                for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+                    g[i] += weight * of_one[i];
+                }
+            }
+        }
+    }
+}
+
+static bool gains_at(gains_t *gains, uint8_t p, size_t fit, double g[TUMBLE_CHANNELS])
+{
+    if (gains->run->attitude == NULL) {
+        return gains_of_one(gains, p, fit, g);
+    }
+    norm_gains(gains, p, fit, g);
+    return true;
+}
+
 static double noise_variance_v2(const tumble_judged_run_t *run, int i, uint32_t samples)
 {
     const tumble_stand_record_t *stand = run->stand;
-    const double declared_v2 =
-        tumble_larger(tumble_square(stand->noise_v) / (double)samples, tumble_square(stand->least_noise_v));
+    const double declared_v2 = tumble_larger(tumble_square(tumble_stand_noise_v(stand, i)) / (double)samples,
+                                             tumble_square(stand->least_noise_v));
     return (run->noise != NULL) ? (declared_v2 + tumble_noise_excess(run->noise, i, samples, declared_v2))
                                 : declared_v2;
 }
@@ -220,12 +256,13 @@ static double combined(const tumble_stand_record_t *stand, const response_t *res
         tumble_square(stand->platform_rad * response->lean) + tumble_course_variance(stand, &response->course));
 }
 
-/* A coefficient is made of the means of its channel, but of all three by a table. */
-static void add_mounting(const gains_t *gains, const tumble_mounting_t *mounting, response_t *response)
+/* A coefficient is made of the means of its channel, but of all three by a table, as is |a|. */
+static void add_mounting(gains_t *gains, const tumble_mounting_t *mounting, response_t *response)
 {
     const tumble_judged_run_t *run = gains->run;
-    const int first = (gains->kind == TABLE) ? X : gains->channel;
-    const int last = (gains->kind == TABLE) ? Z : gains->channel;
+    const bool of_all = (gains->kind == TABLE) || (run->attitude != NULL);
+    const int first = of_all ? X : gains->channel;
+    const int last = of_all ? Z : gains->channel;
     channel_t channels[TUMBLE_CHANNELS];
     size_t fit = 0;
     for (int i = first; i <= last; i++) {
@@ -251,7 +288,7 @@ static void add_mounting(const gains_t *gains, const tumble_mounting_t *mounting
 }
 
 /* Mounting by mounting, so that no number has to be kept for each. */
-static double uncertainty_of(const gains_t *gains)
+static double uncertainty_of(gains_t *gains)
 {
     response_t response = {0};
     for (uint8_t m = 0; m < gains->run->schedule->mounting_count; m++) {
@@ -287,9 +324,29 @@ static void judge_unknown(gains_t *gains, tumble_uncertainty_t *uncertainty, dou
     }
 }
 
+/* The columns of K^-1 are the cross products of the rows of K over its determinant. */
+static tumble_status_t judge_norm(gains_t *gains)
+{
+    const tumble_judged_run_t *run = gains->run;
+    const double (*k)[TUMBLE_CHANNELS] = run->coefficients->k_v_per_g;
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        double column[3];
+        tumble_cross(k[(i + 1) % 3], k[(i + 2) % 3], column);
+        gains->by_channel[i] = tumble_dot(run->attitude, column) / tumble_dot(k[i], column);
+    }
+    if (gains->kind == LEAST_SQUARES) {
+        solve_column(gains);
+    }
+    *run->norm_g = uncertainty_of(gains);
+    return tumble_is_finite(*run->norm_g) ? TUMBLE_OK : TUMBLE_E_NOT_FINITE;
+}
+
 /* All that are wanted, one after the other. */
 static tumble_status_t judge(gains_t *gains, tumble_uncertainty_t *uncertainty)
 {
+    if (gains->run->attitude != NULL) {
+        return judge_norm(gains);
+    }
     double check = 0.0;
     for (gains->unknown = X; gains->unknown <= BIAS; gains->unknown++) {
         judge_unknown(gains, uncertainty, &check);
@@ -303,8 +360,9 @@ static tumble_status_t judge(gains_t *gains, tumble_uncertainty_t *uncertainty)
 
 static tumble_status_t check_arguments(const tumble_judged_run_t *run, const tumble_uncertainty_t *uncertainty)
 {
-    if ((run == NULL) || (uncertainty == NULL) || (run->schedule == NULL) || (run->stand == NULL) ||
-        (run->coefficients == NULL) || !tumble_stand_record_is_valid(run->stand)) {
+    if ((run == NULL) || ((run->attitude != NULL) ? (run->norm_g == NULL) : (uncertainty == NULL)) ||
+        (run->schedule == NULL) || (run->stand == NULL) || (run->coefficients == NULL) ||
+        !tumble_stand_record_is_valid(run->stand)) {
         return TUMBLE_E_ARGUMENT;
     }
     bool counted = true;

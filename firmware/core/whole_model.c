@@ -11,6 +11,7 @@
 #include "core/whole_model.h"
 
 #include "core/arith.h"
+#include "core/stand_record.h"
 #include "core/vector.h"
 
 #define ROUNDS 4            /* of Gauss and Newton */
@@ -87,7 +88,7 @@ static void make_row_of_course(tumble_whole_work_t *work, const double mix[TUMBL
     const double by_angle = tumble_dot(mix, place->by_angle);
     for (int e = 0; e < ((int)work->unknowns - COURSE); e++) {
         const int i = e - TUMBLE_WAVES;
-        work->row[COURSE + e] = (i < 0) ? (place->wave_rad[e] * by_angle) : (place->drift_v * mix[i]);
+        work->row[COURSE + e] = (i < 0) ? (place->wave_rad[e] * by_angle) : (place->drift_v[i] * mix[i]);
     }
 }
 
@@ -113,20 +114,24 @@ static void make_row(tumble_whole_work_t *work, const double mix[TUMBLE_CHANNELS
     row[work->unknowns] = tumble_dot(mix, place->residual_v);
 }
 
-/* The whitened row of a channel: V^-1/2 = (I - c d d^T) / sqrt(v) for the covariance V = v I + sigma^2 d d^T of the
- * outputs. */
+/* The whitened row of a channel. The covariance of the outputs is diag(v) + sigma^2 d d^T; in units of their noise, with
+ * e_i = d_i / sqrt(v_i), it is I + sigma^2 e e^T, whose inverse root is I - c e e^T. */
 static void make_row_of_channel(const tumble_whole_model_t *model, tumble_whole_work_t *work)
 {
     const tumble_whole_place_t *place = &work->place;
     const int i = (int)work->channel;
-    const double v = place->variance_v2;
-    const double square = tumble_dot(place->by_angle, place->by_angle);
+    double weight[TUMBLE_CHANNELS];
+    double e[TUMBLE_CHANNELS];
+    for (int j = 0; j < TUMBLE_CHANNELS; j++) {
+        weight[j] = 1.0 / tumble_sqrt(place->variance_v2[j]);
+        e[j] = weight[j] * place->by_angle[j];
+    }
+    const double square = tumble_dot(e, e);
     const double along = model->stand->angle_rad * model->stand->angle_rad * square;
-    const double c = tumble_exceeds(square, 0.0) ? ((1.0 - tumble_sqrt(v / (v + along))) / square) : 0.0;
-    const double weight = 1.0 / tumble_sqrt(v);
+    const double c = tumble_exceeds(square, 0.0) ? ((1.0 - (1.0 / tumble_sqrt(1.0 + along))) / square) : 0.0;
     double mix[TUMBLE_CHANNELS];
     for (int j = 0; j < TUMBLE_CHANNELS; j++) {
-        mix[j] = weight * (((i == j) ? 1.0 : 0.0) - (c * place->by_angle[i] * place->by_angle[j]));
+        mix[j] = weight[j] * (((i == j) ? 1.0 : 0.0) - (c * e[i] * e[j]));
     }
     make_row(work, mix);
 }
@@ -155,12 +160,16 @@ static double angle_error(const tumble_whole_model_t *model, tumble_whole_work_t
 {
     const tumble_whole_place_t *place = &work->place;
     const double square = model->stand->angle_rad * model->stand->angle_rad;
-    make_row(work, place->by_angle);
+    double mix[TUMBLE_CHANNELS];
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        mix[i] = place->by_angle[i] / place->variance_v2[i];
+    }
+    make_row(work, mix);
     double along = work->row[work->unknowns];
     for (int k = 0; k < (int)work->unknowns; k++) {
         along -= work->row[k] * work->change[k];
     }
-    return held(square * along / (place->variance_v2 + (square * tumble_dot(place->by_angle, place->by_angle))));
+    return held(square * along / (1.0 + (square * tumble_dot(mix, place->by_angle))));
 }
 
 /* What the mounting has for itself. */
@@ -232,7 +241,7 @@ static void begin_round(const tumble_whole_model_t *model, tumble_whole_work_t *
 {
     tumble_whole_sigmas_t sigmas;
     tumble_whole_sigmas(model->stand, &sigmas);
-    const bool has_course = tumble_is_positive(model->stand->encoder_rad + model->stand->drift_v);
+    const bool has_course = tumble_is_positive(model->stand->encoder_rad) || tumble_stand_drifts(model->stand);
     work->unknowns = (uint8_t)(has_course ? TUMBLE_WHOLE_UNKNOWNS : COURSE);
     begin_pass(work, (int)work->unknowns);
     clear_rows(work, 0, (int)work->unknowns);

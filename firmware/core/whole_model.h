@@ -22,7 +22,7 @@ typedef struct {
 typedef struct {
     bool measured;
     double u_v[TUMBLE_CHANNELS];
-    double variance_v2;
+    double variance_v2[TUMBLE_CHANNELS];
     double course; /* tumble_course_at; 0 where no drift is declared */
 } tumble_whole_reading_t;
 

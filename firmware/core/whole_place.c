@@ -2,6 +2,7 @@
 
 #include "core/arith.h"
 #include "core/course.h"
+#include "core/stand_record.h"
 #include "core/turn.h"
 #include "core/vector.h"
 
@@ -18,7 +19,7 @@ void tumble_whole_sigmas(const tumble_stand_record_t *stand, tumble_whole_sigmas
     sigmas->local_rad[THETA_H] = stand->seat_rad;
     sigmas->local_rad[THETA_N] = stand->seat_rad;
     for (int e = 0; e < TUMBLE_WHOLE_COURSE; e++) {
-        sigmas->course[e] = (e < TUMBLE_WAVES) ? stand->encoder_rad : stand->drift_v;
+        sigmas->course[e] = (e < TUMBLE_WAVES) ? stand->encoder_rad : tumble_stand_drift_v(stand, e - TUMBLE_WAVES);
     }
 }
 
@@ -85,11 +86,11 @@ void tumble_whole_look(const tumble_whole_model_t *model, const tumble_whole_rea
     for (int n = 0; n < TUMBLE_WAVES; n++) {
         place->wave_rad[n] *= model->stand->encoder_rad;
     }
-    place->drift_v = reading->course * model->stand->drift_v;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         const double felt_v = tumble_dot(work->coefficients.k_v_per_g[i], place->attitude_g);
         const double linear_v = work->coefficients.u0_v[i] + (reading->course * work->course[TUMBLE_WAVES + i]);
         place->residual_v[i] = reading->u_v[i] - linear_v - felt_v + (place->by_angle[i] * angle_rad);
+        place->drift_v[i] = reading->course * sigmas.course[TUMBLE_WAVES + i];
+        place->variance_v2[i] = tumble_larger(reading->variance_v2[i], work->least_v2);
     }
-    place->variance_v2 = tumble_larger(reading->variance_v2, work->least_v2);
 }

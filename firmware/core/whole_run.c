@@ -3,6 +3,7 @@
 #include "core/arith.h"
 #include "core/averaging_state.h"
 #include "core/course.h"
+#include "core/stand_record.h"
 
 #include <stddef.h>
 
@@ -13,11 +14,11 @@
 static void read_mean(const tumble_whole_run_t *run, uint8_t p, tumble_whole_reading_t *reading)
 {
     reading->measured = run->means->measured[p];
-    reading->variance_v2 = run->mean_variance_v2[p];
-    reading->course =
-        tumble_is_positive(run->stand->drift_v) ? tumble_course_at(run->schedule, run->means->measured, p) : 0.0;
+    reading->course = tumble_stand_drifts(run->stand) ? tumble_course_at(run->schedule, run->means->measured, p) : 0.0;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         reading->u_v[i] = run->means->u_v[p][i];
+        reading->variance_v2[i] =
+            (run->channel_variance_v2 != NULL) ? run->channel_variance_v2[p][i] : run->mean_variance_v2[p];
     }
 }
 
@@ -25,7 +26,8 @@ tumble_status_t tumble_whole_chi_squared(const tumble_whole_run_t *run, tumble_w
                                          uint8_t *freedom)
 {
     if ((run == NULL) || (run->schedule == NULL) || (run->means == NULL) || (run->stand == NULL) ||
-        (run->mean_variance_v2 == NULL) || (work == NULL) || (chi_squared == NULL) || (freedom == NULL)) {
+        ((run->mean_variance_v2 == NULL) && (run->channel_variance_v2 == NULL)) || (work == NULL) ||
+        (chi_squared == NULL) || (freedom == NULL)) {
         return TUMBLE_E_ARGUMENT;
     }
     const tumble_whole_model_t model = {run->schedule, run->stand};
@@ -50,10 +52,10 @@ tumble_status_t tumble_whole_chi_squared(const tumble_whole_run_t *run, tumble_w
 
 /* Declared noise and rounding of a mean. Samples with less noise than half a step of the converter round alike, and
  * averaging does not help. */
-static double declared_variance(const tumble_misfit_run_t *run, uint32_t samples)
+static double declared_variance(const tumble_misfit_run_t *run, int i, uint32_t samples)
 {
     const double step_v2 = run->v_per_count * run->v_per_count;
-    const double noise_v2 = run->stand->noise_v * run->stand->noise_v;
+    const double noise_v2 = tumble_square(tumble_stand_noise_v(run->stand, i));
     const double least_v2 = run->stand->least_noise_v * run->stand->least_noise_v;
     const bool alike = tumble_exceeds(step_v2, 4.0 * noise_v2);
     return tumble_larger((noise_v2 / (double)samples) + (alike ? (step_v2 / ROUNDING_V2) : 0.0), least_v2);
@@ -73,10 +75,10 @@ static void read_average(const tumble_misfit_run_t *run, uint8_t p, tumble_whole
     const tumble_average_t *average = &run->averaging->averages[p];
     reading->measured = tumble_averaging_has_mean(run->averaging, p);
     if (reading->measured) {
-        reading->variance_v2 = declared_variance(run, average->samples);
-        reading->course = tumble_is_positive(run->stand->drift_v) ? course_of_average(run, p) : 0.0;
+        reading->course = tumble_stand_drifts(run->stand) ? course_of_average(run, p) : 0.0;
         for (int i = 0; i < TUMBLE_CHANNELS; i++) { /* three divisions a step: not worth tumble_divide's code */
             reading->u_v[i] = ((double)average->sum_counts[i] / (double)average->samples) * run->v_per_count;
+            reading->variance_v2[i] = declared_variance(run, i, average->samples);
         }
     }
 }

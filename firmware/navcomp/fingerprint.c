@@ -33,8 +33,17 @@ static uint32_t add_numbers(uint32_t crc, const double *numbers, size_t count)
 
 #define ADD(crc, numbers) add_numbers((crc), (numbers), sizeof(numbers) / sizeof((numbers)[0]))
 
-/* What is declared of it, and how it is turned. Sets in memory bear this number: a stand that declares no seat, and
- * neither encoder nor drift, keeps the one that it had before these could be declared. */
+static bool all_are_zero(const double *numbers, size_t count)
+{
+    bool zero = true;
+    for (size_t n = 0; n < count; n++) {
+        zero = zero && tumble_within(numbers[n], 0.0);
+    }
+    return zero;
+}
+
+/* What is declared of it, and how it is turned. Sets in memory bear this number: a stand that declares no seat, neither
+ * encoder nor drift, and channels that are alike, keeps the one that it had before these could be declared. */
 uint32_t tumble_stand_fingerprint(const tumble_navcomp_t *navcomp)
 {
     const tumble_navcomp_config_t *config = navcomp->config;
@@ -52,6 +61,11 @@ uint32_t tumble_stand_fingerprint(const tumble_navcomp_t *navcomp)
         const double course[] = {stand->encoder_rad, stand->drift_v};
         if (tumble_is_positive(stand->encoder_rad + stand->drift_v)) {
             crc = ADD(crc, course);
+        }
+        const double channels[] = {stand->channel_noise_v[0], stand->channel_noise_v[1], stand->channel_noise_v[2],
+                                   stand->channel_drift_v[0], stand->channel_drift_v[1], stand->channel_drift_v[2]};
+        if (!all_are_zero(channels, sizeof channels / sizeof channels[0])) {
+            crc = ADD(crc, channels);
         }
     }
     double numbers[TUMBLE_STAND_NUMBERS] = {0};

@@ -73,6 +73,12 @@ static tumble_status_t ask_uncertainty(const void *self, uint16_t coefficients, 
     return keeper->config->uncertainty(keeper->navcomp, coefficients, uncertainty);
 }
 
+static tumble_status_t ask_norm(const void *self, const double attitude[3], double *norm_g)
+{
+    const tumble_keeper_t *keeper = self;
+    return keeper->config->norm(keeper->navcomp, attitude, norm_g);
+}
+
 /* What happens to the run. */
 
 static double closure_v(const tumble_navcomp_t *navcomp)
@@ -364,6 +370,7 @@ static tumble_status_t init(void *context, tumble_navcomp_t *navcomp)
         .self = keeper,
         .fingerprint = ask_fingerprint,
         .uncertainty = (keeper->config->uncertainty != NULL) ? ask_uncertainty : NULL,
+        .norm = (keeper->config->norm != NULL) ? ask_norm : NULL,
         .misfit = &navcomp->procedure.work.found.misfit,
     };
     describe(keeper);

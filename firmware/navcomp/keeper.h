@@ -35,6 +35,10 @@ typedef struct {
     tumble_status_t (*uncertainty)(const tumble_navcomp_t *navcomp, uint16_t coefficients,
                                    tumble_uncertainty_t *uncertainty);
 
+    /* tumble_navcomp_norm beside it; null: nobody asks whether the uncertainty shows the limit at every attitude. Called
+     * once in a step, some 60 times for a result. */
+    tumble_status_t (*norm)(const tumble_navcomp_t *navcomp, const double attitude[3], double *norm_g);
+
     /* tumble_stand_view and its memory (navcomp/stand_view.h); null: the dictionary tells nothing of the stand. */
     const struct tumble_stand_view *(*stand_view)(const tumble_navcomp_t *navcomp, struct tumble_stand_memory *memory);
     struct tumble_stand_memory *stand_memory;
@@ -71,7 +75,7 @@ typedef struct {
     uint64_t due_us;          /* next step */
 } tumble_keeper_t;
 
-static_assert(sizeof(tumble_keeper_t) <= ((sizeof(void *) == 4U) ? 2176U : 2368U), "the keeper must stay small");
+static_assert(sizeof(tumble_keeper_t) <= ((sizeof(void *) == 4U) ? 2224U : 2424U), "the keeper must stay small");
 
 /* For tumble_navcomp_config_t.keeping, with a tumble_keeper_t as `keeper`. Its init returns as tumble_sets_init:
  * TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_NV. It reads everything that is kept. If the memory is busy, the rest is read

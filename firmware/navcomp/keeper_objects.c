@@ -71,6 +71,7 @@ TUMBLE_HAS_SIZE("2120h:11", tumble_sets_state_t, inhibited, 1U);
 TUMBLE_FOLLOWS("2120h:12", tumble_sets_state_t, inhibited, busy, 1U);
 TUMBLE_FOLLOWS("2120h:13", tumble_sets_state_t, busy, has_proposal, 1U);
 TUMBLE_FOLLOWS("2120h:14", tumble_sets_state_t, has_proposal, has_factory, 1U);
+TUMBLE_HAS_SIZE("2120h:15", tumble_sets_state_t, more_objections, 2U);
 TUMBLE_HAS_SIZE("2121h:1", tumble_sets_state_t, utc_s, 8U);
 TUMBLE_HAS_SIZE("2121h:2", tumble_sets_state_t, inhibit_s, 2U);
 TUMBLE_HAS_SIZE("2122h:1", tumble_sets_settings_t, gravity_m_s2, 8U);
@@ -214,6 +215,8 @@ static const tumble_entry_t entries[] = {
      TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 1U, 0U, 0U, 3U, offsetof(tumble_sets_state_t, verdict)},
     {0x2120U, 11U, TUMBLE_TYPE_BOOLEAN, TUMBLE_HOME_COMPUTED,
      TUMBLE_ACCESS_READ, 1U, 0U, 0U, 3U, offsetof(tumble_sets_state_t, inhibited)},
+    {0x2120U, 15U, TUMBLE_TYPE_UNSIGNED16, TUMBLE_HOME_COMPUTED,
+     TUMBLE_ACCESS_READ, 2U, 0U, 0U, 0U, offsetof(tumble_sets_state_t, more_objections)},
     /* Host */
     {0x2121U, 1U, TUMBLE_TYPE_UNSIGNED64, TUMBLE_HOME_COMPUTED,
      TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 8U, 0U, 0U, 0U, offsetof(tumble_sets_state_t, utc_s)},

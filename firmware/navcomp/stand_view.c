@@ -1,5 +1,6 @@
 #include "navcomp/stand_view.h"
 
+#include "core/stand_record.h"
 #include "navcomp/uncertainty.h"
 
 #include <stddef.h>
@@ -14,8 +15,36 @@ static void show(tumble_stand_view_t *view, unsigned quantity, const tumble_seen
     number[1] = seen->known ? seen->u : 0.0;
 }
 
-/* Noise of a sample, from the scatter within positions; and what it makes of the means. */
-static tumble_seen_t look_at_noise(const tumble_navcomp_t *navcomp, tumble_stand_memory_t *memory)
+/* What makes each channel as noisy as the noisiest, as the stand declares them: 1 where they are alike. */
+static void find_weights(const tumble_declared_t *declared, double weight[TUMBLE_CHANNELS])
+{
+    double largest_v = 0.0;
+    for (int c = 0; c < TUMBLE_CHANNELS; c++) {
+        weight[c] = (declared != NULL) ? tumble_stand_noise_v(declared->stand, c) : 0.0;
+        largest_v = tumble_larger(largest_v, weight[c]);
+    }
+    for (int c = 0; c < TUMBLE_CHANNELS; c++) {
+        weight[c] = tumble_is_positive(weight[c]) ? (largest_v / weight[c]) : 1.0;
+    }
+}
+
+/* The run and its result as they are with channels that are alike: no angle changes. */
+static void make_alike(const double weight[TUMBLE_CHANNELS], tumble_means_t *means, tumble_coefficients_t *coefficients)
+{
+    for (int c = 0; c < TUMBLE_CHANNELS; c++) {
+        for (int p = 0; p < TUMBLE_MAX_POSITIONS; p++) {
+            means->u_v[p][c] *= weight[c];
+        }
+        for (int j = 0; j < TUMBLE_CHANNELS; j++) {
+            coefficients->k_v_per_g[c][j] *= weight[c];
+        }
+        coefficients->u0_v[c] *= weight[c];
+    }
+}
+
+/* Noise of a sample of the noisiest channel, from the scatter within positions; and what it makes of the means. */
+static tumble_seen_t look_at_noise(const tumble_navcomp_t *navcomp, const double weight[TUMBLE_CHANNELS],
+                                   tumble_stand_memory_t *memory)
 {
     const tumble_procedure_config_t *config = &navcomp->procedure_config;
     const tumble_average_t *averages = tumble_procedure_averages(&navcomp->procedure)->averages;
@@ -25,7 +54,7 @@ static tumble_seen_t look_at_noise(const tumble_navcomp_t *navcomp, tumble_stand
     for (uint8_t p = 0; p < count; p++) {
         samples[p] = averages[p].samples;
         for (int c = 0; c < TUMBLE_CHANNELS; c++) {
-            const double volts = config->v_per_count * (double)averages[p].scatter_counts[c];
+            const double volts = weight[c] * config->v_per_count * (double)averages[p].scatter_counts[c];
             scatter_v[p][c] = (volts < 0.0) ? -volts : volts;
         }
     }
@@ -47,11 +76,15 @@ static void look(const tumble_navcomp_t *navcomp, tumble_stand_memory_t *memory,
     double freedom;
     memory->view = (tumble_stand_view_t){.known = {false}};
     (void)tumble_averaging_means(tumble_procedure_averages(&navcomp->procedure), config->v_per_count, &memory->means);
-    const tumble_seen_t noise = look_at_noise(navcomp, memory);
-    (void)tumble_seen_angle_error(config->schedule, &memory->means, coefficients, &memory->errors, &memory->work,
-                                  &alpha4, &freedom);
+    double weight[TUMBLE_CHANNELS];
+    tumble_coefficients_t alike = *coefficients;
+    find_weights(declared, weight);
+    make_alike(weight, &memory->means, &alike);
+    const tumble_seen_t noise = look_at_noise(navcomp, weight, memory);
+    (void)tumble_seen_angle_error(config->schedule, &memory->means, &alike, &memory->errors, &memory->work, &alpha4,
+                                  &freedom);
     memory->errors.angle_rad = (declared != NULL) ? declared->stand->angle_rad : alpha4.value;
-    (void)tumble_seen_fit(config->schedule, &memory->means, coefficients, &memory->errors, &memory->work, &angles);
+    (void)tumble_seen_fit(config->schedule, &memory->means, &alike, &memory->errors, &memory->work, &angles);
     show(&memory->view, ALPHA1, &angles.alpha1);
     show(&memory->view, ALPHA2_PLUS_ALPHA3, &angles.alpha2_plus_alpha3);
     show(&memory->view, ALPHA3_DIFFERENCE, &angles.alpha3_difference);

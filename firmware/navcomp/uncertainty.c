@@ -2,6 +2,8 @@
 
 #include <stddef.h>
 
+#define NOT_THE_FIRST 2U /* coefficient: with the first a gain record would be checked anew */
+
 static tumble_status_t judge(const tumble_procedure_config_t *config, const tumble_declared_t *declared,
                              const tumble_judged_run_t *run, tumble_uncertainty_t *found)
 {
@@ -24,12 +26,12 @@ static tumble_status_t judge(const tumble_procedure_config_t *config, const tumb
     return status;
 }
 
-tumble_status_t tumble_navcomp_uncertainty(const tumble_navcomp_t *navcomp, uint16_t coefficients,
-                                           tumble_uncertainty_t *uncertainty)
+/* `asked`: which coefficients, or at which attitude. */
+static tumble_status_t judge_asked(const tumble_navcomp_t *navcomp, const tumble_judged_run_t *asked,
+                                   tumble_uncertainty_t *uncertainty)
 {
     tumble_result_t result;
-    const uint16_t only = (uint16_t)(coefficients & TUMBLE_ALL_COEFFICIENTS);
-    if ((navcomp == NULL) || (uncertainty == NULL) || (only == 0U) || (navcomp->config->declared == NULL)) {
+    if ((navcomp == NULL) || (navcomp->config->declared == NULL)) {
         return TUMBLE_E_ARGUMENT;
     }
     if (tumble_navcomp_result(navcomp, &result) != TUMBLE_OK) {
@@ -53,7 +55,23 @@ tumble_status_t tumble_navcomp_uncertainty(const tumble_navcomp_t *navcomp, uint
                                      .stand = declared->stand,
                                      .coefficients = result.coefficients,
                                      .samples = samples,
-                                     .only = only,
-                                     .noise = noise};
+                                     .only = asked->only,
+                                     .noise = noise,
+                                     .attitude = asked->attitude,
+                                     .norm_g = asked->norm_g};
     return judge(config, declared, &run, uncertainty);
+}
+
+tumble_status_t tumble_navcomp_uncertainty(const tumble_navcomp_t *navcomp, uint16_t coefficients,
+                                           tumble_uncertainty_t *uncertainty)
+{
+    const tumble_judged_run_t asked = {.only = (uint16_t)(coefficients & TUMBLE_ALL_COEFFICIENTS)};
+    return ((uncertainty == NULL) || (asked.only == 0U)) ? TUMBLE_E_ARGUMENT
+                                                         : judge_asked(navcomp, &asked, uncertainty);
+}
+
+tumble_status_t tumble_navcomp_norm(const tumble_navcomp_t *navcomp, const double attitude[3], double *norm_g)
+{
+    const tumble_judged_run_t asked = {.only = NOT_THE_FIRST, .attitude = attitude, .norm_g = norm_g};
+    return ((attitude == NULL) || (norm_g == NULL)) ? TUMBLE_E_ARGUMENT : judge_asked(navcomp, &asked, NULL);
 }

@@ -56,6 +56,10 @@ bool tumble_navcomp_look_at_noise(const tumble_navcomp_t *navcomp);
 tumble_status_t tumble_navcomp_uncertainty(const tumble_navcomp_t *navcomp, uint16_t coefficients,
                                            tumble_uncertainty_t *uncertainty);
 
+/* The standard uncertainty, g, of the length of the specific force that the calibrated block shows at an attitude, a unit
+ * vector on its axes. Ask for coefficient 0 first; each takes as long as three or four coefficients. Returns likewise. */
+tumble_status_t tumble_navcomp_norm(const tumble_navcomp_t *navcomp, const double attitude[3], double *norm_g);
+
 /* The noise that these uncertainties count, valid until the next sample is averaged.
  * Returns TUMBLE_OK, TUMBLE_E_PORT_BUSY (the uncertainties have not been asked for), TUMBLE_E_STATE (no result, or no
  * memory for it), TUMBLE_E_TOO_FEW (one sample a position shows none: the declared noise counts), TUMBLE_E_DEVIATION. */

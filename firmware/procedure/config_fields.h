@@ -83,7 +83,10 @@
     X(U32, sample_timeout_ms, 1000U, POSITIVE, NO_RESULT, 1, "procedure.sample_timeout_ms", 0, UINT32_MAX,             \
       "ms; 0: 100 samples")                                                                                             \
     X(U32, motion_margin_ms, 2000U, ANY, NO_RESULT, 6, "procedure.motion_margin_ms", 0, 3600000,                    \
-      "ms; a motion may last so much longer than way / speed; 0: 2000")
+      "ms; a motion may last so much longer than way / speed; 0: 2000")                                                \
+    X(F64, channel_scale_v_per_g[0], 0.0, ANY, NO_RESULT, 7, NULL, -1e9, 1e9, "V/g; 0: nominal_scale_v_per_g")         \
+    X(F64, channel_scale_v_per_g[1], 0.0, ANY, NO_RESULT, 7, NULL, -1e9, 1e9, "V/g; likewise")                         \
+    X(F64, channel_scale_v_per_g[2], 0.0, ANY, NO_RESULT, 7, NULL, -1e9, 1e9, "V/g; likewise")
 /* clang-format on */
 
 #endif

@@ -68,6 +68,7 @@ typedef struct {
     uint32_t sample_timeout_ms; /* silence of the block that is a fault, in states that need samples */
     uint32_t motion_margin_ms;  /* a motion may take so much longer than way / speed and ramps, and may show no progress
                                  * for so long (stand/bounds.h); 0: TUMBLE_MOTION_MARGIN_MS */
+    double channel_scale_v_per_g[TUMBLE_CHANNELS]; /* of a channel that differs; 0: as nominal_scale_v_per_g says */
 } tumble_procedure_config_t;
 
 /* Monotonic since init, over all runs; they stop at UINT32_MAX. */

@@ -225,11 +225,14 @@ static double distance_g(const double a[TUMBLE_CHANNELS], const double b[TUMBLE_
     return tumble_sqrt(tumble_dot(difference, difference));
 }
 
-/* The mean of a position over the nominal scale: specific force plus bias, in g. */
-static void seen_g(const tumble_procedure_t *procedure, uint8_t index, double seen[TUMBLE_CHANNELS])
+void tumble_seen_g(const tumble_procedure_t *procedure, uint8_t index, double seen[TUMBLE_CHANNELS])
 {
-    const double g_per_count = procedure->config->v_per_count / procedure->config->nominal_scale_v_per_g;
-    tumble_average_mean(&procedure->averaging.averages[index], seen, g_per_count);
+    const tumble_procedure_config_t *config = procedure->config;
+    tumble_average_mean(&procedure->averaging.averages[index], seen, config->v_per_count);
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        const double own_v_per_g = config->channel_scale_v_per_g[i];
+        seen[i] /= tumble_within(own_v_per_g, 0.0) ? config->nominal_scale_v_per_g : own_v_per_g;
+    }
 }
 
 /* What the position at `index` would show in another mounting. */
@@ -309,10 +312,10 @@ tumble_reason_t tumble_check_direction(const tumble_procedure_t *procedure, uint
     const bool is_first = (reference == schedule->position_count);
     const double limit_g = is_first ? FIRST_LIMIT_G : CHANGE_LIMIT_G;
     double seen[TUMBLE_CHANNELS];
-    seen_g(procedure, index, seen);
+    tumble_seen_g(procedure, index, seen);
     if (!is_first) {
         double earlier[TUMBLE_CHANNELS];
-        seen_g(procedure, reference, earlier);
+        tumble_seen_g(procedure, reference, earlier);
         subtract(seen, earlier, seen);
     }
     double expected[TUMBLE_CHANNELS];

@@ -118,6 +118,9 @@ void tumble_forget_position(tumble_procedure_t *procedure, uint8_t index);
 /* The position is refused with this status: another attempt (OUTCOME_OTHER) if that may help and one is left. */
 outcome_t tumble_refuse_position(tumble_procedure_t *procedure, tumble_status_t status);
 
+/* The mean of a position over the nominal scale of each channel: specific force plus bias, in g. */
+void tumble_seen_g(const tumble_procedure_t *procedure, uint8_t index, double seen[TUMBLE_CHANNELS]);
+
 /* Does gravity in the mean of the position point where it should?
  * Returns TUMBLE_REASON_NONE, TUMBLE_REASON_WRONG_MOUNTING, TUMBLE_REASON_SWAPPED_CHANNELS or TUMBLE_REASON_SLIP. */
 tumble_reason_t tumble_check_direction(const tumble_procedure_t *procedure, uint8_t index);

@@ -123,15 +123,15 @@ double tumble_procedure_closure_g(const tumble_procedure_t *procedure, uint8_t m
         !tumble_closure_find(schedule, NULL, schedule->mountings[mounting_index].number, &pair)) {
         return 0.0;
     }
-    double early_counts[TUMBLE_CHANNELS];
-    double late_counts[TUMBLE_CHANNELS];
-    tumble_average_mean(&procedure->averaging.averages[pair.early], early_counts, 1.0);
-    tumble_average_mean(&procedure->averaging.averages[pair.late], late_counts, 1.0);
-    double largest_counts = 0.0;
+    double early[TUMBLE_CHANNELS];
+    double late[TUMBLE_CHANNELS];
+    tumble_seen_g(procedure, pair.early, early);
+    tumble_seen_g(procedure, pair.late, late);
+    double largest_g = 0.0;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        largest_counts = tumble_larger(tumble_abs(late_counts[i] - early_counts[i]), largest_counts);
+        largest_g = tumble_larger(tumble_abs(late[i] - early[i]), largest_g);
     }
-    return tumble_abs(largest_counts * procedure->config->v_per_count / procedure->config->nominal_scale_v_per_g);
+    return largest_g;
 }
 
 tumble_refusal_t tumble_procedure_refusal(const tumble_procedure_t *procedure)

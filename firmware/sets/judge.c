@@ -1,7 +1,7 @@
 /* From a result to a verdict, a part in each step:
  *
- *     run_done --> UNCERTAINTY, 13 steps --> FIT, a step a position --> WHOLE_MODEL, if the board asks --+
- *         |                                                                                             v
+ *     run_done --> UNCERTAINTY, 13 steps --> NORM, some 60 --> FIT, a step a position --> WHOLE_MODEL, if the board asks
+ *         |                                                                                                 |
  *         `-- no stand is declared -------------------------------------------------------------> COMPARE_SETS
  *
  *     COMPARE_SETS --> COMPARE_HISTORY --> DECIDE
@@ -131,6 +131,11 @@ void tumble_sets_run_done(tumble_sets_t *sets, const tumble_finished_run_t *run)
 /* What the result is worth, by the declared stand. Uncertainty and fit take a processor without floating point hardware
  * a million instructions and more, so each step does a part. */
 
+static unsigned test_of_fit(const tumble_sets_t *sets)
+{
+    return (sets->run->stand != NULL) ? (unsigned)TASK_FIT : (unsigned)TASK_COMPARE_SETS;
+}
+
 /* One coefficient. Without all twelve there are none. */
 static void judge_uncertainty(tumble_sets_t *sets)
 {
@@ -150,8 +155,27 @@ static void judge_uncertainty(tumble_sets_t *sets)
     sets->at++;
     if (sets->at == (uint8_t)TUMBLE_COEFFICIENTS) {
         set->flags |= TUMBLE_SET_HAS_UNCERTAINTY;
-        begin_task(sets, (sets->run->stand != NULL) ? TASK_FIT : TASK_COMPARE_SETS);
+        tumble_worst_norm_begin(&sets->worst_norm);
+        begin_task(sets, (owner->norm != NULL) ? (unsigned)TASK_NORM : test_of_fit(sets));
     }
+}
+
+/* One attitude. What cannot be judged is not shown. */
+static void judge_everywhere(tumble_sets_t *sets)
+{
+    const tumble_sets_owner_t *owner = sets->owner;
+    double attitude[3];
+    double u_g = 0.0;
+    tumble_worst_norm_attitude(&sets->worst_norm, attitude);
+    const bool same = (sets->set.estimator == sets->run->estimator);
+    const tumble_status_t status = same ? owner->norm(owner->self, attitude, &u_g) : TUMBLE_E_STATE;
+    if ((status == TUMBLE_OK) && tumble_worst_norm_next(&sets->worst_norm, u_g)) {
+        return;
+    }
+    const bool shown =
+        (status == TUMBLE_OK) && tumble_within(TUMBLE_NORM_COVERAGE * sets->worst_norm.worst_g, sets->set.limit_g);
+    object_if(sets, !shown, TUMBLE_OBJECTION_NOT_SHOWN);
+    begin_task(sets, test_of_fit(sets));
 }
 
 /* One step of either test. */
@@ -254,17 +278,17 @@ static void begin_job(tumble_sets_t *sets, uint8_t job, tumble_status_t status)
 
 /* An active set that is dated after the present counts as one without a date. Otherwise a clock that was ahead once
  * would hold every later set as "older", for years. TUMBLE_DUE_DATE tells of such a date. */
-static uint16_t object(const tumble_sets_t *sets, tumble_set_t *active)
+static uint32_t object(const tumble_sets_t *sets, tumble_set_t *active)
 {
     if ((active != NULL) && tumble_sets_is_ahead(sets, active->date_utc_s, 0)) {
         active->date_utc_s = 0;
     }
-    const unsigned found =
-        (unsigned)TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_DOES_NOT_FIT) |
-        TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_WHOLE_MODEL) | TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_DISTURBED) |
-        TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_NEWER_SET) | TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_RULES);
-    return (uint16_t)((sets->set.reasons & found) |
-                      tumble_commit_objections(&sets->set, active, &sets->settings.limits, sets->repeated));
+    const uint32_t found =
+        TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_DOES_NOT_FIT) | TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_WHOLE_MODEL) |
+        TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_DISTURBED) | TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_NEWER_SET) |
+        TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_RULES) | TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_NOT_SHOWN);
+    return (sets->set.reasons & found) |
+           tumble_commit_objections(&sets->set, active, &sets->settings.limits, sets->repeated);
 }
 
 TUMBLE_ONE_COPY static void decide(tumble_sets_t *sets)
@@ -299,6 +323,8 @@ void tumble_sets_judge(tumble_sets_t *sets)
 {
     if (sets->task == (uint8_t)TASK_UNCERTAINTY) {
         judge_uncertainty(sets);
+    } else if (sets->task == (uint8_t)TASK_NORM) {
+        judge_everywhere(sets);
     } else if (tumble_sets_is_assessing(sets)) {
         judge_fit(sets);
     } else if (sets->task == (uint8_t)TASK_COMPARE_SETS) {

@@ -111,7 +111,8 @@ void tumble_sets_work(tumble_sets_t *sets, tumble_sets_event_t *event)
 
 bool tumble_sets_news(tumble_sets_t *sets)
 {
-    const uint32_t shown = ((uint32_t)sets->objections << 16) | ((uint32_t)sets->verdict << 8) | tumble_sets_due(sets);
+    const uint32_t objections = (sets->objections << 16) | ((sets->objections >> TUMBLE_OBJECTION_MORE) << 12);
+    const uint32_t shown = objections | ((uint32_t)sets->verdict << 8) | tumble_sets_due(sets);
     const bool news = (sets->shown != shown);
     sets->shown = shown;
     return news;

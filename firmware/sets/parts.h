@@ -24,6 +24,7 @@
 enum {
     TASK_NONE = 0,
     TASK_UNCERTAINTY,     /* of the result; `at`: coefficient */
+    TASK_NORM,            /* that of |a|: is the limit met at every attitude? */
     TASK_FIT,             /* does the run fit the declared stand, mounting by mounting? */
     TASK_WHOLE_MODEL,     /* and as a whole? */
     TASK_COMPARE_SETS,    /* is the result one of the sets that the store holds? `at`: which */

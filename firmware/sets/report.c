@@ -97,7 +97,8 @@ TUMBLE_ONE_COPY void tumble_sets_state(const tumble_sets_t *sets, tumble_sets_st
     state->age_s = sets->has_active ? up_to_32_bits(tumble_sets_age_s(sets)) : 0U;
     state->due_in_s = due_in_s(sets);
     state->inhibit_s = inhibit_left_s(sets);
-    state->objections = sets->objections;
+    state->objections = (uint16_t)sets->objections;
+    state->more_objections = (uint16_t)(sets->objections >> TUMBLE_OBJECTION_MORE);
     state->verdict = sets->verdict;
     state->status = sets->status;
     state->due = tumble_sets_due(sets);

@@ -95,13 +95,30 @@ static double sigma_of(double limit, sim_law_t law)
     }
 }
 
-static double noise_sigma(const sim_sensor_config_t *sensor)
+static bool is_alike(const double by_channel[TUMBLE_CHANNELS])
 {
-    double largest = 0.0;
+    return by_channel[0] == by_channel[1] && by_channel[0] == by_channel[2];
+}
+
+static double largest_of(const double by_channel[TUMBLE_CHANNELS])
+{
+    return fmax(fmax(fabs(by_channel[0]), fabs(by_channel[1])), fabs(by_channel[2]));
+}
+
+static double least_of(const double by_channel[TUMBLE_CHANNELS])
+{
+    return fmin(fmin(fabs(by_channel[0]), fabs(by_channel[1])), fabs(by_channel[2]));
+}
+
+/* Of the means of so many samples, over the nominal scales of the channels, g. */
+static double largest_noise_g(const sim_block_config_t *block, uint32_t samples)
+{
+    double noise_g[TUMBLE_CHANNELS];
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        largest = (sensor->noise_v[i] > largest) ? sensor->noise_v[i] : largest;
+        const double sigma_v = sigma_of(block->sensor.noise_v[i], block->sensor.noise_law);
+        noise_g[i] = sigma_v / (fabs(block->scale_v_per_g[i]) * sqrt((double)samples));
     }
-    return sigma_of(largest, sensor->noise_law);
+    return largest_of(noise_g);
 }
 
 /* A still block must not fail by chance: six standard deviations of a scatter found from n samples. */
@@ -115,7 +132,9 @@ static void complete_averaging(bench_config_t *config)
 {
     const sim_sensor_config_t *const sensor = &config->scenario.block.sensor;
     tumble_averaging_config_t *const averaging = &config->averaging;
-    const double noise_counts = noise_sigma(sensor) / sim_sensor_v_per_count(sensor);
+    const double v_per_count = sim_sensor_v_per_count(sensor);
+    const double noise_counts = sigma_of(largest_of(sensor->noise_v), sensor->noise_law) / v_per_count;
+    const double least_counts = sigma_of(least_of(sensor->noise_v), sensor->noise_law) / v_per_count;
     averaging->saturation_counts = (int32_t)((1U << (sensor->converter_bits - 1U)) - 1U);
     if (averaging->min_samples == 0U) {
         const bool all = config->procedure.error_budget_v == 0.0 || config->procedure.samples < LEAST_SAMPLES;
@@ -127,7 +146,7 @@ static void complete_averaging(bench_config_t *config)
     if (averaging->stillness_ratio == 0.0F) {
         averaging->stillness_ratio = still_ratio(averaging->min_samples);
     }
-    if (noise_counts < 1.0) {
+    if (least_counts < 1.0) {
         averaging->stuck_run = 0; /* with less noise than a count the same value may come for ever */
     }
 }
@@ -136,15 +155,18 @@ static void complete_procedure(bench_config_t *config)
 {
     const sim_scenario_t *const scenario = &config->scenario;
     tumble_procedure_config_t *const procedure = &config->procedure;
-    const double scale = fabs(scenario->block.scale_v_per_g);
-    const double noise_g = noise_sigma(&scenario->block.sensor) / (scale * sqrt((double)procedure->samples));
-    const double budget_g = procedure->error_budget_v / scale;
+    const double *scale_v_per_g = scenario->block.scale_v_per_g;
+    const double noise_g = largest_noise_g(&scenario->block, procedure->samples);
+    const double budget_g = procedure->error_budget_v / least_of(scale_v_per_g);
     const double mean_g = (budget_g > noise_g) ? budget_g : noise_g;
     const double expected_g = sqrt(2.0) * (scenario->stand.angle_rad + mean_g);
     procedure->schedule = &scenario->schedule;
     procedure->averaging = &config->averaging;
     procedure->v_per_count = sim_sensor_v_per_count(&scenario->block.sensor);
-    set_if_open(&procedure->nominal_scale_v_per_g, scenario->block.scale_v_per_g);
+    if (procedure->nominal_scale_v_per_g == 0.0 && !is_alike(scale_v_per_g)) {
+        memcpy(procedure->channel_scale_v_per_g, scale_v_per_g, sizeof procedure->channel_scale_v_per_g);
+    }
+    set_if_open(&procedure->nominal_scale_v_per_g, scale_v_per_g[0]);
     set_if_open(&procedure->closure_limit_g, (10.0 * expected_g > 2e-3) ? 10.0 * expected_g : 2e-3);
     if (procedure->average_timeout_ms == 0U) {
         const double expected_ms = procedure->samples * (scenario->block.sample_period_us * 1e-3);
@@ -180,7 +202,11 @@ static void declare_weighted_noise(bench_config_t *config)
     const tumble_gain_record_t *const made = config->gains.record;
     const double converter_v = fabs(config->procedure.v_per_count) / sqrt(12.0);
     tumble_stand_record_t *const record = &config->record;
-    record->noise_v = (record->noise_v > converter_v) ? record->noise_v : converter_v;
+    record->noise_v = fmax(record->noise_v, converter_v);
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        const double own_v = record->channel_noise_v[i];
+        record->channel_noise_v[i] = (own_v > 0.0) ? fmax(own_v, converter_v) : own_v;
+    }
     for (int i = 0; i < TUMBLE_CHANNELS * TUMBLE_CHANNELS; i++) {
         const double floor_v = 1e-9 * fabs(made->k_v_per_g[i / TUMBLE_CHANNELS][i % TUMBLE_CHANNELS]);
         record->least_noise_v = (floor_v > record->least_noise_v) ? floor_v : record->least_noise_v;
@@ -191,19 +217,25 @@ static void declare_weighted_noise(bench_config_t *config)
 static void declare_stand(bench_config_t *config)
 {
     const sim_stand_t *const stand = &config->scenario.stand;
+    const sim_sensor_config_t *const sensor = &config->scenario.block.sensor;
     config->record = (tumble_stand_record_t){
         .axis_tilt_rad = sigma_of(stand->axis_tilt_rad, stand->law),
         .level_rad = sigma_of(stand->level_rad, stand->law),
         .remount_rad = sigma_of(stand->remount_rad, stand->law),
         .angle_rad = sigma_of(stand->angle_rad, stand->law),
-        .noise_v = noise_sigma(&config->scenario.block.sensor),
+        .noise_v = is_alike(sensor->noise_v) ? sigma_of(sensor->noise_v[0], sensor->noise_law) : 0.0,
         .samples = config->procedure.samples,
         .common_yaw = stand->remount == SIM_REMOUNT_COMMON,
         .seat_rad = sigma_of(stand->seat_rad, stand->law),
         .platform_rad = sigma_of(stand->platform_rad, stand->law),
         .encoder_rad = sigma_of(stand->encoder_rad, stand->law),
-        .drift_v = sigma_of(stand->drift_v, stand->law),
+        .drift_v = is_alike(stand->drift_v) ? sigma_of(stand->drift_v[0], stand->law) : 0.0,
     };
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        config->record.channel_noise_v[i] =
+            is_alike(sensor->noise_v) ? 0.0 : sigma_of(sensor->noise_v[i], sensor->noise_law);
+        config->record.channel_drift_v[i] = is_alike(stand->drift_v) ? 0.0 : sigma_of(stand->drift_v[i], stand->law);
+    }
     if (needs_gains(config)) {
         declare_weighted_noise(config);
     }

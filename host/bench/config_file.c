@@ -266,8 +266,10 @@ static bool check_whole(bench_config_t *config, const bool seen[MAX_KEYS], bench
         return complain(mistake, "block.k and block.u0 go together");
     }
     scenario->block.given = is_given(seen, "block.k");
-    if (scenario->block.scale_v_per_g == 0.0) {
-        return complain(mistake, "block.scale_v_per_g must not be 0");
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        if (scenario->block.scale_v_per_g[i] == 0.0) {
+            return complain(mistake, "block.scale_v_per_g must not be 0");
+        }
     }
     if (scenario->drive.sign == 0) {
         return complain(mistake, "drive.sign must be 1 or -1");

@@ -42,18 +42,19 @@ const bench_key_t bench_config_keys[] = {
     {"stand.seat_rad", BENCH_F64, 1, STAND(seat_rad), 0, 1, "rad; limit of theta_h and theta_n of a mounting"},
     {"stand.platform_rad", BENCH_F64, 1, STAND(platform_rad), 0, 1, "rad; limit of theta_h of the platform"},
     {"stand.encoder_rad", BENCH_F64, 1, STAND(encoder_rad), 0, 1, "rad; limit of each number of the encoder's errors"},
-    {"stand.drift_v", BENCH_F64, 1, STAND(drift_v), 0, BIG, "V; limit of a channel's drift over the run"},
+    {"stand.drift_v", BENCH_F64, 3, STAND(drift_v), 0, BIG, "V; limit of the drift over the run, by channel"},
     {"stand.limits", BENCH_ENUM, 1, STAND(law), 0, 0, "sigma1|sigma3|uniform"},
     {"stand.remount", BENCH_ENUM, 1, STAND(remount), 0, 0, "independent|common"},
 
     {"block.k", BENCH_F64, 9, SENSOR(k_v_per_g), -BIG, BIG, "V/g; the true K, row by row; with block.u0"},
     {"block.u0", BENCH_F64, 3, SENSOR(u0_v), -BIG, BIG, "V; the true U0; with block.k"},
-    {"block.scale_v_per_g", BENCH_F64, 1, BLOCK(scale_v_per_g), -BIG, BIG, "V/g; nominal scale factor, not 0"},
+    {"block.scale_v_per_g", BENCH_F64, 3, BLOCK(scale_v_per_g), -BIG, BIG,
+     "V/g; nominal scale factors, by channel, not 0"},
     {"block.scale_spread", BENCH_F64, 1, BLOCK(scale_spread), 0, 0.5,
      "drawn scale factors lie within this, relative"},
     {"block.misalignment_rad", BENCH_F64, 1, BLOCK(misalignment_rad), 0, 0.5,
      "rad; drawn cross terms lie within this"},
-    {"block.bias_v", BENCH_F64, 1, BLOCK(bias_v), 0, BIG, "V; drawn biases lie within this"},
+    {"block.bias_v", BENCH_F64, 3, BLOCK(bias_v), 0, BIG, "V; drawn biases lie within this, by channel"},
     {"block.noise_v", BENCH_F64, 3, SENSOR(noise_v), 0, BIG, "V; limit of the noise of one sample, by channel"},
     {"block.noise_correlation", BENCH_F64, 3, SENSOR(noise_correlation), -0.999, 0.999,
      "of the noise of neighbouring samples, by channel; 0: white"},
@@ -304,9 +305,10 @@ static bool store(const bench_key_t *key, void *at, const char *text)
 
 bool bench_store_key(const bench_key_t *key, void *structure, char *const word[], unsigned count)
 {
-    bool good = count == key->count;
+    const bool alike = count == 1U && key->count == TUMBLE_CHANNELS;
+    bool good = count == key->count || alike;
     for (unsigned i = 0; good && i < key->count; i++) {
-        good = store(key, (char *)structure + key->offset + i * size_of(key->type), word[i]);
+        good = store(key, (char *)structure + key->offset + i * size_of(key->type), word[alike ? 0U : i]);
     }
     return good;
 }
@@ -326,7 +328,8 @@ void bench_describe_key(const bench_key_t *key, char *text, size_t size)
         (void)snprintf(text, size, "a word of at most %.0f characters", key->high);
     } else {
         const bool whole = key->type != BENCH_F64 && key->type != BENCH_F32;
-        (void)snprintf(text, size, "%u %snumber%s from %.10g to %.10g", key->count, whole ? "whole " : "",
+        const char *one_or = (key->count == TUMBLE_CHANNELS) ? "1 or " : "";
+        (void)snprintf(text, size, "%s%u %snumber%s from %.10g to %.10g", one_or, key->count, whole ? "whole " : "",
                        (key->count == 1U) ? "" : "s", key->low, key->high);
     }
 }

@@ -27,7 +27,7 @@ typedef enum {
 typedef struct {
     const char *name; /* null: a field that no line sets */
     bench_type_t type;
-    uint8_t count; /* values on the line */
+    uint8_t count; /* values on the line; of three, which are those of the channels, one may stand for all */
     size_t offset; /* in bench_config_t */
     double low;    /* of a value, both included */
     double high;

@@ -252,6 +252,7 @@ static void compose(bench_life_t *life)
     life->keeper_config = (tumble_keeper_config_t){
         .sets = {.serial = config->keeping.serial, .settings = &config->keeping.settings},
         .uncertainty = tumble_navcomp_uncertainty,
+        .norm = tumble_navcomp_norm,
         .stand_view = tumble_stand_view,
         .stand_memory = &life->stand_memory,
     };

@@ -12,6 +12,7 @@ tumble_status_t bench_memory_add(bench_memory_t *memory, bench_world_t *world)
                  .whole_step = tumble_whole_step,
                  .whole_work = &memory->whole_work},
         .uncertainty = tumble_navcomp_uncertainty,
+        .norm = tumble_navcomp_norm,
         .stand_view = tumble_stand_view,
         .stand_memory = &memory->stand_memory,
     };

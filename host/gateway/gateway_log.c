@@ -234,6 +234,7 @@ static void look_at_sets(gateway_log_t *log, const gateway_snapshot_t *snapshot)
         const tumble_sets_state_t state = {.verdict = (uint8_t)verdict,
                                            .counter = counter,
                                            .objections = (uint16_t)value_or_0(snapshot, 0x2120U, 6),
+                                           .more_objections = (uint16_t)value_or_0(snapshot, 0x2120U, 15),
                                            .status = (uint8_t)value_or_0(snapshot, 0x2120U, 8)};
         run_log_sets(&log->sets, &state);
     }

@@ -4,10 +4,8 @@
 
 static void default_block(sim_block_config_t *block)
 {
-    block->scale_v_per_g = -2.0;
     block->scale_spread = 0.01;
     block->misalignment_rad = 0.02;
-    block->bias_v = 0.1;
     block->sample_period_us = 10000;
     block->first_sample_us = 5000;
     block->sensor.noise_law = SIM_LAW_SIGMA1;
@@ -15,6 +13,8 @@ static void default_block(sim_block_config_t *block)
     block->sensor.converter_bits = 24;
     block->sensor.temperature = (sim_temperature_t){.start_c = 25.0, .end_c = 25.0, .reference_c = 25.0};
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        block->scale_v_per_g[i] = -2.0;
+        block->bias_v[i] = 0.1;
         block->sensor.noise_v[i] = 3e-4;
     }
 }

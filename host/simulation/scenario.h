@@ -20,14 +20,14 @@ typedef enum { SIM_REMOUNT_INDEPENDENT = 0, SIM_REMOUNT_COMMON } sim_remount_t;
 
 /* Limits of the stand's errors, read by `law`. */
 typedef struct {
-    double axis_tilt_rad; /* alpha1 */
-    double level_rad;     /* alpha2 */
-    double remount_rad;   /* alpha3 */
-    double angle_rad;     /* alpha4 */
-    double seat_rad;      /* theta_h and theta_n of a mounting */
-    double platform_rad;  /* theta_h of them all */
-    double encoder_rad;   /* each number of the encoder's errors */
-    double drift_v;       /* of a channel, from the first fit position to the last */
+    double axis_tilt_rad;            /* alpha1 */
+    double level_rad;                /* alpha2 */
+    double remount_rad;              /* alpha3 */
+    double angle_rad;                /* alpha4 */
+    double seat_rad;                 /* theta_h and theta_n of a mounting */
+    double platform_rad;             /* theta_h of them all */
+    double encoder_rad;              /* each number of the encoder's errors */
+    double drift_v[TUMBLE_CHANNELS]; /* from the first fit position to the last */
     sim_law_t law;
     sim_remount_t remount;
 } sim_stand_t;
@@ -37,10 +37,10 @@ typedef struct {
 typedef struct {
     sim_sensor_config_t sensor;
     bool given;
-    double scale_v_per_g; /* nominal, signed */
-    double scale_spread;  /* relative */
+    double scale_v_per_g[TUMBLE_CHANNELS]; /* nominal, signed */
+    double scale_spread;                   /* relative */
     double misalignment_rad;
-    double bias_v;
+    double bias_v[TUMBLE_CHANNELS];
     uint32_t sample_period_us;
     uint32_t first_sample_us; /* from the moment it becomes Operational */
     uint16_t first_counter;

@@ -18,14 +18,14 @@ static double draw_coefficient(uint64_t seed, uint32_t number, double middle, do
 
 static void draw_block(tumble_coefficients_t *block, const sim_block_config_t *config, uint64_t seed)
 {
-    const double scale = config->scale_v_per_g;
     for (uint32_t i = 0; i < TUMBLE_CHANNELS; i++) {
+        const double scale = config->scale_v_per_g[i];
         for (uint32_t j = 0; j < TUMBLE_CHANNELS; j++) {
             const bool own = i == j;
             block->k_v_per_g[i][j] = draw_coefficient(seed, TUMBLE_CHANNELS * i + j, own ? scale : 0.0,
                                                       scale * (own ? config->scale_spread : config->misalignment_rad));
         }
-        block->u0_v[i] = draw_coefficient(seed, TUMBLE_CHANNELS * TUMBLE_CHANNELS + i, 0.0, config->bias_v);
+        block->u0_v[i] = draw_coefficient(seed, TUMBLE_CHANNELS * TUMBLE_CHANNELS + i, 0.0, config->bias_v[i]);
     }
 }
 
@@ -35,13 +35,21 @@ static void draw_seat(sim_truth_t *truth, const sim_stand_t *stand, uint8_t m)
     truth->theta_n_rad[m] = sim_law_draw(stand->law, stand->seat_rad, &truth->seat[m]);
 }
 
-static void draw_several(const sim_stand_t *stand, double limit, uint64_t seed, sim_cause_t cause, double *drawn,
-                         int count)
+static void draw_encoder(sim_truth_t *truth, const sim_stand_t *stand, uint64_t seed)
 {
     sim_random_t stream;
-    sim_random_open(&stream, seed, cause, 0);
-    for (int i = 0; i < count; i++) {
-        drawn[i] = sim_law_draw(stand->law, limit, &stream);
+    sim_random_open(&stream, seed, SIM_CAUSE_ENCODER, 0);
+    for (int i = 0; i < TUMBLE_WAVES; i++) {
+        truth->encoder_rad[i] = sim_law_draw(stand->law, stand->encoder_rad, &stream);
+    }
+}
+
+static void draw_drift(sim_truth_t *truth, const sim_stand_t *stand, uint64_t seed)
+{
+    sim_random_t stream;
+    sim_random_open(&stream, seed, SIM_CAUSE_DRIFT, 0);
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        truth->drift_v[i] = sim_law_draw(stand->law, stand->drift_v[i], &stream);
     }
 }
 
@@ -52,8 +60,8 @@ void sim_truth_draw(sim_truth_t *truth, const sim_scenario_t *scenario, uint64_t
     truth->alpha1_rad = draw_once(stand, stand->axis_tilt_rad, seed, SIM_CAUSE_AXIS_TILT);
     truth->alpha2_rad = draw_once(stand, stand->level_rad, seed, SIM_CAUSE_LEVEL);
     truth->platform_rad = draw_once(stand, stand->platform_rad, seed, SIM_CAUSE_PLATFORM);
-    draw_several(stand, stand->encoder_rad, seed, SIM_CAUSE_ENCODER, truth->encoder_rad, TUMBLE_WAVES);
-    draw_several(stand, stand->drift_v, seed, SIM_CAUSE_DRIFT, truth->drift_v, TUMBLE_CHANNELS);
+    draw_encoder(truth, stand, seed);
+    draw_drift(truth, stand, seed);
     if (scenario->block.given) {
         memcpy(truth->block.k_v_per_g, scenario->block.sensor.k_v_per_g, sizeof truth->block.k_v_per_g);
         memcpy(truth->block.u0_v, scenario->block.sensor.u0_v, sizeof truth->block.u0_v);

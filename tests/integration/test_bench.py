@@ -140,7 +140,7 @@ def test_motion_and_wide_schedules_are_heeded(tumble, tmp_path):
     motion = "\n[motion]\nvelocity_deg_per_s = 2\nacceleration_deg_per_s2 = 1\nsettling_s = 3\n"
     slow = paper_stand(tmp_path, motion)
     schedule.write_text((EXAMPLES / "with_checks.toml").read_text().replace("angle_deg = 360", "angle_deg = 720"))
-    options = ["--schedule", schedule, "--estimator", "least_squares"]
+    options = ["--schedule", schedule, "--estimator", "least_squares", "--limit", "1e-3"]
     done = tumble("bench", "--stand", slow, *options, "--out", tmp_path / "run")
     assert done.returncode == 0, done.stderr
     last = (tmp_path / "run/bus.log").read_text().splitlines()[-1]

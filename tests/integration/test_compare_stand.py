@@ -96,8 +96,9 @@ def two_results(tumble, tmp_path):
             draws = np.concatenate([*drawn.values()])
             means = exact_outputs(SCHEDULES[schedule], NOMINAL_K, U0, errors, draws[None])[0]
             run = write_run(tmp_path / f"{name}.csv", SCHEDULES[schedule], means)
-            given = "--stand", file, "--schedule", schedule, "--estimator", estimator, "--out", f"{name}.json"
-            done = tumble("solve", run, *given, *(("--model", model) if model else ()), cwd=tmp_path)
+            given = "--stand", file, "--schedule", schedule, "--estimator", estimator, "--limit", "1e-3"
+            given += ("--out", f"{name}.json", *(("--model", model) if model else ()))
+            done = tumble("solve", run, *given, cwd=tmp_path)
             assert done.returncode == 0, done.stderr
         return file
 

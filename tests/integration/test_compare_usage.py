@@ -113,6 +113,20 @@ def test_a_run_that_does_not_fit_its_stand_has_failed_too(files):
     assert found.document["apparent"] is None
 
 
+def test_a_result_that_is_not_shown_is_compared_and_told(files, tumble, tmp_path):
+    rule = {"coverage_factor": 3.0, "u_norm_worst_g": 1.5e-4, "limit_g": 3e-4, "scope": "everywhere"}
+    not_shown = {"pass": False, "pass_reason": "uncertainty", "decision": rule}
+    done = tumble("compare", *files({}, not_shown), cwd=tmp_path)
+    assert done.returncode == 0 and done.stdout.startswith("UNCHANGED: ")
+    assert "\nB: b.json, NOT SHOWN, refined\n" in done.stdout and "\nA: a.json, refined\n" in done.stdout
+    told = valid(tumble("compare", "a.json", "b.json", "--json", cwd=tmp_path).stdout, "comparison")
+    assert (told["a"]["pass"], told["a"]["pass_reason"]) == (True, None)
+    assert (told["b"]["pass"], told["b"]["pass_reason"]) == (False, "uncertainty")
+    done = tumble("compare", *files(not_shown, FAILED), cwd=tmp_path)
+    assert done.returncode == 1 and done.stdout.startswith("CANNOT TELL: b.json FAILED its check:")
+    assert "\nA: a.json, NOT SHOWN, refined\n" in done.stdout and "\nB: b.json, FAILED, refined\n" in done.stdout
+
+
 def test_each_is_told_in_words_of_its_own(files, tumble, tmp_path):
     """Options on the command line, arguments in Python; in the document those of the command line."""
     names = files({}, {"warnings": ["the block is not linear: solve it with --model k2,drift"]})
@@ -280,7 +294,7 @@ def test_the_stand_that_both_declare_is_taken(told):
 
 
 PAPER = read_stand(str(STAND)).stand
-ERRORS = {f.name: getattr(PAPER, f.name) for f in dataclasses.fields(PAPER) if f.type == "float"}
+ERRORS = {f.name: getattr(PAPER, f.name) for f in dataclasses.fields(PAPER) if f.type in ("float", "PerChannel")}
 ONE = {
     "more samples in a mean": {"samples": 200},
     "another block's noise": {"noise": 2e-4},

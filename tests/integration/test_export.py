@@ -92,7 +92,7 @@ def test_c_header_says_where_it_comes_from(solved, tumble, tmp_path):
     stand = paper_stand(tmp_path, label, block='serial = "SN 7"\n')
     file, result = solved("paper_stand.csv", "--stand", stand)
     assert (result["serial"], result["run_file"]) == ("SN 7", "paper_stand.csv")
-    done = tumble("export", file, "--format", "c")
+    done = tumble("export", file, "--format", "c", "--labels")
     assert done.stderr == "" and '#define TUMBLE_OUTPUT_UNIT "V"' in done.stdout
     for line in (" * Block: SN 7", " * Run file: paper_stand.csv", " * environment.temperature_c: 21.5"):
         assert line in done.stdout.splitlines()
@@ -105,7 +105,7 @@ def test_what_a_label_ends_with_leaves_its_line_alone(end, solved, tumble, tmp_p
     """A trigraph at the end of a line would join it with the next one, which a compiler says even of a comment."""
     stand = paper_stand(tmp_path, f'[item]\nnote = "ends in {end}"\n')
     file, _ = solved("paper_stand.csv", "--stand", stand)
-    header = tumble("export", file, "--format", "c").stdout
+    header = tumble("export", file, "--format", "c", "--labels").stdout
     [line] = [line for line in header.splitlines() if "item.note: ends in " in line]
     assert len(compiled(tmp_path, header)) == 25
     assert "??" not in line
@@ -115,9 +115,26 @@ def test_what_a_label_ends_with_leaves_its_line_alone(end, solved, tumble, tmp_p
 def test_the_compiler_finds_a_trigraph(solved, tumble, tmp_path):
     """The canary of the test above."""
     file, _ = solved("paper_stand.csv")
-    header = tumble("export", file, "--format", "c").stdout.replace(" * Run file: paper_stand.csv", " * Run file: ??/")
+    header = tumble("export", file, "--format", "c", "--labels").stdout
+    header = header.replace(" * Run file: paper_stand.csv", " * Run file: ??/")
     with pytest.raises(subprocess.CalledProcessError):
         compiled(tmp_path, header)
+
+
+@pytest.mark.parametrize("form", ["c", "csv", "matlab", "ros", "imucal"])
+def test_nothing_of_the_customer_leaves_unasked(form, solved, tumble, tmp_path):
+    """Neither name nor number of a certificate, nor serials, nor what the run file is called; numbers of the conditions
+    and the hash of the run do."""
+    secrets = ("ACME", "C-2026-17", "SN 7", "N. N.", "paper_stand")
+    label = '[item]\ncustomer = "ACME"\ncertificate = "C-2026-17"\n[environment]\noperator = "N. N."\n'
+    stand = paper_stand(tmp_path, f"{label}gravity_m_s2 = 9.81\nu_gravity_m_s2 = 1e-5\n", block='serial = "SN 7"\n')
+    file, result = solved("paper_stand.csv", "--stand", stand)
+    text = tumble("export", file, "--format", form).stdout
+    assert [one for one in secrets if one in text] == []
+    if form != "csv":
+        assert result["run_sha256"] in text and "environment.gravity_m_s2: 9.81" in text
+        asked = tumble("export", file, "--format", form, "--labels").stdout
+        assert [one for one in secrets if one not in asked] == []
 
 
 def test_a_result_to_beware_of_is_exported_with_a_warning(solved, tumble):
@@ -204,6 +221,12 @@ BAD_VALUES = {
     "no verification": (["verification"], ...),
     "verdict of text": (["verification", "pass"], "yes"),
     "no limit": (["verification", "limit_g"], None),
+    "unknown reason": (["pass_reason"], "wind"),
+    "reason twice": (["pass_reason"], "fit and fit"),
+    "reason without a word": (["pass_reason"], ""),
+    "unknown remedy": (["would_show"], [{"change": "wind", "to": "optimal", "reach_g": 1e-4}]),
+    "remedy of half a sample": (["would_show"], [{"change": "samples", "to": 0.5, "reach_g": 1e-4}]),
+    "remedy to nothing": (["would_show"], [{"change": "stand", "reach_g": 1e-4}]),
 }
 
 

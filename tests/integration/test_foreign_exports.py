@@ -229,7 +229,8 @@ def test_the_script_of_matlab(result, exported):
         assert found.matrix(name).tolist() == expected.tolist()
     assert found.values["tumble.force_unit"] == "'g'" and found.values["tumble.passed"] == "true"
     assert found.called("tumble.apply", OUTPUTS) == pytest.approx(result.apply(OUTPUTS), rel=0, abs=1e-14)
-    assert script.isascii() and "% Block: SN" in script
+    labelled = exported("--format", "matlab", "--labels")
+    assert labelled.isascii() and "% Block: SN" in labelled
 
 
 @pytest.fixture(scope="module")

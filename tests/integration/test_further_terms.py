@@ -228,7 +228,7 @@ def test_check_positions_and_a_seed(tmp_path, capsys):
     found = extended.least_squares(core.CoreSchedule(schedule), means[None], ALL)[0]
     linear = extended.linear_outputs(means, found[:9].reshape(3, 3), found[9:12], found[12:].reshape(3, 3), ALL)
     assert np.abs(reference.gravity_errors(linear, found[:9].reshape(3, 3), found[9:12])).max() < 1e-13
-    options = (*STAND, "--estimator", "least_squares", "--model", "k2,drift", "--monte-carlo", 2000)
+    options = (*STAND, "--estimator", "least_squares", "--model", "k2,drift", "--monte-carlo", 2000, "--limit", 1e-3)
     code, result, _ = solved(capsys, noisy(tmp_path, VALUES * [[1], [0], [1]]), *options)
     assert code == 0 and result["monte_carlo"]["agrees"] is not False
 

@@ -203,7 +203,8 @@ def test_positions_that_are_the_same_in_every_row_of_their_own_file(imported):
 
 def seen_twice(shift=0.01, longer=3):
     """All positions by running number, then 4 again: longer, and a little off; a file, and the means of both visits."""
-    again = np.tile(samples(3), (longer, 1)) + np.array([shift, 0.0, -shift])
+    mixed = np.vstack([np.random.default_rng(n).permutation(samples(3)) for n in range(longer)])  # copies are refused
+    again = mixed + np.array([shift, 0.0, -shift])
     rows = "".join(f"4,{x:.6f},{y:.6f},{z:.6f}\n" for x, y, z in again.tolist())
     return labelled(lambda place: {"Pos": place + 1}) + rows, samples(3).mean(axis=0), again.mean(axis=0)
 

@@ -158,9 +158,10 @@ def test_linear_gains_are_the_estimator(estimator):
 
 def test_the_converter_sets_the_noise_where_the_stand_has_less():
     quiet = dataclasses.replace(PAPER_STAND, noise=1e-6)
-    assert gains.mean_sigma(NOMINAL_K, quiet, 1e-3, 50)[0] == pytest.approx(1e-3 / 12**0.5 / 50**0.5)
-    assert gains.mean_sigma(NOMINAL_K, PAPER_STAND, 1e-5, 50)[0] == pytest.approx(3e-4 / 50**0.5)
-    assert gains.mean_sigma(NOMINAL_K, dataclasses.replace(PAPER_STAND, noise=0.0), 0.0, 50) == (2e-9, True)
+    assert gains.mean_sigma(NOMINAL_K, quiet, 1e-3, 50)[0] == pytest.approx([1e-3 / 12**0.5 / 50**0.5] * 3)
+    assert gains.mean_sigma(NOMINAL_K, PAPER_STAND, 1e-5, 50)[0] == pytest.approx([3e-4 / 50**0.5] * 3)
+    sigma, floored = gains.mean_sigma(NOMINAL_K, dataclasses.replace(PAPER_STAND, noise=0.0), 0.0, 50)
+    assert sigma.tolist() == [2e-9] * 3 and floored is True
 
 
 def test_what_cannot_be_weighed_is_refused():

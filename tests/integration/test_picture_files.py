@@ -245,5 +245,5 @@ def test_a_notebook_without_a_stand_and_with_a_failure():
     rows = np.loadtxt(RUN, delimiter=",", skiprows=1)
     rows[:50, 4] *= 1.01
     verdict, cells = cells_of(tumble.solve(tumble.read(rows, unit="m/s^2"))._repr_html_())
-    assert verdict == "FAIL: gravity"
+    assert verdict == "FAIL: the gravity check"
     assert {row[2] for row in cells[1:]} == {"unknown"} and cells[1][3] == "(m/s^2)/g"

@@ -187,7 +187,7 @@ def test_weights_for_each_run_are_not_for_further_terms(refused):
 @pytest.mark.parametrize("estimator", ["least_squares", "optimal"])
 def test_the_bench_finds_what_solve_finds(estimator, tumble, tmp_path):
     stand = paper_stand(tmp_path)
-    options = ("--stand", stand, "--estimator", estimator, "--model", "k2,drift", "--json")
+    options = ("--stand", stand, "--estimator", estimator, "--model", "k2,drift", "--limit", "1e-3", "--json")
     done = tumble("bench", "--seed", "5", "--out", tmp_path / "run", *options)
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)

@@ -175,7 +175,9 @@ def test_just_enough_is_the_probability_asked_for(estimator, probability):
     found = enough(case, estimator, limits, probability)
     sizes = np.array(list(found.sizes.values()))
     at = promise(stand_of(case, sizes), estimator, probability)
-    assert min(at.passes.value, at.everywhere.value) == pytest.approx(probability, abs=1e-3)
+    lowest, reach = min(at.passes.value, at.everywhere.value), 3.0 * at.u_norm_g / LIMIT_G
+    assert lowest > probability - 1e-3 and reach < 1.001
+    assert lowest == pytest.approx(probability, abs=1e-3) or reach == pytest.approx(1.0, abs=1e-3)
     assert at.growth == pytest.approx(1.0, abs=1e-3)
     limited = np.isfinite(limits)
     assert sizes[limited] == pytest.approx(found.factor * limits[limited])
@@ -183,12 +185,15 @@ def test_just_enough_is_the_probability_asked_for(estimator, probability):
 
 
 def test_growth_is_the_factor_that_all_errors_have_left(tumble, tmp_path):
-    """A stand file with every error so much larger has the probability asked for."""
+    """A stand file with every error so much larger has the probability asked for, or the uncertainty that the decision
+    rule just allows, whichever comes first."""
     found = plan(tumble, "require", "--probability", "0.9")["promise"]
     keys = {"axis_tilt_rad": 2e-5, "level_rad": 2e-5, "remount_rad": 4e-4, "angle_rad": 4e-5, "noise_v": 3e-4}
     stand = paper_stand(tmp_path, **{key: repr(value * found["growth"]) for key, value in keys.items()})
     grown = plan(tumble, "require", "--stand", stand, "--probability", "0.9")["promise"]
-    assert min(grown["passes"], grown["every_attitude"]) == pytest.approx(0.9, abs=1e-3)
+    lowest, reach = min(grown["passes"], grown["every_attitude"]), 3.0 * grown["u_norm_worst_g"] / LIMIT_G
+    assert lowest > 0.899 and reach < 1.001
+    assert lowest == pytest.approx(0.9, abs=1e-3) or reach == pytest.approx(1.0, abs=1e-3)
     assert grown["growth"] == pytest.approx(1.0, abs=1e-3)
 
 

@@ -24,7 +24,7 @@ from tumble.schedule import Position, Schedule
 pytestmark = pytest.mark.python
 
 PACE = Pace(90.0, 180.0, 0.5, 100.0, 300.0)
-# METHOD 9.1: worst u(|a|) in ug of two and of three mountings, nine positions each
+# Worst u(|a|) in ug of two and of three mountings, nine positions each
 STATED = {"paper": (14.6, 12.5), "angle": (11.1, 9.7), "lab": (36.7, 31.6)}
 
 
@@ -159,7 +159,7 @@ def with_seats(monkeypatch, sigma):
 
 
 def test_a_declared_seat_needs_three_mountings(monkeypatch):
-    """METHOD 9.1: at 1e-4 rad two mountings have 72 ug whatever the samples, three 13.4."""
+    """At 1e-4 rad two mountings have 72 ug whatever the samples, three 13.4."""
     case = case_of("paper")
     with_seats(monkeypatch, 1e-4)
     worst = {
@@ -221,7 +221,8 @@ def test_a_limit_is_kept_with_the_probability_asked_for(tumble, tmp_path):
     assert found["goal"] == {"norm_g": None, "limit_g": 5e-5, "probability": 0.9}
     assert found["promise"]["growth"] >= 1.0
     lowest = min(found["promise"]["passes"], found["promise"]["every_attitude"])
-    assert 0.9 <= lowest < 0.93
+    shown = 3.0 * found["promise"]["u_norm_worst_g"] / 5e-5  # the decision rule may ask for more samples than the share
+    assert lowest >= 0.9 and (lowest < 0.93 or 0.95 < shown <= 1.0)
     stand = paper_stand(tmp_path, samples=found["schedule"]["samples"])
     common = ("--stand", stand, "--schedule", tmp_path / "quick.toml", "--estimator", "optimal", "--limit", "5e-5")
     simulated = plan(tumble, "validate", "--runs", "10000", *common)["estimators"]["optimal"]["simulated"]

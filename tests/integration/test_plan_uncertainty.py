@@ -161,6 +161,7 @@ def test_a_k_that_is_no_number_is_refused():
 
 
 SOLVE = ["solve", str(EXAMPLES / "paper_stand.csv"), "--stand", str(EXAMPLES / "paper_stand.toml"), "--json"]
+SOLVE += ["--limit", "1e-3"]
 
 
 @pytest.mark.parametrize("estimator", ["averaged", "refined", "least_squares", "optimal"])

@@ -10,12 +10,12 @@ from blocks import write_run
 from conftest import EXAMPLES
 
 import tumble as tumble_package
-from tumble.core import paper_schedule
+from tumble.core import CoreSchedule, paper_schedule
 from tumble.files.run_file import Run
 from tumble.files.stand_file import StandFile
-from tumble.reference import Geometry
+from tumble.reference import Geometry, built_in
 from tumble.schedule import Mounting, Position, Schedule
-from tumble.solving.plausibility import examine
+from tumble.solving.plausibility import examine, marked
 from tumble.solving.solution import solve
 from tumble.stand import PAPER_STAND
 
@@ -49,7 +49,9 @@ def examined(stand_file, k, u0=(0.0, 0.0, 0.0), schedule=PAPER, measured=None, u
     design = np.column_stack([Geometry(schedule).force(), np.ones(len(means))])
     found = np.linalg.lstsq(design, means, rcond=None)[0][:3].T
     run = Run(np.ones(len(means), dtype=int), means, np.full_like(means, np.nan), unit, {})
-    solved = SimpleNamespace(run=run, found=SimpleNamespace(k=found), u_k=None, measured_schedule=schedule)
+    of_core = SimpleNamespace(k=found, residual_rms=None)
+    unknown = {"u_k": None, "stated": None, "scatter_alone": None}
+    solved = SimpleNamespace(run=run, found=of_core, measured_schedule=schedule, **unknown)
     return examine(solved, stand_file)
 
 
@@ -213,7 +215,7 @@ def test_without_a_stand_the_command_warns(tumble, tmp_path):
     done = tumble("solve", write_run(tmp_path / "run.csv", schedule, means[:, [0, 2, 1]]))
     assert done.returncode == 0
     assert "tumble: warning: channel uy measures along z: K_yz = 2.01 V/g" in done.stderr
-    verdict = done.stdout.partition("\nPASS, assuming ")[2]
+    verdict = done.stdout.rpartition("\nPASS at the 18 measured positions only, assuming ")[2]
     assert " nothing exchanged or reversed, " in " ".join(verdict.split()) and max(map(len, verdict.splitlines())) <= 80
 
 
@@ -241,6 +243,43 @@ def test_a_pass_says_that_it_assumes_the_order(name, stand, tmp_path):
     run = write_run(tmp_path / "run.csv", PAPER, means)
     found = tumble_package.solve(run, stand=None if stand is None else tmp_path / "stand.toml")
     expected = is_odd and stand != "block"
-    assert found.passed and ("order" in found.assumes) == expected == bool(found.warnings)
+    assert found.document["pass_reason"] in (None, "uncertainty")  # the yaw of an exchanged channel is in u(|a|)
+    assert found.passed or name == "exchanged"
+    assert ("order" in found.assumes) == expected == bool(found.warnings)
     assert ("order", []) in found.document["assumed_for"].items() or not expected
-    assert ("nothing exchanged or reversed" in found._repr_html_()) == expected
+    assert ("nothing exchanged or reversed" in found._repr_html_()) == (expected and found.passed)
+
+
+FACES = built_in("six_faces")
+FORCE = Geometry(FACES).force()
+TURNED_TO = {  # which way gravity was at each position
+    "same": (lambda force: np.tile(force[0], (6, 1)), "the outputs do not follow the positions: K_"),
+    "z twice": (lambda force: force * [1, 1, 0] + [0, 0, 1] * (force != 0)[:, 2:], "the outputs do not change with"),
+}
+
+
+@pytest.mark.parametrize("scattered", [False, True], ids=["means", "samples"])
+@pytest.mark.parametrize("scale", [None, 9.8])
+@pytest.mark.parametrize("case", TURNED_TO)
+def test_noise_names_no_cause(case, scale, scattered):
+    """A sensor that was not turned between positions: whatever is largest in K is no exchange. Not even where a block
+    is declared, of which K may be a thousandth."""
+    turn, said = TURNED_TO[case]
+    k, declared_block = 9.8 * (AXES + 0.01), None if scale is None else declared(scale)
+    for seed in range(20):
+        noise = np.random.default_rng(seed).normal(size=(20, 6, 3)) * 0.2
+        samples = turn(FORCE) @ k.T + [0.1, -0.2, 0.3] + noise
+        scatter = samples.std(axis=0, ddof=1) if scattered else np.full((6, 3), np.nan)
+        run = Run(np.full(6, 20 if scattered else 1), samples.mean(axis=0), scatter, "m/s^2", {})
+        solution = solve(run, CoreSchedule(FACES), "least_squares", 1.0, None, "run.csv")
+        found = examine(solution, declared_block)
+        assert found.refusal is None and len(found.warnings) == 1 and found.warnings[0].startswith(said)
+        assert not marked(solution, declared_block).is_out_of_order
+
+
+def test_a_channel_that_follows_nothing_measures_along_no_axis():
+    rng = np.random.default_rng(15)
+    means = FORCE @ ((2.0 * AXES + 0.1) * [[1], [1], [0]]).T + rng.normal(size=(6, 3)) * 1e-3
+    run = Run(np.ones(6, dtype=int), means, np.full((6, 3), np.nan), "V", {})
+    (warning,) = examine(solve(run, CoreSchedule(FACES), "least_squares", 1.0, None, "run.csv"), None).warnings
+    assert warning.startswith("channel uz does not follow the positions: K_z")

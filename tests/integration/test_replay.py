@@ -147,7 +147,7 @@ def test_a_folder_is_no_log(refused, tmp_path):
 
 def test_a_run_folder_has_its_scenario_beside_its_log(tumble, tmp_path):
     """Without it the numbers would be others: three channels of another noise, another number of samples."""
-    options = ["--seed", 3, "--samples", 60, "--estimator", "averaged", "--json"]
+    options = ["--seed", 3, "--samples", 60, "--estimator", "averaged", "--limit", "1e-3", "--json"]
     ended = tumble("bench", "--out", "run", *options, cwd=tmp_path)
     assert ended.returncode == 0, ended.stderr
     result = json.loads(ended.stdout)

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from conftest import EXAMPLES
 from documents import paper_stand
-from report_reader import Report, Said, Truth, plain, text_of
+from report_reader import Report, Said, Truth, ascii_signs, plain, text_of
 
 import tumble as package
 from tumble.api.result import Result
-from tumble.errors import BadInput
+from tumble.errors import BadInput, UsageError
 from tumble.estimators import COEFFICIENTS
 from tumble.files.schedule_file import read_schedule
 from tumble.report import make, method
@@ -95,6 +95,7 @@ RESULTS = {
     "without": lambda folder: solve(stand=False),
     "failing": lambda folder: solve(limit_g=1e-6),
     "misfit": misfit,
+    "not shown": lambda folder: solve("lab_stand"),
     "labelled": labelled,
     "three mountings": lambda folder: solve("three_mountings_stand", schedule="three_mountings"),
     "checks": lambda folder: package.solve(EXAMPLES / "with_checks.csv", schedule=EXAMPLES / "with_checks.toml"),
@@ -124,7 +125,7 @@ def report_of(result, **options):
 
 def row_of(report, name):
     """The cells of the one row that this begins."""
-    (found,) = [row for row in report.rows if row and text_of(row[0]).rstrip("*") == name]
+    (found,) = [row for row in report.rows if row and text_of(row[0]).rstrip("*^") == name]
     return found
 
 
@@ -145,14 +146,16 @@ def test_every_number_is_the_document_s(result):
     assert not wrong
     for said in report.said:
         if said.kind == "told":
-            assert said.text.replace("µ", "u") == truth.at(said.path).replace("µ", "u")
+            assert ascii_signs(said.text) == ascii_signs(truth.at(said.path))
 
 
 def test_no_number_stands_in_a_table_without_its_path(result):
-    """But for the names of things: those that begin a row, headings, U0."""
+    """But for the names of things, those that begin a row, headings, U0; and the date of issue."""
     for row in report_of(result).rows:
         for part in [part for cell in row[1:] for part in cell]:
-            assert isinstance(part, Said) or not re.search(r"\d", part.replace("U0", "")), part
+            assert isinstance(part, Said) or not re.search(r"\d", part.replace("U0", "").replace("2023-11-14", "")), (
+                part
+            )
 
 
 def test_every_coefficient_has_its_uncertainty(result):
@@ -162,19 +165,21 @@ def test_every_coefficient_has_its_uncertainty(result):
     prefix = "/scatter_alone" if document["u_K"] is None and alone else ""
     for place, name in enumerate(COEFFICIENTS):
         path = f"/K/{place // 3}/{place % 3}" if place < 9 else f"/U0/{place - 9}"
-        (row,) = [row for row in report.rows if row and text_of(row[0]).rstrip("*") == name and len(row) > 4]
+        (row,) = [row for row in report.rows if row and text_of(row[0]).rstrip("*^") == name and len(row) > 4]
         value, u = row[1][0], row[2][0]
         assert value.path == path
         if document["u_K"] is None and alone is None:
-            assert text_of(row[2]) == "not stated"
+            assert text_of(row[2]) == "no uncertainty"
             continue
         table, rest = path[1:].split("/", 1)
-        assert (u.path, u.times) == (f"{prefix}/u_{table}/{rest}", f"/coverage/k_{table}/{rest}")
+        assert (u.path, u.times) == (f"{prefix}/u_{table}/{rest}", (f"/coverage/k_{table}/{rest}",))
         assert 1 <= u.digits <= 2 and u.number[1] == value.number[1]
-    names = [name for row in report.rows for name in [text_of(row[0])] if name.rstrip("*") in COEFFICIENTS]
-    marked = {name[:-1] for name in names if name.endswith("*")}
-    assert marked == {one for listed in document["assumed_for"].values() for one in listed}
-    assert ("A name that ends in *:" in plain(report.text)) == bool(marked)
+    names = [name for row in report.rows for name in [text_of(row[0])] if name.rstrip("*^") in COEFFICIENTS]
+    for mark, assumption in {"*": "seat", "^": "linear"}.items():
+        marked = [name.rstrip("*^") for name in names if mark in name]
+        assert marked == list(document["assumed_for"].get(assumption, []))
+    is_marked = any(name[-1] in "*^" for name in names)
+    assert ("whose name ends in a mark is right only given: " in plain(report.text)) == is_marked
 
 
 def test_intrinsic_parameters_likewise(drawn):
@@ -182,7 +187,7 @@ def test_intrinsic_parameters_likewise(drawn):
     for name, path in {"Scale y": "scale/1", "Angle xz": "angle_rad/xz", "Bias z": "bias_g/2"}.items():
         row = row_of(report, name)
         assert row[1][0].path == f"/intrinsic/{path}"
-        assert (row[2][0].path, row[2][0].times) == (f"/u_intrinsic/{path}", f"/coverage/k_intrinsic/{path}")
+        assert (row[2][0].path, row[2][0].times) == (f"/u_intrinsic/{path}", (f"/coverage/k_intrinsic/{path}",))
         assert row[1][0].number[1] == row[2][0].number[1]
     u, k = document["u_intrinsic"]["bias_g"][2], document["coverage"]["k_intrinsic"]["bias_g"][2]
     assert float(report.row("Bias z")[1]) == float(f"{k * u:.1e}")
@@ -207,7 +212,8 @@ def test_freedom_beyond_a_million_is_infinite(drawn):
 
 
 def test_without_a_stand_it_says_so(drawn):
-    assert len(row_of(report_of(solve(stand=False)), "Angle xy")) == 3  # name, value, unit
+    assert report_of(solve(stand=False)).row("Angle xy")[1:] == ["no uncertainty", "rad"]
+    assert "over all attitudes: no uncertainty." in plain(report_of(solve(stand=False)).text)
     text = plain(report_of(solve(stand=False)).text)
     assert "noise by itself moves a value by at most U with a probability of 0.95" in text
     assert "U contains the noise of the samples only: no stand is declared, so that its errors are NOT in U" in text
@@ -220,7 +226,10 @@ def test_without_a_stand_it_says_so(drawn):
 def test_a_claim_on_the_true_value_takes_a_stand(drawn):
     document = solve().document
     text = plain(report_of(solve()).text)
-    assert "the value lies within U of the true one with a probability of 0.95" in text and "noise of" not in text
+    assert (
+        "the value lies within U of the true one with a probability of 0.95" in text
+        and "noise of the samples" not in text
+    )
     lacks_k = Result(json.dumps({**document, "coverage": None, "u_K": None, "u_U0": None, "covariance": None,
                                  "scatter_alone": {"u_K": document["u_K"], "u_U0": document["u_U0"]}}))  # fmt: skip
     text = plain(report_of(lacks_k).text)
@@ -230,7 +239,11 @@ def test_a_claim_on_the_true_value_takes_a_stand(drawn):
 
 VERDICTS = {
     "with a stand": "PASS, assuming a square seat, volts and one temperature",
-    "failing": "FAIL: the gravity check",
+    "failing": "FAIL: the gravity check and the uncertainty",
+    "without": "PASS at the 18 measured positions only: no stand declared, no uncertainty elsewhere; assuming a square"
+    " seat, volts and one temperature",
+    "not shown": "NOT SHOWN: 3 u(|a|) is up to 0.00045 g, limit 0.0003 g. It would be shown by --estimator optimal"
+    " (0.00011 g) or a stand and noise 1.52 times better.",
     "misfit": "FAIL: the fit to the declared stand",
     "labelled": "PASS, assuming a square seat and volts",
     "three mountings": "PASS, assuming one temperature",
@@ -246,12 +259,105 @@ def test_the_verdict(name, tmp_path, drawn):
     assert ("DOES NOT FIT" in text) == (document["pass_reason"] is not None and "fit" in document["pass_reason"])
     check = document["verification"]
     over = [abs(one["delta_g_g"]) > check["limit_g"] for one in check["delta_g_g"]]
-    places = [row for row in report_of(result).rows if len(row) == 5 and text_of(row[1]) in ("fit", "check")]
-    assert [text_of(row[4]) == "NO" for row in places] == over and len(over) == len(document["means"])
+    places = gravity_rows(report_of(result))
+    assert [text_of(row[-1]) == "NO" for row in places] == over and len(over) == len(document["means"])
     worst = max(check["delta_g_g"], key=lambda one: abs(one["delta_g_g"]))
-    assert f"\u00b5g at {worst['mounting']}.{worst['position']}, limit" in text
+    assert f"\u00b5g) at {worst['mounting']}.{worst['position']}, limit" in text
     for warning in document["warnings"]:
-        assert plain(warning) in text
+        assert ascii_signs(plain(warning)) in ascii_signs(text)
+    assert text.count(VERDICTS[name]) == 2  # in the box and in the statement of conformity, in one form
+
+
+@pytest.mark.parametrize("stand", [True, False])
+def test_of_a_result_that_is_older_than_the_rule_the_uncertainty_is_not_judged(stand, tumble, tmp_path):
+    """lab, refined: 3 u is beyond its limit, and it passed all the same."""
+    document = {**solve("lab_stand", stand).document, "pass": True}
+    for key in ("decision", "would_show", "pass_reason"):
+        document.pop(key)
+    (tmp_path / "old.json").write_text(json.dumps(document))
+    done = tumble("report", tmp_path / "old.json", "--out", tmp_path / "old.html", timeout=300)
+    assert done.returncode == 0, done.stderr
+    text = plain(Report((tmp_path / "old.html").read_text(encoding="utf-8")).text)
+    assert "within the limit:" not in text and "PASS" in text
+    assert ("not judged: the result is older than the rule" in text) == stand
+    assert ("not judged: no stand is declared" in text) != stand
+    assert "standard uncertainty of |a| is at most" not in text
+
+
+def gravity_rows(report):
+    """Those of the gravity check."""
+    return [row for row in report.rows if len(row) > 5 and text_of(row[1]) in ("fit", "check")]
+
+
+def test_every_delta_g_has_its_uncertainty(result):
+    """In µg and in mm/s², rounded alike; the box has that of the largest."""
+    report, judged = report_of(result), result.document["verification"]["delta_g_g"]
+    gravity = "/environment/gravity_m_s2" if (result.document["environment"] or {}).get("gravity_m_s2") else "9.80665"
+    for i, (row, one) in enumerate(zip(gravity_rows(report), judged, strict=True)):
+        at = f"/verification/delta_g_g/{i}"
+        assert row[3][0].path == row[5][0].path == f"{at}/delta_g_g" and row[5][0].times == (gravity,)
+        assert (row[3][0].power, row[5][0].power) == (6, 3)
+        assert one["u_delta_g_g"] > 0.0 and row[4][0].path == row[6][0].path == f"{at}/u_delta_g_g"
+        assert (row[4][0].times, row[6][0].times) == ((f"{at}/k_delta_g",), (f"{at}/k_delta_g", gravity))
+        assert row[3][0].number[1] == row[4][0].number[1] and row[7][0].path == f"{at}/k_delta_g"
+    place = max(range(len(judged)), key=lambda i: abs(judged[i]["delta_g_g"]))
+    (in_box,) = [said for said in report.said if said.path == "/verification/max_abs_delta_g_g"]
+    following = report.said[report.said.index(in_box) + 1]
+    assert following.path == f"/verification/delta_g_g/{place}/u_delta_g_g"
+
+
+def test_a_delta_g_without_uncertainty_says_so(drawn):
+    """As of one mean a position and no stand."""
+    document = solve(stand=False).document
+    for one in document["verification"]["delta_g_g"]:
+        one |= {"u_delta_g_g": None, "k_delta_g": None}
+    report = report_of(Result(json.dumps(document)))
+    rows = gravity_rows(report)
+    assert len(rows) == 18 and all(text_of(row[4]) == "no uncertainty" and len(row) == 7 for row in rows)
+    text = plain(report.text)
+    assert "\u00b5g, no uncertainty at 2.1, limit" in text and "\u0394g has no uncertainty" in text
+
+
+def test_the_coverage_factor_is_named_with_its_value(tmp_path, drawn):
+    assert "the coverage factor k = 1.96: the value lies within U" in plain(report_of(solve()).text)
+    several = plain(report_of(solved("misfit", tmp_path)).text)
+    assert "the coverage factor k from 1.96 to 1.97: the value lies within U" in several
+    assert "with the coverage factor k = 1.96: noise by itself" in plain(report_of(solve(stand=False)).text)
+
+
+def test_values_stand_right_behind_the_verdict(result):
+    text = plain(report_of(result).text)
+    places = [text.index(one) for one in ("Gravity check", "K_xx", "U0_z", "Item, customer", "Intrinsic", "Decision")]
+    assert places == sorted(places)
+
+
+def test_si_units_stand_beside_g(tmp_path, drawn):
+    """With the local gravity also of K, scale and bias; else of what a standard one is good enough for."""
+    report = report_of(labelled(tmp_path))
+    for name, path in {"K_xy": "K/0/1", "Scale z": "scale/2", "Bias x": "bias/0"}.items():
+        row = row_of(report, name)
+        assert row[4][0].path == f"/si/{path}" and row[5][0].path == f"/si/u_{path}"
+        assert text_of(row[6]) == ("m/s\u00b2" if name == "Bias x" else "V/(m/s\u00b2)")
+    assert text_of(row_of(report, "U0_x")[4]) == "" and "by the local gravity, 9.8106 m/s\u00b2" in report.text
+    plainly = plain(report_of(solve()).text)
+    assert "limit 300 \u00b5g = 2.94 mm/s\u00b2" in plainly and "not stated: no values in SI units." in plainly
+    assert "by standard gravity, 9.80665 m/s\u00b2: the local one is not stated." in plainly
+
+
+def test_it_is_dated_and_has_a_place_to_sign(drawn):
+    report = report_of(solve())
+    assert report.rows.count([["Date of issue"], ["2023-11-14"]]) == 2 and ", issued 2023-11-14" in plain(report.text)
+    assert "Name, signature" in report.text
+    assert report_of(solve(), issued="2026-02-28").rows.count([["Date of issue"], ["2026-02-28"]]) == 2
+    signed = Result(json.dumps({**solve().document, "environment": {"authorised_by": "M. M."}}))
+    name = Said("told", "/environment/authorised_by", (), 0, "M. M.")
+    assert report_of(signed).rows.count([["Authorised by"], [name]]) == 2
+
+
+@pytest.mark.parametrize("date", ["2026-02-30", "28.2.2026", "20260228", "", 7])
+def test_what_is_no_date_of_issue_is_refused(date, drawn):
+    with pytest.raises(UsageError, match="is not a date such as 2026-11-28"):
+        solve().reported("html", issued=date)
 
 
 def test_warnings_stand_in_the_box_with_the_verdict(drawn):
@@ -268,8 +374,17 @@ def test_what_it_must_have(result):
     """ISO/IEC 17025, 7.8.2 and 7.8.4: said, or said to be not stated."""
     report, document = report_of(result), result.document
     text = plain(report.text)
-    for name in ("Condition", "Customer", "Laboratory", "Date of the run", "Serial number", "Temperature of the run",
-                 "Traceability of local gravity", "Traceability of the table angle", "Deviations from the method"):
+    for name in (
+        "Condition",
+        "Customer",
+        "Laboratory",
+        "Date of the run",
+        "Serial number",
+        "Temperature of the run",
+        "Traceability of local gravity",
+        "Traceability of the table angle",
+        "Deviations from the method",
+    ):
         (said,) = report.row(name)
         assert said, name
     assert text.count(number_of(document)) == 2 and text.endswith(f"End of report {number_of(document)} ")
@@ -285,7 +400,7 @@ def test_what_it_must_have(result):
 def test_what_is_not_stated_is_a_sentence_of_each_section(drawn):
     """And no row of a table."""
     source = report_of(solve()).source
-    assert "<td><span class=\"missing\">" not in source.split("<h2>Item")[1].split("</section>")[0]
+    assert '<td><span class="missing">' not in source.split("<h2>Item")[1].split("</section>")[0]
     first, second = re.findall(r'<p class="unsaid">(.*?)</p>', source, re.DOTALL)
     names = [re.findall("<span>(.*?)</span>", one) for one in (first, second)]
     assert {"Condition", "Customer", "Laboratory", "Date of the run"} < set(names[0])

@@ -152,7 +152,7 @@ def test_a_number_may_be_given(result, tmp_path, drawn):
     """It stands in the head, at the end and, for every page, in the style: as a text, whatever it holds."""
     number = 'No. 7/2026 "</style><script>\\'
     report = Report(package.load(result).reported("html", number=number).decode())
-    assert plain(report.text).count('No. 7/2026 "</style><script>\\ ') == 2 and "script" not in report.tags
+    assert plain(report.text).count('No. 7/2026 "</style><script>\\') == 2 and "script" not in report.tags
     (content,) = re.findall(r'@top-right \{ content: ("[^"]*")', report.style)
     assert content == css_string(number)
     unescaped = re.sub(r"\\([0-9a-f]+) ", lambda code: chr(int(code[1], 16)), content[1:-1])

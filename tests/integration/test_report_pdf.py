@@ -7,11 +7,12 @@ import re
 import pytest
 from conftest import EXAMPLES
 from report_reader import Report, plain
-from test_report import drawn, labelled, solve  # noqa: F401 # a fixture
+from test_report import drawn, labelled, misfit, solve  # noqa: F401 # a fixture
 
 from tumble.api.result import Result
 from tumble.cli.main import main
 from tumble.errors import BadInput
+from tumble.estimators import COEFFICIENTS
 from tumble.report.number import number_of
 
 pypdf = pytest.importorskip("pypdf")
@@ -50,11 +51,62 @@ def test_the_statement_of_conformity_is_not_parted_from_its_table(lines, drawn):
     """Wherever on a page it comes to stand."""
     result = Result(json.dumps({**solve().document, "item": {f"label {i}": "told" for i in range(lines)}}))
     (page,) = [text for text in pages_of(result.reported("pdf")) if "Statement of conformity" in text]
-    assert "Decision rule: PASS where" in page and "Position Use Samples" in page and "1.1 fit" in page
+    assert "Decision rule: PASS where" in page and "Position Use Samples" in page and "1.4 fit" in page
+
+
+def catalog_of(data):
+    return pypdf.PdfReader(io.BytesIO(data)).trailer["/Root"]
+
+
+def test_it_is_tagged_for_readers_of_screens(drawn):
+    """What `pdfinfo` calls Tagged, and what PDF/UA-1 asks of the catalog: language, title, who claims it."""
+    catalog = catalog_of(solve().reported("pdf"))
+    assert catalog["/MarkInfo"]["/Marked"] and catalog["/Lang"] == "en"
+    assert catalog["/ViewerPreferences"]["/DisplayDocTitle"]
+    assert b"pdfuaid:part" in catalog["/Metadata"].get_data()
+    kinds = list(kinds_of(catalog["/StructTreeRoot"]["/K"][0]))
+    assert {"/H1", "/H2", "/Table", "/TH", "/TD", "/P", "/Figure"} <= set(kinds)
+    assert kinds.count("/H1") == 1
+
+
+def kinds_of(element):
+    """Of all structure elements below one; every picture has its text."""
+    element = element.get_object()
+    if isinstance(element, dict) and "/S" in element:
+        yield element["/S"]
+        assert element["/S"] != "/Figure" or element["/Alt"]
+        for kid in element.get("/K", []):
+            if not isinstance(kid, int):
+                yield from kinds_of(kid)
+
+
+def test_the_result_goes_with_it(drawn):
+    """Byte by byte."""
+    result = solve()
+    attached = pypdf.PdfReader(io.BytesIO(result.reported("pdf"))).attachments
+    assert attached == {"result.json": [result.to_json().encode()]}
+
+
+def test_verdict_and_values_stand_on_page_1(drawn, tmp_path):
+    for result in (solve(), solve(stand=False), labelled(tmp_path), misfit(tmp_path)):
+        first = pages_of(result.reported("pdf"))[0]
+        assert re.search("PASS|FAIL", first) and "issued 2023-11-14" in first
+        assert [name for name in COEFFICIENTS if name not in first] == []
+
+
+@pytest.mark.parametrize("lines", range(0, 60, 6))
+def test_no_page_is_nearly_empty(lines, drawn):
+    """Least of all the last one: whatever stands before, the end takes a picture along."""
+    labels = {f"label {i}": "told" for i in range(lines)}
+    reader = pypdf.PdfReader(io.BytesIO(Result(json.dumps({**solve().document, "item": labels})).reported("pdf")))
+    last = reader.pages[-1].extract_text()
+    assert "Attitudes." in last and "Name, signature" in last and "End of report" in last
+    few = [text for page in reader.pages if (text := page.extract_text()).count("\n") < 10 and "Figure" not in text]
+    assert few == []
 
 
 def test_a_number_of_one_s_own_is_on_every_page(drawn):
-    number = "No. 7/2026 \"A\" \\ <b> é"
+    number = 'No. 7/2026 "A" \\ <b> é'
     assert all(number in text for text in pages_of(solve().reported("pdf", number=number)))
 
 

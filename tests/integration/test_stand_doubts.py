@@ -14,9 +14,9 @@ from test_fixture_check import PAPER, U0, drawn, simulated, stand_named
 
 import tumble as package
 from tumble import reference
-from tumble.cli import presentation
 from tumble.core import MAX_STAND_ERROR_RAD
 from tumble.files.run_file import Run
+from tumble.solving.decision import Decision
 from tumble.solving.solution import solve
 
 pytestmark = pytest.mark.python
@@ -36,7 +36,8 @@ def test_a_wrong_stand_file_is_said_to_be_one(estimator, tumble):
     assert {"alpha3_difference_rad", "alpha4_rad", "noise_v"} <= set(result["stand_doubts"])
     gravity = [] if result["verification"]["pass"] else ["gravity"]
     assert shown.returncode == 1 and result["pass"] is False and not result["fit"]["fits"]
-    assert result["pass_reason"] == " and ".join([*gravity, "fit"])
+    shown_everywhere = 3.0 * result["u_norm_g"]["worst_g"] <= result["decision"]["limit_g"]
+    assert result["pass_reason"] == " and ".join([*gravity, "fit", *([] if shown_everywhere else ["uncertainty"])])
     warning = shown.stderr.splitlines()[-1]
     assert warning.startswith("tumble: warning: the run does not fit the stand file: ")
     assert "yaw change 4.2e-03 rad (declared 5.7e-04)" in warning
@@ -45,8 +46,11 @@ def test_a_wrong_stand_file_is_said_to_be_one(estimator, tumble):
     assert beware.startswith("Beware: the run does not fit the stand file: ")
     assert " ".join(beware.split()).endswith("The uncertainties above are too small.")
     assert max(map(len, beware.splitlines())) <= 80
-    assert verdict.startswith("FAIL: does not fit, explained best by noise; gravity error ")
-    assert len(verdict) <= 81
+    failures = re.match(r"FAIL: the .*?(?=;)", " ".join(verdict.split()))[0]
+    assert failures == Decision.of(result).sentence and "the fit to the declared stand" in failures
+    assert " ".join(verdict.split()).startswith(f"{failures}; explained best by noise; largest gravity error ")
+    assert ("; 3 u(|a|) is up to " in " ".join(verdict.split())) != shown_everywhere
+    assert max(map(len, verdict.splitlines())) <= 80
 
 
 def test_large_angles_explain_nothing():
@@ -62,6 +66,12 @@ def test_large_angles_explain_nothing():
     assert all(abs(one["size"]) * in_rad[one["unit"]] <= MAX_STAND_ERROR_RAD for one in angles)
 
 
+FAILURES = {
+    "1e-2": "the fit to the declared stand",
+    "1e-6": "the gravity check, the fit to the declared stand and the uncertainty",
+}
+
+
 def test_the_last_line_names_the_culprit(tumble, tmp_path):
     """One position is off in one channel, which moves the errors of others too."""
     header, *rows = (EXAMPLES / "paper_stand.csv").read_text().splitlines()
@@ -71,22 +81,22 @@ def test_the_last_line_names_the_culprit(tumble, tmp_path):
     (tmp_path / "run.csv").write_text("\n".join([header, *map(",".join, parted)]) + "\n")
     for limit in ("1e-2", "1e-6"):
         done = tumble("solve", tmp_path / "run.csv", "--stand", EXAMPLES / "paper_stand.toml", "--limit", limit)
-        last = done.stdout.splitlines()[-1]
+        lines = done.stdout.rpartition("\n\n")[2].splitlines()
+        last, failures = " ".join(lines), FAILURES[limit]
         assert done.returncode == 1 and last.startswith(
-            "FAIL: does not fit, explained best by position 1.4 (x); gravity error "
+            f"FAIL: {failures}; explained best by position 1.4 (x); largest gravity error "
         )
-        assert len(last) <= 80 and " at " not in last
-
-
-def test_the_last_line_fits_a_terminal():
-    longest = "FAIL: does not fit, explained best by seat of mounting 2, theta_h"
-    assert presentation._as_fits(longest, "; gravity error 0.00069 g", ", limit 0.0003 g") == longest
-    assert presentation._as_fits("F", "; 1", ", 2") == "F; 1, 2"
+        assert max(map(len, lines)) <= 80 and " at " not in last
 
 
 def test_a_failure_of_gravity_alone_has_its_place_where_nothing_explains_it(tumble):
     done = tumble("solve", "paper_stand.csv", "--stand", "paper_stand.toml", "--limit", "1e-6", cwd=EXAMPLES)
-    assert re.match(r"FAIL: largest gravity error \S+ g at \d\.\d, limit 1e-06 g", done.stdout.splitlines()[-1])
+    said = " ".join(done.stdout.rpartition("\n\n")[2].split())
+    failures = "FAIL: the gravity check and the uncertainty; largest gravity error"
+    assert re.fullmatch(failures + r" \S+ g at \d\.\d; 3 u\(\|a\|\) is up to \S+ g, limit 1e-06 g", said)
+    assert max(map(len, done.stdout.splitlines())) <= 80
+    without = tumble("solve", "paper_stand.csv", "--limit", "1e-6", cwd=EXAMPLES).stdout.splitlines()[-1]
+    assert re.fullmatch(r"FAIL: the gravity check; largest gravity error \S+ g at \d\.\d, limit 1e-06 g", without)
 
 
 @pytest.mark.parametrize("name", ["paper", "angle", "lab"])

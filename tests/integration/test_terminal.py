@@ -13,6 +13,7 @@ import pytest
 from conftest import EXAMPLES
 
 from tumble.cli.commands import ABOUT
+from tumble.signs import signed
 
 pytestmark = pytest.mark.python
 
@@ -58,6 +59,9 @@ def words(text):
 def test_the_same_content_as_plain_text():
     plain = subprocess.run(SOLVE, cwd=EXAMPLES, capture_output=True, text=True, check=True).stdout
     shown = on_terminal(SOLVE)
+    for ours, theirs in {"\u00b1": "+-", "\u00b5": "u"}.items():
+        assert ours in shown and ours not in plain
+        shown = shown.replace(ours, theirs)
     assert words(shown) == words(plain)
     assert max(map(len, without_styles(shown).splitlines())) <= 80
 
@@ -71,6 +75,25 @@ def test_colours(environment, coloured):
 
 def test_a_terminal_without_unicode_gets_ascii():
     assert without_styles(on_terminal(SOLVE, PYTHONIOENCODING="ascii")).isascii()
+
+
+def test_a_plan_has_the_signs_too():
+    command = [*SOLVE[:3], "plan", "schedule", "--stand", "paper_stand.toml", "--limit", "3e-4"]
+    shown = on_terminal(command)
+    assert re.search(r"Worst u\(\|a\|\): [\d.]+ \u00b5g", shown) and re.search(r"table at [^\n]*\d\u00b0", shown)
+    piped = subprocess.run(command, cwd=EXAMPLES, capture_output=True, text=True, check=True).stdout
+    assert re.search(r"[\d.]+ ug", piped) and "\u00b5" not in piped and "\u00b0" not in piped
+
+
+@pytest.mark.parametrize(("plain", "shown"), {
+    "x 2.0 +- 2.2e-05      +6.6e-03 +- 8e-06  xy": "x 2.0 \u00b1 2.2e-05       +6.6e-03 \u00b1 8e-06   xy",
+    "27.4 urad, 8.37 ug, 3 uV": "27.4 \u00b5rad, 8.37 \u00b5g, 3 \u00b5V",
+    "20 to 21.5 deg C; table at 0, 45 deg": "20 to 21.5 \u00b0C; table at 0, 45\u00b0",
+    "tumble: /ug/a+-1/12 deg.csv: --signs=+-+ --unit ug": "tumble: /ug/a+-1/12 deg.csv: --signs=+-+ --unit ug",
+}.items())  # fmt: skip
+def test_signs_of_quantities(plain, shown):
+    """Columns stay where they are."""
+    assert signed(plain) == shown
 
 
 def test_a_narrow_terminal_gets_all_of_it():

@@ -62,10 +62,11 @@ def bench(tumble, folder, *options):
 
 @pytest.mark.parametrize(
     "options",
-    [["--seed", 1], ["--seed", 2, "--samples", 80, "--estimator", "averaged"],
+    [["--seed", 1], ["--seed", 2, "--samples", 80, "--estimator", "averaged", "--limit", "1e-3"],
      ["--seed", 3, "--estimator", "least_squares", "--limit", "1e-3"], ["--seed", 5, "--estimator", "optimal"],
-     *(["--seed", 4, "--stand", EXAMPLES / f"{name}_stand.toml"] for name in ("paper", "angle", "lab")),
-     ["--schedule", EXAMPLES / "six_faces.toml", "--estimator", "least_squares"]],
+     *(["--seed", 4, "--limit", "1e-3", "--stand", EXAMPLES / f"{stand}_stand.toml"]
+       for stand in ("paper", "angle", "lab")),
+     ["--schedule", EXAMPLES / "six_faces.toml", "--estimator", "least_squares", "--limit", "1e-3"]],
     ids=["as it is", "averaged", "least squares", "optimal", "paper's stand", "angle stand", "lab stand", "six faces"],
 )
 def test_the_board_computes_the_same_bits(options, tumble, tmp_path):

@@ -67,7 +67,7 @@ def painted_over(tumble, folder, monkeypatch, *options, spoilt_at=None):
         return len(memory.read(size).lstrip(PAINT))
 
 
-@pytest.mark.parametrize("options", [["--estimator", "optimal"], ["--estimator", "least_squares"]],
+@pytest.mark.parametrize("options", [["--estimator", "optimal"], ["--estimator", "least_squares", "--limit", "1e-3"]],
                          ids=["optimal", "least squares"])
 def test_no_more_is_painted_over_than_the_worst_chain(options, budgeted, tumble, tmp_path, monkeypatch):
     taken = painted_over(tumble, tmp_path, monkeypatch, *options)

@@ -8,7 +8,7 @@
 #include "tumble/core.h"
 
 #define GAIN_HEAD 232U
-#define MOST_GAIN_BYTES (240U + 24U * TUMBLE_MAX_POSITIONS * (14U + TUMBLE_MAX_YAWS))
+#define MOST_GAIN_BYTES (264U + 24U * TUMBLE_MAX_POSITIONS * (14U + TUMBLE_MAX_YAWS))
 
 /* Numbers of the head, as doubles from byte 24 on. */
 enum { AT_K = 0, AT_SIGMA = 9, AT_NOISE = 13, AT_U = 14, AT_GAINS = 26 };

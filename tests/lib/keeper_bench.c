@@ -25,7 +25,8 @@ void keeper_prepare(void)
     declared = (tumble_declared_t){&declared_stand, NULL, NULL, NULL};
     keeper_config = (tumble_keeper_config_t){
         .sets = {.serial = "TB-0001", .settings = &settings, .inhibited = ask_board, .context = &board_inhibits},
-        .uncertainty = tumble_navcomp_uncertainty};
+        .uncertainty = tumble_navcomp_uncertainty,
+        .norm = tumble_navcomp_norm};
     memset(&keeper, 0x5A, sizeof keeper);
     keeper.config = &keeper_config;
     bench.config.keeping = &tumble_keeper_calls;

@@ -19,7 +19,7 @@ class Said:
 
     kind: str
     path: str
-    times: str | None
+    times: tuple[str, ...]
     power: int
     text: str = ""
 
@@ -68,8 +68,8 @@ class Report(HTMLParser):
         if tag not in VOID:
             self._open.append(tag)
         if "data-path" in attributes:
-            power = int(attributes.get("data-power", 0))
-            self._said = Said(attributes["class"], attributes["data-path"], attributes.get("data-times"), power)
+            power, times = int(attributes.get("data-power", 0)), tuple(attributes.get("data-times", "").split())
+            self._said = Said(attributes["class"], attributes["data-path"], times, power)
             self.said.append(self._said)
             if self._cell is not None:
                 self._cell.append(self._said)
@@ -125,6 +125,13 @@ def plain(text):
     return re.sub(r"\s+", " ", text)
 
 
+def ascii_signs(text):
+    """As a document has them."""
+    for sign, plain_one in {"µ": "u", "±": "+-", "²": "^2", "³": "^3", "°": " deg", " deg C": "deg C"}.items():
+        text = text.replace(sign, plain_one)
+    return text.replace("  ", " ")
+
+
 class Truth:
     """A document by paths of RFC 6901, its numbers exact."""
 
@@ -141,5 +148,7 @@ class Truth:
 
     def number(self, said):
         """What a number should be, unrounded."""
-        times = Fraction(1) if said.times is None else Fraction(self.at(said.times))
-        return Fraction(self.at(said.path)) * times * Fraction(10) ** said.power
+        found = Fraction(self.at(said.path)) * Fraction(10) ** said.power
+        for one in said.times:
+            found *= Fraction(self.at(one) if one.startswith("/") else one)
+        return found

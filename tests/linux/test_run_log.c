@@ -230,7 +230,9 @@ static void test_all_objections_at_once(void)
 static void test_no_objection_is_cut_off(void)
 {
     for (unsigned bits = 1; bits < 1U << (unsigned)TUMBLE_OBJECTION_COUNT; bits += 37U) {
-        const tumble_sets_state_t state = {.verdict = (uint8_t)TUMBLE_VERDICT_HELD, .objections = (uint16_t)bits};
+        const tumble_sets_state_t state = {.verdict = (uint8_t)TUMBLE_VERDICT_HELD,
+                                           .objections = (uint16_t)bits,
+                                           .more_objections = (uint16_t)(bits >> TUMBLE_OBJECTION_MORE)};
         char whole[2000] = "the result is held, ACCEPT or DISCARD it: ";
         unsigned left = 0;
         told = (run_log_sets_t){.has_begun = true};

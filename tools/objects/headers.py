@@ -100,7 +100,7 @@ class Headers:
         body = re.search(rf"#define {table}\(X\)((?:.*\\\n)+.*)", self.text)
         if not body:
             raise TableError(f"no header of firmware/ has the table {table}")
-        return [(name, kind) for kind, name in re.findall(r"\bX\((\w+), (\w+),", body[1])]
+        return [(name, kind) for kind, name in re.findall(r"\bX\((\w+), (\w+)(?:\[\d\])?,", body[1])]
 
     def members(self, struct: str) -> list[tuple[str, str]]:
         """(type, name), without lists: a pointer, such as `writes`, and its `write_count`."""
@@ -110,7 +110,7 @@ class Headers:
         lists = {f"{name.rstrip('s')}_count" for name in re.findall(r"\*(\w+);", body[1])}
         for line in re.findall(r"\w+ (\w+, [^;]*);", body[1]):
             raise TableError(f"{struct}: {line} is not one member a line")
-        found = re.findall(r"(\w+) (\w+);", re.sub(r"[^;]*\*[^;]*;", "", body[1]))
+        found = re.findall(r"(\w+) (\w+)(?:\[\w+\])?;", re.sub(r"[^;]*\*[^;]*;", "", body[1]))
         return [(kind, name) for kind, name in found if name not in lists]
 
 

@@ -538,7 +538,7 @@ tumble_status_t tumble_residual_rms(const tumble_schedule_t *schedule, const tum
 /* What the samples of a run show of its noise, by channel (tumble_blocks_noise); 104 bytes. */
 typedef struct {
     double noise_v[TUMBLE_CHANNELS];     /* of one sample, were it white: it gives the means their standard errors */
-    double declared_v;                   /* the same as the stand declares it */
+    double declared_v;                   /* the same as the stand declares it, of the channel that has most */
     double variance_v2[TUMBLE_CHANNELS]; /* private: of a sample, as it matters to a mean, */
     double line_v2[TUMBLE_CHANNELS];     /* what each further length of the longest blocks adds to it, */
     double lengths_per_sample;           /* such lengths, */
@@ -567,6 +567,8 @@ typedef struct {
     double platform_rad; /* theta_h of the platform: one for all mountings */
     double encoder_rad;  /* of the table angle t: each of the four numbers by sin t, cos t, sin 2t, cos 2t; for all */
     double drift_v;      /* of each channel, from the first fit position to the last; 0 to TUMBLE_MAX_MEAN_V */
+    double channel_noise_v[TUMBLE_CHANNELS]; /* of a channel that differs, in place of noise_v; 0: as noise_v says. */
+    double channel_drift_v[TUMBLE_CHANNELS]; /* Likewise of drift_v */
 } tumble_stand_record_t;
 
 #define TUMBLE_WAVES 4 /* numbers of an encoder's errors */
@@ -584,6 +586,10 @@ typedef struct {
      * 0 or more. Null: by nothing. */
     const double (*excess_variance_v2)[TUMBLE_CHANNELS];
     const tumble_noise_t *noise; /* the same by tumble_blocks_noise; null: by nothing */
+    /* A unit vector on the axes of the block: then u(|a|) there is judged in place of coefficients, into `*norm_g`, g,
+     * and `uncertainty` may be null. Null: coefficients are. */
+    const double *attitude;
+    double *norm_g;
 } tumble_judged_run_t;
 
 /* Standard uncertainties, arranged and with units as in tumble_coefficients_t. */
@@ -611,6 +617,23 @@ tumble_status_t tumble_uncertainty_least_squares(const tumble_judged_run_t *run,
 tumble_status_t tumble_uncertainty_gains(const tumble_gain_table_t *table, const tumble_judged_run_t *run,
                                          tumble_uncertainty_t *uncertainty);
 
+/* The worst u(|a|) over all attitudes, one attitude at a time: tumble_worst_norm_begin, then judge at
+ * tumble_worst_norm_attitude and hand what comes out to tumble_worst_norm_next, for as long as it returns true; `worst_g`
+ * is then right to 1 %. First 26 attitudes all over the sphere, then a climb from the best of these: some 60 in all,
+ * never more than 150. */
+typedef struct {
+    double best[3];
+    double worst_g;
+    uint8_t place;
+    uint8_t rounds;
+    uint8_t halvings;
+    bool rises;
+} tumble_worst_norm_t;
+
+void tumble_worst_norm_begin(tumble_worst_norm_t *search);
+void tumble_worst_norm_attitude(const tumble_worst_norm_t *search, double attitude[3]);
+bool tumble_worst_norm_next(tumble_worst_norm_t *search, double u_g);
+
 /* ---- Gain records: a table of stand-optimal gains as it lies in non-volatile memory, validated and read in place.
  *
  * docs/gain-record.md defines the bytes. Nothing is copied: a record that passed the check is used where it is mapped.
@@ -624,7 +647,7 @@ tumble_status_t tumble_uncertainty_gains(const tumble_gain_table_t *table, const
 #define TUMBLE_GAIN_RECORD_SCHEMA 1
 #define TUMBLE_MAX_SIGMA_RAD 1.0 /* of a stand's errors */
 
-/* The head of a record. Behind it, up to its last 8 bytes: the gains. */
+/* The head of a record. Behind it, up to its last 8 bytes: the gains, then the weights of the channels if they differ. */
 typedef struct {
     uint8_t magic[4]; /* "TGR1" */
     uint32_t size_bytes;
@@ -639,7 +662,7 @@ typedef struct {
     uint32_t block_crc; /* CRC-32 of the block's serial, UTF-8; 0: for any block. For people: nothing here checks it */
     double k_v_per_g[TUMBLE_CHANNELS][TUMBLE_CHANNELS]; /* the K that the gains were linearised at; not all 0 */
     double sigma_rad[4];                                /* standard deviations of alpha1 .. alpha4; 0: no such error */
-    double sigma_mean_v;                                /* of a position mean; above 0 */
+    double sigma_mean_v;                                /* of a mean of the noisiest channel; above 0 */
     double u_k_v_per_g[TUMBLE_CHANNELS][TUMBLE_CHANNELS]; /* standard uncertainties of the result, at that K */
     double u_u0_v[TUMBLE_CHANNELS];
 } tumble_gain_record_t;
@@ -664,6 +687,10 @@ const double *tumble_gain_record_gains(const tumble_gain_record_t *record);
 /* Gains (rad per V; of drifts, V per V) of the stand's own errors: rows alpha1, alpha2, each yaw, theta_h of each seat,
  * theta_n of each, the numbers of the encoder, drifts; columns as above. */
 const double *tumble_gain_record_stand_gains(const tumble_gain_record_t *record);
+
+/* What the square of an output of each channel counts beside that of the noisiest one: sigma_mean_v over the channel's own,
+ * squared. Null where the channels are alike. */
+const double *tumble_gain_record_weights(const tumble_gain_record_t *record);
 
 /* The fingerprint of a schedule: CRC-32 over mountings and fit positions, see docs/gain-record.md. */
 uint32_t tumble_gain_record_schedule_crc(const tumble_schedule_t *schedule);
@@ -969,6 +996,7 @@ typedef struct {
     const tumble_means_t *means;
     const tumble_stand_record_t *stand; /* its angles and drift alone, checked by its owner */
     const double *mean_variance_v2;     /* noise of the mean of a channel, one for each position; 0 or more, finite */
+    const double (*channel_variance_v2)[TUMBLE_CHANNELS]; /* of each channel, in place of that; null: all are alike */
 } tumble_whole_run_t;
 
 #define TUMBLE_WHOLE_LOCAL 3  /* errors of a mounting: yaw, seat (theta_h, theta_n) */
@@ -987,9 +1015,9 @@ typedef struct {
     double by_shared[TUMBLE_WHOLE_SHARED][TUMBLE_CHANNELS];
     double by_angle[TUMBLE_CHANNELS];
     double wave_rad[TUMBLE_WAVES];      /* the table angle, per sigma of each number of the encoder */
-    double drift_v;                     /* each output, per sigma of its own drift */
+    double drift_v[TUMBLE_CHANNELS];    /* each output, per sigma of its own drift */
     double residual_v[TUMBLE_CHANNELS]; /* as if the set angle had no error */
-    double variance_v2;
+    double variance_v2[TUMBLE_CHANNELS];
 } tumble_whole_place_t;
 
 /* Working memory, 4.5 kB. The caller owns it. The first members are the verdict of tumble_whole_step, once `known`;

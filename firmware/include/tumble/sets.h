@@ -527,14 +527,15 @@ tumble_status_t tumble_checkpoint_read(tumble_checkpoint_t *checkpoint, uint8_t 
  * uncertainty of the active set counts as 0: it excuses no change.
  *
  * The caller adds TUMBLE_OBJECTION_DOES_NOT_FIT, TUMBLE_OBJECTION_WHOLE_MODEL, TUMBLE_OBJECTION_DISTURBED,
- * TUMBLE_OBJECTION_OTHER_RULES and TUMBLE_OBJECTION_NEWER_SET: a set holds no means, and knows neither its bus nor who set
- * its rules, nor what else is in the memory.
+ * TUMBLE_OBJECTION_OTHER_RULES, TUMBLE_OBJECTION_NEWER_SET and TUMBLE_OBJECTION_NOT_SHOWN: a set holds neither means nor
+ * covariances, and knows neither its bus nor who set its rules, nor what else is in the memory.
  */
 /* Drift is allowed for so many months at most, however far apart the dates are. Otherwise a clock that is years ahead
  * would excuse any change; and after so long a time somebody should look at the block. */
 #define TUMBLE_COMMIT_MAX_MONTHS 24.0
 
-/* Bit numbers travel over CAN and Modbus: new ones go to the end, 16 at most. */
+/* Bit numbers travel over CAN and Modbus: new ones go to the end, 32 at most. Those from 16 on have an object of their
+ * own (2120h:15). */
 #define TUMBLE_OBJECTION_LIST(X)                                                                                       \
     X(TUMBLE_OBJECTION_GRAVITY_CHECK, "the result fails the gravity check")                                            \
     X(TUMBLE_OBJECTION_NOT_FINITE, "a number of the set is infinite or not a number, or a row of K is zero")           \
@@ -551,7 +552,8 @@ tumble_status_t tumble_checkpoint_read(tumble_checkpoint_t *checkpoint, uint8_t 
     X(TUMBLE_OBJECTION_DOES_NOT_FIT, "the means scatter by more than the declared stand and noise explain")            \
     X(TUMBLE_OBJECTION_WHOLE_MODEL, "twelve coefficients and the declared stand do not explain the run as a whole")    \
     X(TUMBLE_OBJECTION_DISTURBED, "too many samples or position reports were lost, refused or not believed")           \
-    X(TUMBLE_OBJECTION_NEWER_SET, "the memory holds a set of a newer version, which this one would replace")
+    X(TUMBLE_OBJECTION_NEWER_SET, "the memory holds a set of a newer version, which this one would replace")           \
+    X(TUMBLE_OBJECTION_NOT_SHOWN, "three u(|a|) exceed the gravity limit at some attitude: it is not shown to be met")
 
 /* The bit numbers. */
 typedef enum {
@@ -561,7 +563,11 @@ typedef enum {
         TUMBLE_OBJECTION_COUNT
 } tumble_objection_t;
 
-#define TUMBLE_OBJECTION_BIT(objection) ((uint16_t)((uint32_t)1U << (unsigned)(objection)))
+#define TUMBLE_OBJECTION_BIT(objection) ((uint32_t)1U << (unsigned)(objection))
+#define TUMBLE_OBJECTION_MORE 16U /* the first bit of tumble_sets_state_t.more_objections */
+
+/* So many u(|a|) must be within the limit of the gravity check at every attitude: the limit is three sigma. */
+#define TUMBLE_NORM_COVERAGE 3.0
 
 /* tumble_commit_limits_t.flags */
 enum {
@@ -679,6 +685,10 @@ typedef struct {
      * Returns TUMBLE_OK, TUMBLE_E_PORT_BUSY (asked again at the next step), or why they are not known. */
     tumble_status_t (*uncertainty)(const void *self, uint16_t coefficients, tumble_uncertainty_t *uncertainty);
 
+    /* The standard uncertainty of |a| at an attitude, g. Called once in a step, when the coefficients' are known. Null:
+     * nobody asks whether the limit is met at every attitude. Returns likewise. */
+    tumble_status_t (*norm)(const void *self, const double attitude[3], double *norm_g);
+
     /* Lent from tumble_sets_run_done on, for as long as the means must stay as they are (tumble_sets_allow). */
     tumble_misfit_work_t *misfit;
 } tumble_sets_owner_t;
@@ -777,7 +787,7 @@ typedef struct {
     bool has_active;
     bool has_active_half_c;
     bool decayed; /* the history knows of a later set than the store */
-    uint16_t objections;
+    uint32_t objections;
     uint16_t off_temperature; /* samples in a row */
     int16_t active_half_c;
     const tumble_sets_run_t *run;
@@ -798,8 +808,9 @@ typedef struct {
     uint64_t utc_us;        /* UTC at the port's time 0 */
     uint64_t active_utc_s;  /* date of the active set; 0: unknown */
     uint64_t active_us;     /* power-on, or when the active set changed, if later */
-    uint64_t inhibit_us;    /* the host's inhibit ends here */
-    uint64_t pause_us;      /* no start by itself before */
+    tumble_worst_norm_t worst_norm;
+    uint64_t inhibit_us; /* the host's inhibit ends here */
+    uint64_t pause_us;   /* no start by itself before */
     tumble_sets_counters_t counters;
     tumble_sets_settings_t settings;
     tumble_set_t set; /* the result; its uncertainties are served until the next one comes */
@@ -808,7 +819,7 @@ typedef struct {
     tumble_checkpoint_t checkpoint;
 } tumble_sets_t;
 
-static_assert(sizeof(tumble_sets_t) <= ((sizeof(void *) == 4U) ? 1792U : 2048U), "the sets must stay small");
+static_assert(sizeof(tumble_sets_t) <= ((sizeof(void *) == 4U) ? 1840U : 2048U), "the sets must stay small");
 
 /* Get ready; `*owner->run` must be true by now. Then step the memory (tumble_sets_step_memory) until it is not busy, or
  * for as long as the owner likes, and call tumble_sets_booted with `opened`, the status that tumble_sets_init returned.
@@ -909,7 +920,7 @@ typedef struct {
     uint32_t age_s;      /* of the active set, by its date, or else since power-on or its change; 0 if there is none */
     uint32_t due_in_s;   /* until the interval is over; 0: it is, or there is no interval */
     uint16_t inhibit_s;  /* left of the host's inhibit, rounded up */
-    uint16_t objections; /* to the last result: TUMBLE_OBJECTION_BIT */
+    uint16_t objections; /* to the last result: TUMBLE_OBJECTION_BIT, below TUMBLE_OBJECTION_MORE */
     uint8_t verdict;     /* tumble_verdict_t */
     uint8_t status;      /* tumble_status_t of the last failure of the memory */
     uint8_t due;         /* TUMBLE_DUE_... */
@@ -918,6 +929,7 @@ typedef struct {
     bool busy;           /* the memory is at work, or about to be */
     bool has_proposal;
     bool has_factory;
+    uint16_t more_objections; /* bits from TUMBLE_OBJECTION_MORE on */
 } tumble_sets_state_t;
 
 void tumble_sets_state(const tumble_sets_t *sets, tumble_sets_state_t *state);

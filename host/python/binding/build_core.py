@@ -207,6 +207,8 @@ typedef struct {
     double platform_rad;
     double encoder_rad;
     double drift_v;
+    double channel_noise_v[3];
+    double channel_drift_v[3];
 } tumble_stand_record_t;
 typedef struct {
     double noise_v[3];
@@ -228,7 +230,20 @@ typedef struct {
     uint16_t only;
     const double (*excess_variance_v2)[3];
     const tumble_noise_t *noise;
+    const double *attitude;
+    double *norm_g;
 } tumble_judged_run_t;
+typedef struct {
+    double best[3];
+    double worst_g;
+    uint8_t place;
+    uint8_t rounds;
+    uint8_t halvings;
+    bool rises;
+} tumble_worst_norm_t;
+void tumble_worst_norm_begin(tumble_worst_norm_t *);
+void tumble_worst_norm_attitude(const tumble_worst_norm_t *, double[3]);
+bool tumble_worst_norm_next(tumble_worst_norm_t *, double);
 typedef struct {
     int64_t square_sum[2][3];
     int64_t open_square_sum[2][3];
@@ -255,6 +270,7 @@ typedef struct {
     const tumble_means_t *means;
     const tumble_stand_record_t *stand;
     const double *mean_variance_v2;
+    const double (*channel_variance_v2)[3];
 } tumble_whole_run_t;
 typedef struct {
     double chi_squared;

@@ -86,7 +86,7 @@ static const tumble_gain_record_t *record;
 #if CANDIDATE >= 13 && CANDIDATE <= 15
 static tumble_uncertainty_t uncertainty;
 static const tumble_judged_run_t judged = {
-    &tumble_schedule_paper, &benchmark_stand, &benchmark_coefficients, NULL, NULL, 0, NULL, NULL};
+    .schedule = &tumble_schedule_paper, .stand = &benchmark_stand, .coefficients = &benchmark_coefficients};
 #define FOUND uncertainty
 #elif CANDIDATE == 19 || CANDIDATE == 20
 static tumble_uncertainty_t uncertainty;

@@ -79,6 +79,16 @@ static void test_a_ramp_is_no_white_noise(void)
     }
 }
 
+/* The first two channels show the same noise: declared for one of them, it is above in the other alone. */
+static void test_each_channel_is_held_against_its_own_noise(void)
+{
+    take(0, 0, 100, 32);
+    stand.channel_noise_v[1] = 1e5;
+    ASSERT_STATUS(TUMBLE_OK, look());
+    TEST_ASSERT_EQUAL_HEX8(1, noise.above);
+    TEST_ASSERT_TRUE(noise.declared_v == 1e5);
+}
+
 static void test_the_declared_noise_is_left_out(void)
 {
     take(0, 0, 100, 32);

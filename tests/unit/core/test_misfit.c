@@ -129,7 +129,8 @@ static void invert(uint8_t p, int left_out, long double inverse[3][3])
     const tumble_angle_t *const angle = &schedule->positions[p].angle;
     const tumble_mounting_t *const mounting = tumble_schedule_mounting_of(schedule, p);
     const double square = stand.angle_rad * stand.angle_rad;
-    const double v = (1e-4 * 1e-4 + V_PER_COUNT * V_PER_COUNT / 12.0) / SAMPLES + pow(square * 2.01, 2.0);
+    const double v = (1e-4 * 1e-4 + V_PER_COUNT * V_PER_COUNT / 12.0) / SAMPLES;
+    const double second = square * square; /* times the square of the row's largest element */
     double d[3] = {0.0, 0.0, 0.0};
     for (int i = 0; i < 3; i++) {
         for (int j = 0; (j < 3) && (i != left_out); j++) {
@@ -142,7 +143,8 @@ static void invert(uint8_t p, int left_out, long double inverse[3][3])
         long double b[9] = {0.0L};
         for (int i = 0; i < 3; i++) {
             for (int j = 0; j < 3; j++) {
-                a[i][j] = (long double)square * d[i] * d[j] + ((i == j) ? (long double)v : 0.0L);
+                a[i][j] = (long double)square * d[i] * d[j] +
+                          ((i == j) ? (long double)(v + second * pow(block.k_v_per_g[i][i], 2.0)) : 0.0L);
             }
         }
         b[column] = 1.0L;
@@ -188,7 +190,8 @@ static double expected_square(uint8_t mounting)
     return (double)square;
 }
 
-/* The last mounting's sum is what the work still holds. On a coarse stand the largest K counts: it is the first one. */
+/* The last mounting's sum is what the work still holds. On a coarse stand the largest K of a row counts: it is on the
+ * diagonal. */
 static void test_the_sum_is_that_of_plain_elimination(void)
 {
     for (int runs = 0; runs < 50; runs++) {
@@ -347,6 +350,27 @@ static void test_a_number_that_is_none_does_not_fit(void)
     TEST_ASSERT_TRUE(fits());
     block.k_v_per_g[0][0] = NAN;
     TEST_ASSERT_FALSE(fits());
+}
+
+/* A channel with four times the outputs and the noise is judged as before: the first test, of all channels. */
+static void test_each_channel_is_judged_by_its_own_noise(void)
+{
+    draw(0.0, 0.0, 0.0, 1.0);
+    (void)judge();
+    const double before = work.all_square;
+    for (uint8_t p = 0; p < schedule->position_count; p++) {
+        averaging.averages[p].sum_counts[2] *= 4;
+    }
+    for (int j = 0; j < 3; j++) {
+        block.k_v_per_g[2][j] *= 4.0;
+    }
+    block.u0_v[2] *= 4.0;
+    (void)judge();
+    TEST_ASSERT_TRUE(fabs(work.all_square - before) > 0.1 * before);
+    stand.channel_noise_v[2] = 4.0 * stand.noise_v;
+    (void)judge();
+    TEST_ASSERT_TRUE(fabs(work.all_square - before) <
+                     1e-4 * before); /* second order is the row's, rounding the count's */
 }
 
 static const around_t around_each = {set_up, NULL};

@@ -43,7 +43,7 @@ static void set_up(void)
 
 static tumble_status_t look(void)
 {
-    const tumble_whole_run_t run = {&tumble_schedule_paper, &means, &stand, variance_v2};
+    const tumble_whole_run_t run = {&tumble_schedule_paper, &means, &stand, variance_v2, NULL};
     return tumble_whole_chi_squared(&run, &work, &square, &freedom);
 }
 
@@ -154,15 +154,15 @@ static void test_no_noise_at_all_is_a_little(void)
 static void test_refusals(void)
 {
     const tumble_whole_run_t runs[] = {
-        {NULL, &means, &stand, variance_v2},
-        {&tumble_schedule_paper, NULL, &stand, variance_v2},
-        {&tumble_schedule_paper, &means, NULL, variance_v2},
-        {&tumble_schedule_paper, &means, &stand, NULL},
+        {NULL, &means, &stand, variance_v2, NULL},
+        {&tumble_schedule_paper, NULL, &stand, variance_v2, NULL},
+        {&tumble_schedule_paper, &means, NULL, variance_v2, NULL},
+        {&tumble_schedule_paper, &means, &stand, NULL, NULL},
     };
     for (size_t i = 0; i < COUNT_OF(runs); i++) {
         ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_whole_chi_squared(&runs[i], &work, &square, &freedom));
     }
-    const tumble_whole_run_t run = {&tumble_schedule_paper, &means, &stand, variance_v2};
+    const tumble_whole_run_t run = {&tumble_schedule_paper, &means, &stand, variance_v2, NULL};
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_whole_chi_squared(NULL, &work, &square, &freedom));
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_whole_chi_squared(&run, NULL, &square, &freedom));
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_whole_chi_squared(&run, &work, NULL, &freedom));
@@ -251,6 +251,51 @@ static void test_steps_come_to_the_same_bits(void)
     TEST_ASSERT_TRUE(square < plain);
 }
 
+/* A change of unit: a channel's outputs, noise and drift times a factor. What has no unit stays. */
+static void test_a_channel_in_another_unit_fits_as_well(void)
+{
+    static const double factor[3] = {0.15, -1.0, 5.0};
+    static double by_channel[P][3];
+    make_means(3e-4);
+    declare();
+    stand.encoder_rad = 1e-4;
+    stand.drift_v = 1e-3;
+    ASSERT_STATUS(TUMBLE_OK, look());
+    const double before = square;
+    for (int i = 0; i < 3; i++) {
+        stand.channel_drift_v[i] = fabs(factor[i]) * stand.drift_v;
+        for (int p = 0; p < P; p++) {
+            means.u_v[p][i] *= factor[i];
+            by_channel[p][i] = factor[i] * factor[i] * variance_v2[p];
+        }
+    }
+    const tumble_whole_run_t run = {&tumble_schedule_paper, &means, &stand, NULL, (const double (*)[3])by_channel};
+    ASSERT_STATUS(TUMBLE_OK, tumble_whole_chi_squared(&run, &work, &square, &freedom));
+    TEST_ASSERT_TRUE(fabs(square - before) < 1e-9 * before);
+    TEST_ASSERT_TRUE(fabs(work.coefficients.k_v_per_g[2][2]) > 10.0);
+}
+
+/* From averages: a channel with four times the counts, and four times the noise. */
+static void test_each_channel_is_judged_by_its_own_noise(void)
+{
+    make_means(3e-4);
+    make_averages();
+    declare();
+    (void)test_in_steps(&tumble_schedule_paper, &block);
+    const double before = work.chi_squared;
+    tumble_coefficients_t start = block;
+    for (int p = 0; p < P; p++) {
+        averaging.averages[p].sum_counts[1] *= -4;
+    }
+    for (int j = 0; j < 3; j++) {
+        start.k_v_per_g[1][j] *= -4.0;
+    }
+    start.u0_v[1] *= -4.0;
+    stand.channel_noise_v[1] = 4.0 * stand.noise_v;
+    (void)test_in_steps(&tumble_schedule_paper, &start);
+    TEST_ASSERT_TRUE(fabs(work.chi_squared - before) < 1e-9 * before);
+}
+
 /* 99.9 % quantiles, from tables. */
 static void test_the_limit_is_near_the_true_quantile(void)
 {
@@ -302,19 +347,19 @@ static void test_rounding_alike_is_not_averaged(void)
     stand.noise_v = 0.4 * V_PER_COUNT;
     (void)test_in_steps(&tumble_schedule_paper, &block);
     const double alike = work.least_v2; /* 1e-7 of K is more than a count here: nothing else is to be seen */
-    TEST_ASSERT_TRUE(work.place.variance_v2 == alike);
+    TEST_ASSERT_TRUE(work.place.variance_v2[0] == alike);
     const tumble_misfit_run_t coarse = {&tumble_schedule_paper, &averaging, &block, &stand, 1e-3};
     stand.noise_v = 4e-4;
     tumble_whole_begin(&work);
     while (tumble_whole_step(&work, &coarse)) {
     }
     const double expected = (1.6e-7 / SAMPLES) + (1e-6 / 12.0);
-    TEST_ASSERT_TRUE(fabs(work.place.variance_v2 - expected) < 1e-12 * expected);
+    TEST_ASSERT_TRUE(fabs(work.place.variance_v2[2] - expected) < 1e-12 * expected);
     stand.least_noise_v = 1e-2;
     tumble_whole_begin(&work);
     while (tumble_whole_step(&work, &coarse)) {
     }
-    TEST_ASSERT_TRUE(fabs(work.place.variance_v2 - 1e-4) < 1e-16);
+    TEST_ASSERT_TRUE(fabs(work.place.variance_v2[2] - 1e-4) < 1e-16);
 }
 
 /* Four positions, twelve means, twelve unknowns. */

@@ -64,6 +64,26 @@ static void test_the_record_may_end_before_the_memory(void)
     }
 }
 
+/* Behind the gains, if the channels differ. */
+static void test_weights_of_channels_follow_the_gains(void)
+{
+    const tumble_gain_record_t *opened = open_gains(&record, &tumble_schedule_paper);
+    TEST_ASSERT_NULL(tumble_gain_record_weights(opened));
+    const uint32_t at = record.size - 8U;
+    record.size += 24U;
+    put_word(record.bytes + 4, record.size);
+    for (uint32_t i = 0; i < 3U; i++) {
+        (void)put_double(record.bytes + at + (8U * i), (double)(1U + i));
+    }
+    put_word(record.bytes + record.size - 8U, 0);
+    seal(&record);
+    opened = open_gains(&record, &tumble_schedule_paper);
+    TEST_ASSERT_EQUAL_PTR(record.bytes + at, tumble_gain_record_weights(opened));
+    (void)put_double(record.bytes + at + 8U, 0.0);
+    seal(&record);
+    assert_paper(TUMBLE_E_NOT_FINITE);
+}
+
 static void test_null_and_crooked_pointers_are_refused(void)
 {
     const tumble_gain_record_t *opened;

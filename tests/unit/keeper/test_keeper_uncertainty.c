@@ -137,13 +137,83 @@ static void test_of_another_estimator_there_are_none(void)
     TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_UNCERTAINTY_UNKNOWN), state_of_keeper().objections);
 }
 
+/* Three u(|a|) at the worst attitude, against the limit of the gravity check. */
+
+static double told_g;
+static uint32_t norms;
+
+static tumble_status_t tell_norm(const tumble_navcomp_t *navcomp, const double attitude[3], double *norm_g)
+{
+    (void)navcomp;
+    const double square = (attitude[0] * attitude[0]) + (attitude[1] * attitude[1]) + (attitude[2] * attitude[2]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 1.0, square);
+    norms++;
+    *norm_g = told_g;
+    return (told_g < 0.0) ? TUMBLE_E_NOT_FINITE : TUMBLE_OK;
+}
+
+static tumble_verdict_t judged_with(double norm_g)
+{
+    told_g = norm_g;
+    norms = 0;
+    keeper_config.norm = tell_norm;
+    return run_and_judge();
+}
+
+static void assert_not_shown(void)
+{
+    TEST_ASSERT_EQUAL_HEX16(0, state_of_keeper().objections);
+    TEST_ASSERT_EQUAL_HEX16(1, state_of_keeper().more_objections);
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_NOT_SHOWN), set_of(TUMBLE_SET_PROPOSAL).reasons);
+    TEST_ASSERT_EQUAL_HEX16(0, read_number(0x2120, 6, 2));
+    TEST_ASSERT_EQUAL_HEX16(1, read_number(0x2120, 15, 2));
+    TEST_ASSERT_EQUAL_HEX32(0x10000, read_number(0x2102, 13, 4));
+}
+
+static void test_within_the_limit_it_is_committed(void)
+{
+    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, judged_with(0.999e-4));
+    TEST_ASSERT_EQUAL_UINT32(50, norms); /* 26, and four rounds of six that lead nowhere */
+    TEST_ASSERT_EQUAL_HEX16(0, read_number(0x2120, 15, 2));
+}
+
+static void test_beyond_the_limit_it_is_held(void)
+{
+    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, judged_with(1.001e-4));
+    assert_not_shown();
+    ASSERT_STATUS(TUMBLE_OK, accept_proposal());
+    settle_memory();
+    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_ACCEPTED, state_of_keeper().verdict);
+}
+
+static void test_what_cannot_be_judged_is_not_shown(void)
+{
+    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, judged_with(-1.0));
+    TEST_ASSERT_EQUAL_UINT32(1, norms);
+    assert_not_shown();
+}
+
+static void test_a_seat_that_is_declared_coarse_is_not_shown(void)
+{
+    declared_stand.seat_rad = 1.6e-4;
+    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
+    assert_not_shown();
+}
+
+static void test_a_board_that_does_not_ask_has_no_such_objection(void)
+{
+    declared_stand.seat_rad = 1.6e-4;
+    keeper.owner.norm = NULL;
+    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
+}
+
 /* A reset takes the means away. What is in the checkpoint goes on, as after a loss of power. */
 static void test_a_reset_meanwhile_loses_nothing(void)
 {
     run_to_done();
     for (int i = 0; i < 200; i++) {
         bench_event(&bench);
-        if (keeper.sets.task == 2U) { /* does it fit? */
+        if (keeper.sets.task == 3U) { /* does it fit? */
             break;
         }
     }

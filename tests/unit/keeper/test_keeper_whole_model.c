@@ -3,7 +3,7 @@
 #include "keeper_world.h"
 
 #define BEYOND TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_WHOLE_MODEL)
-#define TESTING 3U /* tumble_sets_t.task */
+#define TESTING 4U /* tumble_sets_t.task */
 #define UTC_S 1800000000U
 #define FIT 0x2025U
 #define CHI_SQUARED 1U

@@ -35,7 +35,8 @@ static void test_they_are_those_of_the_estimator_in_use(void)
         for (size_t p = 0; p < 18U; p++) {
             samples[p] = averages->averages[p].samples;
         }
-        const tumble_judged_run_t run = {&tumble_schedule_paper, &stand, &coefficients, NULL, samples, 0, NULL, NULL};
+        const tumble_judged_run_t run = {
+            &tumble_schedule_paper, &stand, &coefficients, NULL, samples, 0, NULL, NULL, NULL, NULL};
         tumble_uncertainty_t expected;
         ASSERT_STATUS(TUMBLE_OK, judges[c](&run, &expected, NULL));
         ASSERT_STATUS(TUMBLE_E_PORT_BUSY, tumble_navcomp_uncertainty(&world.navcomp, TUMBLE_ALL_COEFFICIENTS, &stated));
@@ -127,7 +128,8 @@ static void test_those_of_a_gain_record_are_for_the_k_it_was_made_for(void)
     static gain_bytes_t record;
     static const tumble_coefficients_t made_for = {{{2.0, 0.1, 0.0}, {0.0, 2.1, 0.0}, {0.3, 0.0, 1.9}}, {0}};
     static const tumble_coefficients_t another = {{{5.0, 0.0, 0.0}, {0.0, 5.0, 0.0}, {0.0, 0.0, 5.0}}, {1.0, 1.0, 1.0}};
-    static const tumble_stand_record_t stand = {1e-5, 2e-5, 3e-4, 4e-5, 3e-4, 0.0, 50, false, 0.0, 0.0, 0.0, 0.0};
+    static const tumble_stand_record_t stand = {1e-5,  2e-5, 3e-4, 4e-5, 3e-4, 0.0, 50,
+                                                false, 0.0,  0.0,  0.0,  0.0,  {0}, {0}};
     dice_t dice = {91};
     empty_gains(&tumble_schedule_paper, 2, &record);
     for (unsigned n = 0; n < 9U; n++) {
@@ -140,7 +142,7 @@ static void test_those_of_a_gain_record_are_for_the_k_it_was_made_for(void)
     tumble_optimal_t work;
     tumble_optimal_source_t source = {record.bytes, record.size, &work};
     const tumble_gain_table_t table = {tumble_gain_record_gains(open_gains(&record, &tumble_schedule_paper)), 18};
-    tumble_judged_run_t run = {&tumble_schedule_paper, &stand, &made_for, NULL, NULL, 0, NULL, NULL};
+    tumble_judged_run_t run = {&tumble_schedule_paper, &stand, &made_for, NULL, NULL, 0, NULL, NULL, NULL, NULL};
     tumble_uncertainty_t expected;
     ASSERT_STATUS(TUMBLE_OK, tumble_uncertainty_gains(&table, &run, &expected));
     run.coefficients = &another;

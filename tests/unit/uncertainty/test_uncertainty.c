@@ -26,6 +26,40 @@ static void test_noise_alone(void)
     assert_on_paper(tumble_uncertainty_refined, &stand, &straight, refined, u0);
 }
 
+/* Channel by channel; 0 leaves it to the number for all. */
+static void test_noise_and_drift_of_each_channel(void)
+{
+    const tumble_stand_record_t stand = {.noise_v = 3.0,
+                                         .drift_v = 0.5,
+                                         .samples = 9,
+                                         .channel_noise_v = {0.0, 30.0, 0.3},
+                                         .channel_drift_v = {2.0, 0.0, 8.0}};
+    const double noise[3] = {3.0, 30.0, 0.3};
+    const double drift[3] = {2.0, 0.5, 8.0};
+    double k[3][3];
+    double u0[3];
+    for (int i = 0; i < 3; i++) {
+        const tumble_stand_record_t alike = {.noise_v = noise[i], .drift_v = drift[i], .samples = 9};
+        const tumble_judged_run_t run = run_on_paper(&alike, &straight);
+        const tumble_uncertainty_t found = judged(tumble_uncertainty_refined, &run);
+        memcpy(k[i], found.k_v_per_g[i], sizeof k[i]);
+        u0[i] = found.u0_v[i];
+    }
+    assert_on_paper(tumble_uncertainty_refined, &stand, &straight, (const double (*)[3])k, u0);
+}
+
+static void test_a_channel_with_a_number_out_of_range_is_refused(void)
+{
+    tumble_stand_record_t stand = no_errors;
+    const tumble_judged_run_t run = run_on_paper(&stand, &straight);
+    tumble_uncertainty_t found;
+    stand.channel_noise_v[2] = -1e-9;
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_uncertainty_refined(&run, &found, NULL));
+    stand.channel_noise_v[2] = 0.0;
+    stand.channel_drift_v[0] = 1e101;
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_uncertainty_refined(&run, &found, NULL));
+}
+
 /* However many samples a mean has. */
 static void test_the_least_noise_of_a_mean(void)
 {
@@ -112,7 +146,7 @@ static void test_a_tilted_platform(void)
 
 static void test_sources_add_in_quadrature(void)
 {
-    const tumble_stand_record_t stand = {1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 0.0, 1, false, 6e-3, 7e-3, 8e-3, 9e-3};
+    const tumble_stand_record_t stand = {1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 0.0, 1, false, 6e-3, 7e-3, 8e-3, 9e-3, {0}, {0}};
     const tumble_stand_record_t alone[9] = {
         {.axis_tilt_rad = 1e-3, .samples = 1}, {.level_rad = 2e-3, .samples = 1},   {.remount_rad = 3e-3, .samples = 1},
         {.angle_rad = 4e-3, .samples = 1},     {.noise_v = 5e-3, .samples = 1},     {.seat_rad = 6e-3, .samples = 1},
@@ -232,7 +266,7 @@ static void test_a_mean_of_no_samples_is_refused(void)
 static void test_a_k_that_is_no_number_or_too_large_is_refused(void)
 {
     static const double bad[] = {NOT_A_NUMBER, INFINITE, -INFINITE, 1e200};
-    const tumble_stand_record_t stand = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1, false, 1.0, 1.0, 1.0, 1.0};
+    const tumble_stand_record_t stand = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1, false, 1.0, 1.0, 1.0, 1.0, {0}, {0}};
     for (int cell = 0; cell < 9; cell++) {
         for (size_t b = 0; b < COUNT_OF(bad); b++) {
             tumble_coefficients_t block = straight;
@@ -275,6 +309,6 @@ static void test_a_gain_table_does_not_ask_for_check_positions(void)
     for (int p = 0; p < 19; p++) {
         measured[p] = p < 18;
     }
-    const tumble_judged_run_t run = {&extended, &no_errors, &straight, measured, NULL, 0, NULL, NULL};
+    const tumble_judged_run_t run = {&extended, &no_errors, &straight, measured, NULL, 0, NULL, NULL, NULL, NULL};
     (void)judged(by_table, &run);
 }

@@ -2,6 +2,7 @@
 
 DEFAULT_ESTIMATOR = "refined"
 DEFAULT_LIMIT_G = 3e-4  # of the gravity check
+DEFAULT_COVERAGE_FACTOR = 3.0  # of u(|a|): the limit is three sigma of the length of a calibrated acceleration
 DEFAULT_CONFIDENCE = 0.999  # at which a run must fit its stand
 DEFAULT_SCHEDULE = "paper"
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 import io
 import sys
 
+from tumble.signs import signed_for
+
 
 def tell(line: str) -> None:
     """One line."""
     try:
-        print(line, file=sys.stderr or io.StringIO(), flush=True)
+        print(signed_for(line, sys.stderr), file=sys.stderr or io.StringIO(), flush=True)
     except (OSError, ValueError):  # full, gone, or closed
         sys.stderr = None
 

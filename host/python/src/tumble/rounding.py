@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 _LEAST = 1e-3  # of an uncertainty without an exponent
+_ALL_DIGITS = 17
 
 
 def rounded(size: float, u: float | None) -> tuple[str, str]:
@@ -17,3 +18,16 @@ def rounded(size: float, u: float | None) -> tuple[str, str]:
         return f"{size:+.{digits}e}", f"{u:.1e}"
     places = max(0, 1 - math.floor(math.log10(u)))
     return f"{size:+.{places}f}", f"{u:.{places}f}"
+
+
+def beside(value: float, other: float, digits: int = 2) -> str:
+    """A number with so many digits, or more until it is above, at or below the other one as it is in full."""
+    for count in range(digits, _ALL_DIGITS):
+        text = f"{value:.{count}g}"
+        if _order(float(text), other) == _order(value, other):
+            return text
+    return f"{value:.{_ALL_DIGITS}g}"
+
+
+def _order(value: float, other: float) -> int:
+    return int(value > other) - int(value < other)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -20,15 +21,38 @@ _SIGMAS_PER_LIMIT = {SIGMA: 1.0, "sigma3": 3.0, "uniform": math.sqrt(3.0)}
 LIMIT_KINDS = tuple(_SIGMAS_PER_LIMIT)
 
 
-def rounding_of(step: float) -> float:
-    """Standard deviation that rounding to a `step` leaves of one sample."""
-    return abs(step) / math.sqrt(12.0)
+PerChannel = float | tuple[float, float, float]  # one number for all channels, or one for each
+
+PER_CHANNEL = ("noise", "drift")  # attributes of a stand
+_LEAST_NOISE = 1e-4  # of the largest: a channel without noise has a weight too, and not one that hides the others
+
+
+def by_channel(value: PerChannel | Sequence[float] | Floats) -> Floats:
+    """What each channel has (3,)."""
+    return np.broadcast_to(np.asarray(value, dtype=float), 3).copy()
+
+
+def per_channel(values: Floats) -> PerChannel:
+    """The shortest form of what each channel has (3,): one number if they are alike."""
+    x, y, z = values.tolist()
+    return x if x == y == z else (x, y, z)
+
+
+def over(value: PerChannel, divisor: float) -> PerChannel:
+    """The value in another unit."""
+    return per_channel(by_channel(value) / divisor)
+
+
+def rounding_of(step: PerChannel | Floats) -> Floats:
+    """Standard deviations (3,) that rounding to a `step` leaves of one sample."""
+    rounding: Floats = np.abs(by_channel(step)) / math.sqrt(12.0)
+    return rounding
 
 
 @dataclass(frozen=True)
 class Stand:
     """Errors of a stand as declared: angles in radians, noise of one sample and drift in V or as `in_unit` made them,
-    all >= 0.
+    all >= 0; noise and drift are one number for all channels, or three.
 
     `axis_tilt`: the axis is not level (alpha1). `level`: zero of the table angle (alpha2). `remount`: yaw of the block
     on the platform (alpha3). `angle`: error of a set table angle (alpha4). `samples`: how many samples a mean has when
@@ -44,7 +68,7 @@ class Stand:
     level: float
     remount: float
     angle: float
-    noise: float
+    noise: PerChannel
     samples: int
     limits: str
     remounting: str = INDEPENDENT
@@ -52,31 +76,55 @@ class Stand:
     seat: float = 0.0
     platform: float = 0.0
     encoder: float = 0.0
-    drift: float = 0.0
+    drift: PerChannel = 0.0
+
+    @property
+    def limits_over_sigma(self) -> float:
+        """What the numbers are in standard deviations."""
+        return _SIGMAS_PER_LIMIT[self.limits]
 
     @property
     def declares_seat(self) -> bool:
         """Whether anything is said of how square the block sits."""
         return self.seat > 0.0 or self.platform > 0.0
 
+    @property
+    def declares_drift(self) -> bool:
+        """Whether any channel may drift."""
+        return bool(by_channel(self.drift).any())
+
+    @property
+    def weights(self) -> Floats:
+        """What makes the noise of every channel as large as the largest (3,): outputs times these are those of channels
+        that are alike. 1 where they are."""
+        noise = by_channel(self.noise)
+        largest = noise.max()
+        return largest / np.maximum(noise, _LEAST_NOISE * largest) if largest > 0.0 else np.ones(3)
+
+    def profile(self, source: str) -> Floats:
+        """How "noise" or "drift" of the channels (3,) compares with that of the channel that has most."""
+        sigmas = self.sigmas(source)
+        largest = sigmas.max()
+        return sigmas / largest if largest > 0.0 else np.ones(3)
+
     def in_unit(self, unit: str) -> Stand:
         """This stand with its noise and drift in the unit of a run's outputs."""
         volts = volts_per(unit)
-        return replace(self, noise=self.noise / volts, drift=self.drift / volts)
+        return replace(self, noise=over(self.noise, volts), drift=over(self.drift, volts))
 
     def beside(self, terms: Terms) -> Stand:
         """This stand without what further `terms` of a model have as unknowns, whatever its size: its drift."""
         return replace(self, drift=0.0) if DRIFT in terms else self
 
-    def with_step(self, step: float) -> Stand:
+    def with_step(self, step: PerChannel) -> Stand:
         """This stand with the noise that one sample really has: no less than a converter of this `step` (0: unknown),
         in the unit of the noise, leaves by rounding; step/sqrt(12) as a standard deviation."""
-        rounding = rounding_of(step) * _SIGMAS_PER_LIMIT[self.limits]
-        return self if self.noise >= rounding else replace(self, noise=rounding)
+        noise, rounding = by_channel(self.noise), rounding_of(step) * _SIGMAS_PER_LIMIT[self.limits]
+        return self if (noise >= rounding).all() else replace(self, noise=per_channel(np.maximum(noise, rounding)))
 
     def mean_variance(self, rows: Integers) -> Floats:
-        """Variance (positions,) of the mean of each position of a run by the noise, as averaged_over takes `rows`."""
-        variance: Floats = self.sigma("noise") ** 2 / self.averaged_over(rows)
+        """Variance (positions, 3) of the mean of each position of a run by the noise, as averaged_over takes `rows`."""
+        variance: Floats = self.sigmas("noise") ** 2 / self.averaged_over(rows)[:, None]
         return variance
 
     def averaged_over(self, rows: Integers) -> Integers:
@@ -85,14 +133,20 @@ class Stand:
         return np.where(rows > 1, rows, self.samples if rows.max(initial=0) <= 1 else 1)
 
     def sigma(self, source: str) -> float:
-        """Standard deviation of a source, named by its attribute, such as "axis_tilt"."""
+        """Standard deviation of an angle, named by its attribute, such as "axis_tilt"."""
         limit: float = getattr(self, source)
         return limit / _SIGMAS_PER_LIMIT[self.limits]
 
-    def with_sigma(self, source: str, sigma: float) -> Stand:
+    def sigmas(self, source: str) -> Floats:
+        """Standard deviations (3,) of "noise" or "drift", by channel."""
+        sigmas: Floats = by_channel(getattr(self, source)) / _SIGMAS_PER_LIMIT[self.limits]
+        return sigmas
+
+    def with_sigma(self, source: str, sigma: PerChannel) -> Stand:
         """This stand with another standard deviation of a source."""
-        limit: dict[str, Any] = {source: sigma * _SIGMAS_PER_LIMIT[self.limits]}
-        return replace(self, **limit)
+        limit = per_channel(by_channel(sigma) * _SIGMAS_PER_LIMIT[self.limits])
+        changed: dict[str, Any] = {source: limit}
+        return replace(self, **changed)
 
 
 PAPER_STAND = Stand(  # equation (5)

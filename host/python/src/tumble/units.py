@@ -8,7 +8,7 @@ import re
 UNIT = re.compile(r"[A-Za-z0-9µΩ°%/^·._ +-]{1,16}")
 SI = "m/s2"  # of accelerations, as --unit of apply and export have it
 _SPELLINGS = {
-    **dict.fromkeys(("m/s2", "m/s\N{SUPERSCRIPT TWO}", "m/s**2", "m/s/s", "m/s^2"), "m/s^2"),
+    **dict.fromkeys((SI, "m/s\N{SUPERSCRIPT TWO}", "m/s**2", "m/s/s", "m/s^2"), "m/s^2"),
     **{f"\N{GREEK SMALL LETTER MU}{unit}": f"\N{MICRO SIGN}{unit}" for unit in ("V", "g")},
 }
 _PER_G = {"m/s^2": 9.81, "g": 1.0, "mg": 1000.0}  # what 1 g gives in units of acceleration
@@ -37,6 +37,11 @@ def force_unit(text: object) -> object:
     return SI if isinstance(text, str) and spelled(text) == "m/s^2" else text
 
 
+def per_g_of(unit: str) -> float:
+    """What 1 g gives in a unit of acceleration, roughly."""
+    return _PER_G[spelled(unit)]
+
+
 def looks_like(per_g: float) -> str | None:
     """What the unit of outputs may be, and the option that says so, where 1 g comes out as so much; None: any."""
     unit = _acceleration(per_g)
@@ -48,6 +53,15 @@ def contradicts(per_g: float, unit: str) -> str | None:
     and 1 g comes out as so much; None where nothing speaks against it."""
     seen = _acceleration(per_g)
     return seen if unit in _KNOWN_BESIDE_VOLTS and seen != unit else None
+
+
+def looks_as_applied(length_g: float, unit: str) -> str | None:
+    """The unit that data look to be in, where a result for outputs in `unit` makes rests of this length of them; None:
+    none that is known."""
+    sizes = {other: volts_per(unit) / size for other, size in _VOLTS_PER_UNIT.items()}
+    if unit not in _VOLTS_PER_UNIT:
+        sizes = {other: size / _PER_G[unit] for other, size in _PER_G.items()} if unit in _PER_G else {}
+    return next((other for other, size in sizes.items() if size / _NEAR < length_g < size * _NEAR), None)
 
 
 def _acceleration(per_g: float) -> str | None:

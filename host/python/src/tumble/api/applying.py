@@ -15,7 +15,7 @@ from tumble.files.calibrated import OUTPUTS, Demand, Seen, factor_of, with_calib
 from tumble.files.run_layout import Wishes
 from tumble.solving.force import Force, NoForce
 from tumble.solving.temperature import outside
-from tumble.units import spelled
+from tumble.units import per_g_of, spelled
 
 
 def values_of(force: Force, outputs: Floats, with_uncertainty: bool, name: str = "data") -> Floats:
@@ -35,30 +35,46 @@ def applied(
     columns: dict[str, str] | None,
     outputs_unit: str | None,
     known_c: dict[str, Any] | None,
+    unit_told: bool,
+    of_force: str,
 ) -> Any:
-    """As Result.apply; `unit`: of the result's outputs; `known_c`: its temperature."""
+    """As Result.apply; `unit`: of the result's outputs, `unit_told` or assumed; `known_c`: its temperature; `of_force`:
+    the unit of the acceleration."""
     outputs_unit = spelled(outputs_unit) if isinstance(outputs_unit, str) else outputs_unit
     require_unit(outputs_unit, "outputs_unit")
     wishes = wishes_of(columns, outputs_unit, wanted=OUTPUTS)
-    if not frames.is_table(data):
-        return _of_array(force, data, unit, with_uncertainty, outputs_unit)
-    demand = demand_of(force, unit, with_uncertainty, wishes)
-    name, seen = frames.library_of(data) or "table", Seen()
-    found = with_calibrated(data, name, demand, seen)
-    for odd in doubts(seen, known_c):
+    demand = demand_of(force, unit, with_uncertainty, wishes, unit_told, of_force)
+    if frames.is_table(data):
+        name, seen = frames.library_of(data) or "table", Seen()
+        found = with_calibrated(data, name, demand, seen)
+    else:
+        name, seen = "data", Seen(unit_told=outputs_unit is not None)
+        found = _of_array(force, data, unit, with_uncertainty, outputs_unit)
+        seen.weigh(found.reshape(-1, found.shape[-1])[:, :3] / demand.one_g)
+    for odd in doubts(seen, known_c, demand):
         warnings.warn(f"{name}: {odd}", stacklevel=3)
     return found
 
 
-def doubts(seen: Seen, known_c: dict[str, Any] | None) -> tuple[str, ...]:
+def doubts(seen: Seen, known_c: dict[str, Any] | None, demand: Demand) -> tuple[str, ...]:
     """What to warn of after data were calibrated. `known_c`: temperature of the result, None where it is not known."""
-    told = outside(known_c, seen.temperatures_c)
-    return seen.passed_over if told is None else (*seen.passed_over, told)
+    told = outside(known_c, seen.temperatures_c), seen.doubt(demand)
+    return (*seen.passed_over, *(one for one in told if one is not None))
 
 
-def demand_of(force: Force, unit: str, with_uncertainty: bool, wishes: Wishes) -> Demand:
-    """What is to be done with a table, or with a file, of outputs; `unit`: of the result's."""
-    return Demand(lambda outputs: values_of(force, outputs, with_uncertainty), unit, with_uncertainty, wishes)
+def demand_of(
+    force: Force, unit: str, with_uncertainty: bool, wishes: Wishes, unit_told: bool, of_force: str
+) -> Demand:
+    """What is to be done with a table, or with a file, of outputs; `unit`: of the result's, `unit_told` or assumed;
+    `of_force`: the unit of the acceleration."""
+    return Demand(
+        lambda outputs: values_of(force, outputs, with_uncertainty),
+        unit,
+        with_uncertainty,
+        wishes,
+        unit_told,
+        per_g_of(of_force),
+    )
 
 
 def _of_array(force: Force, data: Any, unit: str, with_uncertainty: bool, outputs_unit: str | None) -> Floats:

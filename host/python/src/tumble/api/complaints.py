@@ -5,8 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from tumble.fixture.judge import Limits
+from tumble.rounding import beside
 from tumble.solving import noise, plausibility, temperature
+from tumble.solving.decision import Decision
 from tumble.solving.fit import NOISE, Explanation
 from tumble.solving.monte_carlo import MonteCarlo, Verdict
 from tumble.solving.noise_patterns import CORRELATED
@@ -30,7 +34,8 @@ def complaints(solution: Solution, odd: Sequence[str] = (), confirmed_unit: bool
         told.append(span)
     unit = solution.run.unit
     if solution.stand is not None and noise_unit(unit) != "V" and not confirmed_unit:
-        told.append(f"outputs in {unit}: noise_v of the stand file, {solution.stand.noise:g}, is in {unit} too")
+        noise = ", ".join(f"{one:g}" for one in np.atleast_1d(solution.stand.noise).tolist())
+        told.append(f"outputs in {unit}: noise_v of the stand file, {noise}, is in {unit} too")
     told += [] if solution.second_order is None else solution.second_order.complaints
     if solution.lone:
         told.append(f"a single row, taken for one sample, at {', '.join(solution.lone)}")
@@ -93,10 +98,10 @@ def named(explanation: Explanation) -> str:
 
 
 def _placed(name: str, column: str) -> str:
-    """With what shows it. One bad mean is that of a channel at a position."""
+    """With what shows it. One bad mean is that of a channel at a position, of which the channel may not be known."""
     if name == "position":
-        place, channel = column.split()
-        return f"position {place} ({channel})"
+        place, _, channel = column.partition(" ")
+        return f"position {place} ({channel})" if channel else f"position {place}"
     return f"{name} of {column}" if column else name
 
 
@@ -119,8 +124,11 @@ def complaints_of_document(result: dict[str, Any]) -> list[str]:
     """Of a document that files.documents has checked: what whoever uses its coefficients should know first."""
     found, check = [], result["verification"]
     if not check["pass"]:
-        sizes = f"largest error {check['max_abs_delta_g_g']:.2g} g, limit {check['limit_g']:g} g"
+        sizes = f"largest error {beside(check['max_abs_delta_g_g'], check['limit_g'])} g, limit {check['limit_g']:g} g"
         found.append(f"the gravity check FAILED: {sizes}")
+    decision = Decision.of(result)
+    if decision.is_not_shown:
+        found.append(f"{decision.sentence}: at some attitudes the coefficients may be off by more")
     if result["warnings"] is not None:
         return found + [one for one in result["warnings"] if one != _NO_UNIT]  # which `assumes` tells
     fit = result["fit"] or {}  # of a result that is older than its warnings

@@ -25,6 +25,7 @@ from tumble.files.run_layout import Wishes
 from tumble.files.stand_file import StandFile
 from tumble.schedule import Schedule
 from tumble.solving.coefficients import Coefficients
+from tumble.solving.decision import Decision
 from tumble.solving.force import Force
 from tumble.stand import Stand
 from tumble.units import force_unit
@@ -109,7 +110,8 @@ class Result:
 
     @property
     def passed(self) -> bool:
-        """The gravity check (8) passed, and the run fits the declared stand, if there is one."""
+        """The gravity check (8) passed, and if a stand is declared, the run fits it and the uncertainty is within the
+        limit at every attitude."""
         return bool(self._checked["pass"])
 
     @property
@@ -118,7 +120,7 @@ class Result:
         return tuple(self._checked["assumes"])
 
     def __repr__(self) -> str:
-        return f"<tumble.Result {self._name}: {self.estimator}, {'PASS' if self.passed else 'FAIL'}, unit {self.unit}>"
+        return f"<tumble.Result {self._name}: {self.estimator}, {Decision.of(self._checked).word}, unit {self.unit}>"
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the verdict, and the coefficients with their uncertainties."""
@@ -176,7 +178,8 @@ class Result:
         u_x, u_y, u_z, u_norm. The noise of the data itself is not in them.
 
         A column temperature, deg C, of a table is held against that of the run: a UserWarning where a row is more than
-        1 deg C outside. Missing values (NaN, null) stay missing. Raises UsageError, BadInput.
+        1 deg C outside. Where nobody tells the unit of the data or of the run, another such warning comes if the
+        acceleration at rest is not near 1 g. Missing values (NaN, null) stay missing. Raises UsageError, BadInput.
 
         >>> import tumble
         >>> result = tumble.solve("examples/paper_stand.csv", stand="examples/paper_stand.toml")
@@ -189,7 +192,8 @@ class Result:
         require_flag(uncertainty, "uncertainty")
         known_c = self._checked["temperature"]
         with told_in_python():
-            return applied(self.force(unit, uncertainty), data, self.unit, uncertainty, columns, outputs_unit, known_c)
+            given = data, self.unit, uncertainty, columns, outputs_unit, known_c
+            return applied(self.force(unit, uncertainty), *given, "unit" not in self.assumes, str(force_unit(unit)))
 
     def force(self, unit: str = "g", uncertainty: bool = False) -> Force:
         """What turns outputs in the result's unit into specific force in `unit`. `uncertainty`: it must be known."""
@@ -262,13 +266,15 @@ class Result:
         logo: str | os.PathLike[str] | None = None,
         number: str | None = None,
         since: Result | str | os.PathLike[str] | None = None,
+        issued: str | None = None,
     ) -> None:
         """Write a calibration report, HTML or PDF as the file's name ends; docs/report.md tells what is in it.
 
         `run`: what was solved, as `read` gives or takes it: then its samples are drawn too. `template`: a file of
-        Jinja2 in place of the own one, or extending it. `logo`: a picture in PNG, JPEG or SVG. `number`: of the report,
+        Jinja2 in place of the built-in one, or extending it. `logo`: a picture in PNG, JPEG or SVG. `number`: of the report,
         default: one by date and content, the same for the same result. `since`: an earlier result of the same block, or
-        its file: then the report says whether the block has changed, as `compare` does.
+        its file: then the report says whether the block has changed, as `compare` does. `issued`: the date of issue, as
+        "2026-11-28"; default: today's (UTC), or that of SOURCE_DATE_EPOCH.
 
         Raises BadInput, UsageError, and NotInstalled where jinja2, matplotlib or (for PDF) WeasyPrint is missing.
         """
@@ -277,7 +283,8 @@ class Result:
         with told_in_python():
             name = path_of(file)
             its_template, its_logo = (None if one is None else path_of(one) for one in (template, logo))
-            write_bytes(name, self.reported(kind_of(name, "file"), run, its_template, its_logo, number, since))
+            more = its_template, its_logo, number, since, issued
+            write_bytes(name, self.reported(kind_of(name, "file"), run, *more))
 
     def reported(
         self,
@@ -287,16 +294,20 @@ class Result:
         logo: str | None = None,
         number: str | None = None,
         since: Result | str | os.PathLike[str] | None = None,
+        issued: str | None = None,
     ) -> bytes:
         """What `report` writes; `kind`: "html" or "pdf"."""
         from tumble.report.make import made
+        from tumble.report.number import require_date
+        from tumble.solving.provenance import created
 
         recording = None if run is None else recording_of(run, Wishes(unit=self.unit))
         hashes = {self._checked["run_sha256"], None if recording is None else recording.sha256} - {None}
         if recording is not None and len(hashes) > 1:  # what has no hash is told by its means, when it is drawn
             raise BadInput(f"is not the run of {self._name}: its SHA-256 is another", recording.name)
         more: dict[str, Any] = {"template": template, "logo": logo, "number": number, "earlier": self._since(since)}
-        return made(self.document, self._name, kind, run=recording, **more)
+        more["issued"] = require_date((created() or "")[:10] if issued is None else issued)
+        return made(self.document, self._name, kind, run=recording, attached=self._text, **more)
 
     def _since(self, given: Result | str | os.PathLike[str] | None) -> tuple[dict[str, Any], dict[str, Any]] | None:
         """An earlier result, and what has changed since."""

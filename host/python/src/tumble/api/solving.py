@@ -12,7 +12,14 @@ from tumble.api.complaints import complaints
 from tumble.api.recording import Recording, recording_of
 from tumble.api.result import Result
 from tumble.api.words import told_in_python
-from tumble.defaults import DEFAULT_CONFIDENCE, DEFAULT_ESTIMATOR, DEFAULT_LIMIT_G, DEFAULT_SCHEDULE, NEEDS_STAND
+from tumble.defaults import (
+    DEFAULT_CONFIDENCE,
+    DEFAULT_COVERAGE_FACTOR,
+    DEFAULT_ESTIMATOR,
+    DEFAULT_LIMIT_G,
+    DEFAULT_SCHEDULE,
+    NEEDS_STAND,
+)
 from tumble.errors import UsageError, quoted
 from tumble.estimators import ESTIMATORS, OPTIMAL
 from tumble.files import run_rows
@@ -83,6 +90,7 @@ def solved(
         0.0 if stand_file is None else stand_file.step_v,
         confidence=confidence,
         terms=terms,
+        coverage_factor=DEFAULT_COVERAGE_FACTOR if stand_file is None else stand_file.decided_by,
     )
     solution = plausibility.marked(solution, stand_file)
     odd = (*odd_rows, *plausibility.require(solution, stand_file, recording.name))

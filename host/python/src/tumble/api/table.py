@@ -7,7 +7,7 @@ import math
 from typing import Any
 
 from tumble.estimators import COEFFICIENTS
-from tumble.solving.assumptions import phrase
+from tumble.solving.decision import Decision
 from tumble.units import per_g
 
 _UNKNOWN = "unknown"
@@ -29,10 +29,8 @@ def html_table(result: dict[str, Any]) -> str:
 
 
 def _verdict(result: dict[str, Any]) -> str:
-    if not result["pass"]:
-        reason = result.get("pass_reason")
-        return f"<b>FAIL</b>{'' if reason is None else html.escape(f': {reason}')}"
-    return f"<b>PASS</b>{html.escape(phrase(result['assumes']))}"
+    decision = Decision.of(result)
+    return f"<b>{decision.word}</b>{html.escape(decision.reason)}"
 
 
 def _row(tag: str, *cells: str) -> str:

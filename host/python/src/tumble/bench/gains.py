@@ -8,6 +8,7 @@ from tumble.bench.setup import Setup, step_v
 from tumble.solving.gain_record import record_of, to_bytes
 from tumble.solving.gains import optimal_table
 from tumble.solving.optimal_run import Known
+from tumble.stand import by_channel
 
 _USUAL_BLOCK = {"scale_v_per_g": -2.0, "misalignment_rad": 0.02}  # the program's own, where no file describes a block
 
@@ -20,7 +21,7 @@ def known(setup: Setup) -> Known:
     block = _USUAL_BLOCK if setup.block is None else setup.block
     shape = np.full((3, 3), block["misalignment_rad"])
     np.fill_diagonal(shape, 1.0)
-    return Known(block["scale_v_per_g"] * shape, _expected_samples(setup))
+    return Known(by_channel(block["scale_v_per_g"])[:, None] * shape, _expected_samples(setup))
 
 
 def _expected_samples(setup: Setup) -> float:
@@ -28,7 +29,7 @@ def _expected_samples(setup: Setup) -> float:
     procedure takes before it looks."""
     if setup.error_budget_v == 0.0:
         return float(setup.samples)
-    one_sample = setup.stand.with_step(step_v(setup)).sigma("noise")
+    one_sample = float(setup.stand.with_step(step_v(setup)).sigmas("noise").max())
     wanted = (one_sample / setup.error_budget_v) ** 2 if one_sample < _MOST * setup.error_budget_v else _MOST**2
     return max(wanted, float(min(_FEWEST_SAMPLES, setup.samples)))
 

@@ -70,14 +70,14 @@ def confirm(document: dict[str, Any], stage: Path, setup: Setup) -> Solution:
     run = _as_averaged(recorded, document)
     given = run, setup.schedule, setup.estimator, setup.limit_g, setup.stand, "run.csv"
     try:
-        solution = solve(*given, step_v=step_v(setup), known=gains.known(setup))
+        solution = solve(*given, step_v=step_v(setup), known=gains.known(setup), coverage_factor=setup.coverage_factor)
     except BadInput as error:
         raise Disagreement(f"the firmware has a result, but: {error}; no result is given") from None
     _require_same_bits(solution, document)
     _require_same_estimate(solution, recorded, setup)
     _require_same_uncertainties(solution, document, setup)
     if setup.terms:
-        solution = solve(*given, step_v=step_v(setup), terms=setup.terms)
+        solution = solve(*given, step_v=step_v(setup), terms=setup.terms, coverage_factor=setup.coverage_factor)
     return dataclasses.replace(solution, truth=_truth(document["truth"]))
 
 

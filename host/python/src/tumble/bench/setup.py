@@ -12,11 +12,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from tumble.core import CoreSchedule, sine_cosine
+from tumble.defaults import DEFAULT_COVERAGE_FACTOR
 from tumble.errors import BadInput
 from tumble.files.stand_file import converter_step_v
 from tumble.schedule import Mounting, Position
-from tumble.stand import Stand
+from tumble.stand import PerChannel, Stand, by_channel, per_channel
 from tumble.terms import Terms
 
 _MOST_BITS = 24
@@ -49,7 +52,7 @@ class Setup:
     """A bench run. `block`, `truth`, `motion`: as of a stand file, None: the program's own; `block_file` and
     `stand_file` are named in complaints. `limit_g`: of the gravity check, g.
     `error_budget_v`: standard error of a mean that ends averaging before `samples`; 0: it does not. `terms`: further
-    ones of the model, to be found once the firmware is done."""
+    ones of the model, to be found once the firmware is done. `coverage_factor`: of the decision rule."""
 
     seed: int
     stand: Stand
@@ -64,6 +67,7 @@ class Setup:
     stand_file: str = ""
     block_file: str = ""
     terms: Terms = ()
+    coverage_factor: float = DEFAULT_COVERAGE_FACTOR
 
 
 def scenario_text(setup: Setup, file: str | None = None, given: bytes | None = None) -> str:
@@ -118,29 +122,36 @@ def _numbers(*values: float) -> str:
     return " ".join(map(repr, map(float, values)))
 
 
+def _per_channel(value: PerChannel) -> str:
+    return _numbers(*np.atleast_1d(value).tolist())
+
+
 def _stand(stand: Stand) -> Iterator[tuple[str, str]]:
     for key in ("axis_tilt", "level", "remount", "angle"):
         yield f"stand.{key}_rad", _numbers(getattr(stand, key))
     for key in ("seat", "platform", "encoder"):
         if getattr(stand, key) > 0.0:
             yield f"stand.{key}_rad", _numbers(getattr(stand, key))
-    if stand.drift > 0.0:
-        yield "stand.drift_v", _numbers(stand.drift)
+    if stand.declares_drift:
+        yield "stand.drift_v", _per_channel(stand.drift)
     yield "stand.limits", stand.limits
     yield "stand.remount", stand.remounting
-    yield "block.noise_v", _numbers(stand.noise, stand.noise, stand.noise)
+    yield "block.noise_v", _numbers(*by_channel(stand.noise).tolist())
     yield "block.noise_limits", stand.limits
 
 
 def _block(setup: Setup) -> Iterator[tuple[str, str]]:
     block = setup.block
     if block is not None:
-        yield "block.scale_v_per_g", _numbers(block["scale_v_per_g"])
-        yield "block.bias_v", _numbers(_BIAS_G * abs(block["scale_v_per_g"]))
+        yield "block.scale_v_per_g", _per_channel(block["scale_v_per_g"])
+        yield "block.bias_v", _per_channel(per_channel(_BIAS_G * np.abs(by_channel(block["scale_v_per_g"]))))
         yield "block.misalignment_rad", _numbers(block["misalignment_rad"])
         if block["converter_bits"] is not None:
             _require(block["converter_bits"], 8, _MOST_BITS, "[block] converter_bits", setup.block_file)
             yield "block.converter_bits", str(block["converter_bits"])
+        if isinstance(block["range_v"], tuple):
+            said = "[block] range_v must be one number on the bench: the firmware counts all channels alike"
+            raise BadInput(said, setup.block_file)
         if block["range_v"] is not None:
             yield "block.range_v", _numbers(block["range_v"])
         if block["sample_rate_hz"] is not None:
@@ -198,7 +209,7 @@ def _procedure(setup: Setup) -> Iterator[tuple[str, str]]:
     yield "limit.virtual_s", _numbers(36000.0 + 4.0 * len(setup.schedule) * setup.samples / rate_hz)
 
 
-def step_v(setup: Setup) -> float:
+def step_v(setup: Setup) -> PerChannel:
     """Size of a count of the simulated converter."""
     block = setup.block or {}
     return converter_step_v({key: block.get(key) or usual for key, usual in _USUAL_CONVERTER.items()})
@@ -206,7 +217,7 @@ def step_v(setup: Setup) -> float:
 
 def _fewest_that_show_stuck(setup: Setup) -> int:
     """So many equal samples come by chance in one of 100,000 positions at most (docs/method.md)."""
-    noise_counts = max(1.0, setup.stand.sigma("noise") / step_v(setup))
+    noise_counts = max(1.0, float((setup.stand.sigmas("noise") / by_channel(step_v(setup))).min()))
     return 1 + math.ceil(math.log(1e5) / math.log(noise_counts * math.sqrt(2.0 * math.pi)))
 
 

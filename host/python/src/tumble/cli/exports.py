@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import textwrap
 from typing import Any
 
 from tumble.api.complaints import complaints_of_document
@@ -11,6 +12,7 @@ from tumble.cli import newton
 from tumble.cli.fixed_point import double_literal, fixed_point_function, float_literal
 from tumble.solving.assumptions import phrase
 from tumble.solving.coefficients import Coefficients
+from tumble.solving.decision import Decision
 from tumble.terms import DRIFT, Terms
 
 _C_HEADER = """\
@@ -20,13 +22,14 @@ _C_HEADER = """\
  * acceleration along axis j; U0_i in {unit}. Estimator: {estimator}.
  * Gravity check: {verdict}, largest error {largest!r} g, limit {limit!r} g.
  * Standard uncertainties (one sigma): {known}.
-{origin} */
+{decision}{origin} */
 #ifndef TUMBLE_COEFFICIENTS_H
 #define TUMBLE_COEFFICIENTS_H
 
 #define TUMBLE_OUTPUT_UNIT "{unit}"
 #define TUMBLE_FORCE_UNIT "{force_unit}"
 #define TUMBLE_GRAVITY_CHECK_PASSED {passed}
+#define TUMBLE_PASSED {all_passed}
 #define TUMBLE_UNCERTAINTY_KNOWN {is_known}
 #define TUMBLE_TEMPERATURE_KNOWN {temperature_known}
 {temperatures}
@@ -64,6 +67,7 @@ _MODEL = {"k2": " + K_ii K2_i a_i^2", "k3": " + K_ii K3_i a_i^3"}
 DOUBLE, FLOAT = "double", "float"
 _LITERALS = {DOUBLE: double_literal, FLOAT: float_literal}
 
+_CONDITIONS = ("gravity_m_s2", "u_gravity_m_s2", "temperature_c", "pressure_hpa", "humidity_percent")
 FORCE_UNITS = {"g": "units of local gravity", "m/s2": "m/s^2"}
 
 
@@ -96,6 +100,11 @@ def to_csv(result: dict[str, Any], force_unit: str = "g") -> str:
     return "\n".join(rows) + "\n"
 
 
+def _wrapped(sentence: str) -> str:
+    """As lines of a comment."""
+    return "".join(f" * {one}\n" for one in textwrap.wrap(f"Verdict: {sentence}.", 116))
+
+
 def _plain(text: str) -> str:
     """Foreign text without what a field of CSV would need quotes for."""
     return re.sub(r"[^A-Za-z0-9.+:_-]", "", text)
@@ -122,12 +131,14 @@ def to_c(result: dict[str, Any], force_unit: str = "g", number: str = DOUBLE, st
         force=FORCE_UNITS[force_unit],
         force_unit=force_unit,
         estimator=result["estimator"],
-        verdict=f"passed{phrase(result['assumes'])}" if verification["pass"] else "FAILED",
+        verdict="passed" if verification["pass"] else "FAILED",
+        decision=_wrapped(Decision.of(result).sentence),
         largest=verification["max_abs_delta_g_g"],
         limit=verification["limit_g"],
         known="TUMBLE_U_..., below" if is_known else f"unknown, {why_unknown(result)}",
         origin="".join(f" * {line}\n" for line in origin(result)),
         passed=int(verification["pass"]),
+        all_passed=int(result["pass"]),
         is_known=int(is_known),
         temperature_known=int(result["temperature"] is not None),
         temperatures=_temperature_macros(result["temperature"]),
@@ -183,9 +194,17 @@ def _covariance(them: Coefficients, number: str) -> str:
     return f"\n{about}\n#define TUMBLE_COVARIANCE_INITIALIZER \\\n    {{ {body} }}\n"
 
 
+def unlabelled(result: dict[str, Any]) -> dict[str, Any]:
+    """Without what tells whose block it is: names and labels, which have no place in somebody's source code. The run's
+    SHA-256 stays, by which the result and its report are found."""
+    environment = {key: value for key, value in (result["environment"] or {}).items() if key in _CONDITIONS}
+    return {**result, "serial": None, "run_file": None, "item": None, "environment": environment}
+
+
 def origin(result: dict[str, Any]) -> list[str]:
     """Where the coefficients come from, as lines that fit into a comment."""
     told = [("Block", result["serial"]), ("Run file", result["run_file"])]
+    told.append(("SHA-256 of the run file", result["run_sha256"]))
     told += [(f"{name}.{key}", text) for name in ("item", "environment") for key, text in (result[name] or {}).items()]
     lines = [f"{_comment(name)}: {_comment(text)}" for name, text in told if text is not None]
     if DRIFT in (result["extended"] or {"terms": []})["terms"]:

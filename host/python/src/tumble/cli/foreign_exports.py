@@ -15,8 +15,8 @@ import numpy as np
 from tumble.arrays import Floats
 from tumble.cli import newton
 from tumble.cli.exports import FORCE_UNITS, origin, why_unknown
-from tumble.solving.assumptions import phrase
 from tumble.solving.coefficients import Coefficients
+from tumble.solving.decision import Decision
 
 
 def to_matlab(result: dict[str, Any], force_unit: str = "g") -> str:
@@ -26,7 +26,7 @@ def to_matlab(result: dict[str, Any], force_unit: str = "g") -> str:
     lines += [
         f"tumble.output_unit = '{result['unit']}';",
         f"tumble.force_unit = '{force_unit}';",
-        f"tumble.passed = {str(result['verification']['pass']).lower()};",
+        f"tumble.passed = {str(result['pass']).lower()};",
         f"tumble.K = {_matrix(them.values[:9].reshape(3, 3))};",
         f"tumble.U0 = {_matrix(them.values[9:12, None])};",
         f"tumble.K_inverse = {_matrix(them.inverse)};",
@@ -100,12 +100,13 @@ def _twelve(result: dict[str, Any], force_unit: str, program: str) -> Coefficien
 def _about(result: dict[str, Any], them: Coefficients) -> list[str]:
     """What the coefficients are, in lines of ASCII."""
     check = result["verification"]
-    verdict = f"passed{phrase(result['assumes'])}" if check["pass"] else "FAILED"
+    verdict = "passed" if check["pass"] else "FAILED"
     known = "" if them.uncertainties is not None else f"Uncertainties unknown: {why_unknown(result)}."
     return [
         f"Coefficients of a three-axis block of accelerometers, estimator {result['estimator']}.",
         f"Outputs in {ascii(result['unit'])[1:-1]}, specific force in {FORCE_UNITS[them.force_unit]}.",
         f"Gravity check: {verdict}, largest error {check['max_abs_delta_g_g']!r} g, limit {check['limit_g']!r} g.",
+        f"Verdict: {Decision.of(result).sentence}.",
         *([known] if known else []),
         *origin(result),
     ]

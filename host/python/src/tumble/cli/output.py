@@ -31,7 +31,7 @@ def print_solution(solution: Solution, json_text: str | None, title: str) -> Non
 
 def _plain_text(solution: Solution, file: str) -> str:
     """All of it, within 80 columns as long as the file's name and the numbers are of ordinary size."""
-    lines = [presentation.title(solution, file), ""]
+    lines = [*presentation.foremost(solution), presentation.title(solution, file), ""]
     lines += _table([presentation.coefficient_headings(solution), *presentation.coefficient_rows(solution)])
     lines += presentation.notes(solution) + presentation.uncertainty_notes(solution) + [""]
     lines += [presentation.gravity_title(solution)]

@@ -14,13 +14,16 @@ from tumble.cli import propagated
 from tumble.estimators import COEFFICIENTS, HARMONIC
 from tumble.files.run_temperature import OF_ENVIRONMENT, OF_RUN_FILE
 from tumble.fixture.judge import Limits
+from tumble.rounding import beside
 from tumble.schedule import CHECK
-from tumble.solving.assumptions import ASSUMPTIONS, assumed, phrase
+from tumble.solving.assumptions import ASSUMPTIONS, assumed, marks, phrase
 from tumble.solving.coverage import HANDS, NEARLY_INFINITE, PROBABILITY, Coverage
+from tumble.solving.decision import UNCERTAINTY, decide
 from tumble.solving.fit import SYSTEMATIC
 from tumble.solving.further import Further
 from tumble.solving.solution import Solution
 from tumble.solving.stand_seen import NAMES, Quantity
+from tumble.solving.would_show import in_words, would_show
 from tumble.terms import names
 from tumble.units import noise_unit, per_g, volts_per
 
@@ -66,11 +69,11 @@ def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
     simulated run also the true value, and the error (estimate less truth) over the standard uncertainty.
 
     An uncertainty is given over the scale of its row, K_ii: of K_ii itself in ppm, of a cross-axis sensitivity as the
-    angle that it is, in urad, of U0 in ug. A name that ends in * rests on what `notes` say.
+    angle that it is, in urad, of U0 in ug. A name that ends in a mark rests on what `notes` say of it.
     """
     unit, rows = solution.run.unit, []
     shown = solution.scatter_alone or solution.stated
-    marked = {name for names in assumed(solution).values() for name in names}
+    marked = marks(assumed(solution))
     truth = solution.truth
     errors = None if truth is None else _errors_over_u(solution)
     decimals = max(0, min(12, 9 - math.floor(math.log10(np.abs(solution.found.k).max()))))
@@ -82,14 +85,15 @@ def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
             value = f"{solution.found.k[i, j]:+.{decimals}f}"
             known = () if truth is None or errors is None else _known(truth.k[i, j], errors[0][i, j], decimals)
             name = f"K_{channel}{axis}"
-            rows.append((name + "*" * (name in marked), value, per_g(unit), _u(u), relative, difference, *known))
+            rows.append((name + marked.get(name, ""), value, per_g(unit), _u(u), relative, difference, *known))
     for i, channel in enumerate("xyz"):
         u = None if shown is None else shown.u_u0[i]
         relative = _ratio(u, solution.found.k[i, i], "ug  ")
         difference = _difference(solution.comparison.u0[i])
         value = f"{solution.found.u0[i]:+.{decimals}f}"
         known = () if truth is None or errors is None else _known(truth.u0[i], errors[1][i], decimals)
-        rows.append((f"U0_{channel}", value, unit, _u(u), relative, difference, *known))
+        name = f"U0_{channel}"
+        rows.append((name + marked.get(name, ""), value, unit, _u(u), relative, difference, *known))
     return rows + ([] if solution.further is None else _further_rows(solution.further, unit, decimals))
 
 
@@ -110,7 +114,7 @@ def notes(solution: Solution) -> list[str]:
     """What marked coefficients, or all, rest on."""
     rests_on = {ASSUMPTIONS[name]: names for name, names in assumed(solution).items()}
     told = [
-        f"{'Values with *' if names else 'All values'} assume {one.phrase}: {one.why}"
+        f"{f'Values with {one.mark}' if names else 'All values'} assume {one.phrase}: {one.why}"
         for one, names in rests_on.items()
     ]
     return [line for one in told for line in textwrap.wrap(one, _COLUMNS, subsequent_indent="  ")]
@@ -235,8 +239,11 @@ def _stand_remarks(solution: Solution) -> list[str]:
             has_u = seen.source is not None or source not in SYSTEMATIC
             measured = _measured(one, has_u, factor, " " if source not in SYSTEMATIC else "+")
             end = f", declared {declared[source]:.2e}" if source in declared else ""
+            if source == "noise_v" and stand is not None and isinstance(stand.noise, tuple):
+                end += " (noisiest)"
             begin = "" if lines else "Stand seen:"
-            lines.append(f"{begin:11} {name:11} {measured} {its_unit}{end}")
+            line = f"{begin:11} {name:11} {measured} {its_unit}{end}"
+            lines += textwrap.wrap(line, _COLUMNS, subsequent_indent=" " * 24, break_on_hyphens=False)
     return lines
 
 
@@ -277,40 +284,48 @@ def beware(solution: Solution) -> list[str]:
     return [*textwrap.wrap(warning, _COLUMNS, break_on_hyphens=False), ""]
 
 
+def foremost(solution: Solution) -> list[str]:
+    """What is said before all else, and an empty line: where a PASS without a stand holds."""
+    decision = decide(solution)
+    return [decision.word + decision.where, ""] if decision.passed and decision.where else []
+
+
 def verdict(solution: Solution) -> str:
-    """Pass or fail and why, in one line if it fits. Where something explains a failure, it is named, and not the
-    position with the largest error: an error at one position makes others look wrong."""
+    """The decision and why, in one line if it fits."""
     worst = solution.worst_position
-    size = f"{abs(solution.found.gravity.delta_g[worst]):.2g} g"
+    size = f"{beside(abs(float(solution.found.gravity.delta_g[worst])), solution.limit_g)} g"
     limit = f"limit {solution.limit_g:g} g"
     rest = f"{size} at {solution.schedule.positions[worst].label}, {limit}; numpy agrees"
-    best = explained_best(solution)
-    if "fit" in solution.failures:
-        if best:
-            return _as_fits(f"FAIL: does not fit{best}", f"; gravity error {size}", f", {limit}")
-        return f"FAIL: does not fit; gravity error {rest}"
-    if not solution.passed:
-        found = _as_fits(f"FAIL: gravity error {size}{best}", f"; {limit}")
-        return found if best else f"FAIL: largest gravity error {rest}"
-    condition = phrase(assumed(solution))
-    line = f"PASS{condition}: {rest}" if condition else f"PASS: largest gravity error {rest}"
+    decision = decide(solution)
+    if not decision.passed:
+        largest = f"; largest gravity error {size}"
+        told = f"{largest}. {_remedies(solution)}." if decision.is_not_shown else _failure(solution, largest)
+        return textwrap.fill(decision.sentence + told, _COLUMNS, break_on_hyphens=False)
+    condition = phrase(decision.assumes)
+    passes = f"{decision.word}{decision.only}{condition}: "
+    line = f"{passes}{rest}" if condition else f"{passes}largest gravity error {rest}"
     shorter = [line.removesuffix("; numpy agrees")]  # as the tables show, and the place
     if condition:
-        shorter += [f"PASS{condition}: {size}, {limit}", f"PASS{condition}: {size[:-2]} <= {solution.limit_g:g} g"]
+        shorter += [f"{passes}{size}, {limit}", f"{passes}{size[:-2]} <= {solution.limit_g:g} g"]
     return next((one for one in (line, *shorter) if len(one) <= _COLUMNS), textwrap.fill(shorter[-1], _COLUMNS))
+
+
+def _remedies(solution: Solution) -> str:
+    return in_words(would_show(solution), solution.limit_g)
+
+
+def _failure(solution: Solution, largest: str) -> str:
+    """What stands behind a failure. Where something explains it, it is named, and not the position with the largest
+    error: an error at one position makes others look wrong."""
+    decision = decide(solution)
+    best = explained_best(solution)
+    where = "" if best else f" at {solution.schedule.positions[solution.worst_position].label}"
+    exceeds = UNCERTAINTY in decision.failures
+    return f"{best}{largest}{where}" + (f"; {decision.comparison}" if exceeds else f", limit {solution.limit_g:g} g")
 
 
 def explained_best(solution: Solution) -> str:
     """What explains the run best, to stand behind a failure; empty where nothing does."""
     if solution.fit is None or not solution.fit.explanations:
         return ""
-    return f", explained best by {named(solution.fit.explanations[0])}"
-
-
-def _as_fits(line: str, *more: str) -> str:
-    """The line, and as much more in this order as fits a terminal."""
-    for part in more:
-        if len(line + part) > _COLUMNS:
-            break
-        line += part
-    return line
+    return f"; explained best by {named(solution.fit.explanations[0])}"

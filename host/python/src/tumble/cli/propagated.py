@@ -8,6 +8,7 @@ import numpy as np
 
 from tumble.api.complaints import simulation_complaint
 from tumble.estimators import COEFFICIENTS
+from tumble.solving import reliability
 from tumble.solving.further import Further
 from tumble.solving.monte_carlo import NORMAL_COVERAGE, MonteCarlo
 from tumble.solving.solution import Solution
@@ -29,6 +30,7 @@ def remarks(solution: Solution) -> list[str]:
     x, y, z = norm.attitude
     lines.append(f"Worst u(|a|): {norm.worst * 1e6:.3g} ug, at the attitude ({x:+.2f}, {y:+.2f}, {z:+.2f})")
     lines += [] if solution.further is None else _loss(solution, solution.further)
+    lines += [] if solution.reliability is None else reliability.lines(solution.reliability)
     return lines + ([] if solution.monte_carlo is None else _simulated(solution.monte_carlo))
 
 

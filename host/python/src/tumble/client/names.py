@@ -50,7 +50,7 @@ def reason(number: int) -> Reason:
 
 
 def objections(bits: int) -> tuple[Objection, ...]:
-    """Of 2120h:6 or 2102h:13."""
+    """Of 2120h:6 and 15, or 2102h:13."""
     known = [Objection(bit, *row) for bit, row in enumerate(OBJECTIONS) if bits >> bit & 1]
     further = [bit for bit in range(len(OBJECTIONS), bits.bit_length()) if bits >> bit & 1]
     unknown = ("not in the list of this version of tumble", "Do not accept.")

@@ -136,6 +136,7 @@ class Node:
         """All of it."""
         run, state, reason, *progress, verdict, bits, counter = self.link.read_together(*_STATUS)
         mounting, position, finished, count = (int(number(one)) for one in progress)
+        said = names.verdict(None if verdict is None else int(number(verdict)))
         return Status(
             int(number(run)),
             names.state(int(number(state))),
@@ -144,8 +145,8 @@ class Node:
             position,
             finished,
             count,
-            names.verdict(None if verdict is None else int(number(verdict))),
-            names.objections(int(number(bits))),
+            said,
+            results.all_objections(self.link, said, int(number(bits))),
             int(number(counter)),
         )
 

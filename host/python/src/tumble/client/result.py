@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
 from tumble.arrays import Floats
+from tumble.client.errors import Refused
 from tumble.client.link import Link, Value, number
 from tumble.client.names import Objection, objections, verdict
 
 _K = tuple(f"{{}}K_{row}{column}" for row in "xyz" for column in "xyz")
 _U0 = tuple(f"{{}}U0_{row}" for row in "xyz")
+_MORE = "Keeper: More objections"
 _NUMBERS = (
     "Run number",
     "Keeper: Verdict",
@@ -74,10 +77,19 @@ def read(link: Link) -> Result | None:
         max(float(number(fit)), float(number(check))),
         float(number(limit)),
         said,
-        objections(_whole(bits) or 0),
+        all_objections(link, said, _whole(bits) or 0),
         _whole(crc) if said == "HELD" else None,
         _whole(counter),
     )
+
+
+def all_objections(link: Link, verdict: str | None, bits: int) -> tuple[Objection, ...]:
+    """With those from 16 on, which an older node does not have; `bits`: those below it, of 2120h:6."""
+    more = None
+    if verdict == "HELD" and link.has(_MORE):
+        with suppress(Refused):
+            more = link.read(_MORE)
+    return objections(bits | (_whole(more) or 0) << 16)
 
 
 def _floats(values: list[Value]) -> Floats:

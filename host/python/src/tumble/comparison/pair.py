@@ -20,6 +20,7 @@ from tumble.errors import BadInput, file_name, quoted
 from tumble.files.run_temperature import Temperatures
 from tumble.solving import si
 from tumble.solving.coefficients import Coefficients
+from tumble.solving.decision import GRAVITY, UNCERTAINTY, Decision
 from tumble.solving.declared import stand_of
 from tumble.solving.temperature import TOLERANCE_C
 from tumble.terms import POWERS, Terms
@@ -58,9 +59,16 @@ class Side:
         return tuple((self.document["extended"] or {"terms": ()})["terms"])
 
     @property
+    def failures(self) -> tuple[str, ...]:
+        """Why it did not pass; nothing passes that failed its gravity check."""
+        told = Decision.of(self.document).failures
+        return told if self.document["verification"]["pass"] or GRAVITY in told else (GRAVITY, *told)
+
+    @property
     def failed(self) -> bool:
-        """Whether it failed: the gravity check, or the fit to its stand."""
-        return not (self.document["pass"] and self.document["verification"]["pass"])
+        """Whether it failed: the gravity check, or the fit to its stand. A limit that is only not shown says nothing
+        against its numbers: their uncertainties are part of the comparison."""
+        return bool(set(self.failures) - {UNCERTAINTY})
 
     @property
     def assumes(self) -> tuple[str, ...]:

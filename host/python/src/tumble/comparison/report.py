@@ -50,7 +50,8 @@ def _side(side: Side) -> dict[str, Any]:
     return {
         "file": side.name,
         **{key: told[key] for key in ("created", "run_file", "serial", "estimator", "item")},
-        "pass": not side.failed,
+        "pass": not side.failures,
+        "pass_reason": " and ".join(side.failures) or None,
         "uncertainties": side.calibration.covariance is not None,
         "temperature_c": None if temperature is None else [temperature.low_c, temperature.high_c],
         "gravity_m_s2": side.gravity[0],

@@ -24,7 +24,7 @@ from tumble.fixture.combination import repeats
 from tumble.schedule import Schedule
 from tumble.solving.declared import schedule_of
 from tumble.solving.uncertainty import brought
-from tumble.stand import Stand
+from tumble.stand import PerChannel, Stand, over
 from tumble.terms import Terms
 from tumble.units import volts_per
 
@@ -42,7 +42,7 @@ class OneStand:
 
     label: str
     stand: Stand
-    step_v: float | None
+    step_v: PerChannel | None
     schedules: Sequence[CoreSchedule]
     levelled: str
 
@@ -107,7 +107,7 @@ def _by_source(told: Told, one_stand: OneStand, schedule: Schedule) -> Draws | N
     part = schedule.part([place in samples for place in places])
     rows = np.array([samples[place] for place in places if place in samples])
     declared = one_stand.stand.beside(told.terms).in_unit(unit)
-    step = (one_stand.step_v or 0.0) / volts_per(unit)
+    step = over(one_stand.step_v or 0.0, volts_per(unit))
     given = part, told.calibration.k, declared, told.document["estimator"], rows, step, told.terms
     try:
         return {name: _of_values(told, draws) for name, draws in brought(*given).items()}

@@ -11,8 +11,10 @@ from tumble.errors import file_name
 from tumble.files.run_temperature import range_text
 from tumble.rounding import rounded
 from tumble.solving.assumptions import phrase
+from tumble.solving.decision import NOT_SHOWN, UNCERTAINTY
 
 _WIDTH = 80
+_FAILED = "FAILED"
 _PERCENT = 100.0
 _LEAST_PERCENT = 1e-4
 _QUESTIONS = {"whole": "the block, all together", "alone": "the block, any one alone", "seat": "its seat"}
@@ -50,7 +52,8 @@ def sentence(told: dict[str, Any]) -> str:
 
 
 def _why_not(told: dict[str, Any]) -> str:
-    failed, unsure = ([told[side] for side in "ab" if not told[side][key]] for key in ("pass", "uncertainties"))
+    failed = [told[side] for side in "ab" if _verdict(told[side]) == _FAILED]
+    unsure = [told[side] for side in "ab" if not told[side]["uncertainties"]]
     checks = "its check" if len(failed) == 1 else "their checks"
     if unsure:
         has, runs = ("has", "its run") if len(unsure) == 1 else ("have", "their runs")
@@ -97,8 +100,15 @@ def grounds(told: dict[str, Any]) -> list[str]:
 def _described(side: dict[str, Any]) -> str:
     warm = None if side["temperature_c"] is None else range_text(*side["temperature_c"])
     serial = None if side["serial"] is None else f"serial {side['serial']}"
-    failed = None if side["pass"] else "FAILED"
-    return ", ".join(filter(None, (side["file"], failed, side["estimator"], serial, side["created"], warm)))
+    parts = (side["file"], _verdict(side), side["estimator"], serial, side["created"], warm)
+    return ", ".join(filter(None, parts))
+
+
+def _verdict(side: dict[str, Any]) -> str | None:
+    """Where it did not pass: that it failed, or that nothing but the uncertainty stands in the way."""
+    if side["pass"]:
+        return None
+    return NOT_SHOWN if side["pass_reason"] == UNCERTAINTY else _FAILED
 
 
 def _table(*parts: list[dict[str, Any]]) -> list[str]:

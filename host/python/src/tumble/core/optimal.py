@@ -101,11 +101,12 @@ def optimal_runs(record: GainRecord, means: Floats) -> tuple[Floats, Floats]:
 
 @dataclass(frozen=True)
 class Gains:
-    """Tables of many runs: `k` (runs, 3, 3) that each was made at, `sigma_mean` (runs,), `gains` (runs, 12, 3 x fit
-    positions) and `stand_gains`, rows as in a gain record."""
+    """Tables of many runs: `k` (runs, 3, 3) that each was made at, `sigma_mean` (runs,) and `weights` (runs, 3) of the
+    channels, `gains` (runs, 12, 3 x fit positions) and `stand_gains`, rows as in a gain record."""
 
     k: Floats
     sigma_mean: Floats
+    weights: Floats
     gains: Floats
     stand_gains: Floats
 
@@ -116,8 +117,10 @@ def optimal_each(record: GainRecord, means: Floats, tables: Gains) -> Floats:
     no checksum. Raises CoreRefusal(run=index)."""
     means, found, where = _arrays(record.schedule, means)
     stand = np.empty(ffi.sizeof("tumble_stand_errors_t") // 8)
-    numbers = np.concatenate([tables.gains.reshape(len(means), -1), tables.stand_gains.reshape(len(means), -1)], axis=1)
-    into = record.numbers()
+    parts = [tables.gains.reshape(len(means), -1), tables.stand_gains.reshape(len(means), -1)]
+    numbers, into = np.concatenate(parts, axis=1), record.numbers()
+    if len(into) > _HEAD + numbers.shape[1]:
+        numbers = np.hstack([numbers, tables.weights**2])
     pointers = [ffi.from_buffer("double[]", array) for array in (means, found)]
     spare, columns = ffi.from_buffer("double[]", stand), means[0].size
     for run, (k, sigma_mean) in enumerate(zip(tables.k.reshape(-1, 9), tables.sigma_mean)):

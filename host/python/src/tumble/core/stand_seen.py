@@ -68,9 +68,20 @@ def noise(samples: Integers, scatter: Floats) -> Seen | None:
 
 class RunSeen:
     """What one run shows of the stand: `schedule`, its `means`, which of them are `measured`, and coefficients `k`,
-    `u0` found from them. `alpha4` and `variance` as given are those that the uncertainties come from."""
+    `u0` found from them. `weights` (3,) make channels alike that differ: every variance is then of outputs times these.
+    `alpha4` and `variance` as given are those that the uncertainties come from."""
 
-    def __init__(self, schedule: CoreSchedule, means: Floats, measured: Flags, k: Floats, u0: Floats):
+    def __init__(
+        self,
+        schedule: CoreSchedule,
+        means: Floats,
+        measured: Flags,
+        k: Floats,
+        u0: Floats,
+        weights: Floats | None = None,
+    ):
+        if weights is not None:
+            means, k, u0 = means * weights, k * weights[:, None], u0 * weights
         self.mountings = len(schedule.data.mountings)
         self._schedule, self._given = schedule, (means, measured, k, u0)
         self._means = schedule.means(means, measured)

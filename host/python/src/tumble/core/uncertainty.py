@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from _tumble_core import ffi, lib
 
 from tumble.arrays import Flags, Floats, Integers
 from tumble.core.binding import ESTIMATOR_ROWS, CoreSchedule, pack, require_estimable, require_ok, unpack
-from tumble.stand import COMMON, Stand
+from tumble.core.fit import record_of
+from tumble.stand import Stand
 
 
 class _JudgedRun:
@@ -22,19 +25,18 @@ class _JudgedRun:
         measured: Flags | None,
         mean_variance: Floats | None = None,
         least_noise: float = 0.0,
+        at: tuple[Any, Any] = (ffi.NULL, ffi.NULL),
     ):
-        sigmas = [stand.sigma(source) for source in ("axis_tilt", "level", "remount", "angle", "noise")]
-        record = [*sigmas, least_noise, stand.samples, stand.remounting == COMMON]
-        record += [stand.sigma(source) for source in ("seat", "platform", "encoder", "drift")]
+        """`at`: an attitude, double[3], and where u(|a|) there is to be written, double *."""
         averaged_over = stand.averaged_over(samples)
-        self._stand = ffi.new("tumble_stand_record_t *", record)
+        self._stand = record_of(stand, least_noise)
         self._coefficients = pack(k, np.zeros(3))
         self._samples = ffi.new("uint32_t[]", averaged_over.tolist())
         self._flags = schedule.flags(measured)
         self._excess = ffi.NULL
         if mean_variance is not None:
             declared = np.maximum(stand.mean_variance(samples), least_noise**2)
-            self._excess = ffi.from_buffer(np.maximum(mean_variance - declared[:, None], 0.0))
+            self._excess = ffi.from_buffer(np.maximum(mean_variance - declared, 0.0))
         self.struct = ffi.new(
             "tumble_judged_run_t *",
             {
@@ -44,6 +46,8 @@ class _JudgedRun:
                 "measured": self._flags,
                 "samples": self._samples,
                 "excess_variance_v2": ffi.cast("double (*)[3]", self._excess),
+                "attitude": at[0],
+                "norm_g": at[1],
             },
         )
 
@@ -89,3 +93,38 @@ def uncertainties_of_gains(
     struct = ffi.new("tumble_gain_table_t *", [ffi.from_buffer("double[]", table), table.shape[1] // 3])
     require_ok(lib.tumble_uncertainty_gains(struct, run.struct, found))
     return unpack(found)
+
+
+def worst_norm(
+    schedule: CoreSchedule,
+    k: Floats,
+    stand: Stand,
+    samples: Integers,
+    estimator: str | None,
+    gains: Floats | None = None,
+    attitude: Floats | None = None,
+) -> float:
+    """The worst u(|a|), g, as the firmware finds it, within 1 %, or that at one `attitude`, a unit vector. `estimator`:
+    a linear one, or None and its `gains`; else as of `uncertainties`. Raises CoreRefusal."""
+    search, found = ffi.new("tumble_worst_norm_t *"), ffi.new("double *")
+    none, refusal = ffi.new("tumble_uncertainty_t *"), ffi.new("tumble_refusal_t *")
+    place = ffi.new("double[3]", [0.0] * 3 if attitude is None else attitude.tolist())
+    run = _JudgedRun(schedule, k, stand, samples, None, at=(place, found))
+    table = None if gains is None else np.ascontiguousarray(gains, dtype=float)
+
+    def judge() -> float:
+        if table is not None:
+            struct = ffi.new("tumble_gain_table_t *", [ffi.from_buffer("double[]", table), table.shape[1] // 3])
+            require_ok(lib.tumble_uncertainty_gains(struct, run.struct, none))
+        else:
+            assert estimator is not None  # as documented
+            require_estimable(schedule, ESTIMATOR_ROWS[estimator].uncertainty(run.struct, none, refusal), refusal)
+        return float(found[0])
+
+    if attitude is not None:
+        return judge()
+    lib.tumble_worst_norm_begin(search)
+    while True:
+        lib.tumble_worst_norm_attitude(search, place)
+        if not lib.tumble_worst_norm_next(search, judge()):
+            return float(search.worst_g)

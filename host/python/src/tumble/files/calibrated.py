@@ -25,13 +25,17 @@ from tumble.files.disk import LONGEST_LINE, in_words, reason
 from tumble.files.memory import bounded
 from tumble.files.run_layout import Wishes, detect, find_all, is_blank, is_comment, require_text, split, unit_of
 from tumble.files.run_temperature import Temperatures, read_temperatures, temperatures_of_table
-from tumble.units import noise_unit, volts_per
+from tumble.units import looks_as_applied, noise_unit, volts_per
 
 OUTPUTS = ("ux", "uy", "uz")
 CALIBRATED = ("x", "y", "z")
 UNCERTAINTIES = ("u_x", "u_y", "u_z", "u_norm")
 _PIECE = 1 << 22  # bytes of CSV
 _ROWS = 1 << 16  # of Parquet
+_STEADY_ROWS, _STEADY = 20, 0.02  # rows of which the length scatters by no larger part of itself
+_FEWEST_RESTS, _MOST_RESTS = 3, 100_000
+_ALIKE = 0.1  # part by which most rests may differ
+_FAR_FROM_1_G = 1.25  # factor
 
 Calibrate = Callable[[Floats], Floats]
 
@@ -39,12 +43,15 @@ Calibrate = Callable[[Floats], Floats]
 @dataclass(frozen=True)
 class Demand:
     """What to do with data: `calibrate` turns outputs in `unit` into what is appended, `with_uncertainty` or without;
-    `wishes`: what the user says about the data's layout."""
+    `wishes`: what the user says about the data's layout; `unit_told`: by the run of the result, not assumed; `one_g`:
+    as what is appended has it."""
 
     calibrate: Calibrate
     unit: str
     with_uncertainty: bool
     wishes: Wishes
+    unit_told: bool = True
+    one_g: float = 1.0
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -60,11 +67,14 @@ class Demand:
 @dataclass
 class Seen:
     """What was found beside the outputs: columns that were `renamed`; `temperatures_c`, the lowest and the highest,
-    empty where the data tell none; sentences on columns that are `passed_over`."""
+    empty where the data tell none; sentences on columns that are `passed_over`; `unit_told`: of the outputs, by the
+    data or the user; `rests_g`: the length of the acceleration wherever it is steady."""
 
     renamed: dict[str, str] = field(default_factory=dict)
     temperatures_c: tuple[float, ...] = ()
     passed_over: tuple[str, ...] = ()
+    unit_told: bool = False
+    rests_g: list[float] = field(default_factory=list)
 
     def feel(self, found: Temperatures | None, passed_over: tuple[str, ...]) -> None:
         """Keep what further rows say of their temperature."""
@@ -72,6 +82,26 @@ class Seen:
         if found is not None:
             known = (*self.temperatures_c, found.low_c, found.high_c)
             self.temperatures_c = (min(known), max(known))
+
+    def weigh(self, force_g: Floats) -> None:
+        """Keep how long the acceleration (samples, 3) of further rows is while it is steady."""
+        whole = len(force_g) // _STEADY_ROWS * _STEADY_ROWS
+        lengths = np.linalg.norm(force_g[:whole], axis=1).reshape(-1, _STEADY_ROWS)
+        means = lengths.mean(axis=1)
+        steady = means[lengths.std(axis=1) < _STEADY * means]  # of NaN nothing is
+        self.rests_g += steady[: _MOST_RESTS - len(self.rests_g)].tolist()
+
+    def doubt(self, demand: Demand) -> str | None:
+        """That rests are not of 1 g: outputs in another unit? None where units are told, or nothing says so."""
+        usual = float(np.median(self.rests_g)) if len(self.rests_g) >= _FEWEST_RESTS else 1.0
+        alike = sum(abs(one - usual) < _ALIKE * usual for one in self.rests_g)
+        if (self.unit_told and demand.unit_told) or usual == 0.0 or 2 * alike < len(self.rests_g):
+            return None
+        if 1.0 / _FAR_FROM_1_G < usual < _FAR_FROM_1_G:
+            return None
+        other = looks_as_applied(usual, demand.unit)
+        seen = f"outputs look to be in {other or 'another unit'}, the result is for {demand.unit}"
+        return f"at rest the acceleration comes out as {usual:.3g} g: {seen}"
 
 
 def columns_of_outputs(names: list[str], wishes: Wishes, name: str) -> tuple[tuple[int, ...], str | None]:
@@ -120,7 +150,7 @@ class CsvData:
         head = [next(lines) for _ in range(self._layout.header_row)]
         self._preamble, self._end = "".join(head[:-1]), _end_of(head[-1]) or "\n"
         self._names = split(head[-1].lstrip("\ufeff"), self._layout.delimiter)
-        self.seen = Seen(raw_names(self._names, demand.with_uncertainty))
+        self.seen = Seen(raw_names(self._names, demand.with_uncertainty), unit_told=told is not None)
         self._body = self._first[len("".join(head).encode("utf-8", "surrogateescape")) :]
         self._header = head[-1].rstrip("\r\n")
 
@@ -167,6 +197,7 @@ class CsvData:
         except BadInput as error:
             where = None if error.row is None else row + places[error.row - 1] + 1
             raise BadInput(error.fault, self._file, where) from None
+        self.seen.weigh(values[:, -3:] / self._demand.one_g)
         for place, numbers in zip(places, values.tolist()):
             lines[place] = self._with_numbers(lines[place], numbers)
         return _encoded("".join(lines)), len(lines), bool(places)
@@ -292,6 +323,7 @@ def with_calibrated(table: Any, name: str, demand: Demand, seen: Seen) -> Any:
     places, told = columns_of_outputs(names, demand.wishes, name)
     outputs = frames.stacked(table, places, OUTPUTS, name)
     values = demand.values(outputs, factor_of(told, demand.unit, name))
-    seen.renamed = raw_names(names, demand.with_uncertainty)
+    seen.renamed, seen.unit_told = raw_names(names, demand.with_uncertainty), told is not None
+    seen.weigh(values[:, -3:] / demand.one_g)
     seen.feel(*temperatures_of_table(table, demand.wishes.columns, len(outputs), name))
     return frames.with_columns(table, seen.renamed, dict(zip(demand.names, values.T)))

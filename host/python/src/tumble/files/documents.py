@@ -19,6 +19,14 @@ from tumble.units import UNIT, spelled
 
 RESULT = "tumble.result/1"
 _NAME = re.compile("[A-Za-z0-9_]+")
+_REASONS = ("gravity", "fit", "uncertainty")  # why it did not pass, in this order
+_CHANGES: dict[str, tuple[type, ...]] = {  # what would show a limit, and what it would be changed to
+    "estimator": (str,),
+    "samples": (int,),
+    "mountings": (int,),
+    "stand": (int, float),
+    "converter": (int, float),
+}
 
 Check = Callable[[Any], bool]
 
@@ -37,7 +45,8 @@ def read_coefficients(file: str) -> dict[str, Any]:
 def checked_coefficients(data: bytes, file: str) -> dict[str, Any]:
     """What an export needs of a result, called `file`: estimator, unit, K, U0, u_K, u_U0 and the verdict, all checked;
     and where it has them covariance, extended, created, tumble, serial, run_file, run_sha256, item, environment,
-    fit, temperature and stand_doubts, else None; assumes and assumed_for, else empty.
+    fit, u_norm_g, pass_reason, decision, would_show, temperature and stand_doubts, else None; assumes and assumed_for,
+    else empty.
 
     Raises BadInput.
     """
@@ -67,10 +76,13 @@ def checked_coefficients(data: bytes, file: str) -> dict[str, Any]:
         _require(result["verification"], key, is_valid, file, "verification.")
     optional: dict[str, type] = {"stand_doubts": list}
     optional |= dict.fromkeys(("created", "tumble", "serial", "run_file", "run_sha256"), str)
-    optional |= dict.fromkeys(("item", "environment", "fit"), dict)
+    optional |= dict.fromkeys(("item", "environment", "fit", "u_norm_g"), dict)
     for key, kind in optional.items():
         _require(result, key, _null_or(kind), file, default=None)
     _require(result, "pass", lambda value: isinstance(value, bool), file, default=result["verification"]["pass"])
+    _require(result, "pass_reason", _null_or_reasons, file, default=None)
+    _require(result, "decision", _null_or_decision, file, default=None)
+    _require(result, "would_show", _null_or_remedies, file, default=None)
     _require(result, "temperature", _null_or_temperature, file, default=None)
     _require(result, "warnings", _null_or_sentences, file, default=None)
     _require(result, "assumes", _is_names, file, default=[])
@@ -131,6 +143,32 @@ def _null_or_covariance(value: Any, size: int = 12) -> bool:
 
 def _null_or_temperature(value: Any) -> bool:
     return value is None or (isinstance(value, dict) and all(_is_number(value.get(key)) for key in ("min_c", "max_c")))
+
+
+def _null_or_decision(value: Any) -> bool:
+    if value is None:
+        return True
+    numbers = isinstance(value, dict) and all(_is_uncertainty(value.get(key)) for key in ("coverage_factor", "limit_g"))
+    return numbers and (value.get("u_norm_worst_g") is None or _is_uncertainty(value["u_norm_worst_g"]))
+
+
+def _null_or_reasons(value: Any) -> bool:
+    if not isinstance(value, str):
+        return value is None
+    told = value.split(" and ")
+    return told == [one for one in _REASONS if one in told]
+
+
+def _null_or_remedies(value: Any) -> bool:
+    return value is None or (isinstance(value, list) and all(map(_is_remedy, value)))
+
+
+def _is_remedy(value: Any) -> bool:
+    if not isinstance(value, dict) or not isinstance(value.get("change"), str):
+        return False
+    to = value.get("to")
+    is_known = type(to) in _CHANGES.get(value["change"], ()) and (isinstance(to, str) or _is_uncertainty(to))
+    return is_known and _is_uncertainty(value.get("reach_g"))
 
 
 def _null_or_extended(value: Any) -> bool:

@@ -1,4 +1,4 @@
-"""Rows that no block at rest gives: taken while the table turned, absurd, stuck, saturated.
+"""Rows that no block at rest gives: taken while the table turned, absurd, stuck, saturated; or not those of one block.
 
 The gates are those of the firmware (core/averaging.c), which sees every sample, for a file of which nobody knows how
 it was averaged. A row is held against the other rows of its position. Noise is taken from the rows themselves, by
@@ -15,11 +15,13 @@ import numpy as np
 
 from tumble.arrays import Flags, Floats, Integers
 from tumble.errors import BadInput
+from tumble.files import run_copies
 from tumble.files.run_facts import WITHIN_ONE_SIGMA
 from tumble.files.run_file import Run
-from tumble.files.run_store import RowStore
+from tumble.files.run_store import ROWS_IN_MEMORY, RowStore
 from tumble.files.stand_file import StandFile
 from tumble.schedule import Schedule
+from tumble.stand import PerChannel, by_channel
 from tumble.units import volts_per
 
 _FAR = 8.0  # noise: further off no row is at rest, nor is a position that scatters so much more than the others
@@ -65,7 +67,8 @@ def require(run: Run, schedule: Schedule, stand_file: StandFile | None, file: st
         judge.require_range(stand_file.block["range_v"], stand_file.step_v)
     judge.require_no_stuck_channel()
     judge.require_no_extremes()
-    return (*run.passed_over, *judge.judge_rest())
+    judge.require_no_copies()
+    return (*run.passed_over, *judge.judge_sources(), *judge.judge_rest())
 
 
 class _Judge:
@@ -76,29 +79,31 @@ class _Judge:
 
     # What the converter cannot have given, or gave for want of a better value.
 
-    def require_range(self, range_v: float | None, step_v: float) -> None:
+    def require_range(self, range_v: PerChannel | None, step_v: PerChannel) -> None:
         """No output at or beyond the declared range of the converter."""
         if range_v is None:
             return
         unit = volts_per(self._run.unit)
-        full, step = range_v / unit, step_v / unit
-        for limit, what in (
-            (full + step, f"beyond the declared range of +-{full:g} {self._run.unit}; another unit? (--unit)"),
-            (full - 1.5 * step, f"at the end of the range of +-{full:g} {self._run.unit}: saturated"),
+        full, step = by_channel(range_v) / unit, by_channel(step_v) / unit
+        over = np.where(step > 0.0, np.nextafter(full + step, math.inf), full)
+        for least, before, behind in (
+            (over, "beyond the declared range", "; another unit? (--unit)"),
+            (full - 1.5 * step, "at the end of the range", ": saturated"),
         ):
-            least = math.nextafter(limit, math.inf) if limit > full else limit
             found = self._rows_from(least)
             if found is not None:
                 line, channel, value, rows = found
                 more = f" (and {rows - 1} more rows)" if rows > 1 else ""
+                what = f"{before} of +-{full[channel]:g} {self._run.unit}{behind}"
                 raise self._refusal(f"{self._said(value)} is {what}{more}", line, channel)
 
-    def _rows_from(self, least: float) -> tuple[int, int, float, int] | None:
-        """Of the outputs that are so large, of either sign, the first one's line, channel and value, and how many rows
-        have such; None: there are none."""
+    def _rows_from(self, least: Floats) -> tuple[int, int, float, int] | None:
+        """Of the outputs that are so large (3,), of either sign, the first one's line, channel and value, and how many
+        rows have such; None: there are none."""
         first, rows = (0, 0, 0.0), 0
         for position in self._present:
-            if all(max(map(abs, channel.ends)) < least for channel in self._facts[position].channels):
+            channels = self._facts[position].channels
+            if all(max(map(abs, channel.ends)) < one for channel, one in zip(channels, least.tolist())):
                 continue
             outputs, lines = self._table.rows(position)
             found = np.abs(outputs) >= least
@@ -168,6 +173,41 @@ class _Judge:
         if chance >= 1.0:
             return math.inf
         return 1.0 + math.log(_STUCK_CHANCE / (3 * int(self._table.samples.sum()))) / math.log(chance)
+
+    # Is every row a measurement, and all of one block?
+
+    def require_no_copies(self) -> None:
+        """No rows that come again, digit for digit, where noise should have changed them."""
+        for outputs, lines, position in self._in_order():
+            found = run_copies.copied(outputs, position, self._table.step)
+            if found is not None:
+                last = found.length - 1
+                again, first = (
+                    f"{_range(lines[begin], lines[begin + last])} ({self._label(int(position[begin]))})"
+                    for begin in (found.again, found.first)
+                )
+                said = f"rows {again} are rows {first} again, digit for digit: written twice? Leave them out"
+                raise self._refusal(said, int(lines[found.again]))
+
+    def _in_order(self) -> Iterator[tuple[Floats, Integers, Integers]]:
+        """Rows, their lines and positions, in the order of the file: all, or of each position where they are many."""
+        if int(self._table.samples.sum()) > ROWS_IN_MEMORY:
+            for position in self._present:
+                outputs, lines = self._table.rows(position)
+                yield outputs, lines, np.broadcast_to(position, len(lines))
+            return
+        outputs, lines = map(np.concatenate, zip(*map(self._table.rows, self._present)))
+        order = np.argsort(lines, kind="stable")
+        yield outputs[order], lines[order], np.repeat(self._present, self._table.samples[self._present])[order]
+
+    def judge_sources(self) -> tuple[str, ...]:
+        """A warning where rows come in turn from what may be several sources; raises BadInput where they do."""
+        rests = (self._table.rows(position, run_copies.MOST_IN_TURN)[0] for position in self._present)
+        found = run_copies.in_turn(rests, self._table.step, self._run.unit)
+        first = min(self._facts[position].lines[0] for position in self._present)
+        if found is not None and found.is_certain:
+            raise self._refusal(f"{found.sentence}? Keep the rows of one", first)
+        return () if found is None else (f"from row {first} on {found.sentence}, or a vibration in step with them?",)
 
     # Was the table at rest?
 

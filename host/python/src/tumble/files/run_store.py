@@ -72,20 +72,22 @@ class RowStore:
         other._written = [self._written[position] for position in positions]
         return other
 
-    def rows(self, position: int) -> tuple[Floats, Integers]:
-        """Of a position: outputs (rows, 3) and numbers of lines (rows,)."""
-        values = self._rows(position)
+    def rows(self, position: int, most: int | None = None) -> tuple[Floats, Integers]:
+        """Of a position: outputs (rows, 3) and numbers of lines (rows,), of all or of so many."""
+        values = self._rows(position, most)
         return values[:, :3], values[:, 3].astype(np.intp)
 
-    def _rows(self, position: int) -> Floats:
-        values, begin = np.empty((int(self.samples[position]), _WIDTH)), 0
+    def _rows(self, position: int, most: int | None = None) -> Floats:
+        values, begin = np.empty((int(self.samples[position]), _WIDTH))[:most], 0
         for place, count in self._written[position]:
             assert self._file is not None
             self._file.seek(place)
             self._file.readinto(values[begin : begin + count].data)  # type: ignore[attr-defined]
             begin += count
+            if begin >= len(values):
+                return values
         for part in self._parts[position]:
-            values[begin : begin + len(part)] = part
+            values[begin : begin + len(part)] = part[: len(values) - begin]
             begin += len(part)
         return values
 

@@ -3,12 +3,14 @@
 [stand]        name, axis_tilt_rad, level_rad, remount_rad, angle_rad, noise_v, samples, limits, remount,
                seat_rad, platform_rad, encoder_rad, drift_v
 [block]        scale_v_per_g, misalignment_rad, serial, converter_bits, range_v, sample_rate_hz
-[block.true]   K, U0                                               for simulation
+[block.true]   K, U0                                               this block's own, for simulation and to recognise it
 [motion]       velocity_deg_per_s, acceleration_deg_per_s2, settling_s
 [item]         labels of your own: serial numbers, operator, date; carried into the result
 [environment]  gravity_m_s2 with its standard uncertainty u_gravity_m_s2, temperature_c, pressure_hpa, humidity_percent,
                and texts; carried into the result
-[accept]       delta_g_limit_g
+[accept]       delta_g_limit_g, coverage_factor                   how many u(|a|) must be within the limit
+
+noise_v, drift_v, scale_v_per_g and range_v are one number for all channels, or an array of three, of x, y and z.
 """
 
 from __future__ import annotations
@@ -19,13 +21,17 @@ from dataclasses import dataclass, fields
 from numbers import Integral, Real
 from typing import Any
 
+import numpy as np
+
 from tumble.core import MAX_SAMPLES
+from tumble.defaults import DEFAULT_COVERAGE_FACTOR
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.files.run_temperature import HIGHEST_C, LOWEST_C
 from tumble.files.toml import Table, read_toml
-from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, Stand
+from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, PER_CHANNEL, PerChannel, Stand, by_channel, over
 
 _LARGEST_ANGLE_RAD = 0.5
+_COVERAGE_FACTORS = (1.0, 10.0)
 _LARGEST_V = 1e9  # far beyond any block, and far from where squares overflow
 _REQUIRED = {  # errors that a stand declares, by the attribute of Stand: key, largest
     "axis_tilt": ("axis_tilt_rad", _LARGEST_ANGLE_RAD),
@@ -61,6 +67,7 @@ class StandFile:
     item: dict[str, Any] | None
     environment: dict[str, Any] | None
     delta_g_limit_g: float | None
+    coverage_factor: float | None = None
 
     @property
     def serial(self) -> str | None:
@@ -68,9 +75,14 @@ class StandFile:
         return None if self.block is None else self.block.get("serial")
 
     @property
-    def step_v(self) -> float:
+    def step_v(self) -> PerChannel:
         """Size of a count of the block's converter, whose range is from -range_v to +range_v; 0 if unknown."""
         return 0.0 if self.block is None else converter_step_v(self.block)
+
+    @property
+    def decided_by(self) -> float:
+        """The coverage factor of the decision rule."""
+        return DEFAULT_COVERAGE_FACTOR if self.coverage_factor is None else self.coverage_factor
 
 
 def read_stand(file: str, data: bytes | None = None) -> StandFile:
@@ -91,6 +103,7 @@ def read_stand(file: str, data: bytes | None = None) -> StandFile:
         item=None if item is None else item.labels(),
         environment=None if environment is None else _environment(environment),
         delta_g_limit_g=None if accept is None else _limit(accept),
+        coverage_factor=None if accept is None else accept.number("coverage_factor", *_COVERAGE_FACTORS, default=None),
     )
 
 
@@ -109,11 +122,11 @@ def stand_file_of(stand: Any) -> StandFile:
     raise UsageError(f"stand: a {type(stand).__name__} is neither the path of a stand file nor a tumble.Stand")
 
 
-def converter_step_v(block: dict[str, Any]) -> float:
+def converter_step_v(block: dict[str, Any]) -> PerChannel:
     """Size of a count of a block's converter; 0 if unknown."""
     if block["converter_bits"] is None or block["range_v"] is None:
         return 0.0
-    return math.ldexp(block["range_v"], 1 - block["converter_bits"])
+    return over(block["range_v"], math.ldexp(1.0, block["converter_bits"] - 1))
 
 
 def read_block(file: str, data: bytes | None = None) -> tuple[dict[str, Any], dict[str, Any] | None]:
@@ -133,14 +146,21 @@ def read_block(file: str, data: bytes | None = None) -> tuple[dict[str, Any], di
 def _stand(table: Table) -> Stand:
     errors = (key for key, _ in (*_REQUIRED.values(), *_OPTIONAL.values()))
     table.only("name", *errors, "samples", "limits", "remount")
+    required: dict[str, Any] = {name: _error(table, name, *key) for name, key in _REQUIRED.items()}
+    optional: dict[str, Any] = {name: _error(table, name, *key, default=0.0) for name, key in _OPTIONAL.items()}
     return Stand(
-        **{name: table.number(key, 0.0, largest) for name, (key, largest) in _REQUIRED.items()},
+        **required,
         samples=table.integer("samples", 1, MAX_SAMPLES),
         limits=table.choice("limits", LIMIT_KINDS),
         remounting=table.choice("remount", (INDEPENDENT, COMMON), default=INDEPENDENT),
         name=table.text("name", default=""),
-        **{name: table.number(key, 0.0, largest, default=0.0) for name, (key, largest) in _OPTIONAL.items()},
+        **optional,
     )
+
+
+def _error(table: Table, name: str, key: str, largest: float, **default: float) -> PerChannel:
+    read = table.per_channel if name in PER_CHANNEL else table.number
+    return read(key, 0.0, largest, **default)
 
 
 def require_stand(stand: Stand, name: str) -> None:
@@ -148,7 +168,8 @@ def require_stand(stand: Stand, name: str) -> None:
     it."""
     for attribute, (_, largest) in (_REQUIRED | _OPTIONAL).items():
         value = getattr(stand, attribute)
-        if not isinstance(value, Real) or not 0.0 <= float(value) <= largest:
+        several = attribute in PER_CHANNEL and isinstance(value, tuple) and len(value) == 3
+        if not all(isinstance(one, Real) and 0.0 <= float(one) <= largest for one in (value if several else [value])):
             raise BadInput(f"{quoted(value)} is not a number from 0 to {largest:g}", name, column=attribute)
     if not isinstance(stand.samples, Integral) or not 1 <= stand.samples <= MAX_SAMPLES:
         raise BadInput(f"{quoted(stand.samples)} is not a whole number from 1 to {MAX_SAMPLES}", name, column="samples")
@@ -161,18 +182,19 @@ def require_stand(stand: Stand, name: str) -> None:
 def _block(table: Table) -> dict[str, Any]:
     table.only("scale_v_per_g", "misalignment_rad", "serial", "converter_bits", "range_v", "sample_rate_hz", "true")
     block: dict[str, Any] = {
-        "scale_v_per_g": table.number("scale_v_per_g"),
+        "scale_v_per_g": table.per_channel("scale_v_per_g"),
         "misalignment_rad": table.number("misalignment_rad", 0.0, _LARGEST_ANGLE_RAD),
         "serial": table.text("serial", default=None),
         "converter_bits": table.integer("converter_bits", 8, 32, default=None),
-        "range_v": table.number("range_v", 0.0, default=None),
+        "range_v": table.per_channel("range_v", 0.0, default=None),
         "sample_rate_hz": table.number("sample_rate_hz", 0.0, default=None),
     }
     for key in ("scale_v_per_g", "range_v", "sample_rate_hz"):
-        if block[key] == 0.0:
+        if block[key] is not None and not by_channel(block[key]).all():
             raise table.refuse("must not be 0", key)
     for key in ("scale_v_per_g", "range_v"):
-        if block[key] is not None and not 1.0 / _LARGEST_V <= abs(block[key]) <= _LARGEST_V:
+        sizes = np.abs(by_channel(1.0 if block[key] is None else block[key]))
+        if not ((1.0 / _LARGEST_V <= sizes) & (sizes <= _LARGEST_V)).all():
             raise table.refuse(f"must be of a size from {1.0 / _LARGEST_V:g} to {_LARGEST_V:g}", key)
     return block
 
@@ -205,7 +227,7 @@ def _environment(table: Table) -> dict[str, Any]:
 
 
 def _limit(table: Table) -> float | None:
-    limit = table.only("delta_g_limit_g").number("delta_g_limit_g", 0.0, 1.0, default=None)
+    limit = table.only("delta_g_limit_g", "coverage_factor").number("delta_g_limit_g", 0.0, 1.0, default=None)
     if limit == 0.0:
         raise table.refuse("must not be 0", "delta_g_limit_g")
     return limit

@@ -11,6 +11,7 @@ from typing import Any
 from tumble.errors import BadInput, quoted
 from tumble.files.disk import read_bytes
 from tumble.files.kinds import TOML, kind_of
+from tumble.stand import PerChannel, by_channel, per_channel
 
 _HEADER = re.compile(r"^\s*(\[\[?)\s*([\w.\s\"'-]+?)\s*\]\]?\s*(?:#.*)?$")
 _KEY = re.compile(r"^\s*([\w.\"'-]+(?:\s*\.\s*[\w\"'-]+)*)\s*=")
@@ -133,6 +134,17 @@ class Table:
         if value is not default and not (math.isfinite(value) and low <= value <= high):
             raise self.refuse(f"must be {_range(low, high)}, not {quoted(value)}", key)
         return value if value is default else float(value)
+
+    def per_channel(
+        self, key: str, low: float = -math.inf, high: float = math.inf, default: Any = _REQUIRED
+    ) -> PerChannel:
+        """A finite number within low..high, for all channels, or an array of three, one for each."""
+        if not isinstance(self._values.get(key), list):
+            return self.number(key, low, high, default)
+        value = self._get(key, default, "a number or three of them", lambda v: _is_vector(v, 3))
+        if not all(low <= one <= high for one in value):
+            raise self.refuse(f"must be {_range(low, high)} in each channel, not {quoted(value)}", key)
+        return per_channel(by_channel(value))
 
     def integer(self, key: str, low: int, high: int, default: Any = _REQUIRED) -> int:
         """A whole number within low..high."""

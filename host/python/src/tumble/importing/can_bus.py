@@ -8,12 +8,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
 from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput, NotInstalled, UsageError, file_name, quoted
 from tumble.files.can_log import CanLog, Frame
 from tumble.files.run_layout import Wishes, find_all
 from tumble.importing import block_samples, can_signals
 from tumble.importing.block_samples import AXES, FIRST, SECOND, STATUS, Receiver
+from tumble.stand import PerChannel, by_channel
 
 COUNTS = "counts"
 VOLTS = "V"
@@ -40,7 +43,7 @@ class Bus:
     dbc: str | None = None
     identifier: int | None = None
     channel: str | None = None
-    v_per_count: float = 0.0
+    v_per_count: PerChannel = 0.0
 
     def require_log(self) -> None:
         """Raises UsageError where something is said that only a CAN log has."""
@@ -81,9 +84,10 @@ def read(data: bytes, file: str, kind: str, wishes: Wishes, bus: Bus) -> Found:
     notes = (f"CAN log ({kind}): {log.frames} frames", *found.notes)
     notes += ("its last line is torn: not read",) if log.torn else ()
     if found.unit == COUNTS and bus.v_per_count and wishes.unit is None:
+        sizes = ", ".join(f"{one:.6g}" for one in np.atleast_1d(bus.v_per_count).tolist())
         return Found(
-            found.seconds, found.outputs * bus.v_per_count, found.lines, VOLTS, found.temperature,
-            (*notes, f"counts made volts: {bus.v_per_count:.6g} V a count, as converter_bits and range_v have it"),
+            found.seconds, found.outputs * by_channel(bus.v_per_count), found.lines, VOLTS, found.temperature,
+            (*notes, f"counts made volts: {sizes} V a count, as converter_bits and range_v have it"),
         )  # fmt: skip
     if found.unit == COUNTS and wishes.unit is None:
         notes += ("in counts: write converter_bits and range_v into [block] of the stand file (--stand) to have V",)

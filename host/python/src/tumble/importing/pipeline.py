@@ -11,6 +11,8 @@ import numpy as np
 
 from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput, UsageError, quoted
+from tumble.files import run_copies
+from tumble.files.run_blocks import smallest_step
 from tumble.files.run_layout import NO_WISHES, Wishes
 from tumble.importing import labels, match, recording
 from tumble.importing.can_bus import NO_BUS, Bus
@@ -104,6 +106,7 @@ def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settin
     file_of_row = np.repeat(np.arange(len(files)), lengths)
     seconds, interval, gaps = _joined_clocks(recordings)
     found = find_rests(outputs, gaps, interval, settings.thresholds)
+    same_block = _same_block(recordings, outputs, file_of_row, found)
     texts, same = _telling(recordings, schedule, settings.mountings)
     labelled = bool(texts.keys() - {"mounting"})
     try:
@@ -125,12 +128,31 @@ def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settin
         + _about_unit(recordings, matched)
         + _about_rate(settings.timing.rate_hz, rests, matched)
         + same
+        + same_block
         + list(matched.notes)
     )
     return Imported(
         tuple(recordings), settings, schedule, outputs, seconds, file_of_row, found, tuple(rests), matched, labelled,
         tuple(notes),
     )  # fmt: skip
+
+
+def _same_block(recordings: Sequence[Recording], outputs: Floats, file_of_row: Integers, found: Found) -> list[str]:
+    """A note where rows at rest may be of several sources in turn. Raises BadInput where they are, and where rows stand
+    there twice."""
+    step = np.array([one if np.isfinite(one := smallest_step(channel)) else 0.0 for channel in outputs.T])
+    lines = np.concatenate([one.lines for one in recordings])
+    file = recordings[0].file
+    copies = run_copies.copied(outputs, file_of_row, step)
+    if copies is not None:
+        again, first = (f"{lines[row]} to {lines[row + copies.length - 1]}" for row in (copies.again, copies.first))
+        said = f"rows {again} are rows {first} again, digit for digit: written twice? Leave them out"
+        raise BadInput(said, recordings[file_of_row[copies.again]].file, int(lines[copies.again]))
+    rests = (outputs[rest.begin : rest.end] for rest in found.rests)
+    sources = run_copies.in_turn(rests, step, recordings[0].unit)
+    if sources is not None and sources.is_certain:
+        raise BadInput(f"{sources.sentence}? Keep the rows of one", file, int(lines[0]))
+    return [] if sources is None else [f"{sources.sentence}, or a vibration in step with them?"]
 
 
 def _telling(

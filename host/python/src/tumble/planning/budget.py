@@ -17,8 +17,10 @@ from tumble.planning import weights
 from tumble.planning.case import SCHEMA, Case
 from tumble.planning.promise import Promise
 from tumble.planning.published import NAMES, SOURCES
+from tumble.solving import reliability
+from tumble.solving.reliability import Reliability
 from tumble.solving.second_order import SecondOrder, second_order
-from tumble.stand import SIGMA
+from tumble.stand import SIGMA, by_channel
 
 _ATTRIBUTES = dict(zip(SOURCES, ("axis_tilt", "level", "remount", "angle", "noise")))
 ALPHAS = "alpha1 axis tilt, alpha2 level, alpha3 yaw of the block, alpha4 set angles"
@@ -55,16 +57,39 @@ def size_keys(names: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(f"{name}_v" if name in weights.OF_OUTPUTS else f"{name}_rad" for name in names)
 
 
+def by_key(case: Case, names: tuple[str, ...], sizes: Floats) -> dict[str, Any]:
+    """Sizes of sources for documents: None where infinite; three where the channels differ."""
+    return {key: sized(case, name, size) for key, name, size in zip(size_keys(names), names, sizes.tolist())}
+
+
+def sized(case: Case, name: str, size: float) -> float | list[float] | None:
+    """One of them."""
+    if not np.isfinite(size):
+        return None
+    if name not in weights.OF_OUTPUTS or not isinstance(getattr(case.stand, name), tuple):
+        return size
+    of_each: list[float] = (size * case.stand.profile(name)).tolist()
+    return of_each
+
+
+def channels_note(case: Case) -> str | None:
+    """What the sizes of outputs are where the channels differ, for people; None where they are alike."""
+    differ = [name for name in weights.OF_OUTPUTS if isinstance(getattr(case.stand, name), tuple)]
+    return f"{' and '.join(differ)}: of the channel that has most, the others in proportion" if differ else None
+
+
 def unit(name: str) -> str:
     """Of a source's size, for people."""
     return "V, mean" if name == "noise" else "V" if name in weights.OF_OUTPUTS else "rad"
 
 
 def sizes(case: Case, published: bool) -> Floats:
-    """Sizes of the sources: as declared, or as standard deviations; the noise is that of a mean."""
+    """Sizes of the sources: as declared, or as standard deviations; the noise is that of a mean, noise and drift those
+    of the channel that has most."""
     names = sources(case, published)
     attributes = [_ATTRIBUTES.get(name, name) for name in names]
-    of = [getattr(case.stand, name) if published else case.stand.sigma(name) for name in attributes]
+    limits = [by_channel(getattr(case.stand, name)).max() for name in attributes]
+    of = limits if published else np.array(limits) / case.stand.limits_over_sigma
     found: Floats = np.array(of) / [case.stand.samples**0.5 if name == "noise" else 1.0 for name in names]
     return found
 
@@ -82,7 +107,7 @@ def budget(case: Case, which: str, estimator: str) -> Budget:
     return Budget(which, estimator, sources(case, published), found, terms, reference, beyond)
 
 
-def document(found: Budget, case: Case, promised: Promise | None) -> dict[str, Any]:
+def document(found: Budget, case: Case, promised: Promise | None, unseen: Reliability | None) -> dict[str, Any]:
     """The budget for JSON, schema tumble.plan/1. The paper's weights promise nothing."""
     total, absolute = found.total, found.total * found.reference
     matrix = [[known(value) for value in row] for row in total[:9].reshape(3, 3)]
@@ -93,7 +118,7 @@ def document(found: Budget, case: Case, promised: Promise | None) -> dict[str, A
         "estimator": found.estimator,
         "numbers": numbers_are(found.weights),
         "block": {"scale_v_per_g": case.scale, "misalignment_rad": case.misalignment},
-        "sources": {**dict(zip(size_keys(found.sources), found.sizes.tolist())), "samples": case.stand.samples},
+        "sources": {**by_key(case, found.sources, found.sizes), "samples": case.stand.samples},
         "u_K_relative": matrix,
         "u_a0_g": total[9:].tolist(),
         "u_K": [[known(value) for value in row] for row in absolute[:9].reshape(3, 3)],
@@ -101,6 +126,7 @@ def document(found: Budget, case: Case, promised: Promise | None) -> dict[str, A
         "terms": {name: [known(value) for value in row] for name, row in zip(NAMES, found.terms)},
         "second_order": found.second_order.document(),
         "promise": None if promised is None else promised.document(),
+        **reliability.documents(unseen),
     }
 
 

@@ -8,11 +8,12 @@ import numpy as np
 
 from tumble import reference
 from tumble.arrays import Floats
-from tumble.defaults import DEFAULT_LIMIT_G
+from tumble.defaults import DEFAULT_COVERAGE_FACTOR, DEFAULT_LIMIT_G
 from tumble.errors import BadInput
 from tumble.files.stand_file import StandFile
 from tumble.schedule import FIT, Schedule
-from tumble.stand import PAPER_STAND, Stand
+from tumble.solving.reliability import Reliability, reliability
+from tumble.stand import PAPER_STAND, PER_CHANNEL, PerChannel, Stand, by_channel
 from tumble.terms import Terms
 
 SCHEMA = "tumble.plan/1"
@@ -22,17 +23,18 @@ PAPER_BLOCK = {"scale_v_per_g": 2.0, "misalignment_rad": 0.02}
 @dataclass(frozen=True)
 class Case:
     """`stand`: as declared, but its noise no less than what the converter's steps leave; `scale` in V/g, of any sign
-    but not 0; `misalignment` in radians, the same size for all six; `step_v`: of the converter, 0 if unknown;
-    `schedule`: None for the paper's own; `limit_g`: the stand file's, else the paper's; `terms`: further ones of the
-    model, whose true sizes are 0."""
+    but not 0, of all channels or of each; `misalignment` in radians, the same size for all six; `step_v`: of the
+    converter, 0 if unknown; `schedule`: None for the paper's own; `limit_g`: the stand file's, else the paper's;
+    `terms`: further ones of the model, whose true sizes are 0; `coverage_factor`: of the decision rule."""
 
     stand: Stand
-    scale: float
+    scale: PerChannel
     misalignment: float
-    step_v: float
+    step_v: PerChannel
     own_schedule: Schedule | None
     limit_g: float
     terms: Terms = ()
+    coverage_factor: float = DEFAULT_COVERAGE_FACTOR
 
     @classmethod
     def of(cls, stand_file: StandFile | None, name: str | None, schedule: Schedule | None) -> Case:
@@ -46,7 +48,21 @@ class Case:
         limit_g = DEFAULT_LIMIT_G if stand_file.delta_g_limit_g is None else stand_file.delta_g_limit_g
         nominal = block["scale_v_per_g"], block["misalignment_rad"]
         step_v = stand_file.step_v
-        return cls(stand_file.stand.with_step(step_v), *nominal, step_v, schedule, limit_g)
+        stand, factor = stand_file.stand.with_step(step_v), stand_file.decided_by
+        return cls(stand, *nominal, step_v, schedule, limit_g, coverage_factor=factor)
+
+    @property
+    def full_scale(self) -> dict[str, float]:
+        """By which noise and drift, of the channel that has most, are as large as 1 g in one of them, V/g."""
+        sizes, profiles = np.abs(by_channel(self.scale)), {name: self.stand.profile(name) for name in PER_CHANNEL}
+        with np.errstate(divide="ignore"):
+            return {name: float((sizes / profile).min()) for name, profile in profiles.items()}
+
+    @property
+    def block_sentence(self) -> str:
+        """For people."""
+        scales = ", ".join(f"{scale:g}" for scale in np.atleast_1d(self.scale).tolist())
+        return f"Block: {scales} V/g, misalignments {self.misalignment:g} rad"
 
     @property
     def schedule(self) -> Schedule:
@@ -59,8 +75,15 @@ class Case:
         whole = self.schedule
         return Schedule(whole.mountings, tuple(position for position in whole.positions if position.use == FIT))
 
+    def reliability(self, estimator: str) -> Reliability:
+        """What no run of the nominal block would show. Raises CoreRefusal where the schedule lacks positions."""
+        lone = np.ones(len(self.schedule.positions), dtype=int)
+        given = self.schedule, self.nominal_k(), self.stand, lone, estimator
+        return reliability(*given, self.step_v, self.terms)
+
     def nominal_k(self, signs: Floats | None = None) -> Floats:
         """K (3, 3) of the nominal block. `signs` (3, 3): of the misalignments, the diagonal unused; default all +."""
         misaligned = self.misalignment * (np.ones((3, 3)) if signs is None else np.array(signs, dtype=float))
         np.fill_diagonal(misaligned, 1.0)
-        return self.scale * misaligned
+        nominal: Floats = by_channel(self.scale)[:, None] * misaligned
+        return nominal

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.planning.budget import size_keys, sizes as declared_sizes, sources
+from tumble.planning.budget import by_key, sizes as declared_sizes, sources
 from tumble.planning.case import Case
 from tumble.planning.promise import Promise, promise, promises
 from tumble.planning.published import SOURCES
@@ -30,7 +30,7 @@ class Enough:
 
     probability: float
     promises: dict[str, Promise]
-    sizes: dict[str, float] | None
+    sizes: dict[str, Any] | None
     factor: float
     samples: int
 
@@ -68,8 +68,8 @@ def enough(case: Case, estimator: str, limits: Floats, probability: float) -> En
         sizes = np.where(limited, factor * limits, declared)
         growth = promise(stand_of(case, sizes), estimator, probability).growth
         if abs(growth - 1.0) <= _SETTLED:
-            samples = samples_for(case.stand.sigma("noise"), float(sizes[SOURCES.index("noise")]))
-            named = dict(zip(size_keys(sources(case, False)), sizes.tolist()))
+            samples = samples_for(float(case.stand.sigmas("noise").max()), float(sizes[SOURCES.index("noise")]))
+            named = by_key(case, sources(case, False), sizes)
             return Enough(probability, of_all, named, factor, samples)
         factor *= growth
     return Enough(probability, of_all, None, 0.0, 0)

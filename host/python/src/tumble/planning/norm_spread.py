@@ -70,7 +70,7 @@ class NormSpread:
 
     def _covariances(self, chosen: Flags, samples: int) -> Floats:
         """Of the unknowns (subsets, n, n): K row by row, U0, sizes by term and channel."""
-        noise = self.local + self.noise / samples * np.eye(3)
+        noise = self.local + np.diag(self.noise / samples)
         found = (self._optimal if self.estimator == OPTIMAL else self._least_squares)(chosen, noise)
         by_channel = np.arange(found.shape[1]).reshape(3, -1)
         order = np.concatenate([by_channel[:, :3].ravel(), by_channel[:, 3:].T.ravel()])
@@ -102,7 +102,7 @@ class NormSpread:
         normal = np.swapaxes(weighted, 2, 3) @ self.felt
         lost = np.linalg.eigvalsh(normal)[..., 0] <= _SENSITIVITY**2 * chosen.sum(axis=1)[:, None]
         gains = weighted @ np.linalg.inv(np.where(lost[..., None, None], np.eye(count), normal))
-        gains[lost] *= _UNKNOWN_G / self.noise**0.5  # far off too
+        gains[lost] *= _UNKNOWN_G / self.noise.min() ** 0.5  # far off too
         by_shared = np.einsum("bipr,pid->bird", gains, self.shared, optimize=True).reshape(len(chosen), 3 * count, -1)
         by_local = np.einsum("bipr,bjps,pij->birjs", gains, gains, noise, optimize=True)
         found: Floats = by_local.reshape(len(chosen), 3 * count, 3 * count) + by_shared @ np.swapaxes(by_shared, 1, 2)

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from tumble.arrays import Floats
 from tumble.estimators import COEFFICIENTS, OPTIMAL
 from tumble.planning.case import SCHEMA, Case
@@ -14,6 +16,7 @@ from tumble.reference.estimators import circles
 from tumble.solving.gain_record import Record, record_of
 from tumble.solving.gains import OptimalTable, linear_gains, optimal_table, standard_deviations
 from tumble.solving.second_order import SecondOrder, second_order
+from tumble.stand import per_channel
 
 
 @dataclass(frozen=True)
@@ -47,7 +50,7 @@ def optimize(case: Case, k: Floats | None = None, serial: str | None = None) -> 
     table = optimal_table(case.fitted, k, case.stand, case.step_v)
 
     def spread(weights: Floats) -> Floats:
-        return standard_deviations(case.fitted, weights, k, case.stand, table.sigma_mean)
+        return standard_deviations(case.fitted, weights, k, case.stand, table.sigma_mean / table.weights)
 
     harmonic = circles(case.fitted) is not None
     return Optimized(
@@ -81,7 +84,7 @@ def document(found: Optimized) -> dict[str, Any]:
         "efficiency": found.efficiency.tolist(),
         "gain_over_refined": gain,
         "gain_over_least_squares": (found.u_least_squares / found.u).tolist(),
-        "sigma_mean_v": table.sigma_mean,
+        "sigma_mean_v": np.asarray(per_channel(table.sigma_mean / table.weights)).tolist(),
         "noise_floored": table.floored,
         "second_order": found.second_order.document(),
         "promise": found.promise.document(),

@@ -225,7 +225,7 @@ def general_requirements() -> dict[str, float]:
 def _equation_19() -> list[Line]:
     """Divisors of dg beside those of the paper's own rule."""
     rule, case = rule_requirements(), paper_case()
-    units = np.array([1.0, case.misalignment, case.misalignment, 1.0, 1.0 / abs(case.scale)])
+    units = np.array([1.0, case.misalignment, case.misalignment, 1.0, 1.0 / case.full_scale["noise"]])
     divisors = float(LIMIT_20_G) / rule.limits / units
     notes = {"alpha2": (10,), "alpha3": (9,), "alpha4": (7,), "noise": (17,)}
     return [

@@ -25,7 +25,9 @@ from tumble.planning.case import Case
 from tumble.planning.error_field import ErrorField, error_field, largest_over_attitudes, largest_with_terms
 from tumble.planning.tables import percent
 from tumble.planning.weights import estimators_of
-from tumble.solving.assumptions import ASSUMPTIONS, resting_on_a_seat
+from tumble.solving.assumptions import ASSUMPTIONS, rests_on_a_seat
+from tumble.solving.covariance import worst_norm
+from tumble.solving.decision import is_shown
 from tumble.terms import POWERS, Terms
 
 ON_A_SEAT = f"Assuming {ASSUMPTIONS['seat'].phrase}: {ASSUMPTIONS['seat'].why}."
@@ -104,15 +106,24 @@ def _unit_vectors(count: int, dimensions: int) -> Floats:
 
 @dataclass(frozen=True)
 class Promise:
-    """For a limit in g: `passes`, the gravity check at all positions; `everywhere`, |a| at every attitude. `growth`:
-    the factor by which all errors may grow together until the less probable of both is as asked; infinite without
-    errors. `on_a_seat`: whether `everywhere` rests on a block that sits square, which nobody declares."""
+    """For a limit in g: `passes`, the gravity check at all positions; `everywhere`, |a| at every attitude.
+    `u_norm_g`: the worst standard uncertainty of |a|, of which `coverage_factor` times must be within the limit.
+    `growth`: the factor by which all errors may grow together until the less probable of both is as asked, or until
+    that is not so any more; infinite without errors. `on_a_seat`: whether `everywhere` rests on a block that sits
+    square, which nobody declares."""
 
     limit_g: float
     passes: Chance
     everywhere: Chance
     growth: float
+    u_norm_g: float
+    coverage_factor: float
     on_a_seat: bool = False
+
+    @property
+    def shown(self) -> bool:
+        """Whether the decision rule lets a run pass at all."""
+        return is_shown(self.limit_g, self.coverage_factor, self.u_norm_g)
 
     @property
     def sentence(self) -> str:
@@ -137,6 +148,9 @@ class Promise:
             "u_passes": self.passes.u,
             "every_attitude": self.everywhere.value,
             "u_every_attitude": self.everywhere.u,
+            "u_norm_worst_g": self.u_norm_g,
+            "coverage_factor": self.coverage_factor,
+            "shown": self.shown,
             "assumes": ["seat"] if self.on_a_seat else [],
         }
 
@@ -150,10 +164,12 @@ def promise(case: Case, estimator: str, probability: float = _ANY, k: Floats | N
     field = error_field(case, estimator, k)
     check = Law.of(field.gravity, _DIRECTIONS["positions"], lambda errors: np.abs(errors).max(axis=1))
     norm = Law.of(*_of_norm(field, k, case.terms))
-    needed = max(check.limit(probability), norm.limit(probability))
+    u_norm_g = worst_norm(k, field.unknowns.T @ field.unknowns, case.terms).worst
+    needed = max(check.limit(probability), norm.limit(probability), case.coverage_factor * u_norm_g)
     growth = case.limit_g / needed if needed > 0.0 else np.inf
-    on_a_seat = resting_on_a_seat(case.fitted, k, estimator, case.stand, case.terms) is not None
-    return Promise(case.limit_g, check.chance(case.limit_g), norm.chance(case.limit_g), growth, on_a_seat)
+    on_a_seat = rests_on_a_seat(case.fitted, k, case.stand, case.terms)
+    chances = check.chance(case.limit_g), norm.chance(case.limit_g)
+    return Promise(case.limit_g, *chances, growth, u_norm_g, case.coverage_factor, on_a_seat)
 
 
 def _of_norm(field: ErrorField, k: Floats, terms: Terms) -> tuple[Floats, int, Callable[[Floats], Floats]]:

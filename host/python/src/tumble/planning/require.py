@@ -23,7 +23,7 @@ from tumble.planning.case import Case
 from tumble.planning.published import NAMES, SOURCES
 from tumble.reference.estimators import circles
 from tumble.solving.gains import linearise
-from tumble.stand import COMMON, Stand
+from tumble.stand import COMMON, Stand, by_channel, per_channel
 
 ROWS = ("K_xx", "K_yy", "K_zz", "a0_x", "a0_y", "a0_z", "noise")
 CEILING_RAD = 0.01  # beyond it nobody has tried the optimal estimator: what it bears up to here limits nothing
@@ -52,8 +52,8 @@ def requirements(case: Case, which: str, estimator: str, limit_g: float, split: 
     Raises UsageError where weights do not exist or no number of samples suffices.
     """
     found = allowed(case, which, estimator, limit_g, split)
-    noise = case.stand.noise if which == "published" else case.stand.sigma("noise")
-    return replace(found, samples=samples_for(noise, found.limits[_NOISE]))
+    noise = by_channel(case.stand.noise) if which == "published" else case.stand.sigmas("noise")
+    return replace(found, samples=samples_for(float(noise.max()), found.limits[_NOISE]))
 
 
 def allowed(case: Case, which: str, estimator: str, limit_g: float, split: Floats) -> Requirements:
@@ -93,15 +93,14 @@ def weights_by_pattern(case: Case, estimator: str, patterns: Floats) -> Floats:
     for pattern in patterns:
         k = case.nominal_k(pattern)
         gain_rows = weights.estimator_gains(case, estimator, k) if fixed is None else fixed
-        gamma = weights.absolute_weights(model, common, k, gain_rows, weights.sources_of(case.stand))
+        gamma = weights.absolute_weights(model, common, k, gain_rows, weights.sources_of(case.stand), case.stand)
         found.append(with_noise_row(case, gamma / weights.reference_values(k)[:, None]))
     return np.array(found)
 
 
 def ceilings(case: Case) -> Floats:
     """The largest sizes that are tried (sources,): of angles CEILING_RAD, of outputs 1 g."""
-    names = weights.sources_of(case.stand)
-    return np.array([abs(case.scale) if name in weights.OF_OUTPUTS else CEILING_RAD for name in names])
+    return np.array([case.full_scale.get(name, CEILING_RAD) for name in weights.sources_of(case.stand)])
 
 
 def sign_patterns() -> Floats:
@@ -114,7 +113,7 @@ def sign_patterns() -> Floats:
 def with_noise_row(case: Case, gamma: Floats) -> Floats:
     """Weights (12, sources) of all coefficients to those (7, sources) of ROWS."""
     noise_alone = np.zeros(gamma.shape[1])
-    noise_alone[_NOISE] = 1.0 / abs(case.scale)
+    noise_alone[_NOISE] = 1.0 / case.full_scale["noise"]
     return np.vstack([gamma[_ROW_INDICES], noise_alone])
 
 
@@ -144,8 +143,11 @@ class _Shares:
 
 def stand_of(case: Case, sizes: Floats) -> Case:
     """The case on a stand with these standard deviations; the noise is that of a mean."""
-    axis_tilt, level, remount, angle, noise, *rest = map(float, sizes)
+    axis_tilt, level, remount, angle, size, *rest = map(float, sizes)
+    noise = per_channel(size * case.stand.profile("noise"))
     further: Any = dict(zip(weights.sources_of(case.stand)[len(SOURCES) :], rest))
+    if "drift" in further:
+        further["drift"] = per_channel(further["drift"] * case.stand.profile("drift"))
     stand = Stand(axis_tilt, level, remount, angle, noise, 1, "sigma1", remounting=case.stand.remounting, **further)
     return replace(case, stand=stand, step_v=0.0)
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.planning.budget import ALPHAS, numbers_are, size_keys, sizes, sources, unit
+from tumble.planning.budget import ALPHAS, by_key, channels_note, numbers_are, size_keys, sizes, sources, unit
 from tumble.planning.case import SCHEMA, Case
 from tumble.planning.enough import NOT_PROMISED, Enough
 from tumble.planning.headroom import Headroom
@@ -15,6 +15,9 @@ from tumble.planning.promise import ON_A_SEAT
 from tumble.planning.published import EQUATION_18, EQUATION_19, evaluate
 from tumble.planning.require import CEILING_RAD, ROWS, Requirements
 from tumble.planning.weights import symbols
+from tumble.solving.decision import UNCERTAINTY, Decision
+from tumble.solving.stated import Witness
+from tumble.solving.would_show import Question, Remedy, in_words
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -26,7 +29,7 @@ _PRINTED_FROM = {"alpha1": "a0_y", "alpha2": "K_yy", "alpha3": None, "alpha4": "
 def printed(case: Case, formulas: dict[str, str], limit_g: float) -> dict[str, float]:
     """Values of the paper's formulas by source, for the case's block."""
     values = {name: abs(value) for name, value in symbols(case.nominal_k()).items()}
-    values.update({"dg": limit_g, "a_ij": case.misalignment, "K_ii": abs(case.scale)})
+    values.update({"dg": limit_g, "a_ij": case.misalignment, "K_ii": case.full_scale["noise"]})
     return {source: evaluate(formula, values) for source, formula in formulas.items()}
 
 
@@ -46,7 +49,7 @@ def document(
     names = sources(case, which == "published")
     keys = size_keys(names)
     rule = {
-        **dict(zip(keys, map(finite, found.limits))),
+        **by_key(case, names, found.limits),
         "samples": found.samples,
         "set_by": dict(zip(names, found.set_by)),
     }
@@ -67,12 +70,23 @@ def document(
             name: {"limit": limit_g / 3.0, "weights": weights.tolist(), "shares": shares.tolist()}
             for name, weights, shares in zip(ROWS, found.weights, found.shares)
         },
-        "declared": dict(zip(keys, sizes(case, which == "published").tolist())),
-        "alone": dict(zip(keys, map(finite, room.alone))),
+        "declared": by_key(case, names, sizes(case, which == "published")),
+        "alone": by_key(case, names, room.alone),
         "margin": finite(room.margin),
         "margins": {name: finite(margin) for name, margin in margins.items()},
         **(NOT_PROMISED if just is None else just.document(estimator)),
+        "would_show": None if just is None or just.promises[estimator].shown else _would_show(case, estimator),
     }
+
+
+def _would_show(case: Case, estimator: str) -> list[dict[str, Any]]:
+    """What would show the limit, where runs on this stand do not."""
+    schedule, k = case.schedule, case.nominal_k()
+    lone = np.ones(len(schedule.positions), dtype=int)
+    witness = Witness(schedule, k, case.stand, lone, estimator, case.step_v)
+    as_declared = np.zeros((len(lone), 3)), np.zeros(3)
+    question = Question(witness, *as_declared, case.terms, case.limit_g, case.coverage_factor)
+    return [one.document() for one in question.answers()]
 
 
 def finite(value: float) -> float | None:
@@ -87,24 +101,26 @@ def show(plan: dict[str, Any], case: Case) -> None:
     published = plan["weights"] == "published"
     out = tables.console()
     out.print(tables.heading(f"Requirements for {plan['limit_g']:g} g, {plan['weights']} weights, {plan['estimator']}"))
-    out.print(f"Block: {case.scale:g} V/g, misalignments {case.misalignment:g} rad; numbers are {plan['numbers']}")
+    out.print(f"{case.block_sentence}; numbers are {plan['numbers']}")
     rule = plan["rule"] if published else plan
     added = "(19)" if published else f"for {_asked(plan)}"
     headings = ["", "unit", added, "at most", "set by", "stand has", "its share", "alone"]
     rows, enough = [], plan["just_enough"] or {}
     names = sources(case, published)
     for key, source in zip(size_keys(names), names):
-        limit, has = rule[key], plan["declared"][key]
+        limit, alone, has = _most(rule[key]), _most(plan["alone"][key]), _most(plan["declared"][key]) or 0.0
         verdict = "within" if limit is None or has <= limit else "over"
         cells = [source, unit(source)]
-        cells += [tables.scientific(plan[key]) if published else _for_it(enough.get(key), limit)]
+        cells += [tables.scientific(plan[key]) if published else _for_it(_most(enough.get(key)), limit)]
         cells += [_limit(limit), rule["set_by"][source] or "-"]
-        cells += [tables.scientific(has), verdict, _limit(plan["alone"][key])]
+        cells += [tables.scientific(has), verdict, _limit(alone)]
         rows.append(cells)
     out.print(tables.table(headings, rows, left=(0, 1)))
     out.print(f"Samples at each position: {_samples(plan)}; the stand has {case.stand.samples}")
     for line in _explanations(plan, rule):
         out.print(line)
+    if (note := channels_note(case)) is not None:
+        out.print(note)
     if published:
         out.print("(19): as printed; at most: what its own rule gives (see tumble plan paper)")
     out.print()
@@ -112,6 +128,12 @@ def show(plan: dict[str, Any], case: Case) -> None:
         out.print(_sentence(plan), style="bold")
     else:
         _show_promises(out, plan)
+
+
+def _most(size: Any) -> float | None:
+    """Of the channel that has most, where there are three."""
+    largest: float | None = max(size) if isinstance(size, list) else size
+    return largest
 
 
 def _for_it(size: float | None, limit: float | None) -> str:
@@ -140,7 +162,7 @@ def _explanations(plan: dict[str, Any], rule: dict[str, Any]) -> list[str]:
         "its share: a source may exceed it if others leave room; the end decides",
         "alone: one source, the others as the stand has them",
     ]
-    shown = [of[key] for of in (plan["alone"], rule) for key in plan["declared"]]
+    shown = [_most(of[key]) for of in (plan["alone"], rule) for key in plan["declared"]]
     if 0.0 in shown:
         lines.append("none left: the others alone exceed the limit already")
     if None in shown:
@@ -177,7 +199,9 @@ def _reached(margin: float) -> str:
 _PROMISED = (
     "passes: probability that a run passes the gravity check; every attitude: that",
     "the error of |a| is within the limit at all of them; both of the nominal block",
-    "may grow: factor for all errors of the stand until the lower of these is {asked}",
+    "u(|a|): its largest standard uncertainty; a run whose {factor:g} u(|a|) exceeds the limit is no PASS",
+    "may grow: factor for all errors of the stand until the lower of these is {asked},",
+    "or until such runs are no PASS any more",
     "margin: factor until a third of the limit is the standard deviation of a row of",
     "scale factors, biases or noise; at 1 it promises no probability",
 )
@@ -195,16 +219,29 @@ def _show_promises(out: Console, plan: dict[str, Any]) -> None:
             "yes" if one["growth"] is None or one["growth"] >= 1.0 else "no",
             tables.percent(one["passes"]),
             tables.percent(one["every_attitude"]),
+            tables.scientific(one["coverage_factor"] * one["u_norm_worst_g"]),
             _factor(one["growth"]),
             _factor(plan["margins"][name]),
         )
         for name, one in plan["promises"].items()
     ]
-    out.print(tables.table(("with", "", "passes", "every attitude", "may grow", "margin"), rows, left=(0, 1)))
+    reach = f"{plan['promise']['coverage_factor']:g} u(|a|), g"
+    out.print(tables.table(("with", "", "passes", "every attitude", reach, "may grow", "margin"), rows, left=(0, 1)))
     for line in _PROMISED:
-        out.print(line.format(asked=asked))
+        out.print(line.format(asked=asked, factor=plan["promise"]["coverage_factor"]))
     if plan["promise"]["assumes"]:
         out.print(ON_A_SEAT)
+    if not plan["promise"]["shown"]:
+        out.print(f"{plan['estimator']}: {_not_shown(plan)}", style="bold")
+
+
+def _not_shown(plan: dict[str, Any]) -> str:
+    """As a run that is solved says it."""
+    told, remedies = plan["promise"], [Remedy.of(one) for one in plan["would_show"]]
+    decision = Decision(
+        (UNCERTAINTY,), tuple(told["assumes"]), 0, told["limit_g"], told["coverage_factor"], told["u_norm_worst_g"]
+    )
+    return f"{decision.sentence}. {in_words(remedies, decision.limit_g)}."
 
 
 def _asked(plan: dict[str, Any]) -> str:

@@ -30,6 +30,7 @@ from tumble.planning.schedule_search import (
 from tumble.schedule import Schedule
 from tumble.solving.extended import confused
 from tumble.solving.further import Further
+from tumble.solving.reliability import Reliability
 from tumble.workers.over import ALONE, Team
 
 BESIDE = ("paper", "three_mountings", "diagonal")
@@ -50,7 +51,7 @@ class Goal:
 @dataclass(frozen=True)
 class Planned:
     """`best`, and `beside` it by name; None where a schedule does not get there. Of the best: the worst u(|a|), g, at
-    which attitude, the promise, and what further terms of the model cost."""
+    which attitude, the promise, what its runs will not show, and what further terms of the model cost."""
 
     case: Case
     goal: Goal
@@ -60,6 +61,7 @@ class Planned:
     u_norm_g: float
     attitude: list[float]
     promise: Promise
+    unseen: Reliability
     further: Further | None = None
 
 
@@ -94,8 +96,8 @@ def plan_schedule(
     chosen = measured_with(case, best)
     u_norm_g, attitude = worst_norm_of(chosen, goal.estimator)
     promised = promise(chosen, goal.estimator, goal.probability)
-    further = model_cost(chosen, goal.estimator)
-    return Planned(case, goal, pace, best, beside, u_norm_g, attitude, promised, further)
+    unseen, further = chosen.reliability(goal.estimator), model_cost(chosen, goal.estimator)
+    return Planned(case, goal, pace, best, beside, u_norm_g, attitude, promised, unseen, further)
 
 
 def _first_norm(case: Case, goal: Goal, beside: dict[str, Timed | None]) -> float:

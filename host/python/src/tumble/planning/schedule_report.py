@@ -12,6 +12,7 @@ from tumble.planning.enough import growing
 from tumble.planning.schedule_plan import Planned
 from tumble.planning.schedule_search import Timed
 from tumble.schedule import Mounting, Schedule
+from tumble.solving import reliability
 from tumble.terms import Terms
 
 _TABLE_AXES = "hnv"
@@ -41,6 +42,7 @@ def document(found: Planned, step_deg: float) -> dict[str, Any]:
         "schedule": {**_timed(found.best, case.terms), **_positions(found.best.schedule)},
         "u_norm_g": {"worst_g": found.u_norm_g, "attitude": found.attitude},
         "promise": growing(found.promise),
+        **reliability.documents(found.unseen),
         **model_cost.document(found.further),
         "beside": {name: None if timed is None else _timed(timed, case.terms) for name, timed in found.beside.items()},
     }
@@ -92,6 +94,8 @@ def show(found: Planned, written: str | None, stand: str | None) -> None:
     if found.further is not None:
         out.print(model_cost.sentence(found.further))
     out.print(found.promise.sentence)
+    for line in reliability.lines(found.unseen, "will not show"):
+        out.print(line)
     if written is not None:
         files = ["--schedule", written, *([] if stand is None else ["--stand", stand])]
         options = f"{shlex.join(files)} --samples {found.best.samples} --estimator {goal.estimator}"

@@ -3,19 +3,30 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 from rich import box
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from tumble.signs import signed_for
+
 WIDTH = 80
+
+
+class _Signed(Console):
+    """What is printed has the signs of quantities, on a terminal that has them."""
+
+    def render_str(self, text: str, **how: Any) -> Text:
+        return super().render_str(signed_for(text, sys.stdout), **how)
 
 
 def console() -> Console:
     """Standard output, at least 80 columns wide. Colours heed NO_COLOR; without Unicode the lines are ASCII."""
-    out = Console(highlight=False, soft_wrap=False)
+    out = _Signed(highlight=False, soft_wrap=False)
     out.width = max(out.width, WIDTH) if out.is_terminal else WIDTH
     return out
 
@@ -32,7 +43,7 @@ def table(headings: Sequence[str], rows: Iterable[Sequence[str | Text]], left: S
 
 def heading(text: str) -> Text:
     """The title of a table."""
-    return Text(text, style="bold")
+    return Text(signed_for(text, sys.stdout), style="bold")
 
 
 def number(value: float | None, digits: int = 3) -> str:

@@ -261,8 +261,9 @@ def _stated(case: Case, weights: Floats) -> Callable[[Floats], Floats]:
     by_shared = np.stack([weights @ (shared_derivatives(model, one, stand) * sigma) for one in unit])
     by_angle = np.stack([np.einsum("cpi,pi->cp", weights.reshape(12, -1, 3), model.delta @ one.T) for one in unit])
     by_error = np.concatenate([by_shared, by_angle * case.stand.sigma("angle")], axis=2)
-    noise = mean_sigma(case.nominal_k(), case.stand, case.step_v, case.stand.samples)[0] ** 2 * (weights**2).sum(axis=1)
-    by_drift = np.einsum("cpi,p->ci", weights.reshape(12, -1, 3), model.course) * case.stand.sigma("drift")
+    sigma = mean_sigma(case.nominal_k(), case.stand, case.step_v, case.stand.samples)[0]
+    noise = (weights**2).reshape(12, -1, 3).sum(axis=1) @ sigma**2
+    by_drift = np.einsum("cpi,p->ci", weights.reshape(12, -1, 3), model.course) * case.stand.sigmas("drift")
     fixed = noise + (by_drift**2).sum(axis=1)
     return lambda k: np.sqrt((np.einsum("rm,mce->rce", k, by_error) ** 2).sum(axis=2) + fixed)
 

@@ -21,7 +21,7 @@ from tumble.planning.published import NAMES, REFINED, SOURCES, TABLE_1, TABLE_1_
 from tumble.reference.estimators import paper_slots
 from tumble.solving import extended
 from tumble.solving.gains import Linearised, gains, linearise, optimal_table
-from tumble.stand import COMMON, Stand
+from tumble.stand import COMMON, PAPER_STAND, Stand
 from tumble.terms import EXTENDABLE
 
 FURTHER = ("seat", "platform", "encoder", "drift")
@@ -29,6 +29,7 @@ OF_OUTPUTS = ("noise", "drift")  # in volts; the others are angles
 WORST = "worst"
 QUADRATURE = "quadrature"
 _ROUNDING = 1e-13
+_CHANNELS = np.r_[np.repeat(np.arange(3), 3), np.arange(3)]  # of the rows
 
 
 def estimator_gains(case: Case, estimator: str, k: Floats) -> Floats:
@@ -54,16 +55,22 @@ def estimators_of(case: Case) -> tuple[str, ...]:
 
 def sources_of(stand: Stand) -> tuple[str, ...]:
     """The columns of derived weights: published.SOURCES, and those of FURTHER that the stand declares."""
-    return (*SOURCES, *(name for name in FURTHER if getattr(stand, name) > 0.0))
+    return (*SOURCES, *(name for name in FURTHER if np.any(getattr(stand, name))))
 
 
 def absolute_weights(
-    model: Linearised, common_yaw: bool, k: Floats, gain_rows: Floats, sources: tuple[str, ...] = SOURCES
+    model: Linearised,
+    common_yaw: bool,
+    k: Floats,
+    gain_rows: Floats,
+    sources: tuple[str, ...] = SOURCES,
+    stand: Stand = PAPER_STAND,
 ) -> Floats:
     """Weights (rows, sources) in the units of the rows (V/g, V), for any linear gains (rows, 3P) of the fit positions.
 
     Draws of one kind are independent: yaws of several mountings, set angles and noise add in quadrature. What cancels
-    to rounding is zero.
+    to rounding is zero. Noise and drift count as those of the channel that has most; the others have theirs in
+    proportion, as the `stand` declares them.
     """
     rows = gain_rows.reshape(len(gain_rows), -1, 3)
     mountings = np.unique(model.mounting)[:, None] == model.mounting
@@ -79,13 +86,13 @@ def absolute_weights(
         return in_quadrature(parts.sum(axis=2) @ draws.T, np.abs(parts).sum(axis=2) @ np.abs(draws).T)
 
     together, each = np.ones_like(yaws[:1]), np.eye(len(model.mounting), dtype=bool)
-    drifts = rows * model.course[:, None]
+    drifts = rows * model.course[:, None] * stand.profile("drift")
     found = {
         "alpha1": of(model.alpha1, together),
         "alpha2": of(model.delta, together),
         "alpha3": of(model.alpha3, yaws),
         "alpha4": of(model.delta, each),
-        "noise": np.linalg.norm(gain_rows, axis=1),
+        "noise": np.linalg.norm(gain_rows * np.tile(stand.profile("noise"), rows.shape[1]), axis=1),
         "seat": np.hypot(of(model.theta_h, mountings), of(model.delta, mountings)),
         "platform": of(model.theta_h, together),
         "encoder": of(model.delta, model.waves.T),
@@ -104,7 +111,7 @@ def derived(case: Case, estimator: str, k: Floats) -> Floats:
     """The weights of an estimator on the exact geometry, to first order, for a block of sensitivity `k`."""
     model, common = linearise(case.fitted), case.stand.remounting == COMMON
     rows, sources = estimator_gains(case, estimator, k), sources_of(case.stand)
-    return absolute_weights(model, common, k, rows, sources) / reference_values(k)[:, None]
+    return absolute_weights(model, common, k, rows, sources, case.stand) / reference_values(k)[:, None]
 
 
 def published_formulas(estimator: str) -> dict[str, tuple[str, ...]]:
@@ -143,6 +150,7 @@ def _evaluated(case: Case, formulas: dict[str, tuple[str, ...]], signs: tuple[fl
     values = symbols(case.nominal_k(pattern))
     rows = np.array([[evaluate(formula, values) for formula in formulas[name]] for name in NAMES])
     rows[np.isnan(rows).any(axis=1)] = np.nan
+    rows[:, SOURCES.index("noise")] *= case.stand.profile("noise")[_CHANNELS]
     return rows
 
 

@@ -12,7 +12,7 @@ from tumble.reference.geometry import Geometry
 from tumble.reference.noise import MeasuredNoise, measured_noise
 from tumble.reference.optimal import OptimalEstimate, optimal, optimal_covariance, optimal_uncertainties
 from tumble.reference.schedules import built_in, paper_schedule
-from tumble.reference.seat import unseen_tilt
+from tumble.reference.seat import is_unseen, moved_by_a_seat
 from tumble.reference.stand_seen import RunSeen, pooled_noise
 from tumble.reference.uncertainty import by_coefficient, covariance
 from tumble.reference.unseen import unseen_patterns
@@ -32,8 +32,10 @@ __all__ = [
     "estimate",
     "gravity_errors",
     "intrinsic",
+    "is_unseen",
     "magnification",
     "measured_noise",
+    "moved_by_a_seat",
     "optimal",
     "optimal_covariance",
     "optimal_uncertainties",
@@ -41,5 +43,4 @@ __all__ = [
     "pooled_noise",
     "residual_rms",
     "unseen_patterns",
-    "unseen_tilt",
 ]

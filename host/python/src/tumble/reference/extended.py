@@ -25,9 +25,7 @@ _ROW_ORDER = np.arange(9).reshape(3, 3).T.ravel()  # K row by row, of K column b
 def columns(schedule: Schedule, terms: Terms) -> Floats:
     """Outputs by the size of every term: (3 x positions, 3 x terms)."""
     scene = Scene(schedule, np.eye(3))
-    found = [column / _MILLIONTH for term in terms for column in BY_NAME[term].columns(scene)[0].values()]
-    middle = [0.5 * np.eye(3)[i] if term == DRIFT else np.zeros(3) for term in terms for i in range(3)]
-    outputs = [(column - half).ravel() for column, half in zip(found, middle)]
+    outputs = [column.ravel() / _MILLIONTH for term in terms for column in BY_NAME[term].columns(scene)[0].values()]
     return np.array(outputs).reshape(3 * len(terms), 3 * len(schedule.positions)).T
 
 

@@ -43,7 +43,7 @@ class Score:
 
 class WholeModel:
     """The declared `stand`, in the unit of the `means` (positions, 3) of a schedule, all measured; `variance`
-    (positions,) of each mean by its noise. `terms`: unknown too."""
+    (positions, 3), or (positions,) for channels that are alike, of each mean by its noise. `terms`: unknown too."""
 
     def __init__(self, schedule: Schedule, means: Floats, variance: Floats, stand: Stand, terms: Terms = ()):
         self._given = schedule, means, variance, stand
@@ -54,7 +54,8 @@ class WholeModel:
         self._geometry = Geometry(self.schedule)
         self._outputs = means[fit]
         self.k, self._u0 = least_squares(self.schedule, self._outputs)
-        self._noise = np.maximum(np.sqrt(variance[fit]), _FLOOR_G * np.abs(self.k).max())[:, None]
+        by_channel = np.broadcast_to(variance.reshape(len(means), -1), means.shape)[fit]
+        self._noise = np.maximum(np.sqrt(by_channel), _FLOOR_G * np.abs(self.k).max())
         errors = sources(self.schedule, self.k, stand, np.ones(len(fit), dtype=int))
         self._names = [name for name in errors if name != "noise"]
         angles = [errors[name].sigma for name in self._names]
@@ -93,7 +94,7 @@ class WholeModel:
         those of the coefficients."""
         force = self._force(self._x)
         design = np.hstack([np.kron(np.column_stack([force, np.ones(len(force))]), np.eye(3)), self._further])
-        noise = np.repeat(self._noise, 3, axis=1).reshape(-1, 1)
+        noise = self._noise.reshape(-1, 1)
         by_error = self._derivatives() * self._sigma / noise
         system = np.block(
             [[design / noise, by_error], [np.zeros((len(self._x), design.shape[1])), np.eye(len(self._x))]]

@@ -19,7 +19,7 @@ from tumble.reference.extended import fitted_columns
 from tumble.reference.geometry import Geometry
 from tumble.reference.uncertainty import by_coefficient, course, encoder_waves, joint, sources
 from tumble.schedule import Schedule
-from tumble.stand import Stand
+from tumble.stand import PerChannel, Stand, by_channel
 from tumble.terms import Terms
 
 CORRECTIONS = 2
@@ -66,7 +66,7 @@ def optimal(
     means: Floats,
     stand: Stand,
     samples: Integers,
-    step: float = 0.0,
+    step: PerChannel = 0.0,
     known_k: Floats | None = None,
     known_samples: float | None = None,
     mean_variance: Floats | None = None,
@@ -85,7 +85,7 @@ def optimal_covariance(
     k: Floats,
     stand: Stand,
     samples: Integers,
-    step: float,
+    step: PerChannel,
     mean_variance: Floats | None = None,
     terms: Terms = (),
 ) -> Floats:
@@ -99,7 +99,7 @@ def optimal_uncertainties(
     k: Floats,
     stand: Stand,
     samples: Integers,
-    step: float,
+    step: PerChannel,
     known_samples: float,
     mean_variance: Floats | None = None,
 ) -> tuple[Floats, Floats]:
@@ -118,7 +118,7 @@ class _Whitened:
         k: Floats,
         stand: Stand,
         samples: Integers,
-        step: float,
+        step: PerChannel,
         known_samples: float | None = None,
         terms: Terms = (),
     ):
@@ -136,10 +136,11 @@ class _Whitened:
         self.further = fitted_columns(schedule, terms)
         self.model = np.hstack([dense_design(schedule), self.further, by_error])
         self.averaged_over = stand.averaged_over(samples)
-        self.one_sample = max(stand.sigma("noise"), abs(step) / np.sqrt(12.0))
+        self.one_sample = np.maximum(stand.sigmas("noise"), np.abs(by_channel(step)) / np.sqrt(12.0))
         self.floor = _FLOOR_G * np.abs(k).max()
         inverse_samples = 1.0 / (self.averaged_over[self.fit] if known_samples is None else np.array([known_samples]))
-        self.noise = max(self.one_sample * np.sqrt(inverse_samples.mean()), self.floor)
+        by_channels = np.maximum(self.one_sample * np.sqrt(inverse_samples.mean()), self.floor)
+        self.noise = np.tile(by_channels, len(self.fit))[:, None]
         prior = np.eye(len(self.sigma), self.model.shape[1], self.count)
         self.system = np.vstack([self.model / self.noise, prior])
 
@@ -168,12 +169,12 @@ class _Whitened:
         return OptimalEstimate(k, u0, sizes, covariance, *shared, largest, _largest_angle(angles))
 
     def _noise_of_means(self) -> Floats:
-        noise: Floats = np.maximum(self.one_sample / np.sqrt(self.averaged_over), self.floor)
+        noise: Floats = np.maximum(self.one_sample / np.sqrt(self.averaged_over)[:, None], self.floor)
         return noise
 
     def covariance(self, mean_variance: Floats | None = None) -> Floats:
         """Of an estimate, K row by row, that is linearised here: with each position's own noise."""
-        noise = np.repeat(self._noise_of_means(), 3)
+        noise = self._noise_of_means().ravel()
         if mean_variance is not None:
             noise = np.maximum(noise, np.sqrt(mean_variance).ravel())
         errors = {**self.errors, "noise": replace(self.errors["noise"], sigma=noise)}

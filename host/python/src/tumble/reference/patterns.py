@@ -19,6 +19,7 @@ from tumble.schedule import Schedule
 BLOCK, STAND, RUN = "block", "stand", "run"  # whose fault it is
 _MILLIONTH = 1e-6
 _WARM_UPS = (0.05, 0.1, 0.2, 0.4)  # time constants over the length of the run
+_MIDDLE = 0.5  # of the run
 _ROUNDING = 1e-9
 _CHANNELS = "xyz"
 _TURNS = {"yaw": "alpha3", "theta_h": "seat_h", "theta_n": "seat_n"}
@@ -29,15 +30,17 @@ Columns = dict[str, Floats]  # by label, such as the channel: outputs (positions
 @dataclass(frozen=True)
 class Scene:
     """The fit positions of a run, in the order in which they were measured: `force` (P, 3) on the ideal stand, `k`
-    (3, 3) as found, `time` (P,) from 0 to 1."""
+    (3, 3) as found, `time` (P,) from 0 to 1. `attitudes` (n, 3): a block that is used there, for a pattern that
+    `lasts`."""
 
     schedule: Schedule
     k: Floats
+    attitudes: Floats | None = None
 
     @property
     def force(self) -> Floats:
         """Specific force, g: (P, 3)."""
-        return Geometry(self.schedule).force()
+        return Geometry(self.schedule).force() if self.attitudes is None else self.attitudes
 
     @property
     def time(self) -> Floats:
@@ -73,13 +76,17 @@ def _same(shape: Floats) -> Floats:
     return np.repeat(shape[:, None], 3, axis=1)
 
 
+# What changes within a run counts from its middle: K and U0 are those of the block at that time.
+
+
 def _drift_exp(scene: Scene) -> list[Columns]:
-    return [scene.by_channel(_same(np.exp(-scene.time / tau))) for tau in _WARM_UPS]
+    settling = [np.exp(-scene.time / tau) - np.exp(-_MIDDLE / tau) for tau in _WARM_UPS]
+    return [scene.by_channel(_same(outputs)) for outputs in settling]
 
 
 def _step(scene: Scene) -> list[Columns]:
-    places = np.arange(len(scene.time))
-    return [scene.by_channel(_same((places >= first).astype(float))) for first in places[1:]]
+    after = [(scene.time >= first) - float(first <= _MIDDLE) for first in scene.time[1:]]
+    return [scene.by_channel(_same(outputs)) for outputs in after]
 
 
 def _position(scene: Scene) -> list[Columns]:
@@ -154,7 +161,7 @@ def _set_angles(scene: Scene) -> list[Columns]:
 @dataclass(frozen=True)
 class Pattern:
     """`name`; `columns` by variant; `unit` of the size; `whose` fault it is; `words` for people; `random`: errors that
-    have no shape."""
+    have no shape; `lasts`: a property of the block, which its outputs hold at any attitude."""
 
     name: str
     columns: Callable[[Scene], list[Columns]]
@@ -162,23 +169,37 @@ class Pattern:
     whose: str
     words: str
     random: bool = False
+    lasts: bool = False
 
 
 PATTERNS = (
-    Pattern("drift", lambda s: [s.by_channel(_same(s.time))], "ug", RUN, "a drift of the outputs over the run"),
+    Pattern(
+        "drift", lambda s: [s.by_channel(_same(s.time - _MIDDLE))], "ug", RUN, "a drift of the outputs over the run"
+    ),
     Pattern("drift_exp", _drift_exp, "ug", RUN, "outputs that settle exponentially, as when warming up"),
     Pattern("step", _step, "ug", RUN, "a step of the outputs within the run"),
-    Pattern("k2", lambda s: [s.by_channel(s.force**2)], "ug/g^2", BLOCK, "the block's second order"),
-    Pattern("k3", lambda s: [s.by_channel(s.force**3)], "ug/g^3", BLOCK, "the block's third order"),
-    Pattern("asymmetry", lambda s: [s.by_channel(np.abs(s.force))], "ug/g", BLOCK, "scales that differ by the sign"),
-    Pattern("cross_coupling", _cross_coupling, "ug/g^2", BLOCK, "products of two axes in the block's outputs"),
+    Pattern("k2", lambda s: [s.by_channel(s.force**2)], "ug/g^2", BLOCK, "the block's second order", lasts=True),
+    Pattern("k3", lambda s: [s.by_channel(s.force**3)], "ug/g^3", BLOCK, "the block's third order", lasts=True),
+    Pattern(
+        "asymmetry",
+        lambda s: [s.by_channel(np.abs(s.force))],
+        "ug/g",
+        BLOCK,
+        "scales that differ by the sign",
+        lasts=True,
+    ),
+    Pattern(
+        "cross_coupling", _cross_coupling, "ug/g^2", BLOCK, "products of two axes in the block's outputs", lasts=True
+    ),
     Pattern("hysteresis", _hysteresis, "ug", BLOCK, "outputs that remember the half circle before"),
     Pattern("once_per_turn", _per_turn(1), "urad", STAND, "an error of the table angle, once per turn"),
     Pattern("twice_per_turn", _per_turn(2), "urad", STAND, "an error of the table angle, twice per turn"),
     Pattern("lost_steps", _lost_steps, "urad", STAND, "a table that loses something in every move"),
     Pattern("seat", _seat, "urad", STAND, "mountings that sit tilted on the platform"),
     Pattern("slip", _slip, "urad", STAND, "a block that moved within a mounting"),
-    Pattern("scale_drift", lambda s: [s.by_channel(s.force * s.time[:, None])], "ppm", RUN, "scales that drift"),
+    Pattern(
+        "scale_drift", lambda s: [s.by_channel(s.force * (s.time[:, None] - _MIDDLE))], "ppm", RUN, "scales that drift"
+    ),
     Pattern("position", _position, "ug", RUN, "one position that is off"),
     Pattern("alpha1_rad", lambda s: [{"": s.by(alpha1=1.0)}], "rad", STAND, "an axis tilt beyond the declared"),
     Pattern(

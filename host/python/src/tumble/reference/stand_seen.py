@@ -93,16 +93,37 @@ class Model:
 
 
 class RunSeen:
-    """What one run shows of the stand: `means` (positions, 3) of a schedule, and the `k` found from them. Every
-    `variance` (positions,) is that of each mean by its noise, every `alpha4` the standard deviation of a set angle."""
+    """What one run shows of the stand: `means` (positions, 3) of a schedule, and the `k` found from them; `whole`: that
+    schedule with the positions that were not measured, where some were not. Every `variance` (positions,) is that of
+    each mean by its noise, every `alpha4` the standard deviation of a set angle. `weights` (3,) make channels alike
+    that differ: every variance is then of outputs times these."""
 
-    def __init__(self, schedule: Schedule, means: Floats, k: Floats):
+    def __init__(
+        self,
+        schedule: Schedule,
+        means: Floats,
+        k: Floats,
+        whole: Schedule | None = None,
+        weights: Floats | None = None,
+    ):
+        if weights is not None:
+            means, k = means * weights, k * weights[:, None]
         self.mountings = len(schedule.mountings)
         self._fit = fit_indices(schedule)
         self._fitted = Schedule(schedule.mountings, tuple(schedule.positions[index] for index in self._fit))
         self._scale = np.abs(k).max()
         self._means, self._k = means[self._fit] / self._scale, k / self._scale
         self._model = Model(self._fitted, self._k)
+        self._slots = self._paper_slots(whole or schedule)
+
+    def _paper_slots(self, whole: Schedule) -> Integers | None:
+        """Among the fitted positions; a circle of the schedule is one, whether all of it was measured or not."""
+        measured = {(one.mounting, one.number): place for place, one in enumerate(self._fitted.positions)}
+        slots = paper_slots(whole)
+        if slots is None:
+            return None
+        names = [(whole.positions[slot].mounting, whole.positions[slot].number) for slot in slots.ravel()]
+        return np.array([measured[name] for name in names]).reshape(2, 9) if measured.keys() >= set(names) else None
 
     @property
     def has_turns(self) -> bool:
@@ -128,7 +149,7 @@ class RunSeen:
 
         They come from the random errors alone: to first order alpha1, alpha2 and alpha3 do not disturb each other.
         """
-        slots = paper_slots(self._fitted)
+        slots = self._slots
         if slots is None:
             return dict.fromkeys(ANGLES)
         u = np.zeros(3)

@@ -45,7 +45,7 @@ def sources(
     geometry = Geometry(schedule)
     positions, mountings = len(schedule.positions), len(schedule.mountings)
     yaws = np.ones((1, mountings)) if stand.remounting == COMMON else np.eye(mountings)
-    noise = stand.sigma("noise") / np.sqrt(stand.averaged_over(samples))[:, None] * np.ones(3)
+    noise = stand.sigmas("noise") / np.sqrt(stand.averaged_over(samples))[:, None]
     if mean_variance is not None:
         noise = np.maximum(noise, np.sqrt(mean_variance))
 
@@ -73,9 +73,9 @@ def sources(
         found["platform"] = angles("platform", seat_h=one)
     if stand.encoder > 0.0:
         found["encoder"] = angles("encoder", delta=encoder_waves(schedule))
-    if stand.drift > 0.0:
+    if stand.declares_drift:
         drifts = course(schedule)[:, None] * np.eye(3)[:, None]
-        found["drift"] = Source(np.full(3, stand.sigma("drift")), drifts)
+        found["drift"] = Source(stand.sigmas("drift"), drifts)
     return found
 
 

@@ -13,6 +13,7 @@ from html import escape
 from typing import Protocol, TypeAlias
 
 from tumble.report.rounding import Shown
+from tumble.signs import signed
 
 
 class Inline(Protocol):
@@ -23,15 +24,16 @@ class Inline(Protocol):
 
 @dataclass(frozen=True)
 class Number:
-    """A number of the document at `path`, times ten to the `power`, times the number at `times`; as `shown`."""
+    """A number of the document at `path`, times ten to the `power`, times each of `times`: numbers, or paths of such;
+    as `shown`."""
 
     shown: Shown
     path: str
-    times: str | None = None
+    times: tuple[str, ...] = ()
     power: int = 0
 
     def __html__(self) -> str:
-        more = "" if self.times is None else f' data-times="{escape(self.times)}"'
+        more = f' data-times="{escape(" ".join(self.times))}"' if self.times else ""
         more += f' data-power="{self.power}"' if self.power else ""
         by_power = f" {TIMES} 10<sup>{self.shown.power}</sup>" if self.shown.power else ""
         return f'<span class="number" data-path="{escape(self.path)}"{more}>{self.shown.digits}{by_power}</span>'
@@ -55,15 +57,17 @@ class Fixed:
     text: str
 
     def __html__(self) -> str:
-        return escape(signed(self.text))
+        return escape(in_signs(self.text))
 
 
 @dataclass(frozen=True)
 class Missing:
     """What the document does not tell."""
 
+    text: str = "not stated"
+
     def __html__(self) -> str:
-        return '<span class="missing">not stated</span>'
+        return f'<span class="missing">{self.text}</span>'
 
 
 @dataclass(frozen=True)
@@ -88,9 +92,11 @@ class Table:
 Facts: TypeAlias = "list[tuple[Inline, Inline]]"  # a name and what is said of it
 
 MISSING = Missing()
+NO_UNCERTAINTY = Missing("no uncertainty")
 FIGURE_SPACE, POINT_SPACE = "\u2007", "\u2008"
 TIMES = "\u00d7"
-_MICRO = re.compile(r"(?<=\d )u(?=(?:g|V|rad)\b)|^u(?=(?:g|V|rad)(?:/g(?:\^\d)?)?$)")
+_POWERS = {"^2": "²", "^3": "³"}
+_POWER = re.compile(r"(?<=/[gs])\^[23]\b")
 NU = "\u03bd"  # degrees of freedom
 
 
@@ -125,9 +131,9 @@ def readable(text: str) -> str:
     """Foreign text without what no file of text may hold: control characters and halves of characters; and with the
     signs of units that the report itself has."""
     kept = ("\ufffd" if unicodedata.category(one) in ("Cc", "Cs") and one not in "\n\t" else one for one in text)
-    return signed("".join(kept))
+    return in_signs("".join(kept))
 
 
-def signed(text: str) -> str:
-    """With a micro sign where plain text has a u: behind a number, or where a unit is all there is."""
-    return _MICRO.sub("\N{MICRO SIGN}", text)
+def in_signs(text: str) -> str:
+    """With the signs of quantities, and powers of units as such: m/s²."""
+    return _POWER.sub(lambda power: _POWERS[power[0]], signed(text))

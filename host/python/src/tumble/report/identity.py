@@ -16,6 +16,7 @@ Names: TypeAlias = "dict[str, tuple[str, ...]]"
 OF_THE_ITEM: tuple[str, ...] = ("item",)  # a serial number of the environment is that of a thermometer
 TABLES: tuple[str, ...] = (*OF_THE_ITEM, "environment")
 _SERIAL = "Serial number"
+AUTHORISED, ISSUED = "Authorised by", "Date of issue"
 PARTIES: Names = {
     "Customer": ("customer",),
     "Contact of the customer": ("contact", "customer_address"),
@@ -23,7 +24,7 @@ PARTIES: Names = {
     "Address of the laboratory": ("laboratory_address",),
     "Place of the calibration": ("location", "place"),
     "Measured by": ("operator",),
-    "Authorised by": ("authorised_by", "authorized_by"),
+    AUTHORISED: ("authorised_by", "authorized_by"),
 }
 ITEM: Names = {
     "Item": ("description", "item", "name"),
@@ -59,9 +60,17 @@ def item(source: Source) -> Facts:
     return [(name, both if name == Fixed(_SERIAL) else said) for name, said in _facts(source, ITEM, OF_THE_ITEM)]
 
 
-def dates(source: Source) -> Facts:
-    """Of the run and of its result. A report has none of its own: the same result gives the same report."""
-    return [*_facts(source, DATES), (Fixed("Result computed (UTC)"), source.told("created"))]
+def dates(source: Source, issued: Inline) -> Facts:
+    """Of the run, of its result, of the report."""
+    computed = (Fixed("Result computed (UTC)"), source.told("created"))
+    return [*_facts(source, DATES), computed, (Fixed(ISSUED), issued)]
+
+
+def issue(source: Source, issued: Inline) -> Facts:
+    """What stands above the place to sign; who authorises may as well sign alone."""
+    by = _labels(source, PARTIES[AUTHORISED], TABLES)
+    authorised = [(Fixed(AUTHORISED), _listed([source.told(*path) for path in by]))] if by else []
+    return [(Fixed(ISSUED), issued), *authorised]
 
 
 def traceability(source: Source) -> Facts:

@@ -7,7 +7,7 @@ from typing import Any
 
 from tumble.errors import NotInstalled, UsageError, quoted
 from tumble.report import conformity, identity, method, pages, since, values
-from tumble.report.cells import Fixed, line
+from tumble.report.cells import MISSING, Fixed, line
 from tumble.report.number import number_of, require_number
 from tumble.report.source import Source
 from tumble.solving.declared import schedule_of
@@ -51,22 +51,27 @@ def made(
     template: str | None = None,
     logo: str | None = None,
     number: str | None = None,
+    issued: str | None = None,
     earlier: tuple[dict[str, Any], dict[str, Any]] | None = None,
+    attached: str = "",
 ) -> bytes:
     """A report on `document`, schema tumble.result/1, as files.documents has checked it; `name`: what errors call it.
 
     `run`: the Recording that was solved, for a picture of its samples. `template`: a file of Jinja2; `logo`: a picture;
-    `number`: one that is given. `earlier`: an earlier result, and what has changed since (schema
-    tumble.comparison/1). Raises BadInput, UsageError, NotInstalled.
+    `number`: one that is given. `issued`: the date of issue, None for none. `earlier`: an earlier result, and what has
+    changed since (schema tumble.comparison/1). `attached`: the document's JSON, which a PDF carries with it. Raises
+    BadInput, UsageError, NotInstalled.
     """
     told = number_of(document) if number is None else require_number(number)
     require_installed(kind)
     source = Source(document, name)
-    found = context(source, told, None if logo is None else pages.logo(logo))
+    found = context(source, told, None if logo is None else pages.logo(logo), issued)
     before, changes = ({}, None) if earlier is None else earlier
     drawn = {"figures": pictures(source, run), "since": since.section(changes, before, document)}
     text = pages.html({**found, **drawn}, template)
-    return pages.pdf(text, template or name) if kind == PDF else text.encode("utf-8", "replace")
+    if kind != PDF:
+        return text.encode("utf-8", "replace")
+    return pages.pdf(text, template or name, attached, issued)
 
 
 def pictures(source: Source, run: Any) -> list[dict[str, Any]]:
@@ -92,11 +97,12 @@ def _mountings(source: Source) -> list[tuple[str, str, str]]:
     return [("mountings", mountings(schedule.data), words)]
 
 
-def context(source: Source, number: str, logo: str | None) -> dict[str, Any]:
+def context(source: Source, number: str, logo: str | None, issued: str | None = None) -> dict[str, Any]:
     """What a template may say, but for `figures` and `since`. docs/report.md lists it."""
     from markupsafe import Markup
 
     given = values.uncertainties(source)
+    date = MISSING if issued is None else Fixed(issued)
     return {
         "number": number,
         "logo": logo,
@@ -108,12 +114,16 @@ def context(source: Source, number: str, logo: str | None) -> dict[str, Any]:
         "findings": conformity.findings(source),
         "rule": conformity.rule(source),
         "positions": conformity.positions(source),
+        "about_positions": conformity.about_positions(source),
         "explanations": conformity.explanations(source),
+        "unseen": conformity.unseen(source),
         "assumptions": conformity.assumptions(source),
         "warnings": conformity.warnings(source),
         "parties": identity.parties(source),
         "item": identity.item(source),
-        "dates": identity.dates(source),
+        "issued": date,
+        "dates": identity.dates(source, date),
+        "issue": identity.issue(source, date),
         "labels": identity.further_labels(source),
         "traceability": identity.traceability(source),
         "deviations": identity.deviations(source),
@@ -123,7 +133,8 @@ def context(source: Source, number: str, logo: str | None) -> dict[str, Any]:
         "seen": method.seen(source),
         "uncertainties": given.about,
         "coefficients": values.coefficients(source, given),
-        "starred": values.starred(source),
+        "in_si": bool(source.table("si")),
+        "marks": conformity.legend(source),
         "further": values.further(source),
         "intrinsic": values.intrinsic(source, given),
         "worst_norm": values.worst_norm(source),

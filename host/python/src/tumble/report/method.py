@@ -82,11 +82,24 @@ def declared(source: Source) -> tuple[Inline, Table] | None:
     always = ("noise_v",) if schedule is not None and schedule.data.is_laid_by_hand else _REQUIRED
     about = line("Stand: ", source.told("stand", "name"), ". Its file declares ", _MEANING.get(kind, kind), ".")
     rows = [
-        (Fixed(name), source.told("stand", key), Fixed(_unit(source, key)))
+        (Fixed(name), _by_channel(source, key), Fixed(_unit(source, key)))
         for key, name in _ERRORS.items()
-        if key in always or source.decimal("stand", key)
+        if key in always or _is_declared(source, key)
     ]
     return about, Table(("Source of error", "Declared", "Unit"), rows, left=(2,))
+
+
+def _by_channel(source: Source, key: str) -> Inline:
+    """An error of the stand: one number, or those of x, y and z."""
+    if isinstance(source.at("stand", key), list):
+        return joined(source.each("stand", key), ", ")
+    return source.told("stand", key)
+
+
+def _is_declared(source: Source, key: str) -> bool:
+    if isinstance(source.at("stand", key), list):
+        return any(source.decimal("stand", key, i) for i in range(3))
+    return bool(source.decimal("stand", key))
 
 
 def seen(source: Source) -> Table:

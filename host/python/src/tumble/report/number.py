@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
+from datetime import date
 from typing import Any
 
 from tumble.errors import UsageError, quoted
@@ -11,6 +13,7 @@ from tumble.errors import UsageError, quoted
 LONGEST = 64
 _DIGITS = 12  # hexadecimal: of ten thousand reports of a day, two have one number with a chance of 2e-7
 _UNDATED = "undated"
+_DATE = re.compile(r"\d{4}-\d\d-\d\d", re.ASCII)
 
 
 def number_of(document: dict[str, Any]) -> str:
@@ -20,6 +23,15 @@ def number_of(document: dict[str, Any]) -> str:
     created = document.get("created")
     date = created[:10].replace("-", "") if isinstance(created, str) else _UNDATED
     return f"T-{date}-{hashlib.sha256(content.encode('ascii')).hexdigest()[:_DIGITS]}"
+
+
+def require_date(text: object) -> str:
+    """A date of issue of the user's own, as ISO 8601 writes it. Raises UsageError."""
+    try:
+        return date.fromisoformat(str(text) if _DATE.fullmatch(str(text)) else "").isoformat()
+    except ValueError:
+        said = quoted(text) if isinstance(text, str) else f"a {type(text).__name__}"
+        raise UsageError(f"--issued: {said} is not a date such as 2026-11-28") from None
 
 
 def require_number(text: object) -> str:

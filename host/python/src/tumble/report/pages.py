@@ -8,6 +8,7 @@ from __future__ import annotations
 import base64
 import logging
 import re
+from datetime import datetime
 from importlib.resources import files
 from typing import Any
 
@@ -23,6 +24,8 @@ STYLE = "report.css"
 _OWN = "tumble"  # folder of the templates of this room
 _GIVEN = "\0"  # the user's template: whatever its file is called, it hides none of ours, and nothing extends it
 EXTRA = "report"
+ATTACHED = "result.json"
+_NO_DAY = "1970-01-01"  # what readers of PDF take for an unknown date
 _LARGEST_LOGO = 2_000_000
 _PICTURES = {b"\x89PNG\r\n\x1a\n": "image/png", b"\xff\xd8\xff": "image/jpeg"}
 _SVG = re.compile(rb"\s*(<\?xml[^>]*>\s*)?(<!--.*?-->\s*|<!DOCTYPE[^>]*>\s*)*<svg[\s>]", re.DOTALL)
@@ -99,10 +102,11 @@ def logo(file: str) -> str:
     return f"data:{kind};base64,{base64.b64encode(data).decode('ascii')}"
 
 
-def pdf(text: str, name: str) -> bytes:
-    """The pages of this HTML. `name`: what it is made by, for errors. Raises BadInput where it needs anything from
-    elsewhere."""
-    from weasyprint import HTML
+def pdf(text: str, name: str, attached: str, issued: str | None) -> bytes:
+    """The pages of this HTML, tagged for readers of screens (PDF/UA-1). `name`: what it is made by, for errors.
+    `attached`: the JSON result that goes with them, of the day when the report was `issued`. Raises BadInput where it
+    needs anything from elsewhere."""
+    from weasyprint import HTML, Attachment
     from weasyprint.urls import URLFetcher
 
     refused: list[str] = []
@@ -115,7 +119,11 @@ def pdf(text: str, name: str) -> bytes:
             return super().fetch(url, headers)
 
     logging.getLogger("weasyprint").setLevel(logging.CRITICAL)  # of what it leaves out it would tell on stderr
-    made: bytes = HTML(string=text, base_url="about:blank", url_fetcher=FromNowhere()).write_pdf()
+    day = datetime.fromisoformat(issued or _NO_DAY)
+    about: dict[str, Any] = {"name": ATTACHED, "description": "The result that this report is on", "created": day}
+    result = Attachment(string=attached, relationship="Source", modified=day, **about)
+    pages = HTML(string=text, base_url="about:blank", url_fetcher=FromNowhere())
+    made: bytes = pages.write_pdf(pdf_variant="pdf/ua-1", attachments=[result])
     if refused:
         raise BadInput(f"needs {quoted(refused[0])}: a report takes nothing from elsewhere", name)
     return made

@@ -50,13 +50,16 @@ def significant(value: Decimal, digits: int) -> Decimal:
     return _to_place(rounded, rounded.adjusted() - digits + 1)  # 9.96 has become 10.0
 
 
-def to_match(value: Decimal, uncertainty: Decimal) -> tuple[Shown, Shown]:
-    """A value and its uncertainty, this with DIGITS_OF_UNCERTAINTY, both with the same places. A value has no more
-    digits than a double holds. Without an uncertainty, 0, all that it has."""
+def to_match(value: Decimal, uncertainty: Decimal, whole: bool = False) -> tuple[Shown, Shown]:
+    """A value and its uncertainty, this with DIGITS_OF_UNCERTAINTY, both with the same places; `whole`: at least to
+    whole numbers, never by powers of ten. A value has no more digits than a double holds. Without an uncertainty, 0,
+    all that it has."""
     spread = significant(uncertainty, DIGITS_OF_UNCERTAINTY)
     if not spread:
         return plain(value), plain(spread)
     place = max(_place(spread), value.adjusted() - _OF_A_DOUBLE + 1) if value else _place(spread)
+    if whole and place > 0:
+        place, spread = 0, _to_place(uncertainty, 0)
     found = _to_place(value, place)
     if -_MOST_PLACES <= place <= 0:
         return Shown(_fixed(found)), Shown(_fixed(spread))

@@ -7,15 +7,21 @@ number of a report can be held against the document.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from decimal import Decimal
 from typing import Any, TypeAlias
 
 from tumble.errors import BadInput, quoted
 from tumble.files.documents import RESULT
 from tumble.report import rounding
-from tumble.report.cells import MISSING, Inline, Number, Text
+from tumble.report.cells import MISSING, NO_UNCERTAINTY, Inline, Number, Text
+from tumble.report.rounding import Shown
 
 Key: TypeAlias = "str | int"
+Path: TypeAlias = "tuple[Key, ...]"
+Factor: TypeAlias = "Path | Decimal"  # a number of the document, or one of the report's own
+STANDARD_GRAVITY = Decimal("9.80665")  # m/s^2 (CGPM 1901); the local one differs from it by less than 0.5 %
+_DIGITS_ALONE = 7  # of a value whose uncertainty is not known
 
 
 class Source:
@@ -47,6 +53,12 @@ class Source:
     def array(self, *path: Key) -> list[Any]:
         """An array; an empty one where there is none."""
         return self._of_kind(list, path) or []
+
+    @property
+    def gravity(self) -> Factor:
+        """One g in m/s^2: the local one, else the standard one."""
+        local: Path = ("environment", "gravity_m_s2")
+        return STANDARD_GRAVITY if self.decimal(*local) is None else local
 
     def flag(self, *path: Key) -> bool | None:
         """True or false; None where nothing is said."""
@@ -85,25 +97,38 @@ class Source:
 
     def millionths(self, places: int | None, *path: Key) -> Inline:
         """A number in millionths, with so many digits behind the point; None: all."""
-        value = self.decimal(*path)
-        if value is None:
-            return MISSING
-        scaled = rounding.product(value, Decimal(10**6))
-        shown = rounding.plain(scaled) if places is None else rounding.to_places(scaled, places)
-        return Number(shown, pointer(path), power=6)
+        show = rounding.plain if places is None else lambda value: rounding.to_places(value, places)
+        return self.scaled(path, show, power=6)
+
+    def scaled(self, path: Path, show: Callable[[Decimal], Shown], *times: Factor, power: int = 0) -> Inline:
+        """A number times others, times ten to the `power`."""
+        value = self._product(path, times, power)
+        return MISSING if value is None else Number(show(value), pointer(path), _named(times), power)
 
     def with_uncertainty(
-        self, value: tuple[Key, ...], u: tuple[Key, ...], k: tuple[Key, ...] | None
+        self, value: Path, u: Path, k: Path | None, *times: Factor, power: int = 0, digits: int = _DIGITS_ALONE
     ) -> tuple[Inline, Inline]:
-        """A value, and its uncertainty, u or k u, rounded alike. MISSING for what is not told."""
-        center, spread = self.decimal(*value), self.decimal(*u)
-        factor = Decimal(1) if k is None else self.decimal(*k)
+        """A value and its uncertainty, u or k u, rounded alike, both as `scaled`. MISSING for a value that is not told;
+        one without uncertainty has so many significant `digits`. What is scaled by a power of ten is shown without."""
+        center, factors = self._product(value, times, power), times if k is None else (k, *times)
         if center is None:
             return MISSING, MISSING
-        if spread is None or factor is None:
-            return Number(rounding.rounded(center, _DIGITS_ALONE), pointer(value)), MISSING
-        shown, by = rounding.to_match(center, rounding.product(spread, factor))
-        return Number(shown, pointer(value)), Number(by, pointer(u), times=None if k is None else pointer(k))
+        spread = self._product(u, factors, power)
+        if spread is None:
+            return Number(rounding.rounded(center, digits), pointer(value), _named(times), power), NO_UNCERTAINTY
+        shown, by = rounding.to_match(center, spread, whole=power != 0)
+        at_value, at_u = (pointer(value), _named(times)), (pointer(u), _named(factors))
+        return Number(shown, *at_value, power), Number(by, *at_u, power)
+
+    def _product(self, path: Path, times: tuple[Factor, ...], power: int) -> Decimal | None:
+        """Exactly; None where one of them is not told."""
+        found = Decimal(10**power)
+        for one in (path, *times):
+            factor = one if isinstance(one, Decimal) else self.decimal(*one)
+            if factor is None:
+                return None
+            found = rounding.product(found, factor)
+        return found
 
     def _number(self, path: tuple[Key, ...], show: Any) -> Inline:
         value = self.decimal(*path)
@@ -120,9 +145,10 @@ class Source:
         return BadInput(f"not a result of schema {RESULT}: {pointer(path)} is {told}", self.name)
 
 
-_DIGITS_ALONE = 7  # of a value whose uncertainty is not known
+def _named(times: tuple[Factor, ...]) -> tuple[str, ...]:
+    return tuple(str(one) if isinstance(one, Decimal) else pointer(one) for one in times)
 
 
-def pointer(path: tuple[Key, ...]) -> str:
+def pointer(path: Path) -> str:
     """A path as RFC 6901 writes it."""
     return "".join("/" + str(key).replace("~", "~0").replace("/", "~1") for key in path)

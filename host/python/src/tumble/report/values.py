@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 from tumble.estimators import COEFFICIENTS
-from tumble.report.cells import MISSING, NU, Fixed, Inline, Number, Table, aligned, line
+from tumble.report.cells import MISSING, NO_UNCERTAINTY, NU, Fixed, Inline, Number, Table, aligned, line
 from tumble.report.method import unit_of_k
-from tumble.report.rounding import Shown
-from tumble.report.source import Key, Source, pointer
+from tumble.report.rounding import Shown, rounded, to_places
+from tumble.report.source import Path, Source, pointer
+from tumble.solving.assumptions import marks
 from tumble.solving.coverage import HANDS, NEARLY_INFINITE
 from tumble.terms import KEYS
 from tumble.units import noise_unit
 
-Path = tuple[Key, ...]
 _MANY = 1000
-_STUDENT = f". k is Student's t for {NU} effective degrees of freedom (Welch and Satterthwaite)."
+_STUDENT = f" k is Student's t for {NU} effective degrees of freedom (Welch and Satterthwaite)."
 _TERMS = {"k2": ("K2", "g\u207b¹"), "k3": ("K3", "g\u207b²"), "drift": ("drift", "")}
-_INTRINSIC: dict[str, tuple[tuple[Key, ...], str]] = {  # name: path within its tables, unit; "": that of K
-    **{f"Scale {axis}": (("scale", i), "") for i, axis in enumerate("xyz")},
-    **{f"Angle {pair}": (("angle_rad", pair), "rad") for pair in ("xy", "xz", "yz")},
-    **{f"Bias {axis}": (("bias_g", i), "g") for i, axis in enumerate("xyz")},
+_INTRINSIC: dict[str, tuple[Path, str, tuple[Path, Path] | None]] = {  # name: path within its tables, unit; "": that
+    # of K; path in SI
+    **{f"Scale {axis}": (("scale", i), "", (("scale", i), ("u_scale", i))) for i, axis in enumerate("xyz")},
+    **{f"Angle {pair}": (("angle_rad", pair), "rad", None) for pair in ("xy", "xz", "yz")},
+    **{f"Bias {axis}": (("bias_g", i), "g", (("bias", i), ("u_bias", i))) for i, axis in enumerate("xyz")},
 }
 
 
@@ -29,7 +31,7 @@ class Uncertainties:
     """Where a document has them: standard ones of K and U0 beneath `table`, factors k beneath "coverage", if `has_k`.
     `about`: what they are, to stand above the table."""
 
-    table: tuple[Key, ...]
+    table: Path
     has_k: bool
     about: Inline
 
@@ -39,25 +41,56 @@ class Uncertainties:
         return "U = k u" if self.has_k else "u (k = 1)"
 
 
+@dataclass(frozen=True)
+class Where:
+    """What stands where in a document, of one value: it, its standard uncertainty, its coverage factor and the degrees
+    of freedom of this; and `in_si` the first two for accelerations in m/s^2, None for what has no g in its unit."""
+
+    value: Path
+    u: Path
+    k: Path
+    freedom: Path
+    in_si: tuple[Path, Path] | None
+
+
 def uncertainties(source: Source) -> Uncertainties:
     """Those of a declared stand, else those of the noise alone."""
     table: Path = () if source.array("u_K") else ("scatter_alone",) if source.table("scatter_alone") else ()
     has_k = bool(source.table("coverage"))
     known = bool(source.array(*table, "u_K"))
     if not known:
-        return Uncertainties(table, False, line("Uncertainties are not stated: no stand is declared."))
+        return Uncertainties(table, False, line("The values have no uncertainty: no stand is declared."))
     if table:
         return Uncertainties(table, has_k, _of_noise(source, has_k))
-    probability = source.told("coverage", "probability")
-    within = "U = k u is the expanded uncertainty: the value lies within U of the true one with a probability of "
-    standard = Fixed("u are standard uncertainties (k = 1); no coverage factor is stated.")
-    return Uncertainties(table, has_k, line(within, probability, _STUDENT) if has_k else standard)
+    if not has_k:
+        return Uncertainties(table, has_k, Fixed("u are standard uncertainties (k = 1); no coverage factor is stated."))
+    probability, factor = source.told("coverage", "probability"), coverage_factor(source)
+    expanded = line(
+        "U = k u is the expanded uncertainty with the coverage factor k", factor, ": the value lies within U"
+    )
+    return Uncertainties(
+        table, has_k, line(expanded, " of the true one with a probability of ", probability, ".", _STUDENT)
+    )
+
+
+def coverage_factor(source: Source) -> Inline:
+    """Behind "k" of the twelve coefficients: its value, or the smallest and the largest."""
+    places = [("coverage", "k_K", *divmod(i, 3)) if i < 9 else ("coverage", "k_U0", i - 9) for i in range(12)]
+    told = sorted((factor, place) for place in places if (factor := source.decimal(*place)) is not None)
+    if not told:
+        return Fixed("")
+    least, most = (source.to_places(2, *place) for _, place in (told[0], told[-1]))
+    is_one = to_places(told[0][0], 2) == to_places(told[-1][0], 2)
+    return line(" = ", most) if is_one else line(" from ", least, " to ", most)
 
 
 def _of_noise(source: Source, has_k: bool) -> Inline:
     """What uncertainties by noise alone say, and what they do not: nothing is claimed of the true value."""
     probability = source.told("coverage", "probability")
-    moved = line("U = k u: noise by itself moves a value by at most U with a probability of ", probability, _STUDENT)
+    factor = line("U = k u, with the coverage factor k", coverage_factor(source))
+    moved = line(
+        factor, ": noise by itself moves a value by at most U with a probability of ", probability, ".", _STUDENT
+    )
     symbol = "U" if has_k else "u"
     only = (
         f" {symbol} contains the noise of the samples only: no stand is declared, so that its errors are NOT in"
@@ -67,35 +100,38 @@ def _of_noise(source: Source, has_k: bool) -> Inline:
 
 
 def coefficients(source: Source, given: Uncertainties) -> Table:
-    """K row by row, and U0. A name that ends in * rests on an assumption that touches only some."""
+    """K row by row, and U0. A mark behind a name: it rests on an assumption that touches only some."""
     rows = []
-    marked = starred(source)
+    marked = marks(source.table("assumed_for"))
     for place, name in enumerate(COEFFICIENTS):
-        where: Path = ("K", *divmod(place, 3)) if place < 9 else ("U0", place - 9)
+        at: Path = ("K", *divmod(place, 3)) if place < 9 else ("U0", place - 9)
         unit = unit_of_k(source) if place < 9 else source.told("unit")
-        u, k = (*given.table, f"u_{where[0]}", *where[1:]), ("coverage", f"k_{where[0]}", *where[1:])
-        freedom = ("coverage", f"freedom_{where[0]}", *where[1:])
-        rows.append(_row(source, name + "*" * (name in marked), where, u, k, freedom, unit, given))
-    return _table(rows, given)
-
-
-def starred(source: Source) -> set[str]:
-    """Names of the coefficients that rest on an assumption that touches only some."""
-    return {str(name) for names in source.table("assumed_for").values() for name in names}
+        twin = (f"u_{at[0]}", *at[1:])
+        where = Where(
+            value=at,
+            u=(*given.table, *twin),
+            k=("coverage", f"k_{at[0]}", *at[1:]),
+            freedom=("coverage", f"freedom_{at[0]}", *at[1:]),
+            in_si=(at, twin) if place < 9 else None,
+        )
+        rows.append(_row(source, name + marked.get(name, ""), where, unit, given))
+    return _table(source, rows, given)
 
 
 def intrinsic(source: Source, given: Uncertainties) -> Table:
     """Lengths of K's rows, angles between them, biases in g: they do not depend on how the block sits."""
     rows = []
     given = replace(given, has_k=given.has_k and bool(source.table("u_intrinsic")))
-    for name, (where, unit) in _INTRINSIC.items():
-        paths = ("intrinsic", *where), ("u_intrinsic", *where), ("coverage", "k_intrinsic", *where)
-        its_unit = Fixed(unit) if unit else unit_of_k(source)
-        rows.append(_row(source, name, *paths, ("coverage", "freedom_intrinsic", *where), its_unit, given))
-    if all(row[2] is MISSING for row in rows):  # nothing is stated of any
-        short = [(row[0], row[1], row[3]) for row in rows]
-        return Table(("", "Value, without uncertainty", "Unit"), aligned(short, 1), left=(2,))
-    return _table(rows, given)
+    for name, (at, unit, in_si) in _INTRINSIC.items():
+        where = Where(
+            value=("intrinsic", *at),
+            u=("u_intrinsic", *at),
+            k=("coverage", "k_intrinsic", *at),
+            freedom=("coverage", "freedom_intrinsic", *at),
+            in_si=in_si,
+        )
+        rows.append(_row(source, name, where, Fixed(unit) if unit else unit_of_k(source), given))
+    return _table(source, rows, given)
 
 
 def further(source: Source) -> Table | None:
@@ -112,18 +148,30 @@ def further(source: Source) -> Table | None:
 
 def worst_norm(source: Source) -> Inline:
     """Of the length of the calibrated acceleration."""
-    worst = source.rounded(2, "u_norm_g", "worst_g")
-    return MISSING if worst is MISSING else line(worst, " g")
+    at = ("u_norm_g", "worst_g")
+    two = partial(rounded, digits=2)
+    worst = source.scaled(at, two, power=6)
+    return (
+        NO_UNCERTAINTY
+        if worst is MISSING
+        else line(worst, " µg = ", source.scaled(at, two, source.gravity, power=3), " mm/s²")
+    )
 
 
-def _row(
-    source: Source, name: str, value: Path, u: Path, k: Path, freedom: Path, unit: Inline, given: Uncertainties
-) -> tuple[Inline, ...]:
-    shown, spread = source.with_uncertainty(value, u, k if given.has_k else None)
-    told = (Fixed(name), shown, spread, unit)
-    if not given.has_k:
-        return told
-    return (*told, source.to_places(2, *k), _freedom(source, freedom))
+def _row(source: Source, name: str, where: Where, unit: Inline, given: Uncertainties) -> tuple[Inline, ...]:
+    k = where.k if given.has_k else None
+    told: tuple[Inline, ...] = (Fixed(name), *source.with_uncertainty(where.value, where.u, k), unit)
+    told += _in_si(source, where, k) if source.table("si") else ()
+    return (*told, source.to_places(2, *where.k), _freedom(source, where.freedom)) if given.has_k else told
+
+
+def _in_si(source: Source, where: Where, k: Path | None) -> tuple[Inline, Inline, Inline]:
+    """Value, uncertainty and unit for accelerations in m/s^2; blanks for what has none."""
+    if where.in_si is None:
+        return Fixed(""), Fixed(""), Fixed("")
+    value, u = (("si", *path) for path in where.in_si)
+    unit = source.told("si", "units", "bias" if where.in_si[0][0] == "bias" else "K")
+    return (*source.with_uncertainty(value, u, k), unit)
 
 
 def _freedom(source: Source, path: Path) -> Inline:
@@ -136,6 +184,9 @@ def _freedom(source: Source, path: Path) -> Inline:
     return source.rounded(3, *path) if found is None or found < _MANY else source.to_places(0, *path)
 
 
-def _table(rows: list[tuple[Inline, ...]], given: Uncertainties) -> Table:
-    head = ("", "Value", given.symbol, "Unit")
-    return Table((*head, "k", NU) if given.has_k else head, aligned(rows, 1, 2), left=(3,))
+def _table(source: Source, rows: list[tuple[Inline, ...]], given: Uncertainties) -> Table:
+    head: tuple[str, ...] = ("", "Value", given.symbol, "Unit")
+    if not source.table("si"):
+        return Table((*head, "k", NU) if given.has_k else head, aligned(rows, 1, 2), left=(3,))
+    head = (*head, "Value, SI", given.symbol, "Unit")
+    return Table((*head, "k", NU) if given.has_k else head, aligned(rows, 1, 2, 4, 5), left=(3, 6))

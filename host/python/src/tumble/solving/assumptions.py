@@ -9,7 +9,7 @@ import numpy as np
 
 from tumble import reference
 from tumble.arrays import Flags, Floats
-from tumble.estimators import OPTIMAL
+from tumble.estimators import COEFFICIENTS, OPTIMAL
 from tumble.schedule import Schedule
 from tumble.solving.solution import Solution
 from tumble.stand import Stand
@@ -17,33 +17,33 @@ from tumble.terms import Terms
 
 Coefficients = tuple[str, ...]
 _FEWEST_TO_TEST = 4  # samples: two lengths of blocks
+_EXPECTED_RAD = 1e-4  # of a seat or a platform that nobody declares
+_RAISED = 1.1  # u is by it, before a coefficient is marked
+_COUNTS, _ROUNDING = 0.1, 1e-9  # of the largest change: less is the block's misalignment where no u is known; nothing
 
 
 @dataclass(frozen=True)
 class Assumption:
     """`phrase`: what is assumed, to stand behind "assuming"; `why`: in a few words. `of`: the coefficients of a
-    solution that rest on it, empty where all do; None where it need not be assumed."""
+    solution that rest on it, empty where all do; None where it need not be assumed. `mark`: of a coefficient that does;
+    empty where all do."""
 
     phrase: str
     why: str
     of: Callable[[Solution], Coefficients | None]
+    mark: str = ""
 
 
-def resting_on_a_seat(
-    schedule: Schedule, k: Floats, estimator: str, stand: Stand | None, terms: Terms = ()
-) -> Coefficients | None:
-    """The coefficients that a tilt of the block against the axis would move unseen; None where the stand declares such
-    a tilt or the fit positions show it. `terms`: further ones of the model."""
-    if stand is not None and stand.declares_seat:
-        return None
-    moved = reference.unseen_tilt(schedule, k, _linear(estimator), terms)
-    return None if moved is None else _names(moved)
+def rests_on_a_seat(schedule: Schedule, k: Floats, stand: Stand | None, terms: Terms = ()) -> bool:
+    """Whether the stand declares no tilt of the block against the axis, and the fit positions show none. `terms`:
+    further ones of the model."""
+    return (stand is None or not stand.declares_seat) and reference.is_unseen(schedule, k, terms)
 
 
 def _on_a_linear_block(solution: Solution) -> Coefficients | None:
     found = solution.found
     moved = reference.unseen_patterns(solution.measured_schedule, found.k, _linear(found.estimator))
-    return _names(np.any(list(moved.values()), axis=0)) if moved else None
+    return _names(np.any(list(moved.values()), axis=0).ravel()) if moved else None
 
 
 def _linear(estimator: str) -> str:
@@ -52,12 +52,21 @@ def _linear(estimator: str) -> str:
 
 
 def _names(moved: Flags) -> Coefficients:
-    return tuple(f"K_{'xyz'[i]}{'xyz'[j]}" for i, j in np.argwhere(moved))
+    """Of those of the twelve, or of the nine of K."""
+    return tuple(COEFFICIENTS[index] for index in np.flatnonzero(moved))
 
 
 def _on_a_square_seat(solution: Solution) -> Coefficients | None:
-    found = solution.found
-    return resting_on_a_seat(solution.measured_schedule, found.k, found.estimator, solution.stand, found.terms)
+    """Those whose uncertainty an undeclared tilt of a size to be expected would raise by a tenth or more."""
+    found, schedule = solution.found, solution.measured_schedule
+    if not rests_on_a_seat(schedule, found.k, solution.stand, found.terms):
+        return None
+    stated = solution.stated or solution.scatter_alone
+    variance = np.zeros(12) if stated is None else np.diag(stated.of_twelve)
+    moved = np.array(list(reference.moved_by_a_seat(schedule, found.k, _linear(found.estimator)).values()))
+    least_rad = _EXPECTED_RAD * moved.max() * (_COUNTS if stated is None else _ROUNDING)
+    raised = (_EXPECTED_RAD * moved) ** 2 > np.maximum((_RAISED**2 - 1.0) * variance, least_rad**2)
+    return _names(raised.any(axis=0))
 
 
 def _in_volts(solution: Solution) -> Coefficients | None:
@@ -81,8 +90,10 @@ def _in_order(solution: Solution) -> Coefficients | None:
 
 
 ASSUMPTIONS: Mapping[str, Assumption] = {
-    "seat": Assumption("a square seat", "no position shows the block's tilt against the axis", _on_a_square_seat),
-    "linear": Assumption("linearity", "the positions do not show all higher orders of the block", _on_a_linear_block),
+    "seat": Assumption("a square seat", "no position shows the block's tilt against the axis", _on_a_square_seat, "*"),
+    "linear": Assumption(
+        "linearity", "the positions do not show all higher orders of the block", _on_a_linear_block, "^"
+    ),
     "order": Assumption("nothing exchanged or reversed", "no [block] says that its axes are such", _in_order),
     "unit": Assumption("volts", "the run file names no unit (--unit)", _in_volts),
     "white_noise": Assumption("white noise", "too few samples at a position to test it", _on_white_noise),
@@ -97,6 +108,16 @@ def assumed(solution: Solution) -> dict[str, Coefficients]:
     """What a solution rests on, by name and in the order of ASSUMPTIONS, and the coefficients that do."""
     found = {name: assumption.of(solution) for name, assumption in ASSUMPTIONS.items()}
     return {name: coefficients for name, coefficients in found.items() if coefficients is not None}
+
+
+def marks(assumes: Mapping[str, Iterable[str]]) -> dict[str, str]:
+    """By coefficient, the marks of all that it rests on; `assumes`: as `assumed` gives it, or a document's
+    `assumed_for`. Names of a later version have none."""
+    found: dict[str, str] = {}
+    for name, coefficients in assumes.items():
+        for coefficient in coefficients if name in ASSUMPTIONS else ():
+            found[coefficient] = found.get(coefficient, "") + ASSUMPTIONS[name].mark
+    return found
 
 
 def phrase(names: Iterable[str]) -> str:

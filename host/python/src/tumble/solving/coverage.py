@@ -78,8 +78,7 @@ def coverage(
     them. `by_intrinsic` (9, 12): derivatives of the intrinsic parameters by the twelve.
     """
     variance, by_samples = noise.mean_variance[measured], noise.by_samples[measured]
-    declared = stand.sigma("noise") ** 2 / stand.averaged_over(samples)
-    by_samples = np.where(by_samples >= declared[:, None], by_samples, 0.0)
+    by_samples = np.where(by_samples >= stand.mean_variance(samples), by_samples, 0.0)
     if noise.measured is None or not by_samples.any():
         return Coverage(np.full(12, math.inf))
     gradients = np.concatenate([np.eye(12), by_intrinsic])

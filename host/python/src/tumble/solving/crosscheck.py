@@ -14,7 +14,7 @@ from tumble.reference.optimal import OptimalEstimate
 from tumble.reference.stand_seen import Estimate
 from tumble.schedule import Schedule
 from tumble.solving.computation import Computation
-from tumble.solving.stand_seen import ANGLES, Quantity, StandSeen, look, own_variance
+from tumble.solving.stand_seen import ANGLES, Quantity, StandSeen, look, own_variance, weights_of
 from tumble.stand import Stand
 from tumble.terms import Terms
 
@@ -116,7 +116,7 @@ def compare_seen(
     leaves of the largest output; uncertainties likewise; alpha4 by its square. Where the outputs fit worse than the
     noise allows, as behind a coarse converter, the uncertainty is that which they show: times their misfit.
     """
-    noise, u_noise = reference.pooled_noise(samples, scatter)
+    noise, u_noise = reference.pooled_noise(samples, scatter * weights_of(stand))
     rounded = max(_ROUNDED_RAD, _LAST_BITS * _SUMMED * run.largest_force)
     seen = None if noise is None or u_noise is None else Estimate(noise, u_noise)
     witness = look(run, seen, samples, stand, trust_stand, mean_variance)

@@ -8,10 +8,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from tumble.core import CoreRefusal, CoreSchedule, built_in
 from tumble.errors import BadInput
 from tumble.schedule import BUILT_IN, CHECK, FIT, Mounting, Position, Schedule
-from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, Stand
+from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, PER_CHANNEL, PerChannel, Stand, by_channel, per_channel
 
 _MALFORMED = (KeyError, TypeError, ValueError, OverflowError)
 _LARGEST = 1e9  # of an error of a stand, as stand files have it
@@ -28,19 +30,31 @@ ERRORS = {  # of a stand, by the keys of its file: attribute of Stand
 }
 
 
-def stand_document(stand: Stand | None, step_v: float) -> dict[str, Any] | None:
+def stand_document(stand: Stand | None, step_v: PerChannel) -> dict[str, Any] | None:
     """As it stands in a result: the keys and numbers of `[stand]`; None where none is declared. `step_v`: of the
     converter of its block, 0 where it is unknown."""
     if stand is None:
         return None
-    errors = {key: float(getattr(stand, attribute)) for key, attribute in ERRORS.items()}
+    errors = {key: _plain(getattr(stand, attribute)) for key, attribute in ERRORS.items()}
     labels = {
         "name": stand.name or None,
         "limits": stand.limits,
         "remount": stand.remounting,
         "samples": int(stand.samples),
     }
-    return {**labels, **errors, "step_v": step_v or None}
+    known = bool(by_channel(step_v).any())
+    return {**labels, **errors, "step_v": _plain(step_v) if known else None}
+
+
+def _plain(value: PerChannel) -> float | list[float]:
+    """One number or three, as JSON has them."""
+    plain: float | list[float] = np.asarray(value, dtype=float).tolist()
+    return plain
+
+
+def _read(told: Any) -> PerChannel:
+    """The same again. Raises TypeError, ValueError."""
+    return per_channel(by_channel(told)) if isinstance(told, list) else float(told)
 
 
 def stand_of(document: Mapping[str, Any], name: str) -> Stand | None:
@@ -48,10 +62,13 @@ def stand_of(document: Mapping[str, Any], name: str) -> Stand | None:
     if (told := document.get("stand")) is None:
         return None
     try:
-        errors: dict[str, Any] = {attribute: float(told[key]) for key, attribute in ERRORS.items()}
+        errors: dict[str, Any] = {
+            attribute: _read(told[key]) if attribute in PER_CHANNEL else float(told[key])
+            for key, attribute in ERRORS.items()
+        }
         labels = {"name": told["name"] or "", "limits": told["limits"], "remounting": told["remount"]}
         stand = Stand(samples=int(told["samples"]), **labels, **errors)
-        small = all(0.0 <= size < _LARGEST for size in errors.values())
+        small = all((0.0 <= by_channel(size)).all() and (by_channel(size) < _LARGEST).all() for size in errors.values())
         if small and stand.limits in LIMIT_KINDS and stand.remounting in (INDEPENDENT, COMMON) and stand.samples > 0:
             return stand
     except _MALFORMED:
@@ -59,9 +76,9 @@ def stand_of(document: Mapping[str, Any], name: str) -> Stand | None:
     raise BadInput("its stand is not as tumble solve writes it", name)
 
 
-def step_of(document: Mapping[str, Any]) -> float:
+def step_of(document: Mapping[str, Any]) -> PerChannel:
     """Of the converter of its block, in V; 0 where it is not known."""
-    return float((document.get("stand") or {}).get("step_v") or 0.0)
+    return _read((document.get("stand") or {}).get("step_v") or 0.0)
 
 
 def schedule_document(schedule: Schedule) -> dict[str, Any]:

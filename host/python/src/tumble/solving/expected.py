@@ -29,7 +29,7 @@ from tumble.reference.uncertainty import contributions, sources
 from tumble.schedule import BUILT_IN, Schedule
 from tumble.solving.gains import NOISE_FLOOR_G
 from tumble.solving.uncertainty import gains_of_run
-from tumble.stand import Stand, rounding_of
+from tumble.stand import PerChannel, Stand, by_channel, over, rounding_of
 from tumble.terms import KEYS, POWERS, Terms
 from tumble.units import volts_per
 
@@ -76,13 +76,13 @@ def measured_schedule(document: dict[str, Any], given: Schedule | None = None) -
     return part
 
 
-def expected(document: dict[str, Any], schedule: Schedule, declared: Stand, step_v: float) -> Expected:
+def expected(document: dict[str, Any], schedule: Schedule, declared: Stand, step_v: PerChannel) -> Expected:
     """On the schedule of the measured positions; `step_v`: of the converter, 0 where it is not known. Raises UsageError
     where the result has other uncertainties than the `declared` stand leaves."""
     if document["covariance"] is None:
         raise UsageError("stand: the result was solved without one")
     unit, k, estimator, terms = document["unit"], np.array(document["K"]), document["estimator"], terms_of(document)
-    step = step_v / volts_per(unit)
+    step = over(step_v, volts_per(unit))
     stand = declared.beside(terms).in_unit(unit).with_step(step)
     samples = np.array([one["samples"] for one in document["means"]])
     variance, is_told = _mean_variance(document, declared.in_unit(unit), samples, step)
@@ -164,16 +164,17 @@ def _linear_means(document: dict[str, Any]) -> Floats:
     return linear_outputs(means, k, np.array(document["U0"]), sizes, terms)
 
 
-def _mean_variance(document: dict[str, Any], stand: Stand, samples: Integers, step: float) -> tuple[Floats, bool]:
+def _mean_variance(document: dict[str, Any], stand: Stand, samples: Integers, step: PerChannel) -> tuple[Floats, bool]:
     """Of the means by the noise as measured (positions, 3), where it counts for more than what `stand` declares, as
     solving.noise has it; and whether the result tells that of every single mean: that of means of unequal length it
     tells on the average, and a step that only the samples show it does not tell."""
-    noise, over = document["noise"], stand.averaged_over(samples)[:, None]
+    noise, averaged = document["noise"], stand.averaged_over(samples)[:, None]
     exceeds, undithered = ([f"u{axis}" in noise[key] for axis in "xyz"] for key in ("above_declared", "undithered"))
     of_means = np.zeros(3) if noise["of_means"] is None else np.array(noise["of_means"])
-    by_samples = of_means**2 / over * exceeds
-    beside = np.maximum(by_samples, stand.sigma("noise") ** 2 / over) + rounding_of(step) ** 2
-    is_told = (not any(exceeds) or len(set(samples.tolist())) == 1) and (not any(undithered) or step > 0.0)
+    by_samples = of_means**2 / averaged * exceeds
+    beside = np.maximum(by_samples, stand.mean_variance(samples)) + rounding_of(step) ** 2
+    knows_step = bool((by_channel(step) > 0.0).all())
+    is_told = (not any(exceeds) or len(set(samples.tolist())) == 1) and (not any(undithered) or knows_step)
     return np.where(undithered, beside, by_samples), is_told
 
 

@@ -127,8 +127,9 @@ def _beyond(
     linear = model.force @ np.swapaxes(k, 1, 2) + change @ table.k.T
     by_angle = model.delta @ table.k.T
     variance = table.sigma_angle**2
-    gain = variance / (table.sigma_mean**2 + variance * (by_angle**2).sum(axis=1))
-    delta = gain * ((left - u0 - linear) * by_angle).sum(axis=2)
+    weighted = by_angle * table.weights**2
+    gain = variance / (table.sigma_mean**2 + variance * (weighted * by_angle).sum(axis=1))
+    delta = gain * ((left - u0 - linear) * weighted).sum(axis=2)
     errors["turn"] = turn + delta
     require_small(np.concatenate(list(errors.values())))
     exact = exact_force(schedule, **errors) @ np.swapaxes(k, 1, 2)
@@ -193,7 +194,7 @@ def least_chi_squared(
     their sizes: its minimum is found from its values, first of all around the estimated `sizes`."""
     further = np.zeros((3 * len(terms), *means.shape))
     further[:, measured] = columns(schedule.part(measured), terms)
-    noise = np.maximum(variance[measured], (_FLOOR * np.abs(means[measured]).max()) ** 2)[:, None]
+    noise = np.maximum(variance[measured], (_FLOOR * np.abs(means[measured]).max()) ** 2)
     unit = 1.0 / np.sqrt((further[:, measured] ** 2 / noise).sum(axis=(1, 2)))
     freedom = 0
 

@@ -57,7 +57,7 @@ class Explanation:
 @dataclass(frozen=True)
 class Sampled:
     """A pattern that samples show by themselves: `log_p`, how often they do by chance; `size`, `u_size` in `unit`, and
-    the `column` it is of; `variance` (positions,) of the means with it."""
+    the `column` it is of; `variance` (positions, 3) of the means with it."""
 
     name: str
     log_p: float
@@ -122,8 +122,9 @@ def judge(model: WholeModel, confidence: float, seen: StandSeen, sampled: Sequen
     return Fit(model.chi_squared, model.freedom, p, confidence, explanations)
 
 
-def variance_of_means(stand: Stand, samples: Integers, rounding: float) -> Floats:
-    """By the declared noise of `stand`, and a standard deviation of `rounding` that averaging does not help."""
+def variance_of_means(stand: Stand, samples: Integers, rounding: float | Floats) -> Floats:
+    """By the declared noise of `stand`, and standard deviations of `rounding`, (3,) or one, that averaging does not
+    help."""
     return stand.mean_variance(samples) + rounding**2
 
 
@@ -242,7 +243,8 @@ class _Search:
         seen = self._of_whole_run(one.pattern)
         if seen is not None:
             return Explanation((one.pattern.name, *alike), p, seen.value, seen.u, unit, "")
-        column = max(sizes, key=lambda label: abs(sizes[label][0]) / sizes[label][1], default="")
+        where = next(iter(one.columns)).partition(" ")[0] if one.pattern.name == "position" else ""
+        column = max(sizes, key=lambda label: abs(sizes[label][0]) / sizes[label][1], default=where)
         found = sizes.get(column, (None, None))
         return Explanation((one.pattern.name, *alike), p, found[0], found[1], unit, column)
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import struct
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -19,6 +19,7 @@ MAGIC = b"TGR1"
 SCHEMA = 1
 _HEAD = struct.Struct("<4sIHBBBBBBII")
 _TAIL = struct.Struct("<II")
+_WEIGHTS_BYTES = 24  # of the channels, behind the gains, if they differ
 _HEAD_DOUBLES = 26  # K, sigma alpha1..4, sigma of a mean, u of K and U0
 
 
@@ -28,7 +29,7 @@ class BadRecord(Exception):
 
 @dataclass(frozen=True)
 class Record:
-    """A record's contents. `fit_positions` to `drifts`: its counts; arrays as in OptimalTable."""
+    """A record's contents. `fit_positions` to `drifts`: its counts; arrays as in OptimalTable, ."""
 
     fit_positions: int
     mountings: int
@@ -44,6 +45,7 @@ class Record:
     u: Floats
     gains: Floats
     nuisance_gains: Floats
+    weights: Floats = field(default_factory=lambda: np.ones(3))
 
 
 def record_of(table: OptimalTable, schedule: Schedule, serial: str | None = None) -> Record:
@@ -60,6 +62,7 @@ def record_of(table: OptimalTable, schedule: Schedule, serial: str | None = None
         k=table.k,
         sigma=np.array([*table.sigma_shared[:3], table.sigma_angle]),
         sigma_mean=table.sigma_mean,
+        weights=table.weights,
         u=table.u,
         gains=table.gains,
         nuisance_gains=table.nuisance_gains,
@@ -82,7 +85,7 @@ def fingerprint(schedule: Schedule) -> int:
 def to_bytes(record: Record) -> bytes:
     """The record, CRC and all."""
     head = np.concatenate([record.k.ravel(), record.sigma, [record.sigma_mean], record.u])
-    values = np.concatenate([head, record.gains.ravel(), record.nuisance_gains.ravel()])
+    values = np.concatenate([head, record.gains.ravel(), record.nuisance_gains.ravel(), _squares(record)])
     numbers: bytes = values.astype("<f8").tobytes()
     size = _HEAD.size + len(numbers) + _TAIL.size
     counts = record.fit_positions, record.mountings, record.yaws, record.seats, record.waves, record.drifts
@@ -90,12 +93,19 @@ def to_bytes(record: Record) -> bytes:
     return body + struct.pack("<I", zlib.crc32(body))
 
 
+def _squares(record: Record) -> Floats:
+    """What the square of an output counts (3,); nothing where the channels are alike."""
+    squares: Floats = record.weights**2
+    return squares[: 0 if (squares == 1.0).all() else 3]
+
+
 def from_bytes(data: bytes) -> Record:
     """Read a record again. Raises BadRecord."""
     if len(data) < _HEAD.size + _TAIL.size or data[:4] != MAGIC:
         raise BadRecord("not a gain record")
     _, size, schema, positions, mountings, yaws, seats, waves, drifts, *crcs = _HEAD.unpack_from(data)
-    if schema != SCHEMA or size != size_of(positions, yaws, seats, waves, drifts) or size > len(data):
+    alike = size_of(positions, yaws, seats, waves, drifts)
+    if schema != SCHEMA or size not in (alike, alike + _WEIGHTS_BYTES) or size > len(data):
         raise BadRecord("a gain record of another schema or size")
     possible = yaws in (1, mountings) and seats in (0, mountings) and waves in (0, 4) and drifts in (0, 3)
     if positions == 0 or not possible:
@@ -106,7 +116,10 @@ def from_bytes(data: bytes) -> Record:
     if zlib.crc32(data[: size - 4]) != crc or zero != 0:
         raise BadRecord("a gain record whose checksum does not agree")
     numbers = np.frombuffer(data, "<f8", (size - _HEAD.size - _TAIL.size) // 8, _HEAD.size).astype(float)
-    head, tables = numbers[:_HEAD_DOUBLES], numbers[_HEAD_DOUBLES:].reshape(-1, 3 * positions)
+    head, squares = numbers[:_HEAD_DOUBLES], numbers[(alike - _HEAD.size - _TAIL.size) // 8 :]
+    tables = numbers[_HEAD_DOUBLES : len(numbers) - len(squares)].reshape(-1, 3 * positions)
+    if not (squares > 0.0).all():
+        raise BadRecord("a gain record with a weight that is not above 0")
     return Record(
         *(positions, mountings, yaws, seats, waves, drifts),
         schedule_crc=crcs[0],
@@ -114,6 +127,7 @@ def from_bytes(data: bytes) -> Record:
         k=head[:9].reshape(3, 3),
         sigma=head[9:13],
         sigma_mean=float(head[13]),
+        weights=np.sqrt(squares) if len(squares) else np.ones(3),
         u=head[14:],
         gains=tables[:12],
         nuisance_gains=tables[12:],
@@ -121,11 +135,12 @@ def from_bytes(data: bytes) -> Record:
 
 
 def size_of(fit_positions: int, yaws: int, seats: int = 0, waves: int = 0, drifts: int = 0) -> int:
-    """Size of a record in bytes."""
+    """Size in bytes of a record for channels that are alike."""
     rows = 14 + yaws + 2 * seats + waves + drifts
     return _HEAD.size + 8 * _HEAD_DOUBLES + 8 * 3 * fit_positions * rows + _TAIL.size
 
 
+_WEIGHTS_FIELD = "    double weights[3]; /* of the channels, squared */\n"
 _HEADER = """\
 /* Stand-optimal gains{title}: written by `tumble plan optimize`.
  *
@@ -144,7 +159,7 @@ static const struct {{
     tumble_gain_record_t head;
     double gains[{gain_rows}][{columns}];       /* K row by row (1/g), then U0 */
     double stand_gains[{stand_rows}][{columns}]; /* alpha1, alpha2, each yaw, seats, encoder (rad/V), drifts */
-    uint32_t zero;
+{weights_field}    uint32_t zero;
     uint32_t crc;
 }} tumble_optimal_gains = {{
     .head = {{
@@ -166,7 +181,7 @@ static const struct {{
         .u_u0_v = {u_u0},
     }},
     .gains = {gains},
-    .stand_gains = {stand_gains},
+    .stand_gains = {stand_gains},{weights}
     .zero = 0U,
     .crc = 0x{crc:08X}U,
 }};
@@ -179,7 +194,7 @@ static_assert(sizeof tumble_optimal_gains == {size}U, "laid out as docs/gain-rec
 
 def to_c_header(record: Record, title: str = "") -> str:
     """The record as C source. `title`: of the stand, made fit for a comment."""
-    data = to_bytes(record)
+    data, squares = to_bytes(record), _squares(record)
     words = "".join(sign if sign.isalnum() or sign in " -.,()" else "_" for sign in ascii(title)[1:-1])
     return _HEADER.format(
         title=f" for: {words}" if words else "",
@@ -203,6 +218,8 @@ def to_c_header(record: Record, title: str = "") -> str:
         u_u0=_c_array(record.u[9:]),
         gains=_c_array(record.gains),
         stand_gains=_c_array(record.nuisance_gains),
+        weights_field=_WEIGHTS_FIELD if len(squares) else "",
+        weights=f"\n    .weights = {_c_array(squares)}," if len(squares) else "",
         crc=_TAIL.unpack_from(data, len(data) - _TAIL.size)[1],
     )
 

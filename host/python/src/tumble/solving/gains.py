@@ -24,12 +24,12 @@ from functools import lru_cache
 import numpy as np
 
 from tumble import reference
-from tumble.arrays import Flags, Floats, Integers
+from tumble.arrays import Floats, Integers
 from tumble.errors import UsageError
 from tumble.estimators import HARMONIC, OPTIMAL
 from tumble.reference.estimators import circles, fit_indices, unidentified
 from tumble.schedule import Schedule
-from tumble.stand import COMMON, Stand, rounding_of
+from tumble.stand import COMMON, PerChannel, Stand, by_channel, rounding_of
 
 NOISE_FLOOR_G = 1e-9  # times the largest element of K: the noise of a mean never counts as less
 UNEQUAL = "no optimal weights: the stand's errors are too large, or too unequal, to compute with"
@@ -67,8 +67,9 @@ class OptimalTable:
     `gains` (12, 3P), with further rows if it was made with further columns; `nuisance_gains` (2 + `yaws` + 2 `seats` +
     `waves` + `drifts`, 3P): alpha1, alpha2, alpha3..., and where seats are declared theta_h of each mounting, the
     platform's in it, then theta_n of each, then the numbers of the encoder, then drifts; `sigma_shared`, as
-    shared_sigmas has it, and `sigma_angle`: the prior, radians; `sigma_mean`: noise of a mean; `u`: standard deviations
-    of the estimate, which are the Cramer-Rao bound; `floored`: the noise is the floor and not the stand's.
+    shared_sigmas has it, and `sigma_angle`: the prior, radians; `sigma_mean`: noise of a mean of the noisiest
+    channel, and of the others over their `weights` (3,); `u`: standard deviations of the estimate, which are the
+    Cramer-Rao bound; `floored`: some noise is the floor and not the stand's.
     """
 
     k: Floats
@@ -81,11 +82,12 @@ class OptimalTable:
     sigma_shared: Floats
     sigma_angle: float
     sigma_mean: float
+    weights: Floats
     u: Floats
     floored: bool
 
 
-def gains(schedule: Schedule, estimator: str, k: Floats, stand: Stand, step: float = 0.0) -> Floats:
+def gains(schedule: Schedule, estimator: str, k: Floats, stand: Stand, step: PerChannel = 0.0) -> Floats:
     """Gains (12, 3P) of an estimator; `k`, `stand` and `step` (see `optimal_table`) matter to optimal alone."""
     return optimal_table(schedule, k, stand, step).gains if estimator == OPTIMAL else linear_gains(schedule, estimator)
 
@@ -106,7 +108,7 @@ def optimal_table(
     schedule: Schedule,
     k: Floats,
     stand: Stand,
-    step: float = 0.0,
+    step: PerChannel = 0.0,
     samples: float | None = None,
     further: Floats | None = None,
 ) -> OptimalTable:
@@ -117,42 +119,54 @@ def optimal_table(
     """
     _require_rank(schedule)
     k = np.asarray(k, dtype=float)
-    sigma_mean, floored = mean_sigma(k, stand, step, stand.samples if samples is None else samples)
-    require_drift(stand.sigma("drift") / sigma_mean)
+    sigma, floored = mean_sigma(k, stand, step, stand.samples if samples is None else samples)
+    sigma_mean, weights = float(sigma.max()), channel_weights(sigma)
+    require_drift(stand.sigmas("drift") / sigma)
     shared, angle = shared_sigmas(schedule, stand), stand.sigma("angle")
     model = linearise(schedule)
     by_unknown = design(model) if further is None else np.hstack([design(model), further])
-    system = _augmented(by_unknown, model, k, stand, shared, angle, sigma_mean)
+    system = _augmented(by_unknown, model, k, stand, shared, angle, sigma)
     nuisances = len(shared) + len(model.force)
     q, r = np.linalg.qr(system)
+    by_column = np.tile(weights, len(model.force))
     data = q[: 3 * len(model.force)].T
     with np.errstate(all="ignore"):
         beta = np.linalg.solve(r[nuisances:, nuisances:], data[nuisances:])
         prior = np.linalg.solve(r[:nuisances, :nuisances], data[:nuisances] - r[:nuisances, nuisances:] @ beta)
         u = sigma_mean * np.sqrt((np.linalg.inv(r[nuisances:, nuisances:]) ** 2).sum(axis=1))
-        lost = np.abs(beta @ system[: data.shape[1], nuisances:] - np.eye(len(beta))).max()
-        claimed = standard_deviations(schedule, beta, k, stand, sigma_mean)
+        beta, prior = beta * by_column, prior * by_column
+        lost = np.abs(beta @ by_unknown - np.eye(len(beta))).max()
+        claimed = standard_deviations(schedule, beta, k, stand, sigma)
     if not (np.isfinite(prior).all() and lost < LARGEST_LOSS and (np.abs(claimed - u) < LARGEST_LOSS * u).all()):
         raise UsageError(UNEQUAL)
     nuisance_gains = by_mounting(shared[:, None] * prior[: len(shared)], schedule, stand)
     seats = len(schedule.mountings) if stand.declares_seat else 0
     counts = yaws_of(schedule, stand), seats, *_waves_and_drifts(stand)
-    return OptimalTable(k, beta, nuisance_gains, *counts, shared, angle, sigma_mean, u, floored)
+    return OptimalTable(k, beta, nuisance_gains, *counts, shared, angle, sigma_mean, weights, u, floored)
 
 
-def require_drift(size: float) -> None:
+def channel_weights(sigma: Floats) -> Floats:
+    """What makes channels of noise `sigma` (..., 3) alike: outputs times these (..., 3) have that of the noisiest."""
+    weights: Floats = sigma.max(axis=-1, keepdims=True) / sigma
+    return weights
+
+
+def require_drift(sizes: Floats) -> None:
     """Raise UsageError for a drift of more than so many times the noise of a mean."""
-    if not size <= _LARGEST_DRIFT:
-        said = f"drift_v is {size:.2g} times the noise of a mean, above {_LARGEST_DRIFT:g}"
+    if not (sizes <= _LARGEST_DRIFT).all():
+        said = f"drift_v is {sizes.max():.2g} times the noise of a mean, above {_LARGEST_DRIFT:g}"
         raise UsageError(f"no optimal weights: {said}")
 
 
-def standard_deviations(schedule: Schedule, weights: Floats, k: Floats, stand: Stand, sigma_mean: float) -> Floats:
-    """Standard deviations (rows,) of an estimate with gains `weights` (rows, 3P), for a block of sensitivity `k`."""
+def standard_deviations(
+    schedule: Schedule, weights: Floats, k: Floats, stand: Stand, sigma_mean: float | Floats
+) -> Floats:
+    """Standard deviations (rows,) of an estimate with gains `weights` (rows, 3P), for a block of sensitivity `k` and
+    means with noise `sigma_mean`, of each channel or of all."""
     model, shared = linearise(schedule), shared_sigmas(schedule, stand)
     by_shared = weights @ (shared_derivatives(model, k, stand) * shared)
     by_angle = np.einsum("cpi,pi->cp", weights.reshape(len(weights), -1, 3), model.delta @ k.T) * stand.sigma("angle")
-    by_noise = (weights**2).sum(axis=1) * sigma_mean**2
+    by_noise = (weights**2).reshape(len(weights), -1, 3).sum(axis=1) @ by_channel(sigma_mean) ** 2
     sigmas: Floats = np.sqrt((by_shared**2).sum(axis=1) + (by_angle**2).sum(axis=1) + by_noise)
     return sigmas
 
@@ -169,29 +183,24 @@ def shared_sigmas(schedule: Schedule, stand: Stand) -> Floats:
     angles = [stand.sigma("axis_tilt"), stand.sigma("level"), *[stand.sigma("remount")] * yaws_of(schedule, stand)]
     seats = [stand.sigma("platform"), *[stand.sigma("seat")] * (2 * len(schedule.mountings))]
     waves, drifts = _waves_and_drifts(stand)
-    course = [stand.sigma("encoder")] * waves + [stand.sigma("drift")] * drifts
+    course = [stand.sigma("encoder")] * waves + stand.sigmas("drift").tolist()[:drifts]
     return np.array(angles + (seats if stand.declares_seat else []) + course)
 
 
 def _waves_and_drifts(stand: Stand) -> tuple[int, int]:
     """How many numbers of an encoder are declared, and how many drifts."""
-    return 4 if stand.encoder > 0.0 else 0, 3 if stand.drift > 0.0 else 0
+    return 4 if stand.encoder > 0.0 else 0, 3 if stand.declares_drift else 0
 
 
-def mean_sigma(k: Floats, stand: Stand, step: float, samples: float) -> tuple[float, bool]:
-    """Standard deviation of a position's mean, and whether that is only the floor, NOISE_FLOOR_G of max|K|."""
-    sigma, floored = mean_sigmas(k, stand, step, samples)
-    return float(sigma), bool(floored)
-
-
-def mean_sigmas(k: Floats, stand: Stand, step: float, samples: float) -> tuple[Floats, Flags]:
-    """The same for blocks of sensitivity `k` (..., 3, 3), each of shape (...)."""
-    floor = NOISE_FLOOR_G * np.abs(k).max(axis=(-2, -1))
-    sigma = max(stand.sigma("noise"), rounding_of(step)) / samples**0.5
+def mean_sigma(k: Floats, stand: Stand, step: PerChannel, samples: float) -> tuple[Floats, bool]:
+    """Standard deviation (..., 3) of a position's mean, by channel, for blocks of sensitivity `k` (..., 3, 3), and
+    whether any is only the floor, NOISE_FLOOR_G of max|K|."""
+    floor = NOISE_FLOOR_G * np.abs(k).max(axis=(-2, -1))[..., None]
+    sigma = np.maximum(stand.sigmas("noise"), rounding_of(step)) / samples**0.5
     larger: Floats = np.maximum(sigma, floor)
     if not ((larger > 0.0) & (larger < _LARGEST_SIGMA)).all():
         raise UsageError("no optimal weights: K is zero, or the noise beyond any number of volts")
-    return larger, sigma < floor
+    return larger, bool((sigma < floor).any())
 
 
 @lru_cache(_REMEMBERED)
@@ -271,15 +280,17 @@ def by_mounting(found: Floats, schedule: Schedule, stand: Stand) -> Floats:
 
 
 def _augmented(
-    by_unknown: Floats, model: Linearised, k: Floats, stand: Stand, shared: Floats, angle: float, sigma_mean: float
+    by_unknown: Floats, model: Linearised, k: Floats, stand: Stand, shared: Floats, angle: float, sigma: Floats
 ) -> Floats:
-    """[J S, D sigma4, A] over the prior's rows, all times the noise: unknowns of the prior have unit variance."""
+    """[J S, D sigma4, A] over the prior's rows, all times the noise of the noisiest channel: unknowns of the prior have
+    unit variance."""
     positions = len(model.force)
     by_angle = np.zeros((positions, 3, positions))
     by_angle[np.arange(positions), :, np.arange(positions)] = angle * model.delta @ k.T
     errors = np.column_stack([shared_derivatives(model, k, stand) * shared, by_angle.reshape(-1, positions)])
     data = np.column_stack([errors, by_unknown])
-    return np.vstack([data, sigma_mean * np.eye(errors.shape[1], data.shape[1])])
+    weighted = data * np.tile(channel_weights(sigma), positions)[:, None]
+    return np.vstack([weighted, sigma.max() * np.eye(errors.shape[1], data.shape[1])])
 
 
 @lru_cache(_REMEMBERED)

@@ -13,7 +13,7 @@ from tumble.schedule import Schedule
 from tumble.solving import extended
 from tumble.solving.gain_record import record_of, to_bytes
 from tumble.solving.gains import OptimalTable, optimal_table
-from tumble.stand import Stand
+from tumble.stand import PerChannel, Stand
 from tumble.terms import Terms
 
 ManyRuns = Callable[[Floats], Floats]
@@ -25,7 +25,7 @@ def estimator_for(
     stand: Stand,
     estimator: str,
     samples: Integers,
-    step: float = 0.0,
+    step: PerChannel = 0.0,
     terms: Terms = (),
 ) -> ManyRuns:
     """From means (runs, positions, 3), all measured, to coefficients (runs, 12). `optimal` has weights made at `k`: its
@@ -43,7 +43,7 @@ def estimator_for(
 
 
 def table_at(
-    schedule: Schedule, k: Floats, stand: Stand, samples: Integers, step: float = 0.0, terms: Terms = ()
+    schedule: Schedule, k: Floats, stand: Stand, samples: Integers, step: PerChannel = 0.0, terms: Terms = ()
 ) -> OptimalTable:
     """The weights of `optimal` at `k`; `samples` (positions,): rows of each, as Stand.averaged_over has them."""
     fitted = stand.averaged_over(samples)[fit_indices(schedule)]

@@ -11,7 +11,7 @@ from tumble import reference
 from tumble.arrays import Flags, Floats, Integers
 from tumble.files.run_file import Run
 from tumble.solving.stand_seen import averaged_over
-from tumble.stand import Stand, rounding_of
+from tumble.stand import PerChannel, Stand, by_channel, rounding_of
 
 _ROUNDING = 1e-12  # of the largest output
 _CHANNELS = np.array(["ux", "uy", "uz"])
@@ -39,7 +39,7 @@ class Noise:
         return bool((self.mean_variance.max(axis=0) > 0.0).all())
 
 
-def look(run: Run, stand: Stand | None, step: float, shortest: int | None = None) -> Noise:
+def look(run: Run, stand: Stand | None, step: PerChannel, shortest: int | None = None) -> Noise:
     """`stand` (None: nothing is declared) and the `step` of the converter (0: not known) in the unit of the run. All
     lengths of blocks are looked at; with `shortest` only blocks of so many samples and of twice as many, as on board,
     and with 0 none."""
@@ -48,34 +48,35 @@ def look(run: Run, stand: Stand | None, step: float, shortest: int | None = None
         first = max(shortest.bit_length() - 1, 1)
         squares = squares[: first + 2 if shortest > 0 else 1]
     measured = reference.measured_noise(run.samples, run.scatter, squares, first)
-    declared = None if stand is None else stand.sigma("noise")
+    declared = None if stand is None else stand.sigmas("noise")
     samples = np.where(run.measured, averaged_over(run.samples, stand), 1)
     exceeds = _exceeds(measured, declared, run, step)
-    steps = np.full(3, step) if step > 0.0 else np.where(np.isfinite(run.blocks.resolution), run.blocks.resolution, 0.0)
+    given, shown = by_channel(step), np.where(np.isfinite(run.blocks.resolution), run.blocks.resolution, 0.0)
+    steps = np.where(given > 0.0, given, shown)
     undithered = _undithered(measured, declared, steps)
-    rounding = np.where(undithered, [rounding_of(step) for step in steps.tolist()], 0.0)
+    rounding = np.where(undithered, rounding_of(steps), 0.0)
     variance = np.zeros((len(samples), 3)) if measured is None else measured.mean_variance(samples) * exceeds
-    by_samples, white = variance, 0.0 if declared is None else declared**2
+    by_samples, white = variance, np.zeros(3) if declared is None else declared**2
     variance = np.where(undithered, np.maximum(variance, white / samples[:, None]) + rounding**2, variance)
     known = run.measured[:, None]
     return Noise(measured, exceeds, undithered, rounding, variance * known, by_samples * known)
 
 
-def _exceeds(measured: reference.MeasuredNoise | None, declared: float | None, run: Run, step: float) -> Flags:
+def _exceeds(measured: reference.MeasuredNoise | None, declared: Floats | None, run: Run, step: PerChannel) -> Flags:
     """The steps of the converter and rounding are no noise."""
     if measured is None:
         return np.zeros(3, dtype=bool)
     if declared is None:
         return np.ones(3, dtype=bool)
-    rounded = _ROUNDING * float(np.nanmax(np.abs(run.means)))
-    return measured.exceeds(np.hypot(declared, step / 2.0 + rounded))
+    rounded = _ROUNDING * np.nanmax(np.abs(run.means))
+    return measured.exceeds(np.hypot(declared, by_channel(step) / 2.0 + rounded))
 
 
-def _undithered(measured: reference.MeasuredNoise | None, declared: float | None, steps: Floats) -> Flags:
+def _undithered(measured: reference.MeasuredNoise | None, declared: Floats | None, steps: Floats) -> Flags:
     """Is the noise of a sample under half a step? Rounding adds a twelfth of a step's square to a scatter."""
     if measured is not None:
         return np.asarray((measured.scatter**2 < steps**2 / 3.0) | (measured.scatter == 0.0))
-    return np.asarray((declared or 0.0) < steps / 2.0) & (declared is not None)
+    return np.zeros(3, dtype=bool) if declared is None else np.asarray(declared < steps / 2.0)
 
 
 def notice(noise: Noise, stand: Stand, samples: Integers, unit: str) -> str | None:
@@ -85,7 +86,8 @@ def notice(noise: Noise, stand: Stand, samples: Integers, unit: str) -> str | No
     sizes, length = of_means(noise.measured, samples)[noise.exceeds], noise.measured.length[noise.exceeds]
     named = [f"{size:.1e} {unit} in {name}" for size, name in zip(sizes, _CHANNELS[noise.exceeds])]
     blocks = f"blocks of {length.max()} samples" if length.max() > 1 else "the scatter of samples"
-    return f"noise above the declared {stand.sigma('noise'):.1e} {unit}: {', '.join(named)} by {blocks}"
+    declared = sorted({f"{sigma:.1e}" for sigma in stand.sigmas("noise")[noise.exceeds].tolist()}, key=float)
+    return f"noise above the declared {', '.join(declared)} {unit}: {', '.join(named)} by {blocks}"
 
 
 def document(noise: Noise, samples: Integers) -> dict[str, Any]:

@@ -13,42 +13,45 @@ from tumble.reference import MeasuredNoise
 from tumble.solving.fit import NOISE, Sampled
 from tumble.solving.noise import Noise, of_means
 from tumble.solving.stand_seen import Quantity, own_variance
-from tumble.stand import Stand
+from tumble.stand import PerChannel, Stand, by_channel
 from tumble.units import noise_unit, volts_per
 
 CORRELATED = "correlated_noise"
 
 
-def sampled_patterns(noise: Noise, run: Run, pooled: Quantity | None, stand: Stand, step: float) -> list[Sampled]:
+def sampled_patterns(noise: Noise, run: Run, pooled: Quantity | None, stand: Stand, step: PerChannel) -> list[Sampled]:
     """More noise than declared, and noise that is not white: each if the samples can show it. `pooled` over positions
-    and channels; `stand` and the converter's `step` (0: unknown) in the unit of the outputs."""
+    and channels, as solving.stand_seen has it; `stand` and the converter's `step` (0: unknown) in the unit of the
+    outputs."""
     found = []
     if pooled is not None:
         found.append(_more_noise(run, pooled, stand, step))
     if noise.measured is not None and len(noise.measured.pooled) > 1 and noise.exceeds.any():
-        found.append(_correlated(noise.measured, noise, run))
+        found.append(_correlated(noise.measured, noise, run, stand))
     return found
 
 
-def _more_noise(run: Run, pooled: Quantity, stand: Stand, step: float) -> Sampled:
+def _more_noise(run: Run, pooled: Quantity, stand: Stand, step: PerChannel) -> Sampled:
     """Rounding by half a step counts as noise."""
-    declared, log_p = math.hypot(stand.sigma("noise"), step / 2.0), 0.0
+    expected = stand.weights * np.hypot(stand.sigmas("noise"), by_channel(step) / 2.0)
+    declared, log_p = float(expected.max()), 0.0
     if pooled.value > declared:
         freedom = 3 * int((run.samples[run.samples > 1] - 1).sum())
         log_p = chi_squared_log_above(freedom * (pooled.value / declared) ** 2, freedom) if declared else -math.inf
     variance = own_variance(pooled, run.samples[run.measured], stand)
     assert variance is not None  # of pooled noise it is known
     volts = volts_per(run.unit)
-    return Sampled(NOISE, log_p, pooled.value * volts, pooled.u * volts, noise_unit(run.unit), "", variance)
+    by_channels = variance[:, None] / stand.weights**2
+    return Sampled(NOISE, log_p, pooled.value * volts, pooled.u * volts, noise_unit(run.unit), "", by_channels)
 
 
-def _correlated(seen: MeasuredNoise, noise: Noise, run: Run) -> Sampled:
+def _correlated(seen: MeasuredNoise, noise: Noise, run: Run, stand: Stand) -> Sampled:
     """In the channel that shows it most, of those whose means it makes worse than declared."""
     log_p = np.where(noise.exceeds, log_p_if_white(seen), 0.0)
     worst = int(log_p.argmin())
     size = float(of_means(seen, run.samples)[worst]) * volts_per(run.unit)
     u_size = size / math.sqrt(2.0 * int(seen.freedom[worst]))
-    variance = noise.mean_variance[run.measured].max(axis=1)
+    variance = (noise.mean_variance[run.measured] * stand.weights**2).max(axis=1)[:, None] / stand.weights**2
     return Sampled(CORRELATED, float(log_p[worst]), size, u_size, noise_unit(run.unit), "xyz"[worst], variance)
 
 

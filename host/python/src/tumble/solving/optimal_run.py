@@ -15,7 +15,7 @@ from tumble.core.optimal import OptimalEstimate, optimal
 from tumble.schedule import CHECK, Schedule
 from tumble.solving.gain_record import record_of, to_bytes
 from tumble.solving.gains import OptimalTable, optimal_table
-from tumble.stand import Stand
+from tumble.stand import PerChannel, Stand
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Weighting:
 
     stand: Stand
     samples: Integers
-    step: float = 0.0
+    step: PerChannel = 0.0
     known: Known | None = None
 
 

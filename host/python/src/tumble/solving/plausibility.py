@@ -15,13 +15,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tumble.arrays import Floats
+from tumble.arrays import Flags, Floats
 from tumble.core import AXES
+from tumble.distributions import student_quantile
 from tumble.errors import BadInput
 from tumble.files.stand_file import StandFile
 from tumble.reference import Geometry
 from tumble.schedule import FIT, Position, Schedule
 from tumble.solving.solution import Solution
+from tumble.stand import by_channel, over
 from tumble.units import noise_unit, per_g, unit_of, volts_per
 
 _SIGMAS = 4.0  # of a declared misalignment: six of them exceed it in 4 runs of 10,000
@@ -31,7 +33,11 @@ _SCALE = 1.25  # factor by which a scale may differ from the nominal one
 _ROUGHLY_RAD, _ROUGHLY_SCALE = 0.5, 1.6  # of a K once its mistakes are undone: near enough to name them
 _MOST_MOUNTINGS = 3  # whose every order is tried; of more, exchanges of two
 _MOST_NAMED = 3
+_CLEAR = 5.0  # uncertainties by which an element of K exceeds 0, before anything is said of its channel
+_SURELY = 0.999  # the same by residuals, of which there may be few
 UNCHECKED = "no more means than unknowns: nothing checks this run"
+_OTHERWISE_G = 0.1  # between the forces of positions whose means cannot be the same
+_STEPS = 3.0  # of a converter, at least
 _AS_WELL = 1.5  # times the rms of the residuals: fits no worse
 
 
@@ -57,21 +63,25 @@ class Mistake:
 
 def examine(solution: Solution, stand_file: StandFile | None) -> Plausibility:
     """Hold K against the block that the stand file declares, or against itself where none is."""
+    noise = _of_noise(solution)
     if stand_file is None or stand_file.block is None:
-        return Plausibility(warnings=_structure(solution))
+        return Plausibility(warnings=noise or _structure(solution))
     unit = volts_per(solution.run.unit)
-    nominal = stand_file.block["scale_v_per_g"] / unit * np.eye(3)
+    nominal = np.diag(by_channel(over(stand_file.block["scale_v_per_g"], unit)))
     known = [] if stand_file.truth is None else [np.array(stand_file.truth["K"], dtype=float) / unit]
     spread = 0.0 if solution.u_k is None else float((solution.u_k / np.abs(np.diag(nominal))[:, None]).max())
     misalignment = max(stand_file.block["misalignment_rad"], _LEAST_RAD)
     allowed = min(_SIGMAS * math.hypot(misalignment, spread), _LARGEST_RAD)
     if any(_is_near(solution.found.k, declared, allowed, _SCALE) for declared in (nominal, *known)):
         return Plausibility()
+    if noise:
+        return Plausibility(warnings=noise)
     for declared in (nominal, *known):
         mistakes = _explain(solution, declared)
         if mistakes:
             said = " or ".join(" and ".join(mistake.words) for mistake in mistakes[:_MOST_NAMED])
-            return Plausibility(refusal=f"{said}: {_worst(solution, declared, misalignment)}")
+            remedy = _remedy(solution.found.k, nominal, unit) if declared is nominal else ""
+            return Plausibility(refusal=f"{said}: {_worst(solution, declared, misalignment)}{remedy}")
     odd = "; ".join(_departures(solution, nominal, misalignment, allowed)[:_MOST_NAMED])
     return Plausibility(warnings=(f"K is not that of the declared block: {odd}",))
 
@@ -79,15 +89,34 @@ def examine(solution: Solution, stand_file: StandFile | None) -> Plausibility:
 def require(solution: Solution, stand_file: StandFile | None, file: str) -> tuple[str, ...]:
     """The warnings about K. Raises BadInput for a K that a mistake has made of the declared one; `file`: the run's."""
     found = examine(solution, stand_file)
-    if found.refusal is not None:
-        raise BadInput(found.refusal, file)
+    refusal = _same_means(solution) or found.refusal
+    if refusal is not None:
+        raise BadInput(refusal, file)
     return found.warnings
+
+
+def _same_means(solution: Solution) -> str | None:
+    """What speaks against means that are the same in all digits, of as many rows, where the block lay otherwise."""
+    run, schedule = solution.run, solution.measured_schedule
+    samples, means = run.samples[run.measured], run.means[run.measured]
+    if run.table is None:
+        return None
+    force, scale = Geometry(schedule).force(), float(np.ptp(means)) / 2
+    for i, j in itertools.combinations(range(len(means)), 2):
+        apart = float(np.linalg.norm(force[i] - force[j]))
+        if apart > _OTHERWISE_G and apart * scale > _STEPS * run.table.step.max():
+            if samples[i] == samples[j] and (means[i] == means[j]).all():
+                one, other = schedule.positions[i].label, schedule.positions[j].label
+                same = f"positions {one} and {other} have the same means, digit for digit"
+                return f"{same}, where the block lies otherwise: a copy, or the table did not turn"
+    return None
 
 
 def marked(solution: Solution, stand_file: StandFile | None) -> Solution:
     """This solution, which tells whether its K is out of order for all that is declared of the block."""
     is_declared = stand_file is not None and stand_file.block is not None
-    return replace(solution, is_out_of_order=not is_declared and bool(_structure(solution)))
+    is_odd = not _of_noise(solution) and bool(_structure(solution))
+    return replace(solution, is_out_of_order=not is_declared and is_odd)
 
 
 def confirms_unit(solution: Solution, stand_file: StandFile | None) -> bool:
@@ -121,6 +150,48 @@ def _far(k: Floats, declared: Floats, allowed: float, scale: float) -> Floats:
     ratio = np.where(is_large, k, 1.0) / np.where(is_large, declared, 1.0)
     far: Floats = np.where(is_large, (ratio < 1 / scale) | (ratio > scale), np.abs(k - declared) > allowed * length)
     return far
+
+
+# Does K say anything?
+
+
+def _of_noise(solution: Solution) -> tuple[str, ...]:
+    """That the outputs do not follow the positions: none of them, or none along one axis, or one channel. Then K is
+    noise there, and names no mistake."""
+    limit, k = _largest_by_noise(solution), np.abs(solution.found.k)
+    for what, where in _columns_and_rows():
+        if (k <= limit)[where].all():
+            row, column = np.argwhere(where)[int(k[where].argmax())].tolist()
+            size = f"K_{AXES[row]}{AXES[column]} = {solution.found.k[row, column]:.2g} {per_g(solution.run.unit)}"
+            most = f"{limit[row, column]:.2g}"
+            return (f"{what}: {size} where noise gives up to {most}; was the sensor not turned, or in another order?",)
+    return ()
+
+
+def _columns_and_rows() -> Iterator[tuple[str, Flags]]:
+    """All of K, then what may be noise by itself: (3, 3)."""
+    everywhere = np.ones((3, 3), dtype=bool)
+    yield "the outputs do not follow the positions", everywhere
+    for axis, alone in zip(AXES, np.eye(3, dtype=bool)):
+        yield f"the outputs do not change with gravity along {axis}", everywhere & alone
+        yield f"channel u{axis} does not follow the positions", everywhere & alone[:, None]
+
+
+def _largest_by_noise(solution: Solution) -> Floats:
+    """An element of K (3, 3) that means nothing: by what is declared, else by the scatter of samples, and by the
+    residuals, which tell too how well a face was laid down again. 0 where none is known. Beside a declared stand large
+    residuals are no noise: mountings may be exchanged."""
+    stated, rms = solution.stated or solution.scatter_alone, solution.found.residual_rms
+    limit = np.zeros((3, 3)) if stated is None else _CLEAR * stated.u_k
+    if rms is None or solution.stated is not None:
+        return limit
+    measured = solution.measured_schedule
+    fitted = [position.use == FIT for position in measured.positions]
+    design = np.column_stack([Geometry(measured).force(), np.ones(len(fitted))])[fitted]
+    by_axis = np.sqrt(np.diag(np.linalg.inv(design.T @ design))[:3])
+    freedom = len(design) - 4 - len(solution.found.terms)
+    largest: Floats = np.maximum(limit, student_quantile(_SURELY, freedom) * rms[:, None] * by_axis)
+    return largest
 
 
 # What the declared block would have to suffer.
@@ -165,6 +236,15 @@ def _reversal(names: list[str]) -> Mistake:
 
 
 _CHANNELS = tuple(_channel_mistakes())
+
+
+def _remedy(k: Floats, nominal: Floats, volts: float) -> str:
+    """How to declare a block of which some channels have the other sign, and nothing else is odd."""
+    signs = np.where(np.diag(k) * np.diag(nominal) < 0.0, -1.0, 1.0)
+    if abs(signs.sum()) == 3 or not _is_near(signs[:, None] * k, nominal, _ROUGHLY_RAD, _ROUGHLY_SCALE):
+        return ""
+    scales = ", ".join(f"{scale:g}" for scale in (signs * np.diag(nominal) * volts).tolist())
+    return f"; if the block is so, [block] says it per channel: scale_v_per_g = [{scales}]"
 
 
 def _unit_mistake(unit: str, k: Floats, declared: Floats) -> tuple[Mistake, float]:

@@ -10,11 +10,15 @@ import numpy as np
 from tumble._version import __version__
 from tumble.core import Intrinsic
 from tumble.files.documents import RESULT
-from tumble.solving import noise, si, stand_seen, temperature
+from tumble.solving import noise, reliability, si, stand_seen, temperature
 from tumble.solving.assumptions import assumed
 from tumble.solving.covariance import IntrinsicUncertainties, named
+from tumble.solving.decision import decide
 from tumble.solving.declared import schedule_document, stand_document
+from tumble.solving.gravity_uncertainty import UNKNOWN, gravity_uncertainty
 from tumble.solving.solution import Solution, Truth
+from tumble.solving.would_show import would_show
+from tumble.stand import by_channel, per_channel
 from tumble.units import per_g, volts_per
 
 
@@ -29,7 +33,7 @@ def document(
 ) -> dict[str, Any]:
     """The result of a solve, ready for JSON. `serial`: of the block; `run_file`: name of what was solved; `created`:
     when, None where no clock was looked at; `warnings`: sentences that a person is told beside it."""
-    unit, rests_on = solution.run.unit, assumed(solution)
+    unit, rests_on, decision = solution.run.unit, assumed(solution), decide(solution)
     return {
         "schema": RESULT,
         "created": created,
@@ -37,7 +41,7 @@ def document(
         "run_file": run_file,
         "run_sha256": solution.run.sha256 or None,
         "serial": serial,
-        "stand": stand_document(solution.stand, solution.step * volts_per(unit)),
+        "stand": stand_document(solution.stand, per_channel(by_channel(solution.step) * volts_per(unit))),
         "schedule": schedule_document(solution.schedule),
         "estimator": solution.found.estimator,
         "unit": unit,
@@ -54,8 +58,11 @@ def document(
         "misfit": None if solution.fit is None else solution.fit.misfit,
         "fit": None if solution.fit is None else solution.fit.document(),
         "stand_doubts": None if solution.fit is None else list(solution.fit.doubts),
-        "pass": solution.passed,
-        "pass_reason": " and ".join(solution.failures) or None,
+        **reliability.documents(solution.reliability),
+        "pass": decision.passed,
+        "pass_reason": " and ".join(decision.failures) or None,
+        "decision": decision.document(),
+        "would_show": None if not decision.is_not_shown else [one.document() for one in would_show(solution)],
         "assumes": list(rests_on),
         "assumed_for": {name: list(coefficients) for name, coefficients in rests_on.items()},
         "warnings": list(warnings),
@@ -107,8 +114,16 @@ def _places(solution: Solution) -> list[tuple[int, dict[str, Any]]]:
 def _verification(solution: Solution) -> dict[str, Any]:
     gravity, rms = solution.found.gravity, solution.found.residual_rms
     judged = [largest for largest in (gravity.max_abs_fit, gravity.max_abs_check) if largest is not None]
+    known = gravity_uncertainty(solution)
     return {
-        "delta_g_g": [{**place, "delta_g_g": float(gravity.delta_g[index])} for index, place in _places(solution)],
+        "delta_g_g": [
+            {
+                **place,
+                "delta_g_g": float(gravity.delta_g[index]),
+                **(UNKNOWN if known is None else known.document(index)),
+            }
+            for index, place in _places(solution)
+        ],
         "max_abs_delta_g_g": max(judged),
         "max_abs_delta_g_fit_g": gravity.max_abs_fit,
         "max_abs_delta_g_check_g": gravity.max_abs_check,

@@ -20,7 +20,7 @@ from tumble.reference.estimators import fit_indices
 from tumble.reference.uncertainty import exact_outputs, sources
 from tumble.schedule import Schedule
 from tumble.solving.many_runs import ManyRuns, estimator_for, table_at
-from tumble.stand import Stand
+from tumble.stand import PerChannel, Stand
 from tumble.terms import Terms
 
 SHARE = 0.2  # of a standard uncertainty: a larger bias is no longer covered by it
@@ -111,7 +111,7 @@ def second_order(
     stand: Stand,
     estimator: str,
     samples: Integers | None = None,
-    step: float = 0.0,
+    step: PerChannel = 0.0,
     terms: Terms = (),
 ) -> SecondOrder:
     """For an estimate on `schedule`, all of it measured, of a block of sensitivity `k`, with claimed standard
@@ -154,7 +154,7 @@ def _scale_of(name: str) -> str:
 
 
 def _estimator(
-    schedule: Schedule, k: Floats, stand: Stand, estimator: str, samples: Integers, step: float, terms: Terms
+    schedule: Schedule, k: Floats, stand: Stand, estimator: str, samples: Integers, step: PerChannel, terms: Terms
 ) -> ManyRuns:
     """The estimator; beyond 0.1 rad, where `optimal` gives no result, its linear part, whose bias says enough."""
     estimate = estimator_for(schedule, k, stand, estimator, samples, step, terms)

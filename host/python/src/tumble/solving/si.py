@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.solving.covariance import by_bias
+from tumble.solving.covariance import by_intrinsic, variances
 from tumble.units import per_m_s2
 
 POWERS_OF_TWELVE = np.repeat([1.0, 0.0], [9, 3])  # of the gravity in their units
@@ -20,12 +20,15 @@ POWERS_OF_TWELVE = np.repeat([1.0, 0.0], [9, 3])  # of the gravity in their unit
 
 @dataclass(frozen=True)
 class SiCoefficients:
-    """`k` (3, 3) in the outputs' unit per m/s^2, `bias` (3,): U0 over the length of its row, in m/s^2; `covariance`
-    (12, 12) of K row by row and U0, `u_bias` (3,), None where the coefficients' or gravity's uncertainty is unknown."""
+    """`k` (3, 3) in the outputs' unit per m/s^2, `scale` (3,) the lengths of its rows, `bias` (3,): U0 over the length
+    of its row, in m/s^2; `covariance` (12, 12) of K row by row and U0, `u_scale`, `u_bias` (3,), None where the
+    coefficients' or gravity's uncertainty is unknown."""
 
     k: Floats
+    scale: Floats
     bias: Floats
     covariance: Floats | None
+    u_scale: Floats | None
     u_bias: Floats | None
 
     @property
@@ -38,13 +41,15 @@ def converted(
     k: Floats, u0: Floats, covariance: Floats | None, gravity: float, u_gravity: float | None
 ) -> SiCoefficients:
     """Coefficients that were found in g; `gravity` in m/s^2 with its standard uncertainty, None where unknown."""
-    bias = u0 / np.linalg.norm(k, axis=1)
+    scale = np.linalg.norm(k, axis=1)
+    bias = u0 / scale
     if covariance is None or u_gravity is None:
-        return SiCoefficients(k / gravity, bias * gravity, None, None)
+        return SiCoefficients(k / gravity, scale / gravity, bias * gravity, None, None, None)
     in_si = joint(np.concatenate([k.ravel(), u0]), POWERS_OF_TWELVE, covariance, gravity, u_gravity)
-    gradient = by_bias(k, u0)
-    variance = np.einsum("ri,ij,rj->r", gradient, covariance, gradient) * gravity**2 + (bias * u_gravity) ** 2
-    return SiCoefficients(k / gravity, bias * gravity, in_si, np.sqrt(variance))
+    of_scale, _, of_bias = np.split(variances(by_intrinsic(k, u0), covariance), 3)
+    u_scale = np.sqrt(of_scale + (scale * u_gravity / gravity) ** 2) / gravity
+    u_bias = np.sqrt(of_bias * gravity**2 + (bias * u_gravity) ** 2)
+    return SiCoefficients(k / gravity, scale / gravity, bias * gravity, in_si, u_scale, u_bias)
 
 
 def joint(values: Floats, powers: Floats, covariance: Floats, gravity: float, u_gravity: float) -> Floats:
@@ -69,6 +74,8 @@ def document(
         "units": {"K": per_m_s2(unit), "bias": "m/s^2"},
         "K": found.k.tolist(),
         "u_K": None if found.u_k is None else found.u_k.tolist(),
+        "scale": found.scale.tolist(),
+        "u_scale": None if found.u_scale is None else found.u_scale.tolist(),
         "bias": found.bias.tolist(),
         "u_bias": None if found.u_bias is None else found.u_bias.tolist(),
     }

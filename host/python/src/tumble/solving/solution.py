@@ -13,6 +13,7 @@ from tumble import core, reference
 from tumble.arrays import Floats, Integers
 from tumble.core.fit import chi_squared
 from tumble.core.stand_seen import RunSeen, noise
+from tumble.defaults import DEFAULT_COVERAGE_FACTOR
 from tumble.errors import BadInput
 from tumble.estimators import OPTIMAL
 from tumble.files.run_file import Run
@@ -39,10 +40,11 @@ from tumble.solving.fit import CONFIDENCE, Fit, judge, variance_of_means
 from tumble.solving.further import Further, Without
 from tumble.solving.monte_carlo import MonteCarlo, simulate
 from tumble.solving.noise_patterns import sampled_patterns
+from tumble.solving.reliability import Reliability, reliability
 from tumble.solving.second_order import SecondOrder, second_order
-from tumble.solving.stand_seen import ANGLES, StandSeen, look
+from tumble.solving.stand_seen import ANGLES, StandSeen, look, made_alike, weights_of
 from tumble.solving.stated import Propagation, Stated, Witness
-from tumble.stand import Stand
+from tumble.stand import PerChannel, Stand, over
 from tumble.terms import Terms
 from tumble.units import volts_per
 from tumble.workers.over import ALONE, Progress, Team
@@ -76,7 +78,8 @@ class Solution:
     noise of the samples leaves if the stand has no errors at all, None where it is not known; `truth`: None for a run
     that was measured; `step`: of the converter, in the unit of the run, 0: unknown; `monte_carlo`: None where nobody
     asked for it; `further`: terms of the model beside the twelve coefficients, None where nobody asked for any;
-    `is_out_of_order`: axes or signs of K are those of an exchange or reversal, and no block is declared to have them.
+    `is_out_of_order`: axes or signs of K are those of an exchange or reversal, and no block is declared to have them;
+    `coverage_factor`: how many u(|a|) must be within the limit.
     """
 
     schedule: Schedule
@@ -91,10 +94,11 @@ class Solution:
     stated: Stated | None = None
     scatter_alone: Stated | None = None
     truth: Truth | None = None
-    step: float = 0.0
+    step: PerChannel = 0.0
     monte_carlo: MonteCarlo | None = None
     further: Further | None = None
     is_out_of_order: bool = False
+    coverage_factor: float = DEFAULT_COVERAGE_FACTOR
 
     @property
     def u_k(self) -> Floats | None:
@@ -123,17 +127,6 @@ class Solution:
         assert self.stand is not None
         return self.stand.beside(self.found.terms).in_unit(self.run.unit)
 
-    @property
-    def failures(self) -> tuple[str, ...]:
-        """Why it does not pass: "gravity", "fit" or both."""
-        gravity, fit = self.found.gravity.passed, self.fit is None or self.fit.fits
-        return tuple(name for name, good in (("gravity", gravity), ("fit", fit)) if not good)
-
-    @property
-    def passed(self) -> bool:
-        """Gravity check passed, and the run fits the stand, if one is declared."""
-        return not self.failures
-
     @cached_property
     def second_order(self) -> SecondOrder | None:
         """Whether the declared stand is good enough for the linear theory of uncertainties; None without a stand."""
@@ -142,6 +135,18 @@ class Solution:
         schedule, stand, samples = self._as_propagated
         given = schedule, self.found.k, self._u, stand, self.found.estimator, samples
         return second_order(*given, terms=self.found.terms)
+
+    @cached_property
+    def reliability(self) -> Reliability | None:
+        """What the run could not have shown, whatever it shows; None without a declared stand."""
+        if self.fit is None:
+            return None
+        schedule, stand, samples = self._as_propagated
+        return reliability(
+            *(schedule, self.found.k, stand, samples, self.found.estimator, self.step, self.found.terms),
+            confidence=self.fit.confidence,
+            rounding=self.noise.rounding,
+        )
 
     @cached_property
     def coverage(self) -> Coverage | None:
@@ -220,20 +225,21 @@ def solve(
     limit_g: float,
     stand: Stand | None,
     file: str,
-    step_v: float = 0.0,
+    step_v: PerChannel = 0.0,
     known: optimal_run.Known | None = None,
     confidence: float = CONFIDENCE,
     terms: Terms = (),
+    coverage_factor: float = DEFAULT_COVERAGE_FACTOR,
 ) -> Solution:
     """Solve a run on a schedule (None: the paper's). `file` names the run in errors.
 
     The optimal estimator needs a `stand`; `step_v` is its converter's step, 0 if unknown, and `known` what its table
     was made for, None if it is to be made for this run. `confidence`: at which the run must fit the stand. `terms`:
-    further ones of the model, in the order of TERMS, for one of EXTENDABLE.
+    further ones of the model, in the order of TERMS, for one of EXTENDABLE. `coverage_factor`: of the decision rule.
 
     Raises BadInput where the core refuses the run, Disagreement where the witness does not confirm the core.
     """
-    step = step_v / volts_per(run.unit)
+    step = over(step_v, volts_per(run.unit))
     in_unit = None if stand is None else stand.beside(terms).in_unit(run.unit)
     declared = None if in_unit is None else in_unit.with_step(step)
     core_schedule = schedule or core.CoreSchedule.built_in("paper")
@@ -265,14 +271,17 @@ def solve(
         errors, variances = declared or noise_of_runs.NO_STAND, noisy.mean_variance
         reach = Propagation(core_schedule, witnessed, run, found.k, estimator, errors, step, variances)
         stated, costly = _state(reach, optimal, further, file)
-    shown = RunSeen(core_schedule, found.linear, run.measured, found.k, found.u0)
-    looked = look(shown, noise(run.samples, run.scatter), run.samples, declared, mean_variance=noisy.mean_variance)
-    witness = reference.RunSeen(witnessed, comparison.linear, found.k)
-    compare_seen(looked, witness, samples, scatter, declared, mean_variance=variance)
+    alike = None if declared is None else made_alike(declared, found.k)
+    weights = weights_of(alike)
+    shown = RunSeen(core_schedule, found.linear, run.measured, found.k, found.u0, weights)
+    pooled = noise(run.samples, run.scatter * weights)
+    looked = look(shown, pooled, run.samples, alike, mean_variance=noisy.mean_variance)
+    witness = reference.RunSeen(witnessed, comparison.linear, found.k, core_schedule.data, weights)
+    compare_seen(looked, witness, samples, scatter, alike, mean_variance=variance)
     seen = _without_angles(looked) if terms else looked
     fit = None
-    if declared is not None and model is not None:
-        fit = judge(model, confidence, seen, sampled_patterns(noisy, run, seen.noise, declared, step))
+    if alike is not None and model is not None:
+        fit = judge(model, confidence, seen, sampled_patterns(noisy, run, seen.noise, alike, step))
     seen = replace(seen, alpha4=None, alpha4_freedom=0.0) if terms else seen
     return Solution(
         *(core_schedule.data, run, limit_g, found, comparison, stand, seen, noisy, fit),
@@ -280,6 +289,7 @@ def solve(
         scatter_alone=stated if stand is None else None,
         step=step,
         further=further if stand is None else costly,
+        coverage_factor=coverage_factor,
     )
 
 
@@ -321,7 +331,7 @@ def _whole_model(
     found: Computation,
 ) -> reference.WholeModel:
     """The whole model of a run, by numpy; the core's has the same chi-squared. Raises Disagreement."""
-    variance, terms = variance_of_means(stand, run.samples, float(noisy.rounding.max())), found.terms
+    variance, terms = variance_of_means(stand, run.samples, noisy.rounding), found.terms
     model = reference.WholeModel(witnessed, run.means[run.measured], variance[run.measured], stand, terms)
     given = schedule, run.means, run.measured, variance, stand
     compare_fit(extended.least_chi_squared(*given, terms, found.sizes) if terms else chi_squared(*given), model)
@@ -362,5 +372,5 @@ def _explain(refusal: core.CoreRefusal, estimator: str) -> str:
     if refusal.name == "TUMBLE_E_RANK":
         return f"these positions cannot identify {', '.join(refusal.details['unidentified'])}"
     if refusal.name == "TUMBLE_E_SINGULAR":
-        return f"{refusal}, or the table turned the other way in one mounting"
+        return f"{refusal}, or the table turned the other way in one mounting, or one attitude was measured twice"
     return str(refusal)

@@ -24,6 +24,7 @@ NAMES = {  # of what is seen, for people
     "alpha4_rad": "set angle",
     "noise_v": "noise",
 }
+_FARTHEST = 1e5  # rows of K, as their noise makes them alike, from one another
 
 
 class Quantity(Protocol):
@@ -99,6 +100,9 @@ def look(
     it found (None: unknown). `samples` (positions,); `stand` in the unit of the outputs; `mean_variance`
     (positions, 3): of the means as their own samples show it, counts where it is more than white noise leaves.
 
+    Channels of which the stand declares different noise are made alike by its weights first: `run` was made with these,
+    `noise` is that of the noisiest channel, each having been held against its own.
+
     Free attitudes show the noise alone: poses without a turn of one table, or more mountings than the core has yaws
     for. So do outputs so far from those of any stand that no small angles explain them, such as those of exchanged
     mountings: the angles are linear theory, and its figures would be rounding. A stand that is not to be
@@ -111,7 +115,7 @@ def look(
     alpha4 = None if error is None else error.seen
     if stand is not None and (trust_stand or alpha4 is None):
         source, sigma = "stand", stand.sigma("angle")
-        variance = _at_least(stand.mean_variance(samples), mean_variance)
+        variance = _at_least(_declared(stand, samples), mean_variance, stand)
     elif alpha4 is not None and own is not None:
         source, sigma, variance = "run", alpha4.value, own
     else:
@@ -130,18 +134,36 @@ def averaged_over(samples: Integers, stand: Stand | None) -> Integers:
 def own_variance(
     noise: Quantity | None, samples: Integers, stand: Stand | None, mean_variance: Floats | None = None
 ) -> Floats | None:
-    """Variance of each mean by the noise that the run shows, else by the declared one; None where neither is known.
-    `mean_variance` as of `look`."""
+    """Variance (positions,) of each mean by the noise that the run shows, else by the declared one, of channels made
+    alike; None where neither is known. Arguments as of `look`."""
     if noise is not None:
-        return _at_least(noise.value**2 / averaged_over(samples, stand), mean_variance)
-    return None if stand is None else stand.mean_variance(samples)
+        return _at_least(noise.value**2 / averaged_over(samples, stand), mean_variance, stand)
+    return None if stand is None else _declared(stand, samples)
 
 
-def _at_least(white: Floats, mean_variance: Floats | None) -> Floats:
-    """One variance for all channels of a position, as the noise is pooled over them."""
-    if mean_variance is None or not (mean_variance > white[:, None]).any():
+def weights_of(stand: Stand | None) -> Floats:
+    """What makes the channels of a stand alike (3,): outputs and their scatter times these."""
+    return np.ones(3) if stand is None else stand.weights
+
+
+def made_alike(stand: Stand, k: Floats) -> Stand:
+    """The stand, but with the same noise in every channel where its weights leave rows of `k` that are too far apart:
+    the outputs are no such channels then, as if one had another unit, and the angles would hang on last bits."""
+    rows = np.linalg.norm(k, axis=1) * stand.weights
+    return stand if rows.max() <= _FARTHEST * rows.min() else stand.with_sigma("noise", stand.sigmas("noise").max())
+
+
+def _declared(stand: Stand, samples: Integers) -> Floats:
+    variance: Floats = stand.mean_variance(samples).max(axis=1)
+    return variance
+
+
+def _at_least(white: Floats, mean_variance: Floats | None, stand: Stand | None) -> Floats:
+    """One variance for all channels of a position, made alike, as the noise is pooled over them."""
+    alike = None if mean_variance is None else mean_variance * weights_of(stand) ** 2
+    if alike is None or not (alike > white[:, None]).any():
         return white
-    both: Floats = np.maximum(white[:, None], mean_variance).mean(axis=1)
+    both: Floats = np.maximum(white[:, None], alike).mean(axis=1)
     return both
 
 

@@ -14,7 +14,7 @@ from tumble.reference.extended import covariance as extended_covariance
 from tumble.schedule import Schedule
 from tumble.solving import uncertainty
 from tumble.solving.crosscheck import compare_uncertainties
-from tumble.stand import Stand
+from tumble.stand import PerChannel, Stand
 from tumble.terms import Terms
 
 
@@ -43,7 +43,7 @@ class Witness:
     stand: Stand
     samples: Integers
     estimator: str
-    step: float
+    step: PerChannel
 
     def covariance(self, variance: Floats, terms: Terms = ()) -> Floats:
         """Of K row by row, U0 and the sizes of further `terms`; `variance` (positions, 3): by the noise as measured."""
@@ -67,7 +67,7 @@ class Propagation:
     k: Floats
     estimator: str
     stand: Stand
-    step: float
+    step: PerChannel
     mean_variance: Floats
 
     def to_twelve(self, optimal: reference.OptimalEstimate | None = None) -> Stated:

@@ -21,12 +21,12 @@ from tumble.errors import UsageError
 from tumble.schedule import Schedule
 from tumble.solving import gains
 from tumble.solving.gain_record import record_of, to_bytes
-from tumble.stand import Stand
+from tumble.stand import PerChannel, Stand
 
 _AT_ONCE = 50  # runs: what a stack of them takes stays in a processor's second cache
 
 
-def solve(schedule: Schedule, means: Floats, stand: Stand, step: float, samples: float) -> tuple[Floats, Floats]:
+def solve(schedule: Schedule, means: Floats, stand: Stand, step: PerChannel, samples: float) -> tuple[Floats, Floats]:
     """Coefficients (runs, 12) by the core, with weights made at each run's first estimate, from means (runs, positions,
     3) of a schedule that has fit positions alone; and standard uncertainties (runs, 12) at the K found. `step` as in
     gains.optimal_table; `samples`: of a mean, for the weights; uncertainties are for the stand's own.
@@ -83,40 +83,43 @@ class _Mirror:
 class _Whitened:
     """Runs with noise alike in all rows: `rows` (runs, 3P + shared, shared + 12), the prior's behind the outputs'. What
     they came from: outputs `by_shared` (runs, P, 3, shared), in units of the prior, and `by_angle` (runs, P, 3);
-    `mirror`; `sigma` (runs,) of a mean."""
+    `mirror`; `sigma` (runs, 3) of a mean, and the `weights` (runs, 1, 3) that make channels alike."""
 
     rows: Floats
     by_shared: Floats
     by_angle: Floats
     mirror: _Mirror
     sigma: Floats
+    weights: Floats
 
 
 class _System:
     """What the runs of a stand and a schedule share."""
 
-    def __init__(self, schedule: Schedule, stand: Stand, step: float):
+    def __init__(self, schedule: Schedule, stand: Stand, step: PerChannel):
         model = gains.linearise(schedule)
         self.schedule, self.stand, self.step = schedule, stand, step
         self.shared = gains.shared_sigmas(schedule, stand)
         self.design = gains.design(model).reshape(-1, 3, 12)
         by_shared = gains.shared_derivatives(model, np.eye(3), stand) * self.shared
         self.by_shared = by_shared.reshape(-1, 3, len(self.shared))
-        self.angles = len(self.shared) - (3 if stand.drift > 0.0 else 0)  # the others do not depend on K
+        self.angles = len(self.shared) - (3 if stand.declares_drift else 0)  # the others do not depend on K
         self.by_angle = model.delta * stand.sigma("angle")
 
     def whiten(self, k: Floats, samples: float) -> _Whitened:
         """For blocks of sensitivity `k` (runs, 3, 3)."""
         runs, positions, shared = len(k), len(self.design), len(self.shared)
-        sigma = gains.mean_sigmas(k, self.stand, self.step, samples)[0]
-        gains.require_drift(self.stand.sigma("drift") / sigma.min())
+        sigma = gains.mean_sigma(k, self.stand, self.step, samples)[0]
+        gains.require_drift(self.stand.sigmas("drift") / sigma)
+        weights, largest = gains.channel_weights(sigma)[:, None], sigma.max(axis=1)
         by_shared, by_angle = self._turned(k), self.by_angle @ np.swapaxes(k, 1, 2)
         outputs = np.empty((runs, positions, 3, shared + 12))
         outputs[..., :shared], outputs[..., shared:] = by_shared, self.design
-        mirror = _Mirror(by_angle, sigma)
-        prior = sigma[:, None, None] * np.eye(shared, shared + 12)
+        outputs *= weights[..., None]
+        mirror = _Mirror(by_angle * weights, largest)
+        prior = largest[:, None, None] * np.eye(shared, shared + 12)
         rows = np.concatenate([mirror.of(outputs).reshape(runs, -1, shared + 12), prior], axis=1)
-        return _Whitened(rows, by_shared, by_angle, mirror, sigma)
+        return _Whitened(rows, by_shared, by_angle, mirror, sigma, weights)
 
     def _turned(self, k: Floats) -> Floats:
         """`by_shared`, which is for K = 1, for the K of every run."""
@@ -134,11 +137,14 @@ class _System:
             beta = np.linalg.solve(r[:, shared:, shared:], data[:, shared:])
             left = data[:, :shared] - r[:, :shared, shared:] @ beta
             prior = self.shared[:, None] * np.linalg.solve(r[:, :shared, :shared], left)
-            beta, prior = system.mirror.back(beta), system.mirror.back(prior)
+            by_channel = np.tile(system.weights, len(self.design))
+            beta, prior = system.mirror.back(beta) * by_channel, system.mirror.back(prior) * by_channel
             sound = self._is_sound(beta, _deviations(r[:, shared:, shared:], system.sigma), system)
         if not (np.isfinite(prior).all() and sound):
             raise UsageError(gains.UNEQUAL)
-        return Gains(k, system.sigma, beta, gains.by_mounting(prior, self.schedule, self.stand))
+        return Gains(
+            k, system.sigma.max(axis=1), system.weights[:, 0], beta, gains.by_mounting(prior, self.schedule, self.stand)
+        )
 
     def uncertainties(self, k: Floats) -> Floats:
         """What the runs state (runs, 12): of the estimates, for blocks of sensitivity `k`."""
@@ -151,7 +157,7 @@ class _System:
         lost = np.abs(beta @ self.design.reshape(-1, 12) - np.eye(12)).max()
         by_shared = beta @ system.by_shared.reshape(*beta.shape[::2], -1)
         by_angle = _dot(beta.reshape(*beta.shape[:2], -1, 3), system.by_angle[:, None])
-        noise = (beta**2).sum(axis=2) * system.sigma[:, None] ** 2
+        noise = _dot((beta**2).reshape(*beta.shape[:2], -1, 3).sum(axis=2), system.sigma[:, None] ** 2)
         claimed = np.sqrt((by_shared**2).sum(axis=2) + (by_angle**2).sum(axis=2) + noise)
         return bool(lost < gains.LARGEST_LOSS and (np.abs(claimed - u) < gains.LARGEST_LOSS * u).all())
 
@@ -163,5 +169,5 @@ def _dot(one: Floats, other: Floats) -> Floats:
 
 
 def _deviations(r: Floats, sigma: Floats) -> Floats:
-    deviations: Floats = sigma[:, None] * np.sqrt((np.linalg.inv(r) ** 2).sum(axis=2))
+    deviations: Floats = sigma.max(axis=1)[:, None] * np.sqrt((np.linalg.inv(r) ** 2).sum(axis=2))
     return deviations

@@ -16,7 +16,7 @@ from tumble.schedule import Schedule
 from tumble.solving import extended
 from tumble.solving.gains import NOISE_FLOOR_G, linear_gains
 from tumble.solving.many_runs import table_at
-from tumble.stand import Stand, rounding_of
+from tumble.stand import PerChannel, Stand, per_channel, rounding_of
 from tumble.terms import Terms
 
 
@@ -27,7 +27,7 @@ def standard_uncertainties(
     stand: Stand,
     samples: Integers,
     estimator: str,
-    step: float = 0.0,
+    step: PerChannel = 0.0,
     mean_variance: Floats | None = None,
 ) -> tuple[Floats, Floats]:
     """u_K (3, 3) and u_U0 (3,) of an estimate, in its units; `stand` and the converter's `step` in the outputs' unit.
@@ -49,7 +49,7 @@ def extended_uncertainties(
     stand: Stand,
     samples: Integers,
     estimator: str,
-    step: float,
+    step: PerChannel,
     terms: Terms,
     mean_variance: Floats | None = None,
 ) -> Floats:
@@ -67,7 +67,7 @@ def gains_of_run(
     stand: Stand,
     samples: Integers,
     estimator: str,
-    step: float = 0.0,
+    step: PerChannel = 0.0,
     terms: Terms = (),
 ) -> Floats:
     """By which an estimator finds K row by row, U0 and the sizes of further terms (12 + 3 x terms, 3 x fit positions)
@@ -83,7 +83,7 @@ def brought(
     stand: Stand,
     estimator: str,
     samples: Integers,
-    step: float = 0.0,
+    step: PerChannel = 0.0,
     terms: Terms = (),
 ) -> dict[str, Floats]:
     """What every source of error of the stand brings to the coefficients and the sizes of further `terms`, to first
@@ -103,13 +103,13 @@ def _of_optimal(
     k: Floats,
     stand: Stand,
     samples: Integers,
-    step: float,
+    step: PerChannel,
     terms: Terms,
     mean_variance: Floats | None,
 ) -> Floats:
     part = schedule.part(measured)
     gains = gains_of_run(part, k, stand, samples[measured], OPTIMAL, step, terms)
-    one_sample = max(stand.sigma("noise"), rounding_of(step))
+    one_sample = np.maximum(stand.sigmas("noise"), rounding_of(step))
     used = replace(
         stand,
         axis_tilt=stand.sigma("axis_tilt"),
@@ -119,8 +119,8 @@ def _of_optimal(
         seat=stand.sigma("seat"),
         platform=stand.sigma("platform"),
         encoder=stand.sigma("encoder"),
-        drift=stand.sigma("drift"),
-        noise=one_sample,
+        drift=per_channel(stand.sigmas("drift")),
+        noise=per_channel(one_sample),
         limits="sigma1",
     )
     least_noise = NOISE_FLOOR_G * float(np.abs(k).max())  # as the weights have it

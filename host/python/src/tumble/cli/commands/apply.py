@@ -59,8 +59,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.files.run_layout import TEMPERATURE
     from tumble.files.tables import PARQUET, SUFFIXES, suffix_of
 
-    told = layout_options.wishes(arguments, (*OUTPUTS, TEMPERATURE), has_unit=False)
-    wishes = replace(told, wanted=OUTPUTS)
+    wishes = replace(layout_options.wishes(arguments, (*OUTPUTS, TEMPERATURE), has_unit=False), wanted=OUTPUTS)
     targets = _targets(arguments)
     for file in arguments.data:
         if suffix_of(file) in SUFFIXES and suffix_of(file) not in PARQUET:
@@ -70,7 +69,8 @@ def run(arguments: argparse.Namespace) -> int:
         options.require_ending(arguments.out, "--out", *(PARQUET if kinds == {True} else (".csv", ".tsv")))
     result = load(arguments.result)
     force = result.force(arguments.unit, arguments.uncertainty)
-    demand = demand_of(force, result.unit, arguments.uncertainty, wishes)
+    told = "unit" not in result.assumes
+    demand = demand_of(force, result.unit, arguments.uncertainty, wishes, told, arguments.unit)
     known_c = result.document.get("temperature")
     if len(kinds) > 1 and len(set(targets)) < len(targets):
         raise UsageError("CSV and Parquet cannot be joined: --out FOLDER keeps them apart")
@@ -133,7 +133,7 @@ def _calibrate(files: list[str], out: BinaryIO, demand: Demand, known_c: dict[st
         if suffix_of(file) in PARQUET:
             seen = calibrate_parquet(file, out, demand)
             _tell_of_names(seen.renamed, file)
-            _tell_of_temperatures(seen, known_c, file)
+            _tell_of_doubts(seen, known_c, demand, file)
             continue
         with opened(file) as stream:
             data = CsvData(stream, file, demand)
@@ -147,13 +147,16 @@ def _calibrate(files: list[str], out: BinaryIO, demand: Demand, known_c: dict[st
             for piece in data.rows():
                 out.write(piece)
                 last = piece[-1:] or last
-            _tell_of_temperatures(data.seen, known_c, file)
+            _tell_of_doubts(data.seen, known_c, demand, file)
 
 
-def _tell_of_temperatures(seen: Seen, known_c: dict[str, Any] | None, file: str) -> None:
+def _tell_of_doubts(seen: Seen, known_c: dict[str, Any] | None, demand: Demand, file: str) -> None:
     from tumble.api.applying import doubts
 
-    for odd in doubts(seen, known_c):
+    if not seen.unit_told:
+        taken = f"{demand.unit}, as in the result{'' if demand.unit_told else ', whose run names none either'}"
+        tell(f"tumble: notice: {file_name(file)}: no unit in its header (as ux [V]): outputs taken for {taken}")
+    for odd in doubts(seen, known_c, demand):
         tell(f"tumble: warning: {file_name(file)}: {odd}")
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from tumble.cli import options
 from tumble.cli.aliases import ALIASES
-from tumble.defaults import DEFAULT_LIMIT_G
+from tumble.defaults import DEFAULT_COVERAGE_FACTOR, DEFAULT_LIMIT_G
 from tumble.errors import (
     EXIT_LIMITS_FAILED,
     EXIT_PASS,
@@ -52,8 +52,9 @@ def add_to(subparsers: options.Subparsers, about: str) -> None:
         description="Let the firmware calibrate a block on a simulated stand over CAN, and confirm what it finds.",
         epilog="Leaves a run folder: run.csv, bus.log (candump -L), result.json, report.html, inputs/. After a fault:"
         " run.csv as far as it got, bus.log, fault.json, inputs/. After bad input or Ctrl-C: nothing. Exit codes: 0"
-        " pass, 1 gravity check failed or the run does not fit its stand, 2 bad input, 3 fault, or firmware and numpy"
-        " disagree, 77 the bus is not to be had here, 130 interrupted, the table stopped.",
+        " pass, 1 gravity check failed, the run does not fit its stand, or its uncertainty does not show the limit (NOT"
+        " SHOWN), 2 bad input, 3 fault, or firmware and numpy disagree, 77 the bus is not to be had here, 130"
+        " interrupted, the table stopped.",
     )
     add_options(parser)
     parser.set_defaults(run_command=run)
@@ -125,6 +126,7 @@ def run(arguments: argparse.Namespace, onlooker: Onlooker | None = None) -> int:
     from tumble.api.complaints import complaints
     from tumble.bench import board, folder, gains, outcome, realbus, setup
     from tumble.cli.output import print_solution, warn
+    from tumble.solving.decision import decide
 
     with_report = _wants_report(arguments)
     bus = realbus.require_bus(arguments.bus)
@@ -155,7 +157,7 @@ def run(arguments: argparse.Namespace, onlooker: Onlooker | None = None) -> int:
     tell(f"run folder: {file_name(path)}")
     warn(complaints(solution))
     print_solution(solution, text if arguments.json else None, f"seed {wanted.seed}")
-    return EXIT_PASS if solution.passed else EXIT_LIMITS_FAILED
+    return EXIT_PASS if decide(solution).passed else EXIT_LIMITS_FAILED
 
 
 def _wants_report(arguments: argparse.Namespace) -> bool:
@@ -220,6 +222,7 @@ def _read_setup(arguments: argparse.Namespace, given: dict[str, bytes]) -> tuple
         error_budget_v=error_budget_v,
         estimator=arguments.estimator,
         limit_g=limit_g,
+        coverage_factor=DEFAULT_COVERAGE_FACTOR if file is None else file.decided_by,
         stand_file=arguments.stand or "",
         block_file=arguments.block or arguments.stand or "",
         terms=terms,

@@ -48,6 +48,11 @@ def add_to(subparsers: Subparsers, about: str) -> None:
         "--number", choices=_NUMBERS, default=_NUMBERS[0], help="what the C header computes with; default: double"
     )
     parser.add_argument("--step", metavar="SIZE", help="of one count of the outputs, in their unit; for fixed")
+    parser.add_argument(
+        "--labels",
+        action="store_true",
+        help="also the block's serial number, the run file's name, labels of [item] and [environment]; default: none",
+    )
     parser.add_argument("--out", metavar="FILE", help="default: standard output")
     parser.set_defaults(run_command=run)
 
@@ -57,6 +62,7 @@ def run(arguments: argparse.Namespace) -> int:
     step = _parse_step(arguments)
 
     from tumble.api.complaints import complaints_of_document
+    from tumble.cli import exports
     from tumble.files.disk import refuse_overwriting, write_text
     from tumble.files.documents import read_coefficients
 
@@ -64,7 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
     require_ending(arguments.out, "--out", *FORMATS[arguments.format])
     result = read_coefficients(arguments.result)
     try:
-        text = _converted(result, arguments, step)
+        text = _converted(result if arguments.labels else exports.unlabelled(result), arguments, step)
     except ValueError as error:
         raise BadInput(str(error), arguments.result) from None
     for warning in complaints_of_document(result):

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from tumble.files.stand_file import StandFile
     from tumble.fixture.combination import Combination
     from tumble.fixture.judge import Limits, RunView
+    from tumble.stand import PerChannel
 
 AGAINST = ("declared", "needed")
 DEFAULT_CONFIDENCE = 0.95
@@ -123,7 +124,7 @@ def _refuse_repetition(runs: list[str]) -> None:
 
 
 def _combined(
-    arguments: argparse.Namespace, views: list[RunView], confidence: float, step_v: float
+    arguments: argparse.Namespace, views: list[RunView], confidence: float, step_v: PerChannel
 ) -> tuple[bool, Combination | None]:
     """Was the stand levelled once for all runs, and several runs in one: None of one run.
 

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from tumble.importing.hypotheses import Claims
     from tumble.importing.pipeline import Settings
     from tumble.importing.rests import Thresholds
+    from tumble.stand import PerChannel
 
 _REPEATS = ("first", "last", "longest")
 
@@ -153,7 +154,7 @@ def _bus(arguments: argparse.Namespace, base: Bus) -> Bus:
     )
 
 
-def _step_of_stand(file: str) -> float:
+def _step_of_stand(file: str) -> PerChannel:
     """Size of a count of the block's converter, V; 0 where the stand file does not tell it."""
     from tumble.files.stand_file import read_stand
 
@@ -193,6 +194,7 @@ def _claims(arguments: argparse.Namespace, base: Claims, signs: Signs | None) ->
 def _told_signs(arguments: argparse.Namespace) -> tuple[Signs | None, list[str]]:
     """The signs of K that the options say, and remarks on where they are from; None: they say none."""
     from tumble.files.stand_file import read_stand
+    from tumble.stand import by_channel
 
     of_stand, remarks = None, []
     if arguments.stand is not None:
@@ -200,8 +202,8 @@ def _told_signs(arguments: argparse.Namespace) -> tuple[Signs | None, list[str]]
         if block is None:
             remarks = [f"signs of K: {name} has no [block], and tells none"]
         else:
-            sign = 1 if block["scale_v_per_g"] > 0 else -1
-            of_stand, remarks = (sign, sign, sign), [f"signs of K: of scale_v_per_g in {name}"]
+            x, y, z = (1 if scale > 0 else -1 for scale in by_channel(block["scale_v_per_g"]).tolist())
+            of_stand, remarks = (x, y, z), [f"signs of K: of scale_v_per_g in {name}"]
     return (of_stand, remarks) if arguments.signs is None else (_parse_signs(arguments.signs), [])
 
 

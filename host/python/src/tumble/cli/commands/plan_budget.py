@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from tumble.planning.case import Case
     from tumble.planning.promise import Promise
     from tumble.solving.further import Further
+    from tumble.solving.reliability import Reliability
 
 
 def add_to(subparsers: Subparsers) -> None:
@@ -44,24 +45,29 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.planning.promise import promise
 
     found = budget(case, arguments.weights, arguments.estimator)
-    promised = promise(case, arguments.estimator) if arguments.weights == DERIVED else None
+    derived = arguments.weights == DERIVED
+    promised = promise(case, arguments.estimator) if derived else None
+    unseen = case.reliability(arguments.estimator) if derived else None
     further = model_cost.model_cost(case, arguments.estimator)
     if arguments.json:
-        write_json({**document(found, case, promised), **model_cost.document(further)})
+        write_json({**document(found, case, promised, unseen), **model_cost.document(further)})
     else:
-        _show(found, case, promised, further)
+        _show(found, case, promised, unseen, further)
     return EXIT_PASS
 
 
-def _show(found: Budget, case: Case, promised: Promise | None, further: Further | None) -> None:
+def _show(
+    found: Budget, case: Case, promised: Promise | None, unseen: Reliability | None, further: Further | None
+) -> None:
     from tumble.planning import model_cost, tables
-    from tumble.planning.budget import ALPHAS, numbers_are, unit
+    from tumble.planning.budget import ALPHAS, channels_note, numbers_are, unit
     from tumble.planning.published import NAMES
+    from tumble.solving import reliability
 
     out = tables.console()
     out.print(tables.heading(f"Error budget, {found.weights} weights, estimator {found.estimator}"))
     out.print(f"Stand: {case.stand.name or 'without a name'}; numbers are {numbers_are(found.weights)}")
-    out.print(f"Block: {case.scale:g} V/g, misalignments {case.misalignment:g} rad")
+    out.print(case.block_sentence)
     units = ("size", *map(unit, found.sources), "")
     sizes = ("", *(tables.number(size) for size in found.sizes), "")
     rows = [units, sizes]
@@ -71,8 +77,12 @@ def _show(found: Budget, case: Case, promised: Promise | None, further: Further 
         rows.append((f"{name}, {millionth}", *cells))
     out.print(tables.table(("", *found.sources, "all"), rows))
     out.print(ALPHAS)
+    if (note := channels_note(case)) is not None:
+        out.print(note)
     if promised is not None:
         out.print(promised.sentence)
+    for line in [] if unseen is None else reliability.lines(unseen, "will not show"):
+        out.print(line)
     model_cost.show(out, further)
     if found.second_order.matters:
         for complaint in found.second_order.complaints:

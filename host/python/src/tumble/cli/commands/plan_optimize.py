@@ -69,14 +69,18 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _show(found: Optimized) -> None:
+    import numpy as np
+
     from tumble.planning import tables
+    from tumble.stand import per_channel
 
     out, record = tables.console(), found.record
     other = "least_squares" if found.u_refined is None else "refined"
     u_other = found.u_least_squares if found.u_refined is None else found.u_refined
+    noise = ", ".join(f"{sigma:.2g}" for sigma in np.atleast_1d(per_channel(record.sigma_mean / record.weights)))
     angles = ", ".join(f"{sigma:.3g}" for sigma in record.sigma)
     out.print(tables.heading(f"Optimal weights: {record.fit_positions} fit positions in {record.mountings} mountings"))
-    out.print(f"Standard deviations: alpha1 to alpha4 {angles} rad, a mean's noise {record.sigma_mean:.2g} V")
+    out.print(f"Standard deviations: alpha1 to alpha4 {angles} rad, a mean's noise {noise} V")
     rows = [
         (name, "V/g" if name.startswith("K") else "V", f"{u:.3e}", f"{old:.3e}", f"{old / u:.2f}", f"{efficiency:.4f}")
         for name, u, old, efficiency in zip(COEFFICIENTS, found.u, u_other, found.efficiency)

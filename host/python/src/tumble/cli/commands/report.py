@@ -26,9 +26,10 @@ def add_to(subparsers: Subparsers, about: str) -> None:
         "--out", metavar="FILE.html|.pdf", help="default: HTML on standard output, unless that is a terminal"
     )
     parser.add_argument("--run", metavar="RUN.csv", help="the run that was solved: draws its samples too")
-    parser.add_argument("--template", metavar="FILE", help="in place of the own one, or extending it (Jinja2)")
+    parser.add_argument("--template", metavar="FILE", help="in place of the built-in one, or extending it (Jinja2)")
     parser.add_argument("--logo", metavar="FILE", help="PNG, JPEG or SVG, for the head of the first page")
     parser.add_argument("--number", metavar="TEXT", help="of the report; default: by the result's date and content")
+    parser.add_argument("--issued", metavar="DATE", help="of issue, such as 2026-11-28; default: today's (UTC)")
     parser.add_argument("--since", metavar="OLD.json", help="an earlier result of the block: has it changed since?")
     layout_options.add_layout(parser, "run file")
     parser.set_defaults(run_command=run)
@@ -56,7 +57,7 @@ def run(arguments: argparse.Namespace) -> int:
     recorded = None
     if arguments.run is not None:
         recorded = recording_of(arguments.run, wishes if wishes.unit else replace(wishes, unit=result.unit))
-    more = arguments.template, arguments.logo, arguments.number, arguments.since
+    more = arguments.template, arguments.logo, arguments.number, arguments.since, arguments.issued
     text = result.reported(kind, recorded, *more)
     if arguments.out is None:
         sys.stdout.buffer.write(text)

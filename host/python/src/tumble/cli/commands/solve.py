@@ -25,8 +25,8 @@ def add_to(subparsers: options.Subparsers, about: str) -> None:
         "solve",
         help=about,
         description="Solve a recorded run: the firmware's code computes, an independent numpy computation confirms.",
-        epilog="Exit codes: 0 pass, 1 gravity check failed or the run does not fit its stand, 2 bad input,"
-        " 3 core and numpy disagree, 130 interrupted.",
+        epilog="Exit codes: 0 pass, 1 gravity check failed, the run does not fit its stand, or its uncertainty does not"
+        " show the limit (NOT SHOWN), 2 bad input, 3 core and numpy disagree, 130 interrupted.",
     )
     parser.add_argument(
         "run",
@@ -67,6 +67,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.files.disk import refuse_overwriting, write_text
     from tumble.files.documents import to_json
     from tumble.files.run_layout import COLUMNS, TEMPERATURE
+    from tumble.solving.decision import decide
 
     recording = recording_of(arguments.run, layout_options.wishes(arguments, (*COLUMNS, TEMPERATURE)))
     refuse_overwriting(arguments.out, arguments.run, arguments.stand, file_of(arguments.schedule))
@@ -88,7 +89,7 @@ def run(arguments: argparse.Namespace) -> int:
         write_text(arguments.out, text)
     warn(sentences)
     print_solution(solution, text if arguments.json else None, os.path.basename(recording.name))
-    return EXIT_PASS if solution.passed else EXIT_LIMITS_FAILED
+    return EXIT_PASS if decide(solution).passed else EXIT_LIMITS_FAILED
 
 
 def _parse_monte_carlo(arguments: argparse.Namespace) -> tuple[int | None, int]:

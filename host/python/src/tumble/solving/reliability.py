@@ -1,0 +1,176 @@
+"""What a run could not have shown: Baarda's reliability, from geodesy.
+
+Of every pattern that no stand file declares: the size that its score test finds nine times in ten, and the error of |a|
+that so much of it leaves, at the worst attitude. It follows from the schedule, the stand and the estimator alone, so it
+is known before a run.
+"""
+
+from __future__ import annotations
+
+import itertools
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from tumble import core
+from tumble.arrays import Floats, Integers
+from tumble.distributions import noncentrality
+from tumble.reference import Geometry, WholeModel
+from tumble.reference.fit import basis
+from tumble.reference.patterns import PATTERNS, Columns, Pattern, Scene
+from tumble.schedule import Schedule
+from tumble.solving.covariance import norm_gradient, spread_attitudes
+from tumble.solving.fit import CONFIDENCE, SOURCES, variance_of_means
+from tumble.solving.uncertainty import gains_of_run
+from tumble.stand import PerChannel, Stand
+from tumble.terms import Terms
+
+FOUND = 0.9  # share of runs
+_BESIDE = 1  # tests by the samples, beside those of patterns
+_ATTITUDES = 2500  # the error at the worst of them is within 1 % of the largest
+_MOST_SIGNED = 8  # columns; of more, each alone
+_HARMLESS = 1e-7  # error of |a| over what is added to the outputs, both in g
+_WIDTH = 80
+
+
+@dataclass(frozen=True)
+class Undetected:
+    """Of one `pattern`: `size` in its unit, and `norm_g`, the largest error of |a| at that size, g; both None where no
+    size would have shown. `outputs` (positions, 3): what that size adds to the means of the fit positions."""
+
+    pattern: Pattern
+    size: float | None = None
+    norm_g: float | None = None
+    outputs: Floats | None = None
+
+    def document(self) -> dict[str, object]:
+        """Ready for JSON."""
+        name, unit = self.pattern.name, self.pattern.unit
+        return {"pattern": name, "size": self.size, "unit": unit, "norm_error_g": self.norm_g}
+
+
+Reliability = tuple[Undetected, ...]  # the largest error first, None at the end
+
+
+def reliability(
+    schedule: Schedule,
+    k: Floats,
+    stand: Stand,
+    samples: Integers,
+    estimator: str,
+    step: PerChannel = 0.0,
+    terms: Terms = (),
+    confidence: float = CONFIDENCE,
+    rounding: float | Floats = 0.0,
+) -> Reliability:
+    """Of all measured positions of `schedule` and their `samples`, for a block of sensitivity `k`; arguments as of
+    solving.uncertainty.gains_of_run, `confidence` that of the fit, `rounding` as of variance_of_means. Raises
+    CoreRefusal."""
+    means = Geometry(schedule).outputs(k, np.zeros(3))
+    model = WholeModel(schedule, means, variance_of_means(stand, samples, rounding), stand, terms)
+    gains = gains_of_run(core.CoreSchedule(schedule), k, stand, samples, estimator, step, terms)
+    tested = [one for one in PATTERNS if one.name not in terms]
+    declared = _declared(stand)
+    false_alarms = (1.0 - confidence) / (len(tested) + _BESIDE)
+    search = _Search(model, k, gains, spread_attitudes(_ATTITUDES), terms)
+    found = [search.worst(pattern, false_alarms) for pattern in tested if pattern.name not in declared]
+    possible = [one for one in found if one is not None]
+    return tuple(sorted(possible, key=lambda one: -1.0 if one.norm_g is None else one.norm_g, reverse=True))
+
+
+def _declared(stand: Stand) -> set[str]:
+    """Names of the patterns that the uncertainties contain."""
+    beside = {"drift": stand.declares_drift, "seat": stand.declares_seat}
+    beside |= dict.fromkeys(("once_per_turn", "twice_per_turn"), stand.encoder > 0.0)
+    return {*SOURCES, *(name for name, is_declared in beside.items() if is_declared)}
+
+
+def largest(found: Reliability) -> float | None:
+    """Of the errors of |a| that are known, g."""
+    return max((one.norm_g for one in found if one.norm_g is not None), default=None)
+
+
+def documents(found: Reliability | None) -> dict[str, object]:
+    """As keys of a document; None: of a run without a declared stand."""
+    listed = None if found is None else [one.document() for one in found]
+    return {"reliability": listed, "reliability_norm_g": None if found is None else largest(found)}
+
+
+def lines(found: Reliability, would: str = "would not have shown") -> list[str]:
+    """For people: what costs most, and what no size shows."""
+    said, unseen = [], ", ".join(one.pattern.name for one in found if one.size is None)
+    worst = found[0] if found else None
+    if worst is not None and worst.size is not None and worst.norm_g is not None:
+        size = f"{worst.pattern.name} {worst.size:.3g} {worst.pattern.unit}"
+        error = f"they can add up to {1e6 * worst.norm_g:.3g} ug to |a|"
+        said.append(f"Errors of the block or stand up to {size} {would}; {error}")
+    if unseen:
+        said.append(f"These {would} at any size: {unseen}")
+    return [line for one in said for line in textwrap.wrap(one, _WIDTH, subsequent_indent="  ")]
+
+
+@dataclass(frozen=True)
+class _Search:
+    """The whole `model` of a run without errors, the `gains` of its estimator, `attitudes` where |a| counts."""
+
+    model: WholeModel
+    k: Floats
+    gains: Floats
+    attitudes: Floats
+    terms: Terms
+
+    def worst(self, pattern: Pattern, false_alarms: float) -> Undetected | None:
+        """The size, place and signs that leave the largest error; None for what this schedule has no place for."""
+        variants = pattern.columns(self.model.scene)
+        lasting: list[Columns | None] = [None] * len(variants)
+        if pattern.lasts:
+            lasting = [*pattern.columns(Scene(self.model.schedule, self.k, self.attitudes))]
+        tested = [
+            self._worst_of(pattern, columns, in_use, false_alarms / len(variants))
+            for columns, in_use in zip(variants, lasting)
+        ]
+        found = [one for one in tested if one is not None]
+        return max(found, key=lambda one: np.inf if one.norm_g is None else one.norm_g, default=None)
+
+    def _worst_of(
+        self, pattern: Pattern, columns: Columns, in_use: Columns | None, false_alarms: float
+    ) -> Undetected | None:
+        """At one place, the error over all choices of its columns; None for what neither shows nor does any harm."""
+        choices = _choices(len(columns))
+        added = np.tensordot(choices, np.array(list(columns.values())), axes=1)
+        shown = np.linalg.norm(self.model.whitened({str(i): one for i, one in enumerate(added)}), axis=0)
+        errors = np.abs(self._errors(choices, added, in_use)).max(axis=1)
+        harmless = _HARMLESS * np.abs(added).max() / np.abs(self.k).max()
+        if ((shown == 0.0) & (errors > harmless)).any():
+            return Undetected(pattern)
+        rank = basis(self.model.whitened(columns)).shape[1]
+        if rank == 0:
+            return None
+        sizes = noncentrality(rank, false_alarms, FOUND) ** 0.5 / np.where(shown > 0.0, shown, np.inf)
+        most = int((sizes * errors).argmax())
+        size = float(sizes[most])
+        return Undetected(pattern, size, size * float(errors[most]), size * added[most])
+
+    def _errors(self, choices: Floats, added: Floats, in_use: Columns | None) -> Floats:
+        """Of |a| at all attitudes, by a unit of each choice: (choices, attitudes), g. A block that is used goes on with
+        what `lasts`."""
+        errors: Floats = added.reshape(len(added), -1) @ self.gains.T @ self._gradient.T
+        if in_use is not None:
+            by_outputs = self._gradient[:, 9:12]
+            errors = errors - choices @ np.einsum("cai,ai->ca", np.array(list(in_use.values())), by_outputs)
+        return errors
+
+    @cached_property
+    def _gradient(self) -> Floats:
+        return norm_gradient(self.k, self.attitudes, self.terms)
+
+
+def _choices(columns: int) -> Floats:
+    """One column, or all alike with any signs: (choices, columns)."""
+    signs: Sequence[tuple[int, ...]] = []
+    if 1 < columns <= _MOST_SIGNED:
+        signs = [(1, *others) for others in itertools.product((1, -1), repeat=columns - 1)]
+    return np.concatenate([np.eye(columns), np.array(signs, dtype=float).reshape(-1, columns)])
