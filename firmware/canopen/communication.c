@@ -100,9 +100,8 @@ static tumble_abort_t check_free_pdo(const tumble_node_t *node, uint8_t subindex
 
 static tumble_abort_t write_pdo(tumble_node_t *node, uint16_t index, uint8_t subindex, uint32_t value)
 {
-    tumble_abort_t refusal = TUMBLE_ABORT_NONE;
-
     const bool maps = ((index & PDO_MAPPING) != 0U); /* an object, or their number */
+    tumble_abort_t refusal = TUMBLE_ABORT_NONE;
 
     if (!maps && (subindex == SUB_COB_ID) && is_of_second(node, value)) {
         refusal = TUMBLE_ABORT_VALUE;

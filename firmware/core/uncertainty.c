@@ -101,8 +101,9 @@ static double least_squares_gain(const gains_t *gains, uint8_t p, double row[TUM
     return gain;
 }
 
-/* The column of N^-1 that belongs to the unknown, or with an attitude n the sum of them that is U0_i + K_i n. A fit is corrected from its residual (normal.h), this is not: what the
- * condition of N takes from it, 1e-8 of it at the worst, is nothing to an uncertainty. */
+/* The column of N^-1 that belongs to the unknown, or with an attitude n the sum of them that is U0_i + K_i n. A fit is
+ * corrected from its residual (normal.h), this is not: what the condition of N takes from it, 1e-8 of it at the worst, is
+ * nothing to an uncertainty. */
 static void solve_column(const gains_t *gains)
 {
     const double *attitude = gains->run->attitude;

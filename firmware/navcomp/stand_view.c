@@ -15,6 +15,8 @@ static void show(tumble_stand_view_t *view, unsigned quantity, const tumble_seen
     number[1] = seen->known ? seen->u : 0.0;
 }
 
+#define LEAST_NOISE 1e-4 /* of the largest: a channel without noise must not hide the others */
+
 /* What makes each channel as noisy as the noisiest, as the stand declares them: 1 where they are alike. */
 static void find_weights(const tumble_declared_t *declared, double weight[TUMBLE_CHANNELS])
 {
@@ -24,7 +26,8 @@ static void find_weights(const tumble_declared_t *declared, double weight[TUMBLE
         largest_v = tumble_larger(largest_v, weight[c]);
     }
     for (int c = 0; c < TUMBLE_CHANNELS; c++) {
-        weight[c] = tumble_is_positive(weight[c]) ? (largest_v / weight[c]) : 1.0;
+        weight[c] =
+            tumble_is_positive(largest_v) ? (largest_v / tumble_larger(weight[c], LEAST_NOISE * largest_v)) : 1.0;
     }
 }
 

@@ -2,7 +2,7 @@
 
 #include <stddef.h>
 
-#define NOT_THE_FIRST 2U /* coefficient: with the first a gain record would be checked anew */
+#define SKIPS_THE_CHECK 2U /* of the gain record: that is done with the first coefficient */
 
 static tumble_status_t judge(const tumble_procedure_config_t *config, const tumble_declared_t *declared,
                              const tumble_judged_run_t *run, tumble_uncertainty_t *found)
@@ -72,6 +72,6 @@ tumble_status_t tumble_navcomp_uncertainty(const tumble_navcomp_t *navcomp, uint
 
 tumble_status_t tumble_navcomp_norm(const tumble_navcomp_t *navcomp, const double attitude[3], double *norm_g)
 {
-    const tumble_judged_run_t asked = {.only = NOT_THE_FIRST, .attitude = attitude, .norm_g = norm_g};
+    const tumble_judged_run_t asked = {.only = SKIPS_THE_CHECK, .attitude = attitude, .norm_g = norm_g};
     return ((attitude == NULL) || (norm_g == NULL)) ? TUMBLE_E_ARGUMENT : judge_asked(navcomp, &asked, NULL);
 }

@@ -16,7 +16,7 @@ from tumble.estimators import LINEAR
 from tumble.files.stand_file import read_stand
 from tumble.planning.case import Case
 from tumble.planning.promise import promise
-from tumble.rounding import beside
+from tumble.rounding import on_its_side
 from tumble.solving.covariance import norm_uncertainty, spread_attitudes, worst_norm
 from tumble.solving.decision import UNCERTAINTY, Decision, is_shown
 from tumble.solving.gains import optimal_table
@@ -189,7 +189,7 @@ def test_what_would_show_a_limit_is_never_rounded_to_it():
     )
     rng = np.random.default_rng(5)
     for value, other in 1.0 + 1e-4 * rng.standard_normal((200, 2)):
-        assert (float(beside(value, other)) < other) == (value < other)
+        assert (float(on_its_side(value, other)) < other) == (value < other)
 
 
 STANDS = {

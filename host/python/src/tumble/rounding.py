@@ -20,7 +20,7 @@ def rounded(size: float, u: float | None) -> tuple[str, str]:
     return f"{size:+.{places}f}", f"{u:.{places}f}"
 
 
-def beside(value: float, other: float, digits: int = 2) -> str:
+def on_its_side(value: float, other: float, digits: int = 2) -> str:
     """A number with so many digits, or more until it is above, at or below the other one as it is in full."""
     for count in range(digits, _ALL_DIGITS):
         text = f"{value:.{count}g}"

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from tumble.fixture.judge import Limits
-from tumble.rounding import beside
+from tumble.rounding import on_its_side
 from tumble.solving import noise, plausibility, temperature
 from tumble.solving.decision import Decision
 from tumble.solving.fit import NOISE, Explanation
@@ -34,8 +34,8 @@ def complaints(solution: Solution, odd: Sequence[str] = (), confirmed_unit: bool
         told.append(span)
     unit = solution.run.unit
     if solution.stand is not None and noise_unit(unit) != "V" and not confirmed_unit:
-        noise = ", ".join(f"{one:g}" for one in np.atleast_1d(solution.stand.noise).tolist())
-        told.append(f"outputs in {unit}: noise_v of the stand file, {noise}, is in {unit} too")
+        declared = ", ".join(f"{one:g}" for one in np.atleast_1d(solution.stand.noise).tolist())
+        told.append(f"outputs in {unit}: noise_v of the stand file, {declared}, is in {unit} too")
     told += [] if solution.second_order is None else solution.second_order.complaints
     if solution.lone:
         told.append(f"a single row, taken for one sample, at {', '.join(solution.lone)}")
@@ -124,7 +124,9 @@ def complaints_of_document(result: dict[str, Any]) -> list[str]:
     """Of a document that files.documents has checked: what whoever uses its coefficients should know first."""
     found, check = [], result["verification"]
     if not check["pass"]:
-        sizes = f"largest error {beside(check['max_abs_delta_g_g'], check['limit_g'])} g, limit {check['limit_g']:g} g"
+        sizes = (
+            f"largest error {on_its_side(check['max_abs_delta_g_g'], check['limit_g'])} g, limit {check['limit_g']:g} g"
+        )
         found.append(f"the gravity check FAILED: {sizes}")
     decision = Decision.of(result)
     if decision.is_not_shown:

@@ -271,10 +271,10 @@ class Result:
         """Write a calibration report, HTML or PDF as the file's name ends; docs/report.md tells what is in it.
 
         `run`: what was solved, as `read` gives or takes it: then its samples are drawn too. `template`: a file of
-        Jinja2 in place of the built-in one, or extending it. `logo`: a picture in PNG, JPEG or SVG. `number`: of the report,
-        default: one by date and content, the same for the same result. `since`: an earlier result of the same block, or
-        its file: then the report says whether the block has changed, as `compare` does. `issued`: the date of issue, as
-        "2026-11-28"; default: today's (UTC), or that of SOURCE_DATE_EPOCH.
+        Jinja2 in place of the built-in one, or extending it. `logo`: a picture in PNG, JPEG or SVG. `number`: of the
+        report, default: one by date and content, the same for the same result. `since`: an earlier result of the same
+        block, or its file: then the report says whether the block has changed, as `compare` does. `issued`: the date of
+        issue, as "2026-11-28"; default: today's (UTC), or that of SOURCE_DATE_EPOCH.
 
         Raises BadInput, UsageError, and NotInstalled where jinja2, matplotlib or (for PDF) WeasyPrint is missing.
         """

@@ -14,7 +14,7 @@ from tumble.cli import propagated
 from tumble.estimators import COEFFICIENTS, HARMONIC
 from tumble.files.run_temperature import OF_ENVIRONMENT, OF_RUN_FILE
 from tumble.fixture.judge import Limits
-from tumble.rounding import beside
+from tumble.rounding import on_its_side
 from tumble.schedule import CHECK
 from tumble.solving.assumptions import ASSUMPTIONS, assumed, marks, phrase
 from tumble.solving.coverage import HANDS, NEARLY_INFINITE, PROBABILITY, Coverage
@@ -293,7 +293,7 @@ def foremost(solution: Solution) -> list[str]:
 def verdict(solution: Solution) -> str:
     """The decision and why, in one line if it fits."""
     worst = solution.worst_position
-    size = f"{beside(abs(float(solution.found.gravity.delta_g[worst])), solution.limit_g)} g"
+    size = f"{on_its_side(abs(float(solution.found.gravity.delta_g[worst])), solution.limit_g)} g"
     limit = f"limit {solution.limit_g:g} g"
     rest = f"{size} at {solution.schedule.positions[worst].label}, {limit}; numpy agrees"
     decision = decide(solution)

@@ -17,9 +17,8 @@ ANGLES = ("axis_tilt", "level", "remount", "angle", "seat", "platform", "encoder
 def chi_squared(
     schedule: CoreSchedule, means: Floats, measured: Flags, variance: Floats, stand: Stand
 ) -> tuple[float, int]:
-    """The sum of squares, and its degrees of freedom. `variance` (positions, 3), or (positions,) for
-    channels that are alike, of each mean by its noise; `stand` and
-    `variance` in the unit of the means. Raises CoreRefusal."""
+    """The sum of squares, and its degrees of freedom. `variance` (positions, 3), or (positions,) for channels
+    that are alike, of each mean by its noise; `stand` and `variance` in the unit of the means. Raises CoreRefusal."""
     declared = record_of(stand)
     of_each = np.broadcast_to(variance.reshape(len(means), -1), means.shape)
     noise = np.ascontiguousarray(np.where(measured[:, None], of_each, 0.0), dtype=float)

@@ -13,6 +13,7 @@ from tumble.errors import BadInput
 from tumble.files.stand_file import StandFile
 from tumble.schedule import FIT, Schedule
 from tumble.solving.reliability import Reliability, reliability
+from tumble.solving.stated import Witness
 from tumble.stand import PAPER_STAND, PER_CHANNEL, PerChannel, Stand, by_channel
 from tumble.terms import Terms
 
@@ -77,9 +78,12 @@ class Case:
 
     def reliability(self, estimator: str) -> Reliability:
         """What no run of the nominal block would show. Raises CoreRefusal where the schedule lacks positions."""
+        return reliability(self.witness(estimator), self.terms)
+
+    def witness(self, estimator: str) -> Witness:
+        """What numpy propagates, of a run of the nominal block."""
         lone = np.ones(len(self.schedule.positions), dtype=int)
-        given = self.schedule, self.nominal_k(), self.stand, lone, estimator
-        return reliability(*given, self.step_v, self.terms)
+        return Witness(self.schedule, self.nominal_k(), self.stand, lone, estimator, self.step_v)
 
     def nominal_k(self, signs: Floats | None = None) -> Floats:
         """K (3, 3) of the nominal block. `signs` (3, 3): of the misalignments, the diagonal unused; default all +."""

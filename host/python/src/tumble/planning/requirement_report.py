@@ -16,7 +16,6 @@ from tumble.planning.published import EQUATION_18, EQUATION_19, evaluate
 from tumble.planning.require import CEILING_RAD, ROWS, Requirements
 from tumble.planning.weights import symbols
 from tumble.solving.decision import UNCERTAINTY, Decision
-from tumble.solving.stated import Witness
 from tumble.solving.would_show import Question, Remedy, in_words
 
 if TYPE_CHECKING:
@@ -81,11 +80,8 @@ def document(
 
 def _would_show(case: Case, estimator: str) -> list[dict[str, Any]]:
     """What would show the limit, where runs on this stand do not."""
-    schedule, k = case.schedule, case.nominal_k()
-    lone = np.ones(len(schedule.positions), dtype=int)
-    witness = Witness(schedule, k, case.stand, lone, estimator, case.step_v)
-    as_declared = np.zeros((len(lone), 3)), np.zeros(3)
-    question = Question(witness, *as_declared, case.terms, case.limit_g, case.coverage_factor)
+    as_declared = np.zeros((len(case.schedule.positions), 3)), np.zeros(3)
+    question = Question(case.witness(estimator), *as_declared, case.terms, case.limit_g, case.coverage_factor)
     return [one.document() for one in question.answers()]
 
 

@@ -19,7 +19,8 @@ Coefficients = tuple[str, ...]
 _FEWEST_TO_TEST = 4  # samples: two lengths of blocks
 _EXPECTED_RAD = 1e-4  # of a seat or a platform that nobody declares
 _RAISED = 1.1  # u is by it, before a coefficient is marked
-_COUNTS, _ROUNDING = 0.1, 1e-9  # of the largest change: less is the block's misalignment where no u is known; nothing
+_COUNTS = 0.1  # of the largest change, where no u is known: less is the block's own misalignment
+_ROUNDING = 1e-9  # of the largest change: less is none
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tumble.defaults import DEFAULT_COVERAGE_FACTOR
-from tumble.rounding import beside
+from tumble.rounding import on_its_side
 from tumble.solving.assumptions import assumed, phrase
 from tumble.solving.solution import Solution
 
@@ -98,8 +98,8 @@ class Decision:
         if self.u_norm_g is None:
             return "no uncertainty, as no stand is declared"
         reach = self.coverage_factor * self.u_norm_g
-        shown = beside(reach, self.limit_g)
-        limit = beside(self.limit_g, float(shown), 6)
+        shown = on_its_side(reach, self.limit_g)
+        limit = on_its_side(self.limit_g, float(shown), 6)
         return f"{self.coverage_factor:g} u(|a|) is up to {shown} g, limit {limit} g"
 
     @property

@@ -29,7 +29,7 @@ class BadRecord(Exception):
 
 @dataclass(frozen=True)
 class Record:
-    """A record's contents. `fit_positions` to `drifts`: its counts; arrays as in OptimalTable, ."""
+    """A record's contents. `fit_positions` to `drifts`: its counts; arrays as in OptimalTable."""
 
     fit_positions: int
     mountings: int

@@ -16,16 +16,16 @@ from functools import cached_property
 import numpy as np
 
 from tumble import core
-from tumble.arrays import Floats, Integers
+from tumble.arrays import Floats
 from tumble.distributions import noncentrality
 from tumble.reference import Geometry, WholeModel
 from tumble.reference.fit import basis
 from tumble.reference.patterns import PATTERNS, Columns, Pattern, Scene
-from tumble.schedule import Schedule
 from tumble.solving.covariance import norm_gradient, spread_attitudes
 from tumble.solving.fit import CONFIDENCE, SOURCES, variance_of_means
+from tumble.solving.stated import Witness
 from tumble.solving.uncertainty import gains_of_run
-from tumble.stand import PerChannel, Stand
+from tumble.stand import Stand
 from tumble.terms import Terms
 
 FOUND = 0.9  # share of runs
@@ -56,22 +56,15 @@ Reliability = tuple[Undetected, ...]  # the largest error first, None at the end
 
 
 def reliability(
-    schedule: Schedule,
-    k: Floats,
-    stand: Stand,
-    samples: Integers,
-    estimator: str,
-    step: PerChannel = 0.0,
-    terms: Terms = (),
-    confidence: float = CONFIDENCE,
-    rounding: float | Floats = 0.0,
+    given: Witness, terms: Terms = (), confidence: float = CONFIDENCE, rounding: float | Floats = 0.0
 ) -> Reliability:
-    """Of all measured positions of `schedule` and their `samples`, for a block of sensitivity `k`; arguments as of
-    solving.uncertainty.gains_of_run, `confidence` that of the fit, `rounding` as of variance_of_means. Raises
-    CoreRefusal."""
+    """Of a run that is solved as `given`, or will be, with further `terms` of the model; `confidence` that of the fit,
+    `rounding` as of variance_of_means. Raises CoreRefusal."""
+    schedule, k, stand = given.schedule, given.k, given.stand
     means = Geometry(schedule).outputs(k, np.zeros(3))
-    model = WholeModel(schedule, means, variance_of_means(stand, samples, rounding), stand, terms)
-    gains = gains_of_run(core.CoreSchedule(schedule), k, stand, samples, estimator, step, terms)
+    model = WholeModel(schedule, means, variance_of_means(stand, given.samples, rounding), stand, terms)
+    part = core.CoreSchedule(schedule)
+    gains = gains_of_run(part, k, stand, given.samples, given.estimator, given.step, terms)
     tested = [one for one in PATTERNS if one.name not in terms]
     declared = _declared(stand)
     false_alarms = (1.0 - confidence) / (len(tested) + _BESIDE)

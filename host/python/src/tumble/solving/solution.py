@@ -42,7 +42,7 @@ from tumble.solving.monte_carlo import MonteCarlo, simulate
 from tumble.solving.noise_patterns import sampled_patterns
 from tumble.solving.reliability import Reliability, reliability
 from tumble.solving.second_order import SecondOrder, second_order
-from tumble.solving.stand_seen import ANGLES, StandSeen, look, made_alike, weights_of
+from tumble.solving.stand_seen import ANGLES, StandSeen, look, stand_to_look_with, weights_of
 from tumble.solving.stated import Propagation, Stated, Witness
 from tumble.stand import PerChannel, Stand, over
 from tumble.terms import Terms
@@ -141,12 +141,13 @@ class Solution:
         """What the run could not have shown, whatever it shows; None without a declared stand."""
         if self.fit is None:
             return None
+        return reliability(self.witness, self.found.terms, self.fit.confidence, self.noise.rounding)
+
+    @property
+    def witness(self) -> Witness:
+        """What numpy propagates; of a run whose stand is declared."""
         schedule, stand, samples = self._as_propagated
-        return reliability(
-            *(schedule, self.found.k, stand, samples, self.found.estimator, self.step, self.found.terms),
-            confidence=self.fit.confidence,
-            rounding=self.noise.rounding,
-        )
+        return Witness(schedule, self.found.k, stand, samples, self.found.estimator, self.step)
 
     @cached_property
     def coverage(self) -> Coverage | None:
@@ -271,7 +272,7 @@ def solve(
         errors, variances = declared or noise_of_runs.NO_STAND, noisy.mean_variance
         reach = Propagation(core_schedule, witnessed, run, found.k, estimator, errors, step, variances)
         stated, costly = _state(reach, optimal, further, file)
-    alike = None if declared is None else made_alike(declared, found.k)
+    alike = None if declared is None else stand_to_look_with(declared, found.k)
     weights = weights_of(alike)
     shown = RunSeen(core_schedule, found.linear, run.measured, found.k, found.u0, weights)
     pooled = noise(run.samples, run.scatter * weights)

@@ -13,7 +13,7 @@ from tumble import core, reference
 from tumble.arrays import Floats
 from tumble.errors import UsageError
 from tumble.estimators import OPTIMAL
-from tumble.rounding import beside
+from tumble.rounding import on_its_side
 from tumble.schedule import Schedule
 from tumble.solving.covariance import worst_norm
 from tumble.solving.solution import Solution
@@ -131,20 +131,9 @@ class Question:
 
 def would_show(solution: Solution) -> list[Remedy]:
     """Of a solution whose uncertainty is beyond the limit."""
-    declared = solution.declared.with_step(solution.step)
-    measured = solution.run.measured
-    witness = Witness(
-        solution.measured_schedule,
-        solution.found.k,
-        declared,
-        solution.run.samples[measured],
-        solution.found.estimator,
-        solution.step,
-    )
-    variance = solution.noise.mean_variance[measured]
-    factor = solution.coverage_factor
-    rounding = solution.noise.rounding**2
-    return Question(witness, variance, rounding, solution.found.terms, solution.limit_g, factor).answers()
+    variance, rounding = solution.noise.mean_variance[solution.run.measured], solution.noise.rounding**2
+    rule = solution.limit_g, solution.coverage_factor
+    return Question(solution.witness, variance, rounding, solution.found.terms, *rule).answers()
 
 
 def in_words(remedies: list[Remedy], limit_g: float) -> str:
@@ -154,4 +143,4 @@ def in_words(remedies: list[Remedy], limit_g: float) -> str:
 
 def _told(remedies: list[Remedy], limit_g: float) -> Iterator[str]:
     for one in remedies:
-        yield one.phrase if one.is_better else f"{one.phrase} ({beside(one.reach_g, limit_g)} g)"
+        yield one.phrase if one.is_better else f"{one.phrase} ({on_its_side(one.reach_g, limit_g)} g)"
