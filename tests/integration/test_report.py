@@ -223,6 +223,11 @@ def test_without_a_stand_it_says_so(drawn):
     assert "No stand is declared." in text
 
 
+def test_a_run_that_does_not_fit_its_stand_makes_no_claim(tmp_path, drawn):
+    text = plain(report_of(solved("misfit", tmp_path)).text)
+    assert "with a probability of 0.95. But the run does not fit the declared stand, so that U may be too small." in text
+
+
 def test_a_claim_on_the_true_value_takes_a_stand(drawn):
     document = solve().document
     text = plain(report_of(solve()).text)
@@ -230,6 +235,7 @@ def test_a_claim_on_the_true_value_takes_a_stand(drawn):
         "the value lies within U of the true one with a probability of 0.95" in text
         and "noise of the samples" not in text
     )
+    assert "counts the errors of the declared stand alone" in text and "U may be too small" not in text
     lacks_k = Result(json.dumps({**document, "coverage": None, "u_K": None, "u_U0": None, "covariance": None,
                                  "scatter_alone": {"u_K": document["u_K"], "u_U0": document["u_U0"]}}))  # fmt: skip
     text = plain(report_of(lacks_k).text)

@@ -204,6 +204,21 @@ static void test_the_stand_as_it_is_seen(void)
     TEST_ASSERT_NOT_EQUAL(looked_at, stand_memory.looked_at);
 }
 
+/* A channel that is declared to be next to silent is as much a part of it as another. */
+static void test_a_channel_without_noise_hides_no_other(void)
+{
+    (void)run_and_judge();
+    const double usual[] = {read_f64(0x2140, 1), read_f64(0x2140, 3), read_f64(0x2140, 5)};
+    declared_stand.channel_noise_v[0] = 1e-300;
+    stand_memory.looked_at = 0;
+    for (uint8_t i = 0; i < 3U; i++) {
+        const double value = read_f64(0x2140, (uint8_t)(1U + (2U * i)));
+        const double u = read_f64(0x2140, (uint8_t)(2U + (2U * i)));
+        TEST_ASSERT_TRUE((u > 0.0) && (u < 1e-3));
+        TEST_ASSERT_DOUBLE_WITHIN(2e-4, usual[i], value);
+    }
+}
+
 /* An NMT reset zeroes the procedure's counters, and the run after it has as many positions as the one before. */
 static void test_the_stand_of_a_run_after_a_reset(void)
 {

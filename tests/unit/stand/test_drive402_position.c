@@ -31,6 +31,16 @@ static tumble_drive_profile_t wrapping(void)
     return profile;
 }
 
+static void assert_refused(uint16_t index, uint8_t subindex, uint8_t step, uint32_t abort_code)
+{
+    const tumble_stand_refusal_t refusal = bench.drive.report.refusal;
+    assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
+    TEST_ASSERT_EQUAL_HEX16(index, refusal.index);
+    TEST_ASSERT_EQUAL_HEX8(subindex, refusal.subindex);
+    TEST_ASSERT_EQUAL_UINT8(step, refusal.step);
+    TEST_ASSERT_EQUAL_HEX32(abort_code, refusal.abort);
+}
+
 static void assert_lost(void)
 {
     assert_fault(TUMBLE_STAND_FAULT_POSITION);
@@ -319,11 +329,7 @@ static void test_near_zero_nobody_asks_for_the_home_offset(void)
     played.home = 510;
     ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
     run_to(TUMBLE_STAND_FAULT, 1000);
-    assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
-    const tumble_stand_refusal_t refusal = bench.drive.report.refusal;
-    TEST_ASSERT_EQUAL_HEX16(0x607C, refusal.index);
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_STAND_STEP_POSITION_MODE, refusal.step);
-    TEST_ASSERT_EQUAL_HEX32(0x06020000, refusal.abort);
+    assert_refused(0x607C, 0, TUMBLE_STAND_STEP_POSITION_MODE, 0x06020000);
 }
 
 /* Reports that are frozen from before: home is where the table is, and nobody knows it. */
@@ -402,12 +408,7 @@ static void test_a_drive_that_does_not_keep_them_does_not_run(void)
     played.keeps_no_limits = true;
     scripted_drive_boot(&played, &port);
     run_to(TUMBLE_STAND_FAULT, 500);
-    assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
-    const tumble_stand_refusal_t refusal = bench.drive.report.refusal;
-    TEST_ASSERT_EQUAL_HEX16(0x607D, refusal.index);
-    TEST_ASSERT_EQUAL_HEX8(1, refusal.subindex);
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_STAND_STEP_CONFIGURATION, refusal.step);
-    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_VALUE, refusal.abort);
+    assert_refused(0x607D, 1, TUMBLE_STAND_STEP_CONFIGURATION, TUMBLE_ABORT_VALUE);
     TEST_ASSERT_FALSE(bench.drive.report.limited);
 }
 

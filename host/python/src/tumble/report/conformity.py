@@ -121,7 +121,10 @@ def rule(source: Source) -> Inline:
     if not source.table("decision"):
         return Fixed(f"{gravity}, and {stand}. Nothing is stated of other attitudes: {_OLDER}. {_AS_THEY_ARE}")
     everywhere = f", and {factor:g} times the standard uncertainty of |a| is at most the limit at every attitude"
-    else_ = ". Where only the last does not hold, conformity is not shown, which is no PASS. "
+    else_ = (
+        ". Where only the last does not hold, conformity is not shown, which is no PASS. That uncertainty counts the "
+    )
+    else_ += "errors of the declared stand alone. "
     return Fixed(f"{gravity}, {stand}{everywhere}{else_}{_AS_THEY_ARE}")
 
 

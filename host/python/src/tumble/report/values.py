@@ -17,6 +17,7 @@ from tumble.units import noise_unit
 
 _MANY = 1000
 _STUDENT = f" k is Student's t for {NU} effective degrees of freedom (Welch and Satterthwaite)."
+_DENIED = " But the run does not fit the declared stand, so that U may be too small."
 _TERMS = {"k2": ("K2", "g\u207b¹"), "k3": ("K3", "g\u207b²"), "drift": ("drift", "")}
 _INTRINSIC: dict[str, tuple[Path, str, tuple[Path, Path] | None]] = {  # name: path within its tables, unit; "": that
     # of K; path in SI
@@ -68,8 +69,9 @@ def uncertainties(source: Source) -> Uncertainties:
     expanded = line(
         "U = k u is the expanded uncertainty with the coverage factor k", factor, ": the value lies within U"
     )
+    denied = _DENIED if source.table("fit") and not source.flag("fit", "fits") else ""
     return Uncertainties(
-        table, has_k, line(expanded, " of the true one with a probability of ", probability, ".", _STUDENT)
+        table, has_k, line(expanded, " of the true one with a probability of ", probability, ".", denied, _STUDENT)
     )
 
 
