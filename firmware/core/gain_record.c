@@ -132,8 +132,8 @@ static bool weights_are_positive(const tumble_gain_record_t *record)
 {
     const double *weights = tumble_gain_record_weights(record);
     bool positive = true;
-    for (int i = 0; (weights != NULL) && (i < TUMBLE_CHANNELS); i++) {
-        positive = positive && tumble_is_positive(weights[i]);
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        positive = positive && ((weights == NULL) || tumble_is_positive(weights[i]));
     }
     return positive;
 }

@@ -30,7 +30,7 @@ def remarks(solution: Solution) -> list[str]:
     x, y, z = norm.attitude
     lines.append(f"Worst u(|a|): {norm.worst * 1e6:.3g} ug, at the attitude ({x:+.2f}, {y:+.2f}, {z:+.2f})")
     lines += [] if solution.further is None else _loss(solution, solution.further)
-    lines += [] if solution.reliability is None else reliability.lines(solution.reliability)
+    lines += [] if solution.reliability is None else reliability.lines(solution.reliability, solution.limit_g)
     return lines + ([] if solution.monte_carlo is None else _simulated(solution.monte_carlo))
 
 

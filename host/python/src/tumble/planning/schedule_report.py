@@ -94,7 +94,7 @@ def show(found: Planned, written: str | None, stand: str | None) -> None:
     if found.further is not None:
         out.print(model_cost.sentence(found.further))
     out.print(found.promise.sentence)
-    for line in reliability.lines(found.unseen, "will not show"):
+    for line in reliability.lines(found.unseen):
         out.print(line)
     if written is not None:
         files = ["--schedule", written, *([] if stand is None else ["--stand", stand])]

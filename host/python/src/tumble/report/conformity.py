@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from decimal import Decimal
 
+from tumble.reference.patterns import BY_NAME
 from tumble.report.cells import MISSING, NO_UNCERTAINTY, Facts, Fixed, Inline, Table, aligned, joined, line
 from tumble.report.rounding import Shown, rounded
 from tumble.report.source import STANDARD_GRAVITY, Factor, Path, Source
@@ -213,7 +214,8 @@ def unseen(source: Source) -> tuple[Table, Inline] | None:
     never: list[Inline] = []
     for i in range(len(source.array("reliability"))):
         at = ("reliability", i)
-        name = source.told(*at, "pattern")
+        pattern = str(source.at(*at, "pattern"))
+        name = Fixed(BY_NAME[pattern].words if pattern in BY_NAME else pattern)
         if source.decimal(*at, "size") is None:
             never.append(name)
         else:
@@ -222,4 +224,4 @@ def unseen(source: Source) -> tuple[Table, Inline] | None:
     if not rows and not never:
         return None
     columns = ("Error of the block or stand", "Size", "Unit", "Error of |a| in µg")
-    return Table(columns, rows[:_MOST_UNSEEN], left=(2,)), joined(never, ", ") if never else Fixed("none")
+    return Table(columns, rows[:_MOST_UNSEEN], left=(2,)), joined(never, "; ") if never else Fixed("none")

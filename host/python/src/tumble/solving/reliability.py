@@ -92,16 +92,16 @@ def documents(found: Reliability | None) -> dict[str, object]:
     return {"reliability": listed, "reliability_norm_g": None if found is None else largest(found)}
 
 
-def lines(found: Reliability, would: str = "would not have shown") -> list[str]:
-    """For people: what costs most, and what no size shows."""
-    said, unseen = [], ", ".join(one.pattern.name for one in found if one.size is None)
+def lines(found: Reliability, limit_g: float | None = None) -> list[str]:
+    """For people: what costs most, and whether that is more than the limit, if there is one; what no size shows."""
+    said, unseen = [], "; ".join(one.pattern.words for one in found if one.size is None)
     worst = found[0] if found else None
     if worst is not None and worst.size is not None and worst.norm_g is not None:
-        size = f"{worst.pattern.name} {worst.size:.3g} {worst.pattern.unit}"
-        error = f"they can add up to {1e6 * worst.norm_g:.3g} ug to |a|"
-        said.append(f"Errors of the block or stand up to {size} {would}; {error}")
+        size = f"{worst.pattern.words} ({worst.size:.3g} {worst.pattern.unit})"
+        beyond = ", more than the limit" if limit_g is not None and worst.norm_g > limit_g else ""
+        said.append(f"One run in ten would not show {size}: up to {1e6 * worst.norm_g:.3g} ug of |a|{beyond}")
     if unseen:
-        said.append(f"These {would} at any size: {unseen}")
+        said.append(f"No run would show, at any size: {unseen}")
     return [line for one in said for line in textwrap.wrap(one, _WIDTH, subsequent_indent="  ")]
 
 

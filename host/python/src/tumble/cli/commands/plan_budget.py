@@ -81,7 +81,7 @@ def _show(
         out.print(note)
     if promised is not None:
         out.print(promised.sentence)
-    for line in [] if unseen is None else reliability.lines(unseen, "will not show"):
+    for line in [] if unseen is None else reliability.lines(unseen):
         out.print(line)
     model_cost.show(out, further)
     if found.second_order.matters:
