@@ -77,7 +77,6 @@ static void look(const tumble_navcomp_t *navcomp, tumble_stand_memory_t *memory,
     tumble_seen_angles_t angles = {.alpha1 = {.known = false}};
     tumble_seen_t alpha4 = {.known = false};
     double freedom;
-    memory->view = (tumble_stand_view_t){0};
     (void)tumble_averaging_means(tumble_procedure_averages(&navcomp->procedure), config->v_per_count, &memory->means);
     double weight[TUMBLE_CHANNELS];
     tumble_coefficients_t alike = *coefficients;
