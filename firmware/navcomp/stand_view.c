@@ -79,7 +79,8 @@ static void look(const tumble_navcomp_t *navcomp, tumble_stand_memory_t *memory,
     double freedom;
     (void)tumble_averaging_means(tumble_procedure_averages(&navcomp->procedure), config->v_per_count, &memory->means);
     double weight[TUMBLE_CHANNELS];
-    tumble_coefficients_t alike = *coefficients;
+    tumble_coefficients_t alike;
+    alike = *coefficients;
     find_weights(declared, weight);
     make_alike(weight, &memory->means, &alike);
     const tumble_seen_t noise = look_at_noise(navcomp, weight, memory);
