@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from decimal import Decimal
 
-from tumble.reference.patterns import BY_NAME
 from tumble.report.cells import MISSING, NO_UNCERTAINTY, Facts, Fixed, Inline, Table, aligned, joined, line
 from tumble.report.rounding import Shown, rounded
 from tumble.report.source import STANDARD_GRAVITY, Factor, Path, Source
 from tumble.solving.assumptions import ASSUMPTIONS
 from tumble.solving.decision import UNCERTAINTY, Decision
+from tumble.solving.reliability import in_words as in_words_of
 from tumble.solving.stand_seen import NAMES
 from tumble.solving.would_show import Remedy, in_words
 
@@ -215,7 +215,7 @@ def unseen(source: Source) -> tuple[Table, Inline] | None:
     for i in range(len(source.array("reliability"))):
         at = ("reliability", i)
         pattern = str(source.at(*at, "pattern"))
-        name = Fixed(BY_NAME[pattern].words if pattern in BY_NAME else pattern)
+        name = Fixed(in_words_of(pattern))
         if source.decimal(*at, "size") is None:
             never.append(name)
         else:

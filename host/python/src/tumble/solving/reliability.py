@@ -20,7 +20,7 @@ from tumble.arrays import Floats
 from tumble.distributions import noncentrality
 from tumble.reference import Geometry, WholeModel
 from tumble.reference.fit import basis
-from tumble.reference.patterns import PATTERNS, Columns, Pattern, Scene
+from tumble.reference.patterns import BY_NAME, PATTERNS, Columns, Pattern, Scene
 from tumble.solving.covariance import norm_gradient, spread_attitudes
 from tumble.solving.fit import CONFIDENCE, SOURCES, variance_of_means
 from tumble.solving.stated import Witness
@@ -90,6 +90,11 @@ def documents(found: Reliability | None) -> dict[str, object]:
     """As keys of a document; None: of a run without a declared stand."""
     listed = None if found is None else [one.document() for one in found]
     return {"reliability": listed, "reliability_norm_g": None if found is None else largest(found)}
+
+
+def in_words(pattern: str) -> str:
+    """A pattern by its name; one of a later version by its name alone."""
+    return BY_NAME[pattern].words if pattern in BY_NAME else pattern
 
 
 def lines(found: Reliability, limit_g: float | None = None) -> list[str]:
