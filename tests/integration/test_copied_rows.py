@@ -37,19 +37,37 @@ def copied_to(rows, own, other):
     return found
 
 
-@pytest.mark.parametrize("spoil, said", [
-    (lambda rows: np.vstack((rows, rows)), "row 902: rows 902 to 1801 (1.1) are rows 2 to 901 (1.1) again"),
-    (lambda rows: np.vstack((rows[:500], rows)), "row 502: rows 502 to 1001 (1.1) are rows 2 to 501 (1.1) again"),
-    (lambda rows: np.vstack((rows, rows, rows)), "row 902: rows 902 to 2701 (1.1) are rows 2 to 1801 (1.1) again"),
-    (lambda rows: np.vstack((rows[:150], rows[100:])),
-     "row 152: rows 152 to 201 (1.3) are rows 102 to 151 (1.3) again"),
-    (lambda rows: copied_to(rows, (1, 1), (1, 9)), "row 402: rows 402 to 451 (1.9) are rows 2 to 51 (1.1) again"),
-    (lambda rows: np.vstack((rows[::12], rows[::12])), "row 77: rows 77 to 151 (1.1) are rows 2 to 76 (1.1) again"),
-])  # fmt: skip
-def test_rows_that_come_again(spoil, said, rows, refused, tmp_path):
+ALL = "1.1 to 2.9"
+
+
+@pytest.mark.parametrize(
+    ("spoil", "again", "first"),
+    [
+        (lambda rows: np.vstack((rows, rows)), f"902 to 1801 ({ALL})", f"2 to 901 ({ALL})"),
+        (lambda rows: np.vstack((rows[:500], rows)), "502 to 1001 (1.1 to 2.1)", "2 to 501 (1.1 to 2.1)"),
+        (lambda rows: np.vstack((rows, rows, rows)), f"902 to 2701 ({ALL})", f"2 to 1801 ({ALL})"),
+        (lambda rows: np.vstack((rows[:150], rows[100:])), "152 to 201 (1.3)", "102 to 151 (1.3)"),
+        (lambda rows: copied_to(rows, (1, 1), (1, 9)), "402 to 451 (1.9)", "2 to 51 (1.1)"),
+        (lambda rows: np.vstack((rows[::12], rows[::12])), f"77 to 151 ({ALL})", f"2 to 76 ({ALL})"),
+    ],
+)
+def test_rows_that_come_again(spoil, again, first, rows, refused, tmp_path):
     run = written(tmp_path / "run.csv", spoil(rows))
     for stand in ((), ("--stand", PAPER)):
-        assert f"{run}: {said}, digit for digit: written twice? Leave them out" in refused("solve", run, *stand)
+        said = f"{run}: row {again.split()[0]}: rows {again} are rows {first} again, digit for digit: written twice? "
+        assert f"{said}Leave them out" in refused("solve", run, *stand)
+
+
+@pytest.mark.parametrize("times", [2, 3, 4])
+def test_every_row_several_times_in_place(times, rows, tmp_path):
+    """It is told, with rows; honest rows are not taken for it, nor those of a converter that shows no noise."""
+    said = f"rows 2 to {times + 1}, and so on, are equal, digit for digit: each measurement is written {times} times"
+    odd = package.solve(written(tmp_path / "run.csv", np.repeat(rows, times, axis=0)), stand=PAPER).warnings
+    assert sum(said in one for one in odd) == 1, odd
+    whole = np.repeat(rows, times, axis=0)[times - 1 :]  # the log begins within the first
+    for honest in (rows, whole, np.round(rows, 1)):
+        told = package.solve(written(tmp_path / "honest.csv", honest), stand=PAPER).warnings
+        assert not any("and so on" in one for one in told)
 
 
 def means_of(rows):

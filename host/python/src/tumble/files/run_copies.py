@@ -29,6 +29,7 @@ _SOURCES = (2, 3, 4)
 _FEWEST_IN_TURN = 8  # rows at a position
 _TIMES_NOISE = 30.0  # variance of the means of sources, over what noise makes of it; alternating noise makes up to 20
 _CLEAR, _LARGE, _OF_POSITIONS = 8.0, 5e-3, 0.75  # times noise, parts of 1 g and of the positions: no vibration
+_HELD, _CHANGES = (4, 3, 2), 0.9  # rows of a value; share of the next ones that are other ones
 _NUMBERS = {2: "two", 3: "three", 4: "four"}
 _STEPS_APART = 3.0  # of a converter: it may alternate by one by itself
 _MULTIPLIERS = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
@@ -61,6 +62,20 @@ def copied(outputs: Floats, position: Integers, step: Floats) -> Repeat | None:
     )
     chance = 2.0 * math.log(len(outputs)) + found.length * math.log(likely)
     return found if chance < math.log(CHANCE) else None
+
+
+def held(rests: Iterable[Floats]) -> int:
+    """How many rows each measurement stands for: 1, or as many as are equal throughout where their neighbours are not:
+    written several times one after the other, or held by a sensor that is slower than its log. `rests`: the rows
+    (rows, 3) of each position."""
+    whole = [rows for rows in rests if len(rows) >= _FEWEST_IN_TURN]
+    for times in _HELD if whole else ():
+        grouped = [rows[: len(rows) // times * times].reshape(-1, times, 3) for rows in whole]
+        if all((group == group[:, :1]).all() for group in grouped):
+            changes = [(group[1:, 0] != group[:-1, 0]).any(axis=1) for group in grouped]
+            if np.concatenate(changes).mean() >= _CHANGES:
+                return times
+    return 1
 
 
 def _longest_repeat(outputs: Floats) -> Repeat | None:

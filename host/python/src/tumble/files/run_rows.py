@@ -68,7 +68,7 @@ def require(run: Run, schedule: Schedule, stand_file: StandFile | None, file: st
     judge.require_no_stuck_channel()
     judge.require_no_extremes()
     judge.require_no_copies()
-    return (*run.passed_over, *judge.judge_sources(), *judge.judge_rest())
+    return (*run.passed_over, *judge.judge_sources(), *judge.judge_held(), *judge.judge_rest())
 
 
 class _Judge:
@@ -183,7 +183,7 @@ class _Judge:
             if found is not None:
                 last = found.length - 1
                 again, first = (
-                    f"{_range(lines[begin], lines[begin + last])} ({self._label(int(position[begin]))})"
+                    f"{_range(lines[begin], lines[begin + last])} ({self._labels(position, begin, begin + last)})"
                     for begin in (found.again, found.first)
                 )
                 said = f"rows {again} are rows {first} again, digit for digit: written twice? Leave them out"
@@ -208,6 +208,15 @@ class _Judge:
         if found is not None and found.is_certain:
             raise self._refusal(f"{found.sentence}? Keep the rows of one", first)
         return () if found is None else (f"from row {first} on {found.sentence}, or a vibration in step with them?",)
+
+    def judge_held(self) -> tuple[str, ...]:
+        """A warning where every measurement stands in several rows."""
+        times = run_copies.held(self._table.rows(position, run_copies.MOST_IN_TURN)[0] for position in self._present)
+        if times == 1:
+            return ()
+        first = min(self._facts[position].lines[0] for position in self._present)
+        said = f"rows {first} to {first + times - 1}, and so on, are equal, digit for digit"
+        return (f"{said}: each measurement is written {times} times, or held; keep one of each",)
 
     # Was the table at rest?
 
@@ -310,6 +319,11 @@ class _Judge:
 
     def _said(self, value: float) -> str:
         return f"{value:.5g} {self._run.unit}"
+
+    def _labels(self, position: Integers, first: int, last: int) -> str:
+        """Of the positions of two rows."""
+        ends = [self._label(int(position[row])) for row in (first, last)]
+        return ends[0] if ends[0] == ends[1] else f"{ends[0]} to {ends[1]}"
 
     def _label(self, position: int) -> str:
         return self._schedule.positions[position].label
