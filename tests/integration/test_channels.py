@@ -178,8 +178,65 @@ def test_what_is_seen_of_them_fits_a_terminal(unit, tmp_path, tumble):
     (tmp_path / "stand.toml").write_text(noise)
     done = tumble("solve", EXAMPLES / "paper_stand.csv", "--unit", unit, "--stand", tmp_path / "stand.toml")
     said = done.stdout[done.stdout.index("Stand seen:") :].partition("\n\n")[0]
-    assert f" {unit}, declared 3.10e-04 (noisiest) " in " ".join(said.split())
+    noise, several = np.loadtxt(EXAMPLES / "paper_stand.csv", delimiter=",", skiprows=1), []
+    for place in np.unique(noise[:, :2], axis=0):
+        several.append(noise[(noise[:, :2] == place).all(axis=1), 2:])
+    freedom = sum(len(rows) - 1 for rows in several)
+    seen = np.sqrt(sum(((rows - rows.mean(axis=0)) ** 2).sum(axis=0) for rows in several) / freedom)
+    of_each = ", ".join(f"{axis} {value:.2e}" for axis, value in zip("xyz", seen))
+    percent = f"{100.0 / np.sqrt(2 * freedom):.2g}"
+    told = f"noise {of_each} {unit}, each +- {percent} %; declared 3.00e-04, 3.00e-04, 3.10e-04"
+    assert told in " ".join(said.split())
     assert max(map(len, said.splitlines())) <= 80
+    given = ("solve", EXAMPLES / "paper_stand.csv", "--unit", unit, "--stand", tmp_path / "stand.toml", "--json")
+    result = json.loads(tumble(*given).stdout)["stand_seen"]
+    assert result["noise_v_by_channel"] == pytest.approx(seen, rel=1e-12)
+    assert result["u_noise_v_by_channel"] == pytest.approx(seen / np.sqrt(2 * freedom), rel=1e-12)
+    weights = 3.1e-4 / np.array([3e-4, 3e-4, 3.1e-4])
+    assert result["noise_v"] == pytest.approx(np.sqrt(((seen * weights) ** 2).mean()), rel=1e-12)
+
+
+@pytest.mark.parametrize("unit", ["V", "mV"])
+def test_the_channel_that_is_not_as_declared_is_seen(unit, tmp_path, tumble):
+    """In solve, in fixture check over two runs, in the report's table; in volts, whatever the unit of the run."""
+    k, u0, factor = SCALE[:, None] * NOMINAL_K / 2.0, np.zeros(3), {"V": 1.0, "mV": 1e3}[unit]
+    louder = dataclasses.replace(UNEQUAL, noise=(NOISE[0], 2.0 * NOISE[1], NOISE[2]))
+    scales = [float(one) for one in SCALE]
+    text = TEXT[: TEXT.index("[block.true]")].replace("scale_v_per_g = 2.0", f"scale_v_per_g = {scales}")
+    stand, squares = tmp_path / "stand.toml", np.zeros(3)
+    text = text.replace("range_v = 10.0", "range_v = 20.0")
+    stand.write_text(text.replace("noise_v = 3e-4", f"noise_v = {list(NOISE)}"))
+    for seed in (1, 2):
+        rows = sampled(seed, louder, k, u0)
+        squares += rows.var(axis=1, ddof=1).mean(axis=0) / 2.0
+        lines = [f"ux [{unit}],uy [{unit}],uz [{unit}],mounting,position"]
+        for place, samples in enumerate(rows * factor):
+            lines += [f"{x!r},{y!r},{z!r},{place // 9 + 1},{place % 9 + 1}" for x, y, z in samples.tolist()]
+        (tmp_path / f"{seed}.csv").write_text("\n".join(lines) + "\n")
+    one = np.sqrt(rows.var(axis=1, ddof=1).mean(axis=0))
+    solve_it = ("solve", tmp_path / "2.csv", "--stand", stand)
+    seen = json.loads(tumble(*solve_it, "--json").stdout)["stand_seen"]
+    assert seen["noise_v_by_channel"] == pytest.approx(one, rel=1e-9)
+    assert 1.7 < one[1] / NOISE[1] < 2.3 and (np.abs(one[::2] / np.array(NOISE)[::2] - 1.0) < 0.15).all()
+    shown = " ".join(tumble(*solve_it).stdout.split())
+    assert f"y {one[1]:.2e}, z {one[2]:.2e} V, each +- 6.3 %; declared 4.50e-05, 3.00e-04, 1.50e-03" in shown
+    checked = tumble("fixture", "check", tmp_path / "1.csv", tmp_path / "2.csv", "--stand", stand)
+    both = np.sqrt(squares)
+    told = f"by channel x {both[0]:.2e}, y {both[1]:.2e}, z {both[2]:.2e} V, each +- 4.5 %; declared 4.50e-05,"
+    assert told in " ".join(checked.stdout.split()) and max(map(len, checked.stdout.splitlines())) <= 80
+    tumble(*solve_it, "--out", tmp_path / "result.json")
+    report = tmp_path / "report.html"
+    assert tumble("report", tmp_path / "result.json", "--out", report).returncode == 0
+    html = report.read_text()
+    assert html.count("/stand_seen/noise_v_by_channel/") == 3 and 'data-path="/stand_seen/noise_v"' not in html
+    assert "Standard deviation of one sample, y; declared " in html
+
+
+def test_one_declared_noise_is_one_that_is_seen(tumble):
+    given = ("solve", EXAMPLES / "paper_stand.csv", "--stand", EXAMPLES / "paper_stand.toml")
+    seen = json.loads(tumble(*given, "--json").stdout)["stand_seen"]
+    assert seen["noise_v_by_channel"] is seen["u_noise_v_by_channel"] is None and seen["noise_v"] > 0.0
+    assert ", declared 3.00e-04" in tumble(*given).stdout
 
 
 def test_a_result_repeats_what_was_declared():

@@ -103,15 +103,17 @@ def row_totals(case, sizes):
 
 
 def test_a_coarse_converter_is_noise_in_every_plan(tumble, tmp_path):
-    """A stand of 1 uV behind 12 bits of 10 V: 1.4 mV of rounding. No estimator claims less than the bound."""
+    """A stand of 1 uV behind 12 bits of 10 V: 1.4 mV of rounding, in every sample and once more in every mean, as
+    samples round alike. Weights do not know that, those of a solve neither."""
     stand = ("--stand", paper_stand(tmp_path, block="converter_bits = 12\nrange_v = 10.0\n", noise_v="1e-6"))
     rounding = 20.0 / 2**12 / 12**0.5
     optimize = plan(tumble, "optimize", *stand)
     budgets = {name: plan(tumble, "budget", *stand, "--estimator", name) for name in ("refined", "optimal")}
-    assert budgets["refined"]["sources"]["noise_v"] == pytest.approx(rounding / 50**0.5)
+    assert budgets["refined"]["sources"]["noise_v"] == pytest.approx(rounding * (1.0 + 1.0 / 50) ** 0.5)
     assert np.array(budgets["optimal"]["u_K"]) == pytest.approx(np.array(optimize["u_K"]), rel=1e-6)
-    assert (np.array(budgets["refined"]["u_K"]) >= np.array(optimize["u_K"]) * (1 - 1e-9)).all()
-    assert plan(tumble, "require", *stand)["samples"] == int(np.ceil((rounding / 2e-4) ** 2))
+    diagonal = [np.diag(np.array(one["u_K"])) for one in (optimize, budgets["refined"])]
+    assert (np.array(diagonal) > 0.3 * rounding).all()
+    assert plan(tumble, "require", *stand)["samples"] is None
 
 
 @pytest.mark.slow

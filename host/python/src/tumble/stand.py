@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from tumble.arrays import Floats, Integers
+from tumble.arrays import Flags, Floats, Integers
 from tumble.terms import DRIFT, Terms
 from tumble.units import volts_per
 
@@ -49,6 +49,13 @@ def rounding_of(step: PerChannel | Floats) -> Floats:
     return rounding
 
 
+def rounds_alike(noise: Floats, step: PerChannel | Floats) -> Flags:
+    """In which channels (3,) all samples of a position round alike, so that no averaging helps: `noise`, standard
+    deviations, is under half a `step` of the converter."""
+    alike: Flags = noise < np.abs(by_channel(step)) / 2.0
+    return alike
+
+
 @dataclass(frozen=True)
 class Stand:
     """Errors of a stand as declared: angles in radians, noise of one sample and drift in V or as `in_unit` made them,
@@ -61,7 +68,8 @@ class Stand:
     `seat`: how far each mounting tilts the block against the axis, and adds to the table angle. `platform`: how far the
     platform tilts it against the axis, the same in all mountings and runs. `encoder`: of the table angle, by its sine,
     cosine, and sine and cosine of its double, four numbers of this size for the stand. `drift`: of every channel, from
-    the first fitted position of a run to the last. 0: not declared.
+    the first fitted position of a run to the last. `rounding`: standard deviation, whatever `limits` says, that a
+    converter leaves in every mean, however many its samples; a plan knows it, a run shows it. 0: not declared.
     """
 
     axis_tilt: float
@@ -77,6 +85,7 @@ class Stand:
     platform: float = 0.0
     encoder: float = 0.0
     drift: PerChannel = 0.0
+    rounding: PerChannel = 0.0
 
     @property
     def limits_over_sigma(self) -> float:
@@ -102,15 +111,16 @@ class Stand:
         return largest / np.maximum(noise, _LEAST_NOISE * largest) if largest > 0.0 else np.ones(3)
 
     def profile(self, source: str) -> Floats:
-        """How "noise" or "drift" of the channels (3,) compares with that of the channel that has most."""
-        sigmas = self.sigmas(source)
+        """How "noise", of a mean, or "drift" of the channels (3,) compares with that of the channel that has most."""
+        sigmas = self.mean_sigma(self.samples) if source == "noise" else self.sigmas(source)
         largest = sigmas.max()
         return sigmas / largest if largest > 0.0 else np.ones(3)
 
     def in_unit(self, unit: str) -> Stand:
         """This stand with its noise and drift in the unit of a run's outputs."""
         volts = volts_per(unit)
-        return replace(self, noise=over(self.noise, volts), drift=over(self.drift, volts))
+        by_unit: dict[str, Any] = {name: over(getattr(self, name), volts) for name in (*PER_CHANNEL, "rounding")}
+        return replace(self, **by_unit)
 
     def beside(self, terms: Terms) -> Stand:
         """This stand without what further `terms` of a model have as unknowns, whatever its size: its drift."""
@@ -122,10 +132,22 @@ class Stand:
         noise, rounding = by_channel(self.noise), rounding_of(step) * _SIGMAS_PER_LIMIT[self.limits]
         return self if (noise >= rounding).all() else replace(self, noise=per_channel(np.maximum(noise, rounding)))
 
+    def planned_with(self, step: PerChannel) -> Stand:
+        """The same before a run: where samples will round alike, rounding counts undivided beside the noise, as a run
+        that shows it counts it."""
+        alike = rounds_alike(self.sigmas("noise"), step)
+        return replace(self.with_step(step), rounding=per_channel(np.where(alike, rounding_of(step), 0.0)))
+
+    def mean_sigma(self, samples: float | Integers) -> Floats:
+        """Standard deviations (..., 3) of means of so many `samples` (...) by noise and rounding."""
+        by_noise = self.sigmas("noise") / np.sqrt(np.asarray(samples))[..., None]
+        sigmas: Floats = np.hypot(by_noise, by_channel(self.rounding))
+        return sigmas
+
     def mean_variance(self, rows: Integers) -> Floats:
         """Variance (positions, 3) of the mean of each position of a run by the noise, as averaged_over takes `rows`."""
         variance: Floats = self.sigmas("noise") ** 2 / self.averaged_over(rows)[:, None]
-        return variance
+        return variance + by_channel(self.rounding) ** 2
 
     def averaged_over(self, rows: Integers) -> Integers:
         """How many samples the mean of each position of a run has, by its `rows`. If no position has more than one, the

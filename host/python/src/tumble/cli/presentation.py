@@ -238,11 +238,11 @@ def _stand_remarks(solution: Solution) -> list[str]:
             its_unit, factor = (noise_unit(unit), volts_per(unit)) if source == "noise_v" else ("rad", 1.0)
             has_u = seen.source is not None or source not in SYSTEMATIC
             measured = _measured(one, has_u, factor, " " if source not in SYSTEMATIC else "+")
-            end = f", declared {declared[source]:.2e}" if source in declared else ""
-            if source == "noise_v" and stand is not None and isinstance(stand.noise, tuple):
-                end += " (noisiest)"
+            said = f"{measured} {its_unit}" + (f", declared {declared[source]:.2e}" if source in declared else "")
+            if source == "noise_v" and solution.channel_noise is not None:
+                said = solution.channel_noise.sentence(its_unit)
             begin = "" if lines else "Stand seen:"
-            line = f"{begin:11} {name:11} {measured} {its_unit}{end}"
+            line = f"{begin:11} {name:11} {said}"
             lines += textwrap.wrap(line, _COLUMNS, subsequent_indent=" " * 24, break_on_hyphens=False)
     return lines
 

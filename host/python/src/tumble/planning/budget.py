@@ -20,7 +20,7 @@ from tumble.planning.published import NAMES, SOURCES
 from tumble.solving import reliability
 from tumble.solving.reliability import Reliability
 from tumble.solving.second_order import SecondOrder, second_order
-from tumble.stand import SIGMA, by_channel
+from tumble.stand import SIGMA
 
 _ATTRIBUTES = dict(zip(SOURCES, ("axis_tilt", "level", "remount", "angle", "noise")))
 ALPHAS = "alpha1 axis tilt, alpha2 level, alpha3 yaw of the block, alpha4 set angles"
@@ -72,10 +72,11 @@ def sized(case: Case, name: str, size: float) -> float | list[float] | None:
     return of_each
 
 
-def channels_note(case: Case) -> str | None:
-    """What the sizes of outputs are where the channels differ, for people; None where they are alike."""
+def notes(case: Case) -> list[str]:
+    """For people: what the sizes of outputs are where the channels differ, and that rounding does not average out."""
     differ = [name for name in weights.OF_OUTPUTS if isinstance(getattr(case.stand, name), tuple)]
-    return f"{' and '.join(differ)}: of the channel that has most, the others in proportion" if differ else None
+    said = [f"{' and '.join(differ)}: of the channel that has most, the others in proportion"] if differ else []
+    return said + ([] if case.rounding_sentence is None else [case.rounding_sentence])
 
 
 def unit(name: str) -> str:
@@ -86,12 +87,12 @@ def unit(name: str) -> str:
 def sizes(case: Case, published: bool) -> Floats:
     """Sizes of the sources: as declared, or as standard deviations; the noise is that of a mean, noise and drift those
     of the channel that has most."""
-    names = sources(case, published)
-    attributes = [_ATTRIBUTES.get(name, name) for name in names]
-    limits = [by_channel(getattr(case.stand, name)).max() for name in attributes]
-    of = limits if published else np.array(limits) / case.stand.limits_over_sigma
-    found: Floats = np.array(of) / [case.stand.samples**0.5 if name == "noise" else 1.0 for name in names]
-    return found
+    stand, names = case.stand, sources(case, published)
+    of = {name: stand.sigmas(_ATTRIBUTES.get(name, name)) for name in names} | {
+        "noise": stand.mean_sigma(stand.samples)
+    }
+    found: Floats = np.array([of[name].max() for name in names])
+    return found * stand.limits_over_sigma if published else found
 
 
 def budget(case: Case, which: str, estimator: str) -> Budget:

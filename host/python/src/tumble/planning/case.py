@@ -12,6 +12,7 @@ from tumble.defaults import DEFAULT_COVERAGE_FACTOR, DEFAULT_LIMIT_G
 from tumble.errors import BadInput
 from tumble.files.stand_file import StandFile
 from tumble.schedule import FIT, Schedule
+from tumble.solving.gains import mean_sigma
 from tumble.solving.reliability import Reliability, reliability
 from tumble.solving.stated import Witness
 from tumble.stand import PAPER_STAND, PER_CHANNEL, PerChannel, Stand, by_channel
@@ -23,7 +24,8 @@ PAPER_BLOCK = {"scale_v_per_g": 2.0, "misalignment_rad": 0.02}
 
 @dataclass(frozen=True)
 class Case:
-    """`stand`: as declared, but its noise no less than what the converter's steps leave; `scale` in V/g, of any sign
+    """`stand`: as declared, but its noise no less than what the converter's steps leave, undivided where they average
+    nothing out; `scale` in V/g, of any sign
     but not 0, of all channels or of each; `misalignment` in radians, the same size for all six; `step_v`: of the
     converter, 0 if unknown; `schedule`: None for the paper's own; `limit_g`: the stand file's, else the paper's;
     `terms`: further ones of the model, whose true sizes are 0; `coverage_factor`: of the decision rule."""
@@ -49,7 +51,7 @@ class Case:
         limit_g = DEFAULT_LIMIT_G if stand_file.delta_g_limit_g is None else stand_file.delta_g_limit_g
         nominal = block["scale_v_per_g"], block["misalignment_rad"]
         step_v = stand_file.step_v
-        stand, factor = stand_file.stand.with_step(step_v), stand_file.decided_by
+        stand, factor = stand_file.stand.planned_with(step_v), stand_file.decided_by
         return cls(stand, *nominal, step_v, schedule, limit_g, coverage_factor=factor)
 
     @property
@@ -75,6 +77,25 @@ class Case:
         """The schedule without its check positions."""
         whole = self.schedule
         return Schedule(whole.mountings, tuple(position for position in whole.positions if position.use == FIT))
+
+    def mean_sigma(self, k: Floats) -> Floats:
+        """Standard deviations (3,) of a position's mean: the noise as weights have it for a block of sensitivity `k`,
+        and what rounding leaves beside it."""
+        by_noise = mean_sigma(k, self.stand, self.step_v, self.stand.samples)[0]
+        sigmas: Floats = np.hypot(by_noise, by_channel(self.stand.rounding))
+        return sigmas
+
+    @property
+    def rounding_sentence(self) -> str | None:
+        """What a converter that nothing dithers leaves in every mean, and the remedies; None where it averages out."""
+        rounding = by_channel(self.stand.rounding)
+        if not rounding.any():
+            return None
+        named = ", ".join(f"u{axis}" for axis, left in zip("xyz", rounding) if left > 0.0)
+        return (
+            f"Noise under half a step of the converter ({named}): rounding leaves {rounding.max():.2g} V in the mean of"
+            " any number of samples; remedies: dither, more bits, a smaller range"
+        )
 
     def reliability(self, estimator: str) -> Reliability:
         """What no run of the nominal block would show. Raises CoreRefusal where the schedule lacks positions."""

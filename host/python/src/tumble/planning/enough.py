@@ -17,7 +17,7 @@ from tumble.planning.budget import by_key, sizes as declared_sizes, sources
 from tumble.planning.case import Case
 from tumble.planning.promise import Promise, promise, promises
 from tumble.planning.published import SOURCES
-from tumble.planning.require import samples_for, stand_of
+from tumble.planning.require import samples_on, stand_of
 
 _SETTLED = 1e-4
 _STEPS = 20
@@ -26,13 +26,13 @@ _STEPS = 20
 @dataclass(frozen=True)
 class Enough:
     """What is just enough for `probability`: `sizes` of the sources by key, `factor` times the rule's, and `samples`;
-    None where scaling cannot reach it. `promises`: of the stand as declared, by estimator."""
+    None where scaling cannot reach it, or no number of samples. `promises`: of the stand as declared, by estimator."""
 
     probability: float
     promises: dict[str, Promise]
     sizes: dict[str, Any] | None
     factor: float
-    samples: int
+    samples: int | None
 
     def document(self, estimator: str) -> dict[str, Any]:
         """Ready for JSON."""
@@ -68,7 +68,7 @@ def enough(case: Case, estimator: str, limits: Floats, probability: float) -> En
         sizes = np.where(limited, factor * limits, declared)
         growth = promise(stand_of(case, sizes), estimator, probability).growth
         if abs(growth - 1.0) <= _SETTLED:
-            samples = samples_for(float(case.stand.sigmas("noise").max()), float(sizes[SOURCES.index("noise")]))
+            samples = samples_on(case.stand, float(sizes[SOURCES.index("noise")]))
             named = by_key(case, sources(case, False), sizes)
             return Enough(probability, of_all, named, factor, samples)
         factor *= growth

@@ -25,6 +25,7 @@ from tumble.schedule import Schedule
 from tumble.solving.covariance import norm_gradient, spread_attitudes, worst_norm
 from tumble.solving.extended import columns_at
 from tumble.solving.gains import UNEQUAL, mean_sigma
+from tumble.stand import by_channel
 from tumble.terms import EXTENDABLE
 
 ESTIMATORS = EXTENDABLE
@@ -43,6 +44,7 @@ class NormSpread:
         self.estimator, self.schedule, self.k = estimator, schedule, k
         one_sample = replace(case.stand, samples=1)
         self.noise = mean_sigma(k, one_sample, case.step_v, 1)[0] ** 2
+        self.rounding = by_channel(case.stand.rounding) ** 2
         found = sources(schedule, k, one_sample, np.ones(count, dtype=int))
         errors = np.concatenate(
             [one.derivative * one.sigma[:, None, None] for name, one in found.items() if name != "noise"]
@@ -72,8 +74,8 @@ class NormSpread:
         """Of the unknowns (subsets, n, n): K row by row, U0, sizes by term and channel."""
         noise = self.local + np.diag(self.noise / samples)
         found = (self._optimal if self.estimator == OPTIMAL else self._least_squares)(chosen, noise)
-        by_channel = np.arange(found.shape[1]).reshape(3, -1)
-        order = np.concatenate([by_channel[:, :3].ravel(), by_channel[:, 3:].T.ravel()])
+        rows = np.arange(found.shape[1]).reshape(3, -1)
+        order = np.concatenate([rows[:, :3].ravel(), rows[:, 3:].T.ravel()])
         return found[:, order[:, None], order]
 
     def _optimal(self, chosen: Flags, noise: Floats) -> Floats:
@@ -81,7 +83,8 @@ class NormSpread:
         positions, count = self.felt.shape[1:]
         design = np.einsum("ipr,ij->pijr", self.felt, np.eye(3)).reshape(positions, 3, 3 * count)
         model = np.concatenate([design, self.shared], axis=2)
-        each = np.swapaxes(model, 1, 2) @ np.linalg.solve(noise, model)
+        weighted = np.linalg.solve(noise, model)
+        each = np.swapaxes(model, 1, 2) @ weighted
         total = np.tensordot(chosen.astype(float), each, axes=1)
         prior = np.r_[np.full(3 * count, self.weak), np.ones(model.shape[2] - 3 * count)]
         scale = np.sqrt(total.diagonal(axis1=1, axis2=2) + prior)
@@ -90,6 +93,9 @@ class NormSpread:
             inverse = np.linalg.inv(total) / scale[:, :, None] / scale[:, None, :]
         except np.linalg.LinAlgError:
             raise UsageError(UNEQUAL) from None
+        if self.rounding.any():  # weights, as those of a solve, do not know it
+            unweighted = np.swapaxes(weighted, 1, 2) @ (self.rounding[:, None] * weighted)
+            inverse = inverse + inverse @ np.tensordot(chosen.astype(float), unweighted, axes=1) @ inverse
         found: Floats = inverse[:, : 3 * count, : 3 * count]
         if not (found.diagonal(axis1=1, axis2=2) > 0.0).all():
             raise UsageError(UNEQUAL)
@@ -104,6 +110,7 @@ class NormSpread:
         gains = weighted @ np.linalg.inv(np.where(lost[..., None, None], np.eye(count), normal))
         gains[lost] *= _UNKNOWN_G / self.noise.min() ** 0.5  # far off too
         by_shared = np.einsum("bipr,pid->bird", gains, self.shared, optimize=True).reshape(len(chosen), 3 * count, -1)
+        noise = noise + np.diag(self.rounding)
         by_local = np.einsum("bipr,bjps,pij->birjs", gains, gains, noise, optimize=True)
         found: Floats = by_local.reshape(len(chosen), 3 * count, 3 * count) + by_shared @ np.swapaxes(by_shared, 1, 2)
         return found

@@ -50,7 +50,7 @@ def optimize(case: Case, k: Floats | None = None, serial: str | None = None) -> 
     table = optimal_table(case.fitted, k, case.stand, case.step_v)
 
     def spread(weights: Floats) -> Floats:
-        return standard_deviations(case.fitted, weights, k, case.stand, table.sigma_mean / table.weights)
+        return standard_deviations(case.fitted, weights, k, case.stand, case.mean_sigma(k))
 
     harmonic = circles(case.fitted) is not None
     return Optimized(

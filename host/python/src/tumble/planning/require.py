@@ -37,11 +37,12 @@ _BISECTIONS = 50
 @dataclass(frozen=True)
 class Requirements:
     """Per source: `limits`, infinite where nothing limits; `set_by`, the row that does, or None. Per row (7, sources):
-    `weights`, and `shares` of the row's limit. `samples`: the fewest that bring the noise of a mean under its limit."""
+    `weights`, and `shares` of the row's limit. `samples`: the fewest that bring the noise of a mean under its limit;
+    None where rounding alone is above it."""
 
     limits: Floats
     set_by: tuple[str | None, ...]
-    samples: int
+    samples: int | None
     weights: Floats
     shares: Floats
 
@@ -52,8 +53,8 @@ def requirements(case: Case, which: str, estimator: str, limit_g: float, split: 
     Raises UsageError where weights do not exist or no number of samples suffices.
     """
     found = allowed(case, which, estimator, limit_g, split)
-    noise = by_channel(case.stand.noise) if which == "published" else case.stand.sigmas("noise")
-    return replace(found, samples=samples_for(float(noise.max()), found.limits[_NOISE]))
+    factor = case.stand.limits_over_sigma if which == "published" else 1.0
+    return replace(found, samples=samples_on(case.stand, found.limits[_NOISE], factor))
 
 
 def allowed(case: Case, which: str, estimator: str, limit_g: float, split: Floats) -> Requirements:
@@ -66,6 +67,18 @@ def allowed(case: Case, which: str, estimator: str, limit_g: float, split: Float
     else:
         gamma = worst_weights(case, estimator)
     return share_of.requirements(gamma, gamma > 0.0)
+
+
+def samples_on(stand: Stand, limit_v: float, factor: float = 1.0) -> int | None:
+    """The fewest samples whose means are as quiet as required on a stand: `limit_v` is that of the channel that has
+    most, in `factor` standard deviations, the others' in proportion. None where rounding alone leaves more. Raises
+    UsageError as samples_for."""
+    noise, rounding = factor * stand.sigmas("noise"), factor * by_channel(stand.rounding)
+    left = (limit_v * stand.profile("noise")) ** 2 - rounding**2
+    if ((rounding > 0.0) & (left <= 0.0)).any():
+        return None
+    loudest_first = [channel for channel in np.argsort(-noise) if noise[channel] > 0.0]
+    return max((samples_for(noise[channel], math.sqrt(left[channel])) for channel in loudest_first), default=1)
 
 
 def samples_for(noise_v: float, limit_v: float) -> int:
@@ -142,13 +155,17 @@ class _Shares:
 
 
 def stand_of(case: Case, sizes: Floats) -> Case:
-    """The case on a stand with these standard deviations; the noise is that of a mean."""
+    """The case on a stand with these standard deviations; the noise is that of a mean, and rounding has the part of it
+    that it has on the case's own."""
     axis_tilt, level, remount, angle, size, *rest = map(float, sizes)
-    noise = per_channel(size * case.stand.profile("noise"))
+    of_means, total = size * case.stand.profile("noise"), case.stand.mean_sigma(case.stand.samples)
+    part = np.divide(by_channel(case.stand.rounding), total, out=np.zeros(3), where=total > 0.0)
+    noise, rounding = (per_channel(of_means * share) for share in (np.sqrt(1.0 - part**2), part))
     further: Any = dict(zip(weights.sources_of(case.stand)[len(SOURCES) :], rest))
     if "drift" in further:
         further["drift"] = per_channel(further["drift"] * case.stand.profile("drift"))
-    stand = Stand(axis_tilt, level, remount, angle, noise, 1, "sigma1", remounting=case.stand.remounting, **further)
+    further |= {"remounting": case.stand.remounting, "rounding": rounding}
+    stand = Stand(axis_tilt, level, remount, angle, noise, 1, "sigma1", **further)
     return replace(case, stand=stand, step_v=0.0)
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.planning.budget import ALPHAS, by_key, channels_note, numbers_are, size_keys, sizes, sources, unit
+from tumble.planning.budget import ALPHAS, by_key, notes, numbers_are, size_keys, sizes, sources, unit
 from tumble.planning.case import SCHEMA, Case
 from tumble.planning.enough import NOT_PROMISED, Enough
 from tumble.planning.headroom import Headroom
@@ -17,6 +17,7 @@ from tumble.planning.require import CEILING_RAD, ROWS, Requirements
 from tumble.planning.weights import symbols
 from tumble.solving.decision import UNCERTAINTY, Decision
 from tumble.solving.would_show import Question, Remedy, in_words
+from tumble.stand import by_channel
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -80,7 +81,7 @@ def document(
 
 def _would_show(case: Case, estimator: str) -> list[dict[str, Any]]:
     """What would show the limit, where runs on this stand do not."""
-    as_declared = np.zeros((len(case.schedule.positions), 3)), np.zeros(3)
+    as_declared = np.zeros((len(case.schedule.positions), 3)), by_channel(case.stand.rounding) ** 2
     question = Question(case.witness(estimator), *as_declared, case.terms, case.limit_g, case.coverage_factor)
     return [one.document() for one in question.answers()]
 
@@ -113,10 +114,8 @@ def show(plan: dict[str, Any], case: Case) -> None:
         rows.append(cells)
     out.print(tables.table(headings, rows, left=(0, 1)))
     out.print(f"Samples at each position: {_samples(plan)}; the stand has {case.stand.samples}")
-    for line in _explanations(plan, rule):
+    for line in (*_explanations(plan, rule), *notes(case)):
         out.print(line)
-    if (note := channels_note(case)) is not None:
-        out.print(note)
     if published:
         out.print("(19): as printed; at most: what its own rule gives (see tumble plan paper)")
     out.print()
@@ -251,6 +250,9 @@ def _factor(value: float | None) -> str:
 
 def _samples(plan: dict[str, Any]) -> str:
     """How many it takes."""
-    rule = f"{plan['samples']} at least"
-    enough = plan["just_enough"]
-    return rule if enough is None else f"{rule}, {enough['samples']} for {_asked(plan)}"
+    rule = _NO_NUMBER if plan["samples"] is None else f"{plan['samples']} at least"
+    enough = None if plan["just_enough"] is None else plan["just_enough"]["samples"] or _NO_NUMBER
+    return rule if enough in (None, rule) else f"{rule}, {enough} for {_asked(plan)}"
+
+
+_NO_NUMBER = "no number brings such a noise"

@@ -92,7 +92,8 @@ def plan_schedule(
         best = again if again is not None and again.duration.total < best.duration.total else best
     if best is None:
         wanted = f"{case.limit_g:g} g" if goal.norm_g is None else f"a worst u(|a|) of {goal.norm_g:g} g"
-        raise UsageError(f"unreachable: no schedule of at most {most_mountings} mountings reaches {wanted} here")
+        why = "" if case.rounding_sentence is None else f". {case.rounding_sentence}"
+        raise UsageError(f"unreachable: no schedule of at most {most_mountings} mountings reaches {wanted} here{why}")
     chosen = measured_with(case, best)
     u_norm_g, attitude = worst_norm_of(chosen, goal.estimator)
     promised = promise(chosen, goal.estimator, goal.probability)

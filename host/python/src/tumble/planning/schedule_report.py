@@ -93,6 +93,8 @@ def show(found: Planned, written: str | None, stand: str | None) -> None:
     )
     if found.further is not None:
         out.print(model_cost.sentence(found.further))
+    if (note := found.case.rounding_sentence) is not None:
+        out.print(note)
     out.print(found.promise.sentence)
     for line in reliability.lines(found.unseen):
         out.print(line)

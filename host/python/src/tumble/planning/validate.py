@@ -16,7 +16,7 @@ from tumble import core
 from tumble.arrays import Floats, Integers
 from tumble.core.optimal import GainRecord, estimate_runs, optimal_runs
 from tumble.errors import UsageError
-from tumble.estimators import LINEAR
+from tumble.estimators import LINEAR, OPTIMAL
 from tumble.planning.case import Case
 from tumble.planning.error_field import largest_over_attitudes, norm_forms
 from tumble.planning.promise import Promise, promise
@@ -31,7 +31,6 @@ from tumble.solving.gain_record import record_of, to_bytes
 from tumble.solving.gains import (
     OptimalTable,
     linearise,
-    mean_sigma,
     optimal_table,
     shared_derivatives,
     shared_sigmas,
@@ -106,8 +105,8 @@ class Tally:
 
 @dataclass(frozen=True)
 class Validated:
-    """One estimator's tally beside what was claimed: `u` (12,) as planned, `bound` (12,) the least possible, `promise`
-    of the gravity check."""
+    """One estimator's tally beside what was claimed: `u` (12,) as planned, `bound` (12,) what optimal weights leave,
+    the least possible where rounding averages out, `promise` of the gravity check."""
 
     estimator: str
     tally: Tally
@@ -136,7 +135,7 @@ def validate(
     for result in over(pieces, _Tallied(case, estimators, table), team, progress):
         for estimator, tally in tallies.items():
             tally.take(result, estimator)
-    bound = _optimal(case, k).u[:12]
+    bound = _planned(case, OPTIMAL, k)
     return [
         Validated(estimator, tallies[estimator], _planned(case, estimator, k), bound, promise(case, estimator))
         for estimator in estimators
@@ -205,8 +204,7 @@ def _everywhere(found: Floats, k: Floats, terms: Terms) -> Floats:
 
 def _planned(case: Case, estimator: str, k: Floats) -> Floats:
     weights = estimator_gains(case, estimator, k)
-    sigma_mean = mean_sigma(k, case.stand, case.step_v, case.stand.samples)[0]
-    return standard_deviations(case.fitted, weights, k, case.stand, sigma_mean)
+    return standard_deviations(case.fitted, weights, k, case.stand, case.mean_sigma(k))
 
 
 Solver = Callable[[Floats], tuple[Floats, Floats]]
@@ -223,9 +221,9 @@ def _solver(case: Case, estimator: str, k: Floats, table: str) -> Solver:
         return lambda means: _with(state, estimate_runs(schedule, means[:, fit], estimator))
     if table == RUN:
         return lambda means: _weighted_anew(case, schedule, means[:, fit])
-    found = _optimal(case, k)
-    record = GainRecord(schedule, to_bytes(record_of(found, case.fitted)))
-    return lambda means: (optimal_runs(record, means[:, fit])[0], np.broadcast_to(found.u, (len(means), 12)))
+    record = GainRecord(schedule, to_bytes(record_of(_optimal(case, k), case.fitted)))
+    u = _planned(case, OPTIMAL, k)
+    return lambda means: (optimal_runs(record, means[:, fit])[0], np.broadcast_to(u, (len(means), 12)))
 
 
 def _optimal(case: Case, k: Floats) -> OptimalTable:
@@ -239,10 +237,10 @@ def _extended_solver(case: Case, estimator: str, k: Floats) -> Solver:
     if estimator in LINEAR:
         state = _stated(case, estimator_gains(case, estimator, k))
         return lambda means: _with(state, extended.estimate_runs(run, means, case.terms, None))
-    table = _optimal(case, k)
+    table, u = _optimal(case, k), _planned(case, OPTIMAL, k)
     return lambda means: (
         extended.estimate_runs(run, means, case.terms, table),
-        np.broadcast_to(table.u[:12], (len(means), 12)),
+        np.broadcast_to(u, (len(means), 12)),
     )
 
 
@@ -261,8 +259,7 @@ def _stated(case: Case, weights: Floats) -> Callable[[Floats], Floats]:
     by_shared = np.stack([weights @ (shared_derivatives(model, one, stand) * sigma) for one in unit])
     by_angle = np.stack([np.einsum("cpi,pi->cp", weights.reshape(12, -1, 3), model.delta @ one.T) for one in unit])
     by_error = np.concatenate([by_shared, by_angle * case.stand.sigma("angle")], axis=2)
-    sigma = mean_sigma(case.nominal_k(), case.stand, case.step_v, case.stand.samples)[0]
-    noise = (weights**2).reshape(12, -1, 3).sum(axis=1) @ sigma**2
+    noise = (weights**2).reshape(12, -1, 3).sum(axis=1) @ case.mean_sigma(case.nominal_k()) ** 2
     by_drift = np.einsum("cpi,p->ci", weights.reshape(12, -1, 3), model.course) * case.stand.sigmas("drift")
     fixed = noise + (by_drift**2).sum(axis=1)
     return lambda k: np.sqrt((np.einsum("rm,mce->rce", k, by_error) ** 2).sum(axis=2) + fixed)

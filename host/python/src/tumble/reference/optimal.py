@@ -169,7 +169,8 @@ class _Whitened:
         return OptimalEstimate(k, u0, sizes, covariance, *shared, largest, _largest_angle(angles))
 
     def _noise_of_means(self) -> Floats:
-        noise: Floats = np.maximum(self.one_sample / np.sqrt(self.averaged_over)[:, None], self.floor)
+        by_noise = np.maximum(self.one_sample / np.sqrt(self.averaged_over)[:, None], self.floor)
+        noise: Floats = np.hypot(by_noise, by_channel(self.stand.rounding))
         return noise
 
     def covariance(self, mean_variance: Floats | None = None) -> Floats:

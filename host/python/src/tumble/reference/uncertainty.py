@@ -45,7 +45,7 @@ def sources(
     geometry = Geometry(schedule)
     positions, mountings = len(schedule.positions), len(schedule.mountings)
     yaws = np.ones((1, mountings)) if stand.remounting == COMMON else np.eye(mountings)
-    noise = stand.sigmas("noise") / np.sqrt(stand.averaged_over(samples))[:, None]
+    noise = stand.mean_sigma(stand.averaged_over(samples))
     if mean_variance is not None:
         noise = np.maximum(noise, np.sqrt(mean_variance))
 

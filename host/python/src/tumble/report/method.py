@@ -106,10 +106,23 @@ def seen(source: Source) -> Table:
     """The stand as the run shows it, with standard uncertainties."""
     rows = []
     for key, name in _SEEN.items():
+        if key == "noise_v" and source.array("stand_seen", "noise_v_by_channel"):
+            rows += [_noise_of(source, name, channel) for channel in range(3)]
+            continue
         value, u = source.with_uncertainty(("stand_seen", key), ("stand_seen", f"u_{key}"), None)
         if value is not MISSING:
             rows.append((Fixed(name), value, u, Fixed(_unit(source, key))))
     return Table(("As this run shows it", "Value", "u (k = 1)", "Unit"), aligned(rows, 1, 2), left=(3,))
+
+
+def _noise_of(source: Source, name: str, channel: int) -> tuple[Inline, Inline, Inline, Inline]:
+    """Of a channel, beside what the stand declares of it."""
+    paths = [("stand_seen", f"{u}noise_v_by_channel", channel) for u in ("", "u_")]
+    value, u = source.with_uncertainty(paths[0], paths[1], None)
+    kind = str(source.at("stand", "limits"))
+    meaning = "" if kind == "sigma1" else f" ({_MEANING.get(kind, kind)})"
+    title = line(f"{name}, {'xyz'[channel]}; declared ", source.told("stand", "noise_v", channel), meaning)
+    return title, value, u, Fixed(_unit(source, "noise_v"))
 
 
 def unit_of_k(source: Source) -> Inline:

@@ -11,7 +11,7 @@ from tumble import reference
 from tumble.arrays import Flags, Floats, Integers
 from tumble.files.run_file import Run
 from tumble.solving.stand_seen import averaged_over
-from tumble.stand import PerChannel, Stand, by_channel, rounding_of
+from tumble.stand import PerChannel, Stand, by_channel, rounding_of, rounds_alike
 
 _ROUNDING = 1e-12  # of the largest output
 _CHANNELS = np.array(["ux", "uy", "uz"])
@@ -76,7 +76,7 @@ def _undithered(measured: reference.MeasuredNoise | None, declared: Floats | Non
     """Is the noise of a sample under half a step? Rounding adds a twelfth of a step's square to a scatter."""
     if measured is not None:
         return np.asarray((measured.scatter**2 < steps**2 / 3.0) | (measured.scatter == 0.0))
-    return np.zeros(3, dtype=bool) if declared is None else np.asarray(declared < steps / 2.0)
+    return np.zeros(3, dtype=bool) if declared is None else rounds_alike(declared, steps)
 
 
 def notice(noise: Noise, stand: Stand, samples: Integers, unit: str) -> str | None:

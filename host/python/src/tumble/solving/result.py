@@ -70,7 +70,7 @@ def document(
         "scatter_alone": _scatter_alone(solution),
         "coverage": None if solution.coverage is None else solution.coverage.document(),
         "verification": _verification(solution),
-        "stand_seen": stand_seen.document(solution.stand_seen, volts_per(unit)),
+        "stand_seen": stand_seen.document(solution.stand_seen, volts_per(unit), solution.channel_noise),
         "intrinsic": _intrinsic(solution.found.intrinsic),
         "si": si.document(solution.found.k, solution.found.u0, solution.covariance, environment, unit),
         "u_intrinsic": None if solution.u_intrinsic is None else _intrinsic(solution.u_intrinsic),

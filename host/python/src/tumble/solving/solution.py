@@ -42,7 +42,7 @@ from tumble.solving.monte_carlo import MonteCarlo, simulate
 from tumble.solving.noise_patterns import sampled_patterns
 from tumble.solving.reliability import Reliability, reliability
 from tumble.solving.second_order import SecondOrder, second_order
-from tumble.solving.stand_seen import ANGLES, StandSeen, look, stand_to_look_with, weights_of
+from tumble.solving.stand_seen import ANGLES, ChannelNoise, StandSeen, look, stand_to_look_with, weights_of
 from tumble.solving.stated import Propagation, Stated, Witness
 from tumble.stand import PerChannel, Stand, over
 from tumble.terms import Terms
@@ -164,6 +164,15 @@ class Solution:
         """This solution with its `monte_carlo`, by a team; it has a declared stand. Raises UsageError."""
         given = self.drawn_from
         return replace(self, monte_carlo=simulate(**given, runs=runs, seed=seed, team=team, progress=progress))
+
+    @property
+    def channel_noise(self) -> ChannelNoise | None:
+        """What the samples show, channel by channel, where the stand declares it so."""
+        stand, seen, samples = self.stand, self.noise.measured, self.run.samples
+        if stand is None or seen is None or not isinstance(stand.noise, tuple):
+            return None
+        freedom = int((samples[samples > 1] - 1).sum())
+        return ChannelNoise(seen.scatter * volts_per(self.run.unit), freedom, stand.sigmas("noise"))
 
     @property
     def drawn_from(self) -> dict[str, Any]:

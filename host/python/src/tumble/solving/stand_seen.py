@@ -6,7 +6,7 @@ once.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -167,8 +167,41 @@ def _at_least(white: Floats, mean_variance: Floats | None, stand: Stand | None) 
     return both
 
 
-def document(seen: StandSeen, volts_per_unit: float) -> dict[str, Any]:
-    """As it stands in a result: every quantity with its `u_` twin."""
+@dataclass(frozen=True)
+class ChannelNoise:
+    """Of one sample, by channel: standard deviations `values` (3,), of so many degrees of `freedom` each, beside those
+    `declared` (3,), all in volts, or in the outputs' own unit where that is no multiple of it."""
+
+    values: Floats
+    freedom: int
+    declared: Floats
+
+    @property
+    def u(self) -> Floats:
+        """Standard uncertainties (3,)."""
+        return self.values * self._relative_u
+
+    @classmethod
+    def pooled(cls, runs: Iterable[ChannelNoise | None]) -> ChannelNoise | None:
+        """That of several runs on one stand; None where none shows it."""
+        shown = [one for one in runs if one is not None]
+        freedom = sum(one.freedom for one in shown)
+        squares = sum((one.freedom * one.values**2 for one in shown), np.zeros(3))
+        return cls(np.sqrt(squares / freedom), freedom, shown[0].declared) if shown else None
+
+    def sentence(self, unit: str) -> str:
+        """For people."""
+        seen = ", ".join(f"{axis} {value:.2e}" for axis, value in zip("xyz", self.values))
+        declared = ", ".join(f"{sigma:.2e}" for sigma in self.declared)
+        return f"{seen} {unit}, each +- {100.0 * self._relative_u:.2g} %; declared {declared}"
+
+    @property
+    def _relative_u(self) -> float:
+        return float((2.0 * self.freedom) ** -0.5)
+
+
+def document(seen: StandSeen, volts_per_unit: float, channels: ChannelNoise | None) -> dict[str, Any]:
+    """As it stands in a result: every quantity with its `u_` twin. `channels`: where the stand declares three."""
     has_u = seen.source is not None
     augmented = {key: value for name in ANGLES for key, value in _pair(f"{name}_rad", seen.augmented[name]).items()}
     others = [
@@ -179,6 +212,8 @@ def document(seen: StandSeen, volts_per_unit: float) -> dict[str, Any]:
     listed += [_pair("alpha4_rad", seen.alpha4), _pair("noise_v", seen.noise, factor=volts_per_unit)]
     return {
         **{key: value for pair in listed for key, value in pair.items()},
+        "noise_v_by_channel": None if channels is None else channels.values.tolist(),
+        "u_noise_v_by_channel": None if channels is None else channels.u.tolist(),
         "u_from": seen.source,
         "u_freedom": seen.freedom,
         "alpha4_freedom": None if seen.alpha4 is None else seen.alpha4_freedom,

@@ -21,7 +21,7 @@ from tumble.errors import UsageError
 from tumble.schedule import Schedule
 from tumble.solving import gains
 from tumble.solving.gain_record import record_of, to_bytes
-from tumble.stand import PerChannel, Stand
+from tumble.stand import PerChannel, Stand, by_channel
 
 _AT_ONCE = 50  # runs: what a stack of them takes stays in a processor's second cache
 
@@ -150,7 +150,13 @@ class _System:
         """What the runs state (runs, 12): of the estimates, for blocks of sensitivity `k`."""
         system, shared = self.whiten(k, self.stand.samples), len(self.shared)
         r = np.asarray(np.linalg.qr(system.rows, mode="r"))
-        return _deviations(r[:, shared:, shared:], system.sigma)
+        u, rounding = _deviations(r[:, shared:, shared:], system.sigma), by_channel(self.stand.rounding)
+        if not rounding.any():
+            return u
+        gains_of_runs = self.weights(k, self.stand.samples).gains
+        by_rounding = (gains_of_runs**2).reshape(len(k), 12, -1, 3).sum(axis=2) @ rounding**2
+        together: Floats = np.sqrt(u**2 + by_rounding)
+        return together
 
     def _is_sound(self, beta: Floats, u: Floats, system: _Whitened) -> bool:
         """As gains.optimal_table: the gains give back the coefficients, and their spread is the one that QR says."""

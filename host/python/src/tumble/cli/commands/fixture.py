@@ -199,6 +199,7 @@ def _needed(
     from tumble.planning.case import Case
     from tumble.planning.published import SOURCES
     from tumble.planning.require import allowed
+    from tumble.stand import by_channel
 
     case = Case.of(stand_file, arguments.stand, None if schedule is None else schedule.data)
     try:
@@ -209,6 +210,7 @@ def _needed(
             raise
         return None
     found = dict(zip(names, limits.tolist()))
-    found["noise"] *= math.sqrt(stand_file.stand.samples)
+    left = found["noise"] ** 2 - by_channel(case.stand.rounding).max() ** 2  # of a mean, beside rounding
+    found["noise"] = math.sqrt(max(left, 0.0) * stand_file.stand.samples)
     five = [found[name] for name in SOURCES]
     return Limits.needed(five, stand_file.stand.remounting, mountings, found.get("seat", 0.0))

@@ -60,7 +60,7 @@ def _show(
     found: Budget, case: Case, promised: Promise | None, unseen: Reliability | None, further: Further | None
 ) -> None:
     from tumble.planning import model_cost, tables
-    from tumble.planning.budget import ALPHAS, channels_note, numbers_are, unit
+    from tumble.planning.budget import ALPHAS, notes, numbers_are, unit
     from tumble.planning.published import NAMES
     from tumble.solving import reliability
 
@@ -77,7 +77,7 @@ def _show(
         rows.append((f"{name}, {millionth}", *cells))
     out.print(tables.table(("", *found.sources, "all"), rows))
     out.print(ALPHAS)
-    if (note := channels_note(case)) is not None:
+    for note in notes(case):
         out.print(note)
     if promised is not None:
         out.print(promised.sentence)

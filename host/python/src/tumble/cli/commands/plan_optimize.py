@@ -87,6 +87,8 @@ def _show(found: Optimized) -> None:
     ]
     headings = ("", "unit", "u, optimal", f"u, {other}", "gain", "efficiency")
     out.print(tables.table(headings, rows, left=(0, 1)))
+    if (note := found.case.rounding_sentence) is not None:
+        out.print(note)
     out.print(found.promise.sentence)
     if found.table.floored:
         out.print("Beware: the stand declares no noise; weights for 1e-9 g of it mean little.", style="yellow")
