@@ -26,6 +26,7 @@ FIRMWARE = set(MAY_INCLUDE) - {"boards"}
 PROGRAMS = {
     "host/simulation": ({"core", "port", "sample", "canopen", "nv"}, []),
     "host/bench": (FIRMWARE | {"simulation"}, []),
+    "host/world": (FIRMWARE | {"simulation", "bench"}, []),
     "host/replay": ({"port", "bench"}, ["boards/zcu102"]),
     "host/gateway": ({"core", "port", "canopen", "bench"}, ["boards/linux"]),
     "boards/linux": (FIRMWARE | {"bench", "nv"}, []),
@@ -33,6 +34,7 @@ PROGRAMS = {
 # A room of the Python package and the rooms that its modules may import. All may import the modules beside the rooms
 # (plain data, errors), which import none; the door is the package's own __init__.py.
 PACKAGE = "host/python/src/tumble"
+EXTENSIONS = {"_tumble_core": "core", "_tumble_world": "bench"}  # and the room that each belongs to
 BESIDE, DOOR = "(beside the rooms)", "(the door)"
 MAY_IMPORT = {
     BESIDE: set(),
@@ -48,8 +50,8 @@ MAY_IMPORT = {
     "fixture": {"core", "reference", "solving"},
     "planning": {"core", "reference", "files", "solving", "workers"},
     "pictures": {"core", "reference", "files", "solving", "fixture"},
-    "bench": {"core", "reference", "drawings", "files", "solving", "fixture", "workers"},
-    "testing": {"bench", "client"},
+    "bench": {"core", "reference", "drawings", "files", "solving", "fixture", "workers", "api"},
+    "testing": {"bench", "client", "files"},
     "importing": {"data", "reference", "files", "pictures"},
     "comparison": {"core", "files", "solving", "fixture"},
     "report": {"drawings", "files", "solving", "pictures", "comparison"},
@@ -57,7 +59,7 @@ MAY_IMPORT = {
     "watch": {"client"},
     "cli": {"core", "reference", "drawings", "files", "store", "solving", "fixture", "planning", "comparison",
             "pictures", "importing", "bench", "report", "api", "client", "watch", "workers", DOOR},
-    DOOR: {"core", "reference", "files", "solving", "fixture", "planning", "api"},
+    DOOR: {"core", "reference", "files", "solving", "fixture", "planning", "api", "bench"},
 }
 # What a user includes: firmware/include/tumble/NAME.h is the door of the room NAME, these of the core.
 OF_THE_CORE = {"status", "version"}
@@ -234,15 +236,15 @@ def python_imports(root, path):
 
 
 def is_own(name):
-    return name.partition(".")[0] in ("", "tumble", "_tumble_core")
+    return name.partition(".")[0] in ("", "tumble", *EXTENSIONS)
 
 
 def module_file(root, name):
     """The file of a module, or of the one that holds the name; None for an import that is not plain."""
     if not name:
         return None
-    if name.startswith("_"):
-        return root / PACKAGE / "core" / "_tumble_core"
+    if (extension := name.partition(".")[0]) in EXTENSIONS:
+        return root / PACKAGE / EXTENSIONS[extension] / extension
     parts = name.split(".")[1:]
     for length in range(len(parts), 0, -1):
         module = (root / PACKAGE).joinpath(*parts[:length])

@@ -1,15 +1,10 @@
 #include "bench/config.h"
 
-#include "bench/arguments.h"
-#include "bench/config_file.h"
-#include "bench/gain_file.h"
 #include "navcomp/standard.h"
 #include "simulation/sensor.h"
 #include "tumble/core.h"
 
-#include <errno.h>
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 /* With an error budget, unless the configuration says otherwise: the scatter of so few samples is known to a fifth. */
@@ -362,66 +357,4 @@ const char *bench_config_refused(const bench_config_t *config)
     tumble_reason_t reason;
     const tumble_status_t status = tumble_procedure_validate(&config->procedure, &reason);
     return (status == TUMBLE_OK || !config->present.navcomp) ? NULL : tumble_reason_sentence(reason);
-}
-
-/* From a file. */
-
-static bool is_toml(const char *path)
-{
-    const char *const end = strrchr(path, '.');
-    return end != NULL && strcmp(end, ".toml") == 0;
-}
-
-static bool read_scenario(bench_config_t *config, const char *path)
-{
-    const bool is_stdin = strcmp(path, "-") == 0;
-    const char *const name = is_stdin ? "standard input" : path;
-    FILE *const file = is_stdin ? stdin : fopen(path, "r");
-    bench_mistake_t mistake = {0};
-    if (file == NULL) {
-        return arguments_refuse(name, strerror(errno));
-    }
-    const bool good = bench_config_read(config, file, &mistake);
-    if (!is_stdin) {
-        (void)fclose(file);
-    }
-    if (!good && is_toml(name)) {
-        return arguments_refuse(name, "looks like a stand file; a scenario file is wanted (docs/real-bus.md)");
-    }
-    return good || arguments_refuse_line(name, mistake.line, mistake.what);
-}
-
-static bool read_gains(bench_config_t *config, const char *path)
-{
-    const char *const wrong = (path != NULL) ? bench_gain_file_read(path, &config->gains) : NULL;
-    return wrong == NULL || arguments_refuse(path, wrong);
-}
-
-/* `config` has its defaults. */
-static bool prepare(bench_config_t *config, const char *path, const char *gain_record)
-{
-    if (path != NULL && !read_scenario(config, path)) {
-        return false;
-    }
-    if (!read_gains(config, gain_record)) {
-        return false;
-    }
-    const char *wrong = bench_config_complete(config);
-    wrong = (wrong != NULL) ? wrong : bench_config_refused(config);
-    return wrong == NULL || arguments_refuse((path != NULL) ? path : "the defaults", wrong);
-}
-
-bool bench_config_prepare(bench_config_t *config, const char *path, const char *gain_record)
-{
-    bench_config_defaults(config);
-    return prepare(config, path, gain_record);
-}
-
-bool bench_config_prepare_stand(bench_config_t *config, const char *path)
-{
-    bench_config_defaults(config);
-    config->present.navcomp = false;
-    const bool good = prepare(config, path, NULL);
-    config->present.navcomp = false; /* whatever the file says */
-    return good;
 }

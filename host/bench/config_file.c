@@ -9,7 +9,6 @@
 #include <string.h>
 
 #define MAX_LINE 1024
-#define MAX_KEYS 160
 #define MAX_ANGLE_DEG 3600.0
 #define BIG 1e9
 
@@ -196,17 +195,17 @@ static bool complain(bench_mistake_t *mistake, const char *format, ...)
     return false;
 }
 
-static bool take_key(bench_config_t *config, const char *name, const bench_words_t *words, bool seen[MAX_KEYS],
+static bool take_key(bench_config_t *config, const char *name, const bench_words_t *words, bench_seen_t *seen,
                      bench_mistake_t *mistake)
 {
     const bench_key_t *const key = bench_find_key(name);
     if (key == NULL) {
         return complain(mistake, "no such key: %.60s", name);
     }
-    if (seen[key - bench_config_keys]) {
+    if (seen->key[key - bench_config_keys]) {
         return complain(mistake, "%s is given twice", name);
     }
-    seen[key - bench_config_keys] = true;
+    seen->key[key - bench_config_keys] = true;
     if (!bench_store_key(key, config, words->word, words->count)) {
         char range[100];
         bench_describe_key(key, range, sizeof range);
@@ -228,7 +227,7 @@ static char *trim(char *text)
     return text;
 }
 
-static bool take_line(bench_config_t *config, char *line, bool seen[MAX_KEYS], bench_mistake_t *mistake)
+bool bench_config_take(bench_config_t *config, char *line, bench_seen_t *seen, bench_mistake_t *mistake)
 {
     char *const text = trim(line);
     if (*text == '\0' || *text == '#') {
@@ -251,13 +250,12 @@ static bool take_line(bench_config_t *config, char *line, bool seen[MAX_KEYS], b
     return (*wrong != '\0') ? complain(mistake, "%s", wrong) : take_key(config, key, &words, seen, mistake);
 }
 
-static bool is_given(const bool seen[MAX_KEYS], const char *name)
+static bool is_given(const bench_seen_t *seen, const char *name)
 {
-    return seen[bench_find_key(name) - bench_config_keys];
+    return seen->key[bench_find_key(name) - bench_config_keys];
 }
 
-/* What no single line can show. */
-static bool check_whole(bench_config_t *config, const bool seen[MAX_KEYS], bench_mistake_t *mistake)
+bool bench_config_check(bench_config_t *config, const bench_seen_t *seen, bench_mistake_t *mistake)
 {
     sim_scenario_t *const scenario = &config->scenario;
     const uint32_t rate = scenario->bits_per_second;
@@ -282,18 +280,18 @@ static bool check_whole(bench_config_t *config, const bool seen[MAX_KEYS], bench
 
 bool bench_config_read(bench_config_t *config, FILE *file, bench_mistake_t *mistake)
 {
-    bool seen[MAX_KEYS] = {false};
+    bench_seen_t seen = {{false}};
     char line[MAX_LINE];
     for (mistake->line = 1; fgets(line, sizeof line, file) != NULL; mistake->line++) {
         if (strchr(line, '\n') == NULL && feof(file) == 0) {
             return complain(mistake, "longer than %d characters, or no text", MAX_LINE - 2);
         }
-        if (!take_line(config, line, seen, mistake)) {
+        if (!bench_config_take(config, line, &seen, mistake)) {
             return false;
         }
     }
     if (ferror(file) != 0) {
         return complain(mistake, "cannot be read further");
     }
-    return check_whole(config, seen, mistake);
+    return bench_config_check(config, &seen, mistake);
 }

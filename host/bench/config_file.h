@@ -24,6 +24,19 @@ typedef struct {
     char what[200];
 } bench_mistake_t;
 
+#define BENCH_MAX_KEYS 160
+
+/* Which keys have been given. */
+typedef struct {
+    bool key[BENCH_MAX_KEYS];
+} bench_seen_t;
+
+/* Take one line, which is cut into its words. */
+bool bench_config_take(bench_config_t *config, char *line, bench_seen_t *seen, bench_mistake_t *mistake);
+
+/* What no single line can show, once all are taken. */
+bool bench_config_check(bench_config_t *config, const bench_seen_t *seen, bench_mistake_t *mistake);
+
 /* Read lines into `config`, which holds the defaults. */
 bool bench_config_read(bench_config_t *config, FILE *file, bench_mistake_t *mistake);
 

@@ -43,11 +43,7 @@ static int run(bench_options_t *options)
     if (!bench_config_prepare(&config, options->scenario, options->gain_record)) {
         return BENCH_EXIT_USAGE;
     }
-    if (options->memory && config.keeping.serial[0] == '\0') {
-        return refuse("keeper.serial: is missing: with --memory the scenario must name the block");
-    }
     bench_interrupt_watch();
-    config.starts = config.starts && options->lock_step < 0;
     if (options->runs == 0U) {
         return bench_session(&config, options, stdout);
     }

@@ -34,15 +34,9 @@ const char bench_options_help[] =
     "                   (host/bench/guests.h); --pace is then 1\n"
     "  --guests N       with --listen: wait for N of them before time begins;\n"
     "                   default 0\n"
-    "  --lock-step FD   one takes part through an open socket, and time goes on only\n"
-    "                   as far as he says (host/bench/lock_step.h): his calls alone\n"
-    "                   determine the run; as with firmware.starts = no\n"
-    "  --operator WHAT  with --listen or --lock-step: by-itself (the default):\n"
-    "                   mounts and confirms after operator.mount_s; on-confirm: a\n"
-    "                   guest confirms, and in that moment the block is on; never:\n"
-    "                   nobody mounts\n"
-    "  --memory         with --lock-step: the firmware has non-volatile memory, empty\n"
-    "                   at first, and keeps coefficients; needs keeper.serial\n"
+    "  --operator WHAT  with --listen: by-itself (the default): mounts and confirms\n"
+    "                   after operator.mount_s; on-confirm: a guest confirms, and in\n"
+    "                   that moment the block is on; never: nobody mounts\n"
     "\n"
     "  --runs N         N runs with seeds from --seed upwards\n"
     "  --jobs N         on so many processes, 1 to 64; default: all processors\n"
@@ -91,9 +85,7 @@ static const argument_t OPTIONS[] = {
     ARGUMENT_TAKE("pace", take_pace),
     ARGUMENT_TEXT("listen", bench_options_t, listen),
     ARGUMENT_WHOLE("guests", bench_options_t, guests, 0, 4),
-    ARGUMENT_WHOLE("lock-step", bench_options_t, lock_step, 0, 1023),
     ARGUMENT_TAKE("operator", take_operator),
-    ARGUMENT_FLAG("memory", bench_options_t, memory),
     ARGUMENT_WHOLE("runs", bench_options_t, runs, 1, MOST_RUNS),
     ARGUMENT_WHOLE("jobs", bench_options_t, jobs, 1, BENCH_MAX_JOBS),
     ARGUMENT_FLAG("means", bench_options_t, means),
@@ -103,17 +95,12 @@ static const argument_t OPTIONS[] = {
     ARGUMENT_FLAG("keys", bench_options_t, keys),
 };
 
-static bool has_guests(const bench_options_t *options)
-{
-    return options->listen != NULL || options->lock_step >= 0;
-}
-
 static bool check_lives(const bench_options_t *options)
 {
     if (options->lives == 0U) {
         return !options->verbose || arguments_refuse("-v", "needs --campaign");
     }
-    if (options->runs > 0U || options->scenario != NULL || options->out != NULL || has_guests(options) ||
+    if (options->runs > 0U || options->scenario != NULL || options->out != NULL || options->listen != NULL ||
         options->gain_record != NULL || options->interactive || options->pace > 0.0 || options->progress_fd >= 0 ||
         options->means || options->summary) {
         return arguments_refuse("--campaign", "takes --seed, --jobs and -v, and nothing else");
@@ -125,12 +112,11 @@ static bool check_lives(const bench_options_t *options)
 /* What does not go together. */
 static bool check(const bench_options_t *options)
 {
-    const bool single = options->out != NULL || has_guests(options) || options->interactive || options->pace > 0.0 ||
-                        options->progress_fd >= 0;
+    const bool single = options->out != NULL || options->listen != NULL || options->interactive ||
+                        options->pace > 0.0 || options->progress_fd >= 0;
     if (options->runs > 0U && single) {
         return arguments_refuse("--runs",
-                                "cannot be combined with --out, --progress, --interactive, --pace, --listen or "
-                                "--lock-step");
+                                "cannot be combined with --out, --progress, --interactive, --pace or --listen");
     }
     if (options->runs > 0U && options->seed > UINT64_MAX - options->runs) {
         return arguments_refuse("--runs", "the seeds would go beyond 2^64 - 1");
@@ -144,14 +130,8 @@ static bool check(const bench_options_t *options)
     if (options->guests > 0U && options->listen == NULL) {
         return arguments_refuse("--guests", "needs --listen");
     }
-    if (options->lock_step >= 0 && (options->listen != NULL || options->interactive || options->pace > 0.0)) {
-        return arguments_refuse("--lock-step", "cannot be combined with --listen, --interactive or --pace");
-    }
-    if (options->memory && options->lock_step < 0) {
-        return arguments_refuse("--memory", "needs --lock-step");
-    }
-    if (options->operator != BENCH_OPERATOR_BY_ITSELF && (options->interactive || !has_guests(options))) {
-        return arguments_refuse("--operator", "needs --listen or --lock-step, and no --interactive");
+    if (options->operator != BENCH_OPERATOR_BY_ITSELF && (options->interactive || options->listen == NULL)) {
+        return arguments_refuse("--operator", "needs --listen, and no --interactive");
     }
     if (options->interactive && options->scenario != NULL && strcmp(options->scenario, "-") == 0) {
         return arguments_refuse("--interactive", "needs standard input for the answers, not for the scenario");
@@ -170,7 +150,7 @@ static bool take_operands(bench_options_t *options, int count, char *const opera
 
 bool bench_options_read(bench_options_t *options, int count, char *arguments[])
 {
-    *options = (bench_options_t){.seed = 1, .progress_fd = -1, .lock_step = -1};
+    *options = (bench_options_t){.seed = 1, .progress_fd = -1};
     if (!arguments_read(count, arguments, OPTIONS, sizeof OPTIONS / sizeof OPTIONS[0], options, &options->asks)) {
         return false;
     }

@@ -27,10 +27,8 @@ typedef struct {
     uint32_t jobs;
     uint32_t guests; /* wait for so many before time begins */
     int progress_fd; /* -1: none */
-    int lock_step;   /* descriptor of a socket, or -1 */
     double pace;     /* virtual seconds per second; 0: as fast as it goes */
     bench_operator_t operator;
-    bool memory; /* of the firmware */
     bool means;
     bool summary;
     bool interactive;

@@ -271,27 +271,54 @@ static const counter_t COUNTERS[] = {
     {"resumes", OF(procedure.resumes)},
 };
 
-void bench_report_bus_counters(const sim_bus_t *bus, bench_json_t *json)
+enum { FIRMWARE_COUNTERS = sizeof COUNTERS / sizeof COUNTERS[0], BUS_COUNTERS = 4 };
+
+static const char *bus_counter(const sim_bus_t *bus, size_t row, uint64_t *value)
 {
+    static const char *const NAMES[BUS_COUNTERS] = {"bus_frames", "bus_bits", "bus_busy_us", "bus_overflow"};
     uint64_t overflow = 0;
     for (int n = 0; n < SIM_BUS_NODES; n++) {
         overflow += (uint64_t)bus->nodes[n].counters.rx_overflow + bus->nodes[n].counters.tx_overflow;
     }
-    bench_json_whole(json, "bus_frames", bus->load.frames);
-    bench_json_whole(json, "bus_bits", bus->load.bits);
-    bench_json_whole(json, "bus_busy_us", bus->load.busy_us);
-    bench_json_whole(json, "bus_overflow", overflow);
+    const uint64_t values[BUS_COUNTERS] = {bus->load.frames, bus->load.bits, bus->load.busy_us, overflow};
+    *value = (row < BUS_COUNTERS) ? values[row] : 0U;
+    return (row < BUS_COUNTERS) ? NAMES[row] : NULL;
+}
+
+static const char *firmware_counter(const bench_world_t *world, size_t row, uint64_t *value)
+{
+    if (row == FIRMWARE_COUNTERS) {
+        *value = world->steps;
+        return "firmware_steps";
+    }
+    tumble_navcomp_counters_t counters;
+    tumble_navcomp_counters(&world->navcomp, &counters);
+    *value = *(const uint32_t *)(const void *)((const char *)&counters + COUNTERS[row].offset);
+    return COUNTERS[row].name;
+}
+
+const char *bench_counter(const bench_world_t *world, size_t row, uint64_t *value)
+{
+    return (row <= FIRMWARE_COUNTERS) ? firmware_counter(world, row, value)
+                                      : bus_counter(&world->bus, row - FIRMWARE_COUNTERS - 1U, value);
+}
+
+void bench_report_bus_counters(const sim_bus_t *bus, bench_json_t *json)
+{
+    uint64_t value = 0;
+    for (size_t row = 0; row < BUS_COUNTERS; row++) {
+        const char *const name = bus_counter(bus, row, &value);
+        bench_json_whole(json, name, value);
+    }
 }
 
 void bench_report_firmware_counters(const bench_world_t *world, bench_json_t *json)
 {
-    tumble_navcomp_counters_t counters;
-    tumble_navcomp_counters(&world->navcomp, &counters);
-    for (size_t i = 0; i < sizeof COUNTERS / sizeof COUNTERS[0]; i++) {
-        const char *const at = (const char *)&counters + COUNTERS[i].offset;
-        bench_json_whole(json, COUNTERS[i].name, *(const uint32_t *)(const void *)at);
+    uint64_t value = 0;
+    for (size_t row = 0; row <= FIRMWARE_COUNTERS; row++) {
+        const char *const name = firmware_counter(world, row, &value);
+        bench_json_whole(json, name, value);
     }
-    bench_json_whole(json, "firmware_steps", world->steps);
 }
 
 void bench_report_counters(const bench_world_t *world, bench_json_t *json)

@@ -59,6 +59,9 @@ void bench_report_table(const bench_travel_t *travel, bench_json_t *json);
 void bench_report_firmware_counters(const bench_world_t *world, bench_json_t *json);
 void bench_report_bus_counters(const sim_bus_t *bus, bench_json_t *json);
 
+/* The name of a counter, null where there is no such row; and its value: of the firmware, then of the bus. */
+const char *bench_counter(const bench_world_t *world, size_t row, uint64_t *value);
+
 /* "counters": {name: integer}. */
 void bench_report_counters(const bench_world_t *world, bench_json_t *json);
 

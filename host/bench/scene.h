@@ -91,6 +91,8 @@ typedef struct {
     sim_bus_tap_t on_frame;
     /* A person is needed; true: answered by way of person.h; false: the simulated one acts. */
     bool (*on_question)(void *context, const bench_question_t *question);
+    /* There is still something to do before the run may end. */
+    bool (*is_busy)(void *context);
 } bench_watcher_t;
 
 /* The firmware's memory of its stand, whichever it is. */

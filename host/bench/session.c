@@ -6,8 +6,6 @@
 #include "bench/folder.h"
 #include "bench/guests.h"
 #include "bench/interrupt.h"
-#include "bench/lock_step.h"
-#include "bench/memory.h"
 #include "bench/pace.h"
 #include "bench/person.h"
 #include "bench/progress.h"
@@ -25,8 +23,6 @@ typedef struct {
     bench_watcher_t watcher;
     bench_folder_t folder;
     bench_guests_t guests;
-    bench_lock_step_t step;
-    bench_memory_t memory;
     bench_pace_t pace;
     FILE *progress; /* null: nobody wants to know */
     uint64_t angle_told_us;
@@ -67,7 +63,6 @@ static void on_frame(void *context, uint64_t time_us, uint8_t sender, const tumb
     if (session->options->listen != NULL) {
         bench_guests_tell(&session->guests, sender, frame);
     }
-    bench_lock_step_tell(&session->step, time_us, sender, frame);
     if (session->progress != NULL) {
         bench_progress_angle(&session->world, &session->angle_told_us, session->progress);
     }
@@ -174,10 +169,6 @@ static void go(session_t *session)
             stopping = true;
             bench_world_end(world, BENCH_INTERRUPTED);
         }
-        if (session->options->lock_step >= 0 && !stopping && !bench_lock_step_wait(&session->step, world)) {
-            stopping = true;
-            bench_world_end(world, bench_interrupted() ? BENCH_INTERRUPTED : BENCH_LEFT);
-        }
         if (session->options->pace > 0.0 && !stopping) {
             bench_pace_wait(&session->pace, world, (session->options->listen != NULL) ? &session->guests : NULL);
             end_without_guests(session);
@@ -196,9 +187,8 @@ static void go(session_t *session)
 static const char *open_all(session_t *session, const char **subject)
 {
     const bench_options_t *const options = session->options;
-    const char *wrong = bench_lock_step_open(&session->step, options->lock_step);
-    *subject = "--lock-step";
-    if (wrong == NULL && options->progress_fd >= 0) {
+    const char *wrong = NULL;
+    if (options->progress_fd >= 0) {
         *subject = "--progress-fd";
         session->progress = fdopen(options->progress_fd, "w");
         wrong = (session->progress == NULL) ? "is not an open file descriptor" : NULL;
@@ -243,10 +233,7 @@ int bench_session(const bench_config_t *config, const bench_options_t *options, 
                                         .on_sample = on_sample,
                                         .on_frame = on_frame,
                                         .on_question = on_question};
-    tumble_status_t status = bench_world_init(&session.world, config, options->seed, &session.watcher);
-    if (status == TUMBLE_OK && options->memory) {
-        status = bench_memory_add(&session.memory, &session.world);
-    }
+    const tumble_status_t status = bench_world_init(&session.world, config, options->seed, &session.watcher);
     if (status != TUMBLE_OK) {
         return arguments_fail("the firmware refuses its configuration", tumble_status_sentence(status),
                               BENCH_EXIT_USAGE);

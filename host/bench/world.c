@@ -226,14 +226,14 @@ uint64_t bench_world_next_us(const bench_world_t *world)
     return sim_clock_next_us(&world->clock);
 }
 
-/* Has the table come to rest since the end was decided? */
-static bool has_ended(bench_world_t *world)
+bool bench_world_has_ended(bench_world_t *world)
 {
     if (world->wanted_end == BENCH_RUNNING) {
         return false;
     }
     const bool given_up = world->clock.now_us > world->ending_us + REST_LIMIT_US;
-    if (!bench_world_is_at_rest(world) && !given_up) {
+    const bool busy = world->watcher->is_busy != NULL && world->watcher->is_busy(world->watcher->context);
+    if ((busy || !bench_world_is_at_rest(world)) && !given_up) {
         return false;
     }
     world->end = world->wanted_end;
@@ -243,7 +243,7 @@ static bool has_ended(bench_world_t *world)
 bool bench_world_advance(bench_world_t *world)
 {
     sim_actor_t actor;
-    if (has_ended(world)) {
+    if (bench_world_has_ended(world)) {
         return false;
     }
     if (!sim_clock_next(&world->clock, world->limit_us, &actor)) {

@@ -21,6 +21,9 @@ tumble_status_t bench_world_init(bench_world_t *world, const bench_config_t *con
 /* Go on to the next event. False: the run has ended (world->end), with the table at rest. */
 bool bench_world_advance(bench_world_t *world);
 
+/* Has the table come to rest since the end was decided? */
+bool bench_world_has_ended(bench_world_t *world);
+
 /* Go on to the end. */
 void bench_world_run(bench_world_t *world);
 

@@ -84,3 +84,26 @@ def refused(tumble, tmp_path):
         return done.stderr
 
     return run
+
+
+@pytest.fixture
+def forged(monkeypatch, capsys):
+    """Run `tumble bench ...` in this process, whose firmware says something else than it found: `forge` changes the
+    document. Returns exit code, standard output and error."""
+
+    def run(forge, *words):
+        from tumble.bench import inside
+        from tumble.cli.main import main
+
+        real = inside.write
+
+        def write(border, folder):
+            document = real(border, folder)
+            forge(document)
+            return document
+
+        monkeypatch.setattr(inside, "write", write)
+        code = main(["bench", *words])
+        return code, *capsys.readouterr()
+
+    return run

@@ -4,7 +4,6 @@ import json
 import os
 import re
 import signal
-import stat
 import subprocess
 import sys
 import time
@@ -15,26 +14,29 @@ from conftest import EXAMPLES
 from documents import paper_stand, valid
 from test_terminal import on_terminal, without_styles
 
-from tumble.bench import program
 from tumble.bench.progress import mounting_text
 from tumble.core import paper_schedule
 from tumble.files.stand_file import read_stand
 from tumble.stand import PAPER_STAND
 
 BENCH = [sys.executable, "-m", "tumble", "bench"]
+PACED = """
+import runpy
+from tumble.bench import inside
+real = inside.Run
+inside.Run = lambda border, on_event, pace: real(border, on_event, {})
+runpy.run_module("tumble", run_name="__main__", alter_sys=True)
+"""
+
+
+def paced(pace):
+    """`tumble bench` with so many virtual seconds per second."""
+    return [sys.executable, "-c", PACED.format(pace), "bench"]
 
 
 def result_of(folder):
     """result.json, valid by its schema."""
     return valid((folder / "result.json").read_text())
-
-
-def wrapper(folder, line):
-    """A program that stands before tumble-bench: `line` of shell, where $REAL is the program and "$@" its arguments."""
-    path = folder / "wrapper"
-    path.write_text(f"#!/bin/sh\nREAL='{program.find()}'\n{line}\n")
-    path.chmod(path.stat().st_mode | stat.S_IXUSR)
-    return str(path)
 
 
 def test_passes_out_of_the_box(tumble, tmp_path):
@@ -161,8 +163,7 @@ def test_progress_goes_to_stderr_one_line_a_mounting(tumble, tmp_path):
 @pytest.mark.real_time
 def test_live_progress_on_a_terminal(tmp_path):
     """Slowed down, so that there is something to see."""
-    slow = wrapper(tmp_path, 'exec "$REAL" "$@" --pace 10')
-    shown = without_styles(on_terminal([*BENCH, "--out", str(tmp_path / "run")], columns=120, TUMBLE_BENCH=slow))
+    shown = without_styles(on_terminal([*paced(10), "--out", str(tmp_path / "run")], columns=120))
     for words in (r"position \d+ of 18, mounting 1", r"position \d+ of 18, mounting 2", "ETA 0:", "PASS", "K_xx"):
         assert re.search(words, shown), words
     assert re.search(r"x [+-]\d\.\d{5}\(\de-0[3456]\)", shown)  # the running mean and its error
@@ -203,15 +204,13 @@ def test_mountings_are_described_by_the_axes_of_the_table():
 @pytest.mark.parametrize("interactive", [False, True])
 def test_interruption_stops_the_table_first(interactive, tmp_path):
     """While the table turns in real time, and while a question waits. Nothing is left."""
-    slow = wrapper(tmp_path, 'exec "$REAL" "$@" --pace 3')
     options = ["--interactive"] if interactive else []
     child = subprocess.Popen(
-        [*BENCH, "--out", str(tmp_path / "run"), *options],
+        [*paced(3), "--out", str(tmp_path / "run"), *options],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        env={**os.environ, "TUMBLE_BENCH": slow},
     )
     first = child.stderr.readline()
     assert ("Mount the block" if interactive else "mounting 1") in first
@@ -220,4 +219,28 @@ def test_interruption_stops_the_table_first(interactive, tmp_path):
     out, err = child.communicate(timeout=30)
     assert (child.returncode, out) == (130, "")
     assert err.splitlines()[-1] == "tumble: interrupted; the table is at rest"
-    assert os.listdir(tmp_path) == ["wrapper"]
+    assert os.listdir(tmp_path) == []
+
+
+def test_keys_win_over_the_stand_file_and_the_scenario(tumble, tmp_path):
+    (tmp_path / "faults.txt").write_text("motion.settling_s = 1\nfault = stall at=1.3 phase=move duration=2\n")
+    options = ("--scenario", "faults.txt", "--set", "motion.settling_s=0.25", "--set", "operator.mends=1")
+    options += ("--set", "operator.mend_s = 5", "--set", "fault=stall at=2.3 phase=move duration=2")
+    done = tumble("bench", *options, "--out", "run", cwd=tmp_path)
+    assert done.returncode == 3 and "(STALL, in state move, positions finished: 11" in done.stderr  # mends one of two
+    lines = (tmp_path / "run/inputs/scenario.txt").read_text().splitlines()
+    assert [line for line in lines if line.startswith("motion.settling_s")] == ["motion.settling_s=0.25"]
+    assert sum(line.startswith("fault") for line in lines) == 2
+
+
+def test_many_runs_are_those_of_their_seeds(tumble, tmp_path):
+    given = ("--stand", EXAMPLES / "lab_stand.toml", "--estimator", "optimal", "--samples", "20")
+    done = tumble("bench", *given, "--runs", "3", "--jobs", "2", "--seed", "8", cwd=tmp_path)
+    lines = [json.loads(line) for line in done.stdout.splitlines()]
+    assert done.returncode == max(line["exit"] for line in lines) and list(tmp_path.iterdir()) == []
+    for line in lines:
+        folder = tmp_path / str(line["seed"])
+        tumble("bench", *given, "--seed", line["seed"], "--out", folder)
+        result = result_of(folder)
+        assert line["K"] == np.ravel(result["K"]).tolist() and line["truth"]["U0"] == result["truth"]["U0"]
+    assert [line["seed"] for line in lines] == [8, 9, 10]

@@ -1,11 +1,9 @@
 """What `tumble bench` must refuse: exit 2, one line, nothing left behind. And what it must not believe: exit 3."""
 
-import json
 import os
 
 import pytest
 from conftest import EXAMPLES
-from test_bench import wrapper
 
 PAPER = (EXAMPLES / "paper_stand.toml").read_text()
 
@@ -48,6 +46,24 @@ OPTIONS = {
 @pytest.mark.parametrize("name", OPTIONS)
 def test_options(name, refused, tmp_path):
     options, words = OPTIONS[name]
+    assert words in refused("bench", *options, cwd=tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--set", "fault"], "--set: 'fault' is not KEY=VALUE"),
+        (["--set", "procedure.samples=5"], "--set: procedure.samples is given by --samples"),
+        (["--set", "motion.settling_s=-1"], "this cannot be simulated: --set: motion.settling_s must be"),
+        (["--set", "no.such=1"], "this cannot be simulated: --set: no such key: no.such"),
+        (["--set", "motion.settling_s=1", "--set", "motion.settling_s=2"], "motion.settling_s is given twice"),
+        (["--runs", "0"], "--runs: '0' is not a whole number from 1"),
+        (["--runs", "2", "--out", "run"], "--runs: takes no --out, --interactive, --report or --model"),
+        (["--runs", "2", "--bus", "socketcan:vcan0"], "--runs: runs inprocess alone"),
+        (["--jobs", "2"], "--jobs: needs --runs"),
+    ],
+)
+def test_keys_and_runs(options, words, refused, tmp_path):
     assert words in refused("bench", *options, cwd=tmp_path)
 
 
@@ -124,19 +140,33 @@ def test_an_empty_folder_is_taken(tumble, tmp_path):
     assert sorted(os.listdir(tmp_path / "run")) == ["bus.log", "inputs", "result.json", "run.csv"]
 
 
-def test_a_program_that_is_not_there(tumble, tmp_path):
-    done = tumble("bench", "--out", tmp_path / "run", TUMBLE_BENCH=str(tmp_path / "nothing"))
+def test_a_world_that_is_not_built(tumble, tmp_path):
+    """As a checkout whose set-up stopped before it."""
+    without = tmp_path / "without/_tumble_world.py"
+    without.parent.mkdir()
+    without.write_text("raise ImportError\n")
+    path = os.pathsep.join([str(without.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
+    done = tumble("bench", "--out", tmp_path / "run", PYTHONPATH=path)
     assert (done.returncode, done.stdout) == (3, "")
-    assert done.stderr == "tumble: tumble-bench cannot be started: no such file or directory\n"
-    assert os.listdir(tmp_path) == []
+    assert done.stderr.startswith("tumble: the simulated world is not built: ") and done.stderr.count("\n") == 1
+    assert not (tmp_path / "run").exists()
 
 
-def test_a_program_that_dies(tumble, tmp_path):
-    died = wrapper(tmp_path, "kill -KILL $$")
-    done = tumble("bench", "--out", tmp_path / "run", TUMBLE_BENCH=died)
-    assert (done.returncode, done.stdout) == (3, "")
-    assert done.stderr == "tumble: tumble-bench failed (-9): it says nothing\n"
-    assert os.listdir(tmp_path) == ["wrapper"]
+SCENARIOS = {
+    "no such key": ("# of mine\nno.such_key = 1\n", "faults.txt:2: no such key: no.such_key"),
+    "out of range": ("motion.settling_s = -1\n", "faults.txt:1: motion.settling_s must be"),
+    "no such fault": ("fault = earthquake at=1.1\n", "faults.txt:1: no such fault"),
+    "of no single line": ("block.k = 1 0 0 0 1 0 0 0 1\n", "faults.txt: block.k and block.u0 go together"),
+    "a place that the schedule lacks": ("fault = stall at=3.1\n", "faults.txt: a fault names a position that"),
+}
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_scenarios(name, refused, tmp_path):
+    text, words = SCENARIOS[name]
+    (tmp_path / "faults.txt").write_text(text)
+    line = refused("bench", "--scenario", "faults.txt", cwd=tmp_path)
+    assert line.startswith("tumble: this cannot be simulated: ") and words in line
 
 
 FORGERIES = {  # what is changed in bench.json after the run, and what must be noticed
@@ -156,16 +186,10 @@ FORGERIES = {  # what is changed in bench.json after the run, and what must be n
 
 
 @pytest.mark.parametrize("name", FORGERIES)
-def test_a_result_that_is_not_confirmed_is_not_given(name, tumble, tmp_path):
+def test_a_result_that_is_not_confirmed_is_not_given(name, forged, tmp_path):
     """A firmware that errs: the document is forged between the run and the comparison."""
     forge, words = FORGERIES[name]
-    keep = wrapper(tmp_path, f'"$REAL" "$@"; code=$?; cp "$5"/bench.json {tmp_path}/seen.json; exit $code')
-    assert tumble("bench", "--out", tmp_path / "seen", TUMBLE_BENCH=keep).returncode == 0
-    document = json.loads((tmp_path / "seen.json").read_text())
-    forge(document)
-    (tmp_path / "forged.json").write_text(json.dumps(document))
-    forged = wrapper(tmp_path, f'"$REAL" "$@"; code=$?; cp {tmp_path}/forged.json "$5"/bench.json; exit $code')
-    done = tumble("bench", "--out", tmp_path / "run", TUMBLE_BENCH=forged)
-    assert (done.returncode, done.stdout) == (3, "")
-    assert words in done.stderr.splitlines()[-1] and "no result is given" in done.stderr
+    code, out, err = forged(forge, "--out", str(tmp_path / "run"))
+    assert (code, out) == (3, "")
+    assert words in err.splitlines()[-1] and "no result is given" in err
     assert sorted(os.listdir(tmp_path / "run")) == ["bus.log", "fault.json", "inputs", "run.csv"]

@@ -1,4 +1,4 @@
-"""Signals to `tumble bench`: it ends as documented, nothing is left, and tumble-bench does not outlive it."""
+"""Signals to `tumble bench`: it ends as documented, and nothing is left."""
 
 import os
 import shlex
@@ -6,45 +6,27 @@ import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from bench_program import wait_until
 from conftest import ROOT
-from test_bench import BENCH, wrapper
+from test_bench import paced
 
 from tumble.cli import main
 
 pytestmark = pytest.mark.real_time
 
-SLOW = 'exec "$REAL" "$@" --pace 3'
-
 
 def start(tmp_path, *options, **others):
     """A run that turns in real time, and its first line on stderr."""
     child = subprocess.Popen(
-        [*BENCH, "--out", str(tmp_path / "run"), *options],
+        [*paced(3), "--out", str(tmp_path / "run"), *options],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        env={**os.environ, "TUMBLE_BENCH": wrapper(tmp_path, SLOW)},
         **others,
     )
     return child, child.stderr.readline()
-
-
-def programs(tmp_path):
-    """Processes of tumble-bench that work for a run under `tmp_path`."""
-    found = []
-    for entry in Path("/proc").iterdir():
-        try:
-            arguments = (entry / "cmdline").read_bytes() if entry.name.isdigit() else b""
-        except OSError:  # it has ended
-            continue
-        if b"tumble-bench" in arguments.partition(b"\0")[0] and os.fsencode(tmp_path) in arguments:
-            found.append(int(entry.name))
-    return found
 
 
 @pytest.fixture
@@ -66,22 +48,7 @@ def test_a_signal_ends_the_run_in_good_order(number, interactive, tmp_path):
     out, err = child.communicate(timeout=30)
     assert (child.returncode, out) == (128 + number, "")
     assert err.splitlines()[-1] == "tumble: interrupted; the table is at rest"
-    assert os.listdir(tmp_path) == ["wrapper"] and programs(tmp_path) == []
-
-
-@pytest.mark.parametrize("interactive", [False, True])
-def test_the_program_does_not_outlive_a_killed_command(interactive, tmp_path):
-    """What cannot be handled by the command itself is noticed by the program, in a run that would take minutes."""
-    options = ["--samples", "10000", *(["--interactive"] if interactive else [])]
-    child, _ = start(tmp_path, *options, stdin=subprocess.PIPE)
-    assert len(programs(tmp_path)) == 1
-    child.kill()
-    child.communicate(timeout=30)
-    try:
-        wait_until(lambda: programs(tmp_path) == [])
-    finally:
-        for program in programs(tmp_path):
-            os.kill(program, signal.SIGKILL)
+    assert os.listdir(tmp_path) == []
 
 
 def test_what_a_killed_run_left_is_named(tumble, tmp_path):
@@ -99,18 +66,16 @@ def test_many_interrupts_do_not_disturb_the_cleaning_up(tmp_path):
     out, err = child.communicate(timeout=30)
     assert (child.returncode, out) == (130, "")
     assert err.splitlines()[-1] == "tumble: interrupted; the table is at rest" and "Traceback" not in err
-    assert os.listdir(tmp_path) == ["wrapper"]
+    assert os.listdir(tmp_path) == []
 
 
 def test_hang_up_is_ignored_where_that_is_wanted(tmp_path):
-    """As nohup does it. The program heeds it as well."""
+    """As nohup does it."""
     start_ignored = {"preexec_fn": lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN)}
     child, _ = start(tmp_path, **start_ignored)
     child.send_signal(signal.SIGHUP)
-    for process in programs(tmp_path):
-        os.kill(process, signal.SIGHUP)
     time.sleep(0.5)
-    assert child.poll() is None and len(programs(tmp_path)) == 1
+    assert child.poll() is None
     child.send_signal(signal.SIGTERM)
     child.communicate(timeout=30)
     assert child.returncode == 128 + signal.SIGTERM

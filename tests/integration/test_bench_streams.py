@@ -6,8 +6,9 @@ import resource
 import subprocess
 
 import pytest
+from bench_program import scenario
 from conftest import EXAMPLES
-from test_bench import BENCH, result_of, wrapper
+from test_bench import BENCH, result_of
 
 from tumble.bench import program
 
@@ -99,16 +100,13 @@ def test_a_program_whose_output_cannot_be_written(redirection, tmp_path):
 
 def test_a_fault_that_comes_again_is_asked_about_again(tmp_path):
     """As often as the operator has the position repeated, until he gives up."""
-    lines = "fault = bus_off at=1.5\\n"  # it fails again at once
-    script = f'cat "$1" > s; printf "{lines}" >> s; shift; exec "$REAL" s "$@"'
+    again = scenario(tmp_path, fault="bus_off at=1.5")  # it fails again at once
     answers = "done\nrepeat position 1\nrepeat position 1\nabort\n"
     done = subprocess.run(
-        [*BENCH, "--interactive", "--out", str(tmp_path / "run")],
+        [*BENCH, "--interactive", "--scenario", str(again), "--out", str(tmp_path / "run")],
         input=answers,
-        cwd=tmp_path,
         capture_output=True,
         text=True,
-        env={**os.environ, "TUMBLE_BENCH": wrapper(tmp_path, script)},
         timeout=60,
     )
     assert (done.returncode, done.stdout) == (3, "")

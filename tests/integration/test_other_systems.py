@@ -44,12 +44,11 @@ print(len(found), [name for name in expected if found.get(name) != expected[name
 @pytest.mark.toolchain
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_every_module_is_imported_and_the_examples_give_the_same(system, here, tmp_path):
-    """Solve, apply, import, export, plan and fixture check: the same files and texts, byte by byte, as on Linux."""
-    assert there(system, SAME, tmp_path, here) == f"14 [] {system}\n"
+    """Solve, apply, import, export, plan, fixture check, bench: the same files and texts, byte by byte, as on Linux."""
+    assert there(system, SAME, tmp_path, here) == f"19 [] {system}\n"
 
 
 COMMANDS = {
-    ("bench",): "tumble-bench runs on Linux alone; what else tumble does, it does on this system as well",
     ("bench", "--bus", "uml"): "--bus uml: user-mode Linux is not there: it runs on Linux alone",
     ("bench", "--bus", "socketcan:can0"): "--bus socketcan:can0: this kernel has no CAN (modules can, can_raw); "
     "user-mode Linux could bring its own (it runs on Linux alone)",
@@ -66,7 +65,7 @@ print(json.dumps([run(*command) for command in json.loads(sys.argv[3])]))
 
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_what_runs_on_linux_alone_says_so(system, tmp_path):
-    """Without tumble-bench, as it is in the wheels of other systems: exit 77, one line, nothing left."""
+    """Without our programs, as it is in the wheels of other systems: exit 77, one line, nothing left."""
     ended = json.loads(there(system, WITHOUT_PROGRAMS, tmp_path, json.dumps(list(COMMANDS))))
     assert ended == [[77, "", f"tumble: {said}\n"] for said in COMMANDS.values()]
     assert not list(tmp_path.iterdir())

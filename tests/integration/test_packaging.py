@@ -26,6 +26,7 @@ from tumble.estimators import ESTIMATORS, LINEAR, OPTIMAL
 PYTHON = ROOT / "host/python"
 LICENCES = ("LICENSE", "NOTICE")
 APACHE = "cfc7749b96f63bd31c3c42b5c471bf756814053e847c10f3eb003417bc523d30"  # SHA-256 of the text as published
+EXTENSIONS = ("_tumble_core.abi3.so", "_tumble_world.abi3.so")
 PROGRAMS = {
     "tumble-node": "boards/linux", "tumble-stand": "boards/linux", "tumble-bench": "host/bench",
     "tumble-replay": "host/replay", "tumble-gateway": "host/gateway",
@@ -54,7 +55,7 @@ def required(file):
 
 
 def test_the_installed_program_is_what_a_checkout_runs():
-    """The entry point is there and takes signals; and the wheel has what `tumble bench` starts, where it looks."""
+    """The entry point is there and takes signals; and the wheel has what `tumble bench` holds."""
     project = (PYTHON / "pyproject.toml").read_text()
     module, function = re.search(r'^tumble = "(\S+):(\w+)"$', project, re.MULTILINE).groups()
     program = f"import sys; from {module} import {function}; sys.argv[1:] = ['--version']; {function}()"
@@ -62,8 +63,7 @@ def test_the_installed_program_is_what_a_checkout_runs():
     assert (done.returncode, done.stdout, done.stderr) == (0, f"tumble {__version__}\n", "")
     assert re.search(r"^build.targets = (.*)", project, re.MULTILINE)[1] == '["tumble_wheel"]'
     cmake = (PYTHON / "CMakeLists.txt").read_text()
-    assert "add_dependencies(tumble_wheel tumble-bench)" in cmake
-    assert "install(TARGETS tumble-bench RUNTIME DESTINATION tumble/bench " in cmake
+    assert "add_custom_target(tumble_wheel DEPENDS _tumble_core _tumble_world)" in cmake
 
 
 def test_version(tumble):
@@ -283,7 +283,7 @@ def test_a_wheel_holds_the_package_its_data_and_nothing_else(packages):
     others = {name for name in inside if name not in {**own, **kept}}
     info = {f"tumble-{__version__}.dist-info/{name}"
             for name in ("METADATA", "RECORD", "WHEEL", "entry_points.txt", "licenses/LICENSE", "licenses/NOTICE")}
-    assert others == {"_tumble_core.abi3.so", "tumble/bench/tumble-bench", *info}
+    assert others == {*EXTENSIONS, *info}
     assert {**own, **kept} == {name: inside[name] for name in inside if name not in others}
 
 
@@ -294,7 +294,7 @@ def test_a_checkout_gives_the_same_wheel(packages, tmp_path):
     with zipfile.ZipFile(build("wheel", PYTHON, tmp_path)) as archive:
         archive.extractall(tmp_path / "wheel")
     ours, theirs = (contents(folder) for folder in (tmp_path / "wheel", packages["wheel"]))
-    built_ones = {"_tumble_core.abi3.so", "tumble/bench/tumble-bench", f"tumble-{__version__}.dist-info/RECORD"}
+    built_ones = {*EXTENSIONS, f"tumble-{__version__}.dist-info/RECORD"}
     assert set(ours) == set(theirs)
     assert {name for name in ours if ours[name] != theirs[name]} <= built_ones
 
@@ -357,7 +357,7 @@ def test_no_wheel_has_libmodbus(packages):
     """It is LGPL. The gateway, which links it, is in no wheel; the canary of the check is the gateway itself."""
     files = [path for path in packages["wheel"].rglob("*") if path.is_file()]
     binaries = [path for path in files if path.read_bytes().startswith(b"\x7fELF")]
-    assert sorted(path.name for path in binaries) == ["_tumble_core.abi3.so", "tumble-bench"]
+    assert sorted(path.name for path in binaries) == [*EXTENSIONS]
     assert not any(has_libmodbus(path.read_bytes()) for path in binaries)
     assert not any("libmodbus" in path.name for path in files)
 

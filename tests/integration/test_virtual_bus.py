@@ -1,16 +1,13 @@
 """Firmware and stand in virtual time as a bus of python-can: what its time is, and that nothing else counts."""
 
 import json
-import socket
 import struct
-import subprocess
 import time
 
 import pytest
 from bench_program import scenario
 
 from tumble import client
-from tumble.bench import program
 from tumble.testing.rigs import FAST
 from tumble.testing.virtual_bus import VirtualBus, time_of
 
@@ -197,65 +194,20 @@ def test_what_is_no_classic_frame_and_a_bus_that_has_been_left(virtual):
 
 def test_a_scenario_that_is_none_is_told_in_one_line(tmp_path):
     path = scenario(tmp_path, no__such_key=1)
-    with pytest.raises(can.CanInitializationError, match=r"tumble-bench has ended \(2\): .*no.such_key") as told:
+    with pytest.raises(can.CanInitializationError, match=r"scenario.txt:1: no such key: no.such_key") as told:
         VirtualBus(path)
     assert "\n" not in str(told.value)
 
 
-def test_a_bench_that_dies_is_told(virtual):
-    bus = virtual()
-    bus._process.kill()
-    with pytest.raises(can.CanOperationError, match=r"tumble-bench has ended \(-9\): it says nothing"):
-        bus.sleep(1)
-    assert bus.end() == {}
+def test_the_end_of_its_time_is_told(virtual):
+    bus = virtual(limit__virtual_s=30, firmware__starts="yes")
+    bus.sleep(29)
+    with pytest.raises(can.CanOperationError, match=r"the simulated run has come to its end"):
+        bus.sleep(2)
+    document = bus.end()
+    assert (document["end"], document["state"]) == ("left", "TUMBLE_STATE_IDLE")  # it has begun nothing by itself
 
 
-@pytest.fixture
-def raw():
-    """Start tumble-bench in lock step: (our end of the socket, its process)."""
-    started = []
-
-    def begin():
-        ours, theirs = socket.socketpair()
-        command = [program.find(), "--lock-step", str(theirs.fileno())]
-        with theirs:
-            process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                                       pass_fds=(theirs.fileno(),))
-        started.append((ours, process))
-        return ours, process
-
-    yield begin
-    for ours, process in started:
-        ours.close()
-        process.kill()
-        process.communicate()
-
-
-def test_the_records_in_both_directions(raw):
-    """Two at once are answered one after the other, a moment in the past at once; a record may come in pieces."""
-    ours, process = raw()
-    until = RECORD.pack(ON_THE_WAY, 8, struct.pack("<Q", 1_000_000)), RECORD.pack(ON_THE_WAY, 8, struct.pack("<Q", 5))
-    stream = ours.makefile("rb")
-    ours.sendall(until[0][:7])
-    ours.sendall(until[0][7:] + until[1])
-    records = []
-    while len([record for record in records if record[0] == 0x80000001]) < 2:
-        records.append(RECORD.unpack(stream.read(16)))
-    moments = [struct.unpack("<Q", data)[0] for kind, _, data in records if kind == ON_THE_WAY]
-    assert [struct.unpack("<Q", data)[0] for kind, _, data in records if kind == 0x80000001] == [1_000_000] * 2
-    assert moments == sorted(moments) and 0 < moments[0] and moments[-1] <= 1_000_000
-    assert [kind for kind, _, _ in records[:-2:2]] == [ON_THE_WAY] * len(moments)
-    assert {kind for kind, _, _ in records[1:-2:2]} >= set(HEARTBEATS)
-    ours.close()
-    stream.close()
-    out, errors = process.communicate(timeout=60)
-    assert (process.returncode, errors, json.loads(out)["end"]) == (0, "", "left")
-
-
-@pytest.mark.parametrize("record", [RECORD.pack(0x80000003, 8, bytes(8)), RECORD.pack(0x800, 8, bytes(8)),
-                                    RECORD.pack(0x123, 9, bytes(8))])
-def test_what_is_no_record_ends_it(raw, record):
-    ours, process = raw()
-    ours.sendall(record)
-    out, errors = process.communicate(timeout=60)
-    assert (process.returncode, errors, json.loads(out)["end"]) == (0, "", "left")
+def test_a_memory_needs_the_name_of_the_block(tmp_path):
+    with pytest.raises(can.CanInitializationError, match=r"keeper\.serial is missing: who keeps coefficients must be"):
+        VirtualBus(memory=True)

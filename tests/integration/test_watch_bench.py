@@ -34,12 +34,9 @@ def hasty(tmp_path):
     return path
 
 
-def faulty_bench(folder):
-    """tumble-bench, but with a fault in every scenario."""
-    path = folder / "faulty-bench"
-    path.write_text(f'#!/bin/sh\necho "fault = {FAULT}" >> "$1"\nexec "{program.find()}" "$@"\n')
-    path.chmod(0o755)
-    return str(path)
+def faulty(folder):
+    """Options of a run with a fault."""
+    return "--scenario", scenario(folder, fault=FAULT)
 
 
 @contextlib.contextmanager
@@ -142,9 +139,7 @@ def test_a_page_shows_a_run_to_its_end_and_stays(hasty, tmp_path):
 def test_a_page_shows_a_fault_with_its_remedy(hasty, tmp_path):
     pytest.importorskip("uvicorn", reason="uvicorn is not installed")
     run = tmp_path / "run"
-    with page("--stand", hasty, "--pace", 100, "--out", run, cwd=tmp_path, TUMBLE_BENCH=faulty_bench(tmp_path)) as (
-        process, url,
-    ):
+    with page("--stand", hasty, "--pace", 100, *faulty(tmp_path), "--out", run, cwd=tmp_path) as (process, url):
         last = until_over(url)[-1]
         code, out, err = ended(process, signal.SIGTERM)
     assert (code, out) == (BenchFault.exit_code, "")

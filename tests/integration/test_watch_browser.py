@@ -9,7 +9,7 @@ import urllib.request
 import pytest
 from conftest import ROOT
 from played_run import AVERAGING, DONE, PlayedSource
-from test_watch_bench import ended, faulty_bench, hasty, page
+from test_watch_bench import ended, faulty, hasty, page
 
 from tumble.watch.follower import Follower
 from tumble.watch.snapshot import Lost
@@ -110,8 +110,8 @@ def test_a_run_from_its_beginning_to_its_end(chromium, hasty, tmp_path):
 
 
 def test_a_run_that_ends_in_a_fault(chromium, hasty, tmp_path):
-    environment = {"TUMBLE_BENCH": faulty_bench(tmp_path)}
-    with page("--stand", hasty, "--pace", 20, "--out", tmp_path / "run", cwd=tmp_path, **environment) as (process, url):
+    options = "--stand", hasty, "--pace", 20, *faulty(tmp_path), "--out", tmp_path / "run"
+    with page(*options, cwd=tmp_path) as (process, url):
         chromium.open(url)
         chromium.wait_for("state", "^FAULT$")
         chromium.wait(lambda: chromium.shows("reason"))

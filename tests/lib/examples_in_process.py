@@ -22,7 +22,8 @@ def run(*arguments):
 
 def run_all(folder):
     """Solve, save, apply, import, export, plan and judge; all files go into the folder, and twice, so that they replace
-    what is there. Every command must end with 0. The name of the folder is taken out of what is found."""
+    what is there. Then a simulated calibration. Every command must end with 0. The name of the folder is taken out of
+    what is found."""
     Path(folder).mkdir()
     result, data = f"{folder}/result.json", f"{folder}/data.csv"
     Path(data).write_text("t,ux,uy,uz\n0,0.1,0.2,2.0\n1,2.0,0.1,0.0\n", encoding="utf-8")
@@ -43,6 +44,8 @@ def run_all(folder):
             code, out, errors = run(*command)
             assert code == 0, (command, code, out, errors)
             said[f"{number} {command[0]}"] = out.replace(folder, "")
-    for path in sorted(Path(folder).iterdir()):
-        said[path.name] = path.read_bytes().replace(folder.encode(), b"")
+    code, said["bench"], errors = run("bench", "--seed", 2, "--no-report", "--out", f"{folder}/bench")
+    assert code == 0, errors
+    for path in sorted(path for path in Path(folder).rglob("*") if path.is_file()):
+        said[path.relative_to(folder).as_posix()] = path.read_bytes().replace(folder.encode(), b"")
     return said

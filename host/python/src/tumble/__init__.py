@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from tumble.api.recording import Recording as Recording, read as read
     from tumble.api.result import Result as Result, load as load
     from tumble.api.solving import solve as solve
+    from tumble.bench.world import World as World
     from tumble.errors import (
         BadInput as BadInput,
         Disagreement as Disagreement,
@@ -62,6 +63,7 @@ __all__ = [
     "StandFile",
     "TumbleError",
     "UsageError",
+    "World",
     "__version__",
     "compare",
     "load",
@@ -75,6 +77,10 @@ def __getattr__(name: str) -> Any:
     """Public names are loaded when they are asked for: the command line answers typing errors without numpy."""
     if name not in __all__:
         raise AttributeError(f"module 'tumble' has no attribute {name!r}")
+    if name == "World":
+        from tumble.bench.world import World
+
+        return globals().setdefault(name, World)
     from tumble import schedule, stand
     from tumble.api import comparing, recording, result, solving
     from tumble.files import stand_file

@@ -1,20 +1,21 @@
-"""Campaigns of tumble-bench in pieces: what one process of it would print, whoever the team is."""
+"""Campaigns of simulated runs and of hostile lives, in pieces: the same numbers, whoever the team is."""
 
 from __future__ import annotations
 
 import json
-import subprocess
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from tumble.bench import program
-from tumble.bench.programs import last_words
-from tumble.errors import EXIT_BAD_INPUT, EXIT_DISAGREEMENT, EXIT_LIMITS_FAILED, EXIT_PASS, BenchFault, UsageError
+from tumble.bench import document
+from tumble.bench.border import ENDED, FOREVER_US, OPERATORS, Border, Refused, text
+from tumble.bench.lives import Lives
+from tumble.errors import EXIT_DISAGREEMENT, EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
 from tumble.workers.over import ALONE, Progress, Team, over
-from tumble.workers.pieces import Piece, Result
+from tumble.workers.pieces import Job, Piece, Result
 
 _SEEDS = 100  # in a piece
 _FIRST = 10  # violations that a campaign shrinks
@@ -24,7 +25,7 @@ _MICROSECOND = 1e-6
 
 @dataclass(frozen=True)
 class Ended:
-    """A piece of a campaign: what was printed, what was said to people, and the exit code."""
+    """A piece of a campaign: what is to be printed, what to be said to people, and the exit code."""
 
     output: str
     said: str
@@ -32,33 +33,81 @@ class Ended:
 
 
 @dataclass(frozen=True)
-class Campaign:
-    """A job: so many seeds from one on. `options`: of tumble-bench, before these; `scenario`: on its standard input."""
+class Runs:
+    """A job: calibrations, a line of JSON each. `lines`: of a scenario called `file`; `with_means`: those of all
+    positions too; `gains`: the record of the estimator `optimal`."""
 
-    options: tuple[str, ...]
-    count_option: str
-    scenario: bytes = b""
+    lines: tuple[str, ...]
+    file: str
+    with_means: bool
+    gains: bytes | None = None
 
     def __call__(self, seeds: tuple[int, int]) -> Result:
         first, count = seeds
-        command = [program.find(), *self.options, self.count_option, str(count), "--seed", str(first), "--jobs", "1"]
-        try:  # in a session of its own: Ctrl-C is for who has cut the campaign
-            done = subprocess.run(command, input=self.scenario, capture_output=True, start_new_session=True)
-        except OSError as error:
-            raise BenchFault(f"tumble-bench cannot be started: {(error.strerror or 'unknown').lower()}") from None
-        said = done.stderr.decode(errors="replace")
-        if done.returncode == EXIT_BAD_INPUT:
-            raise UsageError(f"this cannot be simulated: {last_words(said)}")
-        if done.returncode not in _ENDS:
-            raise BenchFault(f"tumble-bench failed ({done.returncode}): {last_words(said)}")
-        return {"output": done.stdout.decode(), "said": said, "code": np.array([done.returncode])}
+        found = [self._run(seed) for seed in range(first, first + count)]
+        code = max((line["exit"] for line in found), key=_ENDS.index)
+        output = "".join(json.dumps(line, separators=(",", ":")) + "\n" for line in found)
+        return {"output": output, "said": "", "code": np.array([code])}
 
-    def ended(
-        self, seed: int, count: int, team: Team = ALONE, progress: Progress = lambda seeds: None
-    ) -> Iterator[Ended]:
-        """Of seeds from `seed` on, in their order. Raises UsageError, BenchFault."""
-        for result in over(_pieces(seed, count), self, team, progress):
-            yield Ended(result["output"], result["said"], int(result["code"][0]))
+    def _run(self, seed: int) -> dict[str, Any]:
+        try:
+            border = Border(seed, self.lines, self.gains, OPERATORS[0])
+        except Refused as refused:
+            hint = "; a scenario file is wanted, not a stand file" if self.file.endswith(".toml") else ""
+            raise UsageError(f"this cannot be simulated: {refused.where(self.file)}{hint}") from None
+        while not border.advance(FOREVER_US, 0) & ENDED:
+            pass
+        report = border.report()
+        known = report.has_result
+        line = {
+            "seed": seed,
+            "exit": document.exit_code(report),
+            "state": text(report.state),
+            "reason": text(report.reason),
+            "pass": getattr(report, "pass"),
+            "K": list(report.k_v_per_g) if known else None,
+            "U0": list(report.u0_v) if known else None,
+            "max_abs_delta_g_g": max(report.max_abs_fit_g, report.max_abs_check_g) if known else None,
+            "truth": {"K": list(report.true_k_v_per_g), "U0": list(report.true_u0_v)},
+            "virtual_s": report.now_us * _MICROSECOND,
+            "frames": report.frames,
+            "table": document.table(report),
+        }
+        if self.with_means:
+            positions = (report.positions[i] for i in range(report.position_count))
+            line["means"] = [volt if one.measured else None for one in positions for volt in one.u_v]
+        return line
+
+
+class HostileLives:
+    """A job: hostile lives (host/world/lives.h), a document of each piece."""
+
+    def __call__(self, seeds: tuple[int, int]) -> Result:
+        first, count = seeds
+        wall_s, cpu_s = time.perf_counter(), time.process_time()
+        lives, said = Lives(), []
+        parts: list[dict[str, Any]] = []
+        for seed in range(first, first + count):
+            part = lives.live(seed)
+            shown = sum(len(one["first"]) for one in parts)
+            if part["violated"]:
+                shrunk = lives.shrunk(seed) if shown < _FIRST else None
+                part["first"] = [] if shrunk is None else [shrunk]
+                enough = f"; {len(shrunk['events'])} of {shrunk['drawn']} events are enough" if shrunk else ""
+                said.append(f"seed {seed}: {part.pop('said')}{enough}\n")
+            parts.append(part)
+        found = _total(parts)
+        found["speed"] = {"wall_s": time.perf_counter() - wall_s, "cpu_s": time.process_time() - cpu_s}
+        code = EXIT_DISAGREEMENT if found["violated"] else EXIT_PASS
+        return {"output": json.dumps(found), "said": "".join(said), "code": np.array([code])}
+
+
+def ended(
+    job: Job, seed: int, count: int, team: Team = ALONE, progress: Progress = lambda seeds: None
+) -> Iterator[Ended]:
+    """Of seeds from `seed` on, in their order. Raises UsageError."""
+    for result in over(_pieces(seed, count), job, team, progress):
+        yield Ended(result["output"], result["said"], int(result["code"][0]))
 
 
 def _pieces(seed: int, count: int) -> Iterator[Piece]:
@@ -72,39 +121,48 @@ def worse(one: int, other: int) -> int:
     return max(one, other, key=_ENDS.index)
 
 
-def of_runs(scenario: bytes | None, with_means: bool) -> Campaign:
-    """Calibrations: lines of JSON (host/bench/campaign.h). `scenario`: None for the paper's stand."""
-    given = () if scenario is None else ("-",)
-    return Campaign((*given, *(("--means",) if with_means else ())), "--runs", scenario or b"")
+def of_runs(scenario: bytes | None, file: str, with_means: bool) -> Runs:
+    """Calibrations by a scenario called `file`; None: the paper's stand."""
+    lines = () if scenario is None else tuple(scenario.decode("ascii", "replace").split("\n"))
+    return Runs(lines, file, with_means)
 
 
-LIVES = Campaign((), "--campaign")  # hostile ones: a document of each piece (host/bench/hostile.h)
+def merged(first_seed: int, documents: list[str]) -> dict[str, Any]:
+    """The document of all lives, tumble.hostile/1, from those of their pieces, in order; `speed` is that of one
+    process."""
+    found = _total([json.loads(one) for one in documents])
+    speed, virtual_us, runs = found.pop("speed"), found.pop("virtual_us"), found.pop("runs")
+    last = {name: found.pop(name) for name in ("frames", "steps")}
+    return {
+        "schema": "tumble.hostile/1",
+        "runs": runs,
+        "first_seed": first_seed,
+        **found,
+        "virtual_s": virtual_us * _MICROSECOND,
+        **last,
+        "speed": {"jobs": 1, **speed, "ms_per_life": 1e3 * speed["cpu_s"] / runs},
+    }
 
 
-def merged(documents: list[str]) -> dict[str, Any]:
-    """The document of all lives from those of their pieces, in order; `speed` is that of one process."""
-    parts = [json.loads(document) for document in documents]
-    tables = [part.pop("table") for part in parts]
-    first_seed, virtual_us = parts[0]["first_seed"], sum(round(part["virtual_s"] / _MICROSECOND) for part in parts)
+def _total(parts: list[dict[str, Any]]) -> dict[str, Any]:
+    tables = [part["table"] for part in parts if part["table"] is not None]
     found: dict[str, Any] = parts[0]
     for part in parts[1:]:
         found = _sum(found, part)
-    speed = {**found["speed"], "jobs": 1, "ms_per_life": 1e3 * found["speed"]["cpu_s"] / found["runs"]}
     table = {
-        "at_rest": all(one["at_rest"] for one in tables),
-        "lowest_deg": min(one["lowest_deg"] for one in tables),
-        "highest_deg": max(one["highest_deg"] for one in tables),
+        "at_rest": all(bool(one["at_rest"]) for one in tables),
+        "lowest_deg": min((one["lowest_deg"] for one in tables), default=0.0),
+        "highest_deg": max((one["highest_deg"] for one in tables), default=0.0),
     }
-    own = {"first_seed": first_seed, "table": table, "virtual_s": virtual_us * _MICROSECOND, "speed": speed}
-    return {**found, **own}
+    return {**found, "table": table}
 
 
 def _sum(one: Any, other: Any) -> Any:
-    if isinstance(one, dict):
+    if isinstance(one, dict) and isinstance(other, dict):
         return {
             name: _sum(one[name], other[name]) if name in one and name in other else {**other, **one}[name]
             for name in {**one, **other}
         }
     if isinstance(one, list):
         return [*one, *other][:_FIRST]
-    return one if isinstance(one, str) else one + other
+    return one if isinstance(one, dict) or one is None or isinstance(other, dict) or other is None else one + other

@@ -10,19 +10,24 @@ from typing import Any
 import numpy as np
 
 from tumble import reference
+from tumble.api.complaints import complaints
 from tumble.arrays import Floats
 from tumble.bench import gains
 from tumble.bench.progress import in_words
 from tumble.bench.setup import Setup, step_v
 from tumble.errors import BadInput, BenchFault, Disagreement
 from tumble.estimators import OPTIMAL
+from tumble.files.documents import to_json
 from tumble.files.run_file import Run, read_run
 from tumble.files.run_layout import Wishes
+from tumble.files.stand_file import StandFile
+from tumble.solving import provenance, result
 from tumble.solving.crosscheck import OPTIMAL_LIMIT_U, RELATIVE_LIMIT, compare_uncertainties
 from tumble.solving.noise import look, of_means
 from tumble.solving.solution import Solution, Truth, solve
 
 DOCUMENT = "bench.json"
+INPROCESS = "inprocess"
 _NOISE_LIMIT = 1e-9
 
 
@@ -79,6 +84,24 @@ def confirm(document: dict[str, Any], stage: Path, setup: Setup) -> Solution:
     if setup.terms:
         solution = solve(*given, step_v=step_v(setup), terms=setup.terms, coverage_factor=setup.coverage_factor)
     return dataclasses.replace(solution, truth=_truth(document["truth"]))
+
+
+def result_text(
+    solution: Solution,
+    setup: Setup,
+    stand_file: StandFile | None,
+    document: dict[str, Any],
+    bus: str = INPROCESS,
+    firmware: str = "host",
+) -> str:
+    """result.json of a run that `confirm` has confirmed."""
+    item, environment = (None, None) if stand_file is None else (stand_file.item, stand_file.environment)
+    serial = None if setup.block is None else setup.block.get("serial")
+    created = provenance.created(clock=bus != INPROCESS)
+    told = result.document(solution, item, environment, serial, "run.csv", created, complaints(solution))
+    origin = {"seed": setup.seed, "bus": bus, "firmware": firmware, "table": document["table"]}
+    assert solution.truth is not None  # it has been simulated
+    return to_json({**told, **origin, "truth": result.truth(solution.truth)})
 
 
 def _as_averaged(recorded: Run, document: dict[str, Any]) -> Run:

@@ -24,7 +24,7 @@ from tumble import interruption
 from tumble.bench import outcome, program, programs, replay, uml
 from tumble.errors import BenchFault, Skipped, UsageError, quoted
 
-INPROCESS, UML, SOCKETCAN = "inprocess", "uml", "socketcan:"
+INPROCESS, UML, SOCKETCAN = outcome.INPROCESS, "uml", "socketcan:"
 
 _FOLDER = "boards/linux"
 _EARLY_S = 0.3  # within which a program that cannot work gives up

@@ -8,18 +8,18 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from tumble.core import CoreSchedule, sine_cosine
-from tumble.defaults import DEFAULT_COVERAGE_FACTOR
-from tumble.errors import BadInput
-from tumble.files.stand_file import converter_step_v
+from tumble.defaults import DEFAULT_COVERAGE_FACTOR, DEFAULT_ESTIMATOR, DEFAULT_LIMIT_G
+from tumble.errors import BadInput, UsageError, quoted
+from tumble.files.stand_file import StandFile, converter_step_v
 from tumble.schedule import Mounting, Position
-from tumble.stand import PerChannel, Stand, by_channel, per_channel
+from tumble.stand import PAPER_STAND, PerChannel, Stand, by_channel, per_channel
 from tumble.terms import Terms
 
 _MOST_BITS = 24
@@ -44,6 +44,7 @@ _BY_OPTION = {  # keys of a scenario that the check of the result has to know of
     "block.converter_bits": "--block",
     "block.range_v": "--block",
 }
+_REPEATED = ("fault", "profile.receive_pdo", "profile.transmit_pdo", "profile.write", "drive.lacks")
 _USUAL_CONVERTER = {"converter_bits": 24, "range_v": 10.0}  # where the file leaves it open
 
 
@@ -70,12 +71,42 @@ class Setup:
     coverage_factor: float = DEFAULT_COVERAGE_FACTOR
 
 
-def scenario_text(setup: Setup, file: str | None = None, given: bytes | None = None) -> str:
-    """The scenario file, in which the lines of another one, `given`, win over those of the setup. Raises BadInput for
-    what can be declared but not simulated, and for lines of `file` in whose place there is an option."""
+def setup_of(
+    seed: int,
+    file: StandFile | None,
+    schedule: CoreSchedule,
+    samples: int | None = None,
+    limit_g: float | None = None,
+    **others: Any,
+) -> Setup:
+    """What a stand file says, or the paper's stand; `samples` and `limit_g` where they are told; `others`: fields of
+    Setup."""
+    stand = PAPER_STAND if file is None else file.stand
+    samples = stand.samples if samples is None else samples
+    if limit_g is None:
+        limit_g = DEFAULT_LIMIT_G if file is None or file.delta_g_limit_g is None else file.delta_g_limit_g
+    told = {
+        "block": None if file is None else file.block,
+        "truth": None if file is None else file.truth,
+        "motion": None if file is None else file.motion,
+        "estimator": DEFAULT_ESTIMATOR,
+        "coverage_factor": DEFAULT_COVERAGE_FACTOR if file is None else file.decided_by,
+        **others,
+    }
+    stand = replace(stand, samples=samples)
+    return Setup(seed=seed, stand=stand, schedule=schedule, samples=samples, limit_g=limit_g, **told)
+
+
+def scenario_text(setup: Setup, file: str | None = None, given: bytes | None = None, told: Sequence[str] = ()) -> str:
+    """The scenario file, in which the lines of another one, `given`, win over those of the setup, and those that are
+    `told` one by one over both. Raises BadInput for what can be declared but not simulated, and for lines in whose
+    place there is an option; UsageError for one that is told and is none."""
     pairs = [*_stand(setup.stand), *_block(setup), *_motion(setup), *_procedure(setup), *_schedule(setup.schedule)]
     own = [*(f"{key} = {value}" for key, value in pairs), *_serial(setup.block)]
     lines = own if file is None or given is None else _overridden(own, file, given)
+    if told:
+        keys = {_told_key(line) for line in told}
+        lines = [*("" if _key(line) in keys else line for line in lines), *told]
     return "".join(f"{line}\n" for line in lines)
 
 
@@ -91,6 +122,17 @@ def _overridden(own: list[str], file: str, given: bytes) -> list[str]:
         keys |= set() if same else {key}
         lines.append("" if same else line)
     return [*lines, *(line for line in own if _key(line) not in keys)]
+
+
+def _told_key(line: str) -> str:
+    """Of KEY=VALUE; lines that may repeat have none, as they add."""
+    key, equals, _ = line.partition("=")
+    key = key.strip()
+    if not equals or not key or not line.isascii() or not line.isprintable():
+        raise UsageError(f"--set: {quoted(line)} is not KEY=VALUE")
+    if key in _BY_OPTION:
+        raise UsageError(f"--set: {key} is given by {_BY_OPTION[key]}")
+    return "" if key in _REPEATED else key
 
 
 def _key(line: str) -> str:

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from tumble.cli import options
 from tumble.cli.aliases import ALIASES
-from tumble.defaults import DEFAULT_COVERAGE_FACTOR, DEFAULT_LIMIT_G
 from tumble.errors import (
     EXIT_LIMITS_FAILED,
     EXIT_PASS,
@@ -30,14 +29,15 @@ from tumble.schedule import file_of
 from tumble.terms import parse
 
 if TYPE_CHECKING:
+    from tumble.bench.border import Border
     from tumble.bench.folder import RunFolder
+    from tumble.bench.inside import OnEvent
     from tumble.bench.program import Ended
     from tumble.bench.progress import Progress
     from tumble.bench.setup import Setup
     from tumble.core import CoreSchedule
     from tumble.files.stand_file import StandFile
     from tumble.schedule import Schedule
-    from tumble.solving.solution import Solution
 
 
 _NO_REPORT = "TUMBLE_NO_REPORT"
@@ -69,6 +69,13 @@ def add_options(parser: options.Options, shows_interactive: bool = True) -> None
     parser.add_argument(
         "--scenario", metavar="FILE", help="faults, and other keys of tumble-bench --keys; overrides the stand file"
     )
+    parser.add_argument(
+        "--set",
+        metavar="KEY=VALUE",
+        action="append",
+        default=[],
+        help="one key of a scenario, as a line of its file; may be repeated",
+    )
     parser.add_argument("--samples", metavar="N", help="averaged at a position; default: the stand file's, else 50")
     parser.add_argument(
         "--error-budget",
@@ -95,6 +102,12 @@ def add_options(parser: options.Options, shows_interactive: bool = True) -> None
         else argparse.SUPPRESS,
     )
     options.add_limit(parser)
+    parser.add_argument(
+        "--runs",
+        metavar="N",
+        help="N runs with seeds from --seed upwards: a line of JSON each, as tumble campaign runs prints it; no folder",
+    )
+    parser.add_argument("--jobs", metavar="N", help="of --runs: on so many processes; default: 1")
     parser.add_argument("--out", metavar="DIR", help="run folder, new or empty; default: runs/<UTC time>-<seed>")
     wishes = parser.add_mutually_exclusive_group()
     wishes.add_argument(
@@ -128,8 +141,9 @@ def run(arguments: argparse.Namespace, onlooker: Onlooker | None = None) -> int:
     from tumble.cli.output import print_solution, warn
     from tumble.solving.decision import decide
 
-    with_report = _wants_report(arguments)
     bus = realbus.require_bus(arguments.bus)
+    _require_one_way(arguments)
+    with_report = arguments.runs is None and _wants_report(arguments)
     if arguments.firmware == board.FIRMWARE and arguments.interactive:
         raise UsageError(f"--interactive: not with --firmware {board.FIRMWARE}")
     if arguments.firmware == board.FIRMWARE:
@@ -137,12 +151,14 @@ def run(arguments: argparse.Namespace, onlooker: Onlooker | None = None) -> int:
     given = _read_files(arguments)
     wanted, stand_file = _read_setup(arguments, given)
     extra = None if arguments.scenario is None else given[arguments.scenario]
-    scenario = setup.scenario_text(wanted, arguments.scenario, extra)
+    scenario = setup.scenario_text(wanted, arguments.scenario, extra, arguments.set)
     gain_record = gains.record(wanted) if wanted.estimator == OPTIMAL else None
+    if arguments.runs is not None:
+        return _run_many(arguments, wanted.seed, scenario, gain_record)
     path = folder.default_path(wanted.seed) if arguments.out is None else arguments.out
     with folder.RunFolder(path, may_make_parent=folder.is_in_default_parent(path)) as made:
         scenario_path = made.add_inputs(given, scenario, gain_record)
-        document = _simulate(arguments, wanted, scenario_path, made, onlooker)
+        document = _simulate(arguments, wanted, scenario, gain_record, scenario_path, made, onlooker)
         try:
             outcome.require_done(document)
             solution = outcome.confirm(document, made.stage, wanted)
@@ -150,7 +166,7 @@ def run(arguments: argparse.Namespace, onlooker: Onlooker | None = None) -> int:
             made.keep(outcome.DOCUMENT, renamed="fault.json")
             tell(f"run folder: {file_name(path)}")
             raise
-        text = _result_text(solution, wanted, arguments, stand_file, document["table"])
+        text = outcome.result_text(solution, wanted, stand_file, document, arguments.bus, arguments.firmware)
         if with_report:
             _add_report(made, text, arguments.report)
         made.keep(outcome.DOCUMENT, result=text)
@@ -158,6 +174,30 @@ def run(arguments: argparse.Namespace, onlooker: Onlooker | None = None) -> int:
     warn(complaints(solution))
     print_solution(solution, text if arguments.json else None, f"seed {wanted.seed}")
     return EXIT_PASS if decide(solution).passed else EXIT_LIMITS_FAILED
+
+
+def _require_one_way(arguments: argparse.Namespace) -> None:
+    """Raise UsageError for what is of one run alone, or of many."""
+    if arguments.runs is None and arguments.jobs is not None:
+        raise UsageError("--jobs: needs --runs")
+    if arguments.runs is not None and (
+        arguments.out is not None or arguments.interactive or arguments.report or arguments.model
+    ):
+        raise UsageError("--runs: takes no --out, --interactive, --report or --model")
+    if arguments.runs is not None and arguments.bus != "inprocess":
+        raise UsageError("--runs: runs inprocess alone, not on a real bus")
+
+
+def _run_many(arguments: argparse.Namespace, seed: int, scenario: str, gain_record: bytes | None) -> int:
+    """Calibrate, and print lines as they come. Returns the exit code."""
+    from tumble.bench import campaigns
+    from tumble.cli.commands import campaign
+
+    arguments.workers, arguments.cluster, arguments.resume = arguments.jobs, None, None
+    _world(arguments, seed, scenario, gain_record)  # what is refused is refused once
+    job = campaigns.Runs(tuple(scenario.splitlines()), arguments.scenario or "scenario", False, gain_record)
+    count = options.parse_whole(arguments.runs, "--runs", 1, campaign.MOST)
+    return campaign.print_runs(arguments, job, seed, count)
 
 
 def _wants_report(arguments: argparse.Namespace) -> bool:
@@ -191,42 +231,24 @@ def _read_setup(arguments: argparse.Namespace, given: dict[str, bytes]) -> tuple
     limit_g = options.parse_limit(arguments.limit)
     terms = parse(arguments.model, arguments.estimator)
 
-    from dataclasses import replace
-
-    from tumble.bench.setup import Setup
+    from tumble.bench.setup import setup_of
     from tumble.core import MAX_SAMPLES
     from tumble.files.stand_file import read_block, read_stand
     from tumble.solving import extended
-    from tumble.stand import PAPER_STAND
 
     samples = None if arguments.samples is None else options.parse_whole(arguments.samples, "--samples", 1, MAX_SAMPLES)
     error_budget_v = _parse_budget(arguments.error_budget)
     schedule = _read_schedule(arguments, given)
     extended.require_told_apart(schedule.data, terms)
     file = None if arguments.stand is None else read_stand(arguments.stand, given[arguments.stand])
-    stand = PAPER_STAND if file is None else file.stand
-    block, truth = (None, None) if file is None else (file.block, file.truth)
+    others: dict[str, Any] = {
+        "stand_file": arguments.stand or "",
+        "block_file": arguments.block or arguments.stand or "",
+    }
     if arguments.block is not None:
-        block, truth = read_block(arguments.block, given[arguments.block])
-    if limit_g is None:
-        limit_g = DEFAULT_LIMIT_G if file is None or file.delta_g_limit_g is None else file.delta_g_limit_g
-    samples = stand.samples if samples is None else samples
-    return Setup(
-        seed=seed,
-        stand=replace(stand, samples=samples),
-        block=block,
-        truth=truth,
-        motion=None if file is None else file.motion,
-        schedule=schedule,
-        samples=samples,
-        error_budget_v=error_budget_v,
-        estimator=arguments.estimator,
-        limit_g=limit_g,
-        coverage_factor=DEFAULT_COVERAGE_FACTOR if file is None else file.decided_by,
-        stand_file=arguments.stand or "",
-        block_file=arguments.block or arguments.stand or "",
-        terms=terms,
-    ), file
+        others["block"], others["truth"] = read_block(arguments.block, given[arguments.block])
+    others |= {"error_budget_v": error_budget_v, "estimator": arguments.estimator, "terms": terms}
+    return setup_of(seed, file, schedule, samples, limit_g, **others), file
 
 
 def _parse_budget(text: str | None) -> float:
@@ -248,36 +270,90 @@ def _read_schedule(arguments: argparse.Namespace, given: dict[str, bytes]) -> Co
 
 
 def _simulate(
-    arguments: argparse.Namespace, wanted: Setup, scenario_path: Path, made: RunFolder, onlooker: Onlooker | None
+    arguments: argparse.Namespace,
+    wanted: Setup,
+    scenario: str,
+    gain_record: bytes | None,
+    scenario_path: Path,
+    made: RunFolder,
+    onlooker: Onlooker | None,
 ) -> dict[str, Any]:
-    """Run the program. Returns its document; raises where there is none, or the user did not want to wait for it."""
-    from tumble.bench import board, folder, outcome, program, realbus
+    """Let it run. Returns its document; raises where there is none, or the user did not want to wait for it."""
+    from tumble.bench import realbus
 
-    words = [str(scenario_path), "--seed", str(wanted.seed), "--out", str(made.stage / "bench")]
-    if wanted.estimator == OPTIMAL:
-        words += ["--gain-record", str(scenario_path.with_name(folder.GAINS))]
-    words += [] if onlooker is None else ["--pace", repr(onlooker.pace)]
     seen = _progress(wanted.schedule.data, arguments.interactive) if onlooker is None else nullcontext(onlooker)
     with seen as progress:
         if arguments.bus == realbus.INPROCESS:
-            ended = program.run(words, progress, arguments.interactive)
-        elif arguments.firmware == board.FIRMWARE:
-            ended = board.run(arguments.bus, scenario_path, wanted.seed, made.stage, progress, wanted.schedule.data)
+            pace = 0.0 if onlooker is None else onlooker.pace
+            document = _inside(arguments, wanted, scenario, gain_record, made, progress, pace)
         else:
-            ended = realbus.run(arguments.bus, scenario_path, wanted.seed, made.stage, progress, arguments.interactive)
+            document = _outside(arguments, wanted, scenario_path, made, progress)
+    if onlooker is not None:
+        onlooker.ended(document)
+    return document
+
+
+def _inside(
+    arguments: argparse.Namespace,
+    wanted: Setup,
+    scenario: str,
+    gain_record: bytes | None,
+    made: RunFolder,
+    progress: OnEvent,
+    pace: float,
+) -> dict[str, Any]:
+    """In a world within this process."""
+    from tumble.bench import inside
+    from tumble.files.disk import reason
+
+    border = _world(arguments, wanted.seed, scenario, gain_record)
+    interrupted = inside.Run(border, progress, pace).to_its_end()
+    try:
+        document = inside.write(border, made.stage)
+    except OSError as error:
+        raise BadInput(f"cannot be written: {reason(error)}", made.path) from None
+    if interrupted:
+        raise _interrupted(document["table"]["at_rest"])
+    return document
+
+
+def _world(arguments: argparse.Namespace, seed: int, scenario: str, gain_record: bytes | None) -> Border:
+    """Powered on. Raises UsageError."""
+    from tumble.bench.border import OPERATORS, Border, Refused
+
+    lines, operator = scenario.splitlines(), "asked" if arguments.interactive else OPERATORS[0]
+    try:
+        return Border(seed, lines, gain_record, operator)
+    except Refused as refused:
+        is_told = refused.line > len(lines) - len(arguments.set)
+        where = f"--set: {refused}" if is_told else refused.where(arguments.scenario or "scenario")
+        raise UsageError(f"this cannot be simulated: {where}") from None
+
+
+def _interrupted(at_rest: bool) -> Interrupted:
+    return Interrupted("interrupted; " + ("the table is at rest" if at_rest else "THE TABLE MAY STILL TURN"))
+
+
+def _outside(
+    arguments: argparse.Namespace, wanted: Setup, scenario_path: Path, made: RunFolder, progress: OnEvent
+) -> dict[str, Any]:
+    """By programs on a real bus."""
+    from tumble.bench import board, outcome, realbus
+
+    if arguments.firmware == board.FIRMWARE:
+        ended = board.run(arguments.bus, scenario_path, wanted.seed, made.stage, progress, wanted.schedule.data)
+    else:
+        ended = realbus.run(arguments.bus, scenario_path, wanted.seed, made.stage, progress, arguments.interactive)
     document = outcome.read_document(made.stage / "bench")
     if ended.interrupted or ended.code == Interrupted.exit_code:
         never_began = ended.code == -signal.SIGTERM  # it did not get so far as to listen to signals
-        at_rest = never_began or (document is not None and document["table"]["at_rest"])
-        raise Interrupted("interrupted; " + ("the table is at rest" if at_rest else "THE TABLE MAY STILL TURN"))
+        raise _interrupted(never_began or (document is not None and document["table"]["at_rest"]))
     _require_written(ended, made)
     complaint = ended.complaint.replace(str(scenario_path), arguments.scenario or "scenario")
     if ended.code == BadInput.exit_code:
         raise UsageError(f"this cannot be simulated: {complaint}")
     if document is None:
         raise BenchFault(f"tumble-bench failed ({ended.code}): {complaint or 'it says nothing'}")
-    if onlooker is not None:
-        onlooker.ended(document)
     for file in (made.stage / "bench").iterdir():
         file.rename(made.stage / file.name)
     (made.stage / "bench").rmdir()
@@ -300,27 +376,6 @@ def _progress(schedule: Schedule, interactive: bool) -> Progress:
     from tumble.bench.progress import Progress
 
     return Progress(schedule, interactive)
-
-
-def _result_text(
-    solution: Solution,
-    wanted: Setup,
-    arguments: argparse.Namespace,
-    stand_file: StandFile | None,
-    table: dict[str, Any],
-) -> str:
-    from tumble.api.complaints import complaints
-    from tumble.bench import realbus
-    from tumble.files.documents import to_json
-    from tumble.solving import provenance, result
-
-    item, environment = (None, None) if stand_file is None else (stand_file.item, stand_file.environment)
-    serial = None if wanted.block is None else wanted.block.get("serial")
-    created = provenance.created(clock=arguments.bus != realbus.INPROCESS)
-    document = result.document(solution, item, environment, serial, "run.csv", created, complaints(solution))
-    origin = {"seed": wanted.seed, "bus": arguments.bus, "firmware": arguments.firmware}
-    assert solution.truth is not None  # it has been simulated
-    return to_json({**document, **origin, "table": table, "truth": result.truth(solution.truth)})
 
 
 def _add_report(made: RunFolder, result: str, is_asked_for: bool) -> None:

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import argparse
 import sys
+from typing import TYPE_CHECKING
 
 from tumble.cli.options import LARGEST_SEED, Subparsers, add_seed, add_subjects, parse_seed, parse_whole
 from tumble.cli.working import add_workers, progress_bar, team_of
 from tumble.errors import EXIT_PASS, UsageError
 from tumble.messages import tell
+
+if TYPE_CHECKING:
+    from tumble.bench.campaigns import Runs
 
 MOST = 1_000_000_000
 _DEFAULT = "1000"
@@ -20,21 +24,20 @@ def add_to(subparsers: Subparsers, about: str) -> None:
     runs = subjects.add_parser(
         "runs",
         help="calibrations, each of its own seed: one JSON line each",
-        description="Calibrations on a simulated stand, each of its own seed: the lines of tumble-bench --runs.",
+        description="Calibrations on a simulated stand, each of its own seed: a line of JSON each.",
         epilog="Exit codes: 0 all passed, 1 a gravity check failed, 2 bad input, 3 a run ended in a fault, 130"
         " interrupted.",
     )
-    runs.add_argument(
-        "scenario", nargs="?", metavar="SCENARIO", help="file of tumble-bench --keys; default: the paper's stand"
-    )
+    runs.add_argument("scenario", nargs="?", metavar="SCENARIO", help="scenario file; default: the paper's stand")
     runs.add_argument("--runs", metavar="N", default=_DEFAULT, help=f"default: {_DEFAULT}")
     runs.add_argument("--means", action="store_true", help="with the means of all positions in every line")
     lives = subjects.add_parser(
         "lives",
         help="hostile lives: random faults, commands, forged frames, losses of power",
-        description="Hostile lives, each of its own seed: the document of tumble-bench --campaign.",
+        description="Hostile lives, each of its own seed: one JSON document.",
         epilog="Exit codes: 0 all rules held, 2 bad input, 3 one was violated, 130 interrupted.",
     )
+    lives.add_argument("-v", "--verbose", action="store_true", help="tell the events that are enough for a violation")
     lives.add_argument("--lives", metavar="N", default=_DEFAULT, help=f"default: {_DEFAULT}")
     for parser, run in ((runs, run_runs), (lives, run_lives)):
         add_seed(parser, ", of the first")
@@ -50,9 +53,17 @@ def run_runs(arguments: argparse.Namespace) -> int:
     from tumble.files.disk import read_bytes
 
     scenario = None if arguments.scenario is None else read_bytes(arguments.scenario)
-    job, code = campaigns.of_runs(scenario, arguments.means), EXIT_PASS
+    job = campaigns.of_runs(scenario, arguments.scenario or "the defaults", arguments.means)
+    return print_runs(arguments, job, seed, count)
+
+
+def print_runs(arguments: argparse.Namespace, job: Runs, seed: int, count: int) -> int:
+    """Lines as they come. Returns the exit code; raises TumbleError."""
+    from tumble.bench import campaigns
+
+    code = EXIT_PASS
     with team_of(arguments, "campaign runs", job=job) as team, progress_bar("calibrating", count) as progress:
-        for ended in job.ended(seed, count, team, progress):
+        for ended in campaigns.ended(job, seed, count, team, progress):
             sys.stdout.write(ended.output)
             code = campaigns.worse(code, ended.code)
     return code
@@ -65,14 +76,18 @@ def run_lives(arguments: argparse.Namespace) -> int:
     from tumble.bench import campaigns
     from tumble.files.documents import to_json
 
-    documents, code = [], EXIT_PASS
+    documents, code, job = [], EXIT_PASS, campaigns.HostileLives()
     with team_of(arguments, "campaign lives") as team, progress_bar("living", count) as progress:
-        for ended in campaigns.LIVES.ended(seed, count, team, progress):
+        for ended in campaigns.ended(job, seed, count, team, progress):
             for line in ended.said.splitlines():
                 tell(line)
             documents.append(ended.output)
             code = campaigns.worse(code, ended.code)
-    sys.stdout.write(to_json(campaigns.merged(documents)))
+    found = campaigns.merged(seed, documents)
+    for one in found["first"] if arguments.verbose else []:
+        for line in (one["world"], *one["events"], f"with these alone: {one['what']}"):
+            tell(f"  {line}")
+    sys.stdout.write(to_json(found))
     return code
 
 

@@ -1,0 +1,176 @@
+"""The simulated world in C (host/world/border.h) as an object: keys in, time on, frames, samples and report out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tumble.errors import BenchFault
+
+try:
+    from _tumble_world import ffi, lib
+except ImportError:
+    _IS_BUILT = False
+else:
+    _IS_BUILT = True
+
+FOREVER_US = 2**64 - 1
+FRAME, CHANGE, AVERAGED, QUESTION, ENDED = 1, 2, 4, 8, 16  # bits of what has happened
+OPERATORS = ("by-itself", "on-confirm", "never", "asked")  # who acts when the firmware waits for a person
+ENDS = ("running", "done", "fault", "interrupted", "too long", "left")
+ANSWERS = ("done", "abort", "repeat position", "repeat mounting", "leave")
+SENDERS = ("navcomp", "drive", "block", "guest")
+
+_FRAMES = np.dtype([("time_us", "u8"), ("id", "u2"), ("length", "u1"), ("sender", "u1"), ("data", "u1", 8)], align=True)
+_SAMPLES = np.dtype(
+    [
+        ("block_ms", "u8"),
+        ("counts", "i4", 3),
+        ("ordinal", "u4"),
+        ("counter", "u2"),
+        ("timestamp_ms", "u2"),
+        ("index", "u1"),
+        ("temperature_half_c", "i1"),
+    ],
+    align=True,
+)
+
+
+class Refused(Exception):
+    """What the world says of a key, a frame or an answer that it does not take; `line`: of the scenario, 0: none."""
+
+    line = 0
+
+    def where(self, file: str) -> str:
+        """The sentence, behind the place in a file."""
+        return f"{file}:{self.line}: {self}" if self.line else f"{file}: {self}"
+
+
+def require_built() -> None:
+    """Raise BenchFault where the extension is not built."""
+    if not _IS_BUILT:
+        raise BenchFault("the simulated world is not built: tools/setup run builds it, and so does pip install")
+
+
+def text(of: Any) -> str:
+    """A text of the world's."""
+    return str(ffi.string(of).decode())
+
+
+class Key(NamedTuple):
+    """A key of a scenario: so many `values`, each in `range`; `about`: unit and meaning."""
+
+    name: str
+    values: int
+    range: str
+    about: str
+
+
+def _require_good(sentence: Any, line: int = 0) -> None:
+    if sentence != ffi.NULL:
+        refused = Refused(text(sentence))
+        refused.line = line
+        raise refused
+
+
+def keys() -> dict[str, Key]:
+    """All keys that come at most once, by name."""
+    found: dict[str, Key] = {}
+    row = 0
+    while (key := lib.world_key(row)).name != ffi.NULL:
+        if name := text(key.name):
+            found[name] = Key(name, key.count, text(key.range), text(key.about))
+        row += 1
+    return found
+
+
+class Border:
+    """A world: `lines` of a scenario, then power. Raises Refused; BenchFault where the extension is not built."""
+
+    def __init__(
+        self, seed: int, lines: Iterable[str], gains: bytes | None, operator: str = OPERATORS[0], memory: bool = False
+    ):
+        require_built()
+        self._world = ffi.gc(lib.world_new(), lib.world_free)
+        if self._world == ffi.NULL:
+            raise MemoryError
+        for number, line in enumerate(lines, start=1):
+            _require_good(lib.world_set(self._world, line.encode("ascii")), number)
+        if gains is not None:
+            _require_good(lib.world_set_gains(self._world, gains, len(gains)))
+        _require_good(lib.world_power_on(self._world, seed, OPERATORS.index(operator), memory))
+
+    @property
+    def now_us(self) -> int:
+        """Virtual time since power-on."""
+        return int(lib.world_now_us(self._world))
+
+    def advance(self, until_us: int, stop_at: int) -> int:
+        """Let time pass, as world_advance does. Returns what has happened."""
+        return int(lib.world_advance(self._world, until_us, stop_at))
+
+    def end(self, how: str) -> None:
+        """Stop the table and give up; time must pass until it rests."""
+        lib.world_end(self._world, ENDS.index(how))
+
+    def send(self, identifier: int, data: bytes) -> None:
+        """Put a frame on the bus. Raises Refused."""
+        _require_good(lib.world_send(self._world, identifier, len(data), data))
+
+    def turn(self, angle_deg: float, speed_deg_s: float) -> None:
+        """Turn the table, for a drive outside."""
+        lib.world_turn(self._world, angle_deg, speed_deg_s)
+
+    def answer(self, words: str) -> None:
+        """Answer the open question: one of ANSWERS, a repetition with its number behind it. Raises Refused."""
+        first, _, number = words.rpartition(" ") if words.startswith("repeat ") else (words, "", "0")
+        if first not in ANSWERS or not (number.isascii() and number.isdigit() and int(number) <= 255):
+            raise Refused("an answer is done, abort, leave, repeat position INDEX or repeat mounting NUMBER")
+        _require_good(lib.world_answer(self._world, ANSWERS.index(first), int(number)))
+
+    def set_power(self, on: bool) -> None:
+        """The navigation computer's. Raises Refused."""
+        _require_good(lib.world_set_power(self._world, on))
+
+    def start(self) -> None:
+        """Command a calibration. Raises Refused."""
+        _require_good(lib.world_start(self._world))
+
+    @property
+    def memory(self) -> memoryview:
+        """The bytes that outlive power, to be read and written; empty where the computer has none."""
+        size = ffi.new("size_t *")
+        return memoryview(ffi.buffer(lib.world_memory(self._world, size), size[0]))
+
+    def frames(self, first: int = 0) -> Any:
+        """Frames since power-on, from number `first` on: a record array of time_us, id, length, sender (of SENDERS),
+        data."""
+        return self._array(lib.world_frames, _FRAMES, first)
+
+    def samples(self) -> Any:
+        """Those of the means that were kept, in the order of the schedule."""
+        return self._array(lib.world_samples, _SAMPLES)
+
+    def _array(self, function: Any, kind: np.dtype[Any], first: int = 0) -> Any:
+        size = ffi.new("size_t *")
+        all_of_it = function(self._world, size)
+        count = size[0] - first
+        if count <= 0:
+            return np.empty(0, kind)
+        return np.frombuffer(ffi.buffer(all_of_it + first, count * kind.itemsize), kind).copy()
+
+    def report(self) -> Any:
+        """How it stands, as world_report_t."""
+        report = ffi.new("world_report_t *")
+        lib.world_report(self._world, report)
+        return report
+
+    def counters(self) -> dict[str, int]:
+        """Of firmware and bus."""
+        found: dict[str, int] = {}
+        value = ffi.new("uint64_t *")
+        while (name := lib.world_counter(self._world, len(found), value)) != ffi.NULL:
+            found[text(name)] = int(value[0])
+        return found

@@ -1,0 +1,96 @@
+"""A run of the bench inside this process, from power-on to the table at rest: watched, answered, recorded."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from tumble.bench import document, recorded
+from tumble.bench.border import AVERAGED, CHANGE, ENDED, FOREVER_US, QUESTION, Border, Refused
+from tumble.bench.program import LEAVE
+from tumble.files.documents import to_json
+
+Event = dict[str, Any]
+OnEvent = Callable[[Event], "str | None"]
+
+_SLICE_US = 60_000_000  # of virtual time, until a signal is looked for
+_NAP_S = 0.05  # of the machine's, with a pace
+_ANGLE_US = 100_000  # from one event of a turning table to the next
+
+
+@dataclass(frozen=True)
+class Run:
+    """`border`: the world; `on_event` is told what happens and returns the answer to a question, or None; `pace`:
+    virtual seconds per second, 0: as fast as it can."""
+
+    border: Border
+    on_event: OnEvent
+    pace: float = 0.0
+
+    def to_its_end(self) -> bool:
+        """Let it run. Returns whether it was interrupted: then the table has been stopped, and is at rest if it can
+        be."""
+        try:
+            self._go()
+            return False
+        except KeyboardInterrupt:
+            self.border.end("interrupted")
+            self.border.advance(FOREVER_US, 0)
+            return True
+
+    def _go(self) -> None:
+        began_s, began_us, told_us = time.monotonic(), 0, 0
+        now_us, happened = 0, 0
+        while not happened & ENDED:
+            until_us = now_us + _SLICE_US
+            if self.pace > 0.0:
+                until_us = began_us + int((time.monotonic() - began_s) * self.pace * 1e6)
+            happened = self.border.advance(until_us, CHANGE | AVERAGED | QUESTION)
+            report = self.border.report() if happened or self.pace > 0.0 else None
+            now_us = until_us if report is None else report.now_us
+            if report is not None:
+                self._tell(report, happened)
+            if happened & QUESTION:
+                began_s, began_us = time.monotonic(), now_us  # a person takes his time
+            elif self.pace > 0.0 and not happened:
+                if report is not None and report.moving and now_us >= told_us + _ANGLE_US:
+                    told_us = now_us
+                    self.on_event(document.angle(report))
+                time.sleep(_NAP_S)
+
+    def _tell(self, report: Any, happened: int) -> None:
+        if happened & CHANGE:
+            self.on_event(document.state(report))
+        if happened & AVERAGED:
+            self.on_event(document.average(report))
+        if happened & QUESTION:
+            self._answer(self.on_event(document.question(report)))
+
+    def _answer(self, words: str | None) -> None:
+        """What is not accepted is asked for again."""
+        while words is not None:
+            try:
+                self.border.answer(words)
+                return
+            except Refused as refused:
+                words = self.on_event({"event": "refused", "what": str(refused)})
+
+
+def write(border: Border, folder: Path) -> dict[str, Any]:
+    """run.csv, bus.log and the document into a folder. Returns the document. Raises OSError."""
+    found = document.document(border)
+    _write(folder / "run.csv", recorded.run_rows(border))
+    _write(folder / "bus.log", recorded.bus_lines(border.frames()))
+    _write(folder / "bench.json", [to_json(found)])
+    return found
+
+
+def _write(path: Path, lines: Iterable[str]) -> None:
+    with open(path, "w", encoding="ascii", newline="\n") as file:
+        file.writelines(lines)
+
+
+__all__ = ["LEAVE", "Event", "Run", "write"]

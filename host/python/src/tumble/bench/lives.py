@@ -1,0 +1,84 @@
+"""Hostile lives (host/world/lives.h, docs/campaign.md) one after the other, each as numbers that add."""
+
+from __future__ import annotations
+
+import contextlib
+from typing import Any
+
+from tumble.bench.border import require_built, text
+
+with contextlib.suppress(ImportError):  # which require_built tells of
+    from _tumble_world import ffi, lib
+
+_MICROSECOND = 1e-6
+_STATE = "TUMBLE_STATE_"
+
+
+class Lives:
+    """Raises BenchFault where the extension is not built."""
+
+    def __init__(self) -> None:
+        require_built()
+        self._lives = ffi.gc(lib.lives_new(), lib.lives_free)
+        if self._lives == ffi.NULL:
+            raise MemoryError
+
+    def live(self, seed: int) -> dict[str, Any]:
+        """The life of a seed, in the form of the document of many (schema tumble.hostile/1); `said`: what was
+        violated, where something was."""
+        violated = lib.lives_live(self._lives, seed) != ffi.NULL
+        counted = self._counted()
+        every = counted["all"]
+        ends = {
+            state: {reason: times for reason, times in counted[state].items() if times}
+            for state in (f"{_STATE}IDLE", f"{_STATE}DONE", f"{_STATE}FAULT", f"{_STATE}ABORT")
+        }
+        return {
+            "runs": 1,
+            "violated": int(violated),
+            "violations": counted["violations"],
+            "first": [],
+            "faults": counted["faults"],
+            "events": counted["events"],
+            "flipped_bits": every["flipped_bits"],
+            "excuses": counted["excuses"],
+            "ends": ends,
+            "homings": every["homings"],
+            "sets": counted["sets"],
+            "lives_with_commit": int(counted["sets"]["committed"] > 0),
+            "table": self._table(),
+            "virtual_us": every["virtual_us"],
+            "frames": every["frames"],
+            "steps": every["steps"],
+            **({"said": self._violation()[1]} if violated else {}),
+        }
+
+    def shrunk(self, seed: int) -> dict[str, Any] | None:
+        """The life that was violated with the fewest events that are enough; None: it was not drawn at all."""
+        counts = ffi.new("uint32_t[2]")
+        if not lib.lives_shrink(self._lives, counts, counts + 1):
+            return None
+        at_us, what = self._violation()
+        kind = next(name for name, times in self._counted()["violations"].items() if times)
+        lines = [text(lib.lives_line(self._lives, number)) for number in range(counts[1] + 1)]
+        told = {"seed": seed, "kind": kind, "at_s": at_us * _MICROSECOND, "what": what, "drawn": int(counts[0])}
+        return {**told, "world": lines[0], "events": lines[1:]}
+
+    def _violation(self) -> tuple[int, str]:
+        at_us = ffi.new("uint64_t *")
+        what = text(lib.lives_violation(self._lives, at_us))
+        return int(at_us[0]), what
+
+    def _counted(self) -> dict[str, dict[str, int]]:
+        found: dict[str, dict[str, int]] = {}
+        name, value, row = ffi.new("const char **"), ffi.new("uint64_t *"), 0
+        while (group := lib.lives_count(self._lives, row, name, value)) != ffi.NULL:
+            found.setdefault(text(group), {})[text(name[0])] = int(value[0])
+            row += 1
+        return found
+
+    def _table(self) -> dict[str, Any] | None:
+        at_rest, way = ffi.new("bool *"), ffi.new("double[2]")
+        if not lib.lives_travel(self._lives, at_rest, way, way + 1):
+            return None
+        return {"at_rest": bool(at_rest[0]), "lowest_deg": way[0], "highest_deg": way[1]}
