@@ -76,7 +76,7 @@ class Runs:
         if self.with_means:
             positions = (report.positions[i] for i in range(report.position_count))
             line["means"] = [volt if one.measured else None for one in positions for volt in one.u_v]
-        return line
+        return {name: document.plain(value) for name, value in line.items()}
 
 
 class HostileLives:
@@ -132,16 +132,18 @@ def merged(first_seed: int, documents: list[str]) -> dict[str, Any]:
     process."""
     found = _total([json.loads(one) for one in documents])
     speed, virtual_us, runs = found.pop("speed"), found.pop("virtual_us"), found.pop("runs")
-    last = {name: found.pop(name) for name in ("frames", "steps")}
-    return {
+    last = {name: found.pop(name) for name in ("frames", "steps", "table")}
+    ends = {state: {reason: n for reason, n in reasons.items() if n} for state, reasons in found["ends"].items()}
+    told: dict[str, Any] = {
         "schema": "tumble.hostile/1",
         "runs": runs,
         "first_seed": first_seed,
-        **found,
+        **(found | {"ends": ends}),
         "virtual_s": virtual_us * _MICROSECOND,
         **last,
         "speed": {"jobs": 1, **speed, "ms_per_life": 1e3 * speed["cpu_s"] / runs},
     }
+    return {name: document.plain(value) for name, value in told.items()}
 
 
 def _total(parts: list[dict[str, Any]]) -> dict[str, Any]:

@@ -15,12 +15,12 @@ _MICROSECOND = 1e-6
 _WHOLE = 1e17  # below it a whole number is written without a point
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """As it is written: unknown is null, a whole number has no point."""
     if isinstance(value, dict):
-        return {name: _plain(one) for name, one in value.items()}
+        return {name: plain(one) for name, one in value.items()}
     if isinstance(value, list):
-        return [_plain(one) for one in value]
+        return [plain(one) for one in value]
     if isinstance(value, float):
         return (
             None if not math.isfinite(value) else int(value) if value == int(value) and abs(value) < _WHOLE else value
@@ -71,7 +71,7 @@ def document(border: Border) -> Document:
         "virtual_s": report.now_us * _MICROSECOND,
         "table": table(report),
     }
-    plain: Document = _plain(found)
+    plain: Document = plain(found)
     return plain
 
 
@@ -167,7 +167,7 @@ def table(report: Any) -> Document:
 
 
 def _told(report: Any, name: str, own: Document) -> Document:
-    event: Document = _plain({"event": name, "virtual_s": report.now_us * _MICROSECOND, **own})
+    event: Document = plain({"event": name, "virtual_s": report.now_us * _MICROSECOND, **own})
     return event
 
 

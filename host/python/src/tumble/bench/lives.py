@@ -29,10 +29,6 @@ class Lives:
         violated = lib.lives_live(self._lives, seed) != ffi.NULL
         counted = self._counted()
         every = counted["all"]
-        ends = {
-            state: {reason: times for reason, times in counted[state].items() if times}
-            for state in (f"{_STATE}IDLE", f"{_STATE}DONE", f"{_STATE}FAULT", f"{_STATE}ABORT")
-        }
         return {
             "runs": 1,
             "violated": int(violated),
@@ -42,7 +38,7 @@ class Lives:
             "events": counted["events"],
             "flipped_bits": every["flipped_bits"],
             "excuses": counted["excuses"],
-            "ends": ends,
+            "ends": {name: reasons for name, reasons in counted.items() if name.startswith(_STATE)},
             "homings": every["homings"],
             "sets": counted["sets"],
             "lives_with_commit": int(counted["sets"]["committed"] > 0),
