@@ -71,8 +71,8 @@ def document(border: Border) -> Document:
         "virtual_s": report.now_us * _MICROSECOND,
         "table": table(report),
     }
-    plain: Document = plain(found)
-    return plain
+    told: Document = plain(found)
+    return told
 
 
 def _outcome(report: Any) -> Document:
