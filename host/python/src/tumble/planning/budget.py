@@ -66,15 +66,21 @@ def sized(case: Case, name: str, size: float) -> float | list[float] | None:
     """One of them."""
     if not np.isfinite(size):
         return None
-    if name not in weights.OF_OUTPUTS or not isinstance(getattr(case.stand, name), tuple):
+    if name not in weights.OF_OUTPUTS or not _differs(case, name):
         return size
     of_each: list[float] = (size * case.stand.profile(name)).tolist()
     return of_each
 
 
+def _differs(case: Case, name: str) -> bool:
+    """Between channels: as declared, or by what rounding leaves of a mean."""
+    three = isinstance(getattr(case.stand, name), tuple)
+    return three or (name == "noise" and isinstance(case.stand.rounding, tuple))
+
+
 def notes(case: Case) -> list[str]:
     """For people: what the sizes of outputs are where the channels differ, and that rounding does not average out."""
-    differ = [name for name in weights.OF_OUTPUTS if isinstance(getattr(case.stand, name), tuple)]
+    differ = [name for name in weights.OF_OUTPUTS if _differs(case, name)]
     said = [f"{' and '.join(differ)}: of the channel that has most, the others in proportion"] if differ else []
     return said + ([] if case.rounding_sentence is None else [case.rounding_sentence])
 
@@ -88,9 +94,8 @@ def sizes(case: Case, published: bool) -> Floats:
     """Sizes of the sources: as declared, or as standard deviations; the noise is that of a mean, noise and drift those
     of the channel that has most."""
     stand, names = case.stand, sources(case, published)
-    of = {name: stand.sigmas(_ATTRIBUTES.get(name, name)) for name in names} | {
-        "noise": stand.mean_sigma(stand.samples)
-    }
+    of = {name: stand.sigmas(_ATTRIBUTES.get(name, name)) for name in names}
+    of["noise"] = stand.mean_sigma(stand.samples)
     found: Floats = np.array([of[name].max() for name in names])
     return found * stand.limits_over_sigma if published else found
 

@@ -24,11 +24,11 @@ PAPER_BLOCK = {"scale_v_per_g": 2.0, "misalignment_rad": 0.02}
 
 @dataclass(frozen=True)
 class Case:
-    """`stand`: as declared, but its noise no less than what the converter's steps leave, undivided where they average
-    nothing out; `scale` in V/g, of any sign
-    but not 0, of all channels or of each; `misalignment` in radians, the same size for all six; `step_v`: of the
-    converter, 0 if unknown; `schedule`: None for the paper's own; `limit_g`: the stand file's, else the paper's;
-    `terms`: further ones of the model, whose true sizes are 0; `coverage_factor`: of the decision rule."""
+    """`stand`: as declared, but its noise no less than what the converter's steps leave, and its rounding as planned;
+    `scale` in V/g, of any sign but not 0, of all channels or of each; `misalignment` in radians, the same size for all
+    six; `step_v`: of the converter, 0 if unknown; `schedule`: None for the paper's own; `limit_g`: the stand file's,
+    else the paper's; `terms`: further ones of the model, whose true sizes are 0; `coverage_factor`: of the decision
+    rule."""
 
     stand: Stand
     scale: PerChannel
