@@ -251,7 +251,7 @@ def contents(folder, *patterns):
             if not {"__pycache__", "build"} & set(path.relative_to(folder).parts)}
 
 
-COPIED = ("VERSION", "CMakeLists.txt", "cmake", "firmware", "boards/nv", "host/simulation", "host/bench",
+COPIED = ("VERSION", "CMakeLists.txt", "cmake", "firmware", "boards/nv", "host/simulation", "host/bench", "host/world",
           "host/python/CMakeLists.txt", "host/python/binding", "docs/schemas", "docs/eds", "docs/bus",
           "docs/modbus.csv")
 
