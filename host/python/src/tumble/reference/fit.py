@@ -162,17 +162,16 @@ class WholeModel:
         seen &= length > _NULL * length.max(initial=0.0)
         return np.where(seen, shown, 0.0)
 
-    def rest_beside(self, besides: Columns) -> Floats:
-        """What remains of `rest` where other patterns are there as well."""
+    def beside(self, besides: Columns) -> tuple[Floats, Floats]:
+        """The space of other patterns that are there `besides`, (freedom, their rank), and what remains of `rest`."""
         known = basis(self.whitened(besides)) if besides else np.zeros((len(self.rest), 0))
-        rest: Floats = self.rest - known @ (known.T @ self.rest)
-        return rest
+        return known, self.rest - known @ (known.T @ self.rest)
 
-    def score(self, columns: Columns, besides: Columns) -> Score:
-        """The score test of a pattern, given that others are there `besides`."""
-        shown, rest = self.whitened(columns), self.rest_beside(besides)
-        if besides:
-            length, known = np.linalg.norm(shown, axis=0), basis(self.whitened(besides))
+    def score(self, columns: Columns, beside: tuple[Floats, Floats]) -> Score:
+        """The score test of a pattern, given others, as `beside` has them."""
+        (known, rest), shown = beside, self.whitened(columns)
+        if known.shape[1] > 0:
+            length = np.linalg.norm(shown, axis=0)
             shown = shown - known @ (known.T @ shown)
             shown = np.where(np.linalg.norm(shown, axis=0) > _NULL * length, shown, 0.0)
         own = basis(shown)

@@ -183,7 +183,7 @@ class _Search:
             self._take(name, found)
 
     def _rest_fits(self) -> bool:
-        rest = self._model.rest_beside(self._known)
+        _, rest = self._model.beside(self._known)
         return chi_squared_above(float(rest @ rest), self._model.freedom) >= 1.0 - self._confidence
 
     def _candidate(self, pattern: Pattern) -> _Candidate | None:
@@ -193,7 +193,8 @@ class _Search:
         if pattern.random:  # it must not be blamed for what an angle of the whole run does
             for name in SYSTEMATIC:
                 besides |= {f"{name} {label}": one for label, one in self._columns(name).items()}
-        tested = [(self._model.score(one, besides), one) for one in pattern.columns(self._model.scene)]
+        beside = self._model.beside(besides)  # of which a pattern may have many places
+        tested = [(self._model.score(one, beside), one) for one in pattern.columns(self._model.scene)]
         shown = [(score, columns) for score, columns in tested if score.freedom > 0 and self._is_small(pattern, score)]
         if not shown:
             return None
@@ -224,7 +225,7 @@ class _Search:
         angles = np.linalg.svd(spaces[0].T @ spaces[1], compute_uv=False)
         wider = spaces[1].shape[1] > spaces[0].shape[1] and bool((angles > _CONTAINED).all())
         besides = {**self._known, **{f"other {label}": column for label, column in other.columns.items()}}
-        score = self._model.score(one.columns, besides)
+        score = self._model.score(one.columns, self._model.beside(besides))
         needed = len(self._left) * one.places * math.exp(_log_p(score)) <= EXPLAINED
         return not wider and not needed and float(angles.max(initial=0.0)) >= ALIKE
 
