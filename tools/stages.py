@@ -203,6 +203,8 @@ def long_stages():
     return [
         Stage("campaigns", "the package and the command line, C against numpy, the long versions",
               package(VIRTUAL, "--full")),
+        Stage("mutation", "small defects of firmware and simulation: no fewer are found than tools/mutation.json has",
+              lambda log: gate(log, [PYTHON, "tools/mutation", "--check"]), ("Unity",)),
         Stage("misra", "MISRA C of all firmware, by cppcheck; deviations: tools/misra_deviations.txt",
               analysis("misra")),
         Stage("tidy", "clang-tidy of all firmware: bugprone, cert, clang-analyzer", analysis("tidy"),
