@@ -23,7 +23,7 @@ typedef struct {
     void *memory;
     size_t count;
     size_t room;
-} heap_t;
+} array_t;
 
 struct world {
     bench_config_t config;
@@ -32,32 +32,32 @@ struct world {
     void *gains;
     world_operator_t operator;
     bool has_memory;
-    bool no_heap; /* something could not be recorded */
+    bool no_memory; /* something could not be recorded */
     unsigned happened;
-    heap_t frames;
-    heap_t taken[TUMBLE_MAX_POSITIONS]; /* samples of its mean, or of the one under way */
-    heap_t samples;                     /* what world_samples gave last */
-    uint64_t block_ms;                  /* the block's clock, unwrapped, of its last sample, ... */
-    uint64_t heard_us;                  /* ... and when that came; SIM_NEVER: none has */
+    array_t frames;
+    array_t taken[TUMBLE_MAX_POSITIONS]; /* samples of its mean, or of the one under way */
+    array_t samples;                     /* what world_samples gave last */
+    uint64_t block_ms;                   /* the block's clock, unwrapped, of its last sample, ... */
+    uint64_t heard_us;                   /* ... and when that came; SIM_NEVER: none has */
     bench_watcher_t watcher;
     bench_memory_t memory;
     bench_world_t world;
 };
 
 /* The next element; null: no memory. */
-static void *append(world_t *world, heap_t *heap, size_t size)
+static void *append(world_t *world, array_t *array, size_t size)
 {
-    if (heap->count == heap->room) {
-        const size_t room = (heap->room == 0U) ? 64U : 2U * heap->room;
-        void *const larger = realloc(heap->memory, room * size);
+    if (array->count == array->room) {
+        const size_t room = (array->room == 0U) ? 64U : 2U * array->room;
+        void *const larger = realloc(array->memory, room * size);
         if (larger == NULL) {
-            world->no_heap = true;
+            world->no_memory = true;
             return NULL;
         }
-        heap->memory = larger;
-        heap->room = room;
+        array->memory = larger;
+        array->room = room;
     }
-    return (char *)heap->memory + (size * heap->count++);
+    return (char *)array->memory + (size * array->count++);
 }
 
 world_t *world_new(void)
@@ -150,7 +150,7 @@ static void on_sample(void *context, tumble_taken_t taken, const tumble_block_sa
 {
     world_t *const world = context;
     const uint32_t wanted = world->config.procedure.samples;
-    heap_t *const of_position = &world->taken[taken.index];
+    array_t *const of_position = &world->taken[taken.index];
     world->block_ms = unwrapped_ms(world, sample->timestamp_ms);
     world->heard_us = world->world.clock.now_us;
     if (taken.ordinal == 1U) {
@@ -238,6 +238,9 @@ unsigned world_advance(world_t *world, uint64_t until_us, unsigned stop_at)
 {
     bench_world_t *const own = &world->world;
     world->happened = 0;
+    if (world->no_memory) {
+        return WORLD_NO_MEMORY;
+    }
     while (bench_world_has_ended(own) || bench_world_next_us(own) <= until_us) {
         if (!bench_world_advance(own)) {
             return (world->happened & stop_at) | WORLD_ENDED;
@@ -266,11 +269,6 @@ const char *world_send(world_t *world, uint16_t id, uint8_t length, const uint8_
     (void)memcpy(frame.data, data, length);
     (void)sim_bus_send(&world->world.bus, BENCH_BUS_GUEST, &frame); /* the bus counts those that find the queue full */
     return NULL;
-}
-
-void world_turn(world_t *world, double angle_deg, double speed_deg_s)
-{
-    bench_world_turn(&world->world, angle_deg, speed_deg_s);
 }
 
 const char *world_answer(world_t *world, world_answer_t answer, uint8_t argument)

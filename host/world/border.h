@@ -60,11 +60,12 @@ const char *world_power_on(world_t *world, uint64_t seed, world_operator_t opera
 
 /* What has happened; a set of bits. */
 enum {
-    WORLD_FRAME = 1,    /* a frame went over the bus that did not come from world_send */
-    WORLD_CHANGE = 2,   /* the procedure has moved on: another state, position or attempt */
-    WORLD_AVERAGED = 4, /* another tenth of a position's samples has gone into its mean */
-    WORLD_QUESTION = 8, /* the firmware waits for a person */
-    WORLD_ENDED = 16    /* for good, and the table is at rest or will never be */
+    WORLD_FRAME = 1,     /* a frame went over the bus that did not come from world_send */
+    WORLD_CHANGE = 2,    /* the procedure has moved on: another state, position or attempt */
+    WORLD_AVERAGED = 4,  /* another tenth of a position's samples has gone into its mean */
+    WORLD_QUESTION = 8,  /* the firmware waits for a person */
+    WORLD_ENDED = 16,    /* for good, and the table is at rest or will never be */
+    WORLD_NO_MEMORY = 32 /* instead of all others: something could not be recorded, and time stands still */
 };
 
 uint64_t world_now_us(const world_t *world);
@@ -83,9 +84,6 @@ void world_end(world_t *world, world_end_t end);
 
 /* Put a frame on the bus, as one more node. */
 const char *world_send(world_t *world, uint16_t id, uint8_t length, const uint8_t *data);
-
-/* Turn the table, for a drive that is outside (present.drive = no). */
-void world_turn(world_t *world, double angle_deg, double speed_deg_s);
 
 typedef enum {
     WORLD_ANSWER_DONE = 0,

@@ -92,17 +92,17 @@ def forged(monkeypatch, capsys):
     document. Returns exit code, standard output and error."""
 
     def run(forge, *words):
-        from tumble.bench import inside
+        from tumble.bench import in_process
         from tumble.cli.main import main
 
-        real = inside.write
+        real = in_process.write
 
         def write(border, folder):
             document = real(border, folder)
             forge(document)
             return document
 
-        monkeypatch.setattr(inside, "write", write)
+        monkeypatch.setattr(in_process, "write", write)
         code = main(["bench", *words])
         return code, *capsys.readouterr()
 

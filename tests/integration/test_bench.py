@@ -22,9 +22,9 @@ from tumble.stand import PAPER_STAND
 BENCH = [sys.executable, "-m", "tumble", "bench"]
 PACED = """
 import runpy
-from tumble.bench import inside
-real = inside.Run
-inside.Run = lambda border, on_event, pace: real(border, on_event, {})
+from tumble.bench import in_process
+real = in_process.Run
+in_process.Run = lambda border, on_event, pace: real(border, on_event, {})
 runpy.run_module("tumble", run_name="__main__", alter_sys=True)
 """
 

@@ -11,7 +11,6 @@ from bench_program import bench, scenario
 from conftest import EXAMPLES, ROOT
 
 import tumble
-from tumble.bench.border import keys
 
 HOUR_S = 3600
 
@@ -236,7 +235,7 @@ def test_values_as_python_has_them():
 
 
 def test_the_keys_are_those_of_the_table():
-    known, listed = keys(), bench("--keys").stdout
+    known, listed = tumble.World.keys(), bench("--keys").stdout
     assert len(known) > 100 and all(f"{name} " in listed for name in known)
     assert known["block.noise_v"].values == 3 and "V" in known["block.noise_v"].about
 

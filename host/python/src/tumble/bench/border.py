@@ -18,6 +18,7 @@ else:
 
 FOREVER_US = 2**64 - 1
 FRAME, CHANGE, AVERAGED, QUESTION, ENDED = 1, 2, 4, 8, 16  # bits of what has happened
+_NO_MEMORY = 32
 OPERATORS = ("by-itself", "on-confirm", "never", "asked")  # who acts when the firmware waits for a person
 ENDS = ("running", "done", "fault", "interrupted", "too long", "left")
 ANSWERS = ("done", "abort", "repeat position", "repeat mounting", "leave")
@@ -108,8 +109,11 @@ class Border:
         return int(lib.world_now_us(self._world))
 
     def advance(self, until_us: int, stop_at: int) -> int:
-        """Let time pass, as world_advance does. Returns what has happened."""
-        return int(lib.world_advance(self._world, until_us, stop_at))
+        """Let time pass, as world_advance does. Returns what has happened. Raises MemoryError."""
+        happened = int(lib.world_advance(self._world, until_us, stop_at))
+        if happened == _NO_MEMORY:
+            raise MemoryError("what goes over the bus cannot be recorded any more")
+        return happened
 
     def end(self, how: str) -> None:
         """Stop the table and give up; time must pass until it rests."""
@@ -118,10 +122,6 @@ class Border:
     def send(self, identifier: int, data: bytes) -> None:
         """Put a frame on the bus. Raises Refused."""
         _require_good(lib.world_send(self._world, identifier, len(data), data))
-
-    def turn(self, angle_deg: float, speed_deg_s: float) -> None:
-        """Turn the table, for a drive outside."""
-        lib.world_turn(self._world, angle_deg, speed_deg_s)
 
     def answer(self, words: str) -> None:
         """Answer the open question: one of ANSWERS, a repetition with its number behind it. Raises Refused."""
@@ -139,10 +139,11 @@ class Border:
         _require_good(lib.world_start(self._world))
 
     @property
-    def memory(self) -> memoryview:
-        """The bytes that outlive power, to be read and written; empty where the computer has none."""
+    def memory(self) -> bytes:
+        """A copy of what outlives power; empty where the computer has none."""
         size = ffi.new("size_t *")
-        return memoryview(ffi.buffer(lib.world_memory(self._world, size), size[0]))
+        first = lib.world_memory(self._world, size)
+        return bytes(ffi.buffer(first, size[0])) if size[0] else b""
 
     def frames(self, first: int = 0) -> Any:
         """Frames since power-on, from number `first` on: a record array of time_us, id, length, sender (of SENDERS),

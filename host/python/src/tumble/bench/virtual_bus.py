@@ -27,7 +27,7 @@ from unittest import mock
 
 import can
 
-from tumble.bench import document, inside
+from tumble.bench import document, in_process
 from tumble.bench.border import ENDED, FOREVER_US, FRAME, Border, Refused
 from tumble.files.disk import read_bytes
 
@@ -205,7 +205,7 @@ class VirtualBus(can.BusABC):
         self._document = document.document(self._border)
         if self._out is not None:
             self._out.mkdir(exist_ok=True)
-            inside.write(self._border, self._out)
+            in_process.write(self._border, self._out)
 
 
 def _world_of(scenario: str | os.PathLike[str] | None, seed: int, operator: str, memory: bool) -> Border:

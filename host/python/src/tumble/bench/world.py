@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from tumble.api.result import Result
-from tumble.bench import document, gains, inside, outcome
-from tumble.bench.border import CHANGE, ENDED, ENDS, FOREVER_US, OPERATORS, SENDERS, Border, Refused, text
+from tumble.bench import document, gains, in_process, outcome
+from tumble.bench.border import CHANGE, ENDED, ENDS, FOREVER_US, OPERATORS, SENDERS, Border, Key, Refused, keys, text
 from tumble.bench.setup import Setup, scenario_text, setup_of
 from tumble.defaults import DEFAULT_ESTIMATOR, DEFAULT_SCHEDULE
 from tumble.errors import NotInstalled, UsageError, quoted
@@ -42,13 +42,13 @@ class World:
         >>> import tumble
         >>> world = tumble.World(3, **{"fault": "stall at=1.3 phase=move duration=2"}).run()
         >>> world.state, world.reason
-        ('FAULT', 'STAND')
+        ('FAULT', 'STALL')
 
     `seed`: of all that is random, 0 to 2^64 - 1; `stand`, `schedule`: as `tumble.solve` takes them, the paper's where
     they are left out; `samples`: of a position. `operator`: who acts when the firmware waits for a person: by-itself
     (the simulated operator), on-confirm (he does what somebody on the bus confirms), never, or asked (`answer`).
     `memory`: the computer keeps coefficients over a loss of power, and keeper.serial names the block. `keys`: of a
-    scenario (`tumble bench --keys`), where they win over the stand file: numbers, texts, True or False, a list for
+    scenario (`World.keys()`), where they win over the stand file: numbers, texts, True or False, a list for
     several values; for `fault` and other lines that may repeat, a text or a list of them.
 
     Seed and arguments determine everything, to the last bit; `run.csv` and `bus.log` of `tumble bench --seed` are what
@@ -89,11 +89,16 @@ class World:
         samples, limit_g = keys.get(_SAMPLES, samples), keys.get(_LIMIT)
         return setup_of(seed, self._stand_file, planned, samples, limit_g, estimator=estimator)
 
+    @staticmethod
+    def keys() -> dict[str, Key]:
+        """The keys of a scenario that come at most once, by name, with how many values each has and their range."""
+        return keys()
+
     # Time.
 
     def run(self) -> World:
         """Let it go on to its end, when the table rests. Returns the world."""
-        inside.Run(self._border, lambda event: None).to_its_end()
+        in_process.Run(self._border, lambda event: None).to_its_end()
         return self
 
     def advance(self, seconds: float | None = None, until: str | None = None) -> bool:
@@ -208,8 +213,8 @@ class World:
         return self._border.counters()
 
     @property
-    def memory(self) -> memoryview:
-        """The computer's non-volatile memory, byte by byte, to be read and written; empty where it has none."""
+    def memory(self) -> bytes:
+        """A copy of the computer's non-volatile memory; empty where it has none."""
         return self._border.memory
 
     @property
@@ -229,7 +234,7 @@ class World:
         found = self.document
         outcome.require_done(found)
         with tempfile.TemporaryDirectory() as folder:
-            inside.write(self._border, Path(folder))
+            in_process.write(self._border, Path(folder))
             solution = outcome.confirm(found, Path(folder), self._setup)
         return Result(outcome.result_text(solution, self._setup, self._stand_file, found))
 

@@ -31,7 +31,7 @@ from tumble.terms import parse
 if TYPE_CHECKING:
     from tumble.bench.border import Border
     from tumble.bench.folder import RunFolder
-    from tumble.bench.inside import OnEvent
+    from tumble.bench.in_process import OnEvent
     from tumble.bench.program import Ended
     from tumble.bench.progress import Progress
     from tumble.bench.setup import Setup
@@ -303,13 +303,13 @@ def _inside(
     pace: float,
 ) -> dict[str, Any]:
     """In a world within this process."""
-    from tumble.bench import inside
+    from tumble.bench import in_process
     from tumble.files.disk import reason
 
     border = _world(arguments, wanted.seed, scenario, gain_record)
-    interrupted = inside.Run(border, progress, pace).to_its_end()
+    interrupted = in_process.Run(border, progress, pace).to_its_end()
     try:
-        document = inside.write(border, made.stage)
+        document = in_process.write(border, made.stage)
     except OSError as error:
         raise BadInput(f"cannot be written: {reason(error)}", made.path) from None
     if interrupted:

@@ -10,7 +10,6 @@ from typing import Any
 
 from tumble.bench import document, recorded
 from tumble.bench.border import AVERAGED, CHANGE, ENDED, FOREVER_US, QUESTION, Border, Refused
-from tumble.bench.program import LEAVE
 from tumble.files.documents import to_json
 
 Event = dict[str, Any]
@@ -91,6 +90,3 @@ def write(border: Border, folder: Path) -> dict[str, Any]:
 def _write(path: Path, lines: Iterable[str]) -> None:
     with open(path, "w", encoding="ascii", newline="\n") as file:
         file.writelines(lines)
-
-
-__all__ = ["LEAVE", "Event", "Run", "write"]
