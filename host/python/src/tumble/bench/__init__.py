@@ -1,8 +1,13 @@
-"""A calibration on the bench: what is to be simulated goes to the program tumble-bench, where the firmware calibrates;
-what it found comes back, is confirmed by numpy, and becomes a result. For the command line.
+"""A calibration on the bench: the firmware calibrates in a simulated world within this process, or on a real bus; what it
+found is confirmed by numpy, and becomes a result.
 
+    world             tumble.World, for scripts
     setup, gains      what a run is to be: the scenario, and the gain record of the optimal estimator
-    program           tumble-bench, run to its end; told to a person by progress, on a terminal by live
+    border, lives     the world in C; hostile lives in it
+    in_process        a run in a world, to its end; document, recorded: what it leaves
+    campaigns         thousands of runs, or of hostile lives
+    virtual_bus       a world as a bus of python-can
+    program           a program of a real bus, run to its end; progress, live: what a person is told
     outcome, folder   what it found, confirmed; the run folder
     realbus, board    the same on a CAN interface in real time, by the firmware here or on the emulated board
     replay, emulator  a recorded bus log through the firmware again; the emulator of the board
