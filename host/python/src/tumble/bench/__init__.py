@@ -1,4 +1,4 @@
-"""A calibration on the bench: the firmware calibrates in a simulated world within this process, or on a real bus; what it
+"""A calibration on the bench: the firmware calibrates in a simulated world of this process, or on a real bus; what it
 found is confirmed by numpy, and becomes a result.
 
     world             tumble.World, for scripts
