@@ -25,11 +25,9 @@ MAY_INCLUDE = {
 FIRMWARE = set(MAY_INCLUDE) - {"boards"}
 PROGRAMS = {
     "host/simulation": ({"core", "port", "sample", "canopen", "nv"}, []),
-    "host/bench": (FIRMWARE | {"simulation"}, []),
-    "host/world": (FIRMWARE | {"simulation", "bench"}, []),
-    "host/replay": ({"port", "bench"}, ["boards/zcu102"]),
-    "host/gateway": ({"core", "port", "canopen", "bench"}, ["boards/linux"]),
-    "boards/linux": (FIRMWARE | {"bench", "nv"}, []),
+    "host/world": (FIRMWARE | {"simulation"}, []),
+    "host/gateway": ({"core", "port", "canopen"}, ["boards/linux"]),
+    "boards/linux": (FIRMWARE | {"simulation", "world", "nv"}, []),
 }
 # A room of the Python package and the rooms that its modules may import. All may import the modules beside the rooms
 # (plain data, errors), which import none; the door is the package's own __init__.py.

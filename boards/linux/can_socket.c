@@ -2,7 +2,7 @@
 
 #include "can_socket.h"
 
-#include "bench/arguments.h"
+#include "arguments.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -2,7 +2,7 @@
 
 #include "event_log.h"
 
-#include "bench/json.h"
+#include "json.h"
 #include "nowait.h"
 
 #include <inttypes.h>

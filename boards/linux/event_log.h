@@ -20,7 +20,7 @@
 #ifndef TUMBLE_LINUX_EVENT_LOG_H
 #define TUMBLE_LINUX_EVENT_LOG_H
 
-#include "bench/arguments.h"
+#include "arguments.h"
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -5,6 +5,7 @@
 #include "tumble/port.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #define FRAME_QUEUE_DEPTH 16384U /* of 8-byte frames: four seconds of a full bus */

@@ -2,11 +2,11 @@
 
 #include "node.h"
 
-#include "bench/person.h"
-#include "bench/progress.h"
-#include "bench/report.h"
 #include "positioner_option.h"
+#include "progress.h"
+#include "report.h"
 #include "run_log.h"
+#include "world/person.h"
 
 #include <errno.h>
 #include <signal.h>

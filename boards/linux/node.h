@@ -2,10 +2,8 @@
 #ifndef TUMBLE_LINUX_NODE_H
 #define TUMBLE_LINUX_NODE_H
 
-#include "bench/config.h"
-#include "bench/folder.h"
-#include "bench/world.h"
 #include "events.h"
+#include "folder.h"
 #include "navcomp/keeper.h"
 #include "navcomp/stand_view.h"
 #include "node_log.h"
@@ -13,6 +11,8 @@
 #include "nv_file.h"
 #include "outlet.h"
 #include "port_linux.h"
+#include "world/config.h"
+#include "world/world.h"
 
 typedef struct {
     const node_options_t *options;
@@ -45,7 +45,7 @@ typedef struct {
 /* Serve until the end; the exit code of the program. Documents go to standard output. */
 int node_run(const bench_config_t *config, const node_options_t *options);
 
-/* The document of a run: schema "tumble.node/1"; as of tumble-bench, without what only a simulation knows, and with
+/* The document of a run: schema "tumble.node/1"; as tumble.bench/1, without what only a simulation knows, and with
  * counters of the interface: frames_foreign, kernel_received, kernel_sent, kernel_dropped, kernel_busy, error_frames,
  * bus_offs, interface_downs; receive_buffer_bytes; latest_step_us. On one line. The reason of a run that was aborted in
  * FAULT is the command; `cause` {failed_in, reason, reason_number, reason_sentence, drive_code} is that of its first

@@ -1,11 +1,11 @@
 #include "node_log.h"
 
-#include "bench/report.h"
 #include "canopen/sdo.h"
 #include "canopen/sdo_frame.h"
 #include "core/bytes.h"
 #include "event_log.h"
 #include "remedies.h"
+#include "report.h"
 #include "run_log.h"
 
 #include <unistd.h>

@@ -2,10 +2,10 @@
 #ifndef TUMBLE_LINUX_NODE_LOG_H
 #define TUMBLE_LINUX_NODE_LOG_H
 
-#include "bench/world.h"
 #include "link_log.h"
 #include "node_options.h"
 #include "run_log.h"
+#include "world/world.h"
 
 #include <stdbool.h>
 #include <stdint.h>

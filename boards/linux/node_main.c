@@ -1,7 +1,7 @@
 /* tumble-node: the navigation computer as a process on a CAN interface of Linux. */
-#include "bench/config.h"
-#include "bench/report.h"
 #include "node.h"
+#include "report.h"
+#include "scenario_file.h"
 
 #include <stdio.h>
 

@@ -2,7 +2,7 @@
 #ifndef TUMBLE_LINUX_NODE_OPTIONS_H
 #define TUMBLE_LINUX_NODE_OPTIONS_H
 
-#include "bench/arguments.h"
+#include "arguments.h"
 
 #include <stdbool.h>
 

@@ -1,6 +1,6 @@
 #include "node.h"
 
-#include "bench/report.h"
+#include "report.h"
 
 #include <stdio.h>
 

@@ -1,7 +1,7 @@
 #include "node.h"
 
-#include "bench/json.h"
-#include "bench/report.h"
+#include "json.h"
+#include "report.h"
 
 static void put_interface(const node_t *node, bench_json_t *json)
 {

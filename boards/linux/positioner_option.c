@@ -1,6 +1,6 @@
 #include "positioner_option.h"
 
-#include "bench/arguments.h"
+#include "arguments.h"
 #include "modbus_link.h"
 
 #include <stddef.h>

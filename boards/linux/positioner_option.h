@@ -6,7 +6,7 @@
 
 #include <stdbool.h>
 
-/* An option's `take` (bench/arguments.h): modbus:HOST:PORT[,NAME=NUMBER...]; the names are `unit` and the numbers of
+/* An option's `take` (arguments.h): modbus:HOST:PORT[,NAME=NUMBER...]; the names are `unit` and the numbers of
  * tumble_positioner_profile_t. There is one such stand in a process. */
 bool positioner_option_take(void *options, const char *text);
 

@@ -9,7 +9,7 @@
  * program in the background, and with it its heartbeat. Negative: errno says why. */
 int signals_open(int further);
 
-/* An option's `take` (bench/arguments.h): SIGTERM comes when the process that started this one has ended. */
+/* An option's `take` (arguments.h): SIGTERM comes when the process that started this one has ended. */
 bool signals_with_parent(void *options, const char *none);
 
 #endif

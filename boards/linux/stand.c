@@ -2,10 +2,10 @@
 
 #include "stand.h"
 
-#include "bench/report.h"
 #include "events.h"
 #include "outlet.h"
 #include "port_linux.h"
+#include "report.h"
 #include "stand_answers.h"
 #include "stand_bridge.h"
 #include "stand_log.h"

@@ -4,16 +4,17 @@
  * from the interface takes part in arbitration on the simulated bus as the frames of one more node. So an interface
  * without a bit rate (vcan) is as slow as the scenario's bus for the simulated nodes, and a flood of it delays them.
  *
- * An extended frame with identifier 0 turns the table, for a drive that runs elsewhere (with present.drive = no): as in
- * host/bench/guests.h. Other extended and remote frames are counted and ignored.
+ * An extended frame with identifier 0 turns the table, for a drive that runs elsewhere (with present.drive = no): data
+ * 0-3 the angle, int32, data 4-7 the speed, uint32 above 0, both in units of 1e-5 degrees (a second). Other extended and
+ * remote frames are counted and ignored.
  */
 #ifndef TUMBLE_LINUX_STAND_BRIDGE_H
 #define TUMBLE_LINUX_STAND_BRIDGE_H
 
-#include "bench/json.h"
-#include "bench/world.h"
 #include "can_socket.h"
 #include "frame_queue.h"
+#include "json.h"
+#include "world/world.h"
 
 #include <stdint.h>
 

@@ -2,10 +2,10 @@
 #ifndef TUMBLE_LINUX_STAND_LOG_H
 #define TUMBLE_LINUX_STAND_LOG_H
 
-#include "bench/world.h"
 #include "link_log.h"
 #include "stand_operator.h"
 #include "stand_options.h"
+#include "world/world.h"
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,6 +1,6 @@
 /* tumble-stand: a simulated stand as a process on a CAN interface of Linux. */
-#include "bench/config.h"
-#include "bench/report.h"
+#include "report.h"
+#include "scenario_file.h"
 #include "stand.h"
 
 #include <stdio.h>

@@ -1,9 +1,9 @@
 #include "stand_operator.h"
 
-#include "bench/fault_script.h"
-#include "bench/person.h"
 #include "navcomp/commands.h"
 #include "stand_bridge.h"
+#include "world/fault_script.h"
+#include "world/person.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -10,7 +10,7 @@
 #ifndef TUMBLE_LINUX_STAND_OPERATOR_H
 #define TUMBLE_LINUX_STAND_OPERATOR_H
 
-#include "bench/world.h"
+#include "world/world.h"
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -14,7 +14,7 @@ const char stand_options_help[] =
     "CiA 402), the accelerometer block on it (node 3), and the operator who mounts\n"
     "the block. Who leads them is on the same interface: tumble-node, a board, or\n"
     "any other CANopen master. INTERFACE is one of Linux, such as vcan0 or can0.\n"
-    "SCENARIO is a file as of tumble-bench (tumble-bench --keys lists the keys).\n"
+    "SCENARIO is a file of keys (tumble bench --keys lists them).\n"
     "\n"
     "Serves until SIGTERM or SIGINT, waits for the table to be at rest, 5 s at\n"
     "most, and prints one JSON document: the truth, the faults that came, the\n"

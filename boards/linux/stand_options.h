@@ -4,7 +4,7 @@
 
 #include "stand_operator.h"
 
-#include "bench/arguments.h"
+#include "arguments.h"
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -2,7 +2,7 @@
 #ifndef TUMBLE_GATEWAY_OPTIONS_H
 #define TUMBLE_GATEWAY_OPTIONS_H
 
-#include "bench/arguments.h"
+#include "arguments.h"
 #include "gateway.h"
 #include "serial.h"
 

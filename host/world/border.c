@@ -1,11 +1,11 @@
 #include "world/border.h"
 
-#include "bench/config_file.h"
-#include "bench/config_keys.h"
-#include "bench/memory.h"
-#include "bench/person.h"
-#include "bench/report.h"
-#include "bench/world.h"
+#include "world/config_file.h"
+#include "world/config_keys.h"
+#include "world/facts.h"
+#include "world/memory.h"
+#include "world/person.h"
+#include "world/world.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -95,6 +95,19 @@ world_key_t world_key(size_t row)
     const bench_key_t *const key = &bench_config_keys[row];
     bench_describe_key(key, range, sizeof range);
     return (world_key_t){(key->name != NULL) ? key->name : "", range, key->about, key->count};
+}
+
+const char *world_fault_kind(size_t row, const char **about)
+{
+#define WORD(name, word, sentence) word,
+#define SENTENCE(name, word, sentence) sentence,
+    static const char *const WORDS[] = {SIM_FAULT_LIST(WORD)};
+    static const char *const SENTENCES[] = {SIM_FAULT_LIST(SENTENCE)};
+#undef WORD
+#undef SENTENCE
+    const bool known = row < sizeof WORDS / sizeof WORDS[0];
+    *about = known ? SENTENCES[row] : NULL;
+    return known ? WORDS[row] : NULL;
 }
 
 const char *world_set(world_t *world, const char *line)

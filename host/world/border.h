@@ -36,6 +36,9 @@ typedef struct {
 /* The row of the table of keys; its texts last until the next call. */
 world_key_t world_key(size_t row);
 
+/* A kind of fault, and what it does; null: there is no such row. */
+const char *world_fault_kind(size_t row, const char **about);
+
 /* Set a key before power-on. */
 const char *world_set(world_t *world, const char *line);
 

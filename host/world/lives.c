@@ -1,8 +1,8 @@
 #include "world/lives.h"
 
-#include "bench/hostile_life.h"
-#include "bench/hostile_text.h"
-#include "bench/report.h"
+#include "world/facts.h"
+#include "world/hostile_life.h"
+#include "world/hostile_text.h"
 
 #include <stdlib.h>
 #include <string.h>

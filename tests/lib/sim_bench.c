@@ -1,6 +1,5 @@
 #include "sim_bench.h"
 
-#include <stdio.h>
 #include <string.h>
 
 bench_config_t config;
@@ -9,15 +8,24 @@ bench_mistake_t mistake;
 
 const char *read_lines(const char *text)
 {
-    FILE *const file = tmpfile();
-    TEST_ASSERT_NOT_NULL(file);
-    (void)fputs(text, file);
-    rewind(file);
-    memset(&mistake, 0, sizeof mistake);
+    char lines[4096];
+    bench_seen_t seen = {{false}};
+    TEST_ASSERT_TRUE(strlen(text) < sizeof lines);
+    (void)strcpy(lines, text);
+    mistake = (bench_mistake_t){0};
     bench_config_defaults(&config);
-    const bool good = bench_config_read(&config, file, &mistake);
-    (void)fclose(file);
-    return good ? bench_config_complete(&config) : mistake.what;
+    for (char *line = lines, *end; *line != '\0'; line = end) {
+        end = line + strcspn(line, "\n");
+        end += (*end == '\n') ? 1 : 0;
+        if (end > line && end[-1] == '\n') {
+            end[-1] = '\0';
+        }
+        mistake.line++;
+        if (!bench_config_take(&config, line, &seen, &mistake)) {
+            return mistake.what;
+        }
+    }
+    return bench_config_check(&config, &seen, &mistake) ? bench_config_complete(&config) : mistake.what;
 }
 
 void run_lines(const char *text, uint64_t seed, const bench_watcher_t *watcher)
@@ -41,4 +49,10 @@ tumble_coefficients_t found(void)
     tumble_result_t result;
     ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_result(&world.navcomp, &result));
     return *result.coefficients;
+}
+
+bool has_passed(void)
+{
+    tumble_result_t result;
+    return world.end == BENCH_DONE && tumble_navcomp_result(&world.navcomp, &result) == TUMBLE_OK && result.pass;
 }

@@ -1,5 +1,5 @@
 /* The operator of a stand whose firmware runs elsewhere: what he sends to node 1 by SDO, and when. */
-#include "bench/config.h"
+#include "scenario_file.h"
 #include "stand_bridge.h"
 #include "stand_operator.h"
 #include "suite.h"

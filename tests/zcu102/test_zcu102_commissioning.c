@@ -1,8 +1,8 @@
 /* The commissioning record: what went in comes out, to the bit, and nothing else does. */
-#include "bench/config.h"
 #include "configuration.h"
 #include "navcomp/standard.h"
 #include "suite.h"
+#include "world/config.h"
 
 #include <stddef.h>
 #include <string.h>

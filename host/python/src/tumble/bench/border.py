@@ -78,6 +78,7 @@ def _require_good(sentence: Any, line: int = 0) -> None:
 
 def keys() -> dict[str, Key]:
     """All keys that come at most once, by name."""
+    require_built()
     found: dict[str, Key] = {}
     row = 0
     while (key := lib.world_key(row)).name != ffi.NULL:
@@ -85,6 +86,41 @@ def keys() -> dict[str, Key]:
             found[name] = Key(name, key.count, text(key.range), text(key.about))
         row += 1
     return found
+
+
+_CHOICE = "one of "
+_SCENARIO = """Scenario files: one `key = value` a line, # comments.
+
+{keys}
+
+Lines that may repeat:
+mounting = NUMBER  TILT_DEG SINE COSINE  M11 M12 M13 M21 M22 M23 M31 M32 M33
+position = MOUNTING NUMBER fit|check  ANGLE_DEG SINE COSINE
+drive.lacks = INDEX ...
+profile.receive_pdo = NUMBER COB_ID INDEX:SUBINDEX:BITS ...
+profile.transmit_pdo = NUMBER COB_ID INHIBIT_100US EVENT_MS INDEX:SUBINDEX:BITS ...
+profile.write = INDEX SUBINDEX SIZE VALUE
+        INDEX is hexadecimal: 0x6040; 6040 in a PDO. Other numbers are decimal or 0x.
+fault = KIND at=MOUNTING.POSITION [phase=mount|home|move|settle|average] | time=SECONDS
+        [delay=S] [duration=S] [times=N] [channels=xyz] [value=X] [count=N] [id=N] [mask=N]
+        [probability=P]
+
+Kinds of faults:
+{faults}
+"""
+
+
+def scenario_help() -> str:
+    """What a scenario may say, for people."""
+    told = [
+        f"{key.name:34} {key.range}{'' if key.range.startswith(_CHOICE) else f'; {key.about}'}"
+        for key in keys().values()
+    ]
+    about = ffi.new("const char **")
+    faults: list[str] = []
+    while (kind := lib.world_fault_kind(len(faults), about)) != ffi.NULL:
+        faults.append(f"{text(kind):20} {text(about[0])}")
+    return _SCENARIO.format(keys="\n".join(told), faults="\n".join(faults))
 
 
 class Border:

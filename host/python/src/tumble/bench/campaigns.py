@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -30,6 +31,7 @@ class Ended:
     output: str
     said: str
     code: int
+    cpu_s: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -44,10 +46,12 @@ class Runs:
 
     def __call__(self, seeds: tuple[int, int]) -> Result:
         first, count = seeds
+        cpu_s = time.process_time()
         found = [self._run(seed) for seed in range(first, first + count)]
         code = max((line["exit"] for line in found), key=_ENDS.index)
         output = "".join(_text(line) + "\n" for line in found)
-        return {"output": output, "said": "", "code": np.array([code])}
+        cpu_s = time.process_time() - cpu_s
+        return {"output": output, "said": "", "code": np.array([code]), "cpu_s": np.array([cpu_s])}
 
     def _run(self, seed: int) -> dict[str, Any]:
         try:
@@ -89,6 +93,67 @@ def _text(value: Any) -> str:
     return f"{value:.17g}" if isinstance(value, float) else json.dumps(value)
 
 
+class Summary:
+    """Statistics of calibrations, schema tumble.campaign/1, from their lines; `jobs`: how many did them."""
+
+    def __init__(self, first_seed: int, jobs: int):
+        self._first_seed, self._jobs = first_seed, jobs
+        self._began_s, self._cpu_s = time.perf_counter(), 0.0
+        self._runs = self._known = self._frames = 0
+        self._virtual_s = 0.0
+        self._exits, self._reasons = dict.fromkeys(("0", "1", "3"), 0), Counter[str]()
+        self._tables: list[dict[str, Any]] = []
+        self._sum, self._square_sum = np.zeros(12), np.zeros(12)
+
+    def add(self, ended: Ended) -> None:
+        """The lines of a piece."""
+        self._cpu_s += ended.cpu_s
+        for line in map(json.loads, ended.output.splitlines()):
+            self._runs += 1
+            self._exits[str(line["exit"])] += 1
+            self._reasons[line["reason"]] += 1
+            self._frames += line["frames"]
+            self._virtual_s += line["virtual_s"]
+            self._tables = [_travelled([*self._tables, line["table"]])]
+            if line["K"] is not None:
+                truth = line["truth"]
+                error = np.array([*line["K"], *line["U0"]]) - np.array([*truth["K"], *truth["U0"]])
+                self._known += 1
+                self._sum += error
+                self._square_sum += error**2
+
+    def document(self) -> dict[str, Any]:
+        """All of it."""
+        wall_s = time.perf_counter() - self._began_s
+        runs = max(1, self._known)
+        mean, rms = self._sum / runs, np.sqrt(self._square_sum / runs)
+        errors = {
+            name: {
+                "mean_error": mean[part].tolist() if self._known else [None] * len(mean[part]),
+                "rms_error": rms[part].tolist() if self._known else [None] * len(mean[part]),
+            }
+            for name, part in (("K", slice(9)), ("U0", slice(9, 12)))
+        }
+        return {
+            "schema": "tumble.campaign/1",
+            "runs": self._runs,
+            "first_seed": self._first_seed,
+            "exits": self._exits,
+            "reasons": dict(self._reasons),
+            **errors,
+            "frames": self._frames,
+            "virtual_s": self._virtual_s,
+            "table": self._tables[0],
+            "jobs": self._jobs,
+            "wall_s": wall_s,
+            "cpu_s": self._cpu_s,
+            "calibrations_per_s": self._runs / wall_s,
+            "frames_per_s": self._frames / wall_s,
+            "calibrations_per_cpu_s": self._runs / self._cpu_s,
+            "frames_per_cpu_s": self._frames / self._cpu_s,
+        }
+
+
 class HostileLives:
     """A job: hostile lives (host/world/lives.h), a document of each piece."""
 
@@ -117,7 +182,8 @@ def ended(
 ) -> Iterator[Ended]:
     """Of seeds from `seed` on, in their order. Raises UsageError."""
     for result in over(_pieces(seed, count), job, team, progress):
-        yield Ended(result["output"], result["said"], int(result["code"][0]))
+        cpu_s = float(result["cpu_s"][0]) if "cpu_s" in result else 0.0
+        yield Ended(result["output"], result["said"], int(result["code"][0]), cpu_s)
 
 
 def _pieces(seed: int, count: int) -> Iterator[Piece]:
@@ -157,16 +223,19 @@ def merged(first_seed: int, documents: list[str]) -> dict[str, Any]:
 
 
 def _total(parts: list[dict[str, Any]]) -> dict[str, Any]:
-    tables = [part["table"] for part in parts if part["table"] is not None]
     found: dict[str, Any] = parts[0]
     for part in parts[1:]:
         found = _sum(found, part)
-    table = {
+    return {**found, "table": _travelled([part["table"] for part in parts if part["table"] is not None])}
+
+
+def _travelled(tables: list[dict[str, Any]]) -> dict[str, Any]:
+    """Of several tables."""
+    return {
         "at_rest": all(bool(one["at_rest"]) for one in tables),
         "lowest_deg": min((one["lowest_deg"] for one in tables), default=0.0),
         "highest_deg": max((one["highest_deg"] for one in tables), default=0.0),
     }
-    return {**found, "table": table}
 
 
 def _sum(one: Any, other: Any) -> Any:

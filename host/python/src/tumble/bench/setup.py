@@ -1,6 +1,6 @@
-"""What a bench run is to be, and the scenario file that tells tumble-bench so.
+"""What a bench run is to be, and the scenario that tells the simulated world so.
 
-A scenario has one `key = value` a line; `tumble-bench --keys` lists them. What a stand file leaves out is left to the
+A scenario has one `key = value` a line; `tumble bench --keys` lists them. What a stand file leaves out is left to the
 program's own defaults.
 """
 

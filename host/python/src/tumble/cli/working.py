@@ -35,11 +35,16 @@ def add_workers(parser: Options) -> None:
     )
 
 
+def workers_of(arguments: argparse.Namespace) -> int:
+    """How many processes. Raises UsageError."""
+    return 1 if arguments.workers is None else parse_whole(arguments.workers, "--workers", 1, MOST_WORKERS)
+
+
 @contextmanager
 def team_of(arguments: argparse.Namespace, campaign: str, **depends: Any) -> Iterator[Team]:
     """Who does it, by these options. `depends`: on what the results do, beside the program's version; as text it says
     all. Raises TumbleError."""
-    count = 1 if arguments.workers is None else parse_whole(arguments.workers, "--workers", 1, MOST_WORKERS)
+    count = workers_of(arguments)
     if arguments.cluster is not None and arguments.workers is not None:
         raise UsageError("--cluster: it has workers of its own, --workers is for this machine")
     if arguments.resume is not None and not arguments.resume.endswith(".parquet"):

@@ -243,7 +243,7 @@ class _Judge:
             return
         outputs, lines = self._table.rows(position)
         if (own > _FAR * noise).any():
-            if _is_ramp(outputs, int((own / noise).argmax())):
+            if _is_ramp(outputs, int(_beyond(own, noise).argmax())):
                 found.moving.append(Stretch(position, outputs, lines))
             else:
                 found.warnings.append(self._restless(position, own, noise))
@@ -299,8 +299,13 @@ class _Judge:
         return f"{place}: {self._beside(one, row, channel)}"
 
     def _restless(self, position: int, own: Floats, noise: Floats) -> str:
-        channel = int((own / noise).argmax())
-        times = f"{own[channel] / noise[channel]:.0f} times as much as elsewhere"
+        beyond = _beyond(own, noise)
+        channel = int(beyond.argmax())
+        times = (
+            "and does not elsewhere"
+            if np.isinf(beyond[channel])
+            else f"{beyond[channel]:.0f} times as much as elsewhere"
+        )
         place = f"rows {_range(*self._facts[position].lines)} ({self._label(position)})"
         return f"{place}: {_CHANNELS[channel]} scatters {times}"
 
@@ -341,6 +346,12 @@ def _at_one_stride(parts: list[tuple[int, Floats]]) -> Floats:
     """Values of several positions, of each every n-th, with one n for all: none weighs more than its rows."""
     widest = max(stride for stride, _ in parts)
     return np.concatenate([values[:: widest // stride] for stride, values in parts])
+
+
+def _beyond(own: Floats, noise: Floats) -> Floats:
+    """How many times as much; infinite where there is no noise elsewhere."""
+    there = noise > 0.0
+    return np.where(there, own / np.where(there, noise, 1.0), np.where(own > 0.0, np.inf, 0.0))
 
 
 def _is_ramp(outputs: Floats, channel: int) -> bool:

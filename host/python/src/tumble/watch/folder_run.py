@@ -12,7 +12,7 @@ from tumble.watch.bench_run import NOT_THE_FORM, after_document
 from tumble.watch.heard import Heard
 from tumble.watch.snapshot import Lost, Snapshot
 
-_DOCUMENTS = ("result.json", "fault.json", "bench.json")  # the last is tumble-bench's own
+_DOCUMENTS = ("result.json", "fault.json", "bench.json")  # the last is the world's own
 _LOG = "bus.log"
 _FIELDS = 3  # of a line of candump -L: time, interface, ID#DATA
 

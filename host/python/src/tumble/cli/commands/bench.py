@@ -66,9 +66,7 @@ def add_options(parser: options.Options, shows_interactive: bool = True) -> None
     parser.add_argument("--stand", metavar="FILE", help="stand file (TOML); default: the paper's stand")
     parser.add_argument("--block", metavar="FILE", help="file of [block] and [block.true]; overrides the stand's")
     options.add_schedule(parser)
-    parser.add_argument(
-        "--scenario", metavar="FILE", help="faults, and other keys of tumble-bench --keys; overrides the stand file"
-    )
+    parser.add_argument("--scenario", metavar="FILE", help="faults, and other keys (--keys); overrides the stand file")
     parser.add_argument(
         "--set",
         metavar="KEY=VALUE",
@@ -76,6 +74,7 @@ def add_options(parser: options.Options, shows_interactive: bool = True) -> None
         default=[],
         help="one key of a scenario, as a line of its file; may be repeated",
     )
+    parser.add_argument("--keys", action="store_true", help="print the keys of a scenario, with their ranges")
     parser.add_argument("--samples", metavar="N", help="averaged at a position; default: the stand file's, else 50")
     parser.add_argument(
         "--error-budget",
@@ -128,7 +127,7 @@ class Onlooker(Protocol):
     pace: float
 
     def __call__(self, event: dict[str, Any]) -> None:
-        """Take an event (host/bench/progress.h)."""
+        """Take an event (boards/linux/progress.h)."""
 
     def ended(self, document: dict[str, Any]) -> None:
         """Take what the program says at the end."""
@@ -137,10 +136,13 @@ class Onlooker(Protocol):
 def run(arguments: argparse.Namespace, onlooker: Onlooker | None = None) -> int:
     """Simulate, confirm, print. Returns the exit code; raises TumbleError."""
     from tumble.api.complaints import complaints
-    from tumble.bench import board, folder, gains, outcome, realbus, setup
+    from tumble.bench import board, border, folder, gains, outcome, realbus, setup
     from tumble.cli.output import print_solution, warn
     from tumble.solving.decision import decide
 
+    if arguments.keys:
+        print(border.scenario_help(), end="")
+        return EXIT_PASS
     bus = realbus.require_bus(arguments.bus)
     _require_one_way(arguments)
     with_report = arguments.runs is None and _wants_report(arguments)
@@ -193,7 +195,7 @@ def _run_many(arguments: argparse.Namespace, seed: int, scenario: str, gain_reco
     from tumble.bench import campaigns
     from tumble.cli.commands import campaign
 
-    arguments.workers, arguments.cluster, arguments.resume = arguments.jobs, None, None
+    arguments.workers, arguments.cluster, arguments.resume, arguments.summary = arguments.jobs, None, None, False
     _world(arguments, seed, scenario, gain_record)  # what is refused is refused once
     job = campaigns.Runs(tuple(scenario.splitlines()), arguments.scenario or "scenario", False, gain_record)
     count = options.parse_whole(arguments.runs, "--runs", 1, campaign.MOST)
@@ -353,7 +355,7 @@ def _outside(
     if ended.code == BadInput.exit_code:
         raise UsageError(f"this cannot be simulated: {complaint}")
     if document is None:
-        raise BenchFault(f"tumble-bench failed ({ended.code}): {complaint or 'it says nothing'}")
+        raise BenchFault(f"the run failed ({ended.code}): {complaint or 'it says nothing'}")
     for file in (made.stage / "bench").iterdir():
         file.rename(made.stage / file.name)
     (made.stage / "bench").rmdir()

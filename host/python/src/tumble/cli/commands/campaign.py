@@ -7,7 +7,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from tumble.cli.options import LARGEST_SEED, Subparsers, add_seed, add_subjects, parse_seed, parse_whole
-from tumble.cli.working import add_workers, progress_bar, team_of
+from tumble.cli.working import add_workers, progress_bar, team_of, workers_of
 from tumble.errors import EXIT_PASS, UsageError
 from tumble.messages import tell
 
@@ -30,7 +30,9 @@ def add_to(subparsers: Subparsers, about: str) -> None:
     )
     runs.add_argument("scenario", nargs="?", metavar="SCENARIO", help="scenario file; default: the paper's stand")
     runs.add_argument("--runs", metavar="N", default=_DEFAULT, help=f"default: {_DEFAULT}")
-    runs.add_argument("--means", action="store_true", help="with the means of all positions in every line")
+    told = runs.add_mutually_exclusive_group()
+    told.add_argument("--means", action="store_true", help="with the means of all positions in every line")
+    told.add_argument("--summary", action="store_true", help="instead of the lines one document: statistics and speed")
     lives = subjects.add_parser(
         "lives",
         help="hostile lives: random faults, commands, forged frames, losses of power",
@@ -58,14 +60,21 @@ def run_runs(arguments: argparse.Namespace) -> int:
 
 
 def print_runs(arguments: argparse.Namespace, job: Runs, seed: int, count: int) -> int:
-    """Lines as they come. Returns the exit code; raises TumbleError."""
+    """Lines as they come, or what they have in common. Returns the exit code; raises TumbleError."""
     from tumble.bench import campaigns
+    from tumble.files.documents import to_json
 
     code = EXIT_PASS
+    summary = campaigns.Summary(seed, workers_of(arguments)) if arguments.summary else None
     with team_of(arguments, "campaign runs", job=job) as team, progress_bar("calibrating", count) as progress:
         for ended in campaigns.ended(job, seed, count, team, progress):
-            sys.stdout.write(ended.output)
+            if summary is None:
+                sys.stdout.write(ended.output)
+            else:
+                summary.add(ended)
             code = campaigns.worse(code, ended.code)
+    if summary is not None:
+        sys.stdout.write(to_json(summary.document()))
     return code
 
 

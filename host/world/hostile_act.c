@@ -1,0 +1,193 @@
+/* What an event does when its moment has come. */
+#include "world/hostile_invariants.h"
+
+#include "canopen/cia402.h"
+#include "core/bytes.h"
+#include "simulation/block_encode.h"
+
+#define NEXT_US 1000U    /* from one frame of a group to the next */
+#define NEAR_US 300U     /* as near as the bus allows */
+#define SEGMENT_US 4000U /* from one of a transfer to the next: the server has answered by then */
+#define SPOILS 0x55U
+
+void bench_life_send(bench_life_t *life, const tumble_can_frame_t *frame, uint32_t after_us)
+{
+    if (after_us == 0U) {
+        (void)sim_bus_send(&life->world.bus, BENCH_BUS_GUEST, frame);
+    } else if (life->queued < BENCH_LIFE_QUEUE) {
+        life->queue[life->queued++] = (bench_follower_t){life->world.clock.now_us + after_us, *frame};
+    }
+}
+
+/* Commands over CAN: argument or angle, then the command. */
+
+static uint32_t send_angle(bench_life_t *life, double angle_deg)
+{
+    tumble_can_frame_t frame = {.id = 0x601, .length = 8, .data = {0x21, 0x02, 0x20, 0x03, 8}};
+    uint8_t bytes[8];
+    tumble_put_f64(bytes, angle_deg);
+    bench_life_send(life, &frame, 0);
+    frame = (tumble_can_frame_t){.id = 0x601, .length = 8, .data = {0x00}};
+    for (int i = 0; i < 7; i++) {
+        frame.data[1 + i] = bytes[i];
+    }
+    bench_life_send(life, &frame, SEGMENT_US);
+    frame = (tumble_can_frame_t){.id = 0x601, .length = 8, .data = {0x1D, bytes[7]}};
+    bench_life_send(life, &frame, 2U * SEGMENT_US);
+    return 3U * SEGMENT_US;
+}
+
+static void send_command(bench_life_t *life, const bench_event_t *event)
+{
+    tumble_can_frame_t frame;
+    uint32_t after_us = 0;
+    if (event->command == TUMBLE_COMMAND_TURN_AXIS) {
+        after_us = send_angle(life, event->angle_deg);
+    } else if (event->argument != 0U) {
+        bench_frame_write(&frame, 1, 0x2002, 1, 1, event->argument);
+        bench_life_send(life, &frame, 0);
+        after_us = SEGMENT_US;
+    }
+    bench_frame_write(&frame, 1, 0x2002, 2, 1, (uint32_t)event->command);
+    bench_life_send(life, &frame, after_us);
+}
+
+static void command(bench_life_t *life, const bench_event_t *event)
+{
+    if (!event->by_host) {
+        send_command(life, event);
+    } else if (event->command != TUMBLE_COMMAND_TURN_AXIS) {
+        (void)bench_life_command(life, event->command, event->argument);
+    } else if (!life->world.off) {
+        bench_watch_commanded(life);
+        (void)tumble_navcomp_turn(&life->world.navcomp, event->angle_deg);
+    }
+}
+
+/* Frames made of what there is at this moment. */
+
+static int32_t counts_of(const bench_life_t *life, double angle_deg)
+{
+    const sim_drive_config_t *const drive = &life->plan->config.scenario.drive;
+    return (int32_t)(angle_deg * (double)drive->sign * (double)drive->counts_per_turn / 360.0);
+}
+
+static int32_t wrapped(const bench_life_t *life, int32_t counts)
+{
+    const int32_t wrap = (int32_t)life->plan->config.scenario.drive.wrap_counts;
+    const int32_t within = (wrap > 0) ? counts % wrap : counts;
+    return (within < 0 && wrap > 0) ? within + wrap : within;
+}
+
+/* Reports with the drive's own statusword, each this much further than the one before. */
+static void forge_positions(bench_life_t *life, const bench_event_t *event)
+{
+    const tumble_drive_objects_t *const objects = &life->world.drive.objects;
+    int32_t counts = objects->position_actual_value;
+    for (uint32_t i = 0; i < event->count; i++) {
+        tumble_can_frame_t frame = {.id = 0x182, .length = 6};
+        counts = wrapped(life, counts + counts_of(life, event->angle_deg));
+        tumble_put_u16(&frame.data[0], objects->statusword);
+        tumble_put_i32(&frame.data[2], counts);
+        bench_life_send(life, &frame, i * ((event->kind == BENCH_HOSTILE_NEAR_POSITION) ? NEAR_US : NEXT_US));
+    }
+}
+
+/* The target, and then the edge: as process data, or by SDO. */
+static void forge_set_point(bench_life_t *life, const bench_event_t *event)
+{
+    static const uint16_t CONTROLS[] = {0x000F, 0x003F, 0x000F};
+    const double from_deg = event->relative ? life->world.drive.target_deg : 0.0;
+    const int32_t target = wrapped(life, counts_of(life, from_deg + event->angle_deg));
+    tumble_can_frame_t frame = {.id = 0x202, .length = 6};
+    tumble_put_i32(&frame.data[2], target);
+    if (event->kind == BENCH_HOSTILE_SDO_SET_POINT) {
+        bench_frame_write(&frame, 2, TUMBLE_402_TARGET_POSITION, 0, 4, (uint32_t)target);
+        bench_life_send(life, &frame, 0);
+    }
+    for (uint32_t i = 0; i < 3U; i++) {
+        if (event->kind == BENCH_HOSTILE_SDO_SET_POINT) {
+            bench_frame_write(&frame, 2, TUMBLE_402_CONTROLWORD, 0, 2, CONTROLS[i]);
+            bench_life_send(life, &frame, (i + 1U) * SEGMENT_US);
+            continue;
+        }
+        tumble_put_u16(&frame.data[0], CONTROLS[i]);
+        bench_life_send(life, &frame, i * 3U * NEXT_US);
+    }
+}
+
+static void forge_sample(bench_life_t *life, const bench_event_t *event)
+{
+    const sim_block_t *const block = &life->world.block;
+    sim_block_frames_t frames;
+    tumble_block_sample_t sample = {.raw.counter = (uint16_t)block->counter,
+                                    .timestamp_ms =
+                                        (uint16_t)((life->world.clock.now_us - block->powered_us) / 1000U % 4096U),
+                                    .temperature_half_c = 50};
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        sample.raw.counts[i] = block->sensor.last[i] + event->counts;
+    }
+    sim_block_encode(&sample, &frames);
+    if (event->kind == BENCH_HOSTILE_SPOILT_SAMPLE) {
+        frames.z.data[7] ^= SPOILS;
+    } else {
+        bench_watch_excuse(life, BENCH_EXCUSE_SAMPLE);
+    }
+    bench_life_send(life, &frames.xy, 0);
+    bench_life_send(life, &frames.z, 0);
+}
+
+static void note_excuses(bench_life_t *life, const bench_event_t *event)
+{
+    if (bench_event_commands_drive(event)) {
+        bench_watch_excuse(life, BENCH_EXCUSE_COMMANDED);
+    }
+    if (bench_event_rewrites_drive(event)) {
+        bench_watch_excuse(life, BENCH_EXCUSE_REWRITTEN);
+    }
+}
+
+void bench_life_excuse_fault(bench_life_t *life, const sim_fault_t *fault)
+{
+    const bench_event_t event = {.kind = BENCH_HOSTILE_FAULT, .fault = *fault};
+    note_excuses(life, &event);
+    if (fault->kind == SIM_FAULT_STEP) {
+        bench_watch_excuse(life, BENCH_EXCUSE_STEP);
+    } else if (fault->kind == SIM_FAULT_SLIP) {
+        bench_watch_excuse(life, BENCH_EXCUSE_SLIP);
+    } else if (fault->kind == SIM_FAULT_SWAPPED || fault->kind == SIM_FAULT_INVERTED) {
+        bench_watch_excuse(life, BENCH_EXCUSE_CHANNEL);
+    } else if (fault->kind == SIM_FAULT_NEVER_REACHED &&
+               fault->value < life->plan->config.procedure.position_tolerance_deg) {
+        bench_watch_excuse(life, BENCH_EXCUSE_SHORT);
+    }
+}
+
+void bench_life_act(bench_life_t *life, const bench_event_t *event)
+{
+    life->counts.events[event->kind]++;
+    note_excuses(life, event);
+    switch (event->kind) {
+    case BENCH_HOSTILE_COMMAND:
+        command(life, event);
+        break;
+    case BENCH_HOSTILE_CUT:
+        bench_life_cut(life, event);
+        break;
+    case BENCH_HOSTILE_SET_POINT:
+    case BENCH_HOSTILE_SDO_SET_POINT:
+        forge_set_point(life, event);
+        break;
+    case BENCH_HOSTILE_POSITION:
+    case BENCH_HOSTILE_NEAR_POSITION:
+        forge_positions(life, event);
+        break;
+    case BENCH_HOSTILE_SAMPLE:
+    case BENCH_HOSTILE_SPOILT_SAMPLE:
+        forge_sample(life, event);
+        break;
+    default:
+        bench_life_send(life, &event->frame, 0);
+        break;
+    }
+}
