@@ -28,8 +28,7 @@ from tumble.planning.case import Case
 from tumble.planning.simulate import errors_of
 from tumble.planning.validate import _Tallied
 from tumble.solving.drawn_runs import chunks
-from tumble.workers.over import Team, over
-from tumble.workers.pieces import Piece, packed
+from tumble.workers.over import Piece, Team, over
 
 EXIT_SKIPPED = 77
 TUMBLE = [sys.executable, "-m", "tumble"]
@@ -129,9 +128,8 @@ def per_second(crew):
 
 def costs(cluster):
     """Lines of the third table: sizes are exact, seconds are those of this machine."""
-    from tumble.workers.cluster import Cluster
+    from tumble.workers.crews import Cluster, Processes
     from tumble.workers.kept import Kept
-    from tumble.workers.local import Processes
 
     case, runs = Case.of(None, None, None), 40_000
     job = _Tallied(case, ("averaged", "refined", "least_squares", "optimal"), "known")
@@ -140,7 +138,7 @@ def costs(cluster):
     walk_s = time.process_time() - started
     yield "| what | measured |"
     yield "|---|---|"
-    yield f"| a job (`plan validate`, four estimators), pickled | {len(packed(job))} B |"
+    yield f"| a job (`plan validate`, four estimators), pickled | {len(pickle.dumps(job))} B |"
     yield f"| what a piece of 2,000 runs says, pickled | {len(pickle.dumps(pieces[1].what))} B |"
     with tempfile.TemporaryDirectory() as folder:
         file = os.path.join(folder, "done.parquet")

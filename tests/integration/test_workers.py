@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from conftest import EXAMPLES
 
+from tumble.bench import campaigns
 from tumble.errors import BadInput, BenchFault
+from tumble.workers.crews import Processes
 from tumble.workers.kept import Kept
-from tumble.workers.local import Processes
-from tumble.workers.over import Alone, Team, over
-from tumble.workers.pieces import Piece
+from tumble.workers.over import Alone, Piece, Team, over
 
 pytestmark = pytest.mark.python
 COUNT = 12
@@ -70,13 +70,28 @@ def test_what_a_killed_process_had_is_done_again(tmp_path, capfd):
     again = tmp_path / "again"
     again.mkdir()
     assert same(alone, done_by(Processes(2), Noted(again, kills=5)))
-    assert capfd.readouterr().err.startswith("tumble: a worker process has died: new ones do again")
+    told = capfd.readouterr().err.splitlines()
+    assert "tumble: a worker process has died: number 5 was under way, and is done again alone" in told
 
 
-def test_a_piece_that_kills_everybody_ends_it(tmp_path, capfd):
-    with pytest.raises(BenchFault, match="died 3 times; under way each time: number 0"):
-        done_by(Processes(1), Noted(tmp_path, kills=0, times=99))
-    assert len(capfd.readouterr().err.splitlines()) == 2
+def test_a_seed_that_kills_its_process_ends_it_and_is_named():
+    """The others of its piece are not to blame."""
+    pieces = [campaigns.piece(0, 9), campaigns.piece(9, 9)]
+    with pytest.raises(BenchFault, match="^seed 5: the process that does it dies, also alone$"):
+        with Team(Processes(2)) as team:
+            list(over(pieces, Fatal(5), team))
+
+
+class Fatal:
+    """A job that dies of one seed, as of a fault in C."""
+
+    def __init__(self, seed):
+        self.seed = seed
+
+    def __call__(self, seeds):
+        if self.seed in range(seeds[0], sum(seeds)):
+            os.kill(os.getpid(), signal.SIGSEGV)
+        return {"sum": np.array([sum(range(seeds[0], sum(seeds)))])}
 
 
 def test_goes_on_from_what_is_kept(tmp_path):

@@ -14,7 +14,7 @@ from test_workers import COUNT, VALIDATE, Noted, done_by, same
 pytestmark = [pytest.mark.python, pytest.mark.toolchain]
 distributed = pytest.importorskip("distributed")
 
-from tumble.workers.cluster import Cluster  # noqa: E402
+from tumble.workers.crews import Cluster  # noqa: E402
 from tumble.workers.over import Alone  # noqa: E402
 
 OPTIONS = {"threads_per_worker": 1, "dashboard_address": ":0", "silence_logs": "CRITICAL"}

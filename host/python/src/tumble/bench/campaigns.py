@@ -15,8 +15,8 @@ from tumble.bench import document
 from tumble.bench.border import ENDED, FOREVER_US, OPERATORS, Border, Refused, text
 from tumble.bench.lives import Lives
 from tumble.errors import EXIT_DISAGREEMENT, EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
-from tumble.workers.over import ALONE, Progress, Team, over
-from tumble.workers.pieces import Job, Piece, Result
+from tumble.workers.kept import Result
+from tumble.workers.over import ALONE, Job, Piece, Progress, Team, over
 
 _SEEDS = 100  # in a piece
 _FIRST = 10  # violations that a campaign shrinks
@@ -188,8 +188,20 @@ def ended(
 
 def _pieces(seed: int, count: int) -> Iterator[Piece]:
     for first in range(seed, seed + count, _SEEDS):
-        here = min(_SEEDS, seed + count - first)
-        yield Piece(f"seeds {first} to {first + here - 1}", (first, here), here)
+        yield piece(first, min(_SEEDS, seed + count - first))
+
+
+def piece(first: int, count: int) -> Piece:
+    """Seeds from `first` on."""
+    if count == 1:
+        return Piece(f"seed {first}", (first, 1))
+    half = count // 2
+    return Piece(
+        f"seeds {first} to {first + count - 1}",
+        (first, count),
+        count,
+        lambda: (piece(first, half), piece(first + half, count - half)),
+    )
 
 
 def worse(one: int, other: int) -> int:

@@ -58,11 +58,11 @@ def team_of(arguments: argparse.Namespace, campaign: str, **depends: Any) -> Ite
 
         team.kept = Kept(arguments.resume, {"campaign": campaign, **depends})
     if arguments.cluster is not None:
-        from tumble.workers.cluster import Cluster
+        from tumble.workers.crews import Cluster
 
         team.crew = Cluster(arguments.cluster)
     elif count > 1:
-        from tumble.workers.local import Processes
+        from tumble.workers.crews import Processes
 
         team.crew = Processes(count)
     with team:

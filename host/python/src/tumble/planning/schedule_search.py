@@ -22,8 +22,8 @@ from tumble.planning.mounting_sets import KINDS, mounting_sets, mountings, witho
 from tumble.planning.norm_spread import NormSpread
 from tumble.schedule import Position, Schedule
 from tumble.solving.covariance import worst_norm
-from tumble.workers.over import ALONE, Progress, Team, over
-from tumble.workers.pieces import Piece, Result
+from tumble.workers.kept import Result
+from tumble.workers.over import ALONE, Piece, Progress, Team, over
 
 _FEWEST_POSITIONS = 6  # so that six residuals are left to check the model with
 _ALL_SETS = 3  # of so many mountings; more are added one by one

@@ -37,8 +37,8 @@ from tumble.solving.gains import (
     standard_deviations,
 )
 from tumble.terms import POWERS, Terms
+from tumble.workers.kept import Result
 from tumble.workers.over import ALONE, Progress, Team, over
-from tumble.workers.pieces import Result
 
 KNOWN = "known"  # optimal weights for the block's true K, as a last known one
 RUN = "run"  # for each run's own first estimate of K, as in a solve

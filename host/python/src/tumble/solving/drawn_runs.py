@@ -16,7 +16,7 @@ from tumble.arrays import Floats
 from tumble.reference.uncertainty import Source, exact_outputs
 from tumble.schedule import Schedule
 from tumble.stand import SIGMA
-from tumble.workers.pieces import Piece
+from tumble.workers.over import Piece
 
 Errors: TypeAlias = dict[str, Source]
 Chunk: TypeAlias = "tuple[int, dict[str, Any]]"  # runs, and the state of the stream where they begin

@@ -26,8 +26,8 @@ from tumble.solving.drawn_runs import Chunk, Errors, chunks, drawn_outputs, stre
 from tumble.solving.many_runs import ManyRuns, estimator_for
 from tumble.stand import Stand
 from tumble.terms import Terms
+from tumble.workers.kept import Result
 from tumble.workers.over import ALONE, Progress, Team, over
-from tumble.workers.pieces import Result
 
 COVERAGE = 0.95
 LEVEL = 0.999  # of the range in which an end of a simulated interval lies

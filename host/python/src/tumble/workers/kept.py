@@ -18,7 +18,8 @@ from tumble._version import __version__
 from tumble.errors import BadInput, NotInstalled, quoted
 from tumble.files.disk import refuse_link, written
 from tumble.files.memory import bounded
-from tumble.workers.pieces import Result
+
+Result = dict[str, Any]  # arrays (Floats, Integers) of one dimension, or text: fit for a row of Parquet
 
 FORMAT = "tumble-done/1"  # of a table of Parquet, so no JSON schema stands for it
 _NAME, _ABOUT = "piece", b"tumble"

@@ -1,15 +1,44 @@
-"""The one loop that all campaigns are."""
+"""The one loop that all campaigns are: work cut into pieces by its seeds, results in the order of their pieces.
+
+A job is a picklable object that is called with what a piece says. It travels as bytes, and a worker unpickles it once,
+so what it prepares on its first piece serves the others as well.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from types import TracebackType
+from typing import Any, Protocol, TypeAlias
 
-from tumble.workers.kept import NOTHING, Nothing
-from tumble.workers.pieces import Crew, Job, Piece, Placed, Result
+from tumble.workers.kept import NOTHING, Nothing, Result
 
+Job: TypeAlias = Callable[[Any], Result]
 Progress = Callable[[int], None]
+
+
+@dataclass(frozen=True)
+class Piece:
+    """`name`: its own within the campaign; `what`: for the job, picklable; `size`: what it counts for in progress;
+    `halves`: cuts it in two, for who looks for the one seed that kills a process."""
+
+    name: str
+    what: Any
+    size: int = 1
+    halves: Callable[[], tuple[Piece, Piece]] | None = None
+
+
+Placed: TypeAlias = tuple[int, Piece]  # with its place among the pieces
+
+
+class Crew(Protocol):
+    """Whoever does pieces."""
+
+    def results(self, job: Job, pieces: Iterable[Placed]) -> Iterator[tuple[Placed, Result]]:
+        """Every piece once, as they are done. What a job raises is raised here."""
+
+    def close(self) -> None:
+        """No more is wanted of it."""
 
 
 class Alone:
