@@ -77,7 +77,7 @@ def test_what_a_killed_process_had_is_done_again(tmp_path, capfd):
 def test_a_seed_that_kills_its_process_ends_it_and_is_named():
     """The others of its piece are not to blame."""
     pieces = [campaigns.piece(0, 9), campaigns.piece(9, 9)]
-    with pytest.raises(BenchFault, match="^seed 5: the process that does it dies, also alone$"):
+    with pytest.raises(BenchFault, match=r"^seed 5: the process that does it dies, also alone$"):
         with Team(Processes(2)) as team:
             list(over(pieces, Fatal(5), team))
 
