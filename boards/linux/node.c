@@ -6,7 +6,7 @@
 #include "progress.h"
 #include "report.h"
 #include "run_log.h"
-#include "world/person.h"
+#include "world/world.h"
 
 #include <errno.h>
 #include <signal.h>

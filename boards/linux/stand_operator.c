@@ -2,8 +2,7 @@
 
 #include "navcomp/commands.h"
 #include "stand_bridge.h"
-#include "world/fault_script.h"
-#include "world/person.h"
+#include "world/world.h"
 
 #include <stdio.h>
 #include <string.h>

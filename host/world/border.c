@@ -1,10 +1,12 @@
 #include "world/border.h"
 
+#include "navcomp/keeper.h"
+#include "navcomp/stand_view.h"
+#include "navcomp/uncertainty.h"
+#include "simulation/nv.h"
 #include "world/config_file.h"
 #include "world/config_keys.h"
 #include "world/facts.h"
-#include "world/memory.h"
-#include "world/person.h"
 #include "world/world.h"
 
 #include <stdio.h>
@@ -25,6 +27,16 @@ typedef struct {
     size_t room;
 } array_t;
 
+/* Non-volatile memory for the firmware, and the keeper of coefficients on it. It is empty at first and gone in the end;
+ * no calendar time is told. */
+typedef struct {
+    sim_nv_t nv;
+    tumble_keeper_t keeper;
+    tumble_keeper_config_t keeper_config;
+    tumble_stand_memory_t stand_memory;
+    tumble_whole_work_t whole_work;
+} memory_t;
+
 struct world {
     bench_config_t config;
     bench_seen_t seen;
@@ -40,7 +52,7 @@ struct world {
     uint64_t block_ms;                   /* the block's clock, unwrapped, of its last sample, ... */
     uint64_t heard_us;                   /* ... and when that came; SIM_NEVER: none has */
     bench_watcher_t watcher;
-    bench_memory_t memory;
+    memory_t memory;
     bench_world_t world;
 };
 
@@ -215,6 +227,28 @@ static bool is_busy(void *context)
 
 /* Power and time. */
 
+/* To the firmware of a world that has just been powered on, which begins anew. */
+static tumble_status_t add_memory(memory_t *memory, bench_world_t *world)
+{
+    const bench_keeping_t *const keeping = &world->config->keeping;
+    sim_nv_init(&memory->nv, &world->clock);
+    memory->keeper_config = (tumble_keeper_config_t){
+        .sets = {.serial = keeping->serial,
+                 .settings = &keeping->settings,
+                 .whole_step = tumble_whole_step,
+                 .whole_work = &memory->whole_work},
+        .uncertainty = tumble_navcomp_uncertainty,
+        .norm = tumble_navcomp_norm,
+        .stand_view = tumble_stand_view,
+        .stand_memory = &memory->stand_memory,
+    };
+    memory->keeper.config = &memory->keeper_config;
+    world->port.nv = &memory->nv.nv;
+    world->navcomp_config.keeping = &tumble_keeper_calls;
+    world->navcomp_config.keeper = &memory->keeper;
+    return tumble_navcomp_init(&world->navcomp, &world->navcomp_config);
+}
+
 const char *world_power_on(world_t *world, uint64_t seed, world_operator_t operator, bool memory)
 {
     bench_config_t *const config = &world->config;
@@ -234,7 +268,7 @@ const char *world_power_on(world_t *world, uint64_t seed, world_operator_t opera
     world->watcher = (bench_watcher_t){world, on_change, on_sample, on_frame, on_question, is_busy};
     tumble_status_t status = bench_world_init(&world->world, config, seed, &world->watcher);
     if (status == TUMBLE_OK && memory) {
-        status = bench_memory_add(&world->memory, &world->world); /* begins anew, and the start is forgotten */
+        status = add_memory(&world->memory, &world->world); /* begins anew, and the start is forgotten */
     }
     if (status == TUMBLE_OK && memory && config->starts && config->present.navcomp) {
         status = tumble_navcomp_command(&world->world.navcomp, TUMBLE_COMMAND_START, 0);

@@ -7,6 +7,7 @@
 #ifndef TUMBLE_WORLD_CONFIG_H
 #define TUMBLE_WORLD_CONFIG_H
 
+#include "navcomp/keeper.h"
 #include "navcomp/uncertainty.h"
 #include "simulation/frame_bits.h"
 #include "simulation/scenario.h"
@@ -14,12 +15,30 @@
 #include "stand/operator/operator.h"
 #include "tumble/core.h"
 #include "tumble/navcomp.h"
-#include "world/keeping.h"
 
 #include <stdbool.h>
 #include <stdint.h>
 
 #define BENCH_MAX_WRITES 16
+
+/* What a scenario says of the keeper, for a firmware that has non-volatile memory. */
+
+/* A configuration to be read from lines; `flags` within the settings are made of the three switches. */
+typedef struct {
+    char serial[TUMBLE_SET_SERIAL_BYTES + 1U]; /* of the block; empty: not told */
+    bool commits;                              /* good sets by themselves */
+    bool first;                                /* the first one, too */
+    bool starts;                               /* runs that are due */
+    tumble_sets_settings_t settings;
+} bench_keeping_t;
+
+/* Limits for a good stand: 1e-3 (ratio, rad or g) for uncertainties, 1e-4 a month for drift, three standard
+ * uncertainties; sets commit themselves, but the first waits; nothing is ever due. No serial number:
+ * who keeps coefficients must be told whose they are. */
+void bench_keeping_defaults(bench_keeping_t *keeping);
+
+/* Set the flags by the switches. */
+void bench_keeping_complete(bench_keeping_t *keeping);
 
 /* Who takes part from inside the process; others may be outside. */
 typedef struct {

@@ -1,4 +1,4 @@
-#include "world/fault_script.h"
+#include "world/world.h"
 
 static uint64_t in_us(double seconds)
 {

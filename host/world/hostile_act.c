@@ -1,9 +1,13 @@
-/* What an event does when its moment has come. */
-#include "world/hostile_invariants.h"
+#include "world/hostile.h"
 
 #include "canopen/cia402.h"
 #include "core/bytes.h"
 #include "simulation/block_encode.h"
+#include "world/world.h"
+
+#include <string.h>
+
+/* What an event does when its moment has come. */
 
 #define NEXT_US 1000U    /* from one frame of a group to the next */
 #define NEAR_US 300U     /* as near as the bus allows */
@@ -190,4 +194,149 @@ void bench_life_act(bench_life_t *life, const bench_event_t *event)
         bench_life_send(life, &event->frame, 0);
         break;
     }
+}
+
+/* Who stands at the bench: he mounts the block and confirms, mends faults, and goes on after a loss of power. */
+
+#define US_PER_S 1e6
+
+void bench_life_attend_to(bench_life_t *life, const tumble_progress_t *progress)
+{
+    const bench_attendant_t *const attendant = &life->plan->attendant;
+    double after_s = -1.0;
+    if (progress->state == TUMBLE_STATE_WAIT_MOUNTING) {
+        after_s = attendant->mount_s;
+    } else if (progress->state == TUMBLE_STATE_FAULT && life->mended < attendant->mends) {
+        after_s = attendant->mend_s;
+    }
+    life->attend_us = (after_s >= 0.0) ? life->world.clock.now_us + (uint64_t)(after_s * US_PER_S) : SIM_NEVER;
+}
+
+static void lay(bench_life_t *life, uint8_t number)
+{
+    if (life->lies != number) {
+        life->lies = number;
+        bench_world_mount(&life->world, (uint8_t)(number - 1U));
+    }
+}
+
+static void mount(bench_life_t *life, uint8_t asked)
+{
+    const bool errs = life->plan->attendant.errs && !life->erred && asked == 2U;
+    life->erred = life->erred || errs;
+    lay(life, errs ? 1U : asked);
+    (void)bench_life_command(life, TUMBLE_COMMAND_CONFIRM_MOUNTING, asked);
+}
+
+static void mend(bench_life_t *life, const tumble_progress_t *progress)
+{
+    life->mended++;
+    bench_fault_script_mend(&life->world);
+    if (bench_person_must_mount(progress->reason)) {
+        mount(life, progress->mounting);
+    } else {
+        (void)bench_life_command(life, TUMBLE_COMMAND_RESUME, 0);
+    }
+}
+
+/* After a loss of power a run that was on goes on, or begins anew. */
+static void go_on(bench_life_t *life)
+{
+    tumble_sets_state_t state;
+    tumble_sets_state(&life->keeper.sets, &state);
+    const bool resumes = life->plan->attendant.resumes && state.resumable > 0U;
+    life->run_was_on = false;
+    (void)bench_life_command(life, resumes ? TUMBLE_COMMAND_RESUME : TUMBLE_COMMAND_START, 0);
+}
+
+void bench_life_attend(bench_life_t *life)
+{
+    const tumble_progress_t progress = life->world.progress;
+    life->attend_us = SIM_NEVER;
+    if (life->world.off) {
+        return;
+    }
+    if (progress.state == TUMBLE_STATE_WAIT_MOUNTING) {
+        mount(life, progress.mounting);
+        bench_life_attend_to(life, &progress); /* again, should it be refused */
+    } else if (progress.state == TUMBLE_STATE_FAULT) {
+        mend(life, &progress);
+    } else if (progress.state == TUMBLE_STATE_IDLE && life->run_was_on) {
+        go_on(life);
+    }
+}
+
+/* Power of the computer, and commands to it. */
+
+tumble_status_t bench_life_command(bench_life_t *life, tumble_command_t command, uint8_t argument)
+{
+    if (life->world.off) {
+        return TUMBLE_E_STATE;
+    }
+    if (command != TUMBLE_COMMAND_ABORT) {
+        bench_watch_commanded(life);
+    }
+    const tumble_status_t status = tumble_navcomp_command(&life->world.navcomp, command, argument);
+    if (status == TUMBLE_OK) {
+        bench_watch_decide(life, command, false);
+    }
+    if (command == TUMBLE_COMMAND_ABORT) {
+        bench_watch_ended(life);
+    }
+    sim_clock_set(&life->world.clock, SIM_ACTOR_NAVCOMP, life->world.clock.now_us);
+    return status;
+}
+
+void bench_life_boot(bench_life_t *life)
+{
+    bench_world_t *const world = &life->world;
+    memset(&life->keeper, 0x5A, sizeof life->keeper);
+    life->keeper.config = &life->keeper_config;
+    if (tumble_navcomp_init(&world->navcomp, &world->navcomp_config) != TUMBLE_OK) {
+        bench_watch_break(life, BENCH_BROKEN_BENCH, 0.0, 0);
+        return;
+    }
+    if (life->plan->utc_s != 0U) {
+        (void)tumble_sets_set_utc(&life->keeper.sets, life->plan->utc_s + world->clock.now_us / 1000000U);
+    }
+    world->mark = BENCH_LOOK_AGAIN;
+    sim_clock_set(&world->clock, SIM_ACTOR_NAVCOMP, world->clock.now_us);
+}
+
+void bench_life_cut(bench_life_t *life, const bench_event_t *event)
+{
+    sim_random_t stream;
+    bench_world_t *const world = &life->world;
+    if (world->off) {
+        return;
+    }
+    sim_random_open(&stream, life->plan->seed, SIM_CAUSE_LIFE, BENCH_STREAM_EVENT + event->number);
+    const tumble_state_t state = world->progress.state;
+    life->run_was_on = state != TUMBLE_STATE_IDLE && state != TUMBLE_STATE_DONE && state != TUMBLE_STATE_ABORT;
+    life->counts.held += tumble_sets_counters(&life->keeper.sets)->held;
+    world->off = true;
+    sim_bus_set_down(&world->bus, BENCH_BUS_NAVCOMP, true);
+    sim_clock_set(&world->clock, SIM_ACTOR_NAVCOMP, SIM_NEVER);
+    bench_life_tear_memory(life, &stream);
+    life->nv.size = 0;
+    if (event->count > 0U) {
+        bench_watch_excuse(life, BENCH_EXCUSE_FLIPPED);
+        bench_life_flip_bits(life, &stream, event->count);
+    }
+    bench_watch_ended(life);
+    life->watch.decided_us = (life->watch.decided_us >= world->clock.now_us) ? SIM_NEVER : 0U;
+    life->attend_us = SIM_NEVER;
+    life->power_us = world->clock.now_us + event->off_us;
+}
+
+void bench_life_power_on(bench_life_t *life)
+{
+    bench_world_t *const world = &life->world;
+    life->power_us = SIM_NEVER;
+    world->off = false;
+    sim_bus_set_down(&world->bus, BENCH_BUS_NAVCOMP, true); /* what had come for nobody */
+    sim_bus_set_down(&world->bus, BENCH_BUS_NAVCOMP, false);
+    bench_watch_power_on(life);
+    bench_life_boot(life);
+    life->attend_us = life->run_was_on ? world->clock.now_us + 1500000U : SIM_NEVER;
 }

@@ -1,5 +1,5 @@
 /* Frames that a stranger, or a node gone mad, puts on the bus. */
-#include "world/hostile_draw.h"
+#include "world/hostile.h"
 
 #include "core/bytes.h"
 
@@ -216,7 +216,7 @@ static void draw_content(sim_random_t *stream, bench_event_t *event)
     }
 }
 
-/* What commands or rewrites the drive itself excuses much (hostile_watch.h), and so comes in few lives. */
+/* What commands or rewrites the drive itself excuses much (hostile.h), and so comes in few lives. */
 static bench_hostile_t draw_kind(sim_random_t *stream, bool spares_drive)
 {
     const uint32_t first = BENCH_HOSTILE_SDO_NAVCOMP;

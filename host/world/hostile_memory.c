@@ -1,5 +1,5 @@
 /* The memory of a life: what it begins with, and what a loss of power leaves in it. */
-#include "world/hostile_state.h"
+#include "world/hostile.h"
 
 #include "tumble/sets.h"
 

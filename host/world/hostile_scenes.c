@@ -1,5 +1,5 @@
 /* What belongs together: a fault alone or a frame alone seldom meets the moment at which it hurts. */
-#include "world/hostile_draw.h"
+#include "world/hostile.h"
 
 #include "canopen/cia402.h"
 #include "navcomp/service.h"

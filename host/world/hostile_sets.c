@@ -1,5 +1,5 @@
 /* The invariants of the coefficient sets and of what can be read. */
-#include "world/hostile_invariants.h"
+#include "world/hostile.h"
 
 #include "core/bytes.h"
 

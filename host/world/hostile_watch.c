@@ -1,5 +1,14 @@
+#include "world/hostile.h"
+
+#include "core/averaging_state.h"
+#include "core/bytes.h"
+#include "navcomp/service.h"
+#include "simulation/block_encode.h"
+
+#include <math.h>
+#include <string.h>
+
 /* What is noted for all invariants. */
-#include "world/hostile_invariants.h"
 
 void bench_watch_break(bench_life_t *life, bench_broken_t kind, double value, uint32_t what)
 {
@@ -36,4 +45,363 @@ void bench_watch_commanded(bench_life_t *life)
 {
     life->watch.rest_us = SIM_NEVER;
     life->watch.peace = false;
+}
+
+/* The table, and what a state shows. */
+
+#define PEACE_US 1000000U /* it has stood for so long: it rests */
+
+void bench_watch_ended(bench_life_t *life)
+{
+    if (life->watch.rest_us == SIM_NEVER && !life->watch.peace) {
+        life->watch.rest_us = life->world.clock.now_us + BENCH_REST_US;
+        life->watch.still_us = SIM_NEVER; /* what is on its way to the drive may still set it in motion */
+    }
+}
+
+static bool is_of_a_run(tumble_state_t state)
+{
+    return state != TUMBLE_STATE_IDLE && state != TUMBLE_STATE_DONE && state != TUMBLE_STATE_ABORT &&
+           state != TUMBLE_STATE_FAULT;
+}
+
+void bench_watch_change(bench_life_t *life, const tumble_progress_t *progress)
+{
+    const bool was_on = is_of_a_run(life->watch.state);
+    const tumble_state_t state = progress->state;
+    const bool changed = state != life->watch.state;
+    const bool waited = !was_on && life->watch.state != TUMBLE_STATE_FAULT;
+    const bool may_begin = !was_on && (changed || state == TUMBLE_STATE_ABORT); /* and failed or aborted at once */
+    bench_watch_count_run(life, waited && is_of_a_run(state), may_begin);
+    life->watch.state = state;
+    if (is_of_a_run(state)) {
+        life->watch.level_until_us = 0; /* it ends with the beginning of a run */
+    } else if (state == TUMBLE_STATE_DONE && changed) {
+        bench_watch_may_go(life, true); /* the new result takes its place */
+    }
+    if ((state == TUMBLE_STATE_FAULT || state == TUMBLE_STATE_ABORT) && progress->reason == TUMBLE_REASON_NONE) {
+        bench_watch_break(life, BENCH_BROKEN_REASON, 0.0, (uint32_t)state);
+    }
+    if (changed && !is_of_a_run(state) && (was_on || state != TUMBLE_STATE_IDLE)) {
+        bench_watch_ended(life);
+        life->counts.ends[state][progress->reason]++;
+    }
+}
+
+/* The way in which the table comes to rest from its full speed. */
+static double braking_deg(const sim_drive_config_t *drive)
+{
+    return drive->speed_deg_s * drive->speed_deg_s / (2.0 * drive->acceleration_deg_s2);
+}
+
+/* A stranger has commanded the drive so lately that the computer need not have noticed. */
+static bool is_excused(const bench_life_t *life)
+{
+    const bench_watch_t *const watch = &life->watch;
+    return bench_watch_has_excuse(life, BENCH_EXCUSE_COMMANDED) &&
+           life->world.clock.now_us < watch->commanded_us + BENCH_NOTICE_US;
+}
+
+static bench_broken_t blamed(const bench_life_t *life, bench_broken_t otherwise)
+{
+    return bench_watch_has_excuse(life, BENCH_EXCUSE_COMMANDED) ? BENCH_BROKEN_FOREIGN : otherwise;
+}
+
+/* A table that stands for a moment, say between the search for the mark and the way back to it, does not rest. */
+static void look_for_peace(bench_watch_t *watch, uint64_t now_us, bool moves)
+{
+    watch->still_us = moves ? SIM_NEVER : (watch->still_us == SIM_NEVER) ? now_us : watch->still_us;
+    if (watch->rest_us != SIM_NEVER && !moves && now_us - watch->still_us >= PEACE_US) {
+        watch->rest_us = SIM_NEVER;
+        watch->peace = true;
+    }
+}
+
+static void look_at_rest(bench_life_t *life, bool moves, double deg)
+{
+    bench_watch_t *const watch = &life->watch;
+    const uint64_t now_us = life->world.clock.now_us;
+    look_for_peace(watch, now_us, moves);
+    if (!moves || is_excused(life)) {
+        return;
+    }
+    if (watch->rest_us != SIM_NEVER && now_us >= watch->rest_us) {
+        bench_watch_break(life, blamed(life, BENCH_BROKEN_REST), deg, (uint32_t)watch->state);
+    } else if (watch->peace) {
+        bench_watch_break(life, blamed(life, BENCH_BROKEN_STAYS), deg, (uint32_t)watch->state);
+    }
+}
+
+/* On the way back it may be beyond: after a stranger has taken it there. */
+static void look_at_cable(bench_life_t *life, bool moves, double deg)
+{
+    const bench_config_t *const config = &life->plan->config;
+    const sim_drive_config_t *const drive = &config->scenario.drive;
+    const double unseen_deg = drive->speed_deg_s * 1e-6 * drive->report_us; /* between two reports */
+    const double tolerance_deg = BENCH_CABLE_TOLERANCE_DEG + unseen_deg + braking_deg(drive);
+    const double last_deg = life->watch.last_deg;
+    const bool below = deg < config->procedure.cable_min_deg - tolerance_deg && deg < last_deg;
+    const bool above = deg > config->procedure.cable_max_deg + tolerance_deg && deg > last_deg;
+    if (moves && (below || above) && !is_excused(life)) {
+        bench_watch_break(life, blamed(life, BENCH_BROKEN_CABLE), deg, (uint32_t)life->watch.state);
+    }
+}
+
+static bool is_under_way(sim_homing_t homing)
+{
+    return homing == SIM_HOMING_SEARCH || homing == SIM_HOMING_APPROACH;
+}
+
+/* A homing that was broken off counts until the table rests. */
+static void look_at_homing(bench_life_t *life, bool moves, double deg)
+{
+    bench_watch_t *const watch = &life->watch;
+    const sim_homing_t homing = life->world.drive.homing;
+    if (is_under_way(homing) && !is_under_way(watch->homing)) {
+        watch->searches = true;
+        watch->from_deg = deg;
+        life->counts.homings++;
+    } else if (!is_under_way(homing) && (!moves || homing == SIM_HOMING_ATTAINED)) {
+        watch->searches = false;
+    }
+    watch->homing = homing;
+    if (watch->searches && fabs(deg - watch->from_deg) > BENCH_HOMING_DEG) {
+        bench_watch_break(life, BENCH_BROKEN_HOMING, deg - watch->from_deg, (uint32_t)watch->state);
+    }
+}
+
+/* What a stranger has changed is read back before a motion; what he changes on its way may count for its next leg. */
+static void look_at_speed(bench_life_t *life, double velocity_deg_s, double deg)
+{
+    bench_watch_t *const watch = &life->watch;
+    const uint64_t now_us = life->world.clock.now_us;
+    const tumble_drive_profile_t *const profile = &life->plan->config.profile;
+    const double told_deg_s = is_under_way(watch->homing) ? profile->homing_fast_deg_s : profile->velocity_deg_s;
+    if (fabs(velocity_deg_s) <= told_deg_s * BENCH_SPEED_EXCESS) {
+        watch->fast_us = SIM_NEVER;
+    } else if (watch->fast_us == SIM_NEVER) {
+        watch->fast_us = now_us;
+    } else if (now_us - watch->fast_us > BENCH_NOTICE_US) {
+        bench_watch_break(life, BENCH_BROKEN_SPEED, deg, (uint32_t)watch->state);
+    }
+}
+
+static void look_at_table(bench_life_t *life)
+{
+    const bench_world_t *const world = &life->world;
+    const uint64_t now_us = world->clock.now_us;
+    const bool moves = now_us < sim_axis_end_us(world->axis);
+    double velocity_deg_s;
+    if (bench_watch_has_excuse(life, BENCH_EXCUSE_REWRITTEN)) {
+        return;
+    }
+    const double deg = sim_axis_commanded_deg(world->axis, now_us, &velocity_deg_s);
+    look_at_rest(life, moves, deg);
+    look_at_homing(life, moves, deg);
+    look_at_speed(life, velocity_deg_s, deg);
+    if (world->drive.homing == SIM_HOMING_ATTAINED && world->drive.powered) {
+        look_at_cable(life, moves, deg);
+    }
+    life->watch.last_deg = deg;
+}
+
+void bench_watch_look(bench_life_t *life)
+{
+    look_at_table(life);
+    if (!life->world.off) {
+        bench_watch_rules(life);
+        bench_watch_sets(life);
+    }
+}
+
+/* The computer's own counts: service level, run number, samples of a mean. */
+
+#define LEVEL_US 60000000U
+#define LATE_US 200000U /* the firmware looks at its clock every 100 ms at least */
+#define KEY_OBJECT 0x2006U
+#define PLACE_DEG 0.5 /* errors of the stand, and its swing */
+
+/* Service level: nothing but its key opens it, and what it protects is refused without it. */
+
+static bool is_protected(uint16_t index, uint8_t subindex)
+{
+    static const uint16_t PROTECTED[] = {0x1010, 0x1011, 0x1016, 0x1017, 0x1029, 0x1400, 0x1401, 0x1600, 0x1601,
+                                         0x1800, 0x1801, 0x1A00, 0x1A01, 0x2123, 0x2124, 0x2125, 0x2126};
+    for (uint32_t i = 0; i < sizeof PROTECTED / sizeof PROTECTED[0]; i++) {
+        if (index == PROTECTED[i]) {
+            return true;
+        }
+    }
+    return (index == 0x2050U && subindex == 5U) || (index == 0x2122U && subindex == 6U);
+}
+
+void bench_watch_request(bench_life_t *life, const tumble_can_frame_t *frame)
+{
+    bench_watch_t *const watch = &life->watch;
+    const uint64_t now_us = life->world.clock.now_us;
+    const bool is_write = frame->length == 8U && (frame->data[0] & 0xE2U) == 0x22U; /* in this one frame */
+    if (is_write && tumble_get_u16(&frame->data[1]) == KEY_OBJECT && frame->data[3] == 1U) {
+        const uint32_t key = tumble_get_u32(&frame->data[4]);
+        watch->level_until_us = (key == TUMBLE_SERVICE_KEY) ? now_us + LEVEL_US
+                                : (key == 0U)               ? 0U
+                                                            : watch->level_until_us;
+    }
+    watch->locked = is_write && now_us > watch->level_until_us + LATE_US;
+}
+
+void bench_watch_written(bench_life_t *life, uint16_t index, uint8_t subindex)
+{
+    if (life->watch.locked && is_protected(index, subindex)) {
+        bench_watch_break(life, BENCH_BROKEN_LEVEL, 0.0, (uint32_t)index << 8 | subindex);
+    }
+}
+
+static void look_at_level(bench_life_t *life)
+{
+    bench_watch_t *const watch = &life->watch;
+    const uint64_t now_us = life->world.clock.now_us;
+    if (!tumble_service_is_open(&life->world.navcomp) || now_us <= watch->level_until_us) {
+        watch->open_us = SIM_NEVER;
+    } else if (watch->open_us == SIM_NEVER) {
+        watch->open_us = now_us;
+    } else if (now_us - watch->open_us > LATE_US) {
+        bench_watch_break(life, BENCH_BROKEN_LEVEL, 0.0, (uint32_t)KEY_OBJECT << 8 | 2U);
+    }
+}
+
+/* The run number: one more with each run that begins, and with nothing else. */
+
+static void look_at_number(bench_life_t *life)
+{
+    const uint32_t runs = tumble_service_runs(&life->world.navcomp);
+    if (runs < life->watch.runs || runs > life->watch.runs + 1U) {
+        bench_watch_break(life, BENCH_BROKEN_RUN, (double)runs, life->watch.runs);
+    }
+}
+
+void bench_watch_count_run(bench_life_t *life, bool begins, bool may_begin)
+{
+    bench_watch_t *const watch = &life->watch;
+    const uint32_t runs = tumble_service_runs(&life->world.navcomp);
+    const uint32_t least = begins ? 1U : 0U;
+    const uint32_t most = (begins || may_begin) ? 1U : 0U;
+    if (runs < watch->runs + least || runs > watch->runs + most) {
+        bench_watch_break(life, BENCH_BROKEN_RUN, (double)runs, watch->runs);
+    }
+    watch->runs = runs;
+}
+
+/* Means: of so many samples as are configured, all different, all of frames that came, at this position of the table. */
+
+void bench_watch_block_frame(bench_life_t *life, const tumble_can_frame_t *frame)
+{
+    bench_collected_t *const collected = &life->watch.collected;
+    collected->frames[collected->next++ % BENCH_RECENT] = *frame;
+}
+
+static bool has_come(const bench_collected_t *collected, const tumble_can_frame_t *frame)
+{
+    for (uint32_t i = 0; i < BENCH_RECENT; i++) {
+        if (collected->frames[i].id == frame->id && memcmp(collected->frames[i].data, frame->data, 8) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool is_new(const bench_collected_t *collected, uint16_t counter)
+{
+    const uint32_t kept = (collected->count < BENCH_COUNTERS) ? collected->count : BENCH_COUNTERS;
+    for (uint32_t i = 0; i < kept; i++) {
+        if (collected->counters[i] == counter) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Of the true table; a slip, and a stop too short to be refused, are excused. */
+static bool is_there(const bench_life_t *life, uint8_t index)
+{
+    static const uint32_t EXCUSES = 1U << BENCH_EXCUSE_REWRITTEN | 1U << BENCH_EXCUSE_SLIP | 1U << BENCH_EXCUSE_SHORT;
+    const bench_config_t *const config = &life->plan->config;
+    const double wanted_deg = config->scenario.schedule.positions[index].angle.deg;
+    const double deg = sim_axis_actual_deg(life->world.axis, life->world.clock.now_us);
+    return (life->watch.excuses & EXCUSES) != 0U ||
+           fabs(remainder(deg - wanted_deg, 360.0)) <= config->procedure.position_tolerance_deg + PLACE_DEG;
+}
+
+void bench_watch_sample(bench_life_t *life, tumble_taken_t taken, const tumble_block_sample_t *sample)
+{
+    bench_collected_t *const collected = &life->watch.collected;
+    sim_block_frames_t frames;
+    if (taken.ordinal == 1U) {
+        collected->index = taken.index;
+        collected->count = 0;
+        memset(collected->sum, 0, sizeof collected->sum);
+    }
+    sim_block_encode(sample, &frames);
+    const bool good = taken.index == collected->index && taken.ordinal == collected->count + 1U &&
+                      is_new(collected, sample->raw.counter) && has_come(collected, &frames.xy) &&
+                      has_come(collected, &frames.z) && is_there(life, taken.index);
+    if (!good) {
+        bench_watch_break(life, BENCH_BROKEN_MEAN, (double)taken.ordinal, taken.index);
+    }
+    collected->counters[collected->count % BENCH_COUNTERS] = sample->raw.counter;
+    collected->count++;
+    for (int c = 0; c < TUMBLE_CHANNELS; c++) {
+        collected->sum[c] += sample->raw.counts[c];
+    }
+}
+
+static bool is_collected(const bench_life_t *life, uint8_t index, const tumble_average_t *average)
+{
+    const bench_collected_t *const collected = &life->watch.collected;
+    return collected->index == index && collected->count == average->samples &&
+           (average->samples == life->plan->config.procedure.samples ||
+            bench_watch_has_excuse(life, BENCH_EXCUSE_RULES)) &&
+           memcmp(collected->sum, average->sum_counts, sizeof collected->sum) == 0;
+}
+
+/* A mean that is there is the one just collected, or one that was there before: back after a loss of power. */
+static void look_at_mean(bench_life_t *life, uint8_t index, const tumble_average_t *average)
+{
+    bench_known_t *const known = &life->watch.known[index];
+    for (uint32_t i = 0; i < BENCH_KNOWN; i++) {
+        const tumble_average_t *const other = &known->means[i];
+        if (other->samples == average->samples &&
+            memcmp(other->sum_counts, average->sum_counts, sizeof other->sum_counts) == 0 &&
+            memcmp(other->scatter_counts, average->scatter_counts, sizeof other->scatter_counts) == 0) {
+            return;
+        }
+    }
+    if (!is_collected(life, index, average)) {
+        bench_watch_break(life, BENCH_BROKEN_MEAN, (double)average->samples, index);
+        return;
+    }
+    known->means[known->next++ % BENCH_KNOWN] = *average;
+}
+
+void bench_watch_means(bench_life_t *life)
+{
+    const tumble_averaging_t *const averages =
+        tumble_procedure_averages(tumble_navcomp_procedure(&life->world.navcomp));
+    for (uint8_t i = 0; i < life->plan->config.scenario.schedule.position_count; i++) {
+        if (tumble_averaging_has_mean(averages, i)) {
+            look_at_mean(life, i, &averages->averages[i]);
+        }
+    }
+}
+
+void bench_watch_rules(bench_life_t *life)
+{
+    look_at_level(life);
+    look_at_number(life);
+}
+
+void bench_watch_begin_again(bench_life_t *life)
+{
+    life->watch.level_until_us = 0;
+    life->watch.open_us = SIM_NEVER;
+    life->watch.runs = 0;
 }

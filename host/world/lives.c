@@ -1,8 +1,7 @@
 #include "world/lives.h"
 
 #include "world/facts.h"
-#include "world/hostile_life.h"
-#include "world/hostile_text.h"
+#include "world/hostile.h"
 
 #include <stdlib.h>
 #include <string.h>

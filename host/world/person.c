@@ -1,6 +1,4 @@
-#include "world/person.h"
-
-#include "world/fault_script.h"
+#include "world/world.h"
 
 void bench_person_init(bench_world_t *world)
 {

@@ -1,6 +1,6 @@
 /* Every reason to stop, reached by the fault that it names: in bounded virtual time, with the table at rest. */
 #include "sim_bench.h"
-#include "world/person.h"
+#include "world/world.h"
 
 typedef struct {
     tumble_reason_t reason;
