@@ -45,8 +45,8 @@ def build(folder):
     firmware = ("canopen/sdo_client", "canopen/link", "core/count", "core/status", "navcomp/commands",
                 "procedure/names", "sets/objections")
     sources += [f"firmware/{name}.c" for name in firmware]
-    sources += [f"boards/linux/{name}.c" for name in ("event_log", "nowait", "remedies", "run_log", "signals")]
-    sources += ["host/bench/arguments.c", "host/bench/json.c"]
+    board = ("arguments", "event_log", "json", "nowait", "remedies", "run_log", "signals")
+    sources += [f"boards/linux/{name}.c" for name in board]
     return compiled(folder / "tumble-gateway", *FLAGS, "-Ihost", "-Ihost/gateway", "-Iboards/linux",
                     "tests/integration/gateway_harness.c", *sources, *library.stdout.split())
 

@@ -1,4 +1,4 @@
-"""The long version of tests/unit/bench/test_two_clients.c: 10,000 reads of a script beside the gateway."""
+"""The long version of tests/unit/world/test_two_clients.c: 10,000 reads of a script beside the gateway."""
 
 import os
 import re
