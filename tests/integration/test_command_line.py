@@ -1,5 +1,6 @@
 """`tumble` alone, other names of commands, and what a shell completes."""
 
+import argparse
 import os
 import shutil
 import subprocess
@@ -7,8 +8,10 @@ import sys
 
 import pytest
 
+from tumble.cli.aliases import ALIASES
+from tumble.cli.commands import EXAMPLES
 from tumble.cli.completion import SHELLS
-from tumble.cli.main import main
+from tumble.cli.main import _parser, main
 
 pytestmark = pytest.mark.python
 
@@ -42,6 +45,27 @@ def test_a_misspelt_word_gets_a_guess(words, guess, capsys):
 def test_what_resembles_nothing_gets_none(capsys):
     assert (main(["xyzzy"]), main(["solve", "run.csv", "--xyzzy"])) == (2, 2)
     assert "did you mean" not in capsys.readouterr().err
+
+
+def leaves(parser, words=()):
+    """Every command that runs, as its words."""
+    [*subjects] = [action for action in parser._actions if isinstance(action, argparse._SubParsersAction)]
+    if not subjects:
+        yield " ".join(words)
+    for name, one in (item for subject in subjects for item in subject.choices.items()):
+        if name not in {alias for names in ALIASES.values() for alias in names}:
+            yield from leaves(one, (*words, name))
+
+
+def test_every_command_has_an_example_in_its_help_which_parses(capsys):
+    parser = _parser()
+    assert set(leaves(parser)) == set(EXAMPLES)
+    for name, example in EXAMPLES.items():
+        assert example.startswith(f"tumble {name}") and len(example) <= 70
+        parser.parse_args(example.split()[1:])
+        with pytest.raises(SystemExit):
+            main([*name.split(), "--help"])
+        assert capsys.readouterr().out.endswith(f"\nExample: {example}\n")
 
 
 def test_a_command_is_loaded_only_when_it_is_named():

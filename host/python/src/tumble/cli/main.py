@@ -13,7 +13,7 @@ from typing import Any, NoReturn
 from tumble import __version__, interruption
 from tumble.cli import completion
 from tumble.cli.aliases import ALIASES
-from tumble.cli.commands import ABOUT, adder_of
+from tumble.cli.commands import ABOUT, EXAMPLES, adder_of
 from tumble.errors import EXIT_BAD_INPUT, EXIT_DISAGREEMENT, EXIT_PASS, Interrupted, TumbleError, UsageError
 from tumble.messages import tell
 
@@ -37,6 +37,11 @@ class _Parser(argparse.ArgumentParser):
         if unknown and self._subparsers is None:
             self.error(f"{_UNKNOWN}{' '.join(unknown)}")
         return found, unknown
+
+    def format_help(self) -> str:
+        """As argparse's, and an example."""
+        example = EXAMPLES.get(self.prog.partition(" ")[2])
+        return super().format_help() + (f"\nExample: {example}\n" if example else "")
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         """As argparse's, with a guess at what was meant."""

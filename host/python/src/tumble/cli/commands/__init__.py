@@ -7,6 +7,7 @@ same reason a module is loaded only when its command is named: what all of them 
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib import import_module
 from typing import Any
 
 ABOUT = {  # by name, in the order in which they are listed
@@ -28,67 +29,39 @@ ABOUT = {  # by name, in the order in which they are listed
 }
 
 
+_MODULES = {"import": "import_recording"}  # where it isn't the command's name
+
+EXAMPLES = {  # by command and subject: what `--help` ends with
+    "solve": "tumble solve run.csv --stand stand.toml --out result.json",
+    "import": "tumble import recording.csv --rate 100 --unit m/s^2 --out run.csv",
+    "apply": "tumble apply result.json data.csv --uncertainty --out calibrated.csv",
+    "compare": "tumble compare before.json after.json --stand stand.toml",
+    "bench": "tumble bench --stand stand.toml --seed 7 --out run",
+    "campaign runs": "tumble campaign runs scenario.txt --runs 1000 --workers 2 --summary",
+    "campaign lives": "tumble campaign lives --lives 100 --seed 1 -v",
+    "watch": "tumble watch can:can0 --http",
+    "replay": "tumble replay run/bus.log",
+    "plan budget": "tumble plan budget --stand stand.toml --estimator refined",
+    "plan require": "tumble plan require --stand stand.toml --limit 3e-4",
+    "plan optimize": "tumble plan optimize --stand stand.toml",
+    "plan schedule": "tumble plan schedule --stand stand.toml --limit 3e-4 --mountings 3",
+    "plan validate": "tumble plan validate --stand stand.toml --runs 10000",
+    "plan paper": "tumble plan paper",
+    "fixture check": "tumble fixture check --stand stand.toml run.csv",
+    "draw stand": "tumble draw stand --out stand.svg",
+    "draw mountings": "tumble draw mountings --out mountings.svg",
+    "draw angles": "tumble draw angles --out angles.svg",
+    "draw states": "tumble draw states --out states.svg",
+    "draw wiring": "tumble draw wiring --out wiring.svg",
+    "export": "tumble export result.json --format c --out calibration.h",
+    "report": "tumble report result.json --out report.html",
+    "store dump": "tumble store dump memory.bin",
+    "uml": "tumble uml candump vcan0",
+}
+
+
 def adder_of(name: str) -> Callable[[Any, str], None]:
-    """What describes a command to argparse. Loads the command's module, and no other: each import is spelt out, so that
-    tools/rooms.py sees it."""
-    if name == "solve":
-        from tumble.cli.commands import solve
-
-        return solve.add_to
-    if name == "import":
-        from tumble.cli.commands import import_recording
-
-        return import_recording.add_to
-    if name == "apply":
-        from tumble.cli.commands import apply
-
-        return apply.add_to
-    if name == "compare":
-        from tumble.cli.commands import compare
-
-        return compare.add_to
-    if name == "bench":
-        from tumble.cli.commands import bench
-
-        return bench.add_to
-    if name == "campaign":
-        from tumble.cli.commands import campaign
-
-        return campaign.add_to
-    if name == "watch":
-        from tumble.cli.commands import watch
-
-        return watch.add_to
-    if name == "replay":
-        from tumble.cli.commands import replay
-
-        return replay.add_to
-    if name == "plan":
-        from tumble.cli.commands import plan
-
-        return plan.add_to
-    if name == "fixture":
-        from tumble.cli.commands import fixture
-
-        return fixture.add_to
-    if name == "draw":
-        from tumble.cli.commands import draw
-
-        return draw.add_to
-    if name == "export":
-        from tumble.cli.commands import export
-
-        return export.add_to
-    if name == "report":
-        from tumble.cli.commands import report
-
-        return report.add_to
-    if name == "store":
-        from tumble.cli.commands import store
-
-        return store.add_to
-    if name == "uml":
-        from tumble.cli.commands import uml
-
-        return uml.add_to
-    raise KeyError(name)
+    """What describes a command to argparse. Loads the command's module, and no other."""
+    module = import_module(f"tumble.cli.commands.{_MODULES.get(name, name)}")
+    found: Callable[[Any, str], None] = module.add_to
+    return found
