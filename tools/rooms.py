@@ -26,7 +26,7 @@ FIRMWARE = set(MAY_INCLUDE) - {"boards"}
 PROGRAMS = {
     "host/simulation": ({"core", "port", "sample", "canopen", "nv"}, []),
     "host/bench": (FIRMWARE | {"simulation"}, []),
-    "host/world": (FIRMWARE | {"simulation", "bench"}, []),
+    "host/world": (FIRMWARE | {"simulation", "bench", "replay"}, ["boards/zcu102"]),
     "host/replay": ({"port", "bench"}, ["boards/zcu102"]),
     "host/gateway": ({"core", "port", "canopen", "bench"}, ["boards/linux"]),
     "boards/linux": (FIRMWARE | {"bench", "nv"}, []),

@@ -1,11 +1,10 @@
 #include "world/border.h"
 
-#include "bench/config_file.h"
 #include "bench/config_keys.h"
-#include "bench/memory.h"
 #include "bench/person.h"
 #include "bench/report.h"
 #include "bench/world.h"
+#include "world/world_parts.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,32 +16,6 @@ _Static_assert((int)WORLD_LEFT == (int)BENCH_LEFT && (int)WORLD_ANSWER_LEAVE == 
                "ends and answers are numbered alike");
 _Static_assert(WORLD_POSITIONS == TUMBLE_MAX_POSITIONS && WORLD_MOUNTINGS == TUMBLE_MAX_MOUNTINGS,
                "all of a schedule fits");
-
-/* What grows: `count` elements of `size` bytes, in memory for `room`. */
-typedef struct {
-    void *memory;
-    size_t count;
-    size_t room;
-} array_t;
-
-struct world {
-    bench_config_t config;
-    bench_seen_t seen;
-    bench_mistake_t mistake;
-    void *gains;
-    world_operator_t operator;
-    bool has_memory;
-    bool no_memory; /* something could not be recorded */
-    unsigned happened;
-    array_t frames;
-    array_t taken[TUMBLE_MAX_POSITIONS]; /* samples of its mean, or of the one under way */
-    array_t samples;                     /* what world_samples gave last */
-    uint64_t block_ms;                   /* the block's clock, unwrapped, of its last sample, ... */
-    uint64_t heard_us;                   /* ... and when that came; SIM_NEVER: none has */
-    bench_watcher_t watcher;
-    bench_memory_t memory;
-    bench_world_t world;
-};
 
 /* The next element; null: no memory. */
 static void *append(world_t *world, array_t *array, size_t size)
@@ -80,6 +53,7 @@ void world_free(world_t *world)
     }
     free(world->frames.memory);
     free(world->samples.memory);
+    free(world->recording);
     free(world->gains);
     free(world);
 }
@@ -202,14 +176,19 @@ static bool is_busy(void *context)
 
 /* Power and time. */
 
+const char *world_check(world_t *world)
+{
+    if (!bench_config_check(&world->config, &world->seen, &world->mistake)) {
+        return world->mistake.what;
+    }
+    const char *const wrong = bench_config_complete(&world->config);
+    return (wrong != NULL) ? wrong : bench_config_refused(&world->config);
+}
+
 const char *world_power_on(world_t *world, uint64_t seed, world_operator_t operator, bool memory)
 {
     bench_config_t *const config = &world->config;
-    if (!bench_config_check(config, &world->seen, &world->mistake)) {
-        return world->mistake.what;
-    }
-    const char *wrong = bench_config_complete(config);
-    wrong = (wrong != NULL) ? wrong : bench_config_refused(config);
+    const char *wrong = world_check(world);
     if (wrong == NULL && memory && config->keeping.serial[0] == '\0') {
         wrong = "keeper.serial is missing: who keeps coefficients must be told whose they are";
     }

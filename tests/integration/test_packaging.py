@@ -251,8 +251,9 @@ def contents(folder, *patterns):
             if not {"__pycache__", "build"} & set(path.relative_to(folder).parts)}
 
 
-COPIED = ("VERSION", "CMakeLists.txt", "cmake", "firmware", "boards/nv", "host/simulation", "host/bench", "host/world",
-          "host/python/CMakeLists.txt", "host/python/binding", "docs/schemas", "docs/eds", "docs/bus",
+COPIED = ("VERSION", "CMakeLists.txt", "cmake", "firmware", "boards/nv", "boards/replay",
+          "boards/zcu102/commissioning.c", "boards/zcu102/commissioning.h", "host/simulation", "host/bench",
+          "host/world", "host/python/CMakeLists.txt", "host/python/binding", "docs/schemas", "docs/eds", "docs/bus",
           "docs/modbus.csv")
 
 
