@@ -27,7 +27,6 @@ PROGRAMS = {
     "host/simulation": ({"core", "port", "sample", "canopen", "nv"}, []),
     "host/bench": (FIRMWARE | {"simulation"}, []),
     "host/world": (FIRMWARE | {"simulation", "bench", "replay"}, ["boards/zcu102"]),
-    "host/replay": ({"port", "bench"}, ["boards/zcu102"]),
     "host/gateway": ({"core", "port", "canopen", "bench"}, ["boards/linux"]),
     "boards/linux": (FIRMWARE | {"bench", "nv"}, []),
 }
