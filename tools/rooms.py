@@ -25,7 +25,7 @@ MAY_INCLUDE = {
 FIRMWARE = set(MAY_INCLUDE) - {"boards"}
 PROGRAMS = {
     "host/simulation": ({"core", "port", "sample", "canopen", "nv"}, []),
-    "host/world": (FIRMWARE | {"simulation"}, []),
+    "host/world": (FIRMWARE | {"simulation", "replay"}, ["boards/zcu102"]),
     "host/gateway": ({"core", "port", "canopen"}, ["boards/linux"]),
     "boards/linux": (FIRMWARE | {"simulation", "world", "nv"}, []),
 }

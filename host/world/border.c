@@ -3,11 +3,9 @@
 #include "navcomp/keeper.h"
 #include "navcomp/stand_view.h"
 #include "navcomp/uncertainty.h"
-#include "simulation/nv.h"
-#include "world/config_file.h"
 #include "world/config_keys.h"
 #include "world/facts.h"
-#include "world/world.h"
+#include "world/world_parts.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,42 +17,6 @@ _Static_assert((int)WORLD_LEFT == (int)BENCH_LEFT && (int)WORLD_ANSWER_LEAVE == 
                "ends and answers are numbered alike");
 _Static_assert(WORLD_POSITIONS == TUMBLE_MAX_POSITIONS && WORLD_MOUNTINGS == TUMBLE_MAX_MOUNTINGS,
                "all of a schedule fits");
-
-/* What grows: `count` elements of `size` bytes, in memory for `room`. */
-typedef struct {
-    void *memory;
-    size_t count;
-    size_t room;
-} array_t;
-
-/* Non-volatile memory for the firmware, and the keeper of coefficients on it. It is empty at first and gone in the end;
- * no calendar time is told. */
-typedef struct {
-    sim_nv_t nv;
-    tumble_keeper_t keeper;
-    tumble_keeper_config_t keeper_config;
-    tumble_stand_memory_t stand_memory;
-    tumble_whole_work_t whole_work;
-} memory_t;
-
-struct world {
-    bench_config_t config;
-    bench_seen_t seen;
-    bench_mistake_t mistake;
-    void *gains;
-    world_operator_t operator;
-    bool has_memory;
-    bool no_memory; /* something could not be recorded */
-    unsigned happened;
-    array_t frames;
-    array_t taken[TUMBLE_MAX_POSITIONS]; /* samples of its mean, or of the one under way */
-    array_t samples;                     /* what world_samples gave last */
-    uint64_t block_ms;                   /* the block's clock, unwrapped, of its last sample, ... */
-    uint64_t heard_us;                   /* ... and when that came; SIM_NEVER: none has */
-    bench_watcher_t watcher;
-    memory_t memory;
-    bench_world_t world;
-};
 
 /* The next element; null: no memory. */
 static void *append(world_t *world, array_t *array, size_t size)
@@ -92,6 +54,7 @@ void world_free(world_t *world)
     }
     free(world->frames.memory);
     free(world->samples.memory);
+    free(world->recording);
     free(world->gains);
     free(world);
 }
@@ -249,14 +212,19 @@ static tumble_status_t add_memory(memory_t *memory, bench_world_t *world)
     return tumble_navcomp_init(&world->navcomp, &world->navcomp_config);
 }
 
+const char *world_check(world_t *world)
+{
+    if (!bench_config_check(&world->config, &world->seen, &world->mistake)) {
+        return world->mistake.what;
+    }
+    const char *const wrong = bench_config_complete(&world->config);
+    return (wrong != NULL) ? wrong : bench_config_refused(&world->config);
+}
+
 const char *world_power_on(world_t *world, uint64_t seed, world_operator_t operator, bool memory)
 {
     bench_config_t *const config = &world->config;
-    if (!bench_config_check(config, &world->seen, &world->mistake)) {
-        return world->mistake.what;
-    }
-    const char *wrong = bench_config_complete(config);
-    wrong = (wrong != NULL) ? wrong : bench_config_refused(config);
+    const char *wrong = world_check(world);
     if (wrong == NULL && memory && config->keeping.serial[0] == '\0') {
         wrong = "keeper.serial is missing: who keeps coefficients must be told whose they are";
     }

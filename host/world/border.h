@@ -45,6 +45,9 @@ const char *world_set(world_t *world, const char *line);
 /* The gain record of the estimator `optimal`. */
 const char *world_set_gains(world_t *world, const uint8_t *record, size_t size);
 
+/* Once all keys are set: what no single one can show. Power-on asks this, too. */
+const char *world_check(world_t *world);
+
 /* Who acts when the firmware waits for a person. */
 typedef enum {
     WORLD_BY_ITSELF = 0, /* the simulated operator, in the time that the keys give him */

@@ -29,7 +29,7 @@ APACHE = "cfc7749b96f63bd31c3c42b5c471bf756814053e847c10f3eb003417bc523d30"  # S
 EXTENSIONS = ("_tumble_core.abi3.so", "_tumble_world.abi3.so")
 PROGRAMS = {
     "tumble-node": "boards/linux", "tumble-stand": "boards/linux", "tumble-bench": "host/bench",
-    "tumble-replay": "host/replay", "tumble-gateway": "host/gateway",
+    "tumble-gateway": "host/gateway",
 }  # fmt: skip
 
 
@@ -251,8 +251,9 @@ def contents(folder, *patterns):
             if not {"__pycache__", "build"} & set(path.relative_to(folder).parts)}
 
 
-COPIED = ("VERSION", "CMakeLists.txt", "cmake", "firmware", "boards/nv", "host/simulation", "host/bench", "host/world",
-          "host/python/CMakeLists.txt", "host/python/binding", "docs/schemas", "docs/eds", "docs/bus",
+COPIED = ("VERSION", "CMakeLists.txt", "cmake", "firmware", "boards/nv", "boards/replay",
+          "boards/zcu102/commissioning.c", "boards/zcu102/commissioning.h", "host/simulation", "host/bench",
+          "host/world", "host/python/CMakeLists.txt", "host/python/binding", "docs/schemas", "docs/eds", "docs/bus",
           "docs/modbus.csv")
 
 

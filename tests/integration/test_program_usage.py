@@ -10,7 +10,7 @@ from tumble.bench import programs
 
 @pytest.mark.parametrize("name, folder", [
     ("tumble-node", "boards/linux"), ("tumble-stand", "boards/linux"),
-    ("tumble-bench", "host/bench"), ("tumble-replay", "host/replay"),
+    ("tumble-bench", "host/bench"),
 ])
 def test_options_that_are_none(name, folder):
     path = programs.find(name, folder)

@@ -1,13 +1,13 @@
 """`tumble replay`: a recorded log through the firmware again, on this machine. On the board: test_zcu102.py."""
 
 import json
-import subprocess
 
 import numpy as np
 import pytest
-from bench_program import bench, scenario
+from bench_program import scenario
 
-from tumble.bench import programs
+from tumble.bench import document, in_process, replay
+from tumble.bench.border import Border
 
 MENDED = {"operator__mend_s": 2, "operator__mends": 3}
 HALVES = "id=1667 mask=2031"  # 683h and 693h
@@ -30,44 +30,49 @@ RUNS = {
 
 
 def recorded(folder, seed=1, **keys):
-    """(document of a run in the process, its scenario); its folder is run."""
+    """(document of a run, its scenario); its folder is run."""
     path = scenario(folder, **keys)
-    ended = bench(path, "--seed", seed, "--out", folder / "run")
-    assert ended.returncode == 0, ended.stderr
-    return json.loads(ended.stdout), path
+    world = Border(seed, path.read_text().splitlines(), None)
+    in_process.Run(world, lambda event: None).to_its_end()
+    (folder / "run").mkdir()
+    found = in_process.write(world, folder / "run")
+    assert found["exit"] == 0
+    return found, path
 
 
-def replayed(*arguments):
-    """What tumble-replay says, and how it ends."""
-    command = [programs.find("tumble-replay", "host/replay"), *map(str, arguments)]
-    ended = subprocess.run(command, capture_output=True, text=True, check=False)
-    return ended, json.loads(ended.stdout) if ended.stdout.startswith("{") else None
+def played(log, path):
+    """The firmware when it has heard all of it."""
+    return replay.played(replay.read(str(log)), str(path))
+
+
+def replayed(log, path):
+    """What it has found then."""
+    return document.document(played(log, path))
 
 
 @pytest.mark.parametrize("run", RUNS)
 def test_the_same_bits_again(run, tmp_path):
-    document, path = recorded(tmp_path, **RUNS[run])
-    ended, again = replayed(tmp_path / "run/bus.log", path)
-    assert ended.returncode == 0, ended.stderr
-    for name in ("K", "U0", "means", "closure_g", "verification", "state"):
-        assert again[name] == document[name], name
+    found, path = recorded(tmp_path, **RUNS[run])
+    again = replayed(tmp_path / "run/bus.log", path)
+    for name in ("exit", "K", "U0", "means", "closure_g", "verification", "state"):
+        assert again[name] == found[name], name
     for name in ("samples_received", "samples_lost", "samples_averaged", "frames_wrong_crc", "retries", "faults"):
-        assert again["counters"][name] == document["counters"][name], name
+        assert again["counters"][name] == found["counters"][name], name
     assert again["counters"]["commands_refused_in_replay"] == 0
 
 
 def test_the_samples_again(tmp_path):
     """run.csv of a replay: so a board that cannot write files has one."""
     _, path = recorded(tmp_path)
-    ended, _ = replayed(tmp_path / "run/bus.log", path, "--out", tmp_path / "again")
-    assert ended.returncode == 0, ended.stderr
+    (tmp_path / "again").mkdir()
+    in_process.write(played(tmp_path / "run/bus.log", path), tmp_path / "again")
     for name in ("run.csv", "bus.log"):
         assert (tmp_path / "run" / name).read_bytes() == (tmp_path / "again" / name).read_bytes()
 
 
 def test_one_changed_bit_shows(tmp_path):
     """Canary: the lowest bit of one averaged sample, its checksum made good."""
-    document, path = recorded(tmp_path)
+    found, path = recorded(tmp_path)
     lines = (tmp_path / "run/bus.log").read_text().splitlines()
     samples = [at for at, line in enumerate(lines) if " 683#" in line]
     for at in samples[len(samples) // 2 :: 50]:
@@ -76,9 +81,9 @@ def test_one_changed_bit_shows(tmp_path):
         changed[0] ^= 1
         changed[7] = crc8(bytes([0x83]) + changed[:7])
         (tmp_path / "changed.log").write_text("\n".join([*lines[:at], f"{head}#{changed.hex()}", *lines[at + 1 :]]))
-        _, again = replayed(tmp_path / "changed.log", path)
-        if again["K"] != document["K"]:
-            assert np.abs(np.array(again["K"]) - document["K"]).max() < 1e-6
+        again = replayed(tmp_path / "changed.log", path)
+        if again["K"] != found["K"]:
+            assert np.abs(np.array(again["K"]) - found["K"]).max() < 1e-6
             return
     pytest.fail("no sample that was changed went into a mean")
 
@@ -95,7 +100,7 @@ def crc8(data):
 
 def test_what_was_there_before_node_1_it_does_not_hear(tmp_path):
     """As candump has it that was started long before, with other times and frames that no node of ours knows."""
-    document, path = recorded(tmp_path)
+    found, path = recorded(tmp_path)
     lines = (tmp_path / "run/bus.log").read_text().splitlines()
     before = [f"({1000 + i / 10:017.6f}) vcan0 702#7F" for i in range(100)]
     after = [f"({1700000000 + float(line[1:18]):.6f}) vcan0 {line.split()[2]}" for line in lines]
@@ -103,9 +108,8 @@ def test_what_was_there_before_node_1_it_does_not_hear(tmp_path):
     foreign += ["(1700000004.700000) vcan0 123##100", "(1700000003.000000) vcan0 7AA#"]
     after[2000:2000] = foreign
     (tmp_path / "candump.log").write_text("\n".join(before + after) + "\n")
-    ended, again = replayed(tmp_path / "candump.log", path)
-    assert ended.returncode == 0, ended.stderr
-    assert again["K"] == document["K"] and again["U0"] == document["U0"]
+    again = replayed(tmp_path / "candump.log", path)
+    assert again["K"] == found["K"] and again["U0"] == found["U0"]
 
 
 @pytest.mark.parametrize(
@@ -125,11 +129,18 @@ def test_a_wrong_line_is_named(line, tumble, tmp_path):
 def test_other_bad_input(tumble, tmp_path):
     (tmp_path / "empty.log").write_text("\n")
     (tmp_path / "bad.txt").write_text("no.such.key = 1\n")
+    (tmp_path / "open.txt").write_text("block.k = 1 0 0 0 1 0 0 0 1\n")
+    (tmp_path / "binary.txt").write_bytes(b"\n\0\xff\0")
+    (tmp_path / "my.toml").write_text("[stand]\n")
     (tmp_path / "short.log").write_text("(0000000000.000100) can0 702#00\n")
     for arguments, code, says in (
         (["none.log"], 2, "none.log: No such file or directory"),
         (["empty.log"], 2, "empty.log: holds no frames"),
-        (["short.log", "--scenario", "bad.txt"], 2, "bad.txt:1: "),
+        (["short.log", "--scenario", "bad.txt"], 2, "bad.txt:1: no such key: no.such.key"),
+        (["short.log", "--scenario", "open.txt"], 2, "tumble: open.txt: block.k and block.u0 go together"),
+        (["short.log", "--scenario", "binary.txt"], 2, "tumble: binary.txt:2: neither a comment nor key = value"),
+        (["short.log", "--scenario", "my.toml"], 2, "my.toml: looks like a stand file; a scenario file is wanted"),
+        (["short.log", "--scenario", "none.txt"], 2, "none.txt: No such file or directory"),
         (["short.log", "--firmware", "toaster"], 2, "invalid choice"),
         (["short.log"], 3, "short.log: the firmware comes to no result in this log"),
         ([], 2, "BUS.log"),
@@ -158,3 +169,27 @@ def test_a_run_folder_has_its_scenario_beside_its_log(tumble, tmp_path):
     assert again["counters"]["averaged"] == 18 * 60
     text = tumble("replay", "run/bus.log", cwd=tmp_path).stdout
     assert "passes the gravity check" in text and all(bits in text for bits in again["bits"])
+
+
+def test_what_a_board_is_given(tumble, refused, tmp_path):
+    """What it makes of it: test_zcu102.py."""
+    _, path = recorded(tmp_path, procedure__samples=77)
+    log = tmp_path / "run/bus.log"
+    for options, expected in (
+        (["--commissioning", "out", "--scenario", path], replay.commissioning(str(path))),
+        (["--commissioning", "out"], replay.commissioning(None)),
+        (["--recording", "out", log, "--scenario", path], replay.recording(replay.read(str(log)), str(path))),
+    ):
+        ended = tumble("replay", *options, cwd=tmp_path)
+        assert (ended.returncode, ended.stdout, ended.stderr) == (0, "", "")
+        assert (tmp_path / "out").read_bytes() == expected
+    assert replay.commissioning(str(path))[:8] == b"TUMBLECF" != expected[:8] == b"TUMBLELG"
+    assert replay.commissioning(str(path)) != replay.commissioning(None)
+    hand = scenario(tmp_path, "hand.txt", firmware__stand="operator")
+    for options, says in (
+        (["--commissioning", "record", "--scenario", hand], "the board zcu102 cannot do this run: it needs a drive"),
+        (["--commissioning", "record", "bus.log"], "--commissioning: takes no BUS.log"),
+        (["--commissioning", path, "--scenario", path], "is an input of this command"),
+        (["--recording", log, log], "is an input of this command"),
+    ):
+        assert says in refused("replay", *options, cwd=tmp_path)

@@ -11,8 +11,8 @@ import pytest
 can = pytest.importorskip("can", reason="python-can is not installed")
 pytest.importorskip("cantools", reason="cantools is not installed")
 
-from bench_program import bench, scenario  # noqa: E402
 from can_logs import rewritten  # noqa: E402
+from test_replay import recorded  # noqa: E402
 
 pytestmark = pytest.mark.python
 QUICK = {"motion__settling_s": 0.05, "motion__speed_deg_s": 720, "motion__acceleration_deg_s2": 7200,
@@ -25,9 +25,7 @@ READABLE = "these can be read: candump -L, ASC, BLF, TRC, MF4, CSV of python-can
 def run(tmp_path_factory):
     """Its folder, and what the run itself has found."""
     folder = tmp_path_factory.mktemp("run")
-    done = bench(scenario(folder, **QUICK), "--seed", 11, "--out", folder / "run")
-    assert done.returncode == 0, done.stderr
-    return folder, json.loads(done.stdout)
+    return folder, recorded(folder, 11, **QUICK)[0]
 
 
 def replayed(tumble, folder, log):

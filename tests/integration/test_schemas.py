@@ -3,7 +3,6 @@ Those of the command line are held against theirs where it is tested, node, stan
 
 import json
 import re
-import subprocess
 
 import jsonschema
 import pytest
@@ -13,11 +12,10 @@ from documents import SCHEMAS, schema, valid, validator
 from schema_folder import BASE, faults
 
 from tumble import data
-from tumble.bench import programs
 
 pytestmark = pytest.mark.python
 KINDS = sorted(path.name.split("-")[0].removeprefix("tumble.") for path in SCHEMAS.glob("*.json"))
-SOURCES = ("host/bench", "host/replay", "host/gateway", "boards/linux", "host/python/src/tumble")
+SOURCES = ("host/bench", "host/gateway", "boards/linux", "host/python/src/tumble")
 QUICK = {"motion__settling_s": 0.05, "motion__speed_deg_s": 720, "motion__acceleration_deg_s2": 7200,
          "procedure__settle_ms": 100, "procedure__samples": 10, "operator__mount_s": 0.1}
 
@@ -90,11 +88,8 @@ def test_of_a_fault(tmp_path):
     assert done.returncode == 3 and document["K"] is None and document["faults"][0]["times"] == 1
 
 
-def test_both_documents_of_a_replay(run, tumble):
+def test_the_document_of_a_replay(run, tumble):
     folder, path, done = run
-    program = programs.find("tumble-replay", "host/replay")
-    ended = subprocess.run([program, folder / "bus.log", path], capture_output=True, text=True, check=True)
-    assert valid(ended.stdout, "replayed")["K"] == json.loads(done.stdout)["K"]
     shown = tumble("replay", folder / "bus.log", "--scenario", path, "--json")
     document = valid(shown.stdout, "replay")
     assert document["K"] == json.loads(done.stdout)["K"] and shown.returncode == 0

@@ -14,7 +14,7 @@ import pytest
 from bench_program import HASTY_STAND, wait_until
 from conftest import EXAMPLES
 
-from tumble.bench import console, emulator, programs, uml
+from tumble.bench import console, emulator, replay, uml
 from tumble.errors import BenchFault
 
 pytestmark = pytest.mark.toolchain
@@ -60,6 +60,14 @@ def bench(tumble, folder, *options):
     return json.loads(ended.stdout)
 
 
+def prepare(folder):
+    """What the board needs for a replay of the run there: recording, record; its gain record, if it had one."""
+    scenario = str(folder / "run/inputs/scenario.txt")
+    (folder / "recording").write_bytes(replay.recording(replay.read(str(folder / "run/bus.log")), scenario))
+    (folder / "record").write_bytes(replay.commissioning(scenario))
+    return replay.gains_beside(scenario)
+
+
 @pytest.mark.parametrize(
     "options",
     [["--seed", 1], ["--seed", 2, "--samples", 80, "--estimator", "averaged", "--limit", "1e-3"],
@@ -98,21 +106,17 @@ def test_another_log_gives_other_bits(tumble, tmp_path):
 def test_without_its_gains_the_board_does_not_run(tumble, tmp_path):
     need("replay")
     bench(tumble, tmp_path, "--estimator", "optimal")
-    program, run = programs.find("tumble-replay", "host/replay"), tmp_path / "run"
-    inputs = [run / "inputs/scenario.txt", "--gain-record", run / "inputs/gains.bin"]
-    subprocess.run([program, run / "bus.log", *inputs, "--recording", tmp_path / "recording"], check=True)
-    subprocess.run([program, *inputs, "--commissioning", tmp_path / "record"], check=True)
+    gains = prepare(tmp_path)
     told = emulator.replay(tmp_path / "recording", tmp_path / "record")
     assert "K" not in told and told["reason"] == ["TUMBLE_REASON_CONFIGURATION"], told
-    told = emulator.replay(tmp_path / "recording", tmp_path / "record", run / "inputs/gains.bin")
+    told = emulator.replay(tmp_path / "recording", tmp_path / "record", gains)
     assert "K" in told and told["pass"] == ["1"]
 
 
 def test_a_spoilt_recording_is_refused(tumble, tmp_path):
     need("replay")
     bench(tumble, tmp_path)
-    program = programs.find("tumble-replay", "host/replay")
-    subprocess.run([program, tmp_path / "run/bus.log", "--recording", tmp_path / "recording"], check=True)
+    prepare(tmp_path)
     data = bytearray((tmp_path / "recording").read_bytes())
     data[5000] ^= 4
     (tmp_path / "recording").write_bytes(data)
@@ -124,9 +128,7 @@ def test_a_spoilt_recording_is_refused(tumble, tmp_path):
 def test_a_spoilt_commissioning_record_is_refused(tumble, tmp_path):
     need("replay")
     bench(tumble, tmp_path)
-    program = programs.find("tumble-replay", "host/replay")
-    subprocess.run([program, tmp_path / "run/bus.log", "--recording", tmp_path / "recording"], check=True)
-    subprocess.run([program, "--commissioning", tmp_path / "record"], check=True)
+    prepare(tmp_path)
     data = bytearray((tmp_path / "record").read_bytes())
     data[100] ^= 1
     (tmp_path / "record").write_bytes(data)

@@ -9,8 +9,9 @@ import re
 import subprocess
 
 import pytest
+from test_zcu102 import prepare
 
-from tumble.bench import emulator, programs
+from tumble.bench import emulator
 
 pytestmark = pytest.mark.toolchain
 
@@ -44,12 +45,7 @@ def painted_over(tumble, folder, monkeypatch, *options, spoilt_at=None):
     one byte of the paint is another one, `spoilt_at` below the top."""
     ended = tumble("bench", "--out", "run", *options, cwd=folder)
     assert ended.returncode == 0, ended.stderr
-    program, inputs = programs.find("tumble-replay", "host/replay"), folder / "run/inputs"
-    gains = inputs / "gains.bin" if (inputs / "gains.bin").exists() else None
-    given = [inputs / "scenario.txt", *(["--gain-record", gains] if gains else [])]
-    subprocess.run([program, folder / "run/bus.log", *given, "--recording", folder / "recording"], check=True)
-    subprocess.run([program, *given, "--commissioning", folder / "record"], check=True)
-
+    gains = prepare(folder)
     address, size = stack_place()
     paint = bytearray(PAINT * size)
     if spoilt_at is not None:

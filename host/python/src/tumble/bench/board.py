@@ -1,7 +1,7 @@
 """A calibration by the emulated board zcu102 on a CAN bus of Linux: `tumble bench --firmware zcu102`.
 
 A commissioning record tells the board of its stand and block. It is told to begin, and its result is read, by SDO, as
-any host would do it. What it averaged is found by replaying the recorded bus through the firmware of this machine; the
+any host would do it. What it averaged is found by replaying the recorded bus through the firmware of this process; the
 twelve coefficients must have the same bits.
 """
 
@@ -22,8 +22,8 @@ from pathlib import Path
 from typing import Any
 
 from tumble import interruption
-from tumble.bench import console, emulator, outcome, program, programs, realbus, replay, uml
-from tumble.errors import BenchFault, Disagreement, Skipped, UsageError
+from tumble.bench import console, emulator, in_process, outcome, program, programs, realbus, replay, uml
+from tumble.errors import BadInput, BenchFault, Disagreement, Skipped, UsageError
 from tumble.schedule import Schedule
 
 FIRMWARE = "zcu102"
@@ -57,7 +57,7 @@ def run(bus: str, scenario: Path, seed: int, stage: Path, on_event: OnEvent, sch
         folder = Path(name)
         realbus.copy_inputs(scenario, folder)
         interface = uml.INTERFACE if bus == realbus.UML else bus.removeprefix(realbus.SOCKETCAN)
-        replay.commission(str(folder / "scenario.txt"), folder / "commissioning")
+        (folder / "commissioning").write_bytes(replay.commissioning(str(folder / "scenario.txt")))
         _write_job(folder, interface, seed)
         progress = _Progress(folder, on_event, schedule)
         command = [sys.executable, "-I", "-S", "-B", console.__file__, str(folder / "job.json")]
@@ -169,15 +169,13 @@ def _judged(folder: Path, stage: Path, scenario: Path, interrupted: bool) -> pro
 
 
 def _replayed(folder: Path, stage: Path, scenario: Path) -> dict[str, Any]:
-    """The run once more on this machine: its run.csv, bus.log and document."""
-    path = programs.find("tumble-replay", "host/replay")
-    gains = replay.gain_options(scenario)
-    command = [path, str(folder / "bus.log"), str(scenario), "--out", str(stage / "bench"), *gains]
-    ended = subprocess.run(command, capture_output=True, text=True, check=False)
-    document = outcome.read_document(stage / "bench")
-    if document is None:
-        raise BenchFault(f"the board's run cannot be replayed: {ended.stderr.strip() or ended.returncode}")
-    return document
+    """The run once more in this process: its run.csv, bus.log and document."""
+    try:
+        firmware = replay.played(replay.read(str(folder / "bus.log")), str(scenario))
+    except (BadInput, UsageError) as error:
+        raise BenchFault(f"the board's run cannot be replayed: {error}") from None
+    (stage / "bench").mkdir()
+    return in_process.write(firmware, stage / "bench")
 
 
 def _require_same_bits(ours: dict[str, Any], theirs: list[str]) -> None:

@@ -24,7 +24,7 @@ ENDS = ("running", "done", "fault", "interrupted", "too long", "left")
 ANSWERS = ("done", "abort", "repeat position", "repeat mounting", "leave")
 SENDERS = ("navcomp", "drive", "block", "guest")
 
-_FRAMES = np.dtype([("time_us", "u8"), ("id", "u2"), ("length", "u1"), ("sender", "u1"), ("data", "u1", 8)], align=True)
+FRAMES = np.dtype([("time_us", "u8"), ("id", "u2"), ("length", "u1"), ("sender", "u1"), ("data", "V8")], align=True)
 _SAMPLES = np.dtype(
     [
         ("block_ms", "u8"),
@@ -57,7 +57,7 @@ def require_built() -> None:
 
 def text(of: Any) -> str:
     """A text of the world's."""
-    return str(ffi.string(of).decode())
+    return str(ffi.string(of).decode("utf-8", "backslashreplace"))
 
 
 class Key(NamedTuple):
@@ -69,7 +69,8 @@ class Key(NamedTuple):
     about: str
 
 
-def _require_good(sentence: Any, line: int = 0) -> None:
+def require_good(sentence: Any, line: int = 0) -> None:
+    """Raise Refused with a sentence of the world's, if there is one."""
     if sentence != ffi.NULL:
         refused = Refused(text(sentence))
         refused.line = line
@@ -129,15 +130,20 @@ class Border:
     def __init__(
         self, seed: int, lines: Iterable[str], gains: bytes | None, operator: str = OPERATORS[0], memory: bool = False
     ):
+        self._set(lines, gains)
+        require_good(lib.world_power_on(self._world, seed, OPERATORS.index(operator), memory))
+
+    def _set(self, lines: Iterable[str], gains: bytes | None) -> None:
         require_built()
         self._world = ffi.gc(lib.world_new(), lib.world_free)
         if self._world == ffi.NULL:
             raise MemoryError
         for number, line in enumerate(lines, start=1):
-            _require_good(lib.world_set(self._world, line.encode("ascii")), number)
+            require_good(
+                lib.world_set(self._world, line.encode("utf-8", "surrogateescape").replace(b"\0", b"?")), number
+            )
         if gains is not None:
-            _require_good(lib.world_set_gains(self._world, gains, len(gains)))
-        _require_good(lib.world_power_on(self._world, seed, OPERATORS.index(operator), memory))
+            require_good(lib.world_set_gains(self._world, gains, len(gains)))
 
     @property
     def now_us(self) -> int:
@@ -157,22 +163,22 @@ class Border:
 
     def send(self, identifier: int, data: bytes) -> None:
         """Put a frame on the bus. Raises Refused."""
-        _require_good(lib.world_send(self._world, identifier, len(data), data))
+        require_good(lib.world_send(self._world, identifier, len(data), data))
 
     def answer(self, words: str) -> None:
         """Answer the open question: one of ANSWERS, a repetition with its number behind it. Raises Refused."""
         first, _, number = words.rpartition(" ") if words.startswith("repeat ") else (words, "", "0")
         if first not in ANSWERS or not (number.isascii() and number.isdigit() and int(number) <= 255):
             raise Refused("an answer is done, abort, leave, repeat position INDEX or repeat mounting NUMBER")
-        _require_good(lib.world_answer(self._world, ANSWERS.index(first), int(number)))
+        require_good(lib.world_answer(self._world, ANSWERS.index(first), int(number)))
 
     def set_power(self, on: bool) -> None:
         """The navigation computer's. Raises Refused."""
-        _require_good(lib.world_set_power(self._world, on))
+        require_good(lib.world_set_power(self._world, on))
 
     def start(self) -> None:
         """Command a calibration. Raises Refused."""
-        _require_good(lib.world_start(self._world))
+        require_good(lib.world_start(self._world))
 
     @property
     def memory(self) -> bytes:
@@ -184,7 +190,7 @@ class Border:
     def frames(self, first: int = 0) -> Any:
         """Frames since power-on, from number `first` on: a record array of time_us, id, length, sender (of SENDERS),
         data."""
-        return self._array(lib.world_frames, _FRAMES, first)
+        return self._array(lib.world_frames, FRAMES, first)
 
     def samples(self) -> Any:
         """Those of the means that were kept, in the order of the schedule."""

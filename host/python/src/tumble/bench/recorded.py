@@ -28,4 +28,4 @@ def bus_lines(frames: Any, interface: str = "can0") -> Iterator[str]:
     """bus.log, as candump -L writes it."""
     for time_us, identifier, length, _, data in frames.tolist():
         seconds, rest = divmod(time_us, 1_000_000)
-        yield f"({seconds:010}.{rest:06}) {interface} {identifier:03X}#{bytes(data[:length]).hex().upper()}\n"
+        yield f"({seconds:010}.{rest:06}) {interface} {identifier:03X}#{data[:length].hex().upper()}\n"

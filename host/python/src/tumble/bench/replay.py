@@ -1,83 +1,140 @@
-"""A recorded bus log through the firmware again: on this machine, or on the emulated board zcu102. Either way the same
+"""A recorded bus log through the firmware again: in this process, or on the emulated board zcu102. Either way the same
 numbers, to the last bit, as in the recorded run.
 """
 
 from __future__ import annotations
 
-import json
+import contextlib
 import struct
-import subprocess
 import tempfile
+from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-from tumble.bench import emulator, folder, foreign_log, programs
-from tumble.errors import BadInput, BenchFault, Skipped, file_name
+import numpy as np
+
+from tumble.bench import document, emulator, folder
+from tumble.bench.border import FRAMES, Border, Refused, require_good
+from tumble.errors import BadInput, Skipped, UsageError, file_name
+from tumble.files import can_log
+from tumble.files.can_log import CANDUMP, CanLog
+from tumble.files.disk import MIB, MOST_OF_RECORDING, joined
+
+with contextlib.suppress(ImportError):  # which Border tells of
+    from _tumble_world import ffi, lib
 
 SCHEMA = "tumble.replay/1"
 BOARD = "zcu102"
+READABLE = "candump -L, ASC, BLF, TRC, MF4, CSV of python-can"
 
-_NAME = "tumble-replay"
-_COUNTERS = ("received", "samples", "averaged", "lost", "retries", "commands_refused")
-_HOST_COUNTERS = {  # by our name: as tumble-bench has it
+_SUFFIXES = {".asc": can_log.ASC, ".blf": can_log.BLF, ".trc": can_log.TRC, ".mf4": can_log.MF4}
+_MOST_BYTES, _MOST_IDENTIFIER = 8, 0x7FF
+_REFUSED = "commands_refused_in_replay"
+_COUNTERS = {  # by our name: as the firmware has it
     "received": "frames_received",
     "samples": "procedure_samples",
     "averaged": "samples_averaged",
     "lost": "samples_lost",
     "retries": "retries",
-    "commands_refused": "commands_refused_in_replay",
+    "commands_refused": _REFUSED,
 }
+
+
+class Log(NamedTuple):
+    """`frames`: the classic data frames of 11 bits in the file, as border.FRAMES; their times never fall.
+    `time_step_us`: all times are multiples of this; None: not looked at."""
+
+    file: str
+    frames: Any
+    format: str
+    time_step_us: int | None
+
+
+def read(file: str) -> Log:
+    """Read a log. A time before that of the predecessor is taken for the same. Raises BadInput, NotInstalled."""
+    data = _bytes(file)
+    kind = can_log.kind_of(data)
+    named = _SUFFIXES.get(Path(file).suffix.lower())
+    if kind is None and (data.strip() or named):
+        said = f"called {Path(file).suffix}, but is no log in {named}" if named else "is no CAN log"
+        raise BadInput(f"{said}; these can be read: {READABLE}", file)
+    if kind in (None, CANDUMP):
+        return Log(file, _frames(can_log.candump_frames(data, file), file), CANDUMP, None)
+    frames = _frames(_from_the_first_on(CanLog(data, file, kind)), file)
+    return Log(file, frames, kind, int(np.gcd.reduce(frames["time_us"])))
+
+
+def _bytes(file: str) -> bytes:
+    if Path(file).is_dir():
+        raise BadInput("a folder, not a file; the log of a run folder is its bus.log", file)
+    try:
+        with open(file, "rb") as stream:
+            return joined(iter(lambda: stream.read(MIB), b""), file, MOST_OF_RECORDING)
+    except OSError as error:
+        raise BadInput(error.strerror or "cannot be read", file) from None
+
+
+def _from_the_first_on(log: CanLog) -> Iterator[tuple[int, int, bytes]]:
+    """As can_log.candump_frames; times are rounded, and count from the first frame."""
+    first = None
+    for frame in log:
+        if not frame.extended and len(frame.data) <= _MOST_BYTES and frame.identifier <= _MOST_IDENTIFIER:
+            first = frame.seconds if first is None else first
+            yield max(round(1e6 * (frame.seconds - first)), 0), frame.identifier, frame.data
+
+
+def _frames(found: Iterable[tuple[int, int, bytes]], file: str) -> Any:
+    rows = ((time_us, identifier, len(data), 0, data.ljust(_MOST_BYTES, b"\0")) for time_us, identifier, data in found)
+    frames = np.fromiter(rows, FRAMES)
+    if not len(frames):
+        raise BadInput("holds no frames", file)
+    frames["time_us"] = np.maximum.accumulate(frames["time_us"])
+    return frames
+
+
+class Replay(Border):
+    """The firmware of node 1 with a scenario, for which a log is to be the bus. Raises Refused."""
+
+    def __init__(self, lines: Iterable[str], gains: bytes | None):
+        self._set(lines, gains)
+        require_good(lib.world_check(self._world))
+
+    def play(self, frames: Any) -> None:
+        """Power it on, and let the frames of others come in at their times. Raises Refused."""
+        self._played, refused = frames, ffi.new("uint32_t *")
+        require_good(lib.world_replay(self._world, *_as_c(frames), refused))
+        self.commands_refused = int(refused[0])
+
+    def frames(self, first: int = 0) -> Any:
+        """Those of the log, node 1's included."""
+        return self._played[first:]
+
+    def counters(self) -> dict[str, int]:
+        """Of the firmware: there was no bus."""
+        own = {name: value for name, value in super().counters().items() if not name.startswith("bus_")}
+        return {**own, _REFUSED: self.commands_refused}
+
+    def recording(self, frames: Any) -> bytes:
+        """The log, for the board. Raises Refused."""
+        first, size = ffi.new("uint8_t **"), ffi.new("size_t *")
+        require_good(lib.world_recording(self._world, *_as_c(frames), first, size))
+        return bytes(ffi.buffer(first[0], size[0]))
+
+    def commissioning(self) -> bytes:
+        """The record that tells the board what the scenario says. Raises Refused."""
+        record, size = ffi.new("uint8_t[]", lib.WORLD_COMMISSIONING_BYTES), ffi.new("size_t *")
+        require_good(lib.world_commissioning(self._world, record, size))
+        return bytes(ffi.buffer(record, size[0]))
+
+
+def _as_c(frames: Any) -> tuple[Any, int]:
+    return ffi.from_buffer("world_frame_t[]", frames), len(frames)
 
 
 def default_scenario(log: str) -> str | None:
     """The scenario of the run folder that the log stands in, if it does."""
     path = Path(log).resolve().parent / "inputs" / "scenario.txt"
     return str(path) if path.is_file() else None
-
-
-def replay(log: str, scenario: str | None, firmware: str) -> dict[str, Any]:
-    """Replay. Returns the document:
-
-        schema; log; format, time_step_us: as of foreign_log.Read; firmware: "host" | "zcu102"
-        state, reason: names of the firmware's lists
-        K (3 x 3, V/g), U0 (3, V); bits: the same twelve as hexadecimal digits of IEEE 754 doubles; pass: of the gravity
-        check; all null where the run came to no result
-        counters {received, samples, averaged, lost, retries, commands_refused}
-
-    Raises BadInput, NotInstalled, Skipped, BenchFault.
-    """
-    if Path(log).is_dir():
-        raise BadInput("a folder, not a file; the log of a run folder is its bus.log", log)
-    with tempfile.TemporaryDirectory(prefix="tumble-") as name:
-        read = foreign_log.as_candump(log, Path(name))
-        told = (_on_board if firmware == BOARD else _on_host)(read.path, scenario)
-    numbers = told["numbers"]
-    return {
-        "schema": SCHEMA,
-        "log": file_name(log),
-        "format": read.format,
-        "time_step_us": read.time_step_us,
-        "firmware": firmware,
-        "state": told["state"],
-        "reason": told["reason"],
-        "K": None if numbers is None else [numbers[0:3], numbers[3:6], numbers[6:9]],
-        "U0": None if numbers is None else numbers[9:12],
-        "bits": None if numbers is None else [struct.pack(">d", number).hex() for number in numbers],
-        "pass": told["pass"],
-        "counters": told["counters"],
-    }
-
-
-def _on_host(log: str, scenario: str | None) -> dict[str, Any]:
-    document = json.loads(_run(*gain_options(scenario), "--", log, *([] if scenario is None else [scenario])))
-    known = document["K"] is not None
-    return {
-        "state": document["state"],
-        "reason": document["reason"],
-        "numbers": [*sum(document["K"], []), *document["U0"]] if known else None,
-        "pass": document["verification"]["pass"] if known else None,
-        "counters": {name: document["counters"][_HOST_COUNTERS[name]] for name in _COUNTERS},
-    }
 
 
 def gains_beside(scenario: str | Path | None) -> Path | None:
@@ -87,25 +144,109 @@ def gains_beside(scenario: str | Path | None) -> Path | None:
 
 
 def gain_options(scenario: str | Path | None) -> list[str]:
-    """What tumble-replay is told of it."""
+    """What tumble-node is told of it."""
     path = gains_beside(scenario)
     return [] if path is None else ["--gain-record", str(path)]
 
 
-def commission(scenario: str | None, record: Path) -> None:
-    """Write the record that tells the board what the scenario says. Raises BadInput, BenchFault."""
-    _run(*gain_options(scenario), "--commissioning", str(record), "--", *([] if scenario is None else [scenario]))
+def of_scenario(scenario: str | None) -> Replay:
+    """The firmware as a scenario has it, or as the paper has it. Raises BadInput, UsageError, BenchFault."""
+    gains = gains_beside(scenario)
+    try:
+        return Replay(_lines(scenario), None if gains is None else gains.read_bytes())
+    except Refused as refused:
+        if scenario is not None and scenario.endswith(".toml") and refused.line:
+            raise BadInput("looks like a stand file; a scenario file is wanted (docs/real-bus.md)", scenario) from None
+        raise UsageError(refused.where("the defaults" if scenario is None else file_name(scenario))) from None
 
 
-def _on_board(log: str, scenario: str | None) -> dict[str, Any]:
-    scenarios = [] if scenario is None else [scenario]
+def _lines(scenario: str | None) -> list[str]:
+    if scenario is None:
+        return []
+    try:
+        return Path(scenario).read_bytes().decode("utf-8", "surrogateescape").split("\n")
+    except OSError as error:
+        raise BadInput(error.strerror or "cannot be read", scenario) from None
+
+
+def played(log: Log, scenario: str | None) -> Replay:
+    """The firmware when it has heard all of a log. Raises as `of_scenario` does."""
+    firmware = of_scenario(scenario)
+    try:
+        firmware.play(log.frames)
+    except Refused as refused:
+        raise UsageError(f"{file_name(log.file)}: {refused}") from None
+    return firmware
+
+
+def recording(log: Log, scenario: str | None) -> bytes:
+    """The log as a board replays it (boards/replay/replay.h). Raises as `of_scenario` does."""
+    firmware = of_scenario(scenario)
+    try:
+        return firmware.recording(log.frames)
+    except Refused as refused:
+        raise UsageError(f"{file_name(log.file)}: {refused}") from None
+
+
+def commissioning(scenario: str | None) -> bytes:
+    """The record that tells the board what a scenario says. Raises as `of_scenario` does."""
+    firmware = of_scenario(scenario)
+    try:
+        return firmware.commissioning()
+    except Refused as refused:
+        raise UsageError(str(refused)) from None
+
+
+def replay(file: str, scenario: str | None, firmware: str) -> dict[str, Any]:
+    """Replay. Returns the document:
+
+        schema; log; format, time_step_us: as of Log; firmware: "host" | "zcu102"
+        state, reason: names of the firmware's lists
+        K (3 x 3, V/g), U0 (3, V); bits: the same twelve as hexadecimal digits of IEEE 754 doubles; pass: of the gravity
+        check; all null where the run came to no result
+        counters {received, samples, averaged, lost, retries, commands_refused}
+
+    Raises BadInput, UsageError, NotInstalled, Skipped, BenchFault.
+    """
+    log = read(file)
+    found = (_on_board if firmware == BOARD else _on_host)(log, scenario)
+    numbers = found["numbers"]
+    return {
+        "schema": SCHEMA,
+        "log": file_name(file),
+        "format": log.format,
+        "time_step_us": log.time_step_us,
+        "firmware": firmware,
+        "state": found["state"],
+        "reason": found["reason"],
+        "K": None if numbers is None else [numbers[0:3], numbers[3:6], numbers[6:9]],
+        "U0": None if numbers is None else numbers[9:12],
+        "bits": None if numbers is None else [struct.pack(">d", number).hex() for number in numbers],
+        "pass": found["pass"],
+        "counters": found["counters"],
+    }
+
+
+def _on_host(log: Log, scenario: str | None) -> dict[str, Any]:
+    found = document.document(played(log, scenario))
+    known = found["K"] is not None
+    return {
+        "state": found["state"],
+        "reason": found["reason"],
+        "numbers": [*sum(found["K"], []), *found["U0"]] if known else None,
+        "pass": found["verification"]["pass"] if known else None,
+        "counters": {name: found["counters"][own] for name, own in _COUNTERS.items()},
+    }
+
+
+def _on_board(log: Log, scenario: str | None) -> dict[str, Any]:
     if (lacking := emulator.missing("replay")) is not None:
         raise Skipped(f"--firmware {BOARD}: {lacking}")
     with tempfile.TemporaryDirectory(prefix="tumble-") as name:
-        recording, record = Path(name) / "recording", Path(name) / "commissioning"
-        _run(*gain_options(scenario), "--recording", str(recording), "--", log, *scenarios)
-        commission(scenario, record)
-        told = emulator.replay(recording, record, gains_beside(scenario))
+        recorded, record = Path(name) / "recording", Path(name) / "commissioning"
+        recorded.write_bytes(recording(log, scenario))
+        record.write_bytes(commissioning(scenario))
+        told = emulator.replay(recorded, record, gains_beside(scenario))
     known = "K" in told
     return {
         "state": told["state"][0],
@@ -114,26 +255,3 @@ def _on_board(log: str, scenario: str | None) -> dict[str, Any]:
         "pass": told["pass"] == ["1"] if known else None,
         "counters": {name: int(told[name][0]) for name in _COUNTERS},
     }
-
-
-def _run(*arguments: str) -> str:
-    """What tumble-replay prints. A run without a result is one, too."""
-    command = [programs.find(_NAME, "host/replay"), *arguments]
-    try:
-        ended = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
-    except OSError as error:
-        raise BenchFault(f"{_NAME} cannot be started: {(error.strerror or 'unknown').lower()}") from None
-    complaint = ended.stderr.strip().removeprefix(f"{_NAME}: ")
-    if ended.returncode == BadInput.exit_code:
-        raise BadInputLine(complaint)
-    if ended.returncode not in (0, 1, 3) or complaint:
-        raise BenchFault(f"{_NAME} failed ({ended.returncode}): {complaint or 'it says nothing'}")
-    return ended.stdout
-
-
-class BadInputLine(BadInput):
-    """A complaint that names its file and line already."""
-
-    def __init__(self, complaint: str):
-        Exception.__init__(self, complaint)
-        self.row = self.column = None

@@ -174,12 +174,12 @@ class VirtualBus(can.BusABC):
             raise can.CanOperationError("the simulated run has come to its end")
         return come
 
-    def _message(self, time_us: int, identifier: int, length: int, _sender: int, data: list[int]) -> can.Message:
+    def _message(self, time_us: int, identifier: int, length: int, _sender: int, data: bytes) -> can.Message:
         return can.Message(
             timestamp=time_us * 1e-6,
             arbitration_id=identifier,
             is_extended_id=False,
-            data=bytes(data[:length]),
+            data=data[:length],
             channel=self.channel_info,
         )
 

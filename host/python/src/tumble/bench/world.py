@@ -225,7 +225,7 @@ class World:
     def frames(self) -> Iterator[Frame]:
         """Every frame since power-on, in order."""
         for time_us, identifier, length, sender, data in self._border.frames().tolist():
-            yield Frame(time_us / _US, identifier, bytes(data[:length]), SENDERS[min(sender, len(SENDERS) - 1)])
+            yield Frame(time_us / _US, identifier, data[:length], SENDERS[min(sender, len(SENDERS) - 1)])
 
     @cached_property
     def result(self) -> Result:

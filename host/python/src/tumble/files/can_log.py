@@ -37,6 +37,10 @@ _READERS = {  # in python-can
     MF4: "MF4Reader",
     CSV: "CSVReader",
 }
+_CANDUMP_LINE = re.compile(
+    rb"\s*\((\d{1,10})\.(\d{6})\)\s+\S+\s+"
+    rb"(?:[0-9A-Fa-f]{8}#|([0-7][0-9A-Fa-f]{2})#(?:[R#]|((?:[0-9A-Fa-f]{2}){0,8})(?:\s|$)))"
+)
 
 
 class Frame(NamedTuple):
@@ -62,6 +66,23 @@ def refuse(data: bytes, file: str) -> None:
     if (kind := kind_of(data)) is not None:
         advice = f"tumble import {file_name(file)} --out RUN.csv finds them by the rests"
         raise BadInput(f"is a CAN log ({kind}), which has no positions: {advice}", file)
+
+
+def candump_frames(data: bytes, file: str) -> Iterator[tuple[int, int, bytes]]:
+    """Time in microseconds, identifier and data of the classic data frames of 11 bits in a log of candump -L: all that
+    it says of them, where python-can rounds times, and guesses at what is no such line. Raises BadInput with the line.
+    """
+    for number, line in enumerate(io.BytesIO(data), start=1):
+        if line.isspace():
+            continue
+        found = _CANDUMP_LINE.match(line)
+        if found is None:
+            raise BadInput(
+                "is not a line of candump -L: (seconds.microseconds) interface ID#DATA", f"{file_name(file)}:{number}"
+            )
+        seconds, fraction, identifier, own = found.groups()
+        if own is not None:
+            yield int(seconds) * 1_000_000 + int(fraction), int(identifier, 16), bytes.fromhex(own.decode("ascii"))
 
 
 class CanLog:

@@ -7,7 +7,7 @@ import sys
 from typing import Any
 
 from tumble.cli.options import Subparsers, add_firmware, add_json
-from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BenchFault
+from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BenchFault, UsageError
 from tumble.estimators import COEFFICIENTS
 
 
@@ -24,6 +24,7 @@ def add_to(subparsers: Subparsers, about: str) -> None:
     parser.add_argument(
         "log",
         metavar="BUS.log",
+        nargs="?",
         help="of a run folder or of any interface: candump -L, ASC, BLF, TRC, MF4, CSV of python-can",
     )
     add_firmware(parser)
@@ -31,6 +32,14 @@ def add_to(subparsers: Subparsers, about: str) -> None:
         "--scenario",
         metavar="FILE",
         help="of the recorded run; default: inputs/scenario.txt beside the log, else the paper's stand",
+    )
+    parser.add_argument(
+        "--recording", metavar="FILE", help="replay nothing: write the log in the form that a board replays"
+    )
+    parser.add_argument(
+        "--commissioning",
+        metavar="FILE",
+        help="replay nothing: write the record that tells the board zcu102 of the stand and block of --scenario",
     )
     add_json(parser)
     parser.set_defaults(run_command=run)
@@ -42,7 +51,15 @@ def run(arguments: argparse.Namespace) -> int:
 
     from tumble.bench import replay
 
+    if arguments.commissioning is not None:
+        if arguments.log is not None:
+            raise UsageError("--commissioning: takes no BUS.log; --scenario says what the board is told")
+        return _write(arguments, "commissioning", replay.commissioning(arguments.scenario))
+    if arguments.log is None:
+        raise UsageError("the following arguments are required: BUS.log")
     scenario = arguments.scenario or replay.default_scenario(arguments.log)
+    if arguments.recording is not None:
+        return _write(arguments, "recording", replay.recording(replay.read(arguments.log), scenario))
     document = replay.replay(arguments.log, scenario, arguments.firmware)
     if document["K"] is None:
         state, reason = document["state"], document["reason"]
@@ -53,6 +70,15 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         _print(document)
     return EXIT_PASS if document["pass"] else EXIT_LIMITS_FAILED
+
+
+def _write(arguments: argparse.Namespace, option: str, data: bytes) -> int:
+    from tumble.files.disk import refuse_overwriting, write_bytes
+
+    file = getattr(arguments, option)
+    refuse_overwriting(file, arguments.log, arguments.scenario, option=f"--{option}")
+    write_bytes(file, data)
+    return EXIT_PASS
 
 
 def _step(document: dict[str, Any]) -> str:
