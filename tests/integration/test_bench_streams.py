@@ -6,11 +6,9 @@ import resource
 import subprocess
 
 import pytest
-from bench_program import scenario
 from conftest import EXAMPLES
+from simulated_bench import scenario
 from test_bench import BENCH, result_of
-
-from tumble.bench import program
 
 
 def in_shell(line, folder):
@@ -76,26 +74,6 @@ def test_a_folder_s_name_stays_on_its_line(tumble, tmp_path):
     done = tumble("bench", "--out", "a\nb", cwd=tmp_path)
     assert done.returncode == 0 and done.stderr.splitlines()[-1] == "run folder: 'a\\nb'"
     assert os.listdir(tmp_path) == ["a\nb"]
-
-
-def test_the_program_without_standard_streams(tmp_path):
-    """What it opens must not take their places: bus.log would get the complaints, or bench.json be read."""
-    done = subprocess.run(
-        ["bash", "-c", '"$1" --out run <&- 2>&-; echo $?', "bash", program.find()],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        timeout=60,
-    )
-    assert done.stdout.splitlines()[-1] == "0"
-    assert all(line.startswith("(") for line in (tmp_path / "run/bus.log").read_text().splitlines())
-
-
-@pytest.mark.parametrize("redirection", [">&-", ">/dev/full"])
-def test_a_program_whose_output_cannot_be_written(redirection, tmp_path):
-    line = f'"$1" {redirection}'
-    done = subprocess.run(["bash", "-c", line, "bash", program.find()], capture_output=True, text=True, timeout=60)
-    assert (done.returncode, done.stderr) == (2, "tumble-bench: standard output cannot be written\n")
 
 
 def test_a_fault_that_comes_again_is_asked_about_again(tmp_path):

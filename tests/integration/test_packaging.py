@@ -15,8 +15,8 @@ from pathlib import Path
 import paced_scripts
 import pytest
 from _tumble_core import ffi, lib
-from bench_program import built
 from conftest import ROOT
+from simulated_bench import built
 from wheels import build, installed_in
 
 from tumble import __version__, core, data
@@ -28,8 +28,8 @@ LICENCES = ("LICENSE", "NOTICE")
 APACHE = "cfc7749b96f63bd31c3c42b5c471bf756814053e847c10f3eb003417bc523d30"  # SHA-256 of the text as published
 EXTENSIONS = ("_tumble_core.abi3.so", "_tumble_world.abi3.so")
 PROGRAMS = {
-    "tumble-node": "boards/linux", "tumble-stand": "boards/linux", "tumble-bench": "host/bench",
-    "tumble-replay": "host/replay", "tumble-gateway": "host/gateway",
+    "tumble-node": "boards/linux", "tumble-stand": "boards/linux", "tumble-replay": "host/replay",
+    "tumble-gateway": "host/gateway",
 }  # fmt: skip
 
 

@@ -3,14 +3,13 @@
 import subprocess
 
 import pytest
-from bench_program import HASTY_STAND, scenario
+from simulated_bench import HASTY_STAND, scenario
 
 from tumble.bench import programs
 
 
 @pytest.mark.parametrize("name, folder", [
-    ("tumble-node", "boards/linux"), ("tumble-stand", "boards/linux"),
-    ("tumble-bench", "host/bench"), ("tumble-replay", "host/replay"),
+    ("tumble-node", "boards/linux"), ("tumble-stand", "boards/linux"), ("tumble-replay", "host/replay"),
 ])
 def test_options_that_are_none(name, folder):
     path = programs.find(name, folder)
@@ -61,30 +60,16 @@ def test_one_standard_error_for_two(log, progress):
 def test_operators_that_are_none(given):
     says = "tumble-stand: --operator: must be by-itself, on-confirm, never, hands, start or ask\n"
     assert refusal("tumble-stand", "boards/linux", "vcan0", "--operator", given) == says
-    says = "tumble-bench: --operator: must be by-itself, on-confirm or never\n"
-    assert refusal("tumble-bench", "host/bench", "--listen", "s", "--operator", given) == says
-
-
-@pytest.mark.parametrize("given, says", [
-    (("--operator", "never"), "--operator: needs --listen, and no --interactive"),
-    (("--operator", "never", "--listen", "s", "--interactive"), "--operator: needs --listen, and no --interactive"),
-    (("--listen", "s", "--runs", "2"),
-     "--runs: cannot be combined with --out, --progress, --interactive, --pace or --listen"),
-    (("--listen", "s", "--campaign", "2"), "--campaign: takes --seed, --jobs and -v, and nothing else"),
-])
-def test_guests_that_are_none(given, says):
-    assert refusal("tumble-bench", "host/bench", *given) == f"tumble-bench: {says}\n"
 
 
 def test_a_stand_file_is_no_scenario(tmp_path):
     stand = tmp_path / "my.toml"
     stand.write_text(HASTY_STAND)
     says = f"{stand}: looks like a stand file; a scenario file is wanted (docs/real-bus.md)\n"
-    for name, folder in (("tumble-node", "boards/linux"), ("tumble-stand", "boards/linux")):
-        assert refusal(name, folder, "vcan0", stand) == f"{name}: {says}"
-    assert refusal("tumble-bench", "host/bench", stand) == f"tumble-bench: {says}"
     none = tmp_path / "none.toml"
-    assert refusal("tumble-bench", "host/bench", none) == f"tumble-bench: {none}: No such file or directory\n"
+    for name in ("tumble-node", "tumble-stand"):
+        assert refusal(name, "boards/linux", "vcan0", stand) == f"{name}: {says}"
+        assert refusal(name, "boards/linux", "vcan0", none) == f"{name}: {none}: No such file or directory\n"
 
 
 def test_a_memory_needs_the_name_of_the_block(tmp_path):
@@ -108,7 +93,7 @@ def test_a_memory_needs_the_name_of_the_block(tmp_path):
     ("B-17 \u00e9", "# keeper.serial: the stand file's is no word of at most 24 ASCII characters"),
 ])
 def test_the_scenario_names_the_block(tumble, tmp_path, serial, line):
-    """And tumble-bench takes it, whatever the name."""
+    """And the simulation takes it, whatever the name."""
     block = f'[block]\nserial = "{serial}"\nscale_v_per_g = 2.0\nmisalignment_rad = 0.02\n'
     (tmp_path / "my.toml").write_text(HASTY_STAND + block, encoding="utf-8")
     done = tumble("bench", "--stand", tmp_path / "my.toml", "--out", tmp_path / "run")

@@ -5,7 +5,7 @@ import subprocess
 
 import numpy as np
 import pytest
-from bench_program import bench, scenario
+from simulated_bench import bench_program as bench, scenario
 
 from tumble.bench import programs
 

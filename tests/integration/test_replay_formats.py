@@ -11,8 +11,8 @@ import pytest
 can = pytest.importorskip("can", reason="python-can is not installed")
 pytest.importorskip("cantools", reason="cantools is not installed")
 
-from bench_program import bench, scenario  # noqa: E402
 from can_logs import rewritten  # noqa: E402
+from simulated_bench import bench_program as bench, scenario  # noqa: E402
 
 pytestmark = pytest.mark.python
 QUICK = {"motion__settling_s": 0.05, "motion__speed_deg_s": 720, "motion__acceleration_deg_s2": 7200,

@@ -7,10 +7,10 @@ import struct
 
 import numpy as np
 import pytest
-from bench_program import bench, scenario
 from conftest import EXAMPLES
 from documents import document_of, paper_stand, valid
 from hypothesis import given, strategies as st
+from simulated_bench import bench
 
 from tumble.cli import presentation
 from tumble.cli.main import main
@@ -172,9 +172,8 @@ def test_a_bench_run_has_the_block_s_own(tumble, tmp_path):
 
 def test_the_run_file_has_the_temperatures_of_the_frames(tmp_path):
     """Of a block that warms up: by counts of z and timestamp every row is found on the recorded bus."""
-    warming = scenario(tmp_path, block__start_c=10, block__end_c=31, block__warm_s=30, procedure__gravity_limit_g=1)
-    done = bench(warming, "--out", tmp_path / "run")
-    assert done.returncode in (0, 1), done.stderr
+    warming = {"block.start_c": 10, "block.end_c": 31, "block.warm_s": 30, "procedure.gravity_limit_g": 1}
+    assert bench(warming, out=tmp_path / "run")["exit"] in (0, 1)
     frames = set()
     for data in re.findall(r" 693#([0-9A-F]{16})$", (tmp_path / "run/bus.log").read_text(), re.MULTILINE):
         z, timestamp, warmth, _ = struct.unpack("<3sxHbB", bytes.fromhex(data))
