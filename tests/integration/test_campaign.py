@@ -96,9 +96,3 @@ def test_more_runs_go_on_from_fewer(tumble, nowhere, tmp_path):
 )
 def test_usage(refused, arguments, complaint):
     assert complaint in refused("campaign", *arguments, cwd=EXAMPLES)
-
-
-@pytest.mark.parametrize("subject", ["runs", "lives"])
-def test_help_fits_eighty_columns(subject, tumble):
-    done = tumble("campaign", subject, "--help", COLUMNS="80")
-    assert done.returncode == 0 and max(map(len, done.stdout.splitlines())) <= 80

@@ -66,27 +66,6 @@ def test_the_installed_program_is_what_a_checkout_runs():
     assert "add_custom_target(tumble_wheel DEPENDS _tumble_core _tumble_world)" in cmake
 
 
-def test_version(tumble):
-    assert tumble("--version").stdout == f"tumble {__version__}\n"
-
-
-def test_help_names_options_and_exit_codes(tumble):
-    text = tumble("solve", "--help").stdout
-    for word in (
-        "--estimator",
-        "--stand",
-        "--schedule",
-        "--limit",
-        "--json",
-        "--out",
-        "--columns",
-        "--decimal",
-        "--unit",
-    ):
-        assert word in text
-    assert "130" in text
-
-
 def test_estimators_offered_are_those_of_the_core():
     table = {ffi.string(row.name).decode(): row for row in lib.estimator_rows}
     assert tuple(table) == ESTIMATORS and len(lib.estimator_rows) == lib.TUMBLE_ESTIMATE_COUNT

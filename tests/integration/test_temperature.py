@@ -55,20 +55,24 @@ def told(folder, temperatures, wishes=None, **layout):
     return None if found is None else (found.low_c, found.high_c), run.passed_over
 
 
+FOUND = ((-3.0, 21.0), ())
+NO_NUMBER = ("column 'temperature' passed over: row 2: '20,5' is no temperature from -100 to 230 deg C",)
+
+
 @pytest.mark.parametrize(
-    "header", ["temperature", "Temp", "TEMPERATURE [°C]", "temp (deg C)", "temp_C", "temperature [C]"]
-)
-def test_a_column_of_temperatures_is_found(header, tmp_path):
-    assert told(tmp_path, ["20.5", "21", " 19.25 ", "-3e0"], header=header) == ((-3.0, 21.0), ())
-
-
-def test_decimal_commas_and_quotes(tmp_path):
-    assert told(tmp_path, ["20,5", '"21,25"'], delimiter=";", decimal=",") == ((20.5, 21.25), ())
-
-
-def test_empty_fields_tell_nothing(tmp_path):
-    assert told(tmp_path, ["", "20", ""]) == ((20.0, 20.0), ())
-    assert told(tmp_path, [""]) == (None, ())
+    ("layout", "texts", "found"),
+    [({"header": one}, ["20.5", "21", " 19.25 ", "-3e0"], FOUND)
+     for one in ("temperature", "Temp", "TEMPERATURE [°C]", "temp (deg C)", "temp_C", "temperature [C]")]
+    + [
+        ({"delimiter": ";", "decimal": ","}, ["20,5", '"21,25"'], ((20.5, 21.25), ())),
+        ({"delimiter": ";"}, ["20,5"], (None, NO_NUMBER)),
+        ({}, ["", "20", ""], ((20.0, 20.0), ())),
+        ({}, [""], (None, ())),
+    ],
+)  # fmt: skip
+def test_a_column_of_temperatures_is_found(layout, texts, found, tmp_path):
+    """Empty fields tell nothing."""
+    assert told(tmp_path, texts, **layout) == found
 
 
 def test_a_column_of_another_name_is_read_where_the_user_says_so(tmp_path):
@@ -96,11 +100,6 @@ def test_what_is_no_temperature(header, texts, why, tmp_path):
         read_run(file, PAPER, Wishes(columns={"temperature": header}))
     row, _, message = why.rpartition(": ")
     assert refused.value.fault == message and refused.value.row == (int(row.split()[1]) if row else None)
-
-
-def test_a_decimal_comma_among_points_is_no_temperature(tmp_path):
-    said = "column 'temperature' passed over: row 2: '20,5' is no temperature from -100 to 230 deg C"
-    assert told(tmp_path, ["20,5"], delimiter=";") == (None, (said,))
 
 
 def test_two_columns_that_could_be_it(tmp_path):
