@@ -2,28 +2,32 @@
 
     tools/benchmark campaign [--runs N] [--seed N] [--jobs N] [STAND...]
 
-For every stand: how many runs of tumble-bench numpy disagrees with; mean and root mean square of (estimate - truth)/u
+For every stand: how many simulated runs numpy disagrees with; mean and root mean square of (estimate - truth)/u
 by coefficient; the share of runs that pass the gravity check, beside the share that a Monte Carlo of the exact geometry
 in numpy predicts, and how probable it is to be that far off by chance. Needs the package to be importable, as
 in the tests.
 """
 
 import argparse
-import json
 import math
-import subprocess
-import tempfile
+import os
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from tumble import core, reference
-from tumble.bench import program
-from tumble.bench.setup import Setup, scenario_text
-from tumble.files.stand_file import StandFile, read_stand
+from tumble.bench.setup import Setup, scenario_text, setup_of
+from tumble.files.stand_file import read_stand
+from tumble.workers.local import Processes
+from tumble.workers.over import ALONE, Team
 
-EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests/lib"))
+
+from simulated_bench import runs  # noqa: E402
+
 STANDS = ("paper_stand", "angle_stand", "lab_stand")
 NAMES = [f"K_{row}{column}" for row in "xyz" for column in "xyz"] + [f"U0_{row}" for row in "xyz"]
 ESTIMATOR = "refined"
@@ -47,33 +51,21 @@ class Campaign:
     predicted_error: float
 
 
-def setup_of(name: str, seed: int = 1) -> tuple[Setup, StandFile]:
+def stand_of(name: str) -> Setup:
     """An example stand as `tumble bench --stand` takes it."""
-    file = read_stand(str(EXAMPLES / f"{name}.toml"))
-    schedule = core.CoreSchedule(core.paper_schedule())
-    limit_g = file.delta_g_limit_g or 3e-4
-    setup = Setup(
-        seed, file.stand, file.block, file.truth, file.motion, schedule, file.stand.samples, ESTIMATOR, limit_g
-    )
-    return setup, file
+    file = read_stand(str(ROOT / f"examples/{name}.toml"))
+    return setup_of(1, file, core.CoreSchedule(core.paper_schedule()), estimator=ESTIMATOR)
 
 
-def run_program(setup: Setup, *options: str) -> list[dict]:
-    """The lines of a campaign of tumble-bench."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "scenario.txt"
-        path.write_text(scenario_text(setup))
-        done = subprocess.run([program.find(), path, *options], capture_output=True, text=True)
-    if done.returncode not in (0, 1):
-        raise SystemExit(f"tumble-bench: exit {done.returncode}: {done.stderr or done.stdout[-300:]}")
-    return [json.loads(line) for line in done.stdout.splitlines()]
+def calibrated(setup: Setup, count: int, first_seed: int = 1, team: Team = ALONE) -> list[dict]:
+    """The lines of so many runs."""
+    return runs(scenario_text(setup).splitlines(), count, first_seed, team=team)
 
 
-def measure(name: str, runs: int, first_seed: int = 1, jobs: int = 0) -> Campaign:
+def measure(name: str, count: int, first_seed: int = 1, team: Team = ALONE) -> Campaign:
     """Run a campaign on an example stand and judge it."""
-    setup, _ = setup_of(name)
-    options = ["--runs", str(runs), "--means", "--seed", str(first_seed), *(["--jobs", str(jobs)] if jobs else [])]
-    lines = run_program(setup, *options)
+    setup = stand_of(name)
+    lines = calibrated(setup, count, first_seed, team)
     finished = [line for line in lines if line["K"] is not None]
     found, truth = coefficients(finished), coefficients([line["truth"] for line in finished])
     means = np.array([line["means"] for line in finished]).reshape(len(finished), -1, 3)
@@ -185,14 +177,15 @@ def show(name: str, campaign: Campaign) -> None:
 
 def main() -> None:
     """Measure and print."""
-    parser = argparse.ArgumentParser(description="Campaigns of tumble-bench on the example stands.")
+    parser = argparse.ArgumentParser(description="Campaigns on the example stands.")
     parser.add_argument("stands", nargs="*", default=STANDS, metavar="STAND", help=f"default: {' '.join(STANDS)}")
     parser.add_argument("--runs", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=1, help="of the first run")
-    parser.add_argument("--jobs", type=int, default=0, help="processes; default: all processors")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes; default: all processors")
     arguments = parser.parse_args()
     for name in arguments.stands:
-        show(name, measure(name, arguments.runs, arguments.seed, arguments.jobs))
+        with Team(Processes(arguments.jobs)) as team:
+            show(name, measure(name, arguments.runs, arguments.seed, team))
 
 
 if __name__ == "__main__":

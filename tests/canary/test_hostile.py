@@ -1,15 +1,22 @@
 """The campaign of hostile lives: with the mend of a hole taken out of a copy of the firmware, it finds the hole."""
 import json
+import os
 import shutil
 import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from conftest import ROOT, planted
+from stages import PYTHON
+
+sys.path.append(str(ROOT / "host/python/binding"))
+
+from build_world import declarations
 
 LIVES = 600  # within so many seeds; each hole comes up in one life of a hundred or oftener
-ROOMS = ("firmware", "host/bench", "host/simulation", "boards")
-OPTIONS = ("-std=gnu11", "-O1", "-w", "-ffp-contract=off", "-fno-math-errno", "-DTUMBLE_BLOCK_CRC_BITS=8")
+ROOMS = ("firmware", "host/simulation", "host/world", "boards")
+OPTIONS = ("-std=gnu11", "-O1", "-w", "-fPIC", "-ffp-contract=off", "-fno-math-errno", "-DTUMBLE_BLOCK_CRC_BITS=8")
 
 BOUNDS = "firmware/stand/bounds.c"
 WAY = (BOUNDS, "(here < bounds->lowest_mdeg) || (here > bounds->highest_mdeg)", "false")
@@ -66,10 +73,23 @@ PLANTED = {
          "return TUMBLE_OK;")]),
 }
 
+HUNT = """
+import json, sys
+from tumble.bench.lives import Lives
+lives, (kind, opens) = Lives(), sys.argv[2:]
+for seed in range(1, int(sys.argv[1]) + 1):
+    found = lives.live(seed)["violated"] and lives.shrunk(seed)
+    if found and found["kind"] == kind and len(found["events"]) <= 6 and any(opens in one for one in found["events"]):
+        lives.live(seed)
+        sys.exit(print(json.dumps([found, lives.shrunk(seed)])))
+sys.exit("not found")
+"""
+
 
 def sources_of(tree):
-    """What tumble-bench is made of."""
-    return sorted([*tree.glob("firmware/**/*.c"), *tree.glob("host/bench/*.c"), *tree.glob("host/simulation/*.c")])
+    """What hostile lives are made of."""
+    rooms = ("firmware/**", "host/simulation", "host/world")
+    return sorted(source for room in rooms for source in tree.glob(f"{room}/*.c") if source.name != "replay.c")
 
 
 def compile_file(tree, objects, source):
@@ -78,9 +98,14 @@ def compile_file(tree, objects, source):
     subprocess.run(["cc", *OPTIONS, *includes, "-c", source, "-o", target], check=True)
 
 
-def link(objects, program):
-    subprocess.run(["cc", *sorted(objects.glob("*.o")), "-lm", "-o", program], check=True)
-    return program
+def link(objects, folder):
+    """The world as a module of Python's, in whose place the package takes it. Returns its folder."""
+    library = folder / "world.so"
+    subprocess.run(["cc", "-shared", *sorted(objects.glob("*.o")), "-lm", "-o", library], check=True)
+    header = declarations((ROOT / "host/world/lives.h").read_text())
+    module = f"import cffi\nffi = cffi.FFI()\nffi.cdef({header!r})\nlib = ffi.dlopen({str(library)!r})\n"
+    (folder / "_tumble_world.py").write_text(module)
+    return folder
 
 
 @pytest.fixture(scope="module")
@@ -98,29 +123,34 @@ def copied(tmp_path_factory):
     return tree, objects
 
 
-def live(program, lives=LIVES):
-    """The document of a campaign, and the lines about violations."""
-    done = subprocess.run(
-        [program, "--campaign", str(lives), "--seed", "1"], capture_output=True, text=True, timeout=300
-    )
+def python(world, *arguments):
+    """A process in which this is the simulated world."""
+    path = [world, ROOT / "host/python/src", ROOT / "build/host/python"]
+    return subprocess.run([PYTHON, *map(str, arguments)], capture_output=True, text=True, timeout=300,
+                          env={**os.environ, "PYTHONPATH": os.pathsep.join(map(str, path))})
+
+
+def campaign(world, lives, seed=1):
+    """The document, and the lines about violations."""
+    done = python(world, "-m", "tumble", "campaign", "lives", "--lives", lives, "--seed", seed, "--workers", 2)
     document = json.loads(done.stdout)
     assert done.returncode == (3 if document["violated"] else 0), done.stderr
     return document, done.stderr.splitlines()
 
 
 def plant(tree, objects, folder, defects):
-    """The same program with the mends taken out."""
+    """The same world with the mends taken out."""
     own = folder / "objects"
     shutil.copytree(objects, own)
     with planted(tree, defects) as sources:
         for source in sources:
             compile_file(tree, own, source)
-    return link(own, folder / "tumble-bench")
+    return link(own, folder)
 
 
 def test_the_firmware_as_it_is_violates_nothing(copied, tmp_path):
     _, objects = copied
-    document, lines = live(link(objects, tmp_path / "tumble-bench"))
+    document, lines = campaign(link(objects, tmp_path), LIVES)
     assert (document["violated"], lines) == (0, [])
 
 
@@ -128,13 +158,18 @@ def test_the_firmware_as_it_is_violates_nothing(copied, tmp_path):
 def test_a_mend_taken_out_is_found(copied, tmp_path, hole):
     """Under its right name, with what opens the hole, and shrunk to a few events; the seed alone shows it again."""
     kind, opens, defects = PLANTED[hole]
-    tree, objects = copied
-    program = plant(tree, objects, tmp_path, defects)
-    document, lines = live(program)
-    assert document["violations"][kind] >= 1, document["violations"]
-    assert len(lines) == document["violated"]
-    found = [one for one in document["first"] if one["kind"] == kind and any(opens in text for text in one["events"])]
-    first = min(found, key=lambda one: len(one["events"]))
-    assert 1 <= len(first["events"]) <= 6 and len(first["events"]) <= first["drawn"], first
-    alone = subprocess.run([program, "--campaign", "1", "--seed", str(first["seed"])], capture_output=True, text=True)
-    assert alone.returncode == 3 and json.loads(alone.stdout)["first"] == [first]
+    done = python(plant(*copied, tmp_path, defects), "-c", HUNT, LIVES, kind, opens)
+    assert done.returncode == 0, done.stderr
+    first, again = json.loads(done.stdout)
+    assert first == again and 1 <= len(first["events"]) <= first["drawn"], first
+
+
+def test_a_campaign_tells_of_violations(copied, tmp_path):
+    """A line each, the first ten shrunk, whatever piece they are in; each is its seed's alone."""
+    world = plant(*copied, tmp_path, PLANTED["run_number"][-1])
+    document, lines = campaign(world, 120)
+    assert document["violations"]["run"] == document["violated"] == len(lines) > 10 == len(document["first"])
+    for one, line in zip(document["first"], lines):
+        assert line.startswith(f"seed {one['seed']}: ") and line.endswith(f" of {one['drawn']} events are enough")
+    last = document["first"][-1]
+    assert campaign(world, 1, last["seed"])[0]["first"] == [last]

@@ -1,8 +1,8 @@
 """What python-canopen does to lead the simulated drive: process data, speeds, moves with their handshake."""
 
 import canopen
-from bench_program import wait_until
 from conftest import ROOT
+from simulated_bench import wait_until
 
 COUNTS_PER_DEG = 1000.0
 TARGETS_DEG = (90.0, -45.0, 12.345)

@@ -17,8 +17,8 @@ import time
 from pathlib import Path
 
 import pytest
-from bench_program import wait_until
 from c_compiler import SANITIZERS, compiled
+from simulated_bench import wait_until
 
 ROOT = Path(__file__).resolve().parents[2]
 FLAGS = ["-Wall", "-Wextra", "-Werror", "-g", "-O1", *SANITIZERS, "-fsanitize=float-cast-overflow"]

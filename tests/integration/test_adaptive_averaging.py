@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from bench_program import bench
+from simulated_bench import bench, runs
 
 from tumble.solving import gain_record
 
@@ -26,24 +26,21 @@ fault = noisy at=2.1 phase=mount channels=xyz value={math.sqrt(NOISY_V**2 - QUIE
 TRUTH = np.array([2, 0.04, 0.04, 0.04, 2, 0.04, 0.04, 0.04, 2, 0.02, -0.01, 0.03])
 
 
-def campaign(runs, *lines):
+def campaign(count, *lines):
     """Means (runs, 18, 3), coefficients (runs, 12), and virtual seconds (runs,) of runs with these lines added."""
-    text = "\n".join([SCENARIO, *lines, ""])
-    done = bench("-", "--runs", runs, "--jobs", 2, "--means", input=text, timeout=300)
-    rows = [json.loads(line) for line in done.stdout.splitlines()]
-    assert done.returncode in (0, 1) and len(rows) == runs, done.stderr
-    means = np.array([row["means"] for row in rows], dtype=float).reshape(runs, 18, 3)
-    coefficients = np.array([[*np.ravel(row["K"]), *row["U0"]] for row in rows])
-    return means, coefficients, np.array([row["virtual_s"] for row in rows])
+    rows = runs([*SCENARIO.splitlines(), *lines], count)
+    assert {row["exit"] for row in rows} <= {0, 1} and len(rows) == count
+    means = np.array([row["means"] for row in rows], dtype=float).reshape(count, 18, 3)
+    return means, np.array([row["K"] + row["U0"] for row in rows]), np.array([row["virtual_s"] for row in rows])
 
 
 @pytest.mark.slow
 def test_what_it_saves_and_that_it_spoils_nothing():
     """A fixed number must serve the noisiest position: 500 samples. With the standard error that these give as the
     budget, the quiet mounting takes a ninth of them. No mean is worse than its budget, no coefficient is biased."""
-    runs, budget = 100, NOISY_V / math.sqrt(500)
-    _, fixed, fixed_s = campaign(runs, "procedure.samples = 500")
-    means, found, found_s = campaign(runs, "procedure.samples = 2000", f"procedure.error_budget_v = {budget}")
+    count, budget = 100, NOISY_V / math.sqrt(500)
+    _, fixed, fixed_s = campaign(count, "procedure.samples = 500")
+    means, found, found_s = campaign(count, "procedure.samples = 2000", f"procedure.error_budget_v = {budget}")
     saved_s = fixed_s.mean() - found_s.mean()
     averaging_s = 18 * 500 * 0.01
     scatter = means.std(axis=0, ddof=1)
@@ -51,7 +48,7 @@ def test_what_it_saves_and_that_it_spoils_nothing():
     print(f"{saved_s / averaging_s:.1%} of the averaging; scatter of means over budget {scatter.mean() / budget:.3f}")
     assert saved_s > 0.25 * fixed_s.mean() and saved_s > 0.35 * averaging_s
     assert np.sqrt((scatter**2).mean()) < budget
-    z = (found.mean(axis=0) - TRUTH) / found.std(axis=0, ddof=1) * math.sqrt(runs)
+    z = (found.mean(axis=0) - TRUTH) / found.std(axis=0, ddof=1) * math.sqrt(count)
     assert np.abs(z).max() < 4.5
     assert found.std(axis=0).max() < 1.35 * fixed.std(axis=0).max()
 
@@ -61,16 +58,14 @@ def test_with_the_same_noise_everywhere_it_saves_nothing():
     same = "fault = noisy at=1.1 phase=mount channels=x value=1e-9"
     lines = [line for line in SCENARIO.splitlines() if not line.startswith("fault")]
     lines += [same, "procedure.samples = 1000", f"procedure.error_budget_v = {QUIET_V / math.sqrt(100)}"]
-    done = bench("-", input="\n".join(lines) + "\n")
-    taken = [mean["samples"] for mean in json.loads(done.stdout)["means"]]
+    taken = [mean["samples"] for mean in bench(lines)["means"]]
     assert 95 <= np.mean(taken) <= 130 and min(taken) >= 80
 
 
 def test_the_reason_when_it_is_never_enough():
-    text = SCENARIO + "procedure.samples = 100\nprocedure.error_budget_v = 4e-5\n"
-    done = bench("-", input=text)
-    found = json.loads(done.stdout)
-    assert done.returncode == 3 and found["reason"] == "TUMBLE_REASON_UNCERTAIN"
+    found = bench([*SCENARIO.splitlines(), "procedure.samples = 100", "procedure.error_budget_v = 4e-5"])
+    assert (found["exit"], found["reason"]) == (3, "TUMBLE_REASON_UNCERTAIN")
+    assert found["reason_sentence"] == "the noise keeps a mean from its error budget, with all samples allowed"
     assert [mean["samples"] < 100 for mean in found["means"]] == [True] * 9  # mounting 1; of mounting 2 nothing is kept
     assert found["table"]["at_rest"] is True
 
@@ -93,12 +88,6 @@ def test_from_the_command_line(tumble, tmp_path):
 @pytest.mark.parametrize("text", ["0", "-1e-5", "nan", "inf", "1e-5V", "1e10", ""])
 def test_a_budget_must_be_a_size(text, refused):
     assert f"--error-budget: '{text}' is not a number of volts above 0" in refused("bench", f"--error-budget={text}")
-
-
-def test_the_command_line_says_why_it_is_never_enough(tumble, tmp_path):
-    done = tumble("bench", "--samples", 20, "--error-budget", "1e-6", "--json", "--out", tmp_path / "run")
-    assert (done.returncode, done.stdout) == (3, "")
-    assert "the noise keeps a mean from its error budget" in done.stderr and "(UNCERTAIN, in state" in done.stderr
 
 
 @pytest.mark.parametrize("budget, most", [("2e-4", 20000), ("2e-4", 1048576), ("4e-5", 2000)])

@@ -10,8 +10,8 @@ import subprocess
 import sys
 
 import pytest
-from bench_program import HASTY_STAND, wait_until
 from documents import valid
+from simulated_bench import HASTY_STAND, wait_until
 from uml_kernels import inside, kernels
 
 from tumble.bench import programs, uml

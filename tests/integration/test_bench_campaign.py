@@ -1,4 +1,4 @@
-"""Campaigns of tumble-bench on the example stands: numpy never disagrees, errors are as large as predicted."""
+"""Campaigns on the example stands: numpy never disagrees, errors are as large as predicted."""
 
 import sys
 
@@ -13,7 +13,9 @@ import campaign
 PREDICTED = {"paper_stand": 1.0, "angle_stand": None, "lab_stand": 0.93}
 
 
-def judge(name, runs):
+@pytest.mark.parametrize("runs", [60, pytest.param(1000, marks=pytest.mark.full)])
+@pytest.mark.parametrize("name", campaign.STANDS)
+def test_errors_are_as_predicted(name, runs):
     """The firmware and numpy agree in every run; mean, rms and the share of passes are as predicted, within 5 sigma."""
     found = campaign.measure(name, runs)
     assert (found.runs, found.finished, found.disagreements) == (runs, runs, 0)
@@ -24,24 +26,12 @@ def judge(name, runs):
         assert abs(found.predicted - PREDICTED[name]) < 0.02
     spread = np.sqrt(found.predicted * (1.0 - found.predicted) / runs)
     assert abs(found.passed - found.predicted) <= 5.0 * spread + 1.0 / runs
-    return found
-
-
-@pytest.mark.parametrize("name", campaign.STANDS)
-def test_sixty_runs(name):
-    judge(name, 60)
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("name", campaign.STANDS)
-def test_a_thousand_runs(name):
-    judge(name, 1000)
 
 
 def test_a_wrong_coefficient_is_a_disagreement():
     """The comparison can fail: the tenth digit of one coefficient of one run, changed."""
-    setup, _ = campaign.setup_of("paper_stand")
-    lines = campaign.run_program(setup, "--runs", "3", "--means")
+    setup = campaign.stand_of("paper_stand")
+    lines = campaign.calibrated(setup, 3)
     means = np.array([line["means"] for line in lines]).reshape(3, -1, 3)
     assert campaign.compare(lines, campaign.coefficients(lines), means, setup.limit_g)[0] == 0
     wrong = campaign.coefficients(lines)

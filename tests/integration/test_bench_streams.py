@@ -2,15 +2,12 @@
 
 import json
 import os
-import resource
 import subprocess
 
 import pytest
-from bench_program import scenario
 from conftest import EXAMPLES
+from simulated_bench import scenario
 from test_bench import BENCH, result_of
-
-from tumble.bench import program
 
 
 def in_shell(line, folder):
@@ -42,15 +39,7 @@ def test_an_input_that_cannot_be_read_has_ended(redirection, tmp_path):
 @pytest.mark.parametrize("limit_kb", [1, 30, 300])
 def test_a_full_disk_is_told_with_the_folder_that_was_asked_for(limit_kb, tmp_path):
     """A limit on the size of files stands for it: the scenario, run.csv, or bus.log does not fit."""
-    size = limit_kb * 1024
-    done = subprocess.run(
-        [*BENCH, "--out", "run"],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)),
-        timeout=60,
-    )
+    done = in_shell(f'ulimit -f {limit_kb}; "$@" --out run', tmp_path)
     assert (done.returncode, done.stdout) == (2, ""), done.stderr
     assert done.stderr.splitlines()[-1].startswith("tumble: run: cannot be written")
     assert ".part" not in done.stderr and os.listdir(tmp_path) == []
@@ -78,36 +67,10 @@ def test_a_folder_s_name_stays_on_its_line(tumble, tmp_path):
     assert os.listdir(tmp_path) == ["a\nb"]
 
 
-def test_the_program_without_standard_streams(tmp_path):
-    """What it opens must not take their places: bus.log would get the complaints, or bench.json be read."""
-    done = subprocess.run(
-        ["bash", "-c", '"$1" --out run <&- 2>&-; echo $?', "bash", program.find()],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        timeout=60,
-    )
-    assert done.stdout.splitlines()[-1] == "0"
-    assert all(line.startswith("(") for line in (tmp_path / "run/bus.log").read_text().splitlines())
-
-
-@pytest.mark.parametrize("redirection", [">&-", ">/dev/full"])
-def test_a_program_whose_output_cannot_be_written(redirection, tmp_path):
-    line = f'"$1" {redirection}'
-    done = subprocess.run(["bash", "-c", line, "bash", program.find()], capture_output=True, text=True, timeout=60)
-    assert (done.returncode, done.stderr) == (2, "tumble-bench: standard output cannot be written\n")
-
-
 def test_a_fault_that_comes_again_is_asked_about_again(tmp_path):
     """As often as the operator has the position repeated, until he gives up."""
-    again = scenario(tmp_path, fault="bus_off at=1.5")  # it fails again at once
-    answers = "done\nrepeat position 1\nrepeat position 1\nabort\n"
-    done = subprocess.run(
-        [*BENCH, "--interactive", "--scenario", str(again), "--out", str(tmp_path / "run")],
-        input=answers,
-        capture_output=True,
-        text=True,
-        timeout=60,
-    )
+    scenario(tmp_path, fault="bus_off at=1.5")  # it fails again at once
+    answers = "printf 'done\nrepeat position 1\nrepeat position 1\nabort\n'"
+    done = in_shell(f'{answers} | "$@" --interactive --scenario scenario.txt --out run', tmp_path)
     assert (done.returncode, done.stdout) == (3, "")
     assert done.stderr.count("Fault: the CAN controller is off the bus.") == 3, done.stderr

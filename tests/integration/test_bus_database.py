@@ -7,18 +7,16 @@ import pytest
 
 pytest.importorskip("cantools", reason="cantools is not installed")
 
-from bench_program import bench, scenario
 from bus_database import complaints, frames_of, load
 from conftest import ROOT
+from simulated_bench import DRIVE_FAULT, QUICK, bench
 
 pytestmark = pytest.mark.python
 DATABASE = load()
-QUICK = {"motion__settling_s": 0.05, "motion__speed_deg_s": 720, "motion__acceleration_deg_s2": 7200,
-         "procedure__settle_ms": 100, "procedure__samples": 10, "operator__mount_s": 0.1}
-MENDED = {"operator__mend_s": 0.5, "operator__mends": 3}
+MENDED = {"operator.mend_s": 0.5, "operator.mends": 3}
 RUNS = {
     "done": {},
-    "a drive fault": {**MENDED, "fault": "drive_fault at=1.5 phase=move delay=0.05 value=30001"},
+    "a drive fault": {**MENDED, "fault": DRIVE_FAULT},
     "the drive without power": {**MENDED, "fault": "drive_power_cycle at=2.2 phase=average delay=0.1 duration=1"},
     "the block without power": {**MENDED, "fault": "block_power_cycle at=1.7 phase=average delay=0.05 duration=1"},
 }
@@ -26,10 +24,9 @@ RUNS = {
 
 @pytest.fixture(scope="module", params=RUNS)
 def folder(request, tmp_path_factory):
-    made = tmp_path_factory.mktemp("run")
-    done = bench(scenario(made, **QUICK, **RUNS[request.param]), "--seed", 5, "--out", made / "run")
-    assert done.returncode == 0, done.stderr
-    return made / "run"
+    made = tmp_path_factory.mktemp("made") / "run"
+    assert bench(QUICK | RUNS[request.param], seed=5, out=made)["exit"] == 0
+    return made
 
 
 def test_every_frame_of_a_run_is_known_to_the_last_bit(folder):
@@ -54,8 +51,7 @@ def test_what_it_says_is_what_was(folder):
 
 
 def test_faults_have_their_names(tmp_path):
-    done = bench(scenario(tmp_path, **QUICK, **RUNS["a drive fault"]), "--seed", 5, "--out", tmp_path / "run")
-    assert done.returncode == 0, done.stderr
+    assert bench(QUICK | RUNS["a drive fault"], seed=5, out=tmp_path / "run")["exit"] == 0
     frames = frames_of(tmp_path / "run/bus.log")
     codes = [DATABASE.decode_message(i, d, decode_choices=False)["error_code"] for i, d in frames if i == 0x082]
     assert codes == [30001, 0]

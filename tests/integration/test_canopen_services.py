@@ -3,8 +3,8 @@
 import struct
 
 import pytest
-from bench_program import wait_until
 from canopen_bridge import canopen, program, start  # noqa: F401
+from simulated_bench import wait_until
 
 pytestmark = pytest.mark.real_time
 

@@ -4,9 +4,9 @@ import logging
 import re
 
 import pytest
-from bench_program import wait_until
 from conftest import ROOT
 from played_node import U0, K, PlayedCanNode
+from simulated_bench import wait_until
 
 from tumble import client
 from tumble.client import can_link

@@ -5,10 +5,10 @@ import struct
 import threading
 
 import pytest
-from bench_program import wait_until
 from false_gateway import FalseGateway
 from gateway_bench import gateway_program, start
 from played_behind_gateway import PlayedBehindGateway
+from simulated_bench import wait_until
 
 from tumble import client
 from tumble.client.names import COMMAND, STATE_NAMES

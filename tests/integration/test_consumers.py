@@ -57,7 +57,7 @@ def test_what_is_installed_is_found(tmp_path):
     run("cmake", "--install", ROOT / "build/host", "--prefix", tmp_path / "first")
     prefix = (tmp_path / "first").rename(tmp_path / "prefix")
     assert sorted(path.name for path in prefix.iterdir()) == ["bin", "include", "lib", "share"]
-    assert run(prefix / "bin/tumble-bench", "--version") == f"tumble-bench {VERSION}\n"
+    assert run(prefix / "bin/tumble-stand", "--version") == f"tumble-stand {VERSION}\n"
     assert not list(prefix.rglob("*.so"))
     check_find_package(prefix, tmp_path)
     if shutil.which("pkg-config"):
@@ -98,7 +98,7 @@ def test_fetched(tmp_path):
     built(CONSUMERS / "fetch_content", tmp_path)
     assert run(tmp_path / "consumer") == SAID
     targets = run("cmake", "--build", tmp_path, "--target", "help")
-    assert "tumble_core:" in targets and "tumble-bench" not in targets and "conformance" not in targets
+    assert "tumble_core:" in targets and "tumble-stand" not in targets and "conformance" not in targets
 
 
 def test_firmware_alone_in_a_folder(tmp_path):

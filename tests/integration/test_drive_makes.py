@@ -4,10 +4,8 @@ One table. A variant is what the drive is like, the profile's keys, and what com
 the refused object, its abort code, and the step in which that was.
 """
 
-import json
-
 import pytest
-from bench_program import bench, scenario
+from simulated_bench import bench
 
 NO_OBJECT, READ_ONLY, WRONG_VALUE, TOO_LATE = 0x06020000, 0x06010002, 0x06090030, 0x05040000
 STATUS_PDO = "0 0x182 0 100 0x6041:0:16"
@@ -65,23 +63,20 @@ for lacked, (known, refused) in WITHOUT.items():
 
 
 @pytest.mark.parametrize("name", VARIANTS)
-def test_each_is_led_or_refused_by_name(name, tmp_path):
+def test_each_is_led_or_refused_by_name(name):
     drive, profile, refused = VARIANTS[name]
-    done = bench(scenario(tmp_path, **drive, **profile), "--seed", 5)
-    found = json.loads(done.stdout)
+    found = bench(drive | profile, seed=5)
+    told = found["drive_refusal"]
     if refused is None:
-        assert (found["state"], found["drive_refusal"]) == ("TUMBLE_STATE_DONE", None), found["reason"]
-        assert done.returncode == 0
+        assert (found["exit"], found["state"], told) == (0, "TUMBLE_STATE_DONE", None), found["reason"]
         return
     index, subindex, abort, _ = refused
-    told = found["drive_refusal"]
-    assert (done.returncode, found["reason"]) == (3, "TUMBLE_REASON_STAND_PROTOCOL")
+    assert (found["exit"], found["reason"]) == (3, "TUMBLE_REASON_STAND_PROTOCOL")
     assert (told["index"], told["subindex"], told["abort"], told["step"]) == refused
     code = f"{abort >> 16:04X} {abort & 0xFFFF:04X}h"
     assert told["sentence"].startswith(f"drive object {index:04X}h:{subindex}, abort {code} (")
 
 
-def test_homing_at_the_mark_takes_no_minute(tmp_path):
+def test_homing_at_the_mark_takes_no_minute():
     """It used to wait for bit 12 to be seen clear, until the homing's own time was over."""
-    usual, at_once = (json.loads(bench(scenario(tmp_path, **keys), "--seed", 5).stdout) for keys in (UNTURNED, AT_MARK))
-    assert at_once["virtual_s"] < usual["virtual_s"]
+    assert bench(AT_MARK, seed=5)["virtual_s"] < bench(UNTURNED, seed=5)["virtual_s"]

@@ -10,9 +10,9 @@ from contextlib import contextmanager
 from xml.etree import ElementTree
 
 import pytest
-from bench_program import Served, scenario
 from conftest import ROOT
 from fixture_table import limits
+from simulated_bench import Served, scenario
 
 from tumble.bench import program
 

@@ -7,11 +7,11 @@ import sys
 import threading
 
 import pytest
-from bench_program import wait_until
 from conftest import EXAMPLES, ROOT
 from fixture_node import PlayedNode
 from fixture_table import LIMITS, PlayedTable, limits, read_limits
 from gateway_bench import gateway_program, start
+from simulated_bench import wait_until
 from test_gateway_serial import far_end, line, serve
 from validation import report, session
 from validation.errors import StandFault

@@ -9,7 +9,6 @@ from contextlib import contextmanager
 
 import documents
 import pytest
-from bench_program import wait_until
 from gateway_bench import (
     ADDRESS,
     BUSY,
@@ -27,6 +26,7 @@ from gateway_bench import (
     gateway_program,
     register,
 )  # fmt: skip
+from simulated_bench import wait_until
 from test_gateway_commands import ACCEPTED, REFUSED, UNANSWERED, result, unlocked
 from test_gateway_serial import line
 

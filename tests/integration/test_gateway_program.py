@@ -7,8 +7,8 @@ import socket
 import subprocess
 
 import pytest
-from bench_program import built
 from gateway_bench import Gateway, gateway_program, start
+from simulated_bench import built
 
 assert start and gateway_program
 # Instrumented in any case: no need to run it with everything else once more.

@@ -12,8 +12,8 @@ import time
 import tty
 
 import pytest
-from bench_program import wait_until
 from gateway_bench import KEYS, READ_INPUT, WRITE_SEVERAL, gateway_program, register, start
+from simulated_bench import wait_until
 
 assert gateway_program and start
 # Instrumented in any case: no need to run it with everything else once more.

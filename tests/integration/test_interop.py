@@ -7,8 +7,8 @@ import time
 
 import numpy as np
 import pytest
-from bench_program import scenario, served, wait_until
 from conftest import ROOT
+from simulated_bench import scenario, served, wait_until
 
 can = pytest.importorskip("can", reason="python-can is not installed")
 canopen = pytest.importorskip("canopen", reason="python-canopen is not installed")

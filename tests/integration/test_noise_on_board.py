@@ -5,7 +5,7 @@ import json
 
 import numpy as np
 import pytest
-from bench_program import bench, scenario
+from simulated_bench import bench, scenario
 
 from tumble.core import CoreSchedule
 from tumble.files.run_file import read_run
@@ -20,11 +20,9 @@ STEP_V = 10.0 * 2.0**-23
 
 def ran(folder, **keys):
     """What the firmware found, and `solve` from the samples recorded."""
-    done = bench(scenario(folder, **keys), "--out", folder / "run")
-    assert done.returncode in (0, 1), done.stderr  # 1: it fails the gravity check
-    schedule = CoreSchedule.built_in("paper")
-    run = read_run(str(folder / "run/run.csv"), schedule.data, Wishes(unit="V"))
-    document = json.loads((folder / "run/bench.json").read_text())
+    document = bench(keys, out=folder)
+    assert document["exit"] in (0, 1)  # 1: it fails the gravity check
+    run = read_run(str(folder / "run.csv"), CoreSchedule.built_in("paper").data, Wishes(unit="V"))
     return document, solve(run, None, document["estimator"], 1e-3, STAND, "run.csv", step_v=STEP_V)
 
 
@@ -36,15 +34,14 @@ def u_of(document):
 def test_correlated_noise_counts_as_in_solve(estimator, tmp_path):
     """AR(1) of 0.9 and 0.5; the third channel is white. Blocks of 16 samples show the most: the firmware has these."""
     rho = {"block__noise_correlation": "0.9 0 0.5", "procedure__estimator": estimator}
-    document, solution = ran(tmp_path, **rho)
+    document, solution = ran(tmp_path / "run", **rho)
     assert solution.noise.measured.length.tolist() == [16, 1, 16]
     assert document["noise"]["block_samples"] == 8
     assert document["noise"]["above_declared"] == ["x", "z"]
     noise_v = of_means(solution.noise.measured, solution.run.samples)
     assert document["noise"]["noise_v"] == pytest.approx(noise_v.tolist(), rel=1e-6)
     np.testing.assert_allclose(u_of(document), np.vstack([solution.u_k, solution.u_u0]), rtol=1e-6)
-    (tmp_path / "white").mkdir()
-    white, _ = ran(tmp_path / "white", procedure__estimator=estimator)
+    white = bench({"procedure.estimator": estimator})
     assert document["u_U0"][0] > 2.0 * white["u_U0"][0] and document["u_U0"][2] > 1.2 * white["u_U0"][2]
     assert document["u_U0"][1] == pytest.approx(white["u_U0"][1], rel=1e-4)
 
@@ -52,13 +49,13 @@ def test_correlated_noise_counts_as_in_solve(estimator, tmp_path):
 def test_more_white_noise_than_declared_counts_by_its_scatter(tmp_path):
     """A single-precision number on board: 6e-8 of it."""
     loud = {"fault": "noisy at=1.1 phase=mount channels=y value=1e-3", "averaging__stillness_ratio": "30"}
-    document, solution = ran(tmp_path, **loud)
+    document, solution = ran(tmp_path / "run", **loud)
     assert solution.noise.measured.length[1] == 1 and document["noise"]["above_declared"] == ["y"]
     np.testing.assert_allclose(u_of(document), np.vstack([solution.u_k, solution.u_u0]), rtol=1e-6)
 
 
 def test_white_noise_changes_nothing(tmp_path):
-    document, solution = ran(tmp_path)
+    document, solution = ran(tmp_path / "run")
     assert document["noise"]["above_declared"] == [] and not solution.noise.exceeds.any()
     np.testing.assert_allclose(u_of(document), np.vstack([solution.u_k, solution.u_u0]), rtol=1e-9)
     assert document["noise"]["declared_v"] == 3e-4

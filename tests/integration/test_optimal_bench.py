@@ -1,4 +1,4 @@
-"""`tumble bench --estimator optimal`: the firmware evaluates a gain record that was made before the run."""
+"""The bench with the estimator `optimal`: the firmware evaluates a gain record that was made before the run."""
 
 import dataclasses
 import json
@@ -6,11 +6,31 @@ import json
 import numpy as np
 import pytest
 from conftest import EXAMPLES
+from documents import paper_stand
+from simulated_bench import bench as simulated, runs
 
+import tumble as package
 from tumble.bench import gains
+from tumble.bench.border import Refused
 from tumble.cli.main import main
+from tumble.core import CoreSchedule, optimal as core_optimal, paper_schedule
+from tumble.reference import optimal
 from tumble.solving import gain_record
+from tumble.solving.gains import optimal_table
 from tumble.stand import PAPER_STAND
+
+SCHEDULE = CoreSchedule(paper_schedule())
+NOMINAL_K = -(np.full((3, 3), 0.04) + 1.96 * np.eye(3))
+OPTIMAL = {"procedure.estimator": "optimal"}
+TURNED = dataclasses.replace(SCHEDULE.data.positions[3], angle_deg=134.0)
+
+
+def record_for(schedule=SCHEDULE.data):
+    return gain_record.to_bytes(
+        gain_record.record_of(optimal_table(schedule, NOMINAL_K, PAPER_STAND), schedule))  # fmt: skip
+
+
+RECORD = record_for()
 
 
 def bench(tumble, *arguments, cwd):
@@ -38,17 +58,12 @@ def test_runs_of_the_firmware_are_as_good_as_they_say(name, tumble, tmp_path):
     assert 0.8 < np.sqrt(np.mean(np.square(scores))) < 1.25 and np.abs(scores).max() < 4.5
 
 
-def test_the_record_is_among_the_inputs(tumble, tmp_path):
-    bench(tumble, cwd=tmp_path)
+@pytest.mark.parametrize("options, samples", [((), 50), (("--samples", "8"), 8)])
+def test_the_record_is_among_the_inputs(options, samples, tumble, tmp_path):
+    bench(tumble, *options, cwd=tmp_path)
     made = gain_record.from_bytes((tmp_path / "run/inputs/gains.bin").read_bytes())
-    assert made.sigma.tolist() == [2e-5, 2e-5, 4e-4, 4e-5] and made.sigma_mean == pytest.approx(3e-4 / 50**0.5)
+    assert made.sigma.tolist() == [2e-5, 2e-5, 4e-4, 4e-5] and made.sigma_mean == pytest.approx(3e-4 / samples**0.5)
     assert made.k == pytest.approx(-2.0 * (np.eye(3) + 0.02 * (1 - np.eye(3))))
-
-
-def test_the_samples_of_the_run_are_those_of_the_record(tumble, tmp_path):
-    bench(tumble, "--samples", "8", cwd=tmp_path)
-    made = gain_record.from_bytes((tmp_path / "run/inputs/gains.bin").read_bytes())
-    assert made.sigma_mean == pytest.approx(3e-4 / 8**0.5)
 
 
 def test_any_schedule_will_do(tumble, tmp_path):
@@ -66,30 +81,72 @@ def test_the_run_folder_solves_to_the_same(tumble, tmp_path):
     assert np.array(solved["u_K"]) == pytest.approx(np.array(ran["u_K"]), rel=0.01)
 
 
-def test_a_firmware_with_another_table_is_found_out(monkeypatch, capsys, tmp_path):
+OTHERS = {  # what the record is made for, exit code, what is said
+    "stand": ({"stand": dataclasses.replace(PAPER_STAND, angle=2e-4)}, 3,
+              "the firmware's K is not what the core makes of its means"),
+    "schedule": ({"schedule": CoreSchedule(dataclasses.replace(
+        SCHEDULE.data, positions=(*SCHEDULE.data.positions[:3], TURNED, *SCHEDULE.data.positions[4:])))}, 2,
+                 "the gain table does not fit the schedule"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("other", OTHERS)
+def test_a_record_of_another_stand_or_schedule_is_found_out(other, monkeypatch, capsys, tmp_path):
+    changed, code, said = OTHERS[other]
     sound = gains.record
-
-    def other(setup):
-        return sound(dataclasses.replace(setup, stand=dataclasses.replace(PAPER_STAND, angle=2e-4)))
-
-    monkeypatch.setattr(gains, "record", other)
-    assert main(["bench", "--estimator", "optimal", "--out", str(tmp_path / "run"), "--json"]) == 3
+    monkeypatch.setattr(gains, "record", lambda setup: sound(dataclasses.replace(setup, **changed)))
+    assert main(["bench", "--estimator", "optimal", "--out", str(tmp_path / "run"), "--json"]) == code
     captured = capsys.readouterr()
-    assert captured.out == "" and "the firmware's K is not what the core makes of its means" in captured.err
+    assert captured.out == "" and said in captured.err
+    assert code == 3 or (captured.err.count("\n") == 1 and not (tmp_path / "run").exists())
 
 
-def test_a_record_of_another_schedule_is_not_run(monkeypatch, capsys, tmp_path):
-    from tumble.core import CoreSchedule
+def test_the_firmware_solves_with_the_record_and_agrees_with_core_and_witness(tmp_path):
+    found = simulated(OPTIMAL, seed=5, gains=RECORD, out=tmp_path / "run")
+    assert (found["exit"], found["estimator"]) == (0, "optimal")
+    run = package.read(tmp_path / "run/run.csv")
+    places = sorted(set(zip(run.mounting, run.position)))
+    means = np.array([run.outputs[(run.mounting == m) & (run.position == p)].mean(axis=0) for m, p in places])
+    expected = core_optimal.optimal(RECORD, SCHEDULE, means)
+    assert np.abs(np.array(found["K"]) - expected.k).max() < 1e-13
+    assert np.abs(np.array(found["U0"]) - expected.u0).max() < 1e-13
+    witness = optimal(SCHEDULE.data, means, PAPER_STAND, np.full(18, PAPER_STAND.samples), known_k=NOMINAL_K)
+    assert np.abs((np.array(found["K"]) - witness.k) / witness.u_k).max() < 1e-6
 
-    sound = gains.record
 
-    def other(setup):
-        data = setup.schedule.data
-        turned = dataclasses.replace(data.positions[3], angle_deg=134.0)
-        positions = (*data.positions[:3], turned, *data.positions[4:])
-        return sound(dataclasses.replace(setup, schedule=CoreSchedule(dataclasses.replace(data, positions=positions))))
+@pytest.mark.slow
+def test_it_is_closer_to_the_truth_than_refined():
+    def rms(estimator, gains=None):
+        lines = runs({"procedure.estimator": estimator}, 400, gains=gains)
+        assert {line["exit"] for line in lines} == {0}
+        found, true = ([one["K"] + one["U0"] for one in side] for side in (lines, [line["truth"] for line in lines]))
+        return np.sqrt(((np.array(found) - true) ** 2).mean(axis=0))
 
-    monkeypatch.setattr(gains, "record", other)
-    assert main(["bench", "--estimator", "optimal", "--out", str(tmp_path / "run"), "--json"]) == 2
-    captured = capsys.readouterr()
-    assert captured.out == "" and captured.err.count("\n") == 1 and not (tmp_path / "run").exists()
+    ratio = rms("refined") / rms("optimal", RECORD)
+    assert (ratio > 0.97).all()
+    assert ratio[[0, 4, 8]].min() > 1.1  # the scale factors
+    assert ratio[[10, 11]].min() > 1.4  # two of the biases
+
+
+REFUSED = {
+    "none": (OPTIMAL, None, "procedure.estimator = optimal needs "),
+    "one that nobody asked for": ({}, RECORD, " is for procedure.estimator = optimal alone"),
+    "short": (OPTIMAL, RECORD[:3000], "the memory holds no gain record that this software reads"),
+    "large": (OPTIMAL, bytes(30_000), "the memory holds no gain record that this software reads"),
+    "damaged": (OPTIMAL, RECORD[:3000] + bytes([RECORD[3000] ^ 1]) + RECORD[3001:], "a checksum does not agree"),
+    "of another schedule": (
+        OPTIMAL, record_for(dataclasses.replace(SCHEDULE.data, positions=SCHEDULE.data.positions[1:])),
+        "the gain table does not fit the schedule"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_records_that_are_refused(name):
+    keys, gains, complaint = REFUSED[name]
+    with pytest.raises(Refused, match=complaint):
+        simulated(keys, gains=gains)
+
+
+def test_a_stand_without_noise_is_weighed_by_its_converter(tumble, tmp_path):
+    """Which stand and simulation have, whether or not the file declares it."""
+    assert bench(tumble, "--stand", paper_stand(tmp_path, noise_v=0), cwd=tmp_path)["pass"]

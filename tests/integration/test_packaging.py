@@ -15,8 +15,8 @@ from pathlib import Path
 import paced_scripts
 import pytest
 from _tumble_core import ffi, lib
-from bench_program import built
 from conftest import ROOT
+from simulated_bench import built
 from wheels import build, installed_in
 
 from tumble import __version__, core, data
@@ -28,7 +28,7 @@ LICENCES = ("LICENSE", "NOTICE")
 APACHE = "cfc7749b96f63bd31c3c42b5c471bf756814053e847c10f3eb003417bc523d30"  # SHA-256 of the text as published
 EXTENSIONS = ("_tumble_core.abi3.so", "_tumble_world.abi3.so")
 PROGRAMS = {
-    "tumble-node": "boards/linux", "tumble-stand": "boards/linux", "tumble-bench": "host/bench",
+    "tumble-node": "boards/linux", "tumble-stand": "boards/linux",
     "tumble-gateway": "host/gateway",
 }  # fmt: skip
 
@@ -64,27 +64,6 @@ def test_the_installed_program_is_what_a_checkout_runs():
     assert re.search(r"^build.targets = (.*)", project, re.MULTILINE)[1] == '["tumble_wheel"]'
     cmake = (PYTHON / "CMakeLists.txt").read_text()
     assert "add_custom_target(tumble_wheel DEPENDS _tumble_core _tumble_world)" in cmake
-
-
-def test_version(tumble):
-    assert tumble("--version").stdout == f"tumble {__version__}\n"
-
-
-def test_help_names_options_and_exit_codes(tumble):
-    text = tumble("solve", "--help").stdout
-    for word in (
-        "--estimator",
-        "--stand",
-        "--schedule",
-        "--limit",
-        "--json",
-        "--out",
-        "--columns",
-        "--decimal",
-        "--unit",
-    ):
-        assert word in text
-    assert "130" in text
 
 
 def test_estimators_offered_are_those_of_the_core():
@@ -252,8 +231,8 @@ def contents(folder, *patterns):
 
 
 COPIED = ("VERSION", "CMakeLists.txt", "cmake", "firmware", "boards/nv", "boards/replay",
-          "boards/zcu102/commissioning.c", "boards/zcu102/commissioning.h", "host/simulation", "host/bench",
-          "host/world", "host/python/CMakeLists.txt", "host/python/binding", "docs/schemas", "docs/eds", "docs/bus",
+          "boards/zcu102/commissioning.c", "boards/zcu102/commissioning.h", "host/simulation", "host/world",
+          "host/python/CMakeLists.txt", "host/python/binding", "docs/schemas", "docs/eds", "docs/bus",
           "docs/modbus.csv")
 
 

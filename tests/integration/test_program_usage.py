@@ -3,46 +3,44 @@
 import subprocess
 
 import pytest
-from bench_program import HASTY_STAND, scenario
+from simulated_bench import HASTY_STAND, scenario
 
 from tumble.bench import programs
 
+FOLDERS = {"tumble-node": "boards/linux", "tumble-stand": "boards/linux"}
+LINUX = ("tumble-node", "tumble-stand")
 
-@pytest.mark.parametrize("name, folder", [
-    ("tumble-node", "boards/linux"), ("tumble-stand", "boards/linux"),
-    ("tumble-bench", "host/bench"),
-])
-def test_options_that_are_none(name, folder):
-    path = programs.find(name, folder)
 
-    def run(*arguments):
-        return subprocess.run([path, *arguments], capture_output=True, text=True, timeout=20)
+def run(name, *arguments):
+    command = [programs.find(name, FOLDERS[name]), *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=20)
 
-    text = run("--help").stdout
-    assert max(map(len, text.splitlines())) <= 80 and run("-h").stdout == text and "  -h, --help" in text
+
+def refuses(name, complaint, *arguments):
+    """With one line of complaint."""
+    done = run(name, *arguments)
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", f"{name}: {complaint}\n")
+
+
+@pytest.mark.parametrize("name", FOLDERS)
+def test_options_that_are_none(name):
+    text = run(name, "--help").stdout
+    assert max(map(len, text.splitlines())) <= 80 and run(name, "-h").stdout == text and "  -h, --help" in text
     for wrong in ("--bogus", "-x"):
-        done = run(wrong)
-        assert (done.returncode, done.stdout) == (2, "")
-        assert done.stderr == f"{name}: {wrong}: no such option; see --help\n"
+        refuses(name, f"{wrong}: no such option; see --help", wrong)
 
 
-def refusal(name, folder, *arguments):
-    """Its one line of complaint."""
-    command = [programs.find(name, folder), *map(str, arguments)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=20)
-    assert (done.returncode, done.stdout) == (2, "")
-    return done.stderr
-
-
-@pytest.mark.parametrize("name", ["tumble-node", "tumble-stand"])
-@pytest.mark.parametrize("given, says", [
-    (("--log", "xml"), "--log: must be text or json"),
-    (("--log", ""), "--log: must be text or json"),
-    (("--log-level", "6"), "--log-level: must be error, warning, notice or info"),
-    (("--log",), "--log: needs a value"),
+@pytest.mark.parametrize("names, option, values, says", [
+    (LINUX, "--log", ["xml", ""], "must be text or json"),
+    (LINUX, "--log-level", ["6"], "must be error, warning, notice or info"),
+    (LINUX[1:], "--operator", ["bogus", "", "on_confirm", "by itself", "Never"],
+     "must be by-itself, on-confirm, never, hands, start or ask"),
 ])
-def test_logs_that_are_none(name, given, says):
-    assert refusal(name, "boards/linux", "vcan0", *given) == f"{name}: {says}\n"
+def test_values_that_are_none(names, option, values, says):
+    for name in names:
+        for value in values:
+            refuses(name, f"{option}: {says}", "vcan0", option, value)
+        refuses(name, f"{option}: needs a value", "vcan0", option)
 
 
 @pytest.mark.parametrize("log", [["--log", "json"], ["--log", "text"], ["--log-level", "error"]])
@@ -51,52 +49,29 @@ def test_one_standard_error_for_two(log, progress):
     """Lines of progress are no events; whoever reads a log of JSON would stumble over each."""
     says = "--progress: cannot share standard error with --log; --progress-fd has another"
     for given in (log + progress, progress + log):
-        assert refusal("tumble-node", "boards/linux", "nocan0", *given) == f"tumble-node: {says}\n"
-    done = subprocess.run([programs.find("tumble-node", "boards/linux"), "nocan0", "--progress-fd", "1", *log],
-                          capture_output=True, text=True, timeout=20)
+        refuses("tumble-node", says, "nocan0", *given)
+    done = run("tumble-node", "nocan0", "--progress-fd", "1", *log)
     assert done.returncode in (2, 77) and done.stderr.startswith("tumble-node: nocan0: ")
-
-
-@pytest.mark.parametrize("given", ["bogus", "", "on_confirm", "by itself", "Never"])
-def test_operators_that_are_none(given):
-    says = "tumble-stand: --operator: must be by-itself, on-confirm, never, hands, start or ask\n"
-    assert refusal("tumble-stand", "boards/linux", "vcan0", "--operator", given) == says
-    says = "tumble-bench: --operator: must be by-itself, on-confirm or never\n"
-    assert refusal("tumble-bench", "host/bench", "--listen", "s", "--operator", given) == says
-
-
-@pytest.mark.parametrize("given, says", [
-    (("--operator", "never"), "--operator: needs --listen, and no --interactive"),
-    (("--operator", "never", "--listen", "s", "--interactive"), "--operator: needs --listen, and no --interactive"),
-    (("--listen", "s", "--runs", "2"),
-     "--runs: cannot be combined with --out, --progress, --interactive, --pace or --listen"),
-    (("--listen", "s", "--campaign", "2"), "--campaign: takes --seed, --jobs and -v, and nothing else"),
-])
-def test_guests_that_are_none(given, says):
-    assert refusal("tumble-bench", "host/bench", *given) == f"tumble-bench: {says}\n"
 
 
 def test_a_stand_file_is_no_scenario(tmp_path):
     stand = tmp_path / "my.toml"
     stand.write_text(HASTY_STAND)
-    says = f"{stand}: looks like a stand file; a scenario file is wanted (docs/real-bus.md)\n"
-    for name, folder in (("tumble-node", "boards/linux"), ("tumble-stand", "boards/linux")):
-        assert refusal(name, folder, "vcan0", stand) == f"{name}: {says}"
-    assert refusal("tumble-bench", "host/bench", stand) == f"tumble-bench: {says}"
     none = tmp_path / "none.toml"
-    assert refusal("tumble-bench", "host/bench", none) == f"tumble-bench: {none}: No such file or directory\n"
+    for name in LINUX:
+        refuses(name, f"{stand}: looks like a stand file; a scenario file is wanted (docs/real-bus.md)", "vcan0", stand)
+        refuses(name, f"{none}: No such file or directory", "vcan0", none)
 
 
 def test_a_memory_needs_the_name_of_the_block(tmp_path):
     """Before it is made, and before the bus is opened."""
     nv = tmp_path / "nv.bin"
-    says = "tumble-node: keeper.serial: is missing: with --nv the scenario must name the block\n"
+    says = "keeper.serial: is missing: with --nv the scenario must name the block"
     for given in ((), (scenario(tmp_path),), (scenario(tmp_path, "other.txt", keeper__commits="no"),)):
-        assert refusal("tumble-node", "boards/linux", "vcan0", *given, "--nv", nv) == says
+        refuses("tumble-node", says, "vcan0", *given, "--nv", nv)
         assert not nv.exists()
     named = scenario(tmp_path, "named.txt", keeper__serial="B-17")
-    done = subprocess.run([programs.find("tumble-node", "boards/linux"), "nocan0", named, "--nv", nv],
-                          capture_output=True, text=True, timeout=20)
+    done = run("tumble-node", "nocan0", named, "--nv", nv)
     assert done.returncode in (2, 77) and "nocan0" in done.stderr and not nv.exists()
 
 
@@ -108,7 +83,7 @@ def test_a_memory_needs_the_name_of_the_block(tmp_path):
     ("B-17 \u00e9", "# keeper.serial: the stand file's is no word of at most 24 ASCII characters"),
 ])
 def test_the_scenario_names_the_block(tumble, tmp_path, serial, line):
-    """And tumble-bench takes it, whatever the name."""
+    """And the simulation takes it, whatever the name."""
     block = f'[block]\nserial = "{serial}"\nscale_v_per_g = 2.0\nmisalignment_rad = 0.02\n'
     (tmp_path / "my.toml").write_text(HASTY_STAND + block, encoding="utf-8")
     done = tumble("bench", "--stand", tmp_path / "my.toml", "--out", tmp_path / "run")

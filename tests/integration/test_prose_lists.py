@@ -1,10 +1,8 @@
-"""Lists are lists: no item of a page has flowed into the one before it, and headers that list keys list them all."""
+"""Lists are lists: no item of a page has flowed into the one before it."""
 
-import json
 import re
 
 import pytest
-from bench_program import bench
 from conftest import ROOT
 
 ITEM = re.compile(r"( *)(- |\d+\. )")
@@ -48,19 +46,3 @@ def test_no_list_has_been_joined():
 def test_a_joined_list_is_noticed(text):
     """The canary."""
     assert joined(text)
-
-
-def listed(header, pattern):
-    """What a header's comment lists, an item a line."""
-    comment = (ROOT / header).read_text().split("*/")[0]
-    return {name for row in re.findall(pattern, comment, re.MULTILINE) for name in row.split(", ")}
-
-
-def test_the_header_lists_what_the_document_has():
-    done = bench("--seed", 1)
-    assert set(json.loads(done.stdout)) - {"schema"} == listed("host/bench/report.h", r"^ \*     (\w[\w, ]*):")
-
-
-def test_the_header_lists_every_event():
-    source = (ROOT / "host/bench/progress.c").read_text()
-    assert set(re.findall(r'begin\("(\w+)"', source)) == listed("host/bench/progress.h", r'^ \*     event "(\w+)"')

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from bench_program import scenario
+from simulated_bench import scenario
 
 from tumble.bench import document, in_process, replay
 from tumble.bench.border import Border

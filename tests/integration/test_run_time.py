@@ -8,13 +8,11 @@ import struct
 
 import numpy as np
 import pytest
-from bench_program import bench, scenario
+from simulated_bench import QUICK, bench
 
 import tumble as package
 
 pytestmark = pytest.mark.python
-QUICK = {"motion__settling_s": 0.05, "motion__speed_deg_s": 720, "motion__acceleration_deg_s2": 7200,
-         "procedure__settle_ms": 100, "procedure__samples": 10}
 FRAME = re.compile(r"\((\d+\.\d+)\) \S+ (683|693)#([0-9A-F]{16})")
 PERIOD_MS = 4096
 
@@ -22,10 +20,9 @@ PERIOD_MS = 4096
 @pytest.fixture(scope="module", params=[0.1, 61.3, 590.0], ids=lambda pause: f"{pause} s to mount")
 def folder(request, tmp_path_factory):
     """Of a run with a pause between the mountings, shorter and longer than timestamp and counter go round."""
-    made = tmp_path_factory.mktemp("run")
-    done = bench(scenario(made, **QUICK, operator__mount_s=request.param), "--seed", 4, "--out", made / "run")
-    assert done.returncode == 0, done.stderr
-    return made / "run"
+    made = tmp_path_factory.mktemp("made") / "run"
+    assert bench(QUICK | {"operator.mount_s": request.param}, seed=4, out=made)["exit"] == 0
+    return made
 
 
 def rows_of(folder):

@@ -6,18 +6,16 @@ import re
 
 import jsonschema
 import pytest
-from bench_program import bench, scenario
 from conftest import ROOT
-from documents import SCHEMAS, schema, valid, validator
+from documents import SCHEMAS, document_of, schema, valid, validator
 from schema_folder import BASE, faults
+from simulated_bench import DRIVE_FAULT, QUICK, bench, scenario
 
 from tumble import data
 
 pytestmark = pytest.mark.python
 KINDS = sorted(path.name.split("-")[0].removeprefix("tumble.") for path in SCHEMAS.glob("*.json"))
-SOURCES = ("host/bench", "host/gateway", "boards/linux", "host/python/src/tumble")
-QUICK = {"motion__settling_s": 0.05, "motion__speed_deg_s": 720, "motion__acceleration_deg_s2": 7200,
-         "procedure__settle_ms": 100, "procedure__samples": 10, "operator__mount_s": 0.1}
+SOURCES = ("host/world", "host/gateway", "boards/linux", "host/python/src/tumble")
 
 
 def test_nothing_is_wrong_with_them():
@@ -30,7 +28,7 @@ def test_every_name_that_the_sources_write_has_one_and_no_other():
     for folder in SOURCES:
         for path in (ROOT / folder).rglob("*"):
             if path.suffix in (".c", ".py"):
-                written |= set(re.findall(r'(?:"schema", |[A-Z]+ = )"(tumble\.\w+/\d+)"', path.read_text()))
+                written |= set(re.findall(r'(?:"schema"[,:] |[A-Z]+ = )"(tumble\.\w+/\d+)"', path.read_text()))
     assert written == {f"tumble.{kind}/1" for kind in KINDS}
 
 
@@ -58,10 +56,8 @@ def test_a_schema_would_notice_what_is_not_there(kind):
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("run")
-    path = scenario(folder, **QUICK)
-    done = bench(path, "--seed", 2, "--out", folder / "run")
-    return folder / "run", path, done
+    folder = tmp_path_factory.mktemp("made") / "run"
+    return folder, bench(QUICK, seed=2, out=folder)
 
 
 def required_of(kind, document):
@@ -74,41 +70,41 @@ def required_of(kind, document):
     assert len(demanded) > 5
 
 
-def test_the_document_of_tumble_bench(run):
-    folder, _, done = run
-    document = valid(done.stdout, "bench")
+def test_the_document_of_a_run(run):
+    folder, document = run
     assert document["end"] == "done" and valid((folder / "bench.json").read_text(), "bench") == document
+    own = schema("bench")
+    assert set(document) == {*own["properties"], *own["$defs"]["firmware"]["properties"]}
     required_of("bench", document)
 
 
 def test_of_a_fault(tmp_path):
-    path = scenario(tmp_path, **QUICK, fault="drive_fault at=1.5 phase=move delay=0.05 value=30001")
-    done = bench(path, "--out", tmp_path / "run")
-    document = valid(done.stdout, "bench")
-    assert done.returncode == 3 and document["K"] is None and document["faults"][0]["times"] == 1
+    bench(QUICK | {"fault": DRIVE_FAULT}, out=tmp_path / "run")
+    document = valid((tmp_path / "run/bench.json").read_text(), "bench")
+    assert (document["exit"], document["K"], document["faults"][0]["times"]) == (3, None, 1)
 
 
 def test_the_document_of_a_replay(run, tumble):
-    folder, path, done = run
+    folder, found = run
+    path = scenario(folder, **QUICK)
     shown = tumble("replay", folder / "bus.log", "--scenario", path, "--json")
     document = valid(shown.stdout, "replay")
-    assert document["K"] == json.loads(done.stdout)["K"] and shown.returncode == 0
+    assert document["K"] == found["K"] and shown.returncode == 0
     for key in document:
         assert not validator("replay").is_valid({name: value for name, value in document.items() if name != key})
 
 
-@pytest.mark.parametrize("faulty", [False, True])
-def test_the_summary_of_runs(tmp_path, faulty):
-    faults_ = {"fault": "drive_fault at=1.5 phase=move delay=0.05 value=30001"} if faulty else {}
-    done = bench(scenario(tmp_path, **QUICK, **faults_), "--runs", 2, "--jobs", 1, "--summary")
+@pytest.mark.parametrize(("fault", "code"), [((), 0), ([DRIVE_FAULT], 3)])
+def test_the_summary_of_a_campaign(fault, code, tumble, tmp_path):
+    path = scenario(tmp_path, **QUICK, fault=list(fault))
+    done = tumble("campaign", "runs", path, "--runs", 3, "--summary")
     document = valid(done.stdout, "campaign")
-    assert document["exits"] == ({"0": 0, "1": 0, "3": 2} if faulty else {"0": 2, "1": 0, "3": 0})
+    assert (done.returncode, document["exits"][str(code)], document["runs"]) == (code, 3, 3)
+    assert (document["K"]["mean_error"][0] is None) == (code == 3)
     required_of("campaign", document)
 
 
-def test_a_campaign_of_hostile_lives():
-    done = bench("--campaign", 2, "--seed", 1, "--jobs", 1)
-    document = valid(done.stdout, "hostile")
+def test_a_campaign_of_hostile_lives(tumble):
+    document = document_of(tumble("campaign", "lives", "--lives", 2), "hostile")
     assert document["runs"] == 2
     required_of("hostile", document)
-

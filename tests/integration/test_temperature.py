@@ -7,10 +7,10 @@ import struct
 
 import numpy as np
 import pytest
-from bench_program import bench, scenario
 from conftest import EXAMPLES
 from documents import document_of, paper_stand, valid
 from hypothesis import given, strategies as st
+from simulated_bench import bench
 
 from tumble.cli import presentation
 from tumble.cli.main import main
@@ -55,20 +55,24 @@ def told(folder, temperatures, wishes=None, **layout):
     return None if found is None else (found.low_c, found.high_c), run.passed_over
 
 
+FOUND = ((-3.0, 21.0), ())
+NO_NUMBER = ("column 'temperature' passed over: row 2: '20,5' is no temperature from -100 to 230 deg C",)
+
+
 @pytest.mark.parametrize(
-    "header", ["temperature", "Temp", "TEMPERATURE [°C]", "temp (deg C)", "temp_C", "temperature [C]"]
-)
-def test_a_column_of_temperatures_is_found(header, tmp_path):
-    assert told(tmp_path, ["20.5", "21", " 19.25 ", "-3e0"], header=header) == ((-3.0, 21.0), ())
-
-
-def test_decimal_commas_and_quotes(tmp_path):
-    assert told(tmp_path, ["20,5", '"21,25"'], delimiter=";", decimal=",") == ((20.5, 21.25), ())
-
-
-def test_empty_fields_tell_nothing(tmp_path):
-    assert told(tmp_path, ["", "20", ""]) == ((20.0, 20.0), ())
-    assert told(tmp_path, [""]) == (None, ())
+    ("layout", "texts", "found"),
+    [({"header": one}, ["20.5", "21", " 19.25 ", "-3e0"], FOUND)
+     for one in ("temperature", "Temp", "TEMPERATURE [°C]", "temp (deg C)", "temp_C", "temperature [C]")]
+    + [
+        ({"delimiter": ";", "decimal": ","}, ["20,5", '"21,25"'], ((20.5, 21.25), ())),
+        ({"delimiter": ";"}, ["20,5"], (None, NO_NUMBER)),
+        ({}, ["", "20", ""], ((20.0, 20.0), ())),
+        ({}, [""], (None, ())),
+    ],
+)  # fmt: skip
+def test_a_column_of_temperatures_is_found(layout, texts, found, tmp_path):
+    """Empty fields tell nothing."""
+    assert told(tmp_path, texts, **layout) == found
 
 
 def test_a_column_of_another_name_is_read_where_the_user_says_so(tmp_path):
@@ -96,11 +100,6 @@ def test_what_is_no_temperature(header, texts, why, tmp_path):
         read_run(file, PAPER, Wishes(columns={"temperature": header}))
     row, _, message = why.rpartition(": ")
     assert refused.value.fault == message and refused.value.row == (int(row.split()[1]) if row else None)
-
-
-def test_a_decimal_comma_among_points_is_no_temperature(tmp_path):
-    said = "column 'temperature' passed over: row 2: '20,5' is no temperature from -100 to 230 deg C"
-    assert told(tmp_path, ["20,5"], delimiter=";") == (None, (said,))
 
 
 def test_two_columns_that_could_be_it(tmp_path):
@@ -172,9 +171,8 @@ def test_a_bench_run_has_the_block_s_own(tumble, tmp_path):
 
 def test_the_run_file_has_the_temperatures_of_the_frames(tmp_path):
     """Of a block that warms up: by counts of z and timestamp every row is found on the recorded bus."""
-    warming = scenario(tmp_path, block__start_c=10, block__end_c=31, block__warm_s=30, procedure__gravity_limit_g=1)
-    done = bench(warming, "--out", tmp_path / "run")
-    assert done.returncode in (0, 1), done.stderr
+    warming = {"block.start_c": 10, "block.end_c": 31, "block.warm_s": 30, "procedure.gravity_limit_g": 1}
+    assert bench(warming, out=tmp_path / "run")["exit"] in (0, 1)
     frames = set()
     for data in re.findall(r" 693#([0-9A-F]{16})$", (tmp_path / "run/bus.log").read_text(), re.MULTILINE):
         z, timestamp, warmth, _ = struct.unpack("<3sxHbB", bytes.fromhex(data))

@@ -7,8 +7,8 @@ import sys
 
 import numpy as np
 import pytest
-from bench_program import scenario
 from paced_scripts import ALONE, MARKER, PAGE, SCRIPT, TEST, calibrate
+from simulated_bench import scenario
 from uml_kernels import inside
 
 from tumble import client

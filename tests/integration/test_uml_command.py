@@ -13,8 +13,8 @@ import time
 from fcntl import ioctl
 
 import pytest
-from bench_program import wait_until
 from conftest import ROOT
+from simulated_bench import wait_until
 from uml_kernels import inside, kernels
 
 from tumble.bench import uml

@@ -5,7 +5,7 @@ import struct
 import time
 
 import pytest
-from bench_program import scenario
+from simulated_bench import scenario
 
 from tumble import client
 from tumble.testing.rigs import FAST

@@ -13,8 +13,8 @@ import sys
 
 import documents
 import pytest
-from bench_program import HASTY_STAND, bench, scenario
 from played_run import events
+from simulated_bench import HASTY_STAND, bench_program as bench, scenario
 from test_terminal import on_terminal
 
 from tumble.bench import program

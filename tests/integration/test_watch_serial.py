@@ -5,9 +5,9 @@ import sys
 
 import documents
 import pytest
-from bench_program import wait_until
 from gateway_bench import gateway_program, start
 from played_node import STATE, U0, K
+from simulated_bench import wait_until
 from test_gateway_serial import far_end, line, serve
 from test_watch_node import averaging, with_result
 

@@ -11,8 +11,8 @@ import time
 from contextlib import contextmanager
 
 import pytest
-from bench_program import HASTY_STAND, wait_until
 from conftest import EXAMPLES
+from simulated_bench import HASTY_STAND, wait_until
 
 from tumble.bench import console, emulator, replay, uml
 from tumble.errors import BenchFault

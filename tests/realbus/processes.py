@@ -6,8 +6,8 @@ import subprocess
 import time
 from pathlib import Path
 
-from bench_program import scenario, wait_until
 from documents import valid
+from simulated_bench import scenario, wait_until
 
 from tumble.bench import programs
 

@@ -8,7 +8,7 @@ import sys
 import time
 
 import pytest
-from bench_program import HASTY_STAND
+from simulated_bench import HASTY_STAND
 from test_command import assert_quiet
 
 from tumble.bench import emulator

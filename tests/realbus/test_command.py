@@ -9,9 +9,9 @@ import time
 
 import numpy as np
 import pytest
-from bench_program import HASTY_STAND
 from documents import valid
 from processes import wait_until
+from simulated_bench import HASTY_STAND
 
 from tumble.bench import programs
 

@@ -7,8 +7,8 @@ import subprocess
 import sys
 
 import pytest
-from bench_program import built
 from conftest import ROOT
+from simulated_bench import built
 
 from tumble.bench import programs
 from tumble.store.image import MIN_SECTOR, read_image

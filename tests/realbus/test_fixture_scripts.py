@@ -8,10 +8,10 @@ import time
 
 import numpy as np
 import pytest
-from bench_program import built
 from conftest import ROOT
 from fixture_table import limits, read_limits
 from processes import HASTE, Node, Stand, scenario
+from simulated_bench import built
 from validation import session
 from validation.at_rest import MeanByNode
 

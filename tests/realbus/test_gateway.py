@@ -12,10 +12,10 @@ import time
 
 import numpy as np
 import pytest
-from bench_program import built
 from gateway_bench import KEYS, ROOT, decode, register
 from processes import HASTE, PATIENCE, Node, Stand, scenario, wait_until
 from recalibration import refusal_of
+from simulated_bench import built
 
 client_module = pytest.importorskip("pymodbus.client", reason="pymodbus is not installed")
 START, ACCEPT, DONE = 1, 9, 12

@@ -10,9 +10,9 @@ from datetime import datetime, timezone
 
 import documents
 import pytest
-from bench_program import built
 from conftest import ROOT
 from processes import HASTE, PATIENCE, Stand, scenario, sdo_command, slow_table, wait_until
+from simulated_bench import built
 from test_gateway import KEYS, Served
 
 PAGE = (ROOT / "docs/operations.md").read_text(encoding="utf-8")

@@ -8,8 +8,8 @@ import sys
 import time
 
 import can
-from bench_program import HASTY_STAND
 from processes import HASTE, Node, Stand, scenario, wait_until
+from simulated_bench import HASTY_STAND
 
 CONFIRM = (0x401, bytes.fromhex("2F02200203000000"))  # 2002h:2, command 3
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bench_program import built
 from processes import HASTE, Node, Stand, scenario, wait_until
+from simulated_bench import built
 from test_gateway import Served
 
 DROP = "setpriv --inh-caps=-all --bounding-set=-all --no-new-privs"
