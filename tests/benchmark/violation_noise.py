@@ -1,9 +1,9 @@
 """Runs of samples whose noise is not what the model takes it for: judged by the noise that each run itself shows."""
 
 import numpy as np
+from core_chi_squared import chi_squared
 from violation_rows import U0, K
 
-from tumble.core.fit import chi_squared
 from tumble.files.run_blocks import blocks_of
 from tumble.files.run_facts import facts_of
 from tumble.files.run_file import Run

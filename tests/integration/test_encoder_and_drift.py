@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from blocks import NOMINAL_K, random_block, usable_schedule
 from conftest import EXAMPLES
+from core_chi_squared import chi_squared, compare_fit
 from documents import valid
 from test_seat import with_keys
 
 from tumble import core, reference
-from tumble.core.fit import chi_squared
 from tumble.core.optimal import GainRecord, estimate_runs, optimal_runs
 from tumble.core.uncertainty import uncertainties
 from tumble.estimators import LINEAR
@@ -23,7 +23,6 @@ from tumble.reference.fit import WholeModel
 from tumble.reference.uncertainty import exact_outputs, sources
 from tumble.schedule import CHECK, Schedule
 from tumble.solving import gain_record
-from tumble.solving.crosscheck import compare_fit
 from tumble.solving.gains import gains, linearise, optimal_table, standard_deviations
 from tumble.solving.optimal_run import Weighting, apply_table, make_table
 from tumble.solving.solution import solve

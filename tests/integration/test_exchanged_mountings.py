@@ -2,17 +2,16 @@
 
 import dataclasses
 
+import core_stand_seen as stand_seen
 import numpy as np
 import pytest
 from blocks import write_run
 from conftest import EXAMPLES
 
 from tumble import core, reference
-from tumble.core import stand_seen
 from tumble.files.stand_file import read_stand
 from tumble.reference.uncertainty import exact_outputs, sources
 from tumble.solving.computation import DeadChannels, compute
-from tumble.solving.crosscheck import compare_seen
 from tumble.solving.stand_seen import look
 
 pytestmark = pytest.mark.python
@@ -56,7 +55,7 @@ class Exchanged:
         one_row = np.ones(12, dtype=int)
         seen = look(shown, None, one_row, self.declared)
         witness = reference.RunSeen(self.schedule.data, self.means, found.k)
-        compare_seen(seen, witness, one_row, nothing, self.declared)
+        stand_seen.compare_seen(seen, witness, one_row, nothing, self.declared)
         assert shown.departure == pytest.approx(witness.departure, rel=1e-9)
         return seen
 

@@ -60,11 +60,11 @@ def by_core(run, declared):
 
 
 def views_of(runs, declared):
-    return [RunView.of(solved(run, declared), PAPER, "run.csv") for run in runs]
+    return [RunView.of(solved(run, declared), "run.csv") for run in runs]
 
 
 def views_by_core(runs, declared):
-    return [RunView.by_core(by_core(run, declared), PAPER) for run in runs]
+    return [RunView.of(by_core(run, declared)) for run in runs]
 
 
 def judged(rng, actual, declared, count=1, views=views_of, ranges=True):

@@ -1,14 +1,13 @@
 """The stand that a run shows, from means whose noise is correlated: set angles and angles by the measured noise."""
 
+import core_stand_seen as stand_seen
 import numpy as np
 import pytest
 from test_noise import autoregressive, run_of
 from test_stand_seen import stand_named
 
 from tumble import core, reference
-from tumble.core import stand_seen
 from tumble.solving import noise
-from tumble.solving.crosscheck import compare_seen
 from tumble.solving.stand_seen import look
 
 pytestmark = pytest.mark.python
@@ -38,7 +37,7 @@ def seen(run, stand, counted, trust_stand=False):
     shown, white = stand_seen.RunSeen(SCHEDULE, run.means, MEASURED, k, u0), stand_seen.noise(run.samples, run.scatter)
     found = look(shown, white, run.samples, stand, trust_stand, variance)
     witness = reference.RunSeen(SCHEDULE.data, run.means, k)
-    compare_seen(found, witness, run.samples, run.scatter, stand, trust_stand, variance)
+    stand_seen.compare_seen(found, witness, run.samples, run.scatter, stand, trust_stand, variance)
     return found
 
 

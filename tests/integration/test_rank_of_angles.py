@@ -10,9 +10,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from conftest import EXAMPLES
+from core_stand_seen import RunSeen
 
 from tumble import core
-from tumble.core.stand_seen import RunSeen
 from tumble.files.schedule_file import read_schedule
 from tumble.schedule import Mounting, Position, Schedule
 
@@ -112,7 +112,7 @@ def test_random_poses_that_turn_have_the_rank_that_they_have():
 
 
 MAGNIFIED = {  # by seed: do they turn, by what factor may variances differ
-    5030: (False, 1.0),  # 6 of 200 such; solving.stand_seen asks the core about none of them
+    5030: (False, 1.0),  # 6 of 200 such; solving.stand_seen asks about none of them
     1037: (True, 100.0),
 }
 

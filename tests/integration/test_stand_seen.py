@@ -5,18 +5,17 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
+import core_stand_seen as stand_seen
 import numpy as np
 import pytest
 from blocks import random_block, random_means, usable_schedule
 from documents import paper_stand
 
 from tumble import core, reference
-from tumble.core import stand_seen
 from tumble.distributions import f_cdf
 from tumble.errors import Disagreement
 from tumble.files.stand_file import read_stand
 from tumble.schedule import CHECK, Position, Schedule
-from tumble.solving.crosscheck import compare_seen
 from tumble.solving.stand_seen import look
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
@@ -225,7 +224,7 @@ def test_core_and_witness_agree_far_beyond_the_noise(noise, spread):
         shown = stand_seen.RunSeen(schedule, means, np.ones(18, bool), k, u0)
         for trust in (True, False):
             seen = look(shown, stand_seen.noise(samples, scatter), samples, stand, trust)
-            compare_seen(seen, reference.RunSeen(PAPER, means, k), samples, scatter, stand, trust)
+            stand_seen.compare_seen(seen, reference.RunSeen(PAPER, means, k), samples, scatter, stand, trust)
 
 
 @pytest.mark.parametrize("name", ["three_mountings", "diagonal"])
@@ -277,7 +276,7 @@ def test_set_angles_hardly_worse_than_the_noise_are_no_disagreement(above):
         shown, witness, samples, scatter = hardly_any_set_angles(rng, above)
         found = look(shown, stand_seen.noise(samples, scatter), samples, None)
         assert found.alpha4 is not None and found.alpha4.u > 10 * found.alpha4.value
-        compare_seen(found, witness, samples, scatter, None)
+        stand_seen.compare_seen(found, witness, samples, scatter, None)
         with pytest.raises(Disagreement, match="alpha4 squared"):
             larger = replace(found.alpha4, u=found.alpha4.u * (1 + 1e-5))
-            compare_seen(replace(found, alpha4=larger), witness, samples, scatter, None)
+            stand_seen.compare_seen(replace(found, alpha4=larger), witness, samples, scatter, None)

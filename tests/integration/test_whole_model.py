@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from blocks import NOMINAL_K, write_run
 from conftest import EXAMPLES
+from core_chi_squared import chi_squared
 from test_fixture_check import PAPER, U0, simulated, stand_named
 
 from tumble import core, reference
-from tumble.core.fit import chi_squared
 from tumble.distributions import chi_squared_above, chi_squared_quantile
 from tumble.files.run_file import Run
 from tumble.reference.fit import basis

@@ -11,7 +11,7 @@ from core_whole_model import averages_of
 from test_fixture_check import PAPER, U0, stand_named
 
 from tumble import core, reference
-from tumble.core.fit import ANGLES
+from tumble.core.uncertainty import ANGLES
 from tumble.distributions import chi_squared_quantile
 from tumble.solving.crosscheck import LARGEST_MISFIT
 from tumble.solving.fit import variance_of_means

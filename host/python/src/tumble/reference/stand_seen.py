@@ -47,17 +47,17 @@ class AngleError:
     freedom: float
 
 
-def pooled_noise(samples: Integers, scatter: Floats) -> tuple[float | None, float | None]:
-    """Standard deviation of one sample, pooled over positions and channels, and its standard uncertainty.
+def pooled_noise(samples: Integers, scatter: Floats) -> Estimate | None:
+    """Standard deviation of one sample, pooled over positions and channels; None when a run holds only means.
 
-    `samples` (positions,), `scatter` (positions, 3), read where samples > 1. None, None when a run holds only means.
+    `samples` (positions,), `scatter` (positions, 3), read where samples > 1.
     """
     several = samples > 1
     freedom = 3 * int((samples[several] - 1).sum())
     if freedom == 0:
-        return None, None
+        return None
     variance = ((samples[several] - 1)[:, None] * scatter[several] ** 2).sum() / freedom
-    return float(np.sqrt(variance)), float(np.sqrt(variance / (2 * freedom)))
+    return Estimate(float(np.sqrt(variance)), float(np.sqrt(variance / (2 * freedom))))
 
 
 def closed_form(slots: Integers, k: Floats, means: Floats) -> Floats:

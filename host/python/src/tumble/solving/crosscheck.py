@@ -7,15 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble import reference
-from tumble.arrays import Floats, Integers
+from tumble.arrays import Floats
 from tumble.errors import Disagreement
 from tumble.reference.extended import least_squares, linear_outputs, magnification
 from tumble.reference.optimal import OptimalEstimate
-from tumble.reference.stand_seen import Estimate
 from tumble.schedule import Schedule
 from tumble.solving.computation import Computation
-from tumble.solving.stand_seen import ANGLES, Quantity, StandSeen, look, own_variance, weights_of
-from tumble.stand import Stand
 from tumble.terms import Terms
 
 RELATIVE_LIMIT = 1e-12
@@ -101,38 +98,6 @@ def _estimate(schedule: Schedule, means: Floats, found: Computation) -> tuple[Fl
     return unknowns[:9].reshape(3, 3), unknowns[9:12], unknowns[12:].reshape(-1, 3)
 
 
-def compare_seen(
-    found: StandSeen,
-    run: reference.RunSeen,
-    samples: Integers,
-    scatter: Floats,
-    stand: Stand | None,
-    trust_stand: bool = True,
-    mean_variance: Floats | None = None,
-) -> None:
-    """Look at the stand again, through the witness. Raises Disagreement.
-
-    Values may differ by 1e-6 of their standard uncertainty, or where that is less by 1e-11 rad or by what rounding
-    leaves of the largest output; uncertainties likewise; alpha4 by its square. Where the outputs fit worse than the
-    noise allows, as behind a coarse converter, the uncertainty is that which they show: times their misfit.
-    """
-    noise, u_noise = reference.pooled_noise(samples, scatter * weights_of(stand))
-    rounded = max(_ROUNDED_RAD, _LAST_BITS * _SUMMED * run.largest_force)
-    seen = None if noise is None or u_noise is None else Estimate(noise, u_noise)
-    witness = look(run, seen, samples, stand, trust_stand, mean_variance)
-    variances = [
-        own_variance(one, samples, stand, mean_variance) for one in (seen, None)
-    ]  # by the run and by the stand
-    misfit = max([1.0, *(run.misfit(variance) for variance in variances if variance is not None)])
-    _require_seen("noise", found.noise, witness.noise, 0.0)
-    _require_alpha4(found.alpha4, witness.alpha4, rounded, misfit)
-    for name in ANGLES:
-        _require_seen(name, found.angles[name], witness.angles[name], rounded, misfit)
-        _require_seen(f"augmented {name}", found.augmented[name], witness.augmented[name], rounded, misfit)
-    for mounting, change in found.other_yaw_changes.items():
-        _require_seen(f"yaw change {mounting}", change, witness.other_yaw_changes[mounting], rounded, misfit)
-
-
 def compare_uncertainties(stated: tuple[Floats, ...], witness: tuple[Floats, ...], optimal: bool) -> None:
     """Standard uncertainties of K, U0 and further sizes by the core and by numpy. Raises Disagreement.
 
@@ -142,40 +107,6 @@ def compare_uncertainties(stated: tuple[Floats, ...], witness: tuple[Floats, ...
     rounded = _ROUNDED_U * max(part.max() for part in witness)
     for name, mine, other in zip(("u_K", "u_U0", "u of further terms"), stated, witness):
         _require(name, mine, other, np.maximum((OPTIMAL_LIMIT_U if optimal else UNCERTAINTY_LIMIT) * other, rounded))
-
-
-def compare_fit(found: tuple[float, int], witness: reference.WholeModel) -> None:
-    """Chi-squared of all residuals and its degrees of freedom, by the core and by numpy. Raises Disagreement.
-
-    They may differ by 1e-6, relative and absolute. Beyond a misfit of 100 both must find one: there the problem is not
-    nearly linear any more, and nobody needs the figure.
-    """
-    square, freedom = found
-    _require("degrees of freedom of the fit", float(freedom), float(witness.freedom), 0.0)
-    far = LARGEST_MISFIT**2 * max(1, freedom)
-    if not min(square, witness.chi_squared) > far:
-        _require("chi-squared of the fit", square, witness.chi_squared, FIT_LIMIT * max(1.0, witness.chi_squared))
-
-
-def _require_seen(
-    name: str, core: Quantity | None, witness: Quantity | None, rounded: float, misfit: float = 1.0
-) -> None:
-    if core is None or witness is None:
-        _require_both(f"{name} of the stand seen", core, witness)
-        return
-    allowed = max(SEEN_LIMIT_U * misfit * witness.u, rounded)
-    _require(f"{name} of the stand seen", core.value, witness.value, allowed)
-    _require(f"u of {name} of the stand seen", core.u, witness.u, allowed)
-
-
-def _require_alpha4(core: Quantity | None, witness: Quantity | None, rounded: float, misfit: float) -> None:
-    """By its square and the uncertainty of that, which are what is estimated: where the set angles are hardly worse
-    than the noise, the root of a small number and its uncertainty magnify what rounding leaves of the square."""
-    if core is None or witness is None:
-        _require_both("alpha4 of the stand seen", core, witness)
-        return
-    squares = [Estimate(one.value**2, 2.0 * one.value * one.u) for one in (core, witness)]
-    _require_seen("alpha4 squared", squares[0], squares[1], 2.0 * witness.value * rounded, misfit)
 
 
 def _allowed(schedule: Schedule, means: Floats, largest_k: float, terms: Terms) -> float:

@@ -8,26 +8,20 @@ solves all unknowns in one dense problem.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from tumble import core, reference
-from tumble.arrays import Flags, Floats
-from tumble.core.fit import chi_squared
+from tumble.arrays import Floats
 from tumble.core.optimal import estimate_runs as core_runs, require_small
 from tumble.errors import BadInput, UsageError
 from tumble.reference.estimators import fit_indices
 from tumble.schedule import Schedule
 from tumble.solving.gains import Linearised, OptimalTable, exact_force, linearise
-from tumble.stand import Stand
 from tumble.terms import DRIFT, POWERS, Terms
 
 _CORRECTIONS = 2
 _STEPS = 200
 _ROUNDED = 1e-12  # of the largest component
-_FLOOR = 1e-7  # of the outputs
-_DESCENTS = 3
 _LEAST_OWN = 0.1  # of the length of a row of K
 
 
@@ -178,49 +172,3 @@ def gains(schedule: core.CoreSchedule, terms: Terms) -> Floats:
     count, fit = len(schedule), fit_indices(schedule.data)
     rows = least_squares(schedule, np.eye(3 * count).reshape(-1, count, 3), terms).reshape(count, 3, -1)
     return rows[fit].reshape(3 * len(fit), -1).T.copy()
-
-
-def least_chi_squared(
-    schedule: core.CoreSchedule,
-    means: Floats,
-    measured: Flags,
-    variance: Floats,
-    stand: Stand,
-    terms: Terms,
-    sizes: Floats,
-) -> tuple[float, int]:
-    """Chi-squared of all residuals with further terms in the model, and its degrees of freedom; arguments as of
-    core.fit.chi_squared. The core's chi-squared of the outputs without the terms is nearly a quadratic function of
-    their sizes: its minimum is found from its values, first of all around the estimated `sizes`."""
-    further = np.zeros((3 * len(terms), *means.shape))
-    further[:, measured] = columns(schedule.part(measured), terms)
-    noise = np.maximum(variance[measured], (_FLOOR * np.abs(means[measured]).max()) ** 2)
-    unit = 1.0 / np.sqrt((further[:, measured] ** 2 / noise).sum(axis=(1, 2)))
-    freedom = 0
-
-    def square(at: Floats) -> float:
-        nonlocal freedom
-        left = means - np.tensordot(at, further, axes=1)
-        found, freedom = chi_squared(schedule, left, measured, variance, stand)
-        return found
-
-    lowest = _lowest(square, sizes.ravel(), np.diag(unit))
-    return square(lowest), freedom - len(lowest)
-
-
-def _lowest(square: Callable[[Floats], float], start: Floats, steps: Floats) -> Floats:
-    """Where a nearly quadratic function is least, by Newton's way with the curvature at the start; `steps` (n, n): how
-    far to look, along each axis."""
-
-    def around(at: Floats) -> Floats:
-        return np.array([[square(at + sign * step) for step in steps] for sign in (1.0, -1.0)])
-
-    here, (up, down) = square(start), around(start)
-    curvature = np.diag(up + down - 2.0 * here)
-    for i, j in zip(*np.triu_indices(len(steps), 1)):
-        both = square(start + steps[i] + steps[j])
-        curvature[i, j] = curvature[j, i] = both - up[i] - up[j] + here
-    for _ in range(_DESCENTS):
-        start = start - np.linalg.solve(curvature, (up - down) / 2.0) @ steps
-        up, down = around(start)
-    return start

@@ -18,7 +18,8 @@ from tumble.core import MAX_STAND_ERROR_RAD
 from tumble.distributions import chi_squared_above, chi_squared_log_above
 from tumble.reference.fit import Score, WholeModel, basis
 from tumble.reference.patterns import BY_NAME, PATTERNS, STAND, Columns, Pattern
-from tumble.solving.stand_seen import ANGLES, Quantity, StandSeen
+from tumble.reference.stand_seen import ANGLES
+from tumble.solving.stand_seen import Quantity, StandSeen
 from tumble.stand import Stand
 
 CONFIDENCE = 0.999

@@ -11,12 +11,11 @@ import numpy as np
 
 from tumble import core, reference
 from tumble.arrays import Floats, Integers
-from tumble.core.fit import chi_squared
-from tumble.core.stand_seen import RunSeen, noise
 from tumble.defaults import DEFAULT_COVERAGE_FACTOR
 from tumble.errors import BadInput
 from tumble.estimators import OPTIMAL
 from tumble.files.run_file import Run
+from tumble.reference.stand_seen import ANGLES
 from tumble.schedule import Schedule
 from tumble.solving import extended, noise as noise_of_runs, optimal_run
 from tumble.solving.computation import Computation, DeadChannels, compute
@@ -32,8 +31,6 @@ from tumble.solving.crosscheck import (
     LARGEST_MISFIT,
     Comparison,
     compare,
-    compare_fit,
-    compare_seen,
 )
 from tumble.solving.extended import NotSolvable
 from tumble.solving.fit import CONFIDENCE, Fit, judge, variance_of_means
@@ -42,7 +39,7 @@ from tumble.solving.monte_carlo import MonteCarlo, simulate
 from tumble.solving.noise_patterns import sampled_patterns
 from tumble.solving.reliability import Reliability, reliability
 from tumble.solving.second_order import SecondOrder, second_order
-from tumble.solving.stand_seen import ANGLES, ChannelNoise, StandSeen, look, stand_to_look_with, weights_of
+from tumble.solving.stand_seen import ChannelNoise, StandSeen, look, stand_to_look_with, weights_of
 from tumble.solving.stated import Propagation, Stated, Witness
 from tumble.stand import PerChannel, Stand, over
 from tumble.terms import Terms
@@ -269,7 +266,7 @@ def solve(
     means, samples, scatter = run.means[run.measured], run.samples[run.measured], run.scatter[run.measured]
     noisy = noise_of_runs.look(run, in_unit, step)
     variance = noisy.mean_variance[run.measured]
-    model = None if declared is None else _whole_model(core_schedule, witnessed, run, declared, noisy, found)
+    model = None if declared is None else _whole_model(witnessed, run, declared, noisy, found)
     optimal = None
     if weighting is not None and model is not None:
         _require_near(model, file)
@@ -283,12 +280,10 @@ def solve(
         stated, costly = _state(reach, optimal, further, file)
     alike = None if declared is None else stand_to_look_with(declared, found.k)
     weights = weights_of(alike)
-    shown = RunSeen(core_schedule, found.linear, run.measured, found.k, found.u0, weights)
-    pooled = noise(run.samples, run.scatter * weights)
-    looked = look(shown, pooled, run.samples, alike, mean_variance=noisy.mean_variance)
-    witness = reference.RunSeen(witnessed, comparison.linear, found.k, core_schedule.data, weights)
-    compare_seen(looked, witness, samples, scatter, alike, mean_variance=variance)
-    seen = _without_angles(looked) if terms else looked
+    shown = reference.RunSeen(witnessed, comparison.linear, found.k, core_schedule.data, weights)
+    pooled = reference.pooled_noise(samples, scatter * weights)
+    seen = look(shown, pooled, samples, alike, mean_variance=variance)
+    seen = _without_angles(seen) if terms else seen
     fit = None
     if alike is not None and model is not None:
         fit = judge(model, confidence, seen, sampled_patterns(noisy, run, seen.noise, alike, step))
@@ -333,19 +328,15 @@ def _state(
 
 
 def _whole_model(
-    schedule: core.CoreSchedule,
     witnessed: Schedule,
     run: Run,
     stand: Stand,
     noisy: noise_of_runs.Noise,
     found: Computation,
 ) -> reference.WholeModel:
-    """The whole model of a run, by numpy; the core's has the same chi-squared. Raises Disagreement."""
-    variance, terms = variance_of_means(stand, run.samples, noisy.rounding), found.terms
-    model = reference.WholeModel(witnessed, run.means[run.measured], variance[run.measured], stand, terms)
-    given = schedule, run.means, run.measured, variance, stand
-    compare_fit(extended.least_chi_squared(*given, terms, found.sizes) if terms else chi_squared(*given), model)
-    return model
+    """The whole model of a run, by numpy."""
+    variance = variance_of_means(stand, run.samples, noisy.rounding)[run.measured]
+    return reference.WholeModel(witnessed, run.means[run.measured], variance, stand, found.terms)
 
 
 def _require_near(model: reference.WholeModel, file: str) -> None:

@@ -1,22 +1,18 @@
-"""The stand seen in the data: what a run tells about angles and noise of the stand, each with its uncertainty.
-
-The core and its numpy witness each look at the run; what they are told, and what is made of their answers, stands here
-once.
-"""
+"""The stand seen in the data: what a run tells about angles and noise of the stand, each with its uncertainty."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from tumble.arrays import Floats, Integers
 from tumble.core import MAX_STAND_ERROR_RAD, MAX_YAWS
+from tumble.reference.stand_seen import ANGLES, Estimate, RunSeen
 from tumble.stand import Stand
 
-ANGLES = ("alpha1", "alpha2_plus_alpha3", "alpha3_difference")
 NAMES = {  # of what is seen, for people
     "alpha1_rad": "axis tilt",
     "alpha2_plus_alpha3_rad": "level + yaw",
@@ -27,40 +23,7 @@ NAMES = {  # of what is seen, for people
 _FARTHEST = 1e5  # rows of K, as their noise makes them alike, from one another
 
 
-class Quantity(Protocol):
-    """With its standard uncertainty."""
-
-    @property
-    def value(self) -> float: ...
-    @property
-    def u(self) -> float: ...
-
-
-class AngleError(Protocol):
-    """Of set angles; `seen` None where the run cannot tell."""
-
-    @property
-    def seen(self) -> Quantity | None: ...
-    @property
-    def freedom(self) -> float: ...
-
-
-class RunSeen(Protocol):
-    """What both implementations answer: RunSeen of tumble.core.stand_seen and of tumble.reference.stand_seen.
-    `mountings`: how many the schedule has; `has_turns`: is any of them measured at two angles?; `departure`: rms of
-    what least squares on the ideal stand leaves of the outputs, in the channel that has most, over max|K|: about an
-    angle in rad; 0 where it leaves nothing by itself."""
-
-    mountings: int
-
-    @property
-    def has_turns(self) -> bool: ...
-    @property
-    def departure(self) -> float: ...
-    def angles(self, alpha4: float | None, variance: Floats, /) -> Mapping[str, Quantity | None]: ...
-    def fit(self, alpha4: float, variance: Floats, /) -> Mapping[str, Quantity | None]: ...
-    def other_yaw_changes(self, alpha4: float, variance: Floats, /) -> Mapping[int, Quantity | None]: ...
-    def angle_error(self, variance: Floats, /) -> AngleError: ...
+Quantity = Estimate  # with its standard uncertainty
 
 
 @dataclass(frozen=True)
@@ -96,9 +59,9 @@ def look(
     trust_stand: bool = True,
     mean_variance: Floats | None = None,
 ) -> StandSeen:
-    """What a run shows, by one of the two implementations: `run` is that one's RunSeen, `noise` the pooled noise that
-    it found (None: unknown). `samples` (positions,); `stand` in the unit of the outputs; `mean_variance`
-    (positions, 3): of the means as their own samples show it, counts where it is more than white noise leaves.
+    """What a `run` shows; `noise`: pooled (None: unknown). `samples` (positions,) of those measured; `stand` in the
+    unit of the outputs; `mean_variance` (positions, 3): of the means as their own samples show it, counts where it is
+    more than white noise leaves.
 
     Channels of which the stand declares different noise are made alike by its weights first: `run` was made with these,
     `noise` is that of the noisiest channel, each having been held against its own.

@@ -176,7 +176,7 @@ def _views(
         odd = (*odd_rows, *plausibility.require(solution, stand_file, file), *plausibility.unchecked(solution))
         odd += tuple(about_temperature)
         warnings += [f"{file_name(file)}: {sentence}" for sentence in odd]
-        views.append(RunView.of(solution, core_schedule, file))
+        views.append(RunView.of(solution, file))
     return views, warnings
 
 

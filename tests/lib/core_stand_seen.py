@@ -1,4 +1,4 @@
-"""The core's account of the stand that a run shows, for Python. Arrays as in tumble.core.binding."""
+"""The core's account of the stand that a run shows, beside numpy's. Arrays as in tumble.core.binding."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from _tumble_core import ffi, lib
 
+from tumble import reference
 from tumble.arrays import Flags, Floats, Integers
 from tumble.core.binding import (
     Calibration,
@@ -18,12 +19,18 @@ from tumble.core.binding import (
     require_ok,
     residual_rms,
 )
+from tumble.reference.stand_seen import ANGLES, Estimate
 from tumble.schedule import FIT, Schedule
+from tumble.solving.crosscheck import _LAST_BITS, _require, _require_both
+from tumble.solving.stand_seen import StandSeen, look, own_variance, weights_of
+from tumble.stand import Stand
 
 if TYPE_CHECKING:
     from _tumble_core import CData
 
-ANGLES = ("alpha1", "alpha2_plus_alpha3", "alpha3_difference")
+SEEN_LIMIT_U = 1e-6
+_ROUNDED_RAD = 1e-11
+_SUMMED = 100.0
 
 
 @dataclass(frozen=True)
@@ -150,3 +157,55 @@ class RunSeen:
     def _fit_arguments(self, alpha4: float, variance: Floats) -> tuple[CData, ...]:
         errors = _errors(alpha4, variance)
         return self._schedule.struct, self._means, self._coefficients, errors, self._work
+
+
+def compare_seen(
+    found: StandSeen,
+    run: reference.RunSeen,
+    samples: Integers,
+    scatter: Floats,
+    stand: Stand | None,
+    trust_stand: bool = True,
+    mean_variance: Floats | None = None,
+) -> None:
+    """Look at the stand again, through the witness. Raises Disagreement.
+
+    Values may differ by 1e-6 of their standard uncertainty, or where that is less by 1e-11 rad or by what rounding
+    leaves of the largest output; uncertainties likewise; alpha4 by its square. Where the outputs fit worse than the
+    noise allows, as behind a coarse converter, the uncertainty is that which they show: times their misfit.
+    """
+    seen = reference.pooled_noise(samples, scatter * weights_of(stand))
+    rounded = max(_ROUNDED_RAD, _LAST_BITS * _SUMMED * run.largest_force)
+    witness = look(run, seen, samples, stand, trust_stand, mean_variance)
+    variances = [
+        own_variance(one, samples, stand, mean_variance) for one in (seen, None)
+    ]  # by the run and by the stand
+    misfit = max([1.0, *(run.misfit(variance) for variance in variances if variance is not None)])
+    _require_seen("noise", found.noise, witness.noise, 0.0)
+    _require_alpha4(found.alpha4, witness.alpha4, rounded, misfit)
+    for name in ANGLES:
+        _require_seen(name, found.angles[name], witness.angles[name], rounded, misfit)
+        _require_seen(f"augmented {name}", found.augmented[name], witness.augmented[name], rounded, misfit)
+    for mounting, change in found.other_yaw_changes.items():
+        _require_seen(f"yaw change {mounting}", change, witness.other_yaw_changes[mounting], rounded, misfit)
+
+
+def _require_seen(
+    name: str, core: Estimate | None, witness: Estimate | None, rounded: float, misfit: float = 1.0
+) -> None:
+    if core is None or witness is None:
+        _require_both(f"{name} of the stand seen", core, witness)
+        return
+    allowed = max(SEEN_LIMIT_U * misfit * witness.u, rounded)
+    _require(f"{name} of the stand seen", core.value, witness.value, allowed)
+    _require(f"u of {name} of the stand seen", core.u, witness.u, allowed)
+
+
+def _require_alpha4(core: Estimate | None, witness: Estimate | None, rounded: float, misfit: float) -> None:
+    """By its square and the uncertainty of that, which are what is estimated: where the set angles are hardly worse
+    than the noise, the root of a small number and its uncertainty magnify what rounding leaves of the square."""
+    if core is None or witness is None:
+        _require_both("alpha4 of the stand seen", core, witness)
+        return
+    squares = [Estimate(one.value**2, 2.0 * one.value * one.u) for one in (core, witness)]
+    _require_seen("alpha4 squared", squares[0], squares[1], 2.0 * witness.value * rounded, misfit)
