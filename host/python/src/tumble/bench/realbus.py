@@ -108,8 +108,7 @@ def run(bus: str, scenario: Path, seed: int, stage: Path, on_event: OnEvent, int
 def _here(wanted: _Wanted, interface: str, on_event: OnEvent) -> program.Ended:
     out = wanted.stage / "bench"
     with _Stand(wanted.stand(interface)) as stand:
-        path, *arguments = wanted.node(interface, out)
-        ended = program.run(arguments, lambda event: stand.tell(_answer(event, on_event)), False, path)
+        ended = program.run(wanted.node(interface, out), lambda event: stand.tell(_answer(event, on_event)))
         document = stand.end()
     return _judged(ended, out, document)
 
