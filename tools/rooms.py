@@ -40,7 +40,7 @@ MAY_IMPORT = {
     "data": set(),
     "reference": set(),  # the witness: never of the core, or their agreement means nothing
     "drawings": set(),
-    "client": {"data"},
+    "client": {"data", "bench"},
     "files": {"core"},
     "store": {"files"},
     "workers": {"files"},

@@ -1,5 +1,5 @@
 /* standard.h - the configuration for the standard stand: a board has it until a commissioning record replaces it, and
- * tumble-bench starts from it.
+ * the simulated world starts from it.
  *
  * The stand: the paper's, with its schedule, on a drive that counts in thousandths of a degree (also per second, and
  * per second squared) and turns at 90 deg/s and 180 deg/s^2. The block: 24 bits over +-10 V, -2 V/g, white noise of

@@ -14,7 +14,7 @@
  *           that was made before it reads as 0
  * key       in a scenario file; NULL: it follows from others there
  * low, high what a scenario file may say, both included; where 0 leaves a number open, it is allowed there
- * about     unit and meaning, for `tumble-bench --keys`; of an enum its words
+ * about     unit and meaning, for `tumble bench --keys`; of an enum its words
  *
  * Nothing of a table is left where nobody expands it. tools/objects/generate refuses a member without a row. No field
  * changes while a run is on.

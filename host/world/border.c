@@ -7,6 +7,7 @@
 #include "world/facts.h"
 #include "world/world_parts.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -283,6 +284,18 @@ const char *world_send(world_t *world, uint16_t id, uint8_t length, const uint8_
     }
     (void)memcpy(frame.data, data, length);
     (void)sim_bus_send(&world->world.bus, BENCH_BUS_GUEST, &frame); /* the bus counts those that find the queue full */
+    return NULL;
+}
+
+const char *world_turn_table(world_t *world, double angle_deg, double speed_deg_s)
+{
+    if (world->config.present.drive) {
+        return "the simulated drive turns the table: present.drive = no leaves it to another";
+    }
+    if (!(fabs(angle_deg) <= 36000.0 && speed_deg_s >= 1e-5 && speed_deg_s <= 1e5)) {
+        return "the table turns to -36000 to 36000 deg, at 1e-5 to 1e5 deg/s";
+    }
+    bench_world_turn(&world->world, angle_deg, speed_deg_s);
     return NULL;
 }
 

@@ -91,6 +91,9 @@ void world_end(world_t *world, world_end_t end);
 /* Put a frame on the bus, as one more node. */
 const char *world_send(world_t *world, uint16_t id, uint8_t length, const uint8_t *data);
 
+/* Turn the table, for a drive of the caller's (present.drive = no): to at most 36000 deg either way, at 1e-5 to 1e5 deg/s. */
+const char *world_turn_table(world_t *world, double angle_deg, double speed_deg_s);
+
 typedef enum {
     WORLD_ANSWER_DONE = 0,
     WORLD_ANSWER_ABORT,

@@ -6,12 +6,9 @@ receive PDO and the second transmit PDO. It will not be switched on until somebo
 """
 
 import struct
-import threading
 import time
 
-import can
 import canopen
-from bench_guests import connected, disconnect
 from canopen.objectdictionary import ODArray, ODRecord, ODVariable, datatypes
 
 NODE = 2
@@ -75,18 +72,17 @@ def variable(index, subindex, kind, default):
 
 
 class PythonDrive:
-    """The drive on a bus (tumble.canbus.TumbleBus), from power-on until `close`. `events`: what it did."""
+    """The drive on a bus with `turn_table`, from power-on, as long as `step` is called. `events`: what it did."""
 
     def __init__(self, bus):
         self.bus, self.events = bus, []
-        self.lock = threading.RLock()
         self.state, self.mode_bits, self.word = SWITCH_ON_DISABLED, 0, 0
         self.start_deg = self.goal_deg = 11.0
         self.started, self.arrives, self.legs = 0.0, 0.0, []
         self.heard, self.sent, self.sent_at = time.monotonic(), None, 0.0
         self.silent, self.beaten_at = False, 0.0
         self.bus.turn_table(self.start_deg, 1e4)
-        self.network = connected(bus)
+        self.network = canopen.Network(bus)
         self.node = self.network.create_node(NODE, dictionary())
         self.node.add_write_callback(self.on_write)
         self.node.nmt.start_heartbeat = lambda _: None  # ours, which can fall silent, is in the cycle
@@ -94,15 +90,6 @@ class PythonDrive:
         self.node.nmt.send_command(129)
         self.network.send_message(0x700 + NODE, [0])
         self.node.nmt.send_command(128)
-        self.running = True
-        self.thread = threading.Thread(target=self.live, daemon=True)
-        self.thread.start()
-
-    def close(self):
-        """Power off."""
-        self.running = False
-        self.thread.join(5)
-        disconnect(self.network)
 
     def require_all_positions(self):
         """It was homed first, and sent to all of the paper's positions."""
@@ -122,14 +109,13 @@ class PythonDrive:
 
     def on_write(self, index, subindex, od, data):
         """By SDO. python-canopen stores the value only after this."""
-        with self.lock:
-            self.node.data_store.setdefault(index, {})[subindex] = bytes(data)
-            if index == 0x1402 and subindex == 1 and not self.get(0x1402, 1) >> 31:
-                self.network.subscribe(self.get(0x1402, 1) & 0x7FF, self.on_receive_pdo)
-            elif index == 0x6060 and not self.get(0x6040) & 0x100:
-                self.take_mode()
-            elif index == 0x6040:
-                self.command()
+        self.node.data_store.setdefault(index, {})[subindex] = bytes(data)
+        if index == 0x1402 and subindex == 1 and not self.get(0x1402, 1) >> 31:
+            self.network.subscribe(self.get(0x1402, 1) & 0x7FF, self.on_receive_pdo)
+        elif index == 0x6060 and not self.get(0x6040) & 0x100:
+            self.take_mode()
+        elif index == 0x6040:
+            self.command()
 
     def take_mode(self):
         """6060h comes into force."""
@@ -138,18 +124,17 @@ class PythonDrive:
 
     def on_receive_pdo(self, _, data, __):
         """Values as our own mapping says."""
-        with self.lock:
-            if self.node.nmt.state != "OPERATIONAL":
-                return
-            at = 0
-            for subindex in range(1, self.get(0x1602, 0) + 1):
-                entry = self.get(0x1602, subindex)
-                size = (entry & 0xFF) // 8
-                self.node.data_store.setdefault(entry >> 16, {})[0] = bytes(data[at : at + size])
-                at += size
-            if self.get(0x6060) != self.get(0x6061):
-                self.take_mode()
-            self.command()
+        if self.node.nmt.state != "OPERATIONAL":
+            return
+        at = 0
+        for subindex in range(1, self.get(0x1602, 0) + 1):
+            entry = self.get(0x1602, subindex)
+            size = (entry & 0xFF) // 8
+            self.node.data_store.setdefault(entry >> 16, {})[0] = bytes(data[at : at + size])
+            at += size
+        if self.get(0x6060) != self.get(0x6061):
+            self.take_mode()
+        self.command()
 
     def on_master(self, *_):
         """The master's heartbeat."""
@@ -220,18 +205,11 @@ class PythonDrive:
         self.start_deg = self.goal_deg = here
         self.arrives, self.legs = 0.0, []
 
-    def live(self):
-        """The control cycle."""
-        while self.running:
-            with self.lock:
-                try:
-                    self.cycle()
-                except can.CanOperationError:  # the bench has ended
-                    return
-            time.sleep(CYCLE_S)
-
-    def cycle(self):
-        """Motion, supervision, process data."""
+    def step(self):
+        """What comes within a cycle's time; then motion, supervision, process data."""
+        end = time.monotonic() + CYCLE_S
+        while (message := self.bus.recv(max(0.0, end - time.monotonic()))) is not None:
+            self.network.notify(message.arbitration_id, message.data, message.timestamp)
         at_rest = time.monotonic() >= self.arrives
         if at_rest and self.legs:
             self.set_out()

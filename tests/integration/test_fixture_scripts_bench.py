@@ -1,176 +1,151 @@
-"""tools/fixture over CAN: the firmware itself, simulated drive and block, on the bus of tumble-bench in real time."""
+"""tools/fixture over CAN: the firmware itself, simulated drive and block, in virtual time (can:tumble@SCENARIO)."""
 
 import re
+import shlex
 import signal
 import subprocess
 import sys
-import tempfile
-import time
-from contextlib import contextmanager
 from xml.etree import ElementTree
 
 import pytest
 from conftest import ROOT
 from fixture_table import limits
-from simulated_bench import Served, scenario
+from simulated_bench import scenario
+from validation import command
 
-from tumble.bench import program
+from tumble import client, interruption
+from tumble.client import can_link
 
 pytest.importorskip("can", reason="python-can is not installed")
 pytest.importorskip("canopen", reason="python-canopen is not installed")
-pytestmark = [pytest.mark.slow, pytest.mark.python, pytest.mark.real_time]
+pytestmark = [pytest.mark.slow, pytest.mark.python]
 
+PAGE = (ROOT / "docs/fixture.md").read_text()
 HASTE = {
-    "firmware__starts": "no",
     "motion__speed_deg_s": 720,
     "motion__acceleration_deg_s2": 7200,
-    "motion__settling_s": 0.1,
     "profile__homing_fast_deg_s": 720,
     "profile__homing_slow_deg_s": 90,
-    "block__sample_period_us": 4000,
 }
-ASKED = {
-    "table__rest_s": 0.1,
-    "table__samples": 60,
-    "table__homings": 4,
-    "table__backlash_angles": 3,
-    "settling__settling_s": 0.3,
-    "homing__repeatability_deg": 0.05,
-    "positions__set_angle_rad": 4e-4,
-    "backlash__backlash_deg": 0.04,
-}
-LIVE = ("link", "homing", "positions", "backlash", "settling", "closure", "noise")
+SLIPS = [f"slip time={13 + 0.5 * n} value=0.3" for n in range(16)]  # while it homes again and again
+EXCEEDS = r"does not support a calibration to 3e-4 g: {} [-.e0-9]+ \w+ exceeds"
+FAULTS = {  # checks, keys of the scenario, exit code, what is said in the end
+    "homing": ("homing", {"fault": SLIPS}, 1, EXCEEDS.format("homing repeatability")),
+    "positions": ("positions", {"stand__angle_rad": 3e-3}, 1, EXCEEDS.format("set angle, std dev")),
+    "settling": ("settling", {"motion__settling_s": 6}, 1, EXCEEDS.format("settling time, worst")),
+    "closure": ("closure", {"fault": "slip time=8 value=0.3"}, 1, EXCEEDS.format("closure of a turn")),
+    "noise": ("noise", {"block__noise_v": "2e-3 2e-3 2e-3"}, 1, EXCEEDS.format("noise of a sample")),
+    "an encoder that stops within the drive's window":
+        ("positions", {"fault": "never_reached time=1 value=0.008"}, 1, r"read-back, worst +0\.008 deg .* fails"),
+    "a drive without power": ("positions", {"fault": "drive_silent time=3"}, 1, r"positions: .*in fault"),
+    "a node that is silent": ("link", {"present__navcomp": "no"}, 3, r"^validate: node 1 does not answer: "),
+    "a block that is silent": ("noise", {"fault": "no_samples time=0"}, 3, "^validate: the block sends no samples"),
+}  # fmt: skip
 
 
-@contextmanager
-def waiting(folder, seed=3, **keys):
-    """The bench, and where its bus is."""
-    path = scenario(folder, **{**HASTE, **keys})
-    with tempfile.TemporaryDirectory() as short:
-        socket = f"{short}/s"
-        run = Served([program.find(), str(path), "--listen", socket, "--guests", "1", "--seed", str(seed)])
-        try:
-            yield run, f"can:tumble@{socket}"
-        finally:
-            run.process.kill()
-            run.process.wait()
+@pytest.fixture
+def validate(monkeypatch, capsys):
+    """The command, in this process: (exit code, what it printed, what it complained of). `validate.buses`: those that
+    it has opened."""
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
+    monkeypatch.setattr(interruption, "_watched", [])
+    monkeypatch.setattr(interruption, "_received", [])
+    monkeypatch.setattr(can_link, "_TIMES_SILENT", 1)
+
+    def run(*words):
+        code = command.main([*map(str, words)])
+        return code, *capsys.readouterr()
+
+    def opened(where, really=client.open_bus):
+        run.buses.append(really(where))
+        return run.buses[-1]
+
+    run.buses = []
+    monkeypatch.setattr(client, "open_bus", opened)
+    yield run
+    for number, handler in handlers.items():
+        signal.signal(number, handler)
 
 
-def command(*arguments):
-    return [sys.executable, "-B", str(ROOT / "tools/fixture/launch.py"), *map(str, arguments)]
+def link(folder, **keys):
+    return f"can:tumble@{scenario(folder, **{**HASTE, **keys})}"
 
 
-def validated(folder, *checks, asked=None, **keys):
-    """(exit code, what was said) of some checks on a stand with these scenario keys."""
-    path = limits(folder, **{**ASKED, **(asked or {})})
-    with waiting(folder, **keys) as (_run, link):
-        done = subprocess.run(command(link, *checks, "--limits", path), capture_output=True, text=True, timeout=90)
-    assert done.stderr == "", done.stderr
-    return done.returncode, done.stdout
-
-
-def test_a_good_stand_meets_all_that_can_be_asked_of_it_live_and_by_its_run(tmp_path):
-    """With a run of the same stand, made by the firmware before."""
-    made = [program.find(), scenario(tmp_path, "run.txt"), "--seed", "3", "--out", tmp_path / "run"]
-    assert subprocess.run(list(map(str, made)), capture_output=True).returncode == 0
-    path, junit = limits(tmp_path, **ASKED), tmp_path / "fixture.xml"
-    with waiting(tmp_path) as (run, link):
-        arguments = command(link, "--limits", path, "--run", tmp_path / "run/run.csv", "--junit", junit)
-        done = subprocess.run(arguments, capture_output=True, text=True, timeout=90)
-        assert run.wait() == 0 and run.document["table"]["at_rest"]
-    print(done.stdout)
-    assert done.returncode == 0 and done.stderr == "", done.stdout + done.stderr
-    assert "This fixture does support a calibration to 3e-4 g: " in done.stdout
-    assert max(map(len, done.stdout.splitlines())) <= 80
-    suite = ElementTree.parse(junit).getroot()
+def test_a_good_stand_meets_all_as_the_page_shows(validate, tumble, tmp_path, monkeypatch):
+    """Live and by a run of the same stand, made before."""
+    commands = re.findall(r"^    tools/\S+ (bench --out run|can:tumble@paper .*)$", PAGE, re.MULTILINE)
+    bench, check = map(shlex.split, commands)
+    assert tumble(*bench, cwd=tmp_path).returncode == 0
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "tools").symlink_to(ROOT / "tools")
+    code, out, err = validate(*check, "--junit", "fixture.xml")
+    assert (code, err) == (0, ""), out + err
+    assert "".join(f"    {line}\n" if line else "\n" for line in out.splitlines()) in PAGE, out
+    assert max(map(len, out.splitlines())) <= 80
+    assert validate.buses[0].end()["table"]["at_rest"]
+    suite = ElementTree.parse(tmp_path / "fixture.xml").getroot()
     assert (suite.get("tests"), suite.get("failures")) == ("10", "0")
 
 
-@pytest.mark.full
-@pytest.mark.parametrize(
-    ("check", "keys", "said"),
-    [
-        ("homing", {"fault": [f"slip time={at} value=0.3" for at in range(4, 19)]}, "homing repeatability"),
-        ("positions", {"stand__angle_rad": 3e-3}, "set angle, std dev"),
-        ("backlash", {"motion__backlash_deg": 0.2}, "backlash"),
-        ("settling", {"motion__settling_s": 6}, "settling time, worst"),
-        ("closure", {"fault": "slip time=4 value=0.3"}, "closure of a turn"),
-        ("noise", {"block__noise_v": "2e-3 2e-3 2e-3"}, "noise of a sample"),
-    ],
-)
-def test_the_fault_is_found_by_its_check(tmp_path, check, keys, said):
-    code, text = validated(tmp_path, check, **keys)
-    flat = " ".join(text.split())
-    assert code == 1 and f"does not support a calibration to 3e-4 g: {said}" in flat, text
-    assert re.search(rf"{re.escape(said)} [-.e0-9]+ \w+ exceeds", flat), text
+@pytest.mark.parametrize(("checks", "keys", "exit_code", "says"), FAULTS.values(), ids=FAULTS)
+def test_a_fault_is_found_by_its_check(validate, tmp_path, checks, keys, exit_code, says):
+    code, out, err = validate(link(tmp_path, **keys), checks, "--limits", limits(tmp_path))
+    said = " ".join((err if code == 3 else out).split())
+    assert code == exit_code and (out if code == 3 else err) == "" and re.search(says, said), out + err
 
 
-def test_backlash_is_measured_and_seen_by_nothing_else(tmp_path):
+def test_backlash_is_measured_and_seen_by_nothing_else(validate, tmp_path):
     """0.2 deg behind the encoder: found within four standard uncertainties; positions, all from below, stay good."""
-    code, text = validated(tmp_path, "positions", "backlash", motion__backlash_deg=0.2)
-    rows = {line[2:26].strip(): line[26:].split() for line in text.splitlines() if line.startswith("  ")}
-    assert code == 1 and rows["set angle, std dev"][-1] == rows["read-back, worst"][-1] == "meets", text
-    assert abs(float(rows["backlash"][0]) - 0.2) < 4.0 * float(rows["backlash"][2]) + 0.005, text
+    stand = link(tmp_path, motion__backlash_deg=0.2)
+    code, out, _ = validate(stand, "positions", "backlash", "--limits", limits(tmp_path))
+    rows = {line[2:26].strip(): line[26:].split() for line in out.splitlines() if line.startswith("  ")}
+    assert code == 1 and rows["set angle, std dev"][-1] == rows["read-back, worst"][-1] == "meets", out
+    assert abs(float(rows["backlash"][0]) - 0.2) < 4.0 * float(rows["backlash"][2]) + 0.005, out
 
 
-def test_an_encoder_that_stops_short(tmp_path):
-    """By 0.008 deg, within the drive's window, so that it says "in position"."""
-    code, text = validated(tmp_path, "positions", fault="never_reached time=1 value=0.008")
-    assert code == 1 and re.search(r"read-back, worst +0\.008 deg .* fails", text), text
-
-
-def test_a_wrong_node(tmp_path):
-    code, text = validated(tmp_path, "link", asked={"identity__product_code": "0x54420009"})
-    assert code == 1 and "product code is 0x54420001 and not 0x54420009" in " ".join(text.split()), text
-
-
-def test_a_drive_without_power_is_a_fault_of_the_stand(tmp_path):
-    code, text = validated(tmp_path, "positions", fault="drive_silent time=3")
-    assert code == 1 and "positions: " in text and "in fault" in " ".join(text.split()), text
-
-
-def test_a_silent_node_is_exit_3(tmp_path):
-    with waiting(tmp_path, present__navcomp="no") as (_run, link):
-        done = subprocess.run(command(link, "--limits", limits(tmp_path)), capture_output=True, text=True, timeout=60)
-    assert (done.returncode, done.stdout) == (3, ""), done.stderr
-    assert re.fullmatch(r"validate: node 1 does not answer: .*\n", done.stderr), done.stderr
-
-
-def test_a_block_that_sends_no_samples_is_exit_3(tmp_path):
-    with waiting(tmp_path, fault="no_samples time=0") as (_run, link):
-        arguments = command(link, "noise", "--limits", limits(tmp_path))
-        done = subprocess.run(arguments, capture_output=True, text=True, timeout=60)
-    assert (done.returncode, done.stdout) == (3, "") and "the block sends no samples" in done.stderr, done.stderr
+def test_a_wrong_node(validate, tmp_path):
+    asked = limits(tmp_path, identity__product_code="0x54420009")
+    code, out, _ = validate(link(tmp_path), "link", "--limits", asked)
+    assert code == 1 and "product code is 0x54420001 and not 0x54420009" in " ".join(out.split()), out
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_an_interruption_stops_the_table(tmp_path, number):
-    """In the middle of a slow turn to 360 deg: at rest far from it."""
-    asked = limits(tmp_path, **ASKED)
-    with waiting(tmp_path, motion__speed_deg_s=15, motion__acceleration_deg_s2=200) as (run, link):
-        validating = subprocess.Popen(command(link, "positions", "--limits", asked), stderr=subprocess.PIPE, text=True)
-        time.sleep(7.0)
-        validating.send_signal(number)
-        told = time.monotonic()
-        errors = validating.communicate(timeout=10)[1]
-        assert validating.returncode == 128 + number and time.monotonic() - told < 3.0
-        assert errors == "validate: interrupted; the table was told to stop\n"
-        assert run.wait(timeout=20) == 0
-    table = run.document["table"]
-    assert table["at_rest"] and table["highest_deg"] < 330.0
+def test_an_interruption_stops_the_table(validate, tmp_path, number, monkeypatch):
+    """In the middle of a slow turn to 45 deg: at rest far from it, and soon."""
+    told = []
+
+    def opened(where, really=client.open_bus):
+        bus = really(where)
+        sleep = bus.sleep
+
+        def interrupted(seconds):
+            sleep(seconds)
+            if not told and bus.now_s > 3.0:
+                told.append(bus.now_s)
+                signal.raise_signal(number)
+
+        bus.sleep = interrupted
+        return bus
+
+    monkeypatch.setattr(client, "open_bus", opened)
+    stand = link(tmp_path, motion__speed_deg_s=15, motion__acceleration_deg_s2=200)
+    found = validate(stand, "settling", "--limits", limits(tmp_path))
+    assert found == (128 + number, "", "validate: interrupted; the table was told to stop\n")
+    table = validate.buses[0].end()["table"]
+    assert table["at_rest"] and 20.0 < table["highest_deg"] < 25.0 and validate.buses[0].now_s < told[0] + 0.5, table
 
 
 def test_as_tests_of_pytest(tmp_path):
     """`pytest tools/fixture --fixture LINK --limits FILE`: a test for each check, the sentence in the end."""
-    asked = limits(tmp_path, **ASKED)
-    with waiting(tmp_path, motion__backlash_deg=0.2) as (_run, link):
-        pytest_command = [sys.executable, "-B", "-m", "pytest", "-p", "no:cacheprovider", "tools/fixture", "-q"]
-        done = subprocess.run([*pytest_command, "--fixture", link, "--limits", asked], cwd=ROOT, capture_output=True,
-                              text=True, timeout=90)
-    out = done.stdout
-    assert done.returncode == 1, out + done.stderr
-    failed = set(re.findall(r"FAILED .*test_fixture\[(\w+)\]", out))
-    assert failed == {"backlash", "level", "remounting", "support"}, out
-    assert "does not support a calibration to 3e-4 g: backlash 0.2 deg exceeds 0.04 deg" in " ".join(out.split())
-    without = subprocess.run(pytest_command, cwd=ROOT, capture_output=True, text=True, timeout=60)
+    pytest_command = [sys.executable, "-B", "-m", "pytest", "-p", "no:cacheprovider", "tools/fixture", "-q"]
+    stand = "--fixture", link(tmp_path, motion__backlash_deg=0.2), "--limits", limits(tmp_path)
+    done, without = (
+        subprocess.run([*pytest_command, *map(str, given)], cwd=ROOT, capture_output=True, text=True, timeout=120)
+        for given in (stand, ())
+    )
+    assert done.returncode == 1, done.stdout + done.stderr
+    failed = set(re.findall(r"FAILED .*test_fixture\[(\w+)\]", done.stdout))
+    assert failed == {"backlash", "level", "remounting", "support"}, done.stdout
+    assert "not support a calibration to 3e-4 g: backlash 0.2 deg exceeds 0.01 deg" in " ".join(done.stdout.split())
     assert without.returncode == 0 and "10 skipped" in without.stdout

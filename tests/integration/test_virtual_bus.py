@@ -1,13 +1,15 @@
 """Firmware and stand in virtual time as a bus of python-can: what its time is, and that nothing else counts."""
 
 import json
-import struct
+import re
 import time
 
 import pytest
+from conftest import ROOT
 from simulated_bench import scenario
 
-from tumble import client
+from tumble import World, client
+from tumble.errors import UsageError
 from tumble.testing.rigs import FAST
 from tumble.testing.virtual_bus import VirtualBus, time_of
 
@@ -15,8 +17,6 @@ can = pytest.importorskip("can", reason="python-can is not installed")
 pytest.importorskip("canopen", reason="python-canopen is not installed")
 pytestmark = pytest.mark.python
 
-ON_THE_WAY = 0x80000002
-RECORD = struct.Struct("<IB3x8s")
 HEARTBEATS = (0x701, 0x702, 0x703)
 
 
@@ -211,3 +211,85 @@ def test_the_end_of_its_time_is_told(virtual):
 def test_a_memory_needs_the_name_of_the_block(tmp_path):
     with pytest.raises(can.CanInitializationError, match=r"keeper\.serial is missing: who keeps coefficients must be"):
         VirtualBus(memory=True)
+
+
+def test_the_table_turns_for_a_drive_outside(virtual):
+    with virtual(present__drive="no") as bus:
+        bus.turn_table(30.0, 60.0)
+        bus.sleep(0.25)
+        assert 5.0 < bus.end()["table"]["highest_deg"] <= 30.0
+    world = World(1, **{"present.drive": False})
+    world.turn_table(-36000, 1e5)
+    for wrong in ((36000.1, 1.0), (0.0, 0.0), (0.0, -1.0), (0.0, 1.1e5), (float("nan"), 1.0), (0.0, float("inf"))):
+        with pytest.raises(UsageError, match="the table turns to -36000 to 36000 deg, at 1e-5 to 1e5 deg/s"):
+            world.turn_table(*wrong)
+    with virtual() as bus, pytest.raises(can.CanOperationError, match=r"present\.drive = no leaves it to another"):
+        bus.turn_table(30.0, 60.0)
+
+
+def sent(world):
+    """(time, ms, rounded; the first byte) of the frames that python-can has sent."""
+    return [(round(frame.time_s * 1e3), frame.data[0]) for frame in world.frames() if frame.sender == "guest"]
+
+
+def test_what_is_sent_periodically_is_sent_in_virtual_time():
+    world = World(1, **{"firmware.starts": False})
+    a, b = (can.Message(arbitration_id=0x10, data=[byte], is_extended_id=False) for byte in b"ab")
+    c = can.Message(arbitration_id=0x11, data=b"a", is_extended_id=False)
+    with world.bus() as bus:
+        bus.sleep(0.1)
+        task = bus.send_periodic([a, b], 0.25)
+        bus.sleep(0.9)
+        task.stop()
+        bus.sleep(1.0)
+        assert sent(world) == [(100, 97), (350, 98), (600, 97), (850, 98)] and bus.now_s == 2.0
+        task.start()
+        bus.send_periodic(c, 0.1, duration=0.25, modifier_callback=lambda message: message.data.__setitem__(0, 99))
+        while bus.now_s < 2.31:
+            bus.recv(timeout=0.01)  # which stops at every frame
+        assert sorted(sent(world)[4:]) == [(2000, 97), (2000, 99), (2100, 99), (2200, 99), (2250, 98)]
+        assert bus.periodic == [task]
+        with pytest.raises(can.CanOperationError, match="only classic data frames"):
+            bus.send_periodic(can.Message(arbitration_id=1, is_extended_id=True), 1.0)
+
+
+@pytest.mark.parametrize("channel", [None, "", "paper", "FILE"])
+def test_python_can_finds_it_by_its_name(channel, tmp_path, monkeypatch):
+    entry = r'\[project\.entry-points\."can\.interface"\]\ntumble = "([a-z._]+):(\w+)"\n'
+    [found] = re.findall(entry, (ROOT / "host/python/pyproject.toml").read_text())
+    monkeypatch.setitem(can.interface.BACKENDS, "tumble", found)
+    channel = str(scenario(tmp_path, present__block="no")) if channel == "FILE" else channel
+    with can.Bus(interface="tumble", channel=channel, ignore_config=True, seed=3) as bus:
+        heard = {bus.recv(1.0).arbitration_id for _ in range(100)}
+        assert isinstance(bus, VirtualBus) and (0x703 in heard) == (channel in (None, "", "paper"))
+
+
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+def test_a_script_has_the_time_of_its_bus_until_it_is_left(order):
+    """Of the last one, where it has several."""
+    machine = time.sleep, time.monotonic, time.time
+    buses = [VirtualBus(script_time=True) for _ in range(2)]
+    for left, stays in ((None, 1), order):
+        if left is not None:
+            buses[left].shutdown()
+        before, bus_before = time.monotonic(), buses[stays].now_s
+        time.sleep(50)
+        assert time.monotonic() - before == pytest.approx(50.0) and buses[stays].now_s == bus_before + 50
+    buses[order[1]].shutdown()
+    assert (time.sleep, time.monotonic, time.time) == machine
+
+
+def test_the_link_of_a_script(tmp_path):
+    """A calibration of a minute or more, by a script that knows nothing of virtual time."""
+    path = scenario(tmp_path, **{name.replace(".", "__"): value for name, value in FAST.items()})
+    with client.connect(f"can:tumble@{path}") as node:
+        began = time.time()
+        node.start()
+        while node.wait(until=("WAIT_MOUNTING", "DONE"), timeout=600) != "DONE":
+            time.sleep(30)
+            node.confirm()
+        assert node.result().passed and time.time() > began + 60
+    for wrong, says in (("no\n", "scenario.txt:1: "), (None, "scenario.txt: no such file")):
+        path.unlink() if wrong is None else path.write_text(wrong)
+        with pytest.raises(UsageError, match=rf"^can:tumble@\S+ cannot be opened: \S+{says}"):
+            client.connect(f"can:tumble@{path}")

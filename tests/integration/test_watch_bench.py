@@ -10,17 +10,21 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 
 import documents
 import pytest
 from played_run import events
-from simulated_bench import HASTY_STAND, bench_program as bench, scenario
+from simulated_bench import HASTY_STAND, scenario
 from test_terminal import on_terminal
 
-from tumble.bench import program
+from tumble import World, client
+from tumble.bench import in_process
+from tumble.bench.border import Border
 from tumble.client.names import STATE_NAMES
 from tumble.errors import BenchFault
 from tumble.watch.folder_run import FolderRun
+from tumble.watch.node_run import NodeRun
 from tumble.watch.snapshot import Lost
 
 pytestmark = pytest.mark.python
@@ -79,9 +83,22 @@ def until_over(url):
     return pytest.fail("the stream has ended before the run")
 
 
-def test_progress_lines_tell_the_angle(tmp_path):
-    done = bench(scenario(tmp_path, procedure__samples=10), "--progress")
-    found = [json.loads(line) for line in done.stderr.splitlines()]
+class PlayedClock:
+    """In the place of the module time: a sleep passes at once."""
+
+    now_s = 0.0
+
+    def monotonic(self):
+        return self.now_s
+
+    def sleep(self, seconds):
+        self.now_s += seconds
+
+
+def test_the_events_of_a_run_with_a_pace_tell_the_angle(monkeypatch):
+    monkeypatch.setattr(in_process, "time", PlayedClock())
+    found = []
+    assert not in_process.Run(Border(1, ["procedure.samples = 10"], None), found.append, pace=1.0).to_its_end()
     turning = [event for event in found if event["event"] == "angle"]
     assert len(turning) > 50 and all(set(event) == {"event", "virtual_s", "angle_deg"} for event in turning)
     times = [event["virtual_s"] for event in turning]
@@ -148,22 +165,22 @@ def test_a_page_shows_a_fault_with_its_remedy(hasty, tmp_path):
     assert "drive reported a fault" in err and (run / "fault.json").is_file()
 
 
-@pytest.mark.toolchain
-def test_over_a_whole_run_the_bus_sees_uploads_alone(tmp_path):
-    """A guest on the bus of the bench: all that stands on 601h in its log is the watcher's."""
+def test_over_a_whole_run_the_bus_sees_uploads_alone(hasty):
+    """All that a watcher puts on the bus; it sees the run to its end."""
     pytest.importorskip("canopen", reason="python-canopen is not installed")
-    bus, log = tmp_path / "bus", tmp_path / "run/bus.log"
-    command = [program.find(), "--listen", bus, "--guests", "1", "--pace", "4", "--out", log.parent]
-    with subprocess.Popen(list(map(str, command)), stdout=subprocess.PIPE, text=True) as running:
-        watch = subprocess.Popen([sys.executable, "-m", "tumble", "watch", f"can:tumble@{bus}", "--every", "0.1"],
-                                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        result = json.loads(running.communicate(timeout=120)[0])
-        watch.terminate()
-        lines = watch.communicate(timeout=60)[0]  # how many, is the machine's
-    assert result["state"] == "TUMBLE_STATE_DONE" and ", mounting " in lines
-    frames = [line.split()[2].split("#") for line in log.read_text().splitlines()]
-    asked = [data[:2] for identifier, data in frames if identifier == "601"]
-    assert len(asked) > 20 and set(asked) <= {"40", "60", "70", "80"}
+    from can import CanError
+
+    from tumble.bench.virtual_bus import time_of
+
+    world, seen = World(7, stand=hasty), []
+    with world.bus() as bus, time_of(bus), pytest.raises((CanError, Lost)):
+        source = NodeRun("the world", lambda _: client.open_link(bus))
+        while True:
+            seen.append(source.snapshot())
+            time.sleep(0.1)
+    assert world.end == "done" and {one.mounting for one in seen} >= {1, 2} and seen[-1].finished >= 17
+    sent = [(frame.id, frame.data[0]) for frame in world.frames() if frame.sender == "guest"]
+    assert len(sent) > 20 and set(sent) <= {(0x601, command) for command in (0x40, 0x60, 0x70, 0x80)}
 
 
 def test_bad_input_ends_a_page_at_once(tumble, tmp_path):

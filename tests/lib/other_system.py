@@ -49,12 +49,11 @@ LINUX_ALONE = ("/proc", "/sys", "/dev/shm")
 
 
 def package_modules():
-    """Of the package, all that the command line and a script load; the canbus is for who has python-can."""
+    """Of the package, all that the command line and a script load."""
     import tumble
 
-    left_out = {"tumble.__main__", "tumble.canbus"}
     names = [module.name for module in pkgutil.walk_packages(tumble.__path__, "tumble.")]
-    return [name for name in names if name not in left_out]
+    return [name for name in names if name != "tumble.__main__"]
 
 
 def load_package():

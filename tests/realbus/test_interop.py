@@ -1,7 +1,9 @@
 """Others on the interface: python-canopen leads tumble-stand's drive, tumble-node leads a drive that is not ours."""
 
 import struct
+import threading
 import time
+from contextlib import contextmanager
 
 import can
 import canopen
@@ -34,23 +36,35 @@ def test_python_canopen_homes_and_moves_the_axis(bus, network, started, tmp_path
     assert abs(document["angle_deg"] - 12.345) < 0.05
 
 
+@contextmanager
 def foreign_stand(bus, started, tmp_path, **keys):
     """Another's drive, there before the node and without a heartbeat of its own: (the scenario, stand, drive)."""
     path = scenario(tmp_path, **{**HASTE, **PATIENCE, **python_drive.PROFILE, "procedure__settle_ms": 150, **keys})
     stand = Stand(bus, path, "--seed", 5)
     started.append(stand)
-    return path, stand, python_drive.PythonDrive(TurningBus(channel=str(bus)))
+    turning, off = TurningBus(channel=str(bus)), threading.Event()
+    drive = python_drive.PythonDrive(turning)
+
+    def live():
+        while not off.is_set():
+            drive.step()
+
+    thread = threading.Thread(target=live, daemon=True)
+    thread.start()
+    try:
+        yield path, stand, drive
+    finally:
+        off.set()
+        thread.join(5)
+        turning.shutdown()
 
 
 @pytest.mark.answers_within(ANSWERS_S)
 def test_a_drive_that_is_not_ours(bus, started, tmp_path):
-    path, stand, drive = foreign_stand(bus, started, tmp_path)
-    try:
+    with foreign_stand(bus, started, tmp_path) as (path, stand, drive):
         node = Node(bus, path, "--start", folder=tmp_path)
         started.append(node)
         code, document = node.wait(timeout=90)
-    finally:
-        drive.close()
     truth = stand.end()["truth"]
     assert (code, document["end"]) == (0, "done"), document["reason"]
     assert np.abs(np.array(document["K"]) - truth["K"]).max() < 3e-3
@@ -60,15 +74,12 @@ def test_a_drive_that_is_not_ours(bus, started, tmp_path):
 @pytest.mark.answers_within(ANSWERS_S)
 def test_a_drive_that_refuses_to_send_a_heartbeat_does_not_run(bus, started, tmp_path):
     """A reason within the time that the preflight has; nothing has moved."""
-    path, stand, drive = foreign_stand(bus, started, tmp_path, procedure__preflight_timeout_ms=2000)
-    drive.node.add_write_callback(refuse_heartbeat)
-    try:
+    with foreign_stand(bus, started, tmp_path, procedure__preflight_timeout_ms=2000) as (path, stand, drive):
+        drive.node.add_write_callback(refuse_heartbeat)
         node = Node(bus, path, "--start", folder=tmp_path)
         started.append(node)
         began = time.monotonic()
         code, document = node.wait(timeout=20)
-    finally:
-        drive.close()
     assert (code, document["reason"]) == (3, "TUMBLE_REASON_STAND_PROTOCOL")
     assert document["failed_in"] == "TUMBLE_STATE_PREFLIGHT"
     assert time.monotonic() - began < 5.0 and drive.events == []

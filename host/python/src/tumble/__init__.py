@@ -6,9 +6,9 @@
     True
     >>> a_g = result.apply([[0.0, 0.0, 2.0]])  # outputs in volts -> specific force in g, (samples, 3)
 
-Public are the names of `__all__`, the exceptions in `tumble.errors`, `tumble.canbus.TumbleBus` (the simulated bus for
-python-can), `tumble.data` (examples, schemas), `tumble.client`, and the command line, `python -m tumble`. They stay;
-all else may change with any version. It stands in rooms, each of which says what it offers:
+Public are the names of `__all__`, the exceptions in `tumble.errors`, `tumble.testing.virtual_bus` (the simulated bus
+for python-can), `tumble.data` (examples, schemas), `tumble.client`, and the command line, `python -m tumble`. They
+stay; all else may change with any version. It stands in rooms, each of which says what it offers:
 
     core, reference     the firmware core, and its numpy witness, which knows nothing of it
     files               run files, stand files, schedule files

@@ -51,7 +51,7 @@ def require_there(bus: str) -> None:
 
 
 def run(bus: str, scenario: Path, seed: int, stage: Path, on_event: OnEvent, schedule: Schedule) -> program.Ended:
-    """Calibrate. Leaves run.csv, bus.log and bench.json in stage/bench, as tumble-bench does. Raises TumbleError."""
+    """Calibrate. Leaves run.csv, bus.log and bench.json in stage/bench, as a run in a world does. Raises TumbleError."""
     require_there(bus)
     with uml.work_folder() as name:
         folder = Path(name)
@@ -104,7 +104,7 @@ def _here(command: list[str], progress: _Progress) -> None:
 
 
 class _Progress:
-    """Called all the while: hands on what the console tells, in the form of tumble-bench's progress."""
+    """Called all the while: hands on what the console tells, in the form of tumble-node's progress."""
 
     def __init__(self, folder: Path, on_event: OnEvent, schedule: Schedule):
         self.interrupted = False
@@ -142,7 +142,7 @@ class _Progress:
 
 
 def _judged(folder: Path, stage: Path, scenario: Path, interrupted: bool) -> program.Ended:
-    """From what the console left to what tumble-bench would have left."""
+    """From what the console left to what a run in a world leaves."""
     stand = _json(folder / "stand.json")
     board = _json(folder / "board.json")
     if board is None:

@@ -165,6 +165,10 @@ class Border:
         """Put a frame on the bus. Raises Refused."""
         require_good(lib.world_send(self._world, identifier, len(data), data))
 
+    def turn_table(self, angle_deg: float, speed_deg_s: float) -> None:
+        """Turn the table, where no simulated drive does. Raises Refused."""
+        require_good(lib.world_turn_table(self._world, angle_deg, speed_deg_s))
+
     def answer(self, words: str) -> None:
         """Answer the open question: one of ANSWERS, a repetition with its number behind it. Raises Refused."""
         first, _, number = words.rpartition(" ") if words.startswith("repeat ") else (words, "", "0")

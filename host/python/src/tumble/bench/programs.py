@@ -18,7 +18,7 @@ def built(path: str) -> Path:
 
 
 def find(name: str, folder: str) -> str:
-    """Path of the program `name`: as the environment says (TUMBLE_BENCH for tumble-bench, and so on), in `folder` of
+    """Path of the program `name`: as the environment says (TUMBLE_NODE for tumble-node, and so on), in `folder` of
     the build tree, or installed. Raises BenchFault; Skipped on a system that our programs are not made for."""
     variable = name.upper().replace("-", "_")
     if chosen := os.environ.get(variable):

@@ -1,7 +1,7 @@
 """A calibration in real time on a CAN bus of Linux, between the processes tumble-node and tumble-stand.
 
 `socketcan:IF`: on an interface of this machine. `uml`: on vcan0 inside user-mode Linux. Either leaves in the stage's
-folder `bench` what tumble-bench would have left there: run.csv, bus.log and bench.json, the node's document with the
+folder `bench` what a run in a world leaves: run.csv, bus.log and bench.json, the node's document with the
 stand's truth.
 """
 
@@ -108,8 +108,7 @@ def run(bus: str, scenario: Path, seed: int, stage: Path, on_event: OnEvent, int
 def _here(wanted: _Wanted, interface: str, on_event: OnEvent) -> program.Ended:
     out = wanted.stage / "bench"
     with _Stand(wanted.stand(interface)) as stand:
-        path, *arguments = wanted.node(interface, out)
-        ended = program.run(arguments, lambda event: stand.tell(_answer(event, on_event)), False, path)
+        ended = program.run(wanted.node(interface, out), lambda event: stand.tell(_answer(event, on_event)))
         document = stand.end()
     return _judged(ended, out, document)
 

@@ -10,7 +10,8 @@ this process in virtual time. It goes on only while the thread that made the bus
 `send` of an SDO request until its answer has come. So a calibration of minutes takes about a second, a pause in the
 debugger takes no time at all, and the same calls have the same outcome, to the last bit. Other threads, such as
 python-can's Notifier of a python-canopen network, only receive what has come: `send` and `sleep` return when they have
-taken it. Needs python-can.
+taken it. What `send_periodic` sends is sent in virtual time. Needs python-can, which knows the bus as
+`can.Bus(interface="tumble", channel="stand.txt")` where the package is installed.
 """
 
 from __future__ import annotations
@@ -19,11 +20,10 @@ import os
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import Any
-from unittest import mock
+from typing import Any, NamedTuple
 
 import can
 
@@ -37,6 +37,8 @@ _STUCK_S = 60.0  # of the machine's, for another thread to take a frame
 _KEPT = 100_000  # frames that nobody has taken
 _GUEST = 3  # of border.SENDERS: what this bus has sent itself
 
+_PAPER = (None, "", "paper")  # scenarios that are no file
+
 _REQUESTS = (0x600, 0x400)  # to SDO servers; the second one's are those of object 1201h
 _SERVICE = 0x780
 _TO_ANSWER = -0x80
@@ -44,9 +46,10 @@ _ABORT = 0x80
 
 
 class VirtualBus(can.BusABC):
-    """`scenario`: a scenario file, or None for the paper's stand; `operator`: who mounts the block and who confirms,
-    by-itself, on-confirm or never; `memory`: the node keeps coefficients, and the scenario names the block by
-    keeper.serial; `out`: a folder for run.csv, bus.log and bench.json. `world`: of somebody who holds it himself
+    """`scenario`, or `channel` in the words of python-can: a scenario file; None, "" or "paper": the paper's stand;
+    `operator`: who mounts the block and who confirms, by-itself, on-confirm or never; `memory`: the node keeps
+    coefficients, and the scenario names the block by keeper.serial; `out`: a folder for run.csv, bus.log and
+    bench.json; `script_time`: with `time_of` the bus until it is left. `world`: of somebody who holds it himself
     (tumble.World.bus): it goes on when the bus has been left.
 
     Classic data frames with 11-bit identifiers only. Timestamps are seconds since power-on. Raises
@@ -57,10 +60,12 @@ class VirtualBus(can.BusABC):
         self,
         scenario: str | os.PathLike[str] | None = None,
         *,
+        channel: str | os.PathLike[str] | None = None,
         seed: int = 1,
         operator: str = "on-confirm",
         memory: bool = False,
         out: str | os.PathLike[str] | None = None,
+        script_time: bool = False,
         world: Border | None = None,
         **options: Any,
     ):
@@ -73,10 +78,20 @@ class VirtualBus(can.BusABC):
         self._told = 0  # frames of the world that have been looked at
         self._document: dict[str, Any] | None = None
         self._out = None if out is None else Path(out)
+        self._until_left = ExitStack()
+        self.periodic: list[_Periodic] = []
+        scenario = channel if scenario is None else scenario
         self.channel_info = "a simulated bus in virtual time"
         self._held = world is not None
         self._border = _world_of(scenario, seed, operator, memory) if world is None else world
         super().__init__(channel="virtual", **options)
+        if script_time:
+            self._until_left.enter_context(time_of(self))
+
+    @property
+    def now_us(self) -> int:
+        """Virtual time since power-on, us."""
+        return self._border.now_us
 
     @property
     def now_s(self) -> float:
@@ -91,7 +106,7 @@ class VirtualBus(can.BusABC):
     def sleep(self, seconds: float) -> None:
         """Let so much virtual time pass. Of another thread than the one that made the bus: real time."""
         if threading.current_thread() is not self._owner:
-            _real_sleep(seconds)
+            _MACHINE["sleep"](seconds)
             return
         with self._talk:
             self._go_on(self._border.now_us + max(0, round(seconds * 1e6)))
@@ -99,8 +114,7 @@ class VirtualBus(can.BusABC):
 
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
         """Put a frame on the bus. An SDO request: and let time pass until it is answered, 5 s at most."""
-        if msg.is_extended_id or msg.is_remote_frame or msg.is_fd or msg.is_error_frame:
-            raise can.CanOperationError("only classic data frames with 11-bit identifiers can be sent")
+        _require_classic(msg)
         asks = msg.arbitration_id & _SERVICE in _REQUESTS and len(msg.data) > 0 and msg.data[0] != _ABORT
         with self._talk:
             self._require_there()
@@ -109,6 +123,35 @@ class VirtualBus(can.BusABC):
                 answer = msg.arbitration_id + _TO_ANSWER
                 self._go_on_to(answer)
         self._settle()
+
+    def turn_table(self, angle_deg: float, speed_deg_s: float) -> None:
+        """Turn the table, as World.turn_table does. Raises can.CanOperationError."""
+        self._require_there()
+        try:
+            self._border.turn_table(angle_deg, speed_deg_s)
+        except Refused as refused:
+            raise can.CanOperationError(str(refused)) from None
+
+    def _send_periodic_internal(
+        self,
+        msgs: Sequence[can.Message] | can.Message,
+        period: float,
+        duration: float | None = None,
+        autostart: bool = True,
+        modifier_callback: Callable[[can.Message], None] | None = None,
+    ) -> _Periodic:
+        task = _Periodic(self, msgs, period, duration, modifier_callback)
+        if autostart:
+            task.start()
+        return task
+
+    def _send_due(self) -> int:
+        """What is sent periodically. Returns when the next of it is due."""
+        for task in [task for task in self.periodic if task.due_us <= self.now_us]:
+            message = task.take()
+            if message is not None:
+                self._border.send(message.arbitration_id, bytes(message.data))
+        return min((task.due_us for task in self.periodic), default=FOREVER_US)
 
     def recv(self, timeout: float | None = None) -> can.Message | None:
         """The next frame that has come or, of the thread that made the bus, comes within so much virtual time (of
@@ -164,7 +207,10 @@ class VirtualBus(can.BusABC):
     def _go_on(self, until_us: int, stop_at: int = 0) -> list[can.Message]:
         """Let virtual time pass until a moment, or the first frame. Returns what has come."""
         self._require_there()
-        happened = self._border.advance(until_us, stop_at)
+        happened, next_us = 0, 0
+        while not happened and next_us <= until_us:
+            next_us = self._send_due()
+            happened = self._border.advance(min(next_us, until_us), stop_at)
         new = self._border.frames(self._told)
         self._told += len(new)
         come = [self._message(*frame) for frame in new.tolist() if frame[3] != _GUEST]
@@ -197,6 +243,7 @@ class VirtualBus(can.BusABC):
     def shutdown(self) -> None:
         """Leave the bus. Raises OSError where the folder cannot be written."""
         super().shutdown()
+        self._until_left.close()
         if self._document is not None:
             return
         if not self._held:
@@ -210,8 +257,8 @@ class VirtualBus(can.BusABC):
 
 def _world_of(scenario: str | os.PathLike[str] | None, seed: int, operator: str, memory: bool) -> Border:
     """A world whose computer waits for commands."""
-    file = "the defaults" if scenario is None else os.fspath(scenario)
-    given = b"" if scenario is None else read_bytes(file)
+    file = "the defaults" if scenario is None or scenario in _PAPER else os.fspath(scenario)
+    given = b"" if scenario in _PAPER else read_bytes(file)
     lines = [line.decode("ascii", "replace") for line in given.split(b"\n")]
     try:
         return Border(seed, _waiting(lines), None, operator, memory)
@@ -225,28 +272,101 @@ def _waiting(lines: list[str]) -> list[str]:
     return [*("" if line.partition("=")[0].strip() == starts else line for line in lines), f"{starts} = no"]
 
 
-_real_sleep = time.sleep
+def _require_classic(message: can.Message) -> None:
+    if message.is_extended_id or message.is_remote_frame or message.is_fd or message.is_error_frame:
+        raise can.CanOperationError("only classic data frames with 11-bit identifiers can be sent")
+
+
+class _Periodic(can.LimitedDurationCyclicSendTaskABC, can.ModifiableCyclicTaskABC, can.RestartableCyclicTaskABC):
+    """Messages in turn, one every `period` seconds of the bus's time, for `duration` seconds."""
+
+    def __init__(
+        self,
+        bus: VirtualBus,
+        messages: Sequence[can.Message] | can.Message,
+        period: float,
+        duration: float | None,
+        modify: Callable[[can.Message], None] | None,
+    ):
+        super().__init__(messages, period, duration)
+        for message in self.messages:
+            _require_classic(message)
+        self._bus, self._modify = bus, modify
+        self.due_us = self._end_us = self._number = 0
+
+    def start(self) -> None:
+        """Begin, or begin anew."""
+        self.stop()
+        self.due_us = self._bus.now_us
+        self._end_us = FOREVER_US if self.duration is None else self.due_us + round(self.duration * 1e6)
+        self._bus.periodic.append(self)
+
+    def stop(self) -> None:
+        """Until `start`."""
+        if self in self._bus.periodic:
+            self._bus.periodic.remove(self)
+
+    def take(self) -> can.Message | None:
+        """The message that is due; None: the end has come."""
+        if self.due_us >= self._end_us:
+            self.stop()
+            return None
+        message = self.messages[self._number % len(self.messages)]
+        self._number += 1
+        self.due_us = self._bus.now_us + max(1, round(self.period * 1e6))
+        if self._modify is not None:
+            self._modify(message)
+        return message
+
+
+class _Script(NamedTuple):
+    """A thread whose time is a bus's; `power_on`: what its clocks said then."""
+
+    thread: threading.Thread
+    bus: VirtualBus
+    power_on: dict[str, float]
+
+
+_scripts: list[_Script] = []
+_MACHINE: dict[str, Callable[..., Any]] = {name: getattr(time, name) for name in ("sleep", "monotonic", "time")}
+
+
+def _script() -> _Script | None:
+    return next((one for one in reversed(_scripts) if one.thread is threading.current_thread()), None)
+
+
+def _sleep(seconds: float) -> None:
+    script = _script()
+    (_MACHINE["sleep"] if script is None or script.bus.has_been_left else script.bus.sleep)(seconds)
+
+
+def _clock(name: str) -> Callable[[], float]:
+    def read() -> float:
+        script = _script()
+        return float(_MACHINE[name]() if script is None else script.power_on[name] + script.bus.now_s)
+
+    return read
+
+
+_VIRTUAL: dict[str, Callable[..., Any]] = {"sleep": _sleep, "monotonic": _clock("monotonic"), "time": _clock("time")}
+
+
+def _install(functions: dict[str, Callable[..., Any]]) -> None:
+    for name, function in functions.items():
+        setattr(time, name, function)
 
 
 @contextmanager
 def time_of(bus: VirtualBus) -> Iterator[None]:
-    """For the thread that made the bus, time.sleep, time.monotonic and time.time are virtual: a script that waits by
-    them lets the bus go on. Other threads keep the machine's."""
-    owner, began, epoch = threading.current_thread(), time.monotonic(), time.time()
-    real = {"monotonic": time.monotonic, "time": time.time}
-
-    def clock(name: str, start: float) -> Callable[[], float]:
-        def read() -> float:
-            return start + bus.now_s if threading.current_thread() is owner else real[name]()
-
-        return read
-
-    def sleep(seconds: float) -> None:
-        (_real_sleep if bus.has_been_left else bus.sleep)(seconds)
-
-    with (
-        mock.patch.object(time, "sleep", sleep),
-        mock.patch.object(time, "monotonic", clock("monotonic", began)),
-        mock.patch.object(time, "time", clock("time", epoch)),
-    ):
+    """For this thread, which has made the bus, time.sleep, time.monotonic and time.time are virtual: a script that
+    waits by them lets the bus go on. Other threads keep the machine's."""
+    power_on = {name: getattr(time, name)() - bus.now_s for name in ("monotonic", "time")}
+    script = _Script(threading.current_thread(), bus, power_on)
+    _scripts.append(script)
+    _install(_VIRTUAL)
+    try:
         yield
+    finally:
+        _scripts.remove(script)
+        if not _scripts:
+            _install(_MACHINE)

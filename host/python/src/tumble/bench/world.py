@@ -125,6 +125,11 @@ class World:
         """Put a classic data frame on the bus, as one more node; it takes part in arbitration. Raises UsageError."""
         self._take(self._border.send, identifier, bytes(data))
 
+    def turn_table(self, angle_deg: float, speed_deg_s: float) -> None:
+        """Turn the table, for a drive of the caller's on the bus (present.drive = no): to at most 36000 degrees either
+        way, at 1e-5 to 1e5 degrees per second. Raises UsageError."""
+        self._take(self._border.turn_table, angle_deg, speed_deg_s)
+
     def bus(self, **options: Any) -> VirtualBus:
         """It as a bus of python-can, whose time the calling thread's `recv` and `sleep` let pass; `options`: as
         can_filters. The world goes on when the bus has been shut down. Needs python-can. Raises NotInstalled."""

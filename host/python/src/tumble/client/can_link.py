@@ -41,8 +41,9 @@ _ANSWERED_IN_VAIN = (0x05040000,)
 
 
 def open_bus(where: str) -> can.BusABC:
-    """A bus of python-can: an interface of Linux, or KIND@CHANNEL for any other that python-can knows. Raises
-    NotInstalled, Skipped where the kernel has no CAN or a driver is missing, UsageError."""
+    """A bus of python-can: an interface of Linux, KIND@CHANNEL for any other that python-can knows, or tumble@SCENARIO
+    for a simulated world, whose time is the calling thread's until it is closed. Raises NotInstalled, Skipped where the
+    kernel has no CAN or a driver is missing, UsageError."""
     try:
         import can
     except ModuleNotFoundError:
@@ -53,9 +54,9 @@ def open_bus(where: str) -> can.BusABC:
         raise UsageError(f"can:{where} is neither can:INTERFACE nor can:KIND@CHANNEL with a kind that python-can knows")
     try:
         if kind == "tumble":
-            from tumble.canbus import TumbleBus
+            from tumble.bench.virtual_bus import VirtualBus
 
-            return TumbleBus(channel)
+            return VirtualBus(channel, script_time=True)
         return can.Bus(interface=kind or "socketcan", channel=channel)
     except (can.CanInterfaceNotImplementedError, AttributeError) as error:  # the latter: a Python without socket.AF_CAN
         raise Skipped(f"can:{where}: {error}") from None

@@ -1,4 +1,4 @@
-"""A run of tumble-bench as a source: what its progress lines have told, and its document at the end."""
+"""A run of the bench as a source: what its events have told, and its document at the end."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ NOT_THE_FORM = AttributeError, KeyError, OverflowError, TypeError, ValueError
 
 
 class BenchRun:
-    """Takes the events of a run (host/bench/progress.h) in one thread; is asked in another. `pace`: virtual seconds
+    """Takes the events of a run (tumble.bench.in_process) in one thread; is asked in another. `pace`: virtual seconds
     per second. `when_over` is called when the run is over."""
 
     def __init__(self, pace: float = 1.0) -> None:
@@ -37,7 +37,7 @@ class BenchRun:
             self._snapshot = after_event(self._snapshot, event)
 
     def ended(self, document: dict[str, Any]) -> None:
-        """Take the program's document: nothing more will be told."""
+        """Take the run's document: nothing more will be told."""
         with self._lock:
             self._snapshot = replace(after_document(self._snapshot, document), over=True)
         self.when_over()
