@@ -51,7 +51,7 @@ def require_there(bus: str) -> None:
 
 
 def run(bus: str, scenario: Path, seed: int, stage: Path, on_event: OnEvent, schedule: Schedule) -> program.Ended:
-    """Calibrate. Leaves run.csv, bus.log and bench.json in stage/bench, as a run in a world does. Raises TumbleError."""
+    """Calibrate. Leaves run.csv, bus.log and bench.json in stage/bench, as a world does. Raises TumbleError."""
     require_there(bus)
     with uml.work_folder() as name:
         folder = Path(name)
