@@ -222,6 +222,11 @@ const char *world_check(world_t *world)
     return (wrong != NULL) ? wrong : bench_config_refused(&world->config);
 }
 
+void world_record_nothing(world_t *world)
+{
+    world->records_nothing = true;
+}
+
 const char *world_power_on(world_t *world, uint64_t seed, world_operator_t operator, bool memory)
 {
     bench_config_t *const config = &world->config;
@@ -235,6 +240,10 @@ const char *world_power_on(world_t *world, uint64_t seed, world_operator_t opera
     world->operator = operator;
     world->has_memory = memory;
     world->watcher = (bench_watcher_t){world, on_change, on_sample, on_frame, on_question, is_busy};
+    if (world->records_nothing) {
+        world->watcher.on_sample = NULL;
+        world->watcher.on_frame = NULL;
+    }
     tumble_status_t status = bench_world_init(&world->world, config, seed, &world->watcher);
     if (status == TUMBLE_OK && memory) {
         status = add_memory(&world->memory, &world->world); /* begins anew, and the start is forgotten */

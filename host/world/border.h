@@ -56,6 +56,9 @@ typedef enum {
     WORLD_ASKED          /* the caller: world_answer */
 } world_operator_t;
 
+/* Before power-on: record neither frames nor samples, for runs by the thousand. */
+void world_record_nothing(world_t *world);
+
 /* Power everything on, and command the start unless firmware.starts = no. `memory`: the firmware has non-volatile
  * memory, empty at first, and keeps coefficients; keeper.serial names the block then. */
 const char *world_power_on(world_t *world, uint64_t seed, world_operator_t operator, bool memory);

@@ -34,6 +34,7 @@ struct world {
     void *gains;
     world_operator_t operator;
     bool has_memory;
+    bool records_nothing;
     bool no_memory; /* something could not be recorded */
     unsigned happened;
     array_t frames;

@@ -125,12 +125,21 @@ def scenario_help() -> str:
 
 
 class Border:
-    """A world: `lines` of a scenario, then power. Raises Refused; BenchFault where the extension is not built."""
+    """A world: `lines` of a scenario, then power; without `records` it keeps neither frames nor samples. Raises
+    Refused; BenchFault where the extension is not built."""
 
     def __init__(
-        self, seed: int, lines: Iterable[str], gains: bytes | None, operator: str = OPERATORS[0], memory: bool = False
+        self,
+        seed: int,
+        lines: Iterable[str],
+        gains: bytes | None,
+        operator: str = OPERATORS[0],
+        memory: bool = False,
+        records: bool = True,
     ):
         self._set(lines, gains)
+        if not records:
+            lib.world_record_nothing(self._world)
         require_good(lib.world_power_on(self._world, seed, OPERATORS.index(operator), memory))
 
     def _set(self, lines: Iterable[str], gains: bytes | None) -> None:

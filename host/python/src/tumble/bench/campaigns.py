@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from tumble.bench import document
-from tumble.bench.border import ENDED, FOREVER_US, OPERATORS, Border, Refused, text
+from tumble.bench.border import ENDED, FOREVER_US, Border, Refused, text
 from tumble.bench.lives import Lives
 from tumble.errors import EXIT_DISAGREEMENT, EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
 from tumble.workers.kept import Result
@@ -55,7 +55,7 @@ class Runs:
 
     def _run(self, seed: int) -> dict[str, Any]:
         try:
-            border = Border(seed, self.lines, self.gains, OPERATORS[0])
+            border = Border(seed, self.lines, self.gains, records=False)
         except Refused as refused:
             hint = "; a scenario file is wanted, not a stand file" if self.file.endswith(".toml") else ""
             raise UsageError(f"this cannot be simulated: {refused.where(self.file)}{hint}") from None

@@ -10,6 +10,7 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -18,11 +19,12 @@ from tumble.core import CoreSchedule, sine_cosine
 from tumble.defaults import DEFAULT_COVERAGE_FACTOR, DEFAULT_ESTIMATOR, DEFAULT_LIMIT_G
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.files.stand_file import StandFile, converter_step_v
-from tumble.schedule import Mounting, Position
+from tumble.schedule import Mounting, Position, Schedule
 from tumble.stand import PAPER_STAND, PerChannel, Stand, by_channel, per_channel
 from tumble.terms import Terms
 
 _MOST_BITS = 24
+_REMEMBERED = 16  # schedules: worlds by the hundred have the same one
 _RATES_HZ = (1.0, 1000.0)
 _MOTION = {  # by key of [motion]: key of the scenario, least, most
     "velocity_deg_per_s": ("motion.speed_deg_s", 0.1, 1e4),
@@ -101,7 +103,7 @@ def scenario_text(setup: Setup, file: str | None = None, given: bytes | None = N
     """The scenario file, in which the lines of another one, `given`, win over those of the setup, and those that are
     `told` one by one over both. Raises BadInput for what can be declared but not simulated, and for lines in whose
     place there is an option; UsageError for one that is told and is none."""
-    pairs = [*_stand(setup.stand), *_block(setup), *_motion(setup), *_procedure(setup), *_schedule(setup.schedule)]
+    pairs = [*_stand(setup.stand), *_block(setup), *_motion(setup), *_procedure(setup), *_schedule(setup.schedule.data)]
     own = [*(f"{key} = {value}" for key, value in pairs), *_serial(setup.block)]
     lines = own if file is None or given is None else _overridden(own, file, given)
     if told:
@@ -263,11 +265,10 @@ def _fewest_that_show_stuck(setup: Setup) -> int:
     return 1 + math.ceil(math.log(1e5) / math.log(noise_counts * math.sqrt(2.0 * math.pi)))
 
 
-def _schedule(schedule: CoreSchedule) -> Iterator[tuple[str, str]]:
-    for mounting in schedule.data.mountings:
-        yield "mounting", _mounting(mounting)
-    for position in schedule.data.positions:
-        yield "position", _position(position)
+@lru_cache(_REMEMBERED)
+def _schedule(schedule: Schedule) -> list[tuple[str, str]]:
+    mountings = [("mounting", _mounting(mounting)) for mounting in schedule.mountings]
+    return mountings + [("position", _position(position)) for position in schedule.positions]
 
 
 def _mounting(mounting: Mounting) -> str:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -87,6 +88,7 @@ def statuses() -> list[tuple[str, str]]:
     return [(refusal.name, refusal.sentence) for refusal in refusals]
 
 
+@lru_cache(1024)
 def sine_cosine(angle_deg: float) -> tuple[float, float]:
     """Sine and cosine of an angle in degrees, correctly rounded at every multiple of 30 and 45 degrees.
 

@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 import os
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -31,11 +32,21 @@ def read_schedule(file: str, data: bytes | None = None, estimator: str | None = 
     """The built-in schedule of that name, or a schedule file, which identifies all coefficients and has what an
     `estimator` needs, if one is named. `data`: what is in it, if that has been read. Raises BadInput with file, row and
     table."""
-    core_schedule = CoreSchedule.built_in(file) if file in BUILT_IN else _read(file, data)
-    require_solvable(core_schedule, estimator, file)
+    if file in BUILT_IN:
+        return _built_in(file, estimator)
+    return _solvable(_read(file, data), estimator, file)
+
+
+@lru_cache
+def _built_in(name: str, estimator: str | None) -> CoreSchedule:
+    return _solvable(CoreSchedule.built_in(name), estimator, name)
+
+
+def _solvable(schedule: CoreSchedule, estimator: str | None, file: str) -> CoreSchedule:
+    require_solvable(schedule, estimator, file)
     if estimator in HARMONIC:
-        _tell_of_left_out(core_schedule, estimator, file)
-    return core_schedule
+        _tell_of_left_out(schedule, estimator, file)
+    return schedule
 
 
 def schedule_of(schedule: Any, estimator: str | None = None) -> CoreSchedule:
