@@ -19,8 +19,8 @@ from xml.etree import ElementTree
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / part) for part in ("host/python/src", "build/host/python")]
 
-from tumble.bench import uml  # noqa: E402
 from tumble.errors import TumbleError  # noqa: E402
+from tumble.world import uml  # noqa: E402
 
 SKIPPED = 77
 TOOLS = {"candump": "can-utils", "cangen": "can-utils", "ip": "iproute2"}

@@ -32,7 +32,7 @@ PROGRAMS = {
 # A room of the Python package and the rooms that its modules may import. All may import the modules beside the rooms
 # (plain data, errors), which import none; the door is the package's own __init__.py.
 PACKAGE = "host/python/src/tumble"
-EXTENSIONS = {"_tumble_core": "core", "_tumble_world": "bench"}  # and the room that each belongs to
+EXTENSIONS = {"_tumble_core": "core", "_tumble_world": "world"}  # and the room that each belongs to
 BESIDE, DOOR = "(beside the rooms)", "(the door)"
 MAY_IMPORT = {
     BESIDE: set(),
@@ -40,7 +40,7 @@ MAY_IMPORT = {
     "data": set(),
     "reference": set(),  # the witness: never of the core, or their agreement means nothing
     "drawings": set(),
-    "client": {"data", "bench"},
+    "client": {"data", "world"},
     "files": {"core"},
     "store": {"files"},
     "workers": {"files"},
@@ -48,16 +48,16 @@ MAY_IMPORT = {
     "fixture": {"core", "reference", "solving"},
     "planning": {"core", "reference", "files", "solving", "workers"},
     "pictures": {"core", "reference", "files", "solving", "fixture"},
-    "bench": {"core", "reference", "drawings", "files", "solving", "fixture", "workers", "api"},
-    "testing": {"bench", "client", "files"},
+    "world": {"core", "reference", "drawings", "files", "solving", "fixture", "workers", "api"},
+    "testing": {"world", "client", "files"},
     "importing": {"data", "reference", "files", "pictures"},
     "comparison": {"core", "files", "solving", "fixture"},
     "report": {"drawings", "files", "solving", "pictures", "comparison"},
     "api": {"core", "files", "solving", "fixture", "comparison", "pictures", "importing", "report"},
     "watch": {"client"},
     "cli": {"core", "reference", "drawings", "files", "store", "solving", "fixture", "planning", "comparison",
-            "pictures", "importing", "bench", "report", "api", "client", "watch", "workers", DOOR},
-    DOOR: {"core", "reference", "files", "solving", "fixture", "planning", "api", "bench"},
+            "pictures", "importing", "world", "report", "api", "client", "watch", "workers", DOOR},
+    DOOR: {"core", "reference", "files", "solving", "fixture", "planning", "api", "world"},
 }
 # What a user includes: firmware/include/tumble/NAME.h is the door of the room NAME, these of the core.
 OF_THE_CORE = {"status", "version"}

@@ -18,10 +18,10 @@ from pathlib import Path
 import numpy as np
 
 from tumble import core, reference
-from tumble.bench.setup import Setup, scenario_text, setup_of
 from tumble.files.stand_file import read_stand
 from tumble.workers.local import Processes
 from tumble.workers.over import ALONE, Team
+from tumble.world.setup import Setup, scenario_text, setup_of
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests/lib"))

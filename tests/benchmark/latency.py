@@ -39,8 +39,8 @@ from busy_machine import processors  # noqa: E402
 from latency_run import CONDITIONS, measure  # noqa: E402
 from realbus import environment, has_vcan, search_path  # noqa: E402
 
-from tumble.bench import uml  # noqa: E402
 from tumble.errors import TumbleError  # noqa: E402
+from tumble.world import uml  # noqa: E402
 
 HELPERS = ("ask", "echo")
 TOOLS = ("cc", "cangen", "chrt", "ip")

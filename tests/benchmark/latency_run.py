@@ -10,7 +10,7 @@ from contextlib import ExitStack
 
 from processes import HASTE, PATIENCE, Interface, Stand, scenario, wait_until
 
-from tumble.bench import programs
+from tumble.world import programs
 
 # What is beside the node, and whether it has the real-time priority of the service file.
 CONDITIONS = {

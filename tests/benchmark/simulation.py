@@ -17,7 +17,7 @@ import time
 from collections.abc import Callable
 
 from tumble import World
-from tumble.bench import campaigns
+from tumble.world import campaigns
 
 
 def held(runs: int) -> None:

@@ -92,8 +92,8 @@ def forged(monkeypatch, capsys):
     document. Returns exit code, standard output and error."""
 
     def run(forge, *words):
-        from tumble.bench import in_process
         from tumble.cli.main import main
+        from tumble.world import in_process
 
         real = in_process.write
 

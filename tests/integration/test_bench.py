@@ -14,15 +14,15 @@ from conftest import EXAMPLES
 from documents import paper_stand, valid
 from test_terminal import on_terminal, without_styles
 
-from tumble.bench.progress import mounting_text
 from tumble.core import paper_schedule
 from tumble.files.stand_file import read_stand
 from tumble.stand import PAPER_STAND
+from tumble.world.progress import mounting_text
 
 BENCH = [sys.executable, "-m", "tumble", "bench"]
 PACED = """
 import runpy
-from tumble.bench import in_process
+from tumble.world import in_process
 real = in_process.Run
 in_process.Run = lambda border, on_event, pace: real(border, on_event, {})
 runpy.run_module("tumble", run_name="__main__", alter_sys=True)

@@ -14,8 +14,8 @@ from documents import valid
 from simulated_bench import HASTY_STAND, wait_until
 from uml_kernels import inside, kernels
 
-from tumble.bench import programs, uml
 from tumble.cli import main
+from tumble.world import programs, uml
 
 pytestmark = pytest.mark.real_time
 

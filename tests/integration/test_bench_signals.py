@@ -196,7 +196,7 @@ def test_an_interrupt_leaves_the_stage_of_another_run_alone(moment, there, tmp_p
 import os, shutil, signal
 from pathlib import Path
 from tumble import interruption
-from tumble.bench.folder import RunFolder
+from tumble.world.folder import RunFolder
 from tumble.errors import BadInput
 interruption.watch()
 where = shutil if {moment!r} == "rmtree" else Path

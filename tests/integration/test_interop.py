@@ -16,7 +16,7 @@ cantools = pytest.importorskip("cantools", reason="cantools is not installed")
 from bench_moves import axis, lead, require_moved  # noqa: E402
 from python_drive import PROFILE, PythonDrive  # noqa: E402
 
-from tumble.bench.virtual_bus import time_of  # noqa: E402
+from tumble.world.virtual_bus import time_of  # noqa: E402
 
 
 @pytest.fixture

@@ -10,14 +10,14 @@ from documents import paper_stand
 from simulated_bench import bench as simulated, runs
 
 import tumble as package
-from tumble.bench import gains
-from tumble.bench.border import Refused
 from tumble.cli.main import main
 from tumble.core import CoreSchedule, optimal as core_optimal, paper_schedule
 from tumble.reference import optimal
 from tumble.solving import gain_record
 from tumble.solving.gains import optimal_table
 from tumble.stand import PAPER_STAND
+from tumble.world import gains
+from tumble.world.border import Refused
 
 SCHEDULE = CoreSchedule(paper_schedule())
 NOMINAL_K = -(np.full((3, 3), 0.04) + 1.96 * np.eye(3))

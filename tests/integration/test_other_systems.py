@@ -57,7 +57,7 @@ COMMANDS = {
 WITHOUT_PROGRAMS = """
 import json, pathlib, sys
 from examples_in_process import run
-from tumble.bench import programs
+from tumble.world import programs
 programs.built = lambda path: pathlib.Path("nowhere")
 print(json.dumps([run(*command) for command in json.loads(sys.argv[3])]))
 """

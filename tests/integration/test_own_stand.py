@@ -6,7 +6,7 @@ import subprocess
 import pytest
 from conftest import EXAMPLES, ROOT
 
-from tumble.bench import programs
+from tumble.world import programs
 
 PAGE = (ROOT / "docs/own-stand.md").read_text(encoding="utf-8")
 POSITIONER = ROOT / "firmware/stand/positioner"

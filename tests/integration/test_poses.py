@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from drawn_schedules import SCHEDULES, rotations, turned_somehow
 
-from tumble.bench.progress import Progress
 from tumble.drawings import words
 from tumble.reference import Geometry
 from tumble.schedule import Mounting, Position, Schedule
+from tumble.world.progress import Progress
 
 pytestmark = pytest.mark.python
 

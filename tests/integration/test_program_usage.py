@@ -5,7 +5,7 @@ import subprocess
 import pytest
 from simulated_bench import HASTY_STAND, scenario
 
-from tumble.bench import programs
+from tumble.world import programs
 
 FOLDERS = {"tumble-node": "boards/linux", "tumble-stand": "boards/linux"}
 LINUX = ("tumble-node", "tumble-stand")

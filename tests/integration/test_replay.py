@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from simulated_bench import scenario
 
-from tumble.bench import document, in_process, replay
-from tumble.bench.border import Border
+from tumble.world import document, in_process, replay
+from tumble.world.border import Border
 
 MENDED = {"operator__mend_s": 2, "operator__mends": 3}
 HALVES = "id=1667 mask=2031"  # 683h and 693h

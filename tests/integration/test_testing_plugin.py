@@ -128,7 +128,7 @@ def test_what_is_no_bus(written, given, code, says):
 
 @pytest.mark.toolchain
 def test_without_user_mode_linux_it_says_what_to_install(written):
-    program = "from tumble.bench import uml; uml._KERNEL = 'linux.that.is.not.there'; import pytest, sys; "
+    program = "from tumble.world import uml; uml._KERNEL = 'linux.that.is.not.there'; import pytest, sys; "
     program += f"sys.exit(pytest.main([*{PLUGIN}, '--tumble-bus=uml', 'test_calibrate.py']))"
     done = subprocess.run([sys.executable, "-c", program], cwd=written, capture_output=True, text=True, timeout=60)
     assert done.returncode == 77, done.stdout

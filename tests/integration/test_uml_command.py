@@ -17,8 +17,8 @@ from conftest import ROOT
 from simulated_bench import wait_until
 from uml_kernels import inside, kernels
 
-from tumble.bench import uml
 from tumble.cli import main
+from tumble.world import uml
 
 pytestmark = [pytest.mark.python, pytest.mark.real_time]
 

@@ -19,13 +19,13 @@ from simulated_bench import HASTY_STAND, scenario
 from test_terminal import on_terminal
 
 from tumble import World, client
-from tumble.bench import in_process
-from tumble.bench.border import Border
 from tumble.client.names import STATE_NAMES
 from tumble.errors import BenchFault
 from tumble.watch.folder_run import FolderRun
 from tumble.watch.node_run import NodeRun
 from tumble.watch.snapshot import Lost
+from tumble.world import in_process
+from tumble.world.border import Border
 
 pytestmark = pytest.mark.python
 FAULT = "drive_fault at=1.5 phase=move value=0x7500"
@@ -170,7 +170,7 @@ def test_over_a_whole_run_the_bus_sees_uploads_alone(hasty):
     pytest.importorskip("canopen", reason="python-canopen is not installed")
     from can import CanError
 
-    from tumble.bench.virtual_bus import time_of
+    from tumble.world.virtual_bus import time_of
 
     world, seen = World(7, stand=hasty), []
     with world.bus() as bus, time_of(bus), pytest.raises((CanError, Lost)):

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from conftest import EXAMPLES
 
-from tumble.bench import campaigns
 from tumble.errors import BadInput, BenchFault
 from tumble.workers.crews import Processes
 from tumble.workers.kept import Kept
 from tumble.workers.over import Alone, Piece, Team, over
+from tumble.world import campaigns
 
 pytestmark = pytest.mark.python
 COUNT = 12

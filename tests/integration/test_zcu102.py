@@ -14,8 +14,8 @@ import pytest
 from conftest import EXAMPLES
 from simulated_bench import HASTY_STAND, wait_until
 
-from tumble.bench import console, emulator, replay, uml
 from tumble.errors import BenchFault
+from tumble.world import console, emulator, replay, uml
 
 pytestmark = pytest.mark.toolchain
 

@@ -11,7 +11,7 @@ import subprocess
 import pytest
 from test_zcu102 import prepare
 
-from tumble.bench import emulator
+from tumble.world import emulator
 
 pytestmark = pytest.mark.toolchain
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tumble.bench import uml
+from tumble.world import uml
 
 LACKING = uml.missing()
 inside = pytest.mark.skipif(LACKING is not None, reason=f"user-mode Linux is not there: {LACKING}")

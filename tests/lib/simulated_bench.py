@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from tumble.bench import campaigns, document, in_process, programs
-from tumble.bench.border import Border
 from tumble.errors import BenchFault
 from tumble.workers.over import ALONE
+from tumble.world import campaigns, document, in_process, programs
+from tumble.world.border import Border
 
 HASTY_STAND = """
 [stand]

@@ -9,7 +9,7 @@ from pathlib import Path
 from documents import valid
 from simulated_bench import scenario, wait_until
 
-from tumble.bench import programs
+from tumble.world import programs
 
 HASTE = {  # a calibration within seconds of real time
     "motion__speed_deg_s": 720,

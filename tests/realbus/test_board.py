@@ -11,7 +11,7 @@ import pytest
 from simulated_bench import HASTY_STAND
 from test_command import assert_quiet
 
-from tumble.bench import emulator
+from tumble.world import emulator
 
 _LACKING = emulator.missing("navcomp-emulated")
 pytestmark = pytest.mark.skipif(_LACKING is not None, reason=f"the emulated board is not there: {_LACKING}")

@@ -13,7 +13,7 @@ from documents import valid
 from processes import wait_until
 from simulated_bench import HASTY_STAND
 
-from tumble.bench import programs
+from tumble.world import programs
 
 
 @pytest.fixture

@@ -2,7 +2,7 @@
 
 import subprocess
 
-from tumble.bench import programs
+from tumble.world import programs
 
 
 def run(interface, folder):

@@ -10,8 +10,8 @@ import pytest
 from conftest import ROOT
 from simulated_bench import built
 
-from tumble.bench import programs
 from tumble.store.image import MIN_SECTOR, read_image
+from tumble.world import programs
 
 SCRIPT = ROOT / "examples/try_gateway.sh"
 PAGE = ROOT / "docs/operations.md"

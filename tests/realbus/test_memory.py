@@ -5,7 +5,7 @@ import subprocess
 import pytest
 from processes import HASTE, Node, scenario, wait_until
 
-from tumble.bench import programs
+from tumble.world import programs
 
 SIZE = 65536
 

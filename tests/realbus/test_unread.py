@@ -8,7 +8,7 @@ import subprocess
 import pytest
 from processes import HASTE, PATIENCE, Stand, scenario, wait_until
 
-from tumble.bench import programs
+from tumble.world import programs
 
 LEAST_BYTES = 4096
 NOT_WRITTEN = "tumble-node: standard output cannot be written\n"

@@ -37,7 +37,6 @@ if TYPE_CHECKING:
     from tumble.api.recording import Recording as Recording, read as read
     from tumble.api.result import Result as Result, load as load
     from tumble.api.solving import solve as solve
-    from tumble.bench.world import World as World
     from tumble.errors import (
         BadInput as BadInput,
         Disagreement as Disagreement,
@@ -48,6 +47,7 @@ if TYPE_CHECKING:
     from tumble.files.stand_file import StandFile as StandFile, read_stand as read_stand
     from tumble.schedule import Mounting as Mounting, Position as Position, Schedule as Schedule
     from tumble.stand import Stand as Stand
+    from tumble.world.world import World as World
 
 __all__ = [
     "BadInput",
@@ -78,7 +78,7 @@ def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module 'tumble' has no attribute {name!r}")
     if name == "World":
-        from tumble.bench.world import World
+        from tumble.world.world import World
 
         return globals().setdefault(name, World)
     from tumble import schedule, stand

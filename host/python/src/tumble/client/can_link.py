@@ -54,7 +54,7 @@ def open_bus(where: str) -> can.BusABC:
         raise UsageError(f"can:{where} is neither can:INTERFACE nor can:KIND@CHANNEL with a kind that python-can knows")
     try:
         if kind == "tumble":
-            from tumble.bench.virtual_bus import VirtualBus
+            from tumble.world.virtual_bus import VirtualBus
 
             return VirtualBus(channel, script_time=True)
         return can.Bus(interface=kind or "socketcan", channel=channel)

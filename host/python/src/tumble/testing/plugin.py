@@ -50,8 +50,8 @@ def pytest_cmdline_main(config: pytest.Config) -> int | None:
         return None
     import sys
 
-    from tumble.bench import uml_command
     from tumble.errors import TumbleError
+    from tumble.world import uml_command
 
     try:
         words = [sys.executable, "-m", "pytest", *map(str, config.invocation_params.args)]

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tumble.bench import programs
 from tumble.errors import BadInput, BenchFault, UsageError, quoted
+from tumble.world import programs
 
 if TYPE_CHECKING:
     import can

@@ -1,5 +1,5 @@
-"""The bus of a simulated world for the tests of scripts (docs/testing-your-scripts.md): as in tumble.bench."""
+"""The bus of a simulated world for the tests of scripts (docs/testing-your-scripts.md): as in tumble.world."""
 
-from tumble.bench.virtual_bus import VirtualBus, time_of
+from tumble.world.virtual_bus import VirtualBus, time_of
 
 __all__ = ["VirtualBus", "time_of"]

@@ -14,7 +14,7 @@ NOT_THE_FORM = AttributeError, KeyError, OverflowError, TypeError, ValueError
 
 
 class BenchRun:
-    """Takes the events of a run (tumble.bench.in_process) in one thread; is asked in another. `pace`: virtual seconds
+    """Takes the events of a run (tumble.world.in_process) in one thread; is asked in another. `pace`: virtual seconds
     per second. `when_over` is called when the run is over."""
 
     def __init__(self, pace: float = 1.0) -> None:

@@ -29,15 +29,15 @@ from tumble.schedule import file_of
 from tumble.terms import parse
 
 if TYPE_CHECKING:
-    from tumble.bench.border import Border
-    from tumble.bench.folder import RunFolder
-    from tumble.bench.in_process import OnEvent
-    from tumble.bench.program import Ended
-    from tumble.bench.progress import Progress
-    from tumble.bench.setup import Setup
     from tumble.core import CoreSchedule
     from tumble.files.stand_file import StandFile
     from tumble.schedule import Schedule
+    from tumble.world.border import Border
+    from tumble.world.folder import RunFolder
+    from tumble.world.in_process import OnEvent
+    from tumble.world.program import Ended
+    from tumble.world.progress import Progress
+    from tumble.world.setup import Setup
 
 
 _NO_REPORT = "TUMBLE_NO_REPORT"
@@ -136,9 +136,9 @@ class Onlooker(Protocol):
 def run(arguments: argparse.Namespace, onlooker: Onlooker | None = None) -> int:
     """Simulate, confirm, print. Returns the exit code; raises TumbleError."""
     from tumble.api.complaints import complaints
-    from tumble.bench import board, border, folder, gains, outcome, realbus, setup
     from tumble.cli.output import print_solution, warn
     from tumble.solving.decision import decide
+    from tumble.world import board, border, folder, gains, outcome, realbus, setup
 
     if arguments.keys:
         print(border.scenario_help(), end="")
@@ -192,8 +192,8 @@ def _require_one_way(arguments: argparse.Namespace) -> None:
 
 def _run_many(arguments: argparse.Namespace, seed: int, scenario: str, gain_record: bytes | None) -> int:
     """Calibrate, and print lines as they come. Returns the exit code."""
-    from tumble.bench import campaigns
     from tumble.cli.commands import campaign
+    from tumble.world import campaigns
 
     arguments.workers, arguments.cluster, arguments.resume, arguments.summary = arguments.jobs, None, None, False
     _world(arguments, seed, scenario, gain_record)  # what is refused is refused once
@@ -233,10 +233,10 @@ def _read_setup(arguments: argparse.Namespace, given: dict[str, bytes]) -> tuple
     limit_g = options.parse_limit(arguments.limit)
     terms = parse(arguments.model, arguments.estimator)
 
-    from tumble.bench.setup import setup_of
     from tumble.core import MAX_SAMPLES
     from tumble.files.stand_file import read_block, read_stand
     from tumble.solving import extended
+    from tumble.world.setup import setup_of
 
     samples = None if arguments.samples is None else options.parse_whole(arguments.samples, "--samples", 1, MAX_SAMPLES)
     error_budget_v = _parse_budget(arguments.error_budget)
@@ -281,7 +281,7 @@ def _simulate(
     onlooker: Onlooker | None,
 ) -> dict[str, Any]:
     """Let it run. Returns its document; raises where there is none, or the user did not want to wait for it."""
-    from tumble.bench import realbus
+    from tumble.world import realbus
 
     seen = _progress(wanted.schedule.data, arguments.interactive) if onlooker is None else nullcontext(onlooker)
     with seen as progress:
@@ -305,8 +305,8 @@ def _inside(
     pace: float,
 ) -> dict[str, Any]:
     """In a world within this process."""
-    from tumble.bench import in_process
     from tumble.files.disk import reason
+    from tumble.world import in_process
 
     border = _world(arguments, wanted.seed, scenario, gain_record)
     interrupted = in_process.Run(border, progress, pace).to_its_end()
@@ -321,7 +321,7 @@ def _inside(
 
 def _world(arguments: argparse.Namespace, seed: int, scenario: str, gain_record: bytes | None) -> Border:
     """Powered on. Raises UsageError."""
-    from tumble.bench.border import OPERATORS, Border, Refused
+    from tumble.world.border import OPERATORS, Border, Refused
 
     lines, operator = scenario.splitlines(), "asked" if arguments.interactive else OPERATORS[0]
     try:
@@ -340,7 +340,7 @@ def _outside(
     arguments: argparse.Namespace, wanted: Setup, scenario_path: Path, made: RunFolder, progress: OnEvent
 ) -> dict[str, Any]:
     """By programs on a real bus."""
-    from tumble.bench import board, outcome, realbus
+    from tumble.world import board, outcome, realbus
 
     if arguments.firmware == board.FIRMWARE:
         ended = board.run(arguments.bus, scenario_path, wanted.seed, made.stage, progress, wanted.schedule.data)
@@ -372,10 +372,10 @@ def _require_written(ended: Ended, made: RunFolder) -> None:
 
 def _progress(schedule: Schedule, interactive: bool) -> Progress:
     if on_terminal():
-        from tumble.bench.live import LiveProgress
+        from tumble.world.live import LiveProgress
 
         return LiveProgress(schedule, interactive)
-    from tumble.bench.progress import Progress
+    from tumble.world.progress import Progress
 
     return Progress(schedule, interactive)
 

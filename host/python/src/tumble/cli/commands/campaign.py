@@ -12,7 +12,7 @@ from tumble.errors import EXIT_PASS, UsageError
 from tumble.messages import tell
 
 if TYPE_CHECKING:
-    from tumble.bench.campaigns import Runs
+    from tumble.world.campaigns import Runs
 
 MOST = 1_000_000_000
 _DEFAULT = "1000"
@@ -51,8 +51,8 @@ def run_runs(arguments: argparse.Namespace) -> int:
     """Calibrate, and print lines as they come. Returns the exit code; raises TumbleError."""
     seed, count = _seeds(arguments, "--runs", arguments.runs)
 
-    from tumble.bench import campaigns
     from tumble.files.disk import read_bytes
+    from tumble.world import campaigns
 
     scenario = None if arguments.scenario is None else read_bytes(arguments.scenario)
     job = campaigns.of_runs(scenario, arguments.scenario or "the defaults", arguments.means)
@@ -61,8 +61,8 @@ def run_runs(arguments: argparse.Namespace) -> int:
 
 def print_runs(arguments: argparse.Namespace, job: Runs, seed: int, count: int) -> int:
     """Lines as they come, or what they have in common. Returns the exit code; raises TumbleError."""
-    from tumble.bench import campaigns
     from tumble.files.documents import to_json
+    from tumble.world import campaigns
 
     code = EXIT_PASS
     summary = campaigns.Summary(seed, workers_of(arguments)) if arguments.summary else None
@@ -82,8 +82,8 @@ def run_lives(arguments: argparse.Namespace) -> int:
     """Live, tell of violations as they come, print the document. Returns the exit code; raises TumbleError."""
     seed, count = _seeds(arguments, "--lives", arguments.lives)
 
-    from tumble.bench import campaigns
     from tumble.files.documents import to_json
+    from tumble.world import campaigns
 
     documents, code, job = [], EXIT_PASS, campaigns.HostileLives()
     with team_of(arguments, "campaign lives") as team, progress_bar("living", count) as progress:

@@ -49,7 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Replay, print. Returns the exit code; raises TumbleError."""
     import json
 
-    from tumble.bench import replay
+    from tumble.world import replay
 
     if arguments.commissioning is not None:
         if arguments.log is not None:

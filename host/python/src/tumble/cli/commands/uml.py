@@ -25,7 +25,7 @@ def add_to(subparsers: Subparsers, about: str) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run it. Returns its exit code; raises TumbleError."""
-    from tumble.bench import uml_command
+    from tumble.world import uml_command
 
     words = arguments.words
     return uml_command.run(words[1:] if words[:1] == ["--"] else words)

@@ -160,7 +160,7 @@ def _end(follower: Follower, stack: ExitStack) -> None:
 
 
 def _pace(arguments: argparse.Namespace) -> float:
-    from tumble.bench import realbus
+    from tumble.world import realbus
 
     if arguments.interactive:
         raise UsageError("--interactive: who watches commands nothing; tumble bench --interactive asks")

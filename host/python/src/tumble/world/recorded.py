@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from tumble.bench.border import Border
+from tumble.world.border import Border
 
 _HEADER = "mounting,position,ux,uy,uz,cx,cy,cz,counter,timestamp,temperature,time_s\n"
 

@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from tumble.bench import document
-from tumble.bench.border import ENDED, FOREVER_US, Border, Refused, text
-from tumble.bench.lives import Lives
 from tumble.errors import EXIT_DISAGREEMENT, EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
 from tumble.workers.kept import Result
 from tumble.workers.over import ALONE, Job, Piece, Progress, Team, over
+from tumble.world import document
+from tumble.world.border import ENDED, FOREVER_US, Border, Refused, text
+from tumble.world.lives import Lives
 
 _SEEDS = 100  # in a piece
 _FIRST = 10  # violations that a campaign shrinks

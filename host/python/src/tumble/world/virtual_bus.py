@@ -27,9 +27,9 @@ from typing import Any, NamedTuple
 
 import can
 
-from tumble.bench import document, in_process
-from tumble.bench.border import ENDED, FOREVER_US, FRAME, Border, Refused
 from tumble.files.disk import read_bytes
+from tumble.world import document, in_process
+from tumble.world.border import ENDED, FOREVER_US, FRAME, Border, Refused
 
 _ANSWER_US = 5_000_000  # of virtual time, for an answer to an SDO request
 _FOREVER_US = 10**12

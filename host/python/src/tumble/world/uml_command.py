@@ -16,8 +16,8 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
-from tumble.bench import uml
 from tumble.errors import UsageError
+from tumble.world import uml
 
 _MEMORY_MB = 768
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)

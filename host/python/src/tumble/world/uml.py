@@ -20,8 +20,8 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from tumble.bench.programs import built, last_words
 from tumble.errors import BenchFault, Skipped
+from tumble.world.programs import built, last_words
 
 INTERFACE = "vcan0"
 PACKAGES = "user-mode-linux kmod iproute2"

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tumble.bench import document, recorded
-from tumble.bench.border import AVERAGED, CHANGE, ENDED, FOREVER_US, QUESTION, Border, Refused
 from tumble.files.documents import to_json
+from tumble.world import document, recorded
+from tumble.world.border import AVERAGED, CHANGE, ENDED, FOREVER_US, QUESTION, Border, Refused
 
 Event = dict[str, Any]
 OnEvent = Callable[[Event], "str | None"]

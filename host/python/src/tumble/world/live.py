@@ -7,8 +7,8 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, Progress as Bars, TextColumn, TimeRemainingColumn
 
-from tumble.bench.progress import Progress, in_words, volts
 from tumble.schedule import Schedule
+from tumble.world.progress import Progress, in_words, volts
 
 
 class LiveProgress(Progress):

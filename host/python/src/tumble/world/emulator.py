@@ -7,8 +7,8 @@ import shutil
 import subprocess
 from pathlib import Path
 
-from tumble.bench.programs import built, last_words
 from tumble.errors import BenchFault, Skipped
+from tumble.world.programs import built, last_words
 
 PACKAGES = "qemu-system-arm gcc-aarch64-linux-gnu"
 

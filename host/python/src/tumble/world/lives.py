@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 from typing import Any
 
-from tumble.bench.border import require_built, text
+from tumble.world.border import require_built, text
 
 with contextlib.suppress(ImportError):  # which require_built tells of
     from _tumble_world import ffi, lib

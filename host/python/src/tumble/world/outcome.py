@@ -12,9 +12,6 @@ import numpy as np
 from tumble import reference
 from tumble.api.complaints import complaints
 from tumble.arrays import Floats
-from tumble.bench import gains
-from tumble.bench.progress import in_words
-from tumble.bench.setup import Setup, step_v
 from tumble.errors import BadInput, BenchFault, Disagreement
 from tumble.estimators import OPTIMAL
 from tumble.files.documents import to_json
@@ -25,6 +22,9 @@ from tumble.solving import provenance, result
 from tumble.solving.crosscheck import OPTIMAL_LIMIT_U, RELATIVE_LIMIT, compare_uncertainties
 from tumble.solving.noise import look, of_means
 from tumble.solving.solution import Solution, Truth, solve
+from tumble.world import gains
+from tumble.world.progress import in_words
+from tumble.world.setup import Setup, step_v
 
 DOCUMENT = "bench.json"
 INPROCESS = "inprocess"

@@ -13,12 +13,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tumble.bench import document, emulator, folder
-from tumble.bench.border import FRAMES, Border, Refused, require_good
 from tumble.errors import BadInput, Skipped, UsageError, file_name
 from tumble.files import can_log
 from tumble.files.can_log import CANDUMP, CanLog
 from tumble.files.disk import MIB, MOST_OF_RECORDING, joined
+from tumble.world import document, emulator, folder
+from tumble.world.border import FRAMES, Border, Refused, require_good
 
 with contextlib.suppress(ImportError):  # which Border tells of
     from _tumble_world import ffi, lib

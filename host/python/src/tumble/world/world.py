@@ -9,17 +9,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from tumble.api.result import Result
-from tumble.bench import document, gains, in_process, outcome
-from tumble.bench.border import CHANGE, ENDED, ENDS, FOREVER_US, OPERATORS, SENDERS, Border, Key, Refused, keys, text
-from tumble.bench.setup import Setup, scenario_text, setup_of
 from tumble.defaults import DEFAULT_ESTIMATOR, DEFAULT_SCHEDULE
 from tumble.errors import NotInstalled, UsageError, quoted
 from tumble.estimators import ESTIMATORS, OPTIMAL
 from tumble.files.schedule_file import schedule_of
 from tumble.files.stand_file import stand_file_of
+from tumble.world import document, gains, in_process, outcome
+from tumble.world.border import CHANGE, ENDED, ENDS, FOREVER_US, OPERATORS, SENDERS, Border, Key, Refused, keys, text
+from tumble.world.setup import Setup, scenario_text, setup_of
 
 if TYPE_CHECKING:
-    from tumble.bench.virtual_bus import VirtualBus
+    from tumble.world.virtual_bus import VirtualBus
 
 _STATE = "TUMBLE_STATE_"
 _ESTIMATOR, _SAMPLES, _LIMIT = "procedure.estimator", "procedure.samples", "procedure.gravity_limit_g"
@@ -134,7 +134,7 @@ class World:
         """It as a bus of python-can, whose time the calling thread's `recv` and `sleep` let pass; `options`: as
         can_filters. The world goes on when the bus has been shut down. Needs python-can. Raises NotInstalled."""
         try:
-            from tumble.bench.virtual_bus import VirtualBus
+            from tumble.world.virtual_bus import VirtualBus
         except ImportError:
             raise NotInstalled("the bus of a world", "python-can", extra="can") from None
         return VirtualBus(world=self._border, **options)

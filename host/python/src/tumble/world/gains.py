@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from tumble.bench.setup import Setup, step_v
 from tumble.solving.gain_record import record_of, to_bytes
 from tumble.solving.gains import optimal_table
 from tumble.solving.optimal_run import Known
 from tumble.stand import by_channel
+from tumble.world.setup import Setup, step_v
 
 _USUAL_BLOCK = {"scale_v_per_g": -2.0, "misalignment_rad": 0.02}  # the program's own, where no file describes a block
 

@@ -22,9 +22,9 @@ from pathlib import Path
 from typing import Any
 
 from tumble import interruption
-from tumble.bench import console, emulator, in_process, outcome, program, programs, realbus, replay, uml
 from tumble.errors import BadInput, BenchFault, Disagreement, Skipped, UsageError
 from tumble.schedule import Schedule
+from tumble.world import console, emulator, in_process, outcome, program, programs, realbus, replay, uml
 
 FIRMWARE = "zcu102"
 STATES = (  # firmware/procedure/states.h

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from tumble.bench.border import ENDS, Border, text
 from tumble.errors import EXIT_DISAGREEMENT, EXIT_LIMITS_FAILED, EXIT_PASS, Interrupted
+from tumble.world.border import ENDS, Border, text
 
 Document = dict[str, Any]
 _MICROSECOND = 1e-6

@@ -21,8 +21,8 @@ from pathlib import Path
 from typing import Any
 
 from tumble import interruption
-from tumble.bench import outcome, program, programs, replay, uml
 from tumble.errors import BenchFault, Skipped, UsageError, quoted
+from tumble.world import outcome, program, programs, replay, uml
 
 INPROCESS, UML, SOCKETCAN = outcome.INPROCESS, "uml", "socketcan:"
 
