@@ -19,7 +19,7 @@ import numpy as np
 
 from tumble import core, reference
 from tumble.files.stand_file import read_stand
-from tumble.workers.local import Processes
+from tumble.workers.crews import Processes
 from tumble.workers.over import ALONE, Team
 from tumble.world.setup import Setup, scenario_text, setup_of
 
