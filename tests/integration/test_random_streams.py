@@ -49,8 +49,8 @@ def normals(seeds, cause, index, count=1):
 
 @pytest.mark.parametrize("seed", [1, 2, 2**32 - 1, 2**63])
 def test_a_stand_is_what_the_description_makes_of_its_seed(seed):
-    setup, _ = campaign.setup_of("lab_stand")
-    stand, truth = setup.stand, campaign.run_program(setup, "--seed", str(seed))[0]["truth"]
+    setup = campaign.stand_of("lab_stand")
+    stand, truth = setup.stand, campaign.calibrated(setup, 1, seed)[0]["truth"]
 
     def drawn(cause, index, limit, before=0):
         return pytest.approx(normals(seed, cause, index, before + 1)[before].item() * limit, rel=1e-13)
@@ -100,8 +100,8 @@ def test_streams_of_consecutive_seeds_are_independent_and_normal(start, fresh_se
 def test_shares_of_passes_are_those_of_independent_runs():
     """50 campaigns on the lab stand: their shares scatter as the binomial law says, about the predicted share."""
     runs, blocks = 1000, 50
-    setup, _ = campaign.setup_of("lab_stand")
-    lines = campaign.run_program(setup, "--runs", str(runs * blocks))
+    setup = campaign.stand_of("lab_stand")
+    lines = campaign.calibrated(setup, runs * blocks)
     passed = np.array([line["pass"] for line in lines]).reshape(blocks, runs).sum(axis=1)
     share, uncertainty = campaign.predicted_share(setup, 200_000)
     variance = share * (1.0 - share)
