@@ -6,6 +6,9 @@ from statistics import NormalDist
 import numpy as np
 import pytest
 from conftest import ROOT
+from simulated_bench import bench
+
+from tumble.world.setup import scenario_text
 
 sys.path.insert(0, str(ROOT / "tests/benchmark"))
 
@@ -50,7 +53,7 @@ def normals(seeds, cause, index, count=1):
 @pytest.mark.parametrize("seed", [1, 2, 2**32 - 1, 2**63])
 def test_a_stand_is_what_the_description_makes_of_its_seed(seed):
     setup = campaign.stand_of("lab_stand")
-    stand, truth = setup.stand, campaign.calibrated(setup, 1, seed)[0]["truth"]
+    stand, truth = setup.stand, bench(scenario_text(setup).splitlines(), seed)["truth"]
 
     def drawn(cause, index, limit, before=0):
         return pytest.approx(normals(seed, cause, index, before + 1)[before].item() * limit, rel=1e-13)
