@@ -231,6 +231,19 @@ def test_some_mutilations(name, examples, tmp_path):
     go_through(name, examples[name], SHOWN, 1000 * zlib.crc32(name.encode()), tmp_path / "run.csv")
 
 
+ONCE_FAULTS = [
+    ("paper_stand", 175),  # numpy divided by no noise at all, and said so
+    ("hand_held_session", 123),  # core and numpy had other chi-squared, far beyond linear theory
+    ("hand_held_session", 683),
+    ("hand_held_session", 1833),
+]
+
+
+@pytest.mark.parametrize(("name", "seed"), ONCE_FAULTS)
+def test_mutilations_that_once_ended_in_a_fault(name, seed, examples, tmp_path):
+    go_through(name, examples[name], 1, seed, tmp_path / "run.csv")
+
+
 @pytest.mark.full
 @pytest.mark.parametrize("name", RUNS)
 def test_all_mutilations(name, examples, tmp_path, fresh_seed):
