@@ -263,16 +263,20 @@ unsigned world_advance(world_t *world, uint64_t until_us, unsigned stop_at)
 {
     bench_world_t *const own = &world->world;
     world->happened = 0;
-    if (world->no_memory) {
-        return WORLD_NO_MEMORY;
-    }
-    while (bench_world_has_ended(own) || bench_world_next_us(own) <= until_us) {
-        if (!bench_world_advance(own)) {
+    while (!world->no_memory && (bench_world_has_ended(own) || bench_world_next_us(own) <= until_us)) {
+        const bool goes_on = bench_world_advance(own);
+        if (world->no_memory) {
+            break;
+        }
+        if (!goes_on) {
             return (world->happened & stop_at) | WORLD_ENDED;
         }
         if ((world->happened & stop_at) != 0U) {
             return world->happened & stop_at;
         }
+    }
+    if (world->no_memory) {
+        return WORLD_NO_MEMORY;
     }
     bench_world_pass(own, until_us);
     return 0;

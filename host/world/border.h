@@ -9,6 +9,8 @@
  * moment or to one of the events that the caller waits for. What has gone over the bus, and what went into the means, is
  * recorded from power-on. Not for several threads at once; two worlds share nothing.
  *
+ * Before power-on there are keys, gains and world_check alone.
+ *
  * A sentence that a function returns says what is wrong, and lasts until the next call of that world; null is good.
  */
 #ifndef TUMBLE_WORLD_BORDER_H

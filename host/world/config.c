@@ -204,8 +204,8 @@ static const char *complete_gains(bench_config_t *config)
     config->procedure.weighted = &config->weighted;
     const bool needed = needs_gains(config);
     if (needed != (config->gains.record != NULL)) {
-        return needed ? "procedure.estimator = optimal needs --gain-record"
-                      : "--gain-record is for procedure.estimator = optimal alone";
+        return needed ? "procedure.estimator = optimal needs a gain record"
+                      : "a gain record is for procedure.estimator = optimal alone";
     }
     const tumble_status_t status =
         needed ? tumble_optimal_check(&config->gains, &config->scenario.schedule) : TUMBLE_OK;

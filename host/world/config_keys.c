@@ -171,11 +171,16 @@ const bench_key_t *bench_find_key(const char *name)
 bool bench_cut_words(char *text, bench_words_t *words)
 {
     words->count = 0;
-    for (char *word = strtok(text, " \t"); word != NULL; word = strtok(NULL, " \t")) {
+    static const char BLANKS[] = " \t";
+    for (char *word = text + strspn(text, BLANKS); *word != '\0';) {
+        char *const end = word + strcspn(word, BLANKS);
+        char *const next = end + strspn(end, BLANKS);
         if (words->count == BENCH_MAX_WORDS) {
             return false;
         }
         words->word[words->count++] = word;
+        *end = '\0';
+        word = next;
     }
     return true;
 }

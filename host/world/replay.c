@@ -183,13 +183,16 @@ static void on_sample(void *context, tumble_taken_t taken, const tumble_block_sa
 {
     world_t *const world = context;
     world->world.clock.now_us = world->replay.now_us;
-    world->watcher.on_sample(world, taken, sample);
+    if (world->watcher.on_sample != NULL) {
+        world->watcher.on_sample(world, taken, sample);
+    }
 }
 
 /* The firmware anew, with the recording for a bus. */
 static tumble_status_t power_on(world_t *world)
 {
     bench_world_t *const own = &world->world;
+    world->heard_us = SIM_NEVER; /* another log begins */
     world->replay_hooks = (tumble_navcomp_hooks_t){world, on_sample};
     own->navcomp_config.port = &world->replay.port;
     own->navcomp_config.hooks = &world->replay_hooks;

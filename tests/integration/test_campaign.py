@@ -1,12 +1,14 @@
 """`tumble campaign`: calibrations and hostile lives are their seeds' alone, whoever does them, and no life breaks a
 rule."""
 
+import dataclasses
 import os
 
 import pytest
 from conftest import EXAMPLES
 from documents import document_of
 
+from tumble.world import campaigns
 from tumble.world.lives import Lives
 
 pytestmark = pytest.mark.python
@@ -96,3 +98,16 @@ def test_more_runs_go_on_from_fewer(tumble, nowhere, tmp_path):
 )
 def test_usage(refused, arguments, complaint):
     assert complaint in refused("campaign", *arguments, cwd=EXAMPLES)
+
+
+def test_a_summary_of_pieces_without_their_time():
+    """As an earlier version has kept them."""
+    summary = campaigns.Summary(1, 1)
+    for part in campaigns.ended(campaigns.Runs((), "", False), 1, 2):
+        summary.add(dataclasses.replace(part, cpu_s=None))
+    document = summary.document()
+    assert (document["runs"], document["cpu_s"], document["calibrations_per_cpu_s"]) == (2, None, None)
+
+
+def test_seeds_beyond_the_last(refused):
+    assert "the seeds would go beyond 2^64 - 1" in refused("bench", "--seed", str(2**64 - 1), "--runs", "2")

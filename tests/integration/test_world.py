@@ -1,9 +1,11 @@
 """`tumble.World`: the same bits as in campaigns and on the command line; and what its holder can do to it."""
 
 import json
+import re
 import subprocess
 import sys
 from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from conftest import EXAMPLES, ROOT
 from simulated_bench import runs
 
 import tumble
+from tumble.world.border import Border
 
 HOUR_S = 3600
 
@@ -221,3 +224,41 @@ def test_the_page_s_script(tmp_path):
     lines = done.stdout.splitlines()
     assert len(lines) == 10 and all(" done True " in line for line in lines) and len(code.splitlines()) <= 15
     assert (tmp_path / "angles.png").read_bytes().startswith(b"\x89PNG")
+
+
+WRONG_CALLS = [
+    (lambda world: world.advance(-1), "seconds: '-1' is not a number from 0 to 1e+09"),
+    (lambda world: world.advance(float("nan")), "is not a number from 0 to"),
+    (lambda world: world.advance("AVERAGE"), "is not a number from 0 to"),
+    (lambda world: world.advance(until="NOWHERE"), "until: 'NOWHERE' is none of IDLE, PREFLIGHT, "),
+    (lambda world: world.answer(3), "of the wrong type, or too large: '3'"),
+    (lambda world: world.send(0x80, "abc"), "of the wrong type"),
+    (lambda world: world.send(0x10000, b""), "no classic data frame with an 11-bit identifier"),
+    (lambda world: world.send(1, bytes(300)), "no classic data frame with an 11-bit identifier"),
+    (lambda world: world.turn_table("a", 1.0), "of the wrong type"),
+]
+
+
+@pytest.mark.parametrize("case", range(len(WRONG_CALLS)))
+def test_what_cannot_be_done_is_told_by_an_error_of_ours(case):
+    call, words = WRONG_CALLS[case]
+    with pytest.raises(tumble.UsageError, match=re.escape(words)):
+        call(tumble.World(1))
+
+
+def test_numbers_may_be_texts_and_there_is_no_result_before_the_end():
+    world = tumble.World(1, **{"procedure.samples": "10", "procedure.gravity_limit_g": "1e-3"})
+    with pytest.raises(tumble.errors.BenchFault, match="has not come to its end"):
+        _ = world.result
+    assert world.run().result.passed and world.document["verification"]["limit_g"] == 1e-3
+
+
+def test_setting_keys_in_two_threads_mixes_nothing():
+    """A line is cut into its words without any memory that worlds share."""
+    line = "block.noise_v = " + " " * 900 + "1e-4 2e-4 3e-4"
+
+    def make(number):
+        return [Border(number, [line], None) for _ in range(300)]
+
+    with ThreadPoolExecutor(2) as pool:
+        assert sum(map(len, pool.map(make, range(2)))) == 600

@@ -94,6 +94,10 @@ def _alone(job: bytes, piece: Piece) -> Result | None:
             return executor.submit(_call, __version__, job, piece.what).result()
         except BrokenProcessPool:
             return None
+        except KeyboardInterrupt:  # nobody waits for what may never end
+            for process in multiprocessing.active_children():
+                process.terminate()
+            raise
 
 
 def _killer(job: bytes, piece: Piece) -> Piece:

@@ -17,6 +17,7 @@ else:
     _IS_BUILT = True
 
 FOREVER_US = 2**64 - 1
+_MOST_ID, _MOST_BYTES = 0x7FF, 8
 FRAME, CHANGE, AVERAGED, QUESTION, ENDED = 1, 2, 4, 8, 16  # bits of what has happened
 _NO_MEMORY = 32
 OPERATORS = ("by-itself", "on-confirm", "never", "asked")  # who acts when the firmware waits for a person
@@ -172,6 +173,8 @@ class Border:
 
     def send(self, identifier: int, data: bytes) -> None:
         """Put a frame on the bus. Raises Refused."""
+        if not 0 <= identifier <= _MOST_ID or len(data) > _MOST_BYTES:
+            raise Refused("no classic data frame with an 11-bit identifier")
         require_good(lib.world_send(self._world, identifier, len(data), data))
 
     def turn_table(self, angle_deg: float, speed_deg_s: float) -> None:

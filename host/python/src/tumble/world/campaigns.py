@@ -31,7 +31,7 @@ class Ended:
     output: str
     said: str
     code: int
-    cpu_s: float = 0.0
+    cpu_s: float | None = None  # unknown of what an earlier version has kept
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,8 @@ class Summary:
 
     def __init__(self, first_seed: int, jobs: int):
         self._first_seed, self._jobs = first_seed, jobs
-        self._began_s, self._cpu_s = time.perf_counter(), 0.0
+        self._began_s = time.perf_counter()
+        self._cpu_s: float | None = 0.0
         self._runs = self._known = self._frames = 0
         self._virtual_s = 0.0
         self._exits, self._reasons = dict.fromkeys(("0", "1", "3"), 0), Counter[str]()
@@ -107,7 +108,7 @@ class Summary:
 
     def add(self, ended: Ended) -> None:
         """The lines of a piece."""
-        self._cpu_s += ended.cpu_s
+        self._cpu_s = None if self._cpu_s is None or ended.cpu_s is None else self._cpu_s + ended.cpu_s
         for line in map(json.loads, ended.output.splitlines()):
             self._runs += 1
             self._exits[str(line["exit"])] += 1
@@ -149,8 +150,8 @@ class Summary:
             "cpu_s": self._cpu_s,
             "calibrations_per_s": self._runs / wall_s,
             "frames_per_s": self._frames / wall_s,
-            "calibrations_per_cpu_s": self._runs / self._cpu_s,
-            "frames_per_cpu_s": self._frames / self._cpu_s,
+            "calibrations_per_cpu_s": self._runs / self._cpu_s if self._cpu_s else None,
+            "frames_per_cpu_s": self._frames / self._cpu_s if self._cpu_s else None,
         }
 
 
@@ -182,7 +183,7 @@ def ended(
 ) -> Iterator[Ended]:
     """Of seeds from `seed` on, in their order. Raises UsageError."""
     for result in over(_pieces(seed, count), job, team, progress):
-        cpu_s = float(result["cpu_s"][0]) if "cpu_s" in result else 0.0
+        cpu_s = float(result["cpu_s"][0]) if "cpu_s" in result else None
         yield Ended(result["output"], result["said"], int(result["code"][0]), cpu_s)
 
 

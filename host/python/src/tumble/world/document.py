@@ -1,4 +1,4 @@
-"""What a run in a simulated world has found, as a document of schema tumble.bench/1 (docs/bench.md), and its events."""
+"""What a run in a simulated world has found, as a document of schema tumble.bench/1 (docs/schemas), and its events."""
 
 from __future__ import annotations
 

@@ -41,6 +41,8 @@ def require_done(document: dict[str, Any]) -> None:
     """Raise BenchFault, one line that says what went wrong and where, unless the firmware has finished."""
     if document["end"] == "done" and document["K"] is not None:
         return
+    if document["end"] == "running":
+        raise BenchFault("the run has not come to its end: no result yet")
     if document["end"] == "too long":
         raise BenchFault(
             f"no end after {document['virtual_s']:.0f} s of virtual time, in {in_words(document['state'])}"

@@ -273,7 +273,8 @@ def _waiting(lines: list[str]) -> list[str]:
 
 
 def _require_classic(message: can.Message) -> None:
-    if message.is_extended_id or message.is_remote_frame or message.is_fd or message.is_error_frame:
+    odd = message.is_extended_id or message.is_remote_frame or message.is_fd or message.is_error_frame
+    if odd or not 0 <= message.arbitration_id <= 0x7FF or len(message.data) > 8:
         raise can.CanOperationError("only classic data frames with 11-bit identifiers can be sent")
 
 

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import tempfile
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from tumble.api.result import Result
 from tumble.defaults import DEFAULT_ESTIMATOR, DEFAULT_SCHEDULE
+from tumble.drawings.tables import STATES
 from tumble.errors import NotInstalled, UsageError, quoted
 from tumble.estimators import ESTIMATORS, OPTIMAL
 from tumble.files.schedule_file import schedule_of
@@ -24,6 +26,9 @@ if TYPE_CHECKING:
 _STATE = "TUMBLE_STATE_"
 _ESTIMATOR, _SAMPLES, _LIMIT = "procedure.estimator", "procedure.samples", "procedure.gravity_limit_g"
 _US = 1e6
+_LONGEST_S = 1e9
+_OF_THE_STAND_FILE = {"block.converter_bits", "block.range_v"}  # which the check of the result has to know of
+Number = TypeVar("Number", int, float)
 
 
 class Frame(NamedTuple):
@@ -86,7 +91,11 @@ class World:
         if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**64:
             raise UsageError(f"seed: {quoted(seed)} is not a whole number from 0 to 2^64 - 1")
         planned = schedule_of(DEFAULT_SCHEDULE if schedule is None else schedule, estimator)
-        samples, limit_g = keys.get(_SAMPLES, samples), keys.get(_LIMIT)
+        if samples is not None and _SAMPLES in keys:
+            raise UsageError(f"{_SAMPLES} is given by samples, too")
+        for key in _OF_THE_STAND_FILE.intersection(keys):
+            raise UsageError(f"{key}: give it by [block] of the stand")
+        samples, limit_g = _number(_SAMPLES, keys.get(_SAMPLES, samples), int), _number(_LIMIT, keys.get(_LIMIT), float)
         return setup_of(seed, self._stand_file, planned, samples, limit_g, estimator=estimator)
 
     @staticmethod
@@ -103,8 +112,11 @@ class World:
 
     def advance(self, seconds: float | None = None, until: str | None = None) -> bool:
         """Let so much virtual time pass, or as much as it takes until the procedure is in the state `until`, such as
-        "AVERAGE"; without either, until it moves on. Returns whether the world goes on; False: it has ended."""
-        end_us = FOREVER_US if seconds is None else self._border.now_us + round(seconds * _US)
+        "AVERAGE"; without either, until it moves on. Returns whether the world goes on; False: it has ended. Raises
+        UsageError."""
+        if until is not None and until not in STATES:
+            raise UsageError(f"until: {quoted(until)} is none of {', '.join(STATES)}")
+        end_us = FOREVER_US if seconds is None else self._border.now_us + round(_seconds(seconds) * _US)
         waits = until is not None or seconds is None
         while True:
             happened = self._border.advance(end_us, CHANGE if waits else 0)
@@ -123,7 +135,7 @@ class World:
 
     def send(self, identifier: int, data: bytes) -> None:
         """Put a classic data frame on the bus, as one more node; it takes part in arbitration. Raises UsageError."""
-        self._take(self._border.send, identifier, bytes(data))
+        self._take(lambda one, what: self._border.send(one, bytes(what)), identifier, data)
 
     def turn_table(self, angle_deg: float, speed_deg_s: float) -> None:
         """Turn the table, for a drive of the caller's on the bus (present.drive = no): to at most 36000 degrees either
@@ -161,6 +173,8 @@ class World:
             call(*arguments)
         except Refused as refused:
             raise UsageError(str(refused)) from None
+        except (TypeError, ValueError, OverflowError, AttributeError):
+            raise UsageError(f"of the wrong type, or too large: {', '.join(map(quoted, arguments))}") from None
 
     # How it stands.
 
@@ -242,6 +256,24 @@ class World:
             in_process.write(self._border, Path(folder))
             solution = outcome.confirm(found, Path(folder), self._setup)
         return Result(outcome.result_text(solution, self._setup, self._stand_file, found))
+
+
+def _seconds(value: Any) -> float:
+    try:
+        seconds = float(value)
+    except (TypeError, ValueError):
+        seconds = math.nan
+    if not 0.0 <= seconds <= _LONGEST_S or isinstance(value, str):
+        raise UsageError(f"seconds: {quoted(value)} is not a number from 0 to {_LONGEST_S:g}")
+    return seconds
+
+
+def _number(name: str, value: Any, kind: type[Number]) -> Number | None:
+    """None: not given."""
+    try:
+        return None if value is None else kind(value)
+    except (TypeError, ValueError, OverflowError):
+        raise UsageError(f"{name}: {quoted(value)} is not a number") from None
 
 
 def _lines(keys: Mapping[str, Any]) -> Iterator[str]:

@@ -193,12 +193,16 @@ def _require_one_way(arguments: argparse.Namespace) -> None:
 def _run_many(arguments: argparse.Namespace, seed: int, scenario: str, gain_record: bytes | None) -> int:
     """Calibrate, and print lines as they come. Returns the exit code."""
     from tumble.cli.commands import campaign
+    from tumble.cli.working import MOST_WORKERS
     from tumble.world import campaigns
 
+    options.parse_whole(arguments.jobs or "1", "--jobs", 1, MOST_WORKERS)
+    count = options.parse_whole(arguments.runs, "--runs", 1, campaign.MOST)
+    if seed + count - 1 > options.LARGEST_SEED:
+        raise UsageError("--runs: the seeds would go beyond 2^64 - 1")
     arguments.workers, arguments.cluster, arguments.resume, arguments.summary = arguments.jobs, None, None, False
     _world(arguments, seed, scenario, gain_record)  # what is refused is refused once
     job = campaigns.Runs(tuple(scenario.splitlines()), arguments.scenario or "scenario", False, gain_record)
-    count = options.parse_whole(arguments.runs, "--runs", 1, campaign.MOST)
     return campaign.print_runs(arguments, job, seed, count)
 
 
