@@ -3,8 +3,6 @@
 #include "json.h"
 #include "report.h"
 
-#define ANGLE_PERIOD_US 100000U
-
 static bench_json_t begin(const char *event, FILE *out)
 {
     bench_json_t json = {.out = out};
@@ -56,23 +54,6 @@ void bench_progress_state(const bench_world_t *world, const tumble_progress_t *p
     bench_json_t json = begin("state", out);
     put_time(&json, world);
     put_place(&json, progress);
-    put_angle(&json, world);
-    end(&json);
-}
-
-void bench_progress_angle(const bench_world_t *world, uint64_t *told_us, FILE *out)
-{
-    tumble_navcomp_progress_t progress;
-    if (world->clock.now_us < *told_us + ANGLE_PERIOD_US) {
-        return;
-    }
-    *told_us = world->clock.now_us;
-    tumble_navcomp_progress(&world->navcomp, &progress);
-    if (progress.stand != TUMBLE_STAND_MOVING) {
-        return;
-    }
-    bench_json_t json = begin("angle", out);
-    put_time(&json, world);
     put_angle(&json, world);
     end(&json);
 }

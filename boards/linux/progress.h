@@ -4,7 +4,6 @@
  *         reason, angle_deg (of the table; null while it is not known: before homing, after a fault of the axis)
  *     event "average": a tenth more of a mean is there: as above, and samples, wanted, mean_v (3),
  *         standard_error_v (3)
- *     event "angle": the table is turning: angle_deg, every 0.1 s
  *     event "question": a person is needed: kind "mounting" (with mounting), "angle" (with angle_deg) or "fault" (with
  *         reason and its sentence); in the interactive mode time stands still until the answer is there
  *     event "refused": the answer cannot be understood, or the firmware does not accept it: what
@@ -20,9 +19,6 @@
 
 void bench_progress_state(const bench_world_t *world, const tumble_progress_t *progress, FILE *out);
 void bench_progress_average(const bench_world_t *world, tumble_taken_t taken, FILE *out);
-
-/* With every frame; `told_us`: 0 at first, then when an angle was told last. */
-void bench_progress_angle(const bench_world_t *world, uint64_t *told_us, FILE *out);
 
 void bench_progress_question(const bench_world_t *world, const bench_question_t *question, FILE *out);
 void bench_progress_refused(const char *what, FILE *out);

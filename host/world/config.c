@@ -12,7 +12,19 @@
 
 #define OPEN (-1.0) /* not given, of what may be 0 */
 
-void bench_keeping_defaults(bench_keeping_t *keeping)
+/* The flags, by the switches. */
+static void complete_keeping(bench_keeping_t *keeping)
+{
+    tumble_sets_settings_t *const settings = &keeping->settings;
+    settings->limits.flags =
+        (uint8_t)((keeping->commits ? TUMBLE_COMMIT_BY_ITSELF : 0) | (keeping->first ? TUMBLE_COMMIT_FIRST : 0));
+    settings->flags = keeping->starts ? TUMBLE_SETS_STARTS : 0U;
+}
+
+/* Limits for a good stand: 1e-3 (ratio, rad or g) for uncertainties, 1e-4 a month for drift, three standard
+ * uncertainties; sets commit themselves, but the first waits; nothing is ever due. No serial number:
+ * who keeps coefficients must be told whose they are. */
+static void default_keeping(bench_keeping_t *keeping)
 {
     *keeping = (bench_keeping_t){
         .commits = true,
@@ -22,15 +34,7 @@ void bench_keeping_defaults(bench_keeping_t *keeping)
         keeping->settings.limits.uncertainty[c] = 1e-3F;
         keeping->settings.limits.drift_per_month[c] = 1e-4F;
     }
-    bench_keeping_complete(keeping);
-}
-
-void bench_keeping_complete(bench_keeping_t *keeping)
-{
-    tumble_sets_settings_t *const settings = &keeping->settings;
-    settings->limits.flags =
-        (uint8_t)((keeping->commits ? TUMBLE_COMMIT_BY_ITSELF : 0) | (keeping->first ? TUMBLE_COMMIT_FIRST : 0));
-    settings->flags = keeping->starts ? TUMBLE_SETS_STARTS : 0U;
+    complete_keeping(keeping);
 }
 
 /* As standard.h has it, but what follows from the scenario is left open (0). */
@@ -76,7 +80,7 @@ void bench_config_defaults(bench_config_t *config)
     default_procedure(&config->procedure);
     default_profile(&config->profile);
     config->person = (tumble_operator_config_t){.tolerance_deg = 0.1, .timeout_ms = 600000};
-    bench_keeping_defaults(&config->keeping);
+    default_keeping(&config->keeping);
     config->heartbeat_ms = tumble_standard_navcomp.heartbeat_ms;
     config->heartbeat_timeout_ms = tumble_standard_navcomp.heartbeat_timeout_ms;
     config->starts = true;
@@ -359,7 +363,7 @@ const char *bench_config_complete(bench_config_t *config)
     complete_averaging(config);
     complete_procedure(config);
     complete_profile(config);
-    bench_keeping_complete(&config->keeping);
+    complete_keeping(&config->keeping);
     if (config->stand == BENCH_STAND_DRIVE && tumble_drive402_validate(&config->profile, 1) != TUMBLE_OK) {
         return "the drive profile is not usable: units, times, or a PDO that lacks an object it must carry "
                "or has an identifier that is taken";

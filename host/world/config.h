@@ -32,14 +32,6 @@ typedef struct {
     tumble_sets_settings_t settings;
 } bench_keeping_t;
 
-/* Limits for a good stand: 1e-3 (ratio, rad or g) for uncertainties, 1e-4 a month for drift, three standard
- * uncertainties; sets commit themselves, but the first waits; nothing is ever due. No serial number:
- * who keeps coefficients must be told whose they are. */
-void bench_keeping_defaults(bench_keeping_t *keeping);
-
-/* Set the flags by the switches. */
-void bench_keeping_complete(bench_keeping_t *keeping);
-
 /* Who takes part from inside the process; others may be outside. */
 typedef struct {
     bool navcomp;

@@ -271,7 +271,6 @@ typedef struct {
 } bench_watch_t;
 
 const char *bench_broken_name(bench_broken_t kind);
-const char *bench_broken_sentence(bench_broken_t kind);
 const char *bench_excuse_name(bench_excuse_t excuse);
 
 /* The life. */
@@ -345,9 +344,6 @@ void bench_life_act(bench_life_t *life, const bench_event_t *event);
 /* A fault is in force: note what it excuses. */
 void bench_life_excuse_fault(bench_life_t *life, const sim_fault_t *fault);
 
-/* A frame of the stranger, now or later. */
-void bench_life_send(bench_life_t *life, const tumble_can_frame_t *frame, uint32_t after_us);
-
 /* The memory (hostile_memory.c): with an active set or without, at the beginning; torn and flipped, without power. */
 void bench_life_prepare_memory(bench_life_t *life);
 void bench_life_tear_memory(bench_life_t *life, sim_random_t *stream);
@@ -356,13 +352,9 @@ void bench_life_flip_bits(bench_life_t *life, sim_random_t *stream, uint32_t cou
 /* Is this record still as the flips have left it? False: it has been written anew. */
 bool bench_life_is_flipped(const bench_life_t *life, const bench_flipped_t *flipped);
 
-/* Power of the computer (hostile_act.c): what is in its memory is there; it is lost; it comes back. */
+/* Power of the computer (hostile_act.c): what is in its memory is there; it comes back. */
 void bench_life_boot(bench_life_t *life);
-void bench_life_cut(bench_life_t *life, const bench_event_t *event);
 void bench_life_power_on(bench_life_t *life);
-
-/* The computer of the board itself is told; SIM_ACTOR_NAVCOMP is woken. */
-tumble_status_t bench_life_command(bench_life_t *life, tumble_command_t command, uint8_t argument);
 
 /* The watch at work: whoever lives the life tells it what happens. */
 

@@ -14,7 +14,14 @@
 #define SEGMENT_US 4000U /* from one of a transfer to the next: the server has answered by then */
 #define SPOILS 0x55U
 
-void bench_life_send(bench_life_t *life, const tumble_can_frame_t *frame, uint32_t after_us)
+/* The computer of the board itself is told; SIM_ACTOR_NAVCOMP is woken. */
+static tumble_status_t give_command(bench_life_t *life, tumble_command_t command, uint8_t argument);
+
+/* Its power is lost. */
+static void cut_power(bench_life_t *life, const bench_event_t *event);
+
+/* A frame of the stranger, now or later. */
+static void send_frame(bench_life_t *life, const tumble_can_frame_t *frame, uint32_t after_us)
 {
     if (after_us == 0U) {
         (void)sim_bus_send(&life->world.bus, BENCH_BUS_GUEST, frame);
@@ -30,14 +37,14 @@ static uint32_t send_angle(bench_life_t *life, double angle_deg)
     tumble_can_frame_t frame = {.id = 0x601, .length = 8, .data = {0x21, 0x02, 0x20, 0x03, 8}};
     uint8_t bytes[8];
     tumble_put_f64(bytes, angle_deg);
-    bench_life_send(life, &frame, 0);
+    send_frame(life, &frame, 0);
     frame = (tumble_can_frame_t){.id = 0x601, .length = 8, .data = {0x00}};
     for (int i = 0; i < 7; i++) {
         frame.data[1 + i] = bytes[i];
     }
-    bench_life_send(life, &frame, SEGMENT_US);
+    send_frame(life, &frame, SEGMENT_US);
     frame = (tumble_can_frame_t){.id = 0x601, .length = 8, .data = {0x1D, bytes[7]}};
-    bench_life_send(life, &frame, 2U * SEGMENT_US);
+    send_frame(life, &frame, 2U * SEGMENT_US);
     return 3U * SEGMENT_US;
 }
 
@@ -49,11 +56,11 @@ static void send_command(bench_life_t *life, const bench_event_t *event)
         after_us = send_angle(life, event->angle_deg);
     } else if (event->argument != 0U) {
         bench_frame_write(&frame, 1, 0x2002, 1, 1, event->argument);
-        bench_life_send(life, &frame, 0);
+        send_frame(life, &frame, 0);
         after_us = SEGMENT_US;
     }
     bench_frame_write(&frame, 1, 0x2002, 2, 1, (uint32_t)event->command);
-    bench_life_send(life, &frame, after_us);
+    send_frame(life, &frame, after_us);
 }
 
 static void command(bench_life_t *life, const bench_event_t *event)
@@ -61,7 +68,7 @@ static void command(bench_life_t *life, const bench_event_t *event)
     if (!event->by_host) {
         send_command(life, event);
     } else if (event->command != TUMBLE_COMMAND_TURN_AXIS) {
-        (void)bench_life_command(life, event->command, event->argument);
+        (void)give_command(life, event->command, event->argument);
     } else if (!life->world.off) {
         bench_watch_commanded(life);
         (void)tumble_navcomp_turn(&life->world.navcomp, event->angle_deg);
@@ -93,7 +100,7 @@ static void forge_positions(bench_life_t *life, const bench_event_t *event)
         counts = wrapped(life, counts + counts_of(life, event->angle_deg));
         tumble_put_u16(&frame.data[0], objects->statusword);
         tumble_put_i32(&frame.data[2], counts);
-        bench_life_send(life, &frame, i * ((event->kind == BENCH_HOSTILE_NEAR_POSITION) ? NEAR_US : NEXT_US));
+        send_frame(life, &frame, i * ((event->kind == BENCH_HOSTILE_NEAR_POSITION) ? NEAR_US : NEXT_US));
     }
 }
 
@@ -107,16 +114,16 @@ static void forge_set_point(bench_life_t *life, const bench_event_t *event)
     tumble_put_i32(&frame.data[2], target);
     if (event->kind == BENCH_HOSTILE_SDO_SET_POINT) {
         bench_frame_write(&frame, 2, TUMBLE_402_TARGET_POSITION, 0, 4, (uint32_t)target);
-        bench_life_send(life, &frame, 0);
+        send_frame(life, &frame, 0);
     }
     for (uint32_t i = 0; i < 3U; i++) {
         if (event->kind == BENCH_HOSTILE_SDO_SET_POINT) {
             bench_frame_write(&frame, 2, TUMBLE_402_CONTROLWORD, 0, 2, CONTROLS[i]);
-            bench_life_send(life, &frame, (i + 1U) * SEGMENT_US);
+            send_frame(life, &frame, (i + 1U) * SEGMENT_US);
             continue;
         }
         tumble_put_u16(&frame.data[0], CONTROLS[i]);
-        bench_life_send(life, &frame, i * 3U * NEXT_US);
+        send_frame(life, &frame, i * 3U * NEXT_US);
     }
 }
 
@@ -137,8 +144,8 @@ static void forge_sample(bench_life_t *life, const bench_event_t *event)
     } else {
         bench_watch_excuse(life, BENCH_EXCUSE_SAMPLE);
     }
-    bench_life_send(life, &frames.xy, 0);
-    bench_life_send(life, &frames.z, 0);
+    send_frame(life, &frames.xy, 0);
+    send_frame(life, &frames.z, 0);
 }
 
 static void note_excuses(bench_life_t *life, const bench_event_t *event)
@@ -176,7 +183,7 @@ void bench_life_act(bench_life_t *life, const bench_event_t *event)
         command(life, event);
         break;
     case BENCH_HOSTILE_CUT:
-        bench_life_cut(life, event);
+        cut_power(life, event);
         break;
     case BENCH_HOSTILE_SET_POINT:
     case BENCH_HOSTILE_SDO_SET_POINT:
@@ -191,7 +198,7 @@ void bench_life_act(bench_life_t *life, const bench_event_t *event)
         forge_sample(life, event);
         break;
     default:
-        bench_life_send(life, &event->frame, 0);
+        send_frame(life, &event->frame, 0);
         break;
     }
 }
@@ -225,7 +232,7 @@ static void mount(bench_life_t *life, uint8_t asked)
     const bool errs = life->plan->attendant.errs && !life->erred && asked == 2U;
     life->erred = life->erred || errs;
     lay(life, errs ? 1U : asked);
-    (void)bench_life_command(life, TUMBLE_COMMAND_CONFIRM_MOUNTING, asked);
+    (void)give_command(life, TUMBLE_COMMAND_CONFIRM_MOUNTING, asked);
 }
 
 static void mend(bench_life_t *life, const tumble_progress_t *progress)
@@ -235,7 +242,7 @@ static void mend(bench_life_t *life, const tumble_progress_t *progress)
     if (bench_person_must_mount(progress->reason)) {
         mount(life, progress->mounting);
     } else {
-        (void)bench_life_command(life, TUMBLE_COMMAND_RESUME, 0);
+        (void)give_command(life, TUMBLE_COMMAND_RESUME, 0);
     }
 }
 
@@ -246,7 +253,7 @@ static void go_on(bench_life_t *life)
     tumble_sets_state(&life->keeper.sets, &state);
     const bool resumes = life->plan->attendant.resumes && state.resumable > 0U;
     life->run_was_on = false;
-    (void)bench_life_command(life, resumes ? TUMBLE_COMMAND_RESUME : TUMBLE_COMMAND_START, 0);
+    (void)give_command(life, resumes ? TUMBLE_COMMAND_RESUME : TUMBLE_COMMAND_START, 0);
 }
 
 void bench_life_attend(bench_life_t *life)
@@ -268,7 +275,7 @@ void bench_life_attend(bench_life_t *life)
 
 /* Power of the computer, and commands to it. */
 
-tumble_status_t bench_life_command(bench_life_t *life, tumble_command_t command, uint8_t argument)
+static tumble_status_t give_command(bench_life_t *life, tumble_command_t command, uint8_t argument)
 {
     if (life->world.off) {
         return TUMBLE_E_STATE;
@@ -303,7 +310,7 @@ void bench_life_boot(bench_life_t *life)
     sim_clock_set(&world->clock, SIM_ACTOR_NAVCOMP, world->clock.now_us);
 }
 
-void bench_life_cut(bench_life_t *life, const bench_event_t *event)
+static void cut_power(bench_life_t *life, const bench_event_t *event)
 {
     sim_random_t stream;
     bench_world_t *const world = &life->world;

@@ -25,7 +25,7 @@ const char *bench_broken_name(bench_broken_t kind)
     return NAMES[kind];
 }
 
-const char *bench_broken_sentence(bench_broken_t kind)
+static const char *broken_sentence(bench_broken_t kind)
 {
     static const char *const SENTENCES[] = {BENCH_VIOLATION_LIST(SENTENCE)};
     return SENTENCES[kind];
@@ -217,7 +217,7 @@ bench_text_t bench_text_violation(const bench_violation_t *violation)
     static const char *const COEFFICIENTS[TUMBLE_COEFFICIENTS] = {"K_xx", "K_xy", "K_xz", "K_yx", "K_yy", "K_yz",
                                                                   "K_zx", "K_zy", "K_zz", "U0_x", "U0_y", "U0_z"};
     bench_text_t text = {""};
-    add(&text, "%s: %s, ", bench_broken_name(violation->kind), bench_broken_sentence(violation->kind));
+    add(&text, "%s: %s, ", bench_broken_name(violation->kind), broken_sentence(violation->kind));
     switch (violation->kind) {
     case BENCH_BROKEN_TRUTH:
         add(&text, "%s by %.1f u", COEFFICIENTS[violation->what], violation->value);
