@@ -2,7 +2,7 @@
 
 #include "folder.h"
 
-#include "world/facts.h"
+#include "world/readout.h"
 
 #include <dirent.h>
 #include <errno.h>

@@ -27,7 +27,7 @@
 #define TUMBLE_LINUX_REPORT_H
 
 #include "json.h"
-#include "world/facts.h"
+#include "world/readout.h"
 
 /* The exit code of a run that has ended. */
 int bench_exit_code(const bench_world_t *world);

@@ -4,7 +4,7 @@
 #include "navcomp/stand_view.h"
 #include "navcomp/uncertainty.h"
 #include "world/config_keys.h"
-#include "world/facts.h"
+#include "world/readout.h"
 #include "world/world_parts.h"
 
 #include <math.h>

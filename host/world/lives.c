@@ -1,7 +1,7 @@
 #include "world/lives.h"
 
-#include "world/facts.h"
 #include "world/hostile.h"
+#include "world/readout.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -39,7 +39,7 @@ DRIVE_FAULT = "drive_fault at=1.5 phase=move delay=0.05 value=30001"
 def bench(keys=(), seed=1, gains=None, out=None):
     """The document of a run; `out`: a folder for run.csv, bus.log and bench.json. Raises Refused."""
     border = Border(seed, lines_of(keys), gains)
-    in_process.Run(border, lambda event: None, told=0).to_its_end()
+    in_process.Run(border, lambda event: None, events=0).to_its_end()
     if out is None:
         return document.document(border)
     out.mkdir()

@@ -74,7 +74,7 @@ class Processes(_Executed):
             tell(f"tumble: a worker process has died: {piece.name} was under way, and is done again alone")
         result = _alone(job, piece)
         if result is None:
-            raise BenchFault(f"{_killer(job, piece).name}: the process that does it dies, also alone")
+            raise BenchFault(f"{_fatal_part(job, piece).name}: the process that does it dies, also alone")
         return result
 
     def close(self) -> None:
@@ -100,7 +100,7 @@ def _alone(job: bytes, piece: Piece) -> Result | None:
             raise
 
 
-def _killer(job: bytes, piece: Piece) -> Piece:
+def _fatal_part(job: bytes, piece: Piece) -> Piece:
     """The smallest part of it, as far as it can be cut, of which a process dies."""
     while piece.halves is not None:
         fatal = next((half for half in piece.halves() if _alone(job, half) is None), None)

@@ -23,12 +23,12 @@ _ANGLE_US = 100_000  # from one event of a turning table to the next
 @dataclass(frozen=True)
 class Run:
     """`border`: the world; `on_event` is told what happens and returns the answer to a question, or None; `pace`:
-    virtual seconds per second, 0: as fast as it can; `told`: bits of what is told."""
+    virtual seconds per second, 0: as fast as it can; `events`: bits of what it is told."""
 
     border: Border
     on_event: OnEvent
     pace: float = 0.0
-    told: int = CHANGE | AVERAGED | QUESTION
+    events: int = CHANGE | AVERAGED | QUESTION
 
     def to_its_end(self) -> bool:
         """Let it run. Returns whether it was interrupted: then the table has been stopped, and is at rest if it can
@@ -48,7 +48,7 @@ class Run:
             until_us = now_us + _SLICE_US
             if self.pace > 0.0:
                 until_us = began_us + int((time.monotonic() - began_s) * self.pace * 1e6)
-            happened = self.border.advance(until_us, self.told)
+            happened = self.border.advance(until_us, self.events)
             report = self.border.report() if happened or self.pace > 0.0 else None
             now_us = until_us if report is None else report.now_us
             if report is not None:

@@ -107,7 +107,7 @@ class World:
 
     def run(self) -> World:
         """Let it go on to its end, when the table rests. Returns the world."""
-        in_process.Run(self._border, lambda event: None, told=0).to_its_end()
+        in_process.Run(self._border, lambda event: None, events=0).to_its_end()
         return self
 
     def advance(self, seconds: float | None = None, until: str | None = None) -> bool:

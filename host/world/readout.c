@@ -1,4 +1,4 @@
-#include "world/facts.h"
+#include "world/readout.h"
 
 #include "canopen/abort.h"
 

@@ -1,6 +1,6 @@
-/* facts.h - what is known of a run that goes on or has ended, by names and numbers for people. */
-#ifndef TUMBLE_WORLD_FACTS_H
-#define TUMBLE_WORLD_FACTS_H
+/* readout.h - what is known of a run that goes on or has ended, by names and numbers for people. */
+#ifndef TUMBLE_WORLD_READOUT_H
+#define TUMBLE_WORLD_READOUT_H
 
 #include "world/world.h"
 
