@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tumble import core, reference
+from tumble import core, model
 from tumble.files.stand_file import read_stand
 from tumble.workers.crews import Processes
 from tumble.workers.over import ALONE, Team
@@ -90,7 +90,7 @@ def coefficients(lines: list[dict]) -> np.ndarray:
 
 def witness(means: np.ndarray) -> np.ndarray:
     """What numpy makes of means (runs, positions, 3): (runs, 12)."""
-    k, u0 = reference.estimate(reference.paper_schedule(), means, ESTIMATOR)
+    k, u0 = model.estimate(model.built_in("paper"), means, ESTIMATOR)
     return np.concatenate([k.reshape(-1, 9), u0], axis=1)
 
 
@@ -114,10 +114,10 @@ def compare(lines: list[dict], found: np.ndarray, means: np.ndarray, limit_g: fl
 
 def uncertainties(setup: Setup, found: np.ndarray) -> np.ndarray:
     """Standard uncertainties of every run, propagated with the coefficients it found: (runs, 12)."""
-    schedule = reference.paper_schedule()
+    schedule = model.built_in("paper")
     samples = np.full(len(schedule.positions), setup.samples)
     parts = [
-        reference.by_coefficient(reference.covariance(schedule, row[:9].reshape(3, 3), setup.stand, samples, ESTIMATOR))
+        model.by_coefficient(model.covariance(schedule, row[:9].reshape(3, 3), setup.stand, samples, ESTIMATOR))
         for row in found
     ]
     return np.array([np.concatenate([u_k.ravel(), u_u0]) for u_k, u_u0 in parts])

@@ -4,7 +4,7 @@ import numpy as np
 
 from tumble import core
 from tumble.core import optimal as core_optimal, uncertainty
-from tumble.reference import Geometry
+from tumble.model import Geometry
 from tumble.solving import gain_record, gains
 from tumble.stand import PAPER_STAND
 

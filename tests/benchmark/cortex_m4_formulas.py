@@ -4,7 +4,7 @@ import arithmetic
 import numpy as np
 
 from tumble import core
-from tumble.reference import estimators
+from tumble.model import estimators
 from tumble.solving import gains
 from tumble.stand import PAPER_STAND
 

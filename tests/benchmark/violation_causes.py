@@ -1,5 +1,5 @@
-"""Which cause `solve` names first, for thousands of runs at once: the search of tumble.solving.fit on one stand, linear
-in the outputs, as K and the stand's errors are small. `tests/integration/test_outside_the_model.py` holds it against
+"""Which cause `solve` names first, for thousands of runs at once: the search of tumble.model.explanations on one
+stand, linear in the outputs, as K and the stand's errors are small. `tests/integration/test_outside_the_model.py` holds it against
 the search itself, run by run.
 """
 
@@ -8,11 +8,11 @@ from functools import cached_property
 
 import numpy as np
 
-from tumble import reference
+from tumble import model
 from tumble.distributions import chi_squared_log_above
-from tumble.reference.fit import basis
-from tumble.reference.patterns import BY_NAME, PATTERNS
-from tumble.solving.fit import ALIKE, CONFIDENCE, EXPLAINED, SYSTEMATIC, variance_of_means
+from tumble.model.explanations import ALIKE, CONFIDENCE, EXPLAINED, SYSTEMATIC, variance_of_means
+from tumble.model.patterns import BY_NAME, PATTERNS
+from tumble.model.whole import basis
 
 _CONTAINED = 0.9999
 _NULL = 1e-7
@@ -23,9 +23,9 @@ class Causes:
     """For runs of a block with `k`, `u0` on a `stand`."""
 
     def __init__(self, schedule, stand, k, u0):
-        self._ideal = reference.Geometry(schedule).outputs(k, u0)
+        self._ideal = model.Geometry(schedule).outputs(k, u0)
         variance = variance_of_means(stand, np.full(len(self._ideal), stand.samples), 0.0)
-        self._model = reference.WholeModel(schedule, self._ideal, variance, stand)
+        self._model = model.WholeModel(schedule, self._ideal, variance, stand)
         whole = np.eye(self._ideal.size).reshape(-1, *self._ideal.shape)
         self._whiten = self._model.whitened(dict(enumerate(whole)))
         self._pairs, self._tails = {}, {}

@@ -7,9 +7,9 @@ from violation_rows import U0, K
 from tumble.files.run_blocks import blocks_of
 from tumble.files.run_facts import facts_of
 from tumble.files.run_file import Run
+from tumble.model.explanations import variance_of_means
+from tumble.model.optimal import gains
 from tumble.solving import noise
-from tumble.solving.fit import variance_of_means
-from tumble.solving.gains import gains
 
 _CHUNK = 250
 

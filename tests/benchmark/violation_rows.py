@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tumble.reference import Geometry
-from tumble.solving.gains import mean_sigma, shared_sigmas, yaws_of
+from tumble.model import Geometry
+from tumble.model.optimal import mean_sigma, shared_errors
 
 K = np.full((3, 3), 0.04) + 1.96 * np.eye(3)  # the nominal block: 2 V/g, every misalignment +0.02
 U0 = np.array([0.01, -0.02, 0.03])
@@ -33,9 +33,10 @@ class World:
         self.mountings, self.positions = len(self.schedule.mountings), len(self.schedule.positions)
         self.time = np.linspace(0.0, 1.0, self.positions)
         self.phi = np.deg2rad([position.angle_deg for position in self.schedule.positions])
-        sigma = shared_sigmas(self.schedule, self.stand)
+        found = shared_errors(self.schedule, K, self.stand)
+        sigma = np.concatenate([source.sigma for source in found.values()])
         shared = self.rng.standard_normal((self.runs, len(sigma))) * sigma
-        level = 2 + yaws_of(self.schedule, self.stand)
+        level = 2 + len(found["alpha3"].sigma)
         tilt, zero, yaws, _ = np.split(shared, [1, 2, level], axis=1)
         angles = self.rng.standard_normal((self.runs, self.positions)) * self.stand.sigma("angle")
         seats = {name: np.zeros((self.runs, self.mountings)) for name in ("seat_h", "seat_n")}

@@ -25,7 +25,7 @@ CLEAN = {
     f"{PACKAGE}/core/__init__.py": "from tumble.core.binding import estimate\n",
     f"{PACKAGE}/core/binding.py": "from _tumble_core import lib\nfrom tumble import errors\n",
     f"{PACKAGE}/reference/__init__.py": "import numpy\n",
-    f"{PACKAGE}/solving/solution.py": "from tumble import core, reference\nfrom tumble.solving.result import write\n",
+    f"{PACKAGE}/solving/solution.py": "from tumble import core, model\nfrom tumble.solving.result import write\n",
     f"{PACKAGE}/solving/result.py": "def write():\n    from tumble import errors\n",
     f"{PACKAGE}/cli/main.py": "from tumble import __version__\nimport tumble.solving.result\n",
     "firmware/core/long.c": "int f(void)\n{\n" + "    g;\n" * 78 + "}\n",

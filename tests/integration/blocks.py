@@ -3,7 +3,7 @@
 import numpy as np
 
 from tumble.core import CoreRefusal, CoreSchedule
-from tumble.reference import Geometry
+from tumble.model import Geometry, Propagation
 from tumble.schedule import CHECK, FIT, Mounting, Position, Schedule
 
 NOMINAL_K = np.full((3, 3), 0.04) + 1.96 * np.eye(3)  # scale 2 V/g, every misalignment +0.02
@@ -81,3 +81,8 @@ def write_run(path, schedule, means, digits=17):
     ]
     path.write_text("mounting,position,ux [V],uy [V],uz [V]\n" + "\n".join(rows) + "\n")
     return path
+
+
+def gains_of(schedule, estimator, k, stand, step=0.0):
+    """Gains (12, 3 x fit positions) of an estimator for means of so many samples as the stand says."""
+    return Propagation(schedule, k, stand, np.ones(len(schedule.positions), dtype=int), estimator, step).gains

@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 
-from tumble.reference.schedules import built_in
+from tumble.model.geometry import built_in
 from tumble.schedule import BUILT_IN, CHECK, FIT, Mounting, Position, Schedule
 
 

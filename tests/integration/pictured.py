@@ -6,9 +6,9 @@ import numpy as np
 from conftest import EXAMPLES
 
 import tumble
-from tumble import reference
+from tumble import model
 
-PAPER = reference.paper_schedule()
+PAPER = model.built_in("paper")
 CASES = {
     "paper": ("paper_stand", {}),
     "lab": ("lab_stand", {"estimator": "optimal"}),

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from conftest import ROOT
 
-from tumble import core, reference
-from tumble.reference import Geometry
-from tumble.reference.estimators import circles
+from tumble import core, model
+from tumble.model import Geometry
+from tumble.model.estimators import circles
 
 sys.path.insert(0, str(ROOT / "tests/benchmark"))
 
@@ -52,6 +52,6 @@ def test_the_closed_form_counted_by_hand_and_right(name, expected):
     k, u0 = np.eye(3) * 2.0 + 0.1 * rng.normal(size=(3, 3)), 0.02 * rng.normal(size=3)
     u = Geometry(schedule).outputs(k, u0) + 1e-3 * rng.normal(size=(len(schedule.positions), 3))
     done, found = counted(arithmetic.refined(circles(schedule)), u.tolist())
-    true_k, true_u0 = reference.estimate(schedule, u, "refined")
+    true_k, true_u0 = model.estimate(schedule, u, "refined")
     assert np.abs(found - np.concatenate([true_k.ravel(), true_u0])).max() < 1e-14
     assert done == expected

@@ -9,7 +9,7 @@ import pytest
 from blocks import NOMINAL_K, write_run
 from conftest import EXAMPLES
 
-from tumble.reference import Geometry, paper_schedule
+from tumble.model import Geometry, built_in
 
 pytestmark = pytest.mark.python
 
@@ -18,7 +18,7 @@ ROWS = [
     f"{m},{p},{ux:.6f},{uy:.6f},{uz:.6f}\n"
     for (m, p), (ux, uy, uz) in zip(
         [(m, p) for m in (1, 2) for p in range(1, 10)],
-        Geometry(paper_schedule()).outputs(NOMINAL_K, [0.1, 0.2, 0.3]),
+        Geometry(built_in("paper")).outputs(NOMINAL_K, [0.1, 0.2, 0.3]),
     )
 ]
 GOOD = HEADER + "".join(ROWS)
@@ -113,24 +113,24 @@ def test_bad_run_files(case, refused, tmp_path):
 )
 @pytest.mark.parametrize("estimator", ["averaged", "refined", "least_squares"])
 def test_dead_channels(channels, message, estimator, refused, tmp_path):
-    means = Geometry(paper_schedule()).outputs(NOMINAL_K, [0.1, 0.2, 0.3])
+    means = Geometry(built_in("paper")).outputs(NOMINAL_K, [0.1, 0.2, 0.3])
     means[:, channels] = 0.125
-    run = write_run(tmp_path / "run.csv", paper_schedule(), means)
+    run = write_run(tmp_path / "run.csv", built_in("paper"), means)
     assert message in refused("solve", run, "--estimator", estimator, "--out", tmp_path / "result.json")
 
 
 def test_parallel_channels(refused, tmp_path):
-    means = Geometry(paper_schedule()).outputs(NOMINAL_K, [0.1, 0.2, 0.3])
+    means = Geometry(built_in("paper")).outputs(NOMINAL_K, [0.1, 0.2, 0.3])
     means[:, 2] = 2 * means[:, 1]
-    run = write_run(tmp_path / "run.csv", paper_schedule(), means)
+    run = write_run(tmp_path / "run.csv", built_in("paper"), means)
     assert "two channels are parallel" in refused("solve", run, "--estimator", "least_squares")
 
 
 def test_a_table_that_turned_the_other_way_in_one_mounting(refused, tmp_path):
     """The responses to x cancel: the first column of K is 0."""
-    means = Geometry(paper_schedule()).outputs(NOMINAL_K, [0.1, 0.2, 0.3])
+    means = Geometry(built_in("paper")).outputs(NOMINAL_K, [0.1, 0.2, 0.3])
     means[9:] = means[17:8:-1]
-    run = write_run(tmp_path / "run.csv", paper_schedule(), means)
+    run = write_run(tmp_path / "run.csv", built_in("paper"), means)
     assert "the table turned the other way in one mounting" in refused("solve", run, "--estimator", "averaged")
 
 

@@ -14,26 +14,27 @@ from blocks import NOMINAL_K
 from conftest import EXAMPLES
 from test_plausibility import block, declared, examined
 
-from tumble import core, reference
+from tumble import core
 from tumble.cli.commands import import_recording
 from tumble.distributions import chi_squared_above
 from tumble.errors import BadInput
 from tumble.files.run_blocks import NO_BLOCKS
 from tumble.files.run_file import Run
 from tumble.files.stand_file import read_stand
+from tumble.model import WholeModel, built_in, by_coefficient, covariance, optimal_covariance
+from tumble.model.errors import exact_outputs, sources
+from tumble.model.optimal import optimal_table
 from tumble.planning import require
 from tumble.planning.budget import budget
 from tumble.planning.case import Case
-from tumble.reference.uncertainty import exact_outputs, sources
 from tumble.solving import gain_record
 from tumble.solving.declared import stand_document, stand_of, step_of
-from tumble.solving.gains import optimal_table
 from tumble.solving.many_runs import estimator_for
 from tumble.solving.solution import solve
 from tumble.stand import Stand
 
 pytestmark = pytest.mark.python
-PAPER = reference.paper_schedule()
+PAPER = built_in("paper")
 SCALE = np.array([0.3, -2.0, 10.0])
 NOISE = (4.5e-5, 3e-4, 1.5e-3)  # as many g in each channel
 TUNED = 2.0 / SCALE  # the unit in which each of these channels has 2 V/g
@@ -88,7 +89,7 @@ def test_every_channel_of_a_closed_form_has_its_own_noise_and_drift():
     for channel in range(3):
         alone = dataclasses.replace(ALIKE, noise=NOISE[channel], drift=DRIFT[channel])
         mine, other = (
-            reference.by_coefficient(reference.covariance(PAPER, NOMINAL_K, s, np.ones(18, dtype=int), "refined"))
+            by_coefficient(covariance(PAPER, NOMINAL_K, s, np.ones(18, dtype=int), "refined"))
             for s in (UNEQUAL, alone)
         )
         assert mine[0][channel] == pytest.approx(other[0][channel], rel=1e-12)
@@ -108,11 +109,11 @@ def figures(runs, fitted, seed):
     for estimator in ESTIMATORS:
         off = estimator_for(PAPER, k, UNEQUAL, estimator, lone)(means) - np.concatenate([k.ravel(), u0])
         if estimator == "optimal":
-            stated = reference.optimal_covariance(PAPER, k, UNEQUAL, lone, 0.0)
+            stated = optimal_covariance(PAPER, k, UNEQUAL, lone, 0.0)
         else:
-            stated = reference.covariance(PAPER, k, UNEQUAL, lone, estimator)
+            stated = covariance(PAPER, k, UNEQUAL, lone, estimator)
         ratios.append(np.sqrt(np.diag(stated) / (off**2).mean(axis=0)))
-    models = (reference.WholeModel(PAPER, one, UNEQUAL.mean_variance(lone), UNEQUAL) for one in means[:fitted])
+    models = (WholeModel(PAPER, one, UNEQUAL.mean_variance(lone), UNEQUAL) for one in means[:fitted])
     p = [chi_squared_above(model.chi_squared, model.freedom) for model in models]
     return np.array(ratios), float((np.array(p) < 1e-3).mean())
 

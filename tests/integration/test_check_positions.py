@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from blocks import NOMINAL_K, write_run
 
-from tumble import core, reference
+from tumble import core, model
 from tumble.estimators import LINEAR
 from tumble.files.schedule_file import read_schedule
 
@@ -41,7 +41,7 @@ def test_the_check_positions_lie_off_the_grid_of_the_fit(schedule):
 
 
 def test_a_ripple_passes_the_fit_but_not_the_check(schedule, tumble, tmp_path):
-    geometry = reference.Geometry(schedule)
+    geometry = model.Geometry(schedule)
     linear = geometry.outputs(NOMINAL_K, U0)
     runs = {
         "linear": write_run(tmp_path / "linear.csv", schedule, linear),
@@ -69,7 +69,7 @@ def test_a_ripple_passes_the_fit_but_not_the_check(schedule, tumble, tmp_path):
 @pytest.mark.parametrize("estimator", LINEAR)
 def test_check_positions_change_no_coefficient(estimator, schedule, tumble, tmp_path):
     """Not a bit of it, and nothing of the stand seen, however wrong they are."""
-    outputs = reference.Geometry(schedule).outputs(NOMINAL_K, U0, alpha1=1e-4, alpha3=[1e-3, -1e-3])
+    outputs = model.Geometry(schedule).outputs(NOMINAL_K, U0, alpha1=1e-4, alpha3=[1e-3, -1e-3])
     outputs += np.random.default_rng(5).normal(size=outputs.shape) * 1e-4
     checks = [position.use == "check" for position in schedule.positions]
     wrong = outputs + np.outer(checks, [0.1, -0.2, 0.3])

@@ -9,7 +9,6 @@ from blocks import NOMINAL_K, write_run
 from conftest import EXAMPLES
 from documents import paper_stand, valid
 
-from tumble import reference
 from tumble.comparison.calibration import Calibration
 from tumble.comparison.verdict import Verdict, judge
 from tumble.core import CoreSchedule
@@ -17,9 +16,10 @@ from tumble.core.optimal import estimate_runs
 from tumble.distributions import chi_squared_quantile
 from tumble.files.stand_file import read_stand
 from tumble.fixture.combination import repeats
-from tumble.reference.uncertainty import exact_outputs, sources
+from tumble.model import built_in, covariance, optimal_covariance
+from tumble.model.errors import exact_outputs, sources
 from tumble.solving.many_runs import estimator_for
-from tumble.solving.uncertainty import brought
+from tumble.model.propagation import Propagation
 from tumble.stand import PAPER_STAND
 
 pytestmark = pytest.mark.python
@@ -27,7 +27,7 @@ U0 = np.array([0.01, -0.02, 0.03])
 ANEW = {"axis_tilt": 0.0, "level": 0.0, "platform": 0.0, "encoder": 0.0}
 SHARED = ["alpha1", "alpha2", "platform", "encoder"]
 RICH = replace(PAPER_STAND, platform=1e-4, encoder=3e-5, seat=2e-5, axis_tilt=1e-4)
-SCHEDULES = {name: reference.built_in(name) for name in ("paper", "three_mountings", "diagonal")}
+SCHEDULES = {name: built_in(name) for name in ("paper", "three_mountings", "diagonal")}
 
 
 def ones(schedule):
@@ -45,10 +45,10 @@ def test_what_is_shared_is_all_but_what_a_stand_without_it_has(name, estimator):
     left = judge(both, both, 0.0, 0.999).coefficients.u ** 2
     if estimator == "optimal":
         expected = 2.0 * sum(one.T @ one for name, one in errors.items() if name not in SHARED)
-        bound = reference.optimal_covariance(schedule, k, RICH, ones(schedule), 0.0, np.zeros((len(ones(schedule)), 3)))
+        bound = optimal_covariance(schedule, k, RICH, ones(schedule), 0.0, np.zeros((len(ones(schedule)), 3)))
         assert total == pytest.approx(bound, rel=1e-6, abs=1e-7 * np.abs(bound).max())
     else:
-        expected = 2.0 * reference.covariance(schedule, k, replace(RICH, **ANEW), ones(schedule), estimator)
+        expected = 2.0 * covariance(schedule, k, replace(RICH, **ANEW), ones(schedule), estimator)
     assert left == pytest.approx(np.diag(expected), rel=1e-9)
 
 

@@ -15,7 +15,7 @@ from documents import valid
 from test_readme import shows
 
 import tumble as package
-from tumble import reference
+from tumble import model
 from tumble.cli.main import main
 from tumble.errors import BadInput, UsageError
 from tumble.files.stand_file import read_stand
@@ -271,10 +271,10 @@ def schedule_document(schedule):
 @pytest.fixture
 def told(tmp_path):
     """Two solved results that tell their stand and schedule: a.json, b.json."""
-    schedule = reference.paper_schedule()
+    schedule = model.built_in("paper")
     for name, seed in (("a", 1), ("b", 2)):
         noise = 3e-4 / 50**0.5 * np.random.default_rng(seed).standard_normal((18, 3))
-        run = write_run(tmp_path / f"{name}.csv", schedule, reference.Geometry(schedule).outputs(NOMINAL_K, U0) + noise)
+        run = write_run(tmp_path / f"{name}.csv", schedule, model.Geometry(schedule).outputs(NOMINAL_K, U0) + noise)
         document = package.solve(run, stand=STAND).document
         document |= {"stand": declared(read_stand(str(STAND)).stand), "schedule": schedule_document(schedule)}
         (tmp_path / f"{name}.json").write_text(json.dumps(document))
@@ -318,8 +318,8 @@ TWO = {
 @pytest.fixture(scope="module")
 def solved(tmp_path_factory):
     """A run of means, solved with the paper's stand but for these fields."""
-    schedule = reference.paper_schedule()
-    outputs = reference.Geometry(schedule).outputs(NOMINAL_K, U0)
+    schedule = model.built_in("paper")
+    outputs = model.Geometry(schedule).outputs(NOMINAL_K, U0)
     run = write_run(tmp_path_factory.mktemp("means") / "means.csv", schedule, outputs)
     return lambda **fields: package.solve(run, stand=dataclasses.replace(PAPER, **fields))
 

@@ -8,7 +8,7 @@ from conftest import EXAMPLES
 import tumble as package
 from tumble.files import run_copies
 from tumble.files.run_blocks import smallest_step
-from tumble.reference import Geometry, paper_schedule
+from tumble.model import Geometry, built_in
 
 pytestmark = pytest.mark.python
 HEADER = "mounting,position,ux [V],uy [V],uz [V]"
@@ -176,7 +176,7 @@ def honest(kind, rng):
     if kind == "none":  # a converter hides it: none repeats itself to a millionth
         size, step = 1e-5, max(1.0, step)
     rows = int(rng.choice([1, 2, 4, 5, 8, 12, 20, 40, 50, 100, 200]))
-    exact = Geometry(paper_schedule()).force() * rng.uniform(0.5, 2) + rng.normal(0, 0.05, 3)
+    exact = Geometry(built_in("paper")).force() * rng.uniform(0.5, 2) + rng.normal(0, 0.05, 3)
     exact = exact[:, None] + rng.choice([0.0, 3e-5]) * rng.standard_normal((POSITIONS, 1, 3))
     drawn = [rng.standard_normal((POSITIONS, rows, 3)) for _ in range(rng.choice([1, 2]))]
     passes = [exact + size * KINDS[kind](noise, rng) for noise in drawn]
@@ -211,7 +211,7 @@ def test_thousands_of_honest_runs(kind, fresh_seed):
 def test_coarse_rows_are_noticed(step):
     """Written twice, of noise down to half a step of the converter."""
     rng = np.random.default_rng(7)
-    exact = Geometry(paper_schedule()).force()[:, None] + 1e-4 * rng.standard_normal((POSITIONS, 1, 3))
+    exact = Geometry(built_in("paper")).force()[:, None] + 1e-4 * rng.standard_normal((POSITIONS, 1, 3))
     rows = np.rint((exact + 1e-4 * rng.standard_normal((POSITIONS, 20, 3))) / (step * 1e-4)) * step * 1e-4
     twice, position = np.vstack([rows.reshape(-1, 3)] * 2), np.tile(np.repeat(np.arange(POSITIONS), 20), 2)
     found = run_copies.copied(twice, position, np.array([smallest_step(channel) for channel in twice.T]))

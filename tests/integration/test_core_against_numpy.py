@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from blocks import random_block, random_means, usable_schedule
 
-from tumble import core, reference
+from tumble import core, model
 from tumble.estimators import LINEAR
 from tumble.schedule import Schedule
 
@@ -16,7 +16,7 @@ def runs_on(rng, schedule, count):
     size = 10.0 ** rng.uniform(-6, -1, (count, 1))
     draws = {"alpha1": 1, "alpha2": 1, "alpha3": len(schedule.mountings), "delta": len(schedule.positions)}
     errors = {name: rng.normal(size=(count, number)) * size for name, number in draws.items()}
-    force = reference.Geometry(schedule).force(**errors)
+    force = model.Geometry(schedule).force(**errors)
     k, u0 = map(np.array, zip(*(random_block(rng) for _ in range(count))))
     noise = rng.normal(size=force.shape) * 1e-4 * np.abs(k).max(axis=(1, 2), keepdims=True)
     return force @ np.swapaxes(k, 1, 2) + u0[:, None] + noise
@@ -25,7 +25,7 @@ def runs_on(rng, schedule, count):
 def worst_difference(core_schedule, means, estimator):
     """Largest difference of a coefficient between core and witness in any of the runs, over its max|K|."""
     by_core = [core.estimate(core_schedule, one, None, estimator) for one in means]
-    k, u0 = reference.estimate(core_schedule.data, means, estimator)
+    k, u0 = model.estimate(core_schedule.data, means, estimator)
     apart = [max(np.abs(one_k - k[i]).max(), np.abs(one_u0 - u0[i]).max()) for i, (one_k, one_u0) in enumerate(by_core)]
     return (np.array(apart) / np.abs(k).max(axis=(1, 2))).max()
 
@@ -62,11 +62,11 @@ def test_attitudes_agree():
     rng = np.random.default_rng(21)
     for _ in range(300):
         schedule = usable_schedule(rng)
-        assert np.abs(schedule.attitudes() - reference.Geometry(schedule.data).force()).max() < 4e-15
+        assert np.abs(schedule.attitudes() - model.Geometry(schedule.data).force()).max() < 4e-15
 
 
 def test_paper_schedule_is_the_same_on_both_sides():
-    assert core.paper_schedule() == reference.paper_schedule()
+    assert core.paper_schedule() == model.built_in("paper")
 
 
 def test_what_follows_from_the_coefficients_agrees():
@@ -76,14 +76,14 @@ def test_what_follows_from_the_coefficients_agrees():
         k, u0 = random_block(rng)
         means = random_means(rng, schedule.data, k, u0, size=0.01)
         gravity = core.gravity_check(schedule, means, None, core.Calibration(k, u0), 1e-3)
-        expected = reference.gravity_errors(means, k, u0)
+        expected = model.gravity_errors(means, k, u0)
         assert np.abs(gravity.delta_g - expected).max() < 1e-13
         is_fit = np.array([position.use == "fit" for position in schedule.data.positions])
         assert gravity.max_abs_fit == pytest.approx(np.abs(expected[is_fit]).max(), abs=1e-13)
         assert (gravity.max_abs_check is None) == is_fit.all()
         assert gravity.passed == (np.abs(gravity.delta_g).max() <= 1e-3)
         intrinsic = core.intrinsic(k, u0)
-        scale, angles, bias = reference.intrinsic(k, u0)
+        scale, angles, bias = model.intrinsic(k, u0)
         assert intrinsic.scale == pytest.approx(scale, rel=1e-14)
         assert intrinsic.angles == pytest.approx(angles, abs=1e-14)
         assert intrinsic.bias == pytest.approx(bias, rel=1e-14)
@@ -100,11 +100,11 @@ def test_closure_and_residuals_agree():
         part = Schedule(paper.data.mountings, kept)
         for mounting in (1, 2):
             ours = core.closure(paper, means, measured, mounting)
-            theirs = reference.closure(part, means[measured], mounting)
+            theirs = model.closure(part, means[measured], mounting)
             assert (ours is None) == (theirs is None)
             assert ours is None or (ours == theirs).all()
         rms = core.residual_rms(paper, means, measured, k, u0)
-        assert rms == pytest.approx(reference.residual_rms(part, means[measured], k, u0), rel=1e-9)
+        assert rms == pytest.approx(model.residual_rms(part, means[measured], k, u0), rel=1e-9)
 
 
 def test_gain_table_of_an_estimator_gives_its_estimate():
@@ -112,7 +112,7 @@ def test_gain_table_of_an_estimator_gives_its_estimate():
     impulses = np.eye(54).reshape(54, 18, 3)
     paper = core.CoreSchedule(core.paper_schedule())
     for estimator in LINEAR:
-        k_gains, u0_gains = reference.estimate(paper.data, impulses, estimator)
+        k_gains, u0_gains = model.estimate(paper.data, impulses, estimator)
         gains = np.concatenate([k_gains.reshape(54, 9), u0_gains], axis=1).T
         means = random_means(rng, paper.data, *random_block(rng))
         k, u0 = core.estimate_gains(paper, gains, means)

@@ -11,19 +11,21 @@ from hypothesis import given, settings, strategies as st
 from test_crosscheck import plant, solve_with_defect
 from test_plan_uncertainty import random_samples, random_stand
 
-from tumble import core, reference
+from tumble import core, model
 from tumble.core.optimal import estimate_runs
 from tumble.core.uncertainty import uncertainties_of_gains
 from tumble.estimators import LINEAR
 from tumble.files.stand_file import read_stand
+from tumble.model.estimators import linear_gains
+from tumble.model.norm import intrinsic_uncertainties, norm_uncertainty, worst_norm
+from tumble.model.optimal import optimal_table
+from tumble.model.propagation import Propagation
 from tumble.planning.case import Case
 from tumble.planning.simulate import U0_V, position_means
-from tumble.solving.covariance import intrinsic_uncertainties, norm_uncertainty, worst_norm
-from tumble.solving.gains import linear_gains, optimal_table
 from tumble.stand import Stand
 
 pytestmark = pytest.mark.python
-PAPER = reference.paper_schedule()
+PAPER = model.built_in("paper")
 ONES = np.ones(18, dtype=int)
 NOTHING = Stand(axis_tilt=0.0, level=0.0, remount=0.0, angle=0.0, noise=0.0, samples=1, limits="sigma1")
 WORST_UG = {"refined": (20.3, 61.1, 149.6), "optimal": (14.6, 11.1, 36.7)}  # worked out by an independent program
@@ -36,12 +38,12 @@ def case_of(name):
 
 
 def of_paper(estimator, k=NOMINAL_K, **sources):
-    return reference.covariance(PAPER, k, dataclasses.replace(NOTHING, **sources), ONES, estimator)
+    return model.covariance(PAPER, k, dataclasses.replace(NOTHING, **sources), ONES, estimator)
 
 
 def of_optimal(case, k, samples=ONES):
-    means = reference.Geometry(case.fitted).outputs(k, np.array(U0_V))
-    return reference.optimal(case.fitted, means, case.stand, samples, case.step_v).covariance
+    means = model.Geometry(case.fitted).outputs(k, np.array(U0_V))
+    return model.optimal_estimate(case.fitted, means, case.stand, samples, case.step_v).covariance
 
 
 def random_covariance(rng, rank):
@@ -67,7 +69,7 @@ def test_the_core_confirms_all_of_it(seed):
     schedule, (k, _) = usable_schedule(rng), random_block(rng)
     stand = dataclasses.replace(random_stand(rng), noise=1e-4 * np.abs(k).max())
     samples = random_samples(rng, schedule.data)
-    covariance = reference.covariance(schedule.data, k, stand, samples, "least_squares")
+    covariance = model.covariance(schedule.data, k, stand, samples, "least_squares")
     weights = linear_gains(schedule.data, "least_squares")
     assert_core_confirms(schedule, k, stand, samples, weights, covariance, 1e-8)
 
@@ -80,7 +82,7 @@ def test_the_core_confirms_that_of_every_estimator(name, estimator):
     if estimator == "optimal":
         covariance, weights = of_optimal(case, k), optimal_table(PAPER, k, case.stand, case.step_v).gains
     else:
-        covariance = reference.covariance(PAPER, k, case.stand, ONES, estimator)
+        covariance = model.covariance(PAPER, k, case.stand, ONES, estimator)
         weights = linear_gains(PAPER, estimator)
     assert_core_confirms(schedule, k, case.stand, ONES, weights, covariance, 1e-7)
 
@@ -131,7 +133,7 @@ def test_worst_length_of_the_example_stands(name, estimator):
     case = case_of(name)
     k = case.nominal_k()
     linear = estimator in LINEAR
-    covariance = reference.covariance(PAPER, k, case.stand, ONES, estimator) if linear else of_optimal(case, k)
+    covariance = model.covariance(PAPER, k, case.stand, ONES, estimator) if linear else of_optimal(case, k)
     expected = WORST_UG[estimator][STANDS.index(name)]
     assert worst_norm(k, covariance).worst * 1e6 == pytest.approx(expected, rel=0.01)
 
@@ -184,7 +186,7 @@ def test_intrinsic_parameters_by_differences(seed):
     covariance = random_covariance(rng, 12) * size**2
 
     def intrinsic(change):
-        return np.concatenate(reference.intrinsic(k + change[:9].reshape(3, 3), u0 + change[9:]))
+        return np.concatenate(model.intrinsic(k + change[:9].reshape(3, 3), u0 + change[9:]))
 
     steps = 1e-6 * size * np.eye(12)
     gradient = np.array([(intrinsic(step) - intrinsic(-step)) / (2e-6 * size) for step in steps]).T
@@ -200,7 +202,7 @@ def test_runs_scatter_as_it_says(name):
     k, u0 = case.nominal_k(), np.array(U0_V)
     means = position_means(case, k, runs, np.random.default_rng(3))
     found = estimate_runs(core.CoreSchedule(PAPER), means, "refined")
-    covariance = reference.covariance(PAPER, k, case.stand, ONES, "refined")
+    covariance = model.covariance(PAPER, k, case.stand, ONES, "refined")
     u = np.sqrt(np.diag(covariance))
     assert np.abs(np.cov(found.T) - covariance).max(initial=0.0) <= 5 / runs**0.5 * np.outer(u, u).max()
     assert np.abs((np.cov(found.T) - covariance) / np.outer(u, u)).max() <= 5 * (2 / runs) ** 0.5
@@ -208,7 +210,7 @@ def test_runs_scatter_as_it_says(name):
     shown = np.linalg.solve(found[:, :9].reshape(-1, 3, 3), (k @ worst.attitude + u0 - found[:, 9:])[..., None])
     assert np.linalg.norm(shown[..., 0], axis=1).std() == pytest.approx(worst.worst, rel=0.03)
     stated = intrinsic_uncertainties(k, u0, covariance)
-    each = [np.concatenate(reference.intrinsic(one[:9].reshape(3, 3), one[9:])) for one in found[:4000]]
+    each = [np.concatenate(model.intrinsic(one[:9].reshape(3, 3), one[9:])) for one in found[:4000]]
     expected = np.concatenate([stated.scale, stated.angles, stated.bias])
     assert np.std(each, axis=0) == pytest.approx(expected, rel=0.06)
 
@@ -275,6 +277,6 @@ def test_a_false_diagonal_is_a_disagreement(place, monkeypatch, capsys, tmp_path
         covariance[place, place] *= 1 + 4e-9
         return covariance
 
-    plant(monkeypatch, reference, "covariance", spoil)
+    plant(monkeypatch, Propagation, "covariance", spoil)
     code, out, err = solve_with_defect(capsys, tmp_path, "--stand", str(EXAMPLES / "paper_stand.toml"))
     assert (code, out) == (3, "") and f"u_{'K' if place < 9 else 'U0'} differs" in err

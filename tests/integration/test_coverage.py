@@ -10,10 +10,10 @@ from documents import valid
 from hypothesis import given, strategies as st
 from test_noise import OUTPUTS, POSITIONS, K, autoregressive, noisy_run, run_of, solved
 
-from tumble import reference
+from tumble import model
 from tumble.cli import presentation
 from tumble.core import CoreSchedule, paper_schedule
-from tumble.reference.estimators import estimate
+from tumble.model.estimators import estimate
 from tumble.solving.coverage import Coverage, effective
 from tumble.solving.solution import solve
 from tumble.stand import PAPER_STAND
@@ -166,12 +166,12 @@ def test_the_optimal_estimator_mixes_channels():
     solution = solved(loud_in_x(np.random.default_rng(74)), estimator="optimal")
     samples, noise = np.full(POSITIONS, 50), solution.noise
     given = paper_schedule(), solution.found.k, PAPER_STAND, samples, 0.0
-    with_it = np.diag(reference.optimal_covariance(*given, noise.mean_variance))
+    with_it = np.diag(model.optimal_covariance(*given, noise.mean_variance))
     variance = noise.mean_variance[0, 0]
     without = noise.mean_variance.copy()
     without[:, 0] = 0.0  # then the declared noise counts
     share = PAPER_STAND.noise**2 / 50 / variance
-    part = (with_it - np.diag(reference.optimal_covariance(*given, without))) / (1 - share)
+    part = (with_it - np.diag(model.optimal_covariance(*given, without))) / (1 - share)
     expected = noise.measured.freedom[0] * with_it**2 / part**2
     finite = part > 1e-6 * with_it
     assert finite[[0, 1, 2, 9]].all()
@@ -192,7 +192,7 @@ def test_expanded_intervals_of_few_samples_cover(capsys):
     """Six faces of two samples each on an ideal stand, without a stand file: six degrees of freedom. k u covers 95 %
     and 1.96 u would not."""
     schedule, rng, runs = CoreSchedule.built_in("six_faces"), np.random.default_rng(75), 300
-    outputs = reference.Geometry(schedule.data).outputs(K, np.zeros(3))
+    outputs = model.Geometry(schedule.data).outputs(K, np.zeros(3))
     scores = []
     for _ in range(runs):
         run = run_of(outputs[:, None, :] + 1e-3 * rng.standard_normal((6, 2, 3)))

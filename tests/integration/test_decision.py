@@ -10,22 +10,22 @@ from conftest import EXAMPLES
 from documents import document_of
 
 import tumble as package
-from tumble import core, reference
+from tumble import core, model
 from tumble.core.uncertainty import worst_norm as worst_norm_on_board
 from tumble.estimators import LINEAR
 from tumble.files.stand_file import read_stand
+from tumble.model.norm import norm_uncertainty, spread_attitudes, worst_norm
+from tumble.model.optimal import optimal_table
 from tumble.planning.case import Case
 from tumble.planning.promise import promise
 from tumble.rounding import on_its_side
-from tumble.solving.covariance import norm_uncertainty, spread_attitudes, worst_norm
 from tumble.solving.decision import UNCERTAINTY, Decision, is_shown
-from tumble.solving.gains import optimal_table
-from tumble.solving.stated import Witness
+from tumble.solving.uncertainty import Witness
 from tumble.solving.would_show import Question, Remedy, in_words
 from tumble.stand import PAPER_STAND, Stand
 
 pytestmark = pytest.mark.python
-PAPER_SCHEDULE = reference.paper_schedule()
+PAPER_SCHEDULE = model.built_in("paper")
 LAB = EXAMPLES / "lab_stand.csv", EXAMPLES / "lab_stand.toml"
 PAPER = EXAMPLES / "paper_stand.csv", EXAMPLES / "paper_stand.toml"
 
@@ -205,15 +205,15 @@ STANDS = {
 def test_the_firmware_finds_the_same_worst_uncertainty_as_numpy(stand, schedule, estimator):
     """At an attitude to rounding; at the worst within 1 %, never more."""
     rng = np.random.default_rng(3)
-    built_in, declared = reference.built_in(schedule), STANDS[stand]
+    built_in, declared = model.built_in(schedule), STANDS[stand]
     k = NOMINAL_K * (1.0 + 0.3 * rng.standard_normal((3, 3)))
     samples = np.full(len(built_in.positions), declared.samples)
     core_schedule, gains = core.CoreSchedule(built_in), None
     if estimator == "optimal":
         table = optimal_table(built_in, k, declared, 0.0)
-        gains, covariance = table.gains, reference.optimal_covariance(built_in, k, declared, samples, 0.0)
+        gains, covariance = table.gains, model.optimal_covariance(built_in, k, declared, samples, 0.0)
     else:
-        covariance = reference.covariance(built_in, k, declared, samples, estimator)
+        covariance = model.covariance(built_in, k, declared, samples, estimator)
     given = core_schedule, k, declared, samples, None if estimator == "optimal" else estimator, gains
     near = 1e-6 if estimator == "optimal" else 1e-9
     for attitude in spread_attitudes(7):

@@ -16,7 +16,7 @@ from drawn_schedules import SCHEDULES, rotations
 
 from tumble import drawings
 from tumble.errors import UsageError
-from tumble.reference import Geometry
+from tumble.model import Geometry
 from tumble.schedule import Mounting, Position, Schedule
 
 pytestmark = pytest.mark.python

@@ -7,28 +7,29 @@ import re
 
 import numpy as np
 import pytest
-from blocks import NOMINAL_K, random_block, usable_schedule
+from blocks import NOMINAL_K, gains_of, random_block, usable_schedule
 from conftest import EXAMPLES
 from core_chi_squared import chi_squared, compare_fit
 from documents import valid
 from test_seat import with_keys
 
-from tumble import core, reference
+from tumble import core, model
 from tumble.core.optimal import GainRecord, estimate_runs, optimal_runs
 from tumble.core.uncertainty import uncertainties
 from tumble.estimators import LINEAR
 from tumble.files.run_file import Run
 from tumble.fixture.combination import covariances
-from tumble.reference.fit import WholeModel
-from tumble.reference.uncertainty import exact_outputs, sources
+from tumble.model.errors import course, encoder_waves, exact_outputs, sources
+from tumble.model.estimators import design
+from tumble.model.optimal import optimal_table, standard_deviations
+from tumble.model.whole import WholeModel
 from tumble.schedule import CHECK, Schedule
 from tumble.solving import gain_record
-from tumble.solving.gains import gains, linearise, optimal_table, standard_deviations
 from tumble.solving.optimal_run import Weighting, apply_table, make_table
 from tumble.solving.solution import solve
 from tumble.stand import Stand
 
-PAPER = reference.paper_schedule()
+PAPER = model.built_in("paper")
 LONE = np.ones(18, dtype=int)
 U0 = np.array([0.1, -0.2, 0.3])
 STAND = Stand(2e-5, 2e-5, 4e-4, 4e-5, 3e-4, 50, "sigma1")
@@ -42,7 +43,7 @@ def by_hand(schedule, k, stand):
     step, columns = 1e-4, []
     for wave in (np.sin, np.cos, lambda t: np.sin(2 * t), lambda t: np.cos(2 * t)):
         delta = np.array([wave(np.radians(position.angle_deg)) for position in schedule.positions])
-        above, below = (reference.Geometry(schedule).outputs(k, U0, delta=size * delta) for size in (step, -step))
+        above, below = (model.Geometry(schedule).outputs(k, U0, delta=size * delta) for size in (step, -step))
         columns.append((stand.sigma("encoder") * (above - below) / (2 * step))[fit].ravel())
     for channel in range(3):
         drift = np.zeros((len(fit), 3))
@@ -61,12 +62,12 @@ def random_stand(rng, **changes):
 @pytest.mark.parametrize("limits", ["sigma1", "uniform"])
 def test_core_and_numpy_state_what_follows_by_hand(estimator, limits):
     declared, plain = (dataclasses.replace(one, limits=limits) for one in (BOTH, STAND))
-    rows = gains(PAPER, estimator, NOMINAL_K, STAND)
+    rows = gains_of(PAPER, estimator, NOMINAL_K, STAND)
     extra = np.diag(rows @ by_hand(PAPER, NOMINAL_K, declared) @ rows.T)
     schedule = core.CoreSchedule(PAPER)
     for by in (
         lambda stand: uncertainties(schedule, NOMINAL_K, stand, LONE, estimator),
-        lambda stand: reference.by_coefficient(reference.covariance(PAPER, NOMINAL_K, stand, LONE, estimator)),
+        lambda stand: model.by_coefficient(model.covariance(PAPER, NOMINAL_K, stand, LONE, estimator)),
     ):
         with_both, without = (np.concatenate([part.ravel() for part in by(stand)]) for stand in (declared, plain))
         assert with_both**2 - without**2 == pytest.approx(extra, rel=1e-5, abs=1e-16)
@@ -79,7 +80,7 @@ def test_core_and_numpy_agree_on_any_schedule():
         k, _ = random_block(rng)
         declared = random_stand(rng)
         samples = rng.integers(1, 9, len(schedule.data.positions))
-        witness = reference.by_coefficient(reference.covariance(schedule.data, k, declared, samples, "least_squares"))
+        witness = model.by_coefficient(model.covariance(schedule.data, k, declared, samples, "least_squares"))
         found = uncertainties(schedule, k, declared, samples, "least_squares")
         for mine, other in zip(found, witness):
             assert mine == pytest.approx(other, rel=1e-9)
@@ -91,8 +92,8 @@ def test_a_position_that_was_not_measured_takes_no_time():
     measured[[0, 7, 12]] = False
     whole = core.CoreSchedule(PAPER)
     found = uncertainties(whole, NOMINAL_K, BOTH, LONE, "least_squares", measured)
-    part = reference.covariance(PAPER.part(measured), NOMINAL_K, BOTH, LONE[:15], "least_squares")
-    for mine, other in zip(found, reference.by_coefficient(part)):
+    part = model.covariance(PAPER.part(measured), NOMINAL_K, BOTH, LONE[:15], "least_squares")
+    for mine, other in zip(found, model.by_coefficient(part)):
         assert mine == pytest.approx(other, rel=1e-9)
 
 
@@ -104,25 +105,16 @@ def test_optimal_weights_reach_the_bound_of_the_dense_covariance():
         table, positions = optimal_table(schedule, k, declared), len(schedule.positions)
         lone = np.ones(positions, dtype=int)
         plain = dataclasses.replace(declared, encoder=0.0, drift=0.0)
-        fit = reference.estimators.fit_indices(schedule)
+        fit = schedule.fit_indices
         draws = [
             source.sigma[:, None] * source.derivative[:, fit].reshape(len(source.sigma), -1)
             for source in sources(schedule, k, plain, lone).values()
         ]
         covariance = sum(part.T @ part for part in draws) + by_hand(schedule, k, declared)
-        design = reference.estimators.dense_design(schedule)
-        bound = np.linalg.inv(design.T @ np.linalg.solve(covariance, design))
-        rows = [*np.arange(9).reshape(3, 3).T.ravel(), 9, 10, 11]
-        assert table.u == pytest.approx(np.sqrt(np.diag(bound))[rows], rel=1e-5)
+        dense = design(schedule)
+        bound = np.linalg.inv(dense.T @ np.linalg.solve(covariance, dense))
+        assert table.u == pytest.approx(np.sqrt(np.diag(bound)), rel=1e-5)
         assert standard_deviations(schedule, table.gains, k, declared, table.sigma_mean) == pytest.approx(table.u)
-
-
-def test_the_derivatives_by_hand_are_those_of_the_geometry():
-    rng = np.random.default_rng(913)
-    schedule = usable_schedule(rng).data
-    fit, model = reference.estimators.fit_indices(schedule), linearise(schedule)
-    assert model.waves.T == pytest.approx(reference.uncertainty.encoder_waves(schedule)[:, fit], abs=1e-15)
-    assert model.course == pytest.approx(reference.uncertainty.course(schedule)[fit], abs=1e-15)
 
 
 def test_a_check_position_is_beyond_the_fit_position_before_it():
@@ -131,7 +123,7 @@ def test_a_check_position_is_beyond_the_fit_position_before_it():
         dataclasses.replace(position, use=CHECK) if place in checks else position
         for place, position in enumerate(PAPER.positions)
     )
-    found = 14 * (reference.uncertainty.course(Schedule(PAPER.mountings, positions)) + 0.5)
+    found = 14 * (course(Schedule(PAPER.mountings, positions)) + 0.5)
     assert found == pytest.approx([-0.5, 0, 1, 2, 2.5, *range(3, 15), 14.5])
 
 
@@ -152,7 +144,7 @@ def test_optimal_agrees_with_its_witness_on_coarse_stands():
         measured = np.ones(len(schedule), dtype=bool)
         table = make_table(schedule, means, measured, Weighting(declared, lone))
         found = apply_table(table, schedule, means)
-        witness = reference.optimal(schedule.data, means, declared, lone)
+        witness = model.optimal_estimate(schedule.data, means, declared, lone)
         assert (np.abs(found.k - witness.k) < 1e-6 * witness.u_k).all()
         assert (np.abs(found.u0 - witness.u0) < 1e-6 * witness.u_u0).all()
 
@@ -173,8 +165,8 @@ def test_a_gain_record_has_rows_for_what_is_declared(changes):
 def test_optimal_finds_the_errors_themselves():
     declared = dataclasses.replace(STAND, noise=1e-6, angle=0.0, encoder=1e-3, drift=1e-3)
     numbers, drifts = np.array([1e-3, -5e-4, 7e-4, 9e-4]), np.array([1e-3, -2e-3, 5e-4])
-    delta = numbers @ reference.uncertainty.encoder_waves(PAPER)
-    means = reference.Geometry(PAPER).outputs(NOMINAL_K, U0, delta=delta)
+    delta = numbers @ encoder_waves(PAPER)
+    means = model.Geometry(PAPER).outputs(NOMINAL_K, U0, delta=delta)
     means = means + drifts * (np.arange(18)[:, None] / 17 - 0.5)
     table = optimal_table(PAPER, NOMINAL_K, declared)
     record = GainRecord(core.CoreSchedule(PAPER), gain_record.to_bytes(gain_record.record_of(table, PAPER)))
@@ -200,9 +192,9 @@ def test_stated_uncertainties_hold_by_simulation(estimator):
         u = np.concatenate([one.ravel() for one in uncertainties(schedule, NOMINAL_K, declared, LONE, estimator)])
     scores = (found - np.concatenate([NOMINAL_K.ravel(), U0])) / u
     assert scores.std(axis=0) == pytest.approx(np.ones(12), abs=5 / np.sqrt(2 * runs))
-    rows = gains(PAPER, estimator, NOMINAL_K, declared)
+    rows = gains_of(PAPER, estimator, NOMINAL_K, declared)
     without = dataclasses.replace(declared, encoder=0.0, drift=0.0)
-    plain = standard_deviations(PAPER, rows if estimator != "optimal" else gains(PAPER, estimator, NOMINAL_K, without),
+    plain = standard_deviations(PAPER, rows if estimator != "optimal" else gains_of(PAPER, estimator, NOMINAL_K, without),
                                 NOMINAL_K, without, 3e-4 / 50**0.5)
     assert (u / plain).max() > 1.2  # else it would prove nothing
 
@@ -289,7 +281,7 @@ def test_a_budget_has_a_column_for_each(estimator, tmp_path, tumble):
     stand = with_keys(tmp_path, encoder_rad=1e-4, drift_v=5e-4)
     plan = valid(tumble("plan", "budget", "--stand", stand, "--estimator", estimator, "--json").stdout, "plan")
     assert list(plan["sources"])[5:-1] == ["encoder_rad", "drift_v"]
-    rows = gains(PAPER, estimator, NOMINAL_K, BOTH)
+    rows = gains_of(PAPER, estimator, NOMINAL_K, BOTH)
     parts = dataclasses.replace(BOTH, drift=0.0), dataclasses.replace(BOTH, encoder=0.0)
     of_k = np.abs(np.concatenate([NOMINAL_K.ravel(), np.diag(NOMINAL_K)]))
     squares = [np.diag(rows @ by_hand(PAPER, NOMINAL_K, one) @ rows.T) for one in parts]
@@ -336,8 +328,8 @@ def test_the_bench_draws_both_and_tells_them(tmp_path, tumble):
     done = tumble("bench", "--stand", stand, "--seed", "3", "--out", tmp_path / "run", "--json")
     result = valid(done.stdout)
     truth = result["truth"]
-    waves = reference.uncertainty.encoder_waves(PAPER)
-    outputs = reference.Geometry(PAPER).outputs(
+    waves = encoder_waves(PAPER)
+    outputs = model.Geometry(PAPER).outputs(
         np.array(truth["K"]),
         np.array(truth["U0"]),
         alpha1=truth["alpha1_rad"],

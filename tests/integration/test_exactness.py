@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import sympy
 
-from tumble import core, reference
+from tumble import core, model
 from tumble.estimators import LINEAR
-from tumble.reference import estimators
+from tumble.model import estimators
 
 PAPER = core.CoreSchedule(core.paper_schedule())
 
@@ -100,5 +100,5 @@ def test_witness_is_exact_too():
     for estimator in LINEAR:
         for _ in range(50):
             k, u0 = rng.uniform(-1, 1, (3, 3)), rng.uniform(-1, 1, 3) * 0.1
-            found_k, found_u0 = reference.estimate(PAPER.data, rounded_outputs(k, u0, attitudes), estimator)
+            found_k, found_u0 = model.estimate(PAPER.data, rounded_outputs(k, u0, attitudes), estimator)
             assert max(np.abs(found_k - k).max(), np.abs(found_u0 - u0).max()) < 5e-15 * np.abs(k).max()

@@ -8,11 +8,11 @@ import pytest
 from blocks import write_run
 from conftest import EXAMPLES
 
-from tumble import core, reference
+from tumble import core, model
 from tumble.files.stand_file import read_stand
-from tumble.reference.uncertainty import exact_outputs, sources
+from tumble.model.errors import exact_outputs, sources
+from tumble.model.stand_seen import look
 from tumble.solving.computation import DeadChannels, compute
-from tumble.solving.stand_seen import look
 
 pytestmark = pytest.mark.python
 
@@ -54,7 +54,7 @@ class Exchanged:
         shown = stand_seen.RunSeen(self.schedule, self.means, measured, found.k, found.u0)
         one_row = np.ones(12, dtype=int)
         seen = look(shown, None, one_row, self.declared)
-        witness = reference.RunSeen(self.schedule.data, self.means, found.k)
+        witness = model.RunSeen(self.schedule.data, self.means, found.k)
         stand_seen.compare_seen(seen, witness, one_row, nothing, self.declared)
         assert shown.departure == pytest.approx(witness.departure, rel=1e-9)
         return seen
@@ -74,7 +74,7 @@ def test_a_stand_is_seen_as_long_as_its_angles_are_small():
     schedule, k = core.CoreSchedule.built_in("diagonal"), 2.0 * np.eye(3)
     declared, one_row = read_stand(str(EXAMPLES / "lab_stand.toml")).stand, np.ones(12, dtype=int)
     for yaw, shown_it in ((0.09, True), (0.4, False)):
-        means = reference.Geometry(schedule.data).outputs(k, np.zeros(3), alpha3=np.array([yaw, -yaw, yaw]))
+        means = model.Geometry(schedule.data).outputs(k, np.zeros(3), alpha3=np.array([yaw, -yaw, yaw]))
         found = compute(schedule, means, np.ones(12, dtype=bool), "least_squares", 3e-4)
         shown = stand_seen.RunSeen(schedule, means, np.ones(12, dtype=bool), found.k, found.u0)
         assert (look(shown, None, one_row, declared).augmented["alpha3_difference"] is not None) == shown_it

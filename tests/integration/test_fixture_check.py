@@ -9,7 +9,7 @@ from blocks import NOMINAL_K
 from conftest import EXAMPLES
 from documents import schema
 
-from tumble import core, reference
+from tumble import core, model
 from tumble.files.run_file import Run
 from tumble.files.stand_file import read_stand
 from tumble.fixture.combination import combine, covariances
@@ -41,7 +41,7 @@ def drawn(rng, stand, **fixed):
 
 def simulated(rng, stand, **fixed):
     """A run of the nominal block."""
-    means = reference.Geometry(PAPER.data).outputs(NOMINAL_K, U0, **drawn(rng, stand, **fixed))
+    means = model.Geometry(PAPER.data).outputs(NOMINAL_K, U0, **drawn(rng, stand, **fixed))
     noise, n = stand.sigma("noise"), stand.samples
     means += rng.normal(size=means.shape) * noise / math.sqrt(n)
     scatter = noise * np.sqrt(rng.chisquare(n - 1, size=means.shape) / (n - 1))

@@ -12,7 +12,7 @@ from documents import document_of, paper_stand, schema
 from tumble import core
 from tumble.distributions import chi_squared_cdf, chi_squared_quantile
 from tumble.fixture.judge import Judge
-from tumble.reference import Geometry
+from tumble.model import Geometry
 
 pytestmark = pytest.mark.python
 PAPER = core.paper_schedule()

@@ -11,14 +11,15 @@ from documents import schema
 from jsonschema import validate
 from test_crosscheck import plant
 
-from tumble import core, reference
+from tumble import core
 from tumble.cli.main import main
 from tumble.files.stand_file import read_stand
-from tumble.reference.extended import confused, least_squares, linear_outputs
+from tumble.model import Geometry, WholeModel, gravity_errors, optimal_estimate
+from tumble.model.estimators import confused, least_squares, linear_outputs
+from tumble.model.norm import worst_norm
+from tumble.model.optimal import optimal_table
 from tumble.schedule import Position, Schedule
 from tumble.solving import extended, uncertainty
-from tumble.solving.covariance import worst_norm
-from tumble.solving.gains import optimal_table
 from tumble.terms import TERMS, names
 
 pytestmark = pytest.mark.python
@@ -40,7 +41,7 @@ def outputs_of(force, k, u0, values):
 
 
 def perfect(schedule, values=VALUES, k=NOMINAL_K):
-    return outputs_of(reference.Geometry(schedule).force(), k, U0, values)
+    return outputs_of(Geometry(schedule).force(), k, U0, values)
 
 
 def solved(capsys, run, *options):
@@ -66,7 +67,7 @@ WORST_UG = {  # by an independent program; of K and U0 alone
 def test_what_further_terms_cost(name, terms):
     schedule, stand = core.built_in(name), stand_named("paper")
     samples = np.full(len(schedule.positions), 50)
-    found = reference.optimal(schedule, perfect(schedule, 0 * VALUES), stand, samples, terms=terms)
+    found = optimal_estimate(schedule, perfect(schedule, 0 * VALUES), stand, samples, terms=terms)
     alone = worst_norm(NOMINAL_K, found.covariance[:12, :12]).worst * 1e6
     applied = worst_norm(NOMINAL_K, found.covariance, terms).worst * 1e6
     u = np.round(found.u_sizes / 2e-6, 1).tolist()
@@ -99,7 +100,7 @@ def test_elimination_agrees_with_the_dense_problem(seed):
     terms = [ALL, ("k2",), ("k3", "drift")][seed % 3]
     assert not confused(schedule.data, terms)
     k, u0 = random_block(rng)
-    force = reference.Geometry(schedule.data).force(**random_errors(rng, schedule.data, 1e-3))
+    force = Geometry(schedule.data).force(**random_errors(rng, schedule.data, 1e-3))
     means = outputs_of(force, k, u0, VALUES)
     core_found = extended.least_squares(schedule, means[None], terms)[0]
     assert np.abs(core_found - least_squares(schedule.data, means, terms)).max() < 1e-11 * np.abs(k).max()
@@ -110,10 +111,10 @@ def test_elimination_agrees_with_the_dense_problem(seed):
 def test_gains_agree_with_singular_values_for_large_yaws(name, seat):
     rng, schedule = np.random.default_rng(5), core.built_in(name)
     stand = stand_named("paper").with_sigma("remount", 0.02).with_sigma("seat", seat)
-    force = reference.Geometry(schedule).force(alpha3=np.full(len(schedule.mountings), 0.02), seat_n=seat)
+    force = Geometry(schedule).force(alpha3=np.full(len(schedule.mountings), 0.02), seat_n=seat)
     means = outputs_of(force, NOMINAL_K, U0, VALUES) + rng.normal(size=force.shape) * 4e-5
     samples = np.full(len(schedule.positions), 50)
-    witness = reference.optimal(schedule, means, stand, samples, known_k=NOMINAL_K, terms=ALL)
+    witness = optimal_estimate(schedule, means, stand, samples, known_k=NOMINAL_K, terms=ALL)
     table = tables(schedule, NOMINAL_K, stand, ALL)["optimal"]
     found = extended.estimate_runs(core.CoreSchedule(schedule), means[None], ALL, table)[0]
     values = np.concatenate([witness.k.ravel(), witness.u0, witness.sizes.ravel()])
@@ -124,7 +125,7 @@ def test_gains_agree_with_singular_values_for_large_yaws(name, seat):
 def test_the_force_is_found_step_by_step_and_by_newton(size):
     values = VALUES / np.abs(VALUES).max() * size
     means, sizes = perfect(PAPER, values), values * np.diag(NOMINAL_K)
-    force = reference.Geometry(PAPER).force()
+    force = Geometry(PAPER).force()
     for linear in (extended.linear_outputs, linear_outputs):
         assert linear(means, NOMINAL_K, U0, sizes, ALL) == pytest.approx(force @ NOMINAL_K.T + U0, abs=1e-13)
 
@@ -144,7 +145,7 @@ def test_two_standard_uncertainties_hold_the_truth_in_95_percent(name, estimator
         "delta": rng.normal(size=(runs, positions)) * stand.sigma("angle"),
     }
     values = 1e-4 * rng.choice([-1.0, 1.0], size=(runs, 3, 1, 3))
-    means = outputs_of(reference.Geometry(schedule).force(**errors), NOMINAL_K, U0, np.moveaxis(values, 1, 0))
+    means = outputs_of(Geometry(schedule).force(**errors), NOMINAL_K, U0, np.moveaxis(values, 1, 0))
     means += rng.normal(size=means.shape) * stand.sigma("noise") / np.sqrt(50)
     held = core.CoreSchedule(schedule)
     found = extended.estimate_runs(held, means, ALL, tables(schedule, NOMINAL_K, stand, ALL)[estimator])
@@ -164,7 +165,7 @@ def noisy(tmp_path, values=VALUES, schedule=PAPER, seed=3):
     rng, stand = np.random.default_rng(seed), stand_named("paper")
     mountings, positions = len(schedule.mountings), len(schedule.positions)
     yaws, angles = (rng.normal(size=n) * s for n, s in ((mountings, 4e-4), (positions, 4e-5)))
-    means = outputs_of(reference.Geometry(schedule).force(alpha3=yaws, delta=angles), NOMINAL_K, U0, values)
+    means = outputs_of(Geometry(schedule).force(alpha3=yaws, delta=angles), NOMINAL_K, U0, values)
     means += rng.normal(size=means.shape) * stand.sigma("noise") / np.sqrt(50)
     return write_run(tmp_path / "run.csv", schedule, means)
 
@@ -224,11 +225,11 @@ def test_check_positions_and_a_seed(tmp_path, capsys):
     """A drift counts at check positions too, and simulated runs have the further unknowns."""
     places = [Position(p.mounting, p.number, p.angle_deg, "check" if p.number == 9 else "fit") for p in PAPER.positions]
     schedule = Schedule(PAPER.mountings, tuple(places))
-    assert (reference.Geometry(schedule).force() == reference.Geometry(PAPER).force()).all()
+    assert (Geometry(schedule).force() == Geometry(PAPER).force()).all()
     means = perfect(schedule)
     found = extended.least_squares(core.CoreSchedule(schedule), means[None], ALL)[0]
     linear = extended.linear_outputs(means, found[:9].reshape(3, 3), found[9:12], found[12:].reshape(3, 3), ALL)
-    assert np.abs(reference.gravity_errors(linear, found[:9].reshape(3, 3), found[9:12])).max() < 1e-13
+    assert np.abs(gravity_errors(linear, found[:9].reshape(3, 3), found[9:12])).max() < 1e-13
     options = (*STAND, "--estimator", "least_squares", "--model", "k2,drift", "--monte-carlo", 2000, "--limit", 1e-3)
     code, result, _ = solved(capsys, noisy(tmp_path, VALUES * [[1], [0], [1]]), *options)
     assert code == 0 and result["monte_carlo"]["agrees"] is not False
@@ -337,10 +338,10 @@ def test_core_and_numpy_find_the_same_chi_squared(terms):
     for _ in range(5):
         sizes = 1e-4 * rng.normal(size=(len(terms), 3))
         delta = 1e-5 * rng.normal(size=18)
-        ideal = reference.Geometry(schedule.data).outputs(2.0 * np.eye(3) + 0.02, np.zeros(3), delta=delta)
+        ideal = Geometry(schedule.data).outputs(2.0 * np.eye(3) + 0.02, np.zeros(3), delta=delta)
         means = ideal + np.tensordot(sizes.ravel(), extended.columns(schedule, terms), axes=1)
         means = means + np.sqrt(variance) * rng.normal(size=(18, 3))
-        model = reference.WholeModel(schedule.data, means, variance, declared, terms)
+        model = WholeModel(schedule.data, means, variance, declared, terms)
         given = schedule, means, measured, variance, declared, terms
         compare_fit(least_chi_squared(*given, sizes), model)
         assert model.freedom == 42 - 3 * len(terms)

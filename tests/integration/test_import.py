@@ -15,13 +15,13 @@ from documents import paper_stand, valid
 from recordings import Habits, recording
 
 from tumble.importing import order
-from tumble.reference import paper_schedule
+from tumble.model import built_in
 
 pytestmark = pytest.mark.python
 
 HAND_HELD = EXAMPLES / "hand_held_session.csv"
 SIX_FACES = ("--schedule", "six_faces", "--order", "any", "--signs=+++", "--unit", "m/s^2", "--rate", "102.4")
-SCHEDULE = paper_schedule()
+SCHEDULE = built_in("paper")
 U0 = np.array([0.1, 0.2, 0.3])
 QUIET = Habits(rate_hz=50.0, rest_s=(2.0, 3.0), noise_g=1e-4, angle=1e-5, seat=1e-5, bench=0.0, pause=0.0, gap=0.0)
 IN_ORDER = list(range(18))

@@ -11,11 +11,11 @@ from tumble.errors import BadInput
 from tumble.files.run_layout import Wishes
 from tumble.importing.hypotheses import Claims
 from tumble.importing.pipeline import Settings, import_recordings
-from tumble.reference import paper_schedule
+from tumble.model import built_in
 
 pytestmark = pytest.mark.python
 
-SCHEDULE = paper_schedule()
+SCHEDULE = built_in("paper")
 ALIKE = {8: 0, 17: 9}  # the last position of a mounting is the attitude of its first
 FAR = 6.0  # standard errors, of a mean that moving rows are in
 

@@ -9,11 +9,11 @@ from blocks import NOMINAL_K
 from recordings import Habits, recording
 
 from tumble.importing import novatel
-from tumble.reference import Geometry, built_in, paper_schedule
+from tumble.model import Geometry, built_in
 
 pytestmark = pytest.mark.python
 
-SCHEDULE = paper_schedule()
+SCHEDULE = built_in("paper")
 U0 = np.array([0.1, 0.2, 0.3])
 QUIET = Habits(rate_hz=50.0, rest_s=(2.0, 3.0), noise_g=1e-4, angle=1e-5, seat=1e-5, bench=0.0, pause=0.0, gap=0.0)
 MEANS = Geometry(SCHEDULE).outputs(NOMINAL_K, U0)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from blocks import NOMINAL_K, random_block, write_run
 
-from tumble import core, reference
+from tumble import core, model
 from tumble.schedule import Mounting, Position, Schedule
 
 POSES = 24
@@ -84,7 +84,7 @@ def test_any_outputs_are_solved_as_in_exact_arithmetic(count):
         outputs = rng.uniform(-4, 4, (count, 3))
         expected_k, expected_u0 = exact_least_squares(gravity(matrices), outputs)
         for k, u0 in (core.estimate(core.CoreSchedule(schedule), outputs, estimator="least_squares"),
-                      reference.estimate(schedule, outputs, "least_squares")):  # fmt: skip
+                      model.estimate(schedule, outputs, "least_squares")):  # fmt: skip
             np.testing.assert_allclose(k, expected_k, rtol=0, atol=1e-13)
             np.testing.assert_allclose(u0, expected_u0, rtol=0, atol=1e-13)
 

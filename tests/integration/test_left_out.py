@@ -9,7 +9,7 @@ from blocks import NOMINAL_K, write_run
 
 from tumble import core
 from tumble.files.schedule_file import to_toml
-from tumble.reference import Geometry
+from tumble.model import Geometry
 from tumble.schedule import CHECK, Position, Schedule
 
 pytestmark = pytest.mark.python

@@ -9,15 +9,15 @@ from blocks import NOMINAL_K
 from conftest import EXAMPLES
 from documents import paper_stand, valid
 
-from tumble import reference
+from tumble import model
 from tumble.estimators import COEFFICIENTS
+from tumble.model.errors import exact_outputs, sources
 from tumble.planning.simulate import U0_V
-from tumble.reference.uncertainty import exact_outputs, sources
 from tumble.solving.monte_carlo import NORMAL_COVERAGE, Verdict, compare, simulate
 from tumble.stand import COMMON, INDEPENDENT, PAPER_STAND, Stand
 
 pytestmark = pytest.mark.python
-PAPER = reference.paper_schedule()
+PAPER = model.built_in("paper")
 ONES = np.ones(18, dtype=int)
 
 
@@ -72,7 +72,7 @@ def test_a_uniform_law_by_hand():
     """A level alone, uniform, moves K_xy of an orthogonal block by itself times K_xx: 95 % of it lie within 0.95 of its
     half-width, where the linear theory says 1.96 u."""
     stand = Stand(0.0, 3e-4, 0.0, 0.0, 1e-9, 1, "uniform")
-    k, covariance = 2 * np.eye(3), reference.covariance(PAPER, 2 * np.eye(3), stand, ONES, "refined")
+    k, covariance = 2 * np.eye(3), model.covariance(PAPER, 2 * np.eye(3), stand, ONES, "refined")
     found = simulate(PAPER, k, np.zeros(3), np.sqrt(np.diag(covariance)), stand, "refined", ONES, 50_000, 4)
     assert found.u[1] == pytest.approx(2 * 3e-4 / 3**0.5, rel=0.01)
     assert [found.low[1], found.high[1]] == pytest.approx([-0.95 * 6e-4, 0.95 * 6e-4], rel=0.01)
@@ -90,7 +90,7 @@ def test_draws_of_the_exact_geometry_are_those_of_the_geometry(remounting):
     found = exact_outputs(PAPER, NOMINAL_K, u0, errors, x)
     for run, draws in zip(found, x):
         angles, noise = draws[: 20 + yaws], draws[20 + yaws :]
-        expected = reference.Geometry(PAPER).outputs(
+        expected = model.Geometry(PAPER).outputs(
             NOMINAL_K,
             u0,
             alpha1=2e-5 * angles[0],

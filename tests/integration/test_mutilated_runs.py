@@ -14,7 +14,7 @@ from documents import valid
 import tumble as package
 from tumble.cli.main import main
 from tumble.files.schedule_file import read_schedule
-from tumble.reference import Geometry
+from tumble.model import Geometry
 
 pytestmark = pytest.mark.python
 SHOWN, ALL = 7, 2000  # mutilations of a run

@@ -15,16 +15,16 @@ from conftest import EXAMPLES
 from hypothesis import given, strategies as st
 from test_fixture_check import stand_named
 
-from tumble import reference
+from tumble import model
 from tumble.cli import presentation
 from tumble.core import paper_schedule
 from tumble.distributions import chi_squared_above
 from tumble.files.run_blocks import NO_BLOCKS, blocks_of
 from tumble.files.run_facts import facts_of
 from tumble.files.run_file import Run
-from tumble.reference.estimators import estimate
-from tumble.reference.noise import CHANCE_SIGMAS, chance_limit
-from tumble.reference.uncertainty import exact_outputs, sources
+from tumble.model.errors import exact_outputs, sources
+from tumble.model.estimators import estimate
+from tumble.model.noise import CHANCE_SIGMAS, chance_limit
 from tumble.solving import noise
 from tumble.solving.assumptions import assumed
 from tumble.solving.noise_patterns import CORRELATED, log_p_if_white
@@ -33,7 +33,7 @@ from tumble.stand import PAPER_STAND
 
 POSITIONS = 18
 K = np.array([[2.0, 0.04, 0.04], [0.04, 2.0, 0.04], [0.04, 0.04, 2.0]])
-OUTPUTS = reference.Geometry(paper_schedule()).outputs(K, np.zeros(3))
+OUTPUTS = model.Geometry(paper_schedule()).outputs(K, np.zeros(3))
 
 
 def autoregressive(rng, shape, rho):
@@ -99,7 +99,7 @@ def test_block_sums_are_those_of_exact_arithmetic(positions):
 def test_pooled_blocks_are_the_variance_of_block_means(samples, positions, seed):
     """Of a power of two samples, all lengths from m on together have the squares of m-blocks about their means."""
     x = np.random.default_rng(seed).standard_normal((positions, 2 ** (samples.bit_length() - 1), 3))
-    found = reference.measured_noise(*_arguments(x))
+    found = model.measured_noise(*_arguments(x))
     for level, variance in enumerate(found.pooled):
         blocks = x.reshape(positions, -1, 2**level, 3).mean(axis=2)
         freedom = positions * (blocks.shape[1] - 1)
@@ -119,7 +119,7 @@ def test_block_means_agree_with_the_sum_of_autocovariances(rho):
     """Of long positions, where both are sharp: the variance of means of 128 samples is the sum of the autocovariances
     (Newey and West's window), and nearly (1 + rho)/(1 - rho) by theory."""
     x = np.moveaxis(autoregressive(np.random.default_rng(51), (60, 3, 4096), rho), 1, 2)
-    found = reference.measured_noise(*_arguments(x))
+    found = model.measured_noise(*_arguments(x))
     centred, lags = x - x.mean(axis=1, keepdims=True), 128
     sums = np.stack([(centred[:, lag:] * centred[:, : 4096 - lag]).sum(axis=(0, 1)) for lag in range(lags)])
     window = 1 - np.arange(lags) / lags
@@ -131,7 +131,7 @@ def test_block_means_agree_with_the_sum_of_autocovariances(rho):
 
 def test_alternating_noise_counts_as_its_scatter():
     x = np.moveaxis(autoregressive(np.random.default_rng(52), (POSITIONS, 3, 64), -0.7), 1, 2)
-    found = reference.measured_noise(*_arguments(x))
+    found = model.measured_noise(*_arguments(x))
     assert (found.length == 1).all()
     np.testing.assert_allclose(found.variance, found.scatter**2, rtol=0.02)
     assert (found.variance >= found.scatter**2 * (1 - 1e-12)).all()
@@ -152,7 +152,7 @@ def stated(x):
     """By run, of one channel (runs, positions, samples): the variance of a mean by its blocks, and whether it exceeds a
     declared noise of 1."""
     for run in x:
-        found = reference.measured_noise(*_arguments(np.repeat(run[:, :, None], 3, axis=2)))
+        found = model.measured_noise(*_arguments(np.repeat(run[:, :, None], 3, axis=2)))
         yield found.mean_variance(np.array([x.shape[2]]))[0, 0], bool(found.exceeds(1.0)[0])
 
 
@@ -188,8 +188,8 @@ def test_noise_as_declared_changes_nothing():
     assert not solution.noise.exceeds.any() and not solution.noise.mean_variance.any()
     assert assumed(solution).keys() == {"seat", "temperature"}
     samples = np.full(POSITIONS, 50)
-    covariance = reference.covariance(paper_schedule(), solution.found.k, PAPER_STAND, samples, "refined")
-    u_k, _ = reference.by_coefficient(covariance)
+    covariance = model.covariance(paper_schedule(), solution.found.k, PAPER_STAND, samples, "refined")
+    u_k, _ = model.by_coefficient(covariance)
     np.testing.assert_allclose(solution.u_k, u_k, rtol=1e-9)
 
 
@@ -288,8 +288,8 @@ def test_a_little_more_noise_than_declared_is_said(factor):
     np.testing.assert_allclose(scatter, factor * PAPER_STAND.noise, rtol=0.1)
     for i in range(3):
         louder = dataclasses.replace(PAPER_STAND, noise=scatter[i])
-        covariance = reference.covariance(paper_schedule(), solution.found.k, louder, samples, "refined")
-        u_k, _ = reference.by_coefficient(covariance)
+        covariance = model.covariance(paper_schedule(), solution.found.k, louder, samples, "refined")
+        u_k, _ = model.by_coefficient(covariance)
         np.testing.assert_allclose(solution.u_k[i], u_k[i], rtol=1e-9)
 
 
@@ -311,7 +311,7 @@ def test_all_that_states_an_uncertainty_counts_the_measured_noise(estimator):
 def test_white_noise_is_seldom_called_correlated():
     """Whatever its size: one run in a hundred at a p of 1 %, and less for lengths and channels are not independent."""
     rng, runs = np.random.default_rng(62), 300
-    found = [reference.measured_noise(*_arguments(rng.standard_normal((9, 32, 3)))) for _ in range(runs)]
+    found = [model.measured_noise(*_arguments(rng.standard_normal((9, 32, 3)))) for _ in range(runs)]
     p = np.exp([log_p_if_white(one) for one in found])
     print(f"p below 0.5, 0.1, 0.01: {[float((p.min(axis=1) < one).mean()) for one in (0.5, 0.1, 0.01)]}")
     for one in (0.5, 0.1, 0.01):
@@ -364,7 +364,7 @@ def test_refined_covers(name, rho, runs):
     x = sigma * np.moveaxis(autoregressive(rng, (runs, POSITIONS, 3, samples), rho), 3, 2)
     means = exact_outputs(schedule, NOMINAL_K, np.zeros(3), errors, draws) + x.mean(axis=2)
     error = coefficients(means) - np.append(NOMINAL_K.ravel(), np.zeros(3))
-    found = [reference.measured_noise(*_arguments(one)) for one in x]
+    found = [model.measured_noise(*_arguments(one)) for one in x]
     told = np.array([one.exceeds(sigma) for one in found])
     measured = np.array([one.mean_variance(np.array([samples]))[0] for one in found])
     before = np.full((runs, 3), sigma**2 / samples)

@@ -6,9 +6,9 @@ import pytest
 from test_noise import autoregressive, run_of
 from test_stand_seen import stand_named
 
-from tumble import core, reference
+from tumble import core, model
+from tumble.model.stand_seen import look
 from tumble.solving import noise
-from tumble.solving.stand_seen import look
 
 pytestmark = pytest.mark.python
 
@@ -25,7 +25,7 @@ def runs(rho, count, alpha4, seed):
     for _ in range(count):
         level = 1e-4 * rng.normal()
         delta = alpha4 * rng.normal(size=18)
-        ideal = reference.Geometry(SCHEDULE.data).outputs(K, U0, alpha2=level, delta=delta)
+        ideal = model.Geometry(SCHEDULE.data).outputs(K, U0, alpha2=level, delta=delta)
         x = np.moveaxis(autoregressive(rng, (18, 3, SAMPLES), rho), 1, 2)
         yield run_of(ideal[:, None, :] + stand.noise * x), level
 
@@ -36,7 +36,7 @@ def seen(run, stand, counted, trust_stand=False):
     k, u0 = core.estimate(SCHEDULE, run.means)
     shown, white = stand_seen.RunSeen(SCHEDULE, run.means, MEASURED, k, u0), stand_seen.noise(run.samples, run.scatter)
     found = look(shown, white, run.samples, stand, trust_stand, variance)
-    witness = reference.RunSeen(SCHEDULE.data, run.means, k)
+    witness = model.RunSeen(SCHEDULE.data, run.means, k)
     stand_seen.compare_seen(found, witness, run.samples, run.scatter, stand, trust_stand, variance)
     return found
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from blocks import NOMINAL_K
 
-from tumble import reference
+from tumble import model
 
 # alpha1, alpha2, alpha3, alpha4 in rad; noise of a mean of 50 samples in V.
 STANDS = {
@@ -67,10 +67,10 @@ def worst_norm(k, u0):
 
 def measure(stand, name, samples, seat, runs):
     """The worst rms of |a|, in g."""
-    schedule = reference.built_in(name)
+    schedule = model.built_in(name)
     noise = STANDS[stand][4] * (50 / samples) ** 0.5
     means = simulated_means(schedule, STANDS[stand], noise, seat, runs, np.random.default_rng(91))
-    return worst_norm(*reference.estimate(schedule, means, "refined"))
+    return worst_norm(*model.estimate(schedule, means, "refined"))
 
 
 @pytest.mark.parametrize("case", WORST, ids=lambda case: "-".join(map(str, case)))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from blocks import write_run
 
-from tumble.reference import Geometry, paper_schedule
+from tumble.model import Geometry, built_in
 from tumble.schedule import Mounting, Position, Schedule
 
 K = np.array([[2.0, 0.03, -0.02], [-0.04, 1.9, 0.05], [0.01, -0.03, 2.1]])
@@ -43,7 +43,7 @@ def solve(tumble, folder, schedule, outputs, estimator, told=""):
 @pytest.mark.parametrize("estimator", ["averaged", "refined", "least_squares"])
 def test_a_look_alike_is_not_taken_for_a_position_of_the_paper(yaw, estimator, tumble, tmp_path):
     c, s = round(np.cos(np.deg2rad(yaw))), round(np.sin(np.deg2rad(yaw)))
-    paper = paper_schedule()
+    paper = built_in("paper")
     turned = Mounting(3, ((c, s, 0), (-s, c, 0), (0, 0, 1)))
     lookalikes = tuple(Position(3, turn, 45.0 * (turn - 1)) for turn in (1, 5, 9))
     schedule = Schedule((turned, *paper.mountings), (*lookalikes, *paper.positions))
@@ -63,7 +63,7 @@ def test_a_look_alike_is_not_taken_for_a_position_of_the_paper(yaw, estimator, t
 
 @pytest.mark.parametrize("tilt_deg", [0.2, 0.5, 1.0, 5.0])
 def test_a_weak_wedge_under_a_large_offset_is_no_disagreement(tilt_deg, tumble, tmp_path):
-    level = paper_schedule().mountings[0]
+    level = built_in("paper").mountings[0]
     mountings = (level, replace(level, number=2, tilt_deg=tilt_deg))
     schedule = Schedule(mountings, tuple(Position(m, turn, 45.0 * (turn - 1)) for m in (1, 2) for turn in range(1, 10)))
     noise = np.random.default_rng(1).normal(0.0, 1e-5, (18, 3))
@@ -73,7 +73,7 @@ def test_a_weak_wedge_under_a_large_offset_is_no_disagreement(tilt_deg, tumble, 
 
 
 def test_a_header_far_into_the_file(tumble, tmp_path):
-    write_run(tmp_path / "run.csv", paper_schedule(), Geometry(paper_schedule()).outputs(K, U0))
+    write_run(tmp_path / "run.csv", built_in("paper"), Geometry(built_in("paper")).outputs(K, U0))
     text = (tmp_path / "run.csv").read_text()
     (tmp_path / "run.csv").write_text("# a comment that goes on\n" * 6000 + text)
     done = tumble("solve", "run.csv", "--json", cwd=tmp_path)

@@ -12,9 +12,9 @@ from simulated_bench import bench as simulated, runs
 import tumble as package
 from tumble.cli.main import main
 from tumble.core import CoreSchedule, optimal as core_optimal, paper_schedule
+from tumble.model.optimal import optimal_table
 from tumble.reference import optimal
 from tumble.solving import gain_record
-from tumble.solving.gains import optimal_table
 from tumble.stand import PAPER_STAND
 from tumble.world import gains
 from tumble.world.border import Refused

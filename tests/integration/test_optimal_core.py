@@ -7,9 +7,9 @@ from blocks import NOMINAL_K, random_block, usable_schedule
 from tumble import core
 from tumble.core import CoreRefusal, optimal as core_optimal
 from tumble.estimators import LINEAR
-from tumble.reference import Geometry, optimal
-from tumble.reference.estimators import least_squares, unidentified
-from tumble.reference.optimal import CORRECTIONS, _Whitened
+from tumble.model import Geometry, optimal
+from tumble.model.estimators import least_squares, unidentified
+from tumble.model.optimal import CORRECTIONS, _Whitened
 from tumble.solving import gain_record, gains
 from tumble.stand import COMMON, INDEPENDENT, PAPER_STAND, Stand
 

@@ -9,19 +9,17 @@ from blocks import NOMINAL_K, random_block, random_schedule, usable_schedule
 from conftest import EXAMPLES
 from hypothesis import given, strategies as st
 
-from tumble import reference
 from tumble.errors import UsageError
 from tumble.estimators import LINEAR
 from tumble.files.stand_file import read_stand
-from tumble.reference import Geometry
-from tumble.reference.estimators import fit_indices
+from tumble.model import Geometry, built_in, estimate
 from tumble.schedule import Schedule
 from tumble.solving import gains
 from tumble.stand import COMMON, INDEPENDENT, PAPER_STAND, Stand
 
 pytestmark = pytest.mark.python
 
-PAPER = reference.paper_schedule()
+PAPER = built_in("paper")
 STANDS = {name: read_stand(str(EXAMPLES / f"{name}_stand.toml")).stand for name in ("paper", "angle", "lab")}
 ODD_STANDS = {
     **STANDS,
@@ -50,7 +48,7 @@ GROUPS = (0, 2, 2, 3, 1, 4, 3, 4, 1, 5, 6, 6)
 
 def errors_of(schedule, k, stand):
     """J S^1/2, of derivatives by complex steps: (3P, draws)."""
-    geometry, fit, step = Geometry(schedule), fit_indices(schedule), 1e-30
+    geometry, fit, step = Geometry(schedule), schedule.fit_indices, 1e-30
     mountings, positions = len(schedule.mountings), len(schedule.positions)
     yaws = [np.ones(mountings)] if stand.remounting == COMMON else np.eye(mountings)
     draws = [({"alpha1": 1.0}, "axis_tilt"), ({"alpha2": 1.0}, "level"), *(({"alpha3": y}, "remount") for y in yaws)]
@@ -67,7 +65,7 @@ def by_inversion(schedule, k, stand, sigma_mean):
     """Standard deviations (12,) and gains (12, 3P) by the textbook, (A^T C^-1 A)^-1 A^T C^-1, in 60 digits. With
     C = J S J^T + v I, and J standing for J S^1/2, v C^-1 A is A - J (v I + J^T J)^-1 J^T A: a smaller inverse."""
     with mpmath.workdps(60):
-        force = Geometry(schedule).force()[fit_indices(schedule)]
+        force = Geometry(schedule).force()[schedule.fit_indices]
         rows = [
             np.concatenate([np.kron(np.eye(3)[channel], f), np.eye(3)[channel]]) for f in force for channel in range(3)
         ]
@@ -141,7 +139,7 @@ def test_derivatives_by_hand_are_those_of_the_exact_geometry():
     rng, step = np.random.default_rng(72), 1e-30
     for _ in range(20):
         schedule = random_schedule(rng)
-        model, geometry, fit = gains.linearise(schedule), Geometry(schedule), fit_indices(schedule)
+        model, geometry, fit = gains.linearise(schedule), Geometry(schedule), schedule.fit_indices
         assert model.force == pytest.approx(geometry.force()[fit], abs=1e-14)
         for name, found in (("alpha1", model.alpha1), ("alpha2", model.delta), ("alpha3", model.alpha3)):
             exact = geometry.force(**{name: 1j * step}).imag[fit] / step
@@ -151,7 +149,7 @@ def test_derivatives_by_hand_are_those_of_the_exact_geometry():
 @pytest.mark.parametrize("estimator", LINEAR)
 def test_linear_gains_are_the_estimator(estimator):
     means = np.random.default_rng(73).normal(size=(18, 3))
-    k, u0 = reference.estimate(PAPER, means, estimator)
+    k, u0 = estimate(PAPER, means, estimator)
     found = gains.linear_gains(PAPER, estimator) @ means.ravel()
     assert found == pytest.approx(np.concatenate([k.ravel(), u0]), abs=1e-14)
 

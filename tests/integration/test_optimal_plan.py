@@ -13,7 +13,7 @@ from blocks import NOMINAL_K
 from conftest import EXAMPLES, ROOT
 from documents import document_of, paper_stand
 
-from tumble import core, reference
+from tumble import core, model
 from tumble.core import optimal
 from tumble.files.schedule_file import to_toml
 from tumble.schedule import Position, Schedule
@@ -207,8 +207,8 @@ def test_the_record_is_laid_out_as_documented():
 
 
 def test_a_spoilt_record_is_no_record():
-    table = gains.optimal_table(reference.paper_schedule(), NOMINAL_K, PAPER_STAND)
-    data = gain_record.to_bytes(gain_record.record_of(table, reference.paper_schedule()))
+    table = gains.optimal_table(model.built_in("paper"), NOMINAL_K, PAPER_STAND)
+    data = gain_record.to_bytes(gain_record.record_of(table, model.built_in("paper")))
     assert len(data) == gain_record.size_of(18, 2) == 7152
     for index in (0, 4, 8, 10, 11, 12, 13, 14, 15, 20, 30, 500, 5000, len(data) - 8, len(data) - 1):
         spoilt = bytearray(data)

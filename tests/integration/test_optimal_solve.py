@@ -9,15 +9,15 @@ from blocks import NOMINAL_K, random_means, write_run
 from conftest import EXAMPLES
 from documents import paper_stand
 
-from tumble import core, reference
+from tumble import core, model
 from tumble.cli.main import main
 from tumble.core import optimal as core_optimal
-from tumble.reference import Geometry
-from tumble.solving import optimal_run
-from tumble.solving.gains import optimal_table
+from tumble.model import Geometry
+from tumble.model.optimal import optimal_table
+from tumble.solving import optimal_run, solution
 from tumble.stand import COMMON, PAPER_STAND
 
-PAPER = core.CoreSchedule(reference.paper_schedule())
+PAPER = core.CoreSchedule(model.built_in("paper"))
 LONE, ALL = np.ones(18, dtype=int), np.ones(18, dtype=bool)
 U0 = np.array([0.01, -0.02, 0.03])
 
@@ -131,8 +131,8 @@ def test_the_witness_must_confirm_within_a_millionth_of_u(excess, code, monkeypa
 
 
 def test_a_witness_that_is_no_number_confirms_nothing(monkeypatch, capsys):
-    sound = reference.optimal
-    monkeypatch.setattr(reference, "optimal", lambda *a: dataclasses.replace(sound(*a), u0=np.full(3, np.nan)))
+    sound = solution.optimal_estimate
+    monkeypatch.setattr(solution, "optimal_estimate", lambda *a: dataclasses.replace(sound(*a), u0=np.full(3, np.nan)))
     stand = str(EXAMPLES / "paper_stand.toml")
     assert main(["solve", str(EXAMPLES / "paper_stand.csv"), "--stand", stand, "--estimator", "optimal"]) == 3
     assert "U0 differs by nan" in capsys.readouterr().err
@@ -156,9 +156,9 @@ def test_samples_that_differ_between_positions():
     means = random_means(rng, PAPER.data, NOMINAL_K, U0, 1e-5, 1e-5)
     weighting = optimal_run.Weighting(PAPER_STAND, samples)
     found = optimal_run.estimate(PAPER, means, ALL, weighting)
-    witness = reference.optimal(PAPER.data, means, PAPER_STAND, samples)
+    witness = model.optimal_estimate(PAPER.data, means, PAPER_STAND, samples)
     assert np.abs((found.k - witness.k) / witness.u_k).max() < 1e-6
-    equal = reference.optimal(
+    equal = model.optimal_estimate(
         PAPER.data, means, dataclasses.replace(PAPER_STAND, samples=1), LONE, known_k=witness.k
     )
     assert (witness.u_k < equal.u_k).all()
@@ -171,9 +171,9 @@ def test_a_table_made_before_the_run_is_witnessed_as_it_was_made():
     means = random_means(rng, PAPER.data, k, U0, 1e-4, 1e-5)
     known = optimal_run.Known(NOMINAL_K, 50)
     found = optimal_run.estimate(PAPER, means, ALL, optimal_run.Weighting(PAPER_STAND, samples, 0.0, known))
-    witness = reference.optimal(PAPER.data, means, PAPER_STAND, samples, 0.0, known.k, known.samples)
+    witness = model.optimal_estimate(PAPER.data, means, PAPER_STAND, samples, 0.0, known.k, known.samples)
     assert np.abs((found.k - witness.k) / witness.u_k).max() < 1e-6
-    other = reference.optimal(PAPER.data, means, PAPER_STAND, samples)
+    other = model.optimal_estimate(PAPER.data, means, PAPER_STAND, samples)
     assert 1e-4 < np.abs((other.k - witness.k) / witness.u_k).max() < 1.0
 
 

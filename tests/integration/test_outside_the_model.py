@@ -13,14 +13,14 @@ sys.path.insert(0, str(ROOT / "tests/benchmark"))
 import violations
 from violation_rows import rows
 
-from tumble import reference
 from tumble.distributions import chi_squared_above
 from tumble.estimators import ESTIMATORS
 from tumble.files.run_file import Run
-from tumble.reference.patterns import BY_NAME, Scene
-from tumble.solving.fit import CONFIDENCE, judge
+from tumble.model import WholeModel, built_in
+from tumble.model.explanations import CONFIDENCE, judge
+from tumble.model.patterns import BY_NAME, Scene
+from tumble.model.stand_seen import StandSeen
 from tumble.solving.solution import solve
-from tumble.solving.stand_seen import StandSeen
 
 pytestmark = pytest.mark.python
 ROWS = {row.name: row for row in rows()}
@@ -30,7 +30,7 @@ SEEN = ("drift 100", "K3 100", "once per turn 100", "stepper, a move 20", "slip 
 
 def judged(case, means):
     """By the product: does the run fit, and the names of its first explanation."""
-    model = reference.WholeModel(case.schedule.data, means, case.variance, case.stand)
+    model = WholeModel(case.schedule.data, means, case.variance, case.stand)
     fit = judge(model, CONFIDENCE, NOTHING)
     return fit.fits, fit.explanations[0].patterns if fit.explanations else ()
 
@@ -123,6 +123,6 @@ def test_noise_that_is_not_white_is_told_and_counted(name):
 
 def test_a_seat_is_told_by_its_mounting():
     """As in "seat of mounting 1, theta_n -306 +- 22 urad"."""
-    found = BY_NAME["seat"].columns(Scene(reference.built_in("paper"), NOMINAL_K))
+    found = BY_NAME["seat"].columns(Scene(built_in("paper"), NOMINAL_K))
     labels = [f"mounting {number}, {name}" for name in ("theta_h", "theta_n") for number in (1, 2)]
     assert [label for columns in found for label in columns] == labels

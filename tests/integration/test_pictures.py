@@ -8,7 +8,7 @@ from conftest import EXAMPLES
 from pictured import CASES, PAPER, U0, K, dots, force_of, labelled, rows_of, shares_of, solved
 
 import tumble
-from tumble import pictures, reference
+from tumble import model, pictures
 from tumble.errors import UsageError
 
 pytestmark = [pytest.mark.python, pytest.mark.toolchain]
@@ -158,7 +158,7 @@ def test_a_gravity_check_that_failed_shows_the_positions_beyond_the_limit():
 @pytest.mark.parametrize("name", ["paper", "lab", "three_mountings"])
 def test_residuals(name):
     run, result, _, drawn = solved(name)
-    schedule = reference.built_in(CASES[name][1].get("schedule", "paper"))
+    schedule = model.built_in(CASES[name][1].get("schedule", "paper"))
     means = np.array([run.outputs[(run.mounting == one.mounting) & (run.position == one.number)].mean(axis=0)
                       for one in schedule.positions])
     left = means - result.U0 - force_of(schedule) @ result.K.T

@@ -8,7 +8,7 @@ from matplotlib import colors
 from pictured import CASES, EVERY_ERROR, PAPER, U0, K, force_of, labelled, rows_of, shares_of, solved
 
 import tumble
-from tumble import core, pictures, reference
+from tumble import core, model, pictures
 from tumble.core.optimal import estimate_runs
 from tumble.estimators import COEFFICIENTS
 
@@ -21,7 +21,7 @@ POINTS = len(PAPER.positions)
 def test_the_bands_are_what_simulated_runs_leave(estimator, runs=6000):
     """Errors of every kind, on the exact geometry, solved by the core: the standard deviation of residuals and of
     delta_g is half the band, as far as so many runs tell it (4.5 sigma; for delta_g 2 % more: its second order)."""
-    rng, geometry, stand = np.random.default_rng(11), reference.Geometry(PAPER), EVERY_ERROR
+    rng, geometry, stand = np.random.default_rng(11), model.Geometry(PAPER), EVERY_ERROR
     result = tumble.solve(rows_of(geometry.outputs(K, U0)), stand=stand, estimator=estimator)
     drawn = {kind: result.plot(kind=kind)[kind] for kind in ("residuals", "gravity_check")}
 
@@ -54,7 +54,7 @@ def test_the_bands_are_what_simulated_runs_leave(estimator, runs=6000):
 def by_differences(schedule, k, estimator, **errors):
     """Variance of the coefficients by independent draws (draws, ...) of each of `errors`, their size its standard
     deviation: both signs of it, solved by the core."""
-    geometry, found = reference.Geometry(schedule), np.zeros(12)
+    geometry, found = model.Geometry(schedule), np.zeros(12)
     for name, draws in errors.items():
         for draw in draws:
             ends = [core.estimate(core.CoreSchedule(schedule), geometry.outputs(k, U0, **{name: sign * draw}),
@@ -67,7 +67,7 @@ def by_differences(schedule, k, estimator, **errors):
 @pytest.mark.parametrize(("name", "estimator"), [("paper", "refined"), ("diagonal", "least_squares")])
 def test_the_budget_has_the_share_of_every_source(name, estimator):
     result, figure = solved(name)[1], solved(name)[3]["budget"]
-    schedule, shares = reference.built_in(name), shares_of(figure)
+    schedule, shares = model.built_in(name), shares_of(figure)
     mountings, points = len(schedule.mountings), len(schedule.positions)
     total = np.diag(result.covariance)
     expected = {

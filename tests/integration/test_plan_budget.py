@@ -9,16 +9,14 @@ from conftest import EXAMPLES
 from documents import document_of, paper_stand
 from hypothesis import given, strategies as st
 
-from tumble import reference
+from tumble import model
 from tumble.files.stand_file import read_stand
+from tumble.model.errors import contributions, sources
 from tumble.planning import weights
 from tumble.planning.budget import budget
 from tumble.planning.case import Case
 from tumble.planning.published import NAMES, SOURCES
 from tumble.planning.validate import validate
-from tumble.reference.estimators import fit_indices
-from tumble.reference.uncertainty import contributions, sources
-from tumble.solving.gains import linearise
 from tumble.stand import COMMON, Stand
 
 pytestmark = pytest.mark.python
@@ -53,8 +51,8 @@ def test_a_budget_is_what_a_run_would_state():
     """The document, against the uncertainties that numpy gives a run with this K."""
     for estimator in ("averaged", "refined", "least_squares"):
         found, k = budget(PAPER, "derived", estimator), PAPER.nominal_k()
-        covariance = reference.covariance(PAPER.schedule, k, PAPER.stand, np.ones(18, int), estimator)
-        u_k, u_u0 = reference.by_coefficient(covariance)
+        covariance = model.covariance(PAPER.schedule, k, PAPER.stand, np.ones(18, int), estimator)
+        u_k, u_u0 = model.by_coefficient(covariance)
         assert found.total[:9] == pytest.approx((u_k / np.abs(k)).ravel(), rel=1e-9)
         assert found.total[9:] == pytest.approx(u_u0 / np.abs(np.diag(k)), rel=1e-9)
 
@@ -82,7 +80,7 @@ def test_any_schedule_check_positions_left_out(tumble):
 def test_weights_on_any_schedule_are_those_of_complex_steps(seed):
     rng = np.random.default_rng(seed)
     schedule = random_schedule(rng)
-    if not (fit := fit_indices(schedule)):
+    if not (fit := schedule.fit_indices):
         return
     common, k = bool(rng.random() < 0.5), rng.normal(size=(3, 3))
     gains = rng.normal(size=(4, 3 * len(fit)))
@@ -92,7 +90,7 @@ def test_weights_on_any_schedule_are_those_of_complex_steps(seed):
         sources(schedule, k, unit, np.ones(len(schedule.positions), int)),
     )
     expected = np.stack([parts[source] for source in SOURCES], axis=1)
-    found = weights.absolute_weights(linearise(schedule), common, k, gains)
+    found = weights.absolute_weights(schedule.fitted, common, k, gains)
     assert found == pytest.approx(expected, rel=1e-9, abs=1e-11 * expected.max())
 
 

@@ -10,18 +10,18 @@ from documents import paper_stand
 from test_further_terms import WORST_UG
 from test_plan_budget import plan
 
-from tumble import reference
+from tumble import model
 from tumble.files.stand_file import read_stand
+from tumble.model import built_in
+from tumble.model.estimators import covariance
+from tumble.model.norm import norm_gradient
 from tumble.planning import validate
 from tumble.planning.case import Case
 from tumble.planning.error_field import error_field, largest_over_attitudes, largest_with_terms
 from tumble.planning.norm_spread import NormSpread
 from tumble.planning.promise import promise
 from tumble.planning.schedule_search import worst_norm_of
-from tumble.reference import built_in
-from tumble.reference.extended import covariance
 from tumble.schedule import CHECK, Position, Schedule
-from tumble.solving.covariance import norm_gradient
 
 pytestmark = pytest.mark.python
 
@@ -61,8 +61,8 @@ def test_core_and_numpy_plan_the_same(terms, checked):
     witness = covariance(schedule, k, case.stand, lone, terms)
     assert np.sqrt(np.diag(unknowns.T @ unknowns)) == pytest.approx(np.sqrt(np.diag(witness)), rel=1e-8)
     unknowns = error_field(case, "optimal", k).unknowns
-    means = reference.Geometry(schedule).outputs(k, np.zeros(3))
-    found = reference.optimal(
+    means = model.Geometry(schedule).outputs(k, np.zeros(3))
+    found = model.optimal_estimate(
         schedule, means, case.stand, lone, known_k=k, known_samples=case.stand.samples, terms=terms
     )
     assert np.sqrt(np.diag(unknowns.T @ unknowns)) == pytest.approx(np.sqrt(np.diag(found.covariance)), rel=1e-6)

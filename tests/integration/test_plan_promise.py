@@ -9,7 +9,7 @@ from conftest import EXAMPLES
 from documents import paper_stand
 from test_plan_budget import plan
 
-from tumble import reference
+from tumble import model
 from tumble.files.stand_file import read_stand
 from tumble.planning import validate
 from tumble.planning.case import Case
@@ -36,7 +36,7 @@ def case_of(name, schedule=None):
 
 
 def with_16_checks():
-    paper = reference.paper_schedule()
+    paper = model.built_in("paper")
     checks = tuple(Position(m, 10 + turn, 22.5 + 45 * turn, CHECK) for m in (1, 2) for turn in range(8))
     return Schedule(paper.mountings, paper.positions + checks)
 

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from conftest import EXAMPLES
 
-from tumble import core, reference
+from tumble import core, model
 from tumble.core.optimal import estimate_runs
 from tumble.files.run_blocks import NO_BLOCKS
 from tumble.files.run_file import Run
 from tumble.files.stand_file import read_stand
+from tumble.model.errors import exact_outputs, sources
 from tumble.planning.budget import by_key, notes
 from tumble.planning.case import Case
 from tumble.planning.error_field import error_field
@@ -23,7 +24,6 @@ from tumble.planning.schedule_search import worst_norm_of
 from tumble.planning.simulate import U0_V
 from tumble.planning.validate import KNOWN, RUN, largest_gravity_errors, validate
 from tumble.planning.verdict import judge
-from tumble.reference.uncertainty import exact_outputs, sources
 from tumble.solving import tables_of_runs
 from tumble.solving.decision import UNCERTAINTY, decide
 from tumble.solving.solution import solve
@@ -31,7 +31,7 @@ from tumble.solving.would_show import would_show
 from tumble.stand import PAPER_STAND, Stand
 
 pytestmark = pytest.mark.python
-PAPER = reference.paper_schedule()
+PAPER = model.built_in("paper")
 LONE = np.ones(18, dtype=int)
 SEES_NOISE = [0, 4, 5, 7, 8, 9, 10, 11]  # K_xx, K_yy, K_yz, K_zy, K_zz and U0: little else
 STEP = 20.0 / 2**15
@@ -70,7 +70,7 @@ def rounded_rows(case, runs, seed, samples=SAMPLES):
     draws = rng.standard_normal((runs, sum(len(one.sigma) for one in errors.values())))
     other_k, other_u0 = rng.normal(0.0, 1e-3, (runs, 3, 3)), rng.normal(0.0, 1e-3, (runs, 3))
     means = exact_outputs(PAPER, k, np.zeros(3), errors, draws)
-    means += reference.Geometry(PAPER).force() @ np.swapaxes(other_k, 1, 2) + other_u0[:, None]
+    means += model.Geometry(PAPER).force() @ np.swapaxes(other_k, 1, 2) + other_u0[:, None]
     rows = np.round((means[:, :, None] + 1e-5 * rng.standard_normal((runs, 18, samples, 3))) / STEP) * STEP
     return rows, np.hstack([(k + other_k).reshape(runs, 9), other_u0])
 
@@ -200,9 +200,9 @@ def test_a_campaign_is_as_planned(stand_with, table):
     for one in validate(case, ("refined", "optimal"), 3000, 5, table):
         assert judge(one).outside == []
     k = case.nominal_k()
-    means = reference.Geometry(PAPER).outputs(k, np.array(U0_V))
+    means = model.Geometry(PAPER).outputs(k, np.array(U0_V))
     u = tables_of_runs.solve(PAPER, means[None], case.stand, case.step_v, 50)[1][0]
-    witness = reference.optimal_covariance(PAPER, k, case.stand, LONE, case.step_v)
+    witness = model.optimal_covariance(PAPER, k, case.stand, LONE, case.step_v)
     assert u == pytest.approx(np.sqrt(np.diag(witness)), rel=1e-6)
 
 

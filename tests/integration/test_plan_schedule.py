@@ -11,14 +11,14 @@ from test_plan_budget import plan
 
 from tumble.files.schedule_file import read_schedule, to_toml
 from tumble.files.stand_file import read_stand
+from tumble.model import built_in
+from tumble.model.errors import Source
 from tumble.planning import norm_spread
 from tumble.planning.case import Case
 from tumble.planning.duration import Pace
 from tumble.planning.mounting_sets import KINDS, ROTATIONS, mounting_sets, mountings
 from tumble.planning.norm_spread import NormSpread
 from tumble.planning.schedule_search import _Candidates, fewest_samples, held_to, quickest, worst_norm_of
-from tumble.reference import built_in
-from tumble.reference.uncertainty import Source
 from tumble.schedule import Position, Schedule
 
 pytestmark = pytest.mark.python
@@ -145,7 +145,7 @@ def with_seats(monkeypatch, sigma):
     honest = norm_spread.sources
 
     def sources(schedule, k, stand, samples):
-        from tumble.reference import Geometry
+        from tumble.model import Geometry
 
         geometry, numbers = Geometry(schedule), [one.number for one in schedule.mountings]
         of = np.array([numbers.index(position.mounting) for position in schedule.positions])

@@ -9,16 +9,15 @@ from conftest import EXAMPLES
 from documents import paper_stand
 from hypothesis import given, settings, strategies as st
 
-from tumble import core, reference
+from tumble import core, model
 from tumble.cli.main import main
 from tumble.core.uncertainty import uncertainties, uncertainties_of_gains
-from tumble.reference.estimators import fit_indices
-from tumble.reference.uncertainty import contributions, sources
+from tumble.model.errors import contributions, sources
 from tumble.schedule import CHECK, FIT, Position, Schedule
 from tumble.solving import uncertainty
 from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, Stand
 
-PAPER = reference.paper_schedule()
+PAPER = model.built_in("paper")
 AGREEMENT = 1e-9
 ROUNDING = 1e-14
 seeds = st.integers(0, 2**32 - 1)
@@ -66,8 +65,8 @@ def test_least_squares_on_any_schedule(seed):
         assert refusal.name == "TUMBLE_E_RANK"
         assert refusal.details["unidentified"]
         return
-    covariance = reference.covariance(part, k, stand, samples[measured], "least_squares")
-    assert_agreement(found, reference.by_coefficient(covariance))
+    covariance = model.covariance(part, k, stand, samples[measured], "least_squares")
+    assert_agreement(found, model.by_coefficient(covariance))
 
 
 def extended(rng):
@@ -86,14 +85,14 @@ def test_every_estimator_on_the_papers_positions_and_more(seed, estimator):
     schedule, (k, _), stand = extended(rng), random_block(rng), random_stand(rng)
     samples = random_samples(rng, schedule)
     found = uncertainties(core.CoreSchedule(schedule), k, stand, samples, estimator)
-    assert_agreement(found, reference.by_coefficient(reference.covariance(schedule, k, stand, samples, estimator)))
+    assert_agreement(found, model.by_coefficient(model.covariance(schedule, k, stand, samples, estimator)))
 
 
 @given(seeds)
 def test_any_gain_table(seed):
     rng = np.random.default_rng(seed)
     schedule, (k, _), stand = usable_schedule(rng), random_block(rng), random_stand(rng)
-    samples, fit = random_samples(rng, schedule.data), fit_indices(schedule.data)
+    samples, fit = random_samples(rng, schedule.data), schedule.data.fit_indices
     gains = rng.normal(size=(12, 3 * len(fit))) * 10.0 ** rng.uniform(-3, 3, (12, 1))
     found = uncertainties_of_gains(schedule, k, stand, samples, gains)
 
@@ -113,7 +112,7 @@ def test_optimal_as_its_witness_down_to_no_noise(seed):
     schedule, (k, u0), stand = usable_schedule(rng), random_block(rng, 0.05), random_stand(rng)
     samples, measured = random_samples(rng, schedule.data), np.ones(len(schedule), dtype=bool)
     means = random_means(rng, schedule.data, k, u0, size=1e-6, noise=1e-7)
-    witness = reference.optimal(schedule.data, means, stand, samples)
+    witness = model.optimal_estimate(schedule.data, means, stand, samples)
     found = uncertainty.standard_uncertainties(schedule, measured, witness.k, stand, samples, "optimal")
     for mine, other in zip(found, (witness.u_k, witness.u_u0)):
         assert mine == pytest.approx(other, rel=1e-6, abs=1e-13 * max(witness.u_k.max(), witness.u_u0.max()))

@@ -16,11 +16,11 @@ from tumble import core
 from tumble.core import optimal as core_optimal
 from tumble.estimators import ESTIMATORS
 from tumble.files.stand_file import read_stand
+from tumble.model import Geometry
 from tumble.planning import validate, verdict
 from tumble.planning.budget import budget
 from tumble.planning.case import Case
 from tumble.planning.simulate import U0_V, position_means
-from tumble.reference import Geometry
 from tumble.solving import gain_record, gains
 
 pytestmark = pytest.mark.python

@@ -10,17 +10,17 @@ from blocks import write_run
 from conftest import EXAMPLES
 
 import tumble as tumble_package
-from tumble.core import CoreSchedule, paper_schedule
+from tumble.core import CoreSchedule
 from tumble.files.run_file import Run
 from tumble.files.stand_file import StandFile
-from tumble.reference import Geometry, built_in
+from tumble.model import Geometry, built_in
 from tumble.schedule import Mounting, Position, Schedule
 from tumble.solving.plausibility import examine, marked
 from tumble.solving.solution import solve
 from tumble.stand import PAPER_STAND
 
 pytestmark = pytest.mark.python
-PAPER = paper_schedule()
+PAPER = built_in("paper")
 AXES = np.eye(3)
 ROTATIONS = AXES, AXES[[0, 2, 1]] * [[-1], [1], [1]], AXES[[1, 2, 0]]
 THREE = Schedule(
@@ -210,7 +210,7 @@ def test_the_command_solves_what_is_named_as_the_line_says(tumble, tmp_path):
 
 
 def test_without_a_stand_the_command_warns(tumble, tmp_path):
-    schedule = paper_schedule()
+    schedule = built_in("paper")
     means = Geometry(schedule).outputs(2.0 * AXES + 0.01, [0.1, 0.2, 0.3])
     done = tumble("solve", write_run(tmp_path / "run.csv", schedule, means[:, [0, 2, 1]]))
     assert done.returncode == 0

@@ -11,7 +11,7 @@ import pytest
 from drawn_schedules import SCHEDULES, rotations, turned_somehow
 
 from tumble.drawings import words
-from tumble.reference import Geometry
+from tumble.model import Geometry
 from tumble.schedule import Mounting, Position, Schedule
 from tumble.world.progress import Progress
 

@@ -5,7 +5,7 @@ import pytest
 from blocks import random_rotation, random_schedule
 
 from tumble import core
-from tumble.reference.estimators import dense_design, unidentified
+from tumble.model.estimators import dense_design, unidentified
 from tumble.schedule import CHECK, Mounting, Position, Schedule
 
 PAPER = core.paper_schedule()

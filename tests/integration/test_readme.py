@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from conftest import ROOT
 
-from tumble.reference import Geometry, paper_schedule
+from tumble.model import Geometry, built_in
 
 pytestmark = pytest.mark.python
 
@@ -130,7 +130,7 @@ def test_the_tutorial_says_what_the_axes_feel():
     size = {"0": 0.0, "1": 1.0, "√½": math.sqrt(0.5)}
     felt = [[-size[cell[1:]] if cell[0] == "-" else size[cell.lstrip("+")] for cell in row.split(" | ")]
             for _, _, row in rows]  # fmt: skip
-    schedule = paper_schedule()
+    schedule = built_in("paper")
     assert [(int(p), float(angle)) for p, angle, _ in rows] == [(p.number, p.angle_deg) for p in schedule.positions[:9]]
     force = Geometry(schedule).force()
     assert np.abs(np.array(felt) - np.hstack([force[:9], force[9:]])).max() < 1e-15

@@ -17,15 +17,15 @@ sys.path.insert(0, str(ROOT / "tests/benchmark"))
 import violations
 from violation_rows import U0, K, honest
 
-from tumble import reference
 from tumble.distributions import chi_squared_log_above, chi_squared_quantile, noncentrality
 from tumble.files.stand_file import read_stand
-from tumble.reference.fit import basis
-from tumble.reference.patterns import BY_NAME, PATTERNS, Scene
-from tumble.solving.covariance import spread_attitudes
-from tumble.solving.fit import CONFIDENCE, SOURCES
-from tumble.solving.reliability import largest, lines, reliability
-from tumble.solving.stated import Witness
+from tumble.model import built_in
+from tumble.model.explanations import CONFIDENCE, SOURCES
+from tumble.model.norm import spread_attitudes
+from tumble.model.patterns import BY_NAME, PATTERNS, Scene
+from tumble.model.reliability import largest, lines, reliability
+from tumble.model.whole import basis
+from tumble.solving.uncertainty import Witness
 
 pytestmark = pytest.mark.python
 WORDS = {
@@ -46,7 +46,7 @@ ESTIMATORS = ("optimal", "refined")
 def found(stand="paper", schedule="paper", estimator="refined"):
     """By name."""
     declared = read_stand(str(EXAMPLES / f"{stand}_stand.toml")).stand
-    positions = reference.built_in(schedule)
+    positions = built_in(schedule)
     samples = np.full(len(positions.positions), declared.samples)
     listed = reliability(Witness(positions, NOMINAL_K, declared, samples, estimator, 0.0))
     return {one.pattern.name: one for one in listed}
@@ -81,7 +81,7 @@ DECLARED = {
 def test_what_is_declared_is_in_the_uncertainties_and_not_listed(case):
     source, names = DECLARED[case]
     plain = read_stand(str(EXAMPLES / "paper_stand.toml")).stand
-    schedule, samples = reference.built_in("paper"), np.full(18, 50)
+    schedule, samples = built_in("paper"), np.full(18, 50)
     listed = [
         {one.pattern.name for one in reliability(Witness(schedule, NOMINAL_K, stand, samples, "refined", 0.0))}
         for stand in (plain, plain.with_sigma(source, 1e-4))
@@ -284,7 +284,7 @@ def test_a_report_has_a_table_of_it(tumble, tmp_path):
 
 def test_no_residuals_show_nothing():
     """As many outputs as unknowns."""
-    stand, positions = read_stand(str(EXAMPLES / "paper_stand.toml")).stand, reference.built_in("six_faces")
+    stand, positions = read_stand(str(EXAMPLES / "paper_stand.toml")).stand, built_in("six_faces")
     four = positions.part(np.array([True, True, True, False, True, False]))
     listed = reliability(Witness(four, NOMINAL_K, stand, np.full(4, 50), "least_squares", 0.0))
     assert listed and largest(listed) is None and all(one.size is one.norm_g is None for one in listed)

@@ -11,7 +11,7 @@ from conftest import EXAMPLES
 from report_reader import ascii_signs
 
 import tumble as package
-from tumble import reference
+from tumble import model
 from tumble.cli.main import main
 from tumble.comparison import text
 from tumble.report import make
@@ -31,9 +31,9 @@ def results(tmp_path, monkeypatch):
     """old.json and new.json of a block whose scale factor y has changed, solved with the paper's stand."""
     monkeypatch.setattr(make, "pictures", lambda source, run: [])  # of the result alone: they have tests of their own
     monkeypatch.chdir(tmp_path)
-    schedule = reference.paper_schedule()
+    schedule = model.built_in("paper")
     for name, k in (("old", NOMINAL_K), ("new", SCALED)):
-        run = write_run(tmp_path / f"{name}.csv", schedule, reference.Geometry(schedule).outputs(k, np.zeros(3)))
+        run = write_run(tmp_path / f"{name}.csv", schedule, model.Geometry(schedule).outputs(k, np.zeros(3)))
         package.solve(run, stand=EXAMPLES / "paper_stand.toml").save(tmp_path / f"{name}.json")
     return tmp_path / "old.json", tmp_path / "new.json"
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from blocks import NOMINAL_K
 
-from tumble.reference import Geometry, paper_schedule
+from tumble.model import Geometry, built_in
 
 pytestmark = pytest.mark.python
 
-OUTPUTS = 1e4 * Geometry(paper_schedule()).outputs(NOMINAL_K, [0.1, 0.2, 0.3])  # to 20,000
+OUTPUTS = 1e4 * Geometry(built_in("paper")).outputs(NOMINAL_K, [0.1, 0.2, 0.3])  # to 20,000
 PREAMBLE = "Logger 7, serial 12\nstarted;2026-05-01 10:00\n\nrange;+-5 V;;;\n"
 NAMES = "mounting;position;ux;uy;uz\n"
 OTHERS = "M;P;A;B;C\n"
@@ -34,7 +34,7 @@ def whole(output):
 
 
 def rows(number=point):
-    places = [(position.mounting, position.number) for position in paper_schedule().positions]
+    places = [(position.mounting, position.number) for position in built_in("paper").positions]
     return "".join(
         f"{mounting};{position};{';'.join(map(number, outputs))}\n"
         for (mounting, position), outputs in zip(places, OUTPUTS.tolist())

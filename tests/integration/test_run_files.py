@@ -14,9 +14,9 @@ from tumble.files.run_layout import Wishes
 from tumble.files.run_positions import PositionIndex
 from tumble.files.run_reader import RunReader
 from tumble.files.run_store import RowStore
-from tumble.reference import Geometry, paper_schedule
+from tumble.model import Geometry, built_in
 
-PAPER = paper_schedule()
+PAPER = built_in("paper")
 MEANS = np.round(Geometry(PAPER).outputs(NOMINAL_K, [0.1, 0.2, 0.3]), 7)
 ROWS = [(p.mounting, p.number, *mean) for p, mean in zip(PAPER.positions, MEANS.tolist())]
 

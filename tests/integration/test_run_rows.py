@@ -4,15 +4,14 @@ import numpy as np
 import pytest
 from conftest import EXAMPLES
 
-from tumble.core import paper_schedule
 from tumble.errors import BadInput
 from tumble.files.run_file import Run, read_run
 from tumble.files.run_rows import require
 from tumble.files.run_store import RowStore
-from tumble.reference import Geometry
+from tumble.model import Geometry, built_in
 
 pytestmark = pytest.mark.python
-PAPER = paper_schedule()
+PAPER = built_in("paper")
 FORCE = Geometry(PAPER).force()
 K = 2.0 * np.eye(3) + 0.03
 SIGMA = 3e-4

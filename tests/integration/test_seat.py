@@ -6,23 +6,23 @@ import json
 import jsonschema
 import numpy as np
 import pytest
-from blocks import NOMINAL_K, random_block, random_rotation, usable_schedule, write_run
+from blocks import NOMINAL_K, gains_of, random_block, random_rotation, usable_schedule, write_run
 from conftest import EXAMPLES, ROOT
 
 import tumble as package
-from tumble import core, reference
+from tumble import core, model
 from tumble.core.optimal import GainRecord, estimate_runs, optimal_runs
 from tumble.core.uncertainty import uncertainties
 from tumble.estimators import COEFFICIENTS, LINEAR
 from tumble.files.stand_file import read_stand
-from tumble.reference.estimators import dense_design
-from tumble.reference.uncertainty import sources
+from tumble.model.errors import sources
+from tumble.model.estimators import dense_design
+from tumble.model.optimal import optimal_table, standard_deviations
 from tumble.schedule import Mounting, Position, Schedule
 from tumble.solving import gain_record, optimal_run
-from tumble.solving.gains import gains, optimal_table, standard_deviations
 from tumble.stand import PAPER_STAND, Stand
 
-PAPER = reference.paper_schedule()
+PAPER = model.built_in("paper")
 NAMES = np.array(COEFFICIENTS[:9]).reshape(3, 3)
 H, N, V = (tuple(row) for row in np.eye(3).tolist())
 THIRD = Mounting(3, (N, V, H))
@@ -70,7 +70,7 @@ def covariance_of(schedule, declared, estimator):
     """Of the twelve, K row by row, then U0."""
     rows = []
     for source in sources(schedule, NOMINAL_K, declared, np.ones(len(schedule.positions), dtype=int)).values():
-        k, u0 = reference.estimate(schedule, source.derivative, estimator)
+        k, u0 = model.estimate(schedule, source.derivative, estimator)
         rows.append(source.sigma[:, None] * np.concatenate([k.reshape(-1, 9), u0], axis=1))
     draws = np.concatenate(rows)
     return draws.T @ draws
@@ -79,7 +79,7 @@ def covariance_of(schedule, declared, estimator):
 @pytest.mark.parametrize(("name", "seat"), REFINED)
 def test_what_a_seat_costs_the_paper_s_schedule(name, seat):
     declared, expected = stand(*STANDS[name], seat=seat), REFINED[name, seat]
-    witness, _ = reference.by_coefficient(reference.covariance(PAPER, NOMINAL_K, declared, LONE_ROWS, "refined"))
+    witness, _ = model.by_coefficient(model.covariance(PAPER, NOMINAL_K, declared, LONE_ROWS, "refined"))
     found, _ = uncertainties(core.CoreSchedule(PAPER), NOMINAL_K, declared, LONE_ROWS, "refined")
     for u in (witness, found):
         shown = [u[place] / 2.0 * 1e6 for place in SHOWN]
@@ -96,7 +96,7 @@ def test_core_and_numpy_agree_on_any_schedule():
         seats = dict(zip(("seat", "platform"), rng.uniform(0, 1e-3, 2)))
         declared = Stand(*rng.uniform(0, 1e-3, 5), 5, "sigma1", **seats)
         samples = rng.integers(1, 9, len(schedule.data.positions))
-        witness = reference.by_coefficient(reference.covariance(schedule.data, k, declared, samples, "least_squares"))
+        witness = model.by_coefficient(model.covariance(schedule.data, k, declared, samples, "least_squares"))
         found = uncertainties(schedule, k, declared, samples, "least_squares")
         for mine, other in zip(found, witness):
             assert mine == pytest.approx(other, rel=1e-9)
@@ -112,7 +112,7 @@ def test_a_seat_turns_the_block_and_leaves_lengths():
     f = np.array([np.cos(tilt) * np.sin(angle), np.sin(tilt), np.cos(tilt) * np.cos(angle)])
     about_h = np.array([[1, 0, 0], [0, np.cos(lean[0]), np.sin(lean[0])], [0, -np.sin(lean[0]), np.cos(lean[0])]])
     about_v = np.array([[np.cos(yaw[0]), np.sin(yaw[0]), 0], [-np.sin(yaw[0]), np.cos(yaw[0]), 0], [0, 0, 1]])
-    found = reference.Geometry(schedule).force(seat_h=lean, seat_n=turn, alpha3=yaw)[0]
+    found = model.Geometry(schedule).force(seat_h=lean, seat_n=turn, alpha3=yaw)[0]
     assert found == pytest.approx(matrix @ about_v @ about_h @ f, abs=1e-15)
 
 
@@ -121,23 +121,23 @@ def test_two_mountings_see_nothing_of_a_platform_off_square(estimator):
     """2 mrad move K_yz by as much of K_yy; check positions, residuals and the gravity check stay as they are."""
     k, u0 = NOMINAL_K, np.array([0.1, -0.2, 0.3])
     paper = core.CoreSchedule(PAPER)
-    means = reference.Geometry(PAPER).outputs(k, u0, seat_h=2e-3)
+    means = model.Geometry(PAPER).outputs(k, u0, seat_h=2e-3)
     found_k, found_u0 = core.estimate(paper, means, None, estimator)
     moved = found_k - k
     assert moved[1, 2] == pytest.approx(2e-3 * k[1, 1], rel=1e-3)
     assert moved[2, 1] == pytest.approx(2e-3 * k[2, 2], rel=1e-3)
     assert found_u0 == pytest.approx(u0, abs=1e-12)
-    assert reference.residual_rms(PAPER, means, found_k, found_u0) == pytest.approx(0.0, abs=1e-12)
+    assert model.residual_rms(PAPER, means, found_k, found_u0) == pytest.approx(0.0, abs=1e-12)
     norms = np.linalg.norm(np.linalg.solve(found_k, k @ np.array([0, 1, 1]) / 2**0.5))
     assert abs(norms - 1.0) == pytest.approx(2e-3, rel=0.05)
-    assert reference.is_unseen(PAPER, found_k)
+    assert model.seat_is_unseen(PAPER, found_k)
 
 
 def test_a_third_mounting_shows_it():
-    assert not reference.is_unseen(THREE, NOMINAL_K)
+    assert not model.seat_is_unseen(THREE, NOMINAL_K)
     for tilt in (10.0, 45.0):
         mountings = tuple(Mounting(mounting.number, mounting.matrix, tilt) for mounting in PAPER.mountings)
-        assert reference.is_unseen(Schedule(mountings, PAPER.positions), NOMINAL_K)
+        assert model.seat_is_unseen(Schedule(mountings, PAPER.positions), NOMINAL_K)
 
 
 @pytest.mark.parametrize("estimator", LINEAR)
@@ -146,9 +146,9 @@ def test_what_a_seat_brings_is_what_a_declared_one_does(source, estimator):
     stand = PAPER_STAND.with_sigma(source, 1e-4)
     samples = np.full(18, 50)
     plain, more = (
-        np.diag(reference.covariance(PAPER, NOMINAL_K, one, samples, estimator)) for one in (PAPER_STAND, stand)
+        np.diag(model.covariance(PAPER, NOMINAL_K, one, samples, estimator)) for one in (PAPER_STAND, stand)
     )
-    moved = reference.moved_by_a_seat(PAPER, NOMINAL_K, estimator)[source]
+    moved = model.moved_by_a_seat(PAPER, NOMINAL_K, estimator)[source]
     assert more - plain == pytest.approx((1e-4 * moved) ** 2, abs=1e-6 * more.max())
 
 
@@ -248,7 +248,7 @@ def test_optimal_takes_seats_among_its_unknowns(schedule, seats):
     lone, all_measured = np.ones(positions, dtype=int), np.ones(positions, dtype=bool)
     for _ in range(2):
         means = simulated(rng, schedule, declared, 1)[0]
-        witness = reference.optimal(schedule, means, declared, lone)
+        witness = model.optimal_estimate(schedule, means, declared, lone)
         found = optimal_run.estimate(core_schedule, means, all_measured, optimal_run.Weighting(declared, lone))
         assert (np.abs(found.k - witness.k) < 1e-6 * witness.u_k).all()
         assert (np.abs(found.u0 - witness.u0) < 1e-6 * witness.u_u0).all()
@@ -259,7 +259,7 @@ def simulated(rng, schedule, declared, runs, platform=0.0):
     """Means (runs, positions, 3) on the exact geometry; `platform`: what it is in all of them."""
     mountings, positions = len(schedule.mountings), len(schedule.positions)
     shared, seats = rng.normal(size=(3, runs, 1)), rng.normal(size=(3, runs, mountings))
-    outputs = reference.Geometry(schedule).outputs(
+    outputs = model.Geometry(schedule).outputs(
         NOMINAL_K,
         np.array([0.1, -0.2, 0.3]),
         alpha1=shared[0] * declared.axis_tilt,
@@ -341,7 +341,7 @@ def test_a_budget_has_a_term_for_each(seats, estimator, tmp_path, tumble):
     for name, terms in expected.items():
         assert plan["terms"][name][5:] == pytest.approx(terms, rel=1e-3)
     case = stand(*STANDS["paper"], **dict.fromkeys(seats, 2e-4))
-    weights = gains(PAPER, estimator, NOMINAL_K, case)
+    weights = gains_of(PAPER, estimator, NOMINAL_K, case)
     u = standard_deviations(PAPER, weights, NOMINAL_K, case, STANDS["paper"][4])
     assert np.ravel(plan["u_K"]) == pytest.approx(u[:9], rel=1e-3)
 
@@ -383,7 +383,7 @@ def test_the_bench_draws_seats_and_tells_them(tmp_path, tumble):
     jsonschema.validate(result, SCHEMA["result"])
     truth = result["truth"]
     assert result["assumes"] == [] and len(set(truth["theta_h_rad"] + truth["theta_n_rad"])) == 4
-    outputs = reference.Geometry(PAPER).outputs(
+    outputs = model.Geometry(PAPER).outputs(
         np.array(truth["K"]),
         np.array(truth["U0"]),
         alpha1=truth["alpha1_rad"],

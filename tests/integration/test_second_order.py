@@ -10,17 +10,17 @@ from documents import document_of
 from hypothesis import given, settings, strategies as st
 from test_plan_validate import case_of
 
-from tumble import reference
+from tumble import model
 from tumble.core.optimal import estimate_runs
 from tumble.estimators import COEFFICIENTS, LINEAR
+from tumble.model.optimal import optimal_table
+from tumble.model.second_order import SecondOrder, second_order
 from tumble.planning.validate import validate
 from tumble.schedule import FIT, Schedule
-from tumble.solving.gains import optimal_table
-from tumble.solving.second_order import SecondOrder, second_order
 from tumble.stand import COMMON, INDEPENDENT, PAPER_STAND, Stand
 
 pytestmark = pytest.mark.python
-PAPER = reference.paper_schedule()
+PAPER = model.built_in("paper")
 seeds = st.integers(0, 2**32 - 1)
 ANY_U = np.full(12, 1e-3)
 

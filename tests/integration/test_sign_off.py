@@ -10,17 +10,17 @@ import dataclasses
 import numpy as np
 import pytest
 
-from tumble import reference
+from tumble import model
 from tumble.estimators import HARMONIC
+from tumble.model.estimators import dense_design
+from tumble.model.explanations import CONFIDENCE
+from tumble.model.norm import worst_norm
 from tumble.planning import validate
 from tumble.planning.case import Case
 from tumble.planning.simulate import errors_of, position_means
 from tumble.planning.weights import all_gains
-from tumble.reference.estimators import dense_design, fit_indices
 from tumble.schedule import CHECK, Position, Schedule
-from tumble.solving.covariance import worst_norm
 from tumble.solving.decision import is_shown
-from tumble.solving.fit import CONFIDENCE
 from tumble.stand import LIMIT_KINDS, Stand
 
 pytestmark = pytest.mark.python
@@ -29,17 +29,17 @@ FACTOR = 3.0
 
 
 def with_checks():
-    paper = reference.paper_schedule()
+    paper = model.built_in("paper")
     checks = tuple(Position(m, 10 + turn, 22.5 + 45 * turn, CHECK) for m in (1, 2) for turn in range(8))
     return Schedule(paper.mountings, paper.positions + checks)
 
 
 SCHEDULES = (
     *(
-        (reference.built_in(name), (*HARMONIC, "least_squares", "optimal"))
+        (model.built_in(name), (*HARMONIC, "least_squares", "optimal"))
         for name in ("paper", "three_mountings", "diagonal")
     ),
-    (reference.built_in("six_faces"), ("least_squares", "optimal")),
+    (model.built_in("six_faces"), ("least_squares", "optimal")),
     (with_checks(), (*HARMONIC, "least_squares", "optimal")),
 )
 
@@ -73,7 +73,7 @@ def drawn_case(rng):
 def chi_squared(case, k, means):
     """Of every run (runs,), by numpy: residuals of generalised least squares in the declared covariance."""
     draws = [one.derivative * one.sigma[:, None, None] for one in errors_of(case, k).values()]
-    fit = fit_indices(case.schedule)
+    fit = case.schedule.fit_indices
     joint = np.concatenate(draws)[:, fit].reshape(-1, 3 * len(fit))
     root = np.linalg.cholesky(joint.T @ joint)
     design = np.linalg.solve(root, dense_design(case.fitted))
@@ -91,7 +91,7 @@ def decided(cases, runs, seed):
         case, k, estimator = drawn_case(rng)
         weights = all_gains(case, estimator, k)[:12]
         draws = np.concatenate([one.derivative * one.sigma[:, None, None] for one in errors_of(case, k).values()])
-        found = draws[:, fit_indices(case.schedule)].reshape(len(draws), -1) @ weights.T
+        found = draws[:, case.schedule.fit_indices].reshape(len(draws), -1) @ weights.T
         reach_g = FACTOR * worst_norm(k, found.T @ found).worst
         means = position_means(case, k, runs, rng)
         solved = validate._solver(case, estimator, k, validate.KNOWN)(means)[0]

@@ -7,7 +7,7 @@ import json
 import pytest
 from conftest import ROOT
 
-from tumble import reference
+from tumble import model
 from tumble.schedule import Mounting
 
 EXPECTED = {"K_xx": 9.776727847, "K_xy": -0.145014464, "K_yy": 9.833534627, "K_zz": 10.038596053, "U0_x": 0.551139244}
@@ -54,7 +54,7 @@ limits = "sigma1"
 
 def placed(folder, recording):
     """Every face as a mounting of its own, with a schedule for that."""
-    faces = reference.built_in("six_faces")
+    faces = model.built_in("six_faces")
     mountings = tuple(
         Mounting(number, next(m.matrix for m in faces.mountings if m.number == face.mounting))
         for number, face in enumerate(faces.positions, 1)

@@ -13,7 +13,7 @@ from documents import valid
 from test_fixture_check import PAPER, U0, drawn, simulated, stand_named
 
 import tumble as package
-from tumble import reference
+from tumble import model
 from tumble.core import MAX_STAND_ERROR_RAD
 from tumble.files.run_file import Run
 from tumble.solving.decision import Decision
@@ -164,7 +164,7 @@ def test_what_is_no_fault_of_the_stand_is_not_blamed():
 def test_means_alone_are_judged_by_the_declared_noise():
     """One row a position: nothing is known of the noise, but the angles are still looked at."""
     rng, stand = np.random.default_rng(36), stand_named("lab")
-    means = reference.Geometry(PAPER.data).outputs(NOMINAL_K, U0, **drawn(rng, stand, alpha1=5e-3))
+    means = model.Geometry(PAPER.data).outputs(NOMINAL_K, U0, **drawn(rng, stand, alpha1=5e-3))
     means += rng.normal(size=means.shape) * stand.sigma("noise") / math.sqrt(stand.samples)
     run = Run(np.ones(18, dtype=int), means, np.zeros_like(means), "V", {})
     assert doubted(run, stand) == ["alpha1_rad"]

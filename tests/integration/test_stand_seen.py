@@ -11,16 +11,16 @@ import pytest
 from blocks import random_block, random_means, usable_schedule
 from documents import paper_stand
 
-from tumble import core, reference
+from tumble import core, model
 from tumble.distributions import f_cdf
 from tumble.errors import Disagreement
 from tumble.files.stand_file import read_stand
+from tumble.model.stand_seen import look
 from tumble.schedule import CHECK, Position, Schedule
-from tumble.solving.stand_seen import look
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 STANDS = ("paper", "angle", "lab")
-PAPER = reference.paper_schedule()
+PAPER = model.built_in("paper")
 NOMINAL_K = np.full((3, 3), 0.04) + 1.96 * np.eye(3)
 U0 = np.array([0.02, -0.01, 0.03])
 RUNS = 10000
@@ -34,7 +34,7 @@ def simulated(rng, stand, runs):
     """Of each run means, scatter, and what the angles are."""
     alpha1, alpha2 = (rng.normal(size=(runs, 1)) * stand.sigma(source) for source in ("axis_tilt", "level"))
     alpha3, delta = (rng.normal(size=(runs, n)) * stand.sigma(source) for n, source in ((2, "remount"), (18, "angle")))
-    means = reference.Geometry(PAPER).outputs(NOMINAL_K, U0, alpha1=alpha1, alpha2=alpha2, alpha3=alpha3, delta=delta)
+    means = model.Geometry(PAPER).outputs(NOMINAL_K, U0, alpha1=alpha1, alpha2=alpha2, alpha3=alpha3, delta=delta)
     noise, n = stand.sigma("noise"), stand.samples
     means += rng.normal(size=means.shape) * noise / math.sqrt(n)
     scatter = noise * np.sqrt(rng.chisquare(n - 1, size=means.shape) / (n - 1))
@@ -113,7 +113,7 @@ def test_core_and_numpy_see_the_same_on_any_schedule():
         means = random_means(rng, schedule.data, k, u0)
         variance = (np.abs(k).max() * 10.0 ** rng.uniform(-6, -3, len(schedule))) ** 2
         core_eye = stand_seen.RunSeen(schedule, means, np.ones(len(schedule), bool), k, u0)
-        numpy_eye = reference.RunSeen(schedule.data, means, k)
+        numpy_eye = model.RunSeen(schedule.data, means, k)
         alpha4 = 10.0 ** rng.uniform(-6, -2)
         pairs = [(core_eye.angle_error(variance).seen, numpy_eye.angle_error(variance).seen)]
         found, expected = core_eye.fit(alpha4, variance), numpy_eye.fit(alpha4, variance)
@@ -137,7 +137,7 @@ def test_core_and_numpy_see_the_same_on_any_schedule():
 def test_a_run_without_noise_or_errors_is_no_trouble():
     """Weights have a floor: 1e-7 of max|K| in a mean."""
     schedule, measured = core.CoreSchedule(PAPER), np.ones(18, bool)
-    means = reference.Geometry(PAPER).outputs(NOMINAL_K, U0)
+    means = model.Geometry(PAPER).outputs(NOMINAL_K, U0)
     k, u0 = core.estimate(schedule, means)
     seen = stand_seen.RunSeen(schedule, means, measured, k, u0)
     assert seen.angle_error(np.zeros(18)).seen is None
@@ -145,7 +145,7 @@ def test_a_run_without_noise_or_errors_is_no_trouble():
         assert abs(angle.value) < 1e-12 and 0 < angle.u < 1e-6
     delta = np.zeros(18)
     delta[4] = 1e-4
-    one = reference.Geometry(PAPER).outputs(NOMINAL_K, U0, delta=delta)
+    one = model.Geometry(PAPER).outputs(NOMINAL_K, U0, delta=delta)
     k, u0 = core.estimate(schedule, one)
     found = stand_seen.RunSeen(schedule, one, measured, k, u0).angle_error(np.zeros(18))
     assert 1e-5 < found.seen.value < 5e-5 and found.freedom == pytest.approx(16, rel=1e-3)
@@ -161,7 +161,7 @@ def test_means_that_are_not_measured_are_not_looked_at():
     k, u0 = core.estimate(whole, means, measured, "least_squares")
     variance = np.full(18, 1e-9)
     found = stand_seen.RunSeen(whole, spoilt, measured, k, u0).fit(1e-4, variance)
-    expected = reference.RunSeen(partial, means[measured], k).fit(1e-4, variance[measured])
+    expected = model.RunSeen(partial, means[measured], k).fit(1e-4, variance[measured])
     for name, angle in found.items():
         assert angle.value == pytest.approx(expected[name].value, abs=1e-6 * angle.u)
     assert set(stand_seen.RunSeen(whole, spoilt, measured, k, u0).angles(None, variance).values()) == {None}
@@ -175,13 +175,13 @@ def test_a_stand_that_declares_no_noise_is_no_disagreement(tumble, tmp_path):
 
 def drawn_in_three_mountings(schedule):
     """What core and witness tell of a run on a schedule that holds the paper's positions and others."""
-    geometry, stand = reference.Geometry(schedule), stand_named("paper")
+    geometry, stand = model.Geometry(schedule), stand_named("paper")
     yaws = [{3: 1e-3, 1: 4e-4, 2: -2e-4}[mounting.number] for mounting in schedule.mountings]
     means = geometry.outputs(NOMINAL_K, U0, alpha1=2e-5, alpha2=1e-5, alpha3=np.array(yaws), delta=0.0)
     measured, variance = np.ones(len(means), bool), np.full(len(means), 1e-9)
     k, u0 = core.estimate(core.CoreSchedule(schedule), means, measured, "least_squares")
     shown = stand_seen.RunSeen(core.CoreSchedule(schedule), means, measured, k, u0)
-    return [run.fit(stand.sigma("angle"), variance) for run in (shown, reference.RunSeen(schedule, means, k))]
+    return [run.fit(stand.sigma("angle"), variance) for run in (shown, model.RunSeen(schedule, means, k))]
 
 
 @pytest.mark.parametrize("first", [False, True])
@@ -224,18 +224,18 @@ def test_core_and_witness_agree_far_beyond_the_noise(noise, spread):
         shown = stand_seen.RunSeen(schedule, means, np.ones(18, bool), k, u0)
         for trust in (True, False):
             seen = look(shown, stand_seen.noise(samples, scatter), samples, stand, trust)
-            stand_seen.compare_seen(seen, reference.RunSeen(PAPER, means, k), samples, scatter, stand, trust)
+            stand_seen.compare_seen(seen, model.RunSeen(PAPER, means, k), samples, scatter, stand, trust)
 
 
 @pytest.mark.parametrize("name", ["three_mountings", "diagonal"])
 def test_three_mountings_show_the_yaw_of_each(name):
     """Small yaws without any other error, to first order exact; the second order is some 1e-11."""
-    schedule, yaws = reference.built_in(name), np.array([3e-6, -1e-6, 2e-6])
+    schedule, yaws = model.built_in(name), np.array([3e-6, -1e-6, 2e-6])
     k, u0 = np.array([[2.0, 0.03, 0.02], [-0.01, 1.9, 0.04], [0.05, -0.02, 2.1]]), np.array([0.1, 0.2, -0.1])
-    means = reference.Geometry(schedule).outputs(k, u0, alpha3=yaws)
+    means = model.Geometry(schedule).outputs(k, u0, alpha3=yaws)
     measured, variance = np.ones(len(means), bool), np.full(len(means), 1e-10)
     for seen in (stand_seen.RunSeen(core.CoreSchedule(schedule), means, measured, k, u0),
-                 reference.RunSeen(schedule, means, k)):  # fmt: skip
+                 model.RunSeen(schedule, means, k)):  # fmt: skip
         changes = seen.other_yaw_changes(1e-5, variance)
         assert list(changes) == [3] and changes[3].value == pytest.approx(yaws[0] - yaws[2], abs=1e-10)
         assert seen.fit(1e-5, variance)["alpha3_difference"].value == pytest.approx(yaws[0] - yaws[1], abs=1e-10)
@@ -243,7 +243,7 @@ def test_three_mountings_show_the_yaw_of_each(name):
 
 
 def test_two_mountings_have_no_other_yaw():
-    means = reference.Geometry(PAPER).outputs(np.eye(3), np.zeros(3))
+    means = model.Geometry(PAPER).outputs(np.eye(3), np.zeros(3))
     seen = stand_seen.RunSeen(core.CoreSchedule(PAPER), means, np.ones(18, bool), np.eye(3), np.zeros(3))
     assert seen.other_yaw_changes(1e-5, np.full(18, 1e-10)) == {}
 
@@ -260,12 +260,12 @@ def hardly_any_set_angles(rng, above):
     """A run whose noise leaves so much of chi-squared `above` its degrees of freedom, relative to them."""
     schedule, samples, measured = core.CoreSchedule(PAPER), np.full(18, 5), np.ones(18, bool)
     k, u0 = random_block(rng)
-    means = reference.Geometry(PAPER).outputs(k, u0) + 1e-4 * np.abs(k).max() * rng.normal(size=(18, 3))
+    means = model.Geometry(PAPER).outputs(k, u0) + 1e-4 * np.abs(k).max() * rng.normal(size=(18, 3))
     k, u0 = core.estimate(schedule, means)
     shown = stand_seen.RunSeen(schedule, means, measured, k, u0)
     chi_squared, freedom = shown.angle_chi_squared(0.0, np.ones(18))
     scatter = np.full((18, 3), math.sqrt(5 * chi_squared / freedom / (1 + above)))
-    return shown, reference.RunSeen(PAPER, means, k), samples, scatter
+    return shown, model.RunSeen(PAPER, means, k), samples, scatter
 
 
 @pytest.mark.parametrize("above", [1e-3, 1e-5, 1e-7, 1e-9])

@@ -14,21 +14,20 @@ from simulated_bench import bench
 
 from tumble.cli import presentation
 from tumble.cli.main import main
-from tumble.core import paper_schedule
 from tumble.errors import BadInput
 from tumble.files import run_rows
 from tumble.files.documents import read_coefficients
 from tumble.files.run_file import read_run
 from tumble.files.run_layout import Wishes
 from tumble.files.run_temperature import OF_ENVIRONMENT, OF_RUN_FILE, Temperatures
-from tumble.reference import Geometry
+from tumble.model import Geometry, built_in
 from tumble.solving import temperature
 from tumble.solving.assumptions import assumed
 from tumble.solving.solution import solve
 
 pytestmark = pytest.mark.python
 
-PAPER = paper_schedule()
+PAPER = built_in("paper")
 K = np.array([[2.0, 0.04, 0.04], [0.04, 2.0, 0.04], [0.04, 0.04, 2.0]])
 MEANS = Geometry(PAPER).outputs(K, np.zeros(3))
 

@@ -13,7 +13,7 @@ from recordings import Habits, recording
 
 import tumble
 from tumble.cli.main import main
-from tumble.reference import paper_schedule
+from tumble.model import built_in
 
 pytestmark = pytest.mark.python
 
@@ -135,7 +135,7 @@ def test_parquet_is_held_against_the_run(at_20, tmp_path, capsys):
 def recorded(folder, texts, header="time,Ax,Ay,Az,temperature", units=None):
     """A recording with these texts in its last column, each for a third of it."""
     made = recording(
-        paper_schedule(), list(range(18)), NOMINAL_K, np.array([0.1, 0.2, 0.3]), HABITS, np.random.default_rng(11)
+        built_in("paper"), list(range(18)), NOMINAL_K, np.array([0.1, 0.2, 0.3]), HABITS, np.random.default_rng(11)
     )
     _, *rows = made.csv().splitlines()
     lines = [f"{row},{texts[place * len(texts) // len(rows)]}" for place, row in enumerate(rows)]

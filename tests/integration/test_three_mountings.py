@@ -9,8 +9,8 @@ import pytest
 from blocks import NOMINAL_K, random_block, write_run
 from conftest import EXAMPLES
 
-from tumble import core, reference
-from tumble.reference import Geometry
+from tumble import core, model
+from tumble.model import Geometry
 from tumble.schedule import BUILT_IN
 
 SQRT2 = Fraction(isqrt(2 * 10**80), 10**40)
@@ -20,12 +20,12 @@ NO_ROTATION = "[[mounting]] is refused: a mounting matrix is not a proper rotati
 
 @pytest.mark.parametrize("name", BUILT_IN)
 def test_core_and_witness_have_the_same_schedules(name):
-    assert core.built_in(name) == reference.built_in(name)
+    assert core.built_in(name) == model.built_in(name)
 
 
 def test_the_schedules_are_what_their_names_say():
     assert [len(core.built_in(name).positions) for name in BUILT_IN] == [18, 27, 12, 15, 6]
-    force = Geometry(reference.built_in("six_faces")).force()
+    force = Geometry(model.built_in("six_faces")).force()
     faces = [[0, 0, 1], [1, 0, 0], [0, 0, -1], [-1, 0, 0], [0, 1, 0], [0, -1, 0]]
     np.testing.assert_allclose(force, faces, atol=1e-15)
 
@@ -64,7 +64,7 @@ def test_the_closed_forms_are_the_formulas_on_any_data(name, estimator):
         means = rng.uniform(-4, 4, (len(schedule), 3))
         expected_k, expected_u0 = by_definition(means, estimator == "refined")
         for k, u0 in (core.estimate(schedule, means, estimator=estimator),
-                      reference.estimate(reference.built_in(name), means, estimator)):  # fmt: skip
+                      model.estimate(model.built_in(name), means, estimator)):  # fmt: skip
             np.testing.assert_allclose(k, expected_k, rtol=0, atol=4e-15)
             np.testing.assert_allclose(u0, expected_u0, rtol=0, atol=4e-15)
 
@@ -94,7 +94,7 @@ def test_all_twelve_are_exact_on_an_ideal_stand(name, estimator):
         k, u0 = random_block(rng)
         means = ideal_means(name, k.tolist(), u0.tolist())
         for found_k, found_u0 in (core.estimate(schedule, means, estimator=estimator),
-                                  reference.estimate(reference.built_in(name), means, estimator)):  # fmt: skip
+                                  model.estimate(model.built_in(name), means, estimator)):  # fmt: skip
             np.testing.assert_allclose(found_k, k, rtol=0, atol=2e-15 * np.abs(k).max())
             np.testing.assert_allclose(found_u0, u0, rtol=0, atol=2e-15 * np.abs(k).max())
 
@@ -129,14 +129,14 @@ def seated(schedule, seats):
 def test_a_seat_turns_the_block_and_leaves_the_norm_alone(name, mounting, axis):
     """K^-1 K' - 1 of `refined` is a rotation, antisymmetric, but for the second order and for theta times a
     misalignment: theta_n turns the block, theta_h and the yaw do nothing. `averaged` takes these for a stretch."""
-    theta, schedule = 1e-4, reference.built_in(name)
+    theta, schedule = 1e-4, model.built_in(name)
     seats = np.zeros((3, 3))
     seats[mounting, axis] = theta
     for true_k, small in ((2.0 * np.eye(3), 2 * theta**2), (NOMINAL_K, 0.04 * theta)):
         means = seated(schedule, seats) @ true_k.T
         for estimator in ("refined", "averaged"):
             for k, u0 in (core.estimate(core.CoreSchedule(schedule), means, estimator=estimator),
-                          reference.estimate(schedule, means, estimator)):  # fmt: skip
+                          model.estimate(schedule, means, estimator)):  # fmt: skip
                 change = np.linalg.solve(true_k, k) - np.eye(3)
                 stretch = np.abs(change + change.T).max() / 2
                 if estimator == "refined" or axis == 1:
@@ -151,7 +151,7 @@ def test_a_seat_turns_the_block_and_leaves_the_norm_alone(name, mounting, axis):
 @pytest.mark.parametrize("name", CLOSED)
 def test_two_mountings_feel_a_tilt_of_the_seat(name):
     """The counterpart: without the third mounting a seat of theta_h stretches the block, and no estimator can know."""
-    theta, schedule = 1e-4, reference.built_in(name)
+    theta, schedule = 1e-4, model.built_in(name)
     two = type(schedule)(schedule.mountings[:2], tuple(p for p in schedule.positions if p.mounting < 3))
     means = seated(two, [[theta, 0, 0]] * 2) @ NOMINAL_K.T
     k, _ = core.estimate(core.CoreSchedule(two), means)

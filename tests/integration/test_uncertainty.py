@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from blocks import NOMINAL_K
 
-from tumble import core, reference
+from tumble import core, model
 from tumble.estimators import LINEAR
-from tumble.reference.stand_seen import pooled_noise
-from tumble.reference.uncertainty import contributions, sources
+from tumble.model.errors import contributions, sources
+from tumble.model.stand_seen import pooled_noise
 from tumble.stand import COMMON, Stand
 
-PAPER = reference.paper_schedule()
+PAPER = model.built_in("paper")
 LONE_ROWS = np.ones(18, dtype=int)
 STAND = Stand(axis_tilt=2e-5, level=2e-5, remount=4e-4, angle=4e-5, noise=3e-4, samples=50, limits="sigma1")
 
@@ -48,7 +48,7 @@ def named(values, table):
 @pytest.mark.parametrize(("estimator", "remounting"), BUDGET)
 def test_budget_of_the_papers_stand(estimator, remounting):
     stand = dataclasses.replace(STAND, remounting=remounting)
-    u_k, u_u0 = reference.by_coefficient(reference.covariance(PAPER, NOMINAL_K, stand, LONE_ROWS, estimator))
+    u_k, u_u0 = model.by_coefficient(model.covariance(PAPER, NOMINAL_K, stand, LONE_ROWS, estimator))
     relative = np.concatenate([(u_k / NOMINAL_K).ravel(), u_u0 / np.diag(NOMINAL_K)]) * 1e6
     found, expected = named(relative, BUDGET[estimator, remounting])
     assert found == pytest.approx(expected, rel=0.01)
@@ -59,7 +59,7 @@ def test_weights_of_set_angles_and_noise(estimator):
     misalignment = 0.02
 
     def coefficients(means):
-        k, u0 = reference.estimate(PAPER, means, estimator)
+        k, u0 = model.estimate(PAPER, means, estimator)
         return np.concatenate([k.reshape(-1, 9), u0], axis=1)
 
     unit = dataclasses.replace(STAND, angle=1.0, noise=1.0, samples=1)
@@ -74,18 +74,18 @@ def test_weights_of_set_angles_and_noise(estimator):
 
 @pytest.mark.parametrize(("limits", "factor"), [("sigma1", 1.0), ("sigma3", 3.0), ("uniform", 3.0**0.5)])
 def test_limits_say_what_the_numbers_are(limits, factor):
-    u_k, u_u0 = reference.by_coefficient(reference.covariance(PAPER, NOMINAL_K, STAND, LONE_ROWS, "refined"))
+    u_k, u_u0 = model.by_coefficient(model.covariance(PAPER, NOMINAL_K, STAND, LONE_ROWS, "refined"))
     stand = dataclasses.replace(STAND, limits=limits)
-    other_k, other_u0 = reference.by_coefficient(reference.covariance(PAPER, NOMINAL_K, stand, LONE_ROWS, "refined"))
+    other_k, other_u0 = model.by_coefficient(model.covariance(PAPER, NOMINAL_K, stand, LONE_ROWS, "refined"))
     assert other_k * factor == pytest.approx(u_k, rel=1e-13)
     assert other_u0 * factor == pytest.approx(u_u0, rel=1e-13)
 
 
 def test_samples_of_the_run_count_and_a_lone_row_is_a_mean():
     noise_only = dataclasses.replace(STAND, axis_tilt=0.0, level=0.0, remount=0.0, angle=0.0)
-    lone, _ = reference.by_coefficient(reference.covariance(PAPER, NOMINAL_K, noise_only, LONE_ROWS, "refined"))
-    same, _ = reference.by_coefficient(reference.covariance(PAPER, NOMINAL_K, noise_only, np.full(18, 50), "refined"))
-    fewer, _ = reference.by_coefficient(reference.covariance(PAPER, NOMINAL_K, noise_only, np.full(18, 2), "refined"))
+    lone, _ = model.by_coefficient(model.covariance(PAPER, NOMINAL_K, noise_only, LONE_ROWS, "refined"))
+    same, _ = model.by_coefficient(model.covariance(PAPER, NOMINAL_K, noise_only, np.full(18, 50), "refined"))
+    fewer, _ = model.by_coefficient(model.covariance(PAPER, NOMINAL_K, noise_only, np.full(18, 2), "refined"))
     assert lone == pytest.approx(same, rel=1e-13)
     assert fewer == pytest.approx(lone * 5, rel=1e-13)
 
@@ -110,13 +110,13 @@ def simulated(rng, geometry, stand, runs):
 def test_spread_of_the_core_over_many_runs_is_what_is_stated(remounting):
     """6,000 runs: a standard deviation is then known to 0.9 %, so a stated one 4 % off would show."""
     stand = dataclasses.replace(STAND, remounting=remounting)
-    paper, geometry = core.CoreSchedule(PAPER), reference.Geometry(PAPER)
+    paper, geometry = core.CoreSchedule(PAPER), model.Geometry(PAPER)
     runs = list(simulated(np.random.default_rng(51), geometry, stand, 6000))
     for estimator in LINEAR:
         found = np.array(
             [np.concatenate([c.ravel() for c in core.estimate(paper, run, None, estimator)]) for run in runs]
         )
-        u_k, u_u0 = reference.by_coefficient(reference.covariance(PAPER, NOMINAL_K, stand, LONE_ROWS, estimator))
+        u_k, u_u0 = model.by_coefficient(model.covariance(PAPER, NOMINAL_K, stand, LONE_ROWS, estimator))
         assert found.std(axis=0) == pytest.approx(np.concatenate([u_k.ravel(), u_u0]), rel=0.04)
 
 

@@ -12,27 +12,28 @@ from conftest import EXAMPLES
 from core_chi_squared import chi_squared
 from test_fixture_check import PAPER, U0, simulated, stand_named
 
-from tumble import core, reference
+from tumble import core
 from tumble.distributions import chi_squared_above, chi_squared_quantile
 from tumble.files.run_file import Run
-from tumble.reference.fit import basis
-from tumble.reference.patterns import BY_NAME, PATTERNS
-from tumble.solving.fit import judge, variance_of_means
-from tumble.solving.stand_seen import StandSeen
+from tumble.model import Geometry, WholeModel, built_in
+from tumble.model.explanations import judge, variance_of_means
+from tumble.model.patterns import BY_NAME, PATTERNS
+from tumble.model.stand_seen import StandSeen
+from tumble.model.whole import basis
 
 pytestmark = pytest.mark.python
 STANDS = ("paper", "angle", "lab")
 
 
-SCHEDULES = {2: PAPER.data, 3: reference.built_in("three_mountings")}
+SCHEDULES = {2: PAPER.data, 3: built_in("three_mountings")}
 
 
 def perfect(mountings, stand=None):
     """The model of a run without errors: what it whitens is what a violation adds."""
     schedule = SCHEDULES[mountings]
     stand = stand or stand_named("paper")
-    means = reference.Geometry(schedule).outputs(NOMINAL_K, U0)
-    return reference.WholeModel(schedule, means, variance_of_means(stand, np.full(len(means), 50), 0.0), stand)
+    means = Geometry(schedule).outputs(NOMINAL_K, U0)
+    return WholeModel(schedule, means, variance_of_means(stand, np.full(len(means), 50), 0.0), stand)
 
 
 def shown(model, name):
@@ -165,7 +166,7 @@ def test_simulated_runs_are_beyond_as_often_as_the_formula_says(name, size):
 def fit_of(run, stand):
     """The verdict with its explanations, without a whole solve."""
     variance = variance_of_means(stand, run.samples, 0.0)
-    model = reference.WholeModel(PAPER.data, run.means, variance, stand)
+    model = WholeModel(PAPER.data, run.means, variance, stand)
     nothing = StandSeen(None, None, 0.0, {}, {}, None)
     return judge(model, 0.999, nothing)
 
@@ -205,7 +206,7 @@ def test_the_cause_is_named_first(name):
 def test_a_pattern_is_told_before_the_sum_of_residuals_is_too_large(tumble, tmp_path):
     """A drift of 70 ug in a run without noise: 30 of 42 are no doubt, 30 of 3 are."""
     model = perfect(2)
-    means = reference.Geometry(PAPER.data).outputs(NOMINAL_K, U0)
+    means = Geometry(PAPER.data).outputs(NOMINAL_K, U0)
     means += 70 * sum(BY_NAME["drift"].columns(model.scene)[0].values())
     run = write_run(tmp_path / "run.csv", PAPER.data, means)
     command = ("solve", "--stand", EXAMPLES / "paper_stand.toml", run)
@@ -223,7 +224,7 @@ def test_a_pattern_is_told_before_the_sum_of_residuals_is_too_large(tumble, tmp_
 
 def test_half_of_that_is_no_reason_to_speak():
     model = perfect(2)
-    means = reference.Geometry(PAPER.data).outputs(NOMINAL_K, U0)
+    means = Geometry(PAPER.data).outputs(NOMINAL_K, U0)
     means += 35 * sum(BY_NAME["drift"].columns(model.scene)[0].values())
     assert fit_of(Run(np.full(18, 50), means, np.zeros((18, 3)), "V", {}), stand_named("paper")).explanations == ()
 
@@ -239,8 +240,8 @@ def test_the_size_is_stated_with_its_uncertainty():
 
 def test_the_block_s_second_order_is_not_blamed_on_the_stand(tumble, tmp_path):
     """It looks like a tilt of the axis and errors of set angles; the check says what it is, and fails."""
-    means = reference.Geometry(PAPER.data).outputs(NOMINAL_K, U0)
-    force = reference.Geometry(PAPER.data).force()
+    means = Geometry(PAPER.data).outputs(NOMINAL_K, U0)
+    force = Geometry(PAPER.data).force()
     rng, stand = np.random.default_rng(95), stand_named("paper")
     means += rng.normal(size=means.shape) * stand.sigma("noise") / math.sqrt(stand.samples)
     run = write_run(tmp_path / "run.csv", PAPER.data, means + 3e-4 * force**2 * np.diag(NOMINAL_K))
@@ -260,11 +261,11 @@ def test_a_stand_s_own_tilt_is_no_pattern_of_the_block():
 @pytest.mark.parametrize(("name", "pattern"), [("diagonal", "k3"), ("paper", "seat")])
 def test_what_shows_only_by_errors_of_the_stand_explains_nothing(name, pattern):
     """Cubes on the diagonals; theta_h in two mountings. A run that does not fit had 3.8 g/g^3 of it."""
-    schedule, rng, stand = reference.built_in(name), np.random.default_rng(15), stand_named("paper")
+    schedule, rng, stand = built_in(name), np.random.default_rng(15), stand_named("paper")
     mountings, count = len(schedule.mountings), len(schedule.positions)
     errors = {"alpha1": 2e-5, "alpha3": 4e-4 * rng.normal(size=mountings), "delta": 4e-5 * rng.normal(size=count)}
-    means = reference.Geometry(schedule).outputs(NOMINAL_K, U0, **errors)
-    model = reference.WholeModel(schedule, means, variance_of_means(stand, np.full(count, 50), 0.0), stand)
+    means = Geometry(schedule).outputs(NOMINAL_K, U0, **errors)
+    model = WholeModel(schedule, means, variance_of_means(stand, np.full(count, 50), 0.0), stand)
     assert not shown(model, pattern).any()
 
 
@@ -276,7 +277,7 @@ def test_core_and_witness_agree_far_from_the_declared_stand():
         declared = dataclasses.replace(stand_named(name), **changes)
         run = simulated(rng, dataclasses.replace(stand_named(name), level=5e-3, remount=1e-2))
         variance = variance_of_means(declared, run.samples, 0.0)
-        witness = reference.WholeModel(PAPER.data, run.means, variance, declared)
+        witness = WholeModel(PAPER.data, run.means, variance, declared)
         square, freedom = chi_squared(PAPER, run.means, run.measured, variance, declared)
         assert freedom == witness.freedom == 42
         assert square == pytest.approx(witness.chi_squared, rel=1e-8)
@@ -285,11 +286,11 @@ def test_core_and_witness_agree_far_from_the_declared_stand():
 def test_three_mountings_and_missing_positions():
     """The core eliminates mounting by mounting; a fit needs no position that was not measured."""
     rng, stand, schedule = np.random.default_rng(47), stand_named("paper"), core.CoreSchedule(SCHEDULES[3])
-    means = reference.Geometry(SCHEDULES[3]).outputs(NOMINAL_K, U0) + rng.normal(size=(27, 3)) * 1e-4
+    means = Geometry(SCHEDULES[3]).outputs(NOMINAL_K, U0) + rng.normal(size=(27, 3)) * 1e-4
     variance, measured = np.full(27, 1e-8), np.arange(27) % 5 != 3
     square, freedom = chi_squared(schedule, means, measured, variance, stand)
     part = SCHEDULES[3].part(measured)
-    witness = reference.WholeModel(part, means[measured], variance[measured], stand)
+    witness = WholeModel(part, means[measured], variance[measured], stand)
     assert freedom == witness.freedom == 3 * int(measured.sum()) - 12
     assert square == pytest.approx(witness.chi_squared, rel=1e-9)
 
@@ -307,11 +308,11 @@ def test_declared_seats_are_no_misfit(mountings):
             "seat_n": 1e-3 * rng.normal(size=mountings),
         }
         yaws, deltas = 4e-4 * rng.normal(size=mountings), 4e-5 * rng.normal(size=count)
-        means = reference.Geometry(schedule).outputs(NOMINAL_K, U0, alpha3=yaws, delta=deltas, **seats)
+        means = Geometry(schedule).outputs(NOMINAL_K, U0, alpha3=yaws, delta=deltas, **seats)
         means += rng.normal(size=means.shape) * np.sqrt(variance)[:, None]
         squares.append(chi_squared(given, means, all_of_it, variance, declared)[0])
         undeclared.append(chi_squared(given, means, all_of_it, variance, plain)[0])
-    witness = reference.WholeModel(schedule, means, variance, declared)
+    witness = WholeModel(schedule, means, variance, declared)
     assert squares[-1] == pytest.approx(witness.chi_squared, rel=1e-9)
     freedom = 27 * mountings - 12
     assert np.mean(squares) == pytest.approx(freedom, abs=5 * math.sqrt(2 * freedom / runs))
@@ -322,9 +323,9 @@ def test_declared_seats_are_no_misfit(mountings):
 
 def test_what_the_coefficients_take_up_does_not_show_by_the_angles_of_the_stand():
     """A third order on the diagonals: a thousandth of it is left over by a level and yaws of milliradians."""
-    schedule, stand = reference.built_in("diagonal"), stand_named("lab")
-    means = reference.Geometry(schedule).outputs(NOMINAL_K, U0, alpha2=1e-3, alpha3=np.array([3e-3, -2e-3, 1e-3]))
-    model = reference.WholeModel(schedule, means, variance_of_means(stand, np.full(12, 25), 0.0), stand)
+    schedule, stand = built_in("diagonal"), stand_named("lab")
+    means = Geometry(schedule).outputs(NOMINAL_K, U0, alpha2=1e-3, alpha3=np.array([3e-3, -2e-3, 1e-3]))
+    model = WholeModel(schedule, means, variance_of_means(stand, np.full(12, 25), 0.0), stand)
     scores = {one.name: model.score(one.columns(model.scene)[0], model.beside({})).freedom for one in PATTERNS}
     assert scores["k3"] == 0 and scores["k2"] == 3 and scores["alpha2_plus_alpha3_rad"] == 1
 

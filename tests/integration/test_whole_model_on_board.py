@@ -10,11 +10,11 @@ from blocks import NOMINAL_K
 from core_whole_model import averages_of
 from test_fixture_check import PAPER, U0, stand_named
 
-from tumble import core, reference
+from tumble import core, model
 from tumble.core.uncertainty import ANGLES
 from tumble.distributions import chi_squared_quantile
+from tumble.model.explanations import variance_of_means
 from tumble.solving.crosscheck import LARGEST_MISFIT
-from tumble.solving.fit import variance_of_means
 
 pytestmark = pytest.mark.python
 V_PER_COUNT = 2e-9
@@ -35,7 +35,7 @@ def test_in_steps_on_board_it_is_the_witness_s(name, estimator):
             samples=1,
             **{source: rng.choice([0.0, 1.0]) * 10.0 ** rng.uniform(-5, -3) for source in ANGLES},
         )
-        means = reference.Geometry(data).outputs(
+        means = model.Geometry(data).outputs(
             NOMINAL_K + 0.02 * rng.normal(size=(3, 3)),
             0.02 * rng.normal(size=3),
             alpha1=stand.axis_tilt * rng.normal(),
@@ -46,7 +46,7 @@ def test_in_steps_on_board_it_is_the_witness_s(name, estimator):
         means = counts * V_PER_COUNT
         verdict = on_board(schedule, averages_of(counts), *core.estimate(schedule, means, None, estimator), stand)
         variance = variance_of_means(stand, np.ones(count, dtype=int), rounding(stand, V_PER_COUNT))
-        witness = reference.WholeModel(data, means, variance, stand)
+        witness = model.WholeModel(data, means, variance, stand)
         assert verdict.freedom == witness.freedom == 3 * count - 12
         misfit = math.sqrt(witness.chi_squared / witness.freedom)
         if misfit > LARGEST_MISFIT:  # the problem is not linear any more, and nobody needs the figure
@@ -73,9 +73,9 @@ def test_on_board_samples_that_round_alike_are_not_averaged(noise):
     """As in `solve`: less noise than half a step of the converter is none that averages out."""
     rng, step = np.random.default_rng(52), 1e-4
     stand = dataclasses.replace(stand_named("paper"), limits="sigma1", noise=noise * step, angle=0.0, samples=1)
-    counts = np.rint(reference.Geometry(PAPER.data).outputs(NOMINAL_K, U0) / step) + rng.integers(-1, 2, (18, 3))
+    counts = np.rint(model.Geometry(PAPER.data).outputs(NOMINAL_K, U0) / step) + rng.integers(-1, 2, (18, 3))
     found = core.estimate(PAPER, counts * step, None, "refined")
     verdict = core_whole_model.judge(PAPER, averages_of(counts), *found, stand, step)
     variance = variance_of_means(stand, np.ones(18, dtype=int), rounding(stand, step))
-    witness = reference.WholeModel(PAPER.data, counts * step, variance, stand)
+    witness = model.WholeModel(PAPER.data, counts * step, variance, stand)
     assert verdict.chi_squared == pytest.approx(witness.chi_squared, rel=1e-9)

@@ -28,7 +28,7 @@ def chi_squared(schedule, means, measured, variance, stand):
 
 
 def compare_fit(found, model):
-    """Of a reference.WholeModel. Raises Disagreement.
+    """Of a WholeModel. Raises Disagreement.
 
     They may differ by 1e-6, relative and absolute. Beyond a misfit of 100 both must find one: there the problem is not
     nearly linear any more, and nobody needs the figure.

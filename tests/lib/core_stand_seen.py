@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from _tumble_core import ffi, lib
 
-from tumble import reference
+from tumble import model
 from tumble.arrays import Flags, Floats, Integers
 from tumble.core.binding import (
     Calibration,
@@ -19,10 +19,9 @@ from tumble.core.binding import (
     require_ok,
     residual_rms,
 )
-from tumble.reference.stand_seen import ANGLES, Estimate
+from tumble.model.stand_seen import ANGLES, Estimate, StandSeen, look, own_variance, weights_of
 from tumble.schedule import FIT, Schedule
 from tumble.solving.crosscheck import _LAST_BITS, _require, _require_both
-from tumble.solving.stand_seen import StandSeen, look, own_variance, weights_of
 from tumble.stand import Stand
 
 if TYPE_CHECKING:
@@ -161,7 +160,7 @@ class RunSeen:
 
 def compare_seen(
     found: StandSeen,
-    run: reference.RunSeen,
+    run: model.RunSeen,
     samples: Integers,
     scatter: Floats,
     stand: Stand | None,
@@ -174,7 +173,7 @@ def compare_seen(
     leaves of the largest output; uncertainties likewise; alpha4 by its square. Where the outputs fit worse than the
     noise allows, as behind a coarse converter, the uncertainty is that which they show: times their misfit.
     """
-    seen = reference.pooled_noise(samples, scatter * weights_of(stand))
+    seen = model.pooled_noise(samples, scatter * weights_of(stand))
     rounded = max(_ROUNDED_RAD, _LAST_BITS * _SUMMED * run.largest_force)
     witness = look(run, seen, samples, stand, trust_stand, mean_variance)
     variances = [

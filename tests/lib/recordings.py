@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tumble.reference import Geometry
+from tumble.model import Geometry
 
 
 @dataclass

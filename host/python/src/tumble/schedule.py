@@ -75,6 +75,16 @@ class Schedule:
             one.angle_deg for one in self.positions
         )
 
+    @property
+    def fit_indices(self) -> list[int]:
+        """Indices of the positions that an estimator may use."""
+        return [index for index, position in enumerate(self.positions) if position.use == FIT]
+
+    @property
+    def fitted(self) -> Schedule:
+        """The schedule without its check positions."""
+        return Schedule(self.mountings, tuple(position for position in self.positions if position.use == FIT))
+
     def part(self, measured: Iterable[bool]) -> Schedule:
         """The schedule without the positions that a run does not have."""
         kept = tuple(position for position, is_measured in zip(self.positions, measured) if is_measured)

@@ -21,6 +21,9 @@ _SIGMAS_PER_LIMIT = {SIGMA: 1.0, "sigma3": 3.0, "uniform": math.sqrt(3.0)}
 LIMIT_KINDS = tuple(_SIGMAS_PER_LIMIT)
 
 
+LARGEST_ERROR_RAD = 0.1  # beyond it nothing is linear
+MOST_YAWS = 6  # mountings, where each has unknowns of its own; both as the core has them
+
 PerChannel = float | tuple[float, float, float]  # one number for all channels, or one for each
 
 PER_CHANNEL = ("noise", "drift")  # attributes of a stand

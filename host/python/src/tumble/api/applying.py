@@ -13,7 +13,7 @@ from tumble.errors import BadInput, UsageError
 from tumble.files import frames
 from tumble.files.calibrated import OUTPUTS, Demand, Seen, factor_of, with_calibrated
 from tumble.files.run_layout import Wishes
-from tumble.solving.force import Force, NoForce
+from tumble.model.force import Force, NoForce
 from tumble.solving.temperature import outside
 from tumble.units import per_g_of, spelled
 

@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 
 from tumble.fixture.judge import Limits
+from tumble.model.explanations import NOISE, Explanation
+from tumble.model.stand_seen import NAMES
 from tumble.rounding import on_its_side
 from tumble.solving import noise, plausibility, temperature
 from tumble.solving.decision import Decision
-from tumble.solving.fit import NOISE, Explanation
 from tumble.solving.monte_carlo import MonteCarlo, Verdict
 from tumble.solving.noise_patterns import CORRELATED
 from tumble.solving.solution import Solution
-from tumble.solving.stand_seen import NAMES
 from tumble.units import contradicts, looks_like, noise_unit
 
 _NO_UNIT = "the run file names no unit: outputs taken for volts (--unit V, or ux [V] in its header)"

@@ -23,10 +23,10 @@ from tumble.files.disk import RESULT_FILE, path_of, read_bytes, write_bytes, wri
 from tumble.files.documents import checked_coefficients
 from tumble.files.run_layout import Wishes
 from tumble.files.stand_file import StandFile
+from tumble.model.force import Force
 from tumble.schedule import Schedule
 from tumble.solving.coefficients import Coefficients
 from tumble.solving.decision import Decision
-from tumble.solving.force import Force
 from tumble.stand import Stand
 from tumble.units import force_unit
 
@@ -201,7 +201,7 @@ class Result:
         if unit not in UNITS:
             raise UsageError(f"unit: {quoted(unit)} is not one of {', '.join(UNITS)}")
         try:
-            force = Force(Coefficients.of(self._checked, unit))
+            force = Coefficients.of(self._checked, unit).force
         except ValueError as error:
             raise BadInput(str(error), self._name) from None
         if uncertainty and not force.is_certain:

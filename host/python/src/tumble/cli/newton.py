@@ -8,7 +8,7 @@ J^-1 by the adjugate of J. Outputs that no acceleration gives, beyond a maximum 
 
 from __future__ import annotations
 
-from tumble.solving.force import PASSES
+from tumble.model.force import PASSES
 from tumble.terms import POWERS, Terms
 
 _IN_C = """

@@ -14,15 +14,15 @@ from tumble.cli import propagated
 from tumble.estimators import COEFFICIENTS, HARMONIC
 from tumble.files.run_temperature import OF_ENVIRONMENT, OF_RUN_FILE
 from tumble.fixture.judge import Limits
+from tumble.model.explanations import SYSTEMATIC
+from tumble.model.stand_seen import NAMES, Estimate
 from tumble.rounding import on_its_side
 from tumble.schedule import CHECK
 from tumble.solving.assumptions import ASSUMPTIONS, assumed, marks, phrase
 from tumble.solving.coverage import HANDS, NEARLY_INFINITE, PROBABILITY, Coverage
 from tumble.solving.decision import UNCERTAINTY, decide
-from tumble.solving.fit import SYSTEMATIC
 from tumble.solving.further import Further
 from tumble.solving.solution import Solution
-from tumble.solving.stand_seen import NAMES, Quantity
 from tumble.solving.would_show import in_words, would_show
 from tumble.terms import names
 from tumble.units import noise_unit, per_g, volts_per
@@ -271,7 +271,7 @@ def _three(values: Floats) -> str:
     return "  ".join(f"{axis} {value:+.2e}" for axis, value in zip("xyz", values))
 
 
-def _measured(seen: Quantity, has_u: bool, factor: float, sign: str) -> str:
+def _measured(seen: Estimate, has_u: bool, factor: float, sign: str) -> str:
     return f"{seen.value * factor:{sign}.2e}" + (f" +- {seen.u * factor:.1e}" if has_u else "")
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from tumble.api.complaints import simulation_complaint
 from tumble.estimators import COEFFICIENTS
-from tumble.solving import reliability
+from tumble.model import reliability
 from tumble.solving.further import Further
 from tumble.solving.monte_carlo import NORMAL_COVERAGE, MonteCarlo
 from tumble.solving.solution import Solution

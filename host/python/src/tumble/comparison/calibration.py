@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.solving.covariance import PAIRS, by_intrinsic
+from tumble.model.norm import PAIRS, by_intrinsic
 from tumble.solving.si import POWERS_OF_TWELVE
 from tumble.terms import POWERS, Terms, names
 

@@ -21,9 +21,9 @@ from tumble.defaults import ONCE
 from tumble.errors import UsageError
 from tumble.estimators import ESTIMATORS
 from tumble.fixture.combination import repeats
+from tumble.model.propagation import Propagation
 from tumble.schedule import Schedule
 from tumble.solving.declared import schedule_of
-from tumble.solving.uncertainty import brought
 from tumble.stand import PerChannel, Stand, over
 from tumble.terms import Terms
 from tumble.units import volts_per
@@ -108,9 +108,9 @@ def _by_source(told: Told, one_stand: OneStand, schedule: Schedule) -> Draws | N
     rows = np.array([samples[place] for place in places if place in samples])
     declared = one_stand.stand.beside(told.terms).in_unit(unit)
     step = over(one_stand.step_v or 0.0, volts_per(unit))
-    given = part, told.calibration.k, declared, told.document["estimator"], rows, step, told.terms
+    given = Propagation(part, told.calibration.k, declared, rows, told.document["estimator"], step, told.terms)
     try:
-        return {name: _of_values(told, draws) for name, draws in brought(*given).items()}
+        return {name: _of_values(told, draws) for name, draws in given.brought().items()}
     except (CoreRefusal, UsageError, np.linalg.LinAlgError):
         return None
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble.arrays import Floats, Integers
-from tumble.reference import Geometry
+from tumble.model.geometry import Geometry
 from tumble.schedule import Schedule
 
 AXES = "xyz"

@@ -22,7 +22,7 @@ from tumble.importing.match import JOINED, REPEATED, TAKEN, Matched
 from tumble.importing.order import ANY, NONE
 from tumble.importing.recording import Recording, Timing
 from tumble.importing.rests import Found, Rest, Thresholds, find_rests, rest_of
-from tumble.reference import built_in
+from tumble.model.geometry import built_in
 from tumble.schedule import BUILT_IN, Schedule
 from tumble.units import looks_like
 

@@ -10,7 +10,6 @@ from tumble.arrays import Floats
 from tumble.pictures.canvas import BLACK, MINUS, VERMILLION, blank
 from tumble.pictures.facts import MICRO, Facts, three_figures
 from tumble.solving.coefficients import Coefficients
-from tumble.solving.force import Force
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -89,6 +88,6 @@ def angles_deg(direction: Floats) -> tuple[float, float]:
 def uncertainties(document: dict[str, object], attitudes: Floats) -> Floats:
     """Standard uncertainty (...), g, of the length that the block shows of a specific force of 1 g along `attitudes`
     (..., 3)."""
-    force = Force(Coefficients.of(document))
+    force = Coefficients.of(document).force
     found: Floats = force.uncertainty(attitudes.reshape(-1, 3))[:, 3].reshape(attitudes.shape[:-1])
     return found

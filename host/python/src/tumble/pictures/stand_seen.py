@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from tumble.fixture.judge import Limits
+from tumble.model.explanations import SYSTEMATIC
+from tumble.model.stand_seen import NAMES
 from tumble.pictures.by_position import BAND
 from tumble.pictures.canvas import BLACK, BLUE, GREY, PALE, VERMILLION, blank
 from tumble.pictures.facts import MICRO, Facts
-from tumble.solving.fit import SYSTEMATIC
-from tumble.solving.stand_seen import NAMES
 from tumble.units import noise_unit
 
 if TYPE_CHECKING:

@@ -13,13 +13,15 @@ from typing import Any
 import numpy as np
 
 from tumble.arrays import Floats
+from tumble.model import reliability
+from tumble.model.errors import OF_OUTPUTS
+from tumble.model.reliability import Reliability
+from tumble.model.second_order import SecondOrder, second_order
 from tumble.planning import weights
 from tumble.planning.case import SCHEMA, Case
 from tumble.planning.promise import Promise
 from tumble.planning.published import NAMES, SOURCES
-from tumble.solving import reliability
-from tumble.solving.reliability import Reliability
-from tumble.solving.second_order import SecondOrder, second_order
+from tumble.solving.many_runs import or_linear
 from tumble.stand import SIGMA
 
 _ATTRIBUTES = dict(zip(SOURCES, ("axis_tilt", "level", "remount", "angle", "noise")))
@@ -54,7 +56,7 @@ def sources(case: Case, published: bool) -> tuple[str, ...]:
 
 def size_keys(names: tuple[str, ...]) -> tuple[str, ...]:
     """Keys of sources in documents."""
-    return tuple(f"{name}_v" if name in weights.OF_OUTPUTS else f"{name}_rad" for name in names)
+    return tuple(f"{name}_v" if name in OF_OUTPUTS else f"{name}_rad" for name in names)
 
 
 def by_key(case: Case, names: tuple[str, ...], sizes: Floats) -> dict[str, Any]:
@@ -66,7 +68,7 @@ def sized(case: Case, name: str, size: float) -> float | list[float] | None:
     """One of them."""
     if not np.isfinite(size):
         return None
-    if name not in weights.OF_OUTPUTS or not _differs(case, name):
+    if name not in OF_OUTPUTS or not _differs(case, name):
         return size
     of_each: list[float] = (size * case.stand.profile(name)).tolist()
     return of_each
@@ -80,14 +82,14 @@ def _differs(case: Case, name: str) -> bool:
 
 def notes(case: Case) -> list[str]:
     """For people: what the sizes of outputs are where the channels differ, and that rounding does not average out."""
-    differ = [name for name in weights.OF_OUTPUTS if _differs(case, name)]
+    differ = [name for name in OF_OUTPUTS if _differs(case, name)]
     said = [f"{' and '.join(differ)}: of the channel that has most, the others in proportion"] if differ else []
     return said + ([] if case.rounding_sentence is None else [case.rounding_sentence])
 
 
 def unit(name: str) -> str:
     """Of a source's size, for people."""
-    return "V, mean" if name == "noise" else "V" if name in weights.OF_OUTPUTS else "rad"
+    return "V, mean" if name == "noise" else "V" if name in OF_OUTPUTS else "rad"
 
 
 def sizes(case: Case, published: bool) -> Floats:
@@ -108,8 +110,9 @@ def budget(case: Case, which: str, estimator: str) -> Budget:
     terms, reference = gamma * found, weights.reference_values(k)
     stand = replace(case.stand, limits=SIGMA) if published else case.stand
     u = np.sqrt((terms**2).sum(axis=1)) * np.abs(reference)
-    of = case.schedule if case.terms else case.fitted  # a drift goes on where a position is only checked
-    beyond = second_order(of, k, u, stand, estimator, step=case.step_v, terms=case.terms)
+    given = case.propagation(estimator, k, fitted=not case.terms)  # a drift goes on where a position is only checked
+    given = replace(given, stand=stand)
+    beyond = second_order(given, u, or_linear(given))
     return Budget(which, estimator, sources(case, published), found, terms, reference, beyond)
 
 

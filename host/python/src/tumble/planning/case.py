@@ -6,15 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tumble import reference
 from tumble.arrays import Floats
 from tumble.defaults import DEFAULT_COVERAGE_FACTOR, DEFAULT_LIMIT_G
 from tumble.errors import BadInput
 from tumble.files.stand_file import StandFile
-from tumble.schedule import FIT, Schedule
-from tumble.solving.gains import mean_sigma
-from tumble.solving.reliability import Reliability, reliability
-from tumble.solving.stated import Witness
+from tumble.model.geometry import built_in
+from tumble.model.optimal import mean_sigma
+from tumble.model.propagation import Propagation
+from tumble.model.reliability import Reliability, reliability
+from tumble.schedule import Schedule
 from tumble.stand import PAPER_STAND, PER_CHANNEL, PerChannel, Stand, by_channel
 from tumble.terms import Terms
 
@@ -70,13 +70,12 @@ class Case:
     @property
     def schedule(self) -> Schedule:
         """The schedule in use."""
-        return reference.paper_schedule() if self.own_schedule is None else self.own_schedule
+        return built_in("paper") if self.own_schedule is None else self.own_schedule
 
     @property
     def fitted(self) -> Schedule:
         """The schedule without its check positions."""
-        whole = self.schedule
-        return Schedule(whole.mountings, tuple(position for position in whole.positions if position.use == FIT))
+        return self.schedule.fitted
 
     def mean_sigma(self, k: Floats) -> Floats:
         """Standard deviations (3,) of a position's mean: the noise as weights have it for a block of sensitivity `k`,
@@ -98,13 +97,15 @@ class Case:
         )
 
     def reliability(self, estimator: str) -> Reliability:
-        """What no run of the nominal block would show. Raises CoreRefusal where the schedule lacks positions."""
-        return reliability(self.witness(estimator), self.terms)
+        """What no run of the nominal block would show. Raises UsageError where the schedule lacks positions."""
+        return reliability(self.propagation(estimator))
 
-    def witness(self, estimator: str) -> Witness:
-        """What numpy propagates, of a run of the nominal block."""
-        lone = np.ones(len(self.schedule.positions), dtype=int)
-        return Witness(self.schedule, self.nominal_k(), self.stand, lone, estimator, self.step_v)
+    def propagation(self, estimator: str, k: Floats | None = None, fitted: bool = False) -> Propagation:
+        """How errors reach a run of means of a block of sensitivity `k`, the nominal one unless given; `fitted`: on a
+        schedule without check positions."""
+        schedule = self.fitted if fitted else self.schedule
+        lone, of = np.ones(len(schedule.positions), dtype=int), self.nominal_k() if k is None else k
+        return Propagation(schedule, of, self.stand, lone, estimator, self.step_v, self.terms)
 
     def nominal_k(self, signs: Floats | None = None) -> Floats:
         """K (3, 3) of the nominal block. `signs` (3, 3): of the misalignments, the diagonal unused; default all +."""

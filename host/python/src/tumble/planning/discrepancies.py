@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble.arrays import Floats
+from tumble.model.estimators import linear_gains
 from tumble.planning import paper, weights
 from tumble.planning.published import GROUP_SAMPLES, LIMIT_20_G, NAMES, SOURCES, TABLE_2, TABLE_3, TABLE_5_REQUIRED
 from tumble.planning.require import samples_for
-from tumble.solving.gains import linear_gains
 
 _Found = tuple[int, str, str, str, str]
 

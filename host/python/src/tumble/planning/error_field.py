@@ -14,14 +14,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tumble import reference
-from tumble.arrays import Floats, Integers
+from tumble.arrays import Floats
+from tumble.model.errors import by_gains
+from tumble.model.estimators import columns_at
+from tumble.model.geometry import ideal_force
+from tumble.model.norm import climbed, norm_gradient, spread_attitudes
 from tumble.planning.case import Case
-from tumble.planning.weights import all_gains
-from tumble.reference.estimators import fit_indices
-from tumble.reference.uncertainty import sources
-from tumble.solving.covariance import climbed, norm_gradient, spread_attitudes
-from tumble.solving.extended import columns_at
 from tumble.terms import Terms
 
 _ROWS, _COLUMNS = np.triu_indices(3)
@@ -42,15 +40,12 @@ class ErrorField:
 
 def error_field(case: Case, estimator: str, k: Floats) -> ErrorField:
     """Of an estimator, for a block of sensitivity `k` (V/g). Raises UsageError where the schedule does not allow it."""
-    positions = case.schedule.positions
-    lone: Integers = np.ones(len(positions), dtype=int)
-    all_sources = sources(case.schedule, k, case.stand, lone).values()
-    outputs = np.concatenate([source.derivative * source.sigma[:, None, None] for source in all_sources])
-    weights = all_gains(case, estimator, k)
-    found = outputs[:, fit_indices(case.schedule)].reshape(len(outputs), -1) @ weights.T
+    given = case.propagation(estimator, k)
+    outputs = np.concatenate([one.derivative * one.sigma[:, None, None] for one in given.errors().values()])
+    found = by_gains(case.schedule, given.gains)(outputs)
     found_k, found_u0 = found[:, :9].reshape(-1, 3, 3), found[:, 9:12]
 
-    force, to_g = reference.Geometry(case.schedule).force(), np.linalg.inv(k)
+    force, to_g = ideal_force(case.schedule), np.linalg.inv(k)
     left = outputs - force @ np.swapaxes(found_k, 1, 2) - found_u0[:, None]
     left = left - np.tensordot(found[:, 12:], columns_at(force, case.terms), axes=1)
     gravity = np.einsum("dpi,pi->dp", left @ to_g.T, force)

@@ -15,16 +15,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from tumble import reference
 from tumble.arrays import Flags, Floats
 from tumble.errors import UsageError
 from tumble.estimators import OPTIMAL
+from tumble.model.errors import NOISE, declared, of_stand
+from tumble.model.estimators import columns_at
+from tumble.model.geometry import ideal_force
+from tumble.model.norm import norm_gradient, spread_attitudes, worst_norm
+from tumble.model.optimal import UNEQUAL, mean_sigma
 from tumble.planning.case import Case
-from tumble.reference.uncertainty import sources
 from tumble.schedule import Schedule
-from tumble.solving.covariance import norm_gradient, spread_attitudes, worst_norm
-from tumble.solving.extended import columns_at
-from tumble.solving.gains import UNEQUAL, mean_sigma
 from tumble.stand import by_channel
 from tumble.terms import EXTENDABLE
 
@@ -45,14 +45,12 @@ class NormSpread:
         one_sample = replace(case.stand, samples=1)
         self.noise = mean_sigma(k, one_sample, case.step_v, 1)[0] ** 2
         self.rounding = by_channel(case.stand.rounding) ** 2
-        found = sources(schedule, k, one_sample, np.ones(count, dtype=int))
-        errors = np.concatenate(
-            [one.derivative * one.sigma[:, None, None] for name, one in found.items() if name != "noise"]
-        )
+        found = of_stand(schedule, k, one_sample, [name for name in declared(one_sample) if name != NOISE]).values()
+        errors = np.concatenate([one.derivative * one.sigma[:, None, None] for one in found])
         shared = (np.abs(errors).max(axis=2) > 0.0).sum(axis=1) > 1
         self.shared = np.moveaxis(errors[shared], 0, 2)
         self.local = np.einsum("dpi,dpj->pij", errors[~shared], errors[~shared])
-        force, self.terms = reference.Geometry(schedule).force(), case.terms
+        force, self.terms = ideal_force(schedule), case.terms
         further, force = columns_at(force, case.terms), np.column_stack([force, np.ones(count)])
         own = np.einsum("tipi->ipt", further.reshape(-1, 3, count, 3))  # of no term but its own does a channel feel any
         self.felt = np.concatenate([np.broadcast_to(force, (3, count, 4)), own], axis=2)

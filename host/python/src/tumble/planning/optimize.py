@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -10,12 +10,13 @@ import numpy as np
 
 from tumble.arrays import Floats
 from tumble.estimators import COEFFICIENTS, OPTIMAL
+from tumble.model.estimators import circles, linear_gains
+from tumble.model.optimal import OptimalTable, optimal_table, standard_deviations
+from tumble.model.second_order import SecondOrder, second_order
 from tumble.planning.case import SCHEMA, Case
 from tumble.planning.promise import Promise, promise
-from tumble.reference.estimators import circles
 from tumble.solving.gain_record import Record, record_of
-from tumble.solving.gains import OptimalTable, linear_gains, optimal_table, standard_deviations
-from tumble.solving.second_order import SecondOrder, second_order
+from tumble.solving.many_runs import or_linear
 from tumble.stand import per_channel
 
 
@@ -40,8 +41,8 @@ class Optimized:
     @cached_property
     def second_order(self) -> SecondOrder:
         """Whether the linear theory is enough on this stand."""
-        case = self.case
-        return second_order(case.fitted, self.table.k, self.u, case.stand, OPTIMAL, step=case.step_v)
+        given = replace(self.case.propagation(OPTIMAL, self.table.k, fitted=True), terms=())
+        return second_order(given, self.u, or_linear(given))
 
 
 def optimize(case: Case, k: Floats | None = None, serial: str | None = None) -> Optimized:

@@ -10,6 +10,8 @@ from decimal import Decimal
 import numpy as np
 
 from tumble.arrays import Floats
+from tumble.model.errors import felt
+from tumble.model.estimators import linear_gains
 from tumble.planning import weights
 from tumble.planning.case import Case
 from tumble.planning.published import (
@@ -31,7 +33,6 @@ from tumble.planning.published import (
 )
 from tumble.planning.require import Requirements, requirements
 from tumble.planning.requirement_report import printed as evaluate_printed
-from tumble.solving.gains import linear_gains, linearise
 
 # Misalignments that no two formulas confuse: K_ij/K_ii off the diagonal.
 AUDIT_K = 2.0 * np.array([[1.0, 0.020, 0.016], [0.014, 1.0, 0.018], [0.012, 0.010, 1.0]])
@@ -80,10 +81,9 @@ def paper_case() -> Case:
 
 def signed_weights(gain_rows: Floats, k: Floats) -> Floats:
     """Weights (rows, 5) in V/g with the signs of alpha1 to alpha3; those of the random sources are positive."""
-    model = linearise(paper_case().fitted)
-    forces = (model.alpha1, model.delta, model.alpha3)
-    signed = np.stack([gain_rows @ (force @ k.T).ravel() for force in forces], axis=1)
-    sizes = weights.absolute_weights(model, True, k, gain_rows)
+    schedule = paper_case().fitted
+    by_angle = [felt(schedule, name, True).derivative(k).ravel() for name in ("alpha1", "alpha2", "alpha3")]
+    signed, sizes = gain_rows @ np.array(by_angle).T, weights.absolute_weights(schedule, True, k, gain_rows)
     return np.column_stack([np.where(sizes[:, :3] > 0.0, signed, 0.0), sizes[:, 3:]])
 
 

@@ -21,12 +21,12 @@ import numpy as np
 
 from tumble.arrays import Floats
 from tumble.errors import UsageError
+from tumble.model.norm import worst_norm
 from tumble.planning.case import Case
 from tumble.planning.error_field import ErrorField, error_field, largest_over_attitudes, largest_with_terms
 from tumble.planning.tables import percent
 from tumble.planning.weights import estimators_of
 from tumble.solving.assumptions import ASSUMPTIONS, rests_on_a_seat
-from tumble.solving.covariance import worst_norm
 from tumble.solving.decision import is_shown
 from tumble.terms import POWERS, Terms
 

@@ -18,11 +18,10 @@ import numpy as np
 from tumble.arrays import Flags, Floats
 from tumble.core import MAX_SAMPLES
 from tumble.errors import UsageError
+from tumble.model.estimators import circles
 from tumble.planning import weights
 from tumble.planning.case import Case
 from tumble.planning.published import NAMES, SOURCES
-from tumble.reference.estimators import circles
-from tumble.solving.gains import linearise
 from tumble.stand import COMMON, Stand, by_channel, per_channel
 
 ROWS = ("K_xx", "K_yy", "K_zz", "a0_x", "a0_y", "a0_z", "noise")
@@ -100,13 +99,13 @@ def worst_weights(case: Case, estimator: str) -> Floats:
 
 def weights_by_pattern(case: Case, estimator: str, patterns: Floats) -> Floats:
     """Weights (n, 7, sources) of ROWS for choices of the misalignments' signs, `patterns` (n, 3, 3)."""
-    model, common = linearise(case.fitted), case.stand.remounting == COMMON
+    schedule, common = case.fitted, case.stand.remounting == COMMON
     fixed = None if estimator == "optimal" else weights.estimator_gains(case, estimator, case.nominal_k())
     found = []
     for pattern in patterns:
         k = case.nominal_k(pattern)
         gain_rows = weights.estimator_gains(case, estimator, k) if fixed is None else fixed
-        gamma = weights.absolute_weights(model, common, k, gain_rows, weights.sources_of(case.stand), case.stand)
+        gamma = weights.absolute_weights(schedule, common, k, gain_rows, weights.sources_of(case.stand), case.stand)
         found.append(with_noise_row(case, gamma / weights.reference_values(k)[:, None]))
     return np.array(found)
 

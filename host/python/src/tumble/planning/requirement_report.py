@@ -82,7 +82,7 @@ def document(
 def _would_show(case: Case, estimator: str) -> list[dict[str, Any]]:
     """What would show the limit, where runs on this stand do not."""
     as_declared = np.zeros((len(case.schedule.positions), 3)), by_channel(case.stand.rounding) ** 2
-    question = Question(case.witness(estimator), *as_declared, case.terms, case.limit_g, case.coverage_factor)
+    question = Question(case.propagation(estimator), *as_declared, case.limit_g, case.coverage_factor)
     return [one.document() for one in question.answers()]
 
 

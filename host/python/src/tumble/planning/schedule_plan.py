@@ -11,9 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tumble import reference
 from tumble.core import MAX_SAMPLES
 from tumble.errors import UsageError
+from tumble.model.geometry import built_in
+from tumble.model.reliability import Reliability
 from tumble.planning.case import Case
 from tumble.planning.duration import Pace
 from tumble.planning.model_cost import model_cost
@@ -30,7 +31,6 @@ from tumble.planning.schedule_search import (
 from tumble.schedule import Schedule
 from tumble.solving.extended import confused
 from tumble.solving.further import Further
-from tumble.solving.reliability import Reliability
 from tumble.workers.over import ALONE, Team
 
 BESIDE = ("paper", "three_mountings", "diagonal")
@@ -85,7 +85,7 @@ def plan_schedule(
                 return reached
         return None
 
-    beside = {name: reaching(case, goal, reference.built_in(name), pace) for name in BESIDE}
+    beside = {name: reaching(case, goal, built_in(name), pace) for name in BESIDE}
     best = search(_first_norm(case, goal, beside))
     if best is not None and goal.norm_g is None:
         again = search(best.norm_g)

@@ -6,13 +6,13 @@ import shlex
 from dataclasses import asdict
 from typing import Any
 
+from tumble.model import reliability
 from tumble.planning import model_cost, tables
 from tumble.planning.case import SCHEMA
 from tumble.planning.enough import growing
 from tumble.planning.schedule_plan import Planned
 from tumble.planning.schedule_search import Timed
 from tumble.schedule import Mounting, Schedule
-from tumble.solving import reliability
 from tumble.terms import Terms
 
 _TABLE_AXES = "hnv"

@@ -15,13 +15,13 @@ import numpy as np
 
 from tumble.arrays import Flags
 from tumble.core import MAX_POSITIONS, MAX_SAMPLES
+from tumble.model.norm import worst_norm
 from tumble.planning.case import Case
 from tumble.planning.duration import Duration, Pace
 from tumble.planning.error_field import error_field
 from tumble.planning.mounting_sets import KINDS, mounting_sets, mountings, without_unused
 from tumble.planning.norm_spread import NormSpread
 from tumble.schedule import Position, Schedule
-from tumble.solving.covariance import worst_norm
 from tumble.workers.kept import Result
 from tumble.workers.over import ALONE, Piece, Progress, Team, over
 

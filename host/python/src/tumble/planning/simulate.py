@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from tumble.arrays import Floats
+from tumble.solving.drawn_runs import Sources, drawn_outputs
+from tumble.model.errors import sources
 from tumble.planning.case import Case
-from tumble.reference.uncertainty import sources
-from tumble.solving.drawn_runs import Errors, drawn_outputs
 
 U0_V = (0.01, -0.02, 0.03)  # of the simulated block: linear estimators do not care
 
@@ -21,6 +21,6 @@ def position_means(case: Case, k: Floats, runs: int, rng: np.random.Generator) -
     return drawn_outputs(case.schedule, k, np.array(U0_V), errors_of(case, k), case.stand.limits, runs, rng)
 
 
-def errors_of(case: Case, k: Floats) -> Errors:
+def errors_of(case: Case, k: Floats) -> Sources:
     """What is drawn of a case's stand."""
     return sources(case.schedule, k, case.stand, np.ones(len(case.schedule.positions), dtype=int))

@@ -7,35 +7,27 @@ does; they are judged by how far off the run was.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
 from tumble import core
 from tumble.arrays import Floats, Integers
-from tumble.core.optimal import GainRecord, estimate_runs, optimal_runs
 from tumble.errors import UsageError
-from tumble.estimators import LINEAR, OPTIMAL
+from tumble.estimators import OPTIMAL
+from tumble.solving.drawn_runs import Chunk, chunks, stream_of
+from tumble.model.errors import OF_OUTPUTS, course, declared, of_stand
+from tumble.model.estimators import columns_at
+from tumble.model.norm import spread_attitudes
+from tumble.model.optimal import samples_in_a_mean, standard_deviations
 from tumble.planning.case import Case
 from tumble.planning.error_field import largest_over_attitudes, norm_forms
 from tumble.planning.promise import Promise, promise
 from tumble.planning.simulate import U0_V, errors_of, position_means
 from tumble.planning.weights import estimator_gains
-from tumble.reference.estimators import fit_indices
-from tumble.solving import extended, optimal_run, tables_of_runs
-from tumble.solving.covariance import spread_attitudes
-from tumble.solving.drawn_runs import Chunk, chunks, stream_of
-from tumble.solving.extended import columns_at
-from tumble.solving.gain_record import record_of, to_bytes
-from tumble.solving.gains import (
-    OptimalTable,
-    linearise,
-    optimal_table,
-    shared_derivatives,
-    shared_sigmas,
-    standard_deviations,
-)
+from tumble.solving import tables_of_runs
+from tumble.solving.many_runs import estimator_for
 from tumble.terms import POWERS, Terms
 from tumble.workers.kept import Result
 from tumble.workers.over import ALONE, Progress, Team, over
@@ -213,35 +205,13 @@ Solver = Callable[[Floats], tuple[Floats, Floats]]
 def _solver(case: Case, estimator: str, k: Floats, table: str) -> Solver:
     """From means (runs, positions, 3) to coefficients, with the sizes of further terms behind, and stated uncertainties
     (runs, 12), by the core."""
-    schedule, fit = core.CoreSchedule(case.fitted), fit_indices(case.schedule)
-    if case.terms:
-        return _extended_solver(case, estimator, k)
-    if estimator in LINEAR:
-        state = _stated(case, estimator_gains(case, estimator, k))
-        return lambda means: _with(state, estimate_runs(schedule, means[:, fit], estimator))
-    if table == RUN:
-        return lambda means: _weighted_anew(case, schedule, means[:, fit])
-    record = GainRecord(schedule, to_bytes(record_of(_optimal(case, k), case.fitted)))
-    u = _planned(case, OPTIMAL, k)
-    return lambda means: (optimal_runs(record, means[:, fit])[0], np.broadcast_to(u, (len(means), 12)))
-
-
-def _optimal(case: Case, k: Floats) -> OptimalTable:
-    further = extended.fitted_columns(core.CoreSchedule(case.schedule), case.terms)
-    return optimal_table(case.fitted, k, case.stand, case.step_v, further=further)
-
-
-def _extended_solver(case: Case, estimator: str, k: Floats) -> Solver:
-    """With further terms: of all positions, as a drift goes on where a position is only checked."""
-    run = core.CoreSchedule(case.schedule)
-    if estimator in LINEAR:
-        state = _stated(case, estimator_gains(case, estimator, k))
-        return lambda means: _with(state, extended.estimate_runs(run, means, case.terms, None))
-    table, u = _optimal(case, k), _planned(case, OPTIMAL, k)
-    return lambda means: (
-        extended.estimate_runs(run, means, case.terms, table),
-        np.broadcast_to(u, (len(means), 12)),
-    )
+    if estimator == OPTIMAL and table == RUN and not case.terms:
+        return lambda means: _weighted_anew(case, means[:, case.schedule.fit_indices])
+    estimate, u = estimator_for(case.propagation(estimator, k)), _planned(case, estimator, k)
+    if estimator == OPTIMAL:
+        return lambda means: (estimate(means), np.broadcast_to(u, (len(means), 12)))
+    state = _stated(case, estimator_gains(case, estimator, k))
+    return lambda means: _with(state, estimate(means))
 
 
 def _with(state: Callable[[Floats], Floats], found: Floats) -> tuple[Floats, Floats]:
@@ -253,21 +223,20 @@ def _stated(case: Case, weights: Floats) -> Callable[[Floats], Floats]:
 
     What an error of the stand brings to a coefficient is linear in K; what noise and drift bring does not depend on it.
     """
-    model, stand = linearise(case.fitted), replace(case.stand, drift=0.0)
-    sigma = shared_sigmas(case.fitted, stand)
-    unit = np.eye(9).reshape(9, 3, 3)
-    by_shared = np.stack([weights @ (shared_derivatives(model, one, stand) * sigma) for one in unit])
-    by_angle = np.stack([np.einsum("cpi,pi->cp", weights.reshape(12, -1, 3), model.delta @ one.T) for one in unit])
-    by_error = np.concatenate([by_shared, by_angle * case.stand.sigma("angle")], axis=2)
+    names = [name for name in declared(case.stand) if name not in OF_OUTPUTS]
+    by_error = []
+    for one in np.eye(9).reshape(9, 3, 3):
+        found = of_stand(case.fitted, one, case.stand, names).values()
+        draws = np.concatenate([source.derivative * source.sigma[:, None, None] for source in found])
+        by_error.append(weights @ draws.reshape(len(draws), -1).T)
+    stand_only = np.stack(by_error)
     noise = (weights**2).reshape(12, -1, 3).sum(axis=1) @ case.mean_sigma(case.nominal_k()) ** 2
-    by_drift = np.einsum("cpi,p->ci", weights.reshape(12, -1, 3), model.course) * case.stand.sigmas("drift")
+    by_drift = np.einsum("cpi,p->ci", weights.reshape(12, -1, 3), course(case.fitted)) * case.stand.sigmas("drift")
     fixed = noise + (by_drift**2).sum(axis=1)
-    return lambda k: np.sqrt((np.einsum("rm,mce->rce", k, by_error) ** 2).sum(axis=2) + fixed)
+    return lambda k: np.sqrt((np.einsum("rm,mce->rce", k, stand_only) ** 2).sum(axis=2) + fixed)
 
 
-def _weighted_anew(case: Case, schedule: core.CoreSchedule, means: Floats) -> tuple[Floats, Floats]:
+def _weighted_anew(case: Case, means: Floats) -> tuple[Floats, Floats]:
     """As a solve: weights for each run's own K."""
-    all_measured, lone = np.ones(len(schedule), dtype=bool), np.ones(len(schedule), dtype=int)
-    weighting = optimal_run.Weighting(case.stand, lone, case.step_v)
-    samples = optimal_run.samples_in_a_mean(schedule.data, all_measured, weighting)
-    return tables_of_runs.solve(schedule.data, means, case.stand, case.step_v, samples)
+    samples = samples_in_a_mean(case.fitted, case.stand, np.ones(len(case.fitted.positions), dtype=int))
+    return tables_of_runs.solve(case.fitted, means, case.stand, case.step_v, samples)

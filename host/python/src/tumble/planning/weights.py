@@ -1,7 +1,7 @@
 """The weights gamma1 to gamma5 of equation (2): what one unit of each source does to each coefficient.
 
 Weights have the shape (12, 5): rows as in published.NAMES, columns as in published.SOURCES; derived ones have a further
-column for each of FURTHER that the stand declares. A coefficient of K counts
+column for every other source that the stand declares. A coefficient of K counts
 relative to itself, a bias as U0_i/K_ii in g; angles are in radians and the noise is that of a position's mean. A row
 is NaN where the coefficient is zero, and so has no relative error. Signs being unknown, weights are not negative.
 """
@@ -16,16 +16,14 @@ from tumble import core
 from tumble.arrays import Floats
 from tumble.errors import UsageError
 from tumble.estimators import ESTIMATORS, HARMONIC, OPTIMAL
+from tumble.model.errors import NOISE, OF_OUTPUTS, declared, felt
+from tumble.model.estimators import paper_slots
 from tumble.planning.case import Case
 from tumble.planning.published import NAMES, REFINED, SOURCES, TABLE_1, TABLE_1_CORRECTED, TABLE_4, evaluate
-from tumble.reference.estimators import paper_slots
-from tumble.solving import extended
-from tumble.solving.gains import Linearised, gains, linearise, optimal_table
+from tumble.schedule import Schedule
 from tumble.stand import COMMON, PAPER_STAND, Stand
 from tumble.terms import EXTENDABLE
 
-FURTHER = ("seat", "platform", "encoder", "drift")
-OF_OUTPUTS = ("noise", "drift")  # in volts; the others are angles
 WORST = "worst"
 QUADRATURE = "quadrature"
 _ROUNDING = 1e-13
@@ -34,17 +32,7 @@ _CHANNELS = np.r_[np.repeat(np.arange(3), 3), np.arange(3)]  # of the rows
 
 def estimator_gains(case: Case, estimator: str, k: Floats) -> Floats:
     """Gains (12, 3 x fit positions) of an estimator; those of optimal are for the case's stand and this K."""
-    return all_gains(case, estimator, k)[:12]
-
-
-def all_gains(case: Case, estimator: str, k: Floats) -> Floats:
-    """The same, and those of the sizes of the case's further terms: (12 + 3 x terms, 3 x fit positions)."""
-    if not case.terms:
-        return gains(case.fitted, estimator, k, case.stand, case.step_v)
-    run = core.CoreSchedule(case.schedule)
-    if estimator != OPTIMAL:
-        return extended.gains(run, case.terms)
-    return optimal_table(case.fitted, k, case.stand, case.step_v, None, extended.fitted_columns(run, case.terms)).gains
+    return case.propagation(estimator, k).gains[:12]
 
 
 def estimators_of(case: Case) -> tuple[str, ...]:
@@ -54,51 +42,39 @@ def estimators_of(case: Case) -> tuple[str, ...]:
 
 
 def sources_of(stand: Stand) -> tuple[str, ...]:
-    """The columns of derived weights: published.SOURCES, and those of FURTHER that the stand declares."""
-    return (*SOURCES, *(name for name in FURTHER if np.any(getattr(stand, name))))
+    """The columns of derived weights: published.SOURCES, and all others that the stand declares."""
+    return (*SOURCES, *(name for name in declared(stand) if name not in SOURCES))
 
 
 def absolute_weights(
-    model: Linearised,
+    schedule: Schedule,
     common_yaw: bool,
     k: Floats,
     gain_rows: Floats,
     sources: tuple[str, ...] = SOURCES,
     stand: Stand = PAPER_STAND,
 ) -> Floats:
-    """Weights (rows, sources) in the units of the rows (V/g, V), for any linear gains (rows, 3P) of the fit positions.
+    """Weights (rows, sources) in the units of the rows (V/g, V), for any linear gains (rows, 3P) of the positions of a
+    schedule, all of them fitted.
 
     Draws of one kind are independent: yaws of several mountings, set angles and noise add in quadrature. What cancels
     to rounding is zero. Noise and drift count as those of the channel that has most; the others have theirs in
     proportion, as the `stand` declares them.
     """
-    rows = gain_rows.reshape(len(gain_rows), -1, 3)
-    mountings = np.unique(model.mounting)[:, None] == model.mounting
-    yaws = np.ones((1, len(model.mounting)), dtype=bool) if common_yaw else mountings
-
-    def in_quadrature(sums: Floats, largest: Floats) -> Floats:
+    found = []
+    for name in sources:
+        if name == NOISE:
+            profile = np.tile(stand.profile("noise"), len(schedule.positions))
+            found.append(np.linalg.norm(gain_rows * profile, axis=1))
+            continue
+        draws = felt(schedule, name, common_yaw).derivative(k)
+        if name in OF_OUTPUTS:
+            draws = draws * stand.profile(name)[:, None, None]
+        by_draw = draws.reshape(len(draws), -1).T
+        sums, largest = gain_rows @ by_draw, np.abs(gain_rows) @ np.abs(by_draw)
         rounded = np.abs(sums) <= _ROUNDING * largest.max(axis=1, keepdims=True)
-        sizes: Floats = np.linalg.norm(np.where(rounded, 0.0, sums), axis=1)
-        return sizes
-
-    def of(force: Floats, draws: Floats) -> Floats:
-        parts = rows * (force @ k.T)
-        return in_quadrature(parts.sum(axis=2) @ draws.T, np.abs(parts).sum(axis=2) @ np.abs(draws).T)
-
-    together, each = np.ones_like(yaws[:1]), np.eye(len(model.mounting), dtype=bool)
-    drifts = rows * model.course[:, None] * stand.profile("drift")
-    found = {
-        "alpha1": of(model.alpha1, together),
-        "alpha2": of(model.delta, together),
-        "alpha3": of(model.alpha3, yaws),
-        "alpha4": of(model.delta, each),
-        "noise": np.linalg.norm(gain_rows * np.tile(stand.profile("noise"), rows.shape[1]), axis=1),
-        "seat": np.hypot(of(model.theta_h, mountings), of(model.delta, mountings)),
-        "platform": of(model.theta_h, together),
-        "encoder": of(model.delta, model.waves.T),
-        "drift": in_quadrature(drifts.sum(axis=1), np.abs(drifts).sum(axis=1)),
-    }
-    return np.stack([found[source] for source in sources], axis=1)
+        found.append(np.linalg.norm(np.where(rounded, 0.0, sums), axis=1))
+    return np.stack(found, axis=1)
 
 
 def reference_values(k: Floats) -> Floats:
@@ -109,9 +85,9 @@ def reference_values(k: Floats) -> Floats:
 
 def derived(case: Case, estimator: str, k: Floats) -> Floats:
     """The weights of an estimator on the exact geometry, to first order, for a block of sensitivity `k`."""
-    model, common = linearise(case.fitted), case.stand.remounting == COMMON
-    rows, sources = estimator_gains(case, estimator, k), sources_of(case.stand)
-    return absolute_weights(model, common, k, rows, sources, case.stand) / reference_values(k)[:, None]
+    rows, common = estimator_gains(case, estimator, k), case.stand.remounting == COMMON
+    given = case.fitted, common, k, rows, sources_of(case.stand), case.stand
+    return absolute_weights(*given) / reference_values(k)[:, None]
 
 
 def published_formulas(estimator: str) -> dict[str, tuple[str, ...]]:

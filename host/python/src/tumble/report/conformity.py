@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from decimal import Decimal
 
+from tumble.model.reliability import in_words as in_words_of
+from tumble.model.stand_seen import NAMES
 from tumble.report.cells import MISSING, NO_UNCERTAINTY, Facts, Fixed, Inline, Table, aligned, joined, line
 from tumble.report.rounding import Shown, rounded
 from tumble.report.source import STANDARD_GRAVITY, Factor, Path, Source
 from tumble.solving.assumptions import ASSUMPTIONS
 from tumble.solving.decision import UNCERTAINTY, Decision
-from tumble.solving.reliability import in_words as in_words_of
-from tumble.solving.stand_seen import NAMES
 from tumble.solving.would_show import Remedy, in_words
 
 _MICRO = 6

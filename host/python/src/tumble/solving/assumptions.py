@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tumble import reference
 from tumble.arrays import Flags, Floats
 from tumble.estimators import COEFFICIENTS, OPTIMAL
+from tumble.model.unseen import moved_by_a_seat, seat_is_unseen, unseen_patterns
 from tumble.schedule import Schedule
 from tumble.solving.solution import Solution
 from tumble.stand import Stand
@@ -38,12 +38,12 @@ class Assumption:
 def rests_on_a_seat(schedule: Schedule, k: Floats, stand: Stand | None, terms: Terms = ()) -> bool:
     """Whether the stand declares no tilt of the block against the axis, and the fit positions show none. `terms`:
     further ones of the model."""
-    return (stand is None or not stand.declares_seat) and reference.is_unseen(schedule, k, terms)
+    return (stand is None or not stand.declares_seat) and seat_is_unseen(schedule, k, terms)
 
 
 def _on_a_linear_block(solution: Solution) -> Coefficients | None:
     found = solution.found
-    moved = reference.unseen_patterns(solution.measured_schedule, found.k, _linear(found.estimator))
+    moved = unseen_patterns(solution.measured_schedule, found.k, _linear(found.estimator))
     return _names(np.any(list(moved.values()), axis=0).ravel()) if moved else None
 
 
@@ -64,7 +64,7 @@ def _on_a_square_seat(solution: Solution) -> Coefficients | None:
         return None
     stated = solution.stated or solution.scatter_alone
     variance = np.zeros(12) if stated is None else np.diag(stated.of_twelve)
-    moved = np.array(list(reference.moved_by_a_seat(schedule, found.k, _linear(found.estimator)).values()))
+    moved = np.array(list(moved_by_a_seat(schedule, found.k, _linear(found.estimator)).values()))
     least_rad = _EXPECTED_RAD * moved.max() * (_COUNTS if stated is None else _ROUNDING)
     raised = (_EXPECTED_RAD * moved) ** 2 > np.maximum((_RAISED**2 - 1.0) * variance, least_rad**2)
     return _names(raised.any(axis=0))

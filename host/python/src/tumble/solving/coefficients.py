@@ -13,6 +13,7 @@ import numpy as np
 
 from tumble.arrays import Floats
 from tumble.estimators import COEFFICIENTS
+from tumble.model.force import Force
 from tumble.solving import si
 from tumble.terms import KEYS, POWERS, Terms, names
 from tumble.units import per_g, per_m_s2
@@ -67,6 +68,11 @@ class Coefficients:
     def names(self) -> tuple[str, ...]:
         """Of all."""
         return COEFFICIENTS + names(self.terms)
+
+    @property
+    def force(self) -> Force:
+        """What outputs become by them."""
+        return Force(self.values, self.terms, self.covariance)
 
     @property
     def inverse(self) -> Floats:

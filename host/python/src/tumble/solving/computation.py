@@ -8,8 +8,8 @@ import numpy as np
 
 from tumble import core
 from tumble.arrays import Flags, Floats
-from tumble.estimators import OPTIMAL
-from tumble.reference.estimators import fit_indices
+from tumble.model.force import linear_outputs
+from tumble.model.optimal import sizes_of_runs
 from tumble.solving import extended, optimal_run
 from tumble.terms import Terms
 
@@ -46,27 +46,29 @@ def compute(
 ) -> Computation:
     """Let the core estimate and verify. `weighting`: of the optimal estimator, which alone needs it.
 
-    Raises CoreRefusal; DeadChannels where a channel does not feel gravity; extended.NotSolvable.
+    Raises CoreRefusal; DeadChannels where a channel does not feel gravity; NotSolvable.
     """
-    sizes = np.zeros((0, 3))
+    sizes, freed, linear = np.zeros((0, 3)), means, means
     if terms:
-        k, u0, sizes = _extended(schedule, means, measured, weighting, terms)
-    elif estimator == OPTIMAL:
-        assert weighting is not None
-        found = optimal_run.estimate(schedule, means, measured, weighting)
-        k, u0 = found.k, found.u0
-    else:
-        k, u0 = core.estimate(schedule, means, measured, estimator)
+        part, freed = schedule.part(measured), means.copy()
+        if weighting is None:
+            found = extended.eliminated(part, means[None, measured], terms)
+        else:
+            table = optimal_run.make_table(schedule, means, measured, weighting, terms)
+            found = sizes_of_runs(table, part.data, weighting.stand, terms, means[None, measured])
+        freed[measured] = extended.without(means[None, measured], found, part.data, terms)[0]
+        sizes = found.reshape(-1, 3)
+    k, u0 = _twelve(schedule, means, freed, measured, estimator, weighting)
     _require_response(k, means[measured])
-    linear = means
+    calibration = core.Calibration(k, u0)
     if terms:
         linear = means.copy()
-        linear[measured] = extended.linear_outputs(means[measured], k, u0, sizes, terms)
+        linear[measured] = linear_outputs(means[measured], k, u0, sizes, terms)
     return Computation(
         estimator=estimator,
         k=k,
         u0=u0,
-        gravity=core.gravity_check(schedule, linear, measured, core.Calibration(k, u0), limit_g),
+        gravity=core.gravity_check(schedule, linear, measured, calibration, limit_g),
         intrinsic=core.intrinsic(k, u0),
         closure=_closures(schedule, means, measured),
         residual_rms=_residual_rms(schedule, linear, measured, k, u0, len(terms)),
@@ -76,20 +78,20 @@ def compute(
     )
 
 
-def _extended(
+def _twelve(
     schedule: core.CoreSchedule,
     means: Floats,
+    freed: Floats,
     measured: Flags,
+    estimator: str,
     weighting: optimal_run.Weighting | None,
-    terms: Terms,
-) -> tuple[Floats, Floats, Floats]:
-    """K, U0 and the sizes of further terms: by the optimal estimator with its `weighting`, else by least squares."""
-    part, table = schedule.part(measured), None
-    if weighting is not None:
-        further = extended.fitted_columns(part, terms)
-        table = optimal_run.make_table(schedule, means, measured, weighting, further)
-    found = extended.estimate_runs(part, means[measured][None], terms, table)[0]
-    return found[:9].reshape(3, 3), found[9:12], found[12:].reshape(-1, 3)
+) -> tuple[Floats, Floats]:
+    """K and U0 of the means that are `freed` of further terms; weights are made for the `means` as they are."""
+    if weighting is None:
+        return core.estimate(schedule, freed, measured, estimator)
+    table = optimal_run.make_table(schedule, means, measured, weighting)
+    found = optimal_run.apply_table(table, schedule.part(measured), freed[measured])
+    return found.k, found.u0
 
 
 def _residual_rms(
@@ -97,7 +99,7 @@ def _residual_rms(
 ) -> Floats | None:
     """The core's, which is over the positions less four, over those less all unknowns of a channel."""
     rms = core.residual_rms(schedule, means, measured, k, u0)
-    left = len(fit_indices(schedule.data.part(measured))) - 4
+    left = len(schedule.data.part(measured).fit_indices) - 4
     if rms is None or left <= terms:
         return None
     found: Floats = rms * (left / (left - terms)) ** 0.5

@@ -19,7 +19,7 @@ import numpy as np
 
 from tumble.arrays import Flags, Floats, Integers
 from tumble.distributions import student_quantile
-from tumble.solving.covariance import named, variances
+from tumble.model.norm import named, variances
 from tumble.solving.noise import Noise
 from tumble.stand import Stand
 

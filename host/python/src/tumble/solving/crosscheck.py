@@ -1,4 +1,4 @@
-"""The core against its numpy witness. A result that the witness does not confirm is not given."""
+"""The core against the numpy model. A result that the model does not confirm is not given."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tumble import reference
 from tumble.arrays import Floats
 from tumble.errors import Disagreement
-from tumble.reference.extended import least_squares, linear_outputs, magnification
-from tumble.reference.optimal import OptimalEstimate
+from tumble.model import verification
+from tumble.model.estimators import magnification, unknowns
+from tumble.model.optimal import OptimalEstimate
 from tumble.schedule import Schedule
 from tumble.solving.computation import Computation
 from tumble.terms import Terms
@@ -19,11 +19,7 @@ RELATIVE_LIMIT = 1e-12
 OPTIMAL_LIMIT_U = 1e-6
 UNCERTAINTY_LIMIT = 1e-9
 _ROUNDED_U = 1e-13
-SEEN_LIMIT_U = 1e-6
-FIT_LIMIT = 1e-6
 LARGEST_MISFIT = 100.0  # of a run on its stand, before optimal weights are refused
-_ROUNDED_RAD = 1e-11
-_SUMMED = 100.0
 _LAST_BITS = 16 * np.finfo(float).eps
 _MAGNIFIED_BITS = 2 * np.finfo(float).eps
 _SINGLE_BIT = 2.0**-24  # the core keeps the second order of table angles, about their square, in single precision
@@ -32,25 +28,25 @@ _DERIVED = 10.0
 
 @dataclass(frozen=True)
 class Comparison:
-    """Core less witness: `k` (3, 3), `u0` (3,) and `sizes` (terms, 3), in the unit of the outputs (per g); `linear`
-    (positions, 3): the means without further terms, by the witness."""
+    """Core less numpy: `k` (3, 3), `u0` (3,) and `sizes` (terms, 3), in the unit of the outputs (per g)."""
 
     k: Floats
     u0: Floats
     sizes: Floats
-    linear: Floats
 
 
 def compare(
     found: Computation,
     schedule: Schedule,
+    outputs: Floats,
     means: Floats,
     delta_g: Floats,
     optimal: OptimalEstimate | None = None,
 ) -> Comparison:
     """Compute all of it again and compare. Raises Disagreement, naming the quantity that differs.
 
-    `schedule`, `means` (positions, 3) and the core's `delta_g` (positions,) hold the measured positions only.
+    `schedule`, `outputs` (positions, 3) and the core's `delta_g` (positions,) hold the measured positions only;
+    `means`: the outputs without further terms.
     `optimal`: what the witness of the optimal estimator found, where that is the one in use.
 
     Coefficients may differ by 1e-12 of max|K|, or where that is coarser by 16 times the last bit of the largest output
@@ -60,10 +56,10 @@ def compare(
     """
     if optimal is not None:
         k, u0, sizes = optimal.k, optimal.u0, optimal.sizes
-        allowed_k, allowed_u0, allowed_sizes = _allowed_of_optimal(optimal, means)
+        allowed_k, allowed_u0, allowed_sizes = _allowed_of_optimal(optimal, outputs)
     else:
-        k, u0, sizes = _estimate(schedule, means, found)
-        allowed_k = allowed_u0 = allowed_sizes = np.array(_allowed(schedule, means, np.abs(k).max(), found.terms))
+        k, u0, sizes = _estimate(schedule, outputs, found)
+        allowed_k = allowed_u0 = allowed_sizes = np.array(_allowed(schedule, outputs, np.abs(k).max(), found.terms))
     _require("K", found.k, k, allowed_k)
     _require("U0", found.u0, u0, allowed_u0)
     for term, core, witness, allowed in zip(
@@ -73,45 +69,41 @@ def compare(
 
     largest_k = np.abs(k).max()
     relative = max(allowed_k.max(), allowed_u0.max(), allowed_sizes.max(initial=0.0)) / largest_k
-    outputs, means = means, linear_outputs(means, k, u0, sizes, found.terms) if found.terms else means
     follows = _DERIVED * relative
     conditioned = follows * largest_k * np.linalg.norm(np.linalg.inv(k), 2)
     largest_force = np.abs(np.linalg.solve(k, (means - u0).T)).max()
-    _require("delta_g", delta_g, reference.gravity_errors(means, k, u0), conditioned * max(1.0, largest_force**2))
-    scale, angles, bias = reference.intrinsic(k, u0)
+    _require("delta_g", delta_g, verification.gravity_errors(means, k, u0), conditioned * max(1.0, largest_force**2))
+    scale, angles, bias = verification.intrinsic(k, u0)
     _require("intrinsic scale", found.intrinsic.scale, scale, follows * largest_k)
     _require("intrinsic angle_rad", found.intrinsic.angles, angles, conditioned)
     _require("intrinsic bias_g", found.intrinsic.bias, bias, conditioned * (1.0 + np.abs(bias).max()))
-    rms = reference.residual_rms(schedule, means, k, u0, 4 + len(found.terms))
+    rms = verification.residual_rms(schedule, means, k, u0, 4 + len(found.terms))
     _require_same("residual_rms", found.residual_rms, rms, follows * largest_k)
     for mounting in schedule.mountings:
-        closure = reference.closure(schedule, outputs, mounting.number)
+        closure = verification.closure(schedule, outputs, mounting.number)
         _require_same(f"closure of mounting {mounting.number}", found.closure.get(mounting.number), closure, 0.0)
-    return Comparison(found.k - k, found.u0 - u0, found.sizes - sizes, means)
+    return Comparison(found.k - k, found.u0 - u0, found.sizes - sizes)
 
 
 def _estimate(schedule: Schedule, means: Floats, found: Computation) -> tuple[Floats, Floats, Floats]:
     """K, U0 and the sizes of further terms by numpy, of an estimator that needs no stand."""
-    if not found.terms:
-        return *reference.estimate(schedule, means, found.estimator), found.sizes
-    unknowns = least_squares(schedule, means, found.terms)
-    return unknowns[:9].reshape(3, 3), unknowns[9:12], unknowns[12:].reshape(-1, 3)
+    numbers = unknowns(schedule, means, found.estimator, found.terms)
+    return numbers[:9].reshape(3, 3), numbers[9:12], numbers[12:].reshape(-1, 3)
 
 
-def compare_uncertainties(stated: tuple[Floats, ...], witness: tuple[Floats, ...], optimal: bool) -> None:
-    """Standard uncertainties of K, U0 and further sizes by the core and by numpy. Raises Disagreement.
+def compare_uncertainties(stated: Floats, by_numpy: Floats, optimal: bool) -> None:
+    """Standard uncertainties (n,) of K row by row, U0 and further sizes by the core and by numpy. Raises Disagreement.
 
     They may differ by 1e-9, relative; those of the optimal estimator, whose weights both make on their own, by 1e-6.
     Below 1e-13 of the largest one, all is rounding.
     """
-    rounded = _ROUNDED_U * max(part.max() for part in witness)
-    for name, mine, other in zip(("u_K", "u_U0", "u of further terms"), stated, witness):
-        _require(name, mine, other, np.maximum((OPTIMAL_LIMIT_U if optimal else UNCERTAINTY_LIMIT) * other, rounded))
+    limits = np.maximum((OPTIMAL_LIMIT_U if optimal else UNCERTAINTY_LIMIT) * by_numpy, _ROUNDED_U * by_numpy.max())
+    for name, part in (("u_K", slice(9)), ("u_U0", slice(9, 12)), ("u of further terms", slice(12, None))):
+        _require(name, stated[part], by_numpy[part], limits[part])
 
 
 def _allowed(schedule: Schedule, means: Floats, largest_k: float, terms: Terms) -> float:
-    magnified = magnification(schedule, terms) if terms else reference.magnification(schedule)
-    bits = max(_LAST_BITS, _MAGNIFIED_BITS * magnified)
+    bits = max(_LAST_BITS, _MAGNIFIED_BITS * magnification(schedule, terms))
     return max(RELATIVE_LIMIT * largest_k, bits * float(np.abs(means).max()))
 
 

@@ -13,17 +13,17 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.reference.uncertainty import Source, exact_outputs
+from tumble.model.errors import Source, exact_outputs
 from tumble.schedule import Schedule
 from tumble.stand import SIGMA
 from tumble.workers.over import Piece
 
-Errors: TypeAlias = dict[str, Source]
+Sources: TypeAlias = dict[str, Source]
 Chunk: TypeAlias = "tuple[int, dict[str, Any]]"  # runs, and the state of the stream where they begin
 _RUNS = 2000  # at a time: part of what a seed means
 
 
-def chunks(errors: Errors, limits: str, runs: int, seed: int) -> Iterator[Piece]:
+def chunks(errors: Sources, limits: str, runs: int, seed: int) -> Iterator[Piece]:
     """Of a campaign of `runs`, each a Chunk that `stream_of` goes on with."""
     rng = np.random.default_rng(seed)
     for start in range(0, runs, _RUNS):
@@ -41,14 +41,14 @@ def stream_of(chunk: Chunk) -> np.random.Generator:
 
 
 def drawn_outputs(
-    schedule: Schedule, k: Floats, u0: Floats, errors: Errors, limits: str, runs: int, rng: np.random.Generator
+    schedule: Schedule, k: Floats, u0: Floats, errors: Sources, limits: str, runs: int, rng: np.random.Generator
 ) -> Floats:
     """Outputs (runs, positions, 3) of the exact geometry, every error drawn anew for every run: by a uniform law where
     the stand's `limits` are half-widths, but noise, which is normal, by a normal one."""
     return exact_outputs(schedule, k, u0, errors, np.concatenate(_draws(errors, limits, runs, rng), axis=1))
 
 
-def _draws(errors: Errors, limits: str, runs: int, rng: np.random.Generator) -> list[Floats]:
+def _draws(errors: Sources, limits: str, runs: int, rng: np.random.Generator) -> list[Floats]:
     laws = [(SIGMA if source.normal else limits, len(source.sigma)) for source in errors.values()]
     return [unit_draws(rng, law, (runs, count)) for law, count in laws]
 

@@ -18,22 +18,21 @@ from typing import Any
 
 import numpy as np
 
-from tumble import reference
 from tumble.arrays import Floats, Integers
-from tumble.core import CoreSchedule
 from tumble.errors import UsageError
 from tumble.estimators import COEFFICIENTS, OPTIMAL
-from tumble.reference.estimators import fit_indices
-from tumble.reference.extended import columns, linear_outputs
-from tumble.reference.uncertainty import contributions, sources
+from tumble.model import verification
+from tumble.model.errors import NOISE, by_gains, contributions
+from tumble.model.estimators import by_coefficients, columns_at
+from tumble.model.force import linear_outputs
+from tumble.model.geometry import built_in, ideal_force
+from tumble.model.optimal import NOISE_FLOOR_G
+from tumble.model.propagation import Propagation
 from tumble.schedule import BUILT_IN, Schedule
-from tumble.solving.gains import NOISE_FLOOR_G
-from tumble.solving.uncertainty import gains_of_run
 from tumble.stand import PerChannel, Stand, by_channel, over, rounding_of
 from tumble.terms import KEYS, POWERS, Terms
 from tumble.units import volts_per
 
-NOISE = "noise"
 _SAME = 1e-5  # of an uncertainty or of residuals: between the core's and numpy's optimal weights there is less
 _ROUNDED = 1e-11  # of the largest element of K
 
@@ -57,7 +56,7 @@ def residuals(document: dict[str, Any], schedule: Schedule) -> Floats:
     """U - U0 - K a of every measured position on the ideal `schedule` of these, with further terms taken out of the
     outputs: (positions, 3), in their unit."""
     k, u0 = np.array(document["K"]), np.array(document["U0"])
-    left: Floats = _linear_means(document) - reference.Geometry(schedule).outputs(k, u0)
+    left: Floats = _linear_means(document) - ideal_force(schedule) @ k.T - u0
     return left
 
 
@@ -66,7 +65,7 @@ def measured_schedule(document: dict[str, Any], given: Schedule | None = None) -
     the result has the residuals that it states; None where it has them on none. Raises UsageError where the given one
     is not the result's."""
     if given is None:
-        parts = (_part(document, reference.built_in(name)) for name in BUILT_IN)
+        parts = (_part(document, built_in(name)) for name in BUILT_IN)
         return next((part for part in parts if part is not None and _has_residuals(document, part)), None)
     part = _part(document, given)
     if part is None:
@@ -88,10 +87,9 @@ def expected(document: dict[str, Any], schedule: Schedule, declared: Stand, step
     variance, is_told = _mean_variance(document, declared.in_unit(unit), samples, step)
     if estimator == OPTIMAL:  # as its weights have it
         variance = np.maximum(variance, (NOISE_FLOOR_G * np.abs(k).max()) ** 2)
-    errors = sources(schedule, k, stand, samples, variance)
-    gains = gains_of_run(CoreSchedule(schedule), k, stand, samples, estimator, step, terms)
-    by_gains, left, gravity = _linear(schedule, k, gains, terms)
-    coefficients = {name: u[:12] for name, u in contributions(by_gains, errors).items()}
+    given = Propagation(schedule, k, stand, samples, estimator, step, terms)
+    errors, (found, left, gravity) = given.errors(variance), _linear(given)
+    coefficients = {name: u[:12] for name, u in contributions(found, errors).items()}
     stated = np.diag(np.array(document["covariance"]))
     if not is_told:  # the noise is what the other sources leave
         others = sum((u**2 for name, u in coefficients.items() if name != NOISE), np.zeros(12))
@@ -108,26 +106,22 @@ def terms_of(document: dict[str, Any]) -> Terms:
 Linear = Callable[[Floats], Floats]
 
 
-def _linear(schedule: Schedule, k: Floats, gains: Floats, terms: Terms) -> tuple[Linear, Linear, Linear]:
+def _linear(given: Propagation) -> tuple[Linear, Linear, Linear]:
     """What errors of the means (draws, positions, 3) do to the coefficients, to the residuals (draws, 3 x positions),
     to delta_g (draws, positions)."""
-    fit, force = fit_indices(schedule), reference.Geometry(schedule).force()
-    design = np.vstack([np.hstack([np.kron(np.eye(3), one), np.eye(3)]) for one in force])
-    design = np.hstack([design, columns(schedule, terms)])
-
-    def by_gains(means: Floats) -> Floats:
-        found: Floats = means[:, fit].reshape(len(means), -1) @ gains.T
-        return found
+    force, found = ideal_force(given.schedule), by_gains(given.schedule, given.gains)
+    further = columns_at(force, given.terms).reshape(3 * len(given.terms), 3 * len(force)).T
+    by_unknown = np.hstack([by_coefficients(force), further])
 
     def left(means: Floats) -> Floats:
-        found: Floats = means.reshape(len(means), -1) - by_gains(means) @ design.T
-        return found
+        residuals: Floats = means.reshape(len(means), -1) - found(means) @ by_unknown.T
+        return residuals
 
     def gravity(means: Floats) -> Floats:
-        found: Floats = (left(means).reshape(means.shape) * (force @ np.linalg.inv(k))).sum(axis=2)
-        return found
+        delta_g: Floats = (left(means).reshape(means.shape) * (force @ np.linalg.inv(given.k))).sum(axis=2)
+        return delta_g
 
-    return by_gains, left, gravity
+    return found, left, gravity
 
 
 def _together(of: Linear, errors: dict[str, Any]) -> Floats:
@@ -148,7 +142,7 @@ def _has_residuals(document: dict[str, Any], part: Schedule) -> bool | None:
     if stated is None:
         return None
     unknowns = 4 + len(terms_of(document))
-    found = reference.residual_rms(part, _linear_means(document), k, np.array(document["U0"]), unknowns)
+    found = verification.residual_rms(part, _linear_means(document), k, np.array(document["U0"]), unknowns)
     close = _ROUNDED * float(np.abs(k).max())
     return found is not None and bool(np.allclose(found, stated, rtol=_SAME, atol=close))
 

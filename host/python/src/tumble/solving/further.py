@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.solving.covariance import WorstNorm, worst_norm
+from tumble.model.norm import WorstNorm, worst_norm
 from tumble.terms import DRIFT, KEYS, POWERS, Terms, names
 
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from tumble.arrays import Floats
+from tumble.model.optimal import OptimalTable
 from tumble.schedule import FIT, Schedule
-from tumble.solving.gains import OptimalTable
 
 MAGIC = b"TGR1"
 SCHEMA = 1
@@ -60,7 +60,7 @@ def record_of(table: OptimalTable, schedule: Schedule, serial: str | None = None
         schedule_crc=fingerprint(schedule),
         block_crc=0 if serial is None else zlib.crc32(serial.encode("utf-8")),
         k=table.k,
-        sigma=np.array([*table.sigma_shared[:3], table.sigma_angle]),
+        sigma=table.sigma,
         sigma_mean=table.sigma_mean,
         weights=table.weights,
         u=table.u,

@@ -2,50 +2,55 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
 
 from tumble import core
-from tumble.arrays import Floats, Integers
+from tumble.arrays import Floats
 from tumble.core.optimal import GainRecord, estimate_runs, optimal_runs
 from tumble.estimators import OPTIMAL
-from tumble.reference.estimators import fit_indices
-from tumble.schedule import Schedule
+from tumble.model.errors import by_gains
+from tumble.model.optimal import sizes_of_runs
+from tumble.model.propagation import Propagation
+from tumble.model.second_order import ManyRuns
 from tumble.solving import extended
 from tumble.solving.gain_record import record_of, to_bytes
-from tumble.solving.gains import OptimalTable, optimal_table
-from tumble.stand import PerChannel, Stand
-from tumble.terms import Terms
-
-ManyRuns = Callable[[Floats], Floats]
 
 
-def estimator_for(
-    schedule: Schedule,
-    k: Floats,
-    stand: Stand,
-    estimator: str,
-    samples: Integers,
-    step: PerChannel = 0.0,
-    terms: Terms = (),
-) -> ManyRuns:
-    """From means (runs, positions, 3), all measured, to coefficients (runs, 12). `optimal` has weights made at `k`: its
-    second order makes up for those of each run's own K. `terms`: further unknowns. What is returned raises
-    CoreRefusal."""
-    positions = core.CoreSchedule(schedule)
-    if terms:
-        table = table_at(schedule, k, stand, samples, step, terms) if estimator == OPTIMAL else None
-        return lambda means: extended.estimate_runs(positions, means, terms, table)[:, :12]
-    if estimator != OPTIMAL:
-        return lambda means: estimate_runs(positions, means, estimator)
-    table = table_at(schedule, k, stand, samples, step)
-    record = GainRecord(positions, to_bytes(record_of(table, schedule)))
-    return lambda means: optimal_runs(record, means)[0]
+def estimator_for(given: Propagation) -> ManyRuns:
+    """From means (runs, positions, 3), all measured, to K row by row, U0 and the sizes of further terms (runs, 12 + 3 x
+    terms). `optimal` has weights made at the `k` given: its second order makes up for those of each run's own K. What
+    is returned raises CoreRefusal."""
+    schedule, terms = core.CoreSchedule(given.schedule), given.terms
+    if given.estimator != OPTIMAL:
+        if terms:
+            return lambda means: extended.least_squares(schedule, means, terms)
+        return lambda means: estimate_runs(schedule, means, given.estimator)
+    twelve = replace(given, terms=())
+    record = GainRecord(schedule, to_bytes(record_of(twelve.table, given.schedule)))
+    if not terms:
+        return lambda means: optimal_runs(record, means)[0]
+
+    def by_both(means: Floats) -> Floats:
+        sizes = sizes_of_runs(given.table, given.schedule, given.stand, terms, means)
+        found = optimal_runs(record, extended.without(means, sizes, given.schedule, terms))[0]
+        return np.concatenate([found, sizes], axis=1)
+
+    return by_both
 
 
-def table_at(
-    schedule: Schedule, k: Floats, stand: Stand, samples: Integers, step: PerChannel = 0.0, terms: Terms = ()
-) -> OptimalTable:
-    """The weights of `optimal` at `k`; `samples` (positions,): rows of each, as Stand.averaged_over has them."""
-    fitted = stand.averaged_over(samples)[fit_indices(schedule)]
-    further = extended.fitted_columns(core.CoreSchedule(schedule), terms)
-    return optimal_table(schedule, k, stand, step, float(1.0 / (1.0 / fitted).mean()), further)
+def or_linear(given: Propagation) -> ManyRuns:
+    """The same, of the twelve alone; beyond 0.1 rad, where `optimal` gives no result, its linear part, whose bias says
+    enough."""
+    estimate = estimator_for(given)
+
+    def of(means: Floats) -> Floats:
+        try:
+            return estimate(means)[:, :12]
+        except core.CoreRefusal:
+            if given.estimator != OPTIMAL:
+                raise
+            return by_gains(given.schedule, given.gains[:12])(means)
+
+    return of

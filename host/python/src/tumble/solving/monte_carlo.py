@@ -16,16 +16,15 @@ from typing import Any
 
 import numpy as np
 
-from tumble.arrays import Floats, Integers
+from tumble.arrays import Floats
 from tumble.core import CoreRefusal
 from tumble.errors import UsageError
 from tumble.estimators import COEFFICIENTS
-from tumble.reference.uncertainty import sources
-from tumble.schedule import Schedule
-from tumble.solving.drawn_runs import Chunk, Errors, chunks, drawn_outputs, stream_of
-from tumble.solving.many_runs import ManyRuns, estimator_for
-from tumble.stand import Stand
-from tumble.terms import Terms
+from tumble.solving.drawn_runs import Chunk, chunks, drawn_outputs, stream_of
+from tumble.model.errors import Source
+from tumble.model.propagation import Propagation
+from tumble.model.second_order import ManyRuns
+from tumble.solving.many_runs import estimator_for
 from tumble.workers.kept import Result
 from tumble.workers.over import ALONE, Progress, Team, over
 
@@ -107,30 +106,23 @@ class MonteCarlo:
 
 
 def simulate(
-    schedule: Schedule,
-    k: Floats,
+    given: Propagation,
     u0: Floats,
     u: Floats,
-    stand: Stand,
-    estimator: str,
-    samples: Integers,
     runs: int,
     seed: int,
     mean_variance: Floats | None = None,
-    terms: Terms = (),
     team: Team = ALONE,
     progress: Progress = lambda runs: None,
 ) -> MonteCarlo:
-    """Of a result `k` (3, 3), `u0` (3,) with stated uncertainties `u` (12,), on `schedule`, all of it measured, with
-    `samples` (positions,) rows each. `stand` in the unit of the outputs; `mean_variance` as of
-    `sources`; `terms`: further unknowns of the estimate. The same seed gives the same numbers, whatever the
-    `team`. `progress` is told of runs done.
+    """Of an estimate as `given`, with `u0` (3,) and stated uncertainties `u` (12,); `mean_variance` (positions, 3): by
+    the noise as measured. The same seed gives the same numbers, whatever the `team`. `progress` is told of runs done.
 
     Raises UsageError where a run on such a stand cannot be solved.
     """
-    errors = sources(schedule, k, stand, samples, mean_variance)
-    job = _Estimates(schedule, k, u0, errors, stand, estimator, samples, terms)
-    found = [one["found"] for one in over(chunks(errors, stand.limits, runs, seed), job, team, progress)]
+    errors, k = given.errors(mean_variance), given.k
+    pieces = chunks(errors, given.stand.limits, runs, seed)
+    found = [one["found"] for one in over(pieces, _Estimates(given, u0, errors), team, progress)]
     value = np.concatenate([k.ravel(), u0])
     return compare(np.concatenate(found).reshape(-1, 12) - value, value, u, seed, _ROUNDING * float(np.abs(k).max()))
 
@@ -174,22 +166,18 @@ def _tolerance(u: float) -> float:
 class _Estimates:
     """A job: the coefficients of a chunk of runs, one after the other. Raises UsageError where they cannot be had."""
 
-    schedule: Schedule
-    k: Floats
+    given: Propagation
     u0: Floats
-    errors: Errors
-    stand: Stand
-    estimator: str
-    samples: Integers
-    terms: Terms
+    errors: dict[str, Source]
 
     def __call__(self, chunk: Chunk) -> Result:
-        given = self.schedule, self.k, self.u0, self.errors, self.stand.limits, chunk[0], stream_of(chunk)
+        given = self.given
+        drawn = given.schedule, given.k, self.u0, self.errors, given.stand.limits, chunk[0], stream_of(chunk)
         try:
-            return {"found": self._estimate(drawn_outputs(*given)).ravel()}
+            return {"found": self._estimate(drawn_outputs(*drawn))[:, :12].ravel()}
         except CoreRefusal as refusal:
             raise UsageError(f"--monte-carlo: a run on such a stand cannot be solved: {refusal}") from None
 
     @cached_property
     def _estimate(self) -> ManyRuns:
-        return estimator_for(self.schedule, self.k, self.stand, self.estimator, self.samples, terms=self.terms)
+        return estimator_for(self.given)

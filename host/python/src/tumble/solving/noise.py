@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from tumble import reference
 from tumble.arrays import Flags, Floats, Integers
 from tumble.files.run_file import Run
-from tumble.solving.stand_seen import averaged_over
+from tumble.model.noise import MeasuredNoise, measured_noise
+from tumble.model.stand_seen import averaged_over
 from tumble.stand import PerChannel, Stand, by_channel, rounding_of, rounds_alike
 
 _ROUNDING = 1e-12  # of the largest output
@@ -26,7 +26,7 @@ class Noise:
     where the declared noise is right; `by_samples` (positions, 3): what of it the samples say. None of it is known
     without samples and a stand."""
 
-    measured: reference.MeasuredNoise | None
+    measured: MeasuredNoise | None
     exceeds: Flags
     undithered: Flags
     rounding: Floats
@@ -47,7 +47,7 @@ def look(run: Run, stand: Stand | None, step: PerChannel, shortest: int | None =
     if shortest is not None:
         first = max(shortest.bit_length() - 1, 1)
         squares = squares[: first + 2 if shortest > 0 else 1]
-    measured = reference.measured_noise(run.samples, run.scatter, squares, first)
+    measured = measured_noise(run.samples, run.scatter, squares, first)
     declared = None if stand is None else stand.sigmas("noise")
     samples = np.where(run.measured, averaged_over(run.samples, stand), 1)
     exceeds = _exceeds(measured, declared, run, step)
@@ -62,7 +62,7 @@ def look(run: Run, stand: Stand | None, step: PerChannel, shortest: int | None =
     return Noise(measured, exceeds, undithered, rounding, variance * known, by_samples * known)
 
 
-def _exceeds(measured: reference.MeasuredNoise | None, declared: Floats | None, run: Run, step: PerChannel) -> Flags:
+def _exceeds(measured: MeasuredNoise | None, declared: Floats | None, run: Run, step: PerChannel) -> Flags:
     """The steps of the converter and rounding are no noise."""
     if measured is None:
         return np.zeros(3, dtype=bool)
@@ -72,7 +72,7 @@ def _exceeds(measured: reference.MeasuredNoise | None, declared: Floats | None, 
     return measured.exceeds(np.hypot(declared, by_channel(step) / 2.0 + rounded))
 
 
-def _undithered(measured: reference.MeasuredNoise | None, declared: Floats | None, steps: Floats) -> Flags:
+def _undithered(measured: MeasuredNoise | None, declared: Floats | None, steps: Floats) -> Flags:
     """Is the noise of a sample under half a step? Rounding adds a twelfth of a step's square to a scatter."""
     if measured is not None:
         return np.asarray((measured.scatter**2 < steps**2 / 3.0) | (measured.scatter == 0.0))
@@ -103,7 +103,7 @@ def document(noise: Noise, samples: Integers) -> dict[str, Any]:
     }
 
 
-def of_means(seen: reference.MeasuredNoise, samples: Integers) -> Floats:
+def of_means(seen: MeasuredNoise, samples: Integers) -> Floats:
     """As much noise of a sample (3,) as would give the means their standard errors, were it white."""
     several = samples[samples > 1]
     found: Floats = np.sqrt((seen.mean_variance(several) * several[:, None]).mean(axis=0))

@@ -9,17 +9,17 @@ import numpy as np
 from tumble.arrays import Floats
 from tumble.distributions import chi_squared_log_above, f_cdf
 from tumble.files.run_file import Run
-from tumble.reference import MeasuredNoise
-from tumble.solving.fit import NOISE, Sampled
+from tumble.model.explanations import NOISE, Sampled
+from tumble.model.noise import MeasuredNoise
+from tumble.model.stand_seen import Estimate, own_variance
 from tumble.solving.noise import Noise, of_means
-from tumble.solving.stand_seen import Quantity, own_variance
 from tumble.stand import PerChannel, Stand, by_channel
 from tumble.units import noise_unit, volts_per
 
 CORRELATED = "correlated_noise"
 
 
-def sampled_patterns(noise: Noise, run: Run, pooled: Quantity | None, stand: Stand, step: PerChannel) -> list[Sampled]:
+def sampled_patterns(noise: Noise, run: Run, pooled: Estimate | None, stand: Stand, step: PerChannel) -> list[Sampled]:
     """More noise than declared, and noise that is not white: each if the samples can show it. `pooled` over positions
     and channels, as solving.stand_seen has it; `stand` and the converter's `step` (0: unknown) in the unit of the
     outputs."""
@@ -31,7 +31,7 @@ def sampled_patterns(noise: Noise, run: Run, pooled: Quantity | None, stand: Sta
     return found
 
 
-def _more_noise(run: Run, pooled: Quantity, stand: Stand, step: PerChannel) -> Sampled:
+def _more_noise(run: Run, pooled: Estimate, stand: Stand, step: PerChannel) -> Sampled:
     """Rounding by half a step counts as noise."""
     expected = stand.weights * np.hypot(stand.sigmas("noise"), by_channel(step) / 2.0)
     declared, log_p = float(expected.max()), 0.0

@@ -7,15 +7,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from tumble import core
 from tumble.arrays import Flags, Floats, Integers
 from tumble.core.optimal import OptimalEstimate, optimal
-from tumble.schedule import CHECK, Schedule
+from tumble.model.optimal import OptimalTable, optimal_table, samples_in_a_mean
 from tumble.solving.gain_record import record_of, to_bytes
-from tumble.solving.gains import OptimalTable, optimal_table
 from tumble.stand import PerChannel, Stand
+from tumble.terms import Terms
 
 
 @dataclass(frozen=True)
@@ -39,20 +37,16 @@ class Weighting:
     known: Known | None = None
 
 
-def estimate(schedule: core.CoreSchedule, means: Floats, measured: Flags, weighting: Weighting) -> OptimalEstimate:
-    """Coefficients and the stand's errors by the core. Raises CoreRefusal; UsageError where weights cannot be made."""
-    table = make_table(schedule, means, measured, weighting)
-    return apply_table(table, schedule.part(measured), means[measured])
-
-
 def make_table(
-    schedule: core.CoreSchedule, means: Floats, measured: Flags, weighting: Weighting, further: Floats | None = None
+    schedule: core.CoreSchedule, means: Floats, measured: Flags, weighting: Weighting, terms: Terms = ()
 ) -> OptimalTable:
-    """The weights for a run; `further` as of optimal_table. Raises CoreRefusal, UsageError."""
+    """The weights for a run, of a model with further `terms`. Raises CoreRefusal, UsageError."""
+    part, known = schedule.data.part(measured), weighting.known
+    if known is not None:
+        return optimal_table(part, known.k, weighting.stand, weighting.step, known.samples, terms)
     first = core.estimate(schedule, means, measured, "least_squares")[0]
-    k = first if weighting.known is None else weighting.known.k
-    samples = samples_in_a_mean(schedule.data, measured, weighting)
-    return optimal_table(schedule.data.part(measured), k, weighting.stand, weighting.step, samples, further)
+    samples = samples_in_a_mean(part, weighting.stand, weighting.samples[measured])
+    return optimal_table(part, first, weighting.stand, weighting.step, samples, terms)
 
 
 def apply_table(table: OptimalTable, schedule: core.CoreSchedule, means: Floats) -> OptimalEstimate:
@@ -60,10 +54,7 @@ def apply_table(table: OptimalTable, schedule: core.CoreSchedule, means: Floats)
     return optimal(to_bytes(record_of(table, schedule.data)), schedule, means)
 
 
-def samples_in_a_mean(schedule: Schedule, measured: Flags, weighting: Weighting) -> float:
-    """As many samples in every mean as give the same noise on the average."""
-    if weighting.known is not None:
-        return float(weighting.known.samples)
-    fit = measured & np.array([position.use != CHECK for position in schedule.positions])
-    samples = weighting.stand.averaged_over(weighting.samples)[fit]
-    return float(1.0 / (1.0 / samples).mean())
+def estimate(schedule: core.CoreSchedule, means: Floats, measured: Flags, weighting: Weighting) -> OptimalEstimate:
+    """Coefficients and the stand's errors by the core. Raises CoreRefusal; UsageError where weights cannot be made."""
+    table = make_table(schedule, means, measured, weighting)
+    return apply_table(table, schedule.part(measured), means[measured])

@@ -20,7 +20,7 @@ from tumble.core import AXES
 from tumble.distributions import student_quantile
 from tumble.errors import BadInput
 from tumble.files.stand_file import StandFile
-from tumble.reference import Geometry
+from tumble.model.geometry import Geometry
 from tumble.schedule import FIT, Position, Schedule
 from tumble.solving.solution import Solution
 from tumble.stand import by_channel, over

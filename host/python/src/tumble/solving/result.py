@@ -10,9 +10,10 @@ import numpy as np
 from tumble._version import __version__
 from tumble.core import Intrinsic
 from tumble.files.documents import RESULT
-from tumble.solving import noise, reliability, si, stand_seen, temperature
+from tumble.model import reliability, stand_seen
+from tumble.model.norm import IntrinsicUncertainties, named
+from tumble.solving import noise, si, temperature
 from tumble.solving.assumptions import assumed
-from tumble.solving.covariance import IntrinsicUncertainties, named
 from tumble.solving.decision import decide
 from tumble.solving.declared import schedule_document, stand_document
 from tumble.solving.gravity_uncertainty import UNKNOWN, gravity_uncertainty

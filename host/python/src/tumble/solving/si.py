@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.solving.covariance import by_intrinsic, variances
+from tumble.model.norm import by_intrinsic, variances
 from tumble.units import per_m_s2
 
 POWERS_OF_TWELVE = np.repeat([1.0, 0.0], [9, 3])  # of the gravity in their units

@@ -3,44 +3,47 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from tumble import core, reference
+from tumble import core
 from tumble.arrays import Floats, Integers
 from tumble.defaults import DEFAULT_COVERAGE_FACTOR
 from tumble.errors import BadInput
 from tumble.estimators import OPTIMAL
 from tumble.files.run_file import Run
-from tumble.reference.stand_seen import ANGLES
+from tumble.model.explanations import CONFIDENCE, Fit, judge, variance_of_means
+from tumble.model.force import NotSolvable
+from tumble.model.geometry import built_in
+from tumble.model.norm import IntrinsicUncertainties, WorstNorm, by_intrinsic, intrinsic_uncertainties, worst_norm
+from tumble.model.optimal import OptimalEstimate, optimal_estimate
+from tumble.model.propagation import Propagation
+from tumble.model.reliability import Reliability, reliability
+from tumble.model.second_order import SecondOrder, second_order
+from tumble.model.stand_seen import (
+    ANGLES,
+    ChannelNoise,
+    RunSeen,
+    StandSeen,
+    look,
+    pooled_noise,
+    stand_to_look_with,
+    weights_of,
+)
+from tumble.model.whole import WholeModel
 from tumble.schedule import Schedule
 from tumble.solving import extended, noise as noise_of_runs, optimal_run
 from tumble.solving.computation import Computation, DeadChannels, compute
-from tumble.solving.covariance import (
-    IntrinsicUncertainties,
-    WorstNorm,
-    by_intrinsic,
-    intrinsic_uncertainties,
-    worst_norm,
-)
 from tumble.solving.coverage import Coverage, coverage
-from tumble.solving.crosscheck import (
-    LARGEST_MISFIT,
-    Comparison,
-    compare,
-)
-from tumble.solving.extended import NotSolvable
-from tumble.solving.fit import CONFIDENCE, Fit, judge, variance_of_means
+from tumble.solving.crosscheck import LARGEST_MISFIT, Comparison, compare
 from tumble.solving.further import Further, Without
+from tumble.solving.many_runs import or_linear
 from tumble.solving.monte_carlo import MonteCarlo, simulate
 from tumble.solving.noise_patterns import sampled_patterns
-from tumble.solving.reliability import Reliability, reliability
-from tumble.solving.second_order import SecondOrder, second_order
-from tumble.solving.stand_seen import ChannelNoise, StandSeen, look, stand_to_look_with, weights_of
-from tumble.solving.stated import Propagation, Stated, Witness
+from tumble.solving.uncertainty import Stated, stated
 from tumble.stand import PerChannel, Stand, over
 from tumble.terms import Terms
 from tumble.units import volts_per
@@ -129,38 +132,44 @@ class Solution:
         """Whether the declared stand is good enough for the linear theory of uncertainties; None without a stand."""
         if self.stand is None:
             return None
-        schedule, stand, samples = self._as_propagated
-        given = schedule, self.found.k, self._u, stand, self.found.estimator, samples
-        return second_order(*given, terms=self.found.terms)
+        return second_order(self.propagation, self._u, or_linear(self.propagation))
 
     @cached_property
     def reliability(self) -> Reliability | None:
         """What the run could not have shown, whatever it shows; None without a declared stand."""
         if self.fit is None:
             return None
-        return reliability(self.witness, self.found.terms, self.fit.confidence, self.noise.rounding)
+        return reliability(self.propagation, self.fit.confidence, self.noise.rounding)
 
-    @property
-    def witness(self) -> Witness:
-        """What numpy propagates; of a run whose stand is declared."""
-        schedule, stand, samples = self._as_propagated
-        return Witness(schedule, self.found.k, stand, samples, self.found.estimator, self.step)
+    @cached_property
+    def propagation(self) -> Propagation:
+        """How errors reach the estimate: those of the declared stand, in the unit of the run, or of none."""
+        stand = noise_of_runs.NO_STAND if self.stand is None else self.declared.with_step(self.step)
+        samples = self.run.samples[self.run.measured]
+        given = self.measured_schedule, self.found.k, stand, samples, self.found.estimator, self.step
+        return Propagation(*given, self.found.terms)
 
     @cached_property
     def coverage(self) -> Coverage | None:
         """How well the uncertainties are known, of a stand or by scatter alone; None where there are none."""
         if self.u_k is None and self.scatter_alone is None:
             return None
-        stand = noise_of_runs.NO_STAND if self.stand is None else self.declared.with_step(self.step)
-        measured, samples = self.run.measured, self.run.samples[self.run.measured]
-        witness = Witness(self.measured_schedule, self.found.k, stand, samples, self.found.estimator, self.step)
-        by_variance = partial(witness.covariance, terms=self.found.terms)
-        return coverage(self.noise, measured, stand, samples, by_variance, by_intrinsic(self.found.k, self.found.u0))
+        given = self.propagation
+        by_twelve = by_intrinsic(self.found.k, self.found.u0)
+        return coverage(self.noise, self.run.measured, given.stand, given.samples, given.covariance, by_twelve)
 
     def simulated(self, runs: int, seed: int, team: Team = ALONE, progress: Progress = lambda runs: None) -> Solution:
         """This solution with its `monte_carlo`, by a team; it has a declared stand. Raises UsageError."""
-        given = self.drawn_from
-        return replace(self, monte_carlo=simulate(**given, runs=runs, seed=seed, team=team, progress=progress))
+        variance = self.noise.mean_variance[self.run.measured]
+        given = self.propagation, self.found.u0, self._u, runs, seed, variance
+        return replace(self, monte_carlo=simulate(*given, team, progress))
+
+    @property
+    def drawn_from(self) -> dict[str, Any]:
+        """All that its simulated runs depend on, beside their seed; for whoever knows that there is a stand."""
+        given = {one.name: getattr(self.propagation, one.name) for one in fields(self.propagation)}
+        variance = self.noise.mean_variance[self.run.measured]
+        return {**given, "u0": self.found.u0, "u": self._u, "mean_variance": variance}
 
     @property
     def channel_noise(self) -> ChannelNoise | None:
@@ -170,28 +179,6 @@ class Solution:
             return None
         freedom = int((samples[samples > 1] - 1).sum())
         return ChannelNoise(seen.scatter * volts_per(self.run.unit), freedom, stand.sigmas("noise"))
-
-    @property
-    def drawn_from(self) -> dict[str, Any]:
-        """All that its simulated runs depend on, beside their seed; for whoever knows that there is a stand."""
-        schedule, stand, samples = self._as_propagated
-        return {
-            "schedule": schedule,
-            "k": self.found.k,
-            "u0": self.found.u0,
-            "u": self._u,
-            "stand": stand,
-            "estimator": self.found.estimator,
-            "samples": samples,
-            "mean_variance": self.noise.mean_variance[self.run.measured],
-            "terms": self.found.terms,
-        }
-
-    @property
-    def _as_propagated(self) -> tuple[Schedule, Stand, Integers]:
-        """What the uncertainties come from: measured positions, the stand, rows of each position."""
-        stand = self.declared.with_step(self.step)
-        return self.measured_schedule, stand, self.run.samples[self.run.measured]
 
     @property
     def _u(self) -> Floats:
@@ -255,7 +242,10 @@ def solve(
         assert declared is not None  # as documented
         weighting = optimal_run.Weighting(declared, run.samples, step, known)
     name = core_schedule.name
-    witnessed = (core_schedule.data if name is None else reference.built_in(name)).part(run.measured)
+    witnessed = (core_schedule.data if name is None else built_in(name)).part(run.measured)
+    means, samples, scatter = run.means[run.measured], run.samples[run.measured], run.scatter[run.measured]
+    noisy = noise_of_runs.look(run, in_unit, step)
+    variance = noisy.mean_variance[run.measured]
     try:
         _require_told_apart(core_schedule, witnessed, run, terms, file)
         found = compute(core_schedule, run.means, run.measured, estimator, limit_g, weighting, terms)
@@ -263,26 +253,24 @@ def solve(
         raise BadInput(_explain(refusal, estimator), file) from None
     except (DeadChannels, NotSolvable) as error:
         raise BadInput(str(error), file) from None
-    means, samples, scatter = run.means[run.measured], run.samples[run.measured], run.scatter[run.measured]
-    noisy = noise_of_runs.look(run, in_unit, step)
-    variance = noisy.mean_variance[run.measured]
-    model = None if declared is None else _whole_model(witnessed, run, declared, noisy, found)
-    optimal = None
-    if weighting is not None and model is not None:
-        _require_near(model, file)
-        optimal = _witness(witnessed, means, samples, weighting, variance, terms)
-    comparison = compare(found, witnessed, means, found.gravity.delta_g[run.measured], optimal)
+    model = optimal = None
+    if declared is not None:
+        of_means = variance_of_means(declared, run.samples, noisy.rounding)[run.measured]
+        model = WholeModel(witnessed, means, of_means, declared, terms)
+        if weighting is not None:
+            _require_near(model, file)
+            optimal = _by_numpy(witnessed, means, samples, weighting, variance, terms)
+    linear = found.linear[run.measured]
+    comparison = compare(found, witnessed, means, linear, found.gravity.delta_g[run.measured], optimal)
     further = Further(terms, found.k, found.sizes, comparison.sizes) if terms else None
-    stated, costly = None, further
+    uncertain, costly = None, further
     if declared is not None or noisy.is_known:
-        errors, variances = declared or noise_of_runs.NO_STAND, noisy.mean_variance
-        reach = Propagation(core_schedule, witnessed, run, found.k, estimator, errors, step, variances)
-        stated, costly = _state(reach, optimal, further, file)
+        given = Propagation(witnessed, found.k, declared or noise_of_runs.NO_STAND, samples, estimator, step, terms)
+        uncertain, costly = _state(given, core_schedule, run, variance, optimal, further, file)
     alike = None if declared is None else stand_to_look_with(declared, found.k)
     weights = weights_of(alike)
-    shown = reference.RunSeen(witnessed, comparison.linear, found.k, core_schedule.data, weights)
-    pooled = reference.pooled_noise(samples, scatter * weights)
-    seen = look(shown, pooled, samples, alike, mean_variance=variance)
+    shown = RunSeen(witnessed, linear, found.k, core_schedule.data, weights)
+    seen = look(shown, pooled_noise(samples, scatter * weights), samples, alike, mean_variance=variance)
     seen = _without_angles(seen) if terms else seen
     fit = None
     if alike is not None and model is not None:
@@ -290,8 +278,8 @@ def solve(
     seen = replace(seen, alpha4=None, alpha4_freedom=0.0) if terms else seen
     return Solution(
         *(core_schedule.data, run, limit_g, found, comparison, stand, seen, noisy, fit),
-        stated=None if stand is None else stated,
-        scatter_alone=stated if stand is None else None,
+        stated=None if stand is None else uncertain,
+        scatter_alone=uncertain if stand is None else None,
         step=step,
         further=further if stand is None else costly,
         coverage_factor=coverage_factor,
@@ -313,33 +301,28 @@ def _require_told_apart(schedule: core.CoreSchedule, witnessed: Schedule, run: R
 
 
 def _state(
-    reach: Propagation, optimal: reference.OptimalEstimate | None, further: Further | None, file: str
+    given: Propagation,
+    schedule: core.CoreSchedule,
+    run: Run,
+    variance: Floats,
+    optimal: OptimalEstimate | None,
+    further: Further | None,
+    file: str,
 ) -> tuple[Stated, Further | None]:
     """The uncertainties, those of `further` terms with what they cost the twelve. Raises BadInput for a stand beyond
     what the core computes with."""
     try:
+        found = stated(given, schedule, run.measured, variance, optimal)
         if further is None:
-            return reach.to_twelve(optimal), None
-        alone, beside = reach.to_twelve(), reach.to_all(further.terms, optimal)
+            return found, None
+        alone = stated(replace(given, terms=()), schedule, run.measured, variance)
     except core.CoreRefusal as refusal:
         raise BadInput(f"no uncertainties from this stand: {refusal}", file) from None
-    without = Without(alone.u_k, alone.u_u0, worst_norm(reach.k, alone.covariance))
-    return beside, replace(further, covariance=beside.covariance, without=without)
+    without = Without(alone.u_k, alone.u_u0, worst_norm(given.k, alone.covariance))
+    return found, replace(further, covariance=found.covariance, without=without)
 
 
-def _whole_model(
-    witnessed: Schedule,
-    run: Run,
-    stand: Stand,
-    noisy: noise_of_runs.Noise,
-    found: Computation,
-) -> reference.WholeModel:
-    """The whole model of a run, by numpy."""
-    variance = variance_of_means(stand, run.samples, noisy.rounding)[run.measured]
-    return reference.WholeModel(witnessed, run.means[run.measured], variance, stand, found.terms)
-
-
-def _require_near(model: reference.WholeModel, file: str) -> None:
+def _require_near(model: WholeModel, file: str) -> None:
     """Raise BadInput for a run that cannot have come from such a stand: weights made for errors that are not there
     would mislead."""
     misfit = math.sqrt(model.chi_squared / max(1, model.freedom))
@@ -347,18 +330,18 @@ def _require_near(model: reference.WholeModel, file: str) -> None:
         raise BadInput(f"residuals {misfit:.2g} times what the stand declares: no optimal weights for it", file)
 
 
-def _witness(
+def _by_numpy(
     schedule: Schedule,
     means: Floats,
     samples: Integers,
     weighting: optimal_run.Weighting,
     mean_variance: Floats,
     terms: Terms,
-) -> reference.OptimalEstimate:
-    """The optimal estimator by numpy."""
+) -> OptimalEstimate:
+    """The optimal estimator from the data, without a table."""
     k, of_means = (None, None) if weighting.known is None else (weighting.known.k, weighting.known.samples)
     given = schedule, means, weighting.stand, samples, weighting.step
-    return reference.optimal(*given, k, of_means, mean_variance, terms)
+    return optimal_estimate(*given, k, of_means, mean_variance, terms)
 
 
 def _explain(refusal: core.CoreRefusal, estimator: str) -> str:

@@ -1,10 +1,10 @@
-"""Tables of the optimal estimator for many runs at once, each at its own K: gains.optimal_table in stacks.
+"""Tables of the optimal estimator for many runs at once, each at its own K: optimal_table in stacks.
 
-The system is the one of gains.py but for the errors of the set angles. Each of these moves the three outputs of its own
-position alone, along d = sigma4 K f', so it needs no column: the reflection that turns d to the first axis leaves noise
-of sqrt(sigma^2 + |d|^2) along that axis and of sigma on the other two, and dividing the first row by their ratio makes
-all noise alike. Exact, and as well conditioned as the whole system. Every run is reckoned by itself, so numbers do not
-depend on how many runs are in a stack.
+The system is the one of model.optimal but for the errors of the set angles. Each of these moves the three outputs of
+its own position alone, along d = sigma4 K f', so it needs no column: the reflection that turns d to the first axis
+leaves noise of sqrt(sigma^2 + |d|^2) along that axis and of sigma on the other two, and dividing the first row by
+their ratio makes all noise alike. Exact, and as well conditioned as the whole system. Every run is reckoned by itself,
+so numbers do not depend on how many runs are in a stack.
 """
 
 from __future__ import annotations
@@ -18,8 +18,19 @@ from tumble import core
 from tumble.arrays import Floats
 from tumble.core.optimal import GainRecord, Gains, estimate_runs, optimal_each
 from tumble.errors import UsageError
+from tumble.model.errors import felt
+from tumble.model.estimators import design
+from tumble.model.optimal import (
+    LARGEST_LOSS,
+    UNEQUAL,
+    by_mounting,
+    channel_weights,
+    mean_sigma,
+    optimal_table,
+    require_drift,
+    shared_errors,
+)
 from tumble.schedule import Schedule
-from tumble.solving import gains
 from tumble.solving.gain_record import record_of, to_bytes
 from tumble.stand import PerChannel, Stand, by_channel
 
@@ -29,14 +40,14 @@ _AT_ONCE = 50  # runs: what a stack of them takes stays in a processor's second 
 def solve(schedule: Schedule, means: Floats, stand: Stand, step: PerChannel, samples: float) -> tuple[Floats, Floats]:
     """Coefficients (runs, 12) by the core, with weights made at each run's first estimate, from means (runs, positions,
     3) of a schedule that has fit positions alone; and standard uncertainties (runs, 12) at the K found. `step` as in
-    gains.optimal_table; `samples`: of a mean, for the weights; uncertainties are for the stand's own.
+    optimal_table; `samples`: of a mean, for the weights; uncertainties are for the stand's own.
 
     Raises CoreRefusal; UsageError where weights cannot be made.
     """
     system = _System(schedule, stand, step)
     opened = core.CoreSchedule(schedule)
     first = estimate_runs(opened, means, "least_squares")[:, :9].reshape(-1, 3, 3)
-    table = gains.optimal_table(schedule, first[0], stand, step, samples)
+    table = optimal_table(schedule, first[0], stand, step, samples)
     record = GainRecord(opened, to_bytes(record_of(table, schedule)))
     found, u = np.empty((2, len(means), 12))
     for part in _parts(len(means)):
@@ -97,21 +108,21 @@ class _System:
     """What the runs of a stand and a schedule share."""
 
     def __init__(self, schedule: Schedule, stand: Stand, step: PerChannel):
-        model = gains.linearise(schedule)
         self.schedule, self.stand, self.step = schedule, stand, step
-        self.shared = gains.shared_sigmas(schedule, stand)
-        self.design = gains.design(model).reshape(-1, 3, 12)
-        by_shared = gains.shared_derivatives(model, np.eye(3), stand) * self.shared
-        self.by_shared = by_shared.reshape(-1, 3, len(self.shared))
-        self.angles = len(self.shared) - (3 if stand.declares_drift else 0)  # the others do not depend on K
-        self.by_angle = model.delta * stand.sigma("angle")
+        self.errors = shared_errors(schedule, np.eye(3), stand)
+        self.shared = np.concatenate([source.sigma for source in self.errors.values()])
+        self.design = design(schedule).reshape(-1, 3, 12)
+        by_shared = np.concatenate([source.derivative for source in self.errors.values()])
+        self.by_shared = np.moveaxis(by_shared, 0, 2) * self.shared
+        self.angles = len(self.shared) - (3 if "drift" in self.errors else 0)  # the others do not depend on K
+        self.by_angle = felt(schedule, "alpha4").derivative(np.eye(3)).sum(axis=0) * stand.sigma("angle")
 
     def whiten(self, k: Floats, samples: float) -> _Whitened:
         """For blocks of sensitivity `k` (runs, 3, 3)."""
         runs, positions, shared = len(k), len(self.design), len(self.shared)
-        sigma = gains.mean_sigma(k, self.stand, self.step, samples)[0]
-        gains.require_drift(self.stand.sigmas("drift") / sigma)
-        weights, largest = gains.channel_weights(sigma)[:, None], sigma.max(axis=1)
+        sigma = mean_sigma(k, self.stand, self.step, samples)[0]
+        require_drift(self.stand.sigmas("drift") / sigma)
+        weights, largest = channel_weights(sigma)[:, None], sigma.max(axis=1)
         by_shared, by_angle = self._turned(k), self.by_angle @ np.swapaxes(k, 1, 2)
         outputs = np.empty((runs, positions, 3, shared + 12))
         outputs[..., :shared], outputs[..., shared:] = by_shared, self.design
@@ -126,7 +137,8 @@ class _System:
         by_channel = k @ np.swapaxes(self.by_shared, 0, 1).reshape(3, -1)
         turned = np.swapaxes(by_channel.reshape(len(k), 3, *self.by_shared.shape[::2]), 1, 2).copy()
         turned[..., self.angles :] = self.by_shared[..., self.angles :]
-        return turned
+        of_runs: Floats = turned
+        return of_runs
 
     def weights(self, k: Floats, samples: float) -> Gains:
         """For each run. Raises UsageError where numbers are beyond any stand."""
@@ -141,9 +153,13 @@ class _System:
             beta, prior = system.mirror.back(beta) * by_channel, system.mirror.back(prior) * by_channel
             sound = self._is_sound(beta, _deviations(r[:, shared:, shared:], system.sigma), system)
         if not (np.isfinite(prior).all() and sound):
-            raise UsageError(gains.UNEQUAL)
+            raise UsageError(UNEQUAL)
         return Gains(
-            k, system.sigma.max(axis=1), system.weights[:, 0], beta, gains.by_mounting(prior, self.schedule, self.stand)
+            k,
+            system.sigma.max(axis=1),
+            system.weights[:, 0],
+            beta,
+            by_mounting(prior, self.errors, self.schedule, self.stand),
         )
 
     def uncertainties(self, k: Floats) -> Floats:
@@ -159,13 +175,13 @@ class _System:
         return together
 
     def _is_sound(self, beta: Floats, u: Floats, system: _Whitened) -> bool:
-        """As gains.optimal_table: the gains give back the coefficients, and their spread is the one that QR says."""
+        """As optimal_table: the gains give back the coefficients, and their spread is the one that QR says."""
         lost = np.abs(beta @ self.design.reshape(-1, 12) - np.eye(12)).max()
         by_shared = beta @ system.by_shared.reshape(*beta.shape[::2], -1)
         by_angle = _dot(beta.reshape(*beta.shape[:2], -1, 3), system.by_angle[:, None])
         noise = _dot((beta**2).reshape(*beta.shape[:2], -1, 3).sum(axis=2), system.sigma[:, None] ** 2)
         claimed = np.sqrt((by_shared**2).sum(axis=2) + (by_angle**2).sum(axis=2) + noise)
-        return bool(lost < gains.LARGEST_LOSS and (np.abs(claimed - u) < gains.LARGEST_LOSS * u).all())
+        return bool(lost < LARGEST_LOSS and (np.abs(claimed - u) < LARGEST_LOSS * u).all())
 
 
 def _dot(one: Floats, other: Floats) -> Floats:

@@ -9,16 +9,16 @@ from typing import Any
 
 import numpy as np
 
-from tumble import core, reference
+from tumble import core
 from tumble.arrays import Floats
 from tumble.errors import UsageError
 from tumble.estimators import OPTIMAL
+from tumble.model.geometry import built_in
+from tumble.model.norm import worst_norm
+from tumble.model.propagation import Propagation
 from tumble.rounding import on_its_side
 from tumble.schedule import Schedule
-from tumble.solving.covariance import worst_norm
 from tumble.solving.solution import Solution
-from tumble.solving.stated import Witness
-from tumble.terms import Terms
 
 _THIRD = "three_mountings"
 _MOST_TIMES = 1000.0  # as many samples: nobody waits longer
@@ -65,20 +65,18 @@ class Remedy:
 
 @dataclass(frozen=True)
 class Question:
-    """Of a run, done or planned: what numpy propagates, `variance` (positions, 3) of the means by the noise as it was
-    measured (0: as declared), of it `rounding` (3,) that no more samples average away, the model's further `terms`,
-    and the rule."""
+    """Of a run, done or planned: how errors reach its estimate, `variance` (positions, 3) of the means by the noise as
+    it was measured (0: as declared), of it `rounding` (3,) that no more samples average away, and the rule."""
 
-    witness: Witness
+    given: Propagation
     variance: Floats
     rounding: Floats
-    terms: Terms
     limit_g: float
     coverage_factor: float
 
     def reach_g(self, times: float = 1.0, schedule: Schedule | None = None, estimator: str | None = None) -> float:
         """With so many `times` the samples, other positions that are measured alike, another estimator."""
-        given = self.witness
+        given = self.given
         samples, variance = given.stand.averaged_over(given.samples), self.variance
         if schedule is not None:
             count = len(schedule.positions)
@@ -91,8 +89,8 @@ class Question:
             samples=samples,
             estimator=estimator or given.estimator,
         )
-        covariance = other.covariance((variance - self.rounding) / times + self.rounding, self.terms)
-        return self.coverage_factor * worst_norm(given.k, covariance, self.terms).worst
+        covariance = other.covariance((variance - self.rounding) / times + self.rounding)
+        return self.coverage_factor * worst_norm(given.k, covariance, given.terms).worst
 
     def answers(self) -> list[Remedy]:
         """What would show it, the cheapest first; a better stand always does."""
@@ -101,7 +99,7 @@ class Question:
         return [*told, Remedy("converter" if self.rounding.any() else "stand", better, self.limit_g)]
 
     def _weights(self) -> Remedy | None:
-        reach_g = np.inf if self.witness.estimator == OPTIMAL else self._tried(lambda: self.reach_g(estimator=OPTIMAL))
+        reach_g = np.inf if self.given.estimator == OPTIMAL else self._tried(lambda: self.reach_g(estimator=OPTIMAL))
         return Remedy("estimator", OPTIMAL, reach_g) if reach_g <= self.limit_g else None
 
     def _samples(self) -> Remedy | None:
@@ -111,12 +109,12 @@ class Question:
         for _ in range(_BISECTIONS):
             middle = (low * high) ** 0.5
             low, high = (low, middle) if self.reach_g(middle) <= self.limit_g else (middle, high)
-        samples = self.witness.stand.averaged_over(self.witness.samples)
+        samples = self.given.stand.averaged_over(self.given.samples)
         return Remedy("samples", int(np.ceil(high * samples.max())), self.reach_g(high))
 
     def _mounting(self) -> Remedy | None:
-        schedule = reference.built_in(_THIRD)
-        if len(self.witness.schedule.mountings) > 2:
+        schedule = built_in(_THIRD)
+        if len(self.given.schedule.mountings) > 2:
             return None
         reach_g = self._tried(lambda: self.reach_g(schedule=schedule))
         return Remedy("mountings", 3, reach_g) if reach_g <= self.limit_g else None
@@ -133,7 +131,7 @@ def would_show(solution: Solution) -> list[Remedy]:
     """Of a solution whose uncertainty is beyond the limit."""
     variance, rounding = solution.noise.mean_variance[solution.run.measured], solution.noise.rounding**2
     rule = solution.limit_g, solution.coverage_factor
-    return Question(solution.witness, variance, rounding, solution.found.terms, *rule).answers()
+    return Question(solution.propagation, variance, rounding, *rule).answers()
 
 
 def in_words(remedies: list[Remedy], limit_g: float) -> str:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from tumble.model.optimal import optimal_table
 from tumble.solving.gain_record import record_of, to_bytes
-from tumble.solving.gains import optimal_table
 from tumble.solving.optimal_run import Known
 from tumble.stand import by_channel
 from tumble.world.setup import Setup, step_v

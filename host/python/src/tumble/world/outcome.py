@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from tumble import reference
 from tumble.api.complaints import complaints
 from tumble.arrays import Floats
 from tumble.errors import BadInput, BenchFault, Disagreement
@@ -18,6 +17,9 @@ from tumble.files.documents import to_json
 from tumble.files.run_file import Run, read_run
 from tumble.files.run_layout import Wishes
 from tumble.files.stand_file import StandFile
+from tumble.model.estimators import estimate
+from tumble.model.optimal import optimal_covariance, optimal_estimate
+from tumble.model.propagation import covariance
 from tumble.solving import provenance, result
 from tumble.solving.crosscheck import OPTIMAL_LIMIT_U, RELATIVE_LIMIT, compare_uncertainties
 from tumble.solving.noise import look, of_means
@@ -133,11 +135,11 @@ def _require_same_estimate(solution: Solution, recorded: Run, setup: Setup) -> N
     schedule, found = setup.schedule.data, solution.found
     if setup.estimator == OPTIMAL:
         known, step = gains.known(setup), step_v(setup)
-        one = reference.optimal(schedule, recorded.means, setup.stand, recorded.samples, step, known.k, known.samples)
+        one = optimal_estimate(schedule, recorded.means, setup.stand, recorded.samples, step, known.k, known.samples)
         _require_close("K", found.k, one.k, OPTIMAL_LIMIT_U * one.u_k)
         _require_close("U0", found.u0, one.u0, OPTIMAL_LIMIT_U * one.u_u0)
         return
-    k, u0 = reference.estimate(schedule, recorded.means, setup.estimator)
+    k, u0 = estimate(schedule, recorded.means, setup.estimator)
     _require_close("K", found.k, k, RELATIVE_LIMIT * np.abs(k).max())
     _require_close("U0", found.u0, u0, RELATIVE_LIMIT * np.abs(k).max())
 
@@ -150,13 +152,12 @@ def _require_same_uncertainties(solution: Solution, document: dict[str, Any], se
     variance = _noise_on_board(solution, document, setup)
     if setup.estimator == OPTIMAL:
         known, step = gains.known(setup), step_v(setup)
-        given = schedule, known.k, setup.stand, samples, step, known.samples
-        witness = reference.optimal_uncertainties(*given, variance)
+        given = schedule, known.k, setup.stand, samples, step, variance
+        by_numpy = optimal_covariance(*given, known_samples=known.samples)
     else:
-        given_k = schedule, solution.found.k, setup.stand, samples, setup.estimator
-        witness = reference.by_coefficient(reference.covariance(*given_k, variance))
-    stated = np.array(document["u_K"]).reshape(3, 3), np.array(document["u_U0"])
-    compare_uncertainties(stated, witness, setup.estimator == OPTIMAL)
+        by_numpy = covariance(schedule, solution.found.k, setup.stand, samples, setup.estimator, variance)
+    stated = np.concatenate([np.ravel(document["u_K"]), document["u_U0"]])
+    compare_uncertainties(stated, np.sqrt(np.diag(by_numpy)), setup.estimator == OPTIMAL)
 
 
 def _noise_on_board(solution: Solution, document: dict[str, Any], setup: Setup) -> Floats | None:

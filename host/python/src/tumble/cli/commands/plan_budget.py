@@ -17,11 +17,11 @@ from tumble.cli.options import Subparsers
 from tumble.errors import EXIT_PASS
 
 if TYPE_CHECKING:
+    from tumble.model.reliability import Reliability
     from tumble.planning.budget import Budget
     from tumble.planning.case import Case
     from tumble.planning.promise import Promise
     from tumble.solving.further import Further
-    from tumble.solving.reliability import Reliability
 
 
 def add_to(subparsers: Subparsers) -> None:
@@ -59,10 +59,10 @@ def run(arguments: argparse.Namespace) -> int:
 def _show(
     found: Budget, case: Case, promised: Promise | None, unseen: Reliability | None, further: Further | None
 ) -> None:
+    from tumble.model import reliability
     from tumble.planning import model_cost, tables
     from tumble.planning.budget import ALPHAS, notes, numbers_are, unit
     from tumble.planning.published import NAMES
-    from tumble.solving import reliability
 
     out = tables.console()
     out.print(tables.heading(f"Error budget, {found.weights} weights, estimator {found.estimator}"))

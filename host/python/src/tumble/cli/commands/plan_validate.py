@@ -80,8 +80,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _estimators(arguments: argparse.Namespace, case: Case) -> tuple[str, ...]:
     """The one asked for, or all that the schedule allows."""
+    from tumble.model.estimators import circles
     from tumble.planning.weights import estimators_of
-    from tumble.reference.estimators import circles
 
     if arguments.estimator is not None:
         return (arguments.estimator,)

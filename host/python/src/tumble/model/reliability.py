@@ -15,16 +15,14 @@ from functools import cached_property
 
 import numpy as np
 
-from tumble import core
 from tumble.arrays import Floats
 from tumble.distributions import noncentrality
-from tumble.reference import Geometry, WholeModel
-from tumble.reference.fit import basis
-from tumble.reference.patterns import BY_NAME, PATTERNS, Columns, Pattern, Scene
-from tumble.solving.covariance import norm_gradient, spread_attitudes
-from tumble.solving.fit import CONFIDENCE, SOURCES, variance_of_means
-from tumble.solving.stated import Witness
-from tumble.solving.uncertainty import gains_of_run
+from tumble.model.explanations import CONFIDENCE, SOURCES, variance_of_means
+from tumble.model.geometry import ideal_force
+from tumble.model.norm import norm_gradient, spread_attitudes
+from tumble.model.patterns import BY_NAME, PATTERNS, Columns, Pattern, Scene
+from tumble.model.propagation import Propagation
+from tumble.model.whole import WholeModel, basis
 from tumble.stand import Stand
 from tumble.terms import Terms
 
@@ -55,20 +53,16 @@ class Undetected:
 Reliability = tuple[Undetected, ...]  # the largest error first, None at the end
 
 
-def reliability(
-    given: Witness, terms: Terms = (), confidence: float = CONFIDENCE, rounding: float | Floats = 0.0
-) -> Reliability:
-    """Of a run that is solved as `given`, or will be, with further `terms` of the model; `confidence` that of the fit,
-    `rounding` as of variance_of_means. Raises CoreRefusal."""
-    schedule, k, stand = given.schedule, given.k, given.stand
-    means = Geometry(schedule).outputs(k, np.zeros(3))
-    model = WholeModel(schedule, means, variance_of_means(stand, given.samples, rounding), stand, terms)
-    part = core.CoreSchedule(schedule)
-    gains = gains_of_run(part, k, stand, given.samples, given.estimator, given.step, terms)
+def reliability(given: Propagation, confidence: float = CONFIDENCE, rounding: float | Floats = 0.0) -> Reliability:
+    """Of a run that is solved as `given`, or will be; `confidence` that of the fit, `rounding` as of variance_of_means.
+    Raises UsageError."""
+    schedule, k, stand, terms = given.schedule, given.k, given.stand, given.terms
+    means, variance = ideal_force(schedule) @ k.T, variance_of_means(stand, given.samples, rounding)
+    model = WholeModel(schedule, means, variance, stand, terms)
     tested = [one for one in PATTERNS if one.name not in terms]
     declared = _declared(stand)
     false_alarms = (1.0 - confidence) / (len(tested) + _BESIDE)
-    search = _Search(model, k, gains, spread_attitudes(_ATTITUDES), terms)
+    search = _Search(model, k, given.gains, spread_attitudes(_ATTITUDES), terms)
     found = [search.worst(pattern, false_alarms) for pattern in tested if pattern.name not in declared]
     possible = [one for one in found if one is not None]
     return tuple(sorted(possible, key=lambda one: -1.0 if one.norm_g is None else one.norm_g, reverse=True))

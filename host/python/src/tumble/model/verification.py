@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.reference.estimators import fit_indices
-from tumble.reference.geometry import Geometry
+from tumble.model.geometry import ideal_force
 from tumble.schedule import Schedule
 
 _SAME_ATTITUDE = 1e-12
@@ -30,7 +29,7 @@ def intrinsic(k: Floats, u0: Floats) -> tuple[Floats, Floats, Floats]:
 def closure(schedule: Schedule, means: Floats, mounting: int) -> Floats | None:
     """Output at the last position of a mounting whose attitude came before, less the first such one's; None if none."""
     own = [index for index, position in enumerate(schedule.positions) if position.mounting == mounting]
-    force = Geometry(schedule).force()
+    force = ideal_force(schedule)
     pairs = [
         (late, early)
         for late in own
@@ -48,9 +47,9 @@ def closure(schedule: Schedule, means: Floats, mounting: int) -> Floats | None:
 def residual_rms(schedule: Schedule, means: Floats, k: Floats, u0: Floats, unknowns: int = 4) -> Floats | None:
     """Root mean square of U - U0 - K a over the fit positions, less the `unknowns` of a channel: (3,); None where there
     are no more positions than that."""
-    fit = fit_indices(schedule)
+    fit = schedule.fit_indices
     if len(fit) <= unknowns:
         return None
-    residuals = (means - Geometry(schedule).outputs(k, u0))[fit]
+    residuals = (means - ideal_force(schedule) @ k.T - u0)[fit]
     rms: Floats = np.sqrt((residuals**2).sum(axis=0) / (len(fit) - unknowns))
     return rms

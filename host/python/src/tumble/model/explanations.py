@@ -1,6 +1,6 @@
 """Does a run fit its stand? Chi-squared of all residuals against what is declared; and if not, what explains it.
 
-If it does not fit, uncertainties made from the declaration mean nothing. Every pattern of reference.patterns is
+If it does not fit, uncertainties made from the declaration mean nothing. Every pattern of model.patterns is
 tested by its own score; the smallest p, with Holm's correction, is the first explanation. Whatever remains is explained
 in the same way. A pattern may also show where the residuals as a whole still fit: it is told at the same confidence.
 """
@@ -14,13 +14,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble.arrays import Floats, Integers
-from tumble.core import MAX_STAND_ERROR_RAD
 from tumble.distributions import chi_squared_above, chi_squared_log_above
-from tumble.reference.fit import Score, WholeModel, basis
-from tumble.reference.patterns import BY_NAME, PATTERNS, STAND, Columns, Pattern
-from tumble.reference.stand_seen import ANGLES
-from tumble.solving.stand_seen import Quantity, StandSeen
-from tumble.stand import Stand
+from tumble.model.patterns import BY_NAME, PATTERNS, STAND, Columns, Pattern
+from tumble.model.stand_seen import ANGLES, Estimate, StandSeen
+from tumble.model.whole import Score, WholeModel, basis
+from tumble.stand import LARGEST_ERROR_RAD, Stand
 
 CONFIDENCE = 0.999
 EXPLAINED = 0.01  # largest p, after Holm, of an explanation
@@ -208,9 +206,9 @@ class _Search:
             return True
         told = self._of_whole_run(pattern)
         sizes = [size for size, _ in score.sizes.values()] if told is None else [told.value / _RAD[pattern.unit]]
-        return all(abs(size) * _RAD[pattern.unit] <= MAX_STAND_ERROR_RAD for size in sizes)
+        return all(abs(size) * _RAD[pattern.unit] <= LARGEST_ERROR_RAD for size in sizes)
 
-    def _of_whole_run(self, pattern: Pattern) -> Quantity | None:
+    def _of_whole_run(self, pattern: Pattern) -> Estimate | None:
         """An angle of the stand as it stands in the result."""
         return {"alpha4": self._seen.alpha4, **self._seen.angles}.get(pattern.name.removesuffix("_rad"))
 

@@ -14,17 +14,14 @@ from functools import cached_property
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.reference.estimators import fit_indices, least_squares
-from tumble.reference.extended import fitted_columns
-from tumble.reference.geometry import Geometry
-from tumble.reference.patterns import Columns, Scene
-from tumble.reference.uncertainty import course, encoder_waves, sources
+from tumble.model.errors import NOISE, OF_OUTPUTS, Errors, declared, of_stand
+from tumble.model.estimators import by_coefficients, design, estimate
+from tumble.model.patterns import Columns, Scene
 from tumble.schedule import Schedule
 from tumble.stand import Stand
 from tumble.terms import Terms
 
 PASSES = 4
-_STEP = 1e-30
 _FLOOR_G = 1e-7
 _LARGEST_RAD = 0.1
 _NULL = 1e-7
@@ -47,23 +44,18 @@ class WholeModel:
 
     def __init__(self, schedule: Schedule, means: Floats, variance: Floats, stand: Stand, terms: Terms = ()):
         self._given = schedule, means, variance, stand
-        self.terms, self._further = terms, fitted_columns(schedule, terms)
+        self.terms, self._further = terms, design(schedule, terms)[:, 12:]
         self._sizes = np.zeros(3 * len(terms))
-        fit = fit_indices(schedule)
-        self.schedule = Schedule(schedule.mountings, tuple(schedule.positions[index] for index in fit))
-        self._geometry = Geometry(self.schedule)
-        self._outputs = means[fit]
-        self.k, self._u0 = least_squares(self.schedule, self._outputs)
-        by_channel = np.broadcast_to(variance.reshape(len(means), -1), means.shape)[fit]
+        self.schedule, self._outputs = schedule.fitted, means[schedule.fit_indices]
+        self.k, self._u0 = estimate(self.schedule, self._outputs, "least_squares")
+        by_channel = np.broadcast_to(variance.reshape(len(means), -1), means.shape)[schedule.fit_indices]
         self._noise = np.maximum(np.sqrt(by_channel), _FLOOR_G * np.abs(self.k).max())
-        errors = sources(self.schedule, self.k, stand, np.ones(len(fit), dtype=int))
-        self._names = [name for name in errors if name != "noise"]
-        angles = [errors[name].sigma for name in self._names]
-        self._sigma = np.concatenate(angles)
-        self._ends = np.cumsum([len(sigma) for sigma in angles])[:-1]
-        drifts = np.repeat([name == "drift" for name in self._names], [len(sigma) for sigma in angles])
-        self._largest = np.where(drifts, np.inf, _LARGEST_RAD)
-        self._waves, self._course = encoder_waves(self.schedule), course(self.schedule)[:, None]
+        names = [name for name in declared(stand) if name != NOISE]
+        self._errors = Errors(self.schedule, of_stand(self.schedule, self.k, stand, names))
+        self._sigma = self._errors.sigma
+        self._largest = np.full(len(self._sigma), _LARGEST_RAD)
+        for name in set(OF_OUTPUTS) & set(names):
+            self._largest[self._errors.of[name]] = np.inf
         self._x = np.zeros(len(self._sigma))  # rad, or as outputs are
         for _ in range(PASSES):
             self._linearise()
@@ -92,16 +84,14 @@ class WholeModel:
         """Solve the problem that is linear where the pass before ended. `rest`: what no unknown explains, as
         independent numbers of variance 1; `_left`: the directions of these among outputs and errors; `_coefficients`:
         those of the coefficients."""
-        force = self._force(self._x)
-        design = np.hstack([np.kron(np.column_stack([force, np.ones(len(force))]), np.eye(3)), self._further])
+        force = self._errors.force(self._x)
+        by_unknown = np.hstack([by_coefficients(force), self._further])
         noise = self._noise.reshape(-1, 1)
-        by_error = self._derivatives() * self._sigma / noise
-        system = np.block(
-            [[design / noise, by_error], [np.zeros((len(self._x), design.shape[1])), np.eye(len(self._x))]]
-        )
+        derivatives = self._errors.derivative(self.k, self._x).reshape(len(self._x), -1).T
+        prior = np.eye(len(self._x), by_unknown.shape[1] + len(self._x), by_unknown.shape[1])
+        system = np.vstack([np.hstack([by_unknown / noise, derivatives * self._sigma / noise]), prior])
         sigma = np.where(self._sigma > 0.0, self._sigma, 1.0)
-        linear = self._u0 + self._drift(self._x)
-        shown = (self._outputs - force @ self.k.T - linear).reshape(-1) - self._further @ self._sizes
+        shown = (self._outputs - self._errors.outputs(self.k, self._u0, self._x)).ravel() - self._further @ self._sizes
         left = shown / noise[:, 0]
         right = np.concatenate([left, -self._x / sigma])
         length = np.sqrt((system**2).sum(axis=0))
@@ -110,39 +100,10 @@ class WholeModel:
         change = np.linalg.solve(r[:unknowns], q[:, :unknowns].T @ right) / length
         self._coefficients, self._left = q[: len(left), :12], q[: len(left), unknowns:]
         self.rest = q[:, unknowns:].T @ right
-        self.k = self.k + change[:9].reshape(3, 3).T
+        self.k = self.k + change[:9].reshape(3, 3)
         self._u0 = self._u0 + change[9:12]
-        self._sizes = self._sizes + change[12 : design.shape[1]]
-        self._x = np.clip(self._x + change[design.shape[1] :] * self._sigma, -self._largest, self._largest)
-
-    def _by_name(self, errors: Floats) -> dict[str, Floats]:
-        return dict(zip(self._names, np.split(errors, self._ends, axis=-1)))
-
-    def _drift(self, errors: Floats) -> Floats:
-        """What drifts add to the outputs (..., positions, 3), of which they are linear."""
-        drifts: Floats = self._course * self._by_name(errors).get("drift", np.zeros(3))[..., None, :]
-        return drifts
-
-    def _force(self, errors: Floats) -> Floats:
-        """Specific force on the exact geometry, for errors (..., errors) in rad, real or complex."""
-        of = self._by_name(errors)
-        seat_h, seat_n = np.split(of.get("seat", np.zeros(2)), 2, axis=-1)
-        return self._geometry.force(
-            alpha1=of["alpha1"],
-            alpha2=of["alpha2"],
-            alpha3=of["alpha3"],
-            delta=of["alpha4"] + of.get("encoder", np.zeros(4)) @ self._waves,
-            seat_h=seat_h + of.get("platform", np.zeros(1)),
-            seat_n=seat_n,
-        )
-
-    def _derivatives(self) -> Floats:
-        """Of all outputs by every error: (3 x positions, errors)."""
-        each = np.eye(len(self._x))
-        steps = self._x + 1j * _STEP * each
-        by_error = np.imag(self._force(steps)) / _STEP @ self.k.T + self._drift(each)
-        derivatives: Floats = by_error.reshape(len(steps), -1).T
-        return derivatives
+        self._sizes = self._sizes + change[12 : by_unknown.shape[1]]
+        self._x = np.clip(self._x + change[by_unknown.shape[1] :] * self._sigma, -self._largest, self._largest)
 
     @cached_property
     def scene(self) -> Scene:

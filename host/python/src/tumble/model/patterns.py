@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.reference.geometry import Geometry
+from tumble.model.geometry import geometry_of, ideal_force
 from tumble.schedule import Schedule
 
 BLOCK, STAND, RUN = "block", "stand", "run"  # whose fault it is
@@ -40,7 +40,7 @@ class Scene:
     @property
     def force(self) -> Floats:
         """Specific force, g: (P, 3)."""
-        return Geometry(self.schedule).force() if self.attitudes is None else self.attitudes
+        return ideal_force(self.schedule) if self.attitudes is None else self.attitudes
 
     @property
     def time(self) -> Floats:
@@ -50,7 +50,7 @@ class Scene:
     @property
     def angle(self) -> Floats:
         """Table angles, rad: (P,)."""
-        return np.deg2rad([position.angle_deg for position in self.schedule.positions])
+        return geometry_of(self.schedule).phi
 
     @property
     def by_angle(self) -> Floats:
@@ -59,11 +59,11 @@ class Scene:
 
     def by(self, **error: float | Floats) -> Floats:
         """The outputs' derivatives by an error of the stand, as Geometry.force has it: (P, 3)."""
-        return Geometry(self.schedule).derivative(self.k, **error)
+        return geometry_of(self.schedule).derivative(self.k, **error)
 
     def in_mounting(self, index: int) -> Floats:
         """1 at the positions of a mounting, else 0: (P, 1)."""
-        here: Floats = (Geometry(self.schedule).mounting_index == index).astype(float)[:, None]
+        here: Floats = (geometry_of(self.schedule).mounting_index == index).astype(float)[:, None]
         return here
 
     def by_channel(self, felt: Floats) -> Columns:
@@ -130,7 +130,7 @@ def _seat(scene: Scene) -> list[Columns]:
 def _lost_steps(scene: Scene) -> list[Columns]:
     """Counted on from mounting to mounting, or anew in each."""
     moves = np.arange(len(scene.time), dtype=float)
-    mounting = Geometry(scene.schedule).mounting_index
+    mounting = geometry_of(scene.schedule).mounting_index
     anew = moves - np.array([moves[mounting == index].min() for index in mounting])
     return [{"": scene.by_angle * count[:, None] * _MILLIONTH} for count in (moves, anew)]
 
@@ -138,7 +138,7 @@ def _lost_steps(scene: Scene) -> list[Columns]:
 def _slip(scene: Scene) -> list[Columns]:
     """From a place on, until the block is mounted anew."""
     turns = {name: scene.by(**{error: 1.0}) * _MILLIONTH for name, error in _TURNS.items()}
-    mounting = Geometry(scene.schedule).mounting_index
+    mounting = geometry_of(scene.schedule).mounting_index
     places = np.arange(len(mounting))
     found = []
     for first in places[1:][mounting[1:] == mounting[:-1]]:

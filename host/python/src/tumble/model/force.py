@@ -15,8 +15,8 @@ from __future__ import annotations
 import numpy as np
 
 from tumble.arrays import Flags, Floats
-from tumble.solving.coefficients import Coefficients
-from tumble.terms import POWERS
+from tumble.model.estimators import time_of_run
+from tumble.terms import DRIFT, POWERS, Terms
 
 PASSES = 12  # for whoever does not look whether it moves: each doubles the digits, once the root is near
 _STEPS = 50
@@ -24,7 +24,14 @@ _CLOSE = 1e-13  # of the largest component, or of one unit
 _AT_ONCE = 1 << 15  # samples: what an uncertainty needs for one is 100 numbers
 
 
-class NoForce(Exception):
+_LEAST_OWN = 0.1  # of the length of a row of K
+
+
+class NotSolvable(Exception):
+    """Of outputs from which further terms do not let a specific force be found; says why."""
+
+
+class NoForce(NotSolvable):
     """K2 or K3 is so large that outputs do not tell the force. `rows`: indices of such samples."""
 
     def __init__(self, rows: Flags):
@@ -33,15 +40,14 @@ class NoForce(Exception):
 
 
 class Force:
-    """Outputs to specific force, in the unit of the `coefficients`: g or m/s^2."""
+    """Outputs to specific force, in the unit of the coefficients, g or m/s^2: `values` in the order of COEFFICIENTS,
+    then those of `terms` (K2, K3); `covariance` of these, None where it is not known."""
 
-    def __init__(self, coefficients: Coefficients):
-        self._covariance = coefficients.covariance
-        self._k = coefficients.values[:9].reshape(3, 3)
-        self._u0 = coefficients.values[9:12]
-        self._inverse = coefficients.inverse
-        further = coefficients.values[12:].reshape(-1, 3)
-        self._further = [(POWERS[term], size) for term, size in zip(coefficients.terms, further)]
+    def __init__(self, values: Floats, terms: Terms = (), covariance: Floats | None = None):
+        self._covariance = covariance
+        self._k, self._u0 = values[:9].reshape(3, 3), values[9:12]
+        self._inverse = np.linalg.inv(self._k)
+        self._further = [(POWERS[term], size) for term, size in zip(terms, values[12:].reshape(-1, 3))]
 
     def of(self, outputs: Floats) -> Floats:
         """The force (samples, 3) of `outputs` (samples, 3), in the unit of the result; NaN where an output is. Raises
@@ -119,3 +125,17 @@ class Force:
                 found[:, i, 4 * i] += size[i] * force[:, i] ** power
                 found[:, i, 12 + 3 * place + i] = self._k[i, i] * force[:, i] ** power
         return found
+
+
+def linear_outputs(means: Floats, k: Floats, u0: Floats, sizes: Floats, terms: Terms) -> Floats:
+    """What the outputs (positions, 3), of all positions of a run, are without the further terms: U0 + K a, at the
+    specific force that they show. `sizes` (terms, 3) in the unit of the outputs. Raises NotSolvable."""
+    size, powers = dict(zip(terms, sizes)), tuple(term for term in terms if term in POWERS)
+    still: Floats = means - time_of_run(len(means)) * size.get(DRIFT, np.zeros(3))
+    if not powers:
+        return still
+    if (np.abs(np.diag(k)) < _LEAST_OWN * np.linalg.norm(k, axis=1)).any():
+        raise NotSolvable("a channel does not measure along its own axis, of which K2 and K3 are: channels exchanged?")
+    force = Force(np.concatenate([k.ravel(), u0, *(size[term] / np.diag(k) for term in powers)]), powers).of(still)
+    linear: Floats = u0 + force @ k.T
+    return linear

@@ -1,7 +1,7 @@
 """What the covariance of the coefficients says of whatever is computed from them: of the specific force that the
 calibrated block shows, of its length, of the intrinsic parameters.
 
-A covariance is (12, 12), K row by row, then U0, as reference.covariance gives it. A block at the attitude n, a unit
+A covariance is (12, 12), K row by row, then U0, as model.propagation gives it. A block at the attitude n, a unit
 vector, puts out U = U0 + K n. Calibrated with coefficients that are off by dK and dU0 it shows
 
     a = (K + dK)^-1 (U - U0 - dU0) = n - K^-1 (dK n + dU0)

@@ -8,20 +8,16 @@ outputs come from the exact geometry and go through the estimator itself.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from tumble import core
-from tumble.arrays import Floats, Integers
-from tumble.estimators import COEFFICIENTS, OPTIMAL
-from tumble.reference.estimators import fit_indices
-from tumble.reference.uncertainty import exact_outputs, sources
-from tumble.schedule import Schedule
-from tumble.solving.many_runs import ManyRuns, estimator_for, table_at
-from tumble.stand import PerChannel, Stand
-from tumble.terms import Terms
+from tumble.arrays import Floats
+from tumble.estimators import COEFFICIENTS
+from tumble.model.errors import exact_outputs
+from tumble.model.propagation import Propagation
 
 SHARE = 0.2  # of a standard uncertainty: a larger bias is no longer covered by it
 _NODE = 3.0**0.5
@@ -104,24 +100,14 @@ class SecondOrder:
         }
 
 
-def second_order(
-    schedule: Schedule,
-    k: Floats,
-    u: Floats,
-    stand: Stand,
-    estimator: str,
-    samples: Integers | None = None,
-    step: PerChannel = 0.0,
-    terms: Terms = (),
-) -> SecondOrder:
-    """For an estimate on `schedule`, all of it measured, of a block of sensitivity `k`, with claimed standard
-    uncertainties `u` (12,). `stand` and the converter's `step` in the outputs' unit; `samples` (positions,): rows of
-    each position; default: lone ones, means of the stand's samples. `terms`: further unknowns of the estimate."""
-    rows = np.ones(len(schedule.positions), dtype=int) if samples is None else samples
-    errors = {name: source for name, source in sources(schedule, k, stand, rows).items() if source.errors}
-    errors = {name: source for name, source in errors.items() if source.sigma.any()}
+ManyRuns = Callable[[Floats], Floats]  # from means (runs, positions, 3), all measured, to coefficients (runs, 12)
+
+
+def second_order(given: Propagation, u: Floats, estimate: ManyRuns) -> SecondOrder:
+    """For an `estimate` as `given`, with claimed standard uncertainties `u` (12,)."""
+    schedule, k = given.schedule, given.k
+    errors = {name: source for name, source in given.errors().items() if source.units and source.sigma.any()}
     count = sum(len(source.sigma) for source in errors.values())
-    estimate = _estimator(schedule, k, stand, estimator, rows, step, terms)
 
     def moved(draws: Floats) -> Floats:
         found: Floats = estimate(exact_outputs(schedule, k, np.zeros(3), errors, draws)) - ideal
@@ -135,7 +121,7 @@ def second_order(
     parts = {name: part.sum(axis=0) / 6.0 for name, part in zip(errors, np.split(single, ends))}
     scale = np.abs(np.diag(k))
     scale = np.where(scale > 0.0, scale, np.linalg.norm(k, axis=1))
-    return SecondOrder(bias, parts, u, np.concatenate([np.repeat(scale, 3), scale]), stand.sigma("remount"))
+    return SecondOrder(bias, parts, u, np.concatenate([np.repeat(scale, 3), scale]), given.stand.sigma("remount"))
 
 
 def _pairs(moved: ManyRuns, lone: Floats) -> Floats:
@@ -151,20 +137,3 @@ def _pairs(moved: ManyRuns, lone: Floats) -> Floats:
 
 def _scale_of(name: str) -> str:
     return f"K_{name[-2:-1] * 2}" if name.startswith("K") else f"K_{name[-1] * 2}"
-
-
-def _estimator(
-    schedule: Schedule, k: Floats, stand: Stand, estimator: str, samples: Integers, step: PerChannel, terms: Terms
-) -> ManyRuns:
-    """The estimator; beyond 0.1 rad, where `optimal` gives no result, its linear part, whose bias says enough."""
-    estimate = estimator_for(schedule, k, stand, estimator, samples, step, terms)
-
-    def or_linear(means: Floats) -> Floats:
-        try:
-            return estimate(means)
-        except core.CoreRefusal:
-            weights = table_at(schedule, k, stand, samples, step, terms).gains[:12]
-            linear: Floats = means[:, fit_indices(schedule)].reshape(len(means), -1) @ weights.T
-            return linear
-
-    return or_linear if estimator == OPTIMAL else estimate

@@ -12,14 +12,46 @@ yaw about v and the mounting's rotation bring it to the block. theta_h and theta
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
 from tumble.arrays import Floats
-from tumble.schedule import Schedule
+from tumble.schedule import CHECK, FIT, Mounting, Position, Schedule
 
 Error = complex | Floats | NDArray[np.complex128]
-_STEP = 1e-30  # a complex step has no cancellation, so it may be as small as one likes
+STEP = (
+    2.0**-100
+)  # a complex step has no cancellation, so it may be as small as one likes; of a power of two no rounding
+
+# The built-in schedules, from what they mean: which table axis each block axis lies along, and the angles.
+_TABLE = {"h": (1.0, 0.0, 0.0), "n": (0.0, 1.0, 0.0), "v": (0.0, 0.0, 1.0), "-h": (-1.0, 0.0, 0.0)}
+_AXES = {1: ("h", "n", "v"), 2: ("-h", "v", "n"), 3: ("n", "v", "h")}  # of x, y, z; the paper has the first two
+_NINE = {turn: 45.0 * (turn - 1) for turn in range(1, 10)}
+_FOUR = {turn: 90.0 * turn - 45.0 for turn in range(1, 5)}
+_CLOSED = {**_FOUR, 5: 45.0}  # the last to check only
+_FACES = {1: (1, 3, 5, 7), 2: (1, 5)}
+
+
+def built_in(name: str) -> Schedule:
+    """A schedule of tumble.schedule.BUILT_IN. The `paper`'s has nine positions 45 degrees apart in each of two
+    mountings, the last where the first was: the block axes (x, y, z) along (h, n, v), then, turned by 180 degrees about
+    the bisector of y and z, along (-h, v, n)."""
+    angles = {
+        "paper": {1: _NINE, 2: _NINE},
+        "three_mountings": {1: _NINE, 2: _NINE, 3: _NINE},
+        "diagonal": {1: _FOUR, 2: _FOUR, 3: _FOUR},
+        "diagonal_closed": {1: _CLOSED, 2: _CLOSED, 3: _CLOSED},
+        "six_faces": {number: {turn: _NINE[turn] for turn in faces} for number, faces in _FACES.items()},
+    }[name]
+    mountings = tuple(Mounting(number, tuple(_TABLE[axis] for axis in _AXES[number])) for number in angles)
+    positions = (
+        Position(m, turn, angle, CHECK if turns is _CLOSED and turn == 5 else FIT)
+        for m, turns in angles.items()
+        for turn, angle in turns.items()
+    )
+    return Schedule(mountings, tuple(positions))
 
 
 class Geometry:
@@ -31,7 +63,7 @@ class Geometry:
         self.mounting_index = np.array([numbers.index(position.mounting) for position in schedule.positions])
         self._rotation = np.array([mounting.matrix for mounting in schedule.mountings])[self.mounting_index]
         self._tilt = np.deg2rad([schedule.mountings[index].tilt_deg for index in self.mounting_index])
-        self._phi = np.deg2rad([position.angle_deg for position in schedule.positions])
+        self.phi = np.deg2rad([position.angle_deg for position in schedule.positions])
 
     def force(
         self,
@@ -49,7 +81,7 @@ class Geometry:
         those by mounting (..., mountings), delta (..., positions).
         """
         tilt = self._tilt + alpha1
-        phi = self._phi + alpha2 + delta + self._by_mounting(seat_n)
+        phi = self.phi + alpha2 + delta + self._by_mounting(seat_n)
         lean, yaw = self._by_mounting(seat_h), self._by_mounting(alpha3)
         h, n, v = np.cos(tilt) * np.sin(phi), np.sin(tilt), np.cos(tilt) * np.cos(phi)
         n, v = n * np.cos(lean) + v * np.sin(lean), v * np.cos(lean) - n * np.sin(lean)
@@ -70,6 +102,23 @@ class Geometry:
     def derivative(self, k: Floats, **unit: float | Floats) -> Floats:
         """Of the outputs of a block of sensitivity `k`, by errors that grow together, on the ideal stand: (positions,
         3). `unit` of each, real, as in `force`."""
-        force = self.force(**{name: 1j * _STEP * np.asarray(value) for name, value in unit.items()})
-        outputs: Floats = np.imag(force) / _STEP @ np.asarray(k).T
-        return outputs
+        return self.force_by(**unit) @ np.asarray(k).T
+
+    def force_by(self, **unit: float | Floats) -> Floats:
+        """The same of the specific force."""
+        force: Floats = np.imag(self.force(**{name: 1j * STEP * np.asarray(one) for name, one in unit.items()})) / STEP
+        return force
+
+
+@lru_cache(64)
+def geometry_of(schedule: Schedule) -> Geometry:
+    """Its geometry: whoever plans asks for the same one thousands of times."""
+    return Geometry(schedule)
+
+
+@lru_cache(64)
+def ideal_force(schedule: Schedule) -> Floats:
+    """The specific force at every position without errors (positions, 3), g."""
+    force = geometry_of(schedule).force()
+    force.setflags(write=False)
+    return force

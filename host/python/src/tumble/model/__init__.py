@@ -1,0 +1,53 @@
+"""The numpy model of a calibration: everything after the means, by other means than the firmware core.
+
+This package neither imports nor calls the core, and the core knows nothing of it: their agreement on K, U0 and their
+uncertainties, checked in every solve, means something only as long as that holds.
+
+    geometry      the specific force on a stand with errors; the built-in schedules
+    errors        the table of a stand's errors, and what they do to the outputs
+    estimators    closed forms and least squares, their gains; what a schedule cannot identify
+    optimal       generalised least squares: from the data, and as a table of gains
+    propagation   how errors reach an estimate: gains, covariance, what each source brings
+    norm          what the covariance says of |a| and of intrinsic parameters; force: from outputs to specific force
+    whole         chi-squared of a run on its stand, scores of patterns (patterns); explanations: of a misfit
+    stand_seen    the stand as a run shows it; noise: the noise that the samples show
+    unseen, reliability, second_order    what a run, or a kind of run, cannot show
+    verification  gravity check, closure, residuals, intrinsic parameters
+"""
+
+from tumble.model.errors import by_coefficient
+from tumble.model.estimators import confused, estimate, magnification
+from tumble.model.geometry import Geometry, built_in
+from tumble.model.noise import MeasuredNoise, measured_noise
+from tumble.model.optimal import OptimalEstimate, optimal_covariance, optimal_estimate
+from tumble.model.propagation import Propagation, covariance
+from tumble.model.stand_seen import RunSeen, pooled_noise
+from tumble.model.unseen import moved_by_a_seat, seat_is_unseen, unseen_patterns
+from tumble.model.verification import closure, gravity_errors, intrinsic, residual_rms
+from tumble.model.whole import WholeModel
+
+__all__ = [
+    "Geometry",
+    "MeasuredNoise",
+    "OptimalEstimate",
+    "Propagation",
+    "RunSeen",
+    "WholeModel",
+    "built_in",
+    "by_coefficient",
+    "closure",
+    "confused",
+    "covariance",
+    "estimate",
+    "gravity_errors",
+    "intrinsic",
+    "magnification",
+    "measured_noise",
+    "moved_by_a_seat",
+    "optimal_covariance",
+    "optimal_estimate",
+    "pooled_noise",
+    "residual_rms",
+    "seat_is_unseen",
+    "unseen_patterns",
+]

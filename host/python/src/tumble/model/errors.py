@@ -1,0 +1,246 @@
+"""The errors of a stand: one table of them, and what they do to the outputs of a run.
+
+After the means everything is one linear problem,
+
+    outputs = D beta + J s + noise
+
+in which beta are the coefficients and s the errors of the stand, with the declared variances as their prior. J comes
+from the exact geometry by complex steps. Sources are independent; what they bring adds in quadrature.
+
+A new source of error is a row of SOURCES, and an argument of Geometry.force if it turns the block in a way of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+
+import numpy as np
+
+from tumble.arrays import Floats, Integers
+from tumble.model.geometry import STEP, Geometry, geometry_of
+from tumble.schedule import FIT, Schedule
+from tumble.stand import COMMON, Stand, by_channel
+
+NOISE = "noise"
+OF_OUTPUTS = (NOISE, "drift")  # their sizes are as outputs are; the others are angles
+
+Units = Mapping[str, Floats]  # one unit of every draw (draws, ...), by argument of Geometry.force
+
+
+@dataclass(frozen=True)
+class Row:
+    """A source of error: the `attribute` of Stand that declares its size; `units` of its draws on a schedule, with one
+    yaw common to all mountings or not; `adds`: what they add to the outputs (draws, positions, 3), of which these are
+    linear; `always`: it counts where its size is 0 too."""
+
+    attribute: str
+    units: Callable[[Geometry, bool], Units] = lambda geometry, common: {}
+    adds: Callable[[Geometry], Floats] | None = None
+    always: bool = False
+
+
+def _one(geometry: Geometry) -> Floats:
+    return np.ones((1, 1))
+
+
+def _each(geometry: Geometry) -> Floats:
+    return np.eye(len(geometry.schedule.mountings))
+
+
+def encoder_waves(schedule: Schedule) -> Floats:
+    """What one unit of each number of the encoder adds to the table angle (4, positions): the sine and the cosine of
+    the angle, and of its double."""
+    turned = np.exp(1j * geometry_of(schedule).phi)
+    return np.array([turned.imag, turned.real, (turned**2).imag, (turned**2).real])
+
+
+def course(schedule: Schedule) -> Floats:
+    """How far the run has come (positions,): from -1/2 at the first fit position to 1/2 at the last, by the same step
+    from each to the next. A check position is half a step beyond the fit position before it."""
+    fitted = np.array([position.use == FIT for position in schedule.positions])
+    place = np.cumsum(fitted) - np.where(fitted, 1.0, 0.5)
+    far: Floats = place / max(1, fitted.sum() - 1) - 0.5
+    return far
+
+
+SOURCES = {  # by name, in the order in which random numbers are drawn for them, those of the noise behind alpha4's
+    "alpha1": Row("axis_tilt", lambda g, common: {"alpha1": _one(g)}, always=True),
+    "alpha2": Row("level", lambda g, common: {"alpha2": _one(g)}, always=True),
+    "alpha3": Row(
+        "remount", lambda g, common: {"alpha3": np.ones((1, len(_each(g)))) if common else _each(g)}, always=True
+    ),
+    "alpha4": Row("angle", lambda g, common: {"delta": np.eye(len(g.phi))}, always=True),
+    NOISE: Row("noise", adds=lambda g: np.eye(3 * len(g.phi)).reshape(-1, len(g.phi), 3), always=True),
+    "seat": Row("seat", lambda g, common: {"seat_h": _each(g), "seat_n": _each(g)}),
+    "platform": Row("platform", lambda g, common: {"seat_h": _one(g)}),
+    "encoder": Row("encoder", lambda g, common: {"delta": encoder_waves(g.schedule)}),
+    "drift": Row("drift", adds=lambda g: course(g.schedule)[:, None] * np.eye(3)[:, None]),
+}
+
+
+@dataclass(frozen=True)
+class Source:
+    """Independent draws of one kind: `sigma` (draws,) standard deviations, `derivative` (draws, positions, 3) of the
+    outputs with respect to each draw, `units` of each draw as Geometry.force takes them; none where the outputs
+    are linear in it, as in noise and drift. `normal`: whatever law the stand declares."""
+
+    sigma: Floats
+    derivative: Floats
+    units: Units = field(default_factory=dict)
+    normal: bool = False
+
+
+@dataclass(frozen=True)
+class _Felt:
+    """One unit of every draw of a source: `units`, and what the block feels of them: `force` (draws, positions, 3), g,
+    or what they add to its outputs."""
+
+    units: Units
+    force: Floats | None
+    added: Floats | None
+
+    def derivative(self, k: Floats) -> Floats:
+        """Of the outputs of a block of sensitivity `k` (3, 3): (draws, positions, 3)."""
+        if self.force is None:
+            assert self.added is not None
+            return self.added
+        outputs: Floats = self.force @ np.asarray(k).T
+        return outputs
+
+
+@lru_cache(512)
+def felt(schedule: Schedule, name: str, common: bool = False) -> _Felt:
+    """Of a source, on the ideal stand."""
+    geometry, row = geometry_of(schedule), SOURCES[name]
+    if row.adds is not None:
+        return _Felt({}, None, row.adds(geometry))
+    units = row.units(geometry, common)
+    force = np.concatenate([geometry.force_by(**{argument: unit}) for argument, unit in units.items()])
+    starts = np.cumsum([0, *(len(unit) for unit in units.values())])
+    whole = {}
+    for start, (argument, unit) in zip(starts, units.items()):
+        whole[argument] = np.zeros((starts[-1], unit.shape[1]))
+        whole[argument][start : start + len(unit)] = unit
+    return _Felt(whole, force, None)
+
+
+def declared(stand: Stand) -> tuple[str, ...]:
+    """Names of the sources that count on a stand, in the order of SOURCES."""
+    return tuple(name for name, row in SOURCES.items() if row.always or by_channel(getattr(stand, row.attribute)).any())
+
+
+def sources(
+    schedule: Schedule, k: Floats, stand: Stand, samples: Integers, mean_variance: Floats | None = None
+) -> dict[str, Source]:
+    """Every source of error of a stand, by name.
+
+    `k` (3, 3): the block's sensitivity. `samples` (positions,): rows of the run at each position, as
+    Stand.averaged_over takes them. `mean_variance` (positions, 3): by the noise, as it was measured; it counts
+    where it is larger than what the stand declares.
+    """
+    noise = stand.mean_sigma(stand.averaged_over(samples))
+    if mean_variance is not None:
+        noise = np.maximum(noise, np.sqrt(mean_variance))
+    found = of_stand(schedule, k, stand, declared(stand))
+    return {
+        name: replace(one, sigma=noise.ravel(), normal=True) if name == NOISE else one for name, one in found.items()
+    }
+
+
+def of_stand(schedule: Schedule, k: Floats, stand: Stand, names: Iterable[str]) -> dict[str, Source]:
+    """Those of these names, whether declared or not; the noise of one sample."""
+    found = {}
+    for name in names:
+        of = felt(schedule, name, stand.remounting == COMMON)
+        derivative, attribute = of.derivative(k), SOURCES[name].attribute
+        sigma = stand.sigmas(attribute) if name in OF_OUTPUTS else np.array([stand.sigma(attribute)])
+        found[name] = Source(np.resize(sigma, len(derivative)), derivative, of.units)
+    return found
+
+
+def places(found: Mapping[str, Source]) -> dict[str, slice]:
+    """Where each source has its draws, side by side in their order."""
+    ends = np.cumsum([0, *(len(source.sigma) for source in found.values())])
+    return {name: slice(start, end) for name, start, end in zip(found, ends, ends[1:])}
+
+
+class Errors:
+    """All draws of some sources side by side: their sizes are `x` (..., draws), in radians or as outputs are."""
+
+    def __init__(self, schedule: Schedule, found: Mapping[str, Source]):
+        self.geometry, self.of = geometry_of(schedule), places(found)
+        self.sigma = np.concatenate([np.zeros(0), *(source.sigma for source in found.values())])
+        self._added = {name: source.derivative for name, source in found.items() if not source.units}
+        self._units: dict[str, Floats] = {}
+        for argument in dict.fromkeys(argument for source in found.values() for argument in source.units):
+            parts = [(self.of[name], one.units[argument]) for name, one in found.items() if argument in one.units]
+            self._units[argument] = np.zeros((len(self.sigma), max(unit.shape[1] for _, unit in parts)))
+            for place, unit in parts:
+                self._units[argument][place] = unit
+
+    def arguments(self, x: Floats) -> dict[str, Floats]:
+        """What Geometry.force takes; real or complex."""
+        return {argument: x @ unit for argument, unit in self._units.items()}
+
+    def force(self, x: Floats) -> Floats:
+        """Specific force on the exact geometry (..., positions, 3), g."""
+        return self.geometry.force(**self.arguments(x))
+
+    def added(self, x: Floats) -> Floats | float:
+        """What errors add to the outputs (..., positions, 3), of which these are linear."""
+        return sum(np.tensordot(x[..., self.of[name]], unit, axes=1) for name, unit in self._added.items())
+
+    def outputs(self, k: Floats, u0: Floats, x: Floats) -> Floats:
+        """Outputs (..., positions, 3) of one block, or of each its own: `k` (..., 3, 3), `u0` (..., 3)."""
+        outputs: Floats = self.force(x) @ np.swapaxes(k, -1, -2) + u0[..., None, :] + self.added(x)
+        return outputs
+
+    def derivative(self, k: Floats, x: Floats) -> Floats:
+        """Of the outputs by every error at `x` (draws,): (draws, positions, 3)."""
+        each = np.eye(len(x))
+        by_error: Floats = np.imag(self.force(x + 1j * STEP * each)) / STEP @ np.asarray(k).T + self.added(each)
+        return by_error
+
+
+def exact_outputs(schedule: Schedule, k: Floats, u0: Floats, found: Mapping[str, Source], draws: Floats) -> Floats:
+    """Outputs (runs, positions, 3) of the exact geometry for `draws` (runs, all draws of the sources in their order),
+    in units of their standard deviations."""
+    errors = Errors(schedule, found)
+    return errors.outputs(np.asarray(k), np.asarray(u0), draws * errors.sigma)
+
+
+def brought(of: Callable[[Floats], Floats], found: Mapping[str, Source]) -> dict[str, Floats]:
+    """What one standard deviation of each draw brings to a linear function of the means: by source, (draws, n). `of`
+    maps (draws, positions, 3) to (draws, n)."""
+    return {name: of(source.derivative) * source.sigma[:, None] for name, source in found.items()}
+
+
+def contributions(of: Callable[[Floats], Floats], found: Mapping[str, Source]) -> dict[str, Floats]:
+    """Standard uncertainty (n,) that each source brings to it."""
+    return {name: np.sqrt((draws**2).sum(axis=0)) for name, draws in brought(of, found).items()}
+
+
+def by_gains(schedule: Schedule, gains: Floats) -> Callable[[Floats], Floats]:
+    """What linear gains (rows, 3 x fit positions) make of means of all positions of a schedule, for `brought`."""
+    fit = schedule.fit_indices
+
+    def of(means: Floats) -> Floats:
+        found: Floats = means[:, fit].reshape(len(means), -1) @ gains.T
+        return found
+
+    return of
+
+
+def joint(of: Callable[[Floats], Floats], found: Mapping[str, Source]) -> Floats:
+    """Covariance (n, n) that all sources together bring to it."""
+    draws = np.concatenate(list(brought(of, found).values()))
+    product: Floats = draws.T @ draws
+    return (product + product.T) / 2.0
+
+
+def by_coefficient(covariance: Floats) -> tuple[Floats, Floats]:
+    """u_K (3, 3) and u_U0 (3,) of a covariance of the twelve coefficients, and of further unknowns behind them."""
+    u = np.sqrt(np.diag(covariance))
+    return u[:9].reshape(3, 3), u[9:12]

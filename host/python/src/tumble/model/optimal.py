@@ -1,0 +1,329 @@
+"""The stand-optimal estimator: generalised least squares of the outputs, linearised at a known K,
+
+    y = D beta + J s + e
+
+in which beta are the coefficients, and further terms of the model, s the errors of the stand, with their variances as
+prior, and e the noise of the means. The system is whitened and augmented by the prior: no covariance matrix is ever
+inverted, so sources may be zero or large. What the exact geometry gives beyond its linearisation is taken out of the
+outputs, twice.
+
+It is solved in two ways. `optimal_table` makes gains by QR, which the core evaluates, on board and in a solve;
+`optimal_estimate` solves the run itself by singular values, and no table of gains takes part. Its uncertainties are
+those of the same problem linearised at the K that came out: gains made at a K that is far off still give a good
+estimate, after the second order is taken out, but their own propagation would overstate what they leave.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from tumble.arrays import Floats, Integers
+from tumble.errors import UsageError
+from tumble.model.errors import NOISE, Errors, Source, by_coefficient, by_gains, declared, joint, of_stand, places
+from tumble.model.estimators import design, require_rank, unknowns
+from tumble.schedule import Schedule
+from tumble.stand import COMMON, PerChannel, Stand, by_channel, rounding_of
+from tumble.terms import Terms
+
+CORRECTIONS = 2
+NOISE_FLOOR_G = 1e-9  # times the largest element of K: the noise of a mean never counts as less
+UNEQUAL = "no optimal weights: the stand's errors are too large, or too unequal, to compute with"
+LARGEST_LOSS = 1e-5  # of bias and of spread to rounding, before weights are refused
+_LARGEST_SIGMA = 1e100
+_LARGEST_DRIFT = 1e12  # times the noise of a mean: weights let a drift through by some 1e-16 of it, their rounding
+_SHARED = ("alpha1", "alpha2", "alpha3", "platform", "seat", "encoder", "drift")  # by several positions, as records go
+
+
+def mean_sigma(k: Floats, stand: Stand, step: PerChannel, samples: float) -> tuple[Floats, bool]:
+    """Standard deviation (..., 3) of a position's mean, by channel, for blocks of sensitivity `k` (..., 3, 3), and
+    whether any is only the floor, NOISE_FLOOR_G of max|K|."""
+    floor = NOISE_FLOOR_G * np.abs(k).max(axis=(-2, -1))[..., None]
+    sigma = np.maximum(stand.sigmas("noise"), rounding_of(step)) / samples**0.5
+    larger: Floats = np.maximum(sigma, floor)
+    if not ((larger > 0.0) & (larger < _LARGEST_SIGMA)).all():
+        raise UsageError("no optimal weights: K is zero, or the noise beyond any number of volts")
+    return larger, bool((sigma < floor).any())
+
+
+def channel_weights(sigma: Floats) -> Floats:
+    """What makes channels of noise `sigma` (..., 3) alike: outputs times these (..., 3) have that of the noisiest."""
+    weights: Floats = sigma.max(axis=-1, keepdims=True) / sigma
+    return weights
+
+
+def require_drift(sizes: Floats) -> None:
+    """Raise UsageError for a drift of more than so many times the noise of a mean."""
+    if not (sizes <= _LARGEST_DRIFT).all():
+        said = f"drift_v is {sizes.max():.2g} times the noise of a mean, above {_LARGEST_DRIFT:g}"
+        raise UsageError(f"no optimal weights: {said}")
+
+
+def samples_in_a_mean(schedule: Schedule, stand: Stand, samples: Integers) -> float:
+    """As many samples in every fitted mean as give the same noise on the average; `samples` (positions,) as
+    Stand.averaged_over takes them."""
+    return float(1.0 / (1.0 / stand.averaged_over(samples)[schedule.fit_indices]).mean())
+
+
+def shared_errors(schedule: Schedule, k: Floats, stand: Stand) -> dict[str, Source]:
+    """The errors that positions share, on a schedule of fit positions, in the order in which records have them."""
+    return of_stand(schedule, k, stand, [name for name in _SHARED if name in declared(stand)])
+
+
+@dataclass(frozen=True)
+class OptimalTable:
+    """The optimal estimator of a stand, for a block of sensitivity `k` (3, 3).
+
+    `gains` (12, 3P), with further rows if it was made with further terms; `nuisance_gains` (2 + `yaws` + 2 `seats` +
+    `waves` + `drifts`, 3P): alpha1, alpha2, alpha3..., and where seats are declared theta_h of each mounting, the
+    platform's in it, then theta_n of each, then the numbers of the encoder, then drifts; `sigma` (4,) of alpha1 to
+    alpha4, radians; `sigma_mean`: noise of a mean of the noisiest channel, and of the others over their `weights` (3,);
+    `u`: standard deviations of the estimate, which are the Cramer-Rao bound; `floored`: some noise is the floor and not
+    the stand's.
+    """
+
+    k: Floats
+    gains: Floats
+    nuisance_gains: Floats
+    yaws: int
+    seats: int
+    waves: int
+    drifts: int
+    sigma: Floats
+    sigma_mean: float
+    weights: Floats
+    u: Floats
+    floored: bool
+
+
+class _Whitened:
+    """The problem of a schedule's fit positions, linearised at one K: unknowns are the errors of the stand, over their
+    sigma, then the `count` coefficients and sizes. Noise is as of the noisiest channel in all rows, `largest`."""
+
+    def __init__(self, schedule: Schedule, k: Floats, stand: Stand, sigma: Floats, terms: Terms):
+        self.schedule, self.design, largest = schedule.fitted, design(schedule, terms), float(sigma.max())
+        self.found = shared_errors(self.schedule, k, stand) | of_stand(self.schedule, k, stand, ["alpha4"])
+        self.errors, self.count = Errors(self.schedule, self.found), self.design.shape[1]
+        derivative = np.concatenate([source.derivative for source in self.found.values()])
+        self.by_error = derivative.reshape(len(derivative), -1).T * self.errors.sigma
+        self.model = np.hstack([self.by_error, self.design])
+        self.weights = np.tile(channel_weights(sigma), len(self.design) // 3)
+        prior = largest * np.eye(self.by_error.shape[1], self.model.shape[1])
+        self.system = np.vstack([self.model * self.weights[:, None], prior])
+
+    @cached_property
+    def _length(self) -> Floats:
+        length: Floats = np.sqrt((self.system**2).sum(axis=0))
+        return length
+
+    def solve(self, outputs: Floats) -> Floats:
+        """Best estimate of all unknowns, for outputs (3 x fit positions, any number of columns), by singular values."""
+        right = np.zeros((len(self.system), outputs.shape[1]))
+        right[: len(outputs)] = outputs * self.weights[:, None]
+        solution = np.linalg.lstsq(self.system / self._length, right, rcond=None)[0] / self._length[:, None]
+        residual = right - self.system.astype(np.longdouble) @ solution
+        better = np.linalg.lstsq(self.system / self._length, residual.astype(float), rcond=None)[0]
+        solved: Floats = solution + better / self._length[:, None]
+        return solved
+
+    def sizes(self, x: Floats) -> Floats:
+        """Every error, rad or as outputs are, of unknowns (runs, n)."""
+        sizes: Floats = x[:, : -self.count] * self.errors.sigma
+        return sizes
+
+    def solve_exactly(self, measured: Floats) -> tuple[Floats, Floats]:
+        """All unknowns (runs, n) on the exact geometry, from `measured` (runs, fit positions, 3); and the outputs
+        (runs, 3 x fit positions) without what this has beyond its linearisation."""
+        corrected = measured = measured.reshape(len(measured), -1)
+        x = self.solve(measured.T).T
+        for _ in range(CORRECTIONS):
+            found = x[:, -self.count :]
+            exact = self.errors.outputs(found[:, :9].reshape(-1, 3, 3), found[:, 9:12], self.sizes(x))
+            further = found[:, 12:] @ self.design[:, 12:].T
+            corrected = measured - (exact.reshape(measured.shape) + further - x @ self.model.T)
+            x = self.solve(corrected.T).T
+        return x, corrected
+
+    @cached_property
+    def gains(self) -> Floats:
+        """Of the coefficients and sizes (count, 3 x fit positions)."""
+        return self.solve(np.eye(len(self.design)))[-self.count :]
+
+
+def optimal_table(
+    schedule: Schedule,
+    k: Floats,
+    stand: Stand,
+    step: PerChannel = 0.0,
+    samples: float | None = None,
+    terms: Terms = (),
+) -> OptimalTable:
+    """The optimal estimator. `step`: of the converter, in the outputs' unit, 0 if unknown; `samples`: in a mean, the
+    stand's unless given; `terms`: further unknowns, which the positions determine.
+
+    Raises UsageError where the schedule cannot identify all coefficients, or the numbers are beyond any stand.
+    """
+    require_rank(schedule)
+    k = np.asarray(k, dtype=float)
+    sigma, floored = mean_sigma(k, stand, step, stand.samples if samples is None else samples)
+    require_drift(stand.sigmas("drift") / sigma)
+    whitened = _Whitened(schedule, k, stand, sigma, terms)
+    errors, outputs = len(whitened.errors.sigma), len(whitened.design)
+    q, r = np.linalg.qr(whitened.system)
+    data = q[:outputs].T
+    with np.errstate(all="ignore"):
+        beta = np.linalg.solve(r[errors:, errors:], data[errors:])
+        prior = np.linalg.solve(r[:errors, :errors], data[:errors] - r[:errors, errors:] @ beta)
+        u = float(sigma.max()) * np.sqrt((np.linalg.inv(r[errors:, errors:]) ** 2).sum(axis=1))
+        beta, prior = beta * whitened.weights, prior * whitened.weights
+        lost = np.abs(beta @ whitened.design - np.eye(len(beta))).max()
+        claimed = _deviations(beta, whitened.by_error, sigma)
+    if not (np.isfinite(prior).all() and lost < LARGEST_LOSS and (np.abs(claimed - u) < LARGEST_LOSS * u).all()):
+        raise UsageError(UNEQUAL)
+    counts = record_counts(whitened.schedule, stand)
+    nuisance = by_mounting(prior * whitened.errors.sigma[:, None], whitened.found, whitened.schedule, stand)
+    sigmas = np.array([stand.sigma(name) for name in ("axis_tilt", "level", "remount", "angle")])
+    return OptimalTable(k, beta, nuisance, *counts, sigmas, float(sigma.max()), channel_weights(sigma), u, floored)
+
+
+def record_counts(schedule: Schedule, stand: Stand) -> tuple[int, int, int, int]:
+    """How many yaws, seats, numbers of an encoder and drifts a table has."""
+    mountings, named = len(schedule.mountings), declared(stand)
+    yaws, seats = 1 if stand.remounting == COMMON else mountings, mountings if stand.declares_seat else 0
+    return yaws, seats, 4 if "encoder" in named else 0, 3 if "drift" in named else 0
+
+
+def by_mounting(found: Floats, errors: dict[str, Source], schedule: Schedule, stand: Stand) -> Floats:
+    """Gains (..., rows, 3P) of what positions share, as a table has them: that of the platform is in the seat of each
+    mounting. `found` (..., draws, 3P): of `errors`."""
+    of = places(errors)
+    rows = [found[..., of[name], :] for name in ("alpha1", "alpha2", "alpha3")]
+    if stand.declares_seat:
+        none = np.zeros((*found.shape[:-2], 2 * len(schedule.mountings), found.shape[-1]))
+        seats = found[..., of["seat"], :] if "seat" in of else none
+        leaning, turned = np.split(seats, 2, axis=-2)
+        rows += [leaning + (found[..., of["platform"], :] if "platform" in of else 0.0), turned]
+    rows += [found[..., of[name], :] for name in ("encoder", "drift") if name in of]
+    return np.concatenate(rows, axis=-2)
+
+
+def standard_deviations(
+    schedule: Schedule, weights: Floats, k: Floats, stand: Stand, sigma_mean: float | Floats
+) -> Floats:
+    """Standard deviations (rows,) of an estimate with gains `weights` (rows, 3P), for a block of sensitivity `k` and
+    means with noise `sigma_mean`, of each channel or of all."""
+    fitted = schedule.fitted
+    found = of_stand(fitted, k, stand, [name for name in declared(stand) if name != NOISE]).values()
+    by_error = np.concatenate([one.derivative.reshape(len(one.sigma), -1) * one.sigma[:, None] for one in found]).T
+    return _deviations(weights, by_error, by_channel(sigma_mean))
+
+
+def _deviations(weights: Floats, by_error: Floats, sigma_mean: Floats) -> Floats:
+    by_noise = (weights**2).reshape(len(weights), -1, 3).sum(axis=1) @ sigma_mean**2
+    deviations: Floats = np.sqrt(((weights @ by_error) ** 2).sum(axis=1) + by_noise)
+    return deviations
+
+
+@dataclass(frozen=True)
+class OptimalEstimate:
+    """What the run says: `k` (3, 3), `u0` (3,), `sizes` (terms, 3) of further terms, their `covariance`, K row by row,
+    then U0, then the sizes; `alpha1`, `alpha2`, `alpha3` (one per mounting), radians; `magnification`: by how much the
+    rounding of a mean may be larger in a coefficient; `largest_angle`: of all errors found, table angles with alpha2,
+    radians."""
+
+    k: Floats
+    u0: Floats
+    sizes: Floats
+    covariance: Floats
+    alpha1: float
+    alpha2: float
+    alpha3: Floats
+    magnification: float
+    largest_angle: float
+
+    @property
+    def u_k(self) -> Floats:
+        """Standard uncertainties of K (3, 3)."""
+        return by_coefficient(self.covariance)[0]
+
+    @property
+    def u_u0(self) -> Floats:
+        """Standard uncertainties of U0 (3,)."""
+        return by_coefficient(self.covariance)[1]
+
+    @property
+    def u_sizes(self) -> Floats:
+        """Standard uncertainties of the sizes (terms, 3)."""
+        u: Floats = np.sqrt(np.diag(self.covariance)[12:]).reshape(-1, 3)
+        return u
+
+
+def optimal_estimate(
+    schedule: Schedule,
+    means: Floats,
+    stand: Stand,
+    samples: Integers,
+    step: PerChannel = 0.0,
+    known_k: Floats | None = None,
+    known_samples: float | None = None,
+    mean_variance: Floats | None = None,
+    terms: Terms = (),
+) -> OptimalEstimate:
+    """Solve one run. `means` (positions, 3), `samples` (positions,) as in `errors.sources`; `step` of the
+    converter in the outputs' unit, 0 where unknown; `known_k`: linearise there instead of at a first estimate. Weights
+    take the noise of all means as equal, with the average of 1/N, or with N = `known_samples`. `mean_variance` as in
+    `errors.sources`: of the uncertainties alone. `terms`: further unknowns."""
+    first = unknowns(schedule, means, "least_squares")[:9].reshape(3, 3) if known_k is None else known_k
+    number = samples_in_a_mean(schedule, stand, samples) if known_samples is None else known_samples
+    whitened = _Whitened(schedule, first, stand, mean_sigma(first, stand, step, number)[0], terms)
+    x, _ = whitened.solve_exactly(means[None, schedule.fit_indices])
+    found, angles = x[0, -whitened.count :], whitened.errors.arguments(whitened.sizes(x)[0])
+    k = found[:9].reshape(3, 3)
+    covariance = optimal_covariance(schedule, k, stand, samples, step, mean_variance, terms)
+    return OptimalEstimate(
+        *(k, found[9:12], found[12:].reshape(-1, 3), covariance, float(angles["alpha1"][0])),
+        *(float(angles["alpha2"][0]), np.resize(angles["alpha3"], len(schedule.mountings))),
+        magnification=float(np.abs(whitened.gains).sum(axis=1).max()),
+        largest_angle=_largest_angle(angles),
+    )
+
+
+def sizes_of_runs(table: OptimalTable, schedule: Schedule, stand: Stand, terms: Terms, means: Floats) -> Floats:
+    """The sizes of further terms (runs, 3 x terms) of means (runs, positions, 3) by the gains of a table."""
+    whitened = _Whitened(schedule, table.k, stand, table.sigma_mean / table.weights, terms)
+    corrected = whitened.solve_exactly(means[:, schedule.fit_indices])[1]
+    sizes: Floats = corrected @ table.gains[12:].T
+    return sizes
+
+
+def _largest_angle(angles: dict[str, Floats]) -> float:
+    turns = angles["alpha2"] + angles["delta"]
+    tilts = [angles[name] for name in ("alpha1", "alpha3", "seat_h", "seat_n") if name in angles]
+    return float(np.abs(np.concatenate([turns, *tilts])).max())
+
+
+def optimal_covariance(
+    schedule: Schedule,
+    k: Floats,
+    stand: Stand,
+    samples: Integers,
+    step: PerChannel,
+    mean_variance: Floats | None = None,
+    terms: Terms = (),
+    known_samples: float | None = None,
+) -> Floats:
+    """Covariance (12, 12), with `terms` also of their sizes, of `optimal` for a block that has this `k`: with each
+    position's own noise. Arguments as of `optimal`; `mean_variance` (positions, 3): what the noise of a mean counts at
+    least."""
+    number = samples_in_a_mean(schedule, stand, samples) if known_samples is None else known_samples
+    whitened = _Whitened(schedule, k, stand, mean_sigma(k, stand, step, number)[0], terms)
+    one_sample = np.maximum(stand.sigmas("noise"), rounding_of(step))
+    averaged, floor = stand.averaged_over(samples)[:, None], NOISE_FLOOR_G * np.abs(k).max()
+    noise = np.hypot(np.maximum(one_sample / np.sqrt(averaged), floor), by_channel(stand.rounding))
+    if mean_variance is not None:
+        noise = np.maximum(noise, np.sqrt(mean_variance))
+    whole = of_stand(schedule, k, stand, declared(stand))
+    whole[NOISE] = Source(noise.ravel(), whole[NOISE].derivative)
+    return joint(by_gains(schedule, whitened.gains), whole)
