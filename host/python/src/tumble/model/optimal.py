@@ -290,12 +290,13 @@ def optimal_estimate(
     )
 
 
-def sizes_of_runs(table: OptimalTable, schedule: Schedule, stand: Stand, terms: Terms, means: Floats) -> Floats:
-    """The sizes of further terms (runs, 3 x terms) of means (runs, positions, 3) by the gains of a table."""
+def by_table(table: OptimalTable, schedule: Schedule, stand: Stand, terms: Terms, means: Floats) -> Floats:
+    """All unknowns (runs, 12 + 3 x terms) of means (runs, positions, 3) by the gains of a table that was made with
+    further `terms`, which the core does not evaluate."""
     whitened = _Whitened(schedule, table.k, stand, table.sigma_mean / table.weights, terms)
     corrected = whitened.solve_exactly(means[:, schedule.fit_indices])[1]
-    sizes: Floats = corrected @ table.gains[12:].T
-    return sizes
+    found: Floats = corrected @ table.gains.T
+    return found
 
 
 def _largest_angle(angles: dict[str, Floats]) -> float:

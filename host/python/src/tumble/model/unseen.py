@@ -39,14 +39,15 @@ def moved_by_a_seat(schedule: Schedule, k: Floats, estimator: str) -> dict[str, 
 
 
 def unseen_patterns(schedule: Schedule, k: Floats, estimator: str) -> dict[str, Flags]:
-    """By name of a pattern of the block that no fit position shows: the elements of K (3, 3) that it moves.
-    `estimator`: one of estimators.LINEAR."""
+    """By name of a pattern of the block that no fit position shows: the elements of K (3, 3) that it moves, where it
+    moves any. `estimator`: one of estimators.LINEAR."""
     fitted, found = schedule.fitted, {}
     for pattern in (one for one in PATTERNS if one.whose == BLOCK):
         columns = np.array(list(pattern.columns(Scene(fitted, k))[0].values()))
         if columns.any() and _is_hidden(columns.reshape(len(columns), -1).T, design(fitted)):
             moved = np.abs(linear_gains(fitted, estimator)[:9] @ columns.sum(axis=0).ravel()).reshape(3, 3)
-            found[pattern.name] = moved > _COUNTS * moved.max()
+            if moved.max() > _SEEN * np.abs(columns).max():  # else it is a bias
+                found[pattern.name] = moved > _COUNTS * moved.max()
     return found
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.solving.drawn_runs import Sources, drawn_outputs
 from tumble.model.errors import sources
 from tumble.planning.case import Case
+from tumble.solving.drawn_runs import Sources, drawn_outputs
 
 U0_V = (0.01, -0.02, 0.03)  # of the simulated block: linear estimators do not care
 

@@ -16,7 +16,6 @@ from tumble import core
 from tumble.arrays import Floats, Integers
 from tumble.errors import UsageError
 from tumble.estimators import OPTIMAL
-from tumble.solving.drawn_runs import Chunk, chunks, stream_of
 from tumble.model.errors import OF_OUTPUTS, course, declared, of_stand
 from tumble.model.estimators import columns_at
 from tumble.model.norm import spread_attitudes
@@ -27,6 +26,7 @@ from tumble.planning.promise import Promise, promise
 from tumble.planning.simulate import U0_V, errors_of, position_means
 from tumble.planning.weights import estimator_gains
 from tumble.solving import tables_of_runs
+from tumble.solving.drawn_runs import Chunk, chunks, stream_of
 from tumble.solving.many_runs import estimator_for
 from tumble.terms import POWERS, Terms
 from tumble.workers.kept import Result

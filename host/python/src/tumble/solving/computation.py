@@ -9,7 +9,7 @@ import numpy as np
 from tumble import core
 from tumble.arrays import Flags, Floats
 from tumble.model.force import linear_outputs
-from tumble.model.optimal import sizes_of_runs
+from tumble.model.optimal import by_table
 from tumble.solving import extended, optimal_run
 from tumble.terms import Terms
 
@@ -48,17 +48,15 @@ def compute(
 
     Raises CoreRefusal; DeadChannels where a channel does not feel gravity; NotSolvable.
     """
-    sizes, freed, linear = np.zeros((0, 3)), means, means
+    sizes, linear = np.zeros((0, 3)), means
     if terms:
-        part, freed = schedule.part(measured), means.copy()
-        if weighting is None:
-            found = extended.eliminated(part, means[None, measured], terms)
-        else:
-            table = optimal_run.make_table(schedule, means, measured, weighting, terms)
-            found = sizes_of_runs(table, part.data, weighting.stand, terms, means[None, measured])
-        freed[measured] = extended.without(means[None, measured], found, part.data, terms)[0]
-        sizes = found.reshape(-1, 3)
-    k, u0 = _twelve(schedule, means, freed, measured, estimator, weighting)
+        found = _with_terms(schedule, means, measured, weighting, terms)
+        k, u0, sizes = found[:9].reshape(3, 3), found[9:12], found[12:].reshape(-1, 3)
+    elif weighting is None:
+        k, u0 = core.estimate(schedule, means, measured, estimator)
+    else:
+        one = optimal_run.estimate(schedule, means, measured, weighting)
+        k, u0 = one.k, one.u0
     _require_response(k, means[measured])
     calibration = core.Calibration(k, u0)
     if terms:
@@ -78,20 +76,22 @@ def compute(
     )
 
 
-def _twelve(
+def _with_terms(
     schedule: core.CoreSchedule,
     means: Floats,
-    freed: Floats,
     measured: Flags,
-    estimator: str,
     weighting: optimal_run.Weighting | None,
-) -> tuple[Floats, Floats]:
-    """K and U0 of the means that are `freed` of further terms; weights are made for the `means` as they are."""
+    terms: Terms,
+) -> Floats:
+    """K row by row, U0 and the sizes (12 + 3 x terms,): by a table of gains where there are weights, else by the
+    core's least squares."""
+    part, lone = schedule.part(measured), means[None, measured]
     if weighting is None:
-        return core.estimate(schedule, freed, measured, estimator)
-    table = optimal_run.make_table(schedule, means, measured, weighting)
-    found = optimal_run.apply_table(table, schedule.part(measured), freed[measured])
-    return found.k, found.u0
+        found = extended.least_squares(part, lone, terms)
+    else:
+        table = optimal_run.make_table(schedule, means, measured, weighting, terms)
+        found = by_table(table, part.data, weighting.stand, terms, lone)
+    return found.ravel()
 
 
 def _residual_rms(

@@ -1,8 +1,8 @@
-"""Further terms beside the twelve coefficients (tumble.terms), which the core does not know.
+"""Further terms beside the twelve coefficients (tumble.terms), which the core does not know, by its least squares.
 
-Their sizes are found here; the core then solves the outputs without them for the twelve: those are the coefficients
-of all unknowns together, whose normal equations are the same. `least_squares` finds the sizes by elimination: the core
-solves the outputs, and the column of every term, for the twelve; what it leaves of both has only the terms in common.
+Sizes are found by elimination: the core solves the outputs, and the column of every term, for the twelve; what it
+leaves of both has only the terms in common. The outputs without them then have the twelve of all unknowns together,
+whose normal equations are the same.
 """
 
 from __future__ import annotations

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-import numpy as np
-
 from tumble import core
 from tumble.arrays import Floats
 from tumble.core.optimal import GainRecord, estimate_runs, optimal_runs
 from tumble.estimators import OPTIMAL
 from tumble.model.errors import by_gains
-from tumble.model.optimal import sizes_of_runs
+from tumble.model.optimal import by_table
 from tumble.model.propagation import Propagation
 from tumble.model.second_order import ManyRuns
 from tumble.solving import extended
@@ -27,17 +23,10 @@ def estimator_for(given: Propagation) -> ManyRuns:
         if terms:
             return lambda means: extended.least_squares(schedule, means, terms)
         return lambda means: estimate_runs(schedule, means, given.estimator)
-    twelve = replace(given, terms=())
-    record = GainRecord(schedule, to_bytes(record_of(twelve.table, given.schedule)))
-    if not terms:
-        return lambda means: optimal_runs(record, means)[0]
-
-    def by_both(means: Floats) -> Floats:
-        sizes = sizes_of_runs(given.table, given.schedule, given.stand, terms, means)
-        found = optimal_runs(record, extended.without(means, sizes, given.schedule, terms))[0]
-        return np.concatenate([found, sizes], axis=1)
-
-    return by_both
+    if terms:
+        return lambda means: by_table(given.table, given.schedule, given.stand, terms, means)
+    record = GainRecord(schedule, to_bytes(record_of(given.table, given.schedule)))
+    return lambda means: optimal_runs(record, means)[0]
 
 
 def or_linear(given: Propagation) -> ManyRuns:

@@ -20,10 +20,10 @@ from tumble.arrays import Floats
 from tumble.core import CoreRefusal
 from tumble.errors import UsageError
 from tumble.estimators import COEFFICIENTS
-from tumble.solving.drawn_runs import Chunk, chunks, drawn_outputs, stream_of
 from tumble.model.errors import Source
 from tumble.model.propagation import Propagation
 from tumble.model.second_order import ManyRuns
+from tumble.solving.drawn_runs import Chunk, chunks, drawn_outputs, stream_of
 from tumble.solving.many_runs import estimator_for
 from tumble.workers.kept import Result
 from tumble.workers.over import ALONE, Progress, Team, over
