@@ -5,7 +5,8 @@ import numpy as np
 from tumble import core
 from tumble.core import optimal as core_optimal, uncertainty
 from tumble.model import Geometry
-from tumble.solving import gain_record, gains
+from tumble.model.optimal import optimal_table
+from tumble.solving import gain_record
 from tumble.stand import PAPER_STAND
 
 OTHERS = ("three_mountings", "diagonal")  # schedules beside the paper's
@@ -24,7 +25,7 @@ def write_data(path):
     others = {name: Geometry(core.built_in(name)).outputs(k, np.array([0.01, -0.02, 0.03])) for name in OTHERS}
     sums = {"sums": means, "diagonal_sums": others["diagonal"]}
     sums = {name: np.rint(outputs * (PER_POSITION / V_PER_COUNT)).astype(int) for name, outputs in sums.items()}
-    written = gain_record.record_of(gains.optimal_table(schedule.data, k, PAPER_STAND), schedule.data)
+    written = gain_record.record_of(optimal_table(schedule.data, k, PAPER_STAND), schedule.data)
     sigmas = ", ".join(
         PAPER_STAND.sigma(source).hex() for source in ("axis_tilt", "level", "remount", "angle", "noise")
     )

@@ -5,7 +5,7 @@ import numpy as np
 
 from tumble import core
 from tumble.model import estimators
-from tumble.solving import gains
+from tumble.model.optimal import optimal_table
 from tumble.stand import PAPER_STAND
 
 
@@ -13,8 +13,8 @@ def formulas():
     """Operations of a row's formula, {kind: number}. For a schedule that is known, least squares are constant gains."""
     paper = core.built_in("paper")
     outputs, column = np.ones((18, 3)).tolist(), np.ones((54, 1)).tolist()
-    ideal = gains.linear_gains(paper, "least_squares")
-    optimal = gains.optimal_table(paper, np.full((3, 3), 0.04) + 1.96 * np.eye(3), PAPER_STAND).gains
+    ideal = estimators.linear_gains(paper, "least_squares")
+    optimal = optimal_table(paper, np.full((3, 3), 0.04) + 1.96 * np.eye(3), PAPER_STAND).gains
     each, table_alone = (arithmetic.linear(without_rounding(one)) for one in (ideal, optimal))
     found = {
         "refined": (arithmetic.refined(estimators.circles(paper)), outputs),

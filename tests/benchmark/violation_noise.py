@@ -8,7 +8,7 @@ from tumble.files.run_blocks import blocks_of
 from tumble.files.run_facts import facts_of
 from tumble.files.run_file import Run
 from tumble.model.explanations import variance_of_means
-from tumble.model.optimal import gains
+from tumble.model.propagation import Propagation
 from tumble.solving import noise
 
 _CHUNK = 250
@@ -50,5 +50,5 @@ class NoisyRuns:
     def u(self, estimator, declared):
         """Standard uncertainties (runs, 12), from those of white noise, `declared` (12,)."""
         case = self._case
-        weights = gains(case.schedule.data, estimator, K, case.stand)
+        weights = Propagation(case.schedule.data, K, case.stand, case.samples, estimator).gains
         return np.sqrt(declared**2 + self.excess.reshape(len(self.excess), -1) @ (weights**2).T)

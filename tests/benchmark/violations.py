@@ -30,6 +30,7 @@ from tumble.errors import BadInput, Disagreement
 from tumble.files.run_file import Run
 from tumble.files.stand_file import read_stand
 from tumble.model.explanations import CONFIDENCE, variance_of_means
+from tumble.model.propagation import Propagation
 from tumble.solving.crosscheck import LARGEST_MISFIT
 from tumble.solving.many_runs import estimator_for
 from tumble.solving.plausibility import examine
@@ -74,14 +75,10 @@ class Case:
         self.causes = Causes(self.schedule.data, self.stand, K, U0)
         self.white = self.stand.sigma("noise") ** 2 / self.stand.samples
         self.limit = chi_squared_quantile(CONFIDENCE, self.causes.freedom)
-        given = self.schedule.data, K, self.stand
-        self.estimate = {name: estimator_for(*given, name, self.samples) for name in ESTIMATORS}
+        given = [Propagation(self.schedule.data, K, self.stand, self.samples, name) for name in ESTIMATORS]
+        self.estimate = {one.estimator: estimator_for(one) for one in given}
+        self.u = {one.estimator: standard_uncertainties(one, self.schedule, self.measured) for one in given}
         self.differences = []
-        self.u = {name: self._u(name) for name in ESTIMATORS}
-
-    def _u(self, estimator):
-        u_k, u_u0 = standard_uncertainties(self.schedule, self.measured, K, self.stand, self.samples, estimator)
-        return np.concatenate([u_k.ravel(), u_u0])
 
     def world(self, runs, seed=SEED):
         return World(self.schedule.data, self.stand, runs, np.random.default_rng(seed))

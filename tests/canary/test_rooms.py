@@ -24,7 +24,7 @@ CLEAN = {
     f"{PACKAGE}/errors.py": "import sys\n",
     f"{PACKAGE}/core/__init__.py": "from tumble.core.binding import estimate\n",
     f"{PACKAGE}/core/binding.py": "from _tumble_core import lib\nfrom tumble import errors\n",
-    f"{PACKAGE}/reference/__init__.py": "import numpy\n",
+    f"{PACKAGE}/model/__init__.py": "import numpy\n",
     f"{PACKAGE}/solving/solution.py": "from tumble import core, model\nfrom tumble.solving.result import write\n",
     f"{PACKAGE}/solving/result.py": "def write():\n    from tumble import errors\n",
     f"{PACKAGE}/cli/main.py": "from tumble import __version__\nimport tumble.solving.result\n",
@@ -57,14 +57,14 @@ DEFECTS = {
     "sine": ("firmware/core/arith.h", "double b = sin(a);\n", "1: sin: of <math.h> firmware may use sqrt alone"),
     "square root": ("firmware/core/means.c", "double b = sqrt(a);\n", "1: sqrt: the square root is wrapped in"),
     "a witness of the core": (
-        f"{PACKAGE}/reference/a.py",
+        f"{PACKAGE}/model/a.py",
         "import os\nfrom tumble.core import estimate\n",
-        "2: reference may not know core; it may know: no other room",
+        "2: model may not know core; it may know: no other room",
     ),
     "a witness of the extension": (
-        f"{PACKAGE}/reference/a.py",
+        f"{PACKAGE}/model/a.py",
         "def f():\n    import _tumble_core\n",
-        "2: reference may not know core",
+        "2: model may not know core",
     ),
     "a room upwards": (f"{PACKAGE}/core/a.py", "import tumble.cli.main\n", "1: core may not know cli"),
     "a room in a function": (
@@ -73,7 +73,7 @@ DEFECTS = {
         "2: (beside the rooms) may not know core",
     ),
     "the package's own door": (f"{PACKAGE}/solving/a.py", "import tumble\n", "1: solving may not know (the door)"),
-    "an import by name": (f"{PACKAGE}/reference/a.py", "f = __import__(name)\n", "1: only a plain absolute import"),
+    "an import by name": (f"{PACKAGE}/model/a.py", "f = __import__(name)\n", "1: only a plain absolute import"),
     "a relative import": (f"{PACKAGE}/solving/a.py", "from .result import write\n", "1: only a plain absolute import"),
     "an unknown Python room": (f"{PACKAGE}/attic/a.py", "import os\n", "1: no such room: attic"),
     "a circle": (

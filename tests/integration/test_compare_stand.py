@@ -19,7 +19,6 @@ from tumble.fixture.combination import repeats
 from tumble.model import built_in, covariance, optimal_covariance
 from tumble.model.errors import exact_outputs, sources
 from tumble.solving.many_runs import estimator_for
-from tumble.model.propagation import Propagation
 from tumble.stand import PAPER_STAND
 
 pytestmark = pytest.mark.python

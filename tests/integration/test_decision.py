@@ -16,11 +16,11 @@ from tumble.estimators import LINEAR
 from tumble.files.stand_file import read_stand
 from tumble.model.norm import norm_uncertainty, spread_attitudes, worst_norm
 from tumble.model.optimal import optimal_table
+from tumble.model.propagation import Propagation
 from tumble.planning.case import Case
 from tumble.planning.promise import promise
 from tumble.rounding import on_its_side
 from tumble.solving.decision import UNCERTAINTY, Decision, is_shown
-from tumble.solving.uncertainty import Witness
 from tumble.solving.would_show import Question, Remedy, in_words
 from tumble.stand import PAPER_STAND, Stand
 
@@ -82,8 +82,8 @@ def test_more_samples_and_a_third_mounting_are_said_where_they_help():
         stand = PAPER_STAND
         for source, sigma in sources.items():
             stand = stand.with_sigma(source, sigma)
-        witness = Witness(PAPER_SCHEDULE, NOMINAL_K, stand, np.full(18, 50), "optimal", 0.0)
-        question = Question(witness, np.zeros((18, 3)), np.zeros(3), (), limit_g, 3.0)
+        witness = Propagation(PAPER_SCHEDULE, NOMINAL_K, stand, np.full(18, 50), "optimal", 0.0)
+        question = Question(witness, np.zeros((18, 3)), np.zeros(3), limit_g, 3.0)
         assert question.reach_g() > limit_g
         return question, {one.change: one for one in question.answers()}
 
@@ -98,8 +98,8 @@ def test_rounding_is_averaged_away_by_no_samples():
     """Of a converter whose steps the noise does not cover: a finer one is needed, and said."""
     rounding = np.array([2e-4, 2e-4, 2e-4])
     variance = np.full((18, 3), 1e-10) + rounding**2
-    witness = Witness(PAPER_SCHEDULE, NOMINAL_K, PAPER_STAND, np.full(18, 50), "refined", 0.0)
-    question = Question(witness, variance, rounding**2, (), 1e-4, 3.0)
+    witness = Propagation(PAPER_SCHEDULE, NOMINAL_K, PAPER_STAND, np.full(18, 50), "refined", 0.0)
+    question = Question(witness, variance, rounding**2, 1e-4, 3.0)
     least = question.reach_g(1e6)
     assert 1e-4 < least == pytest.approx(question.reach_g(), rel=1e-2)
     told = {one.change for one in question.answers()}

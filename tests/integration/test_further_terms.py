@@ -14,12 +14,13 @@ from test_crosscheck import plant
 from tumble import core
 from tumble.cli.main import main
 from tumble.files.stand_file import read_stand
-from tumble.model import Geometry, WholeModel, gravity_errors, optimal_estimate
-from tumble.model.estimators import confused, least_squares, linear_outputs
+from tumble.model import Geometry, Propagation, WholeModel, gravity_errors, optimal_estimate
+from tumble.model.estimators import columns_at, confused, unknowns
+from tumble.model.force import linear_outputs
 from tumble.model.norm import worst_norm
-from tumble.model.optimal import optimal_table
 from tumble.schedule import Position, Schedule
-from tumble.solving import extended, uncertainty
+from tumble.solving import computation, crosscheck, extended, uncertainty
+from tumble.solving.many_runs import estimator_for
 from tumble.terms import TERMS, names
 
 pytestmark = pytest.mark.python
@@ -78,18 +79,18 @@ def test_what_further_terms_cost(name, terms):
         assert found.u_u0.max() / 2e-6 == pytest.approx(14.3 if name == "paper" else 9.7, rel=0.01)
 
 
-def tables(schedule, k, stand, terms):
-    """By estimator, what extended.estimate_runs takes."""
-    further = extended.fitted_columns(core.CoreSchedule(schedule), terms)
-    return {"least_squares": None, "optimal": optimal_table(schedule, k, stand, 0.0, 50.0, further)}
+def given(schedule, stand, estimator):
+    """Of a run with every further term, of 50 samples a position."""
+    samples = np.full(len(schedule.positions), 50)
+    return Propagation(schedule, NOMINAL_K, stand, samples, estimator, terms=ALL)
 
 
 @pytest.mark.parametrize("name", ["paper", "three_mountings"])
 def test_a_run_without_errors_gives_them_exactly(name):
     schedule = core.built_in(name)
     expected = np.concatenate([NOMINAL_K.ravel(), U0, (VALUES * np.diag(NOMINAL_K)).ravel()])
-    for table in tables(schedule, NOMINAL_K, stand_named("paper"), ALL).values():
-        found = extended.estimate_runs(core.CoreSchedule(schedule), perfect(schedule)[None], ALL, table)[0]
+    for estimator in ("least_squares", "optimal"):
+        found = estimator_for(given(schedule, stand_named("paper"), estimator))(perfect(schedule)[None])[0]
         assert np.abs(found - expected).max() < 2e-13
 
 
@@ -103,7 +104,7 @@ def test_elimination_agrees_with_the_dense_problem(seed):
     force = Geometry(schedule.data).force(**random_errors(rng, schedule.data, 1e-3))
     means = outputs_of(force, k, u0, VALUES)
     core_found = extended.least_squares(schedule, means[None], terms)[0]
-    assert np.abs(core_found - least_squares(schedule.data, means, terms)).max() < 1e-11 * np.abs(k).max()
+    assert np.abs(core_found - unknowns(schedule.data, means, "least_squares", terms)).max() < 1e-11 * np.abs(k).max()
 
 
 @pytest.mark.parametrize("seat", [0.0, 1e-4])
@@ -115,19 +116,18 @@ def test_gains_agree_with_singular_values_for_large_yaws(name, seat):
     means = outputs_of(force, NOMINAL_K, U0, VALUES) + rng.normal(size=force.shape) * 4e-5
     samples = np.full(len(schedule.positions), 50)
     witness = optimal_estimate(schedule, means, stand, samples, known_k=NOMINAL_K, terms=ALL)
-    table = tables(schedule, NOMINAL_K, stand, ALL)["optimal"]
-    found = extended.estimate_runs(core.CoreSchedule(schedule), means[None], ALL, table)[0]
+    found = estimator_for(given(schedule, stand, "optimal"))(means[None])[0]
     values = np.concatenate([witness.k.ravel(), witness.u0, witness.sizes.ravel()])
     assert (np.abs(found - values) < 1e-6 * np.sqrt(np.diag(witness.covariance))).all()
 
 
 @pytest.mark.parametrize("size", [1e-4, 1e-2, 0.1])
-def test_the_force_is_found_step_by_step_and_by_newton(size):
+def test_the_force_is_found_by_newton(size):
     values = VALUES / np.abs(VALUES).max() * size
     means, sizes = perfect(PAPER, values), values * np.diag(NOMINAL_K)
     force = Geometry(PAPER).force()
-    for linear in (extended.linear_outputs, linear_outputs):
-        assert linear(means, NOMINAL_K, U0, sizes, ALL) == pytest.approx(force @ NOMINAL_K.T + U0, abs=1e-13)
+    linear = linear_outputs(means, NOMINAL_K, U0, sizes, ALL)
+    assert linear == pytest.approx(force @ NOMINAL_K.T + U0, abs=1e-13)
 
 
 @pytest.mark.parametrize("estimator", ["least_squares", "optimal"])
@@ -148,11 +148,11 @@ def test_two_standard_uncertainties_hold_the_truth_in_95_percent(name, estimator
     means = outputs_of(Geometry(schedule).force(**errors), NOMINAL_K, U0, np.moveaxis(values, 1, 0))
     means += rng.normal(size=means.shape) * stand.sigma("noise") / np.sqrt(50)
     held = core.CoreSchedule(schedule)
-    found = extended.estimate_runs(held, means, ALL, tables(schedule, NOMINAL_K, stand, ALL)[estimator])
+    run = given(schedule, stand, estimator)
+    found = estimator_for(run)(means)
     sizes = (values[:, :, 0] * np.diag(NOMINAL_K)).reshape(runs, 9)
     truth = np.column_stack([np.tile(np.concatenate([NOMINAL_K.ravel(), U0]), (runs, 1)), sizes])
-    samples, measured = np.full(positions, 50), np.ones(positions, dtype=bool)
-    u = uncertainty.extended_uncertainties(held, measured, NOMINAL_K, stand, samples, estimator, 0.0, ALL)
+    u = uncertainty.standard_uncertainties(run, held, np.ones(positions, dtype=bool))
     z = (found - truth) / u
     coverage = (np.abs(z) < 2.0).mean(axis=0)
     print(f"{name} {estimator}: coverage {coverage.min():.4f} to {coverage.max():.4f}, mean {coverage.mean():.4f}")
@@ -228,7 +228,7 @@ def test_check_positions_and_a_seed(tmp_path, capsys):
     assert (Geometry(schedule).force() == Geometry(PAPER).force()).all()
     means = perfect(schedule)
     found = extended.least_squares(core.CoreSchedule(schedule), means[None], ALL)[0]
-    linear = extended.linear_outputs(means, found[:9].reshape(3, 3), found[9:12], found[12:].reshape(3, 3), ALL)
+    linear = linear_outputs(means, found[:9].reshape(3, 3), found[9:12], found[12:].reshape(3, 3), ALL)
     assert np.abs(gravity_errors(linear, found[:9].reshape(3, 3), found[9:12])).max() < 1e-13
     options = (*STAND, "--estimator", "least_squares", "--model", "k2,drift", "--monte-carlo", 2000, "--limit", 1e-3)
     code, result, _ = solved(capsys, noisy(tmp_path, VALUES * [[1], [0], [1]]), *options)
@@ -321,11 +321,11 @@ def off_by(index, by):
 
 
 DEFECTS = {
-    "K2 of the core": (extended, "estimate_runs", off_by(12, 5e-12), "least_squares", "k2 differs"),
-    "drift of the core": (extended, "estimate_runs", off_by(17, 5e-12), "least_squares", "drift differs"),
-    "K2 of optimal": (extended, "estimate_runs", off_by(12, 1e-10), "optimal", "k2 differs"),
-    "uncertainties": (uncertainty, "extended_uncertainties", off_by(13, 1e-9), "optimal", "u of further terms differs"),
-    "the force": (extended, "linear_outputs", off_by(0, 1e-8), "least_squares", "delta_g differs"),
+    "K2 of the core": (extended, "least_squares", off_by(12, 5e-12), "least_squares", "k2 differs"),
+    "drift of the core": (extended, "least_squares", off_by(17, 5e-12), "least_squares", "drift differs"),
+    "K2 of numpy": (crosscheck, "unknowns", off_by(12, 5e-12), "least_squares", "k2 differs"),
+    "K2 of optimal": (computation, "by_table", off_by(12, 1e-10), "optimal", "k2 differs"),
+    "uncertainties": (uncertainty, "standard_uncertainties", off_by(13, 1e-9), "optimal", "u of further terms differs"),
 }
 
 
@@ -339,7 +339,7 @@ def test_core_and_numpy_find_the_same_chi_squared(terms):
         sizes = 1e-4 * rng.normal(size=(len(terms), 3))
         delta = 1e-5 * rng.normal(size=18)
         ideal = Geometry(schedule.data).outputs(2.0 * np.eye(3) + 0.02, np.zeros(3), delta=delta)
-        means = ideal + np.tensordot(sizes.ravel(), extended.columns(schedule, terms), axes=1)
+        means = ideal + np.tensordot(sizes.ravel(), columns_at(Geometry(schedule.data).force(), terms), axes=1)
         means = means + np.sqrt(variance) * rng.normal(size=(18, 3))
         model = WholeModel(schedule.data, means, variance, declared, terms)
         given = schedule, means, measured, variance, declared, terms

@@ -12,8 +12,7 @@ from simulated_bench import bench as simulated, runs
 import tumble as package
 from tumble.cli.main import main
 from tumble.core import CoreSchedule, optimal as core_optimal, paper_schedule
-from tumble.model.optimal import optimal_table
-from tumble.reference import optimal
+from tumble.model.optimal import optimal_estimate, optimal_table
 from tumble.solving import gain_record
 from tumble.stand import PAPER_STAND
 from tumble.world import gains
@@ -110,7 +109,7 @@ def test_the_firmware_solves_with_the_record_and_agrees_with_core_and_witness(tm
     expected = core_optimal.optimal(RECORD, SCHEDULE, means)
     assert np.abs(np.array(found["K"]) - expected.k).max() < 1e-13
     assert np.abs(np.array(found["U0"]) - expected.u0).max() < 1e-13
-    witness = optimal(SCHEDULE.data, means, PAPER_STAND, np.full(18, PAPER_STAND.samples), known_k=NOMINAL_K)
+    witness = optimal_estimate(SCHEDULE.data, means, PAPER_STAND, np.full(18, PAPER_STAND.samples), known_k=NOMINAL_K)
     assert np.abs((np.array(found["K"]) - witness.k) / witness.u_k).max() < 1e-6
 
 

@@ -7,10 +7,10 @@ from blocks import NOMINAL_K, random_block, usable_schedule
 from tumble import core
 from tumble.core import CoreRefusal, optimal as core_optimal
 from tumble.estimators import LINEAR
-from tumble.model import Geometry, optimal
-from tumble.model.estimators import least_squares, unidentified
-from tumble.model.optimal import CORRECTIONS, _Whitened
-from tumble.solving import gain_record, gains
+from tumble.model import Geometry, estimate, optimal_estimate
+from tumble.model.estimators import unidentified
+from tumble.model.optimal import CORRECTIONS, _Whitened, mean_sigma, optimal_table, samples_in_a_mean
+from tumble.solving import gain_record
 from tumble.stand import COMMON, INDEPENDENT, PAPER_STAND, Stand
 
 LIMIT = 1e-6  # of each coefficient's standard uncertainty
@@ -42,20 +42,23 @@ def run_on(rng, schedule, k, u0, stand):
 
 
 def record_for(schedule, k, stand):
-    return gain_record.to_bytes(gain_record.record_of(gains.optimal_table(schedule, k, stand), schedule))
+    return gain_record.to_bytes(gain_record.record_of(optimal_table(schedule, k, stand), schedule))
 
 
 def largest_angle(schedule, k, stand, means):
     """Of all that the witness takes for an error of the stand on its way, and what the second order changes in it."""
-    problem = _Whitened(schedule, k, stand, np.ones(len(schedule.positions)), 0.0)
-    measured = means[problem.fit].reshape(-1, 1)
-    x, largest, turns = problem.unknowns(measured), 0.0, 0.0
+    samples = samples_in_a_mean(schedule, stand, np.ones(len(schedule.positions)))
+    problem = _Whitened(schedule, k, stand, mean_sigma(k, stand, 0.0, samples)[0], ())
+    measured = means[schedule.fit_indices].reshape(1, -1)
+    x, largest, turns = problem.solve(measured.T).T, 0.0, 0.0
     for _ in range(CORRECTIONS + 1):
-        angles = problem._stand(x)
+        sizes = problem.sizes(x)
+        angles = {name: found[0] for name, found in problem.errors.arguments(sizes).items()}
         curved, turns = angles["delta"] - turns, angles["delta"]
-        seen = [angles["alpha1"], *angles["alpha3"], *(angles["alpha2"] + turns), *curved]
+        seen = [*angles["alpha1"], *angles["alpha3"], *(angles["alpha2"] + turns), *curved]
         largest = max(largest, np.abs(seen).max())
-        x = problem.unknowns(measured - (problem._exact(x) - problem.model @ x))
+        exact = problem.errors.outputs(x[:, -12:-3].reshape(1, 3, 3), x[:, -3:], sizes)
+        x = problem.solve((measured - (exact.reshape(1, -1) - x @ problem.model.T)).T).T
     return largest
 
 
@@ -67,9 +70,9 @@ def difference(rng, schedule):
     if unidentified(schedule.data):  # by a hair: the core judges by pivots, the plan by singular values
         return 0.0, 0.0
     means = run_on(rng, schedule.data, k, u0, stand)
-    first_k = least_squares(schedule.data, means)[0]
+    first_k = estimate(schedule.data, means, "least_squares")[0]
     table = record_for(schedule.data, first_k, stand)
-    witness = optimal(schedule.data, means, stand, np.ones(len(schedule)))
+    witness = optimal_estimate(schedule.data, means, stand, np.ones(len(schedule)))
     try:
         found = core_optimal.optimal(table, schedule, means)
     except CoreRefusal as refusal:  # positions that hardly tell an angle, on a stand of milliradians
@@ -107,9 +110,9 @@ def test_the_limit_would_notice_a_missing_correction():
     rng = np.random.default_rng(61)
     stand = Stand(1e-4, 1e-4, 15e-3, 1e-4, 1e-4, 10, "sigma1")
     means = run_on(rng, PAPER.data, NOMINAL_K, np.zeros(3), stand)
-    opened = core_optimal.GainRecord(PAPER, record_for(PAPER.data, least_squares(PAPER.data, means)[0], stand))
+    opened = core_optimal.GainRecord(PAPER, record_for(PAPER.data, estimate(PAPER.data, means, "least_squares")[0], stand))
     linear_k, _ = core.estimate_gains(PAPER, opened.gains, means)
-    witness = optimal(PAPER.data, means, stand, np.ones(18))
+    witness = optimal_estimate(PAPER.data, means, stand, np.ones(18))
     assert np.abs((linear_k - witness.k) / witness.u_k).max() > 1e4 * LIMIT
 
 
@@ -148,14 +151,14 @@ def test_writer_and_reader_agree_on_every_number():
     for _ in range(50):
         schedule = usable_schedule(rng)
         stand = random_stand(rng, 2.0)
-        table = gains.optimal_table(schedule.data, NOMINAL_K, stand)
+        table = optimal_table(schedule.data, NOMINAL_K, stand)
         opened = core_optimal.GainRecord(schedule, gain_record.to_bytes(gain_record.record_of(table, schedule.data)))
         assert core_optimal.schedule_crc(schedule) == gain_record.fingerprint(schedule.data)
         assert np.array_equal(opened.gains, table.gains)
         assert np.array_equal(opened.stand_gains, table.nuisance_gains)
         assert np.array_equal(np.array(list(map(list, opened.struct.k_v_per_g))), NOMINAL_K)
         assert opened.struct.sigma_mean_v == table.sigma_mean
-        assert opened.struct.sigma_rad[3] == table.sigma_angle
+        assert opened.struct.sigma_rad[3] == table.sigma[3]
 
 
 @pytest.mark.parametrize("spoil", ["short", "flipped", "foreign"])

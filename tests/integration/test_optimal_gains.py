@@ -5,7 +5,7 @@ import dataclasses
 import mpmath
 import numpy as np
 import pytest
-from blocks import NOMINAL_K, random_block, random_schedule, usable_schedule
+from blocks import NOMINAL_K, gains_of, random_block, random_schedule, usable_schedule
 from conftest import EXAMPLES
 from hypothesis import given, strategies as st
 
@@ -13,8 +13,11 @@ from tumble.errors import UsageError
 from tumble.estimators import LINEAR
 from tumble.files.stand_file import read_stand
 from tumble.model import Geometry, built_in, estimate
+from tumble.model.errors import felt
+from tumble.model.estimators import design, linear_gains
+from tumble.model.geometry import ideal_force
+from tumble.model.optimal import mean_sigma, optimal_table, standard_deviations
 from tumble.schedule import Schedule
-from tumble.solving import gains
 from tumble.stand import COMMON, INDEPENDENT, PAPER_STAND, Stand
 
 pytestmark = pytest.mark.python
@@ -80,7 +83,7 @@ def by_inversion(schedule, k, stand, sigma_mean):
 
 @pytest.mark.parametrize("name", ODD_STANDS)
 def test_optimal_gains_are_those_of_the_inverted_covariance(name):
-    table = gains.optimal_table(PAPER, NOMINAL_K, ODD_STANDS[name])
+    table = optimal_table(PAPER, NOMINAL_K, ODD_STANDS[name])
     u, weights = by_inversion(PAPER, NOMINAL_K, ODD_STANDS[name], table.sigma_mean)
     assert table.u == pytest.approx(u, rel=1e-10)
     assert table.gains == pytest.approx(weights, abs=1e-6 if name in ("no noise", "half a radian") else 1e-11)
@@ -90,7 +93,7 @@ def test_optimal_gains_are_those_of_the_inverted_covariance(name):
 def test_a_hopeless_stand_has_still_the_right_uncertainties():
     """No noise, errors of half a radian: nine orders of magnitude between what is known and what is not."""
     stand = Stand(0.5, 0.5, 0.5, 0.5, 0.0, 50, "sigma1")
-    table = gains.optimal_table(PAPER, NOMINAL_K, stand)
+    table = optimal_table(PAPER, NOMINAL_K, stand)
     assert table.u == pytest.approx(by_inversion(PAPER, NOMINAL_K, stand, table.sigma_mean)[0], rel=1e-8)
 
 
@@ -101,7 +104,7 @@ def test_optimal_gains_of_other_schedules_and_blocks():
         schedule = usable_schedule(rng).data
         k, _ = random_block(rng)
         stand = dataclasses.replace(STANDS["lab"], noise=1e-4 * np.abs(k).max(), remounting=remounting)
-        table = gains.optimal_table(schedule, k, stand)
+        table = optimal_table(schedule, k, stand)
         u, weights = by_inversion(schedule, k, stand, table.sigma_mean)
         assert table.u == pytest.approx(u, rel=1e-9)
         assert table.gains == pytest.approx(weights, abs=1e-8 * np.abs(weights).max())
@@ -109,9 +112,9 @@ def test_optimal_gains_of_other_schedules_and_blocks():
 
 @pytest.mark.parametrize("name", GAIN_OVER_REFINED)
 def test_gain_over_refined_is_the_published_one(name):
-    table = gains.optimal_table(PAPER, NOMINAL_K, STANDS[name])
-    refined = gains.linear_gains(PAPER, "refined")
-    spread = gains.standard_deviations(PAPER, refined, NOMINAL_K, STANDS[name], table.sigma_mean)
+    table = optimal_table(PAPER, NOMINAL_K, STANDS[name])
+    refined = linear_gains(PAPER, "refined")
+    spread = standard_deviations(PAPER, refined, NOMINAL_K, STANDS[name], table.sigma_mean)
     expected = np.array(GAIN_OVER_REFINED[name])[list(GROUPS)]
     assert spread / table.u == pytest.approx(expected, rel=0.005)
 
@@ -122,43 +125,63 @@ SIZES = st.one_of(st.just(0.0), st.floats(1e-9, 0.5))
 @given(st.tuples(SIZES, SIZES, SIZES, SIZES), st.one_of(st.just(0.0), st.floats(1e-9, 10.0)), st.booleans())
 def test_any_stand_has_unbiased_gains_no_worse_than_the_others(angles, noise, common):
     stand = Stand(*angles, noise, 10, "sigma1", COMMON if common else INDEPENDENT)
-    table = gains.optimal_table(PAPER, NOMINAL_K, stand)
+    table = optimal_table(PAPER, NOMINAL_K, stand)
     assert np.isfinite(table.gains).all() and np.isfinite(table.nuisance_gains).all()
-    design = gains.design(gains.linearise(PAPER))
-    assert table.gains @ design == pytest.approx(np.eye(12), abs=1e-5)
+    assert table.gains @ design(PAPER) == pytest.approx(np.eye(12), abs=1e-5)
     for estimator in LINEAR:
-        other = gains.standard_deviations(
-            PAPER, gains.linear_gains(PAPER, estimator), NOMINAL_K, stand, table.sigma_mean
-        )
+        other = standard_deviations(PAPER, linear_gains(PAPER, estimator), NOMINAL_K, stand, table.sigma_mean)
         assert (table.u <= other * (1 + 1e-9)).all()
-    absent = np.array(table.sigma_shared) == 0.0
+    absent = table.sigma[[0, 1] + [2] * table.yaws] == 0.0
     assert (table.nuisance_gains[absent] == 0.0).all()
 
 
+def by_hand(schedule):
+    """The ideal force at every position, and its derivatives by what all share, on paper: (positions, 3) each."""
+    mounting = [next(m for m in schedule.mountings if m.number == p.mounting) for p in schedule.positions]
+    rotation, tilt = np.array([m.matrix for m in mounting]), np.deg2rad([m.tilt_deg for m in mounting])
+    phi = np.deg2rad([position.angle_deg for position in schedule.positions])
+    s, c, sine, cosine, zero = np.sin(phi), np.cos(phi), np.sin(tilt), np.cos(tilt), np.zeros(len(phi))
+    of_table = {
+        "force": (cosine * s, sine, cosine * c),
+        "alpha1": (-sine * s, cosine, -sine * c),
+        "alpha2": (cosine * c, zero, -cosine * s),
+        "alpha3": (sine, -cosine * s, zero),
+        "platform": (zero, cosine * c, -sine),
+    }
+    return {name: np.einsum("pij,jp->pi", rotation, axes) for name, axes in of_table.items()}
+
+
 def test_derivatives_by_hand_are_those_of_the_exact_geometry():
-    rng, step = np.random.default_rng(72), 1e-30
+    rng = np.random.default_rng(72)
     for _ in range(20):
         schedule = random_schedule(rng)
-        model, geometry, fit = gains.linearise(schedule), Geometry(schedule), schedule.fit_indices
-        assert model.force == pytest.approx(geometry.force()[fit], abs=1e-14)
-        for name, found in (("alpha1", model.alpha1), ("alpha2", model.delta), ("alpha3", model.alpha3)):
-            exact = geometry.force(**{name: 1j * step}).imag[fit] / step
-            assert found == pytest.approx(exact, abs=1e-14), name
+        expected = by_hand(schedule)
+        assert ideal_force(schedule) == pytest.approx(expected.pop("force"), abs=1e-14)
+        for name, one in expected.items():
+            assert felt(schedule, name, common=True).derivative(np.eye(3))[0] == pytest.approx(one, abs=1e-14), name
+        own = np.array([[p.mounting == m.number for p in schedule.positions] for m in schedule.mountings])[..., None]
+        each = {
+            "alpha3": own * expected["alpha3"],
+            "seat": np.concatenate([own * expected["platform"], own * expected["alpha2"]]),
+            "alpha4": np.eye(len(schedule.positions))[..., None] * expected["alpha2"],
+        }
+        for name, of_draws in each.items():
+            assert felt(schedule, name).derivative(np.eye(3)) == pytest.approx(of_draws, abs=1e-14), name
 
 
 @pytest.mark.parametrize("estimator", LINEAR)
 def test_linear_gains_are_the_estimator(estimator):
     means = np.random.default_rng(73).normal(size=(18, 3))
     k, u0 = estimate(PAPER, means, estimator)
-    found = gains.linear_gains(PAPER, estimator) @ means.ravel()
+    found = linear_gains(PAPER, estimator) @ means.ravel()
     assert found == pytest.approx(np.concatenate([k.ravel(), u0]), abs=1e-14)
 
 
 def test_the_converter_sets_the_noise_where_the_stand_has_less():
     quiet = dataclasses.replace(PAPER_STAND, noise=1e-6)
-    assert gains.mean_sigma(NOMINAL_K, quiet, 1e-3, 50)[0] == pytest.approx([1e-3 / 12**0.5 / 50**0.5] * 3)
-    assert gains.mean_sigma(NOMINAL_K, PAPER_STAND, 1e-5, 50)[0] == pytest.approx([3e-4 / 50**0.5] * 3)
-    sigma, floored = gains.mean_sigma(NOMINAL_K, dataclasses.replace(PAPER_STAND, noise=0.0), 0.0, 50)
+    assert mean_sigma(NOMINAL_K, quiet, 1e-3, 50)[0] == pytest.approx([1e-3 / 12**0.5 / 50**0.5] * 3)
+    assert mean_sigma(NOMINAL_K, PAPER_STAND, 1e-5, 50)[0] == pytest.approx([3e-4 / 50**0.5] * 3)
+    sigma, floored = mean_sigma(NOMINAL_K, dataclasses.replace(PAPER_STAND, noise=0.0), 0.0, 50)
     assert sigma.tolist() == [2e-9] * 3 and floored is True
 
 
@@ -166,11 +189,11 @@ def test_what_cannot_be_weighed_is_refused():
     one_mounting = Schedule(PAPER.mountings[:1], PAPER.positions[:9])
     for estimator in ("least_squares", "optimal"):
         with pytest.raises(UsageError, match=r"cannot identify K_xy, K_yy, K_zy$"):
-            gains.gains(one_mounting, estimator, NOMINAL_K, PAPER_STAND)
+            gains_of(one_mounting, estimator, NOMINAL_K, PAPER_STAND)
     with pytest.raises(UsageError, match="lacks positions that refined needs"):
-        gains.gains(one_mounting, "refined", NOMINAL_K, PAPER_STAND)
+        gains_of(one_mounting, "refined", NOMINAL_K, PAPER_STAND)
     for noise in (1e150, 1e300):
         with pytest.raises(UsageError, match="noise beyond any number"):
-            gains.optimal_table(PAPER, NOMINAL_K, dataclasses.replace(PAPER_STAND, noise=noise))
+            optimal_table(PAPER, NOMINAL_K, dataclasses.replace(PAPER_STAND, noise=noise))
     with pytest.raises(UsageError, match="K is zero"):
-        gains.optimal_table(PAPER, np.zeros((3, 3)), dataclasses.replace(PAPER_STAND, noise=0.0))
+        optimal_table(PAPER, np.zeros((3, 3)), dataclasses.replace(PAPER_STAND, noise=0.0))

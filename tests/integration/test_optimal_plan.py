@@ -16,8 +16,9 @@ from documents import document_of, paper_stand
 from tumble import core, model
 from tumble.core import optimal
 from tumble.files.schedule_file import to_toml
+from tumble.model.optimal import optimal_table
 from tumble.schedule import Position, Schedule
-from tumble.solving import gain_record, gains
+from tumble.solving import gain_record
 from tumble.stand import PAPER_STAND
 
 STANDS = ("paper", "angle", "lab")
@@ -207,7 +208,7 @@ def test_the_record_is_laid_out_as_documented():
 
 
 def test_a_spoilt_record_is_no_record():
-    table = gains.optimal_table(model.built_in("paper"), NOMINAL_K, PAPER_STAND)
+    table = optimal_table(model.built_in("paper"), NOMINAL_K, PAPER_STAND)
     data = gain_record.to_bytes(gain_record.record_of(table, model.built_in("paper")))
     assert len(data) == gain_record.size_of(18, 2) == 7152
     for index in (0, 4, 8, 10, 11, 12, 13, 14, 15, 20, 30, 500, 5000, len(data) - 8, len(data) - 1):

@@ -12,8 +12,7 @@ from test_plan_budget import plan
 
 from tumble import model
 from tumble.files.stand_file import read_stand
-from tumble.model import built_in
-from tumble.model.estimators import covariance
+from tumble.model import Propagation, built_in
 from tumble.model.norm import norm_gradient
 from tumble.planning import validate
 from tumble.planning.case import Case
@@ -58,7 +57,7 @@ def test_core_and_numpy_plan_the_same(terms, checked):
     case = case_of("lab", terms, schedule)
     k, lone = case.nominal_k(), np.ones(len(schedule.positions), dtype=int)
     unknowns = error_field(case, "least_squares", k).unknowns
-    witness = covariance(schedule, k, case.stand, lone, terms)
+    witness = Propagation(schedule, k, case.stand, lone, "least_squares", terms=terms).covariance()
     assert np.sqrt(np.diag(unknowns.T @ unknowns)) == pytest.approx(np.sqrt(np.diag(witness)), rel=1e-8)
     unknowns = error_field(case, "optimal", k).unknowns
     means = model.Geometry(schedule).outputs(k, np.zeros(3))

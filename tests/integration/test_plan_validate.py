@@ -17,11 +17,12 @@ from tumble.core import optimal as core_optimal
 from tumble.estimators import ESTIMATORS
 from tumble.files.stand_file import read_stand
 from tumble.model import Geometry
+from tumble.model.optimal import optimal_table
 from tumble.planning import validate, verdict
 from tumble.planning.budget import budget
 from tumble.planning.case import Case
 from tumble.planning.simulate import U0_V, position_means
-from tumble.solving import gain_record, gains
+from tumble.solving import gain_record
 
 pytestmark = pytest.mark.python
 STANDS = ("paper", "angle", "lab")
@@ -95,12 +96,12 @@ def test_one_table_serves_blocks_of_any_misalignments(name):
     case, rng = case_of(name), np.random.default_rng(6)
     schedule = core.CoreSchedule(case.fitted)
     for table_k in (case.nominal_k(), 2.0 * np.eye(3)):
-        table = gains.optimal_table(case.fitted, table_k, case.stand)
+        table = optimal_table(case.fitted, table_k, case.stand)
         opened = core_optimal.GainRecord(schedule, gain_record.to_bytes(gain_record.record_of(table, case.fitted)))
         for signs in (-np.ones((3, 3)), rng.choice([-1.0, 1.0], (3, 3))):
             k = case.nominal_k(signs)
             found, _ = core_optimal.optimal_runs(opened, position_means(case, k, 20_000, rng))
-            bound = gains.optimal_table(case.fitted, k, case.stand).u
+            bound = optimal_table(case.fitted, k, case.stand).u
             assert (found.std(axis=0) / bound).max() < 1.02
             assert np.abs((found.mean(axis=0) - np.concatenate([k.ravel(), U0_V])) / bound).max() < 0.05
 
@@ -139,8 +140,8 @@ def test_a_false_claim_is_found_out(claim, monkeypatch):
 
 
 def test_a_bias_is_found_out(monkeypatch):
-    sound = validate.estimate_runs
-    monkeypatch.setattr(validate, "estimate_runs", lambda *arguments: sound(*arguments) + 0.3 * 2.35e-5 * np.eye(12)[0])
+    sound, bias = validate.estimator_for, 0.3 * 2.35e-5 * np.eye(12)[0]
+    monkeypatch.setattr(validate, "estimator_for", lambda given: lambda means: sound(given)(means) + bias)
     _, found = judged(case_of("paper"), ("refined",), 20_000)["refined"]
     assert [line.split(" u,")[0] for line in found.outside if "bias" in line] == [found.outside[0].split(" u,")[0]]
     assert found.outside[0].startswith("K_xx bias +0.")

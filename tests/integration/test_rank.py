@@ -5,7 +5,7 @@ import pytest
 from blocks import random_rotation, random_schedule
 
 from tumble import core
-from tumble.model.estimators import dense_design, unidentified
+from tumble.model.estimators import design as design_of, unidentified
 from tumble.schedule import CHECK, Mounting, Position, Schedule
 
 PAPER = core.paper_schedule()
@@ -82,7 +82,7 @@ def test_core_and_witness_agree_on_random_schedules():
     compared = {True: 0, False: 0}
     for _ in range(3000):
         schedule = random_schedule(rng)
-        design = dense_design(schedule)
+        design = design_of(schedule)
         singular = np.linalg.svd(design, compute_uv=False) / np.sqrt(max(len(design), 1) / 3)
         weakest = singular[-1] if len(singular) == 12 else 0.0
         if 1e-5 < weakest < 5e-3:

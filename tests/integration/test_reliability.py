@@ -23,9 +23,9 @@ from tumble.model import built_in
 from tumble.model.explanations import CONFIDENCE, SOURCES
 from tumble.model.norm import spread_attitudes
 from tumble.model.patterns import BY_NAME, PATTERNS, Scene
+from tumble.model.propagation import Propagation
 from tumble.model.reliability import largest, lines, reliability
 from tumble.model.whole import basis
-from tumble.solving.uncertainty import Witness
 
 pytestmark = pytest.mark.python
 WORDS = {
@@ -48,7 +48,7 @@ def found(stand="paper", schedule="paper", estimator="refined"):
     declared = read_stand(str(EXAMPLES / f"{stand}_stand.toml")).stand
     positions = built_in(schedule)
     samples = np.full(len(positions.positions), declared.samples)
-    listed = reliability(Witness(positions, NOMINAL_K, declared, samples, estimator, 0.0))
+    listed = reliability(Propagation(positions, NOMINAL_K, declared, samples, estimator, 0.0))
     return {one.pattern.name: one for one in listed}
 
 
@@ -83,7 +83,7 @@ def test_what_is_declared_is_in_the_uncertainties_and_not_listed(case):
     plain = read_stand(str(EXAMPLES / "paper_stand.toml")).stand
     schedule, samples = built_in("paper"), np.full(18, 50)
     listed = [
-        {one.pattern.name for one in reliability(Witness(schedule, NOMINAL_K, stand, samples, "refined", 0.0))}
+        {one.pattern.name for one in reliability(Propagation(schedule, NOMINAL_K, stand, samples, "refined", 0.0))}
         for stand in (plain, plain.with_sigma(source, 1e-4))
     ]
     assert listed[0] - listed[1] == names and listed[1] < listed[0]
@@ -286,6 +286,6 @@ def test_no_residuals_show_nothing():
     """As many outputs as unknowns."""
     stand, positions = read_stand(str(EXAMPLES / "paper_stand.toml")).stand, built_in("six_faces")
     four = positions.part(np.array([True, True, True, False, True, False]))
-    listed = reliability(Witness(four, NOMINAL_K, stand, np.full(4, 50), "least_squares", 0.0))
+    listed = reliability(Propagation(four, NOMINAL_K, stand, np.full(4, 50), "least_squares", 0.0))
     assert listed and largest(listed) is None and all(one.size is one.norm_g is None for one in listed)
     assert "No run would show, at any size: " in words(" ".join(lines(listed)))

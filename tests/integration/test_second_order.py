@@ -14,15 +14,23 @@ from tumble import model
 from tumble.core.optimal import estimate_runs
 from tumble.estimators import COEFFICIENTS, LINEAR
 from tumble.model.optimal import optimal_table
+from tumble.model.propagation import Propagation
 from tumble.model.second_order import SecondOrder, second_order
 from tumble.planning.validate import validate
 from tumble.schedule import FIT, Schedule
+from tumble.solving.many_runs import or_linear
 from tumble.stand import COMMON, INDEPENDENT, PAPER_STAND, Stand
 
 pytestmark = pytest.mark.python
 PAPER = model.built_in("paper")
 seeds = st.integers(0, 2**32 - 1)
 ANY_U = np.full(12, 1e-3)
+
+
+def bias_of(schedule, k, u, stand, estimator, step=0.0):
+    """Of means of so many samples as the stand says."""
+    given = Propagation(schedule, k, stand, np.ones(len(schedule.positions), dtype=int), estimator, step)
+    return second_order(given, u, or_linear(given))
 
 
 def stand_of(axis_tilt=0.0, level=0.0, remount=0.0, angle=0.0, noise=1e-3, **others):
@@ -34,7 +42,7 @@ def stand_of(axis_tilt=0.0, level=0.0, remount=0.0, angle=0.0, noise=1e-3, **oth
 def test_closed_form_on_the_papers_schedule(estimator, remounting):
     """E cos of a normal angle is exp(-sigma^2/2), E sin is 0: every error shortens what it turns, and no more."""
     sizes = {"axis_tilt": 3e-3, "level": 2e-3, "remount": 7e-3, "angle": 5e-3}
-    found = second_order(PAPER, NOMINAL_K, ANY_U, stand_of(**sizes, remounting=remounting), estimator)
+    found = bias_of(PAPER, NOMINAL_K, ANY_U, stand_of(**sizes, remounting=remounting), estimator)
     common = sum(sizes[name] ** 2 for name in ("axis_tilt", "level", "angle"))
     shortened = np.array([common + sizes["remount"] ** 2, common, common])
     expected = NOMINAL_K * np.expm1(-shortened / 2)
@@ -65,7 +73,7 @@ def test_any_schedule(seed):
     rng = np.random.default_rng(seed)
     schedule, (k, _) = usable_schedule(rng), random_block(rng)
     stand = stand_of(*(10.0 ** rng.uniform(-4, -2, 4)).tolist())
-    found = second_order(schedule.data, k, ANY_U, stand, "least_squares")
+    found = bias_of(schedule.data, k, ANY_U, stand, "least_squares")
     expected = estimate_runs(schedule, mean_outputs(schedule.data, k, stand)[None], "least_squares")[0]
     expected -= np.concatenate([k.ravel(), np.zeros(3)])
     assert found.bias == pytest.approx(expected, rel=1e-6, abs=1e-9 * np.abs(expected).max() + 1e-12 * np.abs(k).max())
@@ -77,7 +85,7 @@ def test_positions_that_only_check_leave_none():
     both = Schedule(PAPER.mountings, (*positions, *PAPER.positions))
     assert all(one.use == FIT for one in PAPER.positions)
     for estimator in ("refined", "optimal"):
-        alone, beside = (second_order(one, NOMINAL_K, ANY_U, PAPER_STAND, estimator).bias for one in (PAPER, both))
+        alone, beside = (bias_of(one, NOMINAL_K, ANY_U, PAPER_STAND, estimator).bias for one in (PAPER, both))
         assert beside == pytest.approx(alone, abs=1e-12)
 
 
@@ -97,7 +105,7 @@ def test_runs_are_biased_as_it_says(errors):
     case = case_of("paper", **LARGE[errors])
     k = case.nominal_k()
     for one in validate(case, ("averaged", "refined", "least_squares", "optimal"), 20_000, 1):
-        found = second_order(case.fitted, k, one.u, case.stand, one.estimator, step=case.step_v)
+        found = bias_of(case.fitted, k, one.u, case.stand, one.estimator, step=case.step_v)
         known = 4.0 * one.tally.spread / 20_000**0.5
         assert np.all(np.abs(found.bias - one.tally.bias) <= known + 0.02 * np.abs(found.bias)), one.estimator
         flagged = {shift.coefficient for shift in found.shifts}
@@ -113,13 +121,13 @@ def test_the_examples_are_not_flagged(name):
     case = case_of(name)
     u = optimal_table(case.fitted, case.nominal_k(), case.stand, case.step_v).u
     for estimator in (*LINEAR, "optimal"):
-        found = second_order(case.fitted, case.nominal_k(), u, case.stand, estimator, step=case.step_v)
+        found = bias_of(case.fitted, case.nominal_k(), u, case.stand, estimator, step=case.step_v)
         assert not found.matters, estimator
 
 
 def test_a_stand_without_errors_has_none():
     for estimator in ("refined", "optimal"):
-        found = second_order(PAPER, NOMINAL_K, np.zeros(12), stand_of(), estimator)
+        found = bias_of(PAPER, NOMINAL_K, np.zeros(12), stand_of(), estimator)
         assert not found.bias.any() and not found.matters and found.complaints == []
 
 
@@ -141,7 +149,7 @@ def test_the_limit_is_a_fifth():
 
 def test_beyond_what_the_firmware_takes_the_linear_part_is_judged():
     stand = dataclasses.replace(PAPER_STAND, remount=0.3)
-    found = second_order(PAPER, NOMINAL_K, np.full(12, 1e-5), stand, "optimal")
+    found = bias_of(PAPER, NOMINAL_K, np.full(12, 1e-5), stand, "optimal")
     assert found.matters and found.complaints[0].startswith("large yaw")
 
 

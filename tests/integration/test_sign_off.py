@@ -12,13 +12,12 @@ import pytest
 
 from tumble import model
 from tumble.estimators import HARMONIC
-from tumble.model.estimators import dense_design
+from tumble.model.estimators import design as design_of
 from tumble.model.explanations import CONFIDENCE
 from tumble.model.norm import worst_norm
 from tumble.planning import validate
 from tumble.planning.case import Case
 from tumble.planning.simulate import errors_of, position_means
-from tumble.planning.weights import all_gains
 from tumble.schedule import CHECK, Position, Schedule
 from tumble.solving.decision import is_shown
 from tumble.stand import LIMIT_KINDS, Stand
@@ -76,7 +75,7 @@ def chi_squared(case, k, means):
     fit = case.schedule.fit_indices
     joint = np.concatenate(draws)[:, fit].reshape(-1, 3 * len(fit))
     root = np.linalg.cholesky(joint.T @ joint)
-    design = np.linalg.solve(root, dense_design(case.fitted))
+    design = np.linalg.solve(root, design_of(case.fitted))
     observed = np.linalg.solve(root, means[:, fit].reshape(len(means), -1).T)
     basis = np.linalg.qr(design)[0]
     left = observed - basis @ (basis.T @ observed)
@@ -89,7 +88,7 @@ def decided(cases, runs, seed):
     passed, wrong = np.zeros((2, len(LEVELS)), dtype=int)
     for _ in range(cases):
         case, k, estimator = drawn_case(rng)
-        weights = all_gains(case, estimator, k)[:12]
+        weights = case.propagation(estimator, k).gains[:12]
         draws = np.concatenate([one.derivative * one.sigma[:, None, None] for one in errors_of(case, k).values()])
         found = draws[:, case.schedule.fit_indices].reshape(len(draws), -1) @ weights.T
         reach_g = FACTOR * worst_norm(k, found.T @ found).worst

@@ -1,4 +1,4 @@
-"""Weights for many runs at once are those that gains.optimal_table makes for each of them."""
+"""Weights for many runs at once are those that optimal_table makes for each of them."""
 
 import dataclasses
 
@@ -9,9 +9,10 @@ from conftest import EXAMPLES
 from tumble import core
 from tumble.errors import UsageError
 from tumble.files.stand_file import read_stand
+from tumble.model.optimal import optimal_table
 from tumble.planning.case import Case
 from tumble.planning.simulate import position_means
-from tumble.solving import gains, optimal_run, tables_of_runs
+from tumble.solving import optimal_run, tables_of_runs
 
 pytestmark = pytest.mark.python
 STANDS = {
@@ -47,7 +48,7 @@ def test_each_run_gets_what_it_gets_alone(name):
         table = optimal_run.make_table(schedule, run, everything, weighting)
         alone = optimal_run.apply_table(table, schedule, run)
         assert np.abs(found[index] - [*alone.k.ravel(), *alone.u0]).max() <= 1e-13 * np.abs(alone.k).max()
-        stated = gains.optimal_table(case.fitted, alone.k, case.stand, case.step_v).u
+        stated = optimal_table(case.fitted, alone.k, case.stand, case.step_v).u
         assert np.abs(u[index] / stated - 1.0).max() <= 1e-12
 
 

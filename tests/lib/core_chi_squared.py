@@ -5,8 +5,9 @@ from _tumble_core import ffi, lib
 
 from tumble.core.binding import require_ok
 from tumble.core.uncertainty import record_of
+from tumble.model.estimators import columns_at
+from tumble.model.geometry import ideal_force
 from tumble.solving.crosscheck import LARGEST_MISFIT, _require
-from tumble.solving.extended import columns
 
 FIT_LIMIT = 1e-6
 _FLOOR = 1e-7  # of the outputs
@@ -43,7 +44,7 @@ def least_chi_squared(schedule, means, measured, variance, stand, terms, sizes):
     """With further terms in the model. The core's chi-squared of the outputs without the terms is nearly a quadratic
     function of their sizes: its minimum is found from its values, first of all around the estimated `sizes`."""
     further = np.zeros((3 * len(terms), *means.shape))
-    further[:, measured] = columns(schedule.part(measured), terms)
+    further[:, measured] = columns_at(ideal_force(schedule.part(measured).data), terms)
     noise = np.maximum(variance[measured], (_FLOOR * np.abs(means[measured]).max()) ** 2)
     steps = np.diag(1.0 / np.sqrt((further[:, measured] ** 2 / noise).sum(axis=(1, 2))))
 
