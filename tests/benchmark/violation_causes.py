@@ -1,6 +1,6 @@
 """Which cause `solve` names first, for thousands of runs at once: the search of tumble.model.explanations on one
-stand, linear in the outputs, as K and the stand's errors are small. `tests/integration/test_outside_the_model.py` holds it against
-the search itself, run by run.
+stand, linear in the outputs, as K and the stand's errors are small. `tests/integration/test_outside_the_model.py` holds
+it against the search itself, run by run.
 """
 
 import math

@@ -18,6 +18,7 @@ from tumble.files.stand_file import read_stand
 from tumble.fixture.combination import repeats
 from tumble.model import built_in, covariance, optimal_covariance
 from tumble.model.errors import exact_outputs, sources
+from tumble.model.propagation import Propagation
 from tumble.solving.many_runs import estimator_for
 from tumble.stand import PAPER_STAND
 
@@ -33,12 +34,17 @@ def ones(schedule):
     return np.ones(len(schedule.positions), dtype=int)
 
 
+def run_of(schedule, k, stand, estimator):
+    """How errors reach a run of means."""
+    return Propagation(schedule, k, stand, ones(schedule), estimator)
+
+
 @pytest.mark.parametrize("estimator", ["averaged", "refined", "least_squares", "optimal"])
 @pytest.mark.parametrize("name", SCHEDULES)
 def test_what_is_shared_is_all_but_what_a_stand_without_it_has(name, estimator):
     """Of one K: the covariance of the difference is twice that of the same stand without the shared errors."""
     schedule, k = SCHEDULES[name], NOMINAL_K
-    errors = brought(schedule, k, RICH, estimator, ones(schedule))
+    errors = run_of(schedule, k, RICH, estimator).brought()
     assert [name for name in errors if repeats(name, True)] == SHARED
     total, both = sum(one.T @ one for one in errors.values()), of_a_run(np.concatenate([k.ravel(), U0]), errors, True)
     left = judge(both, both, 0.0, 0.999).coefficients.u ** 2
@@ -63,7 +69,7 @@ def test_the_schedules_of_the_two_may_differ():
     rng, found = np.random.default_rng(21), []
     one = replace(RICH, noise=0.0, angle=0.0, remount=0.0, seat=0.0)
     both = [SCHEDULES[name] for name in ("paper", "diagonal")]
-    draws = [brought(each, NOMINAL_K, one, "refined", ones(each)) for each in both]
+    draws = [run_of(each, NOMINAL_K, one, "refined").brought() for each in both]
     expected = sum(draws[0][name].T @ draws[1][name] for name in SHARED)
     common = rng.standard_normal((20000, 7))
     for each in both:
@@ -158,7 +164,7 @@ def pairs(rng, stand, count, once, change=lambda k, u0: (k, u0), schedule="paper
     for name, end, size in zip(errors, ends, sizes):
         if once and repeats(name, True):
             second[:, end - size : end] = first[:, end - size : end]
-    solve = estimator_for(positions, NOMINAL_K, stand, estimator, ones(positions))
+    solve = estimator_for(run_of(positions, NOMINAL_K, stand, estimator))
     runs = []
     for draws, (k, u0) in zip((first, second), ((NOMINAL_K, U0), change(NOMINAL_K, U0))):
         runs.append(solve(exact_outputs(positions, k, u0, errors, draws)))
@@ -166,7 +172,7 @@ def pairs(rng, stand, count, once, change=lambda k, u0: (k, u0), schedule="paper
 
 
 def compared(a, b, positions, stand, estimator, once):
-    given = [brought(positions, run[:9].reshape(3, 3), stand, estimator, ones(positions)) for run in (a, b)]
+    given = [run_of(positions, run[:9].reshape(3, 3), stand, estimator).brought() for run in (a, b)]
     return judge(*(of_a_run(run, errors, once) for run, errors in zip((a, b), given)), 0.0, 0.999)
 
 

@@ -72,8 +72,8 @@ def test_a_uniform_law_by_hand():
     """A level alone, uniform, moves K_xy of an orthogonal block by itself times K_xx: 95 % of it lie within 0.95 of its
     half-width, where the linear theory says 1.96 u."""
     stand = Stand(0.0, 3e-4, 0.0, 0.0, 1e-9, 1, "uniform")
-    k, covariance = 2 * np.eye(3), model.covariance(PAPER, 2 * np.eye(3), stand, ONES, "refined")
-    found = simulate(PAPER, k, np.zeros(3), np.sqrt(np.diag(covariance)), stand, "refined", ONES, 50_000, 4)
+    given = model.Propagation(PAPER, 2 * np.eye(3), stand, ONES, "refined")
+    found = simulate(given, np.zeros(3), np.sqrt(np.diag(given.covariance())), 50_000, 4)
     assert found.u[1] == pytest.approx(2 * 3e-4 / 3**0.5, rel=0.01)
     assert [found.low[1], found.high[1]] == pytest.approx([-0.95 * 6e-4, 0.95 * 6e-4], rel=0.01)
     assert found.verdicts[1] is Verdict.DIFFERS

@@ -110,7 +110,8 @@ def test_the_limit_would_notice_a_missing_correction():
     rng = np.random.default_rng(61)
     stand = Stand(1e-4, 1e-4, 15e-3, 1e-4, 1e-4, 10, "sigma1")
     means = run_on(rng, PAPER.data, NOMINAL_K, np.zeros(3), stand)
-    opened = core_optimal.GainRecord(PAPER, record_for(PAPER.data, estimate(PAPER.data, means, "least_squares")[0], stand))
+    first_k = estimate(PAPER.data, means, "least_squares")[0]
+    opened = core_optimal.GainRecord(PAPER, record_for(PAPER.data, first_k, stand))
     linear_k, _ = core.estimate_gains(PAPER, opened.gains, means)
     witness = optimal_estimate(PAPER.data, means, stand, np.ones(18))
     assert np.abs((linear_k - witness.k) / witness.u_k).max() > 1e4 * LIMIT

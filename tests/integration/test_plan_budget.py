@@ -11,13 +11,11 @@ from hypothesis import given, strategies as st
 
 from tumble import model
 from tumble.files.stand_file import read_stand
-from tumble.model.errors import contributions, sources
 from tumble.planning import weights
 from tumble.planning.budget import budget
 from tumble.planning.case import Case
 from tumble.planning.published import NAMES, SOURCES
 from tumble.planning.validate import validate
-from tumble.stand import COMMON, Stand
 
 pytestmark = pytest.mark.python
 
@@ -84,12 +82,15 @@ def test_weights_on_any_schedule_are_those_of_complex_steps(seed):
         return
     common, k = bool(rng.random() < 0.5), rng.normal(size=(3, 3))
     gains = rng.normal(size=(4, 3 * len(fit)))
-    unit = Stand(1.0, 1.0, 1.0, 1.0, 1.0, 1, "sigma1", COMMON if common else "independent")
-    parts = contributions(
-        lambda means: means[:, fit].reshape(len(means), -1) @ gains.T,
-        sources(schedule, k, unit, np.ones(len(schedule.positions), int)),
-    )
-    expected = np.stack([parts[source] for source in SOURCES], axis=1)
+    mountings = len(schedule.mountings)
+    units = {"alpha1": np.ones((1, 1)), "alpha2": np.ones((1, 1)), "delta": np.eye(len(schedule.positions))}
+    units["alpha3"] = np.ones((1, mountings)) if common else np.eye(mountings)
+    geometry, squares = model.Geometry(schedule), {"noise": (gains**2).sum(axis=1)}
+    for name, draws in units.items():
+        outputs = geometry.force(**{name: 1e-30j * draws}).imag[:, fit] / 1e-30 @ k.T
+        squares[name] = ((outputs.reshape(len(draws), -1) @ gains.T) ** 2).sum(axis=0)
+    squares["alpha4"] = squares.pop("delta")
+    expected = np.sqrt([squares[source] for source in SOURCES]).T
     found = weights.absolute_weights(schedule.fitted, common, k, gains)
     assert found == pytest.approx(expected, rel=1e-9, abs=1e-11 * expected.max())
 

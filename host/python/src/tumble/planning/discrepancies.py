@@ -150,10 +150,10 @@ def _of_the_requirements() -> list[_Found]:
 def _of_the_weights() -> list[_Found]:
     squares = np.linalg.norm(linear_gains(paper.paper_case().fitted, "averaged"), axis=1)
     k_yy, k_xy, k_xx, k_yx, bias = (squares[NAMES.index(name)] for name in ("K_yy", "K_xy", "K_xx", "K_yx", "a0_x"))
-    lines = {(line.table, line.row, line.column): line for line in paper.lines()}
-    k_yz, alone = lines["Table 1", "K_yz", "alpha2"], lines["Table 4", "K1_yx", "alpha2"]
-    angles = lines["Table 1", "K_yy", "alpha4"], lines["Table 1", "a0_x", "alpha4"]
-    weighed = lines["Table 1", "K_yz", "alpha4"], lines["Table 4", "K1_yx", "alpha4"]
+    printed = {(line.table, line.row, line.column): line for line in paper.lines()}
+    k_yz, alone = printed["Table 1", "K_yz", "alpha2"], printed["Table 4", "K1_yx", "alpha2"]
+    angles = printed["Table 1", "K_yy", "alpha4"], printed["Table 1", "a0_x", "alpha4"]
+    weighed = printed["Table 1", "K_yz", "alpha4"], printed["Table 4", "K1_yx", "alpha4"]
     return [
         (
             8,
