@@ -112,7 +112,7 @@ def test_random_poses_that_turn_have_the_rank_that_they_have():
 
 
 MAGNIFIED = {  # by seed: do they turn, by what factor may variances differ
-    5030: (False, 1.0),  # 6 of 200 such; solving.stand_seen asks about none of them
+    5030: (False, 1.0),  # 6 of 200 such; model.stand_seen asks about none of them
     1037: (True, 100.0),
 }
 
