@@ -326,6 +326,7 @@ DEFECTS = {
     "K2 of numpy": (crosscheck, "unknowns", off_by(12, 5e-12), "least_squares", "k2 differs"),
     "K2 of optimal": (computation, "by_table", off_by(12, 1e-10), "optimal", "k2 differs"),
     "uncertainties": (uncertainty, "standard_uncertainties", off_by(13, 1e-9), "optimal", "u of further terms differs"),
+    "the force": (computation, "linear_outputs", off_by(0, 1e-8), "least_squares", "U with further terms differs"),
 }
 
 

@@ -420,3 +420,10 @@ def test_runs_share_the_platform_and_draw_their_seats(tmp_path, tumble):
         u[key] = json.loads(done.stdout)["combined"]["u_K"][1][2]
     assert u["seat"] == pytest.approx(1e-3, rel=0.02)
     assert u["platform"] == pytest.approx(2e-3, rel=0.02)
+
+
+def test_a_pattern_that_is_a_bias_on_these_positions_marks_no_coefficient():
+    """Hysteresis, where every position remembers the same half circle: what it moves of K is rounding."""
+    kept = [position.label != "1.7" for position in model.built_in("six_faces").positions]
+    faces = model.built_in("six_faces").part(kept)
+    assert list(model.unseen_patterns(faces, NOMINAL_K, "least_squares")) == ["k3"]

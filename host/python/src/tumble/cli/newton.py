@@ -1,4 +1,4 @@
-"""What takes K2 and K3 out, in other languages: Newton's method of solving.force, PASSES times, never more nor less.
+"""What takes K2 and K3 out, in other languages: Newton's method of model.force, PASSES times, never more nor less.
 
     a <- a - J^-1 (F(a) - (U - U0)),   from a = K^-1 (U - U0)
 

@@ -136,6 +136,9 @@ def linear_outputs(means: Floats, k: Floats, u0: Floats, sizes: Floats, terms: T
         return still
     if (np.abs(np.diag(k)) < _LEAST_OWN * np.linalg.norm(k, axis=1)).any():
         raise NotSolvable("a channel does not measure along its own axis, of which K2 and K3 are: channels exchanged?")
-    force = Force(np.concatenate([k.ravel(), u0, *(size[term] / np.diag(k) for term in powers)]), powers).of(still)
+    further = [size[term] / np.diag(k) for term in powers]
+    if (sum(POWERS[term] * np.abs(one) for term, one in zip(powers, further)) >= 1.0).any():  # they turn within 1 g
+        raise NotSolvable("K2 or K3 comes out so large that the outputs do not tell the acceleration")
+    force = Force(np.concatenate([k.ravel(), u0, *further]), powers).of(still)
     linear: Floats = u0 + force @ k.T
     return linear

@@ -9,7 +9,7 @@ import numpy as np
 from tumble.arrays import Floats
 from tumble.errors import Disagreement
 from tumble.model import verification
-from tumble.model.estimators import magnification, unknowns
+from tumble.model.estimators import columns_at, magnification, unknowns
 from tumble.model.optimal import OptimalEstimate
 from tumble.schedule import Schedule
 from tumble.solving.computation import Computation
@@ -71,7 +71,11 @@ def compare(
     relative = max(allowed_k.max(), allowed_u0.max(), allowed_sizes.max(initial=0.0)) / largest_k
     follows = _DERIVED * relative
     conditioned = follows * largest_k * np.linalg.norm(np.linalg.inv(k), 2)
-    largest_force = np.abs(np.linalg.solve(k, (means - u0).T)).max()
+    force: Floats = np.linalg.solve(k, (means - u0).T).T.astype(float)
+    largest_force = np.abs(force).max()
+    if found.terms:  # found step by step, they add up in one
+        added = np.tensordot(found.sizes.ravel(), columns_at(force, found.terms), axes=1)
+        _require("U with further terms", means + added, outputs, conditioned * largest_k)
     _require("delta_g", delta_g, verification.gravity_errors(means, k, u0), conditioned * max(1.0, largest_force**2))
     scale, angles, bias = verification.intrinsic(k, u0)
     _require("intrinsic scale", found.intrinsic.scale, scale, follows * largest_k)

@@ -21,7 +21,7 @@ CORRELATED = "correlated_noise"
 
 def sampled_patterns(noise: Noise, run: Run, pooled: Estimate | None, stand: Stand, step: PerChannel) -> list[Sampled]:
     """More noise than declared, and noise that is not white: each if the samples can show it. `pooled` over positions
-    and channels, as solving.stand_seen has it; `stand` and the converter's `step` (0: unknown) in the unit of the
+    and channels, as model.stand_seen has it; `stand` and the converter's `step` (0: unknown) in the unit of the
     outputs."""
     found = []
     if pooled is not None:
