@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from tumble.pictures.canvas import BLACK, BLUE, MINUS, PALE, VERMILLION, blank, legend_above, settings, settled
+from tumble.pictures.canvas import BLACK, BLUE, MINUS, PALE, VERMILLION, blank, legend_above, picture
 from tumble.rounding import rounded
 
 if TYPE_CHECKING:
@@ -23,17 +23,13 @@ _TITLES = {
 }
 
 
+@picture
 def comparison(document: dict[str, Any]) -> Figure:
     """A picture of a document of schema tumble.comparison/1: B less A in units of the standard uncertainty of the
     difference, with bands of 2 and 3. Parameters that have changed are diamonds; a difference that is beyond the axis
     is an arrow at its edge. What has no uncertainty has no marker."""
-    with settings():
-        return settled(_drawn(document))
-
-
-def _drawn(document: dict[str, Any]) -> Figure:
     rows = [(group, row) for group, _ in _GROUPS for row in document[group]]
-    figure = blank("comparison", _FRAME_MM + _ROW_MM * (len(rows) + 2))
+    figure = blank("comparison", _FRAME_MM + _ROW_MM * (len(rows) + 2), "Two calibrations of one block")
     axes = figure.subplots()
     reach = _reach([row["in_u"] for _, row in rows])
     for half, colour, label in _BANDS:
