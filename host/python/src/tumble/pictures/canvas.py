@@ -13,8 +13,8 @@ import os
 import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from html import escape
 from typing import TYPE_CHECKING, Any, ParamSpec
-from xml.sax.saxutils import escape
 
 import numpy as np
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from tumble.pictures.canvas import BLACK, BLUE, MINUS, PALE, VERMILLION, blank, legend_above, picture
 from tumble.rounding import rounded
+from tumble.signs import signed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -100,5 +101,5 @@ def _label(axes: Any, heights: list[float], rows: list[tuple[str, dict[str, Any]
 
 def _sized(row: dict[str, Any]) -> str:
     size, u = rounded(row["difference"], row["u"])
-    shown = [size.replace("-", MINUS), *([] if row["u"] is None else ["\u00b1", u.replace("-", MINUS)])]
-    return " ".join([*shown, row["unit"]])
+    shown = [size, *([] if row["u"] is None else ["\u00b1", u])]
+    return " ".join([*(one.replace("-", MINUS) for one in shown), signed(row["unit"])])
