@@ -185,7 +185,9 @@ def with_package(machine):
     ("compare a.json b.json --plot=c.svg", {"plot"}),
     ("report a.json --out a.pdf", {"report"}),
     ("bench --report --seed 2", {"report"}),
-    ("plan validate --plot a.svg", set()),  # it draws by itself
+    ("plan validate --plot a.svg", {"plot"}),
+    ("draw stand --out a.svg", {"plot"}),
+    ("plan validate --runs 200", set()),
     ("solve a.csv", set()),
 ])
 def test_a_command_installs_what_it_needs(machine, command, installs):

@@ -69,6 +69,14 @@ def tumble():
 
 
 @pytest.fixture
+def without_matplotlib(tmp_path):
+    """The environment of a process that finds no matplotlib."""
+    (tmp_path / "none").mkdir()
+    (tmp_path / "none/matplotlib.py").write_text("raise ImportError('none')\n")
+    return {"PYTHONPATH": f"{tmp_path / 'none'}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"}
+
+
+@pytest.fixture
 def refused(tumble, tmp_path):
     """Run `tumble ...` on what it must refuse: exit 2, nothing on stdout, one line on stderr, no file left behind.
 

@@ -24,7 +24,7 @@ PRODUCTS = (
     "docs/bus/tumble.dbc", "docs/canopen.md",
     "host/gateway/register_map.h", "host/gateway/registers.c", "docs/modbus.md", "docs/modbus.csv",
     "boards/linux/remedies.c", "firmware/include/tumble/version.h", "host/python/src/tumble/_version.py",
-    "host/python/src/tumble/drawings/tables.py", "host/python/src/tumble/client/tables.py",
+    "host/python/src/tumble/firmware_tables.py", "host/python/src/tumble/client/tables.py",
 )  # fmt: skip
 READ = [path.relative_to(ROOT).as_posix()
         for path in (ROOT / "docs/operations.md", ROOT / "docs/your-drive.md", *(ROOT / "firmware").rglob("*.h"),
@@ -209,7 +209,7 @@ def test_a_renumbered_list_makes_the_page_stale(tree):
     assert done.returncode == 1 and "docs/canopen.md" in done.stderr
 
 
-DRAWN = "host/python/src/tumble/drawings/tables.py"
+DRAWN = "host/python/src/tumble/firmware_tables.py"
 
 
 @pytest.mark.parametrize("file, old, new, row", [

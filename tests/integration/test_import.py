@@ -3,7 +3,6 @@
 import csv
 import itertools
 import json
-import os
 import re
 import shlex
 
@@ -220,14 +219,8 @@ def test_a_recipe_is_written_once_and_then_followed(tumble, refused, tmp_path):
 # Pictures.
 
 
-def without_matplotlib(folder):
-    (folder / "none").mkdir()
-    (folder / "none/matplotlib.py").write_text("raise ImportError('none')\n")
-    return {"PYTHONPATH": f"{folder / 'none'}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"}
-
-
-def test_without_matplotlib_a_picture_is_refused_in_a_line(tumble, tmp_path):
-    done = tumble("import", HAND_HELD, "--plot", tmp_path / "x.png", **without_matplotlib(tmp_path))
+def test_without_matplotlib_a_picture_is_refused_in_a_line(tumble, without_matplotlib, tmp_path):
+    done = tumble("import", HAND_HELD, "--plot", tmp_path / "x.png", **without_matplotlib)
     assert (done.returncode, done.stdout) == (77, "")
     assert done.stderr == "tumble: --plot needs matplotlib: tools/setup plot\n"
 

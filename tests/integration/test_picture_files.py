@@ -70,7 +70,7 @@ def test_names_are_unique_in_a_page_of_all_and_lead_somewhere(texts):
     ids = re.findall(r'\bid="([^"]*)"', page)
     assert len(ids) == len(set(ids)) and all(re.fullmatch(r"\S+", one) for one in ids)
     led = set(re.findall(r'href="#([^"]*)"', page) + re.findall(r"url\(#([^)]*)\)", page))
-    assert len(led) > 50 and led <= set(ids)
+    assert len(led) > 30 and led <= set(ids)
 
 
 def test_the_style_of_a_picture_is_not_that_of_the_page(texts):

@@ -14,10 +14,11 @@ from test_terminal import on_terminal, without_styles
 
 from tumble import core
 from tumble.core import optimal as core_optimal
-from tumble.estimators import ESTIMATORS
+from tumble.estimators import COEFFICIENTS, ESTIMATORS
 from tumble.files.stand_file import read_stand
 from tumble.model import Geometry
 from tumble.model.optimal import optimal_table
+from tumble.pictures.histograms import histograms
 from tumble.planning import validate, verdict
 from tumble.planning.budget import budget
 from tumble.planning.case import Case
@@ -218,8 +219,30 @@ def test_the_plot_is_a_picture(tumble, tmp_path):
     plan(tumble, "--runs", "2000", "--plot", tmp_path / "errors.svg", "--estimator", "optimal")
     root = ElementTree.parse(tmp_path / "errors.svg").getroot()
     assert root.tag == "{http://www.w3.org/2000/svg}svg"
-    assert len(root.findall("{http://www.w3.org/2000/svg}polygon")) == 12
-    assert "K_xx" in (tmp_path / "errors.svg").read_text()
+    texts = [one.text for one in root.iter("{http://www.w3.org/2000/svg}text")]
+    assert {*COEFFICIENTS, "optimal"} < set(texts) and texts.count("0") == 12
+    assert "single-axis rotary stand of the paper: error over stated u, 2000 runs" in texts
+
+
+def test_histograms_show_what_was_counted():
+    """A panel for each coefficient and estimator: bars with the area of the runs on the axis, beside the normal one."""
+    found = validate.validate(case_of("paper"), ("refined", "optimal"), 400, 1)
+    panels = np.reshape(histograms(found, "T").axes, (12, 2))
+    for column, one in zip(panels.T, found):
+        assert column[0].get_title(loc="left") == one.estimator
+        for axes, name, counts in zip(column, COEFFICIENTS, one.tally.histograms):
+            (bars,), (normal, _) = axes.patches, axes.lines
+            assert bars.get_label() == name
+            density, edges, _ = bars.get_data()
+            assert density * np.diff(edges) * 400 == pytest.approx(counts) and axes.get_ylim()[1] > density.max()
+            assert normal.get_ydata().max() == pytest.approx(1 / np.sqrt(2 * np.pi))
+    assert [axes.get_ylabel() for axes in panels[:, 0]] == list(COEFFICIENTS)
+
+
+def test_without_matplotlib_a_plot_is_refused_in_a_line(tumble, without_matplotlib, tmp_path):
+    done = tumble("plan", "validate", "--runs", "100", "--plot", tmp_path / "x.svg", **without_matplotlib)
+    assert (done.returncode, done.stdout) == (77, "") and not (tmp_path / "x.svg").exists()
+    assert done.stderr == "tumble: --plot needs matplotlib: tools/setup plot\n"
 
 
 BAD = {

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from drawn_schedules import SCHEDULES, rotations, turned_somehow
 
-from tumble.drawings import words
+from tumble import poses
 from tumble.model import Geometry
 from tumble.schedule import Mounting, Position, Schedule
 from tumble.world.progress import Progress
@@ -53,16 +53,16 @@ def face_of(pointing):
 def test_right_angled_poses_have_exact_words(matrix, quarter):
     pointing = by_hand(matrix, quarter % 4)
     mounting = Mounting(1, matrix)
-    assert words.axes(mounting, 90.0 * quarter) == [f"{axis} {word}" for axis, word in zip("xyz", pointing)]
+    assert poses.axes(mounting, 90.0 * quarter) == [f"{axis} {word}" for axis, word in zip("xyz", pointing)]
     if "up" in pointing or "down" in pointing:
         up = face_of(pointing)
-        assert words.face_up(mounting, 90.0 * quarter) == up
+        assert poses.face_up(mounting, 90.0 * quarter) == up
         told = ", ".join(f"{axis} {word}" for axis, word in zip("xyz", pointing))
-        assert words.line(mounting, 90.0 * quarter) == f"{told}; up: {up}"
+        assert poses.line(mounting, 90.0 * quarter) == f"{told}; up: {up}"
 
 
 def test_there_are_24_and_all_are_told_apart():
-    assert len({words.line(Mounting(1, matrix), 0.0) for matrix in rotations()}) == 24
+    assert len({poses.line(Mounting(1, matrix), 0.0) for matrix in rotations()}) == 24
 
 
 def told_vector(text):
@@ -94,7 +94,7 @@ def test_words_of_any_pose_lead_back_to_it(seed):
     random = np.random.default_rng(seed)
     mounting = Mounting(1, turned_somehow(seed), random.uniform(-80.0, 80.0))
     angle_deg = random.uniform(-3600.0, 3600.0)
-    for axis, told in zip(room_axes(mounting, angle_deg), words.axes(mounting, angle_deg)):
+    for axis, told in zip(room_axes(mounting, angle_deg), poses.axes(mounting, angle_deg)):
         assert apart_deg(axis, told_vector(told[2:])) < (1.0 if told[2:] in VECTORS else 0.1), told
 
 
@@ -105,7 +105,7 @@ def test_words_of_any_pose_lead_back_to_it(seed):
     (225.0, "z 45 deg from down towards the right"), (90.99, "z to the left"),
 ])  # fmt: skip
 def test_a_degree_makes_the_difference(angle_deg, told):
-    assert words.axes(LEVEL, angle_deg)[2] == told
+    assert poses.axes(LEVEL, angle_deg)[2] == told
 
 
 @pytest.mark.parametrize(("angle_deg", "up"), [
@@ -113,13 +113,13 @@ def test_a_degree_makes_the_difference(angle_deg, told):
     (135.0, "the edge of faces +x and -z"), (270.0, "face -x"), (315.0, "the edge of faces -x and +z"),
 ])  # fmt: skip
 def test_what_is_up(angle_deg, up):
-    assert words.face_up(LEVEL, angle_deg) == up
+    assert poses.face_up(LEVEL, angle_deg) == up
 
 
 def test_a_corner_may_be_up():
     third, half, sixth = (math.sqrt(1.0 / n) for n in (3.0, 2.0, 6.0))
     standing = Mounting(1, ((half, sixth, third), (-half, sixth, third), (0.0, -2.0 * sixth, third)))
-    assert words.face_up(standing, 0.0) == "the corner of faces +x, +y and +z"
+    assert poses.face_up(standing, 0.0) == "the corner of faces +x, +y and +z"
 
 
 @pytest.mark.parametrize("name", SCHEDULES)
@@ -127,7 +127,7 @@ def test_what_is_up_feels_most_by_the_reference(name):
     schedule = SCHEDULES[name]
     for position, force in zip(schedule.positions, Geometry(schedule).force()):
         mounting = next(one for one in schedule.mountings if one.number == position.mounting)
-        told = words.face_up(mounting, position.angle_deg)
+        told = poses.face_up(mounting, position.angle_deg)
         faces = re.findall(r"([+-])([xyz])", told)
         normal = np.zeros(3)
         for sign, axis in faces:
@@ -142,7 +142,7 @@ def test_what_is_up_feels_most_by_the_reference(name):
 def test_the_end_of_a_tilted_axis_that_is_raised(tilt_deg, raised, away):
     """By the reference: y lies along the axis, leading away; it feels more than 0 where the far end is up."""
     tilted = Mounting(1, LEVEL.matrix, tilt_deg)
-    assert words.tilt(tilted) == f"axis tilted by 10 deg, its {raised} end raised" and words.tilt(LEVEL) == ""
+    assert poses.tilt(tilted) == f"axis tilted by 10 deg, its {raised} end raised" and poses.tilt(LEVEL) == ""
     assert np.sign(Geometry(Schedule((tilted,), (Position(1, 1, 30.0),))).force()[0][1]) == away
 
 
@@ -160,7 +160,7 @@ def places(lines):
 @pytest.mark.parametrize("matrix", [*rotations()])
 def test_the_drawing_of_a_right_angled_pose(matrix, quarter):
     pointing = dict(zip("xyz", by_hand(matrix, quarter)))
-    lines = words.sketch(Mounting(1, matrix), 90.0 * quarter)
+    lines = poses.sketch(Mounting(1, matrix), 90.0 * quarter)
     drawn = places(lines)
     for axis, word in pointing.items():
         right, _, up = VECTORS[word]
@@ -175,7 +175,7 @@ def test_drawings_fit_a_terminal_and_lie_along_their_axes(name):
     schedule = SCHEDULES[name]
     for position in schedule.positions:
         mounting = next(one for one in schedule.mountings if one.number == position.mounting)
-        lines = words.sketch(mounting, position.angle_deg)
+        lines = poses.sketch(mounting, position.angle_deg)
         assert max(map(len, lines)) <= 80 and "\n".join(lines).isascii() and len(lines) <= 12
         for axis, (right, up) in places(lines).items():
             row = room_axes(mounting, position.angle_deg)["xyz".index(axis)]
@@ -195,7 +195,7 @@ def test_the_prompt_for_a_mounting_draws_it_and_lists_its_positions(monkeypatch,
     paper = SCHEDULES["paper"]
     said = asked(paper, monkeypatch, capsys, kind="mounting", mounting=2)
     assert said[0].startswith("Mount the block as mounting 2 says: x along -h")
-    drawing = words.sketch(paper.mountings[1], 0.0)
+    drawing = poses.sketch(paper.mountings[1], 0.0)
     assert "\n".join(drawing) in "\n".join(said) and max(map(len, said)) <= 80
     assert "y up" in drawing[1] and said[-1] == "[Enter or done: it is done; leave: do nothing; abort: stop here]"
     listed = [line for line in said if line.startswith("  position ")]
@@ -207,7 +207,7 @@ def test_the_prompt_for_an_angle_draws_the_block_there(monkeypatch, capsys):
     said = asked(paper, monkeypatch, capsys, kind="angle", mounting=1, angle_deg=90.0)
     assert said[:2] == ["Turn the table to 90 degrees.",
                         "At table angle 90 deg, seen from the front (positive: counterclockwise):"]  # fmt: skip
-    assert said[2:-1] == words.sketch(paper.mountings[0], 90.0)
+    assert said[2:-1] == poses.sketch(paper.mountings[0], 90.0)
     before = asked(paper, monkeypatch, capsys, kind="angle", mounting=0, angle_deg=0.0)  # homing, nothing mounted yet
     assert len(before) == 2
 

@@ -56,6 +56,7 @@ def drawn(monkeypatch):
         asked.append((document, run))
         return {"gravity_check": 1, **({"samples": 2} if run is not None else {}), "attitude": 3}
 
+    room.mountings = lambda schedule: "M"
     room.figures, room.svg = figures, lambda figure: DRAWN.replace("T<", f"T{figure}<")
     captions = {"gravity_check": "Errors < of gravity.", "samples": "Samples.", "attitude": "Attitudes."}
     room.caption = lambda name, document: captions[name]

@@ -23,7 +23,7 @@ SERVICES = ("TUMBLE_EMCY_ID", "TUMBLE_SDO_RESPONSE_ID", "TUMBLE_SDO_REQUEST_ID",
 
 
 def module(root: Path, nodes: list[Node]) -> str:
-    """tumble/drawings/tables.py."""
+    """tumble/firmware_tables.py."""
     states = run_table.states(root)
     return HEAD + "\n".join([
         "STATES = {  # name: what it does", *(f"    {text(name)}: {text(said)}," for name, said in states),

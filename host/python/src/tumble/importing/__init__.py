@@ -6,5 +6,5 @@ rests                        where the block was at rest
 attitudes                    what gravity alone says of K and of the attitude at each rest
 order, hypotheses, match     which rest is which position, and whether anything else fits as well
 labels                       recordings whose rows name their position in some way
-recipe, report, plot         what was done, to be replayed, read, looked at
+recipe, report               what was done, to be replayed, read
 """

@@ -1,21 +1,40 @@
-"""Pictures of a result, and of two results, with matplotlib, for `Result.plot`, reports and pages.
+"""All pictures, with matplotlib: of results, for `Result.plot`, reports and pages; and drawings of stand, run and bus.
 
-figures     all that a result has what it takes for, by name; kinds: these names
-svg         a figure to stand in a page of HTML
-CAPTIONS    a sentence or two for each; caption: for that of a document
-comparison  two calibrations of one block
+figures      all that a result has what it takes for, by name; kinds: these names
+CAPTIONS     a sentence or two for each; caption: for that of a document
+comparison   two calibrations of one block
+stand, mountings, angles    what one does with one's hands, by a schedule
+states, wiring              the run and the bus, by the firmware's own tables
+svg          a picture as an element of a page of HTML, or a file of its own; written: as .png, .svg or .pdf
 
 They are as wide as the text of a page of A4, and may be read without colours. matplotlib is loaded when it is used.
 
-gallery       which pictures there are, and what each needs
-canvas        matplotlib, sizes, colours, files
-facts         what the pictures of one result are made from
-by_position   gravity check and residuals; samples: of the run; shares: the budget; stand_seen; matrix: correlation;
-              sphere: attitude
+gallery      which pictures there are of a result, and what each needs
+canvas       matplotlib, sizes, colours, files
+result       by position, by sample, the stand as it is seen; uncertainty: budget, correlation, attitude
+recording    what is imported; histograms: of a simulated campaign
+sheet        the page of a drawing; drawings: stand, mountings, angles; diagrams: states, wiring
 """
 
-from tumble.pictures.canvas import require, require_format, written
+from tumble.pictures.canvas import require, require_format, svg, written
 from tumble.pictures.comparison import comparison
-from tumble.pictures.gallery import CAPTIONS, caption, figures, kinds, svg
+from tumble.pictures.diagrams import states, wiring
+from tumble.pictures.drawings import angles, mountings, stand
+from tumble.pictures.gallery import CAPTIONS, caption, figures, kinds
 
-__all__ = ["CAPTIONS", "caption", "comparison", "figures", "kinds", "require", "require_format", "svg", "written"]
+__all__ = [
+    "CAPTIONS",
+    "angles",
+    "caption",
+    "comparison",
+    "figures",
+    "kinds",
+    "mountings",
+    "require",
+    "require_format",
+    "stand",
+    "states",
+    "svg",
+    "wiring",
+    "written",
+]

@@ -6,29 +6,32 @@ picture is made or written: whoever draws with it beside finds it as it was.
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import io
 import os
 import re
-import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from html import escape
+from typing import TYPE_CHECKING, Any, ParamSpec
 
 import numpy as np
 
 from tumble.arrays import Floats, Integers
 from tumble.errors import NotInstalled, UsageError, quoted
+from tumble.units import volts_per
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+P = ParamSpec("P")
+
 FORMATS = (".png", ".svg", ".pdf")
 WIDTH_MM = 170.0  # of the text of a page of A4
 FONT_PT = 8.0
-MOST_UPRIGHT = 20  # labels of positions, side by side
-_MM_PER_INCH = 25.4
+MM_PER_INCH = 25.4
 _PNG_DPI = 150
 
 # Okabe and Ito: told apart by all eyes. None tells a thing by its colour alone: markers, lines and hatches differ too.
@@ -36,9 +39,12 @@ BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 YELLOW, BLUE, VERMILLION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
 GREY, PALE = "#7F7F7F", "#E6E6E6"
 MINUS = "\N{MINUS SIGN}"
+MICRO = 1e6  # of a g, of a radian
+_PREFIXES = ((1.0, ""), (1e3, "m"), (1e6, "µ"))
 
 _SETTINGS: dict[str, Any] = {
-    "font.family": ["DejaVu Sans"],  # comes with matplotlib
+    "font.family": ["sans-serif"],
+    "font.sans-serif": ["DejaVu Sans", "Verdana", "Helvetica", "Arial"],  # the first comes with matplotlib
     "font.size": FONT_PT,
     **dict.fromkeys(("axes.labelsize", "xtick.labelsize", "ytick.labelsize", "legend.fontsize"), FONT_PT),
     "axes.titlesize": FONT_PT + 1.0,
@@ -56,11 +62,9 @@ _SETTINGS: dict[str, Any] = {
     "lines.markersize": 4.5,
     "legend.frameon": False,
     "svg.hashsalt": "tumble",
-    "svg.fonttype": "path",
+    "svg.fonttype": "none",
     "pdf.fonttype": 42,
 }
-_FAMILIES = {key.partition(".")[0] for key in _SETTINGS} | {"errorbar", "figure", "image", "mathtext", "patch", "path"}
-_FAMILIES |= {"contour", "savefig", "text"}
 
 
 def require(needed_for: str) -> None:
@@ -74,7 +78,7 @@ def require(needed_for: str) -> None:
 def require_format(file: str, option: str) -> None:
     """Raises UsageError for a file that is not of FORMATS, NotInstalled where matplotlib is not there. `option`: what
     the user calls it."""
-    if os.path.splitext(file)[1].lower() not in FORMATS:
+    if not file.lower().endswith(FORMATS):
         raise UsageError(f"{option}: {quoted(file)} does not end in {', '.join(FORMATS[:-1])} or {FORMATS[-1]}")
     require(option)
 
@@ -84,32 +88,41 @@ def settings() -> Iterator[None]:
     """matplotlib as pictures have it, whatever the user has set; afterwards as it was."""
     import matplotlib
 
-    default = matplotlib.rcParamsDefault
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of settings that are on their way out
-        usual = {key: default[key] for key in default if key.partition(".")[0] in _FAMILIES}
-        context = matplotlib.rc_context({**usual, **_SETTINGS})
-        context.__enter__()
-    try:
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        matplotlib.rcParams.update(_SETTINGS)
         yield
-    finally:
-        context.__exit__(None, None, None)
 
 
-def blank(key: str, height_mm: float) -> Figure:
-    """A figure as wide as a page; `key`: its name among the pictures."""
+def picture(draw: Callable[P, Figure]) -> Callable[P, Figure]:
+    """Have a function draw with the settings of all pictures, and everything where it is to stay: to lay a figure out
+    once more moves it by a little. Raises NotInstalled where matplotlib is not there."""
+
+    @functools.wraps(draw)
+    def drawn(*arguments: P.args, **options: P.kwargs) -> Figure:
+        require("a picture")
+        with settings():
+            figure = draw(*arguments, **options)
+            if figure.get_constrained_layout():
+                figure.draw_without_rendering()
+            figure.set_layout_engine("none")
+        return figure
+
+    return drawn
+
+
+def blank(
+    key: str, height_mm: float, title: str, about: str = "", *, width_mm: float = WIDTH_MM, room_above: float = 0.0
+) -> Figure:
+    """A figure. `key`: its name among the pictures. `title`, and what it is `about`: in words, for whoever cannot see
+    it. `room_above`: share of the height that is left free."""
     from matplotlib.figure import Figure
 
-    size = (WIDTH_MM / _MM_PER_INCH, height_mm / _MM_PER_INCH)
-    figure = Figure(figsize=size, layout="constrained")
+    figure = Figure(figsize=(width_mm / MM_PER_INCH, height_mm / MM_PER_INCH), layout="constrained")
+    engine: Any = figure.get_layout_engine()
+    engine.set(rect=(0.0, 0.0, 1.0, 1.0 - room_above))
     figure.set_label(key)
-    return figure
-
-
-def settled(figure: Figure) -> Figure:
-    """With everything where it is to stay: to lay a figure out once more moves it by a little."""
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")
+    vars(figure).update(words=(title, about))
     return figure
 
 
@@ -119,7 +132,7 @@ def legend_above(axes: Axes, columns: int) -> None:
 
 
 def written(figure: Figure, file: str) -> bytes:
-    """The picture in the format that the file's name says, the same bytes every time."""
+    """The picture in the format that the file's name says, the same bytes every time on one machine."""
     kind = os.path.splitext(file)[1][1:].lower()
     no_dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(kind)
     target = io.BytesIO()
@@ -128,15 +141,15 @@ def written(figure: Figure, file: str) -> bytes:
     return target.getvalue()
 
 
-def svg(figure: Figure, title: str) -> str:
-    """To stand in a page of HTML: no prolog, `title` as its <title>, and whatever has a name in it, its style too, is
-    the picture's own: others of the same page have other names. The same text every time."""
-    target = io.BytesIO()
-    with settings():
-        figure.savefig(target, format="svg", metadata={"Title": title, "Date": None})
-    text = target.getvalue().decode("utf-8")
-    text = re.sub(r"\s*<metadata>.*?</metadata>", "", text[text.index("<svg") :], count=1, flags=re.DOTALL)
-    own = f"{figure.get_label() or 'figure'}-{hashlib.sha256(text.encode()).hexdigest()[:8]}"
+def svg(figure: Figure) -> str:
+    """A picture as an <svg> element, a file of its own or to stand in a page of HTML: without prolog, with its title
+    and what it is about. Whatever has a name in it, its style too, is the picture's own: others of the same page have
+    other names. The same text every time on one machine."""
+    text = written(figure, "picture.svg").decode("utf-8")
+    title, about = map(escape, getattr(figure, "words", ("Figure", "")))
+    words = f"\n <title>{title}</title>" + (f"\n <desc>{about}</desc>" if about else "")
+    text = re.sub(r"\s*<metadata>.*?</metadata>", lambda _: words, text[text.index("<svg") :], count=1, flags=re.DOTALL)
+    own = f"{figure.get_label()}-{hashlib.sha256(text.encode()).hexdigest()[:8]}"
     text = re.sub(r'\bid="([^"]*)"', rf'id="{own}-\1"', text)
     text = re.sub(r'href="#([^"]*)"', rf'href="#{own}-\1"', text)
     text = re.sub(r"url\(#([^)]*)\)", rf"url(#{own}-\1)", text)
@@ -155,3 +168,19 @@ def thinned(values: Floats, most: int) -> Integers:
         piece = values[begin:end]
         kept += [begin + piece.argmin(axis=0), begin + piece.argmax(axis=0)]
     return np.unique(np.concatenate(kept))
+
+
+def three_figures(value: float) -> str:
+    """Of a size, never with an exponent for a large one."""
+    return f"{value:.0f}" if value >= 99.95 else f"{value:#.3g}"
+
+
+def small(unit: str, values: Floats) -> tuple[float, str]:
+    """Factor and unit that make numbers of the largest of `values`, in the `unit` of the outputs: multiples of the volt
+    have smaller ones, others stay as they are."""
+    largest = float(np.abs(values).max(initial=0.0))
+    if volts_per(unit) == 1.0 and unit != "V":
+        return 1.0, unit
+    volts = volts_per(unit)
+    factor, prefix = next((one for one in _PREFIXES if largest * volts * one[0] >= 1.0), _PREFIXES[-1])
+    return volts * factor, f"{prefix}V"

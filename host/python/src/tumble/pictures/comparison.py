@@ -5,8 +5,9 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from tumble.pictures.canvas import BLACK, BLUE, MINUS, PALE, VERMILLION, blank, legend_above, settings, settled
+from tumble.pictures.canvas import BLACK, BLUE, MINUS, PALE, VERMILLION, blank, legend_above, picture
 from tumble.rounding import rounded
+from tumble.signs import signed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,17 +24,13 @@ _TITLES = {
 }
 
 
+@picture
 def comparison(document: dict[str, Any]) -> Figure:
     """A picture of a document of schema tumble.comparison/1: B less A in units of the standard uncertainty of the
     difference, with bands of 2 and 3. Parameters that have changed are diamonds; a difference that is beyond the axis
     is an arrow at its edge. What has no uncertainty has no marker."""
-    with settings():
-        return settled(_drawn(document))
-
-
-def _drawn(document: dict[str, Any]) -> Figure:
     rows = [(group, row) for group, _ in _GROUPS for row in document[group]]
-    figure = blank("comparison", _FRAME_MM + _ROW_MM * (len(rows) + 2))
+    figure = blank("comparison", _FRAME_MM + _ROW_MM * (len(rows) + 2), "Two calibrations of one block")
     axes = figure.subplots()
     reach = _reach([row["in_u"] for _, row in rows])
     for half, colour, label in _BANDS:
@@ -104,5 +101,5 @@ def _label(axes: Any, heights: list[float], rows: list[tuple[str, dict[str, Any]
 
 def _sized(row: dict[str, Any]) -> str:
     size, u = rounded(row["difference"], row["u"])
-    shown = [size.replace("-", MINUS), *([] if row["u"] is None else ["\u00b1", u.replace("-", MINUS)])]
-    return " ".join([*shown, row["unit"]])
+    shown = [size, *([] if row["u"] is None else ["\u00b1", u])]
+    return " ".join([*(one.replace("-", MINUS) for one in shown), signed(row["unit"])])

@@ -9,8 +9,8 @@ from tumble.core import CoreSchedule
 from tumble.errors import BadInput, TumbleError, UsageError, quoted
 from tumble.files.schedule_file import schedule_of
 from tumble.files.stand_file import StandFile, stand_file_of
-from tumble.pictures import by_position, canvas, matrix, samples, shares, sphere, stand_seen
-from tumble.pictures.facts import Facts, Recorded
+from tumble.pictures import canvas, result, uncertainty
+from tumble.pictures.result import Facts, Recorded
 from tumble.schedule import Schedule
 from tumble.solving import declared
 from tumble.solving.expected import Expected, expected, measured_schedule
@@ -35,34 +35,25 @@ CAPTIONS = {
     "attitude": "The standard uncertainty of the length of the specific force that the calibrated block shows, over all"
     " its directions on the block's axes. The star marks the worst.",
 }
-_TITLES = {
-    "gravity_check": "Gravity check",
-    "residuals": "Residuals",
-    "samples": "Samples of the run",
-    "budget": "Sources of the uncertainty",
-    "stand_seen": "The stand seen in the run",
-    "correlation": "Correlation of the coefficients",
-    "attitude": "Uncertainty of the length of the specific force by attitude",
-}
 _RESULT = "result"
 _MALFORMED = (KeyError, TypeError, ValueError, IndexError, AttributeError, OverflowError)
 _A_STAND = "a result that was solved with a stand"
 _NEEDS: dict[str, tuple[Callable[[Facts], Figure], Callable[[Facts], bool], str]] = {
-    "gravity_check": (by_position.gravity_check, lambda facts: True, ""),
-    "residuals": (by_position.residuals, lambda facts: facts.schedule is not None, "the schedule (schedule=)"),
-    "samples": (samples.samples, lambda facts: facts.run is not None, "the run (run=)"),
+    "gravity_check": (result.gravity_check, lambda facts: True, ""),
+    "residuals": (result.residuals, lambda facts: facts.schedule is not None, "the schedule (schedule=)"),
+    "samples": (result.samples, lambda facts: facts.run is not None, "the run (run=)"),
     "budget": (
-        shares.budget,
+        uncertainty.budget,
         lambda facts: facts.expected is not None and facts.expected.is_uncertain,
         "the stand and the schedule (stand=, schedule=)",
     ),
     "stand_seen": (
-        stand_seen.stand_seen,
-        lambda facts: len(stand_seen.rows(facts)) > 1,  # of one number a table says as much
+        result.stand_seen,
+        lambda facts: len(result.rows(facts)) > 1,  # of one number a table says as much
         "a run that shows angles of its stand",
     ),
-    "correlation": (matrix.correlation, lambda facts: facts.document["covariance"] is not None, _A_STAND),
-    "attitude": (sphere.attitude, lambda facts: facts.document["u_norm_g"] is not None, _A_STAND),
+    "correlation": (uncertainty.correlation, lambda facts: facts.document["covariance"] is not None, _A_STAND),
+    "attitude": (uncertainty.attitude, lambda facts: facts.document["u_norm_g"] is not None, _A_STAND),
 }
 
 
@@ -105,12 +96,8 @@ def figures(
 def _drawn(facts: Facts, kind: str | None) -> dict[str, Figure]:
     if kind is not None and not _NEEDS[kind][1](facts):
         raise UsageError(f"kind: {kind} needs {_NEEDS[kind][2]}")
-    drawn = {}
-    with canvas.settings():
-        for name, (draw, is_known, _) in _NEEDS.items():
-            if kind in (None, name) and is_known(facts):
-                drawn[name] = canvas.settled(draw(facts))
-    return drawn
+    wanted = {name: draw for name, (draw, is_known, _) in _NEEDS.items() if kind in (None, name) and is_known(facts)}
+    return {name: draw(facts) for name, draw in wanted.items()}
 
 
 def caption(name: str, document: dict[str, Any]) -> str:
@@ -118,17 +105,11 @@ def caption(name: str, document: dict[str, Any]) -> str:
     return CAPTIONS[name] if document.get("stand") or name != "stand_seen" else f"{_SEEN}."
 
 
-def svg(figure: Figure) -> str:
-    """A figure of `figures` as an <svg> element to stand in a page of HTML, with a <title>: no prolog, every name in it
-    its own, so that several stand in one page. The same text every time."""
-    return canvas.svg(figure, _TITLES.get(str(figure.get_label()), "Figure"))
-
-
 def _facts(
     document: dict[str, Any], run: Recorded | None, schedule: CoreSchedule | None, given: StandFile | None
 ) -> Facts:
     if run is not None:
-        samples.require_same_run(document, run)
+        result.require_same_run(document, run)
     planned = declared.schedule_of(document, _RESULT) if schedule is None else schedule
     on = measured_schedule(document, None if planned is None else planned.data)
     if given is not None:

@@ -87,14 +87,14 @@ def pictures(source: Source, run: Any) -> list[dict[str, Any]]:
 
 def _mountings(source: Source) -> list[tuple[str, str, str]]:
     """How the block sat; not of a schedule with so many mountings that nobody could tell them apart."""
-    from tumble.drawings import mountings
+    from tumble.pictures import mountings, svg
 
     schedule = schedule_of(source.document, source.name)
     if schedule is None or len(schedule.data.mountings) > _MOST_MOUNTINGS:
         return []
     words = _ON_A_TABLE if source.table("stand") else _PERHAPS_BY_HAND
     words = _BY_HAND if schedule.data.is_laid_by_hand else words
-    return [("mountings", mountings(schedule.data), words)]
+    return [("mountings", svg(mountings(schedule.data)), words)]
 
 
 def context(source: Source, number: str, logo: str | None, issued: str | None = None) -> dict[str, Any]:

@@ -8,8 +8,6 @@ from tumble.comparison import text
 from tumble.report.cells import Fixed, Table, readable
 from tumble.report.number import number_of
 
-_TITLE = "Two calibrations of one block"
-
 
 def section(told: dict[str, Any] | None, earlier: dict[str, Any], later: dict[str, Any]) -> dict[str, Any] | None:
     """`told`: a document of schema tumble.comparison/1, whose A is `earlier` and whose B is `later`, documents of
@@ -18,8 +16,7 @@ def section(told: dict[str, Any] | None, earlier: dict[str, Any], later: dict[st
         return None
     from markupsafe import Markup
 
-    from tumble.pictures.canvas import svg
-    from tumble.pictures.comparison import comparison
+    from tumble.pictures import comparison, svg
 
     rows = [row for part in ("parameters", "seat", "coefficients") for row in told[part]]
     return {
@@ -28,7 +25,7 @@ def section(told: dict[str, Any] | None, earlier: dict[str, Any], later: dict[st
         "grounds": [readable(_for_compare(one)) for one in (*text.grounds(told), *told["warnings"])],
         "table": Table(text.COLUMNS, [tuple(map(Fixed, text.cells(row))) for row in rows], left=(3,)),
         "legend": None if told["tests"] is None else readable(text.legend(told)),
-        "svg": Markup(svg(comparison(told), _TITLE)),
+        "svg": Markup(svg(comparison(told))),
     }
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from tumble.drawings import words
+from tumble import poses
 from tumble.messages import tell
 from tumble.schedule import Mounting, Schedule
 
@@ -85,11 +85,11 @@ class Progress:
         if event["kind"] == "mounting":
             mounting = by_number[event["mounting"]]
             where = f"Mount the block as mounting {mounting.number} says: {mounting_text(mounting)}."
-            turned = ["The table then turns to:", *words.positions(self._schedule, mounting)]
-            self._put(where, [_SEATED, *words.sketch(mounting, 0.0), *turned], _HELP)
+            turned = ["The table then turns to:", *poses.positions(self._schedule, mounting)]
+            self._put(where, [_SEATED, *poses.sketch(mounting, 0.0), *turned], _HELP)
         elif event["kind"] == "angle":
             angle_deg, number = event["angle_deg"], event["mounting"]
-            shown = [_TURNED.format(angle_deg), *words.sketch(by_number[number], angle_deg)] if number else []
+            shown = [_TURNED.format(angle_deg), *poses.sketch(by_number[number], angle_deg)] if number else []
             self._put(f"Turn the table to {angle_deg:g} degrees.", shown, _HELP)
         else:
             self._put(f"Fault: {event['sentence']}.", [], _HELP_FAULT)

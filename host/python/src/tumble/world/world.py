@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from tumble.api.result import Result
 from tumble.defaults import DEFAULT_ESTIMATOR, DEFAULT_SCHEDULE
-from tumble.drawings.tables import STATES
 from tumble.errors import NotInstalled, UsageError, quoted
 from tumble.estimators import ESTIMATORS, OPTIMAL
 from tumble.files.schedule_file import schedule_of
 from tumble.files.stand_file import stand_file_of
+from tumble.firmware_tables import STATES
 from tumble.world import document, gains, in_process, outcome
 from tumble.world.border import CHANGE, ENDED, ENDS, FOREVER_US, OPERATORS, SENDERS, Border, Key, Refused, keys, text
 from tumble.world.setup import Setup, scenario_text, setup_of

@@ -92,7 +92,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _draw(document: dict[str, Any], file: str) -> None:
     from tumble.files.disk import write_bytes
-    from tumble.pictures import written
-    from tumble.pictures.comparison import comparison
+    from tumble.pictures import comparison, written
 
     write_bytes(file, written(comparison(document), file))

@@ -30,7 +30,8 @@ def add_to(subparsers: options.Subparsers, about: str) -> None:
         subparsers,
         "draw",
         about,
-        "Draw, as SVG, at most 170 mm wide. Exit codes: 0 done, 2 bad input, 130 interrupted.",
+        "Draw, as SVG, at most 170 mm wide. Exit codes: 0 done, 2 bad input, 77 matplotlib is not there, 130"
+        " interrupted.",
     )
     for name, picture in _SUBJECTS.items():
         parser = subjects.add_parser(name, help=picture, description=f"Draw {picture}.")
@@ -45,12 +46,14 @@ def add_to(subparsers: options.Subparsers, about: str) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Draw and write. Returns the exit code; raises TumbleError."""
     from tumble.files.disk import refuse_overwriting, write_text
+    from tumble.pictures import require
 
     if arguments.out is not None:
         refuse_overwriting(arguments.out, file_of(getattr(arguments, "schedule", None)))
         options.require_ending(arguments.out, "--out", ".svg")
     elif sys.stdout.isatty():
         raise UsageError("a picture is no text for a terminal: --out FILE.svg")
+    require("draw")
     text = _drawn(arguments)
     if arguments.out is None:
         sys.stdout.write(text)
@@ -60,16 +63,16 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _drawn(arguments: argparse.Namespace) -> str:
-    from tumble import drawings
+    from tumble import pictures
 
     if arguments.subject not in _OF_A_SCHEDULE:
-        return drawings.states() if arguments.subject == "states" else drawings.wiring()
+        return pictures.svg(pictures.states() if arguments.subject == "states" else pictures.wiring())
     wanted = getattr(arguments, "mounting", None)
     number = None if wanted is None else options.parse_whole(wanted, "--mounting", 1, _LARGEST_NUMBER)
     schedule = _schedule(arguments.schedule)
     if arguments.subject == "angles":
-        return drawings.angles(schedule, schedule.mountings[0].number if number is None else number)
-    return drawings.stand(schedule) if arguments.subject == "stand" else drawings.mountings(schedule)
+        return pictures.svg(pictures.angles(schedule, schedule.mountings[0].number if number is None else number))
+    return pictures.svg(pictures.stand(schedule) if arguments.subject == "stand" else pictures.mountings(schedule))
 
 
 def _schedule(name: str | None) -> Schedule:

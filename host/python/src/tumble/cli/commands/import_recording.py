@@ -75,9 +75,8 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.files.disk import refuse_overwriting, write_all
     from tumble.files.documents import to_json
     from tumble.files.schedule_file import read_schedule
-    from tumble.importing import plot, recipe, report
+    from tumble.importing import recipe, report
     from tumble.importing.pipeline import import_recordings
-    from tumble.pictures.canvas import require_format
 
     sources = (*arguments.recordings, arguments.stand, arguments.dbc, file_of(arguments.schedule))
     for option in ("out", "plot", "recipe"):
@@ -88,6 +87,8 @@ def run(arguments: argparse.Namespace) -> int:
     options.require_ending(arguments.out, "--out", ".csv")
     options.require_ending(arguments.recipe, "--recipe", ".toml")
     if arguments.plot is not None:
+        from tumble.pictures import require_format
+
         require_format(arguments.plot, "--plot")
     replayed = arguments.recipe is not None and os.path.exists(arguments.recipe)
     signs, about_signs = _told_signs(arguments)
@@ -102,7 +103,10 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.out is not None:
         files[arguments.out] = report.run_csv(done).encode()
     if arguments.plot is not None:
-        files[arguments.plot] = plot.picture(done, arguments.plot)
+        from tumble.pictures import written
+        from tumble.pictures.recording import recording
+
+        files[arguments.plot] = written(recording(done), arguments.plot)
     if arguments.recipe is not None and not replayed:
         files[arguments.recipe] = recipe.to_toml(settings).encode()
     write_all(files)

@@ -28,7 +28,8 @@ def add_to(subparsers: Subparsers) -> None:
         help="Monte Carlo: thousands of simulated runs against what they claim",
         description="Monte Carlo: the firmware's estimators on simulated runs of the exact geometry. Bias, spread,"
         " coverage of the stated intervals, efficiency against the least possible spread.",
-        epilog="Exit codes: 0 every figure within its limits, 1 not so, 2 bad input, 130 interrupted.",
+        epilog="Exit codes: 0 every figure within its limits, 1 not so, 2 bad input, 77 --plot cannot be drawn here,"
+        " 130 interrupted.",
     )
     add_case_options(parser, choose_estimator=False)
     parser.add_argument(
@@ -43,7 +44,9 @@ def add_to(subparsers: Subparsers) -> None:
         default="known",
         help="optimal weights: for the block's known K (default), or made anew for each run, as solve does",
     )
-    parser.add_argument("--plot", metavar="FILE.svg", help="also draw histograms of error over stated uncertainty")
+    parser.add_argument(
+        "--plot", metavar="FILE.svg", help="also draw histograms of error over stated uncertainty; needs matplotlib"
+    )
     add_workers(parser)
 
 
@@ -59,18 +62,22 @@ def run(arguments: argparse.Namespace) -> int:
 
     from tumble.files.disk import refuse_overwriting, write_text
     from tumble.planning import validate_report
-    from tumble.planning.histograms import render
     from tumble.planning.validate import validate
     from tumble.planning.verdict import judge
 
     refuse_overwriting(arguments.plot, arguments.stand, file_of(arguments.schedule), option="--plot")
+    if arguments.plot is not None:
+        from tumble.pictures import require, svg
+        from tumble.pictures.histograms import histograms
+
+        require("--plot")
     estimators = _estimators(arguments, case)
     depends = {"case": case, "estimators": estimators, "seed": seed, "table": arguments.table}
     with team_of(arguments, "plan validate", **depends) as team, progress_bar("simulating", runs) as progress:
         found = validate(case, estimators, runs, seed, arguments.table, progress, team)
     judged = [(one, judge(one)) for one in found]
     if arguments.plot is not None:
-        write_text(arguments.plot, render(found, f"{case.stand.name}: error over stated u, {runs} runs"))
+        write_text(arguments.plot, svg(histograms(found, f"{case.stand.name}: error over stated u, {runs} runs")))
     if arguments.json:
         write_json(validate_report.document(case, judged, seed, arguments.table))
     else:
