@@ -130,7 +130,7 @@ def attitude(facts: Facts) -> Figure:
     azimuth, elevation = np.meshgrid(np.deg2rad(_AZIMUTH_DEG), np.deg2rad(_ELEVATION_DEG))
     level = np.cos(elevation)
     along = np.stack([level * np.cos(azimuth), level * np.sin(azimuth), np.sin(elevation)], axis=-1).reshape(-1, 3)
-    u = MICRO * Force(Coefficients.of(facts.document)).uncertainty(along)[:, 3].reshape(level.shape)
+    u = MICRO * Coefficients.of(facts.document).force.uncertainty(along)[:, 3].reshape(level.shape)
     worst = facts.document["u_norm_g"]
     figure = canvas.blank("attitude", 100.0, "Uncertainty of the length of the specific force by attitude")
     axes = figure.subplots()
