@@ -6,7 +6,7 @@ from tumble import core
 from tumble.core import optimal as core_optimal, uncertainty
 from tumble.model import Geometry
 from tumble.model.optimal import optimal_table
-from tumble.solving import gain_record
+from tumble.solving import optimal_run
 from tumble.stand import PAPER_STAND
 
 OTHERS = ("three_mountings", "diagonal")  # schedules beside the paper's
@@ -25,12 +25,12 @@ def write_data(path):
     others = {name: Geometry(core.built_in(name)).outputs(k, np.array([0.01, -0.02, 0.03])) for name in OTHERS}
     sums = {"sums": means, "diagonal_sums": others["diagonal"]}
     sums = {name: np.rint(outputs * (PER_POSITION / V_PER_COUNT)).astype(int) for name, outputs in sums.items()}
-    written = gain_record.record_of(optimal_table(schedule.data, k, PAPER_STAND), schedule.data)
+    written = optimal_run.record_of(optimal_table(schedule.data, k, PAPER_STAND), schedule.data)
     sigmas = ", ".join(
         PAPER_STAND.sigma(source).hex() for source in ("axis_tilt", "level", "remount", "angle", "noise")
     )
     path.write_text(
-        gain_record.to_c_header(written)
+        optimal_run.to_c_header(written)
         + f"""#include "data.h"
 const tumble_means_t benchmark_means = {{.u_v = {{{rows_of(means)}}},
     .measured = {{{", ".join(["true"] * 18)}}}}};
@@ -43,7 +43,7 @@ const tumble_stand_record_t benchmark_stand = {{
 const tumble_coefficients_t benchmark_coefficients = {{.k_v_per_g = {{{rows_of(k)}}}}};
 """
     )
-    data = gain_record.to_bytes(written)
+    data = optimal_run.to_bytes(written)
     optimal = core_optimal.optimal(data, schedule, means)
     found = {name: core.estimate(schedule, means, None, name) for name in ("refined", "least_squares")}
     found |= {"linear": core.estimate_gains(schedule, written.gains, means), "optimal": (optimal.k, optimal.u0)}

@@ -25,9 +25,8 @@ from pathlib import Path
 import numpy as np
 
 from tumble.planning.case import Case
-from tumble.planning.simulate import errors_of
-from tumble.planning.validate import _Tallied
-from tumble.solving.drawn_runs import chunks
+from tumble.planning.validate import _Tallied, errors_of
+from tumble.solving.many_runs import chunks
 from tumble.workers.over import Piece, Team, over
 
 EXIT_SKIPPED = 77

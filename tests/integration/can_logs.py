@@ -11,7 +11,7 @@ from documents import paper_stand
 from tumble.files import can_log
 from tumble.files.can_log import Frame
 from tumble.files.run_layout import Wishes
-from tumble.importing import block_samples, can_bus
+from tumble.importing import can_bus, rests
 from tumble.importing.can_bus import Bus
 
 DBC = ROOT / "docs/bus/block.dbc"
@@ -36,10 +36,10 @@ def bench(tmp_path_factory):
 def encoded(counter, outputs, status=0, degrees=25.0, node=3, seconds=0.0, channel="can0"):
     """Both frames of a sample, by the DBC file and the page's checksum."""
     halves = {
-        block_samples.XY: {"x": outputs[0], "y": outputs[1], "sample_counter": counter % 256, "crc_xy": 0},
-        block_samples.Z: {"z": outputs[2], "frame_counter": (2 * counter + 1) % 256, "timestamp": 10 * counter % 4096,
+        rests.XY: {"x": outputs[0], "y": outputs[1], "sample_counter": counter % 256, "crc_xy": 0},
+        rests.Z: {"z": outputs[2], "frame_counter": (2 * counter + 1) % 256, "timestamp": 10 * counter % 4096,
                           "temperature": degrees, "crc_z": 0,
-                          **{name: status >> bit & 1 for bit, name in enumerate(block_samples.STATUS)}},
+                          **{name: status >> bit & 1 for bit, name in enumerate(rests.STATUS)}},
     }
     bus = cantools.database.load_file(DBC)
     for (name, signals), identifier in zip(halves.items(), (0x680 + node, 0x690 + node)):

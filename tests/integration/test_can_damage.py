@@ -14,7 +14,7 @@ from can_logs import bench, candump, encoded, encoded_quickly, lines_of, read_te
 
 from tumble.errors import BadInput
 from tumble.files.can_log import Frame
-from tumble.importing import block_samples
+from tumble.importing import rests
 
 pytestmark = pytest.mark.python
 
@@ -35,7 +35,7 @@ def test_it_takes_and_counts_what_the_firmware_does(tmp_path):
         requests = "".join(f"receive {one.identifier:03X} {one.data.hex()}\n" for one in frames)
         answers = subprocess.run([program], input=requests, text=True, capture_output=True, check=True).stdout
         answers = [line.split() for line in answers.splitlines()]
-        receiver = block_samples.Receiver(block_samples.messages())
+        receiver = rests.Receiver(rests.messages())
         for one in frames:
             receiver.take(one)
         samples = [list(map(int, words[1:])) for words in answers if words[0] == "sample"]

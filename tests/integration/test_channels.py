@@ -18,8 +18,8 @@ from tumble import core
 from tumble.cli.commands import import_recording
 from tumble.distributions import chi_squared_above
 from tumble.errors import BadInput
-from tumble.files.run_blocks import NO_BLOCKS
 from tumble.files.run_file import Run
+from tumble.files.run_store import NO_BLOCKS
 from tumble.files.stand_file import read_stand
 from tumble.model import WholeModel, built_in, by_coefficient, covariance, optimal_covariance
 from tumble.model.errors import exact_outputs, sources
@@ -27,7 +27,7 @@ from tumble.model.optimal import optimal_table
 from tumble.planning import require
 from tumble.planning.budget import budget
 from tumble.planning.case import Case
-from tumble.solving import gain_record
+from tumble.solving import optimal_run
 from tumble.solving.declared import stand_document, stand_of, step_of
 from tumble.solving.many_runs import estimator_for
 from tumble.solving.solution import solve
@@ -278,14 +278,14 @@ def test_mistakes_of_a_block_with_channels_that_differ_are_named():
 def test_weights_that_differ_go_with_the_gain_record():
     k = SCALE[:, None] * NOMINAL_K / 2.0
     table, alike = optimal_table(PAPER, k, UNEQUAL), optimal_table(PAPER, k, dataclasses.replace(UNEQUAL, noise=3e-4))
-    data, plain = (gain_record.to_bytes(gain_record.record_of(one, PAPER)) for one in (table, alike))
-    assert len(data) == len(plain) + 24 == gain_record.size_of(18, 2, drifts=3) + 24
-    again = gain_record.from_bytes(data)
+    data, plain = (optimal_run.to_bytes(optimal_run.record_of(one, PAPER)) for one in (table, alike))
+    assert len(data) == len(plain) + 24 == optimal_run.size_of(18, 2, drifts=3) + 24
+    again = optimal_run.from_bytes(data)
     assert again.weights == pytest.approx(1.5e-3 / np.array(NOISE)) and again.sigma_mean == table.sigma_mean
-    assert gain_record.to_bytes(again) == data
+    assert optimal_run.to_bytes(again) == data
     assert core.optimal.GainRecord(core.CoreSchedule(PAPER), data).gains.tolist() == table.gains.tolist()
-    assert "double weights[3];" in gain_record.to_c_header(again)
-    assert "weights" not in gain_record.to_c_header(gain_record.from_bytes(plain))
+    assert "double weights[3];" in optimal_run.to_c_header(again)
+    assert "weights" not in optimal_run.to_c_header(optimal_run.from_bytes(plain))
 
 
 def case_of(stand, scale):

@@ -9,13 +9,13 @@ from blocks import NOMINAL_K, write_run
 from conftest import EXAMPLES
 from documents import paper_stand, valid
 
-from tumble.comparison.calibration import Calibration
+from tumble.comparison.shared import Calibration
 from tumble.comparison.verdict import Verdict, judge
 from tumble.core import CoreSchedule
 from tumble.core.optimal import estimate_runs
 from tumble.distributions import chi_squared_quantile
 from tumble.files.stand_file import read_stand
-from tumble.fixture.combination import repeats
+from tumble.fixture.judge import repeats
 from tumble.model import built_in, covariance, optimal_covariance
 from tumble.model.errors import exact_outputs, sources
 from tumble.model.propagation import Propagation

@@ -6,8 +6,8 @@ import pytest
 from conftest import EXAMPLES
 
 import tumble as package
-from tumble.files import run_copies
-from tumble.files.run_blocks import smallest_step
+from tumble.files import run_rows
+from tumble.files.run_store import smallest_step
 from tumble.model import Geometry, built_in
 
 pytestmark = pytest.mark.python
@@ -130,15 +130,15 @@ def test_a_logger_that_begins_and_ends_with_zeros():
     noisy = np.rint(rng.normal(0.0, 40.0, (2000, 3)))
     for quiet in (np.zeros((160, 3)), np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 1.0]])[rng.integers(0, 2, 160)]):
         rows = np.vstack((quiet, noisy, rng.permutation(quiet)))
-        assert run_copies.copied(rows, np.zeros(len(rows), dtype=int), np.ones(3)) is None
+        assert run_rows.copied(rows, np.zeros(len(rows), dtype=int), np.ones(3)) is None
 
 
 def test_round_numbers_are_told_apart():
     """Their bits end with zeros, and so did what was made of them to find copies."""
     rows = np.random.default_rng(4).integers(-8, 8, (4000, 3)) / 4.0
     rows = np.vstack((rows, rows[1000:1100]))
-    found = run_copies.copied(rows, np.zeros(len(rows), dtype=int), np.full(3, 0.25))
-    assert found == run_copies.Repeat(1000, 4000, 100)
+    found = run_rows.copied(rows, np.zeros(len(rows), dtype=int), np.full(3, 0.25))
+    assert found == run_rows.Repeat(1000, 4000, 100)
 
 
 # Honest ones.
@@ -191,7 +191,7 @@ def alarms(kind, runs, seed):
         position = np.concatenate([np.repeat(np.arange(POSITIONS), one.shape[1]) for one in passes])
         step = np.array([one if np.isfinite(one := smallest_step(channel)) else 0.0 for channel in outputs.T])
         rests = [outputs[position == place] for place in range(POSITIONS)]
-        told = run_copies.copied(outputs, position, step), run_copies.in_turn(rests, step, "V")
+        told = run_rows.copied(outputs, position, step), run_rows.in_turn(rests, step, "V")
         found += [(number, one) for one in told if one is not None]
     return found
 
@@ -214,5 +214,5 @@ def test_coarse_rows_are_noticed(step):
     exact = Geometry(built_in("paper")).force()[:, None] + 1e-4 * rng.standard_normal((POSITIONS, 1, 3))
     rows = np.rint((exact + 1e-4 * rng.standard_normal((POSITIONS, 20, 3))) / (step * 1e-4)) * step * 1e-4
     twice, position = np.vstack([rows.reshape(-1, 3)] * 2), np.tile(np.repeat(np.arange(POSITIONS), 20), 2)
-    found = run_copies.copied(twice, position, np.array([smallest_step(channel) for channel in twice.T]))
-    assert found == run_copies.Repeat(0, 20 * POSITIONS, 20 * POSITIONS)
+    found = run_rows.copied(twice, position, np.array([smallest_step(channel) for channel in twice.T]))
+    assert found == run_rows.Repeat(0, 20 * POSITIONS, 20 * POSITIONS)

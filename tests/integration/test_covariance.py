@@ -21,7 +21,7 @@ from tumble.model.norm import intrinsic_uncertainties, norm_uncertainty, worst_n
 from tumble.model.optimal import optimal_table
 from tumble.model.propagation import Propagation
 from tumble.planning.case import Case
-from tumble.planning.simulate import U0_V, position_means
+from tumble.planning.validate import U0_V, position_means
 from tumble.stand import Stand
 
 pytestmark = pytest.mark.python

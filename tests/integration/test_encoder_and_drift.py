@@ -18,13 +18,13 @@ from tumble.core.optimal import GainRecord, estimate_runs, optimal_runs
 from tumble.core.uncertainty import uncertainties
 from tumble.estimators import LINEAR
 from tumble.files.run_file import Run
-from tumble.fixture.combination import covariances
+from tumble.fixture.judge import covariances
 from tumble.model.errors import course, encoder_waves, exact_outputs, sources
 from tumble.model.estimators import design
 from tumble.model.optimal import optimal_table, standard_deviations
 from tumble.model.whole import WholeModel
 from tumble.schedule import CHECK, Schedule
-from tumble.solving import gain_record
+from tumble.solving import optimal_run
 from tumble.solving.optimal_run import Weighting, apply_table, make_table
 from tumble.solving.solution import solve
 from tumble.stand import Stand
@@ -153,12 +153,12 @@ def test_optimal_agrees_with_its_witness_on_coarse_stands():
 def test_a_gain_record_has_rows_for_what_is_declared(changes):
     declared = dataclasses.replace(STAND, **changes)
     table = optimal_table(PAPER, NOMINAL_K, declared)
-    data = gain_record.to_bytes(gain_record.record_of(table, PAPER))
+    data = optimal_run.to_bytes(optimal_run.record_of(table, PAPER))
     opened = GainRecord(core.CoreSchedule(PAPER), data)
     assert np.array_equal(opened.stand_gains, table.nuisance_gains)
     assert len(opened.stand_gains) == 4 + (4 if "encoder" in changes else 0) + (3 if "drift" in changes else 0)
     assert (data[14], data[15]) == (4 if "encoder" in changes else 0, 3 if "drift" in changes else 0)
-    again = gain_record.from_bytes(data)
+    again = optimal_run.from_bytes(data)
     assert (again.waves, again.drifts) == (data[14], data[15])
 
 
@@ -169,7 +169,7 @@ def test_optimal_finds_the_errors_themselves():
     means = model.Geometry(PAPER).outputs(NOMINAL_K, U0, delta=delta)
     means = means + drifts * (np.arange(18)[:, None] / 17 - 0.5)
     table = optimal_table(PAPER, NOMINAL_K, declared)
-    record = GainRecord(core.CoreSchedule(PAPER), gain_record.to_bytes(gain_record.record_of(table, PAPER)))
+    record = GainRecord(core.CoreSchedule(PAPER), optimal_run.to_bytes(optimal_run.record_of(table, PAPER)))
     by_gains = record.stand_gains @ means.ravel()
     assert by_gains[-3:] == pytest.approx(drifts, abs=2e-5)
     assert by_gains[6:8] == pytest.approx(numbers[2:], abs=2e-4)
@@ -185,7 +185,7 @@ def test_stated_uncertainties_hold_by_simulation(estimator):
     means, schedule = exact_outputs(PAPER, NOMINAL_K, U0, errors, draws), core.CoreSchedule(PAPER)
     if estimator == "optimal":
         table = optimal_table(PAPER, NOMINAL_K, declared)
-        record = GainRecord(schedule, gain_record.to_bytes(gain_record.record_of(table, PAPER)))
+        record = GainRecord(schedule, optimal_run.to_bytes(optimal_run.record_of(table, PAPER)))
         found, u = optimal_runs(record, means)[0], table.u
     else:
         found = estimate_runs(schedule, means, estimator)

@@ -12,8 +12,7 @@ from documents import schema
 from tumble import core, model
 from tumble.files.run_file import Run
 from tumble.files.stand_file import read_stand
-from tumble.fixture.combination import combine, covariances
-from tumble.fixture.judge import Judge, Limits, RunView, Verdict, levelled_once
+from tumble.fixture.judge import Judge, Limits, RunView, Verdict, combine, covariances, levelled_once
 from tumble.solving import noise
 from tumble.solving.computation import compute
 from tumble.solving.solution import Solution, solve

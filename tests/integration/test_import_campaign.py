@@ -9,7 +9,7 @@ from recordings import random_case
 
 from tumble.errors import BadInput
 from tumble.files.run_layout import Wishes
-from tumble.importing.hypotheses import Claims
+from tumble.importing.match import Claims
 from tumble.importing.pipeline import Settings, import_recordings
 from tumble.model import built_in
 

@@ -12,8 +12,8 @@ from documents import paper_stand, valid
 from tumble import model
 from tumble.estimators import COEFFICIENTS
 from tumble.model.errors import exact_outputs, sources
-from tumble.planning.simulate import U0_V
-from tumble.solving.monte_carlo import NORMAL_COVERAGE, Verdict, compare, simulate
+from tumble.planning.validate import U0_V
+from tumble.solving.many_runs import NORMAL_COVERAGE, Verdict, compare, simulate
 from tumble.stand import COMMON, INDEPENDENT, PAPER_STAND, Stand
 
 pytestmark = pytest.mark.python

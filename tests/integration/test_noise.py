@@ -19,15 +19,14 @@ from tumble import model
 from tumble.cli import presentation
 from tumble.core import paper_schedule
 from tumble.distributions import chi_squared_above
-from tumble.files.run_blocks import NO_BLOCKS, blocks_of
-from tumble.files.run_facts import facts_of
 from tumble.files.run_file import Run
+from tumble.files.run_store import NO_BLOCKS, blocks_of, facts_of
 from tumble.model.errors import exact_outputs, sources
 from tumble.model.estimators import estimate
 from tumble.model.noise import CHANCE_SIGMAS, chance_limit
 from tumble.solving import noise
 from tumble.solving.assumptions import assumed
-from tumble.solving.noise_patterns import CORRELATED, log_p_if_white
+from tumble.solving.noise import CORRELATED, log_p_if_white
 from tumble.solving.solution import solve
 from tumble.stand import PAPER_STAND
 

@@ -13,7 +13,7 @@ import tumble as package
 from tumble.cli.main import main
 from tumble.core import CoreSchedule, optimal as core_optimal, paper_schedule
 from tumble.model.optimal import optimal_estimate, optimal_table
-from tumble.solving import gain_record
+from tumble.solving import optimal_run
 from tumble.stand import PAPER_STAND
 from tumble.world import gains
 from tumble.world.border import Refused
@@ -25,8 +25,8 @@ TURNED = dataclasses.replace(SCHEDULE.data.positions[3], angle_deg=134.0)
 
 
 def record_for(schedule=SCHEDULE.data):
-    return gain_record.to_bytes(
-        gain_record.record_of(optimal_table(schedule, NOMINAL_K, PAPER_STAND), schedule))  # fmt: skip
+    return optimal_run.to_bytes(
+        optimal_run.record_of(optimal_table(schedule, NOMINAL_K, PAPER_STAND), schedule))  # fmt: skip
 
 
 RECORD = record_for()
@@ -60,7 +60,7 @@ def test_runs_of_the_firmware_are_as_good_as_they_say(name, tumble, tmp_path):
 @pytest.mark.parametrize("options, samples", [((), 50), (("--samples", "8"), 8)])
 def test_the_record_is_among_the_inputs(options, samples, tumble, tmp_path):
     bench(tumble, *options, cwd=tmp_path)
-    made = gain_record.from_bytes((tmp_path / "run/inputs/gains.bin").read_bytes())
+    made = optimal_run.from_bytes((tmp_path / "run/inputs/gains.bin").read_bytes())
     assert made.sigma.tolist() == [2e-5, 2e-5, 4e-4, 4e-5] and made.sigma_mean == pytest.approx(3e-4 / samples**0.5)
     assert made.k == pytest.approx(-2.0 * (np.eye(3) + 0.02 * (1 - np.eye(3))))
 

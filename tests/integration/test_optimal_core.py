@@ -10,7 +10,7 @@ from tumble.estimators import LINEAR
 from tumble.model import Geometry, estimate, optimal_estimate
 from tumble.model.estimators import unidentified
 from tumble.model.optimal import CORRECTIONS, _Whitened, mean_sigma, optimal_table, samples_in_a_mean
-from tumble.solving import gain_record
+from tumble.solving import optimal_run
 from tumble.stand import COMMON, INDEPENDENT, PAPER_STAND, Stand
 
 LIMIT = 1e-6  # of each coefficient's standard uncertainty
@@ -42,7 +42,7 @@ def run_on(rng, schedule, k, u0, stand):
 
 
 def record_for(schedule, k, stand):
-    return gain_record.to_bytes(gain_record.record_of(optimal_table(schedule, k, stand), schedule))
+    return optimal_run.to_bytes(optimal_run.record_of(optimal_table(schedule, k, stand), schedule))
 
 
 def largest_angle(schedule, k, stand, means):
@@ -153,8 +153,8 @@ def test_writer_and_reader_agree_on_every_number():
         schedule = usable_schedule(rng)
         stand = random_stand(rng, 2.0)
         table = optimal_table(schedule.data, NOMINAL_K, stand)
-        opened = core_optimal.GainRecord(schedule, gain_record.to_bytes(gain_record.record_of(table, schedule.data)))
-        assert core_optimal.schedule_crc(schedule) == gain_record.fingerprint(schedule.data)
+        opened = core_optimal.GainRecord(schedule, optimal_run.to_bytes(optimal_run.record_of(table, schedule.data)))
+        assert core_optimal.schedule_crc(schedule) == optimal_run.fingerprint(schedule.data)
         assert np.array_equal(opened.gains, table.gains)
         assert np.array_equal(opened.stand_gains, table.nuisance_gains)
         assert np.array_equal(np.array(list(map(list, opened.struct.k_v_per_g))), NOMINAL_K)

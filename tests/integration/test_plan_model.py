@@ -16,10 +16,8 @@ from tumble.model import Propagation, built_in
 from tumble.model.norm import norm_gradient
 from tumble.planning import validate
 from tumble.planning.case import Case
-from tumble.planning.error_field import error_field, largest_over_attitudes, largest_with_terms
-from tumble.planning.norm_spread import NormSpread
-from tumble.planning.promise import promise
-from tumble.planning.schedule_search import worst_norm_of
+from tumble.planning.promise import error_field, largest_over_attitudes, largest_with_terms, promise
+from tumble.planning.schedule_search import NormSpread, worst_norm_of
 from tumble.schedule import CHECK, Position, Schedule
 
 pytestmark = pytest.mark.python

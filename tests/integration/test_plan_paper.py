@@ -9,8 +9,7 @@ from conftest import ROOT
 from test_plan_budget import plan
 
 from tumble.planning import published
-from tumble.planning.discrepancies import discrepancies
-from tumble.planning.paper import lines, rounds_to
+from tumble.planning.paper import discrepancies, lines, rounds_to
 from tumble.planning.published import NAMES, SOURCES
 
 pytestmark = pytest.mark.python

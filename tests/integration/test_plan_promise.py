@@ -13,11 +13,8 @@ from tumble import model
 from tumble.files.stand_file import read_stand
 from tumble.planning import validate
 from tumble.planning.case import Case
-from tumble.planning.enough import enough
-from tumble.planning.error_field import error_field, largest_over_attitudes
-from tumble.planning.headroom import margins
-from tumble.planning.promise import Law, promise
-from tumble.planning.require import requirements, stand_of
+from tumble.planning.promise import Law, error_field, largest_over_attitudes, promise
+from tumble.planning.require import enough, margins, requirements, stand_of
 from tumble.schedule import CHECK, Position, Schedule
 
 pytestmark = pytest.mark.python

@@ -10,20 +10,16 @@ from conftest import EXAMPLES
 
 from tumble import core, model
 from tumble.core.optimal import estimate_runs
-from tumble.files.run_blocks import NO_BLOCKS
 from tumble.files.run_file import Run
+from tumble.files.run_store import NO_BLOCKS
 from tumble.files.stand_file import read_stand
 from tumble.model.errors import exact_outputs, sources
 from tumble.planning.budget import by_key, notes
 from tumble.planning.case import Case
-from tumble.planning.error_field import error_field
-from tumble.planning.norm_spread import NormSpread
-from tumble.planning.promise import promise
+from tumble.planning.promise import error_field, promise
 from tumble.planning.require import requirements, samples_on, stand_of
-from tumble.planning.schedule_search import worst_norm_of
-from tumble.planning.simulate import U0_V
-from tumble.planning.validate import KNOWN, RUN, largest_gravity_errors, validate
-from tumble.planning.verdict import judge
+from tumble.planning.schedule_search import NormSpread, worst_norm_of
+from tumble.planning.validate import KNOWN, RUN, U0_V, judge, largest_gravity_errors, validate
 from tumble.solving import tables_of_runs
 from tumble.solving.decision import UNCERTAINTY, decide
 from tumble.solving.solution import solve

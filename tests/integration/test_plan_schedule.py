@@ -13,12 +13,21 @@ from tumble.files.schedule_file import read_schedule, to_toml
 from tumble.files.stand_file import read_stand
 from tumble.model import built_in
 from tumble.model.errors import Source
-from tumble.planning import norm_spread
+from tumble.planning import schedule_search
 from tumble.planning.case import Case
-from tumble.planning.duration import Pace
-from tumble.planning.mounting_sets import KINDS, ROTATIONS, mounting_sets, mountings
-from tumble.planning.norm_spread import NormSpread
-from tumble.planning.schedule_search import _Candidates, fewest_samples, held_to, quickest, worst_norm_of
+from tumble.planning.schedule_search import (
+    KINDS,
+    ROTATIONS,
+    NormSpread,
+    Pace,
+    _Candidates,
+    fewest_samples,
+    held_to,
+    mounting_sets,
+    mountings,
+    quickest,
+    worst_norm_of,
+)
 from tumble.schedule import Position, Schedule
 
 pytestmark = pytest.mark.python
@@ -68,7 +77,7 @@ def test_a_subset_is_worth_what_its_own_gains_say(name, estimator):
 def test_a_subset_that_cannot_identify_is_far_off():
     whole = built_in("paper")
     one_mounting = np.array([position.mounting == 1 for position in whole.positions])
-    for estimator in norm_spread.ESTIMATORS:
+    for estimator in schedule_search.ESTIMATORS:
         spread = NormSpread(case_of("paper"), whole, estimator)
         assert spread.worst(one_mounting[None], 50)[0] > 1.0
         assert fewest_samples(spread, one_mounting, 1e-3) is None
@@ -142,7 +151,7 @@ def test_the_schedule_found_is_quicker_than_the_papers(estimator):
 
 def with_seats(monkeypatch, sigma):
     """Let the block's seat be off by `sigma` about h in every mounting."""
-    honest = norm_spread.sources
+    honest = schedule_search.sources
 
     def sources(schedule, k, stand, samples):
         from tumble.model import Geometry
@@ -155,7 +164,7 @@ def with_seats(monkeypatch, sigma):
         each = (np.arange(len(numbers))[:, None] == of)[..., None] * turned
         return {**honest(schedule, k, stand, samples), "seats": Source(np.full(len(numbers), sigma), each)}
 
-    monkeypatch.setattr(norm_spread, "sources", sources)
+    monkeypatch.setattr(schedule_search, "sources", sources)
 
 
 def test_a_declared_seat_needs_three_mountings(monkeypatch):

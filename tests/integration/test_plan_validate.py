@@ -19,11 +19,11 @@ from tumble.files.stand_file import read_stand
 from tumble.model import Geometry
 from tumble.model.optimal import optimal_table
 from tumble.pictures.histograms import histograms
-from tumble.planning import validate, verdict
+from tumble.planning import validate
 from tumble.planning.budget import budget
 from tumble.planning.case import Case
-from tumble.planning.simulate import U0_V, position_means
-from tumble.solving import gain_record
+from tumble.planning.validate import U0_V, position_means
+from tumble.solving import optimal_run
 
 pytestmark = pytest.mark.python
 STANDS = ("paper", "angle", "lab")
@@ -36,7 +36,7 @@ def case_of(name, **changes):
 
 def judged(case, estimators, runs, seed=1, **options):
     found = validate.validate(case, estimators, runs, seed, **options)
-    return {one.estimator: (one, verdict.judge(one)) for one in found}
+    return {one.estimator: (one, validate.judge(one)) for one in found}
 
 
 def plan(tumble, *arguments, cwd=EXAMPLES):
@@ -98,7 +98,7 @@ def test_one_table_serves_blocks_of_any_misalignments(name):
     schedule = core.CoreSchedule(case.fitted)
     for table_k in (case.nominal_k(), 2.0 * np.eye(3)):
         table = optimal_table(case.fitted, table_k, case.stand)
-        opened = core_optimal.GainRecord(schedule, gain_record.to_bytes(gain_record.record_of(table, case.fitted)))
+        opened = core_optimal.GainRecord(schedule, optimal_run.to_bytes(optimal_run.record_of(table, case.fitted)))
         for signs in (-np.ones((3, 3)), rng.choice([-1.0, 1.0], (3, 3))):
             k = case.nominal_k(signs)
             found, _ = core_optimal.optimal_runs(opened, position_means(case, k, 20_000, rng))
@@ -160,7 +160,7 @@ def test_what_is_validated_is_what_the_budget_says(name, estimator):
 def exact_binomial_cover(runs, probability):
     """Probability that the binomial limits of a count hold the truth, exactly."""
     counts = np.arange(runs + 1)
-    low, high = verdict.binomial_limits(counts, runs)
+    low, high = validate.binomial_limits(counts, runs)
     inside = [int(c) for c in counts if low[c] <= probability <= high[c]]
     p = Fraction(probability)
     return sum(comb(runs, c) * p**c * (1 - p) ** (runs - c) for c in inside)
@@ -169,7 +169,7 @@ def exact_binomial_cover(runs, probability):
 @pytest.mark.parametrize("probability", [0.5, 0.6827, 0.9545])
 def test_binomial_limits_hold_the_truth_as_often_as_they_should(probability):
     assert 1.0 - exact_binomial_cover(400, probability) < 5e-4
-    low, high = verdict.binomial_limits(np.array([0, 400]), 400)
+    low, high = validate.binomial_limits(np.array([0, 400]), 400)
     assert low[0] == 0.0 and high[1] == 1.0 and high[0] < 0.05 and low[1] > 0.95
 
 

@@ -13,7 +13,7 @@ from report_reader import ascii_signs
 import tumble as package
 from tumble import model
 from tumble.cli.main import main
-from tumble.comparison import text
+from tumble.comparison import report
 from tumble.report import make
 from tumble.report.number import number_of
 from tumble.report.since import section as section_since
@@ -52,13 +52,13 @@ def test_the_report_says_what_compare_finds(results, capsysbinary):
     assert found["verdict"] == "block" and found["changed"] == ["scale_y"]
     section = page[page.index('<section class="since">') :].split("</section>")[0]
     assert texts(section, "h2") == [HEADING]
-    assert [*map(ascii_signs, texts(section, "strong"))] == [text.sentence(found)]
+    assert [*map(ascii_signs, texts(section, "strong"))] == [report.sentence(found)]
     numbers = [number_of(json.loads(path.read_text())) for path in results]
     assert [one.split(",")[0] for one in texts(section, "td")[:2]] == numbers and numbers[0] != numbers[1]
     rows = [texts(row, "t[hd]") for row in section.split("<tr>")[3:]]
     told = [row for part in ("parameters", "seat", "coefficients") for row in found[part]]
-    assert [tuple(map(ascii_signs, row)) for row in rows] == [text.COLUMNS, *map(text.cells, told)]
-    assert [*map(ascii_signs, texts(section, "li"))] == [*text.grounds(found), *found["warnings"]]
+    assert [tuple(map(ascii_signs, row)) for row in rows] == [report.COLUMNS, *map(report.cells, told)]
+    assert [*map(ascii_signs, texts(section, "li"))] == [*report.grounds(found), *found["warnings"]]
     assert "µrad" in section and not re.search(r"\bu(g|rad|V)\b", html.unescape(re.sub(r"<[^>]+>", " ", section)))
     assert section.count("<svg") == 1 and "The block has changed" in section
 

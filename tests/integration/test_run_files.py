@@ -11,8 +11,7 @@ from hypothesis import given, strategies as st
 from tumble.errors import BadInput
 from tumble.files.run_file import read_run
 from tumble.files.run_layout import Wishes
-from tumble.files.run_positions import PositionIndex
-from tumble.files.run_reader import RunReader
+from tumble.files.run_reader import PositionIndex, RunReader
 from tumble.files.run_store import RowStore
 from tumble.model import Geometry, built_in
 

@@ -19,7 +19,7 @@ from tumble.model.errors import sources
 from tumble.model.estimators import design
 from tumble.model.optimal import optimal_table, standard_deviations
 from tumble.schedule import Mounting, Position, Schedule
-from tumble.solving import gain_record, optimal_run
+from tumble.solving import optimal_run
 from tumble.stand import PAPER_STAND, Stand
 
 PAPER = model.built_in("paper")
@@ -272,27 +272,27 @@ def simulated(rng, schedule, declared, runs, platform=0.0):
 
 def test_a_record_without_seats_is_as_it_was():
     table = optimal_table(PAPER, NOMINAL_K, stand(*STANDS["lab"]))
-    plain = gain_record.to_bytes(gain_record.record_of(table, PAPER))
-    assert plain[13:16] == bytes(3) and len(plain) == gain_record.size_of(18, 2)
+    plain = optimal_run.to_bytes(optimal_run.record_of(table, PAPER))
+    assert plain[13:16] == bytes(3) and len(plain) == optimal_run.size_of(18, 2)
     table = optimal_table(PAPER, NOMINAL_K, stand(*STANDS["lab"], platform=1e-3))
-    data = gain_record.to_bytes(gain_record.record_of(table, PAPER))
+    data = optimal_run.to_bytes(optimal_run.record_of(table, PAPER))
     assert data[13] == 2 and len(data) == len(plain) + 8 * 54 * 4
     opened = GainRecord(core.CoreSchedule(PAPER), data)
     assert np.array_equal(opened.stand_gains, table.nuisance_gains)
     assert np.array_equal(table.nuisance_gains[4], table.nuisance_gains[5])  # of the platform, in either mounting
     assert not table.nuisance_gains[6:].any()
-    again = gain_record.from_bytes(data)
-    assert (again.seats, gain_record.to_bytes(again)) == (2, data)
+    again = optimal_run.from_bytes(data)
+    assert (again.seats, optimal_run.to_bytes(again)) == (2, data)
 
 
 @pytest.mark.parametrize("seats", [1, 3, 255])
 def test_a_record_of_another_number_of_seats_is_refused(seats):
     table = optimal_table(PAPER, NOMINAL_K, stand(*STANDS["lab"], seat=1e-3))
-    record = gain_record.record_of(table, PAPER)
+    record = optimal_run.record_of(table, PAPER)
     rows = np.zeros((4 + 2 * seats, 54))
-    data = gain_record.to_bytes(dataclasses.replace(record, seats=seats, nuisance_gains=rows))
-    with pytest.raises(gain_record.BadRecord):
-        gain_record.from_bytes(data)
+    data = optimal_run.to_bytes(dataclasses.replace(record, seats=seats, nuisance_gains=rows))
+    with pytest.raises(optimal_run.BadRecord):
+        optimal_run.from_bytes(data)
     with pytest.raises(core.CoreRefusal) as refusal:
         GainRecord(core.CoreSchedule(PAPER), data)
     assert refusal.value.name == "TUMBLE_E_GAIN_RECORD"
@@ -309,7 +309,7 @@ def test_as_many_runs_are_within_2u_as_should_be(schedule, estimator):
     core_schedule = core.CoreSchedule(schedule)
     if estimator == "optimal":
         table = optimal_table(schedule, NOMINAL_K, declared)
-        record = GainRecord(core_schedule, gain_record.to_bytes(gain_record.record_of(table, schedule)))
+        record = GainRecord(core_schedule, optimal_run.to_bytes(optimal_run.record_of(table, schedule)))
         found, u = optimal_runs(record, means)[0], table.u
     else:
         found = estimate_runs(core_schedule, means, estimator)

@@ -17,7 +17,7 @@ from tumble.model.explanations import CONFIDENCE
 from tumble.model.norm import worst_norm
 from tumble.planning import validate
 from tumble.planning.case import Case
-from tumble.planning.simulate import errors_of, position_means
+from tumble.planning.validate import errors_of, position_means
 from tumble.schedule import CHECK, Position, Schedule
 from tumble.solving.decision import is_shown
 from tumble.stand import LIMIT_KINDS, Stand

@@ -11,7 +11,7 @@ from tumble.errors import UsageError
 from tumble.files.stand_file import read_stand
 from tumble.model.optimal import optimal_table
 from tumble.planning.case import Case
-from tumble.planning.simulate import position_means
+from tumble.planning.validate import position_means
 from tumble.solving import optimal_run, tables_of_runs
 
 pytestmark = pytest.mark.python

@@ -20,7 +20,7 @@ from conftest import ROOT
 from played_run import AVERAGING, DONE, FAULT, U0, K, PlayedSource, events
 from rich.console import Console
 
-from tumble.watch import words
+from tumble.watch import snapshot
 from tumble.watch.bench_run import BenchRun
 from tumble.watch.follower import Follower
 from tumble.watch.snapshot import Gravity, Lost, Mean, Snapshot, View, document
@@ -122,8 +122,8 @@ def test_the_document_has_words_and_no_number_that_is_none():
 def test_the_states_of_the_stand_are_those_of_the_firmware():
     text = (ROOT / "firmware/include/tumble/stand.h").read_text(encoding="utf-8")
     listed = re.search(r"TUMBLE_STAND_OFFLINE = 0.*?\} tumble_stand_state_t", text, re.DOTALL)[0]
-    assert tuple(re.findall(r"TUMBLE_STAND_(\w+)\b", listed)) == words.STANDS
-    assert set(words.ANGLE_KNOWN) < set(words.STANDS)
+    assert tuple(re.findall(r"TUMBLE_STAND_(\w+)\b", listed)) == snapshot.STANDS
+    assert set(snapshot.ANGLE_KNOWN) < set(snapshot.STANDS)
 
 
 def on_terminal(view):

@@ -13,9 +13,8 @@ from played_node import U0, K, PlayedCanNode
 
 from tumble.client.errors import CommunicationError
 from tumble.client.registers import read_map
-from tumble.watch.heard import Heard, Status
 from tumble.watch.node_run import NodeRun
-from tumble.watch.snapshot import Gravity, Lost, Mean, Snapshot, View, document
+from tumble.watch.snapshot import Gravity, Heard, Lost, Mean, Snapshot, Status, View, document
 
 can = pytest.importorskip("can", reason="python-can is not installed")
 pytest.importorskip("canopen", reason="python-canopen is not installed")

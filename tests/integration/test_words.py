@@ -111,7 +111,7 @@ def test_what_is_no_text_does_not_flood_a_terminal(arguments, said):
 
 def test_many_named_mountings_are_refused_at_once():
     from tumble.importing import labels
-    from tumble.importing.hypotheses import Doubtful
+    from tumble.importing.match import Doubtful
     from tumble.schedule import Mounting, Schedule
 
     schedule = Schedule(tuple(Mounting(number, ()) for number in range(1, 11)), ())

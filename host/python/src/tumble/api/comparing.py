@@ -11,7 +11,7 @@ from tumble.api.arguments import as_number, is_one_of, require_flag
 from tumble.api.result import Result, load
 from tumble.api.sides import side_of
 from tumble.api.words import in_python, told_in_python
-from tumble.comparison import pair, report, text
+from tumble.comparison import pair, report
 from tumble.comparison.shared import OneStand
 from tumble.core import CoreSchedule
 from tumble.defaults import ANEW, DEFAULT_CONFIDENCE, LEVELLED
@@ -58,7 +58,7 @@ class Comparison:
     @property
     def sentence(self) -> str:
         """What was found, in plain words."""
-        return in_python(text.sentence(self._told))
+        return in_python(report.sentence(self._told))
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -74,7 +74,7 @@ class Comparison:
     @property
     def text(self) -> str:
         """As `tumble compare` prints it."""
-        return text.render(self._told, in_python)
+        return report.render(self._told, in_python)
 
     def to_json(self) -> str:
         """As `tumble compare --json` prints it."""

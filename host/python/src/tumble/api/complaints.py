@@ -13,8 +13,8 @@ from tumble.model.stand_seen import NAMES
 from tumble.rounding import on_its_side
 from tumble.solving import noise, plausibility, temperature
 from tumble.solving.decision import Decision
-from tumble.solving.monte_carlo import MonteCarlo, Verdict
-from tumble.solving.noise_patterns import CORRELATED
+from tumble.solving.many_runs import MonteCarlo, Verdict
+from tumble.solving.noise import CORRELATED
 from tumble.solving.solution import Solution
 from tumble.units import contradicts, looks_like, noise_unit
 

@@ -299,7 +299,7 @@ class Result:
         """What `report` writes; `kind`: "html" or "pdf"."""
         from tumble.report.make import made
         from tumble.report.number import require_date
-        from tumble.solving.provenance import created
+        from tumble.solving.declared import created
 
         recording = None if run is None else recording_of(run, Wishes(unit=self.unit))
         hashes = {self._checked["run_sha256"], None if recording is None else recording.sha256} - {None}

@@ -27,7 +27,7 @@ from tumble.files.documents import to_json
 from tumble.files.schedule_file import schedule_of
 from tumble.files.stand_file import StandFile, stand_file_of
 from tumble.schedule import Schedule
-from tumble.solving import plausibility, provenance, result
+from tumble.solving import declared, plausibility, result
 from tumble.solving.solution import Solution, solve as solve_run
 from tumble.solving.temperature import contradicted, in_environment
 from tumble.stand import Stand
@@ -72,7 +72,7 @@ def solved(
         raise UsageError(f"estimator: {quoted(estimator)} is not one of {', '.join(ESTIMATORS)}")
     if estimator == OPTIMAL and stand is None:
         raise UsageError(NEEDS_STAND)
-    created = provenance.created()
+    created = declared.created()
     stand_file = None if stand is None else stand_file_of(stand)
     declared_g = None if stand_file is None else stand_file.delta_g_limit_g
     told_g = declared_g if limit_g is None else limit_g

@@ -10,7 +10,7 @@ from tumble.api.complaints import simulation_complaint
 from tumble.estimators import COEFFICIENTS
 from tumble.model import reliability
 from tumble.solving.further import Further
-from tumble.solving.monte_carlo import NORMAL_COVERAGE, MonteCarlo
+from tumble.solving.many_runs import NORMAL_COVERAGE, MonteCarlo
 from tumble.solving.solution import Solution
 
 _LOSS = 1.05  # of an uncertainty, before it is spoken of

@@ -11,8 +11,7 @@ import numpy as np
 
 from tumble.arrays import Floats
 from tumble.comparison import shared
-from tumble.comparison.calibration import Calibration
-from tumble.comparison.shared import OneStand
+from tumble.comparison.shared import Calibration, OneStand
 from tumble.comparison.statistics import is_covariance
 from tumble.comparison.verdict import Found, Verdict, judge
 from tumble.defaults import ANEW

@@ -1,14 +1,24 @@
-"""A comparison as a document of schema tumble.comparison/1."""
+"""A comparison as a document of schema tumble.comparison/1.
+
+A document of schema tumble.comparison/1 for people, 80 columns wide: what was found, its grounds, the numbers.
+"""
 
 from __future__ import annotations
 
 import math
+import textwrap
+from collections.abc import Callable
 from typing import Any
 
 from tumble.comparison.pair import Comparison, Side
 from tumble.comparison.statistics import Test
 from tumble.comparison.verdict import Differences, Tests, Verdict
+from tumble.errors import file_name
 from tumble.estimators import COEFFICIENTS
+from tumble.files.run_temperature import range_text
+from tumble.rounding import rounded
+from tumble.solving.assumptions import phrase
+from tumble.solving.decision import NOT_SHOWN, UNCERTAINTY
 from tumble.terms import names
 from tumble.units import per_g
 
@@ -113,3 +123,159 @@ def _tests(tests: Tests) -> dict[str, Any]:
 
 def _test(test: Test) -> dict[str, Any]:
     return {"chi2": test.chi_squared, "dof": test.freedom, "p": test.p}
+
+
+_WIDTH = 80
+_FAILED = "FAILED"
+_PERCENT = 100.0
+_LEAST_PERCENT = 1e-4
+_QUESTIONS = {"whole": "the block, all together", "alone": "the block, any one alone", "seat": "its seat"}
+COLUMNS = ("B less A", "difference", "u", "unit", "in u", "by chance")
+_NOTHING_SEEN = "no change is to be seen, neither of the block nor of its seat"
+_ADVICE = (
+    "with --stand FILE. A stand file (TOML) says how exact the stand is; to get one, copy examples/paper_stand.toml and"
+    " put in the numbers of your own stand (docs/tutorial.md, chapter 1)."
+)
+Words = Callable[[str], str]
+
+
+def render(told: dict[str, Any], words: Words = str) -> str:
+    """The whole of it. `words`: what turns options of the command line into what the reader has in their place."""
+    lines = [*_wrapped(words(sentence(told))), ""]
+    lines += [line for side in "ab" for line in _wrapped(f"{side.upper()}: {_described(told[side])}", "   ")]
+    given = [_wrapped(f"- {words(one)}", "  ") for one in grounds(told)]
+    lines += ["", "What this rests on:", *(line for one in given for line in one)] if given else []
+    lines += ["", *_table(told["parameters"], told["seat"], told["coefficients"])]
+    if told["tests"] is not None:
+        lines += ["", *_wrapped(legend(told)), "", *_chances(told)]
+    return "\n".join(lines) + "\n"
+
+
+def sentence(told: dict[str, Any]) -> str:
+    """What was found, and where nothing firm can be: why, what the numbers alone say, and what to do."""
+    verdict = Verdict(told["verdict"])
+    if verdict is Verdict.CANNOT_TELL:
+        return f"CANNOT TELL: {_why_not(told)}"
+    if verdict is Verdict.UNCHANGED:
+        return f"UNCHANGED: {_NOTHING_SEEN}."
+    if verdict is Verdict.SEAT:
+        return f"ONLY THE SEAT HAS CHANGED: {_turned(told)}."
+    return f"THE BLOCK HAS CHANGED: {_moved(told)}."
+
+
+def _why_not(told: dict[str, Any]) -> str:
+    failed = [told[side] for side in "ab" if _verdict(told[side]) == _FAILED]
+    unsure = [told[side] for side in "ab" if not told[side]["uncertainties"]]
+    checks = "its check" if len(failed) == 1 else "their checks"
+    if unsure:
+        has, runs = ("has", "its run") if len(unsure) == 1 else ("have", "their runs")
+        also = f" And {_named(failed)} FAILED {checks}." if failed else ""
+        return f"{_named(unsure)} {has} no uncertainties: solve {runs} again {_ADVICE}{also}"
+    return f"{_named(failed)} FAILED {checks}: nothing firm can be said. By the numbers alone, {_apparent(told)}."
+
+
+def _apparent(told: dict[str, Any]) -> str:
+    """What the numbers alone say."""
+    if Verdict(told["apparent"]) is Verdict.UNCHANGED:
+        return _NOTHING_SEEN
+    return _turned(told) if Verdict(told["apparent"]) is Verdict.SEAT else f"the block has changed: {_moved(told)}"
+
+
+def _named(sides: list[dict[str, Any]]) -> str:
+    return " and ".join(file_name(side["file"]) for side in sides)
+
+
+def _turned(told: dict[str, Any]) -> str:
+    angles = ", ".join(f"{_sized(row)} about {row['name'][-1]}" for row in told["seat"])
+    return f"the block is as it was, but sits turned by {angles}"
+
+
+def _moved(told: dict[str, Any]) -> str:
+    """The parameters that stand out by themselves, or what else there is to say of a block that has changed."""
+    shown = [_of(row) for row in told["parameters"] if row["p"] < 1.0 - told["confidence"]]
+    alone = told["explained_by"]
+    rest = "" if alone is None else f"; {_of(alone)} alone would explain it"
+    return ", ".join(shown) or f"no parameter by itself, but all together{rest}"
+
+
+def _of(row: dict[str, Any]) -> str:
+    return f"{_words(row['name'])} {_sized(row)}"
+
+
+def grounds(told: dict[str, Any]) -> list[str]:
+    """What it rests on, a sentence or two each."""
+    share = f"{_PERCENT * told['confidence']:.6g} %"
+    sure = f"Confidence: of blocks that nobody touched, {share} or more are called unchanged{phrase(told['assumes'])}."
+    return [*([] if told["tests"] is None else [sure]), *told["notes"]]
+
+
+def _described(side: dict[str, Any]) -> str:
+    warm = None if side["temperature_c"] is None else range_text(*side["temperature_c"])
+    serial = None if side["serial"] is None else f"serial {side['serial']}"
+    parts = (side["file"], _verdict(side), side["estimator"], serial, side["created"], warm)
+    return ", ".join(filter(None, parts))
+
+
+def _verdict(side: dict[str, Any]) -> str | None:
+    """Where it did not pass: that it failed, or that nothing but the uncertainty stands in the way."""
+    if side["pass"]:
+        return None
+    return NOT_SHOWN if side["pass_reason"] == UNCERTAINTY else _FAILED
+
+
+def _table(*parts: list[dict[str, Any]]) -> list[str]:
+    """A paragraph for each part."""
+    rows = [COLUMNS, *(cells(row) for part in parts for row in part)]
+    widths = [max(map(len, column)) for column in zip(*rows)]
+    aligned = (str.ljust, str.rjust, str.rjust, str.ljust, str.rjust, str.rjust)
+    lines = ["  ".join(fit(cell, width) for fit, cell, width in zip(aligned, row, widths)).rstrip() for row in rows]
+    ends = [1 + sum(map(len, parts[:count])) for count in range(1, len(parts))]
+    return [line for number, line in enumerate(lines) for line in ([""] if number in ends else []) + [line]]
+
+
+def cells(row: dict[str, Any]) -> tuple[str, ...]:
+    """A difference as it stands under COLUMNS."""
+    return _words(row["name"]), *rounded(row["difference"], row["u"]), row["unit"], *_judged(row)
+
+
+def _judged(row: dict[str, Any]) -> tuple[str, str]:
+    in_u, p = row["in_u"], row.get("p")
+    return "-" if in_u is None else f"{in_u:+.2f}", "" if p is None else _chance(p)
+
+
+def legend(told: dict[str, Any]) -> str:
+    """Of COLUMNS."""
+    return (
+        "u: standard uncertainty of the difference; in u: how many of these it is; by chance: in how many of 100"
+        f" comparisons of an unchanged block any of the {len(told['parameters'])} parameters is as many u off or more."
+        " Near 100 %: nothing unusual; a small number speaks for a change."
+    )
+
+
+def _chances(told: dict[str, Any]) -> list[str]:
+    """Of the questions whose answers make the verdict."""
+    below = f"{_PERCENT * (1.0 - told['confidence']):.3g} %"
+    head = f"How often chance alone shows as much (a change is what is rarer than {below}):"
+    shown = {name: _chance(told["tests"]["after_holm"][key]) for key, name in _QUESTIONS.items()}
+    return [head, *(f"{name:<24}  {chance:>9}" for name, chance in shown.items())]
+
+
+def _chance(p: float) -> str:
+    """In percent."""
+    percent = _PERCENT * p
+    if percent < _LEAST_PERCENT:
+        return f"<{_LEAST_PERCENT:.4f} %"
+    return f"{percent:.0f} %" if percent >= 10.0 else f"{percent:.2g} %"
+
+
+def _words(name: str) -> str:
+    return name if name[0] in "KU" else name.replace("_", " ")
+
+
+def _sized(row: dict[str, Any]) -> str:
+    size, u = rounded(row["difference"], row["u"])
+    return f"{size} +- {u} {row['unit']}" if row["u"] is not None else f"{size} {row['unit']}"
+
+
+def _wrapped(text: str, indent: str = "") -> list[str]:
+    return textwrap.wrap(text, _WIDTH, break_long_words=False, break_on_hyphens=False, subsequent_indent=indent)

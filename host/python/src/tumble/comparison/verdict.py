@@ -21,7 +21,7 @@ from enum import Enum
 import numpy as np
 
 from tumble.arrays import Flags, Floats
-from tumble.comparison.calibration import Calibration
+from tumble.comparison.shared import Calibration
 from tumble.comparison.statistics import Test, Whitened, holm, normal_p, whitened
 
 EXPLAINED = 0.01  # p of what an explanation leaves, at least

@@ -20,9 +20,8 @@ from tumble.arrays import Floats
 from tumble.core import MAX_MEAN
 from tumble.errors import BadInput, NotInstalled, file_name, quoted
 from tumble.files import frames
-from tumble.files.csv_rows import Refused, fast_numbers, row_of_numbers
-from tumble.files.disk import LONGEST_LINE, in_words, reason
-from tumble.files.memory import bounded
+from tumble.files.disk import LONGEST_LINE, bounded, in_words, reason
+from tumble.files.incoming import Refused, fast_numbers, row_of_numbers
 from tumble.files.run_layout import Wishes, detect, find_all, is_blank, is_comment, require_text, split, unit_of
 from tumble.files.run_temperature import Temperatures, read_temperatures, temperatures_of_table
 from tumble.units import looks_as_applied, noise_unit, volts_per

@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from tumble.errors import BadInput, NotInstalled, file_name, quoted
-from tumble.files.memory import bounded
+from tumble.files.disk import bounded
 from tumble.files.run_layout import decoded
 
 CANDUMP, ASC, BLF, TRC, MF4, CSV = "candump", "ASC", "BLF", "TRC", "MF4", "python-can CSV"

@@ -1,10 +1,18 @@
-"""Reading and writing whole files, with one-line errors and nothing half-written left behind."""
+"""Files on disk: read and written as a whole, bounded, and told what they are instead.
+
+What a file looks like that is not what was expected: for messages alone, nothing is read by it.
+
+A bound on the memory that a library may take for a file, whatever that declares or decompresses to.
+
+Reading and writing whole files, with one-line errors and nothing half-written left behind.
+"""
 
 from __future__ import annotations
 
 import errno
 import itertools
 import os
+import re
 import shutil
 import stat
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -12,6 +20,56 @@ from contextlib import contextmanager, suppress
 from typing import BinaryIO
 
 from tumble.errors import BadInput, TumbleError, UsageError, file_name, quoted
+
+_HEAD_BYTES = 1 << 12
+_MAGIC = {b"PK\x03\x04": "a ZIP or NPZ file", b"\x89PNG": "a PNG picture", b"%PDF": "a PDF file", b"PAR1": "Parquet"}
+_TOML = re.compile(r"\[\[?\s*[\w.\"'-]+\s*\]\]?\s*(#.*)?$|[\w.\"'-]+\s*=\s*\S")
+CSV, JSON, TOML = "CSV, such as a run file", "JSON, such as a result", "TOML, such as a stand or a schedule file"
+
+
+def kind_of(data: bytes) -> str | None:
+    """What the beginning of a file looks like, as a message calls it; None: nothing that is known."""
+    found = next((kind for magic, kind in _MAGIC.items() if data.startswith(magic)), None)
+    lines = data[:_HEAD_BYTES].decode("utf-8-sig", errors="replace").splitlines()
+    filled = [line.strip() for line in lines if line.strip() and not line.startswith("#")]
+    first = filled[0] if filled else ""
+    if found is not None or not first:
+        return found
+    if first[0] == "{" or first == "[":
+        return JSON
+    if first[0] == "<":
+        return "HTML or XML"
+    if any(map(_TOML.match, filled)):  # the first line may be what is wrong with it
+        return TOML
+    return CSV if any(first.count(sign) >= 2 for sign in ",;\t") else None
+
+
+MOST = 4 << 30  # bytes, beside what the process has
+
+
+@contextmanager
+def bounded(file: str) -> Iterator[None]:
+    """While a library reads `file`, this process gets at most MOST bytes of address space more than it has. Raises
+    BadInput where that is not enough. Only Linux has such a bound; elsewhere there is none."""
+    try:
+        import resource
+
+        with open("/proc/self/statm", encoding="ascii") as sizes:
+            limit = int(sizes.read().split()[0]) * resource.getpagesize() + MOST
+    except (ImportError, OSError):
+        yield
+        return
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    if soft == resource.RLIM_INFINITY or limit < soft:
+        with suppress(OSError, ValueError):
+            resource.setrlimit(resource.RLIMIT_AS, (limit, hard))
+    try:
+        yield
+    except MemoryError:
+        raise BadInput(f"needs more memory than such a file may ({MOST >> 30} GiB)", file) from None
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+
 
 RUN_FILE, RESULT_FILE = "run.csv", "result.json"  # in a run folder
 

@@ -12,8 +12,7 @@ from collections.abc import Callable
 from typing import Any
 
 from tumble.errors import BadInput, quoted
-from tumble.files.disk import RESULT_FILE, read_bytes
-from tumble.files.kinds import JSON, kind_of
+from tumble.files.disk import JSON, RESULT_FILE, kind_of, read_bytes
 from tumble.terms import KEYS, TERMS
 from tumble.units import UNIT, spelled
 

@@ -15,11 +15,9 @@ import numpy as np
 from tumble.arrays import Flags, Floats, Integers
 from tumble.core import CoreSchedule
 from tumble.files.incoming import Held, Incoming
-from tumble.files.run_blocks import NO_BLOCKS, Blocks, blocks_of
 from tumble.files.run_layout import COLUMNS, NO_WISHES, Wishes
-from tumble.files.run_positions import PositionIndex
-from tumble.files.run_reader import RunReader
-from tumble.files.run_store import RowStore
+from tumble.files.run_reader import PositionIndex, RunReader
+from tumble.files.run_store import NO_BLOCKS, Blocks, RowStore, blocks_of
 from tumble.files.run_temperature import Temperatures
 from tumble.schedule import CHECK, CLOSED, Position, Schedule
 

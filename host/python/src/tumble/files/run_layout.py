@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from tumble.errors import BadInput, quoted
-from tumble.files.kinds import JSON, TOML
+from tumble.files.disk import JSON, TOML
 from tumble.units import UNIT, are_at_odds, spelled
 
 COLUMNS = ("mounting", "position", "ux", "uy", "uz")

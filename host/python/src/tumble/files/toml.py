@@ -9,8 +9,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from tumble.errors import BadInput, quoted
-from tumble.files.disk import read_bytes
-from tumble.files.kinds import TOML, kind_of
+from tumble.files.disk import TOML, kind_of, read_bytes
 from tumble.stand import PerChannel, by_channel, per_channel
 
 _HEADER = re.compile(r"^\s*(\[\[?)\s*([\w.\s\"'-]+?)\s*\]\]?\s*(?:#.*)?$")

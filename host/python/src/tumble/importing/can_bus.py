@@ -14,8 +14,8 @@ from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput, NotInstalled, UsageError, file_name, quoted
 from tumble.files.can_log import CanLog, Frame
 from tumble.files.run_layout import Wishes, find_all
-from tumble.importing import block_samples, can_signals
-from tumble.importing.block_samples import AXES, FIRST, SECOND, STATUS, Receiver
+from tumble.importing import can_signals, rests
+from tumble.importing.rests import AXES, FIRST, SECOND, STATUS, Receiver
 from tumble.stand import PerChannel, by_channel
 
 COUNTS = "counts"
@@ -138,14 +138,14 @@ def _of_block(log: CanLog, frames: Iterator[Frame], file: str, wishes: Wishes, b
     if counts["lost"]:
         notes.append(f"{counts['lost']} samples are missing, by the block's counter")
     if counts["silences"]:
-        notes.append(f"the block was silent {counts['silences']} times, for over {block_samples.SILENCE_S:g} s")
+        notes.append(f"the block was silent {counts['silences']} times, for over {rests.SILENCE_S:g} s")
     outputs = receiver.outputs[:, _axes(wishes, file)]
     return Found(receiver.seconds, outputs, receiver.lines, COUNTS, receiver.temperature, tuple(notes))
 
 
 def _received(frames: Iterator[Frame], file: str) -> dict[tuple[str, int], Receiver]:
     """What came of each block that there can be, by channel and node."""
-    halves, clock = block_samples.messages(), _Clock(file)
+    halves, clock = rests.messages(), _Clock(file)
     receivers: dict[tuple[str, int], Receiver] = {}
     for frame in frames:
         group, node = frame.identifier & ~0xF, frame.identifier & 0xF

@@ -17,8 +17,8 @@ from tumble.arrays import Flags, Floats, Integers
 from tumble.errors import BadInput, file_name, quoted
 from tumble.files.can_log import Frame
 from tumble.files.disk import read_bytes
+from tumble.files.incoming import suffix_of
 from tumble.files.run_layout import Wishes, find_all, unit_of
-from tumble.files.tables import suffix_of
 
 OUTPUTS = ("ux", "uy", "uz")
 _FORMATS = ("arxml", "cdd", "dbc", "kcd", "sym")  # of cantools, by the file's name

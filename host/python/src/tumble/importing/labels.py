@@ -16,8 +16,7 @@ import numpy as np
 from tumble.arrays import Flags, Floats, Integers
 from tumble.errors import quoted
 from tumble.importing import attitudes
-from tumble.importing.hypotheses import REPEATS, Claims, Doubtful
-from tumble.importing.match import LEFT_OUT, REPEATED, TAKEN, Matched
+from tumble.importing.match import LEFT_OUT, REPEATED, REPEATS, TAKEN, Claims, Doubtful, Matched
 from tumble.importing.order import NONE
 from tumble.importing.rests import Rest
 from tumble.schedule import Schedule

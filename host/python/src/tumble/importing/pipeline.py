@@ -11,14 +11,13 @@ import numpy as np
 
 from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput, UsageError, quoted
-from tumble.files import run_copies
-from tumble.files.run_blocks import smallest_step
+from tumble.files import run_rows
 from tumble.files.run_layout import NO_WISHES, Wishes
+from tumble.files.run_store import smallest_step
 from tumble.importing import labels, match, recording
 from tumble.importing.can_bus import NO_BUS, Bus
 from tumble.importing.clock import CONTRADICTED
-from tumble.importing.hypotheses import POSITIVE, Claims, Doubtful
-from tumble.importing.match import JOINED, REPEATED, TAKEN, Matched
+from tumble.importing.match import JOINED, POSITIVE, REPEATED, TAKEN, Claims, Doubtful, Matched
 from tumble.importing.order import ANY, NONE
 from tumble.importing.recording import Recording, Timing
 from tumble.importing.rests import Found, Rest, Thresholds, find_rests, rest_of
@@ -143,13 +142,13 @@ def _same_block(recordings: Sequence[Recording], outputs: Floats, file_of_row: I
     step = np.array([one if np.isfinite(one := smallest_step(channel)) else 0.0 for channel in outputs.T])
     lines = np.concatenate([one.lines for one in recordings])
     file = recordings[0].file
-    copies = run_copies.copied(outputs, file_of_row, step)
+    copies = run_rows.copied(outputs, file_of_row, step)
     if copies is not None:
         again, first = (f"{lines[row]} to {lines[row + copies.length - 1]}" for row in (copies.again, copies.first))
         said = f"rows {again} are rows {first} again, digit for digit: written twice? Leave them out"
         raise BadInput(said, recordings[file_of_row[copies.again]].file, int(lines[copies.again]))
     rests = (outputs[rest.begin : rest.end] for rest in found.rests)
-    sources = run_copies.in_turn(rests, step, recordings[0].unit)
+    sources = run_rows.in_turn(rests, step, recordings[0].unit)
     if sources is not None and sources.is_certain:
         raise BadInput(f"{sources.sentence}? Keep the rows of one", file, int(lines[0]))
     return [] if sources is None else [f"{sources.sentence}, or a vibration in step with them?"]

@@ -16,8 +16,8 @@ import numpy as np
 from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.files import can_log
-from tumble.files.csv_rows import LARGEST_OUTPUT, body_of, read_plain, wrong_width
 from tumble.files.disk import MOST_OF_RECORDING, read_bytes
+from tumble.files.incoming import LARGEST_OUTPUT, SUFFIXES, body_of, read_plain, suffix_of, wrong_width
 from tumble.files.run_layout import (
     DEFAULT_UNIT,
     NUMBER,
@@ -35,7 +35,6 @@ from tumble.files.run_layout import (
     unit_of,
 )
 from tumble.files.run_temperature import range_of, temperatures_of_rows
-from tumble.files.tables import SUFFIXES, suffix_of
 from tumble.importing import can_bus, clock, novatel
 from tumble.importing.can_bus import NO_BUS, Bus
 from tumble.importing.clock import Clock

@@ -11,7 +11,7 @@ from tumble.arrays import Floats
 from tumble.estimators import COEFFICIENTS
 from tumble.model.norm import worst_norm
 from tumble.planning.case import Case
-from tumble.planning.error_field import error_field
+from tumble.planning.promise import error_field
 from tumble.solving.further import Further, Without
 from tumble.terms import DRIFT, names
 

@@ -15,8 +15,8 @@ from tumble.model.optimal import OptimalTable, optimal_table, standard_deviation
 from tumble.model.second_order import SecondOrder, second_order
 from tumble.planning.case import SCHEMA, Case
 from tumble.planning.promise import Promise, promise
-from tumble.solving.gain_record import Record, record_of
 from tumble.solving.many_runs import or_linear
+from tumble.solving.optimal_run import Record, record_of
 from tumble.stand import per_channel
 
 

@@ -1,14 +1,29 @@
-"""Requirements, inverse to the budget: how bad each source of a stand may be for a limit of the gravity check.
+"""What an accuracy asks of a stand, and how much room a declared one has.
+
+Requirements, inverse to the budget: how bad each source of a stand may be for a limit of the gravity check.
 
 By (10), (13) and (14) the six scale factors and biases, and the noise of a mean on its own, may each take a third of
 the limit. In each of these rows the sources that enter it share that third; a source's requirement is what the
 strictest row allows it. `derived`: worst signs of the misalignments, sizes as standard deviations. The optimal
 estimator's weights follow the stand, so its requirements are those of a stand for which it was made, with full rows.
+
+Headroom of a declared stand: how much worse its sources may become before a row of the requirements is exceeded.
+
+`alone`: the largest size of one source while the others stay as declared. `margin`: the factor by which all may grow
+together. The optimal estimator is made anew for every stand that is tried.
+
+How good a stand must be to be just enough: the requirements, scaled until the probability that the user asks for is
+reached, of passing the gravity check and of |a| within the limit at every attitude.
+
+The requirements' own rule, a third of the limit for each row, promises no probability. It says here how the sources
+compare; one factor for all of them sets the probability. Sources that no row limits stay as the stand has them.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
@@ -20,7 +35,9 @@ from tumble.core import MAX_SAMPLES
 from tumble.errors import UsageError
 from tumble.model.estimators import circles
 from tumble.planning import weights
+from tumble.planning.budget import by_key, sizes as declared_sizes, sources
 from tumble.planning.case import Case
+from tumble.planning.promise import Promise, promise, promises
 from tumble.planning.published import NAMES, SOURCES
 from tumble.stand import COMMON, Stand, by_channel, per_channel
 
@@ -247,3 +264,148 @@ class _Rows:
             if total <= self.row_limit * (1.0 + _FULL) or pattern in chosen:
                 return grown(high)
             chosen.append(pattern)
+
+
+_STEPS = 50
+
+
+@dataclass(frozen=True)
+class Headroom:
+    """`alone` (sources,): infinite where nothing limits, 0 where the others take all; `margin`: below 1 on a stand that
+    fails; infinite for a stand without errors."""
+
+    alone: Floats
+    margin: float
+
+
+def headroom(case: Case, which: str, estimator: str, limit_g: float) -> Headroom:
+    """Of the case's stand, against a third of the limit in every row, for the worst signs of the misalignments."""
+    row_limit, sizes = limit_g / 3.0, declared_sizes(case, which == "published")
+    gamma = _weights(case, which, estimator, sizes)
+    if estimator == "optimal":
+        declared = stand_of(case, sizes)
+        alone = np.array([_bisect(declared, sizes, source, row_limit) for source in range(len(sizes))])
+    else:
+        alone = _closed_form(gamma, sizes, row_limit)
+    return Headroom(alone, _margin(gamma, sizes, row_limit))
+
+
+def margins(case: Case, limit_g: float) -> dict[str, float]:
+    """The margin of the case's stand with every estimator that its schedule allows, derived weights."""
+    sizes, found = declared_sizes(case, False), {}
+    for estimator in weights.estimators_of(case):
+        with suppress(UsageError):  # the schedule lacks positions that it needs
+            found[estimator] = _margin(_weights(case, "derived", estimator, sizes), sizes, limit_g / 3.0)
+    return found
+
+
+def _weights(case: Case, which: str, estimator: str, sizes: Floats) -> Floats:
+    """Weights (patterns, 7, 5)."""
+    if which == "published":
+        return with_noise_row(case, weights.published(case, estimator, weights.WORST))[None]
+    return weights_by_pattern(stand_of(case, sizes), estimator, sign_patterns())
+
+
+def _margin(gamma: Floats, sizes: Floats, row_limit: float) -> float:
+    largest = np.linalg.norm(gamma * sizes, axis=2).max()
+    return float(row_limit / largest) if largest > 0.0 else np.inf
+
+
+def _closed_form(gamma: Floats, sizes: Floats, row_limit: float) -> Floats:
+    """What each source may be where the weights (patterns, 7, 5) do not depend on the stand."""
+    terms = (gamma * sizes) ** 2
+    left = row_limit**2 - (terms.sum(axis=2, keepdims=True) - terms)
+    rest = np.sqrt(np.maximum(left, 0.0))
+    allowed = np.divide(rest, gamma, out=np.where(left >= 0.0, np.inf, 0.0), where=gamma > 0.0)
+    smallest: Floats = allowed.min(axis=(0, 1))
+    return smallest
+
+
+def _bisect(case: Case, sizes: Floats, source: int, row_limit: float) -> float:
+    """The same for the optimal estimator, whose uncertainties grow with every source. Signs that are worst at the size
+    found are added until none is worse."""
+    every = sign_patterns()
+    chosen: list[int] = []
+
+    def worst(size: float, patterns: Floats) -> tuple[float, int]:
+        tried = np.where(np.arange(len(sizes)) == source, size, sizes)
+        gamma = weights_by_pattern(stand_of(case, tried), "optimal", patterns)
+        totals = np.linalg.norm(gamma * tried, axis=2).max(axis=1)
+        return float(totals.max()), int(totals.argmax())
+
+    ceiling = float(ceilings(case)[source])
+    while True:
+        size = _largest(lambda size: worst(size, every[chosen])[0] <= row_limit, ceiling) if chosen else ceiling
+        total, pattern = worst(size, every)
+        if total <= row_limit or pattern in chosen or size == 0.0:
+            return np.inf if size == ceiling else size
+        chosen.append(pattern)
+
+
+def _largest(fits: Callable[[float], bool], ceiling: float) -> float:
+    """The largest size that fits, found in logarithms: 0 if none does, the ceiling if all do."""
+    low, high = 1e-9 * ceiling, ceiling
+    if fits(high):
+        return high
+    if not fits(low):
+        return 0.0
+    for _ in range(_STEPS):
+        middle = (low * high) ** 0.5
+        low, high = (middle, high) if fits(middle) else (low, middle)
+    return low
+
+
+_SETTLED = 1e-4
+_STAND_STEPS = 20
+
+
+@dataclass(frozen=True)
+class Enough:
+    """What is just enough for `probability`: `sizes` of the sources by key, `factor` times the rule's, and `samples`;
+    None where scaling cannot reach it, or no number of samples. `promises`: of the stand as declared, by estimator."""
+
+    probability: float
+    promises: dict[str, Promise]
+    sizes: dict[str, Any] | None
+    factor: float
+    samples: int | None
+
+    def document(self, estimator: str) -> dict[str, Any]:
+        """Ready for JSON."""
+        of_all = {name: growing(one) for name, one in self.promises.items()}
+        sizes = None
+        if self.sizes is not None:
+            sizes = {**self.sizes, "samples": self.samples, "factor": self.factor}
+        return {
+            "probability": self.probability,
+            "promise": of_all[estimator],
+            "promises": of_all,
+            "just_enough": sizes,
+        }
+
+
+NOT_PROMISED = dict.fromkeys(
+    ("probability", "promise", "promises", "just_enough")
+)  # the paper's weights have no joint law
+
+
+def growing(found: Promise) -> dict[str, Any]:
+    """A promise with its growth, ready for JSON."""
+    return {**found.document(), "growth": float(found.growth) if np.isfinite(found.growth) else None}
+
+
+def enough(case: Case, estimator: str, limits: Floats, probability: float) -> Enough:
+    """For requirements `limits`, one a source, infinite where no row limits. Raises UsageError where no number of
+    samples suffices."""
+    declared, limited = declared_sizes(case, False), np.isfinite(limits)
+    of_all = promises(case, probability)
+    factor = 1.0
+    for _ in range(_STAND_STEPS):
+        sizes = np.where(limited, factor * limits, declared)
+        growth = promise(stand_of(case, sizes), estimator, probability).growth
+        if abs(growth - 1.0) <= _SETTLED:
+            samples = samples_on(case.stand, float(sizes[SOURCES.index("noise")]))
+            named = by_key(case, sources(case, False), sizes)
+            return Enough(probability, of_all, named, factor, samples)
+        factor *= growth
+    return Enough(probability, of_all, None, 0.0, 0)

@@ -9,11 +9,9 @@ import numpy as np
 from tumble.arrays import Floats
 from tumble.planning.budget import ALPHAS, by_key, notes, numbers_are, size_keys, sizes, sources, unit
 from tumble.planning.case import SCHEMA, Case
-from tumble.planning.enough import NOT_PROMISED, Enough
-from tumble.planning.headroom import Headroom
 from tumble.planning.promise import ON_A_SEAT
 from tumble.planning.published import EQUATION_18, EQUATION_19, evaluate
-from tumble.planning.require import CEILING_RAD, ROWS, Requirements
+from tumble.planning.require import CEILING_RAD, NOT_PROMISED, ROWS, Enough, Headroom, Requirements
 from tumble.planning.weights import symbols
 from tumble.solving.decision import UNCERTAINTY, Decision
 from tumble.solving.would_show import Question, Remedy, in_words

@@ -9,9 +9,8 @@ from typing import Any
 from tumble.model import reliability
 from tumble.planning import model_cost, tables
 from tumble.planning.case import SCHEMA
-from tumble.planning.enough import growing
-from tumble.planning.schedule_plan import Planned
-from tumble.planning.schedule_search import Timed
+from tumble.planning.require import growing
+from tumble.planning.schedule_search import Planned, Timed
 from tumble.schedule import Mounting, Schedule
 from tumble.terms import Terms
 

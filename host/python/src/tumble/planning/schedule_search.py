@@ -1,29 +1,265 @@
-"""The schedule that reaches a worst u(|a|) in the least test time.
+"""The quickest schedule for a wanted accuracy: how long one takes, which mountings there are, the search, the plan.
+
+How long a schedule takes: moves, settling, averaging, and what people need to mount the block anew.
+
+The table comes to every angle from below, as the play of its gear asks for: it turns up through a mounting's angles and
+back to the lowest of the next. Homing and the first mounting are the same for all schedules, and not counted.
+
+Ways to mount a block on a table square to its axes, without those that come to the same.
+
+There are 24 proper rotations. Half a turn about the stand's axis is one of the table, so 12 remain. And which of a
+block's axes bears which name makes no difference to what several mountings together can tell: of sets that differ by
+their names alone one is kept, the one that starts with the first mounting of the paper.
+
+How well a schedule's subsets know the norm of a: the worst u(|a|) over all attitudes, for thousands of subsets.
+
+Everything that does not depend on the subset is computed once, for all candidate positions: what the stand's errors do
+to the outputs, and what errors of the unknowns do to |a|. An error of the stand that touches one position only,
+such as that of a set angle, adds to the covariance of its outputs; one that positions share is an unknown with a prior.
+For `optimal` the information of the positions then simply adds up. `least_squares` is propagated as it is.
+
+Unknowns are the coefficients, and the sizes of the case's further terms. A drift goes by the order of the candidates;
+of a subset that leaves some out it is nearly the drift of the run.
+
+The schedule that reaches a worst u(|a|) in the least test time.
 
 For every set of mountings: from all table angles the one is left out that is needed least, again and again, and each
 time the samples are counted that what is left needs. The quickest of all these is then improved by exchanges of one
 angle for another, as long as that saves time. It is a search, and proves no optimum; it always finds the same.
+
+The quickest schedule for a limit or a worst u(|a|), beside what the built-in schedules take for the same.
+
+A limit is kept when a run passes, and |a| is within the limit at every attitude, with the probability asked for. That
+is a worst u(|a|) too, another for each schedule; it is found by trying.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import combinations, groupby, pairwise, permutations, product
 
 import numpy as np
 
-from tumble.arrays import Flags
+from tumble.arrays import Flags, Floats
 from tumble.core import MAX_POSITIONS, MAX_SAMPLES
-from tumble.model.norm import worst_norm
+from tumble.errors import UsageError
+from tumble.estimators import OPTIMAL
+from tumble.files.stand_file import StandFile
+from tumble.model.errors import NOISE, declared, of_stand
+from tumble.model.estimators import columns_at
+from tumble.model.geometry import built_in, ideal_force
+from tumble.model.norm import norm_gradient, spread_attitudes, worst_norm
+from tumble.model.optimal import UNEQUAL, mean_sigma
+from tumble.model.reliability import Reliability
 from tumble.planning.case import Case
-from tumble.planning.duration import Duration, Pace
-from tumble.planning.error_field import error_field
-from tumble.planning.mounting_sets import KINDS, mounting_sets, mountings, without_unused
-from tumble.planning.norm_spread import NormSpread
-from tumble.schedule import Position, Schedule
+from tumble.planning.model_cost import model_cost
+from tumble.planning.promise import Promise, error_field, promise
+from tumble.schedule import Mounting, Position, Schedule
+from tumble.solving.further import Further, confused
+from tumble.stand import by_channel
+from tumble.terms import EXTENDABLE
 from tumble.workers.kept import Result
 from tumble.workers.over import ALONE, Piece, Progress, Team, over
+
+DEFAULT_REMOUNT_S = 300.0
+_MOTION = {"velocity_deg_per_s": 90.0, "acceleration_deg_per_s2": 180.0, "settling_s": 0.5}
+_RATE_HZ = 100.0
+
+
+@dataclass(frozen=True)
+class Duration:
+    """Parts of a test, seconds."""
+
+    moving: float
+    settling: float
+    averaging: float
+    remounting: float
+
+    @property
+    def total(self) -> float:
+        """All of them."""
+        return self.moving + self.settling + self.averaging + self.remounting
+
+
+@dataclass(frozen=True)
+class Pace:
+    """What a table, a block and people take their time for: deg/s, deg/s^2, s, samples a second, s."""
+
+    velocity: float
+    acceleration: float
+    settling: float
+    rate: float
+    remounting: float
+
+    @classmethod
+    def of(cls, stand_file: StandFile | None, remount_s: float) -> Pace:
+        """As a stand file has it, else that of the simulated stand."""
+        motion = {**_MOTION, **((stand_file and stand_file.motion) or {})}
+        rate = ((stand_file and stand_file.block) or {}).get("sample_rate_hz") or _RATE_HZ
+        velocity, acceleration, settling = (motion[key] for key in _MOTION)
+        return cls(velocity, acceleration, settling, rate, remount_s)
+
+    def duration(self, schedule: Schedule, samples: int) -> Duration:
+        """Of a schedule whose positions stand mounting by mounting."""
+        angles = [0.0, *(position.angle_deg for position in schedule.positions)]
+        mountings = len(list(groupby(position.mounting for position in schedule.positions)))
+        return Duration(
+            moving=sum(self._move(abs(b - a)) for a, b in pairwise(angles)),
+            settling=self.settling * len(schedule.positions),
+            averaging=samples * len(schedule.positions) / self.rate,
+            remounting=self.remounting * (mountings - 1),
+        )
+
+    def _move(self, degrees: float) -> float:
+        """At rest at both ends, with limited speed and acceleration."""
+        ramps = self.velocity**2 / self.acceleration
+        if degrees < ramps:
+            return 2.0 * math.sqrt(degrees / self.acceleration)
+        return degrees / self.velocity + self.velocity / self.acceleration
+
+
+_HALF_TURN = np.diag([-1.0, 1.0, -1.0])  # about n, in the table frame h, n, v
+
+
+def _rotations() -> Iterator[Floats]:
+    for order in permutations(range(3)):
+        for signs in product((1.0, -1.0), repeat=3):
+            matrix = np.eye(3)[list(order)] * np.array(signs)[:, None]
+            if np.linalg.det(matrix) > 0.0:
+                yield matrix
+
+
+ROTATIONS = sorted(_rotations(), key=lambda matrix: (np.abs(matrix - np.eye(3)).sum(), *matrix.ravel()))
+
+
+def _kind(matrix: Floats) -> int:
+    """Number of the first of ROTATIONS that is the same mounting."""
+    alike = (np.array_equal(matrix, one) or np.array_equal(matrix @ _HALF_TURN, one) for one in ROTATIONS)
+    return next(number for number, same in enumerate(alike) if same)
+
+
+KINDS = tuple(sorted({_kind(matrix) for matrix in ROTATIONS}))
+
+
+def mounting_sets(count: int) -> list[tuple[int, ...]]:
+    """Sets of so many of KINDS, no two of which come to the same."""
+    found: dict[tuple[int, ...], tuple[int, ...]] = {}
+    for others in combinations(KINDS[1:], count - 1):
+        one = (KINDS[0], *others)
+        named = {tuple(sorted(_kind(names @ ROTATIONS[kind]) for kind in one)) for names in ROTATIONS}
+        found.setdefault(min(named), one)
+    return list(found.values())
+
+
+def mountings(kinds: tuple[int, ...]) -> tuple[Mounting, ...]:
+    """As a schedule has them, numbered from 1."""
+    return tuple(
+        Mounting(number, tuple(tuple((row + 0.0).tolist()) for row in ROTATIONS[kind]))
+        for number, kind in enumerate(kinds, 1)
+    )
+
+
+def without_unused(schedule: Schedule) -> Schedule:
+    """The schedule with the mountings that it uses, both these and its positions numbered from 1."""
+    used = schedule.fitted_mountings
+    places = {mounting.number: number for number, mounting in enumerate(used, 1)}
+    counts = dict.fromkeys(places, 0)
+    positions = []
+    for position in schedule.positions:
+        counts[position.mounting] += 1
+        positions.append(Position(places[position.mounting], counts[position.mounting], position.angle_deg))
+    renamed = tuple(Mounting(places[mounting.number], mounting.matrix, mounting.tilt_deg) for mounting in used)
+    return Schedule(renamed, tuple(positions))
+
+
+ESTIMATORS = EXTENDABLE
+_ATTITUDES = 400  # a worst u(|a|) at one of these is short of the true one by a percent or two
+_SENSITIVITY = 1e-3  # g: with less, per square root of the positions, a coefficient is not identified
+_UNKNOWN_G = 1e3  # prior of a coefficient, in parts of max|K|: what a subset cannot identify is this far off
+
+
+class NormSpread:
+    """The candidates are the fit positions of `schedule`, for the case's stand and nominal block."""
+
+    def __init__(self, case: Case, schedule: Schedule, estimator: str):
+        if estimator not in ESTIMATORS:
+            raise UsageError(f"--estimator: a schedule is sought for {' or '.join(ESTIMATORS)}, not {estimator}")
+        k, count = case.nominal_k(), len(schedule.positions)
+        self.estimator, self.schedule, self.k = estimator, schedule, k
+        one_sample = replace(case.stand, samples=1)
+        self.noise = mean_sigma(k, one_sample, case.step_v, 1)[0] ** 2
+        self.rounding = by_channel(case.stand.rounding) ** 2
+        found = of_stand(schedule, k, one_sample, [name for name in declared(one_sample) if name != NOISE]).values()
+        errors = np.concatenate([one.derivative * one.sigma[:, None, None] for one in found])
+        shared = (np.abs(errors).max(axis=2) > 0.0).sum(axis=1) > 1
+        self.shared = np.moveaxis(errors[shared], 0, 2)
+        self.local = np.einsum("dpi,dpj->pij", errors[~shared], errors[~shared])
+        force, self.terms = ideal_force(schedule), case.terms
+        further, force = columns_at(force, case.terms), np.column_stack([force, np.ones(count)])
+        own = np.einsum("tipi->ipt", further.reshape(-1, 3, count, 3))  # of no term but its own does a channel feel any
+        self.felt = np.concatenate([np.broadcast_to(force, (3, count, 4)), own], axis=2)
+        self.weak = (_UNKNOWN_G * np.abs(k).max()) ** -2
+        self.gradient = norm_gradient(k, spread_attitudes(_ATTITUDES), case.terms)
+
+    def worst(self, chosen: Flags, samples: int) -> Floats:
+        """The worst u(|a|), g, of every subset at some attitudes: `chosen` (subsets, candidates), `samples` at each
+        position."""
+        variances = ((self.gradient @ self._covariances(chosen, samples)) * self.gradient).sum(axis=2)
+        u: Floats = np.sqrt(variances.max(axis=1))
+        return u
+
+    def exact(self, chosen: Flags, samples: int) -> float:
+        """The worst u(|a|), g, of one subset (candidates,) at any attitude."""
+        return worst_norm(self.k, self._covariances(chosen[None], samples)[0], self.terms).worst
+
+    def _covariances(self, chosen: Flags, samples: int) -> Floats:
+        """Of the unknowns (subsets, n, n): K row by row, U0, sizes by term and channel."""
+        noise = self.local + np.diag(self.noise / samples)
+        found = (self._optimal if self.estimator == OPTIMAL else self._least_squares)(chosen, noise)
+        rows = np.arange(found.shape[1]).reshape(3, -1)
+        order = np.concatenate([rows[:, :3].ravel(), rows[:, 3:].T.ravel()])
+        return found[:, order[:, None], order]
+
+    def _optimal(self, chosen: Flags, noise: Floats) -> Floats:
+        """Channel by channel: unknowns are those of the model, and the shared errors over their sigma."""
+        positions, count = self.felt.shape[1:]
+        design = np.einsum("ipr,ij->pijr", self.felt, np.eye(3)).reshape(positions, 3, 3 * count)
+        model = np.concatenate([design, self.shared], axis=2)
+        weighted = np.linalg.solve(noise, model)
+        each = np.swapaxes(model, 1, 2) @ weighted
+        total = np.tensordot(chosen.astype(float), each, axes=1)
+        prior = np.r_[np.full(3 * count, self.weak), np.ones(model.shape[2] - 3 * count)]
+        scale = np.sqrt(total.diagonal(axis1=1, axis2=2) + prior)
+        total = (total + np.diag(prior)) / scale[:, :, None] / scale[:, None, :]
+        try:
+            inverse = np.linalg.inv(total) / scale[:, :, None] / scale[:, None, :]
+        except np.linalg.LinAlgError:
+            raise UsageError(UNEQUAL) from None
+        if self.rounding.any():  # weights, as those of a solve, do not know it
+            unweighted = np.swapaxes(weighted, 1, 2) @ (self.rounding[:, None] * weighted)
+            inverse = inverse + inverse @ np.tensordot(chosen.astype(float), unweighted, axes=1) @ inverse
+        found: Floats = inverse[:, : 3 * count, : 3 * count]
+        if not (found.diagonal(axis1=1, axis2=2) > 0.0).all():
+            raise UsageError(UNEQUAL)
+        return found
+
+    def _least_squares(self, chosen: Flags, noise: Floats) -> Floats:
+        """Likewise."""
+        count = self.felt.shape[2]
+        weighted = chosen[:, None, :, None] * self.felt
+        normal = np.swapaxes(weighted, 2, 3) @ self.felt
+        lost = np.linalg.eigvalsh(normal)[..., 0] <= _SENSITIVITY**2 * chosen.sum(axis=1)[:, None]
+        gains = weighted @ np.linalg.inv(np.where(lost[..., None, None], np.eye(count), normal))
+        gains[lost] *= _UNKNOWN_G / self.noise.min() ** 0.5  # far off too
+        by_shared = np.einsum("bipr,pid->bird", gains, self.shared, optimize=True).reshape(len(chosen), 3 * count, -1)
+        noise = noise + np.diag(self.rounding)
+        by_local = np.einsum("bipr,bjps,pij->birjs", gains, gains, noise, optimize=True)
+        found: Floats = by_local.reshape(len(chosen), 3 * count, 3 * count) + by_shared @ np.swapaxes(by_shared, 1, 2)
+        return found
+
 
 _FEWEST_POSITIONS = 6  # so that six residuals are left to check the model with
 _ALL_SETS = 3  # of so many mountings; more are added one by one
@@ -224,3 +460,105 @@ def worst_norm_of(case: Case, estimator: str) -> tuple[float, list[float]]:
     found = error_field(case, estimator, k).unknowns
     worst = worst_norm(k, found.T @ found, case.terms)
     return worst.worst, worst.attitude.tolist()
+
+
+BESIDE = ("paper", "three_mountings", "diagonal")
+_STEPS = 8
+_PARTS = (1.0, 0.99, 0.95)  # of the goal to search with: what is found for it by a few attitudes may just miss it
+
+
+@dataclass(frozen=True)
+class Goal:
+    """What a schedule is for: `norm_g`, a worst u(|a|), or else the case's limit with a `probability`; the
+    `estimator`."""
+
+    norm_g: float | None
+    probability: float
+    estimator: str
+
+
+@dataclass(frozen=True)
+class Planned:
+    """`best`, and `beside` it by name; None where a schedule does not get there. Of the best: the worst u(|a|), g, at
+    which attitude, the promise, what its runs will not show, and what further terms of the model cost."""
+
+    case: Case
+    goal: Goal
+    pace: Pace
+    best: Timed
+    beside: dict[str, Timed | None]
+    u_norm_g: float
+    attitude: list[float]
+    promise: Promise
+    unseen: Reliability
+    further: Further | None = None
+
+
+def plan_schedule(
+    case: Case,
+    goal: Goal,
+    pace: Pace,
+    step_deg: float,
+    most_mountings: int,
+    progress: Callable[..., None],
+    team: Team = ALONE,
+) -> Planned:
+    """Whatever the `team`. `progress` as of `quickest`, of which there may be several. Raises UsageError where no
+    schedule gets there."""
+
+    def search(norm_g: float) -> Timed | None:
+        for part in _PARTS:
+            found = quickest(case, goal.estimator, part * norm_g, pace, step_deg, most_mountings, progress, team)
+            reached = None if found is None else reaching(case, goal, found.schedule, pace)
+            if found is None or reached is not None:
+                return reached
+        return None
+
+    beside = {name: reaching(case, goal, built_in(name), pace) for name in BESIDE}
+    best = search(_first_norm(case, goal, beside))
+    if best is not None and goal.norm_g is None:
+        again = search(best.norm_g)
+        best = again if again is not None and again.duration.total < best.duration.total else best
+    if best is None:
+        wanted = f"{case.limit_g:g} g" if goal.norm_g is None else f"a worst u(|a|) of {goal.norm_g:g} g"
+        why = "" if case.rounding_sentence is None else f". {case.rounding_sentence}"
+        raise UsageError(f"unreachable: no schedule of at most {most_mountings} mountings reaches {wanted} here{why}")
+    chosen = measured_with(case, best)
+    u_norm_g, attitude = worst_norm_of(chosen, goal.estimator)
+    promised = promise(chosen, goal.estimator, goal.probability)
+    unseen, further = chosen.reliability(goal.estimator), model_cost(chosen, goal.estimator)
+    return Planned(case, goal, pace, best, beside, u_norm_g, attitude, promised, unseen, further)
+
+
+def _first_norm(case: Case, goal: Goal, beside: dict[str, Timed | None]) -> float:
+    """To search with: the strictest that a built-in schedule is held to, as a limit asks for about the same of all."""
+    if goal.norm_g is not None:
+        return goal.norm_g
+    return min((timed.norm_g for timed in beside.values() if timed is not None), default=case.limit_g / 3.0)
+
+
+def reaching(case: Case, goal: Goal, schedule: Schedule, pace: Pace) -> Timed | None:
+    """A schedule with the fewest samples that reach the goal; None if none do, or it does not tell further terms."""
+    if case.terms and confused(schedule, case.terms) is not None:
+        return None
+    if goal.norm_g is not None:
+        return held_to(case, goal.estimator, schedule, goal.norm_g, pace)
+    spread = NormSpread(case, schedule, goal.estimator)
+    everything = np.ones(len(schedule.positions), dtype=bool)
+
+    def growth(samples: int) -> float:
+        timed = Timed(schedule, samples, 0.0, pace.duration(schedule, samples))
+        return promise(measured_with(case, timed), goal.estimator, goal.probability).growth
+
+    samples, room = MAX_SAMPLES, growth(MAX_SAMPLES)
+    for _ in range(_STEPS if room >= 1.0 else 0):  # a worst u(|a|) as much larger as the errors have room to grow
+        before, norm_g = samples, float(spread.worst(everything[None], samples)[0]) * room
+        samples = fewest_at_some(spread, everything, norm_g) or MAX_SAMPLES
+        room = growth(samples)
+        if samples == before:
+            break
+    while room < 1.0 and samples < MAX_SAMPLES:
+        samples = min(MAX_SAMPLES, samples + 1 + samples // 100)
+        room = growth(samples)
+    norm_g = spread.exact(everything, samples)
+    return Timed(schedule, samples, norm_g, pace.duration(schedule, samples)) if room >= 1.0 else None

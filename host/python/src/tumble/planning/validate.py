@@ -1,36 +1,61 @@
-"""Monte Carlo: the firmware core on thousands of simulated runs, against what is claimed of it.
+"""A Monte Carlo campaign: runs on a simulated stand, what they claim against how far off they were, and the verdict.
+
+Runs on a simulated stand: position means of the exact geometry, thousands at a time.
+
+Monte Carlo: the firmware core on thousands of simulated runs, against what is claimed of it.
 
 Every run states its own uncertainties, at its own K, as a solve does, or those of its gain record, as the firmware
 does; they are judged by how far off the run was.
+
+Limits for a Monte Carlo campaign: what was counted against what was claimed, with room for chance.
+
+What a Monte Carlo campaign found: for JSON, and for people.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from tumble import core
 from tumble.arrays import Floats, Integers
 from tumble.errors import UsageError
-from tumble.estimators import OPTIMAL
-from tumble.model.errors import OF_OUTPUTS, course, declared, of_stand
+from tumble.estimators import COEFFICIENTS, OPTIMAL
+from tumble.model.errors import OF_OUTPUTS, course, declared, of_stand, sources
 from tumble.model.estimators import columns_at
 from tumble.model.norm import spread_attitudes
 from tumble.model.optimal import samples_in_a_mean, standard_deviations
-from tumble.planning.case import Case
-from tumble.planning.error_field import largest_over_attitudes, norm_forms
-from tumble.planning.promise import Promise, promise
-from tumble.planning.simulate import U0_V, errors_of, position_means
+from tumble.planning import tables
+from tumble.planning.case import SCHEMA, Case
+from tumble.planning.promise import Promise, largest_over_attitudes, norm_forms, promise
 from tumble.planning.weights import estimator_gains
 from tumble.solving import tables_of_runs
-from tumble.solving.drawn_runs import Chunk, chunks, stream_of
-from tumble.solving.many_runs import estimator_for
+from tumble.solving.many_runs import Chunk, Sources, chunks, drawn_outputs, estimator_for, stream_of
 from tumble.terms import POWERS, Terms
 from tumble.workers.kept import Result
 from tumble.workers.over import ALONE, Progress, Team, over
+
+U0_V = (0.01, -0.02, 0.03)  # of the simulated block: linear estimators do not care
+
+
+def position_means(case: Case, k: Floats, runs: int, rng: np.random.Generator) -> Floats:
+    """Means (runs, positions, 3) in V of a block of sensitivity `k` (V/g) and offsets U0_V.
+
+    The stand's errors are drawn anew for every run: normal, or uniform where the stand declares half-widths. The noise
+    of a mean is normal, of the stand's noise or the converter's rounding, whichever is larger.
+    """
+    return drawn_outputs(case.schedule, k, np.array(U0_V), errors_of(case, k), case.stand.limits, runs, rng)
+
+
+def errors_of(case: Case, k: Floats) -> Sources:
+    """What is drawn of a case's stand."""
+    return sources(case.schedule, k, case.stand, np.ones(len(case.schedule.positions), dtype=int))
+
 
 KNOWN = "known"  # optimal weights for the block's true K, as a last known one
 RUN = "run"  # for each run's own first estimate of K, as in a solve
@@ -240,3 +265,177 @@ def _weighted_anew(case: Case, means: Floats) -> tuple[Floats, Floats]:
     """As a solve: weights for each run's own K."""
     samples = samples_in_a_mean(case.fitted, case.stand, np.ones(len(case.fitted.positions), dtype=int))
     return tables_of_runs.solve(case.fitted, means, case.stand, case.step_v, samples)
+
+
+CHANCE_SIGMAS = 4.0  # room for chance; about 300 figures are judged, and 1 in 16,000 lies further out
+LARGEST_BIAS_U = 0.2
+TOLERANCE = 0.02  # of a spread over what was planned, and of the bound over a spread
+COVERAGE_LIMITS = {1: (0.6727, 0.6927), 2: (0.945, 0.965), 3: (0.9953, 0.9993)}
+
+
+@dataclass(frozen=True)
+class Judged:
+    """Figures by coefficient (12,), `covered`, `low` and `high` by coverage factor too (3, 12); `outside`: in words."""
+
+    bias_over_u: Floats
+    spread_over_u: Floats
+    efficiency: Floats
+    covered: Floats
+    low: Floats
+    high: Floats
+    outside: list[str]
+
+
+def tolerance(runs: int) -> float:
+    """How far a ratio of spreads may be from 1: 2 %, or what chance does to the spread of so few runs."""
+    return max(TOLERANCE, CHANCE_SIGMAS / math.sqrt(2.0 * runs))
+
+
+def bias_limit(runs: int) -> float:
+    """The largest bias over u."""
+    return LARGEST_BIAS_U + CHANCE_SIGMAS / math.sqrt(runs)
+
+
+def binomial_limits(count: Integers, runs: int) -> tuple[Floats, Floats]:
+    """Wilson's interval for a probability of which `count` of `runs` were seen, CHANCE_SIGMAS wide to each side."""
+    seen, z = np.asarray(count) / runs, CHANCE_SIGMAS
+    middle = seen + z**2 / (2 * runs)
+    half = z * np.sqrt(seen * (1 - seen) / runs + z**2 / (4 * runs**2))
+    low, high = (middle - half) / (1 + z**2 / runs), (middle + half) / (1 + z**2 / runs)
+    return np.clip(low, 0.0, 1.0), np.clip(high, 0.0, 1.0)
+
+
+def judge(found: Validated) -> Judged:
+    """Every figure, and those outside their limits."""
+    runs = found.tally.runs
+    low, high = binomial_limits(found.tally.within, runs)
+    judged = Judged(
+        bias_over_u=found.tally.bias / found.u,
+        spread_over_u=found.tally.spread / found.u,
+        efficiency=found.bound / found.tally.spread,
+        covered=found.tally.within / runs,
+        low=low,
+        high=high,
+        outside=[],
+    )
+    for index, name in enumerate(COEFFICIENTS):
+        judged.outside.extend(f"{name} {what}" for what in _complaints(judged, index, runs, found.estimator))
+    return judged
+
+
+def _complaints(judged: Judged, index: int, runs: int, estimator: str) -> list[str]:
+    bias, spread, efficiency = (row[index] for row in (judged.bias_over_u, judged.spread_over_u, judged.efficiency))
+    complaints = []
+    if not abs(bias) <= bias_limit(runs):
+        complaints.append(f"bias {bias:+.2f} u, limit {bias_limit(runs):.2f}")
+    if not abs(spread - 1.0) <= tolerance(runs):
+        complaints.append(f"spread {spread:.3f} of the planned u, limit 1 +- {tolerance(runs):.3f}")
+    if estimator == OPTIMAL and not efficiency >= 1.0 - tolerance(runs):
+        complaints.append(f"efficiency {efficiency:.3f}, limit {1.0 - tolerance(runs):.3f}")
+    for row, factor in enumerate(COVERAGE_FACTORS):
+        least, most = COVERAGE_LIMITS[factor]
+        if judged.high[row, index] < least or judged.low[row, index] > most:
+            covered = 100 * judged.covered[row, index]
+            complaints.append(f"k = {factor} covers {covered:.2f} %, limits {100 * least:.2f} to {100 * most:.2f}")
+    return complaints
+
+
+_HONEST = (
+    "PASS: the stated uncertainties are honest: every figure within its limits.\n"
+    "Is the stand good enough for a limit? Ask tumble plan require."
+)
+
+
+def document(case: Case, found: list[tuple[Validated, Judged]], seed: int, table: str) -> dict[str, Any]:
+    """The campaign for JSON, schema tumble.plan/1. Arrays run over `names`."""
+    runs = found[0][0].tally.runs
+    return {
+        "schema": SCHEMA,
+        "plan": "validate",
+        "stand": case.stand.name,
+        "block": {"scale_v_per_g": case.scale, "misalignment_rad": case.misalignment},
+        "runs": runs,
+        "seed": seed,
+        "table": table,
+        **({"model": list(case.terms)} if case.terms else {}),
+        "names": list(COEFFICIENTS),
+        "limits": {
+            "bias_over_u": bias_limit(runs),
+            "spread_over_u": [1.0 - tolerance(runs), 1.0 + tolerance(runs)],
+            "efficiency_of_optimal": 1.0 - tolerance(runs),
+            "coverage": {str(factor): list(limits) for factor, limits in COVERAGE_LIMITS.items()},
+            "binomial_sigmas": CHANCE_SIGMAS,
+        },
+        "estimators": {one.estimator: _figures(one, judged) for one, judged in found},
+        "pass": not any(judged.outside for _, judged in found),
+    }
+
+
+def _figures(found: Validated, judged: Judged) -> dict[str, Any]:
+    return {
+        "u": found.u.tolist(),
+        "bound": found.bound.tolist(),
+        "bias_over_u": judged.bias_over_u.tolist(),
+        "spread_over_u": judged.spread_over_u.tolist(),
+        "efficiency": judged.efficiency.tolist(),
+        "coverage": {
+            str(factor): {name: rows[row].tolist() for name, rows in _binomial(judged).items()}
+            for row, factor in enumerate(COVERAGE_FACTORS)
+        },
+        "outside": judged.outside,
+        "promise": found.promise.document(),
+        "simulated": {name: count / found.tally.runs for name, count in _kept(found).items()},
+    }
+
+
+def _kept(found: Validated) -> dict[str, int]:
+    return {"passes": found.tally.passed, "every_attitude": found.tally.everywhere}
+
+
+def _binomial(judged: Judged) -> dict[str, Any]:
+    return {"covered": judged.covered, "low": judged.low, "high": judged.high}
+
+
+def show(case: Case, found: list[tuple[Validated, Judged]], seed: int) -> None:
+    """Print the campaign on standard output."""
+    out, runs = tables.console(), found[0][0].tally.runs
+    out.print(tables.heading(f"Monte Carlo: {runs} runs of the firmware's estimators, seed {seed}"))
+    out.print(f"Stand: {case.stand.name or 'without a name'}")
+    if case.terms:
+        out.print(f"Beside the twelve coefficients each run finds {', '.join(case.terms)}")
+    headings = ("", "u planned", "bias/u", "spread/u", "bound/spread", "k = 1", "k = 2", "k = 3")
+    for one, judged in found:
+        out.print(tables.heading(f"\n{one.estimator}"))
+        out.print(tables.table(headings, [_row(one, judged, index) for index in range(len(COEFFICIENTS))]))
+        out.print(_promised(one))
+        for complaint in judged.outside:
+            out.print(f"Outside: {complaint}", style="red")
+    out.print("k = 1, 2, 3: % of runs within k of their own stated standard uncertainties")
+    outside = sum(len(judged.outside) for _, judged in found)
+    verdict = f"FAIL: {outside} figures lie outside their limits" if outside else _HONEST
+    out.print(verdict, style="red bold" if outside else "green bold")
+
+
+def _promised(found: Validated) -> str:
+    """Beside what was simulated, with its standard error."""
+    runs, promised = found.tally.runs, found.promise
+    shares = {name: count / runs for name, count in _kept(found).items()}
+    seen = {name: f"{100 * p:.1f} +- {100 * (p * (1 - p) / runs) ** 0.5:.1f} %" for name, p in shares.items()}
+    return (
+        f"{promised.limit_g:g} g: passes the gravity check {tables.percent(promised.passes.value)}"
+        f" (seen {seen['passes']}),\n"
+        f"|a| within it at every attitude {tables.percent(promised.everywhere.value)} (seen {seen['every_attitude']})"
+        f"{promised.condition}"
+    )
+
+
+def _row(found: Validated, judged: Judged, index: int) -> tuple[str, ...]:
+    covered = (f"{100 * judged.covered[row, index]:.2f}" for row in range(len(COVERAGE_FACTORS)))
+    return (
+        COEFFICIENTS[index],
+        f"{found.u[index]:.3e}",
+        f"{judged.bias_over_u[index]:+.3f}",
+        f"{judged.spread_over_u[index]:.4f}",
+        f"{judged.efficiency[index]:.4f}",
+        *covered,
+    )

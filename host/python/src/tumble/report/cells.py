@@ -1,4 +1,11 @@
-"""What a report says, as HTML: texts escaped, numbers each with the path that it came from.
+"""Numbers as a report prints them, in exact decimal arithmetic.
+
+A number of a result is the decimal that its JSON has: the shortest one that reads back as the same double. It is
+computed with exactly, and rounded once, half to even (ISO 80000-1, B.3, rule A). An expanded uncertainty has two
+significant digits, and its value ends at the same place (JCGM 100:2008, 7.2.6). Two digits never lose 5 % or more of an
+uncertainty, so that it need not be rounded up (EA-4/02 M:2022, 6.3).
+
+What a report says, as HTML: texts escaped, numbers each with the path that it came from.
 
 Whatever has `__html__` goes into a template as it is; all else is escaped there.
 """
@@ -9,11 +16,110 @@ import re
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
+from decimal import ROUND_HALF_EVEN, Context, Decimal
 from html import escape
 from typing import Protocol, TypeAlias
 
-from tumble.report.rounding import Shown
 from tumble.signs import signed
+
+DIGITS_OF_UNCERTAINTY = 2
+_OF_A_DOUBLE = 17
+_MOST_PLACES = 9  # behind the point, before a value and its uncertainty are given by powers of ten
+_SMALLEST_PLAIN = -4  # power of ten of the first digit of what is given without one
+_LARGEST_PLAIN = 15
+_EXACT = Context(prec=2000, rounding=ROUND_HALF_EVEN)  # no product of doubles has more digits
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What is printed: `digits`, times ten to the `power` where that is not 0."""
+
+    digits: str
+    power: int = 0
+
+    @property
+    def text(self) -> str:
+        """As programs read it."""
+        return f"{self.digits}e{self.power}" if self.power else self.digits
+
+
+def exact(number: float) -> Decimal:
+    """The decimal that stands in JSON for it."""
+    return Decimal(repr(number))
+
+
+def product(one: Decimal, other: Decimal) -> Decimal:
+    """Exactly."""
+    return _EXACT.multiply(one, other)
+
+
+def significant(value: Decimal, digits: int) -> Decimal:
+    """The nearest decimal of so many significant digits."""
+    if not value:
+        return Decimal(0)
+    rounded = _to_place(value, value.adjusted() - digits + 1)
+    return _to_place(rounded, rounded.adjusted() - digits + 1)  # 9.96 has become 10.0
+
+
+def to_match(value: Decimal, uncertainty: Decimal, whole: bool = False) -> tuple[Shown, Shown]:
+    """A value and its uncertainty, this with DIGITS_OF_UNCERTAINTY, both with the same places; `whole`: at least to
+    whole numbers, never by powers of ten. A value has no more digits than a double holds. Without an uncertainty, 0,
+    all that it has."""
+    spread = significant(uncertainty, DIGITS_OF_UNCERTAINTY)
+    if not spread:
+        return plain(value), plain(spread)
+    place = max(_place(spread), value.adjusted() - _OF_A_DOUBLE + 1) if value else _place(spread)
+    if whole and place > 0:
+        place, spread = 0, _to_place(uncertainty, 0)
+    found = _to_place(value, place)
+    if -_MOST_PLACES <= place <= 0:
+        return Shown(_fixed(found)), Shown(_fixed(spread))
+    power = max(found.adjusted() if found else spread.adjusted(), spread.adjusted())
+    return _by_power(found, power), _by_power(spread, power)
+
+
+def plain(value: Decimal) -> Shown:
+    """All digits that it has; by a power of ten where it would need many zeros."""
+    if not value:
+        return Shown("0")
+    value = value.normalize(_EXACT)
+    if _SMALLEST_PLAIN <= value.adjusted() <= _LARGEST_PLAIN:
+        return Shown(_fixed(value))
+    return _by_power(value, value.adjusted())
+
+
+def rounded(value: Decimal, digits: int) -> Shown:
+    """With so many significant digits, zeros at the end too."""
+    found = significant(value, digits)
+    if not found:
+        return Shown("0")
+    if _SMALLEST_PLAIN <= found.adjusted() and _place(found) <= 0:
+        return Shown(_fixed(found))
+    return _by_power(found, found.adjusted())
+
+
+def to_places(value: Decimal, places: int) -> Shown:
+    """With so many digits behind the point."""
+    return Shown(_fixed(_to_place(value, -places)))
+
+
+def _to_place(value: Decimal, place: int) -> Decimal:
+    """The nearest multiple of ten to the `place`."""
+    return value.quantize(Decimal((0, (1,), place)), context=_EXACT)
+
+
+def _place(value: Decimal) -> int:
+    """Power of ten of the last digit of a finite decimal."""
+    return int(value.as_tuple().exponent)
+
+
+def _by_power(value: Decimal, power: int) -> Shown:
+    return Shown(_fixed(value.scaleb(-power, _EXACT)), power)
+
+
+def _fixed(value: Decimal) -> str:
+    """Without an exponent, and without a sign where all digits are 0."""
+    return f"{value or abs(value):f}"
 
 
 class Inline(Protocol):

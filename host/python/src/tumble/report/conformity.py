@@ -7,8 +7,19 @@ from decimal import Decimal
 
 from tumble.model.reliability import in_words as in_words_of
 from tumble.model.stand_seen import NAMES
-from tumble.report.cells import MISSING, NO_UNCERTAINTY, Facts, Fixed, Inline, Table, aligned, joined, line
-from tumble.report.rounding import Shown, rounded
+from tumble.report.cells import (
+    MISSING,
+    NO_UNCERTAINTY,
+    Facts,
+    Fixed,
+    Inline,
+    Shown,
+    Table,
+    aligned,
+    joined,
+    line,
+    rounded,
+)
 from tumble.report.source import STANDARD_GRAVITY, Factor, Path, Source
 from tumble.solving.assumptions import ASSUMPTIONS
 from tumble.solving.decision import UNCERTAINTY, Decision

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from tumble.comparison import text
+from tumble.comparison import report
 from tumble.report.cells import Fixed, Table, readable
 from tumble.report.number import number_of
 
@@ -20,11 +20,11 @@ def section(told: dict[str, Any] | None, earlier: dict[str, Any], later: dict[st
 
     rows = [row for part in ("parameters", "seat", "coefficients") for row in told[part]]
     return {
-        "sentence": readable(text.sentence(told)),
+        "sentence": readable(report.sentence(told)),
         "results": [(Fixed("A, the earlier result"), _called(earlier)), (Fixed("B, this result"), _called(later))],
-        "grounds": [readable(_for_compare(one)) for one in (*text.grounds(told), *told["warnings"])],
-        "table": Table(text.COLUMNS, [tuple(map(Fixed, text.cells(row))) for row in rows], left=(3,)),
-        "legend": None if told["tests"] is None else readable(text.legend(told)),
+        "grounds": [readable(_for_compare(one)) for one in (*report.grounds(told), *told["warnings"])],
+        "table": Table(report.COLUMNS, [tuple(map(Fixed, report.cells(row))) for row in rows], left=(3,)),
+        "legend": None if told["tests"] is None else readable(report.legend(told)),
         "svg": Markup(svg(comparison(told))),
     }
 

@@ -13,9 +13,8 @@ from typing import Any, TypeAlias
 
 from tumble.errors import BadInput, quoted
 from tumble.files.documents import RESULT
-from tumble.report import rounding
-from tumble.report.cells import MISSING, NO_UNCERTAINTY, Inline, Number, Text
-from tumble.report.rounding import Shown
+from tumble.report import cells
+from tumble.report.cells import MISSING, NO_UNCERTAINTY, Inline, Number, Shown, Text
 
 Key: TypeAlias = "str | int"
 Path: TypeAlias = "tuple[Key, ...]"
@@ -72,7 +71,7 @@ class Source:
             return None
         if type(found) not in (int, float) or abs(found) >= 1e300 or not math.isfinite(found):
             raise self._wrong(path, found)
-        return rounding.exact(found)
+        return cells.exact(found)
 
     def told(self, *path: Key) -> Inline:
         """A text or a number as it stands there."""
@@ -81,7 +80,7 @@ class Source:
             return MISSING
         if isinstance(found, str):
             return Text(found, pointer(path))
-        return self._number(path, rounding.plain)
+        return self._number(path, cells.plain)
 
     def each(self, *path: Key) -> list[Inline]:
         """All of an array, as `told`."""
@@ -89,15 +88,15 @@ class Source:
 
     def rounded(self, digits: int, *path: Key) -> Inline:
         """A number with so many significant digits."""
-        return self._number(path, lambda value: rounding.rounded(value, digits))
+        return self._number(path, lambda value: cells.rounded(value, digits))
 
     def to_places(self, places: int, *path: Key) -> Inline:
         """A number with so many digits behind the point."""
-        return self._number(path, lambda value: rounding.to_places(value, places))
+        return self._number(path, lambda value: cells.to_places(value, places))
 
     def millionths(self, places: int | None, *path: Key) -> Inline:
         """A number in millionths, with so many digits behind the point; None: all."""
-        show = rounding.plain if places is None else lambda value: rounding.to_places(value, places)
+        show = cells.plain if places is None else lambda value: cells.to_places(value, places)
         return self.scaled(path, show, power=6)
 
     def scaled(self, path: Path, show: Callable[[Decimal], Shown], *times: Factor, power: int = 0) -> Inline:
@@ -115,8 +114,8 @@ class Source:
             return MISSING, MISSING
         spread = self._product(u, factors, power)
         if spread is None:
-            return Number(rounding.rounded(center, digits), pointer(value), _named(times), power), NO_UNCERTAINTY
-        shown, by = rounding.to_match(center, spread, whole=power != 0)
+            return Number(cells.rounded(center, digits), pointer(value), _named(times), power), NO_UNCERTAINTY
+        shown, by = cells.to_match(center, spread, whole=power != 0)
         at_value, at_u = (pointer(value), _named(times)), (pointer(u), _named(factors))
         return Number(shown, *at_value, power), Number(by, *at_u, power)
 
@@ -127,7 +126,7 @@ class Source:
             factor = one if isinstance(one, Decimal) else self.decimal(*one)
             if factor is None:
                 return None
-            found = rounding.product(found, factor)
+            found = cells.product(found, factor)
         return found
 
     def _number(self, path: tuple[Key, ...], show: Any) -> Inline:

@@ -6,9 +6,21 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from tumble.estimators import COEFFICIENTS
-from tumble.report.cells import MISSING, NO_UNCERTAINTY, NU, Fixed, Inline, Number, Table, aligned, line
+from tumble.report.cells import (
+    MISSING,
+    NO_UNCERTAINTY,
+    NU,
+    Fixed,
+    Inline,
+    Number,
+    Shown,
+    Table,
+    aligned,
+    line,
+    rounded,
+    to_places,
+)
 from tumble.report.method import unit_of_k
-from tumble.report.rounding import Shown, rounded, to_places
 from tumble.report.source import Path, Source, pointer
 from tumble.solving.assumptions import marks
 from tumble.solving.coverage import HANDS, NEARLY_INFINITE

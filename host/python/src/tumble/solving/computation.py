@@ -10,7 +10,7 @@ from tumble import core
 from tumble.arrays import Flags, Floats
 from tumble.model.force import linear_outputs
 from tumble.model.optimal import by_table
-from tumble.solving import extended, optimal_run
+from tumble.solving import further, optimal_run
 from tumble.terms import Terms
 
 
@@ -87,7 +87,7 @@ def _with_terms(
     core's least squares."""
     part, lone = schedule.part(measured), means[None, measured]
     if weighting is None:
-        found = extended.least_squares(part, lone, terms)
+        found = further.least_squares(part, lone, terms)
     else:
         table = optimal_run.make_table(schedule, means, measured, weighting, terms)
         found = by_table(table, part.data, weighting.stand, terms, lone)

@@ -1,17 +1,22 @@
 """What a result rests on and repeats: the stand as its file declares it, the schedule that the run was measured on.
 
 Results of other versions, and what other programs write, may lack them; whoever needs them says what then.
+
+When, by what and from what a result was made.
 """
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Mapping
+from datetime import datetime, timezone
 from typing import Any
 
 import numpy as np
 
 from tumble.core import CoreRefusal, CoreSchedule, built_in
-from tumble.errors import BadInput
+from tumble.errors import BadInput, UsageError, quoted
 from tumble.schedule import BUILT_IN, CHECK, FIT, Mounting, Position, Schedule
 from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, PER_CHANNEL, PerChannel, Stand, by_channel, per_channel
 
@@ -124,3 +129,24 @@ def schedule_of(document: Mapping[str, Any], name: str) -> CoreSchedule | None:
 def _use(position: Mapping[str, Any]) -> str:
     """Raises ValueError for what is none."""
     return (FIT, CHECK)[(FIT, CHECK).index(position["use"])]
+
+
+_LATEST = 253402300799  # the last second of the year 9999
+
+
+def created(clock: bool = True) -> str | None:
+    """Now, UTC, in the form of ISO 8601, or the second that SOURCE_DATE_EPOCH names where it is set. Without `clock`,
+    as for a run in virtual time, which has no date, None unless it is set.
+
+    Raises UsageError for a SOURCE_DATE_EPOCH that is no whole number of seconds.
+    """
+    told = os.environ.get("SOURCE_DATE_EPOCH")
+    if told is not None:
+        if not re.fullmatch(r"[0-9]{1,12}", told, re.ASCII) or int(told) > _LATEST:
+            raise UsageError(f"SOURCE_DATE_EPOCH: {quoted(told)} is not a whole number of seconds since 1970")
+        return _written(datetime.fromtimestamp(int(told), timezone.utc))
+    return _written(datetime.now(timezone.utc)) if clock else None
+
+
+def _written(moment: datetime) -> str:
+    return f"{moment:%Y-%m-%dT%H:%M:%SZ}"

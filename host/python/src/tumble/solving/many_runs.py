@@ -1,17 +1,87 @@
-"""An estimator for thousands of runs on one schedule at once, by the core."""
+"""Thousands of runs on one schedule at once: drawn, solved by the core, and held against what a result states.
+
+Runs on a declared stand, drawn thousands at a time; and one stream of random numbers, cut for others to go on with.
+
+A seed means one stream, whoever draws from it. Normal numbers take from it as many bits as they happen to need, so
+where a later chunk begins is known only to whoever has drawn all before: whoever cuts the stream draws as well, and
+leaves what is computed from the numbers to others.
+
+An estimator for thousands of runs on one schedule at once, by the core.
+
+Monte Carlo of one result, after supplement 1 of the GUM (JCGM 101:2008): are its uncertainties, which are linear,
+those of the exact geometry?
+
+Runs are drawn from the declared stand at the coefficients found, and each is solved by the same estimator. An interval
+of 95 % is what the errors of the runs leave of the value. It is held against the value -+ 1.96 u by the rule of clause
+8.1: the ends may differ by half a unit of the first digit of u. The ends of the simulated one are known as far as their
+runs go; where that leaves the outcome open, it says so.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import Enum
+from functools import cached_property
+from typing import Any, TypeAlias
+
+import numpy as np
+
 from tumble import core
 from tumble.arrays import Floats
+from tumble.core import CoreRefusal
 from tumble.core.optimal import GainRecord, estimate_runs, optimal_runs
-from tumble.estimators import OPTIMAL
-from tumble.model.errors import by_gains
+from tumble.errors import UsageError
+from tumble.estimators import COEFFICIENTS, OPTIMAL
+from tumble.model.errors import Source, by_gains, exact_outputs
 from tumble.model.optimal import by_table
 from tumble.model.propagation import Propagation
 from tumble.model.second_order import ManyRuns
-from tumble.solving import extended
-from tumble.solving.gain_record import record_of, to_bytes
+from tumble.schedule import Schedule
+from tumble.solving import further
+from tumble.solving.optimal_run import record_of, to_bytes
+from tumble.stand import SIGMA
+from tumble.workers.kept import Result
+from tumble.workers.over import ALONE, Piece, Progress, Team, over
+
+Sources: TypeAlias = dict[str, Source]
+Chunk: TypeAlias = "tuple[int, dict[str, Any]]"  # runs, and the state of the stream where they begin
+_RUNS = 2000  # at a time: part of what a seed means
+
+
+def chunks(errors: Sources, limits: str, runs: int, seed: int) -> Iterator[Piece]:
+    """Of a campaign of `runs`, each a Chunk that `stream_of` goes on with."""
+    rng = np.random.default_rng(seed)
+    for start in range(0, runs, _RUNS):
+        if start:
+            _draws(errors, limits, _RUNS, rng)
+        count = min(_RUNS, runs - start)
+        yield Piece(f"runs {start} to {start + count - 1}", (count, rng.bit_generator.state), count)
+
+
+def stream_of(chunk: Chunk) -> np.random.Generator:
+    """Random numbers from the beginning of a chunk on."""
+    rng = np.random.default_rng(0)
+    rng.bit_generator.state = chunk[1]
+    return rng
+
+
+def drawn_outputs(
+    schedule: Schedule, k: Floats, u0: Floats, errors: Sources, limits: str, runs: int, rng: np.random.Generator
+) -> Floats:
+    """Outputs (runs, positions, 3) of the exact geometry, every error drawn anew for every run: by a uniform law where
+    the stand's `limits` are half-widths, but noise, which is normal, by a normal one."""
+    return exact_outputs(schedule, k, u0, errors, np.concatenate(_draws(errors, limits, runs, rng), axis=1))
+
+
+def _draws(errors: Sources, limits: str, runs: int, rng: np.random.Generator) -> list[Floats]:
+    laws = [(SIGMA if source.normal else limits, len(source.sigma)) for source in errors.values()]
+    return [unit_draws(rng, law, (runs, count)) for law, count in laws]
+
+
+def unit_draws(rng: np.random.Generator, limits: str, shape: tuple[int, int]) -> Floats:
+    """Numbers of mean 0 and variance 1; of a uniform law where the stand declares half-widths."""
+    return rng.uniform(-(3.0**0.5), 3.0**0.5, shape) if limits == "uniform" else rng.standard_normal(shape)
 
 
 def estimator_for(given: Propagation) -> ManyRuns:
@@ -21,7 +91,7 @@ def estimator_for(given: Propagation) -> ManyRuns:
     schedule, terms = core.CoreSchedule(given.schedule), given.terms
     if given.estimator != OPTIMAL:
         if terms:
-            return lambda means: extended.least_squares(schedule, means, terms)
+            return lambda means: further.least_squares(schedule, means, terms)
         return lambda means: estimate_runs(schedule, means, given.estimator)
     if terms:
         return lambda means: by_table(given.table, given.schedule, given.stand, terms, means)
@@ -43,3 +113,158 @@ def or_linear(given: Propagation) -> ManyRuns:
             return by_gains(given.schedule, given.gains[:12])(means)
 
     return of
+
+
+COVERAGE = 0.95
+LEVEL = 0.999  # of the range in which an end of a simulated interval lies
+NORMAL_COVERAGE = 1.959963984540054
+_NORMAL_LEVEL = 3.2905267314919255
+_ROUNDING = 1e-12  # of max|K|
+
+
+class Verdict(Enum):
+    """On one coefficient."""
+
+    AGREES = "agrees"
+    DIFFERS = "differs"
+    CANNOT_TELL = "cannot tell"
+
+
+@dataclass(frozen=True)
+class MonteCarlo:
+    """All (12,), in the coefficients' units: `shift`: mean error of an estimate; `u`: its standard deviation; `low` and
+    `high`: the interval of the coefficient; `linear_low`, `linear_high`: that of the stated u; `tolerance` for the
+    difference of their ends, which is `least` to `most`."""
+
+    runs: int
+    seed: int
+    shift: Floats
+    u: Floats
+    low: Floats
+    high: Floats
+    linear_low: Floats
+    linear_high: Floats
+    tolerance: Floats
+    least: Floats
+    most: Floats
+
+    @property
+    def verdicts(self) -> list[Verdict]:
+        """One for each coefficient."""
+        agrees, differs = self.most <= self.tolerance, self.least > self.tolerance
+        told = {True: Verdict.AGREES, False: Verdict.CANNOT_TELL}
+        return [Verdict.DIFFERS if far else told[near] for near, far in zip(agrees.tolist(), differs.tolist())]
+
+    @property
+    def agrees(self) -> bool | None:
+        """Whether all do; None where it cannot be told."""
+        verdicts = self.verdicts
+        if Verdict.DIFFERS in verdicts:
+            return False
+        return None if Verdict.CANNOT_TELL in verdicts else True
+
+    def where(self, verdict: Verdict) -> list[str]:
+        """Names of the coefficients with this verdict."""
+        return [name for name, own in zip(COEFFICIENTS, self.verdicts) if own is verdict]
+
+    def document(self) -> dict[str, Any]:
+        """Ready for JSON."""
+        difference = np.maximum(np.abs(self.low - self.linear_low), np.abs(self.high - self.linear_high))
+        return {
+            "runs": self.runs,
+            "seed": self.seed,
+            "coverage": COVERAGE,
+            "level": LEVEL,
+            "agrees": self.agrees,
+            "coefficients": [
+                {
+                    "name": name,
+                    "shift": float(self.shift[i]),
+                    "u": float(self.u[i]),
+                    "interval": [float(self.low[i]), float(self.high[i])],
+                    "linear_interval": [float(self.linear_low[i]), float(self.linear_high[i])],
+                    "difference": float(difference[i]),
+                    "tolerance": float(self.tolerance[i]),
+                    "verdict": verdict.value,
+                }
+                for i, (name, verdict) in enumerate(zip(COEFFICIENTS, self.verdicts))
+            ],
+        }
+
+
+def simulate(
+    given: Propagation,
+    u0: Floats,
+    u: Floats,
+    runs: int,
+    seed: int,
+    mean_variance: Floats | None = None,
+    team: Team = ALONE,
+    progress: Progress = lambda runs: None,
+) -> MonteCarlo:
+    """Of an estimate as `given`, with `u0` (3,) and stated uncertainties `u` (12,); `mean_variance` (positions, 3): by
+    the noise as measured. The same seed gives the same numbers, whatever the `team`. `progress` is told of runs done.
+
+    Raises UsageError where a run on such a stand cannot be solved.
+    """
+    errors, k = given.errors(mean_variance), given.k
+    pieces = chunks(errors, given.stand.limits, runs, seed)
+    found = [one["found"] for one in over(pieces, _Estimates(given, u0, errors), team, progress)]
+    value = np.concatenate([k.ravel(), u0])
+    return compare(np.concatenate(found).reshape(-1, 12) - value, value, u, seed, _ROUNDING * float(np.abs(k).max()))
+
+
+def compare(errors: Floats, value: Floats, u: Floats, seed: int, rounding: float) -> MonteCarlo:
+    """`errors` (runs, 12) of simulated estimates, beside `value` and stated `u` (12,)."""
+    ordered, runs = np.sort(errors, axis=0), len(errors)
+    tail = (1.0 - COVERAGE) / 2.0
+    known = _NORMAL_LEVEL * (runs * tail * (1.0 - tail)) ** 0.5
+    # what lies above the truth by an error makes the coefficient lie below the estimate by it
+    ends = {}
+    for name, share in (("low", 1.0 - tail), ("high", tail)):
+        places = np.clip(np.rint(share * runs + np.array([-known, 0.0, known])), 1, runs).astype(int) - 1
+        ends[name] = value - ordered[places]
+    linear = {"low": value - NORMAL_COVERAGE * u, "high": value + NORMAL_COVERAGE * u}
+    least, most = (np.max([bound(ends[name], linear[name]) for name in ends], axis=0) for bound in (_least, _most))
+    tolerance = np.maximum([_tolerance(one) for one in u.tolist()], rounding)
+    return MonteCarlo(
+        *(runs, seed, errors.mean(axis=0), errors.std(axis=0, ddof=1), ends["low"][1], ends["high"][1]),
+        *(linear["low"], linear["high"], tolerance, least, most),
+    )
+
+
+def _least(ends: Floats, linear: Floats) -> Floats:
+    """How far a linear end is from the range (3, 12) of a simulated one: 0 within."""
+    least: Floats = np.maximum(np.maximum(ends.min(axis=0) - linear, linear - ends.max(axis=0)), 0.0)
+    return least
+
+
+def _most(ends: Floats, linear: Floats) -> Floats:
+    most: Floats = np.abs(ends - linear).max(axis=0)
+    return most
+
+
+def _tolerance(u: float) -> float:
+    """Half a unit of the first digit of u (clause 7.9.2, one digit)."""
+    return 0.5 * 10.0 ** int(f"{u:.0e}".partition("e")[2]) if u > 0.0 else 0.0
+
+
+@dataclass(frozen=True)
+class _Estimates:
+    """A job: the coefficients of a chunk of runs, one after the other. Raises UsageError where they cannot be had."""
+
+    given: Propagation
+    u0: Floats
+    errors: dict[str, Source]
+
+    def __call__(self, chunk: Chunk) -> Result:
+        given = self.given
+        drawn = given.schedule, given.k, self.u0, self.errors, given.stand.limits, chunk[0], stream_of(chunk)
+        try:
+            return {"found": self._estimate(drawn_outputs(*drawn))[:, :12].ravel()}
+        except CoreRefusal as refusal:
+            raise UsageError(f"--monte-carlo: a run on such a stand cannot be solved: {refusal}") from None
+
+    @cached_property
+    def _estimate(self) -> ManyRuns:
+        return estimator_for(self.given)

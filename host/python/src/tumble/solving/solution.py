@@ -35,14 +35,13 @@ from tumble.model.stand_seen import (
 )
 from tumble.model.whole import WholeModel
 from tumble.schedule import Schedule
-from tumble.solving import extended, noise as noise_of_runs, optimal_run
+from tumble.solving import further, noise as noise_of_runs, optimal_run
 from tumble.solving.computation import Computation, DeadChannels, compute
 from tumble.solving.coverage import Coverage, coverage
 from tumble.solving.crosscheck import LARGEST_MISFIT, Comparison, compare
 from tumble.solving.further import Further, Without
-from tumble.solving.many_runs import or_linear
-from tumble.solving.monte_carlo import MonteCarlo, simulate
-from tumble.solving.noise_patterns import sampled_patterns
+from tumble.solving.many_runs import MonteCarlo, or_linear, simulate
+from tumble.solving.noise import sampled_patterns
 from tumble.solving.uncertainty import Stated, stated
 from tumble.stand import PerChannel, Stand, over
 from tumble.terms import Terms
@@ -297,7 +296,7 @@ def _require_told_apart(schedule: core.CoreSchedule, witnessed: Schedule, run: R
     if not terms:
         return
     schedule.identify(run.measured)
-    extended.require_told_apart(witnessed, terms, file)
+    further.require_told_apart(witnessed, terms, file)
 
 
 def _state(

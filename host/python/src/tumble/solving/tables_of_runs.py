@@ -31,7 +31,7 @@ from tumble.model.optimal import (
     shared_errors,
 )
 from tumble.schedule import Schedule
-from tumble.solving.gain_record import record_of, to_bytes
+from tumble.solving.optimal_run import record_of, to_bytes
 from tumble.stand import PerChannel, Stand, by_channel
 
 _AT_ONCE = 50  # runs: what a stack of them takes stays in a processor's second cache

@@ -7,10 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from tumble.watch import words
+from tumble.watch import snapshot
 from tumble.watch.bench_run import NOT_THE_FORM, after_document
-from tumble.watch.heard import Heard
-from tumble.watch.snapshot import Lost, Snapshot
+from tumble.watch.snapshot import Heard, Lost, Snapshot
 
 _DOCUMENTS = ("result.json", "fault.json", "bench.json")  # the last is the world's own
 _LOG = "bus.log"
@@ -91,10 +90,10 @@ class FolderRun:
         status = self._heard.status()
         if status is None:
             return Snapshot(virtual_s=self._last_s)
-        state = words.state(status.state)
+        state = snapshot.state(status.state)
         return Snapshot(
             state=state,
-            reason=words.reason(status.reason),
+            reason=snapshot.reason(status.reason),
             run=self._heard.run(),
             finished=status.finished,
             samples=status.samples if state == "AVERAGE" else None,

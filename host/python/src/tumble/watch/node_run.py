@@ -14,9 +14,8 @@ from tumble.client.can_link import CanLink
 from tumble.client.errors import CommunicationError
 from tumble.client.link import Link, Value
 from tumble.errors import TumbleError
-from tumble.watch import words
-from tumble.watch.heard import IDENTIFIERS, Heard, Status
-from tumble.watch.snapshot import Gravity, Lost, Matrix, Mean, Snapshot, Vector
+from tumble.watch import snapshot
+from tumble.watch.snapshot import IDENTIFIERS, Gravity, Heard, Lost, Matrix, Mean, Snapshot, Status, Vector
 
 if TYPE_CHECKING:
     import can
@@ -80,7 +79,7 @@ class NodeRun:
         """What has changed since the last time, and that alone; and what shows next time whether place and result
         have."""
         status, run = self._status(link)
-        state = words.state(status.state)
+        state = snapshot.state(status.state)
         key: Any = (status.state, status.index, status.finished, run)
         now = self._last
         if key != self._key:
@@ -91,7 +90,7 @@ class NodeRun:
         if result != self._result:
             now = replace(now, **_found_twice(link))
         now = replace(
-            now, state=state, reason=words.reason(status.reason), run=run, finished=status.finished,
+            now, state=state, reason=snapshot.reason(status.reason), run=run, finished=status.finished,
             samples=status.samples if state == "AVERAGE" else None,
             emergencies={} if self._heard is None else self._heard.emergencies(),
         )  # fmt: skip
@@ -164,10 +163,10 @@ def _place(link: Link) -> dict[str, Any]:
 
 def _table(link: Link) -> dict[str, Any]:
     stand, angle, temperature = _asked(link, *(f"Progress: {one}" for one in _TABLE))
-    name = words.stand(_whole(stand))
+    name = snapshot.stand(_whole(stand))
     return {
         "stand": name,
-        "angle_rad": _radians(angle) if name in words.ANGLE_KNOWN else None,
+        "angle_rad": _radians(angle) if name in snapshot.ANGLE_KNOWN else None,
         "temperature_c": None if temperature is None else _number(temperature) / _HALF_DEGREES_C,
     }
 

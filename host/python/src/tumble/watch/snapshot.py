@@ -1,12 +1,62 @@
-"""What is known of a run at one moment. Unknown is None; every number has its unit in its name."""
+"""What is known of a run at one moment, in numbers and words, and what a listener hears of it.
+
+States and reasons of the firmware in words: what goes on, what is wrong, what to do.
+
+What is known of a run at one moment. Unknown is None; every number has its unit in its name.
+
+What a listener hears of a navigation computer on CAN: its process data, the drive's, emergencies. It sends nothing.
+
+Identifiers are those at power-on (docs/bus/README.md). Where they were changed, nothing is heard, and a reader has to
+ask.
+"""
 
 from __future__ import annotations
 
 import math
+import threading
+import time
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from typing import Any, Protocol
 
-from tumble.watch import words
+from tumble.client import names
+from tumble.client.tables import REASONS, STATES
+
+STANDS = ("OFFLINE", "READY", "HOMING", "MOVING", "IN_POSITION", "STOPPED", "FAULT")  # tumble_stand_state_t
+ANGLE_KNOWN = ("MOVING", "IN_POSITION", "STOPPED")
+_MEANINGS = dict(STATES)
+_REASONS = {name: (meaning, remedy) for name, meaning, remedy in REASONS}
+
+
+def state(number: int) -> str:
+    """Of 2000h."""
+    return names.state(number)
+
+
+def reason(number: int) -> str | None:
+    """Of 2001h; None where nothing is wrong."""
+    return names.reason(number).name if number else None
+
+
+def stand(number: int) -> str:
+    """Of 2003h:12."""
+    return STANDS[number] if number < len(STANDS) else f"STAND_{number}"
+
+
+def meaning(state: str | None) -> str | None:
+    """What is done in a state; None where that is not known."""
+    return _MEANINGS.get(state or "")
+
+
+def sentence(reason: str | None) -> str | None:
+    """What is wrong."""
+    return _REASONS.get(reason or "", (None, None))[0]
+
+
+def remedy(reason: str | None) -> str | None:
+    """What to do about it."""
+    return _REASONS.get(reason or "", (None, None))[1]
+
 
 SCHEMA = "tumble.watch/1"
 
@@ -120,8 +170,8 @@ def document(view: View) -> dict[str, Any]:
 
 
 def _in_words(snapshot: Snapshot) -> dict[str, str | None]:
-    of_reason = {"sentence": words.sentence(snapshot.reason), "remedy": words.remedy(snapshot.reason)}
-    return {"meaning": words.meaning(snapshot.state), **of_reason}
+    of_reason = {"sentence": sentence(snapshot.reason), "remedy": remedy(snapshot.reason)}
+    return {"meaning": meaning(snapshot.state), **of_reason}
 
 
 def _known(value: Any) -> Any:
@@ -137,3 +187,68 @@ def without_prefix(name: str) -> str:
     for prefix in ("TUMBLE_STATE_", "TUMBLE_REASON_", "TUMBLE_STAND_"):
         name = name.removeprefix(prefix)
     return name
+
+
+STATE_PDO, SERVICE_PDO, DRIVE_PDO = 0x181, 0x6C1, 0x182
+EMERGENCIES = {0x081: "navcomp", 0x082: "drive", 0x083: "block"}
+IDENTIFIERS = (STATE_PDO, SERVICE_PDO, DRIVE_PDO, *EMERGENCIES)
+_FRESH_S = 2.5  # the state is sent every second at the latest
+
+
+@dataclass(frozen=True)
+class Status:
+    """2000h, 2001h, 2003h:1, :3 and :7, as transmit PDO 3 has them."""
+
+    state: int
+    reason: int
+    index: int
+    finished: int
+    samples: int
+
+
+class Heard:
+    """Given frames in one thread, asked in another. `clock`: seconds."""
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic):
+        self._clock = clock
+        self._lock = threading.Lock()
+        self._status: Status | None = None
+        self._status_s = 0.0
+        self._run: int | None = None
+        self._drive: bytes | None = None
+        self._drive_changed = True
+        self._emergencies: dict[str, int] = {}
+
+    def frame(self, identifier: int, data: bytes) -> None:
+        """Take one."""
+        with self._lock:
+            if identifier == STATE_PDO and len(data) == 8:
+                self._status = Status(data[0], data[1], data[2], data[3], int.from_bytes(data[4:], "little"))
+                self._status_s = self._clock()
+            elif identifier == SERVICE_PDO and len(data) == 7:
+                self._run = int.from_bytes(data[3:], "little")
+            elif identifier == DRIVE_PDO and data != self._drive:
+                self._drive, self._drive_changed = bytes(data), True
+            elif identifier in EMERGENCIES and len(data) >= 2:
+                self._emergencies[EMERGENCIES[identifier]] = int.from_bytes(data[:2], "little")
+
+    def status(self) -> Status | None:
+        """The last one, while it is fresh."""
+        with self._lock:
+            return self._status if self._clock() - self._status_s <= _FRESH_S else None
+
+    def run(self) -> int | None:
+        """The number of the run."""
+        with self._lock:
+            return self._run
+
+    def drive_has_changed(self) -> bool:
+        """Whether the drive has told something new since this was asked last; its position above all."""
+        with self._lock:
+            changed, self._drive_changed = self._drive_changed, False
+            return changed
+
+    def emergencies(self) -> dict[str, str]:
+        """Of each node that has raised one and not taken it back: its error code (CiA 301), as hexadecimal digits."""
+        with self._lock:
+            return {node: f"{code:04X}" for node, code in self._emergencies.items() if code}

@@ -15,7 +15,7 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
 
-from tumble.watch import words
+from tumble.watch import snapshot
 from tumble.watch.snapshot import Gravity, Matrix, Snapshot, Vector, View
 
 _WIDTH = 80
@@ -69,7 +69,7 @@ def line(view: View) -> str:
     now = view.snapshot or Snapshot()
     if view.lost_since is not None:
         return f"connection lost: {view.why}"
-    reason = "" if now.reason is None else f" {now.reason}: {words.sentence(now.reason)}"
+    reason = "" if now.reason is None else f" {now.reason}: {snapshot.sentence(now.reason)}"
     return f"{now.state or 'state unknown'}{reason}, {_where(now)}"
 
 
@@ -85,15 +85,15 @@ def _clock(seconds: float) -> str:
 def _state(now: Snapshot) -> Text:
     style = {"DONE": _GOOD, "FAULT": _BAD, "ABORT": _BAD}.get(now.state or "", "bold")
     text = Text((now.state or "state unknown").replace("_", " "), style=style)
-    said = words.meaning(now.state)
+    said = snapshot.meaning(now.state)
     text.append("" if said is None else f"  {said}", style="not bold")
     return text.append("" if now.run is None else f"  (run {now.run})", style="not bold dim")
 
 
 def _trouble(now: Snapshot) -> Iterator[Text]:
     if now.reason is not None:
-        yield Text(f"! {now.reason}: {words.sentence(now.reason) or 'an unknown reason'}", style=_BAD)
-        yield Text(f"  {words.remedy(now.reason) or ''}")
+        yield Text(f"! {now.reason}: {snapshot.sentence(now.reason) or 'an unknown reason'}", style=_BAD)
+        yield Text(f"  {snapshot.remedy(now.reason) or ''}")
     if now.emergencies:
         yield Text(
             "! emergency " + ", ".join(f"{code}h of {node}" for node, code in now.emergencies.items()), style=_BAD

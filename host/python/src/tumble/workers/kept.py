@@ -16,8 +16,7 @@ import numpy as np
 
 from tumble._version import __version__
 from tumble.errors import BadInput, NotInstalled, quoted
-from tumble.files.disk import refuse_link, written
-from tumble.files.memory import bounded
+from tumble.files.disk import bounded, refuse_link, written
 
 Result = dict[str, Any]  # arrays (Floats, Integers) of one dimension, or text: fit for a row of Parquet
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from tumble.model.optimal import optimal_table
-from tumble.solving.gain_record import record_of, to_bytes
-from tumble.solving.optimal_run import Known
+from tumble.solving.optimal_run import Known, record_of, to_bytes
 from tumble.stand import by_channel
 from tumble.world.setup import Setup, step_v
 

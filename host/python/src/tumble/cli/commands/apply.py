@@ -56,8 +56,8 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.api.result import load
     from tumble.files.calibrated import OUTPUTS
     from tumble.files.disk import together
+    from tumble.files.incoming import PARQUET, SUFFIXES, suffix_of
     from tumble.files.run_layout import TEMPERATURE
-    from tumble.files.tables import PARQUET, SUFFIXES, suffix_of
 
     wishes = replace(layout_options.wishes(arguments, (*OUTPUTS, TEMPERATURE), has_unit=False), wanted=OUTPUTS)
     targets = _targets(arguments)
@@ -125,7 +125,7 @@ def _calibrate(files: list[str], out: BinaryIO, demand: Demand, known_c: dict[st
     """All files into one output: the header of the first, the rows of all. `known_c`: temperature of the result."""
     from tumble.files.calibrated import CsvData, calibrate_parquet
     from tumble.files.disk import opened
-    from tumble.files.tables import PARQUET, suffix_of
+    from tumble.files.incoming import PARQUET, suffix_of
 
     first: Any = None
     last = b"\n"

@@ -64,7 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     from tumble.api.comparing import compared
     from tumble.cli.output import warn
-    from tumble.comparison import text
+    from tumble.comparison import report
     from tumble.files.disk import refuse_overwriting
     from tumble.files.documents import to_json
 
@@ -86,7 +86,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.plot is not None:
         _draw(told, arguments.plot)
     warn(told["warnings"])
-    sys.stdout.write(to_json(told) if arguments.json else text.render(told))
+    sys.stdout.write(to_json(told) if arguments.json else report.render(told))
     return EXIT_PASS if told["verdict"] in ("unchanged", "seat") else EXIT_LIMITS_FAILED
 
 

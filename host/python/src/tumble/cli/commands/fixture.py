@@ -23,8 +23,7 @@ from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BadInput, UsageError, f
 if TYPE_CHECKING:
     from tumble.core import CoreSchedule
     from tumble.files.stand_file import StandFile
-    from tumble.fixture.combination import Combination
-    from tumble.fixture.judge import Limits, RunView
+    from tumble.fixture.judge import Combination, Limits, RunView
     from tumble.stand import PerChannel
 
 AGAINST = ("declared", "needed")
@@ -131,8 +130,7 @@ def _combined(
     Where nobody says, and runs that show the same axis tilt only agree if they were levelled anew, they were: the zero
     of the table angle, which no run shows by itself, must then have moved.
     """
-    from tumble.fixture.combination import combine
-    from tumble.fixture.judge import levelled_once
+    from tumble.fixture.judge import combine, levelled_once
 
     def combined(once: bool) -> Combination:
         return combine([view.solution for view in views], once, confidence, step_v)

@@ -16,7 +16,7 @@ from tumble.schedule import file_of
 if TYPE_CHECKING:
     from tumble.importing.attitudes import Signs
     from tumble.importing.can_bus import Bus
-    from tumble.importing.hypotheses import Claims
+    from tumble.importing.match import Claims
     from tumble.importing.pipeline import Settings
     from tumble.importing.rests import Thresholds
     from tumble.stand import PerChannel
@@ -75,7 +75,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.files.disk import refuse_overwriting, write_all
     from tumble.files.documents import to_json
     from tumble.files.schedule_file import read_schedule
-    from tumble.importing import recipe, report
+    from tumble.importing import report
     from tumble.importing.pipeline import import_recordings
 
     sources = (*arguments.recordings, arguments.stand, arguments.dbc, file_of(arguments.schedule))
@@ -108,7 +108,7 @@ def run(arguments: argparse.Namespace) -> int:
 
         files[arguments.plot] = written(recording(done), arguments.plot)
     if arguments.recipe is not None and not replayed:
-        files[arguments.recipe] = recipe.to_toml(settings).encode()
+        files[arguments.recipe] = report.to_toml(settings).encode()
     write_all(files)
     sys.stdout.write(text)
     return EXIT_PASS
@@ -116,11 +116,11 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _settings(arguments: argparse.Namespace, replayed: bool, signs: Signs | None) -> Settings:
     """The recipe's, or the usual ones, with what the options say, and the `signs` that they say. Raises TumbleError."""
-    from tumble.importing import recipe
+    from tumble.importing import report
     from tumble.importing.pipeline import Settings
     from tumble.importing.recording import COLUMNS, Timing
 
-    base = recipe.read(arguments.recipe) if replayed else Settings()
+    base = report.read(arguments.recipe) if replayed else Settings()
     told = layout_options.wishes(arguments, COLUMNS)
     wishes = replace(
         base.wishes,

@@ -107,11 +107,11 @@ def _kind(out: str | None) -> str | None:
 
 def _content(kind: str, found: Optimized, document: dict[str, Any]) -> bytes:
     from tumble.files.documents import to_json
-    from tumble.solving import gain_record
+    from tumble.solving import optimal_run
 
     if kind == ".bin":
-        return gain_record.to_bytes(found.record)
-    text = to_json(document) if kind == ".json" else gain_record.to_c_header(found.record, found.case.stand.name)
+        return optimal_run.to_bytes(found.record)
+    text = to_json(document) if kind == ".json" else optimal_run.to_c_header(found.record, found.case.stand.name)
     return text.encode("utf-8")
 
 

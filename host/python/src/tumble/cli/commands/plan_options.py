@@ -100,7 +100,7 @@ def read_case(arguments: argparse.Namespace) -> Case:
         schedule = read_schedule(arguments.schedule, estimator=estimator).data
     case = replace(Case.of(stand_file, arguments.stand, schedule), terms=_terms(arguments))
     if case.terms and hasattr(arguments, "schedule"):
-        from tumble.solving.extended import require_told_apart
+        from tumble.solving.further import require_told_apart
 
         require_told_apart(case.schedule, case.terms)
     return case if limit_g is None else replace(case, limit_g=limit_g)

@@ -23,7 +23,7 @@ def add_to(subparsers: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Compute and print."""
-    from tumble.planning.paper_report import document, show
+    from tumble.planning.paper import document, show
 
     if arguments.json:
         write_json(document())

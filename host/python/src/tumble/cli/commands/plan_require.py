@@ -53,9 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
     split = _split(arguments.split, case, arguments.weights == "published")
 
     from tumble.planning import model_cost, tables
-    from tumble.planning.enough import enough
-    from tumble.planning.headroom import headroom, margins
-    from tumble.planning.require import requirements
+    from tumble.planning.require import enough, headroom, margins, requirements
     from tumble.planning.requirement_report import document, show
 
     found = requirements(case, arguments.weights, arguments.estimator, limit_g, split)

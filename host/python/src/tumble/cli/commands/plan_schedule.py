@@ -71,8 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.files.schedule_file import to_toml
     from tumble.files.stand_file import read_stand
     from tumble.planning import schedule_report
-    from tumble.planning.duration import DEFAULT_REMOUNT_S, Pace
-    from tumble.planning.schedule_plan import Goal, plan_schedule
+    from tumble.planning.schedule_search import DEFAULT_REMOUNT_S, Goal, Pace, plan_schedule
 
     refuse_overwriting(arguments.out, arguments.stand)
     case = read_case(arguments)

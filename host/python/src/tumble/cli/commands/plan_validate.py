@@ -61,9 +61,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise UsageError("--table run: not with --model; the second order makes up for weights made elsewhere")
 
     from tumble.files.disk import refuse_overwriting, write_text
-    from tumble.planning import validate_report
-    from tumble.planning.validate import validate
-    from tumble.planning.verdict import judge
+    from tumble.planning.validate import document, judge, show, validate
 
     refuse_overwriting(arguments.plot, arguments.stand, file_of(arguments.schedule), option="--plot")
     if arguments.plot is not None:
@@ -79,9 +77,9 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.plot is not None:
         write_text(arguments.plot, svg(histograms(found, f"{case.stand.name}: error over stated u, {runs} runs")))
     if arguments.json:
-        write_json(validate_report.document(case, judged, seed, arguments.table))
+        write_json(document(case, judged, seed, arguments.table))
     else:
-        validate_report.show(case, judged, seed)
+        show(case, judged, seed)
     return EXIT_LIMITS_FAILED if any(one.outside for _, one in judged) else EXIT_PASS
 
 
