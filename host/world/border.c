@@ -3,7 +3,7 @@
 #include "navcomp/keeper.h"
 #include "navcomp/stand_view.h"
 #include "navcomp/uncertainty.h"
-#include "world/config_keys.h"
+#include "world/config_file.h"
 #include "world/readout.h"
 #include "world/world_parts.h"
 
