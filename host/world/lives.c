@@ -41,9 +41,22 @@ void lives_free(lives_t *lives)
     free(lives);
 }
 
-const char *lives_live(lives_t *lives, uint64_t seed)
+/* Of the plan's events these alone. */
+static void keep_events(bench_plan_t *plan, const uint32_t *events, size_t count)
+{
+    uint32_t kept = 0;
+    for (size_t i = 0; i < count && events[i] < plan->count; i++) {
+        plan->events[kept++] = plan->events[events[i]];
+    }
+    plan->count = kept;
+}
+
+const char *lives_live(lives_t *lives, uint64_t seed, const uint32_t *events, size_t count)
 {
     lives->undrawn = bench_plan_draw(&lives->plan, seed);
+    if (events != NULL) {
+        keep_events(&lives->plan, events, count);
+    }
     if (lives->undrawn != NULL) {
         memset(&lives->life, 0, sizeof lives->life);
         lives->life.watch.violation.kind = BENCH_BROKEN_BENCH;
@@ -52,62 +65,6 @@ const char *lives_live(lives_t *lives, uint64_t seed)
     }
     const bench_broken_t kind = lives->life.watch.violation.kind;
     return (kind == BENCH_HOLDS) ? NULL : VIOLATIONS[kind];
-}
-
-/* The fewest events that are enough. */
-
-static void take_out(bench_plan_t *plan, uint32_t first, uint32_t count)
-{
-    memmove(&plan->events[first], &plan->events[first + count], (plan->count - first - count) * sizeof plan->events[0]);
-    plan->count -= count;
-}
-
-static bool breaks(bench_plan_t *plan, bench_life_t *life, bench_broken_t kind)
-{
-    bench_life_run(life, plan);
-    return life->watch.violation.kind == kind;
-}
-
-/* One round with pieces of this size. True: something went. */
-static bool one_round(bench_plan_t *plan, bench_life_t *life, bench_broken_t kind, uint32_t size)
-{
-    static bench_event_t kept[BENCH_PLAN_EVENTS];
-    bool shrunk = false;
-    uint32_t at = 0;
-    while (at < plan->count) {
-        const uint32_t before = plan->count;
-        const uint32_t piece = (size < before - at) ? size : before - at;
-        memcpy(kept, plan->events, sizeof kept);
-        take_out(plan, at, piece);
-        if (breaks(plan, life, kind)) {
-            shrunk = true;
-        } else {
-            memcpy(plan->events, kept, sizeof kept);
-            plan->count = before;
-            at += piece;
-        }
-    }
-    return shrunk;
-}
-
-static void shrink(bench_plan_t *plan, bench_life_t *life, bench_broken_t kind)
-{
-    for (uint32_t size = (plan->count + 1U) / 2U; size > 1U; size = (size + 1U) / 2U) {
-        (void)one_round(plan, life, kind, size);
-    }
-    while (one_round(plan, life, kind, 1)) {
-    }
-    (void)breaks(plan, life, kind);
-}
-
-bool lives_shrink(lives_t *lives, uint32_t *drawn, uint32_t *left)
-{
-    *drawn = lives->plan.count;
-    if (lives->undrawn == NULL) {
-        shrink(&lives->plan, &lives->life, lives->life.watch.violation.kind);
-    }
-    *left = lives->plan.count;
-    return lives->undrawn == NULL;
 }
 
 /* In words: its world, its events, and what was violated, a line each. */
@@ -243,7 +200,7 @@ static text_t event_in_words(const bench_event_t *event)
 
 const char *lives_line(lives_t *lives, uint32_t number)
 {
-    if (number > lives->plan.count) {
+    if (lives->undrawn != NULL || number > lives->plan.count) {
         return NULL;
     }
     lives->text = (number == 0U) ? world_in_words(&lives->plan) : event_in_words(&lives->plan.events[number - 1U]);

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -248,10 +248,18 @@ def merged(first_seed: int, documents: list[str]) -> dict[str, Any]:
 
 
 def _total(parts: list[dict[str, Any]]) -> dict[str, Any]:
-    found: dict[str, Any] = parts[0]
-    for part in parts[1:]:
-        found = _sum(found, part)
-    return {**found, "table": _travelled([part["table"] for part in parts if part["table"] is not None])}
+    """Of documents alike: sums, but for the first violations and how far the tables have turned."""
+    own: dict[str, Callable[[list[Any]], Any]] = {
+        "first": lambda found: [one for part in found for one in part][:_FIRST],
+        "table": lambda tables: _travelled([one for one in tables if one is not None]),
+    }
+    return {name: own.get(name, _sum)([part[name] for part in parts]) for name in parts[0]}
+
+
+def _sum(values: list[Any]) -> Any:
+    if isinstance(values[0], dict):
+        return {name: _sum([value[name] for value in values]) for name in values[0]}
+    return sum(values)
 
 
 def _travelled(tables: list[dict[str, Any]]) -> dict[str, Any]:
@@ -261,14 +269,3 @@ def _travelled(tables: list[dict[str, Any]]) -> dict[str, Any]:
         "lowest_deg": min((one["lowest_deg"] for one in tables), default=0.0),
         "highest_deg": max((one["highest_deg"] for one in tables), default=0.0),
     }
-
-
-def _sum(one: Any, other: Any) -> Any:
-    if isinstance(one, dict) and isinstance(other, dict):
-        return {
-            name: _sum(one[name], other[name]) if name in one and name in other else {**other, **one}[name]
-            for name in {**one, **other}
-        }
-    if isinstance(one, list):
-        return [*one, *other][:_FIRST]
-    return one if isinstance(one, dict) or one is None or isinstance(other, dict) or other is None else one + other
