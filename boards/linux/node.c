@@ -132,9 +132,9 @@ static void give_up(node_t *node)
     node->refused = count_refused(node);
 }
 
-static void end_with(node_t *node, bench_end_t end)
+static void end_with(node_t *node, world_end_t end)
 {
-    if (node->world.wanted_end == BENCH_RUNNING) {
+    if (node->world.wanted_end == WORLD_RUNNING) {
         node->world.wanted_end = end;
         node->ending_us = node->world.clock.now_us;
     }
@@ -147,13 +147,13 @@ static void look_for_end(node_t *node)
     const uint64_t patience_us = node->left ? 0U : (uint64_t)(node->options->patience_s * 1e6);
     const tumble_state_t state = world->progress.state;
     if (state == TUMBLE_STATE_DONE) {
-        end_with(node, BENCH_DONE);
+        end_with(node, WORLD_DONE);
     } else if (state == TUMBLE_STATE_ABORT ||
                (state == TUMBLE_STATE_FAULT && world->clock.now_us - node->faulted_us >= patience_us)) {
-        end_with(node, BENCH_FAULT);
+        end_with(node, WORLD_FAULT);
     } else if (world->clock.now_us > world->limit_us) {
         give_up(node);
-        end_with(node, BENCH_TOO_LONG);
+        end_with(node, WORLD_TOO_LONG);
     }
 }
 
@@ -167,9 +167,9 @@ static void report_ended(node_t *node)
     }
     node->reported = true;
     can_socket_look(&node->port.can);
-    world->end = (state == TUMBLE_STATE_DONE) ? BENCH_DONE : BENCH_FAULT;
+    world->end = (state == TUMBLE_STATE_DONE) ? WORLD_DONE : WORLD_FAULT;
     node_report(node, node->documents.stream);
-    world->end = BENCH_RUNNING;
+    world->end = WORLD_RUNNING;
 }
 
 /* At rest, as far as its drive can tell; one that is silent, or a bus that is down, can tell nothing. */
@@ -194,7 +194,7 @@ static bool has_ended(node_t *node)
 {
     bench_world_t *const world = &node->world;
     const uint64_t patience_us = (uint64_t)world->config->profile.stop_timeout_ms * US_PER_MS;
-    if (world->wanted_end == BENCH_RUNNING ||
+    if (world->wanted_end == WORLD_RUNNING ||
         ((may_still_turn(world) || is_storing(node)) && world->clock.now_us - node->ending_us < patience_us)) {
         return false;
     }
@@ -211,7 +211,7 @@ static void take_signal(node_t *node)
     } else if (signal != 0) {
         const bool running = is_of_a_run(world->progress.state);
         give_up(node);
-        end_with(node, running ? BENCH_INTERRUPTED : BENCH_LEFT);
+        end_with(node, running ? WORLD_INTERRUPTED : WORLD_LEFT);
     }
 }
 
@@ -340,7 +340,7 @@ static int finish(node_t *node)
     const char *const wrong = (folder != NULL) ? bench_folder_close(&node->folder, &node->world) : NULL;
     if (wrong != NULL) {
         code = node_log_unwritten(folder, wrong);
-    } else if (node->options->start || node->world.end == BENCH_INTERRUPTED) {
+    } else if (node->options->start || node->world.end == WORLD_INTERRUPTED) {
         node_report(node, node->documents.stream);
     }
     node_log_end(&node->world, code, &node->fault);

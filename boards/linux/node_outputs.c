@@ -20,7 +20,7 @@ int node_outputs_refuse(void)
 
 int node_outputs_end(node_t *node, int code)
 {
-    const bool is_told = node->world.end == BENCH_LEFT || node->world.end == BENCH_INTERRUPTED;
+    const bool is_told = node->world.end == WORLD_LEFT || node->world.end == WORLD_INTERRUPTED;
     (void)outlet_end(&node->progress, true);
     return outlet_end(&node->documents, is_told) ? code : node_outputs_refuse();
 }

@@ -5,13 +5,13 @@
 int bench_exit_code(const bench_world_t *world)
 {
     tumble_result_t result;
-    if (world->end == BENCH_INTERRUPTED) {
+    if (world->end == WORLD_INTERRUPTED) {
         return BENCH_EXIT_INTERRUPTED;
     }
-    if (world->end == BENCH_LEFT) {
+    if (world->end == WORLD_LEFT) {
         return BENCH_EXIT_PASS;
     }
-    if (world->end != BENCH_DONE || tumble_navcomp_result(&world->navcomp, &result) != TUMBLE_OK) {
+    if (world->end != WORLD_DONE || tumble_navcomp_result(&world->navcomp, &result) != TUMBLE_OK) {
         return BENCH_EXIT_FAULT;
     }
     return result.pass ? BENCH_EXIT_PASS : BENCH_EXIT_LIMITS;

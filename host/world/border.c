@@ -3,7 +3,7 @@
 #include "navcomp/keeper.h"
 #include "navcomp/stand_view.h"
 #include "navcomp/uncertainty.h"
-#include "world/config_keys.h"
+#include "world/config_file.h"
 #include "world/readout.h"
 #include "world/world_parts.h"
 
@@ -14,8 +14,6 @@
 
 #define MAX_LINE 1024
 
-_Static_assert((int)WORLD_LEFT == (int)BENCH_LEFT && (int)WORLD_ANSWER_LEAVE == (int)BENCH_ANSWER_LEAVE,
-               "ends and answers are numbered alike");
 _Static_assert(WORLD_POSITIONS == TUMBLE_MAX_POSITIONS && WORLD_MOUNTINGS == TUMBLE_MAX_MOUNTINGS,
                "all of a schedule fits");
 
@@ -284,7 +282,7 @@ unsigned world_advance(world_t *world, uint64_t until_us, unsigned stop_at)
 
 void world_end(world_t *world, world_end_t end)
 {
-    bench_world_end(&world->world, (bench_end_t)end);
+    bench_world_end(&world->world, end);
 }
 
 /* What is done to it. */
@@ -314,7 +312,7 @@ const char *world_turn_table(world_t *world, double angle_deg, double speed_deg_
 
 const char *world_answer(world_t *world, world_answer_t answer, uint8_t argument)
 {
-    const tumble_status_t status = bench_person_answer(&world->world, (bench_answer_t)answer, argument);
+    const tumble_status_t status = bench_person_answer(&world->world, answer, argument);
     return (status == TUMBLE_OK) ? NULL : tumble_status_sentence(status);
 }
 
@@ -338,8 +336,8 @@ const char *world_set_power(world_t *world, bool on)
     const tumble_status_t status = tumble_navcomp_init(&own->navcomp, &own->navcomp_config);
     own->mark = BENCH_LOOK_AGAIN;
     own->started = false; /* whatever had ended: there is another run to come */
-    own->wanted_end = BENCH_RUNNING;
-    own->end = BENCH_RUNNING;
+    own->wanted_end = WORLD_RUNNING;
+    own->end = WORLD_RUNNING;
     own->ending_us = SIM_NEVER;
     sim_clock_set(&own->clock, SIM_ACTOR_NAVCOMP, own->clock.now_us);
     return (status == TUMBLE_OK) ? NULL : tumble_status_sentence(status);
@@ -531,7 +529,7 @@ void world_report(world_t *world, world_report_t *report)
     report->seed = world->world.seed;
     report->now_us = world->world.clock.now_us;
     report->frames = world->world.bus.load.frames;
-    report->end = (world_end_t)world->world.end;
+    report->end = world->world.end;
     report->at_rest = travel.at_rest;
     report->lowest_deg = travel.lowest_deg;
     report->highest_deg = travel.highest_deg;

@@ -86,7 +86,14 @@ uint64_t world_now_us(const world_t *world);
 unsigned world_advance(world_t *world, uint64_t until_us, unsigned stop_at);
 
 /* How a run ends, or is told to end. */
-typedef enum { WORLD_RUNNING = 0, WORLD_DONE, WORLD_FAULT, WORLD_INTERRUPTED, WORLD_TOO_LONG, WORLD_LEFT } world_end_t;
+typedef enum {
+    WORLD_RUNNING = 0,
+    WORLD_DONE,        /* the procedure is DONE */
+    WORLD_FAULT,       /* FAULT or ABORT, and nobody mends it */
+    WORLD_INTERRUPTED, /* told to stop from outside */
+    WORLD_TOO_LONG,    /* limit of virtual time */
+    WORLD_LEFT         /* whoever held it has left */
+} world_end_t;
 
 /* Stop the table and give up; the world ends when the table rests. */
 void world_end(world_t *world, world_end_t end);
@@ -100,11 +107,11 @@ const char *world_send(world_t *world, uint16_t id, uint8_t length, const uint8_
 const char *world_turn_table(world_t *world, double angle_deg, double speed_deg_s);
 
 typedef enum {
-    WORLD_ANSWER_DONE = 0,
+    WORLD_ANSWER_DONE = 0, /* mounted, turned, or mended: go on */
     WORLD_ANSWER_ABORT,
     WORLD_ANSWER_REPEAT_POSITION, /* argument: index in the schedule */
     WORLD_ANSWER_REPEAT_MOUNTING, /* argument: number of the mounting */
-    WORLD_ANSWER_LEAVE
+    WORLD_ANSWER_LEAVE            /* do nothing: the run ends where it is */
 } world_answer_t;
 
 /* Answer the open question: do it, and tell the firmware. */

@@ -15,6 +15,50 @@
 #include "world/config.h"
 
 #include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* The keys that come once, each with its type, range and place in the configuration. */
+
+/* Those before BENCH_TEXT are named as in the tables of fields (procedure/config_fields.h). */
+typedef enum {
+    BENCH_F64 = 0,
+    BENCH_F32,
+    BENCH_U8,
+    BENCH_U16,
+    BENCH_U32,
+    BENCH_I8,
+    BENCH_I32,
+    BENCH_BOOL,  /* no, yes; from here on words */
+    BENCH_ENUM,  /* one of the words, by their order */
+    BENCH_ENUM8, /* the same in a byte */
+    BENCH_TEXT,  /* one word; `high` is the most characters, and behind them there is room for a zero */
+    BENCH_INDEX, /* of an object; from here on of lines that may repeat */
+    BENCH_OBJECT,
+    BENCH_CHANNELS,
+    BENCH_PLACE
+} bench_type_t;
+
+typedef struct {
+    const char *name; /* null: a field that no line sets */
+    bench_type_t type;
+    uint8_t count; /* values on the line; of three, which are those of the channels, one may stand for all */
+    size_t offset; /* in bench_config_t, or in what the line fills */
+    double low;    /* of a value, both included */
+    double high;
+    const char *about; /* unit and meaning; of an enum: its words, separated by '|' */
+} bench_key_t;
+
+extern const bench_key_t bench_config_keys[];
+extern const size_t bench_config_key_count;
+
+/* The key of this name; null: there is none. */
+const bench_key_t *bench_find_key(const char *name);
+
+/* The range of a key's values, for people. */
+void bench_describe_key(const bench_key_t *key, char *text, size_t size);
+
+/* Lines. */
 
 /* What is wrong, for one line to the user. */
 typedef struct {

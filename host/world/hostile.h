@@ -81,17 +81,7 @@ typedef struct {
     uint32_t off_us;          /* without power */
 } bench_event_t;
 
-const char *bench_hostile_name(bench_hostile_t kind);
-
-/* Does the node's or the drive's own setting, instead of a command, get rewritten in the drive? Not one that the
- * navigation computer reads back before each motion. */
-bool bench_event_rewrites_drive(const bench_event_t *event);
-
-/* May the drive be commanded by this past the navigation computer? */
-bool bench_event_commands_drive(const bench_event_t *event);
-
-/* The plan of a life, and what its parts are drawn with: the world and the ordinary course (hostile_plan.c), what belongs
- * together (hostile_scenes.c), single frames (hostile_frames.c). */
+/* The plan of a life (hostile_plan.c). */
 
 #define BENCH_PLAN_EVENTS 300U
 
@@ -117,55 +107,21 @@ typedef struct {
     bench_event_t events[BENCH_PLAN_EVENTS]; /* in the order of their times */
 } bench_plan_t;
 
-/* Streams: the index of SIM_CAUSE_LIFE. */
-enum {
-    BENCH_STREAM_WORLD = 0,
-    BENCH_STREAM_COURSE,
-    BENCH_STREAM_FAULTS,
-    BENCH_STREAM_FRAMES,
-    BENCH_STREAM_CUTS,
-    BENCH_STREAM_SCENES,
-    BENCH_STREAM_MEMORY,
-    BENCH_STREAM_EVENT = 1000 /* and the event's number */
-};
+#define BENCH_STREAM_EVENT 1000U /* and its number: the stream of an event, an index of SIM_CAUSE_LIFE */
 
-/* Uniform from low to high; a whole number from 0 to count - 1; true with this probability. */
-double bench_draw(sim_random_t *stream, double low, double high);
+/* A whole number from 0 to count - 1; true with this probability. */
 uint32_t bench_pick(sim_random_t *stream, uint32_t count);
 bool bench_chance(sim_random_t *stream, double probability);
-
-/* One more event of this kind at this time, to be filled in; with the list full, one that is thrown away. */
-bench_event_t *bench_plan_add(bench_plan_t *plan, bench_hostile_t kind, double at_s);
-bench_event_t *bench_plan_add_command(bench_plan_t *plan, double at_s, tumble_command_t command, uint8_t argument);
 
 /* An SDO write of up to four bytes to the server of `node`. */
 void bench_frame_write(tumble_can_frame_t *frame, uint8_t node, uint16_t index, uint8_t subindex, uint8_t size,
                        uint32_t value);
 
-void bench_plan_faults(bench_plan_t *plan);
-void bench_plan_scenes(bench_plan_t *plan);
-void bench_plan_frames(bench_plan_t *plan);
-
-/* One random write to an object that a stop depends on; to one of the drive that is read back before a motion. */
-void bench_draw_stop_write(sim_random_t *stream, tumble_can_frame_t *frame);
-void bench_draw_read_back_write(sim_random_t *stream, tumble_can_frame_t *frame);
-
-/* Where a forged set-point leads; how many positions are forged near each other, and how far apart. */
-void bench_draw_set_point(sim_random_t *stream, bench_event_t *event);
-void bench_draw_near_positions(sim_random_t *stream, bench_event_t *event);
-
-/* Draw the whole of it (hostile_plan.c). What the configuration does not allow is a mistake of the drawing: null, or the
- * sentence. The plan must not be moved. */
+/* Draw the whole of it. What the configuration does not allow is a mistake of the drawing: null, or the sentence. The
+ * plan must not be moved. */
 const char *bench_plan_draw(bench_plan_t *plan, uint64_t seed);
 
 /* What must hold, and what excuses it. */
-
-#define BENCH_REST_US 6000000U
-#define BENCH_NOTICE_US 1000000U /* a stranger's set-point is noticed, and the table stops, by then */
-#define BENCH_HOMING_DEG 900.0   /* cable and a turn, braking, and what is turned until a homing that does not end is */
-#define BENCH_SPEED_EXCESS 1.02
-#define BENCH_TRUTH_COVERAGE 6.0
-#define BENCH_CABLE_TOLERANCE_DEG 5.0
 
 /* Word, and what a person reads. */
 #define BENCH_VIOLATION_LIST(X)                                                                                        \
@@ -270,9 +226,6 @@ typedef struct {
     tumble_state_t state;
 } bench_watch_t;
 
-const char *bench_broken_name(bench_broken_t kind);
-const char *bench_excuse_name(bench_excuse_t excuse);
-
 /* The life. */
 
 #define BENCH_LIFE_QUEUE 64U
@@ -334,89 +287,40 @@ typedef struct bench_life {
     bench_life_counts_t counts;
 } bench_life_t;
 
-/* The attendant (hostile_act.c): he sees that the procedure has moved on; his time has come. */
-void bench_life_attend_to(bench_life_t *life, const tumble_progress_t *progress);
-void bench_life_attend(bench_life_t *life);
-
-/* Carry out an event (hostile_act.c). */
-void bench_life_act(bench_life_t *life, const bench_event_t *event);
-
-/* A fault is in force: note what it excuses. */
-void bench_life_excuse_fault(bench_life_t *life, const sim_fault_t *fault);
-
-/* The memory (hostile_memory.c): with an active set or without, at the beginning; torn and flipped, without power. */
-void bench_life_prepare_memory(bench_life_t *life);
-void bench_life_tear_memory(bench_life_t *life, sim_random_t *stream);
-void bench_life_flip_bits(bench_life_t *life, sim_random_t *stream, uint32_t count);
-
 /* Is this record still as the flips have left it? False: it has been written anew. */
 bool bench_life_is_flipped(const bench_life_t *life, const bench_flipped_t *flipped);
 
-/* Power of the computer (hostile_act.c): what is in its memory is there; it comes back. */
-void bench_life_boot(bench_life_t *life);
-void bench_life_power_on(bench_life_t *life);
+/* From power-on to the end of the plan, or to the first violation: life->watch.violation. */
+void bench_life_run(bench_life_t *life, bench_plan_t *plan);
 
-/* The watch at work: whoever lives the life tells it what happens. */
+/* The watch at work (hostile_watch.c): the life tells it what happens. */
 
 void bench_watch_init(bench_life_t *life);
 
-/* After every event of the world: the table and the sets. */
+/* After every event of the world: the table, the computer's counts and the sets. */
 void bench_watch_look(bench_life_t *life);
 
 /* The procedure has moved on. */
 void bench_watch_change(bench_life_t *life, const tumble_progress_t *progress);
 
+/* A frame has gone over the bus; a sample went into a mean. */
+void bench_watch_frame(bench_life_t *life, uint8_t sender, const tumble_can_frame_t *frame);
+void bench_watch_sample(bench_life_t *life, tumble_taken_t taken, const tumble_block_sample_t *sample);
+
 /* Something that may move the table has been commanded; a run has ended or ABORT was taken. */
 void bench_watch_commanded(bench_life_t *life);
 void bench_watch_ended(bench_life_t *life);
 
-void bench_watch_excuse(bench_life_t *life, bench_excuse_t excuse);
-bool bench_watch_has_excuse(const bench_life_t *life, bench_excuse_t excuse);
-
-/* Every readable object of the computer. */
-void bench_watch_read_all(bench_life_t *life);
-
-/* The sets (hostile_sets.c): after every step of the computer; and the power is back. */
-void bench_watch_sets(bench_life_t *life);
-void bench_watch_power_on(bench_life_t *life);
-
 /* Somebody has given a command about the proposal, or it was refused. For some seconds the proposal may go, or not. */
 void bench_watch_decide(bench_life_t *life, tumble_command_t command, bool refused);
-void bench_watch_may_go(bench_life_t *life, bool may);
 
-/* Service level, run number, means (hostile_watch.c). A request to an SDO server of the computer; a write that it took;
- * a frame of the block; a sample that went into a mean. */
-void bench_watch_request(bench_life_t *life, const tumble_can_frame_t *frame);
-void bench_watch_written(bench_life_t *life, uint16_t index, uint8_t subindex);
-void bench_watch_block_frame(bench_life_t *life, const tumble_can_frame_t *frame);
-void bench_watch_sample(bench_life_t *life, tumble_taken_t taken, const tumble_block_sample_t *sample);
+/* Power is back. */
+void bench_watch_power_on(bench_life_t *life);
 
-/* The state has changed: a run begins; it may have begun. All means that there are. After every event. Power is back, or
- * the computer was reset: `number` too. */
-void bench_watch_count_run(bench_life_t *life, bool begins, bool may_begin);
-void bench_watch_means(bench_life_t *life);
-void bench_watch_rules(bench_life_t *life);
-void bench_watch_begin_again(bench_life_t *life);
+/* Every readable object of the computer must be finite. */
+void bench_watch_read_all(bench_life_t *life);
 
+void bench_watch_excuse(bench_life_t *life, bench_excuse_t excuse);
 void bench_watch_break(bench_life_t *life, bench_broken_t kind, double value, uint32_t what);
-
-/* From power-on to the end of the plan, or to the first violation: life->watch.violation. */
-void bench_life_run(bench_life_t *life, bench_plan_t *plan);
-
-/* Take events out of a plan whose life broke `kind`, in halves, quarters and so on down to single ones, as long as the
- * life without them breaks it too. `life` is left as the last one that did. */
-void bench_plan_shrink(bench_plan_t *plan, bench_life_t *life, bench_broken_t kind);
-
-/* In words: its world, its events, and what was violated, a line each. */
-
-#define BENCH_TEXT_BYTES 240
-
-typedef struct {
-    char text[BENCH_TEXT_BYTES];
-} bench_text_t;
-
-bench_text_t bench_text_world(const bench_plan_t *plan);
-bench_text_t bench_text_event(const bench_event_t *event);
-bench_text_t bench_text_violation(const bench_violation_t *violation);
 
 #endif

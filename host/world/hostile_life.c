@@ -1,15 +1,530 @@
+/* A life: the memory that it begins with, what its events do, who stands at the bench, and its course. */
 #include "world/hostile.h"
 
+#include "canopen/cia402.h"
 #include "core/bytes.h"
+#include "simulation/block_encode.h"
+#include "tumble/sets.h"
 
 #include <string.h>
 
-#define COMMAND_OBJECT 0x2002U
-#define FIRST_SERVER 0x601U
-#define SECOND_SERVER 0x401U
-#define BLOCK_XY 0x683U
-#define BLOCK_Z 0x693U
-#define ABORT_WAS_REFUSED 0x08000022U
+#define SET_POINT_ID 0x202U
+#define DRIVE_SDO_ID 0x602U
+#define US_PER_S 1e6
+#define RELATIVE_U 1e-4
+#define NEXT_US 1000U    /* from one frame of a group to the next */
+#define NEAR_US 300U     /* as near as the bus allows */
+#define SEGMENT_US 4000U /* from one of a transfer to the next: the server has answered by then */
+#define SPOILS 0x55U
+
+/* The memory: what it begins with, and what a loss of power leaves in it. */
+
+static void settle(tumble_store_t *store)
+{
+    while (tumble_store_step(store) == TUMBLE_E_PORT_BUSY) {
+    }
+}
+
+/* An active set, true to this block, as an earlier calibration would have left it. */
+static void write_set(bench_life_t *life)
+{
+    static tumble_store_t store;
+    const bench_plan_t *const plan = life->plan;
+    tumble_set_t set = {.estimator = (uint8_t)plan->config.procedure.estimate,
+                        .flags = TUMBLE_SET_HAS_UNCERTAINTY,
+                        .coefficients = life->world.truth.block};
+    memcpy(set.block_serial, plan->config.keeping.serial, strlen(plan->config.keeping.serial));
+    set.date_utc_s = (plan->utc_s != 0U) ? plan->utc_s - 86400U : 0U;
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        for (int j = 0; j < TUMBLE_CHANNELS; j++) {
+            set.uncertainty.k_v_per_g[i][j] = RELATIVE_U;
+        }
+        set.uncertainty.u0_v[i] = RELATIVE_U;
+    }
+    (void)tumble_store_init(&store, &life->nv.nv);
+    settle(&store);
+    (void)tumble_store_commit(&store, &set);
+    settle(&store);
+}
+
+static void prepare_memory(bench_life_t *life)
+{
+    sim_nv_init(&life->nv, &life->world.clock);
+    if (life->plan->has_set) {
+        write_set(life);
+    }
+    life->nv.erase_us = life->plan->erase_us;
+    life->nv.program_us = life->plan->program_us;
+}
+
+/* Each granule is as it was to be, or holds anything: half programmed bits, or nothing that makes sense. */
+static void tear_memory(bench_life_t *life, sim_random_t *stream)
+{
+    sim_nv_t *const nv = &life->nv;
+    if (nv->size == 0U || life->world.clock.now_us >= nv->until_us) {
+        return;
+    }
+    const double share = sim_random_unit(stream);
+    for (uint32_t i = 0; i < nv->size; i += SIM_NV_GRANULE) {
+        if (!bench_chance(stream, share)) {
+            continue;
+        }
+        const uint64_t garbage = sim_random_u64(stream);
+        for (uint32_t b = 0; b < SIM_NV_GRANULE; b++) {
+            nv->bytes[nv->offset + i + b] |= (uint8_t)(garbage >> 8 * b);
+        }
+        if (bench_chance(stream, 0.5)) {
+            memcpy(&nv->bytes[nv->offset + i], &garbage, SIM_NV_GRANULE);
+        }
+    }
+}
+
+/* FNV-1a */
+static uint64_t hash(const uint8_t *bytes, uint32_t size)
+{
+    uint64_t found = 14695981039346656037U;
+    for (uint32_t i = 0; i < size; i++) {
+        found = (found ^ bytes[i]) * 1099511628211U;
+    }
+    return found;
+}
+
+bool bench_life_is_flipped(const bench_life_t *life, const bench_flipped_t *flipped)
+{
+    return hash(&life->nv.bytes[flipped->offset], flipped->size) == flipped->hash;
+}
+
+/* The set with its mark, or the entry of the history, that this byte belongs to: as it is before the flip. */
+static void note_flip(bench_life_t *life, uint32_t first, uint32_t at)
+{
+    const uint32_t region = at / SIM_NV_SECTOR;
+    const bool of_history = region == TUMBLE_REGION_HISTORY || region == TUMBLE_REGION_HISTORY + 1U;
+    const bool of_set = region >= TUMBLE_REGION_SLOT_A && region <= TUMBLE_REGION_PROPOSAL;
+    const uint32_t size = of_history ? TUMBLE_HISTORY_BYTES : TUMBLE_SET_PLACE_BYTES;
+    const uint32_t offset = of_history ? at - at % size : region * SIM_NV_SECTOR;
+    if (!of_history && !(of_set && at < offset + size)) {
+        return;
+    }
+    bench_flipped_t flipped = {.offset = offset, .size = size, .sound = hash(&life->nv.bytes[offset], size)};
+    for (uint32_t i = 0; i < life->flipped_count; i++) {
+        if (life->flipped[i].offset == offset && i >= first) {
+            return;
+        }
+        if (life->flipped[i].offset == offset && life->flipped[i].hash == flipped.sound) {
+            flipped.sound = life->flipped[i].sound; /* nobody has written it since */
+        }
+    }
+    if (life->flipped_count < BENCH_FLIPPED) {
+        life->flipped[life->flipped_count++] = flipped;
+    }
+}
+
+/* Their content from now on. What a second flip has put right is none. */
+static void take_flipped(bench_life_t *life, uint32_t first)
+{
+    uint32_t kept = first;
+    for (uint32_t i = first; i < life->flipped_count; i++) {
+        bench_flipped_t flipped = life->flipped[i];
+        flipped.hash = hash(&life->nv.bytes[flipped.offset], flipped.size);
+        life->flipped[kept] = flipped;
+        kept += (flipped.hash != flipped.sound) ? 1U : 0U;
+    }
+    life->flipped_count = kept;
+}
+
+/* Anywhere, or as often in a mark, which is small and decides. */
+static uint32_t draw_place(sim_random_t *stream)
+{
+    const uint32_t region = TUMBLE_REGION_SLOT_A + bench_pick(stream, 3);
+    return bench_chance(stream, 0.5) ? bench_pick(stream, SIM_NV_BYTES)
+                                     : region * SIM_NV_SECTOR + TUMBLE_SET_BYTES + bench_pick(stream, 8);
+}
+
+/* Where something is written: an erased byte means nothing to anyone. */
+static void flip_bits(bench_life_t *life, sim_random_t *stream, uint32_t count)
+{
+    const uint32_t first = life->flipped_count;
+    for (uint32_t flipped = 0, tries = 0; flipped < count && tries < 20000U; tries++) {
+        const uint32_t at = draw_place(stream);
+        if (life->nv.bytes[at] != 0xFFU) {
+            note_flip(life, first, at);
+            life->nv.bytes[at] ^= (uint8_t)(1U << bench_pick(stream, 8));
+            life->counts.flips++;
+            flipped++;
+        }
+    }
+    take_flipped(life, first);
+}
+
+/* Power of the computer, and commands to it. */
+
+static tumble_status_t give_command(bench_life_t *life, tumble_command_t command, uint8_t argument)
+{
+    if (life->world.off) {
+        return TUMBLE_E_STATE;
+    }
+    if (command != TUMBLE_COMMAND_ABORT) {
+        bench_watch_commanded(life);
+    }
+    const tumble_status_t status = tumble_navcomp_command(&life->world.navcomp, command, argument);
+    if (status == TUMBLE_OK) {
+        bench_watch_decide(life, command, false);
+    }
+    if (command == TUMBLE_COMMAND_ABORT) {
+        bench_watch_ended(life);
+    }
+    sim_clock_set(&life->world.clock, SIM_ACTOR_NAVCOMP, life->world.clock.now_us);
+    return status;
+}
+
+static void boot(bench_life_t *life)
+{
+    bench_world_t *const world = &life->world;
+    memset(&life->keeper, 0x5A, sizeof life->keeper);
+    life->keeper.config = &life->keeper_config;
+    if (tumble_navcomp_init(&world->navcomp, &world->navcomp_config) != TUMBLE_OK) {
+        bench_watch_break(life, BENCH_BROKEN_BENCH, 0.0, 0);
+        return;
+    }
+    if (life->plan->utc_s != 0U) {
+        (void)tumble_sets_set_utc(&life->keeper.sets, life->plan->utc_s + world->clock.now_us / 1000000U);
+    }
+    world->mark = BENCH_LOOK_AGAIN;
+    sim_clock_set(&world->clock, SIM_ACTOR_NAVCOMP, world->clock.now_us);
+}
+
+static void cut_power(bench_life_t *life, const bench_event_t *event)
+{
+    sim_random_t stream;
+    bench_world_t *const world = &life->world;
+    if (world->off) {
+        return;
+    }
+    sim_random_open(&stream, life->plan->seed, SIM_CAUSE_LIFE, BENCH_STREAM_EVENT + event->number);
+    const tumble_state_t state = world->progress.state;
+    life->run_was_on = state != TUMBLE_STATE_IDLE && state != TUMBLE_STATE_DONE && state != TUMBLE_STATE_ABORT;
+    life->counts.held += tumble_sets_counters(&life->keeper.sets)->held;
+    world->off = true;
+    sim_bus_set_down(&world->bus, BENCH_BUS_NAVCOMP, true);
+    sim_clock_set(&world->clock, SIM_ACTOR_NAVCOMP, SIM_NEVER);
+    tear_memory(life, &stream);
+    life->nv.size = 0;
+    if (event->count > 0U) {
+        bench_watch_excuse(life, BENCH_EXCUSE_FLIPPED);
+        flip_bits(life, &stream, event->count);
+    }
+    bench_watch_ended(life);
+    life->watch.decided_us = (life->watch.decided_us >= world->clock.now_us) ? SIM_NEVER : 0U;
+    life->attend_us = SIM_NEVER;
+    life->power_us = world->clock.now_us + event->off_us;
+}
+
+static void power_on(bench_life_t *life)
+{
+    bench_world_t *const world = &life->world;
+    life->power_us = SIM_NEVER;
+    world->off = false;
+    sim_bus_set_down(&world->bus, BENCH_BUS_NAVCOMP, true); /* what had come for nobody */
+    sim_bus_set_down(&world->bus, BENCH_BUS_NAVCOMP, false);
+    bench_watch_power_on(life);
+    boot(life);
+    life->attend_us = life->run_was_on ? world->clock.now_us + 1500000U : SIM_NEVER;
+}
+
+/* What an event does when its moment has come. */
+
+/* A frame of the stranger, now or later. */
+static void send_frame(bench_life_t *life, const tumble_can_frame_t *frame, uint32_t after_us)
+{
+    if (after_us == 0U) {
+        (void)sim_bus_send(&life->world.bus, BENCH_BUS_GUEST, frame);
+    } else if (life->queued < BENCH_LIFE_QUEUE) {
+        life->queue[life->queued++] = (bench_follower_t){life->world.clock.now_us + after_us, *frame};
+    }
+}
+
+/* Commands over CAN: argument or angle, then the command. */
+
+static uint32_t send_angle(bench_life_t *life, double angle_deg)
+{
+    tumble_can_frame_t frame = {.id = 0x601, .length = 8, .data = {0x21, 0x02, 0x20, 0x03, 8}};
+    uint8_t bytes[8];
+    tumble_put_f64(bytes, angle_deg);
+    send_frame(life, &frame, 0);
+    frame = (tumble_can_frame_t){.id = 0x601, .length = 8, .data = {0x00}};
+    for (int i = 0; i < 7; i++) {
+        frame.data[1 + i] = bytes[i];
+    }
+    send_frame(life, &frame, SEGMENT_US);
+    frame = (tumble_can_frame_t){.id = 0x601, .length = 8, .data = {0x1D, bytes[7]}};
+    send_frame(life, &frame, 2U * SEGMENT_US);
+    return 3U * SEGMENT_US;
+}
+
+static void send_command(bench_life_t *life, const bench_event_t *event)
+{
+    tumble_can_frame_t frame;
+    uint32_t after_us = 0;
+    if (event->command == TUMBLE_COMMAND_TURN_AXIS) {
+        after_us = send_angle(life, event->angle_deg);
+    } else if (event->argument != 0U) {
+        bench_frame_write(&frame, 1, 0x2002, 1, 1, event->argument);
+        send_frame(life, &frame, 0);
+        after_us = SEGMENT_US;
+    }
+    bench_frame_write(&frame, 1, 0x2002, 2, 1, (uint32_t)event->command);
+    send_frame(life, &frame, after_us);
+}
+
+static void command(bench_life_t *life, const bench_event_t *event)
+{
+    if (!event->by_host) {
+        send_command(life, event);
+    } else if (event->command != TUMBLE_COMMAND_TURN_AXIS) {
+        (void)give_command(life, event->command, event->argument);
+    } else if (!life->world.off) {
+        bench_watch_commanded(life);
+        (void)tumble_navcomp_turn(&life->world.navcomp, event->angle_deg);
+    }
+}
+
+/* Frames made of what there is at this moment. */
+
+static int32_t counts_of(const bench_life_t *life, double angle_deg)
+{
+    const sim_drive_config_t *const drive = &life->plan->config.scenario.drive;
+    return (int32_t)(angle_deg * (double)drive->sign * (double)drive->counts_per_turn / 360.0);
+}
+
+static int32_t wrapped(const bench_life_t *life, int32_t counts)
+{
+    const int32_t wrap = (int32_t)life->plan->config.scenario.drive.wrap_counts;
+    const int32_t within = (wrap > 0) ? counts % wrap : counts;
+    return (within < 0 && wrap > 0) ? within + wrap : within;
+}
+
+/* Reports with the drive's own statusword, each this much further than the one before. */
+static void forge_positions(bench_life_t *life, const bench_event_t *event)
+{
+    const tumble_drive_objects_t *const objects = &life->world.drive.objects;
+    int32_t counts = objects->position_actual_value;
+    for (uint32_t i = 0; i < event->count; i++) {
+        tumble_can_frame_t frame = {.id = 0x182, .length = 6};
+        counts = wrapped(life, counts + counts_of(life, event->angle_deg));
+        tumble_put_u16(&frame.data[0], objects->statusword);
+        tumble_put_i32(&frame.data[2], counts);
+        send_frame(life, &frame, i * ((event->kind == BENCH_HOSTILE_NEAR_POSITION) ? NEAR_US : NEXT_US));
+    }
+}
+
+/* The target, and then the edge: as process data, or by SDO. */
+static void forge_set_point(bench_life_t *life, const bench_event_t *event)
+{
+    static const uint16_t CONTROLS[] = {0x000F, 0x003F, 0x000F};
+    const double from_deg = event->relative ? life->world.drive.target_deg : 0.0;
+    const int32_t target = wrapped(life, counts_of(life, from_deg + event->angle_deg));
+    tumble_can_frame_t frame = {.id = 0x202, .length = 6};
+    tumble_put_i32(&frame.data[2], target);
+    if (event->kind == BENCH_HOSTILE_SDO_SET_POINT) {
+        bench_frame_write(&frame, 2, TUMBLE_402_TARGET_POSITION, 0, 4, (uint32_t)target);
+        send_frame(life, &frame, 0);
+    }
+    for (uint32_t i = 0; i < 3U; i++) {
+        if (event->kind == BENCH_HOSTILE_SDO_SET_POINT) {
+            bench_frame_write(&frame, 2, TUMBLE_402_CONTROLWORD, 0, 2, CONTROLS[i]);
+            send_frame(life, &frame, (i + 1U) * SEGMENT_US);
+            continue;
+        }
+        tumble_put_u16(&frame.data[0], CONTROLS[i]);
+        send_frame(life, &frame, i * 3U * NEXT_US);
+    }
+}
+
+static void forge_sample(bench_life_t *life, const bench_event_t *event)
+{
+    const sim_block_t *const block = &life->world.block;
+    sim_block_frames_t frames;
+    tumble_block_sample_t sample = {.raw.counter = (uint16_t)block->counter,
+                                    .timestamp_ms =
+                                        (uint16_t)((life->world.clock.now_us - block->powered_us) / 1000U % 4096U),
+                                    .temperature_half_c = 50};
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        sample.raw.counts[i] = block->sensor.last[i] + event->counts;
+    }
+    sim_block_encode(&sample, &frames);
+    if (event->kind == BENCH_HOSTILE_SPOILT_SAMPLE) {
+        frames.z.data[7] ^= SPOILS;
+    } else {
+        bench_watch_excuse(life, BENCH_EXCUSE_SAMPLE);
+    }
+    send_frame(life, &frames.xy, 0);
+    send_frame(life, &frames.z, 0);
+}
+
+static bool is_download(const tumble_can_frame_t *frame)
+{
+    return frame->id == DRIVE_SDO_ID && frame->length > 0U && (frame->data[0] & 0xE0U) <= 0x20U;
+}
+
+static bool is_of_motion(const tumble_can_frame_t *frame)
+{
+    const uint16_t index = (uint16_t)(frame->data[1] | frame->data[2] << 8);
+    return index == TUMBLE_402_CONTROLWORD || index == TUMBLE_402_TARGET_POSITION;
+}
+
+/* What the navigation computer reads back before a motion. */
+static bool is_read_back(const tumble_can_frame_t *frame)
+{
+    const uint16_t index = (uint16_t)(frame->data[1] | frame->data[2] << 8);
+    return index == TUMBLE_402_PROFILE_VELOCITY || index == TUMBLE_402_PROFILE_ACCELERATION ||
+           index == TUMBLE_402_SOFTWARE_LIMIT;
+}
+
+static bool hits(const sim_fault_t *fault, uint16_t id)
+{
+    return (id & fault->mask) == (fault->id & fault->mask);
+}
+
+static bool rewrites_drive(const bench_event_t *event)
+{
+    if (event->kind == BENCH_HOSTILE_FAULT) {
+        return event->fault.kind == SIM_FAULT_FRAME_CORRUPT && hits(&event->fault, DRIVE_SDO_ID);
+    }
+    const bool is_frame = event->kind >= BENCH_HOSTILE_SDO_NAVCOMP;
+    return is_frame && is_download(&event->frame) &&
+           !((event->frame.data[0] & 0xE0U) == 0x20U && (is_of_motion(&event->frame) || is_read_back(&event->frame)));
+}
+
+static bool commands_drive(const bench_event_t *event)
+{
+    const sim_fault_kind_t kind = event->fault.kind;
+    if (event->kind == BENCH_HOSTILE_FAULT) {
+        return (kind == SIM_FAULT_FRAME_CORRUPT || kind == SIM_FAULT_FRAME_DELAY || kind == SIM_FAULT_FRAME_REORDER) &&
+               hits(&event->fault, SET_POINT_ID);
+    }
+    return event->kind == BENCH_HOSTILE_SET_POINT || event->kind == BENCH_HOSTILE_SDO_SET_POINT ||
+           (event->kind >= BENCH_HOSTILE_SDO_NAVCOMP &&
+            (event->frame.id == SET_POINT_ID || (is_download(&event->frame) && is_of_motion(&event->frame))));
+}
+
+static void note_excuses(bench_life_t *life, const bench_event_t *event)
+{
+    if (commands_drive(event)) {
+        bench_watch_excuse(life, BENCH_EXCUSE_COMMANDED);
+    }
+    if (rewrites_drive(event)) {
+        bench_watch_excuse(life, BENCH_EXCUSE_REWRITTEN);
+    }
+}
+
+static void excuse_fault(bench_life_t *life, const sim_fault_t *fault)
+{
+    const bench_event_t event = {.kind = BENCH_HOSTILE_FAULT, .fault = *fault};
+    note_excuses(life, &event);
+    if (fault->kind == SIM_FAULT_STEP) {
+        bench_watch_excuse(life, BENCH_EXCUSE_STEP);
+    } else if (fault->kind == SIM_FAULT_SLIP) {
+        bench_watch_excuse(life, BENCH_EXCUSE_SLIP);
+    } else if (fault->kind == SIM_FAULT_SWAPPED || fault->kind == SIM_FAULT_INVERTED) {
+        bench_watch_excuse(life, BENCH_EXCUSE_CHANNEL);
+    } else if (fault->kind == SIM_FAULT_NEVER_REACHED &&
+               fault->value < life->plan->config.procedure.position_tolerance_deg) {
+        bench_watch_excuse(life, BENCH_EXCUSE_SHORT);
+    }
+}
+
+static void act_on_event(bench_life_t *life, const bench_event_t *event)
+{
+    life->counts.events[event->kind]++;
+    note_excuses(life, event);
+    switch (event->kind) {
+    case BENCH_HOSTILE_COMMAND:
+        command(life, event);
+        break;
+    case BENCH_HOSTILE_CUT:
+        cut_power(life, event);
+        break;
+    case BENCH_HOSTILE_SET_POINT:
+    case BENCH_HOSTILE_SDO_SET_POINT:
+        forge_set_point(life, event);
+        break;
+    case BENCH_HOSTILE_POSITION:
+    case BENCH_HOSTILE_NEAR_POSITION:
+        forge_positions(life, event);
+        break;
+    case BENCH_HOSTILE_SAMPLE:
+    case BENCH_HOSTILE_SPOILT_SAMPLE:
+        forge_sample(life, event);
+        break;
+    default:
+        send_frame(life, &event->frame, 0);
+        break;
+    }
+}
+
+/* Who stands at the bench: he mounts the block and confirms, mends faults, and goes on after a loss of power. */
+
+static void attend_to(bench_life_t *life, const tumble_progress_t *progress)
+{
+    const bench_attendant_t *const attendant = &life->plan->attendant;
+    double after_s = -1.0;
+    if (progress->state == TUMBLE_STATE_WAIT_MOUNTING) {
+        after_s = attendant->mount_s;
+    } else if (progress->state == TUMBLE_STATE_FAULT && life->mended < attendant->mends) {
+        after_s = attendant->mend_s;
+    }
+    life->attend_us = (after_s >= 0.0) ? life->world.clock.now_us + (uint64_t)(after_s * US_PER_S) : SIM_NEVER;
+}
+
+static void mount(bench_life_t *life, uint8_t asked)
+{
+    const bool errs = life->plan->attendant.errs && !life->erred && asked == 2U;
+    life->erred = life->erred || errs;
+    const uint8_t number = errs ? 1U : asked;
+    if (life->lies != number) {
+        life->lies = number;
+        bench_world_mount(&life->world, (uint8_t)(number - 1U));
+    }
+    (void)give_command(life, TUMBLE_COMMAND_CONFIRM_MOUNTING, asked);
+}
+
+static void mend(bench_life_t *life, const tumble_progress_t *progress)
+{
+    life->mended++;
+    bench_fault_script_mend(&life->world);
+    if (bench_person_must_mount(progress->reason)) {
+        mount(life, progress->mounting);
+    } else {
+        (void)give_command(life, TUMBLE_COMMAND_RESUME, 0);
+    }
+}
+
+/* After a loss of power a run that was on goes on, or begins anew. */
+static void go_on(bench_life_t *life)
+{
+    tumble_sets_state_t state;
+    tumble_sets_state(&life->keeper.sets, &state);
+    const bool resumes = life->plan->attendant.resumes && state.resumable > 0U;
+    life->run_was_on = false;
+    (void)give_command(life, resumes ? TUMBLE_COMMAND_RESUME : TUMBLE_COMMAND_START, 0);
+}
+
+static void attend(bench_life_t *life)
+{
+    const tumble_progress_t progress = life->world.progress;
+    life->attend_us = SIM_NEVER;
+    if (life->world.off) {
+        return;
+    }
+    if (progress.state == TUMBLE_STATE_WAIT_MOUNTING) {
+        mount(life, progress.mounting);
+        attend_to(life, &progress); /* again, should it be refused */
+    } else if (progress.state == TUMBLE_STATE_FAULT) {
+        mend(life, &progress);
+    } else if (progress.state == TUMBLE_STATE_IDLE && life->run_was_on) {
+        go_on(life);
+    }
+}
 
 /* What the world tells. */
 
@@ -50,18 +565,8 @@ static void on_change(void *context, const tumble_progress_t *progress)
 {
     bench_life_t *const life = context;
     bench_watch_change(life, progress);
-    bench_watch_means(life);
-    bench_life_attend_to(life, progress);
+    attend_to(life, progress);
     look_at_waiting(life);
-    if (progress->state == TUMBLE_STATE_DONE) {
-        bench_watch_read_all(life);
-    }
-}
-
-static bool is_write(const tumble_can_frame_t *frame, uint16_t index, uint8_t subindex)
-{
-    return frame->length == 8U && (frame->data[0] & 0xE0U) == 0x20U && frame->data[1] == (index & 0xFFU) &&
-           frame->data[2] == index >> 8 && frame->data[3] == subindex;
 }
 
 static void on_sample(void *context, tumble_taken_t taken, const tumble_block_sample_t *sample)
@@ -69,56 +574,11 @@ static void on_sample(void *context, tumble_taken_t taken, const tumble_block_sa
     bench_watch_sample(context, taken, sample);
 }
 
-/* The computer answers a write: taken, or why not. */
-static void note_answer(bench_life_t *life, const tumble_can_frame_t *frame)
-{
-    const uint16_t index = (uint16_t)(frame->data[1] | frame->data[2] << 8);
-    const bool taken = frame->data[0] == 0x60U;
-    const uint32_t code =
-        (uint32_t)(frame->data[4] | frame->data[5] << 8 | frame->data[6] << 16) | (uint32_t)frame->data[7] << 24;
-    if (index == COMMAND_OBJECT && frame->data[3] == 2U && life->abort_asked) {
-        life->abort_asked = false;
-        if (taken || (frame->data[0] == 0x80U && code == ABORT_WAS_REFUSED)) {
-            bench_watch_ended(life);
-        }
-    }
-    if (index == COMMAND_OBJECT && frame->data[3] == 2U && frame->data[0] == 0x80U) {
-        bench_watch_decide(life, life->command_asked, true);
-    }
-    if (taken) {
-        bench_watch_written(life, index, frame->data[3]);
-    }
-    if (taken && (index == 0x2050U || (index >= 0x2122U && index <= 0x2126U))) {
-        bench_watch_excuse(life, BENCH_EXCUSE_RULES);
-    }
-}
-
 /* As it is delivered: whatever a fault has made of it. */
 static void on_frame(void *context, uint64_t time_us, uint8_t sender, const tumble_can_frame_t *frame)
 {
-    bench_life_t *const life = context;
     (void)time_us;
-    if (frame->id == FIRST_SERVER || frame->id == SECOND_SERVER) {
-        bench_watch_request(life, frame);
-    } else if (frame->id == BLOCK_XY || frame->id == BLOCK_Z) {
-        bench_watch_block_frame(life, frame);
-    } else if (frame->id == 0U && frame->length == 2U && (frame->data[0] == 0x81U || frame->data[0] == 0x82U) &&
-               frame->data[1] <= 1U) {
-        life->watch.level_until_us = 0; /* reset */
-    }
-    if (frame->id == FIRST_SERVER && sender != BENCH_BUS_NAVCOMP && is_write(frame, COMMAND_OBJECT, 2)) {
-        life->command_asked = (tumble_command_t)frame->data[4];
-        life->abort_asked = frame->data[4] == TUMBLE_COMMAND_ABORT;
-        bench_watch_decide(life, life->command_asked, false);
-        if (!life->abort_asked) {
-            bench_watch_commanded(life);
-        }
-    } else if (sender == BENCH_BUS_NAVCOMP && (frame->id == 0x581U || frame->id == 0x381U) && frame->length == 8U) {
-        note_answer(life, frame);
-    } else if (sender == BENCH_BUS_NAVCOMP && frame->id == 0x081U && frame->length == 8U &&
-               tumble_get_u16(frame->data) == TUMBLE_KEEPER_EMCY_DECAYED) {
-        life->watch.told = true;
-    }
+    bench_watch_frame(context, sender, frame);
 }
 
 /* The course. */
@@ -150,7 +610,7 @@ static void act_on_due(bench_life_t *life)
             life->waits[i] = true;
             life->waiting_for_writing += event->moment.writing ? 1U : 0U;
         } else {
-            bench_life_act(life, event);
+            act_on_event(life, event);
         }
     }
     look_at_waiting(life);
@@ -170,10 +630,10 @@ static void act(bench_life_t *life)
 {
     const uint64_t now_us = life->world.clock.now_us;
     if (life->power_us <= now_us) {
-        bench_life_power_on(life);
+        power_on(life);
     }
     if (life->attend_us <= now_us) {
-        bench_life_attend(life);
+        attend(life);
     }
     send_followers(life);
     if (life->next_us <= now_us) {
@@ -186,7 +646,7 @@ static void note_faults(bench_life_t *life)
 {
     for (uint32_t i = 0; i < life->plan->config.scenario.fault_count; i++) {
         if (life->world.script.states[i].in_force) {
-            bench_life_excuse_fault(life, &life->plan->config.scenario.faults[i]);
+            excuse_fault(life, &life->plan->config.scenario.faults[i]);
         }
     }
 }
@@ -255,13 +715,13 @@ static void compose(bench_life_t *life)
         .stand_view = tumble_stand_view,
         .stand_memory = &life->stand_memory,
     };
-    bench_life_prepare_memory(life);
+    prepare_memory(life);
     life->watch.has_set = life->plan->has_set;
     life->watch.counter = life->plan->has_set ? 1U : 0U;
     world->port.nv = &life->nv.nv;
     world->navcomp_config.keeping = &tumble_keeper_calls;
     world->navcomp_config.keeper = &life->keeper;
-    bench_life_boot(life);
+    boot(life);
 }
 
 /* What came to pass of the faults; and what there was at the end. */
@@ -289,50 +749,4 @@ void bench_life_run(bench_life_t *life, bench_plan_t *plan)
     while (advance(life)) {
     }
     sum_up(life);
-}
-
-/* The fewest events that are enough. */
-
-static void take_out(bench_plan_t *plan, uint32_t first, uint32_t count)
-{
-    memmove(&plan->events[first], &plan->events[first + count], (plan->count - first - count) * sizeof plan->events[0]);
-    plan->count -= count;
-}
-
-static bool breaks(bench_plan_t *plan, bench_life_t *life, bench_broken_t kind)
-{
-    bench_life_run(life, plan);
-    return life->watch.violation.kind == kind;
-}
-
-/* One round with pieces of this size. True: something went. */
-static bool one_round(bench_plan_t *plan, bench_life_t *life, bench_broken_t kind, uint32_t size)
-{
-    static bench_event_t kept[BENCH_PLAN_EVENTS];
-    bool shrunk = false;
-    uint32_t at = 0;
-    while (at < plan->count) {
-        const uint32_t before = plan->count;
-        const uint32_t piece = (size < before - at) ? size : before - at;
-        memcpy(kept, plan->events, sizeof kept);
-        take_out(plan, at, piece);
-        if (breaks(plan, life, kind)) {
-            shrunk = true;
-        } else {
-            memcpy(plan->events, kept, sizeof kept);
-            plan->count = before;
-            at += piece;
-        }
-    }
-    return shrunk;
-}
-
-void bench_plan_shrink(bench_plan_t *plan, bench_life_t *life, bench_broken_t kind)
-{
-    for (uint32_t size = (plan->count + 1U) / 2U; size > 1U; size = (size + 1U) / 2U) {
-        (void)one_round(plan, life, kind, size);
-    }
-    while (one_round(plan, life, kind, 1)) {
-    }
-    (void)breaks(plan, life, kind);
 }

@@ -1,3 +1,4 @@
+/* What must hold, held against the simulation's truth: of the table, of the computer's own counts, of the sets. */
 #include "world/hostile.h"
 
 #include "core/averaging_state.h"
@@ -7,6 +8,27 @@
 
 #include <math.h>
 #include <string.h>
+
+#define COMMAND_OBJECT 0x2002U
+#define FIRST_SERVER 0x601U
+#define SECOND_SERVER 0x401U
+#define BLOCK_XY 0x683U
+#define BLOCK_Z 0x693U
+#define ABORT_WAS_REFUSED 0x08000022U
+#define KEY_OBJECT 0x2006U
+
+#define REST_US 6000000U
+#define NOTICE_US 1000000U /* a stranger's set-point is noticed, and the table stops, by then */
+#define HOMING_DEG 900.0   /* cable and a turn, braking, and what is turned until a homing that does not end is */
+#define SPEED_EXCESS 1.02
+#define TRUTH_COVERAGE 6.0
+#define CABLE_TOLERANCE_DEG 5.0
+#define PEACE_US 1000000U /* it has stood for so long: it rests */
+#define PLACE_DEG 0.5     /* errors of the stand, and its swing */
+#define LEVEL_US 60000000U
+#define LATE_US 200000U /* the firmware looks at its clock every 100 ms at least */
+#define TOLD_US 2000000U
+#define DECIDED_US 5000000U /* what is decided is done by then */
 
 /* What is noted for all invariants. */
 
@@ -36,7 +58,7 @@ void bench_watch_excuse(bench_life_t *life, bench_excuse_t excuse)
     }
 }
 
-bool bench_watch_has_excuse(const bench_life_t *life, bench_excuse_t excuse)
+static bool has_excuse(const bench_life_t *life, bench_excuse_t excuse)
 {
     return (life->watch.excuses >> excuse & 1U) != 0U;
 }
@@ -49,42 +71,11 @@ void bench_watch_commanded(bench_life_t *life)
 
 /* The table, and what a state shows. */
 
-#define PEACE_US 1000000U /* it has stood for so long: it rests */
-
 void bench_watch_ended(bench_life_t *life)
 {
     if (life->watch.rest_us == SIM_NEVER && !life->watch.peace) {
-        life->watch.rest_us = life->world.clock.now_us + BENCH_REST_US;
+        life->watch.rest_us = life->world.clock.now_us + REST_US;
         life->watch.still_us = SIM_NEVER; /* what is on its way to the drive may still set it in motion */
-    }
-}
-
-static bool is_of_a_run(tumble_state_t state)
-{
-    return state != TUMBLE_STATE_IDLE && state != TUMBLE_STATE_DONE && state != TUMBLE_STATE_ABORT &&
-           state != TUMBLE_STATE_FAULT;
-}
-
-void bench_watch_change(bench_life_t *life, const tumble_progress_t *progress)
-{
-    const bool was_on = is_of_a_run(life->watch.state);
-    const tumble_state_t state = progress->state;
-    const bool changed = state != life->watch.state;
-    const bool waited = !was_on && life->watch.state != TUMBLE_STATE_FAULT;
-    const bool may_begin = !was_on && (changed || state == TUMBLE_STATE_ABORT); /* and failed or aborted at once */
-    bench_watch_count_run(life, waited && is_of_a_run(state), may_begin);
-    life->watch.state = state;
-    if (is_of_a_run(state)) {
-        life->watch.level_until_us = 0; /* it ends with the beginning of a run */
-    } else if (state == TUMBLE_STATE_DONE && changed) {
-        bench_watch_may_go(life, true); /* the new result takes its place */
-    }
-    if ((state == TUMBLE_STATE_FAULT || state == TUMBLE_STATE_ABORT) && progress->reason == TUMBLE_REASON_NONE) {
-        bench_watch_break(life, BENCH_BROKEN_REASON, 0.0, (uint32_t)state);
-    }
-    if (changed && !is_of_a_run(state) && (was_on || state != TUMBLE_STATE_IDLE)) {
-        bench_watch_ended(life);
-        life->counts.ends[state][progress->reason]++;
     }
 }
 
@@ -95,16 +86,15 @@ static double braking_deg(const sim_drive_config_t *drive)
 }
 
 /* A stranger has commanded the drive so lately that the computer need not have noticed. */
-static bool is_excused(const bench_life_t *life)
+static bool is_excusable(const bench_life_t *life)
 {
     const bench_watch_t *const watch = &life->watch;
-    return bench_watch_has_excuse(life, BENCH_EXCUSE_COMMANDED) &&
-           life->world.clock.now_us < watch->commanded_us + BENCH_NOTICE_US;
+    return has_excuse(life, BENCH_EXCUSE_COMMANDED) && life->world.clock.now_us < watch->commanded_us + NOTICE_US;
 }
 
 static bench_broken_t blamed(const bench_life_t *life, bench_broken_t otherwise)
 {
-    return bench_watch_has_excuse(life, BENCH_EXCUSE_COMMANDED) ? BENCH_BROKEN_FOREIGN : otherwise;
+    return has_excuse(life, BENCH_EXCUSE_COMMANDED) ? BENCH_BROKEN_FOREIGN : otherwise;
 }
 
 /* A table that stands for a moment, say between the search for the mark and the way back to it, does not rest. */
@@ -122,7 +112,7 @@ static void look_at_rest(bench_life_t *life, bool moves, double deg)
     bench_watch_t *const watch = &life->watch;
     const uint64_t now_us = life->world.clock.now_us;
     look_for_peace(watch, now_us, moves);
-    if (!moves || is_excused(life)) {
+    if (!moves || is_excusable(life)) {
         return;
     }
     if (watch->rest_us != SIM_NEVER && now_us >= watch->rest_us) {
@@ -138,11 +128,11 @@ static void look_at_cable(bench_life_t *life, bool moves, double deg)
     const bench_config_t *const config = &life->plan->config;
     const sim_drive_config_t *const drive = &config->scenario.drive;
     const double unseen_deg = drive->speed_deg_s * 1e-6 * drive->report_us; /* between two reports */
-    const double tolerance_deg = BENCH_CABLE_TOLERANCE_DEG + unseen_deg + braking_deg(drive);
+    const double tolerance_deg = CABLE_TOLERANCE_DEG + unseen_deg + braking_deg(drive);
     const double last_deg = life->watch.last_deg;
     const bool below = deg < config->procedure.cable_min_deg - tolerance_deg && deg < last_deg;
     const bool above = deg > config->procedure.cable_max_deg + tolerance_deg && deg > last_deg;
-    if (moves && (below || above) && !is_excused(life)) {
+    if (moves && (below || above) && !is_excusable(life)) {
         bench_watch_break(life, blamed(life, BENCH_BROKEN_CABLE), deg, (uint32_t)life->watch.state);
     }
 }
@@ -165,7 +155,7 @@ static void look_at_homing(bench_life_t *life, bool moves, double deg)
         watch->searches = false;
     }
     watch->homing = homing;
-    if (watch->searches && fabs(deg - watch->from_deg) > BENCH_HOMING_DEG) {
+    if (watch->searches && fabs(deg - watch->from_deg) > HOMING_DEG) {
         bench_watch_break(life, BENCH_BROKEN_HOMING, deg - watch->from_deg, (uint32_t)watch->state);
     }
 }
@@ -177,11 +167,11 @@ static void look_at_speed(bench_life_t *life, double velocity_deg_s, double deg)
     const uint64_t now_us = life->world.clock.now_us;
     const tumble_drive_profile_t *const profile = &life->plan->config.profile;
     const double told_deg_s = is_under_way(watch->homing) ? profile->homing_fast_deg_s : profile->velocity_deg_s;
-    if (fabs(velocity_deg_s) <= told_deg_s * BENCH_SPEED_EXCESS) {
+    if (fabs(velocity_deg_s) <= told_deg_s * SPEED_EXCESS) {
         watch->fast_us = SIM_NEVER;
     } else if (watch->fast_us == SIM_NEVER) {
         watch->fast_us = now_us;
-    } else if (now_us - watch->fast_us > BENCH_NOTICE_US) {
+    } else if (now_us - watch->fast_us > NOTICE_US) {
         bench_watch_break(life, BENCH_BROKEN_SPEED, deg, (uint32_t)watch->state);
     }
 }
@@ -192,7 +182,7 @@ static void look_at_table(bench_life_t *life)
     const uint64_t now_us = world->clock.now_us;
     const bool moves = now_us < sim_axis_end_us(world->axis);
     double velocity_deg_s;
-    if (bench_watch_has_excuse(life, BENCH_EXCUSE_REWRITTEN)) {
+    if (has_excuse(life, BENCH_EXCUSE_REWRITTEN)) {
         return;
     }
     const double deg = sim_axis_commanded_deg(world->axis, now_us, &velocity_deg_s);
@@ -205,21 +195,7 @@ static void look_at_table(bench_life_t *life)
     life->watch.last_deg = deg;
 }
 
-void bench_watch_look(bench_life_t *life)
-{
-    look_at_table(life);
-    if (!life->world.off) {
-        bench_watch_rules(life);
-        bench_watch_sets(life);
-    }
-}
-
 /* The computer's own counts: service level, run number, samples of a mean. */
-
-#define LEVEL_US 60000000U
-#define LATE_US 200000U /* the firmware looks at its clock every 100 ms at least */
-#define KEY_OBJECT 0x2006U
-#define PLACE_DEG 0.5 /* errors of the stand, and its swing */
 
 /* Service level: nothing but its key opens it, and what it protects is refused without it. */
 
@@ -235,7 +211,7 @@ static bool is_protected(uint16_t index, uint8_t subindex)
     return (index == 0x2050U && subindex == 5U) || (index == 0x2122U && subindex == 6U);
 }
 
-void bench_watch_request(bench_life_t *life, const tumble_can_frame_t *frame)
+static void note_request(bench_life_t *life, const tumble_can_frame_t *frame)
 {
     bench_watch_t *const watch = &life->watch;
     const uint64_t now_us = life->world.clock.now_us;
@@ -249,7 +225,7 @@ void bench_watch_request(bench_life_t *life, const tumble_can_frame_t *frame)
     watch->locked = is_write && now_us > watch->level_until_us + LATE_US;
 }
 
-void bench_watch_written(bench_life_t *life, uint16_t index, uint8_t subindex)
+static void note_written(bench_life_t *life, uint16_t index, uint8_t subindex)
 {
     if (life->watch.locked && is_protected(index, subindex)) {
         bench_watch_break(life, BENCH_BROKEN_LEVEL, 0.0, (uint32_t)index << 8 | subindex);
@@ -279,7 +255,7 @@ static void look_at_number(bench_life_t *life)
     }
 }
 
-void bench_watch_count_run(bench_life_t *life, bool begins, bool may_begin)
+static void count_run(bench_life_t *life, bool begins, bool may_begin)
 {
     bench_watch_t *const watch = &life->watch;
     const uint32_t runs = tumble_service_runs(&life->world.navcomp);
@@ -292,12 +268,6 @@ void bench_watch_count_run(bench_life_t *life, bool begins, bool may_begin)
 }
 
 /* Means: of so many samples as are configured, all different, all of frames that came, at this position of the table. */
-
-void bench_watch_block_frame(bench_life_t *life, const tumble_can_frame_t *frame)
-{
-    bench_collected_t *const collected = &life->watch.collected;
-    collected->frames[collected->next++ % BENCH_RECENT] = *frame;
-}
 
 static bool has_come(const bench_collected_t *collected, const tumble_can_frame_t *frame)
 {
@@ -358,8 +328,7 @@ static bool is_collected(const bench_life_t *life, uint8_t index, const tumble_a
 {
     const bench_collected_t *const collected = &life->watch.collected;
     return collected->index == index && collected->count == average->samples &&
-           (average->samples == life->plan->config.procedure.samples ||
-            bench_watch_has_excuse(life, BENCH_EXCUSE_RULES)) &&
+           (average->samples == life->plan->config.procedure.samples || has_excuse(life, BENCH_EXCUSE_RULES)) &&
            memcmp(collected->sum, average->sum_counts, sizeof collected->sum) == 0;
 }
 
@@ -382,7 +351,7 @@ static void look_at_mean(bench_life_t *life, uint8_t index, const tumble_average
     known->means[known->next++ % BENCH_KNOWN] = *average;
 }
 
-void bench_watch_means(bench_life_t *life)
+static void look_at_means(bench_life_t *life)
 {
     const tumble_averaging_t *const averages =
         tumble_procedure_averages(tumble_navcomp_procedure(&life->world.navcomp));
@@ -393,15 +362,312 @@ void bench_watch_means(bench_life_t *life)
     }
 }
 
-void bench_watch_rules(bench_life_t *life)
+/* The coefficient sets, and what can be read. */
+
+/* What excuses coefficients that are off. */
+static bool is_excused(const bench_life_t *life)
 {
-    look_at_level(life);
-    look_at_number(life);
+    static const uint32_t EXCUSES = 1U << BENCH_EXCUSE_REWRITTEN | 1U << BENCH_EXCUSE_STEP | 1U << BENCH_EXCUSE_SLIP |
+                                    1U << BENCH_EXCUSE_SHORT | 1U << BENCH_EXCUSE_CHANNEL | 1U << BENCH_EXCUSE_SAMPLE |
+                                    1U << BENCH_EXCUSE_RULES;
+    return (life->watch.excuses & EXCUSES) != 0U;
 }
 
-void bench_watch_begin_again(bench_life_t *life)
+static void compare_with_truth(bench_life_t *life, const tumble_set_t *set)
 {
+    const tumble_coefficients_t *const truth = &life->world.truth.block;
+    double worst = 0.0;
+    uint32_t where = 0;
+    for (uint32_t c = 0; c < TUMBLE_COEFFICIENTS; c++) {
+        const uint32_t row = (c < 9U) ? c / 3U : c - 9U;
+        const double off = (c < 9U) ? set->coefficients.k_v_per_g[row][c % 3U] - truth->k_v_per_g[row][c % 3U]
+                                    : set->coefficients.u0_v[row] - truth->u0_v[row];
+        const double u = (c < 9U) ? set->uncertainty.k_v_per_g[row][c % 3U] : set->uncertainty.u0_v[row];
+        const double ratio = fabs(off) / u;
+        if (!(ratio <= worst)) {
+            worst = ratio;
+            where = c;
+        }
+    }
+    if (!(worst <= TRUTH_COVERAGE)) {
+        bench_watch_break(life, BENCH_BROKEN_TRUTH, worst, where);
+    }
+}
+
+/* Another set is active. */
+static void look_at_new(bench_life_t *life)
+{
+    tumble_set_t set;
+    if (tumble_store_read(&life->keeper.sets.store, TUMBLE_SET_ACTIVE, &set) != TUMBLE_OK ||
+        set.origin != TUMBLE_ORIGIN_COMMITTED) {
+        return;
+    }
+    life->counts.committed++;
+    if (!is_excused(life)) {
+        life->counts.judged++;
+        compare_with_truth(life, &set);
+    }
+}
+
+/* A flipped bit may have hit it. */
+static void bear_decay(bench_life_t *life, bench_broken_t kind, double value)
+{
+    if (!has_excuse(life, BENCH_EXCUSE_FLIPPED)) {
+        bench_watch_break(life, kind, value, life->watch.counter);
+    } else if (life->watch.told_by_us == SIM_NEVER) {
+        life->watch.told_by_us = life->world.clock.now_us + TOLD_US;
+    }
+}
+
+static void look_whether_told(bench_life_t *life)
+{
+    bench_watch_t *const watch = &life->watch;
+    if (watch->told_by_us == SIM_NEVER) {
+        return;
+    }
+    tumble_sets_state_t state;
+    tumble_sets_state(&life->keeper.sets, &state);
+    const bool lacks = !watch->has_set && (state.due & TUMBLE_DUE_NO_SET) != 0; /* which says it */
+    if (watch->told || lacks || (state.due & TUMBLE_DUE_DECAYED) != 0) {
+        watch->told_by_us = SIM_NEVER;
+    } else if (life->world.clock.now_us >= watch->told_by_us) {
+        watch->told_by_us = SIM_NEVER;
+        if (life->counts.flips == 1U) {
+            bench_watch_break(life, BENCH_BROKEN_COUNTER, (double)watch->counter, watch->counter);
+        }
+    }
+}
+
+/* Have bits of the proposal flipped? */
+static bool was_hit(const bench_life_t *life)
+{
+    bool hit = false;
+    for (uint32_t i = 0; i < life->flipped_count; i++) {
+        hit = hit || life->flipped[i].offset == TUMBLE_REGION_PROPOSAL * SIM_NV_SECTOR;
+    }
+    return hit;
+}
+
+/* A proposal stays until somebody decides, or another result takes its place. */
+static void look_at_proposal(bench_life_t *life)
+{
+    bench_watch_t *const watch = &life->watch;
+    const uint32_t proposal = tumble_store_proposal(&life->keeper.sets.store);
+    if (proposal == watch->proposal) {
+        return;
+    }
+    if (watch->proposal != 0U && life->world.clock.now_us > watch->decided_us && !was_hit(life)) {
+        bench_watch_break(life, BENCH_BROKEN_PROPOSAL, (double)proposal, watch->proposal);
+    }
+    watch->proposal = proposal;
+    watch->decided_us = 0;
+}
+
+static void may_go(bench_life_t *life, bool may)
+{
+    life->watch.decided_us = may ? life->world.clock.now_us + DECIDED_US : 0U;
+}
+
+void bench_watch_decide(bench_life_t *life, tumble_command_t command, bool refused)
+{
+    if (command == TUMBLE_COMMAND_ACCEPT || command == TUMBLE_COMMAND_DISCARD || command == TUMBLE_COMMAND_ROLLBACK) {
+        may_go(life, !refused);
+    }
+}
+
+static bool counts_as_valid(const bench_life_t *life, uint32_t offset)
+{
+    const tumble_sets_t *const sets = &life->keeper.sets;
+    const uint32_t region = offset / SIM_NV_SECTOR;
+    if (region <= TUMBLE_REGION_PROPOSAL) {
+        return sets->store.places[region].valid;
+    }
+    const uint32_t cell = offset % SIM_NV_SECTOR / TUMBLE_HISTORY_BYTES;
+    return !tumble_history_busy(&sets->history) &&
+           (sets->history.valid[region - TUMBLE_REGION_HISTORY] >> cell & 1U) != 0U;
+}
+
+static void look_at_flipped(bench_life_t *life)
+{
+    for (uint32_t i = 0; i < life->flipped_count; i++) {
+        const bench_flipped_t *const flipped = &life->flipped[i];
+        if (counts_as_valid(life, flipped->offset) && bench_life_is_flipped(life, flipped)) {
+            bench_watch_break(life, BENCH_BROKEN_DECAYED, 0.0, flipped->offset);
+        }
+    }
+}
+
+static void look_at_sets(bench_life_t *life)
+{
+    bench_watch_t *const watch = &life->watch;
+    const tumble_store_t *const store = &life->keeper.sets.store;
+    if (!store->booted || tumble_store_busy(store)) {
+        return;
+    }
+    const bool has_set = tumble_store_has(store, TUMBLE_SET_ACTIVE);
+    const uint32_t counter = tumble_store_sequence(store);
+    if (watch->has_set && !has_set) {
+        bear_decay(life, BENCH_BROKEN_LOST, 0.0);
+    } else if (counter < watch->counter) {
+        bear_decay(life, BENCH_BROKEN_COUNTER, (double)counter);
+    } else if (counter > watch->counter) {
+        look_at_new(life);
+    }
+    watch->has_set = has_set;
+    watch->counter = counter;
+    look_whether_told(life);
+    look_at_proposal(life);
+    look_at_flipped(life);
+}
+
+void bench_watch_power_on(bench_life_t *life)
+{
+    life->watch.told = false;
+    may_go(life, life->watch.decided_us == SIM_NEVER);
     life->watch.level_until_us = 0;
     life->watch.open_us = SIM_NEVER;
     life->watch.runs = 0;
+}
+
+/* What can be read. */
+
+static bool is_finite(const tumble_entry_t *entry, const uint8_t *bytes)
+{
+    return (entry->type == TUMBLE_TYPE_REAL32) ? isfinite(tumble_get_f32(bytes)) : isfinite(tumble_get_f64(bytes));
+}
+
+static void read_row(bench_life_t *life, const tumble_entry_t *row)
+{
+    tumble_node_t *const node = &life->world.navcomp.node;
+    for (uint32_t object = 0; object <= row->more_objects; object++) {
+        for (uint32_t sub = 0; sub <= row->more_subindices; sub++) {
+            uint8_t bytes[TUMBLE_MAX_OBJECT_BYTES];
+            uint8_t size = 0;
+            const uint16_t index = (uint16_t)(row->index + object);
+            const uint8_t subindex = (uint8_t)(row->subindex + sub);
+            if (tumble_node_read(node, index, subindex, bytes, &size) == TUMBLE_ABORT_NONE && !is_finite(row, bytes)) {
+                bench_watch_break(life, BENCH_BROKEN_FINITE, 0.0, (uint32_t)index << 8 | subindex);
+            }
+        }
+    }
+}
+
+static void read_table(bench_life_t *life, const tumble_object_table_t *table)
+{
+    for (uint32_t i = 0; i < table->count; i++) {
+        const tumble_entry_t *const row = &table->entries[i];
+        const bool real = row->type == TUMBLE_TYPE_REAL32 || row->type == TUMBLE_TYPE_REAL64;
+        if (real && (row->access & TUMBLE_ACCESS_READ) != 0U) {
+            read_row(life, row);
+        }
+    }
+}
+
+void bench_watch_read_all(bench_life_t *life)
+{
+    const tumble_dictionary_t *const dictionary = &life->world.navcomp.node.dictionary;
+    read_table(life, dictionary->table);
+    if (dictionary->extension != NULL) {
+        read_table(life, dictionary->extension->table);
+    }
+}
+
+/* What happens. */
+
+static bool is_of_a_run(tumble_state_t state)
+{
+    return state != TUMBLE_STATE_IDLE && state != TUMBLE_STATE_DONE && state != TUMBLE_STATE_ABORT &&
+           state != TUMBLE_STATE_FAULT;
+}
+
+void bench_watch_change(bench_life_t *life, const tumble_progress_t *progress)
+{
+    const bool was_on = is_of_a_run(life->watch.state);
+    const tumble_state_t state = progress->state;
+    const bool changed = state != life->watch.state;
+    const bool waited = !was_on && life->watch.state != TUMBLE_STATE_FAULT;
+    const bool may_begin = !was_on && (changed || state == TUMBLE_STATE_ABORT); /* and failed or aborted at once */
+    count_run(life, waited && is_of_a_run(state), may_begin);
+    life->watch.state = state;
+    if (is_of_a_run(state)) {
+        life->watch.level_until_us = 0; /* it ends with the beginning of a run */
+    } else if (state == TUMBLE_STATE_DONE && changed) {
+        may_go(life, true); /* the new result takes its place */
+    }
+    if ((state == TUMBLE_STATE_FAULT || state == TUMBLE_STATE_ABORT) && progress->reason == TUMBLE_REASON_NONE) {
+        bench_watch_break(life, BENCH_BROKEN_REASON, 0.0, (uint32_t)state);
+    }
+    if (changed && !is_of_a_run(state) && (was_on || state != TUMBLE_STATE_IDLE)) {
+        bench_watch_ended(life);
+        life->counts.ends[state][progress->reason]++;
+    }
+    look_at_means(life);
+    if (state == TUMBLE_STATE_DONE) {
+        bench_watch_read_all(life);
+    }
+}
+
+static bool is_write(const tumble_can_frame_t *frame, uint16_t index, uint8_t subindex)
+{
+    return frame->length == 8U && (frame->data[0] & 0xE0U) == 0x20U && frame->data[1] == (index & 0xFFU) &&
+           frame->data[2] == index >> 8 && frame->data[3] == subindex;
+}
+
+/* The computer answers a write: taken, or why not. */
+static void note_answer(bench_life_t *life, const tumble_can_frame_t *frame)
+{
+    const uint16_t index = (uint16_t)(frame->data[1] | frame->data[2] << 8);
+    const bool taken = frame->data[0] == 0x60U;
+    const uint32_t code =
+        (uint32_t)(frame->data[4] | frame->data[5] << 8 | frame->data[6] << 16) | (uint32_t)frame->data[7] << 24;
+    if (index == COMMAND_OBJECT && frame->data[3] == 2U && life->abort_asked) {
+        life->abort_asked = false;
+        if (taken || (frame->data[0] == 0x80U && code == ABORT_WAS_REFUSED)) {
+            bench_watch_ended(life);
+        }
+    }
+    if (index == COMMAND_OBJECT && frame->data[3] == 2U && frame->data[0] == 0x80U) {
+        bench_watch_decide(life, life->command_asked, true);
+    }
+    if (taken) {
+        note_written(life, index, frame->data[3]);
+    }
+    if (taken && (index == 0x2050U || (index >= 0x2122U && index <= 0x2126U))) {
+        bench_watch_excuse(life, BENCH_EXCUSE_RULES);
+    }
+}
+
+void bench_watch_frame(bench_life_t *life, uint8_t sender, const tumble_can_frame_t *frame)
+{
+    if (frame->id == FIRST_SERVER || frame->id == SECOND_SERVER) {
+        note_request(life, frame);
+    } else if (frame->id == BLOCK_XY || frame->id == BLOCK_Z) {
+        life->watch.collected.frames[life->watch.collected.next++ % BENCH_RECENT] = *frame;
+    } else if (frame->id == 0U && frame->length == 2U && (frame->data[0] == 0x81U || frame->data[0] == 0x82U) &&
+               frame->data[1] <= 1U) {
+        life->watch.level_until_us = 0; /* reset */
+    }
+    if (frame->id == FIRST_SERVER && sender != BENCH_BUS_NAVCOMP && is_write(frame, COMMAND_OBJECT, 2)) {
+        life->command_asked = (tumble_command_t)frame->data[4];
+        life->abort_asked = frame->data[4] == TUMBLE_COMMAND_ABORT;
+        bench_watch_decide(life, life->command_asked, false);
+        if (!life->abort_asked) {
+            bench_watch_commanded(life);
+        }
+    } else if (sender == BENCH_BUS_NAVCOMP && (frame->id == 0x581U || frame->id == 0x381U) && frame->length == 8U) {
+        note_answer(life, frame);
+    } else if (sender == BENCH_BUS_NAVCOMP && frame->id == 0x081U && frame->length == 8U &&
+               tumble_get_u16(frame->data) == TUMBLE_KEEPER_EMCY_DECAYED) {
+        life->watch.told = true;
+    }
+}
+
+void bench_watch_look(bench_life_t *life)
+{
+    look_at_table(life);
+    if (!life->world.off) {
+        look_at_level(life);
+        look_at_number(life);
+        look_at_sets(life);
+    }
 }

@@ -2,7 +2,7 @@
  * frames of a stranger and losses of power, and the simulation's truth is held against what must hold.
  *
  *     lives_t *lives = lives_new();
- *     if (lives_live(lives, seed) != NULL) { lives_shrink(lives, &drawn, &left); }
+ *     const char *violated = lives_live(lives, seed, NULL, 0);
  */
 #ifndef TUMBLE_WORLD_LIVES_H
 #define TUMBLE_WORLD_LIVES_H
@@ -17,17 +17,15 @@ typedef struct lives lives_t;
 lives_t *lives_new(void);
 void lives_free(lives_t *lives);
 
-/* Live the life of a seed, to its end or to the first violation. Returns the word of what was violated; null: nothing. */
-const char *lives_live(lives_t *lives, uint64_t seed);
+/* Live the life of a seed, to its end or to the first violation. `events`: with so many of them alone, by their numbers
+ * from 0 on, rising; null: with all. Returns the word of what was violated; null: nothing. */
+const char *lives_live(lives_t *lives, uint64_t seed, const uint32_t *events, size_t count);
 
 /* When it was violated, and how, in a sentence that lasts until the next call. */
 const char *lives_violation(lives_t *lives, uint64_t *at_us);
 
-/* Take out of the life whatever is not needed for its violation, and live it again. How many events were drawn, and how
- * many are left; false: the life has not been drawn at all. */
-bool lives_shrink(lives_t *lives, uint32_t *drawn, uint32_t *left);
-
-/* The life in words: line 0 its world, from 1 on its events; null beyond them. It lasts until the next call. */
+/* The life in words: line 0 its world, from 1 on its events; null beyond them, and of a life that could not be drawn at
+ * all. It lasts until the next call. */
 const char *lives_line(lives_t *lives, uint32_t number);
 
 /* What was counted in the life, row by row: a group (violations, faults, events, excuses, ends of a state, sets, all), a

@@ -76,7 +76,7 @@ void bench_person_look(bench_world_t *world)
 
 void bench_person_on_alarm(bench_world_t *world)
 {
-    (void)bench_person_answer(world, BENCH_ANSWER_DONE, 0);
+    (void)bench_person_answer(world, WORLD_ANSWER_DONE, 0);
 }
 
 static uint8_t mounting_index(const tumble_schedule_t *schedule, uint8_t number)
@@ -171,19 +171,19 @@ static tumble_status_t go_on(bench_world_t *world, tumble_status_t status)
     return status;
 }
 
-tumble_status_t bench_person_answer(bench_world_t *world, bench_answer_t answer, uint8_t argument)
+tumble_status_t bench_person_answer(bench_world_t *world, world_answer_t answer, uint8_t argument)
 {
     const bench_question_t question = world->person.question;
     world->person.act_us = SIM_NEVER;
     world->person.outside = false;
     switch (answer) {
-    case BENCH_ANSWER_DONE:
+    case WORLD_ANSWER_DONE:
         return go_on(world, do_it(world, &question));
-    case BENCH_ANSWER_REPEAT_POSITION:
+    case WORLD_ANSWER_REPEAT_POSITION:
         return go_on(world, tumble_navcomp_command(&world->navcomp, TUMBLE_COMMAND_REPEAT_POSITION, argument));
-    case BENCH_ANSWER_REPEAT_MOUNTING:
+    case WORLD_ANSWER_REPEAT_MOUNTING:
         return go_on(world, tumble_navcomp_command(&world->navcomp, TUMBLE_COMMAND_REPEAT_MOUNTING, argument));
-    case BENCH_ANSWER_ABORT:
+    case WORLD_ANSWER_ABORT:
         bench_world_abort(world);
         return TUMBLE_OK;
     default:

@@ -25,7 +25,7 @@ void bench_refusal_sentence(const tumble_stand_refusal_t *refusal, char *text, s
                    tumble_abort_sentence(refusal->abort), known ? WHATS[refusal->step] : "a step unknown here");
 }
 
-const char *bench_end_name(bench_end_t end)
+const char *bench_end_name(world_end_t end)
 {
     static const char *const NAMES[] = {"running", "done", "fault", "interrupted", "too long", "left"};
     return NAMES[end];

@@ -34,6 +34,6 @@ void bench_refusal_sentence(const tumble_stand_refusal_t *refusal, char *text, s
 const char *bench_step_name(uint8_t step);
 
 /* "done", "fault", "interrupted", "too long", "left". */
-const char *bench_end_name(bench_end_t end);
+const char *bench_end_name(world_end_t end);
 
 #endif

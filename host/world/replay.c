@@ -205,7 +205,7 @@ static void play(world_t *world)
     replay_run(&world->replay, &own->navcomp, NULL, NULL);
     own->clock.now_us = world->replay.now_us;
     tumble_procedure_progress(tumble_navcomp_procedure(&own->navcomp), &own->progress);
-    own->end = (own->progress.state == TUMBLE_STATE_DONE) ? BENCH_DONE : BENCH_FAULT;
+    own->end = (own->progress.state == TUMBLE_STATE_DONE) ? WORLD_DONE : WORLD_FAULT;
     own->wanted_end = own->end;
     own->ending_us = own->clock.now_us;
 }

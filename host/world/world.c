@@ -125,15 +125,15 @@ tumble_status_t bench_world_init(bench_world_t *world, const bench_config_t *con
     return init_navcomp(world);
 }
 
-static void end_with(bench_world_t *world, bench_end_t end)
+static void end_with(bench_world_t *world, world_end_t end)
 {
-    if (world->wanted_end == BENCH_RUNNING) {
+    if (world->wanted_end == WORLD_RUNNING) {
         world->wanted_end = end;
         world->ending_us = world->clock.now_us;
     }
 }
 
-void bench_world_end(bench_world_t *world, bench_end_t end)
+void bench_world_end(bench_world_t *world, world_end_t end)
 {
     if (world->config->present.navcomp) {
         bench_world_abort(world);
@@ -169,10 +169,10 @@ static void look_for_end(bench_world_t *world)
     const bool was_reset = world->started && state == TUMBLE_STATE_IDLE; /* by a guest, through NMT */
     world->started = world->started || state != TUMBLE_STATE_IDLE;
     if (state == TUMBLE_STATE_DONE) {
-        end_with(world, BENCH_DONE);
+        end_with(world, WORLD_DONE);
     } else if (was_reset || state == TUMBLE_STATE_ABORT ||
                (state == TUMBLE_STATE_FAULT && !bench_person_is_awaited(world))) {
-        end_with(world, BENCH_FAULT);
+        end_with(world, WORLD_FAULT);
     }
 }
 
@@ -227,7 +227,7 @@ uint64_t bench_world_next_us(const bench_world_t *world)
 
 bool bench_world_has_ended(bench_world_t *world)
 {
-    if (world->wanted_end == BENCH_RUNNING) {
+    if (world->wanted_end == WORLD_RUNNING) {
         return false;
     }
     const bool given_up = world->clock.now_us > world->ending_us + REST_LIMIT_US;
@@ -246,7 +246,7 @@ bool bench_world_advance(bench_world_t *world)
         return false;
     }
     if (!sim_clock_next(&world->clock, world->limit_us, &actor)) {
-        world->end = (world->wanted_end != BENCH_RUNNING) ? world->wanted_end : BENCH_TOO_LONG;
+        world->end = (world->wanted_end != WORLD_RUNNING) ? world->wanted_end : WORLD_TOO_LONG;
         return false;
     }
     dispatch(world, actor);

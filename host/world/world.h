@@ -15,6 +15,7 @@
 #include "simulation/drive.h"
 #include "simulation/truth.h"
 #include "tumble/navcomp.h"
+#include "world/border.h"
 #include "world/config.h"
 
 #include <stdbool.h>
@@ -42,14 +43,6 @@ typedef struct {
     tumble_reason_t reason;
 } bench_question_t;
 
-typedef enum {
-    BENCH_ANSWER_DONE = 0, /* mounted, turned, or mended: go on */
-    BENCH_ANSWER_ABORT,
-    BENCH_ANSWER_REPEAT_POSITION, /* argument: index in the schedule */
-    BENCH_ANSWER_REPEAT_MOUNTING, /* argument: number of the mounting */
-    BENCH_ANSWER_LEAVE            /* do nothing: the run ends where it is */
-} bench_answer_t;
-
 typedef struct {
     bench_question_t question;              /* open at the moment */
     uint64_t act_us;                        /* when the simulated operator answers; SIM_NEVER: never */
@@ -71,16 +64,6 @@ typedef struct {
 typedef struct {
     bench_fault_state_t states[SIM_MAX_FAULTS];
 } bench_fault_script_t;
-
-/* How a run ended. */
-typedef enum {
-    BENCH_RUNNING = 0,
-    BENCH_DONE,        /* the procedure is DONE */
-    BENCH_FAULT,       /* FAULT or ABORT, and nobody mends it */
-    BENCH_INTERRUPTED, /* told to stop from outside */
-    BENCH_TOO_LONG,    /* limit of virtual time */
-    BENCH_LEFT         /* whoever held it has left */
-} bench_end_t;
 
 /* Who looks on. Each may be null. */
 typedef struct {
@@ -132,8 +115,8 @@ typedef struct bench_world {
     uint64_t steps;             /* of the firmware */
     uint64_t limit_us;
     uint64_t ending_us; /* since when it waits for the table to rest; SIM_NEVER: not yet */
-    bench_end_t end;
-    bench_end_t wanted_end;
+    world_end_t end;
+    world_end_t wanted_end;
 } bench_world_t;
 
 /* Stop the table and give up, as the firmware's command. */
@@ -176,7 +159,7 @@ void bench_world_run(bench_world_t *world);
 uint64_t bench_world_next_us(const bench_world_t *world);
 
 /* Stop the table and give up, and end the run as soon as the table rests, whatever becomes of the command. */
-void bench_world_end(bench_world_t *world, bench_end_t end);
+void bench_world_end(bench_world_t *world, world_end_t end);
 
 /* The operator (person.c): mounts the block, turns a dividing head, mends faults, and tells the firmware. A question is
  * put when the firmware begins to wait for a person. Either somebody outside answers it, or the simulated operator does,
@@ -204,7 +187,7 @@ void bench_person_look(bench_world_t *world);
 void bench_person_on_alarm(bench_world_t *world);
 
 /* Answer the open question: do it, and tell the firmware. */
-tumble_status_t bench_person_answer(bench_world_t *world, bench_answer_t answer, uint8_t argument);
+tumble_status_t bench_person_answer(bench_world_t *world, world_answer_t answer, uint8_t argument);
 
 /* Will anybody act on the open question? */
 bool bench_person_is_awaited(const bench_world_t *world);

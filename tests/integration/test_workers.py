@@ -9,11 +9,12 @@ import time
 import numpy as np
 import pytest
 from conftest import EXAMPLES
+from simulated_bench import wait_until
 
 from tumble.errors import BadInput, BenchFault
 from tumble.workers.crews import Processes
 from tumble.workers.kept import Kept
-from tumble.workers.over import Alone, Piece, Team, over
+from tumble.workers.over import Piece, Team, over
 from tumble.world import campaigns
 
 pytestmark = pytest.mark.python
@@ -47,7 +48,7 @@ def pieces():
 
 
 def done_by(crew, job, kept=None, **options):
-    with Team(crew, *([] if kept is None else [kept])) as team:
+    with Team(crew, kept) as team:
         return list(over(pieces(), job, team, **options))
 
 
@@ -60,18 +61,53 @@ def same(one, other):
 def test_processes_give_what_this_one_gives_in_its_order(tmp_path):
     sizes = []
     job = Noted(tmp_path)
-    assert same(done_by(Alone(), job), done_by(Processes(2), job, progress=sizes.append))
+    assert same(done_by(None, job), done_by(Processes(2), job, progress=sizes.append))
     assert sizes == [10] * COUNT
     assert {len(set(job.noted(number))) for number in range(COUNT)} == {2}
 
 
 def test_what_a_killed_process_had_is_done_again(tmp_path, capfd):
-    alone = done_by(Alone(), Noted(tmp_path))
+    alone = done_by(None, Noted(tmp_path))
     again = tmp_path / "again"
     again.mkdir()
     assert same(alone, done_by(Processes(2), Noted(again, kills=5)))
     told = capfd.readouterr().err.splitlines()
     assert "tumble: a worker process has died: number 5 was under way, and is done again alone" in told
+
+
+class Together(Noted):
+    """A job in which number 0 and number 1 each time wait for one another; the first time number 0 then kills its
+    process."""
+
+    def __call__(self, number):
+        if number > 1:
+            return {"times": np.array([1])}
+        with open(os.path.join(self.folder, f"{number}"), "a") as notes:
+            notes.write(f"{os.getpid()}\n")
+        times, other = len(self.noted(number)), os.path.join(self.folder, f"{1 - number}")
+        wait_until(lambda: os.path.exists(other) and len(self.noted(1 - number)) >= times)
+        if times == 1:
+            os.kill(os.getpid(), signal.SIGKILL) if number == 0 else time.sleep(3600)
+        return {"times": np.array([times])}
+
+
+def test_what_was_under_way_is_done_again_at_the_same_time(tmp_path):
+    given = (2, 3, 0, 1)  # the first two, as an executor learns with a result which processes it has
+    with Team(Processes(2)) as team:
+        found = list(over((Piece(f"number {number}", number) for number in given), Together(tmp_path), team))
+    assert [one["times"][0] for one in found] == [1, 1, 2, 2]
+
+
+def never_ends(number):
+    if number:
+        time.sleep(3600)
+    return {"words": "done"}
+
+
+def test_an_interrupt_does_not_wait_for_what_is_under_way():
+    with pytest.raises(KeyboardInterrupt), Team(Processes(2)) as team:
+        for _ in over(pieces(), never_ends, team):
+            raise KeyboardInterrupt
 
 
 def test_a_seed_that_kills_its_process_ends_it_and_is_named():
@@ -102,18 +138,18 @@ def test_goes_on_from_what_is_kept(tmp_path):
             if number == 4:
                 raise KeyboardInterrupt
     sizes = []
-    resumed = done_by(Alone(), job, Kept(file, {"campaign": "test", "seed": 1}), progress=sizes.append)
+    resumed = done_by(None, job, Kept(file, {"campaign": "test", "seed": 1}), progress=sizes.append)
     assert [len(job.noted(number)) for number in range(COUNT)] == [1] * COUNT
     assert sizes == [10] * COUNT
-    assert same(resumed, done_by(Alone(), job))
-    done_by(Alone(), job, Kept(file, {"campaign": "test", "seed": 1}))
+    assert same(resumed, done_by(None, job))
+    done_by(None, job, Kept(file, {"campaign": "test", "seed": 1}))
     assert [len(job.noted(number)) for number in range(COUNT)] == [2] * COUNT
 
 
 def test_what_is_kept_of_another_campaign_is_refused(tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet")
     file = str(tmp_path / "done.parquet")
-    done_by(Alone(), Noted(tmp_path), Kept(file, {"campaign": "test", "seed": 1}))
+    done_by(None, Noted(tmp_path), Kept(file, {"campaign": "test", "seed": 1}))
     with pytest.raises(BadInput, match="other inputs, options or version"):
         Kept(file, {"campaign": "test", "seed": 2})
     with pytest.raises(BadInput, match="of another campaign: 'test'"):

@@ -15,7 +15,6 @@ pytestmark = [pytest.mark.python, pytest.mark.toolchain]
 distributed = pytest.importorskip("distributed")
 
 from tumble.workers.crews import Cluster  # noqa: E402
-from tumble.workers.over import Alone  # noqa: E402
 
 OPTIONS = {"threads_per_worker": 1, "dashboard_address": ":0", "silence_logs": "CRITICAL"}
 
@@ -29,7 +28,7 @@ def cluster():
 
 def test_a_cluster_gives_what_one_process_gives(cluster, tmp_path):
     job = Noted(tmp_path)
-    assert same(done_by(Alone(), job), done_by(Cluster(cluster.scheduler_address), job))
+    assert same(done_by(None, job), done_by(Cluster(cluster.scheduler_address), job))
     assert {len(set(job.noted(number))) for number in range(COUNT)} == {2}
 
 
@@ -38,7 +37,7 @@ def test_what_a_killed_worker_had_is_done_again(cluster, tmp_path):
     alone.mkdir()
     again.mkdir()
     job = Noted(again, kills=5)
-    assert same(done_by(Alone(), Noted(alone)), done_by(Cluster(cluster.scheduler_address), job))
+    assert same(done_by(None, Noted(alone)), done_by(Cluster(cluster.scheduler_address), job))
     assert len(job.noted(5)) == 2
 
 

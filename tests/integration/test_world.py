@@ -174,6 +174,8 @@ REFUSED = {
     "a fault of no place": ({"fault": "stall at=9.9"}, "a fault names a position that the schedule does not have"),
     "operator": ({"operator": "me"}, "operator: 'me' is not one of by-itself, on-confirm, never, asked"),
     "estimator": ({"procedure.estimator": "best"}, "procedure.estimator: 'best' is not one of"),
+    "a converter beside its stand": ({"block.range_v": 5}, "block.range_v: give it by [block] of the stand"),
+    "a position beside its schedule": ({"position": "1 1 fit 0 0 1"}, "position: give it by schedule"),
     "memory of nobody": ({"memory": True}, "keeper.serial is missing"),
 }
 
@@ -212,6 +214,12 @@ def test_two_worlds_share_nothing():
     while one.advance(1.0) | other.advance(1.0):
         pass
     assert lines_of(one) == lines_of(tumble.World(3).run()) and lines_of(other) == lines_of(tumble.World(4).run())
+
+
+def test_the_check_of_the_result_knows_of_an_error_budget():
+    """Which ends averaging early: the uncertainties are those of the samples that were taken."""
+    world = tumble.World(4, samples=200, **{"procedure.error_budget_v": 1e-4}).run()
+    assert world.result.passed and {mean["samples"] for mean in world.document["means"]} < set(range(200))
 
 
 @pytest.mark.toolchain

@@ -7,7 +7,7 @@
 #include "sim_bench.h"
 
 /* The bench itself powers on without a keeper, and sends nothing before its first step: so it is powered on again. */
-static inline void world_power_on(uint64_t seed, uint64_t utc_s)
+static inline void kept_world_power_on(uint64_t seed, uint64_t utc_s)
 {
     static const bench_watcher_t NOBODY = {0};
     ASSERT_STATUS(TUMBLE_OK, bench_world_init(&world, &config, seed, &NOBODY));

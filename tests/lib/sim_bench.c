@@ -54,5 +54,5 @@ tumble_coefficients_t found(void)
 bool has_passed(void)
 {
     tumble_result_t result;
-    return world.end == BENCH_DONE && tumble_navcomp_result(&world.navcomp, &result) == TUMBLE_OK && result.pass;
+    return world.end == WORLD_DONE && tumble_navcomp_result(&world.navcomp, &result) == TUMBLE_OK && result.pass;
 }

@@ -54,7 +54,7 @@ static void run(const char *lines, uint64_t seed, uint64_t utc_s, void (*prepare
     if (prepare != NULL) {
         prepare(seed);
     }
-    world_power_on(seed, utc_s);
+    kept_world_power_on(seed, utc_s);
     ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_command(&world.navcomp, TUMBLE_COMMAND_START, 0));
     bench_world_run(&world);
     world_settle();
@@ -242,18 +242,18 @@ static void test_a_run_cut_and_gone_on_with_otherwise(void)
 {
     copy_memory(&memory, &good);
     read_scenario("");
-    world_power_on(3, NEXT_MONTH);
+    kept_world_power_on(3, NEXT_MONTH);
     ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_command(&world.navcomp, TUMBLE_COMMAND_START, 0));
     while ((world.progress.index < 12U) && bench_world_advance(&world)) {
     }
     keeper_config.sets.serial = "TB-0002";
-    world_power_on(3, NEXT_MONTH);
+    kept_world_power_on(3, NEXT_MONTH);
     tumble_sets_state_t state;
     tumble_sets_state(&keeper.sets, &state);
     TEST_ASSERT_EQUAL_UINT8(0, state.resumable);
     ASSERT_STATUS(TUMBLE_E_STATE, tumble_navcomp_command(&world.navcomp, TUMBLE_COMMAND_RESUME, 0));
     keeper_config.sets.serial = "TB-0001";
-    world_power_on(3, NEXT_MONTH);
+    kept_world_power_on(3, NEXT_MONTH);
     tumble_sets_state(&keeper.sets, &state);
     TEST_ASSERT_GREATER_OR_EQUAL_UINT8(11, state.resumable);
     TEST_ASSERT_EQUAL_MEMORY(good.bytes, memory.bytes, SLOT_BYTES);

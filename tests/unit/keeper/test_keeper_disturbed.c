@@ -84,7 +84,7 @@ static uint16_t run(const char *lines)
     settings = usual_settings();
     keeper_config = (tumble_keeper_config_t){.sets = {.serial = "TB-0001", .settings = &settings},
                                              .uncertainty = tumble_navcomp_uncertainty};
-    world_power_on(7, UTC_S);
+    kept_world_power_on(7, UTC_S);
     world.bus.tap = hear;
     ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_command(&world.navcomp, TUMBLE_COMMAND_START, 0));
     advance_to_the_end();
@@ -95,7 +95,7 @@ static uint16_t run(const char *lines)
         (unsigned)counters.procedure.samples, (unsigned)counters.block.lost, (unsigned)counters.block.reordered,
         (unsigned)counters.block.repeated, (unsigned)counters.procedure.corrupted, (unsigned)counters.stop.implausible);
     TEST_MESSAGE(told);
-    TEST_ASSERT_EQUAL_INT(BENCH_DONE, world.end);
+    TEST_ASSERT_EQUAL_INT(WORLD_DONE, world.end);
     tumble_sets_state(&keeper.sets, &state);
     TEST_ASSERT_EQUAL_UINT8((state.objections == 0U) ? TUMBLE_VERDICT_COMMITTED : TUMBLE_VERDICT_HELD, state.verdict);
     return state.objections;

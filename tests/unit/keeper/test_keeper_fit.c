@@ -94,7 +94,7 @@ static void run(const stand_t *stand, const char *more, uint64_t seed, tally_t *
     settings = usual_settings();
     keeper_config = (tumble_keeper_config_t){.sets = {.serial = "TB-0001", .settings = &settings},
                                              .uncertainty = tumble_navcomp_uncertainty};
-    world_power_on(seed, UTC_S);
+    kept_world_power_on(seed, UTC_S);
     ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_command(&world.navcomp, TUMBLE_COMMAND_START, 0));
     bench_world_run(&world);
     world_settle();

@@ -193,7 +193,7 @@ static void run_simulated(const char *more, uint64_t seed)
                                                       .whole_step = tumble_whole_step,
                                                       .whole_work = &whole_work},
                                              .uncertainty = tumble_navcomp_uncertainty};
-    world_power_on(seed, UTC_S);
+    kept_world_power_on(seed, UTC_S);
     ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_command(&world.navcomp, TUMBLE_COMMAND_START, 0));
     bench_world_run(&world);
     world_settle();

@@ -1,7 +1,7 @@
 /* Scenario files: every key arrives where it belongs, and whatever is wrong is refused with its line. */
 #include "sim_bench.h"
 
-#include "world/config_keys.h"
+#include "world/config_file.h"
 
 #include <math.h>
 

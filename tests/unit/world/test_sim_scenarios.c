@@ -94,12 +94,12 @@ static const char *const MENDED[] = {
 static void assert_case(const case_t *c)
 {
     run_lines(c->lines, 1, NULL);
-    TEST_ASSERT_EQUAL_INT_MESSAGE(BENCH_FAULT, world.end, c->lines);
+    TEST_ASSERT_EQUAL_INT_MESSAGE(WORLD_FAULT, world.end, c->lines);
     TEST_ASSERT_EQUAL_STRING_MESSAGE(tumble_reason_name(c->reason), tumble_reason_name(world.progress.reason),
                                      c->lines);
     TEST_ASSERT_EQUAL_STRING_MESSAGE(tumble_state_name(c->failed_in), tumble_state_name(world.progress.failed_in),
                                      c->lines);
-    TEST_ASSERT_TRUE_MESSAGE(world.end == BENCH_FAULT || world.end == BENCH_TOO_LONG, c->lines);
+    TEST_ASSERT_TRUE_MESSAGE(world.end == WORLD_FAULT || world.end == WORLD_TOO_LONG, c->lines);
     TEST_ASSERT_TRUE_MESSAGE(bench_world_is_at_rest(&world), c->lines);
     TEST_ASSERT_TRUE_MESSAGE((double)world.clock.now_us * 1e-6 <= c->within_s, c->lines);
     for (uint32_t i = 0; i < world.config->scenario.fault_count; i++) {
@@ -181,9 +181,9 @@ static void test_an_abort_stops_the_table(void)
     ASSERT_STATUS(TUMBLE_OK, bench_world_init(&world, &config, 1, &NOBODY));
     run_to_a_move();
     const uint64_t told_us = world.clock.now_us;
-    bench_world_end(&world, BENCH_INTERRUPTED);
+    bench_world_end(&world, WORLD_INTERRUPTED);
     bench_world_run(&world);
-    TEST_ASSERT_EQUAL_INT(BENCH_INTERRUPTED, world.end);
+    TEST_ASSERT_EQUAL_INT(WORLD_INTERRUPTED, world.end);
     TEST_ASSERT_EQUAL_INT(TUMBLE_REASON_COMMAND, world.progress.reason);
     TEST_ASSERT_TRUE(bench_world_is_at_rest(&world));
     TEST_ASSERT_TRUE(world.clock.now_us - told_us < 1000000U);
@@ -242,18 +242,18 @@ static void test_questions_are_answered_from_outside(void)
     TEST_ASSERT_TRUE(run_to_question());
     TEST_ASSERT_EQUAL_INT(BENCH_QUESTION_MOUNTING, asked.kind);
     TEST_ASSERT_EQUAL_UINT8(1, asked.mounting);
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, bench_person_answer(&world, BENCH_ANSWER_REPEAT_POSITION, 40));
-    ASSERT_STATUS(TUMBLE_OK, bench_person_answer(&world, BENCH_ANSWER_DONE, 0));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, bench_person_answer(&world, WORLD_ANSWER_REPEAT_POSITION, 40));
+    ASSERT_STATUS(TUMBLE_OK, bench_person_answer(&world, WORLD_ANSWER_DONE, 0));
     TEST_ASSERT_TRUE(run_to_question());
     TEST_ASSERT_EQUAL_INT(BENCH_QUESTION_FAULT, asked.kind);
     TEST_ASSERT_EQUAL_INT(TUMBLE_REASON_DRIVE_FAULT, asked.reason);
-    ASSERT_STATUS(TUMBLE_OK, bench_person_answer(&world, BENCH_ANSWER_DONE, 0));
+    ASSERT_STATUS(TUMBLE_OK, bench_person_answer(&world, WORLD_ANSWER_DONE, 0));
     TEST_ASSERT_TRUE(run_to_question());
     TEST_ASSERT_EQUAL_INT(BENCH_QUESTION_MOUNTING, asked.kind);
     TEST_ASSERT_EQUAL_UINT8(2, asked.mounting);
-    ASSERT_STATUS(TUMBLE_OK, bench_person_answer(&world, BENCH_ANSWER_DONE, 0));
+    ASSERT_STATUS(TUMBLE_OK, bench_person_answer(&world, WORLD_ANSWER_DONE, 0));
     TEST_ASSERT_FALSE(run_to_question());
-    TEST_ASSERT_EQUAL_INT(BENCH_DONE, world.end);
+    TEST_ASSERT_EQUAL_INT(WORLD_DONE, world.end);
 }
 
 /* Whatever the operator repeats: as long as the fault is there, he is asked about it anew. */
@@ -261,19 +261,19 @@ static void test_a_fault_that_comes_again_is_asked_about_again(void)
 {
     static const bench_watcher_t ASKER = {.on_question = ask};
     static const struct {
-        bench_answer_t answer;
+        world_answer_t answer;
         uint8_t argument;
     } REPEATS[] = {
-        {BENCH_ANSWER_REPEAT_POSITION, 1}, {BENCH_ANSWER_REPEAT_POSITION, 1}, {BENCH_ANSWER_REPEAT_MOUNTING, 1}};
+        {WORLD_ANSWER_REPEAT_POSITION, 1}, {WORLD_ANSWER_REPEAT_POSITION, 1}, {WORLD_ANSWER_REPEAT_MOUNTING, 1}};
     TEST_ASSERT_NULL(read_lines("fault = bus_off at=1.5\n")); /* it fails again at once */
     ASSERT_STATUS(TUMBLE_OK, bench_world_init(&world, &config, 1, &ASKER));
     TEST_ASSERT_TRUE(run_to_question());
-    ASSERT_STATUS(TUMBLE_OK, bench_person_answer(&world, BENCH_ANSWER_DONE, 0));
+    ASSERT_STATUS(TUMBLE_OK, bench_person_answer(&world, WORLD_ANSWER_DONE, 0));
     for (size_t i = 0; i < COUNT_OF(REPEATS); i++) {
         do {
             TEST_ASSERT_TRUE(run_to_question());
         } while (asked.kind == BENCH_QUESTION_MOUNTING &&
-                 bench_person_answer(&world, BENCH_ANSWER_DONE, 0) == TUMBLE_OK);
+                 bench_person_answer(&world, WORLD_ANSWER_DONE, 0) == TUMBLE_OK);
         TEST_ASSERT_EQUAL_INT(BENCH_QUESTION_FAULT, asked.kind);
         TEST_ASSERT_EQUAL_INT(TUMBLE_REASON_BUS, asked.reason);
         ASSERT_STATUS(TUMBLE_OK, bench_person_answer(&world, REPEATS[i].answer, REPEATS[i].argument));
@@ -286,19 +286,19 @@ static void test_a_fault_may_be_left_as_it_is(void)
     TEST_ASSERT_NULL(read_lines("fault = homing_fails at=1.1 phase=mount\n"));
     ASSERT_STATUS(TUMBLE_OK, bench_world_init(&world, &config, 1, &ASKER));
     TEST_ASSERT_TRUE(run_to_question());
-    ASSERT_STATUS(TUMBLE_OK, bench_person_answer(&world, BENCH_ANSWER_DONE, 0));
+    ASSERT_STATUS(TUMBLE_OK, bench_person_answer(&world, WORLD_ANSWER_DONE, 0));
     TEST_ASSERT_TRUE(run_to_question());
     TEST_ASSERT_EQUAL_INT(TUMBLE_REASON_HOMING, asked.reason);
-    ASSERT_STATUS(TUMBLE_OK, bench_person_answer(&world, BENCH_ANSWER_LEAVE, 0));
+    ASSERT_STATUS(TUMBLE_OK, bench_person_answer(&world, WORLD_ANSWER_LEAVE, 0));
     TEST_ASSERT_FALSE(run_to_question());
-    TEST_ASSERT_EQUAL_INT(BENCH_FAULT, world.end);
+    TEST_ASSERT_EQUAL_INT(WORLD_FAULT, world.end);
     TEST_ASSERT_EQUAL_INT(TUMBLE_REASON_HOMING, world.progress.reason);
 }
 
 static void test_a_failed_gravity_check_is_a_result(void)
 {
     run_lines("procedure.gravity_limit_g = 1e-7\n", 1, NULL);
-    TEST_ASSERT_EQUAL_INT(BENCH_DONE, world.end);
+    TEST_ASSERT_EQUAL_INT(WORLD_DONE, world.end);
     TEST_ASSERT_EQUAL_INT(TUMBLE_REASON_GRAVITY_CHECK, world.progress.reason);
     TEST_ASSERT_FALSE(has_passed());
     (void)found();
@@ -317,7 +317,7 @@ static void test_a_singular_block_is_refused(void)
         "position = 2 1 fit  -10 -0.17364817766693035 0.98480775301220806\nposition = 2 2 fit  0 0 1\n"
         "position = 2 3 fit  10 0.17364817766693035 0.98480775301220806\n",
         1, NULL);
-    TEST_ASSERT_EQUAL_INT(BENCH_FAULT, world.end);
+    TEST_ASSERT_EQUAL_INT(WORLD_FAULT, world.end);
     TEST_ASSERT_EQUAL_INT(TUMBLE_REASON_SINGULAR, world.progress.reason);
     TEST_ASSERT_FALSE(has_passed());
 }

@@ -79,7 +79,7 @@ static void test_an_ideal_stand_gives_the_truth(void)
                        "block.noise_v = 0 0 0\nmotion.swing_deg = 0\nprocedure.estimator = %s\n",
                        ESTIMATORS[e]);
         run_lines(lines, 8, NULL);
-        TEST_ASSERT_EQUAL_INT(BENCH_DONE, world.end);
+        TEST_ASSERT_EQUAL_INT(WORLD_DONE, world.end);
         TEST_ASSERT_TRUE(has_passed());
         const tumble_coefficients_t coefficients = found();
         for (int i = 0; i < 3; i++) {
@@ -116,7 +116,7 @@ static void test_the_means_are_what_the_truth_says(void)
         "stand.axis_tilt_rad = 5e-3\nstand.level_rad = 5e-3\nstand.remount_rad = 5e-3\nstand.angle_rad = 1e-3\n"
         "block.noise_v = 0 0 0\nmotion.swing_deg = 0\nprocedure.gravity_limit_g = 1\n",
         12, NULL);
-    TEST_ASSERT_EQUAL_INT(BENCH_DONE, world.end);
+    TEST_ASSERT_EQUAL_INT(WORLD_DONE, world.end);
     for (uint8_t i = 0; i < tumble_schedule_paper.position_count; i++) {
         double mean_v[3];
         double error_v[3];
@@ -169,7 +169,7 @@ static void test_errors_are_as_large_as_the_budget_says(void)
 static void test_the_table_stays_within_the_cable(void)
 {
     run_lines("procedure.cable_min_deg = -200\nprocedure.cable_max_deg = 190\n", 5, NULL);
-    TEST_ASSERT_EQUAL_INT(BENCH_DONE, world.end);
+    TEST_ASSERT_EQUAL_INT(WORLD_DONE, world.end);
     double lowest_deg;
     double highest_deg;
     sim_axis_extent(world.axis, world.clock.now_us, &lowest_deg, &highest_deg);
@@ -191,7 +191,7 @@ static void test_a_reset_node_ends_the_run(void)
         }
         ASSERT_STATUS(TUMBLE_OK, sim_bus_send(&world.bus, BENCH_BUS_GUEST, &reset));
         bench_world_run(&world);
-        TEST_ASSERT_EQUAL_INT(BENCH_FAULT, world.end);
+        TEST_ASSERT_EQUAL_INT(WORLD_FAULT, world.end);
         TEST_ASSERT_TRUE(world.clock.now_us < 60000000U);
         TEST_ASSERT_TRUE(bench_world_is_at_rest(&world));
     }
@@ -200,6 +200,6 @@ static void test_a_reset_node_ends_the_run(void)
 static void test_a_dividing_head_works_as_well(void)
 {
     run_lines("firmware.stand = operator\n", 5, NULL);
-    TEST_ASSERT_EQUAL_INT(BENCH_DONE, world.end);
+    TEST_ASSERT_EQUAL_INT(WORLD_DONE, world.end);
     TEST_ASSERT_TRUE(has_passed());
 }

@@ -35,30 +35,37 @@ class _Executed:
     def results(self, job: Job, pieces: Iterable[Placed]) -> Iterator[tuple[Placed, Result]]:
         """As they are done. Raises BenchFault where a piece kills whoever tries it."""
         source, packed = iter(pieces), pickle.dumps(job)
-        under_way: dict[Future[Result], Placed] = {}
+        self._under_way: dict[Future[Result], Placed] = {}
         while True:
-            for placed in islice(source, self._ahead - len(under_way)):
-                under_way[self._submit(packed, placed[1])] = placed
-            if not under_way:
+            for placed in islice(source, self._ahead - len(self._under_way)):
+                self._under_way[self._submit(packed, placed[1])] = placed
+            if not self._under_way:
                 return
-            for future in wait(under_way, return_when=FIRST_COMPLETED).done:
-                placed = under_way.pop(future)
-                yield placed, self._result(future, packed, placed[1])
+            for future in wait(self._under_way, return_when=FIRST_COMPLETED).done:
+                placed = self._under_way.pop(future)
+                found = self._taken(future, packed, placed[1])
+                if isinstance(found, Future):
+                    self._under_way[found] = placed
+                else:
+                    yield placed, found
 
     def _submit(self, job: bytes, piece: Piece) -> Future[Result]:
         return self._executor.submit(_call, __version__, job, piece.what)
 
-    def _result(self, future: Future[Result], job: bytes, piece: Piece) -> Result:
+    def _taken(self, future: Future[Result], job: bytes, piece: Piece) -> Result | Future[Result]:
+        """What it has come to, or another try at it."""
         return future.result()
 
 
 class Processes(_Executed):
-    """So many of this machine. When one dies, the executor gives up all: then there are new ones, and each piece that
-    was under way is done again alone."""
+    """So many of this machine. When one dies, the executor gives up all: then there is a new one, and each piece that
+    was under way is done again by a process of its own."""
 
     def __init__(self, count: int):
         self._count, self._ahead = count, _AHEAD * count
         self._executor = _processes(count)
+        self._again: set[Future[Result]] = set()
+        self._under_way = {}
 
     def _submit(self, job: bytes, piece: Piece) -> Future[Result]:
         try:
@@ -67,18 +74,23 @@ class Processes(_Executed):
             self._executor = _processes(self._count)
             return super()._submit(job, piece)
 
-    def _result(self, future: Future[Result], job: bytes, piece: Piece) -> Result:
+    def _taken(self, future: Future[Result], job: bytes, piece: Piece) -> Result | Future[Result]:
         try:
             return future.result()
         except BrokenProcessPool:
-            tell(f"tumble: a worker process has died: {piece.name} was under way, and is done again alone")
-        result = _alone(job, piece)
-        if result is None:
-            raise BenchFault(f"{_fatal_part(job, piece).name}: the process that does it dies, also alone")
-        return result
+            if future in self._again:
+                fatal = _fatal_part(job, piece).name
+                raise BenchFault(f"{fatal}: the process that does it dies, also alone") from None
+        tell(f"tumble: a worker process has died: {piece.name} was under way, and is done again alone")
+        again = _alone(job, piece)
+        self._again.add(again)
+        return again
 
     def close(self) -> None:
-        """What is under way is finished, and not taken."""
+        """What is under way is not waited for."""
+        if self._under_way:
+            for process in multiprocessing.active_children():
+                process.terminate()
         self._executor.shutdown(cancel_futures=True)
 
 
@@ -87,27 +99,26 @@ def _processes(count: int) -> ProcessPoolExecutor:
     return ProcessPoolExecutor(count, spawn, _begin)
 
 
-def _alone(job: bytes, piece: Piece) -> Result | None:
-    """What a process of its own makes of it; None: it dies."""
-    with _processes(1) as executor:
-        try:
-            return executor.submit(_call, __version__, job, piece.what).result()
-        except BrokenProcessPool:
-            return None
-        except KeyboardInterrupt:  # nobody waits for what may never end
-            for process in multiprocessing.active_children():
-                process.terminate()
-            raise
+def _alone(job: bytes, piece: Piece) -> Future[Result]:
+    """By a process of its own, which ends with it."""
+    executor = _processes(1)
+    future = executor.submit(_call, __version__, job, piece.what)
+    executor.shutdown(wait=False)
+    return future
 
 
 def _fatal_part(job: bytes, piece: Piece) -> Piece:
     """The smallest part of it, as far as it can be cut, of which a process dies."""
     while piece.halves is not None:
-        fatal = next((half for half in piece.halves() if _alone(job, half) is None), None)
+        fatal = next((half for half in piece.halves() if _dies(job, half)), None)
         if fatal is None:
             return piece
         piece = fatal
     return piece
+
+
+def _dies(job: bytes, piece: Piece) -> bool:
+    return isinstance(_alone(job, piece).exception(), BrokenProcessPool)
 
 
 def _begin() -> None:
@@ -148,7 +159,7 @@ class Cluster(_Executed):
         self._ahead = max(_FEWEST_ON_CLUSTER, _AHEAD_ON_CLUSTER * sum(self._client.ncores().values()))
         self._executor = self._client.get_executor(pure=False)
 
-    def _result(self, future: Future[Result], job: bytes, piece: Piece) -> Result:
+    def _taken(self, future: Future[Result], job: bytes, piece: Piece) -> Result:
         try:
             return future.result()
         except TumbleError:

@@ -25,23 +25,7 @@ _NAME, _ABOUT = "piece", b"tumble"
 _PAUSE_S, _SHARE = 5.0, 0.05  # between two writings at least; and no more of the time than this is spent on them
 
 
-class Nothing:
-    """Nobody wants it kept."""
-
-    def get(self, name: str) -> Result | None:
-        """What a piece has left, None if it is not done."""
-
-    def add(self, name: str, result: Result) -> None:
-        """A piece is done."""
-
-    def write(self) -> None:
-        """All that is done so far."""
-
-
-NOTHING = Nothing()
-
-
-class Kept(Nothing):
+class Kept:
     """In a file, which need not be there yet. `depends`: on what the results do, by name."""
 
     def __init__(self, file: str, depends: dict[str, Any]):
@@ -65,15 +49,18 @@ class Kept(Nothing):
         self._wait_until = time.monotonic() + _PAUSE_S
 
     def get(self, name: str) -> Result | None:
+        """What a piece has left, None if it is not done."""
         return self._done.get(name)
 
     def add(self, name: str, result: Result) -> None:
+        """A piece is done."""
         self._done[name] = result
         self._is_new = True
         if time.monotonic() >= self._wait_until:
             self.write()
 
     def write(self) -> None:
+        """All that is done so far."""
         if not (self._is_new and self._done):
             return
         from pyarrow import Table, parquet

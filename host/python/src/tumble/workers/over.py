@@ -7,11 +7,11 @@ so what it prepares on its first piece serves the others as well.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from types import TracebackType
 from typing import Any, Protocol, TypeAlias
 
-from tumble.workers.kept import NOTHING, Nothing, Result
+from tumble.workers.kept import Kept, Result
 
 Job: TypeAlias = Callable[[Any], Result]
 Progress = Callable[[int], None]
@@ -32,43 +32,39 @@ Placed: TypeAlias = tuple[int, Piece]  # with its place among the pieces
 
 
 class Crew(Protocol):
-    """Whoever does pieces."""
+    """Whoever does pieces beside this process."""
 
     def results(self, job: Job, pieces: Iterable[Placed]) -> Iterator[tuple[Placed, Result]]:
         """Every piece once, as they are done. What a job raises is raised here."""
 
     def close(self) -> None:
-        """No more is wanted of it."""
-
-
-class Alone:
-    """This process."""
-
-    def results(self, job: Job, pieces: Iterable[Placed]) -> Iterator[tuple[Placed, Result]]:
-        """One after the other."""
-        for placed in pieces:
-            yield placed, job(placed[1].what)
-
-    def close(self) -> None:
-        """Nobody else is here."""
+        """No more is wanted of it: what is under way is given up."""
 
 
 @dataclass
 class Team:
-    """Who does it, and where it is kept. `with` it: at the end, however that comes, what is done is kept and the crew
-    goes home."""
+    """Who does it, None: this process; and where it is kept, if it is. `with` it: at the end, however that comes, what
+    is done is kept and the crew goes home."""
 
-    crew: Crew = field(default_factory=Alone)
-    kept: Nothing = NOTHING
+    crew: Crew | None = None
+    kept: Kept | None = None
 
     def __enter__(self) -> Team:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
         try:
-            self.kept.write()
+            if self.kept is not None:
+                self.kept.write()
         finally:
-            self.crew.close()
+            if self.crew is not None:
+                self.crew.close()
+
+    def results(self, job: Job, pieces: Iterable[Placed]) -> Iterator[tuple[Placed, Result]]:
+        """Every piece once, as they are done."""
+        if self.crew is not None:
+            return self.crew.results(job, pieces)
+        return ((placed, job(placed[1].what)) for placed in pieces)
 
 
 ALONE = Team()
@@ -85,7 +81,7 @@ def over(
 
     def missing() -> Iterator[Placed]:
         for place, piece in enumerate(pieces):
-            known = team.kept.get(piece.name)
+            known = None if team.kept is None else team.kept.get(piece.name)
             if known is None:
                 yield place, piece
             else:
@@ -93,8 +89,9 @@ def over(
                 progress(piece.size)
 
     due = 0
-    for (place, piece), result in team.crew.results(job, missing()):
-        team.kept.add(piece.name, result)
+    for (place, piece), result in team.results(job, missing()):
+        if team.kept is not None:
+            team.kept.add(piece.name, result)
         progress(piece.size)
         ready[place] = result
         while due in ready:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,12 +26,14 @@ _MICROSECOND = 1e-6
 
 @dataclass(frozen=True)
 class Ended:
-    """A piece of a campaign: what is to be printed, what to be said to people, and the exit code."""
+    """A piece of a campaign: what is to be printed, what to be said to people, and the exit code. `kept`: nobody has
+    done it now."""
 
     output: str
     said: str
     code: int
     cpu_s: float | None = None  # unknown of what an earlier version has kept
+    kept: bool = False
 
 
 @dataclass(frozen=True)
@@ -101,6 +103,7 @@ class Summary:
         self._began_s = time.perf_counter()
         self._cpu_s: float | None = 0.0
         self._runs = self._known = self._frames = 0
+        self._done_now = self._frames_now = 0
         self._virtual_s = 0.0
         self._exits, self._reasons = dict.fromkeys(("0", "1", "3"), 0), Counter[str]()
         self._tables: list[dict[str, Any]] = []
@@ -114,6 +117,8 @@ class Summary:
             self._exits[str(line["exit"])] += 1
             self._reasons[line["reason"]] += 1
             self._frames += line["frames"]
+            self._done_now += not ended.kept
+            self._frames_now += 0 if ended.kept else line["frames"]
             self._virtual_s += line["virtual_s"]
             self._tables = [_travelled([*self._tables, line["table"]])]
             if line["K"] is not None:
@@ -148,8 +153,8 @@ class Summary:
             "jobs": self._jobs,
             "wall_s": wall_s,
             "cpu_s": self._cpu_s,
-            "calibrations_per_s": self._runs / wall_s,
-            "frames_per_s": self._frames / wall_s,
+            "calibrations_per_s": self._done_now / wall_s,
+            "frames_per_s": self._frames_now / wall_s,
             "calibrations_per_cpu_s": self._runs / self._cpu_s if self._cpu_s else None,
             "frames_per_cpu_s": self._frames / self._cpu_s if self._cpu_s else None,
         }
@@ -182,9 +187,16 @@ def ended(
     job: Job, seed: int, count: int, team: Team = ALONE, progress: Progress = lambda seeds: None
 ) -> Iterator[Ended]:
     """Of seeds from `seed` on, in their order. Raises UsageError."""
-    for result in over(_pieces(seed, count), job, team, progress):
+    kept: list[bool] = []
+
+    def pieces() -> Iterator[Piece]:
+        for piece in _pieces(seed, count):
+            kept.append(team.kept is not None and team.kept.get(piece.name) is not None)
+            yield piece
+
+    for place, result in enumerate(over(pieces(), job, team, progress)):
         cpu_s = float(result["cpu_s"][0]) if "cpu_s" in result else None
-        yield Ended(result["output"], result["said"], int(result["code"][0]), cpu_s)
+        yield Ended(result["output"], result["said"], int(result["code"][0]), cpu_s, kept[place])
 
 
 def _pieces(seed: int, count: int) -> Iterator[Piece]:
@@ -236,10 +248,18 @@ def merged(first_seed: int, documents: list[str]) -> dict[str, Any]:
 
 
 def _total(parts: list[dict[str, Any]]) -> dict[str, Any]:
-    found: dict[str, Any] = parts[0]
-    for part in parts[1:]:
-        found = _sum(found, part)
-    return {**found, "table": _travelled([part["table"] for part in parts if part["table"] is not None])}
+    """Of documents alike: sums, but for the first violations and how far the tables have turned."""
+    own: dict[str, Callable[[list[Any]], Any]] = {
+        "first": lambda found: [one for part in found for one in part][:_FIRST],
+        "table": lambda tables: _travelled([one for one in tables if one is not None]),
+    }
+    return {name: own.get(name, _sum)([part[name] for part in parts]) for name in parts[0]}
+
+
+def _sum(values: list[Any]) -> Any:
+    if isinstance(values[0], dict):
+        return {name: _sum([value[name] for value in values]) for name in values[0]}
+    return sum(values)
 
 
 def _travelled(tables: list[dict[str, Any]]) -> dict[str, Any]:
@@ -249,14 +269,3 @@ def _travelled(tables: list[dict[str, Any]]) -> dict[str, Any]:
         "lowest_deg": min((one["lowest_deg"] for one in tables), default=0.0),
         "highest_deg": max((one["highest_deg"] for one in tables), default=0.0),
     }
-
-
-def _sum(one: Any, other: Any) -> Any:
-    if isinstance(one, dict) and isinstance(other, dict):
-        return {
-            name: _sum(one[name], other[name]) if name in one and name in other else {**other, **one}[name]
-            for name in {**one, **other}
-        }
-    if isinstance(one, list):
-        return [*one, *other][:_FIRST]
-    return one if isinstance(one, dict) or one is None or isinstance(other, dict) or other is None else one + other

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from tumble.files.documents import to_json
-from tumble.world import document, recorded
+from tumble.world import document
 from tumble.world.border import AVERAGED, CHANGE, ENDED, FOREVER_US, QUESTION, Border, Refused
 
 Event = dict[str, Any]
@@ -18,6 +18,7 @@ OnEvent = Callable[[Event], "str | None"]
 _SLICE_US = 60_000_000  # of virtual time, until a signal is looked for
 _NAP_S = 0.05  # of the machine's, with a pace
 _ANGLE_US = 100_000  # from one event of a turning table to the next
+_HEADER = "mounting,position,ux,uy,uz,cx,cy,cz,counter,timestamp,temperature,time_s\n"
 
 
 @dataclass(frozen=True)
@@ -82,8 +83,8 @@ class Run:
 def write(border: Border, folder: Path) -> dict[str, Any]:
     """run.csv, bus.log and the document into a folder. Returns the document. Raises OSError."""
     found = document.document(border)
-    _write(folder / "run.csv", recorded.run_rows(border))
-    _write(folder / "bus.log", recorded.bus_lines(border.frames()))
+    _write(folder / "run.csv", _run_rows(border))
+    _write(folder / "bus.log", _bus_lines(border.frames()))
     _write(folder / "bench.json", [to_json(found)])
     return found
 
@@ -91,3 +92,24 @@ def write(border: Border, folder: Path) -> dict[str, Any]:
 def _write(path: Path, lines: Iterable[str]) -> None:
     with open(path, "w", encoding="ascii", newline="\n") as file:
         file.writelines(lines)
+
+
+def _run_rows(border: Border) -> Iterator[str]:
+    """run.csv: volts with 17 digits, raw counts, and what else a sample tells; of the means that were kept."""
+    report = border.report()
+    step = report.v_per_count
+    places = [(one.mounting, one.number) for one in (report.positions[i] for i in range(report.position_count))]
+    yield _HEADER
+    for block_ms, counts, _, counter, timestamp, index, half_c in border.samples().tolist():
+        x, y, z = counts
+        yield (
+            f"{places[index][0]},{places[index][1]},{x * step:.17g},{y * step:.17g},{z * step:.17g},{x},{y},{z},"
+            f"{counter},{timestamp},{half_c / 2:.1f},{block_ms / 1000:.3f}\n"
+        )
+
+
+def _bus_lines(frames: Any, interface: str = "can0") -> Iterator[str]:
+    """bus.log, as candump -L writes it."""
+    for time_us, identifier, length, _, data in frames.tolist():
+        seconds, rest = divmod(time_us, 1_000_000)
+        yield f"({seconds:010}.{rest:06}) {interface} {identifier:03X}#{data[:length].hex().upper()}\n"

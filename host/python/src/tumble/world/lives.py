@@ -26,7 +26,7 @@ class Lives:
     def live(self, seed: int) -> dict[str, Any]:
         """The life of a seed, in the form of the document of many (schema tumble.hostile/1); `said`: what was
         violated, where something was."""
-        violated = lib.lives_live(self._lives, seed) != ffi.NULL
+        violated = self._live(seed) is not None
         counted = self._counted()
         every = counted["all"]
         return {
@@ -50,15 +50,46 @@ class Lives:
         }
 
     def shrunk(self, seed: int) -> dict[str, Any] | None:
-        """The life that was violated with the fewest events that are enough; None: it was not drawn at all."""
-        counts = ffi.new("uint32_t[2]")
-        if not lib.lives_shrink(self._lives, counts, counts + 1):
+        """The life of a seed that is violated, lived again with the fewest events that are enough; None: it was not
+        drawn at all. Events go in halves, quarters and so on down to single ones."""
+        kind, drawn = self._live(seed), len(self._lines()) - 1
+        if drawn < 0:
             return None
+        left, size = list(range(drawn)), (drawn + 1) // 2
+        while True:
+            before = len(left)
+            left = self._fewer(seed, kind, left, size)
+            if size == 1 and len(left) == before:
+                break
+            size = max(1, (size + 1) // 2)
+        self._live(seed, left)
         at_us, what = self._violation()
-        kind = next(name for name, times in self._counted()["violations"].items() if times)
-        lines = [text(lib.lives_line(self._lives, number)) for number in range(counts[1] + 1)]
-        told = {"seed": seed, "kind": kind, "at_s": at_us * _MICROSECOND, "what": what, "drawn": int(counts[0])}
-        return {**told, "world": lines[0], "events": lines[1:]}
+        told = {"seed": seed, "kind": kind, "at_s": at_us * _MICROSECOND, "what": what, "drawn": drawn}
+        world, *events = self._lines()
+        return {**told, "world": world, "events": events}
+
+    def _fewer(self, seed: int, kind: str | None, left: list[int], size: int) -> list[int]:
+        """Without the pieces of this size that it takes no part of."""
+        at = 0
+        while at < len(left):
+            fewer = left[:at] + left[at + size :]
+            if self._live(seed, fewer) == kind:
+                left = fewer
+            else:
+                at += size
+        return left
+
+    def _live(self, seed: int, events: list[int] | None = None) -> str | None:
+        """Returns what was violated."""
+        own = ffi.NULL if events is None else ffi.new("uint32_t[]", events)
+        word = lib.lives_live(self._lives, seed, own, len(events or []))
+        return None if word == ffi.NULL else text(word)
+
+    def _lines(self) -> list[str]:
+        found: list[str] = []
+        while (line := lib.lives_line(self._lives, len(found))) != ffi.NULL:
+            found.append(text(line))
+        return found
 
     def _violation(self) -> tuple[int, str]:
         at_us = ffi.new("uint64_t *")

@@ -1,19 +1,27 @@
-"""A calibration in real time on a CAN bus of Linux, between the processes tumble-node and tumble-stand.
+"""A calibration in real time on a CAN bus of Linux, between the processes of tumble-stand and of the computer:
+tumble-node, or the board zcu102 in its emulator.
 
-`socketcan:IF`: on an interface of this machine. `uml`: on vcan0 inside user-mode Linux. Either leaves in the stage's
-folder `bench` what a run in a world leaves: run.csv, bus.log and bench.json, the node's document with the
-stand's truth.
+`socketcan:IF`: on an interface of this machine. `uml`: on vcan0 inside user-mode Linux. A console (console.py) runs
+them there. Either leaves in the stage's folder `bench` what a run in a world leaves: run.csv, bus.log and bench.json,
+the computer's document with the stand's truth.
+
+The board is told of its stand and block by a commissioning record, to begin by SDO, and its result is read by SDO, as
+any host would do it. What it averaged is found by replaying the recorded bus through the firmware of this process; the
+twelve coefficients must have the same bits.
 """
 
 from __future__ import annotations
 
 import json
+import os
 import re
 import shlex
 import shutil
 import signal
 import socket
+import struct
 import subprocess
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -21,20 +29,35 @@ from pathlib import Path
 from typing import Any
 
 from tumble import interruption
-from tumble.errors import BenchFault, Skipped, UsageError, quoted
-from tumble.world import outcome, program, programs, replay, uml
+from tumble.drawings.tables import STATES
+from tumble.errors import BadInput, BenchFault, Disagreement, Skipped, UsageError, quoted
+from tumble.schedule import Schedule
+from tumble.world import console, emulator, in_process, outcome, programs, replay, uml
 
 INPROCESS, UML, SOCKETCAN = outcome.INPROCESS, "uml", "socketcan:"
+HOST, BOARD = "host", replay.BOARD
 
 _FOLDER = "boards/linux"
-_EARLY_S = 0.3  # within which a program that cannot work gives up
-_REST_S = 15.0  # for the stand to come to rest and report
+_IMAGE = "navcomp-emulated"
+_STOP_S = 30.0  # for the node to stop the table and end
 _PATIENCE_S = 1e6  # of the firmware after a fault, for a person
+_TICK_S = 0.05
+_MEMORY_MB = {HOST: 256, BOARD: 1024}  # of user-mode Linux
+_RECEIVE_BUFFER = 8 * 2**20
 _ANSWERS = "done, abort, leave, repeat position INDEX or repeat mounting NUMBER"
 _ANSWER = re.compile(r"done|abort|leave|repeat (position|mounting) [0-9]{1,3}", re.ASCII)
 _INTERFACE = re.compile(r"[A-Za-z0-9._-]{1,15}", re.ASCII)
 
-OnEvent = Callable[[program.Event], str | None]
+OnEvent = Callable[[in_process.Event], "str | None"]
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How the computer ended: its exit code, what it had to say, and whether it was asked to stop."""
+
+    code: int
+    complaint: str
+    interrupted: bool
 
 
 def require_bus(text: str) -> str:
@@ -45,18 +68,28 @@ def require_bus(text: str) -> str:
     raise UsageError(f"--bus: {quoted(text)} is not inprocess, uml, or socketcan: and the name of an interface")
 
 
-def require_there(bus: str) -> None:
-    """Raise, with one line about what to do, unless this bus is to be had here."""
+def require_there(bus: str, firmware: str = HOST) -> None:
+    """Raise, with one line about what to do, unless this bus, and the firmware on it, are to be had here."""
+    if firmware == BOARD and bus == INPROCESS:
+        raise UsageError(f"--firmware {BOARD}: on a real bus only: --bus uml or --bus socketcan:IF")
     if bus == UML:
         uml.require_there("--bus uml: ")
-        return
-    interface = bus.removeprefix(SOCKETCAN)
+    elif bus != INPROCESS:
+        _require_interface(bus.removeprefix(SOCKETCAN))
+    if firmware == BOARD and (lacking := emulator.missing(_IMAGE)) is not None:
+        raise Skipped(f"--firmware {BOARD}: {lacking}")
+    if firmware == BOARD and shutil.which("candump") is None:
+        raise Skipped(f"--firmware {BOARD}: no candump: install can-utils")
+
+
+def _require_interface(interface: str) -> None:
     try:
         socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW).close()
     except (AttributeError, OSError):
         lacking = uml.missing()
         other = "--bus uml brings its own" if lacking is None else f"user-mode Linux could bring its own ({lacking})"
-        raise Skipped(f"--bus {bus}: this kernel has no CAN (modules can, can_raw); {other}") from None
+        said = f"--bus {SOCKETCAN}{interface}: this kernel has no CAN (modules can, can_raw); {other}"
+        raise Skipped(said) from None
     state = Path("/sys/class/net") / interface
     if not state.exists():
         hint = f"; a virtual one: ip link add dev {interface} type vcan && ip link set up {interface}"
@@ -65,160 +98,96 @@ def require_there(bus: str) -> None:
         raise BenchFault(f"--bus: the interface {interface} is down: ip link set up {interface}")
 
 
-@dataclass(frozen=True)
-class _Wanted:
-    """What both ways of running are told."""
-
-    scenario: Path
-    seed: int
-    stage: Path
-    interactive: bool
-
-    def stand(self, interface: str) -> list[str]:
-        """The command of the stand."""
-        path = programs.find("tumble-stand", _FOLDER)
-        asking = ["--operator", "ask"] if self.interactive else []
-        return [path, interface, str(self.scenario), "--seed", str(self.seed), "--with-parent", *asking]
-
-    def node(self, interface: str, out: Path) -> list[str]:
-        """The command of the node, without its progress."""
-        path = programs.find("tumble-node", _FOLDER)
-        options = replay.gain_options(self.scenario)
-        if self.interactive:
-            options += ["--patience", str(_PATIENCE_S)]
-        return [path, interface, str(self.scenario), "--start", "--with-parent", "--out", str(out), *options]
-
-
-def copy_inputs(scenario: Path, folder: Path) -> None:
-    """Scenario, as scenario.txt, and gain record, if the run has one."""
-    shutil.copy(scenario, folder / "scenario.txt")
-    if (gains := replay.gains_beside(scenario)) is not None:
-        shutil.copy(gains, folder)
-
-
-def run(bus: str, scenario: Path, seed: int, stage: Path, on_event: OnEvent, interactive: bool) -> program.Ended:
-    """Calibrate. Returns how tumble-node ended; its document, with the stand's, is in stage/bench unless it failed
-    early. `interactive`: what `on_event` answers is done at the stand, and told the node by SDO. Raises Skipped,
-    UsageError, BenchFault."""
-    require_there(bus)
-    wanted = _Wanted(scenario, seed, stage, interactive)
-    return _in_uml(wanted, on_event) if bus == UML else _here(wanted, bus.removeprefix(SOCKETCAN), on_event)
-
-
-def _here(wanted: _Wanted, interface: str, on_event: OnEvent) -> program.Ended:
-    out = wanted.stage / "bench"
-    with _Stand(wanted.stand(interface)) as stand:
-        ended = program.run(wanted.node(interface, out), lambda event: stand.tell(_answer(event, on_event)))
-        document = stand.end()
-    return _judged(ended, out, document)
-
-
-def _answer(event: program.Event, on_event: OnEvent) -> str | None:
-    """What a person says to it, if it is something that can be said."""
-    answer = on_event(event)
-    while answer is not None and not _ANSWER.fullmatch(answer):
-        answer = on_event({"event": "refused", "what": f"an answer is {_ANSWERS}"})
-    return answer
-
-
-class _Stand:
-    """The process tumble-stand, for the time of a run."""
-
-    def __init__(self, command: list[str]):
-        self._process = subprocess.Popen(
-            command,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            start_new_session=True,
-            text=True,
-            errors="replace",
-        )
-
-    def __enter__(self) -> _Stand:
-        try:
-            self._process.wait(_EARLY_S)
-        except subprocess.TimeoutExpired:
-            return self
-        complaint = self._process.communicate()[1].strip()
-        if self._process.returncode == UsageError.exit_code:
-            raise UsageError(f"this cannot be simulated: {complaint}")
-        raise BenchFault(f"tumble-stand failed ({self._process.returncode}): {complaint or 'it says nothing'}")
-
-    def __exit__(self, *_: object) -> None:
-        self._process.kill()
-        self._process.wait()
-
-    def tell(self, answer: str | None) -> str | None:
-        """Have it done there. Returns what is not for the stand, but for the program itself."""
-        if answer is not None and answer != program.LEAVE:
-            try:
-                assert self._process.stdin is not None  # it is a pipe
-                self._process.stdin.write(answer + "\n")
-                self._process.stdin.flush()
-            except BrokenPipeError:
-                pass  # it has ended; the node misses its block
-        return answer if answer == program.LEAVE else None
-
-    def end(self) -> str:
-        """Let it come to rest. Returns its document, or nothing when it has none."""
-        self._process.send_signal(signal.SIGTERM)
-        try:
-            return self._process.communicate(timeout=_REST_S)[0]
-        except subprocess.TimeoutExpired:
-            return ""
-
-
-_JOB = """
-trap '' PIPE # of a stand that has ended
-mkfifo /run/answers
-{stand} </run/answers >stand.json 2>stand.err & stand=$!
-({{ sh -c 'echo $$ >/run/node.pid; exec "$@"' node {node} --progress-fd 3 3>&1 >/dev/null 2>node.err
-    echo $? >node.code; }} | while IFS= read -r line; do printf '%s\\n' "$line" >>progress; done) & node=$!
-exec 4>/run/answers
-number=1
-while kill -0 $node 2>/dev/null; do
-    [ ! -e stop ] || {{ kill -TERM $(cat /run/node.pid); break; }}
-    if [ -e answer.$number ]; then
-        read -r answer <answer.$number
-        [ "$answer" = leave ] && kill -USR1 $(cat /run/node.pid) || echo "$answer" >&4
-        number=$((number + 1))
-    fi
-    kill -0 $stand 2>/dev/null || sleep 1 # the node notices by itself
-    sleep 0.1
-done
-wait $node
-kill $stand; wait $stand
-echo $? >stand.code
-"""
-
-
-def _in_uml(wanted: _Wanted, on_event: OnEvent) -> program.Ended:
+def run(
+    bus: str,
+    firmware: str,
+    scenario: Path,
+    seed: int,
+    stage: Path,
+    on_event: OnEvent,
+    schedule: Schedule,
+    interactive: bool = False,
+) -> Ended:
+    """Calibrate. Returns how it ended; its document, with the stand's, is in stage/bench unless it failed early.
+    `interactive`: what `on_event` answers is done at the stand, and told the node by SDO. Raises TumbleError."""
+    require_there(bus, firmware)
     with uml.work_folder() as name:
         folder = Path(name)
-        copy_inputs(wanted.scenario, folder)
-        inside = _Wanted(folder / "scenario.txt", wanted.seed, folder, wanted.interactive)
-        job = _JOB.format(
-            stand=shlex.join(inside.stand(uml.INTERFACE)), node=shlex.join(inside.node(uml.INTERFACE, folder / "bench"))
-        )
-        progress = _Progress(folder, on_event)
+        shutil.copy(scenario, folder / "scenario.txt")
+        if (gains := replay.gains_beside(scenario)) is not None:
+            shutil.copy(gains, folder)
+        interface = uml.INTERFACE if bus == UML else bus.removeprefix(SOCKETCAN)
+        out = folder / "bench" if bus == UML else stage / "bench"
+        stand = [programs.find("tumble-stand", _FOLDER), interface, str(folder / "scenario.txt")]
+        stand += ["--seed", str(seed), "--with-parent", *(["--operator", "ask"] if interactive else [])]
+        if firmware == BOARD:
+            job = {"board": _board(folder, interface)}
+            progress = _Progress(folder, lambda told: on_event(_state(told, schedule)) if told["moved"] else None)
+        else:
+            job = {"node": _node(folder, interface, out, interactive)}
+            progress = _Progress(folder, on_event)
+        (folder / "job.json").write_text(json.dumps({"interface": interface, "stand": stand, **job}))
         with interruption.Instead(progress.stop):
-            uml.run(job, folder, on_tick=progress)
-        complaint = _text(folder / "stand.err") or _text(folder / "node.err")
-        code = int(_text(folder / "node.code") or BenchFault.exit_code)
-        document = _text(folder / "stand.json")
-        if (folder / "bench").exists():
-            shutil.copytree(folder / "bench", wanted.stage / "bench")
-    complaint = complaint.replace(str(inside.scenario), str(wanted.scenario))
-    return _judged(program.Ended(code, complaint, progress.interrupted), wanted.stage / "bench", document)
+            (_in_uml if bus == UML else _here)(folder, progress, firmware)
+        if bus == UML and out.exists():
+            shutil.copytree(out, stage / "bench")
+        told = _json(folder / "ended.json")
+        if told is None:
+            raise BenchFault(
+                f"nothing is known of the run: {_text(folder / 'console.err')[-200:] or 'it says nothing'}"
+            )
+        judged = _judged_board if firmware == BOARD else _judged
+        return judged(told, folder, stage / "bench", scenario, progress.interrupted)
 
 
-def _text(path: Path) -> str:
-    return path.read_text(errors="replace").strip() if path.exists() else ""
+def _node(folder: Path, interface: str, out: Path, interactive: bool) -> list[str]:
+    """The command of the node, without its progress."""
+    command = [programs.find("tumble-node", _FOLDER), interface, str(folder / "scenario.txt"), "--start"]
+    patience = ["--patience", str(_PATIENCE_S)] if interactive else []
+    return [*command, "--with-parent", "--out", str(out), *replay.gain_options(folder / "scenario.txt"), *patience]
+
+
+def _board(folder: Path, interface: str) -> list[str]:
+    """The command of the board, as it is commissioned."""
+    (folder / "commissioning").write_bytes(replay.commissioning(str(folder / "scenario.txt")))
+    return emulator.command(
+        _IMAGE,
+        *emulator.commissioned(folder / "commissioning"),
+        *emulator.weighted(replay.gains_beside(folder / "scenario.txt")),
+        *emulator.on_interface(interface),
+    )
+
+
+def _console(folder: Path) -> list[str]:
+    return [sys.executable, "-I", "-S", "-B", console.__file__, str(folder / "job.json")]
+
+
+def _in_uml(folder: Path, progress: _Progress, firmware: str) -> None:
+    """The emulator cannot say what the kernel drops for want of room: there is to be plenty."""
+    job = f"{shlex.join(_console(folder))} 2>console.err\n"
+    if firmware == BOARD:
+        rooms = (f"echo {_RECEIVE_BUFFER} >/proc/sys/net/core/rmem_{name}\n" for name in ("max", "default"))
+        job = "".join(rooms) + job
+    uml.run(job, folder, on_tick=progress, memory_mb=_MEMORY_MB[firmware])
+
+
+def _here(folder: Path, progress: _Progress, _firmware: str) -> None:
+    with (
+        open(folder / "console.err", "w") as errors,
+        subprocess.Popen(_console(folder), stdin=subprocess.DEVNULL, stderr=errors, start_new_session=True) as process,
+    ):
+        try:
+            while process.poll() is None:
+                progress()
+                time.sleep(_TICK_S)
+        except BaseException:
+            os.killpg(process.pid, signal.SIGKILL)  # and all that it has started
+            raise
+    progress()
 
 
 class _Progress:
-    """Called all the while: hands on the lines of progress as they come; and, by `stop`, Ctrl-C."""
+    """Called all the while: hands on the lines of progress as they come, and the answers; and, by `stop`, Ctrl-C."""
 
     def __init__(self, folder: Path, on_event: OnEvent):
         self.interrupted = False
@@ -227,43 +196,40 @@ class _Progress:
         self._handing_on = False
 
     def __call__(self) -> None:
-        self._hand_on()
+        path = self._folder / "progress"
+        data = path.read_bytes()[self._read :] if path.exists() else b""
+        whole = data[: data.rfind(b"\n") + 1]
+        self._read += len(whole)
+        for line in whole.splitlines():
+            self._pass_on(self._hand_on(json.loads(line)))
         if self._stopping and time.monotonic() > self._stopping:
-            raise BenchFault("interrupted, but tumble-node does not end: THE TABLE MAY STILL TURN")
+            raise BenchFault("interrupted, but the run does not end: THE TABLE MAY STILL TURN")
 
     def stop(self) -> None:
-        """Tell the node to stop the table and end."""
+        """Have the table stopped and everything ended."""
         self.interrupted = True
-        self._stopping = time.monotonic() + 2 * _REST_S
+        self._stopping = time.monotonic() + _STOP_S
         uml.stop(self._folder)
         if self._handing_on:
             raise KeyboardInterrupt  # nobody waits for an answer any more
 
-    def _hand_on(self) -> None:
-        path = self._folder / "progress"
-        if not path.exists():
-            return
-        with open(path, "rb") as file:
-            file.seek(self._read)
-            data = file.read()
-        whole = data[: data.rfind(b"\n") + 1]
-        self._read += len(whole)
-        for line in whole.splitlines():
-            self._pass_on(self._hand_one_on(json.loads(line)))
-
-    def _hand_one_on(self, event: program.Event) -> str | None:
+    def _hand_on(self, event: in_process.Event) -> str | None:
+        """Returns what a person says to it, if it is something that can be said."""
         if self.interrupted:
             return None
         try:
             self._handing_on = True
-            return _answer(event, self._on_event)
+            answer = self._on_event(event)
+            while answer is not None and not _ANSWER.fullmatch(answer):
+                answer = self._on_event({"event": "refused", "what": f"an answer is {_ANSWERS}"})
+            return answer
         except KeyboardInterrupt:
             return None
         finally:
             self._handing_on = False
 
     def _pass_on(self, answer: str | None) -> None:
-        """Into user-mode Linux: a file for each answer."""
+        """A file for each answer."""
         if answer is not None:
             self._answers += 1
             part = self._folder / "answer.part"
@@ -271,15 +237,38 @@ class _Progress:
             part.rename(self._folder / f"answer.{self._answers}")
 
 
-def _judged(ended: program.Ended, out: Path, stand: str) -> program.Ended:
-    """Join the documents. Raises BenchFault where one of the two programs did not come to its end."""
-    ours = outcome.read_document(out)
-    theirs = json.loads(stand) if stand.strip().endswith("}") else None
-    if ended.code in (UsageError.exit_code, Skipped.exit_code):
+def _state(told: dict[str, Any], schedule: Schedule) -> in_process.Event:
+    """A state PDO of the board, in the form of tumble-node's progress."""
+    position = schedule.positions[min(told["index"], len(schedule.positions) - 1)]
+    return {
+        "event": "state",
+        "state": f"TUMBLE_STATE_{list(STATES)[told['state']]}",
+        "virtual_s": told["s"],
+        "mounting": position.mounting,
+        "position": position.number,
+        "index": told["index"],
+        "count": len(schedule.positions),
+        "finished": told["finished"],
+    }
+
+
+def _judged(told: dict[str, Any], folder: Path, out: Path, scenario: Path, interrupted: bool) -> Ended:
+    """Join the documents of stand and node. Raises BenchFault where one of them did not come to its end."""
+    who = "stand" if told["end"] == "stand" else "node"
+    complaint = _text(folder / f"{who}.err").replace(str(folder / "scenario.txt"), str(scenario))
+    if told["end"] == "stopped":
+        return Ended(-signal.SIGTERM, "", interrupted)
+    if told["end"] not in ("done", "stand"):
+        raise BenchFault(told["end"])
+    ended = Ended(told["code"], complaint, interrupted)
+    if ended.code == UsageError.exit_code or (who == "node" and ended.code == Skipped.exit_code):
         return ended
-    rest = "; THE TABLE MAY STILL TURN" if theirs is None else _at_rest(theirs)
+    if who == "stand":
+        raise BenchFault(f"tumble-stand failed ({ended.code}): {complaint or 'it says nothing'}")
+    ours, theirs = outcome.read_document(out), _json(folder / "stand.json")
+    rest = "THE TABLE MAY STILL TURN" if theirs is None else _at_rest(theirs)
     if ours is None:
-        raise BenchFault(f"tumble-node ended without a result ({_how(ended)}){rest}")
+        raise BenchFault(f"tumble-node ended without a result ({_how(ended)}); {rest}")
     if theirs is None:
         raise BenchFault(f"tumble-stand ended without a document; tumble-node says: {ours['reason_sentence']}")
     (out / outcome.DOCUMENT).write_text(json.dumps(outcome.with_stand(ours, theirs)), encoding="utf-8")
@@ -287,11 +276,76 @@ def _judged(ended: program.Ended, out: Path, stand: str) -> program.Ended:
 
 
 def _at_rest(stand: dict[str, Any]) -> str:
-    return "; the table is at rest" if stand["table"]["at_rest"] else "; THE TABLE IS NOT AT REST"
+    return "the table is at rest" if stand["table"]["at_rest"] else "THE TABLE IS NOT AT REST"
 
 
-def _how(ended: program.Ended) -> str:
+def _how(ended: Ended) -> str:
     code = ended.code - 128 if ended.code > 128 else -ended.code
     if code > 0 and code in set(signal.Signals):
         return f"killed by {signal.Signals(code).name}"
     return ended.complaint or f"exit code {ended.code}"
+
+
+def _judged_board(board: dict[str, Any], folder: Path, out: Path, scenario: Path, interrupted: bool) -> Ended:
+    """From what the console left to what a run in a world leaves."""
+    log, stand = _text(folder / "serial.log"), _json(folder / "stand.json")
+    began = (folder / "stand.json").exists()  # the stand is started when the board has booted
+    if interrupted and not began:
+        return Ended(-signal.SIGTERM, "", interrupted)
+    if began and stand is None:
+        complaint = _text(folder / "stand.err") or board["end"]
+        raise BenchFault(f"tumble-stand ended without a document: {complaint}")
+    if board["end"] not in ("done", "failed", "stopped"):
+        words = (log.splitlines() or [_text(folder / "board.err")])[-1]
+        raise BenchFault(f"{board['end']}; its last words: {ascii(words)[1:-1]}")
+    assert stand is not None  # without it no run comes so far
+    ours = _replayed(folder, out, scenario)
+    if board["end"] == "done":
+        _require_same_bits(ours, board["numbers"])
+    elif board["end"] == "failed" and ours["reason_number"] != board["reason"]:
+        raise BenchFault(_unexplained(log, stand))
+    board["counters"] |= _controller_counters(log)
+    (out / outcome.DOCUMENT).write_text(json.dumps(outcome.with_stand(ours, stand, board=board)), encoding="utf-8")
+    return Ended(ours["exit"], "", interrupted)
+
+
+def _replayed(folder: Path, out: Path, scenario: Path) -> dict[str, Any]:
+    """The run once more in this process: its run.csv, bus.log and document."""
+    try:
+        firmware = replay.played(replay.read(str(folder / "bus.log")), str(scenario))
+    except (BadInput, UsageError) as error:
+        raise BenchFault(f"the board's run cannot be replayed: {error}") from None
+    out.mkdir()
+    return in_process.write(firmware, out)
+
+
+def _require_same_bits(ours: dict[str, Any], theirs: list[str]) -> None:
+    numbers = [*sum(ours["K"] or [], []), *(ours["U0"] or [])]
+    if [struct.pack(">d", number).hex() for number in numbers] != theirs:
+        raise Disagreement("the board states other coefficients than the replay of its bus gives; no result is given")
+
+
+def _unexplained(log: str, stand: dict[str, Any]) -> str:
+    """The board stopped for a reason that its replay does not find: it has not heard all that was on the bus."""
+    reasons = re.findall(r"TUMBLE_REASON_(\w+)", log)
+    overflows = _controller_counters(log).get("controller_receive_overflows", 0)
+    return (
+        f"the board stopped with {reasons[-1] if reasons else 'no reason'}, which its bus does not explain: frames were"
+        f" lost on the way to it (its receive queue overflowed {overflows} times); {_at_rest(stand)}"
+    )
+
+
+def _controller_counters(log: str) -> dict[str, int]:
+    """What the board's log says of its CAN controller, at the end of the run."""
+    lines = [line for line in log.splitlines() if line.startswith("can: ")]
+    pairs = re.findall(r"([a-z][a-z -]*) (\d+)", lines[-1].removeprefix("can: ")) if lines else []
+    return {"controller_" + re.sub("[ -]", "_", name.strip()): int(count) for name, count in pairs}
+
+
+def _text(path: Path) -> str:
+    return path.read_text(errors="replace").strip() if path.exists() else ""
+
+
+def _json(path: Path) -> dict[str, Any] | None:
+    text = _text(path)
+    return json.loads(text) if text.endswith("}") else None

@@ -36,15 +36,15 @@ _USUAL_MOTION = {"velocity_deg_per_s": 90.0, "acceleration_deg_per_s2": 180.0, "
 _USUAL_CABLE_DEG = (-30.0, 400.0)
 _CABLE_SLACK_DEG = 30.0
 _LONGEST_MS = 2**32 - 1
-_BY_OPTION = {  # keys of a scenario that the check of the result has to know of
-    "mounting": "--schedule",
-    "position": "--schedule",
-    "procedure.estimator": "--estimator",
-    "procedure.samples": "--samples",
-    "procedure.error_budget_v": "--error-budget",
-    "procedure.gravity_limit_g": "--limit",
-    "block.converter_bits": "--block",
-    "block.range_v": "--block",
+BY_OPTION = {  # keys of a scenario that the check of the result has to know of: option, and what else World takes it by
+    "mounting": ("--schedule", "schedule"),
+    "position": ("--schedule", "schedule"),
+    "procedure.estimator": ("--estimator", None),
+    "procedure.samples": ("--samples", None),
+    "procedure.error_budget_v": ("--error-budget", None),
+    "procedure.gravity_limit_g": ("--limit", None),
+    "block.converter_bits": ("--block", "[block] of the stand"),
+    "block.range_v": ("--block", "[block] of the stand"),
 }
 _REPEATED = ("fault", "profile.receive_pdo", "profile.transmit_pdo", "profile.write", "drive.lacks")
 _USUAL_CONVERTER = {"converter_bits": 24, "range_v": 10.0}  # where the file leaves it open
@@ -119,8 +119,8 @@ def _overridden(own: list[str], file: str, given: bytes) -> list[str]:
     for row, line in enumerate(_scenario_lines(file, given), start=1):
         key = _key(line)
         same = line in own
-        if key in _BY_OPTION and not same:
-            raise BadInput(f"{key} is given by {_BY_OPTION[key]}", file, row)
+        if key in BY_OPTION and not same:
+            raise BadInput(f"{key} is given by {BY_OPTION[key][0]}", file, row)
         keys |= set() if same else {key}
         lines.append("" if same else line)
     return [*lines, *(line for line in own if _key(line) not in keys)]
@@ -132,8 +132,8 @@ def _told_key(line: str) -> str:
     key = key.strip()
     if not equals or not key or not line.isascii() or not line.isprintable():
         raise UsageError(f"--set: {quoted(line)} is not KEY=VALUE")
-    if key in _BY_OPTION:
-        raise UsageError(f"--set: {key} is given by {_BY_OPTION[key]}")
+    if key in BY_OPTION:
+        raise UsageError(f"--set: {key} is given by {BY_OPTION[key][0]}")
     return "" if key in _REPEATED else key
 
 

@@ -18,16 +18,16 @@ from tumble.files.stand_file import stand_file_of
 from tumble.firmware_tables import STATES
 from tumble.world import document, gains, in_process, outcome
 from tumble.world.border import CHANGE, ENDED, ENDS, FOREVER_US, OPERATORS, SENDERS, Border, Key, Refused, keys, text
-from tumble.world.setup import Setup, scenario_text, setup_of
+from tumble.world.setup import BY_OPTION, Setup, scenario_text, setup_of
 
 if TYPE_CHECKING:
     from tumble.world.virtual_bus import VirtualBus
 
 _STATE = "TUMBLE_STATE_"
 _ESTIMATOR, _SAMPLES, _LIMIT = "procedure.estimator", "procedure.samples", "procedure.gravity_limit_g"
+_BUDGET = "procedure.error_budget_v"
 _US = 1e6
 _LONGEST_S = 1e9
-_OF_THE_STAND_FILE = {"block.converter_bits", "block.range_v"}  # which the check of the result has to know of
 Number = TypeVar("Number", int, float)
 
 
@@ -93,10 +93,12 @@ class World:
         planned = schedule_of(DEFAULT_SCHEDULE if schedule is None else schedule, estimator)
         if samples is not None and _SAMPLES in keys:
             raise UsageError(f"{_SAMPLES} is given by samples, too")
-        for key in _OF_THE_STAND_FILE.intersection(keys):
-            raise UsageError(f"{key}: give it by [block] of the stand")
+        for key, (_, place) in BY_OPTION.items():
+            if key in keys and place is not None:
+                raise UsageError(f"{key}: give it by {place}")
         samples, limit_g = _number(_SAMPLES, keys.get(_SAMPLES, samples), int), _number(_LIMIT, keys.get(_LIMIT), float)
-        return setup_of(seed, self._stand_file, planned, samples, limit_g, estimator=estimator)
+        others = {"estimator": estimator, "error_budget_v": _number(_BUDGET, keys.get(_BUDGET), float) or 0.0}
+        return setup_of(seed, self._stand_file, planned, samples, limit_g, **others)
 
     @staticmethod
     def keys() -> dict[str, Key]:

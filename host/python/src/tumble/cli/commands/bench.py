@@ -35,8 +35,8 @@ if TYPE_CHECKING:
     from tumble.world.border import Border
     from tumble.world.folder import RunFolder
     from tumble.world.in_process import OnEvent
-    from tumble.world.program import Ended
     from tumble.world.progress import Progress
+    from tumble.world.realbus import Ended
     from tumble.world.setup import Setup
 
 
@@ -138,7 +138,7 @@ def run(arguments: argparse.Namespace, onlooker: Onlooker | None = None) -> int:
     from tumble.api.complaints import complaints
     from tumble.cli.output import print_solution, warn
     from tumble.solving.decision import decide
-    from tumble.world import board, border, folder, gains, outcome, realbus, setup
+    from tumble.world import border, folder, gains, outcome, realbus, setup
 
     if arguments.keys:
         print(border.scenario_help(), end="")
@@ -146,10 +146,10 @@ def run(arguments: argparse.Namespace, onlooker: Onlooker | None = None) -> int:
     bus = realbus.require_bus(arguments.bus)
     _require_one_way(arguments)
     with_report = arguments.runs is None and _wants_report(arguments)
-    if arguments.firmware == board.FIRMWARE and arguments.interactive:
-        raise UsageError(f"--interactive: not with --firmware {board.FIRMWARE}")
-    if arguments.firmware == board.FIRMWARE:
-        board.require_there(bus)
+    if arguments.firmware == realbus.BOARD and arguments.interactive:
+        raise UsageError(f"--interactive: not with --firmware {realbus.BOARD}")
+    if arguments.firmware == realbus.BOARD:
+        realbus.require_there(bus, realbus.BOARD)
     given = _read_files(arguments)
     wanted, stand_file = _read_setup(arguments, given)
     extra = None if arguments.scenario is None else given[arguments.scenario]
@@ -207,19 +207,12 @@ def _run_many(arguments: argparse.Namespace, seed: int, scenario: str, gain_reco
 
 
 def _wants_report(arguments: argparse.Namespace) -> bool:
-    """Is one to be left? Where nobody asks for it, it is for people, and where it cannot be made they are told. Raises
-    NotInstalled where it is asked for and cannot."""
-    if not arguments.report and (arguments.no_report or arguments.json or os.environ.get(_NO_REPORT)):
-        return False
+    """Is one to be left? Raises NotInstalled where it is asked for and cannot be made."""
+    if not arguments.report:
+        return not (arguments.no_report or arguments.json or os.environ.get(_NO_REPORT))
     from tumble.report.make import HTML, require_installed
 
-    try:
-        require_installed(HTML)
-    except NotInstalled as error:
-        if arguments.report:
-            raise
-        tell(f"tumble: the run is made without a report: {error}; --no-report leaves this line out")
-        return False
+    require_installed(HTML)
     return True
 
 
@@ -344,12 +337,10 @@ def _outside(
     arguments: argparse.Namespace, wanted: Setup, scenario_path: Path, made: RunFolder, progress: OnEvent
 ) -> dict[str, Any]:
     """By programs on a real bus."""
-    from tumble.world import board, outcome, realbus
+    from tumble.world import outcome, realbus
 
-    if arguments.firmware == board.FIRMWARE:
-        ended = board.run(arguments.bus, scenario_path, wanted.seed, made.stage, progress, wanted.schedule.data)
-    else:
-        ended = realbus.run(arguments.bus, scenario_path, wanted.seed, made.stage, progress, arguments.interactive)
+    given = arguments.bus, arguments.firmware, scenario_path, wanted.seed, made.stage
+    ended = realbus.run(*given, progress, wanted.schedule.data, arguments.interactive)
     document = outcome.read_document(made.stage / "bench")
     if ended.interrupted or ended.code == Interrupted.exit_code:
         never_began = ended.code == -signal.SIGTERM  # it did not get so far as to listen to signals
@@ -375,19 +366,17 @@ def _require_written(ended: Ended, made: RunFolder) -> None:
 
 
 def _progress(schedule: Schedule, interactive: bool) -> Progress:
-    if on_terminal():
-        from tumble.world.live import LiveProgress
+    from tumble.world.progress import LiveProgress, Progress
 
-        return LiveProgress(schedule, interactive)
-    from tumble.world.progress import Progress
-
-    return Progress(schedule, interactive)
+    return (LiveProgress if on_terminal() else Progress)(schedule, interactive)
 
 
 def _add_report(made: RunFolder, result: str, is_asked_for: bool) -> None:
     """One that nobody asked for must not cost the run. Raises TumbleError for one that was."""
     try:
         made.add("report.html", _report(result, made.stage / "run.csv"))
+    except NotInstalled as error:
+        tell(f"tumble: the run is made without a report: {error}; --no-report leaves this line out")
     except TumbleError as error:
         if is_asked_for:
             raise
