@@ -29,8 +29,8 @@ from pathlib import Path
 from typing import Any
 
 from tumble import interruption
-from tumble.drawings.tables import STATES
 from tumble.errors import BadInput, BenchFault, Disagreement, Skipped, UsageError, quoted
+from tumble.firmware_tables import STATES
 from tumble.schedule import Schedule
 from tumble.world import console, emulator, in_process, outcome, programs, replay, uml
 
