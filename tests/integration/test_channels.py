@@ -21,7 +21,7 @@ from tumble.errors import BadInput
 from tumble.files.run_file import Run
 from tumble.files.run_store import NO_BLOCKS
 from tumble.files.stand_file import read_stand
-from tumble.model import WholeModel, built_in, by_coefficient, covariance, optimal_covariance
+from tumble.model import Propagation, WholeModel, built_in, by_coefficient, covariance, optimal_covariance
 from tumble.model.errors import exact_outputs, sources
 from tumble.model.optimal import optimal_table
 from tumble.planning import require
@@ -107,7 +107,7 @@ def figures(runs, fitted, seed):
     means = exact_outputs(PAPER, k, u0, errors, draws)
     ratios = []
     for estimator in ESTIMATORS:
-        off = estimator_for(PAPER, k, UNEQUAL, estimator, lone)(means) - np.concatenate([k.ravel(), u0])
+        off = estimator_for(Propagation(PAPER, k, UNEQUAL, lone, estimator))(means) - np.concatenate([k.ravel(), u0])
         if estimator == "optimal":
             stated = optimal_covariance(PAPER, k, UNEQUAL, lone, 0.0)
         else:

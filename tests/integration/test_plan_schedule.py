@@ -151,9 +151,9 @@ def test_the_schedule_found_is_quicker_than_the_papers(estimator):
 
 def with_seats(monkeypatch, sigma):
     """Let the block's seat be off by `sigma` about h in every mounting."""
-    honest = schedule_search.sources
+    honest = schedule_search.of_stand
 
-    def sources(schedule, k, stand, samples):
+    def of_stand(schedule, k, stand, names):
         from tumble.model import Geometry
 
         geometry, numbers = Geometry(schedule), [one.number for one in schedule.mountings]
@@ -162,9 +162,9 @@ def with_seats(monkeypatch, sigma):
         table = np.einsum("pji,pj->pi", matrices, geometry.force())
         turned = np.einsum("pij,pj->pi", matrices, np.cross([1.0, 0.0, 0.0], table)) @ k.T
         each = (np.arange(len(numbers))[:, None] == of)[..., None] * turned
-        return {**honest(schedule, k, stand, samples), "seats": Source(np.full(len(numbers), sigma), each)}
+        return {**honest(schedule, k, stand, names), "seats": Source(np.full(len(numbers), sigma), each)}
 
-    monkeypatch.setattr(schedule_search, "sources", sources)
+    monkeypatch.setattr(schedule_search, "of_stand", of_stand)
 
 
 def test_a_declared_seat_needs_three_mountings(monkeypatch):
