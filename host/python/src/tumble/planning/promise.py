@@ -123,7 +123,7 @@ ON_A_SEAT = f"Assuming {ASSUMPTIONS['seat'].phrase}: {ASSUMPTIONS['seat'].why}."
 _ANY = 0.95  # of a growth that nobody asks for
 _SEED = 1
 _DIRECTIONS = {"positions": 32768, "attitudes": 8192}
-_EIGEN_BISECTIONS = 6
+_LIMIT_BISECTIONS = 6
 _STEPS = 50
 _SETTLED = 1e-11  # of a probability
 _TINY = 1e-300
@@ -169,7 +169,7 @@ class Law:
         """The limit that is kept with a probability, g: bisected until the law is no longer flat, then by false
         position, after the rule of Illinois."""
         low, high = 0.0, float(self.sizes.max()) * _FAR
-        for _ in range(_EIGEN_BISECTIONS):
+        for _ in range(_LIMIT_BISECTIONS):
             middle = (low + high) / 2.0
             low, high = (low, middle) if self.chance(middle).value >= probability else (middle, high)
         below, above = (self.chance(limit).value - probability for limit in (low, high))
