@@ -12,9 +12,9 @@ from tumble.core import built_in
 from tumble.errors import BadInput
 from tumble.files.schedule_file import read_schedule
 from tumble.schedule import BUILT_IN
-from tumble.solving.declared import ERRORS, schedule_document, schedule_of, stand_of, step_of
+from tumble.solving.declared import schedule_document, schedule_of, stand_of, step_of
 from tumble.solving.expected import expected
-from tumble.stand import Stand
+from tumble.stand import SOURCES, Stand
 
 pytestmark = pytest.mark.python
 
@@ -22,7 +22,8 @@ pytestmark = pytest.mark.python
 def test_every_number_of_a_stand_is_repeated():
     """One that Stand has and a result forgets would be an error that nobody reads of."""
     others = {"name", "limits", "remounting", "samples", "rounding"}  # rounding: a plan's, made of the converter's step
-    assert {*ERRORS.values()} | others == {field.name for field in dataclasses.fields(Stand)}
+    declared = {source.attribute for source in SOURCES.values()}
+    assert declared | others == {field.name for field in dataclasses.fields(Stand)}
 
 
 @pytest.mark.parametrize("limits", ["sigma1", "sigma3", "uniform"])

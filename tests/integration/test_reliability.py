@@ -20,7 +20,7 @@ from violation_rows import U0, K, honest
 from tumble.distributions import chi_squared_log_above, chi_squared_quantile, noncentrality
 from tumble.files.stand_file import read_stand
 from tumble.model import built_in
-from tumble.model.explanations import CONFIDENCE, SOURCES
+from tumble.model.explanations import CONFIDENCE, DOUBTS
 from tumble.model.norm import spread_attitudes
 from tumble.model.patterns import BY_NAME, PATTERNS, Scene
 from tumble.model.propagation import Propagation
@@ -92,7 +92,7 @@ def test_what_is_declared_is_in_the_uncertainties_and_not_listed(case):
 def test_what_is_listed():
     """The largest error first, and at the end what no size shows."""
     listed = found().values()
-    assert {one.pattern.name for one in listed} == {one.name for one in PATTERNS} - set(SOURCES)
+    assert {one.pattern.name for one in listed} == {one.name for one in PATTERNS} - set(DOUBTS)
     errors = [one.norm_g for one in listed]
     known = [error for error in errors if error is not None]
     assert known == sorted(known, reverse=True) and errors == known + [None] * 2

@@ -11,11 +11,12 @@ from core_whole_model import averages_of
 from test_fixture_check import PAPER, U0, stand_named
 
 from tumble import core, model
-from tumble.core.uncertainty import ANGLES
 from tumble.distributions import chi_squared_quantile
 from tumble.model.explanations import variance_of_means
 from tumble.solving.crosscheck import LARGEST_MISFIT
+from tumble.stand import SOURCES
 
+ANGLES = [source.attribute for source in SOURCES.values() if source.is_angle]
 pytestmark = pytest.mark.python
 V_PER_COUNT = 2e-9
 

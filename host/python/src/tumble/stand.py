@@ -26,7 +26,45 @@ MOST_YAWS = 6  # mountings, where each has unknowns of its own; both as the core
 
 PerChannel = float | tuple[float, float, float]  # one number for all channels, or one for each
 
-PER_CHANNEL = ("noise", "drift")  # attributes of a stand
+ALWAYS, LEVELLED = "always", "levelled"  # an error returns with every run, or until the stand is levelled anew
+
+
+@dataclass(frozen=True)
+class Source:
+    """A source of error that a stand declares: `attribute` of Stand, `key` of a stand file and of documents, `words`
+    for people. `required`: every stand file has it. `returns`: when an error comes back in the next run; None: each run
+    has its own. `tells`: two declarations that differ by it are of two stands. `patterns`: of a run that does not fit,
+    those that it takes upon itself."""
+
+    attribute: str
+    key: str
+    words: str
+    required: bool = False
+    returns: str | None = None
+    tells: bool = False
+    patterns: tuple[str, ...] = ()
+
+    @property
+    def is_angle(self) -> bool:
+        """In radians, and not as outputs are."""
+        return self.key.endswith("_rad")
+
+
+SOURCES = {  # by name, as documents have it, in the order in which random numbers are drawn for them
+    "alpha1": Source("axis_tilt", "axis_tilt_rad", "Axis not level", True, LEVELLED, tells=True),
+    "alpha2": Source("level", "level_rad", "Zero of the table angle", True, LEVELLED, tells=True),
+    "alpha3": Source("remount", "remount_rad", "Yaw of the block, in a mounting", True),
+    "alpha4": Source("angle", "angle_rad", "A set table angle", True, tells=True),
+    "noise": Source("noise", "noise_v", "Noise of one sample", True),
+    "seat": Source("seat", "seat_rad", "Seat not square, in a mounting", patterns=("seat",)),
+    "platform": Source("platform", "platform_rad", "Platform not square", False, ALWAYS, True, ("seat",)),
+    "encoder": Source(
+        *("encoder", "encoder_rad", "Encoder, once and twice per turn", False, ALWAYS, True),
+        patterns=("once_per_turn", "twice_per_turn"),
+    ),
+    "drift": Source("drift", "drift_v", "Drift over a run", patterns=("drift",)),
+}
+PER_CHANNEL = tuple(one.attribute for one in SOURCES.values() if not one.is_angle)
 _LEAST_NOISE = 1e-4  # of the largest: a channel without noise has a weight too, and not one that hides the others
 
 

@@ -30,7 +30,7 @@ from tumble.model.propagation import Propagation
 from tumble.schedule import Schedule
 from tumble.solving.declared import schedule_of
 from tumble.solving.si import POWERS_OF_TWELVE
-from tumble.stand import PerChannel, Stand, over
+from tumble.stand import SOURCES, PerChannel, Stand, over
 from tumble.terms import POWERS, Terms, names
 from tumble.units import volts_per
 
@@ -109,7 +109,6 @@ class Calibration:
 
 
 _AGREEMENT = 1e-5  # of the standard uncertainties, in any direction: more than two computations differ by
-_OF_THE_STAND = ("axis_tilt", "level", "angle", "platform", "encoder")
 _SAME = 1e-9  # relative: two ways of writing one standard deviation differ by less
 
 
@@ -131,7 +130,8 @@ def is_one(a: Stand, b: Stand) -> bool:
     """Whether two declarations may be of one stand: by the standard deviations of its axis and table, however these are
     written (`limits`). How many samples were averaged, noise, drift, and how the block was mounted are of each run and
     its block."""
-    return all(math.isclose(a.sigma(source), b.sigma(source), rel_tol=_SAME) for source in _OF_THE_STAND)
+    told = [source.attribute for source in SOURCES.values() if source.tells]
+    return all(math.isclose(a.sigma(source), b.sigma(source), rel_tol=_SAME) for source in told)
 
 
 @dataclass(frozen=True)

@@ -9,14 +9,13 @@ from _tumble_core import ffi, lib
 
 from tumble.arrays import Flags, Floats, Integers
 from tumble.core.binding import ESTIMATOR_ROWS, CoreSchedule, pack, require_estimable, require_ok, unpack
-from tumble.stand import COMMON, PER_CHANNEL, Stand, per_channel
-
-ANGLES = ("axis_tilt", "level", "remount", "angle", "seat", "platform", "encoder")
+from tumble.stand import COMMON, PER_CHANNEL, SOURCES, Stand, per_channel
 
 
 def record_of(stand: Stand, least_noise: float = 0.0) -> Any:
     """The declared stand as the core takes it; the noise of a mean never counts as less than `least_noise`."""
-    numbers: dict[str, Any] = {f"{source}_rad": stand.sigma(source) for source in ANGLES}
+    angles = [source for source in SOURCES.values() if source.is_angle]
+    numbers: dict[str, Any] = {source.key: stand.sigma(source.attribute) for source in angles}
     for source in PER_CHANNEL:
         sigma = per_channel(stand.sigmas(source))
         numbers[f"channel_{source}_v" if isinstance(sigma, tuple) else f"{source}_v"] = sigma

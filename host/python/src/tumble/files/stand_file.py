@@ -28,24 +28,11 @@ from tumble.defaults import DEFAULT_COVERAGE_FACTOR
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.files.run_temperature import HIGHEST_C, LOWEST_C
 from tumble.files.toml import Table, read_toml
-from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, PER_CHANNEL, PerChannel, Stand, by_channel, over
+from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, SOURCES, PerChannel, Source, Stand, by_channel, over
 
 _LARGEST_ANGLE_RAD = 0.5
 _COVERAGE_FACTORS = (1.0, 10.0)
 _LARGEST_V = 1e9  # far beyond any block, and far from where squares overflow
-_REQUIRED = {  # errors that a stand declares, by the attribute of Stand: key, largest
-    "axis_tilt": ("axis_tilt_rad", _LARGEST_ANGLE_RAD),
-    "level": ("level_rad", _LARGEST_ANGLE_RAD),
-    "remount": ("remount_rad", _LARGEST_ANGLE_RAD),
-    "angle": ("angle_rad", _LARGEST_ANGLE_RAD),
-    "noise": ("noise_v", _LARGEST_V),
-}
-_OPTIONAL = {  # those that it need not declare
-    "seat": ("seat_rad", _LARGEST_ANGLE_RAD),
-    "platform": ("platform_rad", _LARGEST_ANGLE_RAD),
-    "encoder": ("encoder_rad", _LARGEST_ANGLE_RAD),
-    "drift": ("drift_v", _LARGEST_V),
-}
 _ENVIRONMENT_RANGES = {
     "gravity_m_s2": (9.7, 9.9),
     "u_gravity_m_s2": (0.0, 0.2),
@@ -144,31 +131,33 @@ def read_block(file: str, data: bytes | None = None) -> tuple[dict[str, Any], di
 
 
 def _stand(table: Table) -> Stand:
-    errors = (key for key, _ in (*_REQUIRED.values(), *_OPTIONAL.values()))
-    table.only("name", *errors, "samples", "limits", "remount")
-    required: dict[str, Any] = {name: _error(table, name, *key) for name, key in _REQUIRED.items()}
-    optional: dict[str, Any] = {name: _error(table, name, *key, default=0.0) for name, key in _OPTIONAL.items()}
+    table.only("name", *(source.key for source in SOURCES.values()), "samples", "limits", "remount")
+    errors: dict[str, Any] = {source.attribute: _error(table, source) for source in SOURCES.values()}
     return Stand(
-        **required,
         samples=table.integer("samples", 1, MAX_SAMPLES),
         limits=table.choice("limits", LIMIT_KINDS),
         remounting=table.choice("remount", (INDEPENDENT, COMMON), default=INDEPENDENT),
         name=table.text("name", default=""),
-        **optional,
+        **errors,
     )
 
 
-def _error(table: Table, name: str, key: str, largest: float, **default: float) -> PerChannel:
-    read = table.per_channel if name in PER_CHANNEL else table.number
-    return read(key, 0.0, largest, **default)
+def _largest(source: Source) -> float:
+    return _LARGEST_ANGLE_RAD if source.is_angle else _LARGEST_V
+
+
+def _error(table: Table, source: Source) -> PerChannel:
+    read = table.number if source.is_angle else table.per_channel
+    return read(source.key, 0.0, _largest(source), **({} if source.required else {"default": 0.0}))
 
 
 def require_stand(stand: Stand, name: str) -> None:
     """Raise BadInput for a stand of the caller's own making that no stand file could declare; `name`: what errors call
     it."""
-    for attribute, (_, largest) in (_REQUIRED | _OPTIONAL).items():
+    for source in SOURCES.values():
+        attribute, largest = source.attribute, _largest(source)
         value = getattr(stand, attribute)
-        several = attribute in PER_CHANNEL and isinstance(value, tuple) and len(value) == 3
+        several = not source.is_angle and isinstance(value, tuple) and len(value) == 3
         if not all(isinstance(one, Real) and 0.0 <= float(one) <= largest for one in (value if several else [value])):
             raise BadInput(f"{quoted(value)} is not a number from 0 to {largest:g}", name, column=attribute)
     if not isinstance(stand.samples, Integral) or not 1 <= stand.samples <= MAX_SAMPLES:

@@ -7,7 +7,8 @@ After the means everything is one linear problem,
 in which beta are the coefficients and s the errors of the stand, with the declared variances as their prior. J comes
 from the exact geometry by complex steps. Sources are independent; what they bring adds in quadrature.
 
-A new source of error is a row of SOURCES, and an argument of Geometry.force if it turns the block in a way of its own.
+A new source of error is a row of stand.SOURCES and of EFFECTS, and an argument of Geometry.force if it turns the block
+in a way of its own.
 """
 
 from __future__ import annotations
@@ -21,24 +22,21 @@ import numpy as np
 from tumble.arrays import Floats, Integers
 from tumble.model.geometry import STEP, Geometry, geometry_of
 from tumble.schedule import FIT, Schedule
-from tumble.stand import COMMON, Stand, by_channel
+from tumble.stand import COMMON, SOURCES, Stand, by_channel
 
 NOISE = "noise"
-OF_OUTPUTS = (NOISE, "drift")  # their sizes are as outputs are; the others are angles
+OF_OUTPUTS = tuple(name for name, one in SOURCES.items() if not one.is_angle)  # their sizes are as outputs are
 
 Units = Mapping[str, Floats]  # one unit of every draw (draws, ...), by argument of Geometry.force
 
 
 @dataclass(frozen=True)
-class Row:
-    """A source of error: the `attribute` of Stand that declares its size; `units` of its draws on a schedule, with one
-    yaw common to all mountings or not; `adds`: what they add to the outputs (draws, positions, 3), of which these are
-    linear; `always`: it counts where its size is 0 too."""
+class Effect:
+    """What a source of error does: `units` of its draws on a schedule, with one yaw common to all mountings or not;
+    `adds`: what they add to the outputs (draws, positions, 3), of which these are linear."""
 
-    attribute: str
     units: Callable[[Geometry, bool], Units] = lambda geometry, common: {}
     adds: Callable[[Geometry], Floats] | None = None
-    always: bool = False
 
 
 def _one(geometry: Geometry) -> Floats:
@@ -65,23 +63,21 @@ def course(schedule: Schedule) -> Floats:
     return far
 
 
-SOURCES = {  # by name, in the order in which random numbers are drawn for them, those of the noise behind alpha4's
-    "alpha1": Row("axis_tilt", lambda g, common: {"alpha1": _one(g)}, always=True),
-    "alpha2": Row("level", lambda g, common: {"alpha2": _one(g)}, always=True),
-    "alpha3": Row(
-        "remount", lambda g, common: {"alpha3": np.ones((1, len(_each(g)))) if common else _each(g)}, always=True
-    ),
-    "alpha4": Row("angle", lambda g, common: {"delta": np.eye(len(g.phi))}, always=True),
-    NOISE: Row("noise", adds=lambda g: np.eye(3 * len(g.phi)).reshape(-1, len(g.phi), 3), always=True),
-    "seat": Row("seat", lambda g, common: {"seat_h": _each(g), "seat_n": _each(g)}),
-    "platform": Row("platform", lambda g, common: {"seat_h": _one(g)}),
-    "encoder": Row("encoder", lambda g, common: {"delta": encoder_waves(g.schedule)}),
-    "drift": Row("drift", adds=lambda g: course(g.schedule)[:, None] * np.eye(3)[:, None]),
+EFFECTS = {  # by name, as stand.SOURCES
+    "alpha1": Effect(lambda g, common: {"alpha1": _one(g)}),
+    "alpha2": Effect(lambda g, common: {"alpha2": _one(g)}),
+    "alpha3": Effect(lambda g, common: {"alpha3": np.ones((1, len(_each(g)))) if common else _each(g)}),
+    "alpha4": Effect(lambda g, common: {"delta": np.eye(len(g.phi))}),
+    NOISE: Effect(adds=lambda g: np.eye(3 * len(g.phi)).reshape(-1, len(g.phi), 3)),
+    "seat": Effect(lambda g, common: {"seat_h": _each(g), "seat_n": _each(g)}),
+    "platform": Effect(lambda g, common: {"seat_h": _one(g)}),
+    "encoder": Effect(lambda g, common: {"delta": encoder_waves(g.schedule)}),
+    "drift": Effect(adds=lambda g: course(g.schedule)[:, None] * np.eye(3)[:, None]),
 }
 
 
 @dataclass(frozen=True)
-class Source:
+class Draws:
     """Independent draws of one kind: `sigma` (draws,) standard deviations, `derivative` (draws, positions, 3) of the
     outputs with respect to each draw, `units` of each draw as Geometry.force takes them; none where the outputs
     are linear in it, as in noise and drift. `normal`: whatever law the stand declares."""
@@ -113,10 +109,10 @@ class _Felt:
 @lru_cache(512)
 def felt(schedule: Schedule, name: str, common: bool = False) -> _Felt:
     """Of a source, on the ideal stand."""
-    geometry, row = geometry_of(schedule), SOURCES[name]
-    if row.adds is not None:
-        return _Felt({}, None, row.adds(geometry))
-    units = row.units(geometry, common)
+    geometry, effect = geometry_of(schedule), EFFECTS[name]
+    if effect.adds is not None:
+        return _Felt({}, None, effect.adds(geometry))
+    units = effect.units(geometry, common)
     force = np.concatenate([geometry.force_by(**{argument: unit}) for argument, unit in units.items()])
     starts = np.cumsum([0, *(len(unit) for unit in units.values())])
     whole = {}
@@ -128,12 +124,12 @@ def felt(schedule: Schedule, name: str, common: bool = False) -> _Felt:
 
 def declared(stand: Stand) -> tuple[str, ...]:
     """Names of the sources that count on a stand, in the order of SOURCES."""
-    return tuple(name for name, row in SOURCES.items() if row.always or by_channel(getattr(stand, row.attribute)).any())
+    return tuple(n for n, one in SOURCES.items() if one.required or by_channel(getattr(stand, one.attribute)).any())
 
 
 def sources(
     schedule: Schedule, k: Floats, stand: Stand, samples: Integers, mean_variance: Floats | None = None
-) -> dict[str, Source]:
+) -> dict[str, Draws]:
     """Every source of error of a stand, by name.
 
     `k` (3, 3): the block's sensitivity. `samples` (positions,): rows of the run at each position, as
@@ -149,18 +145,18 @@ def sources(
     }
 
 
-def of_stand(schedule: Schedule, k: Floats, stand: Stand, names: Iterable[str]) -> dict[str, Source]:
+def of_stand(schedule: Schedule, k: Floats, stand: Stand, names: Iterable[str]) -> dict[str, Draws]:
     """Those of these names, whether declared or not; the noise of one sample."""
     found = {}
     for name in names:
         of = felt(schedule, name, stand.remounting == COMMON)
         derivative, attribute = of.derivative(k), SOURCES[name].attribute
         sigma = stand.sigmas(attribute) if name in OF_OUTPUTS else np.array([stand.sigma(attribute)])
-        found[name] = Source(np.resize(sigma, len(derivative)), derivative, of.units)
+        found[name] = Draws(np.resize(sigma, len(derivative)), derivative, of.units)
     return found
 
 
-def places(found: Mapping[str, Source]) -> dict[str, slice]:
+def places(found: Mapping[str, Draws]) -> dict[str, slice]:
     """Where each source has its draws, side by side in their order."""
     ends = np.cumsum([0, *(len(source.sigma) for source in found.values())])
     return {name: slice(start, end) for name, start, end in zip(found, ends, ends[1:])}
@@ -169,7 +165,7 @@ def places(found: Mapping[str, Source]) -> dict[str, slice]:
 class Errors:
     """All draws of some sources side by side: their sizes are `x` (..., draws), in radians or as outputs are."""
 
-    def __init__(self, schedule: Schedule, found: Mapping[str, Source]):
+    def __init__(self, schedule: Schedule, found: Mapping[str, Draws]):
         self.geometry, self.of = geometry_of(schedule), places(found)
         self.sigma = np.concatenate([np.zeros(0), *(source.sigma for source in found.values())])
         self._added = {name: source.derivative for name, source in found.items() if not source.units}
@@ -204,20 +200,20 @@ class Errors:
         return by_error
 
 
-def exact_outputs(schedule: Schedule, k: Floats, u0: Floats, found: Mapping[str, Source], draws: Floats) -> Floats:
+def exact_outputs(schedule: Schedule, k: Floats, u0: Floats, found: Mapping[str, Draws], draws: Floats) -> Floats:
     """Outputs (runs, positions, 3) of the exact geometry for `draws` (runs, all draws of the sources in their order),
     in units of their standard deviations."""
     errors = Errors(schedule, found)
     return errors.outputs(np.asarray(k), np.asarray(u0), draws * errors.sigma)
 
 
-def brought(of: Callable[[Floats], Floats], found: Mapping[str, Source]) -> dict[str, Floats]:
+def brought(of: Callable[[Floats], Floats], found: Mapping[str, Draws]) -> dict[str, Floats]:
     """What one standard deviation of each draw brings to a linear function of the means: by source, (draws, n). `of`
     maps (draws, positions, 3) to (draws, n)."""
     return {name: of(source.derivative) * source.sigma[:, None] for name, source in found.items()}
 
 
-def contributions(of: Callable[[Floats], Floats], found: Mapping[str, Source]) -> dict[str, Floats]:
+def contributions(of: Callable[[Floats], Floats], found: Mapping[str, Draws]) -> dict[str, Floats]:
     """Standard uncertainty (n,) that each source brings to it."""
     return {name: np.sqrt((draws**2).sum(axis=0)) for name, draws in brought(of, found).items()}
 
@@ -233,7 +229,7 @@ def by_gains(schedule: Schedule, gains: Floats) -> Callable[[Floats], Floats]:
     return of
 
 
-def joint(of: Callable[[Floats], Floats], found: Mapping[str, Source]) -> Floats:
+def joint(of: Callable[[Floats], Floats], found: Mapping[str, Draws]) -> Floats:
     """Covariance (n, n) that all sources together bring to it."""
     draws = np.concatenate(list(brought(of, found).values()))
     product: Floats = draws.T @ draws

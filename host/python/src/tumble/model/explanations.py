@@ -27,7 +27,7 @@ _CONTAINED = 0.9999
 _RAD = {"rad": 1.0, "urad": 1e-6}  # units of angles
 NOISE = "noise_v"
 SYSTEMATIC = tuple(f"{name}_rad" for name in ANGLES)
-SOURCES = (*SYSTEMATIC, "alpha4_rad", NOISE)
+DOUBTS = (*SYSTEMATIC, "alpha4_rad", NOISE)  # sources of a stand that a misfit may name
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ class Fit:
     def doubts(self) -> tuple[str, ...]:
         """The declared sources among the explanations."""
         named = [name for explanation in self.explanations for name in explanation.patterns]
-        return tuple(name for name in SOURCES if name in named)
+        return tuple(name for name in DOUBTS if name in named)
 
     def document(self) -> dict[str, object]:
         """Ready for JSON."""

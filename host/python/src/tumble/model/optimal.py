@@ -22,7 +22,7 @@ import numpy as np
 
 from tumble.arrays import Floats, Integers
 from tumble.errors import UsageError
-from tumble.model.errors import NOISE, Errors, Source, by_coefficient, by_gains, declared, joint, of_stand, places
+from tumble.model.errors import NOISE, Draws, Errors, by_coefficient, by_gains, declared, joint, of_stand, places
 from tumble.model.estimators import design, require_rank, unknowns
 from tumble.schedule import Schedule
 from tumble.stand import COMMON, PerChannel, Stand, by_channel, rounding_of
@@ -67,9 +67,11 @@ def samples_in_a_mean(schedule: Schedule, stand: Stand, samples: Integers) -> fl
     return float(1.0 / (1.0 / stand.averaged_over(samples)[schedule.fit_indices]).mean())
 
 
-def shared_errors(schedule: Schedule, k: Floats, stand: Stand) -> dict[str, Source]:
-    """The errors that positions share, on a schedule of fit positions, in the order in which records have them."""
-    return of_stand(schedule, k, stand, [name for name in _SHARED if name in declared(stand)])
+def shared_errors(schedule: Schedule, k: Floats, stand: Stand) -> dict[str, Draws]:
+    """The errors that positions share, on a schedule of fit positions: in the order in which records have them, then
+    those that no record has."""
+    others = [name for name in declared(stand) if name not in (*_SHARED, "alpha4", NOISE)]
+    return of_stand(schedule, k, stand, [*(name for name in _SHARED if name in declared(stand)), *others])
 
 
 @dataclass(frozen=True)
@@ -195,7 +197,7 @@ def record_counts(schedule: Schedule, stand: Stand) -> tuple[int, int, int, int]
     return yaws, seats, 4 if "encoder" in named else 0, 3 if "drift" in named else 0
 
 
-def by_mounting(found: Floats, errors: dict[str, Source], schedule: Schedule, stand: Stand) -> Floats:
+def by_mounting(found: Floats, errors: dict[str, Draws], schedule: Schedule, stand: Stand) -> Floats:
     """Gains (..., rows, 3P) of what positions share, as a table has them: that of the platform is in the seat of each
     mounting. `found` (..., draws, 3P): of `errors`."""
     of = places(errors)
@@ -326,5 +328,5 @@ def optimal_covariance(
     if mean_variance is not None:
         noise = np.maximum(noise, np.sqrt(mean_variance))
     whole = of_stand(schedule, k, stand, declared(stand))
-    whole[NOISE] = Source(noise.ravel(), whole[NOISE].derivative)
+    whole[NOISE] = Draws(noise.ravel(), whole[NOISE].derivative)
     return joint(by_gains(schedule, whitened.gains), whole)

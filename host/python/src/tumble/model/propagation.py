@@ -13,7 +13,7 @@ import numpy as np
 
 from tumble.arrays import Floats, Integers
 from tumble.estimators import OPTIMAL
-from tumble.model.errors import Source, brought, by_gains, joint, sources
+from tumble.model.errors import Draws, brought, by_gains, joint, sources
 from tumble.model.estimators import linear_gains
 from tumble.model.optimal import OptimalTable, optimal_covariance, optimal_table, samples_in_a_mean
 from tumble.schedule import Schedule
@@ -50,7 +50,7 @@ class Propagation:
             return self.table.gains
         return linear_gains(self.schedule, self.estimator, self.terms)
 
-    def errors(self, variance: Floats | None = None) -> dict[str, Source]:
+    def errors(self, variance: Floats | None = None) -> dict[str, Draws]:
         """Every source of error; `variance` (positions, 3): of the means by the noise as measured, where it counts for
         more than the stand's."""
         return sources(self.schedule, self.k, self.stand.with_step(self.step), self.samples, variance)

@@ -17,13 +17,14 @@ import numpy as np
 
 from tumble.arrays import Floats
 from tumble.distributions import noncentrality
-from tumble.model.explanations import CONFIDENCE, SOURCES, variance_of_means
+from tumble.model.errors import declared
+from tumble.model.explanations import CONFIDENCE, DOUBTS, variance_of_means
 from tumble.model.geometry import ideal_force
 from tumble.model.norm import norm_gradient, spread_attitudes
 from tumble.model.patterns import BY_NAME, PATTERNS, Columns, Pattern, Scene
 from tumble.model.propagation import Propagation
 from tumble.model.whole import WholeModel, basis
-from tumble.stand import Stand
+from tumble.stand import SOURCES, Stand
 from tumble.terms import Terms
 
 FOUND = 0.9  # share of runs
@@ -60,19 +61,17 @@ def reliability(given: Propagation, confidence: float = CONFIDENCE, rounding: fl
     means, variance = ideal_force(schedule) @ k.T, variance_of_means(stand, given.samples, rounding)
     model = WholeModel(schedule, means, variance, stand, terms)
     tested = [one for one in PATTERNS if one.name not in terms]
-    declared = _declared(stand)
+    taken_up = _taken_up(stand)
     false_alarms = (1.0 - confidence) / (len(tested) + _BESIDE)
     search = _Search(model, k, given.gains, spread_attitudes(_ATTITUDES), terms)
-    found = [search.worst(pattern, false_alarms) for pattern in tested if pattern.name not in declared]
+    found = [search.worst(pattern, false_alarms) for pattern in tested if pattern.name not in taken_up]
     possible = [one for one in found if one is not None]
     return tuple(sorted(possible, key=lambda one: -1.0 if one.norm_g is None else one.norm_g, reverse=True))
 
 
-def _declared(stand: Stand) -> set[str]:
+def _taken_up(stand: Stand) -> set[str]:
     """Names of the patterns that the uncertainties contain."""
-    beside = {"drift": stand.declares_drift, "seat": stand.declares_seat}
-    beside |= dict.fromkeys(("once_per_turn", "twice_per_turn"), stand.encoder > 0.0)
-    return {*SOURCES, *(name for name, is_declared in beside.items() if is_declared)}
+    return {*DOUBTS, *(pattern for name in declared(stand) for pattern in SOURCES[name].patterns)}
 
 
 def largest(found: Reliability) -> float | None:

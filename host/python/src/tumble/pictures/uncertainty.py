@@ -63,7 +63,7 @@ def budget(facts: Facts) -> Figure:
     for name, variance in variances.items():
         if not variance.any():  # a source of size 0
             continue
-        title, colour, hatch = SOURCES[name]
+        title, colour, hatch = SOURCES.get(name, (name, GREY, ".."))
         share = 100.0 * np.divide(variance, total, out=np.zeros(len(total)), where=total > 0.0)
         look: dict[str, Any] = {"color": colour, "hatch": hatch, "edgecolor": BLACK, "linewidth": 0.5}
         axes.barh(places, share, 0.72, left, label=title, **look)

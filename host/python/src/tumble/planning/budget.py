@@ -22,9 +22,8 @@ from tumble.planning.case import SCHEMA, Case
 from tumble.planning.promise import Promise
 from tumble.planning.published import NAMES, SOURCES
 from tumble.solving.many_runs import or_linear
-from tumble.stand import SIGMA
+from tumble.stand import SIGMA, SOURCES as DECLARED
 
-_ATTRIBUTES = dict(zip(SOURCES, ("axis_tilt", "level", "remount", "angle", "noise")))
 ALPHAS = "alpha1 axis tilt, alpha2 level, alpha3 yaw of the block, alpha4 set angles"
 
 
@@ -96,7 +95,7 @@ def sizes(case: Case, published: bool) -> Floats:
     """Sizes of the sources: as declared, or as standard deviations; the noise is that of a mean, noise and drift those
     of the channel that has most."""
     stand, names = case.stand, sources(case, published)
-    of = {name: stand.sigmas(_ATTRIBUTES.get(name, name)) for name in names}
+    of = {name: stand.sigmas(DECLARED[name].attribute) for name in names}
     of["noise"] = stand.mean_sigma(stand.samples)
     found: Floats = np.array([of[name].max() for name in names])
     return found * stand.limits_over_sigma if published else found

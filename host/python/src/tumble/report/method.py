@@ -5,6 +5,7 @@ from __future__ import annotations
 from tumble.report.cells import MISSING, Facts, Fixed, Inline, Table, aligned, joined, line
 from tumble.report.source import Source
 from tumble.solving.declared import schedule_of
+from tumble.stand import SOURCES
 from tumble.units import noise_unit
 
 _MEANING = {  # of a stand file's `limits`
@@ -12,18 +13,6 @@ _MEANING = {  # of a stand file's `limits`
     "sigma3": "three standard deviations",
     "uniform": "half-widths of a uniform law",
 }
-_ERRORS = {  # of a stand, by their keys; what is not declared is 0 and left out, unless every rotary stand has it
-    "axis_tilt_rad": "Axis not level",
-    "level_rad": "Zero of the table angle",
-    "remount_rad": "Yaw of the block, in a mounting",
-    "angle_rad": "A set table angle",
-    "noise_v": "Noise of one sample",
-    "seat_rad": "Seat not square, in a mounting",
-    "platform_rad": "Platform not square",
-    "encoder_rad": "Encoder, once and twice per turn",
-    "drift_v": "Drift over a run",
-}
-_REQUIRED = ("axis_tilt_rad", "level_rad", "remount_rad", "angle_rad", "noise_v")
 _SEEN = {
     "alpha1_rad": "Axis tilt",
     "alpha2_plus_alpha3_rad": "Zero of the angle, and mean yaw",
@@ -79,12 +68,12 @@ def declared(source: Source) -> tuple[Inline, Table] | None:
     if not source.table("stand"):
         return None
     kind, schedule = str(source.at("stand", "limits")), schedule_of(source.document, source.name)
-    always = ("noise_v",) if schedule is not None and schedule.data.is_laid_by_hand else _REQUIRED
+    by_hand = schedule is not None and schedule.data.is_laid_by_hand
     about = line("Stand: ", source.told("stand", "name"), ". Its file declares ", _MEANING.get(kind, kind), ".")
     rows = [
-        (Fixed(name), _by_channel(source, key), Fixed(_unit(source, key)))
-        for key, name in _ERRORS.items()
-        if key in always or _is_declared(source, key)
+        (Fixed(one.words), _by_channel(source, one.key), Fixed(_unit(source, one.key)))
+        for one in SOURCES.values()  # what is not declared is 0 and left out, unless every rotary stand has it
+        if _is_declared(source, one.key) or (one.required and not (by_hand and one.is_angle))
     ]
     return about, Table(("Source of error", "Declared", "Unit"), rows, left=(2,))
 

@@ -18,21 +18,10 @@ import numpy as np
 from tumble.core import CoreRefusal, CoreSchedule, built_in
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.schedule import BUILT_IN, CHECK, FIT, Mounting, Position, Schedule
-from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, PER_CHANNEL, PerChannel, Stand, by_channel, per_channel
+from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, SOURCES, PerChannel, Stand, by_channel, per_channel
 
 _MALFORMED = (KeyError, TypeError, ValueError, OverflowError)
 _LARGEST = 1e9  # of an error of a stand, as stand files have it
-ERRORS = {  # of a stand, by the keys of its file: attribute of Stand
-    "axis_tilt_rad": "axis_tilt",
-    "level_rad": "level",
-    "remount_rad": "remount",
-    "angle_rad": "angle",
-    "noise_v": "noise",
-    "seat_rad": "seat",
-    "platform_rad": "platform",
-    "encoder_rad": "encoder",
-    "drift_v": "drift",
-}
 
 
 def stand_document(stand: Stand | None, step_v: PerChannel) -> dict[str, Any] | None:
@@ -40,7 +29,7 @@ def stand_document(stand: Stand | None, step_v: PerChannel) -> dict[str, Any] | 
     converter of its block, 0 where it is unknown."""
     if stand is None:
         return None
-    errors = {key: _plain(getattr(stand, attribute)) for key, attribute in ERRORS.items()}
+    errors = {source.key: _plain(getattr(stand, source.attribute)) for source in SOURCES.values()}
     labels = {
         "name": stand.name or None,
         "limits": stand.limits,
@@ -68,8 +57,8 @@ def stand_of(document: Mapping[str, Any], name: str) -> Stand | None:
         return None
     try:
         errors: dict[str, Any] = {
-            attribute: _read(told[key]) if attribute in PER_CHANNEL else float(told[key])
-            for key, attribute in ERRORS.items()
+            source.attribute: float(told[source.key]) if source.is_angle else _read(told[source.key])
+            for source in SOURCES.values()
         }
         labels = {"name": told["name"] or "", "limits": told["limits"], "remounting": told["remount"]}
         stand = Stand(samples=int(told["samples"]), **labels, **errors)

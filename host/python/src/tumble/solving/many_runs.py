@@ -33,7 +33,7 @@ from tumble.core import CoreRefusal
 from tumble.core.optimal import GainRecord, estimate_runs, optimal_runs
 from tumble.errors import UsageError
 from tumble.estimators import COEFFICIENTS, OPTIMAL
-from tumble.model.errors import Source, by_gains, exact_outputs
+from tumble.model.errors import Draws, by_gains, exact_outputs
 from tumble.model.optimal import by_table
 from tumble.model.propagation import Propagation
 from tumble.model.second_order import ManyRuns
@@ -44,7 +44,7 @@ from tumble.stand import SIGMA
 from tumble.workers.kept import Result
 from tumble.workers.over import ALONE, Piece, Progress, Team, over
 
-Sources: TypeAlias = dict[str, Source]
+Sources: TypeAlias = dict[str, Draws]
 Chunk: TypeAlias = "tuple[int, dict[str, Any]]"  # runs, and the state of the stream where they begin
 _RUNS = 2000  # at a time: part of what a seed means
 
@@ -255,7 +255,7 @@ class _Estimates:
 
     given: Propagation
     u0: Floats
-    errors: dict[str, Source]
+    errors: dict[str, Draws]
 
     def __call__(self, chunk: Chunk) -> Result:
         given = self.given
