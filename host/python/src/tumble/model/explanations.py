@@ -24,6 +24,7 @@ CONFIDENCE = 0.999
 EXPLAINED = 0.01  # largest p, after Holm, of an explanation
 ALIKE = 0.75  # patterns with a larger cosine may be taken for each other
 _CONTAINED = 0.9999
+_DIGITS = 9  # of log p: places that show as much are as likely, and of these it is the first, whatever the rounding
 _RAD = {"rad": 1.0, "urad": 1e-6}  # units of angles
 NOISE = "noise_v"
 SYSTEMATIC = tuple(f"{name}_rad" for name in ANGLES)
@@ -197,7 +198,7 @@ class _Search:
         shown = [(score, columns) for score, columns in tested if score.freedom > 0 and self._is_small(pattern, score)]
         if not shown:
             return None
-        score, columns = min(shown, key=lambda one: _log_p(one[0]))
+        score, columns = min(shown, key=lambda one: round(_log_p(one[0]), _DIGITS))
         return _Candidate(pattern, columns, score, len(shown))
 
     def _is_small(self, pattern: Pattern, score: Score) -> bool:
