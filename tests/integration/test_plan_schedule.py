@@ -12,7 +12,7 @@ from test_plan_budget import plan
 from tumble.files.schedule_file import read_schedule, to_toml
 from tumble.files.stand_file import read_stand
 from tumble.model import built_in
-from tumble.model.errors import Source
+from tumble.model.errors import Draws
 from tumble.planning import schedule_search
 from tumble.planning.case import Case
 from tumble.planning.schedule_search import (
@@ -162,7 +162,7 @@ def with_seats(monkeypatch, sigma):
         table = np.einsum("pji,pj->pi", matrices, geometry.force())
         turned = np.einsum("pij,pj->pi", matrices, np.cross([1.0, 0.0, 0.0], table)) @ k.T
         each = (np.arange(len(numbers))[:, None] == of)[..., None] * turned
-        return {**honest(schedule, k, stand, names), "seats": Source(np.full(len(numbers), sigma), each)}
+        return {**honest(schedule, k, stand, names), "seats": Draws(np.full(len(numbers), sigma), each)}
 
     monkeypatch.setattr(schedule_search, "of_stand", of_stand)
 
