@@ -13,7 +13,7 @@ from tumble.errors import UsageError
 from tumble.estimators import LINEAR
 from tumble.files.stand_file import read_stand
 from tumble.model import Geometry, built_in, estimate
-from tumble.model.errors import felt
+from tumble.model.errors import unit_effect
 from tumble.model.estimators import design, linear_gains
 from tumble.model.geometry import ideal_force
 from tumble.model.optimal import mean_sigma, optimal_table, standard_deviations
@@ -158,7 +158,8 @@ def test_derivatives_by_hand_are_those_of_the_exact_geometry():
         expected = by_hand(schedule)
         assert ideal_force(schedule) == pytest.approx(expected.pop("force"), abs=1e-14)
         for name, one in expected.items():
-            assert felt(schedule, name, common=True).derivative(np.eye(3))[0] == pytest.approx(one, abs=1e-14), name
+            first = unit_effect(schedule, name, common=True).derivative(np.eye(3))[0]
+            assert first == pytest.approx(one, abs=1e-14), name
         own = np.array([[p.mounting == m.number for p in schedule.positions] for m in schedule.mountings])[..., None]
         each = {
             "alpha3": own * expected["alpha3"],
@@ -166,7 +167,7 @@ def test_derivatives_by_hand_are_those_of_the_exact_geometry():
             "alpha4": np.eye(len(schedule.positions))[..., None] * expected["alpha2"],
         }
         for name, of_draws in each.items():
-            assert felt(schedule, name).derivative(np.eye(3)) == pytest.approx(of_draws, abs=1e-14), name
+            assert unit_effect(schedule, name).derivative(np.eye(3)) == pytest.approx(of_draws, abs=1e-14), name
 
 
 @pytest.mark.parametrize("estimator", LINEAR)

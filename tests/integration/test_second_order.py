@@ -18,7 +18,7 @@ from tumble.model.propagation import Propagation
 from tumble.model.second_order import SecondOrder, second_order
 from tumble.planning.validate import validate
 from tumble.schedule import FIT, Schedule
-from tumble.solving.many_runs import or_linear
+from tumble.solving.many_runs import estimator_or_linear
 from tumble.stand import COMMON, INDEPENDENT, PAPER_STAND, Stand
 
 pytestmark = pytest.mark.python
@@ -30,7 +30,7 @@ ANY_U = np.full(12, 1e-3)
 def bias_of(schedule, k, u, stand, estimator, step=0.0):
     """Of means of so many samples as the stand says."""
     given = Propagation(schedule, k, stand, np.ones(len(schedule.positions), dtype=int), estimator, step)
-    return second_order(given, u, or_linear(given))
+    return second_order(given, u, estimator_or_linear(given))
 
 
 def stand_of(axis_tilt=0.0, level=0.0, remount=0.0, angle=0.0, noise=1e-3, **others):

@@ -10,15 +10,14 @@ Public are the names of `__all__`, the exceptions in `tumble.errors`, `tumble.te
 for python-can), `tumble.data` (examples, schemas), `tumble.client`, and the command line, `python -m tumble`. They
 stay; all else may change with any version. It stands in rooms, each of which says what it offers:
 
-    core, reference     the firmware core, and its numpy witness, which knows nothing of it
+    core, model         the firmware core, and the numpy model of a calibration, which knows nothing of it
     files               run files, stand files, schedule files
     solving             from a run to a stated result
     fixture, planning   what runs tell of a stand; what a stand is worth before any run
-    comparison          two results of one block
-    bench, store        simulated stands and real buses; the memory of a navigation computer
+    world, store        simulated stands and real buses; the memory of a navigation computer
     testing             a simulated node and stand for the tests of scripts, as a pytest plugin
     comparison          two results of one block
-    pictures            of results and comparisons
+    pictures            of results, comparisons, recordings, campaigns, and of the stand itself
     report              a result as a document for people
     client              a navigation computer over CAN or Modbus, for scripts
     api, cli            what scripts call; the command line

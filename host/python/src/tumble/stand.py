@@ -33,15 +33,15 @@ ALWAYS, LEVELLED = "always", "levelled"  # an error returns with every run, or u
 class Source:
     """A source of error that a stand declares: `attribute` of Stand, `key` of a stand file and of documents, `words`
     for people. `required`: every stand file has it. `returns`: when an error comes back in the next run; None: each run
-    has its own. `tells`: two declarations that differ by it are of two stands. `patterns`: of a run that does not fit,
-    those that it takes upon itself."""
+    has its own. `identifies`: two declarations that differ by it are of two stands. `patterns`: of a run that does not
+    fit, those that it takes upon itself."""
 
     attribute: str
     key: str
     words: str
     required: bool = False
     returns: str | None = None
-    tells: bool = False
+    identifies: bool = False
     patterns: tuple[str, ...] = ()
 
     @property
@@ -51,10 +51,10 @@ class Source:
 
 
 SOURCES = {  # by name, as documents have it, in the order in which random numbers are drawn for them
-    "alpha1": Source("axis_tilt", "axis_tilt_rad", "Axis not level", True, LEVELLED, tells=True),
-    "alpha2": Source("level", "level_rad", "Zero of the table angle", True, LEVELLED, tells=True),
+    "alpha1": Source("axis_tilt", "axis_tilt_rad", "Axis not level", True, LEVELLED, identifies=True),
+    "alpha2": Source("level", "level_rad", "Zero of the table angle", True, LEVELLED, identifies=True),
     "alpha3": Source("remount", "remount_rad", "Yaw of the block, in a mounting", True),
-    "alpha4": Source("angle", "angle_rad", "A set table angle", True, tells=True),
+    "alpha4": Source("angle", "angle_rad", "A set table angle", True, identifies=True),
     "noise": Source("noise", "noise_v", "Noise of one sample", True),
     "seat": Source("seat", "seat_rad", "Seat not square, in a mounting", patterns=("seat",)),
     "platform": Source("platform", "platform_rad", "Platform not square", False, ALWAYS, True, ("seat",)),

@@ -130,7 +130,7 @@ def is_one(a: Stand, b: Stand) -> bool:
     """Whether two declarations may be of one stand: by the standard deviations of its axis and table, however these are
     written (`limits`). How many samples were averaged, noise, drift, and how the block was mounted are of each run and
     its block."""
-    told = [source.attribute for source in SOURCES.values() if source.tells]
+    told = [source.attribute for source in SOURCES.values() if source.identifies]
     return all(math.isclose(a.sigma(source), b.sigma(source), rel_tol=_SAME) for source in told)
 
 

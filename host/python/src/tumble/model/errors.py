@@ -89,7 +89,7 @@ class Draws:
 
 
 @dataclass(frozen=True)
-class _Felt:
+class _UnitEffect:
     """One unit of every draw of a source: `units`, and what the block feels of them: `force` (draws, positions, 3), g,
     or what they add to its outputs."""
 
@@ -107,11 +107,11 @@ class _Felt:
 
 
 @lru_cache(512)
-def felt(schedule: Schedule, name: str, common: bool = False) -> _Felt:
-    """Of a source, on the ideal stand."""
+def unit_effect(schedule: Schedule, name: str, common: bool = False) -> _UnitEffect:
+    """What one unit of every draw of a source does, on the ideal stand."""
     geometry, effect = geometry_of(schedule), EFFECTS[name]
     if effect.adds is not None:
-        return _Felt({}, None, effect.adds(geometry))
+        return _UnitEffect({}, None, effect.adds(geometry))
     units = effect.units(geometry, common)
     force = np.concatenate([geometry.force_by(**{argument: unit}) for argument, unit in units.items()])
     starts = np.cumsum([0, *(len(unit) for unit in units.values())])
@@ -119,7 +119,7 @@ def felt(schedule: Schedule, name: str, common: bool = False) -> _Felt:
     for start, (argument, unit) in zip(starts, units.items()):
         whole[argument] = np.zeros((starts[-1], unit.shape[1]))
         whole[argument][start : start + len(unit)] = unit
-    return _Felt(whole, force, None)
+    return _UnitEffect(whole, force, None)
 
 
 def declared(stand: Stand) -> tuple[str, ...]:
@@ -149,7 +149,7 @@ def of_stand(schedule: Schedule, k: Floats, stand: Stand, names: Iterable[str]) 
     """Those of these names, whether declared or not; the noise of one sample."""
     found = {}
     for name in names:
-        of = felt(schedule, name, stand.remounting == COMMON)
+        of = unit_effect(schedule, name, stand.remounting == COMMON)
         derivative, attribute = of.derivative(k), SOURCES[name].attribute
         sigma = stand.sigmas(attribute) if name in OF_OUTPUTS else np.array([stand.sigma(attribute)])
         found[name] = Draws(np.resize(sigma, len(derivative)), derivative, of.units)

@@ -19,7 +19,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from tumble.arrays import Floats, Integers
-from tumble.model.errors import felt
+from tumble.model.errors import unit_effect
 from tumble.model.estimators import design, functionals, paper_slots
 from tumble.schedule import Schedule
 from tumble.stand import LARGEST_ERROR_RAD, MOST_YAWS, Stand
@@ -83,9 +83,11 @@ class _Linear:
     respect to each set angle; P positions. Of the unknowns behind the coefficients, `combinations` are what is told."""
 
     def __init__(self, schedule: Schedule, k: Floats):
-        by_angle = np.concatenate([felt(schedule, name).derivative(k) for name in ("alpha1", "alpha2", "alpha3")])
+        by_angle = np.concatenate(
+            [unit_effect(schedule, name).derivative(k) for name in ("alpha1", "alpha2", "alpha3")]
+        )
         self.design = np.column_stack([design(schedule), by_angle.reshape(len(by_angle), -1).T])
-        self.by_set_angle = felt(schedule, "alpha4").derivative(k).reshape(len(schedule.positions), -1)
+        self.by_set_angle = unit_effect(schedule, "alpha4").derivative(k).reshape(len(schedule.positions), -1)
         mountings = len(schedule.mountings)
         used = [schedule.mountings.index(mounting) for mounting in schedule.fitted_mountings]
         mean, one = np.zeros(mountings), np.eye(mountings)

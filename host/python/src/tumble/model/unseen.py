@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from tumble.arrays import Flags, Floats
-from tumble.model.errors import brought, by_gains, felt, of_stand
+from tumble.model.errors import brought, by_gains, of_stand, unit_effect
 from tumble.model.estimators import design, linear_gains
 from tumble.model.patterns import BLOCK, PATTERNS, Scene
 from tumble.schedule import Schedule
@@ -22,11 +22,11 @@ def seat_is_unseen(schedule: Schedule, k: Floats, terms: Terms = ()) -> bool:
     """Whether the fit positions show nothing of a common tilt of the block against the axis, beside coefficients, all
     other angles that positions share, and further `terms` of the model."""
     fitted, mountings = schedule.fitted, len(schedule.mountings)
-    angles = [felt(fitted, name).derivative(k) for name in ("alpha1", "alpha2", "alpha3")]
-    angles.append(felt(fitted, "seat").derivative(k)[mountings:])
+    angles = [unit_effect(fitted, name).derivative(k) for name in ("alpha1", "alpha2", "alpha3")]
+    angles.append(unit_effect(fitted, "seat").derivative(k)[mountings:])
     others = np.concatenate(angles)
     explaining = np.column_stack([design(fitted, terms), others.reshape(len(others), -1).T])
-    return _is_hidden(felt(fitted, "platform").derivative(k).reshape(1, -1).T, explaining)
+    return _is_hidden(unit_effect(fitted, "platform").derivative(k).reshape(1, -1).T, explaining)
 
 
 def moved_by_a_seat(schedule: Schedule, k: Floats, estimator: str) -> dict[str, Floats]:

@@ -21,7 +21,7 @@ from tumble.planning import weights
 from tumble.planning.case import SCHEMA, Case
 from tumble.planning.promise import Promise
 from tumble.planning.published import NAMES, SOURCES
-from tumble.solving.many_runs import or_linear
+from tumble.solving.many_runs import estimator_or_linear
 from tumble.stand import SIGMA, SOURCES as DECLARED
 
 ALPHAS = "alpha1 axis tilt, alpha2 level, alpha3 yaw of the block, alpha4 set angles"
@@ -111,7 +111,7 @@ def budget(case: Case, which: str, estimator: str) -> Budget:
     u = np.sqrt((terms**2).sum(axis=1)) * np.abs(reference)
     given = case.propagation(estimator, k, fitted=not case.terms)  # a drift goes on where a position is only checked
     given = replace(given, stand=stand)
-    beyond = second_order(given, u, or_linear(given))
+    beyond = second_order(given, u, estimator_or_linear(given))
     return Budget(which, estimator, sources(case, published), found, terms, reference, beyond)
 
 

@@ -15,7 +15,7 @@ from tumble.model.optimal import OptimalTable, optimal_table, standard_deviation
 from tumble.model.second_order import SecondOrder, second_order
 from tumble.planning.case import SCHEMA, Case
 from tumble.planning.promise import Promise, promise
-from tumble.solving.many_runs import or_linear
+from tumble.solving.many_runs import estimator_or_linear
 from tumble.solving.optimal_run import Record, record_of
 from tumble.stand import per_channel
 
@@ -42,7 +42,7 @@ class Optimized:
     def second_order(self) -> SecondOrder:
         """Whether the linear theory is enough on this stand."""
         given = replace(self.case.propagation(OPTIMAL, self.table.k, fitted=True), terms=())
-        return second_order(given, self.u, or_linear(given))
+        return second_order(given, self.u, estimator_or_linear(given))
 
 
 def optimize(case: Case, k: Floats | None = None, serial: str | None = None) -> Optimized:

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.model.errors import felt
+from tumble.model.errors import unit_effect
 from tumble.model.estimators import linear_gains
 from tumble.planning import tables, weights
 from tumble.planning.case import SCHEMA, Case
@@ -95,7 +95,7 @@ def paper_case() -> Case:
 def signed_weights(gain_rows: Floats, k: Floats) -> Floats:
     """Weights (rows, 5) in V/g with the signs of alpha1 to alpha3; those of the random sources are positive."""
     schedule = paper_case().fitted
-    by_angle = [felt(schedule, name, True).derivative(k).ravel() for name in ("alpha1", "alpha2", "alpha3")]
+    by_angle = [unit_effect(schedule, name, True).derivative(k).ravel() for name in ("alpha1", "alpha2", "alpha3")]
     signed, sizes = gain_rows @ np.array(by_angle).T, weights.absolute_weights(schedule, True, k, gain_rows)
     return np.column_stack([np.where(sizes[:, :3] > 0.0, signed, 0.0), sizes[:, 3:]])
 

@@ -16,7 +16,7 @@ from tumble import core
 from tumble.arrays import Floats
 from tumble.errors import UsageError
 from tumble.estimators import ESTIMATORS, HARMONIC, OPTIMAL
-from tumble.model.errors import NOISE, OF_OUTPUTS, declared, felt
+from tumble.model.errors import NOISE, OF_OUTPUTS, declared, unit_effect
 from tumble.model.estimators import paper_slots
 from tumble.planning.case import Case
 from tumble.planning.published import NAMES, REFINED, SOURCES, TABLE_1, TABLE_1_CORRECTED, TABLE_4, evaluate
@@ -67,7 +67,7 @@ def absolute_weights(
             profile = np.tile(stand.profile("noise"), len(schedule.positions))
             found.append(np.linalg.norm(gain_rows * profile, axis=1))
             continue
-        draws = felt(schedule, name, common_yaw).derivative(k)
+        draws = unit_effect(schedule, name, common_yaw).derivative(k)
         if name in OF_OUTPUTS:
             draws = draws * stand.profile(name)[:, None, None]
         by_draw = draws.reshape(len(draws), -1).T

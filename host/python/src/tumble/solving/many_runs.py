@@ -99,7 +99,7 @@ def estimator_for(given: Propagation) -> ManyRuns:
     return lambda means: optimal_runs(record, means)[0]
 
 
-def or_linear(given: Propagation) -> ManyRuns:
+def estimator_or_linear(given: Propagation) -> ManyRuns:
     """The same, of the twelve alone; beyond 0.1 rad, where `optimal` gives no result, its linear part, whose bias says
     enough."""
     estimate = estimator_for(given)

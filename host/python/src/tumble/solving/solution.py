@@ -40,7 +40,7 @@ from tumble.solving.computation import Computation, DeadChannels, compute
 from tumble.solving.coverage import Coverage, coverage
 from tumble.solving.crosscheck import LARGEST_MISFIT, Comparison, compare
 from tumble.solving.further import Further, Without
-from tumble.solving.many_runs import MonteCarlo, or_linear, simulate
+from tumble.solving.many_runs import MonteCarlo, estimator_or_linear, simulate
 from tumble.solving.noise import sampled_patterns
 from tumble.solving.uncertainty import Stated, stated
 from tumble.stand import PerChannel, Stand, over
@@ -131,7 +131,7 @@ class Solution:
         """Whether the declared stand is good enough for the linear theory of uncertainties; None without a stand."""
         if self.stand is None:
             return None
-        return second_order(self.propagation, self._u, or_linear(self.propagation))
+        return second_order(self.propagation, self._u, estimator_or_linear(self.propagation))
 
     @cached_property
     def reliability(self) -> Reliability | None:

@@ -18,7 +18,7 @@ from tumble import core
 from tumble.arrays import Floats
 from tumble.core.optimal import GainRecord, Gains, estimate_runs, optimal_each
 from tumble.errors import UsageError
-from tumble.model.errors import felt
+from tumble.model.errors import unit_effect
 from tumble.model.estimators import design
 from tumble.model.optimal import (
     LARGEST_LOSS,
@@ -115,7 +115,7 @@ class _System:
         by_shared = np.concatenate([source.derivative for source in self.errors.values()])
         self.by_shared = np.moveaxis(by_shared, 0, 2) * self.shared
         self.angles = len(self.shared) - (3 if "drift" in self.errors else 0)  # the others do not depend on K
-        self.by_angle = felt(schedule, "alpha4").derivative(np.eye(3)).sum(axis=0) * stand.sigma("angle")
+        self.by_angle = unit_effect(schedule, "alpha4").derivative(np.eye(3)).sum(axis=0) * stand.sigma("angle")
 
     def whiten(self, k: Floats, samples: float) -> _Whitened:
         """For blocks of sensitivity `k` (runs, 3, 3)."""
