@@ -4,7 +4,7 @@ For every room from here up. A complaint is one line with file, row and column (
 
     run_file       a recorded run: one mean a position, from CSV in many layouts (run_layout)
     incoming       the bytes of a run in blocks, from a file or standard input, decompressed
-    run_reader     rows by block; run_store holds them by position, run_facts is what is kept of them
+    run_reader     rows by block; run_store holds them by position, and what is known of each
     run_temperature  its temperatures
     stand_file     stand files, and files of a [block] alone
     schedule_file  schedule files

@@ -2,10 +2,12 @@
 
     case              what is planned for
     budget, weights   what each source of error leaves of the accuracy
-    require, headroom how bad each source may be, and how much worse it may become
+    require           how bad each source may be, and how much worse it may become
     optimize          a gain table for a stand
-    validate          Monte Carlo, judged by verdict
-    paper             the paper (published), computed again; discrepancies says where it does not agree with itself
+    promise           the probability that a run passes, and that |a| is within the limit
+    schedule_search   the quickest schedule for a wanted accuracy
+    validate          Monte Carlo, and the verdict on it
+    paper             the paper (published), computed again, and where it does not agree with itself
 
 Modules named *_report turn what was found into JSON and tables.
 """

@@ -2,8 +2,7 @@
 
     make         from a result's document to the bytes of a report: what `tumble report` and Result.report call
     source       what a report may say: every number and text of the document, each with its path
-    rounding     numbers as they are printed, in exact decimal arithmetic
-    cells        these as HTML: numbers with their paths, lines, tables
+    cells        numbers as they are printed, in exact decimal arithmetic, and as HTML with their paths; lines, tables
     identity     who, what, where, when; method: how; values: the coefficients; conformity: verdict and decision rule
     number       a report's own number
     pages        the template (report.html.j2, report.css) filled in, and turned into PDF
