@@ -41,6 +41,7 @@ MAY_IMPORT = {
     "model": set(),  # the witness: never of the core, or their agreement means nothing
     "client": {"data", "world"},
     "files": {"core"},
+    "documents": {"files"},
     "store": {"files"},
     "workers": {"files"},
     "solving": {"core", "model", "files", "workers"},

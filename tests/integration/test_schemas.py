@@ -3,6 +3,8 @@ Those of the command line are held against theirs where it is tested, node, stan
 
 import json
 import re
+import subprocess
+import sys
 
 import jsonschema
 import pytest
@@ -20,6 +22,12 @@ SOURCES = ("host/world", "host/gateway", "boards/linux", "host/python/src/tumble
 
 def test_nothing_is_wrong_with_them():
     assert faults() == []
+
+
+def test_those_of_types_are_what_the_types_make(tmp_path):
+    subprocess.run([sys.executable, ROOT / "tools/schemas.py", tmp_path], check=True)
+    made = {path.name: path.read_text() for path in tmp_path.iterdir()}
+    assert made and made == {name: (SCHEMAS / name).read_text() for name in made}
 
 
 def test_every_name_that_the_sources_write_has_one_and_no_other():

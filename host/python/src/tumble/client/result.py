@@ -48,8 +48,8 @@ class Result:
     run: int
     K: Floats
     U0: Floats
-    u_K: Floats | None  # noqa: N815 - as everywhere
-    u_U0: Floats | None  # noqa: N815
+    u_K: Floats | None  # as everywhere
+    u_U0: Floats | None
     passed: bool
     max_abs_delta_g_g: float
     limit_g: float

@@ -1,0 +1,8 @@
+"""What the programs write as JSON, as types: documents are made of them, checked by them where they are read, and
+described by them in docs/schemas and docs/files.md.
+
+base         the kinds of numbers, arrays and texts; reading and writing
+result       tumble.result/1, of `solve` and `bench`
+
+tools/schemas.py makes the JSON schemas of them.
+"""

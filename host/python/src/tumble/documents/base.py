@@ -1,0 +1,182 @@
+"""Kinds of values in documents, and how documents are read and written.
+
+Unknown is null, never NaN. Numbers have as many digits as it takes to read back the same bits. A key that a type does
+not know is passed over when it is read: a later version may have written it.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, TypeVar
+
+import msgspec
+import numpy as np
+from msgspec import Meta
+
+from tumble.arrays import Floats
+from tumble.errors import BadInput, quoted
+from tumble.files.disk import JSON, kind_of
+
+LARGEST = 1e300  # of a number in an array: products of a few stay finite
+ONLY = r"$(?!\n)"  # the end of a text; what re means by $ alone may be followed by a line feed
+
+Number = Annotated[float, Meta(gt=-LARGEST, lt=LARGEST)]
+Size = Annotated[float, Meta(ge=0)]
+Positive = Annotated[float, Meta(gt=0)]
+Count = Annotated[int, Meta(ge=0)]
+Share = Annotated[float, Meta(ge=0, le=1)]
+PlaceNumber = Annotated[int, Meta(ge=1, le=255)]  # of a mounting, of a position
+
+
+def exactly(pattern: str) -> Meta:
+    """A text that is this from its beginning to its end."""
+    return Meta(pattern=f"^{pattern}{ONLY}")
+
+
+class Document(msgspec.Struct):
+    # No docstring, which types without one would inherit. A key without a default must be there; one that is UNSET
+    # is not written.
+    pass
+
+
+class _Array(type):
+    """Type of the arrays below: their shape (None: any length) and the least that a number may be. Any array of numpy
+    is an instance; `array_of` checks what is read."""
+
+    shape: tuple[int | None, ...]
+    least: float
+
+    def __new__(cls, name: str, shape: tuple[int | None, ...], least: float = -LARGEST) -> _Array:
+        made = super().__new__(cls, name, (), {})
+        made.shape, made.least = shape, least
+        return made
+
+    def __init__(cls, name: str, shape: tuple[int | None, ...], least: float = -LARGEST) -> None:
+        super().__init__(name, (), {})
+
+    def __instancecheck__(cls, instance: object) -> bool:
+        return isinstance(instance, np.ndarray)
+
+
+if TYPE_CHECKING:
+    Vector: TypeAlias = Floats
+    Matrix: TypeAlias = Floats
+    Sizes: TypeAlias = Floats
+    SizeMatrix: TypeAlias = Floats
+    Covariance: TypeAlias = Floats
+    Square: TypeAlias = Floats
+    Numbers: TypeAlias = Floats
+    Interval: TypeAlias = Floats
+else:
+    Vector = _Array("Vector", (3,))
+    Matrix = _Array("Matrix", (3, 3))
+    Sizes = _Array("Sizes", (3,), 0.0)
+    SizeMatrix = _Array("SizeMatrix", (3, 3), 0.0)
+    Covariance = _Array("Covariance", (12, 12))
+    Square = _Array("Square", (None, None))
+    Numbers = _Array("Numbers", (None,))
+    Interval = _Array("Interval", (2,))
+Three: TypeAlias = Annotated[tuple[Size, ...], Meta(min_length=3, max_length=3)]
+ByChannel: TypeAlias = Size | Three  # one number for all channels, or one for each
+
+
+def array_of(kind: Any, told: Any) -> Floats:
+    """Of what JSON has. Raises ValueError for another shape, and for what is no number or none of its range."""
+    return _array(told, kind.shape, kind.least)
+
+
+def _array(told: Any, shape: tuple[int | None, ...], least: float) -> Floats:
+    if isinstance(told, np.ndarray):
+        told = told.tolist()
+    length, *inner = shape
+    if not isinstance(told, list) or (length is not None and len(told) != length):
+        raise ValueError("an array of another length")
+    if inner:
+        return np.array([_array(row, tuple(inner), least) for row in told]).reshape(len(told), -1)
+    if not all(type(one) in (int, float) and least <= one < LARGEST and math.isfinite(one) for one in told):
+        raise ValueError("an array of something else")
+    return np.array(told, dtype=float)
+
+
+def array_schema(kind: Any) -> dict[str, Any]:
+    """As JSON schema has it."""
+    made: dict[str, Any] = {"type": "number", **({} if kind.least < 0.0 else {"minimum": kind.least})}
+    for length in reversed(kind.shape):
+        limits = {} if length is None else {"minItems": length, "maxItems": length}
+        made = {"type": "array", "items": made, **limits}
+    return made
+
+
+def written(document: Document | dict[str, Any]) -> dict[str, Any]:
+    """As JSON has it: dicts, lists, texts and numbers."""
+    found: dict[str, Any] = msgspec.to_builtins(document, enc_hook=lambda one: one.tolist())
+    return found
+
+
+def to_json(document: Document | dict[str, Any]) -> str:
+    """A document as text, innermost arrays on one line. A NaN would be a programming error and raises ValueError."""
+    text = json.dumps(written(document), indent=2, allow_nan=False)
+    return re.sub(r"\[\n\s+([^\[\]{}]*?)\n\s+\]", lambda array: f"[{' '.join(array[1].split())}]", text) + "\n"
+
+
+DocumentT = TypeVar("DocumentT", bound=Document)
+
+
+def read(kind: type[DocumentT], name: str, data: bytes, file: str) -> DocumentT:
+    """A document of schema `name`, read from the `data` of a `file`. Raises BadInput, which names the key."""
+    told = _parsed(data, file)
+    if told.get("schema") != name:
+        raise BadInput(f"not a result of schema {name}: {_found(told, ['schema'])}", file)
+    try:
+        return msgspec.convert(told, kind, dec_hook=array_of)
+    except msgspec.ValidationError as error:
+        raise BadInput(f"not a result of schema {name}: {_fault(told, str(error))}", file) from None
+
+
+def _parsed(data: bytes, file: str) -> dict[str, Any]:
+    def refuse_constant(name: str) -> None:
+        raise ValueError(f"{name} is not a number")
+
+    try:
+        told = json.loads(data.decode("utf-8-sig"), parse_constant=refuse_constant)
+    except json.JSONDecodeError as error:
+        if (kind := kind_of(data)) not in (None, JSON):
+            raise BadInput(f"is {kind}; a result of tumble solve (JSON) is expected", file) from None
+        raise BadInput(f"not valid JSON: {error.msg.lower()}", file, error.lineno, str(error.colno)) from None
+    except (ValueError, RecursionError) as error:
+        raise BadInput(f"not valid JSON: {quoted(error)}", file) from None
+    if not isinstance(told, dict):
+        raise BadInput("not a result: an object is expected", file)
+    return told
+
+
+_PLACE = re.compile(r"^(?P<what>.*?)(?: - at `(?:key in )?\$(?P<path>.*)`)?$", re.DOTALL)
+_MISSING = re.compile(r"Object missing required field `(.*)`")
+
+
+def _fault(told: dict[str, Any], message: str) -> str:
+    """What msgspec found, in our words: the key that is missing, or what stands there; the rest as the types say it."""
+    found = _PLACE.match(message)
+    assert found is not None  # it matches anything
+    path = re.findall(r"\.([^.\[]+)|\[(\d+|\.\.\.)\]", found["path"] or "")
+    keys = [key or (int(index) if index.isdigit() else index) for key, index in path]
+    if (missing := _MISSING.fullmatch(found["what"])) is not None:
+        return f"no {_spelled([*keys, missing[1]])}"
+    return _found(told, keys) if keys else found["what"]
+
+
+def _found(told: Any, keys: list[Any]) -> str:
+    """Such as "K[0][1] is 'abc'"."""
+    for key in keys:
+        if key == "..." or not isinstance(told, (dict, list)):
+            break
+        if isinstance(told, dict) and key not in told:
+            return f"no {_spelled(keys)}"
+        told = told[key]
+    return f"{_spelled(keys)} is {quoted(told)}"
+
+
+def _spelled(keys: list[Any]) -> str:
+    return "".join(f".{key}" if isinstance(key, str) and key != "..." else f"[{key}]" for key in keys).lstrip(".")

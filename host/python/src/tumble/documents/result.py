@@ -1,0 +1,688 @@
+"""tumble.result/1: the outcome of one calibration. U = U0 + K a: outputs U, specific force a in units of local gravity.
+
+A new key is a field here, a value in solving.result, and whatever shows it. A key with a default came later, or is not
+always written; one without has always been there.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Final, Generic, Literal, TypeAlias, TypeVar
+
+import msgspec
+from msgspec import UNSET, Meta, UnsetType, field
+
+from tumble.documents.base import (
+    LARGEST,
+    ByChannel,
+    Count,
+    Covariance,
+    Document,
+    Interval,
+    Matrix,
+    Number,
+    PlaceNumber,
+    Positive,
+    Share,
+    Size,
+    SizeMatrix,
+    Sizes,
+    Square,
+    Vector,
+    exactly,
+    read,
+)
+from tumble.errors import quoted
+from tumble.files.disk import RESULT_FILE, read_bytes
+from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, SOURCES
+from tumble.terms import KEYS, TERMS
+from tumble.units import UNIT
+
+RESULT: Final = "tumble.result/1"
+REASONS = ("gravity", "fit", "uncertainty")  # why it did not pass, in this order
+
+Name: TypeAlias = Annotated[str, exactly("[A-Za-z0-9_]+")]
+Coefficient: TypeAlias = Annotated[str, exactly("(K_[xyz][xyz]|U0_[xyz])")]
+Use: TypeAlias = Literal["fit", "check"]
+Channels: TypeAlias = Annotated[tuple[Literal["ux", "uy", "uz"], ...], Meta(extra_json_schema={"uniqueItems": True})]
+AtLeastOne: TypeAlias = Annotated[int, Meta(ge=1)]
+Counts: TypeAlias = tuple[AtLeastOne, AtLeastOne, AtLeastOne]
+Freedom: TypeAlias = Positive | None  # degrees of freedom; null: infinite
+Freedoms: TypeAlias = tuple[Freedom, Freedom, Freedom]
+Factor: TypeAlias = Annotated[float, Meta(ge=1.9599)]
+Factors: TypeAlias = tuple[Factor, Factor, Factor]
+Labels: TypeAlias = dict[str, str | int | float]
+if TYPE_CHECKING:
+    Term: TypeAlias = str
+else:
+    Term = Literal[TERMS]
+
+OneT = TypeVar("OneT")
+ThreeT = TypeVar("ThreeT")
+BiasT = TypeVar("BiasT")
+Angle: TypeAlias = Annotated[float, Meta(ge=0, le=3.1416)]
+
+
+if TYPE_CHECKING:
+
+    class DeclaredStand(Document):
+        """Its further keys are those of the table of sources."""
+
+        name: str | None
+        limits: str
+        remount: str
+        samples: int
+        step_v: ByChannel | None
+
+else:
+    DeclaredStand = msgspec.defstruct(
+        "DeclaredStand",
+        [
+            ("name", str | None),
+            ("limits", Literal[LIMIT_KINDS]),
+            ("remount", Literal[INDEPENDENT, COMMON]),
+            ("samples", AtLeastOne),
+            *((one.key, Size if one.is_angle else ByChannel) for one in SOURCES.values()),
+            ("step_v", ByChannel | None),
+        ],
+        bases=(Document,),
+        module=__name__,
+        namespace={"__doc__": "With the keys of [stand].\n\nstep_v: Of the block's converter; null: unknown."},
+    )
+
+
+class Mounting(Document):
+    """A table [[mounting]] of a schedule file."""
+
+    number: PlaceNumber
+    matrix: Matrix
+    axis_tilt_deg: float
+
+
+class Position(Document):
+    """A table [[position]] of a schedule file."""
+
+    mounting: PlaceNumber
+    position: PlaceNumber
+    angle_deg: float
+    use: Use
+
+
+class Schedule(Document):
+    """With the tables of a schedule file.
+
+    name: Of a built-in one.
+    """
+
+    name: str | None
+    mounting: Annotated[tuple[Mounting, ...], Meta(min_length=1)]
+    position: Annotated[tuple[Position, ...], Meta(min_length=1)]
+
+
+class Units(Document):
+    K: str
+    U0: str
+    u_K: str
+    u_U0: str
+
+
+class WorstNorm(Document):
+    worst_g: Size
+    attitude: Vector
+
+
+class Without(Document):
+    u_K: Matrix
+    u_U0: Sizes
+    u_norm_g: Size
+
+
+class Extended(Document):
+    """Further terms: U_i += K_ii (K2_i a_i^2 + K3_i a_i^3) + drift_i (t - 1/2), t from 0 at the first position of the
+    run to 1 at the last. Three numbers are those of the channels x, y, z; null for a term that is not in the model,
+    and uncertainties without a declared stand. U0 is that of the middle of the run.
+
+    drift_v: From the first position to the last, in volts for outputs in V, mV, uV or kV, else in the unit of the
+        outputs.
+    names: Of the terms by channel, in the order that covariance has them.
+    covariance: Of K row by row, U0, and what names lists, in the products of their units.
+    u_norm_of_K_U0_g: What u_norm_g.worst_g would be by the uncertainties of K and U0 alone; u_norm_g has those of K2
+        and K3 too, and what they have in common.
+    without: The uncertainties of the same run without the further terms.
+    max_abs_difference: Core less numpy, of K_ii K2_i, K_ii K3_i and the drift, in the unit of the outputs.
+    """
+
+    terms: Annotated[tuple[Term, ...], Meta(min_length=1, extra_json_schema={"uniqueItems": True})]
+    k2_per_g: Vector | None = None
+    u_k2_per_g: Sizes | None = None
+    k3_per_g2: Vector | None = None
+    u_k3_per_g2: Sizes | None = None
+    drift_v: Vector | None = None
+    u_drift_v: Sizes | None = None
+    names: tuple[Annotated[str, exactly("(K2|K3|drift)_[xyz]")], ...] = ()
+    covariance: Square | None = None
+    u_norm_of_K_U0_g: Size | None = None
+    without: Without | None = None
+    max_abs_difference: Size | None = None
+
+    def __post_init__(self) -> None:
+        size = 12 + 3 * len(self.terms)
+        if len(set(self.terms)) < len(self.terms) or any(getattr(self, KEYS[term]) is None for term in self.terms):
+            raise ValueError("terms without their sizes")
+        if self.covariance is not None and self.covariance.shape != (size, size):
+            raise ValueError("a covariance of another size")
+
+
+class Shift(Document):
+    source: str
+    coefficient: Coefficient
+    bias_relative: Size
+    limit: Size
+
+
+class Bias(Document):
+    """Expected of the estimate, less the truth, in its units."""
+
+    K: Matrix
+    U0: Vector
+
+
+class SecondOrder(Document):
+    """bias_K_xx_relative: alpha3^2/2, what a yaw takes off K_xx of a linear estimate; limit: 0.2 u(K_xx)/K_xx.
+
+    shifts: Every coefficient whose bias matters, the source with the largest part in it, bias and limit over the scale
+        factor of its row.
+    """
+
+    bias_K_xx_relative: Size
+    limit: Size
+    matters: bool
+    shifts: tuple[Shift, ...]
+    bias: Bias | None = None
+
+
+class Simulated(Document):
+    """Of one coefficient.
+
+    shift: Mean of the estimates less the truth.
+    u: Standard deviation of the estimates.
+    difference: Larger one of the differences of the ends.
+    tolerance: Half a unit of the first digit of the stated uncertainty.
+    """
+
+    name: Coefficient
+    shift: float
+    u: Size
+    interval: Interval
+    linear_interval: Interval
+    difference: Size
+    tolerance: Size
+    verdict: Literal["agrees", "differs", "cannot tell"]
+
+
+class MonteCarlo(Document):
+    """Of solve --monte-carlo: runs simulated on the declared stand at this result, their intervals beside those of the
+    stated uncertainties.
+
+    coverage: Of the intervals.
+    level: At which the ends of a simulated interval are taken as known.
+    agrees: All coefficients agree; null: too few runs to tell.
+    """
+
+    runs: Annotated[int, Meta(ge=1000)]
+    seed: Count
+    coverage: Share
+    level: Share
+    agrees: bool | None
+    coefficients: Annotated[tuple[Simulated, ...], Meta(min_length=12, max_length=12)]
+
+
+class Explanation(Document):
+    """patterns: Those that this run cannot tell apart, the likeliest first.
+    p: Corrected after Holm.
+    u_size: Standard uncertainty.
+    column: What the size is of, such as a channel; null: of all.
+    """
+
+    patterns: Annotated[tuple[Name, ...], Meta(min_length=1, extra_json_schema={"uniqueItems": True})]
+    p: Share
+    size: float | None
+    u_size: Size | None
+    unit: str
+    column: str | None
+
+
+class Fit(Document):
+    """Does the run fit the declared stand? The same for every estimator.
+
+    chi2: Squares of all residuals in units of what the stand declares.
+    p: How often a run that fits comes out above.
+    explanations: What the run shows that is not declared, in the order in which it was found: of a run that does not
+        fit, or at the same confidence of one that fits as a whole.
+    """
+
+    chi2: Size
+    dof: Count
+    p: Share
+    fits: bool
+    confidence: Annotated[float, Meta(gt=0, lt=1)]
+    explanations: tuple[Explanation, ...]
+
+
+class Unseen(Document):
+    """An error that the run could not have shown.
+
+    size: null: no size would show.
+    norm_error_g: Error of |a| at that size, worst attitude.
+    """
+
+    pattern: Name
+    size: Size | None
+    unit: str
+    norm_error_g: Size | None
+
+
+class Decision(Document):
+    """coverage_factor times u_norm_worst_g within limit_g, at every attitude. scope: measured positions without a
+    declared stand, whose uncertainties nobody knows.
+    """
+
+    coverage_factor: Annotated[float, Meta(ge=1)]
+    u_norm_worst_g: Size | None
+    limit_g: Positive
+    scope: Literal["everywhere", "measured positions"]
+
+
+class Remedy(Document):
+    """What would show that the limit is met. change: the estimator, samples at each position, mountings; stand or
+    converter: how many times better.
+
+    reach_g: Coverage factor times the worst u(|a|) then.
+    """
+
+    change: Literal["estimator", "samples", "mountings", "stand", "converter"]
+    to: str | int | float
+    reach_g: Size
+
+    def __post_init__(self) -> None:
+        kind = {"estimator": str, "samples": int, "mountings": int}.get(self.change, (int, float))
+        if not isinstance(self.to, kind) or (not isinstance(self.to, str) and self.to < 0):
+            raise ValueError("a change to something else")
+
+
+class Noise(Document):
+    """The noise that the samples show, by channel, in the unit of the outputs; null where no position has two samples.
+
+    scatter: Standard deviation of one sample.
+    of_means: What it would be if the means had their standard errors by white noise.
+    block_samples: The length of the blocks that these come from.
+    freedom: Their degrees of freedom.
+    above_declared: Where the uncertainties count it instead of the declared noise; all without a declared stand.
+    undithered: Whose samples round alike.
+    """
+
+    scatter: Vector | None
+    of_means: Vector | None
+    block_samples: Counts | None
+    freedom: Counts | None
+    above_declared: Channels
+    undithered: Channels
+
+
+class ScatterAlone(Document):
+    u_K: Matrix
+    u_U0: Vector
+
+
+class Angles(Document, Generic[OneT]):
+    """Between the rows of K, that is, between the sensitive axes."""
+
+    xy: OneT
+    xz: OneT
+    yz: OneT
+
+
+class OfBlock(Document, Generic[ThreeT, OneT, BiasT]):
+    """What does not depend on how the block sits on the stand.
+
+    scale: Of the lengths of the rows of K.
+    bias_g: Of U0_i over the length of row i of K.
+    """
+
+    scale: ThreeT
+    angle_rad: Angles[OneT]
+    bias_g: BiasT
+
+
+class Coverage(Document):
+    """Effective degrees of freedom after Welch and Satterthwaite, and the factor k of Student's t, so that the truth is
+    within k u with the probability. What the stand file declares counts as known.
+
+    freedom_intrinsic: The same of the intrinsic parameters.
+    """
+
+    probability: Share
+    freedom_K: tuple[Freedoms, Freedoms, Freedoms]
+    freedom_U0: Freedoms
+    k_K: tuple[Factors, Factors, Factors]
+    k_U0: Factors
+    freedom_intrinsic: OfBlock[Freedoms, Freedom, Freedoms] | None = None
+    k_intrinsic: OfBlock[Factors, Factor, Factors] | None = None
+
+
+class DeltaG(Document):
+    """u_delta_g_g: Standard uncertainty of delta_g_g by the noise of the position's mean: no error of the stand changes
+        the length of gravity. null where no noise is known.
+    k_delta_g: Its coverage factor for the probability of coverage.
+    """
+
+    mounting: PlaceNumber
+    position: PlaceNumber
+    use: Use
+    delta_g_g: float
+    u_delta_g_g: Size | None = None
+    k_delta_g: Size | None = None
+
+
+class Closure(Document):
+    mounting: PlaceNumber
+    difference: Vector
+
+
+class Verification(Document, kw_only=True):
+    """The gravity check.
+
+    delta_g_g: (|a|^2 - 1)/2 at every measured position, in g.
+    max_abs_delta_g_fit_g: On positions used for the fit, where it is optimistic.
+    max_abs_delta_g_check_g: On positions measured for this check only; null if there are none.
+    closure: Outputs at the last position of a mounting less those at an earlier one of the same attitude.
+    residual_rms: Root mean square of U - U0 - K a on the ideal geometry, per channel, over the fit positions less four,
+        and one for each further term of the model; null where that leaves none.
+    """
+
+    delta_g_g: Annotated[tuple[DeltaG, ...], Meta(min_length=1)]
+    max_abs_delta_g_g: Size
+    max_abs_delta_g_fit_g: Size | None
+    max_abs_delta_g_check_g: Size | None
+    limit_g: Positive
+    passed: bool = field(name="pass")
+    closure: tuple[Closure, ...]
+    residual_rms: Sizes | None
+
+
+class YawChange(Document):
+    mounting: int
+    alpha3_difference_rad: float | None
+    u_alpha3_difference_rad: Size | None
+
+
+class Augmented(Document):
+    """The angles by least squares for coefficients, angles and every set angle at once: sharper, and for any schedule.
+
+    other_yaw_changes: From the third mounting on: yaw of the first less that of this one.
+    """
+
+    alpha1_rad: float | None
+    u_alpha1_rad: Size | None
+    alpha2_plus_alpha3_rad: float | None
+    u_alpha2_plus_alpha3_rad: Size | None
+    alpha3_difference_rad: float | None
+    u_alpha3_difference_rad: Size | None
+    other_yaw_changes: tuple[YawChange, ...] = ()
+
+
+class StandSeen(Document, kw_only=True):
+    """The stand as the run shows it. alpha1: tilt of the axis; alpha2 + alpha3: zero of the table angle plus mean yaw
+    of the block; alpha3_difference: yaw of mounting 1 less that of mounting 2; alpha4: error of a set angle;
+    noise_v: standard deviation of one sample, in volts for outputs in V, mV, uV or kV, else in the unit of the
+    outputs. u_: standard uncertainty.
+
+    alpha4_rad: Of a set angle, from the residuals beyond the noise; null where they do not exceed it.
+    noise_v_by_channel: That of x, y and z by itself, of a stand that declares three; with its u_ twin, else null.
+        noise_v is then of all together, each beside its own, as in the channel that has most.
+    u_from: Where the uncertainties of the angles come from: the declared stand, or the run's own scatter and residuals;
+        null: unknown.
+    u_freedom: Degrees of freedom of u_from run, for Student's t; null for a declared stand.
+    alpha4_freedom: Degrees of freedom of alpha4.
+    """
+
+    alpha1_rad: float | None
+    u_alpha1_rad: Size | None
+    alpha2_plus_alpha3_rad: float | None
+    u_alpha2_plus_alpha3_rad: Size | None
+    alpha3_difference_rad: float | None
+    u_alpha3_difference_rad: Size | None
+    alpha4_rad: float | None
+    u_alpha4_rad: Size | None
+    noise_v: Size | None
+    u_noise_v: Size | None
+    noise_v_by_channel: Vector | None = None
+    u_noise_v_by_channel: Vector | None = None
+    u_from: Literal["stand", "run"] | None
+    u_freedom: Size | None
+    alpha4_freedom: Size | None
+    augmented: Augmented | None
+
+
+class SiUnits(Document):
+    K: str
+    bias: Literal["m/s^2"]
+
+
+class Si(Document, kw_only=True):
+    """Coefficients for accelerations in m/s^2. Uncertainties include that of gravity; null where u_gravity_m_s2 or the
+    stand is not told. scale: length of row i of K; bias: U0_i over the length of row i.
+    """
+
+    gravity_m_s2: Positive
+    u_gravity_m_s2: Size | None
+    units: SiUnits
+    K: Matrix
+    u_K: SizeMatrix | None
+    scale: Vector | None = None
+    u_scale: Sizes | None = None
+    bias: Vector
+    u_bias: Sizes | None
+
+
+class Reference(Document):
+    """The result less that of the independent numpy computation."""
+
+    max_abs_difference_K: Size
+    max_abs_difference_U0: Size
+    difference_K: Matrix
+    difference_U0: Vector
+
+
+class Mean(Document):
+    """scatter: Standard deviation of one sample; null for a lone row."""
+
+    mounting: PlaceNumber
+    position: PlaceNumber
+    use: Use
+    samples: AtLeastOne
+    mean: Vector
+    scatter: Sizes | None
+
+
+class Temperature(Document):
+    """Of the run, degrees Celsius, where the coefficients hold.
+
+    source: The column temperature of the run file, or temperature_c of the environment.
+    """
+
+    min_c: Number
+    max_c: Number
+    source: Literal["run_file", "environment"] | None = None
+
+
+class Table(Document):
+    """How far the simulation's true table has turned since power-on."""
+
+    lowest_deg: float
+    highest_deg: float
+    at_rest: bool
+
+
+class Truth(Document):
+    """What a simulated run was made of; angles are the errors of the stand.
+
+    alpha3_rad: One per mounting.
+    alpha4_rad: One per position.
+    theta_h_rad: Seat, one per mounting; the platform's is in it.
+    theta_n_rad: Seat, one per mounting.
+    encoder_rad: Where declared: errors by the sine and cosine of the table angle, and of its double.
+    drift_v: Where declared: from the first fit position to the last.
+    """
+
+    K: Matrix
+    U0: Vector
+    alpha1_rad: float
+    alpha2_rad: float
+    alpha3_rad: Annotated[tuple[float, ...], Meta(min_length=1)]
+    alpha4_rad: Annotated[tuple[float, ...], Meta(min_length=1)]
+    theta_h_rad: Annotated[tuple[float, ...], Meta(min_length=1)] = (0.0,)
+    theta_n_rad: Annotated[tuple[float, ...], Meta(min_length=1)] = (0.0,)
+    encoder_rad: tuple[float, float, float, float] | UnsetType = UNSET
+    drift_v: tuple[float, float, float] | UnsetType = UNSET
+
+
+class Result(Document, kw_only=True):
+    """U = U0 + K a: outputs U, specific force a in units of local gravity. Unknown is null, never NaN.
+
+    created: When the result was made, UTC: now, or SOURCE_DATE_EPOCH where it is set; null for a run of the bench in
+        virtual time.
+    tumble: The version that made it.
+    run_file: Name of the run file; null: not told.
+    run_sha256: SHA-256 of the run file, byte for byte; null: not told.
+    serial: Of the block, from the stand file; null: not told.
+    stand: As it is declared, with the keys of [stand]: limits says what the numbers are. Noise and drift in volts for
+        V, mV, uV, kV, else in the outputs' unit. null: none is declared.
+    schedule: That the run was measured on, with the tables of a schedule file; name: of a built-in one, else null.
+    unit: Unit of the outputs, in which everything here is given whose name states no unit.
+    K: Row i: response of channel i to acceleration along x, y, z; unit of the outputs per g.
+    U0: Outputs without acceleration.
+    u_K: Standard uncertainties of K; null without a declared stand.
+    u_U0: Standard uncertainties of U0; null without a declared stand.
+    covariance: Of the twelve coefficients, K row by row, then U0, in the products of their units. The roots of the
+        diagonal are u_K and u_U0; null without a declared stand.
+    u_norm_g: The largest standard uncertainty of the length of a that the calibrated block shows at any attitude, in g,
+        and that attitude as the direction of a on the block's axes; null without a declared stand.
+    extended: Of solve --model: what was found of further terms; null where nobody asked.
+    second_order: The bias that squares of the declared angles leave in the estimate, which the linear theory of
+        uncertainties leaves out, and whether it matters: more than 0.2 u of any coefficient; null without a stand.
+    monte_carlo: Of solve --monte-carlo; null where nobody asked.
+    misfit: Rms of the residuals over what the stand declares, sqrt(chi2/dof) of fit, about 1 if it tells the truth;
+        null without a declared stand.
+    fit: Does the run fit the declared stand? The same for every estimator; null without a stand.
+    stand_doubts: Sources of the stand file among the explanations of fit: worse than declared. Empty: none; null
+        without a declared stand.
+    reliability: Errors of the block or stand that the run could not have shown: of every pattern the size that its test
+        finds in nine runs of ten, in one channel or all, whatever their signs, where the error is largest. The largest
+        error first; null without a declared stand.
+    reliability_norm_g: The largest norm_error_g; null if none is known.
+    passed: The gravity check passed, and if a stand is declared, the run fits it and the uncertainty is within the
+        limit at every attitude.
+    pass_reason: Why it did not pass.
+    decision: The decision rule.
+    would_show: Where nothing but the uncertainty stands in the way: what would show that the limit is met, and what
+        coverage factor times the worst u(|a|) is then; else null.
+    assumes: What the result rests on that its run cannot test and its stand file does not declare. seat: that no
+        mounting tilts the block against the axis. linear: that the block has none of its patterns that the positions
+        cannot show, such as a third order on the diagonals. order: that nothing was exchanged or reversed, though K
+        looks like it and no block is declared to have such axes. unit: that outputs are in volts, for the run names no
+        unit. white_noise: no position has enough samples to test it. undithered: all samples of a position round alike;
+        the errors of rounding are taken as independent. temperature: neither the run file nor the environment tells the
+        temperature of the run; that in use is taken as equal.
+    assumed_for: By name as in assumes: the coefficients that rest on it; an empty list: all.
+    warnings: Sentences that a person is told on stderr beside the result.
+    noise: The noise that the samples show, by channel, in the unit of the outputs.
+    scatter_alone: Standard uncertainties that the noise of the samples alone leaves, if the stand has no errors:
+        without a declared stand; else null, and null where no position has two samples.
+    coverage: How well the standard uncertainties are known, those of scatter_alone where there is no declared stand;
+        null where there are no uncertainties.
+    stand_seen: The stand as the run shows it.
+    intrinsic: What does not depend on how the block sits on the stand.
+    si: Coefficients for accelerations in m/s^2, where the environment names gravity_m_s2.
+    u_intrinsic: Standard uncertainties of what stands in intrinsic; null without a declared stand.
+    item: Carried from the stand file.
+    environment: Carried from the stand file.
+    temperature: Of the run, degrees Celsius, where the coefficients hold; null: not told.
+    seed: Of a run on the bench: the same seed and inputs give the same result and bus log, byte for byte.
+    bus: Of a run on the bench.
+    firmware: Of a run on the bench: where the firmware ran.
+    table: Of a run on the bench: how far the simulation's true table has turned since power-on.
+    truth: What the run on the bench was made of.
+    """
+
+    schema: Literal["tumble.result/1"] = RESULT
+    created: Annotated[str, exactly("[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9]{2}:[0-9]{2}:[0-9]{2}Z")] | None = None
+    tumble: str | None = None
+    run_file: str | None = None
+    run_sha256: Annotated[str, exactly("[0-9a-f]{64}")] | None = None
+    serial: str | None = None
+    stand: DeclaredStand | None = None
+    schedule: Schedule | None = None
+    estimator: Annotated[str, exactly("[A-Za-z_][A-Za-z0-9_]*")]
+    unit: Annotated[str, exactly(UNIT.pattern)]
+    units: Units
+    K: Matrix
+    U0: Vector
+    u_K: SizeMatrix | None
+    u_U0: Sizes | None
+    covariance: Covariance | None = None
+    u_norm_g: WorstNorm | None = None
+    extended: Extended | None = None
+    second_order: SecondOrder | None = None
+    monte_carlo: MonteCarlo | None = None
+    misfit: Size | None = None
+    fit: Fit | None = None
+    stand_doubts: tuple[Name, ...] | None = None
+    reliability: tuple[Unseen, ...] | None = None
+    reliability_norm_g: Size | None = None
+    passed: bool | UnsetType = field(name="pass", default=UNSET)
+    pass_reason: str | None = None
+    decision: Decision | None = None
+    would_show: tuple[Remedy, ...] | None = None
+    assumes: tuple[Name, ...] = ()
+    assumed_for: dict[Name, tuple[Name, ...]] = field(default_factory=dict)
+    warnings: tuple[Annotated[str, Meta(min_length=1)], ...] | None = None
+    noise: Noise | None = None
+    scatter_alone: ScatterAlone | None = None
+    coverage: Coverage | None = None
+    verification: Verification
+    stand_seen: StandSeen
+    intrinsic: OfBlock[Sizes, Angle, Vector]
+    si: Si | None = None
+    u_intrinsic: OfBlock[Sizes, Size, Sizes] | None = None
+    reference: Reference
+    means: Annotated[tuple[Mean, ...], Meta(min_length=1)]
+    counters: dict[str, Count]
+    item: Labels | None
+    environment: Labels | None
+    temperature: Temperature | None = None
+    seed: Count | UnsetType = UNSET
+    bus: Annotated[str, exactly("(inprocess|uml|socketcan:[A-Za-z0-9._-]{1,15})")] | UnsetType = UNSET
+    firmware: Literal["host", "zcu102"] | UnsetType = UNSET
+    table: Table | UnsetType = UNSET
+    truth: Truth | UnsetType = UNSET
+
+    def __post_init__(self) -> None:
+        if (self.u_K is None) != (self.u_U0 is None):
+            raise ValueError("u_K and u_U0 must be both known or both null")
+        told = () if self.pass_reason is None else self.pass_reason.split(" and ")
+        if list(told) != [one for one in REASONS if one in told]:
+            raise ValueError(f"pass_reason is {quoted(self.pass_reason)}")
+        for key, least in (("gravity_m_s2", 1e-300), ("u_gravity_m_s2", 0.0)):
+            size = (self.environment or {}).get(key, 1.0)
+            if isinstance(size, str) or not least <= size < LARGEST:
+                raise ValueError(f"environment.{key} is {quoted(size)}")
+
+
+def read_result(file: str) -> Result:
+    """Of a file. Raises BadInput."""
+    return result_of(read_bytes(file, RESULT_FILE), file)
+
+
+def result_of(data: bytes, file: str) -> Result:
+    """As `read_result`, of what a `file` holds."""
+    return read(Result, RESULT, data, file)

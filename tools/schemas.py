@@ -1,0 +1,208 @@
+#!/usr/bin/env python3
+"""JSON schemas of the documents, made from their types in tumble.documents.
+
+    schemas.py FOLDER     writes them; docs/schemas holds them, and a test holds these against the types
+
+A docstring of a type tells what it is, and below, a paragraph a key, "name: text", what its keys mean. Lists of names
+that a document may have (patterns, sources, estimators) are those of this version; whoever reads one takes others, too.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from collections.abc import Iterable
+from inspect import cleandoc
+from pathlib import Path
+from typing import Any, get_origin
+
+from msgspec import inspect
+
+from tumble.data import SCHEMAS
+from tumble.documents.base import LARGEST, ONLY, Document, array_schema
+from tumble.documents.result import RESULT, Result
+from tumble.estimators import ESTIMATORS
+from tumble.model.explanations import DOUBTS
+from tumble.model.patterns import PATTERNS
+from tumble.schedule import BUILT_IN
+from tumble.solving.noise import CORRELATED
+from tumble.stand import SOURCES
+
+DRAFT = "https://json-schema.org/draft/2020-12/schema"
+DOCUMENTS: dict[str, tuple[type[Document], str]] = {  # by schema: its type and its title
+    RESULT: (Result, "the outcome of one calibration"),
+}
+_BENCH = ("bus", "firmware", "truth")  # keys of a run on the bench, all or none
+_MORE: dict[str, dict[str, Any]] = {
+    RESULT: {"dependentRequired": {"seed": list(_BENCH), **{one: ["seed"] for one in _BENCH}}},
+}
+_PATTERNS = [one.name for one in PATTERNS]
+_NAMES: dict[tuple[str, str], Iterable[str | None]] = {  # by type and key: the names that this version writes
+    ("Explanation", "patterns"): [*_PATTERNS, *DOUBTS, CORRELATED],
+    ("Unseen", "pattern"): _PATTERNS,
+    ("Unseen", "unit"): dict.fromkeys(one.unit for one in PATTERNS),
+    ("Shift", "source"): [name for name, one in SOURCES.items() if one.is_angle],
+    ("Schedule", "name"): [*BUILT_IN, None],
+    ("Result", "estimator"): ESTIMATORS,
+    ("Result", "stand_doubts"): DOUBTS,
+}
+
+
+def schema(name: str) -> dict[str, Any]:
+    """Of the documents that call themselves `name`."""
+    kind, title = DOCUMENTS[name]
+    writer = _Writer()
+    made = inspect.type_info(kind)
+    assert isinstance(made, inspect.StructType)
+    own = writer.object_of(made, name)
+    head = {"$schema": DRAFT, "$id": SCHEMAS + name, "title": f"{name}: {title}"}
+    return {**head, **own, **_MORE.get(name, {}), "$defs": dict(sorted(writer.parts.items()))}
+
+
+def keys(kind: type[Document]) -> dict[str, str]:
+    """What the keys of a type mean, by its docstring; without those that tell for themselves."""
+    return _told(kind)[1]
+
+
+def _told(kind: type[Any]) -> tuple[str, dict[str, str]]:
+    """What the docstring says: of the type, and of its keys."""
+    encoded = dict(zip(kind.__struct_fields__, kind.__struct_encode_fields__))
+    lead, named = [], {}
+    for paragraph in re.split(r"\n(?=\S)", cleandoc(kind.__doc__ or "")):
+        key, colon, text = " ".join(paragraph.split()).partition(": ")
+        if colon and key in encoded:
+            named[encoded[key]] = text
+        else:
+            lead.append(key + colon + text)
+    return " ".join(lead).strip(), named
+
+
+class _Writer:
+    """`parts`: what has been met of types that have a name, for $defs."""
+
+    def __init__(self) -> None:
+        self.parts: dict[str, Any] = {}
+
+    def object_of(self, kind: inspect.StructType, name: str = "") -> dict[str, Any]:
+        """A type of documents."""
+        own = get_origin(kind.cls) or kind.cls
+        (about, of_keys), properties = _told(own), {}
+        for field in kind.fields:
+            key = field.encode_name
+            made = self.value(field.type)
+            if (names := _NAMES.get((own.__name__, key))) is not None:
+                made = _one_of(made, list(names))
+            properties[key] = ({"description": of_keys[key]} if key in of_keys else {}) | made
+        if name:
+            properties["schema"] = {"const": name}
+        required = [field.encode_name for field in kind.fields if field.required or field.encode_name == "schema"]
+        listed = {"properties": properties, "required": required, "additionalProperties": False}
+        return ({"description": about} if about else {}) | {"type": "object"} | listed
+
+    def value(self, kind: inspect.Type) -> dict[str, Any]:
+        """Any type."""
+        match kind:
+            case inspect.Metadata():
+                return self.value(kind.type) | (kind.extra_json_schema or {})
+            case inspect.StructType():
+                return self._named(kind)
+            case inspect.UnionType():
+                return self._any_of([self.value(one) for one in kind.types])
+            case inspect.CustomType():
+                shape = array_schema(kind.cls)
+                self.parts[kind.cls.__name__] = shape
+                return {"$ref": f"#/$defs/{kind.cls.__name__}"}
+            case inspect.TupleType():
+                return self._row(self.value(kind.item_types[0]), len(kind.item_types), len(kind.item_types))
+            case inspect.VarTupleType():
+                return self._row(self.value(kind.item_type), kind.min_length, kind.max_length)
+            case inspect.DictType():
+                return self._table(kind)
+            case inspect.LiteralType():
+                return {"enum": list(kind.values)}
+            case inspect.StrType():
+                limits = {"pattern": kind.pattern and kind.pattern.replace(ONLY, "$"), "minLength": kind.min_length}
+                return _with("string", limits)
+            case inspect.FloatType():
+                return _with("number", _range(kind))
+            case inspect.IntType():
+                return _with("integer", _range(kind))
+            case inspect.BoolType():
+                return {"type": "boolean"}
+            case inspect.NoneType():
+                return {"type": "null"}
+        raise TypeError(f"no document holds a {kind}")
+
+    def _named(self, kind: inspect.StructType) -> dict[str, Any]:
+        """A reference to a type with a name of its own; one with parameters is written out."""
+        if get_origin(kind.cls) is not None:
+            return self.object_of(kind)
+        name = kind.cls.__name__
+        if name not in self.parts:
+            self.parts[name] = {}
+            self.parts[name] = self.object_of(kind)
+        return {"$ref": f"#/$defs/{name}"}
+
+    def _row(self, item: dict[str, Any], least: int | None, most: int | None) -> dict[str, Any]:
+        return _with("array", {"items": item, "minItems": least, "maxItems": most})
+
+    def _table(self, kind: inspect.DictType) -> dict[str, Any]:
+        names = self.value(kind.key_type)
+        limited = {"propertyNames": names} if len(names) > 1 else {}
+        return {"type": "object", **limited, "additionalProperties": self.value(kind.value_type)}
+
+    @staticmethod
+    def _any_of(made: list[dict[str, Any]]) -> dict[str, Any]:
+        if len(made) == 1:
+            return made[0]
+        if all(list(one) == ["type"] for one in made):
+            return {"type": [one["type"] for one in made]}
+        if len(made) == 2 and made[1] == {"type": "null"} and "type" in made[0]:
+            return made[0] | {"type": [made[0]["type"], "null"]}
+        if len(made) == 2 and made[1] == {"type": "null"} and "enum" in made[0]:
+            return {"enum": [*made[0]["enum"], None]}
+        return {"anyOf": made}
+
+
+def _one_of(made: dict[str, Any], names: list[str | None]) -> dict[str, Any]:
+    """With the names that it may have, in place of any; in an array, those of its items."""
+    return {**made, "items": {"enum": names}} if "items" in made else {"enum": names}
+
+
+def _with(kind: str, limits: dict[str, Any]) -> dict[str, Any]:
+    return {"type": kind, **{key: value for key, value in limits.items() if value is not None}}
+
+
+def _range(kind: inspect.FloatType | inspect.IntType) -> dict[str, Any]:
+    limits = {"minimum": kind.ge, "exclusiveMinimum": kind.gt, "maximum": kind.le, "exclusiveMaximum": kind.lt}
+    return {key: value for key, value in limits.items() if value is not None and abs(value) < LARGEST}
+
+
+def text(value: Any, indent: int = 0, before: int = 0) -> str:
+    """As JSON, what fits in a line of 120 columns in one; `before`: so much of the line is taken."""
+    short = json.dumps(value, ensure_ascii=False)
+    if not isinstance(value, (dict, list)) or indent + before + len(short) < 120:
+        return short
+    inner = indent + 2
+    if isinstance(value, dict):
+        names = [f"{json.dumps(key)}: " for key in value]
+        rows = [name + text(one, inner, len(name)) for name, one in zip(names, value.values())]
+    else:
+        rows = [text(one, inner) for one in value]
+    start, end = "{}" if isinstance(value, dict) else "[]"
+    lines = [f"{' ' * inner}{row}" for row in rows]
+    return "\n".join([start, ",\n".join(lines), f"{' ' * indent}{end}"])
+
+
+def write(folder: Path) -> None:
+    """All of them."""
+    for name in DOCUMENTS:
+        path = folder / f"{name.replace('/', '-')}.schema.json"
+        path.write_text(text(schema(name)) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit("usage: schemas.py FOLDER")
+    write(Path(sys.argv[1]))
