@@ -37,6 +37,10 @@ _BENCH = ("bus", "firmware", "truth")  # keys of a run on the bench, all or none
 _MORE: dict[str, dict[str, Any]] = {
     RESULT: {"dependentRequired": {"seed": list(_BENCH), **{one: ["seed"] for one in _BENCH}}},
 }
+_WRITTEN = {  # by type: keys that are always there, though a reader does without
+    "Result": "schema units stand_seen intrinsic reference means counters item environment",
+    "Verification": "delta_g_g max_abs_delta_g_fit_g max_abs_delta_g_check_g closure residual_rms",
+}
 _PATTERNS = [one.name for one in PATTERNS]
 _NAMES: dict[tuple[str, str], Iterable[str | None]] = {  # by type and key: the names that this version writes
     ("Explanation", "patterns"): [*_PATTERNS, *DOUBTS, CORRELATED],
@@ -96,7 +100,8 @@ class _Writer:
             properties[key] = ({"description": of_keys[key]} if key in of_keys else {}) | made
         if name:
             properties["schema"] = {"const": name}
-        required = [field.encode_name for field in kind.fields if field.required or field.encode_name == "schema"]
+        always = _WRITTEN.get(own.__name__, "").split()
+        required = [field.encode_name for field in kind.fields if field.required or field.encode_name in always]
         listed = {"properties": properties, "required": required, "additionalProperties": False}
         return ({"description": about} if about else {}) | {"type": "object"} | listed
 

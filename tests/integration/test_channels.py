@@ -8,15 +8,18 @@ import argparse
 import dataclasses
 import json
 
+import calibrations
 import numpy as np
 import pytest
 from blocks import NOMINAL_K
 from conftest import EXAMPLES
 from test_plausibility import block, declared, examined
 
+import tumble as package
 from tumble import core
 from tumble.cli.commands import import_recording
 from tumble.distributions import chi_squared_above
+from tumble.documents.base import written
 from tumble.errors import BadInput
 from tumble.files.run_file import Run
 from tumble.files.run_store import NO_BLOCKS
@@ -28,8 +31,9 @@ from tumble.planning import require
 from tumble.planning.budget import budget
 from tumble.planning.case import Case
 from tumble.solving import optimal_run
-from tumble.solving.declared import stand_document, stand_of, step_of
+from tumble.solving.declared import stand_of, step_of
 from tumble.solving.many_runs import estimator_for
+from tumble.solving.result import declared_stand
 from tumble.solving.solution import solve
 from tumble.stand import Stand
 
@@ -241,12 +245,14 @@ def test_one_declared_noise_is_one_that_is_seen(tumble):
 
 
 def test_a_result_repeats_what_was_declared():
-    told = json.loads(json.dumps({"stand": stand_document(UNEQUAL, (1e-7, 2e-7, 3e-7))}))
-    assert told["stand"]["noise_v"] == list(NOISE) and told["stand"]["drift_v"] == list(DRIFT)
+    stand = written(declared_stand(UNEQUAL, np.array([1e-7, 2e-7, 3e-7])))
+    document = calibrations.result(np.eye(3), np.zeros(3), stand=stand)
+    told = package.Result(json.dumps(document)).checked
+    assert document["stand"]["noise_v"] == NOISE and document["stand"]["drift_v"] == DRIFT
     assert stand_of(told, "result") == UNEQUAL and step_of(told) == (1e-7, 2e-7, 3e-7)
-    told["stand"]["level_rad"] = [2e-5] * 3
-    with pytest.raises(BadInput):
-        stand_of(told, "result")
+    stand["level_rad"] = [2e-5] * 3
+    with pytest.raises(BadInput, match=r"stand\.level_rad is "):
+        package.Result(json.dumps(document))
 
 
 MIXED = {(1, -1, 1): "[2, -2, 2]", (-1, 1, 1): "[-2, 2, 2]", (-1, -1, 1): "[-2, -2, 2]"}

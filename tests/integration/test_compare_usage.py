@@ -219,8 +219,8 @@ REFUSED = {
     "b.json: outputs in mV, those of a.json in V: not compared": ({"unit": "mV"}, ()),
     "b.json: K is singular: it tells no acceleration": ({"K": [[1.0, 0.0, 0.0]] * 3}, ()),
     "b.json: not a result of schema tumble.result/1: schema is 'tumble.plan/1'": ({"schema": "tumble.plan/1"}, ()),
-    "b.json: its stand is not as tumble solve writes it": ({"stand": {"name": "s"}}, ()),
-    "b.json: its schedule is not as tumble solve writes it": (
+    "b.json: not a result of schema tumble.result/1: no stand.limits": ({"stand": {"name": "s"}}, ()),
+    "b.json: not a result of schema tumble.result/1: schedule.mounting is '[]'": (
         {"schedule": {"name": None, "mounting": [], "position": [{"mounting": 1}]}},
         ("--stand", str(STAND)),
     ),

@@ -15,6 +15,7 @@ from tumble.cli import presentation
 from tumble.core import CoreSchedule, paper_schedule
 from tumble.model.estimators import estimate
 from tumble.solving.coverage import Coverage, effective
+from tumble.solving.result import coverage_of
 from tumble.solving.solution import solve
 from tumble.stand import PAPER_STAND
 
@@ -56,15 +57,15 @@ def test_factors_are_student_s():
     freedom = [1.0, 1.5, 2.0, 2.71, 4.0, 6.0, 9.9, 18.0, 72.0, 882.0, 1e4, math.inf]
     found = Coverage(np.array(freedom))
     assert found.factors == pytest.approx([exact_t(one) for one in freedom], rel=1e-8)
-    document = found.document()
-    told = [*np.ravel(np.array(document["freedom_K"], dtype=object)), *document["freedom_U0"]]
+    document = coverage_of(found)
+    told = [*sum(document.freedom_K, ()), *document.freedom_U0]
     assert [math.inf if one is None else one for one in told] == freedom
 
 
 def test_what_is_declared_counts_as_known():
     solution = solved(noisy_run(np.random.default_rng(70), 50))
     assert not solution.noise.exceeds.any() and np.isinf(solution.coverage.freedom).all()
-    assert solution.coverage.document()["k_U0"] == pytest.approx([1.959964] * 3, abs=1e-6)
+    assert list(coverage_of(solution.coverage).k_U0) == pytest.approx([1.959964] * 3, abs=1e-6)
     assert presentation.uncertainty_notes(solution) == ["95 % within k u: k = 1.96"]
 
 
@@ -155,10 +156,10 @@ def test_intrinsic_parameters_have_a_freedom_of_their_own(estimator):
     expected = noise.measured.freedom[0] * u[of_x] ** 4 / part[of_x] ** 2
     assert solution.coverage.intrinsic[of_x] == pytest.approx(expected, rel=1e-4)
     assert np.isinf(np.delete(solution.coverage.intrinsic, of_x)).all()
-    told = solution.coverage.document()
-    assert told["freedom_intrinsic"]["angle_rad"]["yz"] is None
-    assert told["freedom_intrinsic"]["angle_rad"]["xy"] == solution.coverage.intrinsic[3]
-    assert told["k_intrinsic"]["bias_g"][0] == pytest.approx(exact_t(solution.coverage.intrinsic[6]), rel=1e-8)
+    told = coverage_of(solution.coverage)
+    assert told.freedom_intrinsic.angle_rad.yz is None
+    assert told.freedom_intrinsic.angle_rad.xy == solution.coverage.intrinsic[3]
+    assert told.k_intrinsic.bias_g[0] == pytest.approx(exact_t(solution.coverage.intrinsic[6]), rel=1e-8)
 
 
 def test_the_optimal_estimator_mixes_channels():

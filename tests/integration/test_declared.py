@@ -3,6 +3,8 @@
 import dataclasses
 import json
 
+import calibrations
+import numpy as np
 import pytest
 from conftest import EXAMPLES
 from documents import document_of, paper_stand, valid
@@ -12,8 +14,9 @@ from tumble.core import built_in
 from tumble.errors import BadInput
 from tumble.files.schedule_file import read_schedule
 from tumble.schedule import BUILT_IN
-from tumble.solving.declared import schedule_document, schedule_of, stand_of, step_of
+from tumble.solving.declared import schedule_of, stand_of, step_of
 from tumble.solving.expected import expected
+from tumble.solving.result import schedule_of as told_of
 from tumble.stand import SOURCES, Stand
 
 pytestmark = pytest.mark.python
@@ -46,7 +49,7 @@ def test_the_step_of_the_converter_is_repeated(tmp_path):
     result = tumble.solve(EXAMPLES / "paper_stand.csv", stand=file)
     assert result.document["stand"]["step_v"] == 10.0 / 2**15
     declared = tumble.read_stand(file)
-    assert (stand_of(result.document, "r"), step_of(result.document)) == (declared.stand, declared.step_v)
+    assert (stand_of(result.checked, "r"), step_of(result.checked)) == (declared.stand, declared.step_v)
 
 
 @pytest.mark.parametrize("estimator", ["least_squares", "optimal"])
@@ -58,7 +61,7 @@ def test_a_drift_that_is_solved_for_is_repeated_as_well(estimator, tmp_path):
     assert [one.document["stand"]["drift_v"] for one in told] == [2e-3, 2e-3]
     assert told[0].document["stand"] == told[1].document["stand"]
     assert tumble.compare(*told, levelled="once").document["shared"]["sources"] == ["alpha1", "alpha2"]
-    budgets = [expected(one.document, built_in("paper"), stand_of(one.document, "r"), 0.0) for one in told]
+    budgets = [expected(one.checked, built_in("paper"), stand_of(one.checked, "r"), 0.0) for one in told]
     assert ["drift" in budget.coefficients for budget in budgets] == [True, False]
 
 
@@ -66,20 +69,34 @@ def test_a_drift_that_is_solved_for_is_repeated_as_well(estimator, tmp_path):
 def test_stand_and_schedule_are_read_back(name):
     file = "diagonal_stand" if name == "diagonal" else "paper_stand"
     result = tumble.solve(EXAMPLES / f"{file}.csv", stand=EXAMPLES / f"{file}.toml", schedule=name)
-    assert schedule_of(result.document, "r").data == built_in(name)
-    assert stand_of(result.document, "r") == tumble.read_stand(EXAMPLES / f"{file}.toml").stand
-    assert (stand_of({}, "r"), schedule_of({}, "r"), step_of({})) == (None, None, 0.0)
+    assert schedule_of(result.checked, "r").data == built_in(name)
+    assert stand_of(result.checked, "r") == tumble.read_stand(EXAMPLES / f"{file}.toml").stand
+    bare = tumble.Result(json.dumps(calibrations.result(np.eye(3), np.zeros(3)))).checked
+    assert (stand_of(bare, "r"), schedule_of(bare, "r"), step_of(bare)) == (None, None, 0.0)
 
 
 @pytest.mark.parametrize(("key", "changed"), [
     ("stand", {"level_rad": -1.0}), ("stand", {"limits": "sigma2"}), ("stand", {"samples": 0}),
-    ("stand", {"noise_v": "much"}), ("schedule", {"position": [{"mounting": 1}]}), ("schedule", {"mounting": []}),
+    ("stand", {"noise_v": "much"}), ("stand", {"limits": None}), ("schedule", {"position": [{"mounting": 1}]}),
+    ("schedule", {"mounting": []}), ("schedule", {"name": 7}),
 ])
 def test_what_no_solve_writes_is_refused(key, changed):
     document = tumble.solve(EXAMPLES / "paper_stand.csv", stand=EXAMPLES / "paper_stand.toml").document
     document[key] |= changed
+    wrong = rf"(no )?{key}\.{next(iter(changed))}"
+    with pytest.raises(BadInput, match=rf"^r: not a result of schema tumble\.result/1: {wrong}"):
+        tumble.Result(json.dumps(document), name="r")
+
+
+PLACE = {"mounting": 1, "position": 1, "angle_deg": 0, "use": "fit"}
+
+
+@pytest.mark.parametrize(("key", "changed"), [("stand", {"level_rad": 1e10}), ("schedule", {"position": [PLACE] * 2})])
+def test_what_no_solve_could_do_with_is_refused(key, changed):
+    document = tumble.solve(EXAMPLES / "paper_stand.csv", stand=EXAMPLES / "paper_stand.toml").document
+    document[key] |= changed
     with pytest.raises(BadInput, match=f"^r: its {key} is not as tumble solve writes it$"):
-        {"stand": stand_of, "schedule": schedule_of}[key](document, "r")
+        {"stand": stand_of, "schedule": schedule_of}[key](tumble.Result(json.dumps(document)).checked, "r")
 
 
 def test_without_a_stand_there_is_none():
@@ -88,7 +105,7 @@ def test_without_a_stand_there_is_none():
 
 @pytest.mark.parametrize("name", BUILT_IN)
 def test_a_built_in_schedule_has_its_name(name):
-    assert schedule_document(built_in(name))["name"] == name
+    assert told_of(built_in(name)).name == name
 
 
 def test_a_schedule_of_one_s_own_is_repeated_whole(tumble, tmp_path):

@@ -75,8 +75,8 @@ def test_every_estimator_has_the_same_verdict():
     case = violations.Case("paper", "three_mountings")
     means = ROWS["drift 100"].means(case.world(1))[0]
     run = Run(case.samples, means, np.full(means.shape, case.stand.noise), "V", {})
-    verdicts = [solve(run, case.schedule, name, 1.0, case.stand, "run.csv").fit.document() for name in ESTIMATORS]
-    assert len(verdicts) == 4 and all(one == verdicts[0] for one in verdicts) and not verdicts[0]["fits"]
+    verdicts = [solve(run, case.schedule, name, 1.0, case.stand, "run.csv").fit for name in ESTIMATORS]
+    assert len(verdicts) == 4 and all(one == verdicts[0] for one in verdicts) and not verdicts[0].fits
 
 
 @pytest.mark.parametrize("name", SEEN)

@@ -16,6 +16,7 @@ from report_reader import Report, Said, Truth, ascii_signs, plain, text_of
 
 import tumble as package
 from tumble.api.result import Result
+from tumble.documents.base import to_json
 from tumble.errors import BadInput, UsageError
 from tumble.estimators import COEFFICIENTS
 from tumble.files.schedule_file import read_schedule
@@ -52,8 +53,8 @@ def drawn(monkeypatch):
     asked = []
     room = types.ModuleType("tumble.pictures")
 
-    def figures(document, run=None, name="result"):
-        asked.append((document, run))
+    def figures(solved, run=None):
+        asked.append((solved, run))
         return {"gravity_check": 1, **({"samples": 2} if run is not None else {}), "attitude": 3}
 
     room.mountings = lambda schedule: "M"
@@ -471,7 +472,7 @@ def test_pictures_stand_in_their_order(drawn):
     assert re.findall(r"<title>T(\d)</title>", report.source) == ["1", "2", "3"]
     assert [one for one in report.ids if one != "number"] == ["mountings", "gravity_check", "samples", "attitude"]
     assert "Figure 2. Errors < of gravity." in report.text and "Figure 4. Attitudes." in report.text
-    assert drawn[-1] == (result.document, run)
+    assert to_json(drawn[-1][0]) == result.to_json() and drawn[-1][1] is run
     assert [one for one in report_of(result).ids if one != "number"] == ["mountings", "gravity_check", "attitude"]
 
 

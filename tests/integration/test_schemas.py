@@ -36,7 +36,8 @@ def test_every_name_that_the_sources_write_has_one_and_no_other():
     for folder in SOURCES:
         for path in (ROOT / folder).rglob("*"):
             if path.suffix in (".c", ".py"):
-                written |= set(re.findall(r'(?:"schema"[,:] |[A-Z]+ = )"(tumble\.\w+/\d+)"', path.read_text()))
+                text = path.read_text()
+                written |= set(re.findall(r'(?:"schema"[,:] |[A-Z]+(?:: Final)? = )"(tumble\.\w+/\d+)"', text))
     assert written == {f"tumble.{kind}/1" for kind in KINDS}
 
 

@@ -141,7 +141,7 @@ def test_the_limit_is_a_fifth():
     beyond = dataclasses.replace(at_limit, bias=bias * 1.0001)
     [shift] = beyond.shifts
     assert (shift.source, shift.coefficient) == ("alpha3", "K_yx")
-    assert (shift.bias, shift.limit) == (pytest.approx(1.0001e-4), pytest.approx(1e-4))
+    assert (shift.bias_relative, shift.limit) == (pytest.approx(1.0001e-4), pytest.approx(1e-4))
     assert beyond.complaints == ["large yaw: second order shifts K_yx by 0.0001, more than 0.2 u(K_yx)/K_yy = 0.0001"]
     unknown = dataclasses.replace(beyond, u=np.full(12, np.nan))
     assert not unknown.matters

@@ -14,9 +14,9 @@ from simulated_bench import bench
 
 from tumble.cli import presentation
 from tumble.cli.main import main
+from tumble.documents.result import Temperature, read_result
 from tumble.errors import BadInput
 from tumble.files import run_rows
-from tumble.files.documents import read_coefficients
 from tumble.files.run_file import read_run
 from tumble.files.run_layout import Wishes
 from tumble.files.run_temperature import OF_ENVIRONMENT, OF_RUN_FILE, Temperatures
@@ -152,10 +152,15 @@ def test_results_and_exports_carry_it(tumble, tmp_path):
     for row in tumble("export", result, "--format", "csv").stdout.splitlines()[1:]:
         assert row.endswith(",21.5,21.5")
     text = json.loads(result.read_text())
-    for odd in ("warm", {"min_c": 20}, {"min_c": 20, "max_c": "hot"}):
+    odd_ones = {
+        "temperature is ": "warm",
+        "no temperature.max_c": {"min_c": 20},
+        "temperature.max_c is ": {"min_c": 20, "max_c": "hot"},
+    }
+    for said, odd in odd_ones.items():
         result.write_text(json.dumps({**text, "temperature": odd}))
-        with pytest.raises(BadInput, match=r"not a result of schema tumble\.result/1: temperature is "):
-            read_coefficients(str(result))
+        with pytest.raises(BadInput, match=rf"not a result of schema tumble\.result/1: {said}"):
+            read_result(str(result))
     del text["temperature"]  # of an earlier version
     result.write_text(json.dumps(text))
     header = tumble("export", result, "--format", "c").stdout
@@ -202,7 +207,7 @@ def test_the_run_file_has_the_temperatures_of_the_frames(tmp_path):
     ],
 )
 def test_who_applies_coefficients_elsewhere_is_warned(known, used, warning):
-    document = None if known is None else {"min_c": known[0], "max_c": known[1], "source": "run_file"}
+    document = None if known is None else Temperature(known[0], known[1], "run_file")
     assert temperature.outside(document, used) == warning
 
 
@@ -210,7 +215,7 @@ def test_who_applies_coefficients_elsewhere_is_warned(known, used, warning):
 def test_the_warning_is_there_where_one_is_outside(low, span, used):
     """Against every temperature by itself."""
     beyond = [one for one in used if one < low - temperature.TOLERANCE_C or one > low + span + temperature.TOLERANCE_C]
-    said = temperature.outside({"min_c": low, "max_c": low + span}, used)
+    said = temperature.outside(Temperature(low, low + span), used)
     assert (said is None) == (not beyond)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from tumble.api.arguments import require_unit, wishes_of
 from tumble.arrays import Floats
+from tumble.documents.result import Temperature
 from tumble.errors import BadInput, UsageError
 from tumble.files import frames
 from tumble.files.calibrated import OUTPUTS, Demand, Seen, factor_of, with_calibrated
@@ -34,7 +35,7 @@ def applied(
     with_uncertainty: bool,
     columns: dict[str, str] | None,
     outputs_unit: str | None,
-    known_c: dict[str, Any] | None,
+    known_c: Temperature | None,
     unit_told: bool,
     of_force: str,
 ) -> Any:
@@ -56,7 +57,7 @@ def applied(
     return found
 
 
-def doubts(seen: Seen, known_c: dict[str, Any] | None, demand: Demand) -> tuple[str, ...]:
+def doubts(seen: Seen, known_c: Temperature | None, demand: Demand) -> tuple[str, ...]:
     """What to warn of after data were calibrated. `known_c`: temperature of the result, None where it is not known."""
     told = outside(known_c, seen.temperatures_c), seen.doubt(demand)
     return (*seen.passed_over, *(one for one in told if one is not None))

@@ -15,8 +15,8 @@ from tumble.comparison import pair, report
 from tumble.comparison.shared import OneStand
 from tumble.core import CoreSchedule
 from tumble.defaults import ANEW, DEFAULT_CONFIDENCE, LEVELLED
+from tumble.documents.base import to_json
 from tumble.errors import UsageError, quoted
-from tumble.files.documents import checked_coefficients, to_json
 from tumble.files.schedule_file import schedule_of
 from tumble.files.stand_file import StandFile, stand_file_of
 from tumble.schedule import BUILT_IN, Schedule
@@ -145,7 +145,7 @@ def _side(given: Result | str | os.PathLike[str], name: str) -> pair.Side:
         name, given = os.fspath(given), load(given)
     if not isinstance(given, Result):
         raise UsageError(f"{name}: a {type(given).__name__} is neither a tumble.Result nor the path of one")
-    return side_of(name, checked_coefficients(given.to_json().encode("utf-8"), name))
+    return side_of(name, given.checked)
 
 
 def _schedules(schedule: str | os.PathLike[str] | Schedule | None) -> list[CoreSchedule]:

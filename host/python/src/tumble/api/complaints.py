@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
+from tumble.documents.result import Result
 from tumble.fixture.judge import Limits
 from tumble.model.explanations import NOISE, Explanation
 from tumble.model.stand_seen import NAMES
@@ -120,22 +120,20 @@ def simulation_complaint(found: MonteCarlo) -> str | None:
     return f"too few runs of Monte Carlo to tell of {', '.join(open_ones)}" if open_ones else None
 
 
-def complaints_of_document(result: dict[str, Any]) -> list[str]:
-    """Of a document that files.documents has checked: what whoever uses its coefficients should know first."""
-    found, check = [], result["verification"]
-    if not check["pass"]:
-        sizes = (
-            f"largest error {on_its_side(check['max_abs_delta_g_g'], check['limit_g'])} g, limit {check['limit_g']:g} g"
-        )
+def complaints_of_document(result: Result) -> list[str]:
+    """Of a result as it is read: what whoever uses its coefficients should know first."""
+    found, check = [], result.verification
+    if not check.passed:
+        sizes = f"largest error {on_its_side(check.max_abs_delta_g_g, check.limit_g)} g, limit {check.limit_g:g} g"
         found.append(f"the gravity check FAILED: {sizes}")
     decision = Decision.of(result)
     if decision.is_not_shown:
         found.append(f"{decision.sentence}: at some attitudes the coefficients may be off by more")
-    if result["warnings"] is not None:
-        return found + [one for one in result["warnings"] if one != _NO_UNIT]  # which `assumes` tells
-    fit = result["fit"] or {}  # of a result that is older than its warnings
-    if result["stand_doubts"] or fit.get("fits") is False:
+    if result.warnings is not None:
+        return found + [one for one in result.warnings if one != _NO_UNIT]  # which `assumes` tells
+    fit = result.fit  # of a result that is older than its warnings
+    if result.stand_doubts or (fit is not None and not fit.fits):
         found.append("the run does not fit the stand file: the uncertainties are too small")
-    elif fit.get("explanations"):
+    elif fit is not None and fit.explanations:
         found.append("the run shows what the stand file does not declare: the uncertainties are too small")
     return found

@@ -18,9 +18,9 @@ from tumble.api.recording import recording_of
 from tumble.api.table import html_table
 from tumble.api.words import in_python, told_in_python
 from tumble.arrays import Floats
+from tumble.documents.result import Result as Document, result_of
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.files.disk import RESULT_FILE, path_of, read_bytes, write_bytes, write_text
-from tumble.files.documents import checked_coefficients
 from tumble.files.run_layout import Wishes
 from tumble.files.stand_file import StandFile
 from tumble.model.force import Force
@@ -61,11 +61,16 @@ class Result:
             raise UsageError(f"text: a {type(text).__name__} is no text of a result; tumble.load reads a file")
         self._text = text
         self._name = name
-        self._checked = checked_coefficients(text.encode("utf-8", "surrogatepass"), name)
-        told = complaints_of_document(self._checked) if warnings is None else warnings
+        self._told = result_of(text.encode("utf-8", "surrogatepass"), name)
+        told = complaints_of_document(self._told) if warnings is None else warnings
         self.warnings = tuple(map(in_python, told))
         """Why the result may not be what it claims: the sentences that the command line prints, with arguments in place
         of options."""
+
+    @property
+    def checked(self) -> Document:
+        """The same by its types, tumble.documents.result."""
+        return self._told
 
     @property
     def document(self) -> dict[str, Any]:
@@ -76,55 +81,55 @@ class Result:
     @property
     def estimator(self) -> str:
         """By which the coefficients were found."""
-        return str(self._checked["estimator"])
+        return str(self._told.estimator)
 
     @property
     def unit(self) -> str:
         """Of the outputs, such as "V"."""
-        return str(self._checked["unit"])
+        return str(self._told.unit)
 
     @cached_property
     def K(self) -> Floats:  # noqa: N802 # as the formulas have it
         """(3, 3), in the unit of the outputs per g."""
-        return _fixed(self._checked["K"])
+        return _fixed(self._told.K)
 
     @cached_property
     def U0(self) -> Floats:  # noqa: N802
         """(3,), in the unit of the outputs."""
-        return _fixed(self._checked["U0"])
+        return _fixed(self._told.U0)
 
     @cached_property
     def u_K(self) -> Floats | None:  # noqa: N802
         """(3, 3): standard uncertainties of K; None without a stand."""
-        return None if self._checked["u_K"] is None else _fixed(self._checked["u_K"])
+        return None if self._told.u_K is None else _fixed(self._told.u_K)
 
     @cached_property
     def u_U0(self) -> Floats | None:  # noqa: N802
         """(3,): standard uncertainties of U0; None without a stand."""
-        return None if self._checked["u_U0"] is None else _fixed(self._checked["u_U0"])
+        return None if self._told.u_U0 is None else _fixed(self._told.u_U0)
 
     @cached_property
     def covariance(self) -> Floats | None:
         """(12, 12), of K row by row, then U0; None without a stand."""
-        return None if self._checked["covariance"] is None else _fixed(self._checked["covariance"])
+        return None if self._told.covariance is None else _fixed(self._told.covariance)
 
     @property
     def passed(self) -> bool:
         """The gravity check (8) passed, and if a stand is declared, the run fits it and the uncertainty is within the
         limit at every attitude."""
-        return bool(self._checked["pass"])
+        return bool(self._told.passed)
 
     @property
     def assumes(self) -> tuple[str, ...]:
         """Names of what the result rests on that nobody tested, such as "seat"."""
-        return tuple(self._checked["assumes"])
+        return tuple(self._told.assumes)
 
     def __repr__(self) -> str:
-        return f"<tumble.Result {self._name}: {self.estimator}, {Decision.of(self._checked).word}, unit {self.unit}>"
+        return f"<tumble.Result {self._name}: {self.estimator}, {Decision.of(self._told).word}, unit {self.unit}>"
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the verdict, and the coefficients with their uncertainties."""
-        return html_table(self._checked)
+        return html_table(self._told)
 
     @overload
     def apply(
@@ -190,7 +195,7 @@ class Result:
         ['time', 'ux', 'uy', 'uz', 'x', 'y', 'z']
         """
         require_flag(uncertainty, "uncertainty")
-        known_c = self._checked["temperature"]
+        known_c = self._told.temperature
         with told_in_python():
             given = data, self.unit, uncertainty, columns, outputs_unit, known_c
             return applied(self.force(unit, uncertainty), *given, "unit" not in self.assumes, str(force_unit(unit)))
@@ -201,7 +206,7 @@ class Result:
         if unit not in UNITS:
             raise UsageError(f"unit: {quoted(unit)} is not one of {', '.join(UNITS)}")
         try:
-            force = Coefficients.of(self._checked, unit).force
+            force = Coefficients.of(self._told, unit).force
         except ValueError as error:
             raise BadInput(str(error), self._name) from None
         if uncertainty and not force.is_certain:
@@ -244,7 +249,7 @@ class Result:
                 pictures.require_format(path, "file")
                 kind = "gravity_check" if kind is None else kind
             recorded = None if run is None else recording_of(run)
-            drawn = pictures.figures(self.document, recorded, schedule, stand=stand, kind=kind, name=self._name)
+            drawn = pictures.figures(self._told, recorded, schedule, stand=stand, kind=kind)
             if path is not None and kind is not None:
                 write_bytes(path, pictures.written(drawn[kind], path))
         return drawn
@@ -302,7 +307,7 @@ class Result:
         from tumble.solving.declared import created
 
         recording = None if run is None else recording_of(run, Wishes(unit=self.unit))
-        hashes = {self._checked["run_sha256"], None if recording is None else recording.sha256} - {None}
+        hashes = {self._told.run_sha256, None if recording is None else recording.sha256} - {None}
         if recording is not None and len(hashes) > 1:  # what has no hash is told by its means, when it is drawn
             raise BadInput(f"is not the run of {self._name}: its SHA-256 is another", recording.name)
         more: dict[str, Any] = {"template": template, "logo": logo, "number": number, "earlier": self._since(since)}
@@ -316,14 +321,14 @@ class Result:
         from tumble.api.sides import since
 
         earlier = given if isinstance(given, Result) else load(given)
-        return earlier.document, since(earlier._checked, self._checked)
+        return earlier.document, since(earlier._told, self._told)
 
 
 def load(file: str | os.PathLike[str]) -> Result:
     """Read a result that `Result.save`, `tumble solve --out` or `tumble bench` wrote. Raises BadInput."""
     name = path_of(file)
     data = read_bytes(name, RESULT_FILE)
-    checked_coefficients(data, name)  # also that it is text
+    result_of(data, name)  # also that it is text
     return Result(data.decode("utf-8-sig"), name=name)
 
 

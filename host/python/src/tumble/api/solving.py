@@ -20,14 +20,16 @@ from tumble.defaults import (
     DEFAULT_SCHEDULE,
     NEEDS_STAND,
 )
+from tumble.documents.base import to_json
+from tumble.documents.result import Result as Document
 from tumble.errors import UsageError, quoted
 from tumble.estimators import ESTIMATORS, OPTIMAL
 from tumble.files import run_rows
-from tumble.files.documents import to_json
 from tumble.files.schedule_file import schedule_of
 from tumble.files.stand_file import StandFile, stand_file_of
 from tumble.schedule import Schedule
-from tumble.solving import declared, plausibility, result
+from tumble.solving import declared, plausibility
+from tumble.solving.result import result_of
 from tumble.solving.solution import Solution, solve as solve_run
 from tumble.solving.temperature import contradicted, in_environment
 from tumble.stand import Stand
@@ -50,11 +52,11 @@ class Solved:
         confirmed = plausibility.confirms_unit(self.solution, self.stand_file)
         return complaints(solution or self.solution, self.odd, confirmed)
 
-    def document(self, solution: Solution | None = None) -> dict[str, Any]:
+    def document(self, solution: Solution | None = None) -> Document:
         """As it is written, schema tumble.result/1; `solution` as of `complaints`."""
         file, told_of = self.stand_file, self.complaints(solution)
         told = (None, None, None) if file is None else (file.item, file.environment, file.serial)
-        return result.document(solution or self.solution, *told, self.run_file, self.created, told_of)
+        return result_of(solution or self.solution, *told, self.run_file, self.created, told_of)
 
 
 def solved(

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import html
 import math
-from typing import Any
 
+from tumble.documents.result import Result
 from tumble.estimators import COEFFICIENTS
 from tumble.solving.decision import Decision
 from tumble.units import per_g
@@ -15,12 +15,13 @@ _DIGITS = 6  # of a value whose uncertainty is not known
 _MOST_DECIMALS = 12
 
 
-def html_table(result: dict[str, Any]) -> str:
-    """Of a document that files.documents has checked: the verdict, then a row for each of the twelve coefficients: its
+def html_table(result: Result) -> str:
+    """The verdict, then a row for each of the twelve coefficients: its
     value to the second digit of its standard uncertainty, that, and the unit of both."""
-    values, unit = [*sum(result["K"], []), *result["U0"]], result["unit"]
-    known = result["u_K"] is not None
-    uncertainties = [*sum(result["u_K"], []), *result["u_U0"]] if known else [None] * len(values)
+    values, unit = [*result.K.ravel().tolist(), *result.U0.tolist()], result.unit
+    uncertainties: list[float | None] = [None] * len(values)
+    if result.u_K is not None and result.u_U0 is not None:
+        uncertainties = [*result.u_K.ravel().tolist(), *result.u_U0.tolist()]
     rows = "".join(
         _row("td", name, *_rounded(value, u), unit if name.startswith("U0") else per_g(unit))
         for name, value, u in zip(COEFFICIENTS, values, uncertainties)
@@ -28,7 +29,7 @@ def html_table(result: dict[str, Any]) -> str:
     return f"<p>{_verdict(result)}</p><table>{_row('th', '', 'value', 'std uncertainty', 'unit')}{rows}</table>"
 
 
-def _verdict(result: dict[str, Any]) -> str:
+def _verdict(result: Result) -> str:
     decision = Decision.of(result)
     return f"<b>{decision.word}</b>{html.escape(decision.reason)}"
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import re
 import textwrap
-from typing import Any
+
+import msgspec
 
 from tumble.api.complaints import complaints_of_document
 from tumble.arrays import Floats
 from tumble.cli import newton
 from tumble.cli.fixed_point import double_literal, fixed_point_function, float_literal
+from tumble.documents.result import Result, Temperature
 from tumble.solving.assumptions import phrase
 from tumble.solving.coefficients import Coefficients
 from tumble.solving.decision import Decision
@@ -71,13 +73,13 @@ _CONDITIONS = ("gravity_m_s2", "u_gravity_m_s2", "temperature_c", "pressure_hpa"
 FORCE_UNITS = {"g": "units of local gravity", "m/s2": "m/s^2"}
 
 
-def _assumed(result: dict[str, Any], coefficient: str) -> list[str]:
+def _assumed(result: Result, coefficient: str) -> list[str]:
     """Names of what a coefficient rests on."""
-    of = result["assumed_for"]
-    return [name for name in result["assumes"] if coefficient in (of.get(name) or [coefficient])]
+    of = result.assumed_for
+    return [name for name in result.assumes if coefficient in (of.get(name) or [coefficient])]
 
 
-def to_csv(result: dict[str, Any], force_unit: str = "g") -> str:
+def to_csv(result: Result, force_unit: str = "g") -> str:
     """One row a coefficient, then its covariances with all, the element of K^-1 in its place, and what all rows have in
     common. What is unknown is an empty field."""
     them = Coefficients.of(result, force_unit)
@@ -85,9 +87,9 @@ def to_csv(result: dict[str, Any], force_unit: str = "g") -> str:
     heading = f"coefficient,value,unit,standard_uncertainty,uncertainty_unit,assumes,{joint_names}"
     further = "inverse,inverse_unit,inverse_standard_uncertainty,created,tumble,temperature_min_c,temperature_max_c"
     rows = [f"{heading},{further}"]
-    at = result["temperature"]
-    span = ["", ""] if at is None else [format(at[key], ".17g") for key in ("min_c", "max_c")]
-    origin = [result["created"] or "", _plain(result["tumble"] or ""), *span]
+    at = result.temperature
+    span = ["", ""] if at is None else [format(one, ".17g") for one in (at.min_c, at.max_c)]
+    origin = [result.created or "", _plain(result.tumble or ""), *span]
     for i, (name, value, unit) in enumerate(zip(them.names, them.values, them.units)):
         u = "" if them.uncertainties is None else format(them.uncertainties[i], ".17g")
         joint = [""] * len(them.names) if them.covariance is None else [format(x, ".17g") for x in them.covariance[i]]
@@ -110,7 +112,7 @@ def _plain(text: str) -> str:
     return re.sub(r"[^A-Za-z0-9.+:_-]", "", text)
 
 
-def to_c(result: dict[str, Any], force_unit: str = "g", number: str = DOUBLE, step: float | None = None) -> str:
+def to_c(result: Result, force_unit: str = "g", number: str = DOUBLE, step: float | None = None) -> str:
     """A header of constants that needs nothing else. Unknown uncertainties are left out, not invented. `number`: what
     they are, DOUBLE or FLOAT; with a `step`, the size of a count of the outputs, they are double, but the function
     computes with integers (cli.fixed_point). Raises ValueError."""
@@ -123,25 +125,25 @@ def to_c(result: dict[str, Any], force_unit: str = "g", number: str = DOUBLE, st
         if them.uncertainties is not None:
             u = _literal(them.uncertainties[i])
             definitions.append(f"#define TUMBLE_U_{name.upper()} ({u}) /* {unit}, standard uncertainty */")
-    verification = result["verification"]
+    verification = result.verification
     is_known = them.uncertainties is not None
     return _C_HEADER.format(
-        unit=result["unit"],
+        unit=result.unit,
         k_unit=them.units[0],
         force=FORCE_UNITS[force_unit],
         force_unit=force_unit,
-        estimator=result["estimator"],
-        verdict="passed" if verification["pass"] else "FAILED",
+        estimator=result.estimator,
+        verdict="passed" if verification.passed else "FAILED",
         decision=_wrapped(Decision.of(result).sentence),
-        largest=verification["max_abs_delta_g_g"],
-        limit=verification["limit_g"],
+        largest=verification.max_abs_delta_g_g,
+        limit=verification.limit_g,
         known="TUMBLE_U_..., below" if is_known else f"unknown, {why_unknown(result)}",
         origin="".join(f" * {line}\n" for line in origin(result)),
-        passed=int(verification["pass"]),
-        all_passed=int(result["pass"]),
+        passed=int(verification.passed),
+        all_passed=int(result.passed),
         is_known=int(is_known),
-        temperature_known=int(result["temperature"] is not None),
-        temperatures=_temperature_macros(result["temperature"]),
+        temperature_known=int(result.temperature is not None),
+        temperatures=_temperature_macros(result.temperature),
         definitions="\n".join(definitions),
         rows=", \\\n        ".join(f"{{ {', '.join(f'TUMBLE_K_{i}{j}' for j in 'XYZ')} }}" for i in "XYZ"),
         biases=", ".join(f"TUMBLE_U0_{i}" for i in "XYZ"),
@@ -154,9 +156,9 @@ def to_c(result: dict[str, Any], force_unit: str = "g", number: str = DOUBLE, st
     )
 
 
-def _temperature_macros(at: dict[str, Any] | None) -> str:
+def _temperature_macros(at: Temperature | None) -> str:
     """Of the run; nothing where it is not known."""
-    ends = {} if at is None else {"MIN": at["min_c"], "MAX": at["max_c"]}
+    ends = {} if at is None else {"MIN": at.min_c, "MAX": at.max_c}
     return "".join(
         f"#define TUMBLE_TEMPERATURE_{end}_C ({double_literal(c)}) /* deg C, of the run */\n" for end, c in ends.items()
     )
@@ -175,8 +177,8 @@ def _force_function(terms: Terms, number: str) -> str:
     return newton.in_c(terms, number, biases)
 
 
-def why_unknown(result: dict[str, Any]) -> str:
-    return "no stand was declared" if result["u_K"] is None else "that of gravity is not told"
+def why_unknown(result: Result) -> str:
+    return "no stand was declared" if result.u_K is None else "that of gravity is not told"
 
 
 def _covariance(them: Coefficients, number: str) -> str:
@@ -194,20 +196,24 @@ def _covariance(them: Coefficients, number: str) -> str:
     return f"\n{about}\n#define TUMBLE_COVARIANCE_INITIALIZER \\\n    {{ {body} }}\n"
 
 
-def unlabelled(result: dict[str, Any]) -> dict[str, Any]:
+def unlabelled(result: Result) -> Result:
     """Without what tells whose block it is: names and labels, which have no place in somebody's source code. The run's
     SHA-256 stays, by which the result and its report are found."""
-    environment = {key: value for key, value in (result["environment"] or {}).items() if key in _CONDITIONS}
-    return {**result, "serial": None, "run_file": None, "item": None, "environment": environment}
+    environment = {key: value for key, value in (result.environment or {}).items() if key in _CONDITIONS}
+    return msgspec.structs.replace(result, serial=None, run_file=None, item=None, environment=environment)
 
 
-def origin(result: dict[str, Any]) -> list[str]:
+def origin(result: Result) -> list[str]:
     """Where the coefficients come from, as lines that fit into a comment."""
-    told = [("Block", result["serial"]), ("Run file", result["run_file"])]
-    told.append(("SHA-256 of the run file", result["run_sha256"]))
-    told += [(f"{name}.{key}", text) for name in ("item", "environment") for key, text in (result[name] or {}).items()]
+    told = [("Block", result.serial), ("Run file", result.run_file)]
+    told.append(("SHA-256 of the run file", result.run_sha256))
+    told += [
+        (f"{name}.{key}", text)
+        for name in ("item", "environment")
+        for key, text in (getattr(result, name) or {}).items()
+    ]
     lines = [f"{_comment(name)}: {_comment(text)}" for name, text in told if text is not None]
-    if DRIFT in (result["extended"] or {"terms": []})["terms"]:
+    if result.extended is not None and DRIFT in result.extended.terms:
         lines.append("A drift over the run was found and taken out: U0 is that of the middle of the run.")
     return lines + [f"WARNING: {warning}" for warning in complaints_of_document(result)]
 

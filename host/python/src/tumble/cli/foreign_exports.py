@@ -8,25 +8,25 @@ imucal   JSON of imucal 2 (github.com/mad-lab-fau/imucal), a Ferraris calibratio
 from __future__ import annotations
 
 import json
-from typing import Any
 
 import numpy as np
 
 from tumble.arrays import Floats
 from tumble.cli import newton
 from tumble.cli.exports import FORCE_UNITS, origin, why_unknown
+from tumble.documents.result import Result
 from tumble.solving.coefficients import Coefficients
 from tumble.solving.decision import Decision
 
 
-def to_matlab(result: dict[str, Any], force_unit: str = "g") -> str:
+def to_matlab(result: Result, force_unit: str = "g") -> str:
     """A script. Raises ValueError."""
     them = Coefficients.of(result, force_unit)
     lines = [f"% {line}" for line in _about(result, them)]
     lines += [
-        f"tumble.output_unit = '{result['unit']}';",
+        f"tumble.output_unit = '{result.unit}';",
         f"tumble.force_unit = '{force_unit}';",
-        f"tumble.passed = {str(result['pass']).lower()};",
+        f"tumble.passed = {str(result.passed).lower()};",
         f"tumble.K = {_matrix(them.values[:9].reshape(3, 3))};",
         f"tumble.U0 = {_matrix(them.values[9:12, None])};",
         f"tumble.K_inverse = {_matrix(them.inverse)};",
@@ -52,12 +52,12 @@ def _matrix(rows: Floats) -> str:
     return "[" + "; ".join(" ".join(format(one, ".17g") for one in row) for row in rows.tolist()) + "]"
 
 
-def to_ros(result: dict[str, Any], force_unit: str = "m/s2") -> str:
+def to_ros(result: Result, force_unit: str = "m/s2") -> str:
     """YAML: SM is K^-1 row by row, bias is K^-1 U0. Raises ValueError."""
     them = _twelve(result, force_unit, "imu_calib")
     bias = them.inverse @ them.values[9:12]
     lines = [f"# {line}" for line in _about(result, them)]
-    lines.append(f"# U0, {result['unit']}: {_flow(them.values[9:12])}")
+    lines.append(f"# U0, {result.unit}: {_flow(them.values[9:12])}")
     return "\n".join([*lines, f"SM: {_flow(them.inverse.ravel())}", f"bias: {_flow(bias)}"]) + "\n"
 
 
@@ -65,7 +65,7 @@ def _flow(values: Floats) -> str:
     return f"[{', '.join(format(one, '.17g') for one in values.tolist())}]"
 
 
-def to_imucal(result: dict[str, Any], force_unit: str = "m/s2") -> str:
+def to_imucal(result: Result, force_unit: str = "m/s2") -> str:
     """JSON: K = K_a R_a with K_a the lengths of its rows, which imucal inverts itself; b_a is U0. The gyroscope's part
     changes nothing. Raises ValueError."""
     them = _twelve(result, force_unit, "imucal")
@@ -74,7 +74,7 @@ def to_imucal(result: dict[str, Any], force_unit: str = "m/s2") -> str:
     document = {
         "acc_unit": FORCE_UNITS[force_unit] if force_unit == "m/s2" else "g",
         "gyr_unit": None,
-        "from_acc_unit": result["unit"],
+        "from_acc_unit": result.unit,
         "from_gyr_unit": None,
         "comment": "\n".join([*_about(result, them), f"K^-1, row by row: {_flow(them.inverse.ravel())}"]),
         "K_a": np.diag(length).tolist(),
@@ -90,22 +90,22 @@ def to_imucal(result: dict[str, Any], force_unit: str = "m/s2") -> str:
     return json.dumps(document, indent=4) + "\n"
 
 
-def _twelve(result: dict[str, Any], force_unit: str, program: str) -> Coefficients:
+def _twelve(result: Result, force_unit: str, program: str) -> Coefficients:
     them = Coefficients.of(result, force_unit)
     if them.terms:
         raise ValueError(f"{program} holds twelve coefficients, no {' and '.join(map(str.upper, them.terms))}")
     return them
 
 
-def _about(result: dict[str, Any], them: Coefficients) -> list[str]:
+def _about(result: Result, them: Coefficients) -> list[str]:
     """What the coefficients are, in lines of ASCII."""
-    check = result["verification"]
-    verdict = "passed" if check["pass"] else "FAILED"
+    check = result.verification
+    verdict = "passed" if check.passed else "FAILED"
     known = "" if them.uncertainties is not None else f"Uncertainties unknown: {why_unknown(result)}."
     return [
-        f"Coefficients of a three-axis block of accelerometers, estimator {result['estimator']}.",
-        f"Outputs in {ascii(result['unit'])[1:-1]}, specific force in {FORCE_UNITS[them.force_unit]}.",
-        f"Gravity check: {verdict}, largest error {check['max_abs_delta_g_g']!r} g, limit {check['limit_g']!r} g.",
+        f"Coefficients of a three-axis block of accelerometers, estimator {result.estimator}.",
+        f"Outputs in {ascii(result.unit)[1:-1]}, specific force in {FORCE_UNITS[them.force_unit]}.",
+        f"Gravity check: {verdict}, largest error {check.max_abs_delta_g_g!r} g, limit {check.limit_g!r} g.",
         f"Verdict: {Decision.of(result).sentence}.",
         *([known] if known else []),
         *origin(result),

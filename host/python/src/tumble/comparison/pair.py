@@ -15,6 +15,7 @@ from tumble.comparison.shared import Calibration, OneStand
 from tumble.comparison.statistics import is_covariance
 from tumble.comparison.verdict import Found, Verdict, judge
 from tumble.defaults import ANEW
+from tumble.documents.result import Result
 from tumble.errors import BadInput, file_name, quoted
 from tumble.files.run_temperature import Temperatures
 from tumble.solving import si
@@ -32,22 +33,22 @@ _WORDS = {"alpha1": "axis tilt", "alpha2": "level"}  # of sources whose names ar
 
 @dataclass(frozen=True)
 class Side:
-    """One of the two results: its `name`, its `document` as files.documents has checked it, `complaints` about it, and
+    """One of the two results: its `name`, its `document`, `complaints` about it, and
     its `calibration`."""
 
     name: str
-    document: dict[str, Any]
+    document: Result
     complaints: tuple[str, ...]
     calibration: Calibration
 
     @classmethod
-    def of(cls, name: str, document: dict[str, Any], complaints: Sequence[str] = ()) -> Side:
+    def of(cls, name: str, document: Result, complaints: Sequence[str] = ()) -> Side:
         """Raises BadInput for a singular K, and for a covariance that is none."""
         try:
             found = Coefficients.of(document)
         except ValueError as error:
             raise BadInput(str(error), name) from None
-        covariance = None if document["covariance"] is None else found.covariance
+        covariance = None if document.covariance is None else found.covariance
         if covariance is not None and not is_covariance(covariance):
             raise BadInput("its covariance is none: of some mixture of the coefficients it is negative", name)
         return cls(name, document, tuple(complaints), Calibration(found.values, covariance, found.terms))
@@ -55,13 +56,13 @@ class Side:
     @property
     def terms(self) -> Terms:
         """That it was solved with beside the twelve coefficients."""
-        return tuple((self.document["extended"] or {"terms": ()})["terms"])
+        return () if self.document.extended is None else self.document.extended.terms
 
     @property
     def failures(self) -> tuple[str, ...]:
         """Why it did not pass; nothing passes that failed its gravity check."""
         told = Decision.of(self.document).failures
-        return told if self.document["verification"]["pass"] or GRAVITY in told else (GRAVITY, *told)
+        return told if self.document.verification.passed or GRAVITY in told else (GRAVITY, *told)
 
     @property
     def failed(self) -> bool:
@@ -72,18 +73,18 @@ class Side:
     @property
     def assumes(self) -> tuple[str, ...]:
         """What it rests on that nobody tested."""
-        return tuple(self.document["assumes"])
+        return self.document.assumes
 
     @property
     def temperature(self) -> Temperatures | None:
         """Of its run; None: not told."""
-        told = self.document["temperature"]
-        return None if told is None else Temperatures(float(told["min_c"]), float(told["max_c"]), "")
+        told = self.document.temperature
+        return None if told is None else Temperatures(told.min_c, told.max_c, "")
 
     @property
     def gravity(self) -> tuple[float | None, float | None]:
         """Where it was measured, with its standard uncertainty, m/s^2; None: not told."""
-        return si.gravity_of(self.document["environment"])
+        return si.gravity_of(self.document.environment)
 
     def told_apart(self, one_stand: OneStand) -> shared.Apart | None:
         """What returns with every run on the stand, and what is its own; None where it is not its stand."""
@@ -125,7 +126,7 @@ def compare(
 ) -> Comparison:
     """Hold B against A. `one_stand`: that both were measured on; without it the one that both results declare counts,
     `levelled` once for both or anew, unless there were `two_stands`. Raises BadInput where their units differ."""
-    units = a.document["unit"], b.document["unit"]
+    units = a.document.unit, b.document.unit
     if units[0] != units[1]:
         raise BadInput(f"outputs in {units[1]}, those of {file_name(a.name)} in {units[0]}: not compared", b.name)
     stand = one_stand if one_stand is not None or two_stands else _declared_by_both(a, b, levelled)
@@ -187,7 +188,7 @@ def _of_both(a: Side, b: Side) -> list[str]:
     for label, (one, other) in _labels(a, b).items():
         if one is not None and other is not None and one != other:
             found.append(f"{label} differs, {quoted(one)} and {quoted(other)}: not one block?")
-    if a.document.get("run_sha256") is not None and a.document["run_sha256"] == b.document.get("run_sha256"):
+    if a.document.run_sha256 is not None and a.document.run_sha256 == b.document.run_sha256:
         found.append("both are of one run: its noise is in both, but is counted as independent")
     warm = a.temperature, b.temperature
     if warm[0] is not None and warm[1] is not None:
@@ -206,7 +207,7 @@ def _of_both(a: Side, b: Side) -> list[str]:
 
 def _run_date(side: Side) -> str:
     """The day of the run as its labels tell it, in the form of ISO 8601; empty where they do not."""
-    tables = [side.document[table] or {} for table in ("item", "environment")]
+    tables = [side.document.item or {}, side.document.environment or {}]
     told = [str(one[key]) for one in tables for key in one if key.strip().lower().replace(" ", "_") in _DATES]
     return next((one[:10] for one in told if re.fullmatch(r"\d{4}-\d\d-\d\d([T ].*)?", one, re.ASCII)), "")
 
@@ -215,18 +216,18 @@ def _of_dates(a: Side, b: Side) -> list[str]:
     """That nothing tells which is the earlier one, or that it may be B: a run may also have been solved anew."""
     if _run_date(a) and _run_date(b):
         return []
-    made = a.document["created"], b.document["created"]
-    if None in made:
+    made = a.document.created, b.document.created
+    if made[0] is None or made[1] is None:
         return ["Not both results are dated: that A is the earlier one is taken on trust."]
     return [f"A was solved after B, on {made[0][:10]} and {made[1][:10]}: {_EXCHANGED}"] if made[0] > made[1] else []
 
 
 def _labels(a: Side, b: Side) -> dict[str, tuple[Any, Any]]:
     """What names the block: its serial number, and labels of [item] that speak of one."""
-    items = a.document["item"] or {}, b.document["item"] or {}
+    items = a.document.item or {}, b.document.item or {}
     named = [label for label in items[0] if "serial" in label.lower()]
     return {
-        "serial": (a.document["serial"], b.document["serial"]),
+        "serial": (a.document.serial, b.document.serial),
         **{f"item.{label}": (items[0][label], items[1].get(label)) for label in named},
     }
 

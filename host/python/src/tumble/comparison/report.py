@@ -40,7 +40,7 @@ def document(compared: Comparison) -> dict[str, Any]:
         "assumes": list(compared.assumes),
         "a": _side(compared.a),
         "b": _side(compared.b),
-        "unit": compared.a.document["unit"],
+        "unit": compared.a.document.unit,
         "parameters": parameters,
         "seat": _rows([f"seat_{axis}" for axis in "xyz"], ["urad"] * 3, found.seat, _MILLIONTHS),
         "coefficients": _rows([*COEFFICIENTS, *names(compared.terms)], _units(compared), found.coefficients),
@@ -59,7 +59,7 @@ def _side(side: Side) -> dict[str, Any]:
     told, temperature = side.document, side.temperature
     return {
         "file": side.name,
-        **{key: told[key] for key in ("created", "run_file", "serial", "estimator", "item")},
+        **{key: getattr(told, key) for key in ("created", "run_file", "serial", "estimator", "item")},
         "pass": not side.failures,
         "pass_reason": " and ".join(side.failures) or None,
         "uncertainties": side.calibration.covariance is not None,
@@ -70,7 +70,7 @@ def _side(side: Side) -> dict[str, Any]:
 
 def _units(compared: Comparison) -> list[str]:
     """Of the coefficients."""
-    unit = compared.a.document["unit"]
+    unit = compared.a.document.unit
     further = ["1/g" if term == "k2" else "1/g^2" for term in compared.terms for _ in "xyz"]
     return [per_g(unit)] * 9 + [unit] * 3 + further
 

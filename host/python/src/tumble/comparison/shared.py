@@ -15,13 +15,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from tumble.arrays import Floats
 from tumble.core import MAX_SAMPLES, CoreRefusal, CoreSchedule
 from tumble.defaults import ONCE
+from tumble.documents.result import Result
 from tumble.errors import UsageError
 from tumble.estimators import ESTIMATORS
 from tumble.fixture.judge import repeats
@@ -140,7 +140,7 @@ class Told:
     with, drift among them."""
 
     name: str
-    document: dict[str, Any]
+    document: Result
     calibration: Calibration
     terms: Terms
 
@@ -173,22 +173,18 @@ def told_apart(told: Told, one_stand: OneStand) -> Apart | None:
 
 def _by_source(told: Told, one_stand: OneStand, schedule: Schedule) -> Draws | None:
     """None for a schedule that has other positions, or that this estimator cannot solve."""
-    unit = told.document["unit"]
-    try:
-        means = told.document.get("means") or ()
-        samples = {(one["mounting"], one["position"], one["use"]): int(one["samples"]) for one in means}
-    except (KeyError, TypeError, ValueError, OverflowError):
-        return None
+    unit = told.document.unit
+    samples = {(one.mounting, one.position, one.use): one.samples for one in told.document.means}
     places = [(position.mounting, position.number, position.use) for position in schedule.positions]
     if not samples or not samples.keys() <= set(places) or not all(0 < one <= MAX_SAMPLES for one in samples.values()):
         return None
-    if told.document["estimator"] not in ESTIMATORS:
+    if told.document.estimator not in ESTIMATORS:
         return None
     part = schedule.part([place in samples for place in places])
     rows = np.array([samples[place] for place in places if place in samples])
     declared = one_stand.stand.beside(told.terms).in_unit(unit)
     step = over(one_stand.step_v or 0.0, volts_per(unit))
-    given = Propagation(part, told.calibration.k, declared, rows, told.document["estimator"], step, told.terms)
+    given = Propagation(part, told.calibration.k, declared, rows, told.document.estimator, step, told.terms)
     try:
         return {name: _of_values(told, draws) for name, draws in given.brought().items()}
     except (CoreRefusal, UsageError, np.linalg.LinAlgError):
@@ -216,8 +212,8 @@ def _beyond(told: Told, draws: Draws, knows_step: bool) -> Floats | None:
         return None
     scaled = np.concatenate(list(draws.values())) / u
     variance, directions = np.linalg.eigh(stated / np.outer(u, u) - scaled.T @ scaled)
-    noise = told.document.get("noise")
-    is_told = isinstance(noise, dict) and not noise.get("above_declared") and not noise.get("undithered")
+    noise = told.document.noise
+    is_told = noise is not None and not noise.above_declared and not noise.undithered
     if variance[0] < -_AGREEMENT or (knows_step and is_told and variance[-1] > _AGREEMENT):
         return None
     columns = directions * u[:, None]

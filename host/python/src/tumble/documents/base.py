@@ -126,7 +126,11 @@ DocumentT = TypeVar("DocumentT", bound=Document)
 
 def read(kind: type[DocumentT], name: str, data: bytes, file: str) -> DocumentT:
     """A document of schema `name`, read from the `data` of a `file`. Raises BadInput, which names the key."""
-    told = _parsed(data, file)
+    return checked(kind, name, _parsed(data, file), file)
+
+
+def checked(kind: type[DocumentT], name: str, told: dict[str, Any], file: str) -> DocumentT:
+    """As `read`, of what JSON has made of the data."""
     if told.get("schema") != name:
         raise BadInput(f"not a result of schema {name}: {_found(told, ['schema'])}", file)
     try:

@@ -33,16 +33,16 @@ from tumble.documents.base import (
 )
 from tumble.errors import quoted
 from tumble.files.disk import RESULT_FILE, read_bytes
+from tumble.schedule import CHECK, FIT
 from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, SOURCES
 from tumble.terms import KEYS, TERMS
-from tumble.units import UNIT
+from tumble.units import UNIT, spelled
 
 RESULT: Final = "tumble.result/1"
 REASONS = ("gravity", "fit", "uncertainty")  # why it did not pass, in this order
 
 Name: TypeAlias = Annotated[str, exactly("[A-Za-z0-9_]+")]
 Coefficient: TypeAlias = Annotated[str, exactly("(K_[xyz][xyz]|U0_[xyz])")]
-Use: TypeAlias = Literal["fit", "check"]
 Channels: TypeAlias = Annotated[tuple[Literal["ux", "uy", "uz"], ...], Meta(extra_json_schema={"uniqueItems": True})]
 AtLeastOne: TypeAlias = Annotated[int, Meta(ge=1)]
 Counts: TypeAlias = tuple[AtLeastOne, AtLeastOne, AtLeastOne]
@@ -51,10 +51,20 @@ Freedoms: TypeAlias = tuple[Freedom, Freedom, Freedom]
 Factor: TypeAlias = Annotated[float, Meta(ge=1.9599)]
 Factors: TypeAlias = tuple[Factor, Factor, Factor]
 Labels: TypeAlias = dict[str, str | int | float]
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # a type checker takes no names that are made
+    Firmware: TypeAlias = str
+    From: TypeAlias = str
+    Scope: TypeAlias = str
     Term: TypeAlias = str
+    ToldBy: TypeAlias = str
+    Use: TypeAlias = str
 else:
+    Firmware = Literal["host", "zcu102"]
+    From = Literal["stand", "run"]
+    Scope = Literal["everywhere", "measured positions"]
     Term = Literal[TERMS]
+    ToldBy = Literal["run_file", "environment"]
+    Use = Literal[FIT, CHECK]
 
 OneT = TypeVar("OneT")
 ThreeT = TypeVar("ThreeT")
@@ -289,7 +299,7 @@ class Decision(Document):
     coverage_factor: Annotated[float, Meta(ge=1)]
     u_norm_worst_g: Size | None
     limit_g: Positive
-    scope: Literal["everywhere", "measured positions"]
+    scope: Scope
 
 
 class Remedy(Document):
@@ -399,14 +409,14 @@ class Verification(Document, kw_only=True):
         and one for each further term of the model; null where that leaves none.
     """
 
-    delta_g_g: Annotated[tuple[DeltaG, ...], Meta(min_length=1)]
+    delta_g_g: Annotated[tuple[DeltaG, ...], Meta(min_length=1)] = ()
     max_abs_delta_g_g: Size
-    max_abs_delta_g_fit_g: Size | None
-    max_abs_delta_g_check_g: Size | None
+    max_abs_delta_g_fit_g: Size | None = None
+    max_abs_delta_g_check_g: Size | None = None
     limit_g: Positive
     passed: bool = field(name="pass")
-    closure: tuple[Closure, ...]
-    residual_rms: Sizes | None
+    closure: tuple[Closure, ...] = ()
+    residual_rms: Sizes | None = None
 
 
 class YawChange(Document):
@@ -457,7 +467,7 @@ class StandSeen(Document, kw_only=True):
     u_noise_v: Size | None
     noise_v_by_channel: Vector | None = None
     u_noise_v_by_channel: Vector | None = None
-    u_from: Literal["stand", "run"] | None
+    u_from: From | None
     u_freedom: Size | None
     alpha4_freedom: Size | None
     augmented: Augmented | None
@@ -512,15 +522,15 @@ class Temperature(Document):
 
     min_c: Number
     max_c: Number
-    source: Literal["run_file", "environment"] | None = None
+    source: ToldBy | None = None
 
 
 class Table(Document):
     """How far the simulation's true table has turned since power-on."""
 
+    at_rest: bool
     lowest_deg: float
     highest_deg: float
-    at_rest: bool
 
 
 class Truth(Document):
@@ -542,8 +552,8 @@ class Truth(Document):
     alpha4_rad: Annotated[tuple[float, ...], Meta(min_length=1)]
     theta_h_rad: Annotated[tuple[float, ...], Meta(min_length=1)] = (0.0,)
     theta_n_rad: Annotated[tuple[float, ...], Meta(min_length=1)] = (0.0,)
-    encoder_rad: tuple[float, float, float, float] | UnsetType = UNSET
-    drift_v: tuple[float, float, float] | UnsetType = UNSET
+    encoder_rad: Annotated[tuple[float, ...], Meta(min_length=4, max_length=4)] | UnsetType = UNSET
+    drift_v: Annotated[tuple[float, ...], Meta(min_length=3, max_length=3)] | UnsetType = UNSET
 
 
 class Result(Document, kw_only=True):
@@ -624,7 +634,7 @@ class Result(Document, kw_only=True):
     schedule: Schedule | None = None
     estimator: Annotated[str, exactly("[A-Za-z_][A-Za-z0-9_]*")]
     unit: Annotated[str, exactly(UNIT.pattern)]
-    units: Units
+    units: Units | UnsetType = UNSET
     K: Matrix
     U0: Vector
     u_K: SizeMatrix | None
@@ -639,7 +649,7 @@ class Result(Document, kw_only=True):
     stand_doubts: tuple[Name, ...] | None = None
     reliability: tuple[Unseen, ...] | None = None
     reliability_norm_g: Size | None = None
-    passed: bool | UnsetType = field(name="pass", default=UNSET)
+    passed: bool = field(name="pass", default=UNSET)  # type: ignore[arg-type, assignment, unused-ignore]
     pass_reason: str | None = None
     decision: Decision | None = None
     would_show: tuple[Remedy, ...] | None = None
@@ -650,25 +660,28 @@ class Result(Document, kw_only=True):
     scatter_alone: ScatterAlone | None = None
     coverage: Coverage | None = None
     verification: Verification
-    stand_seen: StandSeen
-    intrinsic: OfBlock[Sizes, Angle, Vector]
+    stand_seen: StandSeen | UnsetType = UNSET
+    intrinsic: OfBlock[Sizes, Angle, Vector] | UnsetType = UNSET
     si: Si | None = None
     u_intrinsic: OfBlock[Sizes, Size, Sizes] | None = None
-    reference: Reference
-    means: Annotated[tuple[Mean, ...], Meta(min_length=1)]
-    counters: dict[str, Count]
-    item: Labels | None
-    environment: Labels | None
+    reference: Reference | UnsetType = UNSET
+    means: Annotated[tuple[Mean, ...], Meta(min_length=1)] = ()
+    counters: dict[str, Count] = field(default_factory=dict)
+    item: Labels | None = None
+    environment: Labels | None = None
     temperature: Temperature | None = None
     seed: Count | UnsetType = UNSET
     bus: Annotated[str, exactly("(inprocess|uml|socketcan:[A-Za-z0-9._-]{1,15})")] | UnsetType = UNSET
-    firmware: Literal["host", "zcu102"] | UnsetType = UNSET
+    firmware: Firmware | UnsetType = UNSET
     table: Table | UnsetType = UNSET
     truth: Truth | UnsetType = UNSET
 
     def __post_init__(self) -> None:
         if (self.u_K is None) != (self.u_U0 is None):
             raise ValueError("u_K and u_U0 must be both known or both null")
+        self.unit = spelled(self.unit)  # as runs have it now; older results have it as it was typed
+        if not isinstance(self.passed, bool):
+            self.passed = self.verification.passed
         told = () if self.pass_reason is None else self.pass_reason.split(" and ")
         if list(told) != [one for one in REASONS if one in told]:
             raise ValueError(f"pass_reason is {quoted(self.pass_reason)}")

@@ -48,11 +48,6 @@ class Explanation:
         """Whether it may be no fault of the stand: the block's, or that of this run."""
         return any(name not in BY_NAME or BY_NAME[name].whose != STAND for name in self.patterns if name != NOISE)
 
-    def document(self) -> dict[str, object]:
-        """Ready for JSON."""
-        listed = {"patterns": list(self.patterns), "p": self.p, "size": self.size, "u_size": self.u_size}
-        return {**listed, "unit": self.unit, "column": self.column or None}
-
 
 @dataclass(frozen=True)
 class Sampled:
@@ -102,17 +97,6 @@ class Fit:
         """The declared sources among the explanations."""
         named = [name for explanation in self.explanations for name in explanation.patterns]
         return tuple(name for name in DOUBTS if name in named)
-
-    def document(self) -> dict[str, object]:
-        """Ready for JSON."""
-        return {
-            "chi2": self.chi_squared,
-            "dof": self.freedom,
-            "p": self.p,
-            "fits": self.fits,
-            "confidence": self.confidence,
-            "explanations": [explanation.document() for explanation in self.explanations],
-        }
 
 
 def judge(model: WholeModel, confidence: float, seen: StandSeen, sampled: Sequence[Sampled] = ()) -> Fit:

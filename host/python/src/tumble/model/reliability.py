@@ -45,11 +45,6 @@ class Undetected:
     norm_g: float | None = None
     outputs: Floats | None = None
 
-    def document(self) -> dict[str, object]:
-        """Ready for JSON."""
-        name, unit = self.pattern.name, self.pattern.unit
-        return {"pattern": name, "size": self.size, "unit": unit, "norm_error_g": self.norm_g}
-
 
 Reliability = tuple[Undetected, ...]  # the largest error first, None at the end
 
@@ -77,12 +72,6 @@ def _taken_up(stand: Stand) -> set[str]:
 def largest(found: Reliability) -> float | None:
     """Of the errors of |a| that are known, g."""
     return max((one.norm_g for one in found if one.norm_g is not None), default=None)
-
-
-def documents(found: Reliability | None) -> dict[str, object]:
-    """As keys of a document; None: of a run without a declared stand."""
-    listed = None if found is None else [one.document() for one in found]
-    return {"reliability": listed, "reliability_norm_g": None if found is None else largest(found)}
 
 
 def in_words(pattern: str) -> str:

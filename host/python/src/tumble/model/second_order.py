@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from tumble.arrays import Floats
+from tumble.documents.result import Shift
 from tumble.estimators import COEFFICIENTS
 from tumble.model.errors import exact_outputs
 from tumble.model.propagation import Propagation
@@ -24,17 +24,6 @@ _NODE = 3.0**0.5
 _ROUNDING = 1e-12  # of max|K|
 _CHUNK = 2000  # pairs at a time
 _PLAIN = {"alpha1": "axis tilt", "alpha2": "level error", "alpha3": "yaw", "alpha4": "errors of set angles"}
-
-
-@dataclass(frozen=True)
-class Shift:
-    """A coefficient that is biased by more than its uncertainty covers: `bias` and `limit` relative to the scale of its
-    row, K_ii; `source` that has the largest part in it, such as "alpha3"."""
-
-    source: str
-    coefficient: str
-    bias: float
-    limit: float
 
 
 @dataclass(frozen=True)
@@ -60,10 +49,14 @@ class SecondOrder:
                 max(self.parts, key=lambda source: float(abs(self.parts[source][i]))),
                 COEFFICIENTS[i],
                 float(abs(self.bias[i]) / self.scale[i]),
-                float(SHARE * self.u[i] / self.scale[i]),
+                self.limit(i),
             )
-            for i in np.flatnonzero(matters)
+            for i in np.flatnonzero(matters).tolist()
         ]
+
+    def limit(self, index: int) -> float:
+        """Of the bias of a coefficient, over the scale of its row."""
+        return float(SHARE * self.u[index] / self.scale[index])
 
     @property
     def matters(self) -> bool:
@@ -76,28 +69,15 @@ class SecondOrder:
         shifts, found = self.shifts, []
         for source in dict.fromkeys(shift.source for shift in shifts):
             own = [shift for shift in shifts if shift.source == source]
-            worst = max(own, key=lambda shift: shift.bias / shift.limit if shift.limit else np.inf)
+            worst = max(own, key=lambda shift: shift.bias_relative / shift.limit if shift.limit else np.inf)
             name, others = worst.coefficient, [shift.coefficient for shift in own if shift is not worst]
             beside = f"0.2 u({name})/{_scale_of(name)} = {worst.limit:.2g}"
             also = f" (also {', '.join(others)})" if others else ""
             found.append(
-                f"large {_PLAIN.get(source, source)}: second order shifts {name} by {worst.bias:.2g},"
+                f"large {_PLAIN.get(source, source)}: second order shifts {name} by {worst.bias_relative:.2g},"
                 f" more than {beside}{also}"
             )
         return found
-
-    def document(self) -> dict[str, Any]:
-        """Ready for JSON."""
-        return {
-            "bias_K_xx_relative": self.yaw**2 / 2.0,
-            "limit": float(SHARE * self.u[0] / self.scale[0]),
-            "matters": self.matters,
-            "shifts": [
-                {"source": one.source, "coefficient": one.coefficient, "bias_relative": one.bias, "limit": one.limit}
-                for one in self.shifts
-            ],
-            "bias": {"K": self.bias[:9].reshape(3, 3).tolist(), "U0": self.bias[9:].tolist()},
-        }
 
 
 ManyRuns = Callable[[Floats], Floats]  # from means (runs, positions, 3), all measured, to coefficients (runs, 12)

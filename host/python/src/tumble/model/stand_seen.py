@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -384,29 +384,3 @@ class ChannelNoise:
     @property
     def _relative_u(self) -> float:
         return float((2.0 * self.freedom) ** -0.5)
-
-
-def document(seen: StandSeen, volts_per_unit: float, channels: ChannelNoise | None) -> dict[str, Any]:
-    """As it stands in a result: every quantity with its `u_` twin. `channels`: where the stand declares three."""
-    has_u = seen.source is not None
-    augmented = {key: value for name in ANGLES for key, value in _pair(f"{name}_rad", seen.augmented[name]).items()}
-    others = [
-        {"mounting": mounting, **_pair("alpha3_difference_rad", change)}
-        for mounting, change in seen.other_yaw_changes.items()
-    ]
-    listed = [_pair(f"{name}_rad", seen.angles[name], has_u) for name in ANGLES]
-    listed += [_pair("alpha4_rad", seen.alpha4), _pair("noise_v", seen.noise, factor=volts_per_unit)]
-    return {
-        **{key: value for pair in listed for key, value in pair.items()},
-        "noise_v_by_channel": None if channels is None else channels.values.tolist(),
-        "u_noise_v_by_channel": None if channels is None else channels.u.tolist(),
-        "u_from": seen.source,
-        "u_freedom": seen.freedom,
-        "alpha4_freedom": None if seen.alpha4 is None else seen.alpha4_freedom,
-        "augmented": None if set(augmented.values()) == {None} else {**augmented, "other_yaw_changes": others},
-    }
-
-
-def _pair(name: str, seen: Estimate | None, has_u: bool = True, factor: float = 1.0) -> dict[str, float | None]:
-    value, u = (None, None) if seen is None else (seen.value * factor, seen.u * factor)
-    return {name: value, f"u_{name}": u if has_u else None}

@@ -6,7 +6,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from tumble.core import CoreSchedule
-from tumble.errors import BadInput, TumbleError, UsageError, quoted
+from tumble.documents.result import Result
+from tumble.errors import UsageError, quoted
 from tumble.files.schedule_file import schedule_of
 from tumble.files.stand_file import StandFile, stand_file_of
 from tumble.pictures import canvas, result, uncertainty
@@ -36,7 +37,6 @@ CAPTIONS = {
     " its directions on the block's axes. The star marks the worst.",
 }
 _RESULT = "result"
-_MALFORMED = (KeyError, TypeError, ValueError, IndexError, AttributeError, OverflowError)
 _A_STAND = "a result that was solved with a stand"
 _NEEDS: dict[str, tuple[Callable[[Facts], Figure], Callable[[Facts], bool], str]] = {
     "gravity_check": (result.gravity_check, lambda facts: True, ""),
@@ -52,8 +52,8 @@ _NEEDS: dict[str, tuple[Callable[[Facts], Figure], Callable[[Facts], bool], str]
         lambda facts: len(result.rows(facts)) > 1,  # of one number a table says as much
         "a run that shows angles of its stand",
     ),
-    "correlation": (uncertainty.correlation, lambda facts: facts.document["covariance"] is not None, _A_STAND),
-    "attitude": (uncertainty.attitude, lambda facts: facts.document["u_norm_g"] is not None, _A_STAND),
+    "correlation": (uncertainty.correlation, lambda facts: facts.result.covariance is not None, _A_STAND),
+    "attitude": (uncertainty.attitude, lambda facts: facts.result.u_norm_g is not None, _A_STAND),
 }
 
 
@@ -63,34 +63,27 @@ def kinds() -> tuple[str, ...]:
 
 
 def figures(
-    document: dict[str, Any],
+    solved: Result,
     run: Recorded | None = None,
     schedule: Any = None,
     *,
     stand: Any = None,
     kind: str | None = None,
-    name: str = "result",
 ) -> dict[str, Figure]:
     """The pictures of a result, by name, as far as there is what each of them needs.
 
-    `document`: of schema tumble.result/1. `run`: what was solved, as `tumble.read` returns it. `schedule`, by name,
-    path or object, and `stand`, path or object: those that the document does not carry, as earlier versions wrote it; a
-    built-in schedule is found by itself. `kind`: this one alone. `name`: what errors call the document.
+    `solved`: the result, as documents.result reads it. `run`: what was solved, as `tumble.read` returns it. `schedule`,
+    by name, path or object, and `stand`, path or object: those that the result does not carry, as earlier versions
+    wrote it; a built-in schedule is found by itself. `kind`: this one alone.
 
     Raises UsageError for a `kind` that is none, or that lacks something, and for a run, a schedule or a stand that is
-    not the result's; BadInput for files that cannot be read, and for a document that cannot be drawn; NotInstalled
-    where matplotlib is not there.
+    not the result's; BadInput for files that cannot be read; NotInstalled where matplotlib is not there.
     """
     if kind is not None and not (isinstance(kind, str) and kind in _NEEDS):
         raise UsageError(f"kind: {quoted(kind)} is not one of {', '.join(_NEEDS)}")
     canvas.require("a picture")
     given = None if schedule is None else schedule_of(schedule), None if stand is None else stand_file_of(stand)
-    try:
-        return _drawn(_facts(document, run, *given), kind)
-    except TumbleError:
-        raise
-    except _MALFORMED as error:  # a document that something else wrote
-        raise BadInput(f"cannot be drawn: {quoted(repr(error), 60)}", name) from None
+    return _drawn(_facts(solved, run, *given), kind)
 
 
 def _drawn(facts: Facts, kind: str | None) -> dict[str, Figure]:
@@ -100,29 +93,27 @@ def _drawn(facts: Facts, kind: str | None) -> dict[str, Figure]:
     return {name: draw(facts) for name, draw in wanted.items()}
 
 
-def caption(name: str, document: dict[str, Any]) -> str:
-    """A sentence or two for a picture of this document: of what is declared only where anything is."""
-    return CAPTIONS[name] if document.get("stand") or name != "stand_seen" else f"{_SEEN}."
+def caption(name: str, solved: Result) -> str:
+    """A sentence or two for a picture of this result: of what is declared only where anything is."""
+    return CAPTIONS[name] if solved.stand or name != "stand_seen" else f"{_SEEN}."
 
 
-def _facts(
-    document: dict[str, Any], run: Recorded | None, schedule: CoreSchedule | None, given: StandFile | None
-) -> Facts:
+def _facts(solved: Result, run: Recorded | None, schedule: CoreSchedule | None, given: StandFile | None) -> Facts:
     if run is not None:
-        result.require_same_run(document, run)
-    planned = declared.schedule_of(document, _RESULT) if schedule is None else schedule
-    on = measured_schedule(document, None if planned is None else planned.data)
+        result.require_same_run(solved, run)
+    planned = declared.schedule_of(solved, _RESULT) if schedule is None else schedule
+    on = measured_schedule(solved, None if planned is None else planned.data)
     if given is not None:
-        found = None if on is None else expected(document, on, given.stand, given.step_v)
-        return Facts(document, run, on, given.stand, found)
-    known = declared.stand_of(document, _RESULT)
-    return Facts(document, run, on, known, None if on is None or known is None else _by_its_own(document, on, known))
+        found = None if on is None else expected(solved, on, given.stand, given.step_v)
+        return Facts(solved, run, on, given.stand, found)
+    known = declared.stand_of(solved, _RESULT)
+    return Facts(solved, run, on, known, None if on is None or known is None else _by_its_own(solved, on, known))
 
 
-def _by_its_own(document: dict[str, Any], on: Schedule, stand: Stand) -> Expected | None:
+def _by_its_own(solved: Result, on: Schedule, stand: Stand) -> Expected | None:
     """What a result's own stand makes one expect. None where the result had more to go by: `optimal` of a computer that
     has a record of gains has other uncertainties than its stand leaves this run."""
     try:
-        return expected(document, on, stand, declared.step_of(document))
+        return expected(solved, on, stand, declared.step_of(solved))
     except UsageError:
         return None

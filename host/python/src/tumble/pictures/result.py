@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from tumble.arrays import Floats, Integers
+from tumble.documents.result import Result, StandSeen
 from tumble.errors import UsageError
 from tumble.fixture.judge import Limits
 from tumble.model.explanations import SYSTEMATIC
@@ -47,10 +48,10 @@ class Recorded(Protocol):
 
 @dataclass(frozen=True)
 class Facts:
-    """A `document` of schema tumble.result/1, and None for whatever is not known: the `run` that was solved, the
+    """A `result`, and None for whatever is not known: the `run` that was solved, the
     `schedule` of its measured positions, the `stand` that was declared and what is `expected` of it."""
 
-    document: dict[str, Any]
+    result: Result
     run: Recorded | None
     schedule: Schedule | None
     stand: Stand | None
@@ -59,16 +60,16 @@ class Facts:
     @property
     def unit(self) -> str:
         """Of the outputs."""
-        return str(self.document["unit"])
+        return self.result.unit
 
 
 @picture
 def gravity_check(facts: Facts) -> Figure:
     """delta_g at every position, ug: `verification.delta_g_g` of the result, with its limit; where the stand is told,
     with +-2 standard deviations of it that the declared errors leave (solving.expected)."""
-    check = facts.document["verification"]
-    delta_g = MICRO * np.array([one["delta_g_g"] for one in check["delta_g_g"]])
-    limit = MICRO * check["limit_g"]
+    check = facts.result.verification
+    delta_g = MICRO * np.array([one.delta_g_g for one in check.delta_g_g])
+    limit = MICRO * check.limit_g
     figure = canvas.blank("gravity_check", 75.0, "Gravity check")
     axes = figure.subplots()
     if facts.expected is not None:
@@ -79,7 +80,7 @@ def gravity_check(facts: Facts) -> Figure:
     largest = 1.12 * max(limit, float(np.abs(delta_g).max()))
     axes.set_ylim(-largest, largest)
     axes.set_ylabel("Δg / µg")
-    axes.set_title(f"Gravity check {'passed' if check['pass'] else 'FAILED'}")
+    axes.set_title(f"Gravity check {'passed' if check.passed else 'FAILED'}")
     _positions(axes, facts)
     canvas.legend_above(axes, 4)
     return figure
@@ -91,13 +92,13 @@ def residuals(facts: Facts) -> Figure:
     is +-2 standard deviations of a residual by all errors that the stand declares; where it is not told, +-2 standard
     errors of a mean by the noise of the samples alone (`noise.of_means` of the result)."""
     assert facts.schedule is not None  # as the caller has seen to
-    left = residuals_of(facts.document, facts.schedule)
+    left = residuals_of(facts.result, facts.schedule)
     sigma, label = None, ""
     if facts.expected is not None:
         sigma, label = facts.expected.residuals, "±2 u, declared stand"
-    elif (of_means := facts.document["noise"]["of_means"]) is not None:
-        samples = np.array([one["samples"] for one in facts.document["means"]])
-        sigma, label = np.array(of_means) / np.sqrt(samples)[:, None], "±2 u, noise of the samples alone"
+    elif (noise := facts.result.noise) is not None and noise.of_means is not None:
+        samples = np.array([one.samples for one in facts.result.means])
+        sigma, label = noise.of_means / np.sqrt(samples)[:, None], "±2 u, noise of the samples alone"
     factor, unit = canvas.small(facts.unit, left)
     figure = canvas.blank("residuals", 120.0, "Residuals")
     panels = figure.subplots(3, 1, sharex=True)
@@ -124,7 +125,7 @@ def _band(axes: Axes, sigma: Floats, label: str) -> None:
 
 def _dots(axes: Axes, values: Floats, facts: Facts) -> None:
     """Full circles for what was fitted, open diamonds for what was only checked."""
-    is_check = np.array([one["use"] == CHECK for one in facts.document["means"]])
+    is_check = np.array([one.use == CHECK for one in facts.result.means])
     places = np.arange(len(values))
     axes.vlines(places, 0.0, values, color=GREY, linewidth=0.6)
     axes.plot(places[~is_check], values[~is_check], "o", color=BLUE, label="fit")
@@ -135,13 +136,13 @@ def _dots(axes: Axes, values: Floats, facts: Facts) -> None:
 
 def _positions(axes: Axes, facts: Facts, title: str = "mounting.position") -> None:
     """The axis of the measured positions, named as "2.7", with a line wherever the block was mounted anew."""
-    means = facts.document["means"]
-    labels = [f"{one['mounting']}.{one['position']}" for one in means]
+    means = facts.result.means
+    labels = [f"{one.mounting}.{one.position}" for one in means]
     axes.set_xticks(range(len(labels)), labels, rotation=90 if len(labels) > _MOST_UPRIGHT else 0)
     axes.set_xlim(-0.5, len(labels) - 0.5)
     axes.set_xlabel(title)
     for index, (before, one) in enumerate(pairwise(means)):
-        if before["mounting"] != one["mounting"]:
+        if before.mounting != one.mounting:
             axes.axvline(index + 0.5, color=GREY, linewidth=0.6, linestyle=":")
 
 
@@ -173,14 +174,14 @@ def samples(facts: Facts) -> Figure:
     return figure
 
 
-def require_same_run(document: dict[str, Any], run: Recorded) -> None:
+def require_same_run(result: Result, run: Recorded) -> None:
     """Raise UsageError where the means of a run are not those of the result."""
-    means = np.array([one["mean"] for one in document["means"]])
+    means = np.array([one.mean for one in result.means])
     largest = float(np.abs(means).max())
-    for one, mean in zip(document["means"], means):
-        here = (run.mounting == one["mounting"]) & (run.position == one["position"])
-        if here.sum() != one["samples"] or np.abs(run.outputs[here].mean(axis=0) - mean).max() > _SAME * largest:
-            place = f"{one['mounting']}.{one['position']}"
+    for one, mean in zip(result.means, means):
+        here = (run.mounting == one.mounting) & (run.position == one.position)
+        if here.sum() != one.samples or np.abs(run.outputs[here].mean(axis=0) - mean).max() > _SAME * largest:
+            place = f"{one.mounting}.{one.position}"
             raise UsageError(f"run: not that of the result, which has another mean at position {place}")
 
 
@@ -201,12 +202,13 @@ class Row:
 
 def rows(facts: Facts) -> list[Row]:
     """One for each thing that the run shows."""
-    seen, fine = facts.document["stand_seen"], facts.document["stand_seen"].get("augmented") or {}
-    mountings = sorted({one["mounting"] for one in facts.document["means"] if one["use"] == FIT})
+    seen = facts.result.stand_seen
+    fine = seen.augmented if isinstance(seen, StandSeen) else None
+    mountings = sorted({one.mounting for one in facts.result.means if one.use == FIT})
     declared = {} if facts.stand is None else Limits.declared(facts.stand, len(mountings)).sigma
 
-    def row(key: str, title: str, augmented: dict[str, Any], closed: dict[str, Any], unit: str = "µrad") -> Row:
-        pairs = [None if one.get(key) is None else (one[key], one[f"u_{key}"]) for one in (closed, augmented)]
+    def row(key: str, title: str, augmented: Any, closed: Any, unit: str = "µrad") -> Row:
+        pairs = [_known(one, key) for one in (closed, augmented)]
         return Row(key, title, unit, MICRO if unit[0] == "µ" else 1.0, pairs[0], pairs[1], declared.get(key))
 
     def change(other: int) -> str:
@@ -217,11 +219,17 @@ def rows(facts: Facts) -> list[Row]:
         row("alpha1_rad", "axis tilt α₁", fine, seen),
         row("alpha2_plus_alpha3_rad", "level + yaw α₂ + α₃", fine, seen),
         row(yaw, change(mountings[1]) if len(mountings) > 1 else "yaw change", fine, seen),
-        *(row(yaw, change(other["mounting"]), other, {}) for other in fine.get("other_yaw_changes", [])),
+        *(row(yaw, change(other.mounting), other, None) for other in (() if fine is None else fine.other_yaw_changes)),
         row("alpha4_rad", "set angles α₄", fine, seen),
         row("noise_v", "noise of a sample", fine, seen, "µV" if noise == "V" else noise),
     ]
     return [one for one in found if one.closed is not None or one.augmented is not None]
+
+
+def _known(seen: Any, key: str) -> tuple[float, float | None] | None:
+    """A part of `stand_seen` and its standard uncertainty; None where there is none."""
+    value = getattr(seen, key, None)
+    return None if value is None else (value, getattr(seen, f"u_{key}"))
 
 
 @picture

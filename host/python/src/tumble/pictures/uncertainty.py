@@ -86,7 +86,7 @@ def correlation(facts: Facts) -> Figure:
     """C_ij / (u_i u_j) of the result's covariance C (12, 12), in figures and in colour."""
     import matplotlib
 
-    covariance = np.array(facts.document["covariance"])
+    covariance = np.array(facts.result.covariance)
     u = np.sqrt(np.diag(covariance))
     with np.errstate(divide="ignore", invalid="ignore"):
         found = covariance / np.outer(u, u)  # NaN for what has no uncertainty
@@ -130,8 +130,9 @@ def attitude(facts: Facts) -> Figure:
     azimuth, elevation = np.meshgrid(np.deg2rad(_AZIMUTH_DEG), np.deg2rad(_ELEVATION_DEG))
     level = np.cos(elevation)
     along = np.stack([level * np.cos(azimuth), level * np.sin(azimuth), np.sin(elevation)], axis=-1).reshape(-1, 3)
-    u = MICRO * Coefficients.of(facts.document).force.uncertainty(along)[:, 3].reshape(level.shape)
-    worst = facts.document["u_norm_g"]
+    u = MICRO * Coefficients.of(facts.result).force.uncertainty(along)[:, 3].reshape(level.shape)
+    worst = facts.result.u_norm_g
+    assert worst is not None  # as the caller has seen to
     figure = canvas.blank("attitude", 100.0, "Uncertainty of the length of the specific force by attitude")
     axes = figure.subplots()
     ramp = LinearSegmentedColormap.from_list("pale", ("#FFFFFF", "#6BAED6"))  # under black lines and numbers
@@ -141,9 +142,9 @@ def attitude(facts: Facts) -> Figure:
         axes.contourf(_AZIMUTH_DEG, _ELEVATION_DEG, squares, levels, cmap=ramp)
         lines = axes.contour(_AZIMUTH_DEG, _ELEVATION_DEG, squares, levels, colors=BLACK, linewidths=0.6)
         _without_the_cut(axes.clabel(lines, fmt=lambda square: f"{square**0.5:.9g}", inline_spacing=2))
-    x, y, z = worst["attitude"]
+    x, y, z = worst.attitude
     place = np.rad2deg([np.arctan2(y, x), np.arctan2(z, np.hypot(x, y))])
-    label = f"worst: {canvas.three_figures(MICRO * worst['worst_g'])} µg"
+    label = f"worst: {canvas.three_figures(MICRO * worst.worst_g)} µg"
     star: dict[str, Any] = {"markersize": 13, "markeredgecolor": BLACK, "markeredgewidth": 0.8, "clip_on": False}
     axes.plot(*place[:, None], "*", color=VERMILLION, label=label, linestyle="none", **star)
     for face, middle in _FACES.items():

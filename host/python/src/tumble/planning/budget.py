@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.model import reliability
+from tumble.documents.base import written
 from tumble.model.errors import OF_OUTPUTS
 from tumble.model.reliability import Reliability
 from tumble.model.second_order import SecondOrder, second_order
@@ -22,6 +22,7 @@ from tumble.planning.case import SCHEMA, Case
 from tumble.planning.promise import Promise
 from tumble.planning.published import NAMES, SOURCES
 from tumble.solving.many_runs import estimator_or_linear
+from tumble.solving.result import second_order_of, unseen_keys
 from tumble.stand import SIGMA, SOURCES as DECLARED
 
 ALPHAS = "alpha1 axis tilt, alpha2 level, alpha3 yaw of the block, alpha4 set angles"
@@ -132,9 +133,9 @@ def document(found: Budget, case: Case, promised: Promise | None, unseen: Reliab
         "u_K": [[known(value) for value in row] for row in absolute[:9].reshape(3, 3)],
         "u_U0": absolute[9:].tolist(),
         "terms": {name: [known(value) for value in row] for name, row in zip(NAMES, found.terms)},
-        "second_order": found.second_order.document(),
+        "second_order": written(second_order_of(found.second_order)),
         "promise": None if promised is None else promised.document(),
-        **reliability.documents(unseen),
+        **unseen_keys(unseen),
     }
 
 

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tumble.arrays import Floats
+from tumble.documents.base import written
 from tumble.estimators import COEFFICIENTS
 from tumble.model.norm import worst_norm
 from tumble.planning.case import Case
 from tumble.planning.promise import error_field
 from tumble.solving.further import Further, Without
+from tumble.solving.result import extended
 from tumble.terms import DRIFT, names
 
 if TYPE_CHECKING:
@@ -40,7 +42,7 @@ def document(found: Further | None) -> dict[str, Any]:
     """As a part of a plan for JSON: `extended` as a result has it, but without values."""
     if found is None:
         return {}
-    whole, worst = found.document(1.0), found.worst_norm
+    whole, worst = written(extended(found, 1.0)), found.worst_norm
     assert worst is not None  # of a planned stand it is known
     kept = {key: value for key, value in whole.items() if key.startswith("u_") or key in ("terms", "without")}
     return {"extended": {**kept, "u_norm_g": worst.worst}}

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from tumble.arrays import Floats
+from tumble.documents.base import written
 from tumble.estimators import COEFFICIENTS, OPTIMAL
 from tumble.model.estimators import circles, linear_gains
 from tumble.model.optimal import OptimalTable, optimal_table, standard_deviations
@@ -17,6 +18,7 @@ from tumble.planning.case import SCHEMA, Case
 from tumble.planning.promise import Promise, promise
 from tumble.solving.many_runs import estimator_or_linear
 from tumble.solving.optimal_run import Record, record_of
+from tumble.solving.result import second_order_of
 from tumble.stand import per_channel
 
 
@@ -87,6 +89,6 @@ def document(found: Optimized) -> dict[str, Any]:
         "gain_over_least_squares": (found.u_least_squares / found.u).tolist(),
         "sigma_mean_v": np.asarray(per_channel(table.sigma_mean / table.weights)).tolist(),
         "noise_floored": table.floored,
-        "second_order": found.second_order.document(),
+        "second_order": written(second_order_of(found.second_order)),
         "promise": found.promise.document(),
     }

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tumble.arrays import Floats
+from tumble.documents.base import written
+from tumble.documents.result import Remedy
 from tumble.planning.budget import ALPHAS, by_key, notes, numbers_are, size_keys, sizes, sources, unit
 from tumble.planning.case import SCHEMA, Case
 from tumble.planning.promise import ON_A_SEAT
@@ -14,7 +16,7 @@ from tumble.planning.published import EQUATION_18, EQUATION_19, evaluate
 from tumble.planning.require import CEILING_RAD, NOT_PROMISED, ROWS, Enough, Headroom, Requirements
 from tumble.planning.weights import symbols
 from tumble.solving.decision import UNCERTAINTY, Decision
-from tumble.solving.would_show import Question, Remedy, in_words
+from tumble.solving.would_show import Question, in_words
 from tumble.stand import by_channel
 
 if TYPE_CHECKING:
@@ -81,7 +83,7 @@ def _would_show(case: Case, estimator: str) -> list[dict[str, Any]]:
     """What would show the limit, where runs on this stand do not."""
     as_declared = np.zeros((len(case.schedule.positions), 3)), by_channel(case.stand.rounding) ** 2
     question = Question(case.propagation(estimator), *as_declared, case.limit_g, case.coverage_factor)
-    return [one.document() for one in question.answers()]
+    return [written(one) for one in question.answers()]
 
 
 def finite(value: float) -> float | None:
@@ -230,7 +232,7 @@ def _show_promises(out: Console, plan: dict[str, Any]) -> None:
 
 def _not_shown(plan: dict[str, Any]) -> str:
     """As a run that is solved says it."""
-    told, remedies = plan["promise"], [Remedy.of(one) for one in plan["would_show"]]
+    told, remedies = plan["promise"], [Remedy(**one) for one in plan["would_show"]]
     decision = Decision(
         (UNCERTAINTY,), tuple(told["assumes"]), 0, told["limit_g"], told["coverage_factor"], told["u_norm_worst_g"]
     )

@@ -12,6 +12,7 @@ from tumble.planning.case import SCHEMA
 from tumble.planning.require import growing
 from tumble.planning.schedule_search import Planned, Timed
 from tumble.schedule import Mounting, Schedule
+from tumble.solving.result import unseen_keys
 from tumble.terms import Terms
 
 _TABLE_AXES = "hnv"
@@ -41,7 +42,7 @@ def document(found: Planned, step_deg: float) -> dict[str, Any]:
         "schedule": {**_timed(found.best, case.terms), **_positions(found.best.schedule)},
         "u_norm_g": {"worst_g": found.u_norm_g, "attitude": found.attitude},
         "promise": growing(found.promise),
-        **reliability.documents(found.unseen),
+        **unseen_keys(found.unseen),
         **model_cost.document(found.further),
         "beside": {name: None if timed is None else _timed(timed, case.terms) for name, timed in found.beside.items()},
     }

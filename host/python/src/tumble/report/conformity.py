@@ -23,7 +23,7 @@ from tumble.report.cells import (
 from tumble.report.source import STANDARD_GRAVITY, Factor, Path, Source
 from tumble.solving.assumptions import ASSUMPTIONS
 from tumble.solving.decision import UNCERTAINTY, Decision
-from tumble.solving.would_show import Remedy, in_words
+from tumble.solving.would_show import in_words
 
 _MICRO = 6
 _MOST_UNSEEN = 6  # of the causes that cost most
@@ -41,8 +41,8 @@ class Verdict:
 
 def verdict(source: Source) -> Verdict:
     """The decision, as on a terminal."""
-    decision = Decision.of(source.document)
-    rest = in_words([Remedy.of(one) for one in source.array("would_show")], decision.limit_g)
+    decision = Decision.of(source.solved)
+    rest = in_words(source.solved.would_show or (), decision.limit_g)
     return Verdict(decision.word, Fixed(f"{decision.reason}. {rest}." if rest else decision.reason))
 
 
@@ -111,7 +111,7 @@ def _uncertainty(source: Source) -> Inline:
     u = line(source.millionths(_places(source), "u_norm_g", "worst_g"), " µg")
     if not source.table("decision"):
         return line(f"not judged: {_OLDER}. The worst u(|a|) is ", u)
-    decision = Decision.of(source.document)
+    decision = Decision.of(source.solved)
     word = "within the limit" if UNCERTAINTY not in decision.failures else "NOT SHOWN to be within the limit"
     factor = source.told("decision", "coverage_factor")
     return line(word, ": the worst u(|a|) is ", u, ", which the decision rule takes times ", factor)
@@ -128,7 +128,7 @@ def rule(source: Source) -> Inline:
     gravity = "PASS where |Δg| = |(|a|² - 1)/2| is at most the limit at every measured position"
     if not source.table("fit"):
         return Fixed(f"{gravity}. No stand is declared: nothing is stated of other attitudes. {_AS_THEY_ARE}")
-    factor = Decision.of(source.document).coverage_factor
+    factor = Decision.of(source.solved).coverage_factor
     stand = "the residuals fit the declared stand (chi-squared, at the confidence given)"
     if not source.table("decision"):
         return Fixed(f"{gravity}, and {stand}. Nothing is stated of other attitudes: {_OLDER}. {_AS_THEY_ARE}")

@@ -55,7 +55,7 @@ def made(
     earlier: tuple[dict[str, Any], dict[str, Any]] | None = None,
     attached: str = "",
 ) -> bytes:
-    """A report on `document`, schema tumble.result/1, as files.documents has checked it; `name`: what errors call it.
+    """A report on `document`, schema tumble.result/1, as JSON has it; `name`: what errors call it.
 
     `run`: the Recording that was solved, for a picture of its samples. `template`: a file of Jinja2; `logo`: a picture;
     `number`: one that is given. `issued`: the date of issue, None for none. `earlier`: an earlier result, and what has
@@ -80,8 +80,8 @@ def pictures(source: Source, run: Any) -> list[dict[str, Any]]:
 
     from tumble.pictures import caption, figures, svg
 
-    drawn = figures(source.document, run, name=source.name)
-    told = [(name, svg(one), caption(name, source.document)) for name, one in drawn.items()]
+    drawn = figures(source.solved, run)
+    told = [(name, svg(one), caption(name, source.solved)) for name, one in drawn.items()]
     return [{"name": name, "svg": Markup(one), "caption": words} for name, one, words in [*_mountings(source), *told]]
 
 
@@ -89,7 +89,7 @@ def _mountings(source: Source) -> list[tuple[str, str, str]]:
     """How the block sat; not of a schedule with so many mountings that nobody could tell them apart."""
     from tumble.pictures import mountings, svg
 
-    schedule = schedule_of(source.document, source.name)
+    schedule = schedule_of(source.solved, source.name)
     if schedule is None or len(schedule.data.mountings) > _MOST_MOUNTINGS:
         return []
     words = _ON_A_TABLE if source.table("stand") else _PERHAPS_BY_HAND

@@ -67,7 +67,7 @@ def declared(source: Source) -> tuple[Inline, Table] | None:
     """The stand as it is declared: what its numbers are, and these; None without one."""
     if not source.table("stand"):
         return None
-    kind, schedule = str(source.at("stand", "limits")), schedule_of(source.document, source.name)
+    kind, schedule = str(source.at("stand", "limits")), schedule_of(source.solved, source.name)
     by_hand = schedule is not None and schedule.data.is_laid_by_hand
     about = line("Stand: ", source.told("stand", "name"), ". Its file declares ", _MEANING.get(kind, kind), ".")
     rows = [

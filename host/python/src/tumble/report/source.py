@@ -6,13 +6,12 @@ number of a report can be held against the document.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from decimal import Decimal
 from typing import Any, TypeAlias
 
-from tumble.errors import BadInput, quoted
-from tumble.files.documents import RESULT
+from tumble.documents.base import checked
+from tumble.documents.result import RESULT, Result
 from tumble.report import cells
 from tumble.report.cells import MISSING, NO_UNCERTAINTY, Inline, Number, Shown, Text
 
@@ -24,34 +23,32 @@ _DIGITS_ALONE = 7  # of a value whose uncertainty is not known
 
 
 class Source:
-    """A document, checked by `files.documents` as far as an export needs it; the rest is checked when it is asked for.
-    `name`: what errors call it. All raise BadInput for what no result has there."""
+    """A document, and the same by its types, `solved`. `name`: what errors call it. Raises BadInput."""
 
     def __init__(self, document: dict[str, Any], name: str):
         self.document = document
         self.name = name
+        self.solved = checked(Result, RESULT, document, name)
 
     def at(self, *path: Key) -> Any:
         """What is there, of whatever kind; None where nothing is."""
         found: Any = self.document
         for key in path:
-            if isinstance(found, dict) and isinstance(key, str):
-                found = found.get(key)
-            elif isinstance(found, list) and isinstance(key, int):
-                found = found[key] if key < len(found) else None
-            elif found is None:
-                return None
+            if isinstance(found, dict):
+                found = found.get(str(key))
+            elif isinstance(found, list) and isinstance(key, int) and key < len(found):
+                found = found[key]
             else:
-                raise self._wrong(path, self.document)
+                return None
         return found
 
     def table(self, *path: Key) -> dict[str, Any]:
         """An object; an empty one where there is none."""
-        return self._of_kind(dict, path) or {}
+        return self.at(*path) or {}
 
     def array(self, *path: Key) -> list[Any]:
         """An array; an empty one where there is none."""
-        return self._of_kind(list, path) or []
+        return self.at(*path) or []
 
     @property
     def gravity(self) -> Factor:
@@ -61,17 +58,13 @@ class Source:
 
     def flag(self, *path: Key) -> bool | None:
         """True or false; None where nothing is said."""
-        found: bool | None = self._of_kind(bool, path)
+        found: bool | None = self.at(*path)
         return found
 
     def decimal(self, *path: Key) -> Decimal | None:
         """A number; None where there is none."""
         found = self.at(*path)
-        if found is None:
-            return None
-        if type(found) not in (int, float) or abs(found) >= 1e300 or not math.isfinite(found):
-            raise self._wrong(path, found)
-        return cells.exact(found)
+        return None if found is None else cells.exact(found)
 
     def told(self, *path: Key) -> Inline:
         """A text or a number as it stands there."""
@@ -132,16 +125,6 @@ class Source:
     def _number(self, path: tuple[Key, ...], show: Any) -> Inline:
         value = self.decimal(*path)
         return MISSING if value is None else Number(show(value), pointer(path))
-
-    def _of_kind(self, kind: type, path: tuple[Key, ...]) -> Any:
-        found = self.at(*path)
-        if found is not None and not isinstance(found, kind):
-            raise self._wrong(path, found)
-        return found
-
-    def _wrong(self, path: tuple[Key, ...], found: Any) -> BadInput:
-        told = quoted(found) if not isinstance(found, dict) else "something else"
-        return BadInput(f"not a result of schema {RESULT}: {pointer(path)} is {told}", self.name)
 
 
 def _named(times: tuple[Factor, ...]) -> tuple[str, ...]:

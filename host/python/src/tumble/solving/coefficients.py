@@ -1,17 +1,13 @@
-"""The coefficients of a result as whoever uses them needs them: in g or in m/s^2, with their covariance, and K^-1.
-
-A result is a document of schema tumble.result/1, as solving.result makes it and files.documents reads it.
-"""
+"""The coefficients of a result as whoever uses them needs them: in g or in m/s^2, with their covariance, and K^-1."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import chain
-from typing import Any
 
 import numpy as np
 
 from tumble.arrays import Floats
+from tumble.documents.result import Result
 from tumble.estimators import COEFFICIENTS
 from tumble.model.force import Force
 from tumble.solving import si
@@ -33,24 +29,25 @@ class Coefficients:
     terms: Terms
 
     @classmethod
-    def of(cls, result: dict[str, Any], force_unit: str = "g") -> Coefficients:
+    def of(cls, result: Result, force_unit: str = "g") -> Coefficients:
         """Of a result. Raises ValueError for m/s2 where its environment names no gravity, and for a singular K."""
-        extended = result["extended"] or {"terms": [], "covariance": result["covariance"]}
-        terms = tuple(term for term in extended["terms"] if term in POWERS)
-        further = chain(*(extended[KEYS[term]] for term in terms))
-        values = np.array([*chain(*result["K"]), *result["U0"], *further], dtype=float)
+        extended, joint = result.extended, result.covariance
+        terms: Terms = ()
+        if extended is not None:
+            terms, joint = tuple(term for term in extended.terms if term in POWERS), extended.covariance
+        values = np.concatenate([result.K.ravel(), result.U0, *(getattr(extended, KEYS[term]) for term in terms)])
         powers = np.concatenate([si.POWERS_OF_TWELVE, np.repeat([POWERS[term] - 1.0 for term in terms], 3)])
-        joint = None if extended["covariance"] is None else np.array(extended["covariance"], float)[: len(values)]
-        joint = None if joint is None else joint[:, : len(values)]
-        stated = None if result["u_K"] is None else [*chain(*result["u_K"]), *result["u_U0"]]
-        if stated is not None:
-            stated += [u for term in terms for u in extended[f"u_{KEYS[term]}"]]
-        unit, is_g = result["unit"], force_unit == "g"
+        joint = None if joint is None else joint[: len(values), : len(values)]
+        stated = None
+        if result.u_K is not None and result.u_U0 is not None:
+            further = (getattr(extended, f"u_{KEYS[term]}") for term in terms)
+            stated = np.concatenate([result.u_K.ravel(), result.u_U0, *further]).tolist()
+        unit, is_g = result.unit, force_unit == "g"
         force = "g" if is_g else "(m/s^2)"
         units = [per_g(unit) if is_g else per_m_s2(unit)] * 9 + [unit] * 3
         units += [f"1/{force}" + ("" if POWERS[term] == 2 else "^2") for term in terms for _ in "xyz"]
         if not is_g:
-            gravity, u_gravity = si.gravity_of(result["environment"])
+            gravity, u_gravity = si.gravity_of(result.environment)
             if gravity is None:
                 raise ValueError(
                     "no coefficients in m/s2: its environment has no gravity_m_s2; write the local gravity, such as "

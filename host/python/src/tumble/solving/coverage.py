@@ -13,13 +13,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from tumble.arrays import Flags, Floats, Integers
 from tumble.distributions import student_quantile
-from tumble.model.norm import named, variances
+from tumble.model.norm import variances
 from tumble.solving.noise import Noise
 from tumble.stand import Stand
 
@@ -39,28 +38,12 @@ class Coverage:
     @property
     def factors(self) -> Floats:
         """k (12,): within k u of the value the truth lies with PROBABILITY."""
-        return _factors(self.freedom)
-
-    def document(self) -> dict[str, Any]:
-        """As it stands in a result: null for infinitely many."""
-        freedom, k = _null_if_infinite(self.freedom), self.factors
-        return {
-            "probability": PROBABILITY,
-            "freedom_K": [freedom[0:3], freedom[3:6], freedom[6:9]],
-            "freedom_U0": freedom[9:],
-            "k_K": k[:9].reshape(3, 3).tolist(),
-            "k_U0": k[9:].tolist(),
-            "freedom_intrinsic": named(_null_if_infinite(self.intrinsic)),
-            "k_intrinsic": named(_factors(self.intrinsic).tolist()),
-        }
+        return factors_of(self.freedom)
 
 
-def _factors(freedom: Floats) -> Floats:
+def factors_of(freedom: Floats) -> Floats:
+    """k of Student's t for PROBABILITY."""
     return np.array([student_quantile(PROBABILITY, one) for one in freedom])
-
-
-def _null_if_infinite(freedom: Floats) -> list[float | None]:
-    return [None if math.isinf(one) else one for one in freedom.tolist()]
 
 
 def coverage(

@@ -9,9 +9,9 @@ knows an uncertainty: then PASS holds at the measured positions only.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from tumble.defaults import DEFAULT_COVERAGE_FACTOR
+from tumble.documents.result import Result
 from tumble.rounding import on_its_side
 from tumble.solving.assumptions import assumed, phrase
 from tumble.solving.solution import Solution
@@ -35,18 +35,17 @@ class Decision:
     u_norm_g: float | None
 
     @classmethod
-    def of(cls, result: dict[str, Any]) -> Decision:
-        """As a document tells it that files.documents finds good; one that is older than the rule stays as it was."""
-        told, worst = result.get("decision") or {}, result.get("u_norm_g") or {}
-        passed = result.get("pass", result["verification"]["pass"])
-        reason = result.get("pass_reason") or (None if passed else GRAVITY)
+    def of(cls, result: Result) -> Decision:
+        """As a document tells it; one that is older than the rule stays as it was."""
+        told, worst = result.decision, result.u_norm_g
+        reason = result.pass_reason or (None if result.passed else GRAVITY)
         return cls(
             failures=() if reason is None else tuple(reason.split(" and ")),
-            assumes=tuple(result.get("assumes", ())),
-            positions=len(result["verification"].get("delta_g_g", [])),
-            limit_g=result["verification"]["limit_g"],
-            coverage_factor=told.get("coverage_factor", DEFAULT_COVERAGE_FACTOR),
-            u_norm_g=told.get("u_norm_worst_g", worst.get("worst_g")),
+            assumes=result.assumes,
+            positions=len(result.verification.delta_g_g),
+            limit_g=result.verification.limit_g,
+            coverage_factor=DEFAULT_COVERAGE_FACTOR if told is None else told.coverage_factor,
+            u_norm_g=(None if worst is None else worst.worst_g) if told is None else told.u_norm_worst_g,
         )
 
     @property
@@ -106,15 +105,6 @@ class Decision:
     def sentence(self) -> str:
         """Word and reason: the one form of the verdict, on a terminal, in a report, in an export."""
         return self.word + self.reason
-
-    def document(self) -> dict[str, Any]:
-        """Ready for JSON."""
-        return {
-            "coverage_factor": self.coverage_factor,
-            "u_norm_worst_g": self.u_norm_g,
-            "limit_g": self.limit_g,
-            "scope": self.scope,
-        }
 
 
 def is_shown(limit_g: float, coverage_factor: float, u_norm_g: float | None) -> bool:

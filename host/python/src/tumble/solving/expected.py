@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from tumble.arrays import Floats, Integers
+from tumble.documents.result import Result
 from tumble.errors import UsageError
 from tumble.estimators import COEFFICIENTS, OPTIMAL
 from tumble.model import verification
@@ -52,45 +53,45 @@ class Expected:
         return any(u.any() for u in self.coefficients.values())
 
 
-def residuals(document: dict[str, Any], schedule: Schedule) -> Floats:
+def residuals(result: Result, schedule: Schedule) -> Floats:
     """U - U0 - K a of every measured position on the ideal `schedule` of these, with further terms taken out of the
     outputs: (positions, 3), in their unit."""
-    k, u0 = np.array(document["K"]), np.array(document["U0"])
-    left: Floats = _linear_means(document) - ideal_force(schedule) @ k.T - u0
+    k, u0 = result.K, result.U0
+    left: Floats = _linear_means(result) - ideal_force(schedule) @ k.T - u0
     return left
 
 
-def measured_schedule(document: dict[str, Any], given: Schedule | None = None) -> Schedule | None:
+def measured_schedule(result: Result, given: Schedule | None = None) -> Schedule | None:
     """The measured positions of a result, in its order: those of a `given` schedule, else of the built-in one on which
     the result has the residuals that it states; None where it has them on none. Raises UsageError where the given one
     is not the result's."""
     if given is None:
-        parts = (_part(document, built_in(name)) for name in BUILT_IN)
-        return next((part for part in parts if part is not None and _has_residuals(document, part)), None)
-    part = _part(document, given)
+        parts = (_part(result, built_in(name)) for name in BUILT_IN)
+        return next((part for part in parts if part is not None and _has_residuals(result, part)), None)
+    part = _part(result, given)
     if part is None:
         raise UsageError("schedule: not that of the result, whose positions it lacks, or uses otherwise")
-    if _has_residuals(document, part) is False:
+    if _has_residuals(result, part) is False:
         raise UsageError("schedule: not that of the result, whose residuals are other ones on it")
     return part
 
 
-def expected(document: dict[str, Any], schedule: Schedule, declared: Stand, step_v: PerChannel) -> Expected:
+def expected(result: Result, schedule: Schedule, declared: Stand, step_v: PerChannel) -> Expected:
     """On the schedule of the measured positions; `step_v`: of the converter, 0 where it is not known. Raises UsageError
     where the result has other uncertainties than the `declared` stand leaves."""
-    if document["covariance"] is None:
+    if result.covariance is None:
         raise UsageError("stand: the result was solved without one")
-    unit, k, estimator, terms = document["unit"], np.array(document["K"]), document["estimator"], terms_of(document)
+    unit, k, estimator, terms = result.unit, result.K, result.estimator, terms_of(result)
     step = over(step_v, volts_per(unit))
     stand = declared.beside(terms).in_unit(unit).with_step(step)
-    samples = np.array([one["samples"] for one in document["means"]])
-    variance, is_told = _mean_variance(document, declared.in_unit(unit), samples, step)
+    samples = np.array([one.samples for one in result.means])
+    variance, is_told = _mean_variance(result, declared.in_unit(unit), samples, step)
     if estimator == OPTIMAL:  # as its weights have it
         variance = np.maximum(variance, (NOISE_FLOOR_G * np.abs(k).max()) ** 2)
     given = Propagation(schedule, k, stand, samples, estimator, step, terms)
     errors, (found, left, gravity) = given.errors(variance), _linear(given)
     coefficients = {name: u[:12] for name, u in contributions(found, errors).items()}
-    stated = np.diag(np.array(document["covariance"]))
+    stated = np.diag(result.covariance)
     if not is_told:  # the noise is what the other sources leave
         others = sum((u**2 for name, u in coefficients.items() if name != NOISE), np.zeros(12))
         coefficients[NOISE] = np.sqrt(np.maximum(stated - others, 0.0))
@@ -98,9 +99,9 @@ def expected(document: dict[str, Any], schedule: Schedule, declared: Stand, step
     return Expected(coefficients, _together(left, errors).reshape(-1, 3), _together(gravity, errors))
 
 
-def terms_of(document: dict[str, Any]) -> Terms:
+def terms_of(result: Result) -> Terms:
     """The further terms of a result's model."""
-    return tuple((document.get("extended") or {"terms": []})["terms"])
+    return () if result.extended is None else result.extended.terms
 
 
 Linear = Callable[[Floats], Floats]
@@ -129,42 +130,45 @@ def _together(of: Linear, errors: dict[str, Any]) -> Floats:
     return found
 
 
-def _part(document: dict[str, Any], schedule: Schedule) -> Schedule | None:
+def _part(result: Result, schedule: Schedule) -> Schedule | None:
     """The measured positions alone; None where the schedule lacks one of them, or has them in another order or use."""
-    measured = [(one["mounting"], one["position"], one["use"]) for one in document["means"]]
+    measured = [(one.mounting, one.position, one.use) for one in result.means]
     part = schedule.part((one.mounting, one.number, one.use) in measured for one in schedule.positions)
     return part if [(one.mounting, one.number, one.use) for one in part.positions] == measured else None
 
 
-def _has_residuals(document: dict[str, Any], part: Schedule) -> bool | None:
+def _has_residuals(result: Result, part: Schedule) -> bool | None:
     """Whether the result's are those that it states; None where it states none."""
-    stated, k = document["verification"].get("residual_rms"), np.array(document["K"])
+    stated, k = result.verification.residual_rms, result.K
     if stated is None:
         return None
-    unknowns = 4 + len(terms_of(document))
-    found = verification.residual_rms(part, _linear_means(document), k, np.array(document["U0"]), unknowns)
+    unknowns = 4 + len(terms_of(result))
+    found = verification.residual_rms(part, _linear_means(result), k, result.U0, unknowns)
     close = _ROUNDED * float(np.abs(k).max())
     return found is not None and bool(np.allclose(found, stated, rtol=_SAME, atol=close))
 
 
-def _linear_means(document: dict[str, Any]) -> Floats:
+def _linear_means(result: Result) -> Floats:
     """What the outputs (positions, 3) are without the further terms: U0 + K a."""
-    means, terms = np.array([one["mean"] for one in document["means"]]), terms_of(document)
+    means, terms = np.array([one.mean for one in result.means]), terms_of(result)
     if not terms:
         return means
-    k, volts = np.array(document["K"]), volts_per(document["unit"])
+    k, volts = result.K, volts_per(result.unit)
     factors = {term: np.diag(k) if term in POWERS else np.ones(3) / volts for term in terms}
-    sizes = np.array([np.array(document["extended"][KEYS[term]]) * factors[term] for term in terms])
-    return linear_outputs(means, k, np.array(document["U0"]), sizes, terms)
+    sizes = np.array([getattr(result.extended, KEYS[term]) * factors[term] for term in terms])
+    return linear_outputs(means, k, result.U0, sizes, terms)
 
 
-def _mean_variance(document: dict[str, Any], stand: Stand, samples: Integers, step: PerChannel) -> tuple[Floats, bool]:
+def _mean_variance(result: Result, stand: Stand, samples: Integers, step: PerChannel) -> tuple[Floats, bool]:
     """Of the means by the noise as measured (positions, 3), where it counts for more than what `stand` declares, as
     solving.noise has it; and whether the result tells that of every single mean: that of means of unequal length it
     tells on the average, and a step that only the samples show it does not tell."""
-    noise, averaged = document["noise"], stand.averaged_over(samples)[:, None]
-    exceeds, undithered = ([f"u{axis}" in noise[key] for axis in "xyz"] for key in ("above_declared", "undithered"))
-    of_means = np.zeros(3) if noise["of_means"] is None else np.array(noise["of_means"])
+    noise, averaged = result.noise, stand.averaged_over(samples)[:, None]
+    assert noise is not None  # as every result with uncertainties tells it
+    exceeds, undithered = (
+        [f"u{axis}" in named for axis in "xyz"] for named in (noise.above_declared, noise.undithered)
+    )
+    of_means = np.zeros(3) if noise.of_means is None else noise.of_means
     by_samples = of_means**2 / averaged * exceeds
     beside = np.maximum(by_samples, stand.mean_variance(samples)) + rounding_of(step) ** 2
     knows_step = bool((by_channel(step) > 0.0).all())

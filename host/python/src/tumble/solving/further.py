@@ -10,7 +10,6 @@ whose normal equations are the same.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -23,7 +22,7 @@ from tumble.model.estimators import columns_at
 from tumble.model.geometry import ideal_force
 from tumble.model.norm import WorstNorm, worst_norm
 from tumble.schedule import Schedule
-from tumble.terms import DRIFT, KEYS, POWERS, Terms, names
+from tumble.terms import POWERS, Terms
 
 
 @dataclass(frozen=True)
@@ -86,33 +85,6 @@ class Further:
     def worst_norm_of_twelve(self) -> WorstNorm | None:
         """The same by what the uncertainties of K and U0 alone bring."""
         return None if self.covariance is None else worst_norm(self.k, self.covariance[:12, :12])
-
-    def document(self, volts_per_unit: float) -> dict[str, Any]:
-        """As it stands in a result: null for a term that is not in the model."""
-        found: dict[str, Any] = {"terms": list(self.terms)}
-        scale = {term: volts_per_unit if term == DRIFT else 1.0 for term in self.terms}
-        values, u = self.values, self.u
-        for term, key in KEYS.items():
-            row = self.terms.index(term) if term in self.terms else None
-            found[key] = None if row is None else (values[row] * scale[term]).tolist()
-            found[f"u_{key}"] = None if row is None or u is None else (u[row] * scale[term]).tolist()
-        scales = np.concatenate([np.ones(12), np.repeat([scale[term] for term in self.terms], 3)])
-        joint, alone = self.of_values, self.worst_norm_of_twelve
-        found["names"] = list(names(self.terms))
-        found["covariance"] = None if joint is None else (scales[:, None] * joint * scales).tolist()
-        found["u_norm_of_K_U0_g"] = None if alone is None else alone.worst
-        without = self.without
-        found["without"] = (
-            None
-            if without is None
-            else {
-                "u_K": without.u_k.tolist(),
-                "u_U0": without.u_u0.tolist(),
-                "u_norm_g": without.worst.worst,
-            }
-        )
-        found["max_abs_difference"] = float(np.abs(self.difference).max())
-        return found
 
 
 def confused(schedule: Schedule, terms: Terms) -> str | None:

@@ -7,7 +7,6 @@ in delta_g: the noise of the position's mean alone makes it uncertain, d delta_g
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -25,13 +24,6 @@ class GravityUncertainty:
 
     u_g: Floats
     factor: Floats
-
-    def document(self, index: int) -> dict[str, Any]:
-        """At one position, as it stands in a result."""
-        return {"u_delta_g_g": float(self.u_g[index]), "k_delta_g": float(self.factor[index])}
-
-
-UNKNOWN = {"u_delta_g_g": None, "k_delta_g": None}
 
 
 def gravity_uncertainty(solution: Solution) -> GravityUncertainty | None:

@@ -167,30 +167,6 @@ class MonteCarlo:
         """Names of the coefficients with this verdict."""
         return [name for name, own in zip(COEFFICIENTS, self.verdicts) if own is verdict]
 
-    def document(self) -> dict[str, Any]:
-        """Ready for JSON."""
-        difference = np.maximum(np.abs(self.low - self.linear_low), np.abs(self.high - self.linear_high))
-        return {
-            "runs": self.runs,
-            "seed": self.seed,
-            "coverage": COVERAGE,
-            "level": LEVEL,
-            "agrees": self.agrees,
-            "coefficients": [
-                {
-                    "name": name,
-                    "shift": float(self.shift[i]),
-                    "u": float(self.u[i]),
-                    "interval": [float(self.low[i]), float(self.high[i])],
-                    "linear_interval": [float(self.linear_low[i]), float(self.linear_high[i])],
-                    "difference": float(difference[i]),
-                    "tolerance": float(self.tolerance[i]),
-                    "verdict": verdict.value,
-                }
-                for i, (name, verdict) in enumerate(zip(COEFFICIENTS, self.verdicts))
-            ],
-        }
-
 
 def simulate(
     given: Propagation,

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -23,7 +22,7 @@ from tumble.stand import PerChannel, Stand, by_channel, rounding_of, rounds_alik
 from tumble.units import noise_unit, volts_per
 
 _ROUNDING = 1e-12  # of the largest output
-_CHANNELS = np.array(["ux", "uy", "uz"])
+CHANNELS = np.array(["ux", "uy", "uz"])
 NO_STAND = Stand(0.0, 0.0, 0.0, 0.0, 0.0, 1, "sigma1")
 
 
@@ -93,23 +92,10 @@ def notice(noise: Noise, stand: Stand, samples: Integers, unit: str) -> str | No
     if noise.measured is None or not noise.exceeds.any():
         return None
     sizes, length = of_means(noise.measured, samples)[noise.exceeds], noise.measured.length[noise.exceeds]
-    named = [f"{size:.1e} {unit} in {name}" for size, name in zip(sizes, _CHANNELS[noise.exceeds])]
+    named = [f"{size:.1e} {unit} in {name}" for size, name in zip(sizes, CHANNELS[noise.exceeds])]
     blocks = f"blocks of {length.max()} samples" if length.max() > 1 else "the scatter of samples"
     declared = sorted({f"{sigma:.1e}" for sigma in stand.sigmas("noise")[noise.exceeds].tolist()}, key=float)
     return f"noise above the declared {', '.join(declared)} {unit}: {', '.join(named)} by {blocks}"
-
-
-def document(noise: Noise, samples: Integers) -> dict[str, Any]:
-    """As it stands in a result, by channel."""
-    seen = noise.measured
-    return {
-        "scatter": None if seen is None else seen.scatter.tolist(),
-        "of_means": None if seen is None else of_means(seen, samples).tolist(),
-        "block_samples": None if seen is None else seen.length.tolist(),
-        "freedom": None if seen is None else seen.freedom.tolist(),
-        "above_declared": _CHANNELS[noise.exceeds].tolist(),
-        "undithered": _CHANNELS[noise.undithered].tolist(),
-    }
 
 
 def of_means(seen: MeasuredNoise, samples: Integers) -> Floats:

@@ -1,29 +1,41 @@
-"""Results as JSON documents of schema tumble.result/1, made by solve and bench. files.documents reads them back."""
+"""A solution as a document of schema tumble.result/1, part by part; documents.result says what every key means."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from msgspec import UNSET
 
 from tumble._version import __version__
-from tumble.core import Intrinsic
-from tumble.files.documents import RESULT
-from tumble.model import reliability, stand_seen
-from tumble.model.norm import IntrinsicUncertainties, named
-from tumble.solving import noise, si, temperature
+from tumble.arrays import Floats
+from tumble.core import built_in
+from tumble.documents import result as of
+from tumble.documents.base import written
+from tumble.documents.result import Result
+from tumble.estimators import COEFFICIENTS
+from tumble.model import explanations, reliability
+from tumble.model.second_order import SecondOrder
+from tumble.model.stand_seen import ANGLES, ChannelNoise, Estimate, StandSeen
+from tumble.schedule import BUILT_IN, Position, Schedule
+from tumble.solving import si
 from tumble.solving.assumptions import assumed
+from tumble.solving.coverage import PROBABILITY, Coverage, factors_of
 from tumble.solving.decision import decide
-from tumble.solving.declared import schedule_document, stand_document
-from tumble.solving.gravity_uncertainty import UNKNOWN, gravity_uncertainty
+from tumble.solving.further import Further
+from tumble.solving.gravity_uncertainty import gravity_uncertainty
+from tumble.solving.many_runs import COVERAGE, LEVEL, MonteCarlo
+from tumble.solving.noise import CHANNELS, of_means
 from tumble.solving.solution import Solution, Truth
 from tumble.solving.would_show import would_show
-from tumble.stand import by_channel, per_channel
+from tumble.stand import SOURCES, Stand, by_channel, per_channel
+from tumble.terms import DRIFT, KEYS, names
 from tumble.units import per_g, volts_per
 
 
-def document(
+def result_of(
     solution: Solution,
     item: dict[str, Any] | None,
     environment: dict[str, Any] | None,
@@ -31,137 +43,256 @@ def document(
     run_file: str | None = None,
     created: str | None = None,
     warnings: Sequence[str] = (),
-) -> dict[str, Any]:
-    """The result of a solve, ready for JSON. `serial`: of the block; `run_file`: name of what was solved; `created`:
-    when, None where no clock was looked at; `warnings`: sentences that a person is told beside it."""
-    unit, rests_on, decision = solution.run.unit, assumed(solution), decide(solution)
-    return {
-        "schema": RESULT,
-        "created": created,
-        "tumble": __version__,
-        "run_file": run_file,
-        "run_sha256": solution.run.sha256 or None,
-        "serial": serial,
-        "stand": stand_document(solution.stand, per_channel(by_channel(solution.step) * volts_per(unit))),
-        "schedule": schedule_document(solution.schedule),
-        "estimator": solution.found.estimator,
-        "unit": unit,
-        "units": {"K": per_g(unit), "U0": unit, "u_K": per_g(unit), "u_U0": unit},
-        "K": solution.found.k.tolist(),
-        "U0": solution.found.u0.tolist(),
-        "u_K": None if solution.u_k is None else solution.u_k.tolist(),
-        "u_U0": None if solution.u_u0 is None else solution.u_u0.tolist(),
-        "covariance": None if solution.covariance is None else solution.covariance.tolist(),
-        "u_norm_g": _worst_norm(solution),
-        "extended": None if solution.further is None else solution.further.document(volts_per(unit)),
-        "second_order": None if solution.second_order is None else solution.second_order.document(),
-        "monte_carlo": None if solution.monte_carlo is None else solution.monte_carlo.document(),
-        "misfit": None if solution.fit is None else solution.fit.misfit,
-        "fit": None if solution.fit is None else solution.fit.document(),
-        "stand_doubts": None if solution.fit is None else list(solution.fit.doubts),
-        **reliability.documents(solution.reliability),
-        "pass": decision.passed,
-        "pass_reason": " and ".join(decision.failures) or None,
-        "decision": decision.document(),
-        "would_show": None if not decision.is_not_shown else [one.document() for one in would_show(solution)],
-        "assumes": list(rests_on),
-        "assumed_for": {name: list(coefficients) for name, coefficients in rests_on.items()},
-        "warnings": list(warnings),
-        "noise": noise.document(solution.noise, solution.run.samples),
-        "scatter_alone": _scatter_alone(solution),
-        "coverage": None if solution.coverage is None else solution.coverage.document(),
-        "verification": _verification(solution),
-        "stand_seen": stand_seen.document(solution.stand_seen, volts_per(unit), solution.channel_noise),
-        "intrinsic": _intrinsic(solution.found.intrinsic),
-        "si": si.document(solution.found.k, solution.found.u0, solution.covariance, environment, unit),
-        "u_intrinsic": None if solution.u_intrinsic is None else _intrinsic(solution.u_intrinsic),
-        "reference": {
-            "max_abs_difference_K": float(np.abs(solution.comparison.k).max()),
-            "max_abs_difference_U0": float(np.abs(solution.comparison.u0).max()),
-            "difference_K": solution.comparison.k.tolist(),
-            "difference_U0": solution.comparison.u0.tolist(),
-        },
-        "means": _means(solution),
-        "counters": solution.run.counters,
-        "item": item,
-        "environment": environment,
-        "temperature": temperature.document(solution.run),
-    }
+) -> Result:
+    """The result of a solve. `serial`: of the block; `run_file`: name of what was solved; `created`: when, None where
+    no clock was looked at; `warnings`: sentences that a person is told beside it."""
+    unit, rests_on, decision, fit = solution.run.unit, assumed(solution), decide(solution), solution.fit
+    volts, temperature, alone = volts_per(unit), solution.run.temperature, solution.scatter_alone
+    found, difference, u_norm = solution.found, solution.comparison, solution.u_norm
+    return Result(
+        created=created,
+        tumble=__version__,
+        run_file=run_file,
+        run_sha256=solution.run.sha256 or None,
+        serial=serial,
+        stand=None if solution.stand is None else declared_stand(solution.stand, by_channel(solution.step) * volts),
+        schedule=schedule_of(solution.schedule),
+        estimator=found.estimator,
+        unit=unit,
+        units=of.Units(K=per_g(unit), U0=unit, u_K=per_g(unit), u_U0=unit),
+        K=found.k,
+        U0=found.u0,
+        u_K=solution.u_k,
+        u_U0=solution.u_u0,
+        covariance=solution.covariance,
+        u_norm_g=None if u_norm is None else of.WorstNorm(u_norm.worst, u_norm.attitude),
+        extended=None if solution.further is None else extended(solution.further, volts),
+        second_order=None if solution.second_order is None else second_order_of(solution.second_order),
+        monte_carlo=None if solution.monte_carlo is None else _monte_carlo(solution.monte_carlo),
+        misfit=None if fit is None else fit.misfit,
+        fit=None if fit is None else fit_of(fit),
+        stand_doubts=None if fit is None else fit.doubts,
+        reliability=None if solution.reliability is None else unseen(solution.reliability),
+        reliability_norm_g=None if solution.reliability is None else reliability.largest(solution.reliability),
+        passed=decision.passed,
+        pass_reason=" and ".join(decision.failures) or None,
+        decision=of.Decision(decision.coverage_factor, decision.u_norm_g, decision.limit_g, decision.scope),
+        would_show=tuple(would_show(solution)) if decision.is_not_shown else None,
+        assumes=tuple(rests_on),
+        assumed_for={name: tuple(coefficients) for name, coefficients in rests_on.items()},
+        warnings=tuple(warnings),
+        noise=_noise(solution),
+        scatter_alone=None if alone is None else of.ScatterAlone(alone.u_k, alone.u_u0),
+        coverage=None if solution.coverage is None else coverage_of(solution.coverage),
+        verification=_verification(solution),
+        stand_seen=stand_seen(solution.stand_seen, volts, solution.channel_noise),
+        intrinsic=_of_block(found.intrinsic.scale, found.intrinsic.angles, found.intrinsic.bias),
+        si=si.of_result(found.k, found.u0, solution.covariance, environment, unit),
+        u_intrinsic=None if (u := solution.u_intrinsic) is None else _of_block(u.scale, u.angles, u.bias),
+        reference=of.Reference(
+            max_abs_difference_K=float(np.abs(difference.k).max()),
+            max_abs_difference_U0=float(np.abs(difference.u0).max()),
+            difference_K=difference.k,
+            difference_U0=difference.u0,
+        ),
+        means=_means(solution),
+        counters=solution.run.counters,
+        item=item,
+        environment=environment,
+        temperature=None if (t := temperature) is None else of.Temperature(t.low_c, t.high_c, t.source),
+    )
 
 
-def _scatter_alone(solution: Solution) -> dict[str, Any] | None:
-    alone = solution.scatter_alone
-    return None if alone is None else {"u_K": alone.u_k.tolist(), "u_U0": alone.u_u0.tolist()}
+def declared_stand(stand: Stand, step_v: Floats) -> of.DeclaredStand:
+    """With the keys and numbers of [stand]. `step_v` (3,): of the converter of its block, 0 where it is unknown."""
+    errors = {source.key: getattr(stand, source.attribute) for source in SOURCES.values()}
+    step = per_channel(step_v) if step_v.any() else None
+    labels = stand.name or None, stand.limits, stand.remounting, int(stand.samples)
+    return of.DeclaredStand(*labels, **errors, step_v=step)
 
 
-def _intrinsic(found: Intrinsic | IntrinsicUncertainties) -> dict[str, Any]:
-    return named([*found.scale.tolist(), *found.angles.tolist(), *found.bias.tolist()])
+def schedule_of(schedule: Schedule) -> of.Schedule:
+    """With the name of a built-in one, else None, and the tables of a schedule file."""
+    mountings = (of.Mounting(one.number, np.array(one.matrix), one.tilt_deg) for one in schedule.mountings)
+    positions = (of.Position(*_place(one)[:2], one.angle_deg, one.use) for one in schedule.positions)
+    name = next((name for name in BUILT_IN if built_in(name) == schedule), None)
+    return of.Schedule(name, tuple(mountings), tuple(positions))
 
 
-def _worst_norm(solution: Solution) -> dict[str, Any] | None:
-    u = solution.u_norm
-    return None if u is None else {"worst_g": u.worst, "attitude": u.attitude.tolist()}
+def _place(position: Position) -> tuple[int, int, str]:
+    return int(position.mounting), int(position.number), position.use
 
 
-def _places(solution: Solution) -> list[tuple[int, dict[str, Any]]]:
-    """Index and names of every measured position."""
-    return [
-        (index, {"mounting": position.mounting, "position": position.number, "use": position.use})
-        for index, position in enumerate(solution.schedule.positions)
-        if solution.run.samples[index] > 0
-    ]
+def _measured(solution: Solution) -> list[tuple[int, Position]]:
+    """Index and position of every one that was measured."""
+    samples = solution.run.samples
+    return [(index, one) for index, one in enumerate(solution.schedule.positions) if samples[index] > 0]
 
 
-def _verification(solution: Solution) -> dict[str, Any]:
-    gravity, rms = solution.found.gravity, solution.found.residual_rms
+def extended(further: Further, volts_per_unit: float) -> of.Extended:
+    """Null for a term that is not in the model; the drift in volts."""
+    scale = [volts_per_unit if term == DRIFT else 1.0 for term in further.terms]
+    sizes = dict(zip(further.terms, further.values * np.array(scale)[:, None]))
+    u = {} if further.u is None else dict(zip(further.terms, further.u * np.array(scale)[:, None]))
+    scales = np.concatenate([np.ones(12), np.repeat(scale, 3)])
+    joint, alone, without = further.of_values, further.worst_norm_of_twelve, further.without
+    by_term = {key: found.get(term) for term, own in KEYS.items() for key, found in ((own, sizes), (f"u_{own}", u))}
+    return of.Extended(
+        further.terms,
+        **by_term,
+        names=names(further.terms),
+        covariance=None if joint is None else scales[:, None] * joint * scales,
+        u_norm_of_K_U0_g=None if alone is None else alone.worst,
+        without=None if without is None else of.Without(without.u_k, without.u_u0, without.worst.worst),
+        max_abs_difference=float(np.abs(further.difference).max()),
+    )
+
+
+def second_order_of(found: SecondOrder) -> of.SecondOrder:
+    """The bias that the linear theory leaves out."""
+    return of.SecondOrder(
+        bias_K_xx_relative=found.yaw**2 / 2.0,
+        limit=found.limit(0),
+        matters=found.matters,
+        shifts=tuple(found.shifts),
+        bias=of.Bias(found.bias[:9].reshape(3, 3), found.bias[9:]),
+    )
+
+
+def _monte_carlo(found: MonteCarlo) -> of.MonteCarlo:
+    ends, linear = np.stack([found.low, found.high], axis=1), np.stack([found.linear_low, found.linear_high], axis=1)
+    rows = zip(
+        *(COEFFICIENTS, found.shift.tolist(), found.u.tolist(), ends, linear),
+        *(np.abs(ends - linear).max(axis=1).tolist(), found.tolerance.tolist()),
+        (verdict.value for verdict in found.verdicts),
+    )
+    coefficients = tuple(of.Simulated(*row) for row in rows)
+    return of.MonteCarlo(found.runs, found.seed, COVERAGE, LEVEL, found.agrees, coefficients)
+
+
+def fit_of(fit: explanations.Fit) -> of.Fit:
+    """Whether a run fits its stand."""
+    told = tuple(
+        of.Explanation(one.patterns, one.p, one.size, one.u_size, one.unit, one.column or None)
+        for one in fit.explanations
+    )
+    return of.Fit(fit.chi_squared, fit.freedom, fit.p, fit.fits, fit.confidence, told)
+
+
+def unseen(found: reliability.Reliability) -> tuple[of.Unseen, ...]:
+    """What a run would not have shown, by pattern."""
+    return tuple(of.Unseen(one.pattern.name, one.size, one.pattern.unit, one.norm_g) for one in found)
+
+
+def unseen_keys(found: reliability.Reliability | None) -> dict[str, Any]:
+    """As keys of a plan; None: of one without a stand."""
+    listed = None if found is None else [written(one) for one in unseen(found)]
+    return {"reliability": listed, "reliability_norm_g": None if found is None else reliability.largest(found)}
+
+
+def _noise(solution: Solution) -> of.Noise:
+    noise, seen = solution.noise, solution.noise.measured
+    return of.Noise(
+        scatter=None if seen is None else seen.scatter,
+        of_means=None if seen is None else of_means(seen, solution.run.samples),
+        block_samples=None if seen is None else tuple(seen.length.tolist()),
+        freedom=None if seen is None else tuple(seen.freedom.tolist()),
+        above_declared=tuple(CHANNELS[noise.exceeds].tolist()),
+        undithered=tuple(CHANNELS[noise.undithered].tolist()),
+    )
+
+
+def coverage_of(found: Coverage) -> of.Coverage:
+    """A freedom of null is infinite."""
+    freedom, k = _finite(found.freedom), found.factors.tolist()
+    intrinsic, k_intrinsic = _finite(found.intrinsic), factors_of(found.intrinsic).tolist()
+    return of.Coverage(
+        probability=PROBABILITY,
+        freedom_K=(freedom[0:3], freedom[3:6], freedom[6:9]),
+        freedom_U0=freedom[9:],
+        k_K=(k[0:3], k[3:6], k[6:9]),
+        k_U0=k[9:],
+        freedom_intrinsic=_of_block(intrinsic[:3], intrinsic[3:6], intrinsic[6:]),
+        k_intrinsic=_of_block(k_intrinsic[:3], k_intrinsic[3:6], k_intrinsic[6:]),
+    )
+
+
+def _finite(freedom: Floats) -> Any:
+    return tuple(None if math.isinf(one) else one for one in freedom.tolist())
+
+
+def _of_block(scale: Any, angles: Any, bias: Any) -> of.OfBlock[Any, Any, Any]:
+    return of.OfBlock(scale, of.Angles(*(float(one) if one is not None else None for one in angles)), bias)
+
+
+def _verification(solution: Solution) -> of.Verification:
+    gravity, known = solution.found.gravity, gravity_uncertainty(solution)
     judged = [largest for largest in (gravity.max_abs_fit, gravity.max_abs_check) if largest is not None]
-    known = gravity_uncertainty(solution)
-    return {
-        "delta_g_g": [
-            {
-                **place,
-                "delta_g_g": float(gravity.delta_g[index]),
-                **(UNKNOWN if known is None else known.document(index)),
-            }
-            for index, place in _places(solution)
-        ],
-        "max_abs_delta_g_g": max(judged),
-        "max_abs_delta_g_fit_g": gravity.max_abs_fit,
-        "max_abs_delta_g_check_g": gravity.max_abs_check,
-        "limit_g": solution.limit_g,
-        "pass": gravity.passed,
-        "closure": [
-            {"mounting": mounting, "difference": difference.tolist()}
-            for mounting, difference in solution.found.closure.items()
-        ],
-        "residual_rms": None if rms is None else rms.tolist(),
-    }
+    by_noise = {} if known is None else dict(enumerate(zip(known.u_g.tolist(), known.factor.tolist())))
+    return of.Verification(
+        delta_g_g=tuple(
+            of.DeltaG(*_place(one), float(gravity.delta_g[index]), *by_noise.get(index, ()))
+            for index, one in _measured(solution)
+        ),
+        max_abs_delta_g_g=max(judged),
+        max_abs_delta_g_fit_g=gravity.max_abs_fit,
+        max_abs_delta_g_check_g=gravity.max_abs_check,
+        limit_g=solution.limit_g,
+        passed=gravity.passed,
+        closure=tuple(of.Closure(*one) for one in solution.found.closure.items()),
+        residual_rms=solution.found.residual_rms,
+    )
 
 
-def _means(solution: Solution) -> list[dict[str, Any]]:
+def stand_seen(seen: StandSeen, volts: float, channels: ChannelNoise | None) -> of.StandSeen:
+    """Every quantity with its standard uncertainty. `volts`: in a unit of the outputs; `channels`: of a stand that
+    declares three."""
+    has_u, noise, alpha4 = seen.source is not None, seen.noise, seen.alpha4
+    angles = _twins({**{name: seen.angles[name] for name in ANGLES}, "alpha4": alpha4}, has_u)
+    augmented = _twins(seen.augmented)
+    others = tuple(of.YawChange(mounting, *_pair(one)) for mounting, one in seen.other_yaw_changes.items())
+    return of.StandSeen(
+        **angles,
+        noise_v=None if noise is None else noise.value * volts,
+        u_noise_v=None if noise is None else noise.u * volts,
+        noise_v_by_channel=None if channels is None else channels.values,
+        u_noise_v_by_channel=None if channels is None else channels.u,
+        u_from=seen.source,
+        u_freedom=seen.freedom,
+        alpha4_freedom=None if alpha4 is None else seen.alpha4_freedom,
+        augmented=None if set(augmented.values()) == {None} else of.Augmented(**augmented, other_yaw_changes=others),
+    )
+
+
+def _twins(seen: Mapping[str, Estimate | None], has_u: bool = True) -> dict[str, Any]:
+    """By key: what is seen of each angle, and its standard uncertainty; that of a set angle is always known."""
+    pairs = {name: _pair(one, has_u or name == "alpha4") for name, one in seen.items()}
+    return {f"{u}{name}_rad": told for name, pair in pairs.items() for u, told in zip(("", "u_"), pair)}
+
+
+def _pair(seen: Estimate | None, has_u: bool = True) -> tuple[float | None, float | None]:
+    return (None, None) if seen is None else (seen.value, seen.u if has_u else None)
+
+
+def _means(solution: Solution) -> tuple[of.Mean, ...]:
     run = solution.run
-    return [
-        {
-            **place,
-            "samples": int(run.samples[index]),
-            "mean": run.means[index].tolist(),
-            "scatter": run.scatter[index].tolist() if run.samples[index] > 1 else None,
-        }
-        for index, place in _places(solution)
-    ]
+    return tuple(
+        of.Mean(*_place(one), int(run.samples[i]), run.means[i], run.scatter[i] if run.samples[i] > 1 else None)
+        for i, one in _measured(solution)
+    )
 
 
-def truth(known: Truth) -> dict[str, Any]:
+def truth(known: Truth) -> of.Truth:
     """What a simulated run was made of."""
-    return {
-        "K": known.k.tolist(),
-        "U0": known.u0.tolist(),
-        "alpha1_rad": known.alpha1,
-        "alpha2_rad": known.alpha2,
-        "alpha3_rad": list(known.alpha3),
-        "alpha4_rad": list(known.alpha4),
-        "theta_h_rad": list(known.theta_h),
-        "theta_n_rad": list(known.theta_n),
-        **({"encoder_rad": list(known.encoder)} if any(known.encoder) else {}),
-        **({"drift_v": list(known.drift)} if any(known.drift) else {}),
-    }
+    return of.Truth(
+        K=known.k,
+        U0=known.u0,
+        alpha1_rad=known.alpha1,
+        alpha2_rad=known.alpha2,
+        alpha3_rad=known.alpha3,
+        alpha4_rad=known.alpha4,
+        theta_h_rad=known.theta_h,
+        theta_n_rad=known.theta_n,
+        encoder_rad=known.encoder if any(known.encoder) else UNSET,
+        drift_v=known.drift if any(known.drift) else UNSET,
+    )

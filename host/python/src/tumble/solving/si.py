@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from tumble.arrays import Floats
+from tumble.documents.result import Si, SiUnits
 from tumble.model.norm import by_intrinsic, variances
 from tumble.units import per_m_s2
 
@@ -60,25 +61,25 @@ def joint(values: Floats, powers: Floats, covariance: Floats, gravity: float, u_
     return in_si
 
 
-def document(
+def of_result(
     k: Floats, u0: Floats, covariance: Floats | None, environment: dict[str, Any] | None, unit: str
-) -> dict[str, Any] | None:
+) -> Si | None:
     """As it stands in a result; None where the environment names no gravity."""
     gravity, u_gravity = gravity_of(environment)
     if gravity is None:
         return None
     found = converted(k, u0, covariance, gravity, u_gravity)
-    return {
-        "gravity_m_s2": gravity,
-        "u_gravity_m_s2": u_gravity,
-        "units": {"K": per_m_s2(unit), "bias": "m/s^2"},
-        "K": found.k.tolist(),
-        "u_K": None if found.u_k is None else found.u_k.tolist(),
-        "scale": found.scale.tolist(),
-        "u_scale": None if found.u_scale is None else found.u_scale.tolist(),
-        "bias": found.bias.tolist(),
-        "u_bias": None if found.u_bias is None else found.u_bias.tolist(),
-    }
+    return Si(
+        gravity_m_s2=gravity,
+        u_gravity_m_s2=u_gravity,
+        units=SiUnits(per_m_s2(unit), "m/s^2"),
+        K=found.k,
+        u_K=found.u_k,
+        scale=found.scale,
+        u_scale=found.u_scale,
+        bias=found.bias,
+        u_bias=found.u_bias,
+    )
 
 
 def gravity_of(environment: dict[str, Any] | None) -> tuple[float | None, float | None]:

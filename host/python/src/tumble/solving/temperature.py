@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tumble.documents.result import Temperature
 from tumble.files.run_file import Run
 from tumble.files.run_temperature import OF_ENVIRONMENT, Temperatures
 
@@ -40,13 +41,7 @@ def contradicted(run: Run, environment: Mapping[str, Any] | None) -> str | None:
     return f"the run says {found.text}, temperature_c of the stand file {told:.3g}: that of the run counts"
 
 
-def document(run: Run) -> dict[str, Any] | None:
-    """As it stands in a result; None: unknown."""
-    found = run.temperature
-    return None if found is None else {"min_c": found.low_c, "max_c": found.high_c, "source": found.source}
-
-
-def outside(known: Mapping[str, Any] | None, temperatures_c: ArrayLike) -> str | None:
+def outside(known: Temperature | None, temperatures_c: ArrayLike) -> str | None:
     """A warning that coefficients are applied where they were not measured; None where all is well.
 
     `known`: `temperature` of the result, None where it does not tell one: then nobody can warn. `temperatures_c` (any
@@ -57,7 +52,7 @@ def outside(known: Mapping[str, Any] | None, temperatures_c: ArrayLike) -> str |
     at = at[~np.isnan(at)]
     if known is None or at.size == 0:
         return None
-    low, high = float(known["min_c"]), float(known["max_c"])
+    low, high = known.min_c, known.max_c
     if low - TOLERANCE_C <= at.min() and at.max() <= high + TOLERANCE_C:
         return None
     used, run = Temperatures(at.min(), at.max(), ""), Temperatures(low, high, "")

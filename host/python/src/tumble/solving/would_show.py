@@ -3,14 +3,14 @@ samples, a third mounting, a better stand. Each is tried on the model of the run
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from tumble import core
 from tumble.arrays import Floats
+from tumble.documents.result import Remedy
 from tumble.errors import UsageError
 from tumble.estimators import OPTIMAL
 from tumble.model.geometry import built_in
@@ -31,36 +31,6 @@ _PHRASES = {
     "stand": "a stand and noise {} times better",
     "converter": "a stand, noise and converter {} times better",
 }
-
-
-@dataclass(frozen=True)
-class Remedy:
-    """`change`: "estimator", "samples", "mountings", "stand" or "converter"; `to`: the estimator, how many samples a
-    position, how many mountings, how many times better; `reach_g`: coverage factor times the worst u(|a|) then."""
-
-    change: str
-    to: str | int | float
-    reach_g: float
-
-    @property
-    def is_better(self) -> bool:
-        """Whether something is to be so many times better, which always helps."""
-        return self.change in ("stand", "converter")
-
-    @property
-    def phrase(self) -> str:
-        """Such as "120 samples a position"."""
-        to = self.to if isinstance(self.to, str) else f"{self.to:.3g}" if self.is_better else f"{self.to:d}"
-        return _PHRASES.get(self.change, "{}").format(to)
-
-    @classmethod
-    def of(cls, told: dict[str, Any]) -> Remedy:
-        """As a document tells it."""
-        return cls(told["change"], told.get("to", 0), told["reach_g"])
-
-    def document(self) -> dict[str, Any]:
-        """Ready for JSON."""
-        return {"change": self.change, "to": self.to, "reach_g": self.reach_g}
 
 
 @dataclass(frozen=True)
@@ -134,11 +104,14 @@ def would_show(solution: Solution) -> list[Remedy]:
     return Question(solution.propagation, variance, rounding, *rule).answers()
 
 
-def in_words(remedies: list[Remedy], limit_g: float) -> str:
+def in_words(remedies: Sequence[Remedy], limit_g: float) -> str:
     """All, such as "It would be shown by --estimator optimal (0.00011 g) or ..."; empty for none."""
     return "It would be shown by " + " or ".join(_told(remedies, limit_g)) if remedies else ""
 
 
-def _told(remedies: list[Remedy], limit_g: float) -> Iterator[str]:
+def _told(remedies: Sequence[Remedy], limit_g: float) -> Iterator[str]:
+    """A stand so many times better always helps."""
     for one in remedies:
-        yield one.phrase if one.is_better else f"{one.phrase} ({on_its_side(one.reach_g, limit_g)} g)"
+        is_better = one.change in ("stand", "converter")
+        phrase = _PHRASES[one.change].format(f"{one.to:.3g}" if is_better else one.to)
+        yield phrase if is_better else f"{phrase} ({on_its_side(one.reach_g, limit_g)} g)"

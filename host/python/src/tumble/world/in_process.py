@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tumble.files.documents import to_json
+from tumble.documents.base import to_json
 from tumble.world import document
 from tumble.world.border import AVERAGED, CHANGE, ENDED, FOREVER_US, QUESTION, Border, Refused
 

@@ -11,9 +11,10 @@ import numpy as np
 
 from tumble.api.complaints import complaints
 from tumble.arrays import Floats
+from tumble.documents.base import to_json
+from tumble.documents.result import Table
 from tumble.errors import BadInput, BenchFault, Disagreement
 from tumble.estimators import OPTIMAL
-from tumble.files.documents import to_json
 from tumble.files.run_file import Run, read_run
 from tumble.files.run_layout import Wishes
 from tumble.files.stand_file import StandFile
@@ -102,10 +103,11 @@ def result_text(
     item, environment = (None, None) if stand_file is None else (stand_file.item, stand_file.environment)
     serial = None if setup.block is None else setup.block.get("serial")
     created = declared.created(clock=bus != INPROCESS)
-    told = result.document(solution, item, environment, serial, "run.csv", created, complaints(solution))
-    origin = {"seed": setup.seed, "bus": bus, "firmware": firmware, "table": document["table"]}
+    found = result.result_of(solution, item, environment, serial, "run.csv", created, complaints(solution))
     assert solution.truth is not None  # it has been simulated
-    return to_json({**told, **origin, "truth": result.truth(solution.truth)})
+    found.seed, found.bus, found.firmware = setup.seed, bus, firmware
+    found.table, found.truth = Table(**document["table"]), result.truth(solution.truth)
+    return to_json(found)
 
 
 def _as_averaged(recorded: Run, document: dict[str, Any]) -> Run:

@@ -15,6 +15,7 @@ from tumble.units import SI, force_unit
 
 if TYPE_CHECKING:
     from tumble.api.result import Result
+    from tumble.documents.result import Temperature
     from tumble.files.calibrated import Demand, Seen
 
 _IN_MEMORY = 1 << 24  # bytes of output, before they go to a temporary file
@@ -71,7 +72,7 @@ def run(arguments: argparse.Namespace) -> int:
     force = result.force(arguments.unit, arguments.uncertainty)
     told = "unit" not in result.assumes
     demand = demand_of(force, result.unit, arguments.uncertainty, wishes, told, arguments.unit)
-    known_c = result.document.get("temperature")
+    known_c = result.checked.temperature
     if len(kinds) > 1 and len(set(targets)) < len(targets):
         raise UsageError("CSV and Parquet cannot be joined: --out FOLDER keeps them apart")
     if kinds == {True} and len(set(targets)) < len(targets):
@@ -112,16 +113,15 @@ def _targets(arguments: argparse.Namespace) -> list[str]:
 def _beware(result: Result, file: str) -> None:
     """What whoever uses the calibrated data should know, on stderr."""
     from tumble.api.complaints import complaints_of_document
-    from tumble.files.documents import read_coefficients
     from tumble.solving.assumptions import phrase
 
-    for warning in complaints_of_document(read_coefficients(file)):
+    for warning in complaints_of_document(result.checked):
         tell(f"tumble: warning: {file_name(file)}: {warning}")
     if result.assumes:
         tell(f"tumble: notice: {file_name(file)}: {phrase(result.assumes).removeprefix(', ')}")
 
 
-def _calibrate(files: list[str], out: BinaryIO, demand: Demand, known_c: dict[str, Any] | None) -> None:
+def _calibrate(files: list[str], out: BinaryIO, demand: Demand, known_c: Temperature | None) -> None:
     """All files into one output: the header of the first, the rows of all. `known_c`: temperature of the result."""
     from tumble.files.calibrated import CsvData, calibrate_parquet
     from tumble.files.disk import opened
@@ -150,7 +150,7 @@ def _calibrate(files: list[str], out: BinaryIO, demand: Demand, known_c: dict[st
             _tell_of_doubts(data.seen, known_c, demand, file)
 
 
-def _tell_of_doubts(seen: Seen, known_c: dict[str, Any] | None, demand: Demand, file: str) -> None:
+def _tell_of_doubts(seen: Seen, known_c: Temperature | None, demand: Demand, file: str) -> None:
     from tumble.api.applying import doubts
 
     if not seen.unit_told:

@@ -61,7 +61,7 @@ def run_runs(arguments: argparse.Namespace) -> int:
 
 def print_runs(arguments: argparse.Namespace, job: Runs, seed: int, count: int) -> int:
     """Lines as they come, or what they have in common. Returns the exit code; raises TumbleError."""
-    from tumble.files.documents import to_json
+    from tumble.documents.base import to_json
     from tumble.world import campaigns
 
     code = EXIT_PASS
@@ -82,7 +82,7 @@ def run_lives(arguments: argparse.Namespace) -> int:
     """Live, tell of violations as they come, print the document. Returns the exit code; raises TumbleError."""
     seed, count = _seeds(arguments, "--lives", arguments.lives)
 
-    from tumble.files.documents import to_json
+    from tumble.documents.base import to_json
     from tumble.world import campaigns
 
     documents, code, job = [], EXIT_PASS, campaigns.HostileLives()

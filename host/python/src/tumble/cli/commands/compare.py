@@ -65,8 +65,8 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.api.comparing import compared
     from tumble.cli.output import warn
     from tumble.comparison import report
+    from tumble.documents.base import to_json
     from tumble.files.disk import refuse_overwriting
-    from tumble.files.documents import to_json
 
     inputs = arguments.a, arguments.b, arguments.stand, file_of(arguments.schedule)
     refuse_overwriting(arguments.plot, *inputs, option="--plot")

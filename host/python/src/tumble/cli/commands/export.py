@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import argparse
 import sys
-from typing import Any
+from typing import TYPE_CHECKING
 
 from tumble.cli.options import Subparsers, parse_number, require_ending
 from tumble.errors import EXIT_PASS, BadInput, UsageError, file_name, quoted
 from tumble.messages import tell
 from tumble.units import SI, force_unit
+
+if TYPE_CHECKING:
+    from tumble.documents.result import Result
 
 FORMATS = {  # and how the names of their files end
     "c": (".h", ".c"),
@@ -63,12 +66,12 @@ def run(arguments: argparse.Namespace) -> int:
 
     from tumble.api.complaints import complaints_of_document
     from tumble.cli import exports
+    from tumble.documents.result import read_result
     from tumble.files.disk import refuse_overwriting, write_text
-    from tumble.files.documents import read_coefficients
 
     refuse_overwriting(arguments.out, arguments.result)
     require_ending(arguments.out, "--out", *FORMATS[arguments.format])
-    result = read_coefficients(arguments.result)
+    result = read_result(arguments.result)
     try:
         text = _converted(result if arguments.labels else exports.unlabelled(result), arguments, step)
     except ValueError as error:
@@ -96,7 +99,7 @@ def _parse_step(arguments: argparse.Namespace) -> float | None:
     return step
 
 
-def _converted(result: dict[str, Any], arguments: argparse.Namespace, step: float | None) -> str:
+def _converted(result: Result, arguments: argparse.Namespace, step: float | None) -> str:
     from tumble.cli import exports, foreign_exports
 
     name = arguments.format

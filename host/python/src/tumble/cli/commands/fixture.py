@@ -68,7 +68,7 @@ def check(arguments: argparse.Namespace) -> int:
     _refuse_repetition(arguments.runs)
 
     from tumble.core import CoreSchedule, paper_schedule
-    from tumble.files.documents import to_json
+    from tumble.documents.base import to_json
     from tumble.files.schedule_file import read_schedule
     from tumble.files.stand_file import read_stand
     from tumble.fixture import report

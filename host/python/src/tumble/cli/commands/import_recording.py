@@ -72,8 +72,8 @@ def add_to(subparsers: options.Subparsers, about: str) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Import and tell. Returns the exit code; raises TumbleError."""
     from tumble.cli.next_command import after_import
+    from tumble.documents.base import to_json
     from tumble.files.disk import refuse_overwriting, write_all
-    from tumble.files.documents import to_json
     from tumble.files.schedule_file import read_schedule
     from tumble.importing import report
     from tumble.importing.pipeline import import_recordings

@@ -106,7 +106,7 @@ def _kind(out: str | None) -> str | None:
 
 
 def _content(kind: str, found: Optimized, document: dict[str, Any]) -> bytes:
-    from tumble.files.documents import to_json
+    from tumble.documents.base import to_json
     from tumble.solving import optimal_run
 
     if kind == ".bin":
@@ -117,16 +117,15 @@ def _content(kind: str, found: Optimized, document: dict[str, Any]) -> bytes:
 
 def _last_known_k(file: str) -> Floats:
     """K (3, 3) in V/g of a result file."""
-    import numpy as np
 
+    from tumble.documents.result import read_result
     from tumble.errors import BadInput
-    from tumble.files.documents import read_coefficients
     from tumble.units import noise_unit, volts_per
 
-    result = read_coefficients(file)
-    if noise_unit(result["unit"]) != "V":
-        raise BadInput(f"K is in {quoted(result['unit'])} per g; a gain table needs volts", file)
-    return np.array(result["K"], dtype=float) * volts_per(result["unit"])
+    result = read_result(file)
+    if noise_unit(result.unit) != "V":
+        raise BadInput(f"K is in {quoted(result.unit)} per g; a gain table needs volts", file)
+    return result.K * volts_per(result.unit)
 
 
 def _serial(stand: str | None) -> str | None:

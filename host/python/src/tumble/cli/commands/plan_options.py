@@ -126,6 +126,6 @@ def write_json(document: dict[str, Any]) -> None:
     """Print a plan as JSON."""
     import sys
 
-    from tumble.files.documents import to_json
+    from tumble.documents.base import to_json
 
     sys.stdout.write(to_json(document))

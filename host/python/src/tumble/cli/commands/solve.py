@@ -64,8 +64,8 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.api.recording import recording_of
     from tumble.api.solving import solved
     from tumble.cli.output import print_solution, warn
+    from tumble.documents.base import to_json
     from tumble.files.disk import refuse_overwriting, write_text
-    from tumble.files.documents import to_json
     from tumble.files.run_layout import COLUMNS, TEMPERATURE
     from tumble.solving.decision import decide
 

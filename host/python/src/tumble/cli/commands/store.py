@@ -28,8 +28,8 @@ def add_to(subparsers: Subparsers, about: str) -> None:
 
 def dump(arguments: argparse.Namespace) -> int:
     """Read and print. Returns the exit code; raises TumbleError."""
+    from tumble.documents.base import to_json
     from tumble.files.disk import read_bytes
-    from tumble.files.documents import to_json
     from tumble.store.document import document
     from tumble.store.image import MIN_SECTOR, describe, read_image
 

@@ -112,7 +112,7 @@ def _refuse_options_of_bench(arguments: argparse.Namespace) -> None:
 
 
 def _print_once(source: Source, name: str) -> int:
-    from tumble.files.documents import to_json
+    from tumble.documents.base import to_json
     from tumble.watch.follower import Follower
     from tumble.watch.snapshot import document
 
