@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """JSON schemas of the documents, made from their types in tumble.documents.
 
-    schemas.py FOLDER     writes them; docs/schemas holds them, and a test holds these against the types
+    schemas.py FOLDER [PAGE]    writes them, and the tables of keys of a page of Markdown, docs/files.md
+
+What docs/ holds is held against the types by tests/integration/test_schemas.py.
 
 A docstring of a type tells what it is, and below, a paragraph a key, "name: text", what its keys mean. Lists of names
 that a document may have (patterns, sources, estimators) are those of this version; whoever reads one takes others, too.
@@ -13,14 +15,13 @@ import json
 import re
 import sys
 from collections.abc import Iterable
-from inspect import cleandoc
 from pathlib import Path
 from typing import Any, get_origin
 
 from msgspec import inspect
 
 from tumble.data import SCHEMAS
-from tumble.documents.base import LARGEST, ONLY, Document, array_schema
+from tumble.documents.base import LARGEST, ONLY, Document, array_schema, described
 from tumble.documents.result import RESULT, Result
 from tumble.estimators import ESTIMATORS
 from tumble.model.explanations import DOUBTS
@@ -64,22 +65,9 @@ def schema(name: str) -> dict[str, Any]:
     return {**head, **own, **_MORE.get(name, {}), "$defs": dict(sorted(writer.parts.items()))}
 
 
-def keys(kind: type[Document]) -> dict[str, str]:
-    """What the keys of a type mean, by its docstring; without those that tell for themselves."""
-    return _told(kind)[1]
-
-
-def _told(kind: type[Any]) -> tuple[str, dict[str, str]]:
-    """What the docstring says: of the type, and of its keys."""
-    encoded = dict(zip(kind.__struct_fields__, kind.__struct_encode_fields__))
-    lead, named = [], {}
-    for paragraph in re.split(r"\n(?=\S)", cleandoc(kind.__doc__ or "")):
-        key, colon, text = " ".join(paragraph.split()).partition(": ")
-        if colon and key in encoded:
-            named[encoded[key]] = text
-        else:
-            lead.append(key + colon + text)
-    return " ".join(lead).strip(), named
+def _plain(text: str) -> str:
+    """Without the marks of Markdown."""
+    return re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", text).replace("`", "")
 
 
 class _Writer:
@@ -91,19 +79,19 @@ class _Writer:
     def object_of(self, kind: inspect.StructType, name: str = "") -> dict[str, Any]:
         """A type of documents."""
         own = get_origin(kind.cls) or kind.cls
-        (about, of_keys), properties = _told(own), {}
+        (about, of_keys), properties = described(own), {}
         for field in kind.fields:
             key = field.encode_name
             made = self.value(field.type)
             if (names := _NAMES.get((own.__name__, key))) is not None:
                 made = _one_of(made, list(names))
-            properties[key] = ({"description": of_keys[key]} if key in of_keys else {}) | made
+            properties[key] = ({"description": _plain(of_keys[key])} if key in of_keys else {}) | made
         if name:
             properties["schema"] = {"const": name}
         always = _WRITTEN.get(own.__name__, "").split()
         required = [field.encode_name for field in kind.fields if field.required or field.encode_name in always]
         listed = {"properties": properties, "required": required, "additionalProperties": False}
-        return ({"description": about} if about else {}) | {"type": "object"} | listed
+        return ({"description": _plain(about)} if about else {}) | {"type": "object"} | listed
 
     def value(self, kind: inspect.Type) -> dict[str, Any]:
         """Any type."""
@@ -200,14 +188,27 @@ def text(value: Any, indent: int = 0, before: int = 0) -> str:
     return "\n".join([start, ",\n".join(lines), f"{' ' * indent}{end}"])
 
 
+def tabled(page: str) -> str:
+    """A page with its tables of keys made anew: each stands below a line such as <!-- keys of tumble.result/1 -->."""
+
+    def table(found: re.Match[str]) -> str:
+        kind, _ = DOCUMENTS[found["name"]]
+        rows = [f"| `{key}` | {text.replace('|', chr(92) + '|')} |" for key, text in described(kind)[1].items()]
+        return "\n".join([found["mark"], "", "| key | what |", "|---|---|", *rows])
+
+    return re.sub(r"(?P<mark><!-- keys of (?P<name>\S+) -->)\n\n(\|.*\n)*\|.*", table, page)
+
+
 def write(folder: Path) -> None:
-    """All of them."""
+    """All schemas."""
     for name in DOCUMENTS:
         path = folder / f"{name.replace('/', '-')}.schema.json"
         path.write_text(text(schema(name)) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
-        sys.exit("usage: schemas.py FOLDER")
+    if len(sys.argv) not in (2, 3):
+        sys.exit("usage: schemas.py FOLDER [PAGE]")
     write(Path(sys.argv[1]))
+    for name in sys.argv[2:]:
+        Path(name).write_text(tabled(Path(name).read_text(encoding="utf-8")), encoding="utf-8")

@@ -18,6 +18,7 @@ from tumble.api.recording import recording_of
 from tumble.api.table import html_table
 from tumble.api.words import in_python, told_in_python
 from tumble.arrays import Floats
+from tumble.documents.base import described
 from tumble.documents.result import Result as Document, result_of
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.files.disk import RESULT_FILE, path_of, read_bytes, write_bytes, write_text
@@ -77,6 +78,16 @@ class Result:
         """All that is known, as it is written: docs/files.md explains every key. A copy, which may be changed."""
         found: dict[str, Any] = json.loads(self._text)
         return found
+
+    @property
+    def keys(self) -> dict[str, str]:
+        """The keys of `document` and what they mean.
+
+        >>> import tumble
+        >>> tumble.solve("examples/paper_stand.csv").keys["U0"]
+        'Outputs without acceleration.'
+        """
+        return described(Document)[1]
 
     @property
     def estimator(self) -> str:

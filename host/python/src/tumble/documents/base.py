@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from inspect import cleandoc
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, TypeVar
 
 import msgspec
@@ -107,6 +108,19 @@ def array_schema(kind: Any) -> dict[str, Any]:
         limits = {} if length is None else {"minItems": length, "maxItems": length}
         made = {"type": "array", "items": made, **limits}
     return made
+
+
+def described(kind: type[Document]) -> tuple[str, dict[str, str]]:
+    """What the docstring of a type says: of it, and by key of those that do not tell for themselves."""
+    encoded = dict(zip(kind.__struct_fields__, kind.__struct_encode_fields__))
+    lead, named = [], {}
+    for paragraph in re.split(r"\n(?=\S)", cleandoc(kind.__doc__ or "")):
+        key, colon, text = " ".join(paragraph.split()).partition(": ")
+        if colon and key in encoded:
+            named[encoded[key]] = text
+        else:
+            lead.append(key + colon + text)
+    return " ".join(lead).strip(), named
 
 
 def written(document: Document | dict[str, Any]) -> dict[str, Any]:

@@ -559,64 +559,112 @@ class Truth(Document):
 class Result(Document, kw_only=True):
     """U = U0 + K a: outputs U, specific force a in units of local gravity. Unknown is null, never NaN.
 
-    created: When the result was made, UTC: now, or SOURCE_DATE_EPOCH where it is set; null for a run of the bench in
-        virtual time.
+    created: When the result was made: UTC, ISO 8601; the second of `SOURCE_DATE_EPOCH` where the environment sets it.
+        That of a bench run in virtual time is null unless it does: the same seed gives the same bytes.
     tumble: The version that made it.
-    run_file: Name of the run file; null: not told.
+    run_file: Which file was solved; null: not told.
     run_sha256: SHA-256 of the run file, byte for byte; null: not told.
     serial: Of the block, from the stand file; null: not told.
-    stand: As it is declared, with the keys of [stand]: limits says what the numbers are. Noise and drift in volts for
-        V, mV, uV, kV, else in the outputs' unit. null: none is declared.
-    schedule: That the run was measured on, with the tables of a schedule file; name: of a built-in one, else null.
-    unit: Unit of the outputs, in which everything here is given whose name states no unit.
-    K: Row i: response of channel i to acceleration along x, y, z; unit of the outputs per g.
+    stand: As its file declares it, with the keys of `[stand]` and the step of its converter, `step_v` (null without
+        one). Noise and drift in volts for V, mV, uV, kV, else in the outputs' unit. null: none is declared.
+    schedule: That the run was measured on, with the tables of a [schedule file](#schedule-file-toml) and the `name` of
+        a built-in one.
+    estimator: By which the coefficients were found.
+    unit: Of the outputs, in which everything here is given whose name states no unit.
+    units: Of the coefficients.
+    K: Coefficients: row i is the response of channel i to acceleration along x, y, z, in the unit of the outputs per g.
     U0: Outputs without acceleration.
-    u_K: Standard uncertainties of K; null without a declared stand.
-    u_U0: Standard uncertainties of U0; null without a declared stand.
-    covariance: Of the twelve coefficients, K row by row, then U0, in the products of their units. The roots of the
-        diagonal are u_K and u_U0; null without a declared stand.
-    u_norm_g: The largest standard uncertainty of the length of a that the calibrated block shows at any attitude, in g,
-        and that attitude as the direction of a on the block's axes; null without a declared stand.
-    extended: Of solve --model: what was found of further terms; null where nobody asked.
-    second_order: The bias that squares of the declared angles leave in the estimate, which the linear theory of
-        uncertainties leaves out, and whether it matters: more than 0.2 u of any coefficient; null without a stand.
-    monte_carlo: Of solve --monte-carlo; null where nobody asked.
-    misfit: Rms of the residuals over what the stand declares, sqrt(chi2/dof) of fit, about 1 if it tells the truth;
-        null without a declared stand.
-    fit: Does the run fit the declared stand? The same for every estimator; null without a stand.
-    stand_doubts: Sources of the stand file among the explanations of fit: worse than declared. Empty: none; null
-        without a declared stand.
-    reliability: Errors of the block or stand that the run could not have shown: of every pattern the size that its test
-        finds in nine runs of ten, in one channel or all, whatever their signs, where the error is largest. The largest
-        error first; null without a declared stand.
-    reliability_norm_g: The largest norm_error_g; null if none is known.
-    passed: The gravity check passed, and if a stand is declared, the run fits it and the uncertainty is within the
-        limit at every attitude.
-    pass_reason: Why it did not pass.
-    decision: The decision rule.
-    would_show: Where nothing but the uncertainty stands in the way: what would show that the limit is met, and what
-        coverage factor times the worst u(|a|) is then; else null.
-    assumes: What the result rests on that its run cannot test and its stand file does not declare. seat: that no
-        mounting tilts the block against the axis. linear: that the block has none of its patterns that the positions
-        cannot show, such as a third order on the diagonals. order: that nothing was exchanged or reversed, though K
-        looks like it and no block is declared to have such axes. unit: that outputs are in volts, for the run names no
-        unit. white_noise: no position has enough samples to test it. undithered: all samples of a position round alike;
-        the errors of rounding are taken as independent. temperature: neither the run file nor the environment tells the
-        temperature of the run; that in use is taken as equal.
-    assumed_for: By name as in assumes: the coefficients that rest on it; an empty list: all.
-    warnings: Sentences that a person is told on stderr beside the result.
-    noise: The noise that the samples show, by channel, in the unit of the outputs.
-    scatter_alone: Standard uncertainties that the noise of the samples alone leaves, if the stand has no errors:
-        without a declared stand; else null, and null where no position has two samples.
-    coverage: How well the standard uncertainties are known, those of scatter_alone where there is no declared stand;
-        null where there are no uncertainties.
-    stand_seen: The stand as the run shows it.
-    intrinsic: What does not depend on how the block sits on the stand.
-    si: Coefficients for accelerations in m/s^2, where the environment names gravity_m_s2.
-    u_intrinsic: Standard uncertainties of what stands in intrinsic; null without a declared stand.
-    item: Carried from the stand file.
-    environment: Carried from the stand file.
-    temperature: Of the run, degrees Celsius, where the coefficients hold; null: not told.
+    u_K: Standard uncertainties (k = 1) of K; null without a stand file.
+    u_U0: Standard uncertainties of U0; null without a stand file.
+    covariance: Of the coefficients, `K` row by row, then `U0`, in the products of their units; the roots of its
+        diagonal are `u_K` and `u_U0`, to 1e-9 of them (`optimal`: 1e-6); null without a stand file.
+    u_norm_g: `worst_g`: standard uncertainty of the length of the acceleration that the calibrated block shows, at the
+        attitude where it is largest; `attitude`: that direction on the block's axes. [How](method.md#uncertainty)
+    extended: Of `--model`, else null: `terms`, and of those the values by channel, `k2_per_g`, `k3_per_g2`, `drift_v`
+        (over the whole run; `U0` is that of its middle), each with its `u_` twin; `covariance` of `K`, `U0` and
+        `names`; `without`: `u_K`, `u_U0` and `u_norm_g` of the same run with twelve coefficients, and
+        `u_norm_of_K_U0_g`; `max_abs_difference` from numpy. `drift_v` is in volts as `noise_v` is. `stand_seen` has no
+        angles then. [How](method.md#more-coefficients)
+    second_order: Whether the declared angles are small enough for these uncertainties, which are of first order: under
+        `bias` what squares of the angles shift every coefficient by, expected, in its unit; `matters` where that is
+        more than 0.2 u of any; under `shifts` those coefficients (`source` with the largest part, `coefficient`,
+        `bias_relative` and `limit` over the scale factor of the row); `bias_K_xx_relative` = alpha3^2/2, what a yaw
+        takes off K_xx of a linear estimate, and its `limit`; null without a stand file.
+        [How](method.md#what-the-linear-theory-leaves-out)
+    monte_carlo: Of `--monte-carlo`, else null: `runs`, `seed`, whether all `agrees`, and of every coefficient the mean
+        error (`shift`), `u`, the 95 % `interval` beside the `linear_interval`, their `difference`, its `tolerance`, and
+        a `verdict` ("agrees", "differs", "cannot tell": too few runs). [How](method.md#of-one-result)
+    misfit: `sqrt(chi2/dof)`: rms of the residuals over what the stand declares, 1 if that is true; null without a stand
+        file.
+    fit: Does the run fit the declared stand? `chi2` of all residuals with `dof` degrees of freedom, `p`, `fits` at the
+        `confidence` of `--confidence` (0.999), and `explanations`, of a run that does not, or of one that fits as a
+        whole and yet shows a pattern at that confidence (a warning): `patterns` that this run cannot tell apart, the
+        likeliest first, `p` after Holm, `size`, `u_size` in `unit` of its largest `column`. The same for every
+        estimator; null without a stand file. [How](method.md#does-the-run-fit-its-stand)
+    stand_doubts: The declared sources among the explanations (names as in `stand_seen`): worse than declared. The
+        uncertainties are too small then, and a warning says so; null without a stand file.
+    reliability: What the run could not have shown: of every `pattern` that no stand file declares the `size`, in
+        `unit`, that its test finds in nine runs of ten, and `norm_error_g`, the error of the length of a calibrated
+        acceleration that so much of it leaves at the worst attitude; both null where no size shows. The largest error
+        first; it is `reliability_norm_g`. null without a stand file. [How](method.md#what-a-run-could-not-have-shown)
+    reliability_norm_g: The largest `norm_error_g` of `reliability`; null if none is known.
+    passed: The [decision](method.md#the-decision-rule): gravity check passed, `fits`, and the uncertainty within the
+        limit at every attitude. Without a stand file the gravity check alone.
+    pass_reason: Why it did not pass: one or several of "gravity", "fit", "uncertainty", joined by " and ".
+        "uncertainty" alone is the verdict NOT SHOWN.
+    decision: `coverage_factor` (3, or that of `[accept]`) times `u_norm_worst_g` (null without a stand file) must be
+        within `limit_g`; `scope` of the statement: "everywhere", without a stand file "measured positions".
+    would_show: Of a verdict NOT SHOWN, else null: what would show the limit, as a list of `change` ("estimator",
+        "samples" at each position, "mountings", "stand": how many times better, "converter": the same of the converter
+        too, whose rounding no samples average away), `to`, and `reach_g`, the coverage factor times the worst u(|a|)
+        then.
+    assumes: Names of what the result rests on that its run cannot test and its stand file does not declare. `seat`:
+        that no mounting tilts the block against the axis, where neither `seat_rad` nor `platform_rad` is above 0 and no
+        fit position shows such a tilt ([why](method.md#is-the-result-to-be-believed)); it reaches the coefficients
+        whose uncertainty a seat or a platform of 1e-4 rad would raise by a tenth. `linear`: that the block has no third
+        order (or another one of its patterns), where the fit positions do not show it beside the coefficients, as on
+        the diagonals. `order`: that channels, mountings and the table's turn are as told, where K looks exchanged or
+        reversed and no `[block]` is declared. `unit`: that outputs are in volts, where neither file nor `--unit` names
+        a unit. `white_noise`: that noise is white, where no position has four samples. `undithered`: that errors of
+        rounding are independent, where all samples of a position round alike. `temperature`: that the block is used at
+        the temperature of its run, where neither run file nor environment tells that.
+    assumed_for: By name as in `assumes`: the coefficients that rest on it; an empty list: all. A table marks each of
+        these (`*` seat, `^` linear).
+    warnings: The sentences that stand on stderr as warnings, in the same order; an empty list: none.
+    noise: What the samples show, by channel: `scatter` of one sample; `of_means`, the scatter that white noise would
+        need for the standard errors that the means have; the blocks that these come from (`block_samples`, `freedom`);
+        `above_declared`, channels whose uncertainties count it instead of the declared noise; `undithered`.
+        [How](method.md#noise-that-is-not-white)
+    scatter_alone: Without a stand file: `u_K`, `u_U0` that the noise of the samples alone leaves, without any error of
+        the stand; null with a stand file, and where no position has two samples.
+    coverage: How well the standard uncertainties are known (those of `scatter_alone` where there is no stand file), and
+        what to multiply them by: effective degrees of freedom `freedom_K`, `freedom_U0`, of which null is infinite (all
+        that is in this u was declared), and `k_K`, `k_U0`, so that the truth lies within k u with `probability` 0.95
+        (of `scatter_alone`: what noise by itself does, which says nothing of the errors of the stand); the same of the
+        intrinsic parameters in `freedom_intrinsic`, `k_intrinsic`. null without uncertainties.
+        [How](method.md#expanded-uncertainty)
+    verification: `delta_g_g` per position, with its standard uncertainty `u_delta_g_g` by the noise of the position's
+        mean (no error of the stand changes the length of gravity) and the coverage factor `k_delta_g` for 95 %, both
+        null where no noise is known; the largest over all, over fit and over check positions, `limit_g`, `pass`,
+        `closure`, `residual_rms`.
+    stand_seen: What the run tells about the stand, each with its `u_` twin; `noise_v` in volts for V, mV, uV, kV, else
+        in the outputs' unit; `noise_v_by_channel` of x, y and z where the stand declares three, else null; `alpha4_rad`
+        the standard deviation of set angles from the residuals, with `alpha4_freedom`, null where they do not exceed
+        the noise; `u_from` where the angles' uncertainties come from ("stand", "run", null), with `u_freedom` for
+        Student's t; `augmented` the angles by the sharper fit.
+    intrinsic: `scale` (lengths of the rows of K), `angle_rad` {xy, xz, yz} between these rows, `bias_g` (U0_i over the
+        length of row i): what does not depend on how the block sits.
+    si: Coefficients for accelerations in m/s^2, where the environment has `gravity_m_s2`: `K`, `scale` (lengths of its
+        rows), `bias` (`bias_g` times gravity), `u_K`, `u_scale` and `u_bias` with `u_gravity_m_s2` in them, null where
+        that or the stand file is missing; `units`.
+    u_intrinsic: Their standard uncertainties, same names; null without a stand file.
+    reference: The result of the C core less that of numpy, and the largest differences.
+    means: Per measured position: samples, mean, scatter.
+    counters: Rows, positions, blank and comment lines, columns ignored.
+    item: From the stand file.
+    environment: From the stand file.
+    temperature: Of the run, in deg C: `min_c`, `max_c`, and their `source`: "run_file" (its column; of a bench run the
+        frames of the block) or "environment"; null: not told.
     seed: Of a run on the bench: the same seed and inputs give the same result and bus log, byte for byte.
     bus: Of a run on the bench.
     firmware: Of a run on the bench: where the firmware ran.
