@@ -10,12 +10,13 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from conftest import EXAMPLES
+from conftest import EXAMPLES, ROOT
 from documents import NO_GRAVITY
 from test_apply import exact_force, outputs_exactly
 
 import tumble
 from tumble.api.result import Result
+from tumble.cli.commands.export import FORMATS
 from tumble.cli.main import main
 
 pytestmark = pytest.mark.python
@@ -24,6 +25,11 @@ with_compiler = pytest.mark.skipif(shutil.which("cc") is None, reason="no C comp
 GRAVITY = 9.8067
 OUTPUTS = [[0.0, 0.0, 2.0], [-1.2, 0.7, 1.4], [5.0, -3.25, 0.125]]
 FLAGS = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Werror"]
+
+
+def test_a_format_is_a_row_and_a_template():
+    templates = (ROOT / "host/python/src/tumble/cli/exports").iterdir()
+    assert sorted(path.name for path in templates) == sorted(f"{name}.j2" for name in FORMATS)
 
 
 @pytest.fixture(scope="module")

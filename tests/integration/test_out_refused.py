@@ -87,5 +87,5 @@ def test_the_page_has_what_the_lines_say():
                  "ends in none of", "is there already and is not an empty folder", "and is not a folder",
                  "of a run that goes on or was killed", "have the same name", "the folder cannot be made:"):
         assert said in PAGE, said
-    for name, endings in FORMATS.items():
-        assert f"`{name}` {', '.join(endings)}" in PAGE, name
+    for name, form in FORMATS.items():
+        assert f"`{name}` {', '.join(form.endings)}" in PAGE, name
