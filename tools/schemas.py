@@ -24,7 +24,7 @@ from tumble.data import SCHEMAS
 from tumble.documents.base import LARGEST, ONLY, Document, array_schema, described
 from tumble.documents.result import RESULT, Result
 from tumble.estimators import ESTIMATORS
-from tumble.model.explanations import DOUBTS
+from tumble.model.fit import DOUBTS
 from tumble.model.patterns import PATTERNS
 from tumble.schedule import BUILT_IN
 from tumble.solving.noise import CORRELATED

@@ -3,7 +3,7 @@
 import numpy as np
 
 from tumble import core
-from tumble.core import optimal as core_optimal, uncertainty
+from tumble.core import binding as core_optimal, binding as uncertainty
 from tumble.model import Geometry
 from tumble.model.optimal import optimal_table
 from tumble.solving import optimal_run

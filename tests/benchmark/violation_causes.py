@@ -1,4 +1,4 @@
-"""Which cause `solve` names first, for thousands of runs at once: the search of tumble.model.explanations on one
+"""Which cause `solve` names first, for thousands of runs at once: the search of tumble.model.fit on one
 stand, linear in the outputs, as K and the stand's errors are small. `tests/integration/test_outside_the_model.py` holds
 it against the search itself, run by run.
 """
@@ -10,9 +10,8 @@ import numpy as np
 
 from tumble import model
 from tumble.distributions import chi_squared_log_above
-from tumble.model.explanations import ALIKE, CONFIDENCE, EXPLAINED, SYSTEMATIC, variance_of_means
+from tumble.model.fit import ALIKE, CONFIDENCE, EXPLAINED, SYSTEMATIC, basis, variance_of_means
 from tumble.model.patterns import BY_NAME, PATTERNS
-from tumble.model.whole import basis
 
 _CONTAINED = 0.9999
 _NULL = 1e-7

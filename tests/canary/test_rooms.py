@@ -59,7 +59,7 @@ DEFECTS = {
     "a witness of the core": (
         f"{PACKAGE}/model/a.py",
         "import os\nfrom tumble.core import estimate\n",
-        "2: model may not know core; it may know: no other room",
+        "2: model may not know core; it may know: documents",
     ),
     "a witness of the extension": (
         f"{PACKAGE}/model/a.py",

@@ -15,7 +15,7 @@ import tumble
 from tumble.api.result import Result
 from tumble.cli.main import main
 from tumble.files import calibrated
-from tumble.model.norm import norm_uncertainty
+from tumble.model.coefficients import norm_uncertainty
 
 pytestmark = pytest.mark.python
 

@@ -31,9 +31,8 @@ from tumble.planning import require
 from tumble.planning.budget import budget
 from tumble.planning.case import Case
 from tumble.solving import optimal_run
-from tumble.solving.declared import stand_of, step_of
 from tumble.solving.many_runs import estimator_for
-from tumble.solving.result import declared_stand
+from tumble.solving.result import declared_stand, stand_of, step_of
 from tumble.solving.solution import solve
 from tumble.stand import Stand
 

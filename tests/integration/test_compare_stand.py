@@ -12,7 +12,7 @@ from documents import paper_stand, valid
 from tumble.comparison.shared import Calibration
 from tumble.comparison.verdict import Verdict, judge
 from tumble.core import CoreSchedule
-from tumble.core.optimal import estimate_runs
+from tumble.core.binding import estimate_runs
 from tumble.distributions import chi_squared_quantile
 from tumble.files.stand_file import read_stand
 from tumble.fixture.judge import repeats

@@ -12,12 +12,11 @@ from test_crosscheck import plant, solve_with_defect
 from test_plan_uncertainty import random_samples, random_stand
 
 from tumble import core, model
-from tumble.core.optimal import estimate_runs
-from tumble.core.uncertainty import uncertainties_of_gains
+from tumble.core.binding import estimate_runs, uncertainties_of_gains
 from tumble.estimators import LINEAR
 from tumble.files.stand_file import read_stand
+from tumble.model.coefficients import intrinsic_uncertainties, norm_uncertainty, worst_norm
 from tumble.model.estimators import linear_gains
-from tumble.model.norm import intrinsic_uncertainties, norm_uncertainty, worst_norm
 from tumble.model.optimal import optimal_table
 from tumble.model.propagation import Propagation
 from tumble.planning.case import Case

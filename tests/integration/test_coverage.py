@@ -14,9 +14,9 @@ from tumble import model
 from tumble.cli import presentation
 from tumble.core import CoreSchedule, paper_schedule
 from tumble.model.estimators import estimate
-from tumble.solving.coverage import Coverage, effective
 from tumble.solving.result import coverage_of
 from tumble.solving.solution import solve
+from tumble.solving.uncertainty import Coverage, effective
 from tumble.stand import PAPER_STAND
 
 pytestmark = pytest.mark.python

@@ -11,8 +11,8 @@ from conftest import EXAMPLES, ROOT
 from tumble import core
 from tumble.cli.main import main
 from tumble.errors import Disagreement
-from tumble.model import Geometry, built_in, verification
-from tumble.solving import crosscheck, solution
+from tumble.model import Geometry, built_in, coefficients
+from tumble.solving import computation, solution
 from tumble.solving.computation import compute
 
 SOURCES = ROOT / "host/python/src/tumble"
@@ -58,19 +58,19 @@ def test_without_a_defect_they_agree(capsys, tmp_path):
 LARGEST_K = 2.00392  # of the example
 
 DEFECTS = {
-    "K of numpy": (crosscheck, "unknowns", moved(0, 1.1e-12 * LARGEST_K), "K differs"),
-    "U0 of numpy": (crosscheck, "unknowns", moved(9, 1.1e-12 * LARGEST_K), "U0 differs"),
+    "K of numpy": (computation, "unknowns", moved(0, 1.1e-12 * LARGEST_K), "K differs"),
+    "U0 of numpy": (computation, "unknowns", moved(9, 1.1e-12 * LARGEST_K), "U0 differs"),
     "K of the core": (core, "estimate", shifted(0, 1.1e-12 * LARGEST_K), "K differs"),
     "U0 of the core": (core, "estimate", shifted(1, 1.1e-12 * LARGEST_K), "U0 differs"),
-    "gravity errors": (verification, "gravity_errors", lambda errors: errors * 1.00001, "delta_g differs"),
-    "scales": (verification, "intrinsic", shifted(0, 1e-10), "intrinsic scale differs"),
-    "angles": (verification, "intrinsic", shifted(1, 1e-10), "intrinsic angle_rad differs"),
-    "biases": (verification, "intrinsic", shifted(2, 1e-10), "intrinsic bias_g differs"),
-    "residuals": (verification, "residual_rms", lambda rms: rms + 1e-10, "residual_rms differs"),
-    "no residuals": (verification, "residual_rms", lambda rms: None, "only one of them gives residual_rms"),
-    "closure": (verification, "closure", lambda difference: difference + 1e-16, "closure of mounting 1 differs"),
-    "no closure": (verification, "closure", lambda difference: None, "only one of them gives closure of mounting 1"),
-    "a NaN": (crosscheck, "unknowns", moved(0, np.nan), "K differs"),
+    "gravity errors": (coefficients, "gravity_errors", lambda errors: errors * 1.00001, "delta_g differs"),
+    "scales": (coefficients, "intrinsic", shifted(0, 1e-10), "intrinsic scale differs"),
+    "angles": (coefficients, "intrinsic", shifted(1, 1e-10), "intrinsic angle_rad differs"),
+    "biases": (coefficients, "intrinsic", shifted(2, 1e-10), "intrinsic bias_g differs"),
+    "residuals": (coefficients, "residual_rms", lambda rms: rms + 1e-10, "residual_rms differs"),
+    "no residuals": (coefficients, "residual_rms", lambda rms: None, "only one of them gives residual_rms"),
+    "closure": (coefficients, "closure", lambda difference: difference + 1e-16, "closure of mounting 1 differs"),
+    "no closure": (coefficients, "closure", lambda difference: None, "only one of them gives closure of mounting 1"),
+    "a NaN": (computation, "unknowns", moved(0, np.nan), "K differs"),
 }
 
 
@@ -84,7 +84,7 @@ def test_planted_defects_end_in_exit_3(case, monkeypatch, capsys, tmp_path):
 
 
 def test_what_is_within_the_limit_passes(monkeypatch, capsys, tmp_path):
-    plant(monkeypatch, crosscheck, "unknowns", moved(0, 0.9e-12 * LARGEST_K))
+    plant(monkeypatch, computation, "unknowns", moved(0, 0.9e-12 * LARGEST_K))
     assert solve_with_defect(capsys, tmp_path)[0] == 0
 
 
@@ -121,10 +121,10 @@ def test_the_limit_scales_with_the_coefficients():
         k = scale * (2 * np.eye(3) + 0.02 * rng.normal(size=(3, 3)))
         means = Geometry(paper.data).outputs(k, scale * 0.1 * np.ones(3))
         found = compute(paper, means, np.ones(18, dtype=bool), "refined", 1e-3)
-        crosscheck.compare(found, paper.data, means, means, found.gravity.delta_g)
+        computation.compare(found, paper.data, means, means, found.gravity.delta_g)
         off = replace(found, k=found.k + np.diag([0, 0, 3e-12 * scale]))
         with pytest.raises(Disagreement):
-            crosscheck.compare(off, paper.data, means, means, found.gravity.delta_g)
+            computation.compare(off, paper.data, means, means, found.gravity.delta_g)
 
 
 def imports_of(path):

@@ -11,17 +11,16 @@ from documents import document_of
 
 import tumble as package
 from tumble import core, model
-from tumble.core.uncertainty import worst_norm as worst_norm_on_board
+from tumble.core.binding import worst_norm as worst_norm_on_board
 from tumble.estimators import LINEAR
 from tumble.files.stand_file import read_stand
-from tumble.model.norm import norm_uncertainty, spread_attitudes, worst_norm
+from tumble.model.coefficients import norm_uncertainty, spread_attitudes, worst_norm
 from tumble.model.optimal import optimal_table
 from tumble.model.propagation import Propagation
 from tumble.planning.case import Case
 from tumble.planning.promise import promise
 from tumble.rounding import on_its_side
-from tumble.solving.decision import UNCERTAINTY, Decision, is_shown
-from tumble.solving.would_show import Question, Remedy, in_words
+from tumble.solving.decision import UNCERTAINTY, Decision, Question, Remedy, in_words, is_shown
 from tumble.stand import PAPER_STAND, Stand
 
 pytestmark = pytest.mark.python

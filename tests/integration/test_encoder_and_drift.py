@@ -14,15 +14,14 @@ from documents import valid
 from test_seat import with_keys
 
 from tumble import core, model
-from tumble.core.optimal import GainRecord, estimate_runs, optimal_runs
-from tumble.core.uncertainty import uncertainties
+from tumble.core.binding import GainRecord, estimate_runs, optimal_runs, uncertainties
 from tumble.estimators import LINEAR
 from tumble.files.run_file import Run
 from tumble.fixture.judge import covariances
 from tumble.model.errors import course, encoder_waves, exact_outputs, sources
 from tumble.model.estimators import design
+from tumble.model.fit import WholeModel
 from tumble.model.optimal import optimal_table, standard_deviations
-from tumble.model.whole import WholeModel
 from tumble.schedule import CHECK, Schedule
 from tumble.solving import optimal_run
 from tumble.solving.optimal_run import Weighting, apply_table, make_table

@@ -15,11 +15,10 @@ from tumble import core
 from tumble.cli.main import main
 from tumble.files.stand_file import read_stand
 from tumble.model import Geometry, Propagation, WholeModel, gravity_errors, optimal_estimate
+from tumble.model.coefficients import linear_outputs, worst_norm
 from tumble.model.estimators import columns_at, confused, unknowns
-from tumble.model.force import linear_outputs
-from tumble.model.norm import worst_norm
 from tumble.schedule import Position, Schedule
-from tumble.solving import computation, crosscheck, further, uncertainty
+from tumble.solving import computation, computation as crosscheck, further, uncertainty
 from tumble.solving.many_runs import estimator_for
 from tumble.terms import TERMS, names
 

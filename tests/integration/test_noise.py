@@ -25,7 +25,7 @@ from tumble.model.errors import exact_outputs, sources
 from tumble.model.estimators import estimate
 from tumble.model.noise import CHANCE_SIGMAS, chance_limit
 from tumble.solving import noise
-from tumble.solving.assumptions import assumed
+from tumble.solving.decision import assumed
 from tumble.solving.noise import CORRELATED, log_p_if_white
 from tumble.solving.solution import solve
 from tumble.stand import PAPER_STAND

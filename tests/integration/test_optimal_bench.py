@@ -11,7 +11,7 @@ from simulated_bench import bench as simulated, runs
 
 import tumble as package
 from tumble.cli.main import main
-from tumble.core import CoreSchedule, optimal as core_optimal, paper_schedule
+from tumble.core import CoreSchedule, binding as core_optimal, paper_schedule
 from tumble.model.optimal import optimal_estimate, optimal_table
 from tumble.solving import optimal_run
 from tumble.stand import PAPER_STAND

@@ -5,7 +5,7 @@ import pytest
 from blocks import NOMINAL_K, random_block, usable_schedule
 
 from tumble import core
-from tumble.core import CoreRefusal, optimal as core_optimal
+from tumble.core import CoreRefusal, binding as core_optimal
 from tumble.estimators import LINEAR
 from tumble.model import Geometry, estimate, optimal_estimate
 from tumble.model.estimators import unidentified

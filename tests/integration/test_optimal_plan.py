@@ -14,7 +14,7 @@ from conftest import EXAMPLES, ROOT
 from documents import document_of, paper_stand
 
 from tumble import core, model
-from tumble.core import optimal
+from tumble.core import binding as optimal
 from tumble.files.schedule_file import to_toml
 from tumble.model.optimal import optimal_table
 from tumble.schedule import Position, Schedule

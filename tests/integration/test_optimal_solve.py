@@ -11,7 +11,7 @@ from documents import paper_stand
 
 from tumble import core, model
 from tumble.cli.main import main
-from tumble.core import optimal as core_optimal
+from tumble.core import binding as core_optimal
 from tumble.model import Geometry
 from tumble.model.optimal import optimal_table
 from tumble.solving import optimal_run, solution

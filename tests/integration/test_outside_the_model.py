@@ -17,7 +17,7 @@ from tumble.distributions import chi_squared_above
 from tumble.estimators import ESTIMATORS
 from tumble.files.run_file import Run
 from tumble.model import WholeModel, built_in
-from tumble.model.explanations import CONFIDENCE, judge
+from tumble.model.fit import CONFIDENCE, judge
 from tumble.model.patterns import BY_NAME, Scene
 from tumble.model.stand_seen import StandSeen
 from tumble.solving.solution import solve

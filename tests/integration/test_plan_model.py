@@ -13,7 +13,7 @@ from test_plan_budget import plan
 from tumble import model
 from tumble.files.stand_file import read_stand
 from tumble.model import Propagation, built_in
-from tumble.model.norm import norm_gradient
+from tumble.model.coefficients import norm_gradient
 from tumble.planning import validate
 from tumble.planning.case import Case
 from tumble.planning.promise import error_field, largest_over_attitudes, largest_with_terms, promise

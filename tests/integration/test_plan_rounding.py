@@ -9,7 +9,7 @@ import pytest
 from conftest import EXAMPLES
 
 from tumble import core, model
-from tumble.core.optimal import estimate_runs
+from tumble.core.binding import estimate_runs
 from tumble.files.run_file import Run
 from tumble.files.run_store import NO_BLOCKS
 from tumble.files.stand_file import read_stand
@@ -20,10 +20,9 @@ from tumble.planning.promise import error_field, promise
 from tumble.planning.require import requirements, samples_on, stand_of
 from tumble.planning.schedule_search import NormSpread, worst_norm_of
 from tumble.planning.validate import KNOWN, RUN, U0_V, judge, largest_gravity_errors, validate
-from tumble.solving import tables_of_runs
-from tumble.solving.decision import UNCERTAINTY, decide
+from tumble.solving import many_runs as tables_of_runs
+from tumble.solving.decision import UNCERTAINTY, decide, would_show
 from tumble.solving.solution import solve
-from tumble.solving.would_show import would_show
 from tumble.stand import PAPER_STAND, Stand
 
 pytestmark = pytest.mark.python

@@ -11,7 +11,7 @@ from hypothesis import given, settings, strategies as st
 
 from tumble import core, model
 from tumble.cli.main import main
-from tumble.core.uncertainty import uncertainties, uncertainties_of_gains
+from tumble.core.binding import uncertainties, uncertainties_of_gains
 from tumble.model.errors import contributions, sources
 from tumble.model.propagation import Propagation
 from tumble.schedule import CHECK, FIT, Position, Schedule

@@ -13,7 +13,7 @@ from documents import document_of, paper_stand
 from test_terminal import on_terminal, without_styles
 
 from tumble import core
-from tumble.core import optimal as core_optimal
+from tumble.core import binding as core_optimal
 from tumble.estimators import COEFFICIENTS, ESTIMATORS
 from tumble.files.stand_file import read_stand
 from tumble.model import Geometry

@@ -10,7 +10,7 @@ from conftest import EXAMPLES
 from documents import document_of
 
 from tumble import __version__
-from tumble.solving import declared
+from tumble.solving.result import created
 
 pytestmark = pytest.mark.python
 
@@ -46,6 +46,6 @@ def test_another_date_is_refused(told, tumble, tmp_path):
 
 def test_the_last_second_is_taken(monkeypatch):
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "253402300799")
-    assert declared.created(clock=False) == "9999-12-31T23:59:59Z"
+    assert created(clock=False) == "9999-12-31T23:59:59Z"
     monkeypatch.delenv("SOURCE_DATE_EPOCH")
-    assert declared.created(clock=False) is None
+    assert created(clock=False) is None

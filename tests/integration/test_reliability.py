@@ -20,12 +20,11 @@ from violation_rows import U0, K, honest
 from tumble.distributions import chi_squared_log_above, chi_squared_quantile, noncentrality
 from tumble.files.stand_file import read_stand
 from tumble.model import built_in
-from tumble.model.explanations import CONFIDENCE, DOUBTS
-from tumble.model.norm import spread_attitudes
+from tumble.model.coefficients import spread_attitudes
+from tumble.model.fit import CONFIDENCE, DOUBTS, basis
 from tumble.model.patterns import BY_NAME, PATTERNS, Scene
 from tumble.model.propagation import Propagation
 from tumble.model.reliability import largest, lines, reliability
-from tumble.model.whole import basis
 
 pytestmark = pytest.mark.python
 WORDS = {

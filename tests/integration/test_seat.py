@@ -11,8 +11,7 @@ from conftest import EXAMPLES, ROOT
 
 import tumble as package
 from tumble import core, model
-from tumble.core.optimal import GainRecord, estimate_runs, optimal_runs
-from tumble.core.uncertainty import uncertainties
+from tumble.core.binding import GainRecord, estimate_runs, optimal_runs, uncertainties
 from tumble.estimators import COEFFICIENTS, LINEAR
 from tumble.files.stand_file import read_stand
 from tumble.model.errors import sources

@@ -11,11 +11,10 @@ from hypothesis import given, settings, strategies as st
 from test_plan_validate import case_of
 
 from tumble import model
-from tumble.core.optimal import estimate_runs
+from tumble.core.binding import estimate_runs
 from tumble.estimators import COEFFICIENTS, LINEAR
 from tumble.model.optimal import optimal_table
-from tumble.model.propagation import Propagation
-from tumble.model.second_order import SecondOrder, second_order
+from tumble.model.propagation import Propagation, SecondOrder, second_order
 from tumble.planning.validate import validate
 from tumble.schedule import FIT, Schedule
 from tumble.solving.many_runs import estimator_or_linear

@@ -14,7 +14,7 @@ from documents import NO_GRAVITY, paper_stand, valid
 from hypothesis import given, settings, strategies as st
 
 from tumble.estimators import COEFFICIENTS
-from tumble.solving.si import converted
+from tumble.solving.coefficients import converted
 
 pytestmark = pytest.mark.python
 G, U_G = 9.8106, 2e-3

@@ -12,9 +12,9 @@ import pytest
 
 from tumble import model
 from tumble.estimators import HARMONIC
+from tumble.model.coefficients import worst_norm
 from tumble.model.estimators import design as design_of
-from tumble.model.explanations import CONFIDENCE
-from tumble.model.norm import worst_norm
+from tumble.model.fit import CONFIDENCE
 from tumble.planning import validate
 from tumble.planning.case import Case
 from tumble.planning.validate import errors_of, position_means

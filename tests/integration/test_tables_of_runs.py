@@ -12,7 +12,7 @@ from tumble.files.stand_file import read_stand
 from tumble.model.optimal import optimal_table
 from tumble.planning.case import Case
 from tumble.planning.validate import position_means
-from tumble.solving import optimal_run, tables_of_runs
+from tumble.solving import many_runs as tables_of_runs, optimal_run
 
 pytestmark = pytest.mark.python
 STANDS = {

@@ -21,8 +21,8 @@ from tumble.files.run_file import read_run
 from tumble.files.run_layout import Wishes
 from tumble.files.run_temperature import OF_ENVIRONMENT, OF_RUN_FILE, Temperatures
 from tumble.model import Geometry, built_in
-from tumble.solving import temperature
-from tumble.solving.assumptions import assumed
+from tumble.solving import plausibility
+from tumble.solving.decision import assumed
 from tumble.solving.solution import solve
 
 pytestmark = pytest.mark.python
@@ -119,10 +119,10 @@ def test_the_run_file_comes_before_the_stand_file(tmp_path):
     of_file = read_run(run_file(tmp_path, ["20", "21"]), PAPER)
     of_none = read_run(run_file(tmp_path, ["20"], header="x"), PAPER)
     environment = {"temperature_c": 30, "place": "cellar"}
-    assert temperature.in_environment(of_file, environment).temperature == Temperatures(20.0, 21.0, OF_RUN_FILE)
-    assert temperature.in_environment(of_none, environment).temperature == Temperatures(30.0, 30.0, OF_ENVIRONMENT)
+    assert plausibility.in_environment(of_file, environment).temperature == Temperatures(20.0, 21.0, OF_RUN_FILE)
+    assert plausibility.in_environment(of_none, environment).temperature == Temperatures(30.0, 30.0, OF_ENVIRONMENT)
     for nothing in (None, {}, {"place": "cellar"}):
-        assert temperature.in_environment(of_none, nothing).temperature is None
+        assert plausibility.in_environment(of_none, nothing).temperature is None
 
 
 def test_a_solution_assumes_it_where_it_is_not_told(tmp_path):
@@ -208,14 +208,15 @@ def test_the_run_file_has_the_temperatures_of_the_frames(tmp_path):
 )
 def test_who_applies_coefficients_elsewhere_is_warned(known, used, warning):
     document = None if known is None else Temperature(known[0], known[1], "run_file")
-    assert temperature.outside(document, used) == warning
+    assert plausibility.outside(document, used) == warning
 
 
 @given(st.floats(-60, 60), st.floats(0, 20), st.lists(st.floats(-90, 90), max_size=8))
 def test_the_warning_is_there_where_one_is_outside(low, span, used):
     """Against every temperature by itself."""
-    beyond = [one for one in used if one < low - temperature.TOLERANCE_C or one > low + span + temperature.TOLERANCE_C]
-    said = temperature.outside(Temperature(low, low + span), used)
+    low_c, high_c = low - plausibility.TOLERANCE_C, low + span + plausibility.TOLERANCE_C
+    beyond = [one for one in used if one < low_c or one > high_c]
+    said = plausibility.outside(Temperature(low, low + span), used)
     assert (said is None) == (not beyond)
 
 

@@ -11,7 +11,7 @@ from conftest import EXAMPLES, ROOT
 from test_readme import shows
 
 import tumble as tumble_package
-from tumble.solving.coverage import HANDS as HANDS_SENTENCE
+from tumble.solving.uncertainty import HANDS as HANDS_SENTENCE
 
 try:
     import tomllib

@@ -13,7 +13,7 @@ import pytest
 from conftest import EXAMPLES
 
 from tumble.cli.commands import ABOUT
-from tumble.signs import signed
+from tumble.messages import signed
 
 pytestmark = pytest.mark.python
 

@@ -16,10 +16,9 @@ from tumble import core
 from tumble.distributions import chi_squared_above, chi_squared_quantile
 from tumble.files.run_file import Run
 from tumble.model import Geometry, WholeModel, built_in
-from tumble.model.explanations import judge, variance_of_means
+from tumble.model.fit import basis, judge, variance_of_means
 from tumble.model.patterns import BY_NAME, PATTERNS
 from tumble.model.stand_seen import StandSeen
-from tumble.model.whole import basis
 
 pytestmark = pytest.mark.python
 STANDS = ("paper", "angle", "lab")

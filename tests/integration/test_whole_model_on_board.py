@@ -12,8 +12,8 @@ from test_fixture_check import PAPER, U0, stand_named
 
 from tumble import core, model
 from tumble.distributions import chi_squared_quantile
-from tumble.model.explanations import variance_of_means
-from tumble.solving.crosscheck import LARGEST_MISFIT
+from tumble.model.fit import variance_of_means
+from tumble.solving.computation import LARGEST_MISFIT
 from tumble.stand import SOURCES
 
 ANGLES = [source.attribute for source in SOURCES.values() if source.is_angle]

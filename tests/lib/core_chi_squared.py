@@ -3,11 +3,10 @@
 import numpy as np
 from _tumble_core import ffi, lib
 
-from tumble.core.binding import require_ok
-from tumble.core.uncertainty import record_of
+from tumble.core.binding import record_of, require_ok
 from tumble.model.estimators import columns_at
 from tumble.model.geometry import ideal_force
-from tumble.solving.crosscheck import LARGEST_MISFIT, _require
+from tumble.solving.computation import LARGEST_MISFIT, _require
 
 FIT_LIMIT = 1e-6
 _FLOOR = 1e-7  # of the outputs

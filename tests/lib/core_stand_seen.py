@@ -21,7 +21,7 @@ from tumble.core.binding import (
 )
 from tumble.model.stand_seen import ANGLES, Estimate, StandSeen, look, own_variance, weights_of
 from tumble.schedule import FIT, Schedule
-from tumble.solving.crosscheck import _LAST_BITS, _require, _require_both
+from tumble.solving.computation import _LAST_BITS, _require, _require_both
 from tumble.stand import Stand
 
 if TYPE_CHECKING:

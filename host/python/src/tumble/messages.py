@@ -1,11 +1,52 @@
-"""What is said on standard error. Where nobody can read it, it is dropped; results and exit codes stay the same."""
+"""What is said on standard error. Where nobody can read it, it is dropped; results and exit codes stay the same.
+
+The signs of quantities. The product writes ASCII, as programs read it, such as "+- 12 ug" and "90 deg"; people get
+±, µ and ° where their terminal, or a report, has them.
+"""
 
 from __future__ import annotations
 
+import codecs
 import io
+import re
 import sys
+from typing import TextIO
 
-from tumble.signs import signed_for
+_PLUS_MINUS = re.compile(r"(?<![^\s(])\+-(?= ?\d)")
+_MICRO = re.compile(r"(?<=\d )u(?=(?:g|V|rad)\b)|^u(?=(?:g|V|rad)(?:/g(?:\^\d)?)?$)")
+_CELSIUS = re.compile(r"(?<=\d) deg C\b")
+_DEGREES = re.compile(r"(?<=\d) deg(?=$|[\s,;:)]|\.(?:\s|$))")
+_GAP = re.compile(r"( {2,})")  # between columns
+
+
+def signed(text: str) -> str:
+    """With the signs in place of ASCII, behind numbers or where a unit is all there is. Columns stay in place."""
+    parts = _GAP.split(text)
+    for place in range(0, len(parts), 2):
+        plain = parts[place]
+        parts[place] = _in_signs(plain)
+        if place + 1 < len(parts):
+            parts[place + 1] += " " * (len(plain) - len(parts[place]))
+    return "".join(parts)
+
+
+def _in_signs(text: str) -> str:
+    text = _MICRO.sub("µ", _PLUS_MINUS.sub("±", text))
+    return _DEGREES.sub("°", _CELSIUS.sub(" °C", text))
+
+
+def signed_for(text: str, stream: TextIO | None) -> str:
+    """The same for a terminal of UTF-8; all else, such as a pipe or a file, gets the text as it is."""
+    return signed(text) if _has_signs(stream) else text
+
+
+def _has_signs(stream: TextIO | None) -> bool:
+    if stream is None or not stream.isatty():
+        return False
+    try:
+        return codecs.lookup(stream.encoding or "ascii").name == "utf-8"
+    except LookupError:
+        return False
 
 
 def tell(line: str) -> None:

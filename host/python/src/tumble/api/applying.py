@@ -14,8 +14,8 @@ from tumble.errors import BadInput, UsageError
 from tumble.files import frames
 from tumble.files.calibrated import OUTPUTS, Demand, Seen, factor_of, with_calibrated
 from tumble.files.run_layout import Wishes
-from tumble.model.force import Force, NoForce
-from tumble.solving.temperature import outside
+from tumble.model.coefficients import Force, NoForce
+from tumble.solving.plausibility import outside
 from tumble.units import per_g_of, spelled
 
 

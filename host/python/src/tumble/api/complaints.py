@@ -8,10 +8,10 @@ import numpy as np
 
 from tumble.documents.result import Result
 from tumble.fixture.judge import Limits
-from tumble.model.explanations import NOISE, Explanation
+from tumble.model.fit import NOISE_V, Explanation
 from tumble.model.stand_seen import NAMES
 from tumble.rounding import on_its_side
-from tumble.solving import noise, plausibility, temperature
+from tumble.solving import noise, plausibility
 from tumble.solving.decision import Decision
 from tumble.solving.many_runs import MonteCarlo, Verdict
 from tumble.solving.noise import CORRELATED
@@ -30,7 +30,7 @@ def complaints(solution: Solution, odd: Sequence[str] = (), confirmed_unit: bool
     if (looks := unit_complaint(solution)) is not None:
         told.append(looks)
     told += odd
-    if (span := temperature.spanned(solution.run)) is not None:
+    if (span := plausibility.spanned(solution.run)) is not None:
         told.append(span)
     unit = solution.run.unit
     if solution.stand is not None and noise_unit(unit) != "V" and not confirmed_unit:
@@ -108,7 +108,7 @@ def _placed(name: str, column: str) -> str:
 def consequence(solution: Solution) -> str:
     """What a run that does not fit means for its uncertainties: more noise, where samples show it, is in them."""
     causes = () if solution.fit is None else [one.patterns[0] for one in solution.fit.explanations]
-    is_noise = bool(causes) and set(causes) <= {NOISE, CORRELATED}
+    is_noise = bool(causes) and set(causes) <= {NOISE_V, CORRELATED}
     return "count it" if is_noise and solution.noise.exceeds.any() else "are too small"
 
 

@@ -24,7 +24,7 @@ from tumble.errors import BadInput, UsageError, quoted
 from tumble.files.disk import RESULT_FILE, path_of, read_bytes, write_bytes, write_text
 from tumble.files.run_layout import Wishes
 from tumble.files.stand_file import StandFile
-from tumble.model.force import Force
+from tumble.model.coefficients import Force
 from tumble.schedule import Schedule
 from tumble.solving.coefficients import Coefficients
 from tumble.solving.decision import Decision
@@ -315,7 +315,7 @@ class Result:
         """What `report` writes; `kind`: "html" or "pdf"."""
         from tumble.report.make import made
         from tumble.report.number import require_date
-        from tumble.solving.declared import created
+        from tumble.solving.result import created
 
         recording = None if run is None else recording_of(run, Wishes(unit=self.unit))
         hashes = {self._told.run_sha256, None if recording is None else recording.sha256} - {None}

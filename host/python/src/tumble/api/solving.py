@@ -28,10 +28,10 @@ from tumble.files import run_rows
 from tumble.files.schedule_file import schedule_of
 from tumble.files.stand_file import StandFile, stand_file_of
 from tumble.schedule import Schedule
-from tumble.solving import declared, plausibility
-from tumble.solving.result import result_of
+from tumble.solving import plausibility
+from tumble.solving.plausibility import contradicted, in_environment
+from tumble.solving.result import created, result_of
 from tumble.solving.solution import Solution, solve as solve_run
-from tumble.solving.temperature import contradicted, in_environment
 from tumble.stand import Stand
 from tumble.terms import Terms, parse
 
@@ -74,7 +74,7 @@ def solved(
         raise UsageError(f"estimator: {quoted(estimator)} is not one of {', '.join(ESTIMATORS)}")
     if estimator == OPTIMAL and stand is None:
         raise UsageError(NEEDS_STAND)
-    created = declared.created()
+    now = created()
     stand_file = None if stand is None else stand_file_of(stand)
     declared_g = None if stand_file is None else stand_file.delta_g_limit_g
     told_g = declared_g if limit_g is None else limit_g
@@ -97,7 +97,7 @@ def solved(
     solution = plausibility.marked(solution, stand_file)
     odd = (*odd_rows, *plausibility.require(solution, stand_file, recording.name))
     odd += () if contradiction is None else (contradiction,)
-    return Solved(solution, stand_file, odd, created, os.path.basename(recording.name) if recording.is_file else None)
+    return Solved(solution, stand_file, odd, now, os.path.basename(recording.name) if recording.is_file else None)
 
 
 def solve(

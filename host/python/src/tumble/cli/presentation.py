@@ -14,16 +14,14 @@ from tumble.cli import propagated
 from tumble.estimators import COEFFICIENTS, HARMONIC
 from tumble.files.run_temperature import OF_ENVIRONMENT, OF_RUN_FILE
 from tumble.fixture.judge import Limits
-from tumble.model.explanations import SYSTEMATIC
+from tumble.model.fit import SYSTEMATIC
 from tumble.model.stand_seen import NAMES, Estimate
 from tumble.rounding import on_its_side
 from tumble.schedule import CHECK
-from tumble.solving.assumptions import ASSUMPTIONS, assumed, marks, phrase
-from tumble.solving.coverage import HANDS, NEARLY_INFINITE, PROBABILITY, Coverage
-from tumble.solving.decision import UNCERTAINTY, decide
+from tumble.solving.decision import ASSUMPTIONS, UNCERTAINTY, assumed, decide, in_words, marks, phrase, would_show
 from tumble.solving.further import Further
 from tumble.solving.solution import Solution
-from tumble.solving.would_show import in_words, would_show
+from tumble.solving.uncertainty import HANDS, NEARLY_INFINITE, PROBABILITY, Coverage
 from tumble.terms import names
 from tumble.units import noise_unit, per_g, volts_per
 

@@ -11,7 +11,7 @@ from rich.text import Text
 
 from tumble.cli import presentation
 from tumble.cli.presentation import BAR_WIDTH, GravityBar
-from tumble.signs import signed_for
+from tumble.messages import signed_for
 from tumble.solving.decision import decide
 from tumble.solving.solution import Solution
 

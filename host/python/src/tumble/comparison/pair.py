@@ -18,11 +18,10 @@ from tumble.defaults import ANEW
 from tumble.documents.result import Result
 from tumble.errors import BadInput, file_name, quoted
 from tumble.files.run_temperature import Temperatures
-from tumble.solving import si
-from tumble.solving.coefficients import Coefficients
+from tumble.solving.coefficients import Coefficients, gravity_of
 from tumble.solving.decision import GRAVITY, UNCERTAINTY, Decision
-from tumble.solving.declared import stand_of
-from tumble.solving.temperature import TOLERANCE_C
+from tumble.solving.plausibility import TOLERANCE_C
+from tumble.solving.result import stand_of
 from tumble.terms import POWERS, Terms
 
 _NOT_THEIRS = "with a schedule that is known (--schedule) does not give the uncertainties of both"
@@ -84,7 +83,7 @@ class Side:
     @property
     def gravity(self) -> tuple[float | None, float | None]:
         """Where it was measured, with its standard uncertainty, m/s^2; None: not told."""
-        return si.gravity_of(self.document.environment)
+        return gravity_of(self.document.environment)
 
     def told_apart(self, one_stand: OneStand) -> shared.Apart | None:
         """What returns with every run on the stand, and what is its own; None where it is not its stand."""

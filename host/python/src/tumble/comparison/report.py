@@ -17,8 +17,7 @@ from tumble.errors import file_name
 from tumble.estimators import COEFFICIENTS
 from tumble.files.run_temperature import range_text
 from tumble.rounding import rounded
-from tumble.solving.assumptions import phrase
-from tumble.solving.decision import NOT_SHOWN, UNCERTAINTY
+from tumble.solving.decision import NOT_SHOWN, UNCERTAINTY, phrase
 from tumble.terms import names
 from tumble.units import per_g
 

@@ -25,11 +25,11 @@ from tumble.documents.result import Result
 from tumble.errors import UsageError
 from tumble.estimators import ESTIMATORS
 from tumble.fixture.judge import repeats
-from tumble.model.norm import PAIRS, by_intrinsic
+from tumble.model.coefficients import PAIRS, by_intrinsic
 from tumble.model.propagation import Propagation
 from tumble.schedule import Schedule
-from tumble.solving.declared import schedule_of
-from tumble.solving.si import POWERS_OF_TWELVE
+from tumble.solving.coefficients import POWERS_OF_TWELVE
+from tumble.solving.result import schedule_of
 from tumble.stand import SOURCES, PerChannel, Stand, over
 from tumble.terms import POWERS, Terms, names
 from tumble.units import volts_per

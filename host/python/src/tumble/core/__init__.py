@@ -1,8 +1,7 @@
-"""The firmware core, for every room but `reference`: numpy arrays in and out, a refusal as an exception.
+"""The firmware core, for every room but `model`: numpy arrays in and out, a refusal as an exception.
 
 Nothing is computed here; every number comes from the C functions that fly, through the extension `_tumble_core`. The
-names below are what most need: schedules, the linear estimators, the check of a calibration. The modules `optimal`
-and `uncertainty` offer what else the core can do.
+names below are what most need: schedules, the linear estimators, the check of a calibration; `binding` has the rest.
 """
 
 from tumble.core.binding import (

@@ -3,6 +3,10 @@
 Nothing is computed here; every number comes from the C functions that fly. Arrays: `means` (positions, 3) in volts (or
 any unit, in which the coefficients then come out), in the schedule's order; `measured` (positions,) bool; K (3, 3) in
 volts per g, row i = channel i; U0 (3,) in volts. Rows of `means` that are not measured are never looked at.
+
+The core's stand-optimal estimator and its gain record, for Python; and any estimator for many runs at once.
+
+The core's standard uncertainties, for Python.
 """
 
 from __future__ import annotations
@@ -17,9 +21,11 @@ from _tumble_core import ffi, lib
 
 from tumble.arrays import Flags, Floats, Integers
 from tumble.schedule import CHECK, FIT, Mounting, Position, Schedule
+from tumble.stand import COMMON, PER_CHANNEL, SOURCES, Stand, per_channel
 
 if TYPE_CHECKING:
     from _tumble_core import CData
+
 
 MAX_POSITIONS: int = lib.TUMBLE_MAX_POSITIONS
 MAX_SAMPLES: int = lib.TUMBLE_MAX_SAMPLES
@@ -333,3 +339,260 @@ def residual_rms(schedule: CoreSchedule, means: Floats, measured: Flags | None, 
         return None
     require_ok(status)
     return rms
+
+
+_BEFORE_NUMBERS, _HEAD, _SIGMA_MEAN = 24, 26, 13  # of a gain record: bytes; numbers before the gains; one of them
+
+
+@dataclass(frozen=True)
+class OptimalEstimate:
+    """K (3, 3), U0 (3,), and the errors of the stand (rad): `alpha1`, `alpha2`, `alpha3` (mountings,)."""
+
+    k: Floats
+    u0: Floats
+    alpha1: float
+    alpha2: float
+    alpha3: Floats
+
+
+class GainRecord:
+    """A gain record (docs/gain-record.md) opened by the core for one schedule. Raises CoreRefusal."""
+
+    def __init__(self, schedule: CoreSchedule, record: bytes):
+        self.schedule = schedule
+        self._memory = ffi.new("double[]", (len(record) + 7) // 8)  # aligned as the record demands
+        ffi.memmove(self._memory, record, len(record))
+        opened = ffi.new("const tumble_gain_record_t **")
+        require_ok(lib.tumble_gain_record_open(self._memory, len(record), schedule.struct, opened))
+        self.struct = opened[0]
+
+    @property
+    def gains(self) -> Floats:
+        """The rows of the coefficients (12, 3 x fit positions), K row by row, then U0."""
+        return self._table(lib.tumble_gain_record_gains(self.struct), lib.TUMBLE_COEFFICIENTS)
+
+    @property
+    def stand_gains(self) -> Floats:
+        """The rows of alpha1, alpha2, the yaws, the seats, the encoder and the drifts: (2 + yaws + 2 seats + waves +
+        drifts, 3 x fit positions)."""
+        rows = 2 + self.struct.yaws + 2 * self.struct.seats + self.struct.waves + self.struct.drifts
+        return self._table(lib.tumble_gain_record_stand_gains(self.struct), rows)
+
+    def numbers(self) -> Floats:
+        """K, the prior, the noise and the uncertainties (26 numbers), then all gains: in place."""
+        return np.frombuffer(ffi.buffer(self._memory), offset=_BEFORE_NUMBERS)[:-1]  # the last: zero and CRC
+
+    def _table(self, numbers: CData, rows: int) -> Floats:
+        shape = rows, 3 * int(self.struct.fit_positions)
+        return np.frombuffer(ffi.buffer(numbers, 8 * rows * shape[1])).reshape(shape).copy()
+
+
+def schedule_crc(schedule: CoreSchedule) -> int:
+    """The fingerprint that a record for this schedule must carry."""
+    crc: int = lib.tumble_gain_record_schedule_crc(schedule.struct)
+    return crc
+
+
+def optimal(record: bytes, schedule: CoreSchedule, means: Floats, measured: Flags | None = None) -> OptimalEstimate:
+    """Coefficients and the stand's errors from one run's means (positions, 3). Raises CoreRefusal."""
+    opened = GainRecord(schedule, record)
+    found, work = ffi.new("tumble_coefficients_t *"), ffi.new("tumble_optimal_t *")
+    filled = schedule.means(means, measured)
+    require_ok(lib.tumble_estimate_optimal(opened.struct, schedule.struct, filled, found, work))
+    stand = work.stand
+    alpha3 = np.array(list(stand.alpha3_rad))[: opened.struct.mountings]
+    return OptimalEstimate(*unpack(found), stand.alpha1_rad, stand.alpha2_rad, alpha3)
+
+
+def estimate_runs(schedule: CoreSchedule, means: Floats, estimator: str) -> Floats:
+    """Coefficients (runs, 12), K row by row, then U0, of means (runs, positions, 3), all measured, by one of
+    estimators.LINEAR. Raises CoreRefusal(run=index) at the first run refused."""
+    means, found, where = _arrays(schedule, means)
+    pointers = ffi.from_buffer("double[]", means), ffi.from_buffer("double[]", found)
+    status = lib.batch_estimate(LINEAR_ESTIMATORS[estimator], schedule.struct, len(means), *pointers, where)
+    require_ok(status, run=where[0])
+    return found
+
+
+def optimal_runs(record: GainRecord, means: Floats) -> tuple[Floats, Floats]:
+    """As estimate_runs, by `optimal`: coefficients (runs, 12) and the stand's errors (runs, 2 + mountings): alpha1,
+    alpha2, alpha3 by mounting, rad."""
+    means, found, where = _arrays(record.schedule, means)
+    stand = np.empty((len(means), ffi.sizeof("tumble_stand_errors_t") // 8))
+    pointers = [ffi.from_buffer("double[]", array) for array in (means, found, stand)]
+    status = lib.batch_optimal(record.struct, record.schedule.struct, len(means), *pointers, where)
+    require_ok(status, run=where[0])
+    return found, stand[:, : 2 + record.struct.mountings]
+
+
+@dataclass(frozen=True)
+class Gains:
+    """Tables of many runs: `k` (runs, 3, 3) that each was made at, `sigma_mean` (runs,) and `weights` (runs, 3) of the
+    channels, `gains` (runs, 12, 3 x fit positions) and `stand_gains`, rows as in a gain record."""
+
+    k: Floats
+    sigma_mean: Floats
+    weights: Floats
+    gains: Floats
+    stand_gains: Floats
+
+
+def optimal_each(record: GainRecord, means: Floats, tables: Gains) -> Floats:
+    """As optimal_runs, but each run by its own table, of finite numbers: coefficients (runs, 12). The tables take turns
+    in the memory of `record`, which the core has checked and which lends the rest; nobody else sees them, so they get
+    no checksum. Raises CoreRefusal(run=index)."""
+    means, found, where = _arrays(record.schedule, means)
+    stand = np.empty(ffi.sizeof("tumble_stand_errors_t") // 8)
+    parts = [tables.gains.reshape(len(means), -1), tables.stand_gains.reshape(len(means), -1)]
+    numbers, into = np.concatenate(parts, axis=1), record.numbers()
+    if len(into) > _HEAD + numbers.shape[1]:
+        numbers = np.hstack([numbers, tables.weights**2])
+    pointers = [ffi.from_buffer("double[]", array) for array in (means, found)]
+    spare, columns = ffi.from_buffer("double[]", stand), means[0].size
+    for run, (k, sigma_mean) in enumerate(zip(tables.k.reshape(-1, 9), tables.sigma_mean)):
+        into[:9], into[_SIGMA_MEAN], into[_HEAD:] = k, sigma_mean, numbers[run]
+        here = pointers[0] + run * columns, pointers[1] + run * lib.TUMBLE_COEFFICIENTS
+        status = lib.batch_optimal(record.struct, record.schedule.struct, 1, *here, spare, where)
+        require_ok(status, run=run)
+    return found
+
+
+def require_small(angles: Floats) -> None:
+    """Raise CoreRefusal where an error of a stand, rad, is larger than the estimator can do with."""
+    if not np.abs(angles).max(initial=0.0) <= lib.TUMBLE_MAX_STAND_ERROR_RAD:
+        require_ok(lib.TUMBLE_E_STAND_ERROR)
+
+
+def _arrays(schedule: CoreSchedule, means: Floats) -> tuple[Floats, Floats, CData]:
+    means = np.ascontiguousarray(means, dtype=float)
+    if means.ndim != 3 or means.shape[1:] != (len(schedule), 3):
+        raise ValueError(f"means must have shape (runs, {len(schedule)}, 3), not {means.shape}")
+    return means, np.empty((len(means), lib.TUMBLE_COEFFICIENTS)), ffi.new("size_t *")
+
+
+def record_of(stand: Stand, least_noise: float = 0.0) -> Any:
+    """The declared stand as the core takes it; the noise of a mean never counts as less than `least_noise`."""
+    angles = [source for source in SOURCES.values() if source.is_angle]
+    numbers: dict[str, Any] = {source.key: stand.sigma(source.attribute) for source in angles}
+    for source in PER_CHANNEL:
+        sigma = per_channel(stand.sigmas(source))
+        numbers[f"channel_{source}_v" if isinstance(sigma, tuple) else f"{source}_v"] = sigma
+    labels = {"least_noise_v": least_noise, "samples": stand.samples, "common_yaw": stand.remounting == COMMON}
+    return ffi.new("tumble_stand_record_t *", numbers | labels)
+
+
+class _JudgedRun:
+    """A run as the core has it; keeps what the structure points at."""
+
+    def __init__(
+        self,
+        schedule: CoreSchedule,
+        k: Floats,
+        stand: Stand,
+        samples: Integers,
+        measured: Flags | None,
+        mean_variance: Floats | None = None,
+        least_noise: float = 0.0,
+        at: tuple[Any, Any] = (ffi.NULL, ffi.NULL),
+    ):
+        """`at`: an attitude, double[3], and where u(|a|) there is to be written, double *."""
+        averaged_over = stand.averaged_over(samples)
+        self._stand = record_of(stand, least_noise)
+        self._coefficients = pack(k, np.zeros(3))
+        self._samples = ffi.new("uint32_t[]", averaged_over.tolist())
+        self._flags = schedule.flags(measured)
+        self._excess = ffi.NULL
+        if mean_variance is not None:
+            declared = np.maximum(stand.mean_variance(samples), least_noise**2)
+            self._excess = ffi.from_buffer(np.maximum(mean_variance - declared, 0.0))
+        self.struct = ffi.new(
+            "tumble_judged_run_t *",
+            {
+                "schedule": schedule.struct,
+                "stand": self._stand,
+                "coefficients": self._coefficients,
+                "measured": self._flags,
+                "samples": self._samples,
+                "excess_variance_v2": ffi.cast("double (*)[3]", self._excess),
+                "attitude": at[0],
+                "norm_g": at[1],
+            },
+        )
+
+
+def uncertainties(
+    schedule: CoreSchedule,
+    k: Floats,
+    stand: Stand,
+    samples: Integers,
+    estimator: str,
+    measured: Flags | None = None,
+    mean_variance: Floats | None = None,
+) -> tuple[Floats, Floats]:
+    """u_K (3, 3) and u_U0 (3,) of an estimate by a linear estimator of the core.
+
+    `k` (3, 3): the solved K; `samples` (positions,): rows of the run at each position, as Stand.averaged_over takes
+    them; `measured` (positions,) bool; `mean_variance` (positions, 3): by the noise as measured, counts
+    where it is larger than the stand's. Raises CoreRefusal(missing=..., unidentified=...).
+    """
+    run, found = _JudgedRun(schedule, k, stand, samples, measured, mean_variance), ffi.new("tumble_uncertainty_t *")
+    refusal = ffi.new("tumble_refusal_t *")
+    require_estimable(schedule, ESTIMATOR_ROWS[estimator].uncertainty(run.struct, found, refusal), refusal)
+    return unpack(found)
+
+
+def uncertainties_of_gains(
+    schedule: CoreSchedule,
+    k: Floats,
+    stand: Stand,
+    samples: Integers,
+    gains: Floats,
+    measured: Flags | None = None,
+    mean_variance: Floats | None = None,
+    least_noise: float = 0.0,
+) -> tuple[Floats, Floats]:
+    """The same for an estimate by constant gains (12, 3 x fit positions). The noise of a mean never counts as less than
+    `least_noise`. Raises CoreRefusal."""
+    table = np.ascontiguousarray(gains, dtype=float)
+    if table.ndim != 2 or table.shape[0] != lib.TUMBLE_COEFFICIENTS or table.shape[1] % 3:
+        raise ValueError(f"gains must have shape (12, 3 x fit positions), not {table.shape}")
+    run = _JudgedRun(schedule, k, stand, samples, measured, mean_variance, least_noise)
+    found = ffi.new("tumble_uncertainty_t *")
+    struct = ffi.new("tumble_gain_table_t *", [ffi.from_buffer("double[]", table), table.shape[1] // 3])
+    require_ok(lib.tumble_uncertainty_gains(struct, run.struct, found))
+    return unpack(found)
+
+
+def worst_norm(
+    schedule: CoreSchedule,
+    k: Floats,
+    stand: Stand,
+    samples: Integers,
+    estimator: str | None,
+    gains: Floats | None = None,
+    attitude: Floats | None = None,
+) -> float:
+    """The worst u(|a|), g, as the firmware finds it, within 1 %, or that at one `attitude`, a unit vector. `estimator`:
+    a linear one, or None and its `gains`; else as of `uncertainties`. Raises CoreRefusal."""
+    search, found = ffi.new("tumble_worst_norm_t *"), ffi.new("double *")
+    none, refusal = ffi.new("tumble_uncertainty_t *"), ffi.new("tumble_refusal_t *")
+    place = ffi.new("double[3]", [0.0] * 3 if attitude is None else attitude.tolist())
+    run = _JudgedRun(schedule, k, stand, samples, None, at=(place, found))
+    table = None if gains is None else np.ascontiguousarray(gains, dtype=float)
+
+    def judge() -> float:
+        if table is not None:
+            struct = ffi.new("tumble_gain_table_t *", [ffi.from_buffer("double[]", table), table.shape[1] // 3])
+            require_ok(lib.tumble_uncertainty_gains(struct, run.struct, none))
+        else:
+            assert estimator is not None  # as documented
+            require_estimable(schedule, ESTIMATOR_ROWS[estimator].uncertainty(run.struct, none, refusal), refusal)
+        return float(found[0])
+
+    if attitude is not None:
+        return judge()
+    lib.tumble_worst_norm_begin(search)
+    while True:
+        lib.tumble_worst_norm_attitude(search, place)
+        if not lib.tumble_worst_norm_next(search, judge()):
+            return float(search.worst_g)

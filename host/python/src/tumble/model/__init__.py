@@ -7,24 +7,23 @@ uncertainties, checked in every solve, means something only as long as that hold
     errors        the table of a stand's errors, and what they do to the outputs
     estimators    closed forms and least squares, their gains; what a schedule cannot identify
     optimal       generalised least squares: from the data, and as a table of gains
-    propagation   how errors reach an estimate: gains, covariance, what each source brings
-    norm          what the covariance says of |a| and of intrinsic parameters; force: from outputs to specific force
-    whole         chi-squared of a run on its stand, scores of patterns (patterns); explanations: of a misfit
+    propagation   how errors reach an estimate: gains, covariance, what each source brings; what is left out
+    coefficients  what follows from them: specific force, |a| and its uncertainty, intrinsic parameters, gravity check
+    fit           chi-squared of a run on its stand; of a misfit, what explains it (patterns)
     stand_seen    the stand as a run shows it; noise: the noise that the samples show
-    unseen, reliability, second_order    what a run, or a kind of run, cannot show
-    verification  gravity check, closure, residuals, intrinsic parameters
+    reliability   what a run, or a kind of run, cannot show
 """
 
+from tumble.model.coefficients import closure, gravity_errors, intrinsic, residual_rms
 from tumble.model.errors import by_coefficient
 from tumble.model.estimators import confused, estimate, magnification
+from tumble.model.fit import WholeModel
 from tumble.model.geometry import Geometry, built_in
 from tumble.model.noise import MeasuredNoise, measured_noise
 from tumble.model.optimal import OptimalEstimate, optimal_covariance, optimal_estimate
 from tumble.model.propagation import Propagation, covariance
+from tumble.model.reliability import moved_by_a_seat, seat_is_unseen, unseen_patterns
 from tumble.model.stand_seen import RunSeen, pooled_noise
-from tumble.model.unseen import moved_by_a_seat, seat_is_unseen, unseen_patterns
-from tumble.model.verification import closure, gravity_errors, intrinsic, residual_rms
-from tumble.model.whole import WholeModel
 
 __all__ = [
     "Geometry",

@@ -2,18 +2,27 @@
 
 An estimator is linear in the means, with gains G, and the errors add J s to these: so they add G J s to the
 coefficients, and each source its part of the covariance.
+
+What the linear theory of uncertainties leaves out: the bias that squares of a stand's errors leave in an estimate.
+
+A mean over errors of a normal law is a sum over nodes (McNamee and Stenger): none, one, or two of the errors are off by
+sqrt(3) standard deviations, in either direction, the others zero. It is exact for polynomials of degree five, so it has
+all half squares, and the products of two squares, which are what the optimal estimator leaves of the second order. The
+outputs come from the exact geometry and go through the estimator itself.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from tumble.arrays import Floats, Integers
-from tumble.estimators import OPTIMAL
-from tumble.model.errors import Draws, brought, by_gains, joint, sources
+from tumble.documents.result import Shift
+from tumble.estimators import COEFFICIENTS, OPTIMAL
+from tumble.model.errors import Draws, brought, by_gains, exact_outputs, joint, sources
 from tumble.model.estimators import linear_gains
 from tumble.model.optimal import OptimalTable, optimal_covariance, optimal_table, samples_in_a_mean
 from tumble.schedule import Schedule
@@ -78,3 +87,103 @@ def covariance(
     """Covariance (12, 12) of an estimate, K row by row, then U0, in its units. Arguments as of Propagation; `k` is the
     solved K, `mean_variance` as of `errors`."""
     return Propagation(schedule, k, stand, np.asarray(samples), estimator).covariance(mean_variance)
+
+
+SHARE = 0.2  # of a standard uncertainty: a larger bias is no longer covered by it
+_NODE = 3.0**0.5
+_ROUNDING = 1e-12  # of max|K|
+_CHUNK = 2000  # pairs at a time
+_PLAIN = {"alpha1": "axis tilt", "alpha2": "level error", "alpha3": "yaw", "alpha4": "errors of set angles"}
+
+
+@dataclass(frozen=True)
+class SecondOrder:
+    """`bias` (12,): expected of the estimate, less the truth, in its units; `parts`: of each source alone, (12,);
+    `u` (12,): what is claimed, NaN where nothing is; `scale` (12,): of each coefficient's row, |K_ii|; `yaw`: the
+    declared alpha3, rad."""
+
+    bias: Floats
+    parts: dict[str, Floats]
+    u: Floats
+    scale: Floats
+    yaw: float
+
+    @property
+    def shifts(self) -> list[Shift]:
+        """One for every coefficient whose bias matters."""
+        rounding = _ROUNDING * float(self.scale.max())
+        with np.errstate(invalid="ignore"):
+            matters = np.abs(self.bias) > SHARE * self.u + rounding
+        return [
+            Shift(
+                max(self.parts, key=lambda source: float(abs(self.parts[source][i]))),
+                COEFFICIENTS[i],
+                float(abs(self.bias[i]) / self.scale[i]),
+                self.limit(i),
+            )
+            for i in np.flatnonzero(matters).tolist()
+        ]
+
+    def limit(self, index: int) -> float:
+        """Of the bias of a coefficient, over the scale of its row."""
+        return float(SHARE * self.u[index] / self.scale[index])
+
+    @property
+    def matters(self) -> bool:
+        """Whether the linear theory says too little."""
+        return bool(self.shifts)
+
+    @property
+    def complaints(self) -> list[str]:
+        """For people, one for each source that has the largest part in some coefficient's bias."""
+        shifts, found = self.shifts, []
+        for source in dict.fromkeys(shift.source for shift in shifts):
+            own = [shift for shift in shifts if shift.source == source]
+            worst = max(own, key=lambda shift: shift.bias_relative / shift.limit if shift.limit else np.inf)
+            name, others = worst.coefficient, [shift.coefficient for shift in own if shift is not worst]
+            beside = f"0.2 u({name})/{_scale_of(name)} = {worst.limit:.2g}"
+            also = f" (also {', '.join(others)})" if others else ""
+            found.append(
+                f"large {_PLAIN.get(source, source)}: second order shifts {name} by {worst.bias_relative:.2g},"
+                f" more than {beside}{also}"
+            )
+        return found
+
+
+ManyRuns = Callable[[Floats], Floats]  # from means (runs, positions, 3), all measured, to coefficients (runs, 12)
+
+
+def second_order(given: Propagation, u: Floats, estimate: ManyRuns) -> SecondOrder:
+    """For an `estimate` as `given`, with claimed standard uncertainties `u` (12,)."""
+    schedule, k = given.schedule, given.k
+    errors = {name: source for name, source in given.errors().items() if source.units and source.sigma.any()}
+    count = sum(len(source.sigma) for source in errors.values())
+
+    def moved(draws: Floats) -> Floats:
+        found: Floats = estimate(exact_outputs(schedule, k, np.zeros(3), errors, draws)) - ideal
+        return found
+
+    ideal = np.concatenate([k.ravel(), np.zeros(3)])
+    lone = _NODE * np.eye(count)
+    single = moved(lone) + moved(-lone) if count else np.zeros((0, 12))
+    bias = (4.0 - count) / 18.0 * single.sum(axis=0) + _pairs(moved, lone) / 36.0
+    ends = np.cumsum([len(source.sigma) for source in errors.values()])[:-1]
+    parts = {name: part.sum(axis=0) / 6.0 for name, part in zip(errors, np.split(single, ends))}
+    scale = np.abs(np.diag(k))
+    scale = np.where(scale > 0.0, scale, np.linalg.norm(k, axis=1))
+    return SecondOrder(bias, parts, u, np.concatenate([np.repeat(scale, 3), scale]), given.stand.sigma("remount"))
+
+
+def _pairs(moved: ManyRuns, lone: Floats) -> Floats:
+    """Sum (12,) over both signs of both of all pairs."""
+    one, other = np.triu_indices(len(lone), 1)
+    total = np.zeros(12)
+    for start in range(0, len(one), _CHUNK):
+        first, second = lone[one[start : start + _CHUNK]], lone[other[start : start + _CHUNK]]
+        for both in (first + second, first - second):
+            total += moved(both).sum(axis=0) + moved(-both).sum(axis=0)
+    return total
+
+
+def _scale_of(name: str) -> str:
+    return f"K_{name[-2:-1] * 2}" if name.startswith("K") else f"K_{name[-1] * 2}"

@@ -5,9 +5,9 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
+from tumble.messages import signed
 from tumble.pictures.canvas import BLACK, BLUE, MINUS, PALE, VERMILLION, blank, legend_above, picture
 from tumble.rounding import rounded
-from tumble.signs import signed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

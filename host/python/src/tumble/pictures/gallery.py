@@ -13,7 +13,7 @@ from tumble.files.stand_file import StandFile, stand_file_of
 from tumble.pictures import canvas, result, uncertainty
 from tumble.pictures.result import Facts, Recorded
 from tumble.schedule import Schedule
-from tumble.solving import declared
+from tumble.solving import result as results
 from tumble.solving.expected import Expected, expected, measured_schedule
 from tumble.stand import Stand
 
@@ -101,12 +101,12 @@ def caption(name: str, solved: Result) -> str:
 def _facts(solved: Result, run: Recorded | None, schedule: CoreSchedule | None, given: StandFile | None) -> Facts:
     if run is not None:
         result.require_same_run(solved, run)
-    planned = declared.schedule_of(solved, _RESULT) if schedule is None else schedule
+    planned = results.schedule_of(solved, _RESULT) if schedule is None else schedule
     on = measured_schedule(solved, None if planned is None else planned.data)
     if given is not None:
         found = None if on is None else expected(solved, on, given.stand, given.step_v)
         return Facts(solved, run, on, given.stand, found)
-    known = declared.stand_of(solved, _RESULT)
+    known = results.stand_of(solved, _RESULT)
     return Facts(solved, run, on, known, None if on is None or known is None else _by_its_own(solved, on, known))
 
 
@@ -114,6 +114,6 @@ def _by_its_own(solved: Result, on: Schedule, stand: Stand) -> Expected | None:
     """What a result's own stand makes one expect. None where the result had more to go by: `optimal` of a computer that
     has a record of gains has other uncertainties than its stand leaves this run."""
     try:
-        return expected(solved, on, stand, declared.step_of(solved))
+        return expected(solved, on, stand, results.step_of(solved))
     except UsageError:
         return None

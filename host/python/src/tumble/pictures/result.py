@@ -13,7 +13,7 @@ from tumble.arrays import Floats, Integers
 from tumble.documents.result import Result, StandSeen
 from tumble.errors import UsageError
 from tumble.fixture.judge import Limits
-from tumble.model.explanations import SYSTEMATIC
+from tumble.model.fit import SYSTEMATIC
 from tumble.model.stand_seen import NAMES
 from tumble.pictures import canvas
 from tumble.pictures.canvas import BLACK, BLUE, GREY, MICRO, PALE, VERMILLION, picture

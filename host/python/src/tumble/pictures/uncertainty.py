@@ -123,7 +123,7 @@ def figure_of(value: float) -> str:
 @picture
 def attitude(facts: Facts) -> Figure:
     """u(|a|), ug, over all directions of the specific force on the block's axes: u^2 = g^T C g with C the covariance of
-    the result and g the derivatives of |a| by the coefficients (model.force). The worst is that of `u_norm_g`."""
+    the result and g the derivatives of |a| by the coefficients. The worst is that of `u_norm_g`."""
     from matplotlib.colors import LinearSegmentedColormap
     from matplotlib.ticker import MaxNLocator
 

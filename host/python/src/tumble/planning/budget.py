@@ -15,8 +15,8 @@ import numpy as np
 from tumble.arrays import Floats
 from tumble.documents.base import written
 from tumble.model.errors import OF_OUTPUTS
+from tumble.model.propagation import SecondOrder, second_order
 from tumble.model.reliability import Reliability
-from tumble.model.second_order import SecondOrder, second_order
 from tumble.planning import weights
 from tumble.planning.case import SCHEMA, Case
 from tumble.planning.promise import Promise

@@ -10,7 +10,7 @@ import numpy as np
 from tumble.arrays import Floats
 from tumble.documents.base import written
 from tumble.estimators import COEFFICIENTS
-from tumble.model.norm import worst_norm
+from tumble.model.coefficients import worst_norm
 from tumble.planning.case import Case
 from tumble.planning.promise import error_field
 from tumble.solving.further import Further, Without

@@ -13,7 +13,7 @@ from tumble.documents.base import written
 from tumble.estimators import COEFFICIENTS, OPTIMAL
 from tumble.model.estimators import circles, linear_gains
 from tumble.model.optimal import OptimalTable, optimal_table, standard_deviations
-from tumble.model.second_order import SecondOrder, second_order
+from tumble.model.propagation import SecondOrder, second_order
 from tumble.planning.case import SCHEMA, Case
 from tumble.planning.promise import Promise, promise
 from tumble.solving.many_runs import estimator_or_linear

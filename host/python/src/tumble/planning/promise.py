@@ -30,15 +30,14 @@ import numpy as np
 
 from tumble.arrays import Floats
 from tumble.errors import UsageError
+from tumble.model.coefficients import climbed, norm_gradient, spread_attitudes, worst_norm
 from tumble.model.errors import by_gains
 from tumble.model.estimators import columns_at
 from tumble.model.geometry import ideal_force
-from tumble.model.norm import climbed, norm_gradient, spread_attitudes, worst_norm
 from tumble.planning.case import Case
 from tumble.planning.tables import percent
 from tumble.planning.weights import estimators_of
-from tumble.solving.assumptions import ASSUMPTIONS, rests_on_a_seat
-from tumble.solving.decision import is_shown
+from tumble.solving.decision import ASSUMPTIONS, is_shown, rests_on_a_seat
 from tumble.terms import POWERS, Terms
 
 _ROWS, _COLUMNS = np.triu_indices(3)

@@ -15,8 +15,7 @@ from tumble.planning.promise import ON_A_SEAT
 from tumble.planning.published import EQUATION_18, EQUATION_19, evaluate
 from tumble.planning.require import CEILING_RAD, NOT_PROMISED, ROWS, Enough, Headroom, Requirements
 from tumble.planning.weights import symbols
-from tumble.solving.decision import UNCERTAINTY, Decision
-from tumble.solving.would_show import Question, in_words
+from tumble.solving.decision import UNCERTAINTY, Decision, Question, in_words
 from tumble.stand import by_channel
 
 if TYPE_CHECKING:

@@ -48,10 +48,10 @@ from tumble.core import MAX_POSITIONS, MAX_SAMPLES
 from tumble.errors import UsageError
 from tumble.estimators import OPTIMAL
 from tumble.files.stand_file import StandFile
+from tumble.model.coefficients import norm_gradient, spread_attitudes, worst_norm
 from tumble.model.errors import NOISE, declared, of_stand
 from tumble.model.estimators import columns_at
 from tumble.model.geometry import built_in, ideal_force
-from tumble.model.norm import norm_gradient, spread_attitudes, worst_norm
 from tumble.model.optimal import UNEQUAL, mean_sigma
 from tumble.model.reliability import Reliability
 from tumble.planning.case import Case

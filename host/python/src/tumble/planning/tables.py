@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from tumble.signs import signed_for
+from tumble.messages import signed_for
 
 WIDTH = 80
 

@@ -26,15 +26,15 @@ from tumble import core
 from tumble.arrays import Floats, Integers
 from tumble.errors import UsageError
 from tumble.estimators import COEFFICIENTS, OPTIMAL
+from tumble.model.coefficients import spread_attitudes
 from tumble.model.errors import OF_OUTPUTS, course, declared, of_stand, sources
 from tumble.model.estimators import columns_at
-from tumble.model.norm import spread_attitudes
 from tumble.model.optimal import samples_in_a_mean, standard_deviations
 from tumble.planning import tables
 from tumble.planning.case import SCHEMA, Case
 from tumble.planning.promise import Promise, largest_over_attitudes, norm_forms, promise
 from tumble.planning.weights import estimator_gains
-from tumble.solving import tables_of_runs
+from tumble.solving import many_runs as tables_of_runs
 from tumble.solving.many_runs import Chunk, Sources, chunks, drawn_outputs, estimator_for, stream_of
 from tumble.terms import POWERS, Terms
 from tumble.workers.kept import Result

@@ -20,7 +20,7 @@ from decimal import ROUND_HALF_EVEN, Context, Decimal
 from html import escape
 from typing import Protocol, TypeAlias
 
-from tumble.signs import signed
+from tumble.messages import signed
 
 DIGITS_OF_UNCERTAINTY = 2
 _OF_A_DOUBLE = 17

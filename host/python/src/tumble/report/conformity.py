@@ -21,9 +21,7 @@ from tumble.report.cells import (
     rounded,
 )
 from tumble.report.source import STANDARD_GRAVITY, Factor, Path, Source
-from tumble.solving.assumptions import ASSUMPTIONS
-from tumble.solving.decision import UNCERTAINTY, Decision
-from tumble.solving.would_show import in_words
+from tumble.solving.decision import ASSUMPTIONS, UNCERTAINTY, Decision, in_words
 
 _MICRO = 6
 _MOST_UNSEEN = 6  # of the causes that cost most

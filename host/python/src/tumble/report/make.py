@@ -10,7 +10,7 @@ from tumble.report import conformity, identity, method, pages, since, values
 from tumble.report.cells import MISSING, Fixed, line
 from tumble.report.number import number_of, require_number
 from tumble.report.source import Source
-from tumble.solving.declared import schedule_of
+from tumble.solving.result import schedule_of
 
 HTML, PDF = "html", "pdf"
 _MOST_MOUNTINGS = 6

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tumble.report.cells import MISSING, Facts, Fixed, Inline, Table, aligned, joined, line
 from tumble.report.source import Source
-from tumble.solving.declared import schedule_of
+from tumble.solving.result import schedule_of
 from tumble.stand import SOURCES
 from tumble.units import noise_unit
 

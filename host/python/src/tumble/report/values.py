@@ -22,8 +22,8 @@ from tumble.report.cells import (
 )
 from tumble.report.method import unit_of_k
 from tumble.report.source import Path, Source, pointer
-from tumble.solving.assumptions import marks
-from tumble.solving.coverage import HANDS, NEARLY_INFINITE
+from tumble.solving.decision import marks
+from tumble.solving.uncertainty import HANDS, NEARLY_INFINITE
 from tumble.terms import KEYS
 from tumble.units import noise_unit
 

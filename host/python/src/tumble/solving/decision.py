@@ -4,17 +4,149 @@ Three questions, each with its own answer: do the measured positions meet the li
 stand, and is the limit met at every attitude, as far as the uncertainties say? PASS needs all that can be asked. Where
 the first two are good and the third is not, conformity is not shown, which is no PASS. Without a declared stand nobody
 knows an uncertainty: then PASS holds at the measured positions only.
+
+What a result rests on that its run cannot test and its stand file does not declare.
+
+What would show that a limit is met where the uncertainties do not allow it: other weights for the same run, more
+samples, a third mounting, a better stand. Each is tried on the model of the run and told with what it reaches.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
+import numpy as np
+
+from tumble import core
+from tumble.arrays import Flags, Floats
 from tumble.defaults import DEFAULT_COVERAGE_FACTOR
-from tumble.documents.result import Result
+from tumble.documents.result import Remedy, Result
+from tumble.errors import UsageError
+from tumble.estimators import COEFFICIENTS, OPTIMAL
+from tumble.model.coefficients import worst_norm
+from tumble.model.geometry import built_in
+from tumble.model.propagation import Propagation
+from tumble.model.reliability import moved_by_a_seat, seat_is_unseen, unseen_patterns
 from tumble.rounding import on_its_side
-from tumble.solving.assumptions import assumed, phrase
+from tumble.schedule import Schedule
 from tumble.solving.solution import Solution
+from tumble.stand import Stand
+from tumble.terms import Terms
+
+Coefficients = tuple[str, ...]
+_FEWEST_TO_TEST = 4  # samples: two lengths of blocks
+_EXPECTED_RAD = 1e-4  # of a seat or a platform that nobody declares
+_RAISED = 1.1  # u is by it, before a coefficient is marked
+_COUNTS = 0.1  # of the largest change, where no u is known: less is the block's own misalignment
+_ROUNDING = 1e-9  # of the largest change: less is none
+
+
+@dataclass(frozen=True)
+class Assumption:
+    """`phrase`: what is assumed, to stand behind "assuming"; `why`: in a few words. `of`: the coefficients of a
+    solution that rest on it, empty where all do; None where it need not be assumed. `mark`: of a coefficient that does;
+    empty where all do."""
+
+    phrase: str
+    why: str
+    of: Callable[[Solution], Coefficients | None]
+    mark: str = ""
+
+
+def rests_on_a_seat(schedule: Schedule, k: Floats, stand: Stand | None, terms: Terms = ()) -> bool:
+    """Whether the stand declares no tilt of the block against the axis, and the fit positions show none. `terms`:
+    further ones of the model."""
+    return (stand is None or not stand.declares_seat) and seat_is_unseen(schedule, k, terms)
+
+
+def _on_a_linear_block(solution: Solution) -> Coefficients | None:
+    found = solution.found
+    moved = unseen_patterns(solution.measured_schedule, found.k, _linear(found.estimator))
+    return _names(np.any(list(moved.values()), axis=0).ravel()) if moved else None
+
+
+def _linear(estimator: str) -> str:
+    """The estimator, or the one that is most like `optimal`."""
+    return "least_squares" if estimator == OPTIMAL else estimator
+
+
+def _names(moved: Flags) -> Coefficients:
+    """Of those of the twelve, or of the nine of K."""
+    return tuple(COEFFICIENTS[index] for index in np.flatnonzero(moved))
+
+
+def _on_a_square_seat(solution: Solution) -> Coefficients | None:
+    """Those whose uncertainty an undeclared tilt of a size to be expected would raise by a tenth or more."""
+    found, schedule = solution.found, solution.measured_schedule
+    if not rests_on_a_seat(schedule, found.k, solution.stand, found.terms):
+        return None
+    stated = solution.stated or solution.scatter_alone
+    variance = np.zeros(12) if stated is None else np.diag(stated.of_twelve)
+    moved = np.array(list(moved_by_a_seat(schedule, found.k, _linear(found.estimator)).values()))
+    least_rad = _EXPECTED_RAD * moved.max() * (_COUNTS if stated is None else _ROUNDING)
+    raised = (_EXPECTED_RAD * moved) ** 2 > np.maximum((_RAISED**2 - 1.0) * variance, least_rad**2)
+    return _names(raised.any(axis=0))
+
+
+def _in_volts(solution: Solution) -> Coefficients | None:
+    return None if solution.run.unit_told else ()
+
+
+def _on_white_noise(solution: Solution) -> Coefficients | None:
+    return None if solution.run.samples.max() >= _FEWEST_TO_TEST else ()
+
+
+def _on_a_temperature(solution: Solution) -> Coefficients | None:
+    return () if solution.run.temperature is None else None
+
+
+def _on_rounding(solution: Solution) -> Coefficients | None:
+    return () if solution.noise.undithered.any() else None
+
+
+def _in_order(solution: Solution) -> Coefficients | None:
+    return () if solution.is_out_of_order else None
+
+
+ASSUMPTIONS: Mapping[str, Assumption] = {
+    "seat": Assumption("a square seat", "no position shows the block's tilt against the axis", _on_a_square_seat, "*"),
+    "linear": Assumption(
+        "linearity", "the positions do not show all higher orders of the block", _on_a_linear_block, "^"
+    ),
+    "order": Assumption("nothing exchanged or reversed", "no [block] says that its axes are such", _in_order),
+    "unit": Assumption("volts", "the run file names no unit (--unit)", _in_volts),
+    "white_noise": Assumption("white noise", "too few samples at a position to test it", _on_white_noise),
+    "undithered": Assumption("independent rounding errors", "all samples of a position round alike", _on_rounding),
+    "temperature": Assumption(
+        "one temperature", "K and U0 hold at that of the run, which is unknown", _on_a_temperature
+    ),
+}
+
+
+def assumed(solution: Solution) -> dict[str, Coefficients]:
+    """What a solution rests on, by name and in the order of ASSUMPTIONS, and the coefficients that do."""
+    found = {name: assumption.of(solution) for name, assumption in ASSUMPTIONS.items()}
+    return {name: coefficients for name, coefficients in found.items() if coefficients is not None}
+
+
+def marks(assumes: Mapping[str, Iterable[str]]) -> dict[str, str]:
+    """By coefficient, the marks of all that it rests on; `assumes`: as `assumed` gives it, or a document's
+    `assumed_for`. Names of a later version have none."""
+    found: dict[str, str] = {}
+    for name, coefficients in assumes.items():
+        for coefficient in coefficients if name in ASSUMPTIONS else ():
+            found[coefficient] = found.get(coefficient, "") + ASSUMPTIONS[name].mark
+    return found
+
+
+def phrase(names: Iterable[str]) -> str:
+    """Behind a verdict, such as ", assuming a square seat"; empty for none. Names of a later version stay as they
+    are."""
+    phrases = [ASSUMPTIONS[name].phrase if name in ASSUMPTIONS else name for name in names]
+    listed = [*filter(None, [", ".join(phrases[:-1])]), *phrases[-1:]]
+    return f", assuming {' and '.join(listed)}" if phrases else ""
+
 
 GRAVITY, FIT, UNCERTAINTY = "gravity", "fit", "uncertainty"
 _NAMES = {GRAVITY: "the gravity check", FIT: "the fit to the declared stand", UNCERTAINTY: "the uncertainty"}
@@ -125,3 +257,100 @@ def decide(solution: Solution) -> Decision:
     failures = tuple(name for name, is_good in good.items() if not is_good)
     positions = int((solution.run.samples > 0).sum())
     return Decision(failures, tuple(assumed(solution)), positions, limit_g, factor, u_norm_g)
+
+
+_THIRD = "three_mountings"
+_MOST_TIMES = 1000.0  # as many samples: nobody waits longer
+_BISECTIONS = 12
+_ROUNDED = 1.01  # a factor is told with three digits, and rounded up
+_PHRASES = {
+    "estimator": "--estimator {}",
+    "samples": "{} samples a position",
+    "mountings": f"a third mounting (--schedule {_THIRD})",
+    "stand": "a stand and noise {} times better",
+    "converter": "a stand, noise and converter {} times better",
+}
+
+
+@dataclass(frozen=True)
+class Question:
+    """Of a run, done or planned: how errors reach its estimate, `variance` (positions, 3) of the means by the noise as
+    it was measured (0: as declared), of it `rounding` (3,) that no more samples average away, and the rule."""
+
+    given: Propagation
+    variance: Floats
+    rounding: Floats
+    limit_g: float
+    coverage_factor: float
+
+    def reach_g(self, times: float = 1.0, schedule: Schedule | None = None, estimator: str | None = None) -> float:
+        """With so many `times` the samples, other positions that are measured alike, another estimator."""
+        given = self.given
+        samples, variance = given.stand.averaged_over(given.samples), self.variance
+        if schedule is not None:
+            count = len(schedule.positions)
+            samples, variance = np.full(count, round(samples.mean())), np.tile(variance.mean(axis=0), (count, 1))
+        samples = np.maximum(1, np.ceil(times * samples)).astype(int)
+        other = replace(
+            given,
+            schedule=schedule or given.schedule,
+            stand=replace(given.stand, samples=1),  # the rows now say of how many a mean is
+            samples=samples,
+            estimator=estimator or given.estimator,
+        )
+        covariance = other.covariance((variance - self.rounding) / times + self.rounding)
+        return self.coverage_factor * worst_norm(given.k, covariance, given.terms).worst
+
+    def answers(self) -> list[Remedy]:
+        """What would show it, the cheapest first; a better stand always does."""
+        told = [one for one in (self._weights(), self._samples(), self._mounting()) if one is not None]
+        better = self.reach_g() / self.limit_g * _ROUNDED
+        return [*told, Remedy("converter" if self.rounding.any() else "stand", better, self.limit_g)]
+
+    def _weights(self) -> Remedy | None:
+        reach_g = np.inf if self.given.estimator == OPTIMAL else self._tried(lambda: self.reach_g(estimator=OPTIMAL))
+        return Remedy("estimator", OPTIMAL, reach_g) if reach_g <= self.limit_g else None
+
+    def _samples(self) -> Remedy | None:
+        if self._tried(lambda: self.reach_g(_MOST_TIMES)) > self.limit_g:
+            return None
+        low, high = 1.0, _MOST_TIMES
+        for _ in range(_BISECTIONS):
+            middle = (low * high) ** 0.5
+            low, high = (low, middle) if self.reach_g(middle) <= self.limit_g else (middle, high)
+        samples = self.given.stand.averaged_over(self.given.samples)
+        return Remedy("samples", int(np.ceil(high * samples.max())), self.reach_g(high))
+
+    def _mounting(self) -> Remedy | None:
+        schedule = built_in(_THIRD)
+        if len(self.given.schedule.mountings) > 2:
+            return None
+        reach_g = self._tried(lambda: self.reach_g(schedule=schedule))
+        return Remedy("mountings", 3, reach_g) if reach_g <= self.limit_g else None
+
+    def _tried(self, reach: Callable[[], float]) -> float:
+        """Infinite where there is no such estimate."""
+        try:
+            return reach()
+        except (UsageError, core.CoreRefusal, np.linalg.LinAlgError):
+            return np.inf
+
+
+def would_show(solution: Solution) -> list[Remedy]:
+    """Of a solution whose uncertainty is beyond the limit."""
+    variance, rounding = solution.noise.mean_variance[solution.run.measured], solution.noise.rounding**2
+    rule = solution.limit_g, solution.coverage_factor
+    return Question(solution.propagation, variance, rounding, *rule).answers()
+
+
+def in_words(remedies: Sequence[Remedy], limit_g: float) -> str:
+    """All, such as "It would be shown by --estimator optimal (0.00011 g) or ..."; empty for none."""
+    return "It would be shown by " + " or ".join(_told(remedies, limit_g)) if remedies else ""
+
+
+def _told(remedies: Sequence[Remedy], limit_g: float) -> Iterator[str]:
+    """A stand so many times better always helps."""
+    for one in remedies:
+        is_better = one.change in ("stand", "converter")
+        phrase = _PHRASES[one.change].format(f"{one.to:.3g}" if is_better else one.to)
+        yield phrase if is_better else f"{phrase} ({on_its_side(one.reach_g, limit_g)} g)"

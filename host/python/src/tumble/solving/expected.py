@@ -22,10 +22,10 @@ from tumble.arrays import Floats, Integers
 from tumble.documents.result import Result
 from tumble.errors import UsageError
 from tumble.estimators import COEFFICIENTS, OPTIMAL
-from tumble.model import verification
+from tumble.model import coefficients
+from tumble.model.coefficients import linear_outputs
 from tumble.model.errors import NOISE, by_gains, contributions
 from tumble.model.estimators import by_coefficients, columns_at
-from tumble.model.force import linear_outputs
 from tumble.model.geometry import built_in, ideal_force
 from tumble.model.optimal import NOISE_FLOOR_G
 from tumble.model.propagation import Propagation
@@ -143,7 +143,7 @@ def _has_residuals(result: Result, part: Schedule) -> bool | None:
     if stated is None:
         return None
     unknowns = 4 + len(terms_of(result))
-    found = verification.residual_rms(part, _linear_means(result), k, result.U0, unknowns)
+    found = coefficients.residual_rms(part, _linear_means(result), k, result.U0, unknowns)
     close = _ROUNDED * float(np.abs(k).max())
     return found is not None and bool(np.allclose(found, stated, rtol=_SAME, atol=close))
 

@@ -15,12 +15,12 @@ import numpy as np
 
 from tumble import core
 from tumble.arrays import Floats
-from tumble.core.optimal import estimate_runs as core_runs
+from tumble.core.binding import estimate_runs as core_runs
 from tumble.errors import BadInput, UsageError
 from tumble.model import estimators
+from tumble.model.coefficients import WorstNorm, worst_norm
 from tumble.model.estimators import columns_at
 from tumble.model.geometry import ideal_force
-from tumble.model.norm import WorstNorm, worst_norm
 from tumble.schedule import Schedule
 from tumble.terms import POWERS, Terms
 

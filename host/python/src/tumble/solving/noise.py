@@ -15,7 +15,7 @@ import numpy as np
 from tumble.arrays import Flags, Floats, Integers
 from tumble.distributions import chi_squared_log_above, f_cdf
 from tumble.files.run_file import Run
-from tumble.model.explanations import NOISE, Sampled
+from tumble.model.fit import NOISE_V, Sampled
 from tumble.model.noise import MeasuredNoise, measured_noise
 from tumble.model.stand_seen import Estimate, averaged_over, own_variance
 from tumble.stand import PerChannel, Stand, by_channel, rounding_of, rounds_alike
@@ -131,7 +131,7 @@ def _more_noise(run: Run, pooled: Estimate, stand: Stand, step: PerChannel) -> S
     assert variance is not None  # of pooled noise it is known
     volts = volts_per(run.unit)
     by_channels = variance[:, None] / stand.weights**2
-    return Sampled(NOISE, log_p, pooled.value * volts, pooled.u * volts, noise_unit(run.unit), "", by_channels)
+    return Sampled(NOISE_V, log_p, pooled.value * volts, pooled.u * volts, noise_unit(run.unit), "", by_channels)
 
 
 def _correlated(seen: MeasuredNoise, noise: Noise, run: Run, stand: Stand) -> Sampled:

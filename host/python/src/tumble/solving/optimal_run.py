@@ -19,7 +19,7 @@ import numpy as np
 
 from tumble import core
 from tumble.arrays import Flags, Floats, Integers
-from tumble.core.optimal import OptimalEstimate, optimal
+from tumble.core.binding import OptimalEstimate, optimal
 from tumble.model.optimal import OptimalTable, optimal_table, samples_in_a_mean
 from tumble.schedule import FIT, Schedule
 from tumble.stand import PerChannel, Stand

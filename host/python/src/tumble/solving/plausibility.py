@@ -4,27 +4,80 @@ table that turned the other way, millivolts for volts all pass the gravity check
 A K that is not near a declared one is held against hypotheses. Each undoes one or several such mistakes; where K is
 then near the declared one, that is what happened, and the fewest mistakes win. Without a declared block only the
 structure of K can tell, and nothing is refused.
+
+The temperatures at which a run was measured: its coefficients hold there, and are a guess elsewhere.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tumble.arrays import Flags, Floats
 from tumble.core import AXES
 from tumble.distributions import student_quantile
+from tumble.documents.result import Temperature
 from tumble.errors import BadInput
+from tumble.files.run_file import Run
+from tumble.files.run_temperature import OF_ENVIRONMENT, Temperatures
 from tumble.files.stand_file import StandFile
 from tumble.model.geometry import Geometry
 from tumble.schedule import FIT, Position, Schedule
 from tumble.solving.solution import Solution
 from tumble.stand import by_channel, over
 from tumble.units import noise_unit, per_g, unit_of, volts_per
+
+TOLERANCE_C = 1.0  # what thermometers and the inside of a block differ by
+FAR_C = 10.0  # blocks change by some 1e-4 a kelvin: this is 1e-3, and no warming-up of a block in its room
+
+
+def in_environment(run: Run, environment: Mapping[str, Any] | None) -> Run:
+    """The run with the temperature that the stand file's [environment] tells, where its own file tells none."""
+    told = (environment or {}).get("temperature_c")
+    if run.temperature is not None or told is None:
+        return run
+    return replace(run, temperature=Temperatures(float(told), float(told), OF_ENVIRONMENT))
+
+
+def spanned(run: Run) -> str | None:
+    """A warning that the run has no one temperature; None where it has."""
+    found = run.temperature
+    if found is None or found.high_c - found.low_c <= FAR_C:
+        return None
+    return f"the run was measured at {found.text}: its coefficients are those of no one temperature"
+
+
+def contradicted(run: Run, environment: Mapping[str, Any] | None) -> str | None:
+    """A warning that the file of a run and the stand file's [environment] do not tell of the same day."""
+    found, told = run.temperature, (environment or {}).get("temperature_c")
+    if found is None or told is None or found.low_c - FAR_C <= told <= found.high_c + FAR_C:
+        return None
+    return f"the run says {found.text}, temperature_c of the stand file {told:.3g}: that of the run counts"
+
+
+def outside(known: Temperature | None, temperatures_c: ArrayLike) -> str | None:
+    """A warning that coefficients are applied where they were not measured; None where all is well.
+
+    `known`: `temperature` of the result, None where it does not tell one: then nobody can warn. `temperatures_c` (any
+    shape), degrees Celsius, of the data that the coefficients are applied to; NaN where they are not known. Within
+    TOLERANCE_C of the run they are as good as within it.
+    """
+    at = np.asarray(temperatures_c, dtype=float).ravel()
+    at = at[~np.isnan(at)]
+    if known is None or at.size == 0:
+        return None
+    low, high = known.min_c, known.max_c
+    if low - TOLERANCE_C <= at.min() and at.max() <= high + TOLERANCE_C:
+        return None
+    used, run = Temperatures(at.min(), at.max(), ""), Temperatures(low, high, "")
+    return f"applied at {used.text}, calibrated at {run.text}"
+
 
 _SIGMAS = 4.0  # of a declared misalignment: six of them exceed it in 4 runs of 10,000
 _LEAST_RAD = 5e-3  # a misalignment declared to be smaller is not taken at its word

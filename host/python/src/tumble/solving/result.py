@@ -1,9 +1,25 @@
-"""A solution as a document of schema tumble.result/1, part by part; documents.result says what every key means."""
+"""A solution as a document of schema tumble.result/1, part by part; documents.result says what every key means.
+
+What a result rests on and repeats: the stand as its file declares it, the schedule that the run was measured on.
+
+Results of other versions, and what other programs write, may lack them; whoever needs them says what then.
+
+When, by what and from what a result was made.
+
+How well the gravity check knows its errors: delta_g = (|a|^2 - 1)/2 at a position, with a = K^-1 (U - U0).
+
+The coefficients are those found, and the length of gravity is 1 g at every attitude, so that no error of the stand is
+in delta_g: the noise of the position's mean alone makes it uncertain, d delta_g = a K^-1 dU.
+"""
 
 from __future__ import annotations
 
 import math
+import os
+import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime, timezone
 from typing import Any
 
 import numpy as np
@@ -11,28 +27,114 @@ from msgspec import UNSET
 
 from tumble._version import __version__
 from tumble.arrays import Floats
-from tumble.core import built_in
+from tumble.core import CoreRefusal, CoreSchedule, built_in
+from tumble.distributions import student_quantile
 from tumble.documents import result as of
 from tumble.documents.base import written
 from tumble.documents.result import Result
+from tumble.errors import BadInput, UsageError, quoted
 from tumble.estimators import COEFFICIENTS
-from tumble.model import explanations, reliability
-from tumble.model.second_order import SecondOrder
+from tumble.model import reliability
+from tumble.model.fit import Fit
+from tumble.model.propagation import SecondOrder
 from tumble.model.stand_seen import ANGLES, ChannelNoise, Estimate, StandSeen
-from tumble.schedule import BUILT_IN, Position, Schedule
-from tumble.solving import si
-from tumble.solving.assumptions import assumed
-from tumble.solving.coverage import PROBABILITY, Coverage, factors_of
-from tumble.solving.decision import decide
+from tumble.schedule import BUILT_IN, Mounting, Position, Schedule
+from tumble.solving.coefficients import si_of
+from tumble.solving.decision import assumed, decide, would_show
 from tumble.solving.further import Further
-from tumble.solving.gravity_uncertainty import gravity_uncertainty
 from tumble.solving.many_runs import COVERAGE, LEVEL, MonteCarlo
-from tumble.solving.noise import CHANNELS, of_means
+from tumble.solving.noise import CHANNELS, NO_STAND, of_means
 from tumble.solving.solution import Solution, Truth
-from tumble.solving.would_show import would_show
-from tumble.stand import SOURCES, Stand, by_channel, per_channel
+from tumble.solving.uncertainty import PROBABILITY, Coverage, effective, factors_of
+from tumble.stand import SOURCES, PerChannel, Stand, by_channel, per_channel
 from tumble.terms import DRIFT, KEYS, names
 from tumble.units import per_g, volts_per
+
+_LARGEST = 1e9  # of an error of a stand, as stand files have it
+
+
+def stand_of(result: Result, name: str) -> Stand | None:
+    """The declared stand of a result, which messages call `name`; None where it tells of none. Raises BadInput."""
+    told = result.stand
+    if told is None:
+        return None
+    errors = {source.attribute: getattr(told, source.key) for source in SOURCES.values()}
+    if any((by_channel(size) >= _LARGEST).any() for size in errors.values()):
+        raise BadInput("its stand is not as tumble solve writes it", name)
+    sizes: dict[str, Any] = {name: per_channel(by_channel(one)) for name, one in errors.items()}
+    kinds: dict[str, Any] = {"limits": told.limits, "remounting": told.remount}
+    return Stand(**sizes, **kinds, name=told.name or "", samples=told.samples)
+
+
+def step_of(result: Result) -> PerChannel:
+    """Of the converter of its block, in V; 0 where it is not known."""
+    step = 0.0 if result.stand is None else result.stand.step_v or 0.0
+    return per_channel(by_channel(step))
+
+
+def schedule_of(result: Result, name: str) -> CoreSchedule | None:
+    """The schedule of a result, which messages call `name`; None where it tells of none. Raises BadInput."""
+    told = result.schedule
+    if told is None:
+        return None
+    matrices = (tuple(map(tuple, one.matrix.tolist())) for one in told.mounting)
+    mountings = (Mounting(one.number, matrix, one.axis_tilt_deg) for one, matrix in zip(told.mounting, matrices))
+    positions = (Position(one.mounting, one.position, one.angle_deg, one.use) for one in told.position)
+    try:
+        return CoreSchedule(Schedule(tuple(mountings), tuple(positions)))
+    except (CoreRefusal, ValueError):
+        raise BadInput("its schedule is not as tumble solve writes it", name) from None
+
+
+_LATEST = 253402300799  # the last second of the year 9999
+
+
+def created(clock: bool = True) -> str | None:
+    """Now, UTC, in the form of ISO 8601, or the second that SOURCE_DATE_EPOCH names where it is set. Without `clock`,
+    as for a run in virtual time, which has no date, None unless it is set.
+
+    Raises UsageError for a SOURCE_DATE_EPOCH that is no whole number of seconds.
+    """
+    told = os.environ.get("SOURCE_DATE_EPOCH")
+    if told is not None:
+        if not re.fullmatch(r"[0-9]{1,12}", told, re.ASCII) or int(told) > _LATEST:
+            raise UsageError(f"SOURCE_DATE_EPOCH: {quoted(told)} is not a whole number of seconds since 1970")
+        return _written(datetime.fromtimestamp(int(told), timezone.utc))
+    return _written(datetime.now(timezone.utc)) if clock else None
+
+
+def _written(moment: datetime) -> str:
+    return f"{moment:%Y-%m-%dT%H:%M:%SZ}"
+
+
+@dataclass(frozen=True)
+class GravityUncertainty:
+    """At every position of the schedule, NaN where it was not measured: standard uncertainty `u_g` of delta_g, and its
+    coverage `factor` for PROBABILITY."""
+
+    u_g: Floats
+    factor: Floats
+
+
+def gravity_uncertainty(solution: Solution) -> GravityUncertainty | None:
+    """By the declared noise or the measured one, whichever counts in the other uncertainties; None where neither is
+    known."""
+    noise, run = solution.noise, solution.run
+    if solution.stand is None and not noise.is_known:
+        return None
+    stand = NO_STAND if solution.stand is None else solution.declared.with_step(solution.step)
+    declared = np.broadcast_to(stand.mean_variance(run.samples), noise.mean_variance.shape)
+    inverse = np.linalg.inv(solution.found.k)
+    force = (run.means - solution.found.u0) @ inverse.T
+    weights = (force @ inverse) ** 2
+    variance = (weights * np.maximum(declared, noise.mean_variance)).sum(axis=1)
+    if noise.measured is None:
+        freedom = np.full(len(variance), np.inf)
+    else:
+        measured = np.where(noise.by_samples >= declared, noise.by_samples, 0.0)
+        freedom = effective(variance, (weights * measured).T, noise.measured.freedom)
+    factor = np.array([student_quantile(PROBABILITY, one) for one in freedom.tolist()])
+    return GravityUncertainty(np.sqrt(variance), factor)
 
 
 def result_of(
@@ -56,7 +158,7 @@ def result_of(
         run_sha256=solution.run.sha256 or None,
         serial=serial,
         stand=None if solution.stand is None else declared_stand(solution.stand, by_channel(solution.step) * volts),
-        schedule=schedule_of(solution.schedule),
+        schedule=schedule_told(solution.schedule),
         estimator=found.estimator,
         unit=unit,
         units=of.Units(K=per_g(unit), U0=unit, u_K=per_g(unit), u_U0=unit),
@@ -87,7 +189,7 @@ def result_of(
         verification=_verification(solution),
         stand_seen=stand_seen(solution.stand_seen, volts, solution.channel_noise),
         intrinsic=_of_block(found.intrinsic.scale, found.intrinsic.angles, found.intrinsic.bias),
-        si=si.of_result(found.k, found.u0, solution.covariance, environment, unit),
+        si=si_of(found.k, found.u0, solution.covariance, environment, unit),
         u_intrinsic=None if (u := solution.u_intrinsic) is None else _of_block(u.scale, u.angles, u.bias),
         reference=of.Reference(
             max_abs_difference_K=float(np.abs(difference.k).max()),
@@ -111,7 +213,7 @@ def declared_stand(stand: Stand, step_v: Floats) -> of.DeclaredStand:
     return of.DeclaredStand(*labels, **errors, step_v=step)
 
 
-def schedule_of(schedule: Schedule) -> of.Schedule:
+def schedule_told(schedule: Schedule) -> of.Schedule:
     """With the name of a built-in one, else None, and the tables of a schedule file."""
     mountings = (of.Mounting(one.number, np.array(one.matrix), one.tilt_deg) for one in schedule.mountings)
     positions = (of.Position(*_place(one)[:2], one.angle_deg, one.use) for one in schedule.positions)
@@ -170,7 +272,7 @@ def _monte_carlo(found: MonteCarlo) -> of.MonteCarlo:
     return of.MonteCarlo(found.runs, found.seed, COVERAGE, LEVEL, found.agrees, coefficients)
 
 
-def fit_of(fit: explanations.Fit) -> of.Fit:
+def fit_of(fit: Fit) -> of.Fit:
     """Whether a run fits its stand."""
     told = tuple(
         of.Explanation(one.patterns, one.p, one.size, one.u_size, one.unit, one.column or None)

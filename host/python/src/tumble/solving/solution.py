@@ -15,14 +15,19 @@ from tumble.defaults import DEFAULT_COVERAGE_FACTOR
 from tumble.errors import BadInput
 from tumble.estimators import OPTIMAL
 from tumble.files.run_file import Run
-from tumble.model.explanations import CONFIDENCE, Fit, judge, variance_of_means
-from tumble.model.force import NotSolvable
+from tumble.model.coefficients import (
+    IntrinsicUncertainties,
+    NotSolvable,
+    WorstNorm,
+    by_intrinsic,
+    intrinsic_uncertainties,
+    worst_norm,
+)
+from tumble.model.fit import CONFIDENCE, Fit, WholeModel, judge, variance_of_means
 from tumble.model.geometry import built_in
-from tumble.model.norm import IntrinsicUncertainties, WorstNorm, by_intrinsic, intrinsic_uncertainties, worst_norm
 from tumble.model.optimal import OptimalEstimate, optimal_estimate
-from tumble.model.propagation import Propagation
+from tumble.model.propagation import Propagation, SecondOrder, second_order
 from tumble.model.reliability import Reliability, reliability
-from tumble.model.second_order import SecondOrder, second_order
 from tumble.model.stand_seen import (
     ANGLES,
     ChannelNoise,
@@ -33,16 +38,13 @@ from tumble.model.stand_seen import (
     stand_to_look_with,
     weights_of,
 )
-from tumble.model.whole import WholeModel
 from tumble.schedule import Schedule
 from tumble.solving import further, noise as noise_of_runs, optimal_run
-from tumble.solving.computation import Computation, DeadChannels, compute
-from tumble.solving.coverage import Coverage, coverage
-from tumble.solving.crosscheck import LARGEST_MISFIT, Comparison, compare
+from tumble.solving.computation import LARGEST_MISFIT, Comparison, Computation, DeadChannels, compare, compute
 from tumble.solving.further import Further, Without
 from tumble.solving.many_runs import MonteCarlo, estimator_or_linear, simulate
 from tumble.solving.noise import sampled_patterns
-from tumble.solving.uncertainty import Stated, stated
+from tumble.solving.uncertainty import Coverage, Stated, coverage, stated
 from tumble.stand import PerChannel, Stand, over
 from tumble.terms import Terms
 from tumble.units import volts_per

@@ -21,8 +21,8 @@ from tumble.files.stand_file import StandFile
 from tumble.model.estimators import estimate
 from tumble.model.optimal import optimal_covariance, optimal_estimate
 from tumble.model.propagation import covariance
-from tumble.solving import declared, result
-from tumble.solving.crosscheck import OPTIMAL_LIMIT_U, RELATIVE_LIMIT, compare_uncertainties
+from tumble.solving import result
+from tumble.solving.computation import OPTIMAL_LIMIT_U, RELATIVE_LIMIT, compare_uncertainties
 from tumble.solving.noise import look, of_means
 from tumble.solving.solution import Solution, Truth, solve
 from tumble.world import gains
@@ -102,7 +102,7 @@ def result_text(
     """result.json of a run that `confirm` has confirmed."""
     item, environment = (None, None) if stand_file is None else (stand_file.item, stand_file.environment)
     serial = None if setup.block is None else setup.block.get("serial")
-    created = declared.created(clock=bus != INPROCESS)
+    created = result.created(clock=bus != INPROCESS)
     found = result.result_of(solution, item, environment, serial, "run.csv", created, complaints(solution))
     assert solution.truth is not None  # it has been simulated
     found.seed, found.bus, found.firmware = setup.seed, bus, firmware

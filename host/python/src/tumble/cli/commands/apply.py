@@ -113,7 +113,7 @@ def _targets(arguments: argparse.Namespace) -> list[str]:
 def _beware(result: Result, file: str) -> None:
     """What whoever uses the calibrated data should know, on stderr."""
     from tumble.api.complaints import complaints_of_document
-    from tumble.solving.assumptions import phrase
+    from tumble.solving.decision import phrase
 
     for warning in complaints_of_document(result.checked):
         tell(f"tumble: warning: {file_name(file)}: {warning}")

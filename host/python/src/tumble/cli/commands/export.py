@@ -141,7 +141,7 @@ def _names(result: Result, them: Coefficients, warnings: Iterable[str], labels: 
     fit into a comment. `u`, `covariance`, `u_inverse` and `temperature` are None where they are unknown."""
     import numpy as np
 
-    from tumble.model.force import PASSES
+    from tumble.model.coefficients import PASSES
     from tumble.solving.decision import Decision
     from tumble.terms import POWERS
 
@@ -221,7 +221,7 @@ def _filled(name: str, real: str, names: dict[str, Any]) -> str:
 
     from jinja2 import Environment, StrictUndefined
 
-    from tumble.solving.assumptions import phrase
+    from tumble.solving.decision import phrase
 
     environment = Environment(
         undefined=StrictUndefined,

@@ -154,8 +154,8 @@ def _views(
     from tumble.files.run_file import read_measured
     from tumble.fixture.judge import RunView
     from tumble.solving import plausibility
+    from tumble.solving.plausibility import contradicted, in_environment, spanned
     from tumble.solving.solution import solve
-    from tumble.solving.temperature import contradicted, in_environment, spanned
 
     planned = schedule or CoreSchedule.built_in("paper")
     if (count := len(planned.data.mountings)) > MAX_YAWS:
