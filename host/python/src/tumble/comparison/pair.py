@@ -16,7 +16,7 @@ from tumble.comparison.statistics import is_covariance
 from tumble.comparison.verdict import Found, Verdict, judge
 from tumble.defaults import ANEW
 from tumble.errors import BadInput, file_name, quoted
-from tumble.files.run_temperature import Temperatures
+from tumble.files.rows import Temperatures
 from tumble.solving import si
 from tumble.solving.coefficients import Coefficients
 from tumble.solving.decision import GRAVITY, UNCERTAINTY, Decision

@@ -6,6 +6,7 @@ What the user says wins; the rest is read off the header line and the first rows
 from __future__ import annotations
 
 import csv
+import itertools
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -18,6 +19,7 @@ COLUMNS = ("mounting", "position", "ux", "uy", "uz")
 TEMPERATURE = "temperature"  # a column that need not be there
 DEFAULT_UNIT = "V"
 DECIMALS = (".", ",")
+_LINE_END = re.compile(rb"\r\n?|\n")
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
 _HEAD_BYTES = 1 << 16
@@ -105,10 +107,22 @@ def decoded(data: bytes) -> str:
 
 def as_text(data: bytes) -> str:
     """Of a part of a file that is not its beginning."""
+    return data.decode(encoding_of(data))
+
+
+def encoding_of(data: bytes) -> str:
+    """UTF-8, or else one byte a character."""
     try:
-        return data.decode("utf-8")
+        data.decode("utf-8")
     except UnicodeDecodeError:
-        return data.decode("latin-1")
+        return "latin-1"
+    return "utf-8"
+
+
+def body_of(data: bytes, lines: int) -> bytes:
+    """What follows so many lines."""
+    ends = [match.end() for match in itertools.islice(_LINE_END.finditer(data), lines)]
+    return data[ends[-1] :] if len(ends) == lines else b""
 
 
 def is_blank(line: str) -> bool:

@@ -12,8 +12,8 @@ import numpy as np
 from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.files import run_rows
+from tumble.files.run_file import smallest_step
 from tumble.files.run_layout import NO_WISHES, Wishes
-from tumble.files.run_store import smallest_step
 from tumble.importing import labels, match, recording
 from tumble.importing.can_bus import NO_BUS, Bus
 from tumble.importing.clock import CONTRADICTED

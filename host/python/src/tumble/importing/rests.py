@@ -30,7 +30,7 @@ from tumble import data
 from tumble.arrays import Flags, Floats, Integers
 from tumble.errors import UsageError
 from tumble.files.can_log import Frame
-from tumble.files.run_store import smallest_step
+from tumble.files.run_file import smallest_step
 
 _PER_WINDOW = 4  # blocks
 _FEWEST_IN_BLOCK = 4  # samples: fewer have no scatter to speak of

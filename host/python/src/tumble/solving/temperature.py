@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tumble.files.rows import OF_ENVIRONMENT, Temperatures
 from tumble.files.run_file import Run
-from tumble.files.run_temperature import OF_ENVIRONMENT, Temperatures
 
 TOLERANCE_C = 1.0  # what thermometers and the inside of a block differ by
 FAR_C = 10.0  # blocks change by some 1e-4 a kelvin: this is 1e-3, and no warming-up of a block in its room
