@@ -15,7 +15,7 @@ import io
 import os
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import nullcontext
 from typing import Any, BinaryIO
 
 import numpy as np
@@ -49,31 +49,19 @@ class Incoming:
         return self._hash.hexdigest()
 
     def __iter__(self) -> Iterator[bytes]:
-        with self._opened() as raw, self._naming():
-            stream = io.BufferedReader(_Whole(raw, self._hash.update), self._block)
-            source, size = self._decompressed(stream), 0
-            while block := source.read(self._block):
-                size += len(block)
-                if size > MOST_IN_ALL:
-                    raise BadInput(f"more than {MOST_IN_ALL >> 30} GiB, decompressed", self.name)
-                yield block
-            while stream.read(self._block):  # of what follows compressed data only the hash is taken
-                pass
-
-    @contextmanager
-    def _opened(self) -> Iterator[BinaryIO]:
-        if self._file == STANDARD_INPUT:
-            yield sys.stdin.buffer
-            return
-        require_no_folder_of(self._file, RUN_FILE)
-        with opened(self._file) as raw:
-            yield raw
-
-    @contextmanager
-    def _naming(self) -> Iterator[None]:
-        """What the system or a decompressor says becomes BadInput."""
+        if self._file != STANDARD_INPUT:
+            require_no_folder_of(self._file, RUN_FILE)
         try:
-            yield
+            with nullcontext(sys.stdin.buffer) if self._file == STANDARD_INPUT else opened(self._file) as raw:
+                stream = io.BufferedReader(_Whole(raw, self._hash.update), self._block)
+                source, size = self._decompressed(stream), 0
+                while block := source.read(self._block):
+                    size += len(block)
+                    if size > MOST_IN_ALL:
+                        raise BadInput(f"more than {MOST_IN_ALL >> 30} GiB, decompressed", self.name)
+                    yield block
+                while stream.read(self._block):  # of what follows compressed data only the hash is taken
+                    pass
         except BadInput:
             raise
         except EOFError:

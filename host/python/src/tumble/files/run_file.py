@@ -95,10 +95,24 @@ def facts_of(rows: Floats) -> PositionFacts:
     stride = 1
     while samples > stride * _FEW_ROWS:
         stride *= 2
-    sums, channels = zip(*(_sum_and_channel(rows[:, channel].copy(), stride) for channel in range(3)))
-    runs = tuple((int(rows[one.run[0], 3]), int(rows[one.run[1] - 1, 3])) for one in channels)
-    ends = int(rows[0, 3]), int(rows[-1, 3])
-    return PositionFacts(samples, np.array(sums) / samples, *_spread(rows), channels, stride, ends, runs)
+    outputs = [rows[:, channel].copy() for channel in range(3)]
+    channels = tuple(_channel(values, stride) for values in outputs)
+    scatter, squares = unknown, np.zeros((samples.bit_length() - 1, 3))
+    if samples > 1:
+        scatter, sums = np.empty(3), np.empty((samples // 2, 3))
+        given = ffi.from_buffer("double[][4]", np.ascontiguousarray(rows))
+        lib.rows_scatter(given, samples, ffi.from_buffer("double[]", scatter))
+        lib.rows_squares(given, samples, *(ffi.from_buffer("double[][3]", one) for one in (sums, squares)))
+    return PositionFacts(
+        samples=samples,
+        means=np.array([exact_sum(values) for values in outputs]) / samples,
+        scatter=scatter,
+        squares=squares,
+        channels=channels,
+        stride=stride,
+        lines=(int(rows[0, 3]), int(rows[-1, 3])),
+        runs=tuple((int(rows[one.run[0], 3]), int(rows[one.run[1] - 1, 3])) for one in channels),
+    )
 
 
 def exact_sum(values: Floats) -> float:
@@ -119,38 +133,24 @@ def exact_sum(values: Floats) -> float:
     return math.fsum(parts)
 
 
-def _spread(rows: Floats) -> tuple[Floats, Floats]:
-    """`scatter` and `squares`."""
-    scatter, squares = np.full(3, np.nan), np.zeros((len(rows).bit_length() - 1, 3))
-    if len(rows) > 1:
-        given, sums = ffi.from_buffer("double[][4]", np.ascontiguousarray(rows)), np.empty((len(rows) // 2, 3))
-        lib.rows_scatter(given, len(rows), ffi.from_buffer("double[]", scatter))
-        lib.rows_squares(given, len(rows), *(ffi.from_buffer("double[][3]", one) for one in (sums, squares)))
-    return scatter, squares
-
-
-def _sum_and_channel(values: Floats, stride: int) -> tuple[float, Channel]:
-    return exact_sum(values), _channel(values, stride)
-
-
 def _channel(values: Floats, stride: int) -> Channel:
     rows, ordered = len(values), in_order(values)
     median = float(ordered[(rows - 1) // 2] + ordered[rows // 2]) / 2
     off = _distances(ordered, median)
     within = math.floor((rows - 1) * WITHIN_ONE_SIGMA)
     ends = float(ordered[0]), float(ordered[-1])
-    at_ends = int(np.searchsorted(ordered, ends[0], "right")), rows - int(np.searchsorted(ordered, ends[1], "left"))
-    steps = np.diff(values)
+    first_largest = int(np.searchsorted(ordered, ends[1], "left"))
+    changes, steps = np.diff(values), np.diff(ordered)
     return Channel(
-        median,
-        math.sqrt(rows / (rows - 1)) * float(off[within]) if rows > 1 else 0.0,
-        float(off[-1]),
-        ends,
-        at_ends,
-        _longest_run(steps),
-        off[1::stride].copy(),
-        np.abs(steps[::stride]),
-        smallest_step_of(ordered),
+        median=median,
+        usual=math.sqrt(rows / (rows - 1)) * float(off[within]) if rows > 1 else 0.0,
+        farthest=float(off[-1]),
+        ends=ends,
+        at_ends=(int(np.searchsorted(ordered, ends[0], "right")), rows - first_largest),
+        run=_longest_run(changes),
+        off=off[1::stride].copy(),
+        changes=np.abs(changes[::stride]),
+        resolution=float(steps.min(initial=np.inf, where=steps > 0.0)),
     )
 
 
@@ -169,12 +169,6 @@ def _distances(ordered: Floats, median: float) -> Floats:
     off = np.abs(ordered - median)
     below = int(np.searchsorted(ordered, median))
     return np.sort(np.concatenate((off[:below][::-1], off[below:])), kind="stable")
-
-
-def smallest_step_of(ordered: Floats) -> float:
-    """Between two different values, given in order; infinite where there is one value alone."""
-    steps = np.diff(ordered)
-    return float(steps.min(initial=np.inf, where=steps > 0.0))
 
 
 def _longest_run(steps: Floats) -> tuple[int, int]:
@@ -210,8 +204,11 @@ def blocks_of(positions: Sequence[PositionFacts]) -> Blocks:
 
 
 def smallest_step(values: Floats) -> float:
-    """Between two values of a channel: the converter's, where it is coarse; infinite where there is one value alone."""
-    return smallest_step_of(np.sort(values))
+    """Between two values of a channel: the converter's, where it is coarse, next to nothing where it is not; 0 where
+    there is one value alone."""
+    steps = np.diff(in_order(values))
+    step = float(steps.min(initial=np.inf, where=steps > 0.0))
+    return step if math.isfinite(step) else 0.0
 
 
 ROWS_IN_MEMORY = 1 << 18
@@ -233,11 +230,12 @@ class RowStore:
         self._parts: list[list[Floats]] = [[] for _ in range(positions)]
         self._written: list[list[tuple[int, int]]] = [[] for _ in range(positions)]  # where, and how many rows
         self._file: BinaryIO | None = None
-        self._some = _EveryNth()
+        self._sampled: list[Floats] = []  # every `_stride`-th row
+        self._stride, self._added = 1, 0
 
     def add(self, index: Integers, values: Floats) -> None:
         """More rows: the index of the position of each, (rows,), and its outputs and line, (rows, 4)."""
-        self._some.add(values)
+        self._sample(values[:, :3])
         counts = np.bincount(index, minlength=len(self.samples))
         grouped = values[np.argsort(index, kind="stable")]
         for position, part in enumerate(np.split(grouped, np.cumsum(counts)[:-1])):
@@ -247,6 +245,13 @@ class RowStore:
         self._held += len(index)
         if self._held > self._most:
             self._write()
+
+    def _sample(self, outputs: Floats) -> None:
+        """Keep every n-th row, n a power of two: 20,000 to 40,000 of them, or all that there are."""
+        self._sampled.append(outputs[-self._added % self._stride :: self._stride].copy())
+        self._added += len(outputs)
+        while sum(map(len, self._sampled)) >= 2 * _ROWS_FOR_STEP:
+            self._sampled, self._stride = [np.concatenate(self._sampled)[::2].copy()], 2 * self._stride
 
     def _write(self) -> None:
         import tempfile
@@ -266,7 +271,7 @@ class RowStore:
     def on(self, positions: Sequence[int]) -> RowStore:
         """The same rows on a schedule of which they are all: at its position i are those of positions[i]."""
         other = RowStore(len(positions), self._name, self._most)
-        other.samples, other._file, other._some = self.samples[list(positions)], self._file, self._some
+        other.samples, other._file, other._sampled = self.samples[list(positions)], self._file, self._sampled
         other._parts = [self._parts[position] for position in positions]
         other._written = [self._written[position] for position in positions]
         return other
@@ -297,35 +302,10 @@ class RowStore:
 
     @cached_property
     def step(self) -> Floats:
-        """(3,): the smallest difference of two values of a channel, the converter's step where it is coarse, next to
-        nothing where it is not; 0 where all are equal. Of many rows some are looked at."""
-        return np.array([_smallest_difference(channel) for channel in self._some.outputs.T])
-
-
-class _EveryNth:
-    """Of the rows of a file every n-th, n a power of two: 20,000 to 40,000 of them, or all that there are."""
-
-    def __init__(self) -> None:
-        self._kept: list[Floats] = []
-        self._count, self._seen, self._stride = 0, 0, 1
-
-    def add(self, values: Floats) -> None:
-        some = values[-self._seen % self._stride :: self._stride, :3].copy()
-        self._kept.append(some)
-        self._seen += len(values)
-        self._count += len(some)
-        while self._count >= 2 * _ROWS_FOR_STEP:
-            self._kept = [self.outputs[::2].copy()]
-            self._count, self._stride = len(self._kept[0]), 2 * self._stride
-
-    @property
-    def outputs(self) -> Floats:
-        return np.concatenate(self._kept) if self._kept else np.zeros((0, 3))
-
-
-def _smallest_difference(values: Floats) -> float:
-    step = smallest_step_of(in_order(values))
-    return step if math.isfinite(step) else 0.0
+        """(3,): the smallest difference of two values of a channel, as `smallest_step`. Of many rows some are looked
+        at."""
+        sampled = np.concatenate(self._sampled) if self._sampled else np.zeros((0, 3))
+        return np.array([smallest_step(channel) for channel in sampled.T])
 
 
 @dataclass(frozen=True)
@@ -410,9 +390,19 @@ class Rows:
             "positions_missing": len(samples) - measured,
             **self.counters,
         }
-        means, scatter = np.array([one.means for one in facts]), np.array([one.scatter for one in facts])
-        given = samples, means, scatter, self.unit, counters, self.sha256, self.unit_told, self.store, blocks_of(facts)
-        return Run(*given, self.temperature, self.passed_over)
+        return Run(
+            samples=samples,
+            means=np.array([one.means for one in facts]),
+            scatter=np.array([one.scatter for one in facts]),
+            unit=self.unit,
+            counters=counters,
+            sha256=self.sha256,
+            unit_told=self.unit_told,
+            table=self.store,
+            blocks=blocks_of(facts),
+            temperature=self.temperature,
+            passed_over=self.passed_over,
+        )
 
 
 def _numbers(position: Position) -> tuple[int, int]:
@@ -449,14 +439,14 @@ class RunReader:
     def __init__(self, blocks: Iterable[bytes], positions: PositionIndex, wishes: Wishes, file: str, fast: bool = True):
         self._positions, self._file = positions, file
         following = iter(blocks)
-        start = self._beginning(following)
+        start = self._grown(b"", following)
         try:
             require_text(start, file)
             self._blocks = self._without_zeros(following, start.count(b"\n"))
             with _to_its_end(self._blocks):
                 layout = detect_in_head(start, wishes, file)
                 if layout is None:
-                    start = self._grown(start, self._blocks)
+                    start = self._grown(start, self._blocks, to_its_end=True)
                     layout = detect(start, wishes, file)
         except BadInput:
             can_log.refuse(start, file)
@@ -483,28 +473,16 @@ class RunReader:
         """Of the rows, and sentences about a column that is passed over. Raises BadInput."""
         return self.parser.thermometer.told(self._file)
 
-    def _beginning(self, blocks: Iterator[bytes]) -> bytes:
-        """Enough of it to find the layout in."""
-        start, blank = bytearray(), True
+    def _grown(self, start: bytes, blocks: Iterator[bytes], to_its_end: bool = False) -> bytes:
+        """With blocks that follow: enough to find the layout in, or all. Raises BadInput where that is much."""
+        grown = bytearray(start)
         for block in blocks:
-            start += block
-            blank = blank and block.isspace()
-            if is_long_enough(start) and not start.endswith(b"\r") and not blank:
+            grown += block
+            if not to_its_end and is_long_enough(grown):
                 break
-            self._require_head(start)
-        return bytes(start)
-
-    def _grown(self, start: bytes, blocks: Iterator[bytes]) -> bytes:
-        """All of a file without a header line in its beginning. Raises BadInput where that is much."""
-        whole = bytearray(start)
-        for block in blocks:
-            whole += block
-            self._require_head(whole)
-        return bytes(whole)
-
-    def _require_head(self, start: bytearray) -> None:
-        if len(start) > LONGEST_HEAD:
-            raise BadInput(f"no header line within {in_words(LONGEST_HEAD)}", self._file)
+            if len(grown) > LONGEST_HEAD:
+                raise BadInput(f"no header line within {in_words(LONGEST_HEAD)}", self._file)
+        return bytes(grown)
 
     def _without_zeros(self, blocks: Iterator[bytes], ends: int) -> Iterator[bytes]:
         """Raises BadInput for a zero byte; `ends`: of lines, before these blocks."""

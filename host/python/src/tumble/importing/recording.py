@@ -37,10 +37,10 @@ from tumble.files.run_layout import (
     TEMPERATURE,
     Layout,
     Wishes,
+    as_text,
     body_of,
     decoded,
     detect,
-    encoding_of,
     find_column,
     is_number,
     require_text,
@@ -205,14 +205,11 @@ def _below_units(data: bytes, layout: Layout, names: list[str], wishes: Wishes, 
 def _parse(data: bytes, layout: Layout, columns: dict[str, int], timing: Timing, file: str) -> tuple[RowParser, Floats]:
     """All rows, and the parser that knows the rest of them; a clock that is no number is one of its texts. Raises
     BadInput."""
-    codec = encoding_of(data)
     texts = {name: place for name, place in columns.items() if name != "time"}
     time = columns.get("time") if timing.rate_hz is None else None
 
     def parsed(time: int | None, texts: dict[str, int]) -> tuple[RowParser, Floats]:
-        parser = RowParser(
-            layout, OUTPUTS, decoded=lambda line: line.decode(codec), recorded=True, time=time, texts=texts
-        )
+        parser = RowParser(layout, OUTPUTS, recorded=True, time=time, texts=texts)
         return parser, parser.parse(body_of(data, layout.header_row))[1]
 
     try:
@@ -236,7 +233,7 @@ def _parse(data: bytes, layout: Layout, columns: dict[str, int], timing: Timing,
 
 def _lines(data: bytes, layout: Layout) -> Iterator[tuple[int, str]]:
     """What follows the header, without comments and blank lines: numbers of lines and their text."""
-    body = body_of(data, layout.header_row).decode(encoding_of(data))
+    body = as_text(body_of(data, layout.header_row))
     for row, line in enumerate(io.StringIO(body, newline=None), start=layout.header_row + 1):
         if line.strip() and not line.startswith("#"):
             yield row, line
