@@ -4,8 +4,7 @@ import numpy as np
 from core_chi_squared import chi_squared
 from violation_rows import U0, K
 
-from tumble.files.run_file import Run
-from tumble.files.run_store import blocks_of, facts_of
+from tumble.files.run_file import Run, blocks_of, facts_of
 from tumble.model.fit import variance_of_means
 from tumble.model.propagation import Propagation
 from tumble.solving import noise

@@ -21,8 +21,7 @@ from tumble.cli.commands import import_recording
 from tumble.distributions import chi_squared_above
 from tumble.documents.base import written
 from tumble.errors import BadInput
-from tumble.files.run_file import Run
-from tumble.files.run_store import NO_BLOCKS
+from tumble.files.run_file import NO_BLOCKS, Run
 from tumble.files.stand_file import read_stand
 from tumble.model import Propagation, WholeModel, built_in, by_coefficient, covariance, optimal_covariance
 from tumble.model.errors import exact_outputs, sources

@@ -7,7 +7,7 @@ from conftest import EXAMPLES
 
 import tumble as package
 from tumble.files import run_rows
-from tumble.files.run_store import smallest_step
+from tumble.files.run_file import smallest_step
 from tumble.model import Geometry, built_in
 
 pytestmark = pytest.mark.python

@@ -19,8 +19,7 @@ from tumble import model
 from tumble.cli import presentation
 from tumble.core import paper_schedule
 from tumble.distributions import chi_squared_above
-from tumble.files.run_file import Run
-from tumble.files.run_store import NO_BLOCKS, blocks_of, facts_of
+from tumble.files.run_file import NO_BLOCKS, Run, blocks_of, facts_of
 from tumble.model.errors import exact_outputs, sources
 from tumble.model.estimators import estimate
 from tumble.model.noise import CHANCE_SIGMAS, chance_limit

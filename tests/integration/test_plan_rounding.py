@@ -10,8 +10,7 @@ from conftest import EXAMPLES
 
 from tumble import core, model
 from tumble.core.binding import estimate_runs
-from tumble.files.run_file import Run
-from tumble.files.run_store import NO_BLOCKS
+from tumble.files.run_file import NO_BLOCKS, Run
 from tumble.files.stand_file import read_stand
 from tumble.model.errors import exact_outputs, sources
 from tumble.planning.budget import by_key, notes

@@ -9,10 +9,9 @@ from blocks import NOMINAL_K
 from hypothesis import given, strategies as st
 
 from tumble.errors import BadInput
-from tumble.files.run_file import read_run
+from tumble.files.rows import PositionIndex, RowParser
+from tumble.files.run_file import RowStore, RunReader, read_run
 from tumble.files.run_layout import Wishes
-from tumble.files.run_reader import PositionIndex, RunReader
-from tumble.files.run_store import RowStore
 from tumble.model import Geometry, built_in
 
 PAPER = built_in("paper")
@@ -188,7 +187,7 @@ def taken(data, fast):
     """The rows and counts of a file, or the complaint."""
     try:
         reader = reader_of(data, fast=fast)
-        return rows_of(reader), reader.blanks, reader.comments, reader.temperature
+        return rows_of(reader), reader.parser.blanks, reader.parser.comments, reader.temperature
     except BadInput as error:
         return str(error)
 
@@ -217,7 +216,7 @@ def test_the_careful_way_reads_every_layout(case):
     "case", ["plain", "CRLF", "semicolons and decimal commas", "extra text", "blank lines of CRLF", "blanks"]
 )
 def test_plain_layouts_go_the_fast_way(case, monkeypatch):
-    monkeypatch.setattr(RunReader, "_carefully", None)
+    monkeypatch.setattr(RowParser, "_read_row", None)
     assert [row[:3] for row in rows_of(reader_of(LAYOUTS[case][0].encode()))[1]] == MEANS.tolist()
 
 

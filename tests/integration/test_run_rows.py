@@ -5,9 +5,8 @@ import pytest
 from conftest import EXAMPLES
 
 from tumble.errors import BadInput
-from tumble.files.run_file import Run, read_run
+from tumble.files.run_file import RowStore, Run, read_run
 from tumble.files.run_rows import require
-from tumble.files.run_store import RowStore
 from tumble.model import Geometry, built_in
 
 pytestmark = pytest.mark.python

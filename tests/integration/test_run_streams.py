@@ -23,11 +23,10 @@ from tumble.core import CoreSchedule
 from tumble.errors import BadInput, NotInstalled
 from tumble.files import run_layout
 from tumble.files.incoming import Incoming
-from tumble.files.run_file import Rows, read_measured, read_run
+from tumble.files.rows import PositionIndex
+from tumble.files.run_file import Rows, RowStore, RunReader, exact_sum, facts_of, in_order, read_measured, read_run
 from tumble.files.run_layout import Wishes
-from tumble.files.run_reader import PositionIndex, RunReader
 from tumble.files.run_rows import require
-from tumble.files.run_store import RowStore, exact_sum, facts_of, in_order
 
 pytestmark = pytest.mark.python
 RUN = EXAMPLES / "paper_stand.csv"
@@ -38,7 +37,7 @@ def taken(blocks, wishes=None):
     try:
         reader = RunReader(blocks, PositionIndex(PAPER), wishes or Wishes(), "f")
         index, values = (np.concatenate(parts).tolist() for parts in zip(*reader))
-        return index, values, reader.blanks, reader.comments, reader.temperature, reader.layout
+        return index, values, reader.parser.blanks, reader.parser.comments, reader.temperature, reader.layout
     except BadInput as error:
         return str(error)
 
@@ -256,7 +255,7 @@ def test_a_schedule_with_closures_is_read_once(tmp_path):
 
 
 def test_an_absurd_row_among_very_many(monkeypatch):
-    monkeypatch.setattr("tumble.files.run_store._FEW_ROWS", 1 << 8)
+    monkeypatch.setattr("tumble.files.run_file._FEW_ROWS", 1 << 8)
     rng = np.random.default_rng(31)
     outputs = np.repeat([p.number * 0.2 for p in PAPER.positions], 3000)[:, None] + 3e-4 * rng.normal(size=(54_000, 3))
     store, clean = RowStore(18, "f", in_memory=10_000), RowStore(18, "f")

@@ -17,9 +17,9 @@ from tumble.cli.main import main
 from tumble.documents.result import Temperature, read_result
 from tumble.errors import BadInput
 from tumble.files import run_rows
+from tumble.files.rows import OF_ENVIRONMENT, OF_RUN_FILE, Temperatures
 from tumble.files.run_file import read_run
 from tumble.files.run_layout import Wishes
-from tumble.files.run_temperature import OF_ENVIRONMENT, OF_RUN_FILE, Temperatures
 from tumble.model import Geometry, built_in
 from tumble.solving import plausibility
 from tumble.solving.decision import assumed

@@ -323,6 +323,7 @@ typedef struct {
     char delimiter;
     char decimal;
     uint32_t columns;
+    uint32_t width;
     const int8_t *role;
     const int32_t *position;
     double coldest;
@@ -336,7 +337,7 @@ typedef struct {
     double low_c;
     double high_c;
 } rows_found_t;
-void rows_parse(const rows_layout_t *, const char *text, size_t size, double line, uint16_t *index, double (*rows)[4],
+void rows_parse(const rows_layout_t *, const char *text, size_t size, double line, uint16_t *index, double *rows,
                 rows_found_t *);
 void rows_scatter(const double (*rows)[4], size_t number, double *scatter);
 void rows_squares(const double (*rows)[4], size_t number, double (*sums)[3], double (*squares)[3]);

@@ -1,7 +1,7 @@
-/* rows.c - lines of a run file as numbers, and numbers in order; part of the extension's source.
+/* rows.c - rows of CSV as numbers, and numbers in order; part of the extension's source.
  *
- * Rows are ux, uy, uz and the number of the line. rows_parse takes the lines that are plain: numbers that one division or product makes exact, no quotes, no comments,
- * a position of the schedule. At any other line it stops: tumble.files.run_reader reads that one and complains of it.
+ * rows_parse is the inner loop of tumble.files.rows: it takes the lines that are plain (numbers that one division or product makes exact, no quotes, no comments, a
+ * position of the schedule) and stops at any other, which RowParser reads and alone may refuse. Rows are ux, uy, uz, the number of the line, then time and temperature.
  */
 #include <float.h>
 #include <math.h>
@@ -9,15 +9,18 @@
 #include <stdint.h>
 #include <string.h>
 
-enum { ROWS_OUTPUTS = 3, ROWS_TEMPERATURE = 5, ROWS_WANTED, ROWS_LONGEST_NOTE = 4096, ROWS_RADIX = 2048 };
+enum { ROWS_OUTPUTS = 3, ROWS_MOUNTING = 3, ROWS_POSITION, ROWS_TIME, ROWS_TEMPERATURE, ROWS_WANTED };
+enum { ROWS_LONGEST_NOTE = 4096, ROWS_RADIX = 2048 };
 
-/* How lines are laid out. `role` (columns): which of mounting, position, ux, uy, uz, temperature (0 to 5) a column is,
- * or negative. `position` (256 x 256): index of a position by the numbers of mounting and position; negative: none.
- * Temperatures outside coldest to hottest are not plain. */
+/* How lines are laid out. `role` (columns): which of ux, uy, uz, mounting, position, time, temperature (0 to 6) a column
+ * is, or negative. `position` (256 x 256): index of a position by the numbers of mounting and position, negative: none;
+ * NULL where rows have no position. `width` of a row that is written: 4, or 6 with time and temperature. Temperatures
+ * outside coldest to hottest are not plain. */
 typedef struct {
     char delimiter;
     char decimal;
     uint32_t columns;
+    uint32_t width;
     const int8_t *role;
     const int32_t *position;
     double coldest;
@@ -175,7 +178,7 @@ static const char *rows_field(const rows_layout_t *layout, int role, const char 
     if (at == NULL || !rows_value(&number, value)) {
         return NULL;
     }
-    found->marked |= number.marked && role < ROWS_TEMPERATURE;
+    found->marked |= number.marked && role < ROWS_TIME;
     return rows_blanks(at, layout->delimiter);
 }
 
@@ -200,16 +203,11 @@ static const char *rows_line(const rows_layout_t *layout, const char *at, rows_f
     return at;
 }
 
-/* The index of a row's position, negative where its numbers, or an output or the temperature, are not plain. */
+/* The index of a row's position, 0 where rows have none; negative where its numbers, or an output or the temperature,
+ * are not plain. */
 static int32_t rows_index(const rows_layout_t *layout, const double *values)
 {
-    const double mounting = values[0];
-    const double position = values[1];
-    const bool in_table = mounting >= 0.0 && mounting <= 255.0 && position >= 0.0 && position <= 255.0;
-    if (!in_table || floor(mounting) != mounting || floor(position) != position) {
-        return -1;
-    }
-    for (int channel = 2; channel < 2 + ROWS_OUTPUTS; channel++) {
+    for (int channel = 0; channel < ROWS_OUTPUTS; channel++) {
         if (!(fabs(values[channel]) <= TUMBLE_MAX_MEAN_V)) {
             return -1;
         }
@@ -218,18 +216,27 @@ static int32_t rows_index(const rows_layout_t *layout, const double *values)
     if (celsius < layout->coldest || celsius > layout->hottest) {
         return -1;
     }
+    if (layout->position == NULL) {
+        return 0;
+    }
+    const double mounting = values[ROWS_MOUNTING];
+    const double position = values[ROWS_POSITION];
+    const bool in_table = mounting >= 0.0 && mounting <= 255.0 && position >= 0.0 && position <= 255.0;
+    if (!in_table || floor(mounting) != mounting || floor(position) != position) {
+        return -1;
+    }
     return layout->position[256 * (int)mounting + (int)position];
 }
 
 /* Lines from the beginning of `text` up to the first that is not plain; the last byte is a line end. `line`: the number
- * of the first. `index` (rows) and `rows` (rows x 4: three outputs, number of the line) hold size / 10 rows. */
-void rows_parse(const rows_layout_t *layout, const char *text, size_t size, double line, uint16_t *index,
-                double (*rows)[4], rows_found_t *found)
+ * of the first. `index` (rows) and `rows` (rows x width) hold size / 6 rows, size / 10 where rows have a position. */
+void rows_parse(const rows_layout_t *layout, const char *text, size_t size, double line, uint16_t *index, double *rows,
+                rows_found_t *found)
 {
     const char *at = text;
     const char *const end = text + size;
     double values[ROWS_WANTED];
-    values[ROWS_TEMPERATURE] = NAN;
+    values[ROWS_TIME] = values[ROWS_TEMPERATURE] = NAN;
     found->rows = found->blanks = 0;
     for (; at < end; line += 1.0) {
         if (*at == '\n' || (*at == '\r' && at[1] == '\n')) {
@@ -245,9 +252,14 @@ void rows_parse(const rows_layout_t *layout, const char *text, size_t size, doub
             break;
         }
         at = next;
-        index[found->rows] = (uint16_t)position;
-        memcpy(rows[found->rows], &values[2], ROWS_OUTPUTS * sizeof values[0]);
-        rows[found->rows++][ROWS_OUTPUTS] = line;
+        index[found->rows++] = (uint16_t)position;
+        memcpy(rows, values, ROWS_OUTPUTS * sizeof values[0]);
+        rows[ROWS_OUTPUTS] = line;
+        if (layout->width > ROWS_OUTPUTS + 1U) {
+            rows[ROWS_OUTPUTS + 1] = values[ROWS_TIME];
+            rows[ROWS_OUTPUTS + 2] = values[ROWS_TEMPERATURE];
+        }
+        rows += layout->width;
         found->low_c = fmin(found->low_c, values[ROWS_TEMPERATURE]);
         found->high_c = fmax(found->high_c, values[ROWS_TEMPERATURE]);
     }
@@ -272,7 +284,7 @@ void rows_scatter(const double (*rows)[4], size_t number, double *scatter)
     }
 }
 
-/* Sums of squares of neighbouring blocks of 1, 2, 4, ... rows, as tumble.files.run_blocks defines them: a row of
+/* Sums of squares of neighbouring blocks of 1, 2, 4, ... rows, as tumble.files.run_file.Blocks defines them: a row of
  * `squares` for each length. `sums` holds number / 2 rows. */
 void rows_squares(const double (*rows)[4], size_t number, double (*sums)[ROWS_OUTPUTS], double (*squares)[ROWS_OUTPUTS])
 {

@@ -16,12 +16,10 @@ from tumble.core import MAX_MEAN, CoreSchedule
 from tumble.errors import BadInput, UsageError
 from tumble.files import can_log, frames, incoming, run_file
 from tumble.files.disk import RUN_FILE, read_head, require_no_folder_of
-from tumble.files.incoming import SUFFIXES, Held, Refused, held, read_table_file, suffix_of
-from tumble.files.run_file import Rows, Run
+from tumble.files.incoming import SUFFIXES, Held, held, read_table_file, suffix_of
+from tumble.files.rows import NUMBERS, Anywhere, PositionIndex, Refused, Temperatures, temperatures_of_table
+from tumble.files.run_file import Rows, RowStore, Run, RunReader
 from tumble.files.run_layout import COLUMNS, NO_WISHES, TEMPERATURE, Wishes, find_all, unit_of
-from tumble.files.run_reader import NUMBERS, Anywhere, PositionIndex, RunReader
-from tumble.files.run_store import RowStore
-from tumble.files.run_temperature import Temperatures, temperatures_of_table
 from tumble.schedule import Schedule
 
 

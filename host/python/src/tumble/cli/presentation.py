@@ -12,7 +12,7 @@ from tumble.api.complaints import complaint, consequence, named, noise_notice
 from tumble.arrays import Floats
 from tumble.cli import propagated
 from tumble.estimators import COEFFICIENTS, HARMONIC
-from tumble.files.run_temperature import OF_ENVIRONMENT, OF_RUN_FILE
+from tumble.files.rows import OF_ENVIRONMENT, OF_RUN_FILE
 from tumble.fixture.judge import Limits
 from tumble.model.fit import SYSTEMATIC
 from tumble.model.stand_seen import NAMES, Estimate

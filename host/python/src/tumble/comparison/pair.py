@@ -17,7 +17,7 @@ from tumble.comparison.verdict import Found, Verdict, judge
 from tumble.defaults import ANEW
 from tumble.documents.result import Result
 from tumble.errors import BadInput, file_name, quoted
-from tumble.files.run_temperature import Temperatures
+from tumble.files.rows import Temperatures
 from tumble.solving.coefficients import Coefficients, gravity_of
 from tumble.solving.decision import GRAVITY, UNCERTAINTY, Decision
 from tumble.solving.plausibility import TOLERANCE_C

@@ -15,7 +15,7 @@ from tumble.comparison.statistics import Test
 from tumble.comparison.verdict import Differences, Tests, Verdict
 from tumble.errors import file_name
 from tumble.estimators import COEFFICIENTS
-from tumble.files.run_temperature import range_text
+from tumble.files.rows import range_text
 from tumble.rounding import rounded
 from tumble.solving.decision import NOT_SHOWN, UNCERTAINTY, phrase
 from tumble.terms import names

@@ -2,10 +2,12 @@
 
 For every room from here up. A complaint is one line with file, row and column (errors.BadInput).
 
-    run_file       a recorded run: one mean a position, from CSV in many layouts (run_layout)
-    incoming       the bytes of a run in blocks, from a file or standard input, decompressed
-    run_reader     rows by block; run_store holds them by position, and what is known of each
-    run_temperature  its temperatures
+    run_file       a recorded run: one mean a position; its rows by position, and what is known of each
+    run_layout     how CSV is laid out: header, delimiter, decimal mark, columns, unit
+    rows           rows of CSV as numbers, for run files, recordings and measured data; their temperatures
+    run_rows       rows that no block at rest gives
+    incoming       the bytes of a run in blocks, from a file or standard input, decompressed; tables of other formats
+    calibrated     measured data with calibrated columns behind their own
     stand_file     stand files, and files of a [block] alone
     schedule_file  schedule files
     can_log        frames in the log of a CAN bus

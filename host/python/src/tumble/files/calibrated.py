@@ -17,13 +17,11 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.core import MAX_MEAN
 from tumble.errors import BadInput, NotInstalled, file_name, quoted
 from tumble.files import frames
 from tumble.files.disk import LONGEST_LINE, bounded, in_words, reason
-from tumble.files.incoming import Refused, fast_numbers, row_of_numbers
-from tumble.files.run_layout import Wishes, detect, find_all, is_blank, is_comment, require_text, split, unit_of
-from tumble.files.run_temperature import Temperatures, read_temperatures, temperatures_of_table
+from tumble.files.rows import LINE, OUTPUTS as PLACES, Refused, RowParser, Temperatures, temperatures_of_table
+from tumble.files.run_layout import Wishes, detect, find_all, require_text, split, unit_of
 from tumble.units import looks_as_applied, noise_unit, volts_per
 
 OUTPUTS = ("ux", "uy", "uz")
@@ -150,6 +148,7 @@ class CsvData:
         self._preamble, self._end = "".join(head[:-1]), _end_of(head[-1]) or "\n"
         self._names = split(head[-1].lstrip("\ufeff"), self._layout.delimiter)
         self.seen = Seen(raw_names(self._names, demand.with_uncertainty), unit_told=told is not None)
+        self._parser = RowParser(self._layout, OUTPUTS, decoded=_decoded)
         self._body = self._first[len("".join(head).encode("utf-8", "surrogateescape")) :]
         self._header = head[-1].rstrip("\r\n")
 
@@ -172,34 +171,28 @@ class CsvData:
 
     def rows(self) -> Iterator[bytes]:
         """Every row with its calibrated columns, in pieces; blank lines and comments as they are."""
-        row, any_row = self._layout.header_row, False
         for piece in chain([self._body] if self._body else [], self._pieces):
-            text, count, has_rows = self._calibrated(piece, row)
-            row, any_row = row + count, any_row or has_rows
-            yield text
-        if not any_row:
+            yield self._calibrated(piece)
+        if not self._parser.rows:
             raise BadInput("no samples after the header", self._file, self._layout.header_row)
 
-    def _calibrated(self, piece: bytes, row: int) -> tuple[bytes, int, bool]:
-        """A piece with its new columns, how many lines it has, and whether any is a row; `row`: lines before it."""
-        lines = list(_lines(piece))
-        fast = fast_numbers(piece, 0, self._layout)
-        if fast is not None and (np.abs(fast[0]) <= MAX_MEAN).all():
-            outputs, full = fast
-            places = np.flatnonzero(full).tolist()
-        else:
-            outputs, places = self._read_carefully(lines, row)
-        told = ((row + i, line) for i, line in enumerate(lines, 1) if not is_blank(line) and not is_comment(line))
-        self.seen.feel(*read_temperatures(told, self._layout, self._file))
+    def _calibrated(self, piece: bytes) -> bytes:
+        """A piece with its new columns."""
+        first, lines = self._parser.line, list(_lines(piece))
         try:
-            values = self._demand.values(outputs, self._factor)
+            _, rows = self._parser.parse(piece)
+        except Refused as refused:
+            raise BadInput(str(refused), self._file, refused.row, refused.column) from None
+        self.seen.feel(*self._parser.thermometer.told(self._file))
+        numbers = rows[:, LINE].astype(int).tolist()
+        try:
+            values = self._demand.values(rows[:, PLACES], self._factor)
         except BadInput as error:
-            where = None if error.row is None else row + places[error.row - 1] + 1
-            raise BadInput(error.fault, self._file, where) from None
+            raise BadInput(error.fault, self._file, None if error.row is None else numbers[error.row - 1]) from None
         self.seen.weigh(values[:, -3:] / self._demand.one_g)
-        for place, numbers in zip(places, values.tolist()):
-            lines[place] = self._with_numbers(lines[place], numbers)
-        return _encoded("".join(lines)), len(lines), bool(places)
+        for number, appended in zip(numbers, values.tolist()):
+            lines[number - first] = self._with_numbers(lines[number - first], appended)
+        return _encoded("".join(lines))
 
     def _with_numbers(self, line: str, numbers: list[float]) -> str:
         end = _end_of(line)
@@ -212,18 +205,6 @@ class CsvData:
             text = [one if math.isfinite(number) else "" for one, number in zip(text, numbers)]
         own = line[: len(line) - len(end)] if end else line
         return self._layout.delimiter.join([own, *text]) + (end or self._end)
-
-    def _read_carefully(self, lines: list[str], row: int) -> tuple[Floats, list[int]]:
-        outputs, places = [], []
-        for place, line in enumerate(lines):
-            if is_blank(line) or is_comment(line):
-                continue
-            try:
-                outputs.append(row_of_numbers(line.rstrip("\r\n"), self._layout, OUTPUTS))
-            except Refused as refused:
-                raise BadInput(str(refused), self._file, row + place + 1, refused.column) from None
-            places.append(place)
-        return np.array(outputs, dtype=float).reshape(-1, 3), places
 
 
 def _pieces(stream: BinaryIO, file: str) -> Iterator[bytes]:
@@ -246,7 +227,11 @@ def _pieces(stream: BinaryIO, file: str) -> Iterator[bytes]:
 
 def _lines(data: bytes) -> Iterator[str]:
     """Of CSV, with their ends; what is no UTF-8 comes back as it was."""
-    return iter(io.StringIO(data.decode("utf-8", "surrogateescape"), newline=""))
+    return iter(io.StringIO(_decoded(data), newline=""))
+
+
+def _decoded(data: bytes) -> str:
+    return data.decode("utf-8", "surrogateescape")
 
 
 def _encoded(text: str) -> bytes:

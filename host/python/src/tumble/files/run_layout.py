@@ -6,6 +6,7 @@ What the user says wins; the rest is read off the header line and the first rows
 from __future__ import annotations
 
 import csv
+import itertools
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -18,6 +19,7 @@ COLUMNS = ("mounting", "position", "ux", "uy", "uz")
 TEMPERATURE = "temperature"  # a column that need not be there
 DEFAULT_UNIT = "V"
 DECIMALS = (".", ",")
+_LINE_END = re.compile(rb"\r\n?|\n")
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
 _HEAD_BYTES = 1 << 16
@@ -111,14 +113,10 @@ def as_text(data: bytes) -> str:
         return data.decode("latin-1")
 
 
-def is_blank(line: str) -> bool:
-    """Is there nothing on this line?"""
-    return not line.strip()
-
-
-def is_comment(line: str) -> bool:
-    """Is this line a comment, starting with #?"""
-    return line.startswith("#")
+def body_of(data: bytes, lines: int) -> bytes:
+    """What follows so many lines."""
+    ends = [match.end() for match in itertools.islice(_LINE_END.finditer(data), lines)]
+    return data[ends[-1] :] if len(ends) == lines else b""
 
 
 def split(line: str, delimiter: str) -> list[str]:
@@ -146,7 +144,7 @@ def detect(data: bytes, wishes: Wishes, file: str) -> Layout:
 
 def is_long_enough(start: bytes | bytearray) -> bool:
     """Does `detect_in_head` find in this beginning of a file whatever it finds in all of it?"""
-    return len(start) > _HEAD_BYTES
+    return len(start) > _HEAD_BYTES and not start.endswith(b"\r") and not start.isspace()
 
 
 def detect_in_head(data: bytes, wishes: Wishes, file: str) -> Layout | None:
@@ -162,9 +160,12 @@ def _detect(head: bytes, wishes: Wishes, file: str, whole: bool = False) -> Layo
     lines = decoded(head).replace("\r\n", "\n").replace("\r", "\n").split("\n")
     blanks = comments = 0
     for row, line in enumerate(lines, start=1):
-        if not is_blank(line) and not is_comment(line):
+        if not line.strip():
+            blanks += 1
+        elif line.startswith("#"):
+            comments += 1
+        else:
             return _from_header(row, line, lines[row:], (comments, blanks), wishes, file)
-        blanks, comments = blanks + is_blank(line), comments + is_comment(line)
     if whole:
         raise BadInput("no header line", file, len(lines))
     return None
@@ -208,7 +209,7 @@ def _from_header(
 def _rows_above_header(lines: list[str], delimiters: list[str], wishes: Wishes) -> int:
     """How many rows of something else, as loggers write them, are above what must be the header; 0: none, or nothing
     looks like one."""
-    filled = [(row, line) for row, line in enumerate(lines) if not is_blank(line)][:_ROWS_TO_LOOK_AT]
+    filled = [(row, line) for row, line in enumerate(lines) if line.strip()][:_ROWS_TO_LOOK_AT]
     for is_header in (_has_columns, _is_above_numbers):
         for place, (row, line) in enumerate(filled):
             following = [below for _, below in filled[place + 1 : place + 3]]  # units may stand between
@@ -260,7 +261,11 @@ def find_all(names: list[str], wishes: Wishes, is_text: bool = True) -> tuple[in
     found = {wanted: find_column(wanted, names, renamed) for wanted in (*wishes.wanted, *told_beside)}
     missing = [wanted for wanted, index in found.items() if index is None]
     if not missing:
-        _require_different(found, names)
+        for index in found.values():
+            alike = [wanted for wanted, its in found.items() if its == index]
+            if len(alike) > 1:
+                name = quoted(names[index or 0])
+                raise ValueError(f"column {name} is named for {_listed(alike)}; each has one of its own")
         return tuple(index for wanted, index in found.items() if index is not None and wanted != TEMPERATURE)
     told = [wanted for wanted in missing if wanted in renamed]
     plain = [wanted for wanted in missing if wanted not in renamed]
@@ -278,16 +283,6 @@ def find_all(names: list[str], wishes: Wishes, is_text: bool = True) -> tuple[in
     raise ValueError(said)
 
 
-def _require_different(found: dict[str, int | None], names: list[str]) -> None:
-    """Raise ValueError where one column is told to be two."""
-    for index in found.values():
-        alike = [other for other, its in found.items() if its == index]
-        if len(alike) > 1:
-            raise ValueError(
-                f"column {quoted(names[index or 0])} is named for {_listed(alike)}; each has one of its own"
-            )
-
-
 def _columns(names: list[str]) -> str:
     return f"no column{'s' if len(names) > 1 else ''} {_listed(names)}"
 
@@ -300,8 +295,8 @@ def find_column(wanted: str, names: list[str], renamed: dict[str, str]) -> int |
     """Index of a column: by the user's name for it, else by its own, else by one that means the same; None: it is not
     there. Raises ValueError where there are several."""
     asked = renamed.get(wanted)
-    bare = [_bare(name) for name in names]
     plain = [_BRACKETED.sub("", name).strip() for name in names]  # u_x may be the uncertainty of x, beside ux
+    bare = [re.sub(r"[\s_.-]", "", name).lower() for name in plain]  # "U_x [mV]" is "ux"
     tests: list[Callable[[int], bool]] = (
         [lambda i: names[i] == asked, lambda i: names[i].lower() == asked.lower()]
         if asked
@@ -325,11 +320,6 @@ def find_column(wanted: str, names: list[str], renamed: dict[str, str]) -> int |
     return None
 
 
-def _bare(name: str) -> str:
-    """A column's name without unit, case, blanks and signs: "U_x [mV]" is "ux"."""
-    return re.sub(r"[\s_.-]", "", _BRACKETED.sub("", name)).lower()
-
-
 def unit_of(wishes: Wishes, names: list[str], file: str, row: int | None, option: str = "--unit") -> str | None:
     """The unit of the outputs: the one that the user says by this `option`, else the one in brackets after their names;
     None where neither is there. Raises BadInput for a known unit in brackets that is not the user's, and where the
@@ -350,7 +340,7 @@ def _detect_decimal(lines: list[str], delimiter: str, indices: tuple[int, ...]) 
     """A comma if the first output with a mark has one that is no point."""
     for line in lines[:_ROWS_TO_LOOK_AT]:
         try:
-            fields = [] if is_comment(line) else split(line, delimiter)
+            fields = [] if line.startswith("#") else split(line, delimiter)
         except csv.Error:
             continue
         for index in indices[-3:]:

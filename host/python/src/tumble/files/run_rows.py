@@ -22,8 +22,7 @@ from numpy.typing import NDArray
 
 from tumble.arrays import Flags, Floats, Integers
 from tumble.errors import BadInput
-from tumble.files.run_file import Run
-from tumble.files.run_store import ROWS_IN_MEMORY, WITHIN_ONE_SIGMA, RowStore, in_order
+from tumble.files.run_file import ROWS_IN_MEMORY, WITHIN_ONE_SIGMA, RowStore, Run, in_order
 from tumble.files.stand_file import StandFile
 from tumble.schedule import Schedule
 from tumble.stand import PerChannel, by_channel

@@ -26,7 +26,7 @@ import numpy as np
 from tumble.core import MAX_SAMPLES
 from tumble.defaults import DEFAULT_COVERAGE_FACTOR
 from tumble.errors import BadInput, UsageError, quoted
-from tumble.files.run_temperature import HIGHEST_C, LOWEST_C
+from tumble.files.rows import HIGHEST_C, LOWEST_C
 from tumble.files.toml import Table, read_toml
 from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, SOURCES, PerChannel, Source, Stand, by_channel, over
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput
-from tumble.files.incoming import LARGEST_OUTPUT
+from tumble.files.rows import LARGEST_OUTPUT
 
 _LINE = re.compile(rb"[#%](RAWIMU(S?)(X?)A,[^;*#%]*;([^*#%]*))\*([0-9a-fA-F]{8})")
 _START = re.compile(rb"[#%]RAWIMUS?X?A,")

@@ -12,8 +12,8 @@ import numpy as np
 from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.files import run_rows
+from tumble.files.run_file import smallest_step
 from tumble.files.run_layout import NO_WISHES, Wishes
-from tumble.files.run_store import smallest_step
 from tumble.importing import labels, match, recording
 from tumble.importing.can_bus import NO_BUS, Bus
 from tumble.importing.clock import CONTRADICTED
@@ -139,7 +139,7 @@ def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settin
 def _same_block(recordings: Sequence[Recording], outputs: Floats, file_of_row: Integers, found: Found) -> list[str]:
     """A note where rows at rest may be of several sources in turn. Raises BadInput where they are, and where rows stand
     there twice."""
-    step = np.array([one if np.isfinite(one := smallest_step(channel)) else 0.0 for channel in outputs.T])
+    step = np.array([smallest_step(channel) for channel in outputs.T])
     lines = np.concatenate([one.lines for one in recordings])
     file = recordings[0].file
     copies = run_rows.copied(outputs, file_of_row, step)

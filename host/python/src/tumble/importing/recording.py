@@ -1,14 +1,16 @@
 """Recordings in, as loggers write them: rows of a preamble, a row of units, clocks, labels, raw logs of receivers.
 
-The layout is found by files.run_layout, the numbers of a plain file by files.csv_rows; what a run file must not have
-and a recording may is added here. Everything that was passed over or taken for granted is noted.
+The layout is found by files.run_layout, the rows by files.rows; what a run file must not have and a recording may is
+added here. Everything that was passed over or taken for granted is noted.
 """
 
 from __future__ import annotations
 
 import csv
 import functools
+import io
 import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,24 +19,34 @@ from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.files import can_log
 from tumble.files.disk import MOST_OF_RECORDING, read_bytes
-from tumble.files.incoming import LARGEST_OUTPUT, SUFFIXES, body_of, read_plain, suffix_of, wrong_width
+from tumble.files.incoming import SUFFIXES, suffix_of
+from tumble.files.rows import (
+    FELT,
+    LARGEST_OUTPUT,
+    LINE,
+    NO_VALUE,
+    OUTPUTS as PLACES,
+    TIME,
+    NotANumber,
+    Refused,
+    RowParser,
+)
 from tumble.files.run_layout import (
     DEFAULT_UNIT,
     NUMBER,
     TEMPERATURE,
     Layout,
     Wishes,
+    as_text,
+    body_of,
     decoded,
     detect,
     find_column,
-    is_blank,
-    is_comment,
     is_number,
     require_text,
     split,
     unit_of,
 )
-from tumble.files.run_temperature import range_of, temperatures_of_rows
 from tumble.importing import can_bus, clock, novatel
 from tumble.importing.can_bus import NO_BUS, Bus
 from tumble.importing.clock import Clock
@@ -46,7 +58,6 @@ COLUMNS = (*OUTPUTS, *OPTIONAL, TEMPERATURE)  # that a user may name
 SPACE = " "
 _ROWS_OF_CLOCK = 5000  # that tell its rate well enough
 _MOST_LABELS = 256  # different running numbers: more count samples
-_LOST = {"", "nan", "-", "null", "none", "n/a"}
 
 
 @dataclass(frozen=True)
@@ -131,29 +142,24 @@ def _read_table(file: str, data: bytes, wishes: Wishes, timing: Timing) -> Recor
     notes += unit_note
     if layout.decimal == ",":
         notes.append("decimal mark: the comma")
-    rows = _read_rows(data, layout, names, columns, timing, file)
-    notes += [f"{rows.lost} rows without a number in an output are left out"] if rows.lost else []
+    parser, rows = _parse(data, layout, columns, timing, file)
+    outputs, lines = rows[:, PLACES], rows[:, LINE].astype(int)
+    notes += [f"{parser.lost} rows without a number in an output are left out"] if parser.lost else []
     notes += _rate_doubt(data, layout, names, columns, timing, file)
-    told = _clock(rows, names, columns, timing, file)
-    labels = _labels(rows)
-    if "number" in rows.texts and "number" not in labels:
+    labels = parser.texts
+    told = _clock(labels.pop("time", rows[:, TIME]), lines, names, columns, timing, file)
+    if _counts_samples(labels):
+        del labels["number"]
         notes.append(f"column {quoted(names[columns['number']])} counts samples: not read")
-    felt, about_temperature = _temperatures(data, layout, rows, file)
+    felt, odd = parser.thermometer.told(file)
+    notes += told.notes if told else ()
+    notes += odd
+    if felt is not None and layout.temperature is not None:
+        notes.append(f"temperature: of column {quoted(layout.temperature.name)}, {felt.text}")
     return Recording(
-        file, rows.outputs, rows.lines, layout.unit, layout.unit_told, told, labels,
-        (*notes, *(told.notes if told else ()), *about_temperature), own, felt,
+        file, outputs, lines, layout.unit, layout.unit_told, told, labels, tuple(notes), own,
+        None if felt is None else rows[:, FELT],
     )  # fmt: skip
-
-
-@dataclass(frozen=True)
-class _Rows:
-    """`time`: numbers or texts; `texts`: of the labels."""
-
-    outputs: Floats
-    lines: Integers
-    time: Floats | list[str] | None
-    texts: dict[str, list[str]]
-    lost: int
 
 
 def _line(data: bytes, row: int) -> str:
@@ -178,105 +184,59 @@ def _optional_columns(names: list[str], wishes: Wishes, file: str, row: int) -> 
 
 def _below_units(data: bytes, layout: Layout, names: list[str], wishes: Wishes, file: str) -> tuple[Layout, list[str]]:
     """The layout with a row of units taken for a part of the header, if there is one."""
-    for row, line in body_of(data, layout):
-        if is_blank(line) or is_comment(line):
-            continue
+    for row, line in _lines(data, layout):
         try:
             fields = split(line, layout.delimiter)
         except csv.Error:
             break
-        if any(map(is_number, fields)) or len(fields) < len(names) or all(f.lower() in _LOST for f in fields):
+        if any(map(is_number, fields)) or len(fields) < len(names) or all(f.lower() in NO_VALUE for f in fields):
             break
         units = [f"[{fields[index].strip('[]()')}]" for index in layout.indices]
         unit = unit_of(wishes, units, file, row)
         told = layout.unit_told or unit is not None
         note = f"row {row} is taken for units" + (f": {unit}" if unit else "")
         felt = layout.temperature
-        if felt is not None and not felt.unit and fields[felt.index].lower() not in _LOST:
+        if felt is not None and not felt.unit and fields[felt.index].lower() not in NO_VALUE:
             felt = replace(felt, unit=fields[felt.index].strip("[]()"))
         return replace(layout, header_row=row, unit=unit or layout.unit, unit_told=told, temperature=felt), [note]
     return layout, []
 
 
-def _temperatures(data: bytes, layout: Layout, rows: _Rows, file: str) -> tuple[Floats | None, tuple[str, ...]]:
-    """Of the rows that are kept, and sentences about them. Raises BadInput where the user names a column of others."""
-    kept = set(rows.lines.tolist())
-    lines = ((row, line) for row, line in body_of(data, layout) if row in kept)
-    found, odd = temperatures_of_rows(lines, layout, file)
-    if (known := range_of(found)) is None or layout.temperature is None:
-        return None, odd
-    return found, (f"temperature: of column {quoted(layout.temperature.name)}, {known.text}",)
-
-
-def _read_rows(
-    data: bytes, layout: Layout, names: list[str], columns: dict[str, int], timing: Timing, file: str
-) -> _Rows:
-    """All rows: as numbers alone where the file is plain and has no labels, else line by line."""
+def _parse(data: bytes, layout: Layout, columns: dict[str, int], timing: Timing, file: str) -> tuple[RowParser, Floats]:
+    """All rows, and the parser that knows the rest of them; a clock that is no number is one of its texts. Raises
+    BadInput."""
+    texts = {name: place for name, place in columns.items() if name != "time"}
     time = columns.get("time") if timing.rate_hz is None else None
-    if not set(columns) - {"time"}:
-        indices = (*layout.indices, *([] if time is None else [time]))
-        plain = read_plain(data, replace(layout, indices=indices))
-        if plain is not None and (np.abs(plain[0]) <= LARGEST_OUTPUT).all():
-            values, lines, _ = plain
-            return _Rows(values[:, :3], lines, None if time is None else values[:, 3], {}, 0)
-    return _read_carefully(data, layout, names, columns, time, file)
 
+    def parsed(time: int | None, texts: dict[str, int]) -> tuple[RowParser, Floats]:
+        parser = RowParser(layout, OUTPUTS, recorded=True, time=time, texts=texts)
+        return parser, parser.parse(body_of(data, layout.header_row))[1]
 
-def _read_carefully(
-    data: bytes, layout: Layout, names: list[str], columns: dict[str, int], time: int | None, file: str
-) -> _Rows:
-    outputs, lines, times, lost = [], [], [], 0
-    texts: dict[str, list[str]] = {name: [] for name in columns if name != "time"}
-    for row, line in body_of(data, layout):
-        if is_blank(line) or is_comment(line):
-            continue
-        fields = _fields(line, layout, len(names), file, row)
-        values = [_number(fields[index], layout, file, row, name) for index, name in zip(layout.indices, OUTPUTS)]
-        if None in values:
-            lost += 1
-            continue
-        outputs.append(values)
-        lines.append(row)
-        times.append("" if time is None else fields[time])
-        for name, column in texts.items():
-            column.append(fields[columns[name]])
-    if not outputs:
-        raise BadInput("no samples after the header", file, layout.header_row)
-    return _Rows(np.array(outputs), np.array(lines), None if time is None else _times(times, layout), texts, lost)
-
-
-def _fields(line: str, layout: Layout, width: int, file: str, row: int) -> list[str]:
     try:
-        fields = split(line, layout.delimiter)
-    except csv.Error as error:
-        raise BadInput(f"cannot be split into columns: {error}", file, row) from None
-    if len(fields) > width and not any(fields[width:]):
-        return fields[:width]
-    if len(fields) != width:
-        raise BadInput(wrong_width(fields, width, layout.delimiter, "; delete the row, or begin it with #"), file, row)
-    return fields
+        try:
+            parser, rows = parsed(time, texts)
+        except NotANumber as refused:
+            if refused.column != "time" or time is None:
+                raise
+            parser, rows = parsed(None, {**texts, "time": time})
+    except Refused as refused:
+        hint = ""
+        if isinstance(refused, NotANumber):
+            other = "." if layout.decimal == "," else ","
+            mark = f" (its decimal mark? see --decimal {other})"
+            hint = mark if other in refused.text else "; begin the row with # to leave it out"
+        raise BadInput(f"{refused}{hint}", file, refused.row, refused.column) from None
+    if not len(rows):
+        raise BadInput("no samples after the header", file, layout.header_row)
+    return parser, rows
 
 
-def _number(text: str, layout: Layout, file: str, row: int, name: str) -> float | None:
-    """None: the logger had no value."""
-    if text.lower().lstrip("+-") in _LOST:
-        return None
-    pointed = text.replace(",", ".") if layout.decimal == "," else text
-    if not NUMBER.fullmatch(pointed):
-        other = "." if layout.decimal == "," else ","
-        hint = (
-            f" (its decimal mark? see --decimal {other})" if other in text else "; begin the row with # to leave it out"
-        )
-        raise BadInput(f"{quoted(text)} is not a number{hint}", file, row, name)
-    if abs(float(pointed)) > LARGEST_OUTPUT:
-        raise BadInput(f"{quoted(text)} is out of range", file, row, name)
-    return float(pointed)
-
-
-def _times(texts: list[str], layout: Layout) -> Floats | list[str]:
-    """As numbers where all of them are."""
-    pointed = [text.replace(",", ".") if layout.decimal == "," else text for text in texts]
-    return np.array([float(text) for text in pointed]) if all(map(NUMBER.fullmatch, pointed)) else texts
+def _lines(data: bytes, layout: Layout) -> Iterator[tuple[int, str]]:
+    """What follows the header, without comments and blank lines: numbers of lines and their text."""
+    body = as_text(body_of(data, layout.header_row))
+    for row, line in enumerate(io.StringIO(body, newline=None), start=layout.header_row + 1):
+        if line.strip() and not line.startswith("#"):
+            yield row, line
 
 
 def _rate_doubt(
@@ -286,35 +246,37 @@ def _rate_doubt(
     may be why it is said."""
     if timing.rate_hz is None or "time" not in columns:
         return []
-    lines = ((row, line) for row, line in body_of(data, layout) if not (is_blank(line) or is_comment(line)))
+    name = names[columns["time"]]
     try:
-        texts, rows = [], []
-        for row, line in itertools.islice(lines, _ROWS_OF_CLOCK):
+        lines, texts = [], []
+        for row, line in itertools.islice(_lines(data, layout), _ROWS_OF_CLOCK):
+            lines.append(row)
             texts.append(split(line, layout.delimiter)[columns["time"]])
-            rows.append(row)
-        times, name = _times(texts, layout), names[columns["time"]]
+        pointed = [text.replace(",", ".") if layout.decimal == "," else text for text in texts]
         own = (
-            clock.of_texts(times, file, np.array(rows))
-            if isinstance(times, list)
-            else clock.of_numbers(times, name, timing.unit, file)
+            clock.of_numbers(np.array(list(map(float, pointed))), name, timing.unit, file)
+            if all(map(NUMBER.fullmatch, pointed))
+            else clock.of_texts(texts, file, np.array(lines))
         )
     except (csv.Error, IndexError, BadInput):
         return []
     return clock.contradiction(own, timing.rate_hz, name)
 
 
-def _clock(rows: _Rows, names: list[str], columns: dict[str, int], timing: Timing, file: str) -> Clock | None:
+def _clock(
+    time: Floats | list[str], lines: Integers, names: list[str], columns: dict[str, int], timing: Timing, file: str
+) -> Clock | None:
     if timing.rate_hz is not None:
-        return clock.of_rate(len(rows.outputs), timing.rate_hz)
-    if rows.time is None or len(rows.outputs) < 2:
+        return clock.of_rate(len(lines), timing.rate_hz)
+    if "time" not in columns or len(lines) < 2:
         return None
-    if isinstance(rows.time, list):
-        return clock.of_texts(rows.time, file, rows.lines)
-    far = ~(np.abs(rows.time) <= LARGEST_OUTPUT)
+    if isinstance(time, list):
+        return clock.of_texts(time, file, lines)
+    far = ~(np.abs(time) <= LARGEST_OUTPUT)
     if far.any():
         row = int(far.argmax())
-        raise BadInput(f"{float(rows.time[row])!r} is out of range", file, int(rows.lines[row]), "time")
-    return _clock_of(rows.time, names[columns["time"]], timing, file)
+        raise BadInput(f"{float(time[row])!r} is out of range", file, int(lines[row]), "time")
+    return _clock_of(time, names[columns["time"]], timing, file)
 
 
 def _clock_of(values: Floats, name: str, timing: Timing, file: str) -> Clock:
@@ -327,12 +289,9 @@ def _clock_of(values: Floats, name: str, timing: Timing, file: str) -> Clock:
     return clock.of_numbers(values, name, timing.unit, file)
 
 
-def _labels(rows: _Rows) -> dict[str, list[str]]:
-    """Those that name positions: a number that is another in every row counts samples, unless there are few rows."""
-    labels = dict(rows.texts)
-    if "number" in labels and ("position" in labels or len(set(labels["number"])) > _MOST_LABELS):
-        del labels["number"]
-    return labels
+def _counts_samples(labels: dict[str, list[str]]) -> bool:
+    """Does the label `number` count samples? So where it is another in nearly every row, or beside a position."""
+    return "number" in labels and ("position" in labels or len(set(labels["number"])) > _MOST_LABELS)
 
 
 def require_alike(recordings: list[Recording]) -> None:

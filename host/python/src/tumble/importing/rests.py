@@ -30,7 +30,7 @@ from tumble import data
 from tumble.arrays import Flags, Floats, Integers
 from tumble.errors import UsageError
 from tumble.files.can_log import Frame
-from tumble.files.run_store import smallest_step
+from tumble.files.run_file import smallest_step
 
 _PER_WINDOW = 4  # blocks
 _FEWEST_IN_BLOCK = 4  # samples: fewer have no scatter to speak of
@@ -112,7 +112,7 @@ def find_rests(outputs: Floats, gaps: Integers, interval_s: float | None, thresh
     ranges = means.max(axis=-1) - means.min(axis=-1)
     if not whole.any():
         return nothing
-    steps = _steps(outputs)
+    steps = np.array([smallest_step(channel) for channel in outputs.T])
     floor = _STEPS * steps
     scatter = np.sqrt(_quietest(within[whole]))
     rounding = np.where(scatter < steps / 2, steps / math.sqrt(12.0), 0.0)
@@ -172,12 +172,6 @@ def _blocks(outputs: Floats, gaps: Integers, length: int) -> _Blocks:
     means: Floats = grouped.mean(axis=1)
     variances: Floats = grouped.var(axis=1, ddof=1)
     return _Blocks(begin, means, variances, part, length)
-
-
-def _steps(outputs: Floats) -> Floats:
-    """Of the converter, each channel; 0 where a channel has one value alone."""
-    found = np.array([smallest_step(channel) for channel in outputs.T])
-    return np.where(np.isfinite(found), found, 0.0)
 
 
 def _quietest(variances: Floats) -> Floats:

@@ -24,8 +24,8 @@ from tumble.core import AXES
 from tumble.distributions import student_quantile
 from tumble.documents.result import Temperature
 from tumble.errors import BadInput
+from tumble.files.rows import OF_ENVIRONMENT, Temperatures
 from tumble.files.run_file import Run
-from tumble.files.run_temperature import OF_ENVIRONMENT, Temperatures
 from tumble.files.stand_file import StandFile
 from tumble.model.geometry import Geometry
 from tumble.schedule import FIT, Position, Schedule

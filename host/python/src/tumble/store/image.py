@@ -9,7 +9,7 @@ from datetime import datetime, timezone
 from typing import TypeVar
 
 from tumble.errors import BadInput
-from tumble.files.run_temperature import range_text
+from tumble.files.rows import range_text
 from tumble.store.codec import (
     CELL_BYTES,
     ENTRY_BYTES,
