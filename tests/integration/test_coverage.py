@@ -11,7 +11,7 @@ from hypothesis import given, strategies as st
 from test_noise import OUTPUTS, POSITIONS, K, autoregressive, noisy_run, run_of, solved
 
 from tumble import model
-from tumble.cli import presentation
+from tumble.cli import output
 from tumble.core import CoreSchedule, paper_schedule
 from tumble.model.estimators import estimate
 from tumble.solving.result import coverage_of
@@ -66,7 +66,7 @@ def test_what_is_declared_counts_as_known():
     solution = solved(noisy_run(np.random.default_rng(70), 50))
     assert not solution.noise.exceeds.any() and np.isinf(solution.coverage.freedom).all()
     assert list(coverage_of(solution.coverage).k_U0) == pytest.approx([1.959964] * 3, abs=1e-6)
-    assert presentation.uncertainty_notes(solution) == ["95 % within k u: k = 1.96"]
+    assert output.uncertainty_notes(solution) == ["95 % within k u: k = 1.96"]
 
 
 @pytest.mark.parametrize("estimator", ["averaged", "refined", "least_squares"])
@@ -76,14 +76,14 @@ def test_scatter_alone_has_the_freedom_of_its_samples(estimator, samples):
     solution = solved(noisy_run(np.random.default_rng(71), samples), None, estimator=estimator)
     assert solution.coverage.freedom == pytest.approx(np.full(12, POSITIONS * (samples - 1.0)), rel=1e-6)
     k = exact_t(POSITIONS * (samples - 1))
-    only, advice, expanded = presentation.uncertainty_notes(solution)
+    only, advice, expanded = output.uncertainty_notes(solution)
     assert only == "u contains noise only. For faces laid by hand the real uncertainty can be over"
     assert advice == "100 times larger. To include errors of the stand, describe it: --stand FILE"
     assert expanded == f"95 % of the noise within k u: k = {k:.2f} ({POSITIONS * (samples - 1)} degrees of freedom)"
 
 
 def test_freedom_beyond_a_million_is_not_told():
-    few, many = (presentation._expanded(Coverage(np.full(12, freedom))) for freedom in (1e6, 392471701697.0))
+    few, many = (output._expanded(Coverage(np.full(12, freedom))) for freedom in (1e6, 392471701697.0))
     assert few == "95 % within k u: k = 1.96 (1e+06 degrees of freedom)" and many == "95 % within k u: k = 1.96"
 
 
@@ -127,7 +127,7 @@ def test_measured_and_declared_parts_together(estimator):
     expected = noise.measured.freedom[0] * u[rows_of_x] ** 4 / part[rows_of_x] ** 2
     assert solution.coverage.freedom[rows_of_x] == pytest.approx(expected, rel=1e-6)
     assert np.isinf(np.delete(solution.coverage.freedom, rows_of_x)).all()
-    said = presentation.uncertainty_notes(solution)[-1]
+    said = output.uncertainty_notes(solution)[-1]
     assert said.startswith("95 % within k u: k = 1.96 to ") and "degrees of freedom)" in said
 
 

@@ -12,7 +12,7 @@ from documents import document_of, paper_stand, valid
 from hypothesis import given, strategies as st
 from simulated_bench import bench
 
-from tumble.cli import presentation
+from tumble.cli import output
 from tumble.cli.main import main
 from tumble.documents.result import Temperature, read_result
 from tumble.errors import BadInput
@@ -133,9 +133,9 @@ def test_a_solution_assumes_it_where_it_is_not_told(tmp_path):
         run = read_run(run_file(tmp_path, texts), PAPER, Wishes(unit="V"))
         solution = solve(run, None, "refined", 1.0, None, "run.csv")
         assert assumed(solution).keys() - {"seat", "white_noise"} == rests_on
-        said = [line for line in presentation.remarks(solution) if "emperature" in line]
+        said = [line for line in output.remarks(solution) if "emperature" in line]
         assert said == lines
-        assert any("assume one temperature" in line for line in presentation.notes(solution)) == bool(rests_on)
+        assert any("assume one temperature" in line for line in output.notes(solution)) == bool(rests_on)
 
 
 def test_results_and_exports_carry_it(tumble, tmp_path):

@@ -1,14 +1,63 @@
-"""What a command says of a solution: warnings on stderr, and the solution as JSON, on a terminal, or as plain ASCII."""
+"""What a command says of a solution: warnings on stderr, and the solution as JSON, as plain ASCII, or on a terminal.
+
+`page` makes the one page for people: lines, each of pieces of text with the style that a terminal shows them in, and
+the table of coefficients. Plain text leaves the styles away; rich draws them.
+"""
 
 from __future__ import annotations
 
+import math
 import sys
+import textwrap
 from collections.abc import Sequence
+from dataclasses import dataclass
 
-from tumble.cli import presentation
-from tumble.cli.presentation import BAR_WIDTH, GravityBar
-from tumble.messages import tell
+import numpy as np
+
+from tumble.api.complaints import complaint, consequence, named, noise_notice, simulation_complaint
+from tumble.arrays import Floats
+from tumble.estimators import COEFFICIENTS, HARMONIC
+from tumble.files.rows import OF_ENVIRONMENT, OF_RUN_FILE
+from tumble.fixture.judge import Limits
+from tumble.messages import signed_for, tell
+from tumble.model import reliability
+from tumble.model.fit import SYSTEMATIC
+from tumble.model.stand_seen import NAMES, Estimate
+from tumble.rounding import on_its_side
+from tumble.schedule import CHECK
+from tumble.solving.decision import (
+    ASSUMPTIONS,
+    UNCERTAINTY,
+    Decision,
+    assumed,
+    decide,
+    in_words,
+    marks,
+    phrase,
+    would_show,
+)
+from tumble.solving.further import Further
+from tumble.solving.many_runs import NORMAL_COVERAGE, MonteCarlo
 from tumble.solving.solution import Solution
+from tumble.solving.uncertainty import HANDS, NEARLY_INFINITE, PROBABILITY, Coverage
+from tumble.terms import names
+from tumble.units import noise_unit, per_g, volts_per
+
+_COLUMNS = 80  # a narrower terminal wraps lines, which loses nothing
+_BAR_WIDTH = 36
+_LOSS = 1.05  # of an uncertainty, before it is spoken of
+_HINT = "For uncertainties, describe the stand: --stand FILE"
+_HINT_ALONE = f"u contains noise only. {HANDS} To include errors of the stand, describe it: --stand FILE"
+
+Line = list[tuple[str, str]]  # of pieces: a text, and its style on a terminal
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows as long as `headings`."""
+
+    headings: tuple[str, ...]
+    rows: list[tuple[str, ...]]
 
 
 def warn(sentences: Sequence[str]) -> None:
@@ -22,39 +71,358 @@ def print_solution(solution: Solution, json_text: str | None, title: str) -> Non
     if json_text is not None:
         sys.stdout.write(json_text)
     elif sys.stdout.isatty():
-        from tumble.cli.terminal import show
-
-        show(solution, title)
+        _show(page(solution, title))
     else:
-        sys.stdout.write(_plain_text(solution, title))
+        sys.stdout.write(_plain_text(page(solution, title)))
 
 
-def _plain_text(solution: Solution, file: str) -> str:
-    """All of it, within 80 columns as long as the file's name and the numbers are of ordinary size."""
-    lines = [*presentation.foremost(solution), presentation.title(solution, file), ""]
-    lines += _table([presentation.coefficient_headings(solution), *presentation.coefficient_rows(solution)])
-    lines += presentation.notes(solution) + presentation.uncertainty_notes(solution) + [""]
-    lines += [presentation.gravity_title(solution)]
-    lines += [_bar(bar) for bar in presentation.gravity_bars(solution)] + [""]
-    lines += [*presentation.remarks(solution), "", *presentation.beware(solution)]
-    lines += [presentation.verdict(solution)]
-    return "\n".join(lines) + "\n"
+def _plain_text(lines: list[Line | Table]) -> str:
+    """Within 80 columns as long as the file's name and the numbers are of ordinary size. Columns of a table are as wide
+    as need be, the first and the unit to the left, numbers to the right."""
+    text: list[str] = []
+    for line in lines:
+        if isinstance(line, Table):
+            rows = [line.headings, *line.rows]
+            widths = [max(map(len, column)) for column in zip(*rows)]
+            text.append("")
+            for row in rows:
+                padded = [f"{one:{'<' if i in (0, 2) else '>'}{widths[i]}}" for i, one in enumerate(row)]
+                text.append("  ".join(padded).rstrip())
+        else:
+            text.append("".join(piece for piece, _ in line).rstrip())
+    return "\n".join(text) + "\n"
 
 
-def _table(rows: list[tuple[str, ...]]) -> list[str]:
-    """Columns as wide as need be, the first and the unit to the left, numbers to the right."""
-    widths = [max(map(len, column)) for column in zip(*rows)]
+def _show(lines: list[Line | Table]) -> None:
+    """On a terminal. Colours heed NO_COLOR; a terminal without Unicode gets ASCII."""
+    from rich import box, table
+    from rich.console import Console
+    from rich.text import Text
+
+    console = Console(highlight=False)
+    console.width = max(console.width, _COLUMNS)
+    block = "#" if console.options.ascii_only else "\u2588"
+    for line in lines:
+        if isinstance(line, Table):
+            shown = table.Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, header_style="dim")
+            for heading in line.headings:
+                shown.add_column(heading, justify="left" if heading in ("", "unit") else "right", no_wrap=True)
+            for row in line.rows:
+                styles = ["bold", "cyan", "", "", "", "dim", "", ""]
+                shown.add_row(*(Text(signed_for(one, sys.stdout), style) for one, style in zip(row, styles)))
+            console.print(shown)
+        elif len(line) == 1:
+            [(text, style)] = line
+            console.print(Text(signed_for(text, sys.stdout), style))
+        else:  # a bar
+            pieces = [(piece.replace("#", block), style) for piece, style in line]
+            console.print(Text.assemble(*pieces), no_wrap=True, overflow="crop")
+
+
+def page(solution: Solution, file: str) -> list[Line | Table]:
+    """All that a person is told of a solution, from top to bottom. `file`: what was solved."""
+    decision, counters = decide(solution), solution.run.counters
+    model = f" with {', '.join(solution.found.terms)}" if solution.further is not None else ""
+    positions = f"{counters['positions']} of {len(solution.schedule.positions)} positions"
+    solved = f"{file}: {counters['rows']} samples at {positions}, estimator {solution.found.estimator}{model}"
+    limit = f"| marks the limit, {solution.limit_g:g} g"
+    why = complaint(solution)
+    warning = "" if why is None else f"Beware: {why}. The uncertainties above {consequence(solution)}."
+    bewares = [*textwrap.wrap(warning, _COLUMNS, break_on_hyphens=False), ""] if warning else []
+    partly = bool(decision.passed and decision.where)  # where a PASS without a stand holds is said before all else
+    colour = "yellow" if decision.is_not_shown or partly else _colour(decision.passed)
     return [
-        "  ".join(
-            cell.ljust(width) if column in (0, 2) else cell.rjust(width)
-            for column, (cell, width) in enumerate(zip(row, widths))
-        ).rstrip()
-        for row in rows
+        *([[(decision.word + decision.where, "yellow bold")], [("", "")]] if partly else []),
+        [(solved, "bold")],
+        Table(_headings(solution), coefficient_rows(solution)),
+        *([(line, "yellow")] for line in notes(solution) + uncertainty_notes(solution)),
+        [("", "")],
+        [(f"Gravity check: delta_g in g at every position; {limit}", "bold")],
+        *_gravity_bars(solution),
+        [("", "")],
+        *([(line, "")] for line in remarks(solution)),
+        [("", "")],
+        *([(line, "yellow")] for line in bewares),
+        [(_verdict(solution, decision), f"{colour} bold")],
     ]
 
 
-def _bar(bar: GravityBar) -> str:
-    cells = list(("#" * bar.filled).ljust(BAR_WIDTH))
-    cells.insert(bar.limit, "|")
-    verdict = "  over" if bar.exceeds else ""
-    return f"{bar.label:>6}  {bar.use:<5}  {bar.delta_g}  {''.join(cells)}{verdict}".rstrip()
+def _colour(good: bool) -> str:
+    return "green" if good else "red"
+
+
+def _headings(solution: Solution) -> tuple[str, ...]:
+    """One for each column of `coefficient_rows`."""
+    if solution.truth is not None:
+        return ("", "value", "unit", "u", "u, rel.", "vs numpy", "truth", "error/u")
+    u = "std uncertainty" if solution.scatter_alone is None else "u, scatter alone"
+    return ("", "value", "unit", u, "relative", "vs numpy")
+
+
+def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
+    """The twelve coefficients: name, value, unit, standard uncertainty, the same relative, difference from numpy; of a
+    simulated run also the true value, and the error (estimate less truth) over the standard uncertainty. Then the same
+    of further terms of the model.
+
+    An uncertainty is given over the scale of its row, K_ii: of K_ii itself in ppm, of a cross-axis sensitivity as the
+    angle that it is, in urad, of U0 in ug; of a further term in ug, as that of an output in g, at 1 g. A name that ends
+    in a mark rests on what `notes` say of it.
+    """
+    unit, found, shown = solution.run.unit, solution.found, solution.scatter_alone or solution.stated
+    marked, scale = marks(assumed(solution)), np.diag(found.k)
+    decimals = max(0, min(12, 9 - math.floor(math.log10(np.abs(found.k).max()))))
+    values = _twelve(found.k, found.u0)
+    units = [per_g(unit)] * 9 + [unit] * 3
+    u: list[float | None] = [None] * 12 if shown is None else [*_twelve(shown.u_k, shown.u_u0)]
+    scales = [*np.repeat(scale, 3).tolist(), *scale.tolist()]
+    millionths = ["ppm ", "urad", "urad", "urad", "ppm ", "urad", "urad", "urad", "ppm ", *["ug  "] * 3]
+    differences = _twelve(solution.comparison.k, solution.comparison.u0)
+    if solution.further is not None:
+        further = solution.further
+        of_terms = [{"k2": "1/g", "k3": "1/g^2"}.get(term, unit) for term in further.terms for _ in "xyz"]
+        values += further.values.ravel().tolist()
+        units += of_terms
+        u += [None] * len(of_terms) if further.u is None else further.u.ravel().tolist()
+        sizes = np.tile(np.diag(further.k), len(further.terms))
+        scales += [size if its_unit == unit else 1.0 for size, its_unit in zip(sizes, of_terms)]
+        millionths += ["ug  "] * len(of_terms)
+        differences += (further.difference * further.factors).ravel().tolist()
+    rows: list[tuple[str, ...]] = [
+        (
+            name + marked.get(name, ""),
+            f"{values[i]:+.{decimals}f}",
+            units[i],
+            "unknown" if u[i] is None else f"{u[i]:.1e}",
+            _relative(u[i], scales[i], millionths[i]),
+            "0" if differences[i] == 0.0 else f"{differences[i]:.0e}",
+        )
+        for i, name in enumerate(COEFFICIENTS + names(found.terms if solution.further is not None else ()))
+    ]
+    if solution.truth is not None:
+        known = zip(_twelve(solution.truth.k, solution.truth.u0), _errors_over_u(solution).tolist())
+        for i, (true, error) in enumerate(known):
+            rows[i] += (f"{true:+.{decimals}f}", "-" if math.isnan(error) else f"{error:+.2f}")
+    return rows
+
+
+def _twelve(k: Floats, u0: Floats) -> list[float]:
+    """In the order of COEFFICIENTS."""
+    return [*k.ravel().tolist(), *u0.tolist()]
+
+
+def _relative(u: float | None, of: float, millionths: str) -> str:
+    if u is None or of == 0.0:
+        return "-"
+    ratio = abs(u / of) * 1e6
+    if ratio >= 1e5:
+        return f"{ratio:.0e} {millionths}"
+    return f"{ratio:.0f} {millionths}" if ratio >= 100 else f"{ratio:.3g} {millionths}"
+
+
+def _errors_over_u(solution: Solution) -> Floats:
+    """Estimate less truth over the standard uncertainty (12,). A stand without errors leaves none: NaN."""
+    truth, u_k, u_u0 = solution.truth, solution.u_k, solution.u_u0
+    assert truth is not None and u_k is not None and u_u0 is not None  # who simulates a run declares its stand
+    u = np.concatenate([u_k.ravel(), u_u0])
+    errors = np.concatenate([(solution.found.k - truth.k).ravel(), solution.found.u0 - truth.u0])
+    over: Floats = np.divide(errors, u, out=np.full(12, np.nan), where=u > 0)
+    return over
+
+
+def notes(solution: Solution) -> list[str]:
+    """What marked coefficients, or all, rest on."""
+    lines: list[str] = []
+    for name, coefficients in assumed(solution).items():
+        one = ASSUMPTIONS[name]
+        whose = f"Values with {one.mark}" if coefficients else "All values"
+        lines += textwrap.wrap(f"{whose} assume {one.phrase}: {one.why}", _COLUMNS, subsequent_indent="  ")
+    return lines
+
+
+def uncertainty_notes(solution: Solution) -> list[str]:
+    """What uncertainties are made from, where that is not the stand file alone."""
+    if solution.u_k is None:
+        if solution.coverage is None:
+            return [_HINT]
+        return [*textwrap.wrap(_HINT_ALONE, _COLUMNS), _expanded(solution.coverage, "of the noise ")]
+    told = noise_notice(solution)
+    lines = [] if told is None else textwrap.wrap(f"u of {told}", _COLUMNS, break_on_hyphens=False)
+    return lines + ([] if solution.coverage is None else [_expanded(solution.coverage)])
+
+
+def _expanded(coverage: Coverage, of: str = "") -> str:
+    """By what factor u is to be multiplied, and where they differ, of which coefficient it is largest. `of`: what u
+    holds, where that is not all."""
+    k, freedom = coverage.factors, coverage.freedom
+    least = int(freedom.argmin())
+    low, high = f"{k.min():.2f}", f"{k.max():.2f}"
+    line = f"{PROBABILITY * 100:.0f} % {of}within k u: k = {high if low == high else f'{low} to {high}'}"
+    if freedom[least] > NEARLY_INFINITE:
+        return line
+    whose = "" if low == high else f"{COEFFICIENTS[least]}: "
+    return f"{line} ({whose}{freedom[least]:.3g} degrees of freedom)"
+
+
+def _gravity_bars(solution: Solution) -> list[Line]:
+    """One for each measured position, to one scale: the limit, or the largest error if that is larger."""
+    limit_g, bars = solution.limit_g, []
+    full = max(float(np.nanmax(np.abs(solution.found.gravity.delta_g))), limit_g) / _BAR_WIDTH
+    limit = min(_BAR_WIDTH, math.ceil(limit_g / full))
+    for position, delta_g in zip(solution.schedule.positions, solution.found.gravity.delta_g.tolist()):
+        if not math.isnan(delta_g):
+            cells = ("#" * min(_BAR_WIDTH, math.ceil(abs(delta_g) / full))).ljust(_BAR_WIDTH)
+            exceeds = abs(delta_g) > limit_g
+            colour = _colour(not exceeds)
+            bars.append([
+                (f"{position.label:>6}  {position.use:<5}  {delta_g:+.2e}  ", ""),
+                (cells[:limit], colour),
+                ("|", "bold"),
+                (cells[limit:], colour),
+                ("  over" if exceeds else "", colour),
+            ])  # fmt: skip
+    return bars
+
+
+def remarks(solution: Solution) -> list[str]:
+    """Closure, residuals, the stand as the run shows it, what follows from the coefficients: one line each, where there
+    is anything to say."""
+    found, unit, lines = solution.found, solution.run.unit, []
+    checks = [index for index, position in enumerate(solution.schedule.positions) if position.use == CHECK]
+    if checks:  # their errors are told apart: on fitted positions the check is optimistic
+        measured = sum(int(solution.run.samples[index] > 0) for index in checks)
+        largest = f"{found.gravity.max_abs_check:.2g} g" if measured else "unknown"
+        fitted = f"fitted {found.gravity.max_abs_fit:.2g} g"
+        lines += [f"Largest gravity error: {fitted}, check positions {largest} ({measured} of {len(checks)})", ""]
+    if solution.truth is not None and not np.isnan(errors := np.abs(_errors_over_u(solution))).all():
+        worst = int(np.nanargmax(errors))
+        name = coefficient_rows(solution)[worst][0]
+        lines.append(f"Largest error against the truth: {errors[worst]:.2f} u, of {name}")
+    if (temperature := solution.run.temperature) is not None:
+        who = {OF_RUN_FILE: "run file", OF_ENVIRONMENT: "stand file"}[temperature.source]
+        lines.append(f"Temperature of the run: {temperature.text} ({who})")
+    lines += [f"Closure of mounting {one}: {_three(difference)} {unit}" for one, difference in found.closure.items()]
+    if found.residual_rms is not None:
+        yaw = " (yaw included)" if found.estimator in HARMONIC else ""
+        lines.append(f"Residuals, rms: {_three(found.residual_rms)} {unit}{yaw}")
+    if solution.fit is not None:
+        fit = solution.fit
+        freedom = f"{fit.freedom} degrees of freedom"
+        lines.append(f"Fit to the stand: chi-squared {fit.chi_squared:.3g}, {freedom}, p {fit.p:.2g}")
+    lines += _stand_seen(solution)
+    if solution.u_intrinsic is not None and solution.u_norm is not None:
+        lines += _propagated(solution)
+    return lines
+
+
+def _three(values: Floats) -> str:
+    return "  ".join(f"{axis} {value:+.2e}" for axis, value in zip("xyz", values))
+
+
+def _stand_seen(solution: Solution) -> list[str]:
+    """What the run shows of every source, and what is declared of it: standard deviations."""
+    seen, stand, unit = solution.stand_seen, solution.stand, solution.run.unit
+    angles = {f"{name}_rad": seen.augmented[name] if one is None else one for name, one in seen.angles.items()}
+    numbers = [mounting.number for mounting in solution.measured_schedule.fitted_mountings]
+    told: list[tuple[str, str, Estimate | None]] = [(NAMES[source], source, one) for source, one in angles.items()]
+    if seen.other_yaw_changes:  # then each is named by its two mountings
+        changes = {numbers[1]: angles["alpha3_difference_rad"], **seen.other_yaw_changes}
+        told.pop()
+        told += [(f"yaw {numbers[0]} - {other}", "alpha3_difference_rad", one) for other, one in changes.items()]
+    told += [(NAMES[source], source, one) for source, one in (("alpha4_rad", seen.alpha4), ("noise_v", seen.noise))]
+    declared = {} if stand is None else Limits.declared(stand, len(numbers)).sigma
+    lines: list[str] = []
+    for name, source, one in told:
+        if one is None:
+            continue
+        its_unit, factor = (noise_unit(unit), volts_per(unit)) if source == "noise_v" else ("rad", 1.0)
+        systematic = source in SYSTEMATIC
+        said = f"{one.value * factor:{'+' if systematic else ' '}.2e}"
+        said += f" +- {one.u * factor:.1e}" if seen.source is not None or not systematic else ""
+        said += f" {its_unit}" + (f", declared {declared[source]:.2e}" if source in declared else "")
+        if source == "noise_v" and solution.channel_noise is not None:
+            said = solution.channel_noise.sentence(its_unit)
+        line = f"{'' if lines else 'Stand seen:':11} {name:11} {said}"
+        lines += textwrap.wrap(line, _COLUMNS, subsequent_indent=" " * 24, break_on_hyphens=False)
+    return lines
+
+
+def _propagated(solution: Solution) -> list[str]:
+    """Intrinsic parameters, and |a| at its worst, what else the uncertainties of a declared stand lead to."""
+    found, u, norm = solution.found.intrinsic, solution.u_intrinsic, solution.u_norm
+    assert u is not None and norm is not None
+    rows = [("Intrinsic: row of K", "bias over it, g", "angle of two rows, rad")]
+    for i, (axis, pair) in enumerate(zip("xyz", ("xy", "xz", "yz"))):
+        scale = f"{axis} {found.scale[i]:#.6g} +- {u.scale[i]:.1e}"
+        bias = f"{found.bias[i]:+.3e} +- {u.bias[i]:.1e}"
+        rows.append((scale, bias, f"{pair} {found.angles[i]:.6f} +- {u.angles[i]:.1e}"))
+    lines = [f"{scale:24}  {bias:21}  {angle}".rstrip() for scale, bias, angle in rows]
+    x, y, z = norm.attitude
+    lines.append(f"Worst u(|a|): {norm.worst * 1e6:.3g} ug, at the attitude ({x:+.2f}, {y:+.2f}, {z:+.2f})")
+    lines += [] if solution.further is None else _cost_of_terms(solution.further)
+    lines += [] if solution.reliability is None else reliability.lines(solution.reliability, solution.limit_g)
+    return lines + ([] if solution.monte_carlo is None else _simulated(solution.monte_carlo))
+
+
+def _cost_of_terms(further: Further) -> list[str]:
+    """What further terms of the model cost the twelve: of each kind of coefficient the one that loses most."""
+    without, now = further.without, further.worst_norm
+    assert without is not None and now is not None  # of a declared stand they are known
+    assert further.covariance is not None
+    before = np.concatenate([without.u_k.ravel(), without.u_u0])
+    after = np.sqrt(np.diag(further.covariance)[:12])
+    scale = np.abs(np.concatenate([np.repeat(np.diag(further.k), 3), np.diag(further.k)])) * 1e-6
+    parts = []
+    for kind, unit in ((range(0, 9, 4), "ppm"), ((1, 2, 3, 5, 6, 7), "urad"), (range(9, 12), "ug")):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            worst = max(kind, key=lambda i: float(np.nan_to_num(after[i] / before[i])))
+        if after[worst] > _LOSS * before[worst]:
+            sizes = f"{before[worst] / scale[worst]:.3g} -> {after[worst] / scale[worst]:.3g}"
+            parts.append(f"u({COEFFICIENTS[worst]}) {sizes} {unit}")
+    parts.append(f"worst u(|a|) {without.worst.worst * 1e6:.3g} -> {now.worst * 1e6:.3g} ug")
+    listed = " and ".join([*filter(None, [", ".join(further.terms[:-1])]), further.terms[-1]])
+    return textwrap.wrap(f"Because of {listed}: {', '.join(parts)}", _COLUMNS, break_on_hyphens=False)
+
+
+def _simulated(found: MonteCarlo) -> list[str]:
+    """What simulated runs make of the uncertainties, mean error, standard deviation and interval of each coefficient,
+    and what that comes to. Of a stand without errors there is no unit for them."""
+    lines = ["", f"Monte Carlo, {found.runs} runs, seed {found.seed}; in units of the stated u:"]
+    lines.append(f"{'':6} {'mean error':>10}  {'u':>6}  {'95 % interval':>16}  linear: -1.960 to +1.960")
+    for i, (name, verdict) in enumerate(zip(COEFFICIENTS, found.verdicts)):
+        u = (found.linear_high[i] - found.linear_low[i]) / (2.0 * NORMAL_COVERAGE)
+        middle = (found.linear_high[i] + found.linear_low[i]) / 2.0
+        shift = spread = ends = "-"
+        if u != 0.0:
+            shift, spread = f"{found.shift[i] / u:+.3f}", f"{found.u[i] / u:.3f}"
+            ends = f"{(found.low[i] - middle) / u:+.3f} to {(found.high[i] - middle) / u:+.3f}"
+        lines.append(f"{name:6} {shift:>10}  {spread:>6}  {ends:>16}  {verdict.value}")
+    return lines + textwrap.wrap(simulation_complaint(found) or "It agrees with the linear uncertainties.", _COLUMNS)
+
+
+def _verdict(solution: Solution, decision: Decision) -> str:
+    """The decision and why, in one line if it fits."""
+    position = solution.schedule.positions[solution.worst_position].label
+    size = f"{on_its_side(abs(float(solution.found.gravity.delta_g[solution.worst_position])), solution.limit_g)} g"
+    limit = f"limit {solution.limit_g:g} g"
+    if not decision.passed:
+        told = f"{decision.sentence}{_failure(solution, decision, size, position, limit)}"
+        return textwrap.fill(told, _COLUMNS, break_on_hyphens=False)
+    condition = phrase(decision.assumes)
+    passes = f"{decision.word}{decision.only}{condition}: "
+    line = f"{passes}{'' if condition else 'largest gravity error '}{size} at {position}, {limit}; numpy agrees"
+    shorter = [line.removesuffix("; numpy agrees")]  # as the tables show, and the place
+    if condition:
+        shorter += [f"{passes}{size}, {limit}", f"{passes}{size[:-2]} <= {solution.limit_g:g} g"]
+    return next((one for one in (line, *shorter) if len(one) <= _COLUMNS), textwrap.fill(shorter[-1], _COLUMNS))
+
+
+def _failure(solution: Solution, decision: Decision, size: str, position: str, limit: str) -> str:
+    """What stands behind a failure. Where something explains it, it is named, and not the position with the largest
+    error: an error at one position makes others look wrong."""
+    if decision.is_not_shown:
+        return f"; largest gravity error {size}. {in_words(would_show(solution), solution.limit_g)}."
+    best = None if solution.fit is None else next(iter(solution.fit.explanations), None)
+    by = f" at {position}" if best is None else ""
+    explained = "" if best is None else f"; explained best by {named(best)}"
+    exceeded = f"; {decision.comparison}" if UNCERTAINTY in decision.failures else f", {limit}"
+    return f"{explained}; largest gravity error {size}{by}{exceeded}"
