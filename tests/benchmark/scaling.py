@@ -128,7 +128,7 @@ def per_second(crew):
 def costs(cluster):
     """Lines of the third table: sizes are exact, seconds are those of this machine."""
     from tumble.workers.crews import Cluster, Processes
-    from tumble.workers.kept import Kept
+    from tumble.workers.over import Kept
 
     case, runs = Case.of(None, None, None), 40_000
     job = _Tallied(case, ("averaged", "refined", "least_squares", "optimal"), "known")

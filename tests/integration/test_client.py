@@ -10,7 +10,7 @@ from simulated_bench import wait_until
 
 from tumble import client
 from tumble.client import can_link
-from tumble.client.registers import read_map
+from tumble.client.link import read_map
 from tumble.client.tables import SETTINGS
 from tumble.errors import TumbleError, UsageError
 

@@ -20,7 +20,7 @@ from validation.limits import CHECKS
 from validation.links import open_link
 
 from tumble.client import CommunicationError, Refused
-from tumble.client.registers import read_map
+from tumble.client.link import read_map
 from tumble.core import CoreSchedule, paper_schedule
 from tumble.files.run_file import read_run
 

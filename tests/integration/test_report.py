@@ -21,7 +21,7 @@ from tumble.errors import BadInput, UsageError
 from tumble.estimators import COEFFICIENTS
 from tumble.files.schedule_file import read_schedule
 from tumble.report import make, method
-from tumble.report.number import number_of
+from tumble.report.pages import number_of
 from tumble.report.source import Source
 
 pytest.importorskip("jinja2")

@@ -20,8 +20,7 @@ from tumble.cli.commands import bench
 from tumble.cli.main import main
 from tumble.errors import BadInput, UsageError
 from tumble.report.make import context
-from tumble.report.number import number_of, require_number
-from tumble.report.pages import css_string, own
+from tumble.report.pages import css_string, number_of, own, require_number
 from tumble.report.source import Source
 
 pytest.importorskip("jinja2")

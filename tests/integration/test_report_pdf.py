@@ -13,7 +13,7 @@ from tumble.api.result import Result
 from tumble.cli.main import main
 from tumble.errors import BadInput
 from tumble.estimators import COEFFICIENTS
-from tumble.report.number import number_of
+from tumble.report.pages import number_of
 
 pypdf = pytest.importorskip("pypdf")
 pytest.importorskip("jinja2")

@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 from hypothesis import example, given, strategies as st
 
-from tumble.report.cells import exact, plain, product, rounded, significant, to_match, to_places
+from tumble.report.source import exact, plain, product, rounded, significant, to_match, to_places
 
 pytestmark = pytest.mark.python
 

@@ -15,8 +15,8 @@ from tumble import model
 from tumble.cli.main import main
 from tumble.comparison import report
 from tumble.report import make
-from tumble.report.number import number_of
-from tumble.report.since import section as section_since
+from tumble.report.make import section as section_since
+from tumble.report.pages import number_of
 
 pytest.importorskip("jinja2")
 pytest.importorskip("matplotlib")

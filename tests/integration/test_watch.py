@@ -21,8 +21,7 @@ from played_run import AVERAGING, DONE, FAULT, U0, K, PlayedSource, events
 from rich.console import Console
 
 from tumble.watch import snapshot
-from tumble.watch.bench_run import BenchRun
-from tumble.watch.follower import Follower
+from tumble.watch.runs import BenchRun, Follower
 from tumble.watch.snapshot import Gravity, Lost, Mean, Snapshot, View, document
 from tumble.watch.terminal import Lines, drawn
 

@@ -21,8 +21,8 @@ from test_terminal import on_terminal
 from tumble import World, client
 from tumble.client.names import STATE_NAMES
 from tumble.errors import BenchFault
-from tumble.watch.folder_run import FolderRun
 from tumble.watch.node_run import NodeRun
+from tumble.watch.runs import FolderRun
 from tumble.watch.snapshot import Lost
 from tumble.world import in_process
 from tumble.world.border import Border

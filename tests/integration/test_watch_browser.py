@@ -11,7 +11,7 @@ from conftest import ROOT
 from played_run import AVERAGING, DONE, PlayedSource
 from test_watch_bench import ended, faulty, hasty, page
 
-from tumble.watch.follower import Follower
+from tumble.watch.runs import Follower
 from tumble.watch.snapshot import Lost
 
 assert hasty

@@ -11,8 +11,7 @@ import pytest
 from conftest import ROOT
 from played_node import U0, K, PlayedCanNode
 
-from tumble.client.errors import CommunicationError
-from tumble.client.registers import read_map
+from tumble.client.link import CommunicationError, read_map
 from tumble.watch.node_run import NodeRun
 from tumble.watch.snapshot import Gravity, Heard, Lost, Mean, Snapshot, Status, View, document
 

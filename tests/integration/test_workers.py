@@ -13,8 +13,7 @@ from simulated_bench import wait_until
 
 from tumble.errors import BadInput, BenchFault
 from tumble.workers.crews import Processes
-from tumble.workers.kept import Kept
-from tumble.workers.over import Piece, Team, over
+from tumble.workers.over import Kept, Piece, Team, over
 from tumble.world import campaigns
 
 pytestmark = pytest.mark.python

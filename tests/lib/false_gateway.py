@@ -5,7 +5,7 @@ import struct
 import threading
 from contextlib import suppress
 
-from tumble.client.registers import read_map
+from tumble.client.link import read_map
 
 READ_INPUT = 4
 

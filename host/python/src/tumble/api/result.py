@@ -314,7 +314,7 @@ class Result:
     ) -> bytes:
         """What `report` writes; `kind`: "html" or "pdf"."""
         from tumble.report.make import made
-        from tumble.report.number import require_date
+        from tumble.report.pages import require_date
         from tumble.solving.result import created
 
         recording = None if run is None else recording_of(run, Wishes(unit=self.unit))

@@ -54,7 +54,7 @@ def team_of(arguments: argparse.Namespace, campaign: str, **depends: Any) -> Ite
 
     team = Team()
     if arguments.resume is not None:
-        from tumble.workers.kept import Kept
+        from tumble.workers.over import Kept
 
         team.kept = Kept(arguments.resume, {"campaign": campaign, **depends})
     if arguments.cluster is not None:

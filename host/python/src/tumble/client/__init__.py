@@ -15,13 +15,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from tumble.client.can_link import CanLink, is_bus, open_bus
-from tumble.client.errors import CommunicationError, NoResult, Refused, RunFailed, RunGone, TimedOut
-from tumble.client.link import Link
+from tumble.client.link import CommunicationError, Link, NoResult, Refused, RunFailed, RunGone, TimedOut
 from tumble.client.modbus_link import ModbusLink
 from tumble.client.names import COMMAND, Objection, Reason
-from tumble.client.node import Node, Status
-from tumble.client.result import Result
-from tumble.client.settings import Settings
+from tumble.client.node import Node, Result, Settings, Status
 from tumble.errors import UsageError, quoted
 
 if TYPE_CHECKING:

@@ -14,16 +14,22 @@ from typing import TYPE_CHECKING, Any, TypeGuard, TypeVar
 
 from tumble import data
 from tumble.client import names
-from tumble.client.errors import (
+from tumble.client.link import (
     DEVICE_STATE,
     NO_DATA,
     NO_SUCH_OBJECT,
     NO_SUCH_SUBINDEX,
     OUT_OF_RANGE,
+    RUN,
+    TIMES_READ,
     CommunicationError,
+    Link,
     Refused,
+    Value,
+    keep_quiet,
+    require_number,
+    whole,
 )
-from tumble.client.link import RUN, TIMES_READ, Link, Value, keep_quiet, require_number, whole
 from tumble.errors import NotInstalled, Skipped, UsageError
 
 if TYPE_CHECKING:

@@ -1,20 +1,188 @@
-"""A navigation computer as a script sees it: commands, state, result, settings; the same over CAN and Modbus."""
+"""A navigation computer as a script sees it: commands, state, result, settings; the same over CAN and Modbus.
+
+What can be set on a node, as a mapping by name.
+
+What a run has found, and what became of it.
+"""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from types import TracebackType
 
-from tumble.client import names, result as results
-from tumble.client.errors import DEVICE_STATE, CommunicationError, NoResult, Refused, RunFailed, RunGone, TimedOut
-from tumble.client.link import Link, Value, number
-from tumble.client.names import COMMAND, Objection, Reason
-from tumble.client.result import Result
-from tumble.client.settings import Settings
+import numpy as np
+
+from tumble.arrays import Floats
+from tumble.client import names
+from tumble.client.link import (
+    DEVICE_STATE,
+    OUT_OF_RANGE,
+    CommunicationError,
+    Link,
+    NoResult,
+    Refused,
+    RunFailed,
+    RunGone,
+    TimedOut,
+    Value,
+    number,
+    require_number,
+)
+from tumble.client.names import COMMAND, Objection, Reason, objections, verdict
+from tumble.client.tables import SETTINGS
 from tumble.errors import TumbleError, UsageError, quoted
+
+SAVE, LOAD = 0x65766173, 0x64616F6C  # "save", "load"
+_HINT = "; no run may be on, and the service level must be open: unlock() opens it"
+_SHOWN_BY = {"Host: Calendar": "Keeper: Calendar", "Host: Inhibit": "Keeper: Inhibit left"}  # where they are read
+
+
+class Settings(Mapping[str, float | None]):
+    """Names and units are those of docs/client.md; None where the node has no such setting, or does not know it now.
+
+    Writing raises Refused: a value out of its limits, a state that does not allow it, a service level that is closed.
+    An unknown name is a KeyError in reading, as of any mapping, and a UsageError in writing.
+    """
+
+    def __init__(self, link: Link):
+        self._link = link
+
+    def __getitem__(self, name: str) -> float | None:
+        if name not in SETTINGS:
+            raise KeyError(name)
+        value = self._link.read(_SHOWN_BY.get(name, name))
+        return None if value is None else number(value)
+
+    def __setitem__(self, name: str, value: float) -> None:
+        if name not in SETTINGS:
+            raise UsageError(f"there is no setting {quoted(name)}; see docs/client.md")
+        require_number(f"writing {name}", value)
+        whole = SETTINGS[name][1] not in ("f32", "f64")
+        if whole and not float(value).is_integer():
+            raise Refused(f"writing {name}", OUT_OF_RANGE, "; it is a whole number")
+        try:
+            self._link.write(name, int(value) if whole else value)
+        except Refused as refusal:
+            if refusal.code == DEVICE_STATE and SETTINGS[name][2]:
+                raise Refused(f"writing {name}", refusal.code, _HINT) from None
+            raise
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(SETTINGS)
+
+    def __len__(self) -> int:
+        return len(SETTINGS)
+
+    @staticmethod
+    def unit(name: str) -> str:
+        """Of a setting; "": it has none. Raises KeyError."""
+        return SETTINGS[name][0]
+
+    @staticmethod
+    def needs_unlock(name: str) -> bool:
+        """Whether it can be written at service level only. Raises KeyError."""
+        return SETTINGS[name][2]
+
+    def save(self) -> None:
+        """Keep what was written beyond the next power-on (1010h). Needs `unlock()`. Raises Refused."""
+        self._link.write("Store parameters: Save all parameters", SAVE)
+
+    def restore(self) -> None:
+        """Forget what was saved (1011h): the board's own are back after the next power-on. Needs `unlock()`. Raises
+        Refused."""
+        self._link.write("Restore default parameters: Restore all default parameters", LOAD)
+
+
+_K = tuple(f"{{}}K_{row}{column}" for row in "xyz" for column in "xyz")
+_U0 = tuple(f"{{}}U0_{row}" for row in "xyz")
+_MORE = "Keeper: More objections"
+_NUMBERS = (
+    "Run number",
+    "Keeper: Verdict",
+    "Keeper: Objections",
+    "Keeper: Calibration counter",
+    "Proposal: Record CRC",
+    "Gravity check: Pass",
+    "Gravity check: Largest deviation on fit positions",
+    "Gravity check: Largest deviation on check positions",
+    "Gravity check: Limit",
+)
+NAMES = (
+    *(name.format("K: ") for name in _K),
+    *(name.format("U0: ") for name in _U0),
+    *(f"u_K: {name.format('u_')}" for name in _K),
+    *(f"u_U0: {name.format('u_')}" for name in _U0),
+    *_NUMBERS,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """Of the last finished run. `run`: its number; `K` (3, 3), V/g, and `U0` (3,), V, with their standard uncertainties
+    `u_K` and `u_U0`, None where the board declares no stand or has no memory.
+
+    `passed`: the gravity check; `max_abs_delta_g_g`: its largest deviation; `limit_g`. `verdict`: COMMITTED, HELD,
+    REPEATED, ACCEPTED, DISCARDED, ROLLED_BACK or FAILED, None on a board without memory; `objections`: why it is held;
+    `proposal`: what accepting it names, None where nothing is held; `calibration_counter`: of the active set.
+    """
+
+    run: int
+    K: Floats
+    U0: Floats
+    u_K: Floats | None  # as everywhere
+    u_U0: Floats | None
+    passed: bool
+    max_abs_delta_g_g: float
+    limit_g: float
+    verdict: str | None
+    objections: tuple[Objection, ...]
+    proposal: int | None
+    calibration_counter: int | None
+
+
+def read(link: Link) -> Result | None:
+    """None: there is no result."""
+    values = link.read_together(*NAMES)
+    k, u0, u_k, u_u0 = values[:9], values[9:12], values[12:21], values[21:24]
+    run, verdict_number, bits, counter, crc, passed, fit, check, limit = values[24:]
+    if None in k or None in u0:
+        return None
+    said = verdict(_whole(verdict_number))
+    return Result(
+        int(number(run)),
+        np.reshape(_floats(k), (3, 3)),
+        _floats(u0),
+        None if None in u_k else np.reshape(_floats(u_k), (3, 3)),
+        None if None in u_u0 else _floats(u_u0),
+        bool(passed),
+        max(float(number(fit)), float(number(check))),
+        float(number(limit)),
+        said,
+        all_objections(link, said, _whole(bits) or 0),
+        _whole(crc) if said == "HELD" else None,
+        _whole(counter),
+    )
+
+
+def all_objections(link: Link, verdict: str | None, bits: int) -> tuple[Objection, ...]:
+    """With those from 16 on, which an older node does not have; `bits`: those below it, of 2120h:6."""
+    more = None
+    if verdict == "HELD" and link.has(_MORE):
+        with suppress(Refused):
+            more = link.read(_MORE)
+    return objections(bits | (_whole(more) or 0) << 16)
+
+
+def _floats(values: list[Value]) -> Floats:
+    return np.array([number(value) for value in values], dtype=float)
+
+
+def _whole(value: Value) -> int | None:
+    return None if value is None else int(number(value))
+
 
 SERVICE_KEY = 0x76726573  # "serv"
 ENDED = ("FAULT", "ABORT")
@@ -146,7 +314,7 @@ class Node:
             finished,
             count,
             said,
-            results.all_objections(self.link, said, int(number(bits))),
+            all_objections(self.link, said, int(number(bits))),
             int(number(counter)),
         )
 
@@ -199,7 +367,7 @@ class Node:
             if time.monotonic() >= end:
                 raise TimedOut("the verdict", timeout or 0.0, self.state)
             self.link.wait_for_news()
-        found = results.read(self.link)
+        found = read(self.link)
         if found is None:
             raise NoResult(f"the node has no result; its state is {self.state}")
         return found

@@ -61,8 +61,7 @@ from tumble.schedule import Mounting, Position, Schedule
 from tumble.solving.further import Further, confused
 from tumble.stand import by_channel
 from tumble.terms import EXTENDABLE
-from tumble.workers.kept import Result
-from tumble.workers.over import ALONE, Piece, Progress, Team, over
+from tumble.workers.over import ALONE, Piece, Progress, Result, Team, over
 
 DEFAULT_REMOUNT_S = 300.0
 _MOTION = {"velocity_deg_per_s": 90.0, "acceleration_deg_per_s2": 180.0, "settling_s": 0.5}

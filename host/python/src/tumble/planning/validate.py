@@ -37,8 +37,7 @@ from tumble.planning.weights import estimator_gains
 from tumble.solving import many_runs as tables_of_runs
 from tumble.solving.many_runs import Chunk, Sources, chunks, drawn_outputs, estimator_for, stream_of
 from tumble.terms import POWERS, Terms
-from tumble.workers.kept import Result
-from tumble.workers.over import ALONE, Progress, Team, over
+from tumble.workers.over import ALONE, Progress, Result, Team, over
 
 U0_V = (0.01, -0.02, 0.03)  # of the simulated block: linear estimators do not care
 

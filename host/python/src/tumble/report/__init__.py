@@ -1,11 +1,9 @@
 """A result as a report for people: one HTML file that needs no other, or the same as PDF.
 
     make         from a result's document to the bytes of a report: what `tumble report` and Result.report call
-    source       what a report may say: every number and text of the document, each with its path
-    cells        numbers as they are printed, in exact decimal arithmetic, and as HTML with their paths; lines, tables
-    identity     who, what, where, when; method: how; values: the coefficients; conformity: verdict and decision rule
-    number       a report's own number
-    pages        the template (report.html.j2, report.css) filled in, and turned into PDF
+    source       what a report may say: every number and text of the document with its path, exact, as it is printed
+    method       who, what, where, when, and how; values: the coefficients; conformity: verdict and decision rule
+    pages        the template (report.html.j2, report.css) filled in, numbered, and turned into PDF
 
 The JSON result is authoritative: a report computes nothing but k times u, and rounds.
 """

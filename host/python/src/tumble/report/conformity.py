@@ -7,20 +7,23 @@ from decimal import Decimal
 
 from tumble.model.reliability import in_words as in_words_of
 from tumble.model.stand_seen import NAMES
-from tumble.report.cells import (
+from tumble.report.source import (
     MISSING,
     NO_UNCERTAINTY,
+    STANDARD_GRAVITY,
+    Factor,
     Facts,
     Fixed,
     Inline,
+    Path,
     Shown,
+    Source,
     Table,
     aligned,
     joined,
     line,
     rounded,
 )
-from tumble.report.source import STANDARD_GRAVITY, Factor, Path, Source
 from tumble.solving.decision import ASSUMPTIONS, UNCERTAINTY, Decision, in_words
 
 _MICRO = 6

@@ -1,16 +1,51 @@
-"""From a result's document to the bytes of a report."""
+"""From a result's document to the bytes of a report.
+
+What has changed since an earlier result: a section of the report on the later one.
+"""
 
 from __future__ import annotations
 
 import os
 from typing import Any
 
+from tumble.comparison import report
 from tumble.errors import NotInstalled, UsageError, quoted
-from tumble.report import conformity, identity, method, pages, since, values
-from tumble.report.cells import MISSING, Fixed, line
-from tumble.report.number import number_of, require_number
-from tumble.report.source import Source
+from tumble.report import conformity, method, pages, values
+from tumble.report.pages import number_of, require_number
+from tumble.report.source import MISSING, Fixed, Source, Table, line, readable
 from tumble.solving.result import schedule_of
+
+
+def section(told: dict[str, Any] | None, earlier: dict[str, Any], later: dict[str, Any]) -> dict[str, Any] | None:
+    """`told`: a document of schema tumble.comparison/1, whose A is `earlier` and whose B is `later`, documents of
+    schema tumble.result/1; None: without an earlier result, and without a section."""
+    if told is None:
+        return None
+    from markupsafe import Markup
+
+    from tumble.pictures import comparison, svg
+
+    rows = [row for part in ("parameters", "seat", "coefficients") for row in told[part]]
+    return {
+        "sentence": readable(report.sentence(told)),
+        "results": [(Fixed("A, the earlier result"), _called(earlier)), (Fixed("B, this result"), _called(later))],
+        "grounds": [readable(_for_compare(one)) for one in (*report.grounds(told), *told["warnings"])],
+        "table": Table(report.COLUMNS, [tuple(map(Fixed, report.cells(row))) for row in rows], left=(3,)),
+        "legend": None if told["tests"] is None else readable(report.legend(told)),
+        "svg": Markup(svg(comparison(told))),
+    }
+
+
+def _for_compare(said: str) -> str:
+    """An option that is the comparison's own, and not the report's."""
+    return said.replace("(--stand FILE)", "(tumble compare --stand FILE)")
+
+
+def _called(document: dict[str, Any]) -> Fixed:
+    """The number that a report on it has by itself, and when it was made."""
+    created = document.get("created")
+    return Fixed(", ".join([number_of(document), *([readable(str(created))] if created else [])]))
+
 
 HTML, PDF = "html", "pdf"
 _MOST_MOUNTINGS = 6
@@ -67,7 +102,7 @@ def made(
     source = Source(document, name)
     found = context(source, told, None if logo is None else pages.logo(logo), issued)
     before, changes = ({}, None) if earlier is None else earlier
-    drawn = {"figures": pictures(source, run), "since": since.section(changes, before, document)}
+    drawn = {"figures": pictures(source, run), "since": section(changes, before, document)}
     text = pages.html({**found, **drawn}, template)
     if kind != PDF:
         return text.encode("utf-8", "replace")
@@ -119,14 +154,14 @@ def context(source: Source, number: str, logo: str | None, issued: str | None = 
         "unseen": conformity.unseen(source),
         "assumptions": conformity.assumptions(source),
         "warnings": conformity.warnings(source),
-        "parties": identity.parties(source),
-        "item": identity.item(source),
+        "parties": method.parties(source),
+        "item": method.item(source),
         "issued": date,
-        "dates": identity.dates(source, date),
-        "issue": identity.issue(source, date),
-        "labels": identity.further_labels(source),
-        "traceability": identity.traceability(source),
-        "deviations": identity.deviations(source),
+        "dates": method.dates(source, date),
+        "issue": method.issue(source, date),
+        "labels": method.further_labels(source),
+        "traceability": method.traceability(source),
+        "deviations": method.deviations(source),
         "method": method.method(source),
         "environment": method.environment(source),
         "declared": method.declared(source),

@@ -1,21 +1,108 @@
 """The template filled in, and turned into PDF. Nothing of a report comes from elsewhere: no network, no other file.
 
 Jinja2 and WeasyPrint are loaded here alone, when they are needed.
+
+The number of a report, which stands on every page: given, or made from what the result says.
+
+Can a logo be drawn in reasonable time and memory? A small file may hold very large pictures.
 """
 
 from __future__ import annotations
 
 import base64
+import hashlib
+import json
 import logging
 import re
-from datetime import datetime
+import struct
+from datetime import date, datetime
 from importlib.resources import files
 from typing import Any
+from xml.etree import ElementTree
 
-from tumble.errors import BadInput, NotInstalled, quoted
+from tumble.errors import BadInput, NotInstalled, UsageError, quoted
 from tumble.files.disk import read_bytes
-from tumble.report.cells import MISSING
-from tumble.report.picture import picture_fault
+from tumble.report.source import MISSING
+
+LONGEST = 64
+_DIGITS = 12  # hexadecimal: of ten thousand reports of a day, two have one number with a chance of 2e-7
+_UNDATED = "undated"
+_DATE = re.compile(r"\d{4}-\d\d-\d\d", re.ASCII)
+
+
+def number_of(document: dict[str, Any]) -> str:
+    """Such as T-20261123-9f3a1c77b2d4: the date of the result, the beginning of the SHA-256 of its content, whatever
+    blanks its file has. The same result has the same number, and practically no other has it."""
+    content = json.dumps(document, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
+    created = document.get("created")
+    date = created[:10].replace("-", "") if isinstance(created, str) else _UNDATED
+    return f"T-{date}-{hashlib.sha256(content.encode('ascii')).hexdigest()[:_DIGITS]}"
+
+
+def require_date(text: object) -> str:
+    """A date of issue of the user's own, as ISO 8601 writes it. Raises UsageError."""
+    try:
+        return date.fromisoformat(str(text) if _DATE.fullmatch(str(text)) else "").isoformat()
+    except ValueError:
+        said = quoted(text) if isinstance(text, str) else f"a {type(text).__name__}"
+        raise UsageError(f"--issued: {said} is not a date such as 2026-11-28") from None
+
+
+def require_number(text: object) -> str:
+    """A number of the user's own. Raises UsageError."""
+    if not isinstance(text, str) or not 1 <= len(text.strip()) <= LONGEST or not text.isprintable():
+        said = quoted(text) if isinstance(text, str) else f"a {type(text).__name__}"
+        raise UsageError(f"--number: {said} is not a text of 1 to {LONGEST} characters on one line")
+    return text.strip()
+
+
+_MOST_PIXELS = 16_000_000
+_MOST_ELEMENTS = 20_000
+_REFERENCE = re.compile(r"#([\w.-]+)")
+
+
+def picture_fault(data: bytes, kind: str) -> str | None:
+    """What stands against a picture of this MIME type, as a message says it; None: nothing."""
+    if kind == "image/svg+xml":
+        return _fault_of_svg(data)
+    if kind == "image/png":
+        return _fault_of_png(data)
+    return None if b"\xff\xd9" in data else "a JPEG picture that is not whole"
+
+
+def _fault_of_png(data: bytes) -> str | None:
+    if len(data) < 24 or b"IEND" not in data:
+        return "a PNG picture that is not whole"
+    width, height = struct.unpack(">II", data[16:24])
+    if width * height > _MOST_PIXELS:
+        return f"{width} x {height} pixels; a logo may have {_MOST_PIXELS // 1_000_000} million"
+    return None
+
+
+def _fault_of_svg(data: bytes) -> str | None:
+    try:
+        drawn = _Drawn(ElementTree.fromstring(data))
+    except (ElementTree.ParseError, ValueError, LookupError, RecursionError) as error:
+        return f"an SVG picture that cannot be read: {error}"
+    return None if drawn.count <= _MOST_ELEMENTS else f"draws more than {_MOST_ELEMENTS} elements"
+
+
+class _Drawn:
+    """How many elements an SVG draws: those that `use`, a pattern or a mask repeats `count` each time."""
+
+    def __init__(self, root: Any):
+        self._named = {element.get("id"): element for element in root.iter() if element.get("id")}
+        self._known: dict[Any, int] = {}
+        self.count = self._of(root)
+
+    def _of(self, element: Any) -> int:
+        if element not in self._known:
+            self._known[element] = 0  # whatever refers to itself is drawn once
+            names = _REFERENCE.findall(" ".join(element.attrib.values()))
+            parts = [*element, *(self._named[name] for name in names if name in self._named)]
+            self._known[element] = min(1 + sum(map(self._of, parts)), _MOST_ELEMENTS + 1)
+        return self._known[element]
+
 
 TEMPLATE = "report.html.j2"
 TABLES = "tables.html.j2"

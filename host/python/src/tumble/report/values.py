@@ -6,22 +6,24 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from tumble.estimators import COEFFICIENTS
-from tumble.report.cells import (
+from tumble.report.method import unit_of_k
+from tumble.report.source import (
     MISSING,
     NO_UNCERTAINTY,
     NU,
     Fixed,
     Inline,
     Number,
+    Path,
     Shown,
+    Source,
     Table,
     aligned,
     line,
+    pointer,
     rounded,
     to_places,
 )
-from tumble.report.method import unit_of_k
-from tumble.report.source import Path, Source, pointer
 from tumble.solving.decision import marks
 from tumble.solving.uncertainty import HANDS, NEARLY_INFINITE
 from tumble.terms import KEYS

@@ -59,8 +59,7 @@ from tumble.schedule import Schedule
 from tumble.solving import further
 from tumble.solving.optimal_run import record_of, to_bytes
 from tumble.stand import SIGMA, PerChannel, Stand, by_channel
-from tumble.workers.kept import Result
-from tumble.workers.over import ALONE, Piece, Progress, Team, over
+from tumble.workers.over import ALONE, Piece, Progress, Result, Team, over
 
 _AT_ONCE = 50  # runs: what a stack of them takes stays in a processor's second cache
 

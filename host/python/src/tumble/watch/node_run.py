@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from tumble.client import open_link
 from tumble.client.can_link import CanLink
-from tumble.client.errors import CommunicationError
-from tumble.client.link import Link, Value
+from tumble.client.link import CommunicationError, Link, Value
 from tumble.errors import TumbleError
 from tumble.watch import snapshot
 from tumble.watch.snapshot import IDENTIFIERS, Gravity, Heard, Lost, Matrix, Mean, Snapshot, Status, Vector

@@ -6,8 +6,8 @@ import logging
 from pathlib import Path
 
 from tumble.errors import UsageError, quoted
-from tumble.watch.folder_run import FolderRun
 from tumble.watch.node_run import NodeRun
+from tumble.watch.runs import FolderRun
 from tumble.watch.snapshot import Source
 
 KINDS = "bench, can:INTERFACE, modbus:HOST:PORT, modbus-rtu:DEVICE or the folder of a run"

@@ -17,8 +17,7 @@ from typing import Any
 from tumble._version import __version__
 from tumble.errors import BenchFault, NotInstalled, TumbleError, UsageError, quoted
 from tumble.messages import tell
-from tumble.workers.kept import Result
-from tumble.workers.over import Job, Piece, Placed
+from tumble.workers.over import Job, Piece, Placed, Result
 
 _AHEAD = 2  # pieces for each process, so that none waits for the next
 _AHEAD_ON_CLUSTER = 4  # for each processor, so that none waits for the network

@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 
 from tumble.errors import EXIT_DISAGREEMENT, EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
-from tumble.workers.kept import Result
-from tumble.workers.over import ALONE, Job, Piece, Progress, Team, over
+from tumble.workers.over import ALONE, Job, Piece, Progress, Result, Team, over
 from tumble.world import document
 from tumble.world.border import ENDED, FOREVER_US, Border, Refused, text
 from tumble.world.lives import Lives

@@ -16,7 +16,7 @@ from tumble.errors import EXIT_PASS, BenchFault, NotInstalled, UsageError, quote
 from tumble.messages import tell
 
 if TYPE_CHECKING:
-    from tumble.watch.follower import Follower
+    from tumble.watch.runs import Follower
     from tumble.watch.snapshot import Source
 
 _BENCH = "bench"
@@ -113,7 +113,7 @@ def _refuse_options_of_bench(arguments: argparse.Namespace) -> None:
 
 def _print_once(source: Source, name: str) -> int:
     from tumble.documents.base import to_json
-    from tumble.watch.follower import Follower
+    from tumble.watch.runs import Follower
     from tumble.watch.snapshot import document
 
     view = Follower(source, name, 1.0).ask()
@@ -135,7 +135,7 @@ def _follow(source: Source, name: str, every_s: float, address: tuple[str, int] 
 
 def _bench(arguments: argparse.Namespace, address: tuple[str, int] | None) -> int:
     """A run of the bench. Its end stays on the page until Ctrl-C; a screen ends before the result is printed."""
-    from tumble.watch.bench_run import BenchRun
+    from tumble.watch.runs import BenchRun
 
     source = BenchRun(_pace(arguments))
     with ExitStack() as stack:
@@ -183,7 +183,7 @@ def _shown(
     stack: ExitStack, source: Source, name: str, every_s: float, address: tuple[str, int] | None, stream: TextIO | None
 ) -> Follower:
     """Follow a source and show it until the stack is closed: as a page, on the terminal `stream`, or in lines on it."""
-    from tumble.watch.follower import Follower
+    from tumble.watch.runs import Follower
 
     if address is not None:
         from tumble.watch.server import Server

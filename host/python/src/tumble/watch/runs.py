@@ -1,0 +1,308 @@
+"""Asks a source again and again, in a thread of its own, and keeps what it has found for all who look on.
+
+A run of the bench as a source: what its events have told, and its document at the end.
+
+The folder of a run as a source: finished, or as the bench is still writing it.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from tumble.watch import snapshot
+from tumble.watch.snapshot import Gravity, Heard, Lost, Matrix, Mean, Snapshot, Source, Vector, View, without_prefix
+
+
+class Follower:
+    """`with Follower(...)`: meanwhile the source is asked every `period_s` seconds. It is closed at the end.
+    `on_change` is given every new view.
+
+    A source that does not answer is asked again as if nothing had been; `view().lost_since` tells since when."""
+
+    def __init__(
+        self,
+        source: Source,
+        name: str,
+        period_s: float,
+        clock: Callable[[], float] = time.time,
+        on_change: Callable[[View], None] | None = None,
+    ):
+        self._source = source
+        self._period_s = period_s
+        self._clock = clock
+        self._on_change = on_change or (lambda _: None)
+        self._view = View(name, 0, clock())
+        self._failure: Exception | None = None
+        self._asking = threading.Lock()
+        self._stopped = threading.Event()
+        self._thread = threading.Thread(target=self._follow, name="tumble watch", daemon=True)
+
+    def __enter__(self) -> Follower:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stopped.set()
+        self._thread.join()
+        self._source.close()
+
+    def view(self) -> View:
+        """The newest one. Its number grows with every change."""
+        return self._view
+
+    def is_over(self) -> bool:
+        """Will nothing more come? Raises what the thread has ended by, which is a fault in this program."""
+        if self._failure is not None:
+            raise self._failure
+        return self._view.snapshot is not None and self._view.snapshot.over
+
+    def ask(self) -> View:
+        """Ask once, now."""
+        with self._asking:
+            before, self._view = self._view, self._asked(self._view)
+            if self._view is not before:
+                self._on_change(self._view)
+        return self._view
+
+    def _asked(self, before: View) -> View:
+        try:
+            after = replace(before, snapshot=self._source.snapshot(), lost_since=None, why=None)
+        except Lost as error:
+            since = self._clock() if before.lost_since is None else before.lost_since
+            after = replace(before, lost_since=since, why=str(error))
+        if after == before and before.number:
+            return before
+        return replace(after, number=before.number + 1, time=self._clock())
+
+    def _follow(self) -> None:
+        try:
+            while not self._stopped.is_set():
+                self.ask()
+                self._stopped.wait(self._period_s)
+        except Exception as error:
+            self._failure = error
+
+
+NOT_THE_FORM = AttributeError, KeyError, OverflowError, TypeError, ValueError
+
+
+class BenchRun:
+    """Takes the events of a run (tumble.world.in_process) in one thread; is asked in another. `pace`: virtual seconds
+    per second. `when_over` is called when the run is over."""
+
+    def __init__(self, pace: float = 1.0) -> None:
+        self.pace = pace
+        self.when_over: Callable[[], object] = lambda: None
+        self._lock = threading.Lock()
+        self._snapshot = Snapshot()
+
+    def snapshot(self) -> Snapshot:
+        """What has been told so far."""
+        with self._lock:
+            return self._snapshot
+
+    def close(self) -> None:
+        """There is nothing to close."""
+
+    def __call__(self, event: dict[str, Any]) -> None:
+        """Take an event."""
+        with self._lock:
+            self._snapshot = after_event(self._snapshot, event)
+
+    def ended(self, document: dict[str, Any]) -> None:
+        """Take the run's document: nothing more will be told."""
+        with self._lock:
+            self._snapshot = replace(after_document(self._snapshot, document), over=True)
+        self.when_over()
+
+    def failed(self, why: str) -> None:
+        """It has ended without a document."""
+        with self._lock:
+            self._snapshot = replace(self._snapshot, over=True, trouble=why)
+        self.when_over()
+
+
+def after_event(before: Snapshot, event: dict[str, Any]) -> Snapshot:
+    """The snapshot with what an event tells."""
+    kind = event["event"]
+    if kind not in ("state", "average", "angle"):
+        return before
+    angle_deg = event.get("angle_deg")
+    after = replace(
+        before, virtual_s=event.get("virtual_s"), angle_rad=None if angle_deg is None else math.radians(angle_deg)
+    )
+    if kind == "angle":
+        return after
+    after = replace(
+        after,
+        state=without_prefix(event["state"]),
+        reason=_reason(event["reason"]),
+        **{name: event[name] for name in ("mounting", "position", "count", "finished", "attempt")},
+    )
+    if kind == "state":
+        return replace(after, samples=None)
+    return replace(after, samples=event["samples"], wanted=event["wanted"], mean=_mean(before, event))
+
+
+def after_document(before: Snapshot, document: dict[str, Any]) -> Snapshot:
+    """The snapshot with what the document of a bench run (tumble.bench/1) or a result (tumble.result/1) tells. Raises
+    one of NOT_THE_FORM where it is neither."""
+    check = document.get("verification")
+    after = replace(
+        before,
+        k_v_per_g=matrix(document["K"]),
+        u0_v=vector(document.get("U0")),
+        u_k_v_per_g=matrix(document.get("u_K")),
+        u_u0_v=vector(document.get("u_U0")),
+        gravity=None if check is None else _gravity(check),
+    )
+    if "state" not in document:
+        return after
+    return replace(after, reason=_reason(document["reason"]), state=without_prefix(document["state"]))
+
+
+def _mean(before: Snapshot, event: dict[str, Any]) -> Mean | None:
+    mean = vector(event["mean_v"])
+    if mean is None:
+        return before.mean
+    place = event["mounting"], event["position"], event["samples"], event["wanted"]
+    return Mean(*place, mean, vector(event["standard_error_v"]))
+
+
+def _reason(name: str) -> str | None:
+    name = without_prefix(name)
+    return None if name == "NONE" else name
+
+
+def _gravity(check: dict[str, Any]) -> Gravity:
+    worst: dict[str, list[float]] = {"fit": [], "check": []}
+    for row in check["delta_g_g"]:
+        worst[row["use"]].append(abs(row["delta_g_g"]))
+    fit, checked = (max(worst[use], default=None) for use in ("fit", "check"))
+    return Gravity(fit, checked, float(check["limit_g"]), check["pass"])
+
+
+def vector(numbers: list[float] | None) -> Vector | None:
+    """A list from a document; None stays."""
+    return None if numbers is None else _three(numbers)
+
+
+def matrix(rows: list[list[float]] | None) -> Matrix | None:
+    """A list of lists from a document; None stays."""
+    if rows is None:
+        return None
+    x, y, z = map(_three, rows)
+    return x, y, z
+
+
+def _three(numbers: list[float]) -> Vector:
+    x, y, z = map(float, numbers)
+    return x, y, z
+
+
+_DOCUMENTS = ("result.json", "fault.json", "bench.json")  # the last is the world's own
+_LOG = "bus.log"
+_FIELDS = 3  # of a line of candump -L: time, interface, ID#DATA
+
+
+class FolderRun:
+    """Reads what has been added to bus.log since the last time, and the result once it is there.
+
+    As long as a run goes on, its folder has another name: .NAME.part beside it, or in it."""
+
+    def __init__(self, path: Path):
+        self._path = path
+        self._offset = 0
+        self._rest = ""
+        self._heard = Heard(clock=lambda: 0.0)  # a log does not age
+        self._last_s: float | None = None
+
+    def is_there(self) -> bool:
+        """Whether there is such a folder, finished or not."""
+        return any(place.is_dir() for place in self._places())
+
+    def snapshot(self) -> Snapshot:
+        """What the files tell. Raises Lost where there are none."""
+        found = self._document()
+        self._read_log()
+        now = self._heard_so_far()
+        return now if found is None else _ended(now, *found)
+
+    def close(self) -> None:
+        """No file is kept open."""
+
+    def _places(self) -> list[Path]:
+        name = f".{self._path.resolve().name}.part"
+        stages = self._path / name, self._path.resolve().parent / name
+        return [self._path, *stages, *(stage / "bench" for stage in stages)]
+
+    def _document(self) -> tuple[str, Any] | None:
+        """(name of the file, what is in it)."""
+        for name in _DOCUMENTS:
+            try:
+                found = json.loads((self._path / name).read_text(encoding="utf-8"))
+            except FileNotFoundError:
+                continue
+            except (OSError, ValueError) as error:
+                raise Lost(f"{name} cannot be read: {error}") from None
+            return name, found
+        return None
+
+    def _read_log(self) -> None:
+        logs = [place / name for place in self._places() for name in (_LOG, f"{_LOG}.part")]
+        there = [log for log in logs if log.is_file()]
+        if not there:
+            raise Lost(f"there is no {_LOG} in the folder, or none yet")
+        try:
+            with there[0].open("rb") as log:
+                log.seek(self._offset)
+                added = log.read()
+        except OSError as error:
+            raise Lost(f"{_LOG} cannot be read: {error.strerror}") from None
+        self._offset += len(added)
+        *lines, self._rest = (self._rest + added.decode("ascii", "replace")).split("\n")
+        for line in lines:
+            self._take(line)
+
+    def _take(self, line: str) -> None:
+        fields = line.split()
+        if len(fields) != _FIELDS or "#" not in fields[2]:
+            return
+        identifier, _, data = fields[2].partition("#")
+        try:
+            self._heard.frame(int(identifier, 16), bytes.fromhex(data))
+            self._last_s = float(fields[0].strip("()"))
+        except ValueError:
+            return
+
+    def _heard_so_far(self) -> Snapshot:
+        status = self._heard.status()
+        if status is None:
+            return Snapshot(virtual_s=self._last_s)
+        state = snapshot.state(status.state)
+        return Snapshot(
+            state=state,
+            reason=snapshot.reason(status.reason),
+            run=self._heard.run(),
+            finished=status.finished,
+            samples=status.samples if state == "AVERAGE" else None,
+            emergencies=self._heard.emergencies(),
+            virtual_s=self._last_s,
+        )
+
+
+def _ended(now: Snapshot, name: str, document: Any) -> Snapshot:
+    """With what the document says. A result is of a run that is done, whether or not the log says so to its last line.
+    Raises Lost for any other document, such as a damaged one."""
+    try:
+        after = after_document(now, document)
+    except NOT_THE_FORM:
+        raise Lost(f"{name} is no result of a run") from None
+    return replace(after, state=after.state if "state" in document else "DONE", over=True)
