@@ -31,15 +31,16 @@ def judged(case, folder):
         return "refused", str(refused)
     told = " ".join(done.notes)
     faults = []
-    for rest, position in zip(done.rests, done.matched.positions.tolist()):
+    rests = zip(done.rests.begin, done.rests.end, done.rests.means, done.matched.positions.tolist())
+    for begin, end, mean, position in rests:
         if position < 0:
             continue
-        rows = case.recorded.truth[rest.begin : rest.end]
+        rows = case.recorded.truth[begin:end]
         true = int(np.bincount(rows + 1).argmax()) - 1
         same = true == position or (ALIKE.get(true, true) == ALIKE.get(position, position) and "one attitude" in told)
         if not same:
             faults.append(f"rest of {true} called {position}")
-        elif moved(case.recorded, rest, true) > FAR:
+        elif moved(case.recorded, mean, end - begin, true) > FAR:
             faults.append(f"rows in motion at {position}")
     missing = 18 - len(set(done.matched.positions.tolist()) - {-1})
     if missing and "no rest at" not in told:
@@ -47,13 +48,13 @@ def judged(case, folder):
     return ("wrong", "; ".join(faults)) if faults else ("right", f"{missing} missing")
 
 
-def moved(recorded, rest, position):
+def moved(recorded, mean, samples, position):
     """How far the mean of a rest is off the truth, in standard errors, beyond what rounding can do to it."""
     expected = recorded.k @ recorded.forces[position] + recorded.u0
-    noise = np.hypot(recorded.noise, 0.3 * recorded.step) * np.abs(np.diag(recorded.k)) / np.sqrt(rest.samples)
+    noise = np.hypot(recorded.noise, 0.3 * recorded.step) * np.abs(np.diag(recorded.k)) / np.sqrt(samples)
     digits = 1e-7 * np.abs(recorded.outputs).max()  # of the file
     rounded = 0.5 * recorded.step * np.abs(np.diag(recorded.k)) if recorded.noise < recorded.step else 0.0
-    return ((np.abs(rest.mean - expected) - rounded) / (noise + digits)).max()
+    return ((np.abs(mean - expected) - rounded) / (noise + digits)).max()
 
 
 def outcomes(seeds, folder):

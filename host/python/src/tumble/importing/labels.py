@@ -18,50 +18,31 @@ from tumble.errors import quoted
 from tumble.importing import attitudes
 from tumble.importing.match import LEFT_OUT, REPEATED, REPEATS, TAKEN, Claims, Doubtful, Matched
 from tumble.importing.order import NONE
-from tumble.importing.rests import Rest
+from tumble.importing.rests import Rests
 from tumble.schedule import Schedule
 
+LABELS = ("mounting", "position", "angle", "number")
 _NEAR_DEG = 3.0  # of a set angle, what a table shows may be off
 _ALL = "all"  # key of groups that are numbered through all mountings
 _MOST_NAMES = 6  # of mountings whose numbers nobody says: 720 ways of giving six numbers, half a second
 _CROSS = 0.5  # of a channel's own axis, what it may feel of another
 
 
-@dataclass(frozen=True)
-class Group:
-    """Rows `begin` to `end` (exclusive) with the same labels, `file` (from 0) they are in; texts None where there is no
-    such column."""
-
-    begin: int
-    end: int
-    file: int
-    mounting: str | None
-    position: str | None
-    angle: str | None
-    number: str | None
-
-    @property
-    def text(self) -> str:
-        """What its labels are."""
-        told = (self.mounting, self.position, self.angle, self.number)
-        return ", ".join(quoted(one) for one in told if one is not None)
-
-
-def groups_of(labels: dict[str, list[str]], file_of_row: Integers) -> list[Group]:
-    """Rows in a row with the same labels."""
-    rows = list(zip(file_of_row.tolist(), *(labels[name] for name in sorted(labels))))
+def stretches_of(labels: dict[str, list[str]], file_of_row: Integers) -> list[tuple[int, int]]:
+    """Rows in a row with the same labels: the first, and the one behind the last."""
+    rows = list(zip(file_of_row.tolist(), *labels.values()))
     begins = [0, *(row for row in range(1, len(rows)) if rows[row] != rows[row - 1]), len(rows)]
-    return [
-        Group(begin, end, int(file_of_row[begin]), *(
-            labels[name][begin] if name in labels else None for name in ("mounting", "position", "angle", "number")
-        ))
-        for begin, end in itertools.pairwise(begins)
-    ]  # fmt: skip
+    return list(itertools.pairwise(begins))
+
+
+def text_of(labels: dict[str, list[str]], row: int) -> str:
+    """The labels of a row."""
+    return ", ".join(quoted(labels[name][row]) for name in LABELS if name in labels)
 
 
 @dataclass(frozen=True)
 class _Way:
-    """One way of giving mountings numbers: `positions` (groups,), which of the groups are `taken`, and how far off its
+    """One way of giving mountings numbers: `positions` (rests,), which of the rests are `taken`, and how far off its
     position each is, rad."""
 
     numbers: dict[str, int]
@@ -71,21 +52,18 @@ class _Way:
     fit: attitudes.Fit
 
 
-def match(
-    groups: Sequence[Group], rests: Sequence[Rest], schedule: Schedule, claims: Claims, named: dict[str, int]
-) -> Matched:
-    """The position of every group, whose rows are the rest of the same index. `named`: numbers of mountings by name, as
-    far as the user says. Raises Doubtful."""
-    kept = np.array([number not in claims.leave_out for number in range(1, len(groups) + 1)], dtype=bool)
+def match(rests: Rests, schedule: Schedule, claims: Claims, named: dict[str, int]) -> Matched:
+    """The position of every rest by its labels. `named`: numbers of mountings by name, as far as the user says. Raises
+    Doubtful."""
+    kept = np.array([number not in claims.leave_out for number in range(1, len(rests) + 1)], dtype=bool)
     if not kept.any():
         raise Doubtful("--leave-out leaves no rest")
-    way = _only_way(_Labelled(groups, rests, schedule, claims, np.flatnonzero(kept)), named)
-    means = np.array([rest.mean for rest in rests])
-    positions, states = np.full(len(groups), NONE), np.full(len(groups), LEFT_OUT, dtype=object)
+    way = _only_way(_Labelled(rests.part(np.flatnonzero(kept)), np.flatnonzero(kept) + 1, schedule, claims), named)
+    positions, states = np.full(len(rests), NONE), np.full(len(rests), LEFT_OUT, dtype=object)
     positions[kept] = np.where(way.taken, way.positions, NONE)
     states[kept] = np.where(way.taken, TAKEN, REPEATED)
-    distances = np.linalg.norm(way.fit.attitudes(means)[:, None] - attitudes.attitudes_of(schedule).forces, axis=-1)
-    off = distances.min(axis=1)
+    felt = way.fit.attitudes(rests.means)
+    off = np.linalg.norm(felt[:, None] - attitudes.attitudes_of(schedule).forces, axis=-1).min(axis=1)
     off[kept] = way.off
     spread = float(np.sqrt((way.off[way.taken] ** 2).mean()))
     return Matched(positions, tuple(states.tolist()), off, spread, way.fit, _notes(way, schedule, claims))
@@ -107,20 +85,20 @@ def _notes(way: _Way, schedule: Schedule, claims: Claims) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class _Labelled:
-    """What is matched: all `groups` and `rests`, of which those in `kept` (indices) are not told to be left out."""
+    """What is matched: the `rests` that are not told to be left out, and their `numbers` (rests,) in the report."""
 
-    groups: Sequence[Group]
-    rests: Sequence[Rest]
+    rests: Rests
+    numbers: Integers
     schedule: Schedule
     claims: Claims
-    kept: Integers
 
-    def way(self, keys: Sequence[str], numbers: dict[str, int]) -> _Way:
-        """With these numbers of the mountings that `keys` (kept,) name. Raises Doubtful."""
-        groups = [self.groups[index] for index in self.kept]
-        positions = np.array([_position(group, numbers[key], self.schedule) for group, key in zip(groups, keys)])
+    def way(self, keys: Sequence[str], mountings: dict[str, int]) -> _Way:
+        """With these numbers of the mountings that `keys` (rests,) name. Raises Doubtful."""
+        labels = self.rests.labels
+        rows = [dict(zip(labels, texts)) for texts in zip(*labels.values())]
+        positions = np.array([_position(row, mountings[key], self.schedule) for row, key in zip(rows, keys)])
         taken = self._taken(positions)
-        return _Way(numbers, positions, taken, *self._held_against_gravity(positions, taken))
+        return _Way(mountings, positions, taken, *self._held_against_gravity(positions, taken))
 
     def _taken(self, positions: Integers) -> Flags:
         """All, or of those at one position the visit that the user chooses."""
@@ -128,18 +106,17 @@ class _Labelled:
         if self.claims.repeats is None:
             return taken
         for visits in _visits(positions).values():
-            samples = [sum(self.rests[self.kept[one]].samples for one in visit) for visit in visits]
+            samples = [int(self.rests.samples[visit].sum()) for visit in visits]
             choices = {"first": 0, "last": len(visits) - 1, "longest": int(np.argmax(samples))}
             taken[list(itertools.chain(*visits))] = False
             taken[visits[choices[self.claims.repeats]]] = True
         return taken
 
     def _held_against_gravity(self, positions: Integers, taken: Flags) -> tuple[Floats, attitudes.Fit]:
-        """How far off its position each kept group is, rad. Raises Doubtful where labels and gravity disagree."""
+        """How far off its position each rest is, rad. Raises Doubtful where labels and gravity disagree."""
         known = attitudes.attitudes_of(self.schedule)
         forces = known.forces[known.of_position[positions]]
-        means = np.array([self.rests[index].mean for index in self.kept])
-        fit = attitudes.fitted(forces[taken], means[taken])
+        fit = attitudes.fitted(forces[taken], self.rests.means[taken])
         if fit is None:
             raise Doubtful(
                 f"{len(set(positions[taken].tolist()))} positions do not show scale and bias of every channel: give "
@@ -153,11 +130,11 @@ class _Labelled:
                 "as the rows are labelled, channels feel other axes than their own, or with other signs than told: are "
                 "mountings or positions exchanged, or columns (--columns ux=...)? "
             )
-        off: Floats = np.linalg.norm(fit.attitudes(means) - forces, axis=1)
-        judged = taken & np.array([index + 1 not in self.claims.take for index in self.kept], dtype=bool)
+        off: Floats = np.linalg.norm(fit.attitudes(self.rests.means) - forces, axis=1)
+        judged = taken & np.array([number not in self.claims.take for number in self.numbers], dtype=bool)
         worst = int(np.where(judged, off, 0.0).argmax())
         if judged[worst] and off[worst] > min(self.claims.tolerance, 0.4 * known.apart):
-            label, number = self.schedule.positions[positions[worst]].label, int(self.kept[worst]) + 1
+            label, number = self.schedule.positions[positions[worst]].label, int(self.numbers[worst])
             raise Doubtful(
                 f"rest {number} is labelled {label}, and gravity is {np.rad2deg(off[worst]):.3g} deg off there: "
                 f"correct its label, or delete its rows; --leave-out {number} goes on without, --take {number} takes it"
@@ -166,7 +143,7 @@ class _Labelled:
 
 
 def _visits(positions: Integers) -> dict[int, list[list[int]]]:
-    """By position, the stretches of groups that are at it with no other position between."""
+    """By position, the stretches of rests that are at it with no other position between."""
     found: dict[int, list[list[int]]] = {}
     for position, visit in itertools.groupby(range(len(positions)), key=lambda index: int(positions[index])):
         found.setdefault(position, []).append(list(visit))
@@ -190,7 +167,7 @@ def require_names(named: dict[str, int], there: Sequence[str], schedule: Schedul
 
 def _only_way(given: _Labelled, named: dict[str, int]) -> _Way:
     """The numbers of mountings that labels and gravity agree on. Raises Doubtful."""
-    keys = _mounting_keys([given.groups[index] for index in given.kept], given.schedule)
+    keys = _mounting_keys(given.rests, given.schedule)
     require_names(named, [key for key in dict.fromkeys(keys) if key != _ALL], given.schedule)
     found, faults = [], []
     for numbers in _ways(list(dict.fromkeys(keys)), given.schedule, named):
@@ -210,29 +187,26 @@ def _told(numbers: dict[str, int]) -> str:
     return ",".join(f"{key}={number}" for key, number in numbers.items())
 
 
-def _mounting_keys(groups: Sequence[Group], schedule: Schedule) -> list[str]:
-    """What tells the mountings of groups apart: their column, the file, or that positions begin anew."""
-    if groups[0].mounting is not None:
-        return [str(group.mounting) for group in groups]
-    if groups[0].number is not None or _has_running_numbers(groups, schedule):
-        return [_ALL] * len(groups)
-    if len({group.file for group in groups}) > 1:
-        return [f"file{group.file + 1}" for group in groups]
+def _mounting_keys(rests: Rests, schedule: Schedule) -> list[str]:
+    """What tells the mountings of rests apart: their column, the file, or that positions begin anew."""
+    labels = rests.labels
+    if "mounting" in labels:
+        return labels["mounting"]
+    unknown = [""] * len(rests)
+    positions, angles = labels.get("position", unknown), labels.get("angle", unknown)
+    most = max((place.number for place in schedule.positions), default=0)
+    if "number" in labels or max(_value(text) or 0 for text in positions) > most:
+        return [_ALL] * len(rests)  # positions are numbered through all mountings
+    if len(set(rests.file.tolist())) > 1:
+        return [f"file{file + 1}" for file in rests.file.tolist()]
     keys, part, before = [], 1, -np.inf
-    for group in groups:
-        value = _value(group.position or group.angle or "")
+    for position, angle in zip(positions, angles):
+        value = _value(position or angle)
         if value is not None and value < before:
             part += 1
         before = -np.inf if value is None else value
         keys.append(f"part{part}")
     return keys
-
-
-def _has_running_numbers(groups: Sequence[Group], schedule: Schedule) -> bool:
-    """Are positions numbered through all mountings?"""
-    values = [_value(group.position) for group in groups if group.position is not None]
-    most = max((place.number for place in schedule.positions), default=0)
-    return bool(values) and max(value or 0 for value in values) > most
 
 
 def _ways(keys: list[str], schedule: Schedule, named: dict[str, int]) -> Iterator[dict[str, int]]:
@@ -264,31 +238,29 @@ def _value(text: str | None) -> float | None:
     return float(found[0].replace(",", ".")) if found else None
 
 
-def _position(group: Group, mounting: int, schedule: Schedule) -> int:
-    """Index of a group's position. Raises Doubtful."""
-    if mounting == 0:
-        return _running(group, schedule)
-    if group.position is None and group.number is not None:
-        return _running(group, schedule)
+def _position(labels: dict[str, str], mounting: int, schedule: Schedule) -> int:
+    """Index of the position of a rest with these labels. Raises Doubtful."""
+    position, number = labels.get("position"), labels.get("number")
+    if mounting == 0 or (position is None and number is not None):
+        return _running(position if number is None else number, schedule)
     inside = [index for index, place in enumerate(schedule.positions) if place.mounting == mounting]
-    if group.position is not None:
-        value = _value(group.position)
+    if position is not None:
+        value = _value(position)
         found = [index for index in inside if schedule.positions[index].number == value]
-        what = f"position {quoted(group.position)}"
+        what = f"position {quoted(position)}"
     else:
-        value = _value(group.angle)
+        value = _value(labels.get("angle"))
         off = {
             index: abs(schedule.positions[index].angle_deg - (np.inf if value is None else value)) for index in inside
         }
         found = [index for index in sorted(inside, key=off.__getitem__)[:1] if off[index] <= _NEAR_DEG]
-        what = f"angle {quoted(group.angle)}"
+        what = f"angle {quoted(labels.get('angle'))}"
     if not found:
         raise Doubtful(f"the schedule has no {what} in mounting {mounting}; another one? (--schedule)")
     return found[0]
 
 
-def _running(group: Group, schedule: Schedule) -> int:
-    text = group.number if group.number is not None else group.position
+def _running(text: str | None, schedule: Schedule) -> int:
     value = _value(text)
     if value is None or value != int(value) or not 1 <= value <= len(schedule.positions):
         raise Doubtful(

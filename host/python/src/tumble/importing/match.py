@@ -26,7 +26,7 @@ from tumble.errors import UsageError
 from tumble.importing import attitudes, order
 from tumble.importing.attitudes import AXES, STRAIGHT, Attitudes, Fit, Seen, Signs, View
 from tumble.importing.order import ANY, NONE, SCHEDULE, Assigned
-from tumble.importing.rests import Rest
+from tumble.importing.rests import Rests
 from tumble.schedule import Schedule
 
 POSITIVE: Signs = (1, 1, 1)
@@ -34,6 +34,27 @@ REPEATS = ("first", "last", "longest")
 _CLEARLY_WORSE = 3.0  # times as far off
 _FEWEST = 5  # positions: K and U0 take four
 _MOST_LISTED = 3
+
+
+_CHANCE = 1e-6  # that an honest rest is called off
+_CHANCE_SPARE = 1e-4  # the same of one whose position another rest has
+_AGREE = 5.0  # standard errors: two rests closer than this are one, twice interrupted
+
+TAKEN, JOINED, REPEATED, OFF, NOWHERE, LEFT_OUT = "taken", "joined", "repeated", "off", "no position", "left out"
+
+
+@dataclass(frozen=True)
+class Matched:
+    """`positions` (rests,): index in the schedule, NONE; `states` (rests,): one of TAKEN and the like; `off` (rests,):
+    from its position, or from the nearest attitude of the schedule, rad; `spread`: what is usual of that; `fit`: K and
+    U0, roughly; `notes`: sentences on what was taken for granted or found."""
+
+    positions: Integers
+    states: tuple[str, ...]
+    off: Floats
+    spread: float
+    fit: Fit
+    notes: tuple[str, ...]
 
 
 class Doubtful(Exception):
@@ -77,44 +98,48 @@ class Hypothesis:
         return float(np.sqrt(np.mean(self.seen.off[self.assigned.positions != NONE] ** 2))) if self.matched else np.inf
 
 
-class Evidence:
+def match(rests: Rests, schedule: Schedule, claims: Claims) -> Matched:
+    """Which rest is which position. Raises Doubtful."""
+    matcher = _Matcher(rests, schedule, claims)
+    return matcher.judge(matcher.claimed())
+
+
+class _Matcher:
     """The rests of a recording, what is claimed of them, and the schedule that they are held against.
 
-    `means`, `errors` (rests, 3); `used` (rests,): not told to be left out; `attitudes` of the schedule; `tolerance`:
-    how far off one of them a rest may be, rad."""
+    `_used` (rests,): not told to be left out; `_attitudes` of the schedule; `_tolerance`: how far off one of them a
+    rest may be, rad."""
 
-    def __init__(self, rests: Sequence[Rest], schedule: Schedule, claims: Claims):
-        self.rests, self.schedule, self.claims = rests, schedule, claims
-        self.used = np.array([n not in claims.leave_out for n in range(1, len(rests) + 1)], dtype=bool)
-        self.means = np.array([rest.mean for rest in rests]).reshape(-1, 3)
-        self.errors = np.array([rest.error for rest in rests]).reshape(-1, 3)
-        self.attitudes: Attitudes = attitudes.attitudes_of(schedule)
-        self.tolerance = min(claims.tolerance, 0.4 * self.attitudes.apart)
+    def __init__(self, rests: Rests, schedule: Schedule, claims: Claims):
+        self._rests, self._schedule, self._claims = rests, schedule, claims
+        self._used = ~self._is_among(claims.leave_out)
+        self._attitudes: Attitudes = attitudes.attitudes_of(schedule)
+        self._tolerance = min(claims.tolerance, 0.4 * self._attitudes.apart)
         self._signs = POSITIVE if claims.signs is None else claims.signs
 
     def claimed(self) -> Hypothesis:
         """The one that is claimed, if it fits and nothing else does as well. Raises Doubtful."""
-        rough = attitudes.scale_and_bias(self.means[self.used])
+        rough = attitudes.scale_and_bias(self._rests.means[self._used])
         if rough is None:
             raise Doubtful(self._too_few())
         self._rough = rough
-        own = self._hypothesis(View(signs=self._signs), self.claims.order)
+        own = self._hypothesis(View(signs=self._signs), self._claims.order)
         self._require_no_other(own)
         assert own is not None
         return own
 
     def _hypothesis(self, view: View, in_order: str) -> Hypothesis | None:
-        seen = attitudes.see(self.means[self.used], self._rough, view, self.attitudes, self.tolerance)
+        seen = attitudes.see(self._rests.means[self._used], self._rough, view, self._attitudes, self._tolerance)
         if seen is None:
             return None
-        nearest, off = np.full(len(self.used), NONE), np.full(len(self.used), np.inf)
-        nearest[self.used], off[self.used] = seen.nearest, seen.off
+        nearest, off = np.full(len(self._used), NONE), np.full(len(self._used), np.inf)
+        nearest[self._used], off[self._used] = seen.nearest, seen.off
         seen = replace(seen, nearest=nearest, off=off)
-        return Hypothesis(in_order, seen, self.assign(in_order, nearest, off))
+        return Hypothesis(in_order, seen, self._assign(in_order, nearest, off))
 
-    def assign(self, in_order: str, nearest: Integers, off: Floats) -> Assigned:
-        nearness = np.clip(1.0 - off / self.tolerance, 0.0, 1.0)
-        return order.assign(in_order, nearest, nearness, self.attitudes.of_position, self.schedule)
+    def _assign(self, in_order: str, nearest: Integers, off: Floats) -> Assigned:
+        nearness = np.clip(1.0 - off / self._tolerance, 0.0, 1.0)
+        return order.assign(in_order, nearest, nearness, self._attitudes.of_position, self._schedule)
 
     def _require_no_other(self, own: Hypothesis | None) -> None:
         """Raises Doubtful where another hypothesis explains the rests better, or as well."""
@@ -129,10 +154,10 @@ class Evidence:
             other
             for other in others
             if other.matched == found
-            and other.order == self.claims.order
+            and other.order == self._claims.order
             and other.seen.view.channels == STRAIGHT
             and other.seen.view != own.seen.view
-            and self.claims.signs is None
+            and self._claims.signs is None
             and other.off <= _CLEARLY_WORSE * own.off + self._noise(own)
         ]
         if rivals:
@@ -143,21 +168,21 @@ class Evidence:
         """Which the claimed one is held against: the schedule's order in every view and any order in the claimed one;
         where that is any order, other signs."""
         own = View(signs=self._signs)
-        if self.claims.order == SCHEDULE:
+        if self._claims.order == SCHEDULE:
             tried = [(view, SCHEDULE) for view in attitudes.views(None, channels=True) if view != own] + [(own, ANY)]
         else:
-            tried = [(view, ANY) for view in attitudes.views(self.claims.signs, channels=False) if view != own]
+            tried = [(view, ANY) for view in attitudes.views(self._claims.signs, channels=False) if view != own]
         return [one for view, way in tried if (one := self._hypothesis(view, way)) is not None]
 
     def _noise(self, own: Hypothesis) -> float:
         """Of the mean of a rest, rad."""
-        return float(np.median(np.linalg.norm(np.linalg.solve(own.seen.fit.k, self.errors.T), axis=0)))
+        return float(np.median(np.linalg.norm(np.linalg.solve(own.seen.fit.k, self._rests.errors.T), axis=0)))
 
-    def label(self, position: int) -> str:
-        return self.schedule.positions[position].label
+    def _label(self, position: int) -> str:
+        return self._schedule.positions[position].label
 
-    def forces(self, positions: Integers | Iterable[int]) -> Floats:
-        found: Floats = self.attitudes.forces[self.attitudes.of_position[np.asarray(positions, dtype=int)]]
+    def _forces(self, positions: Integers | Iterable[int]) -> Floats:
+        found: Floats = self._attitudes.forces[self._attitudes.of_position[np.asarray(positions, dtype=int)]]
         return found
 
     # Words.
@@ -166,9 +191,9 @@ class Evidence:
         most = max(other.matched for other in better)
         best = [other for other in better if other.matched == most]
         found = 0 if own is None else own.matched
-        claimed = self._described(View(signs=self._signs), self.claims.order)
+        claimed = self._described(View(signs=self._signs), self._claims.order)
         return (
-            f"{claimed}, {found} of {len(self.schedule.positions)} positions are found; "
+            f"{claimed}, {found} of {len(self._schedule.positions)} positions are found; "
             f"{most} {'either way' if len(best) > 1 else ''}: ".replace(" :", ":")
             + f"{self._listed(best)}; choose by these options"
         )
@@ -193,56 +218,26 @@ class Evidence:
         if one.seen.view.channels != STRAIGHT:
             names = (f"u{axis}=<that of u{AXES[channel]}>" for axis, channel in zip(AXES, one.seen.view.channels))
             options.append("--columns " + ",".join(names))
-        if one.seen.view.signs != self._signs or self.claims.signs is None:
+        if one.seen.view.signs != self._signs or self._claims.signs is None:
             options.append("--signs=" + "".join("+" if sign > 0 else "-" for sign in one.seen.view.signs))
-        if one.order != self.claims.order or one.order == ANY:
+        if one.order != self._claims.order or one.order == ANY:
             options.append(f"--order {one.order}")
         return " ".join(options) or "as claimed"
 
     def _nothing_fits(self, own: Hypothesis | None) -> str:
         found = "none" if own is None else str(own.matched)
         return (
-            f"of {int(self.used.sum())} rests {found} fit the positions of this schedule; another one? (--schedule; "
+            f"of {int(self._used.sum())} rests {found} fit the positions of this schedule; another one? (--schedule; "
             "poses of your own: a schedule file)"
         )
 
     def _too_few(self) -> str:
         return (
-            f"{int(self.used.sum())} rests do not show scale and bias of every channel: give the recordings of all "
+            f"{int(self._used.sum())} rests do not show scale and bias of every channel: give the recordings of all "
             "mountings together, or see whether --still, --drift or --min-rest hide some"
         )
 
-
-_CHANCE = 1e-6  # that an honest rest is called off
-_CHANCE_SPARE = 1e-4  # the same of one whose position another rest has
-_AGREE = 5.0  # standard errors: two rests closer than this are one, twice interrupted
-
-TAKEN, JOINED, REPEATED, OFF, NOWHERE, LEFT_OUT = "taken", "joined", "repeated", "off", "no position", "left out"
-
-
-@dataclass(frozen=True)
-class Matched:
-    """`positions` (rests,): index in the schedule, NONE; `states` (rests,): one of TAKEN and the like; `off` (rests,):
-    from its position, or from the nearest attitude of the schedule, rad; `spread`: what is usual of that; `fit`: K and
-    U0, roughly; `notes`: sentences on what was taken for granted or found."""
-
-    positions: Integers
-    states: tuple[str, ...]
-    off: Floats
-    spread: float
-    fit: Fit
-    notes: tuple[str, ...]
-
-
-def match(rests: Sequence[Rest], schedule: Schedule, claims: Claims) -> Matched:
-    """Which rest is which position. Raises Doubtful."""
-    given = Evidence(rests, schedule, claims)
-    return _Judge(given).judge(given.claimed())
-
-
-class _Judge:
-    def __init__(self, given: Evidence):
-        self._given = given
+    # Every rest of the hypothesis that is taken.
 
     def judge(self, own: Hypothesis) -> Matched:
         """Every rest of the hypothesis that is taken. Raises Doubtful."""
@@ -255,7 +250,7 @@ class _Judge:
                 break
             excluded[far] = int(assigned.positions[far])
             nearest[far] = NONE
-            assigned = self._given.assign(own.order, nearest, own.seen.off)
+            assigned = self._assign(own.order, nearest, own.seen.off)
         self._require_certain(assigned)
         self._require_filled(excluded, assigned, fit)
         return self._finish(assigned, excluded, fit, spread, freedom)
@@ -263,20 +258,20 @@ class _Judge:
     def _refit(self, positions: Integers, otherwise: Fit) -> tuple[Fit, float, int]:
         """K and U0 by the rests that have a position, the variance of what is left (rad^2), its degrees of freedom."""
         used = positions != NONE
-        forces = self._given.forces(positions[used])
-        fit = attitudes.fitted(forces, self._given.means[used]) or otherwise
+        forces = self._forces(positions[used])
+        fit = attitudes.fitted(forces, self._rests.means[used]) or otherwise
         freedom = 3 * int(used.sum()) - 12
-        left = fit.attitudes(self._given.means[used]) - forces
+        left = fit.attitudes(self._rests.means[used]) - forces
         return fit, float((left**2).sum() / freedom) if freedom > 0 else 0.0, freedom
 
     def _farthest(self, positions: Integers, fit: Fit, variance: float, freedom: int) -> int | None:
         """The rest that is off most, if it is off more than the others allow; by F, the rest itself left out."""
         if freedom <= 3:
             return None
-        used = np.flatnonzero((positions != NONE) & ~self._is_among(self._given.claims.take))
-        forces = self._given.forces(positions[used])
+        used = np.flatnonzero((positions != NONE) & ~self._is_among(self._claims.take))
+        forces = self._forces(positions[used])
         left = 1.0 - fit.leverage(forces)
-        squares = ((fit.attitudes(self._given.means[used]) - forces) ** 2).sum(axis=1) / np.maximum(left, 1e-6)
+        squares = ((fit.attitudes(self._rests.means[used]) - forces) ** 2).sum(axis=1) / np.maximum(left, 1e-6)
         others = np.maximum(variance * freedom - squares, 0.0) / (freedom - 3)
         ratios = squares / 3.0 / (others + self._variances(fit)[used] + 1e-18)
         worst = int(np.argmax(np.where(left > 0.05, ratios, 0.0)))
@@ -284,19 +279,19 @@ class _Judge:
 
     def _variances(self, fit: Fit) -> Floats:
         """Of each rest, by its noise, rad^2 a component."""
-        found: Floats = (np.linalg.solve(fit.k, self._given.errors.T) ** 2).mean(axis=0)
+        found: Floats = (np.linalg.solve(fit.k, self._rests.errors.T) ** 2).mean(axis=0)
         return found
 
     def _finish(self, assigned: Assigned, excluded: dict[int, int], fit: Fit, variance: float, freedom: int) -> Matched:
-        felt = fit.attitudes(self._given.means)
-        distances = np.linalg.norm(felt[:, None] - self._given.attitudes.forces, axis=-1)
+        felt = fit.attitudes(self._rests.means)
+        distances = np.linalg.norm(felt[:, None] - self._attitudes.forces, axis=-1)
         off, nearest = distances.min(axis=1), distances.argmin(axis=1)
         states = [
             LEFT_OUT if not used else OFF if rest in excluded else NOWHERE if position == NONE else TAKEN
-            for rest, (used, position) in enumerate(zip(self._given.used, assigned.positions))
+            for rest, (used, position) in enumerate(zip(self._used, assigned.positions))
         ]
         positions = assigned.positions.copy()
-        spare = [rest for rest, state in enumerate(states) if state == NOWHERE and off[rest] <= self._given.tolerance]
+        spare = [rest for rest, state in enumerate(states) if state == NOWHERE and off[rest] <= self._tolerance]
         allowed = self._allowed(fit, variance, freedom, nearest, spare)
         for rest in spare:
             twin = self._twin(rest, nearest[rest], positions, states)
@@ -317,7 +312,7 @@ class _Judge:
         if not spare:
             return {}
         factor = f_quantile(1 - _CHANCE_SPARE, 3.0, max(freedom, 1))
-        wider = 1.0 + fit.leverage(self._given.attitudes.forces[nearest[spare]])
+        wider = 1.0 + fit.leverage(self._attitudes.forces[nearest[spare]])
         noise = self._variances(fit)[spare]
         return dict(zip(spare, np.sqrt(3.0 * factor * (wider * variance + noise)).tolist()))
 
@@ -329,9 +324,9 @@ class _Judge:
                 other += step
             if not 0 <= other < len(states) or positions[other] == NONE:
                 continue
-            apart = np.abs(self._given.means[rest] - self._given.means[other])
-            error = np.hypot(self._given.errors[rest], self._given.errors[other])
-            if self._given.attitudes.of_position[positions[other]] == attitude and (apart <= _AGREE * error).all():
+            apart = np.abs(self._rests.means[rest] - self._rests.means[other])
+            error = np.hypot(self._rests.errors[rest], self._rests.errors[other])
+            if self._attitudes.of_position[positions[other]] == attitude and (apart <= _AGREE * error).all():
                 return other
         return None
 
@@ -341,28 +336,28 @@ class _Judge:
         for rest, state in enumerate(states):
             if state == REPEATED:
                 groups.setdefault(self._position_beside(rest, int(nearest[rest]), positions), []).append(rest)
-        if groups and self._given.claims.repeats is None:
+        if groups and self._claims.repeats is None:
             raise Doubtful(self._repeated(groups, positions))
         for position, spare in groups.items():
             if position == NONE:
                 continue
             held = [rest for rest in np.flatnonzero(positions == position).tolist() if states[rest] in (TAKEN, JOINED)]
-            if self._given.claims.order == SCHEDULE and not self._is_one_stretch([*held, *spare], positions, position):
+            if self._claims.order == SCHEDULE and not self._is_one_stretch([*held, *spare], positions, position):
                 continue  # another position comes between: out of order, so the repeat is the one to leave
             choice = self._choice([*held, *spare])
-            if choice in held and self._given.claims.repeats != "last":
+            if choice in held and self._claims.repeats != "last":
                 continue
             for rest in held:
                 positions[rest], states[rest] = NONE, REPEATED
             positions[choice], states[choice] = position, TAKEN
 
     def _choice(self, rests: list[int]) -> int:
-        keys = {"first": lambda r: -r, "last": lambda r: r, "longest": lambda r: self._given.rests[r].samples}
-        return max(rests, key=keys[self._given.claims.repeats or "first"])
+        keys = {"first": lambda r: -r, "last": lambda r: r, "longest": lambda r: self._rests.samples[r]}
+        return max(rests, key=keys[self._claims.repeats or "first"])
 
     def _position_beside(self, rest: int, attitude: int, positions: Integers) -> int:
         """Of the positions of an attitude the one whose rest is nearest in time."""
-        held = [r for r, p in enumerate(positions) if p != NONE and self._given.attitudes.of_position[p] == attitude]
+        held = [r for r, p in enumerate(positions) if p != NONE and self._attitudes.of_position[p] == attitude]
         return int(positions[min(held, key=lambda other: abs(other - rest))]) if held else NONE
 
     def _is_one_stretch(self, rests: list[int], positions: Integers, position: int) -> bool:
@@ -373,7 +368,7 @@ class _Judge:
 
     def _require_certain(self, assigned: Assigned) -> None:
         for rest, could_be in assigned.doubts.items():
-            labels = " or ".join(self._given.schedule.positions[position].label for position in could_be)
+            labels = " or ".join(self._schedule.positions[position].label for position in could_be)
             raise Doubtful(f"rest {rest + 1} could be {labels}: --leave-out {rest + 1} goes on without it")
 
     def _require_filled(self, excluded: dict[int, int], assigned: Assigned, fit: Fit) -> None:
@@ -382,10 +377,10 @@ class _Judge:
         lost = [(rest, position) for rest, position in excluded.items() if position not in filled]
         if lost:
             rest, position = lost[0]
-            felt = fit.attitudes(self._given.means[[rest]])[0] - self._given.forces([position])[0]
+            felt = fit.attitudes(self._rests.means[[rest]])[0] - self._forces([position])[0]
             many = ",".join(str(rest + 1) for rest, _ in lost)
             raise Doubtful(
-                f"rest {rest + 1} is {1e3 * float(np.linalg.norm(felt)):.3g} mrad off {self._given.label(position)}, "
+                f"rest {rest + 1} is {1e3 * float(np.linalg.norm(felt)):.3g} mrad off {self._label(position)}, "
                 f"far more than the others are off theirs: --take {many} takes it, --leave-out {many} goes on without"
             )
 
@@ -393,24 +388,24 @@ class _Judge:
 
     def _notes(self, assigned: Assigned, positions: Integers, states: list[str]) -> tuple[str, ...]:
         notes = []
-        if self._given.claims.signs is None:
+        if self._claims.signs is None:
             notes.append("signs of K: nobody says them, taken for positive (--signs, or scale_v_per_g of a stand file)")
         else:
-            told = "".join("+" if sign > 0 else "-" for sign in self._given.claims.signs)
+            told = "".join("+" if sign > 0 else "-" for sign in self._claims.signs)
             notes.append(f"signs of K in x, y, z: {told}, as told")
-        if self._given.claims.order == ANY:
+        if self._claims.order == ANY:
             run = [position for position in positions.tolist() if position != NONE]
             notes.append("order: any; measured in " + self._told_order(run))
         else:
             notes.append("order: the schedule's")
         for alike in assigned.alike:
-            labels = " and ".join(self._given.label(position) for position in alike)
+            labels = " and ".join(self._label(position) for position in alike)
             notes.append(f"{labels} are one attitude: told apart by the way of the table, else by time")
-        missing = sorted(set(range(len(self._given.schedule.positions))) - set(positions.tolist()))
+        missing = sorted(set(range(len(self._schedule.positions))) - set(positions.tolist()))
         if missing:
-            notes.append(f"no rest at {', '.join(map(self._given.label, missing))}")
+            notes.append(f"no rest at {', '.join(map(self._label, missing))}")
         if REPEATED in states:
-            notes.append(f"positions that come more than once: the {self._given.claims.repeats} rest is taken")
+            notes.append(f"positions that come more than once: the {self._claims.repeats} rest is taken")
         return tuple(notes)
 
     def _told_order(self, run: list[int]) -> str:
@@ -419,18 +414,18 @@ class _Judge:
             return "the schedule's order"
         if places == sorted(places, reverse=True):
             return "the schedule's order reversed"
-        return "the order " + " ".join(map(self._given.label, places))
+        return "the order " + " ".join(map(self._label, places))
 
     def _repeated(self, groups: dict[int, list[int]], positions: Integers) -> str:
         position, spare = next(iter(groups.items()))
         held = np.flatnonzero(positions == position).tolist() if position != NONE else []
         numbers = " and ".join(str(rest + 1) for rest in sorted([*held, *spare]))
         all_spare = ",".join(str(rest + 1) for group in groups.values() for rest in group)
-        where = self._given.label(position) if position != NONE else "one position"
+        where = self._label(position) if position != NONE else "one position"
         return (
             f"rests {numbers} are all at {where}: --repeats {'|'.join(REPEATS)} takes one, "
             f"--leave-out {all_spare} goes on without the later ones"
         )
 
     def _is_among(self, numbers: frozenset[int]) -> Flags:
-        return np.array([rest + 1 in numbers for rest in range(len(self._given.used))], dtype=bool)
+        return np.array([rest + 1 in numbers for rest in range(len(self._rests))], dtype=bool)

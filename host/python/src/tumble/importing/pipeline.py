@@ -20,7 +20,7 @@ from tumble.importing.clock import CONTRADICTED
 from tumble.importing.match import JOINED, POSITIVE, REPEATED, TAKEN, Claims, Doubtful, Matched
 from tumble.importing.order import ANY, NONE
 from tumble.importing.recording import Recording, Timing
-from tumble.importing.rests import Found, Rest, Thresholds, find_rests, rest_of
+from tumble.importing.rests import Found, Rests, Thresholds, find_rests, rests_of
 from tumble.model.geometry import built_in
 from tumble.schedule import BUILT_IN, Schedule
 from tumble.units import looks_like
@@ -63,7 +63,7 @@ class Imported:
     seconds: Floats | None
     file_of_row: Integers
     found: Found
-    rests: tuple[Rest, ...]
+    rests: Rests
     matched: Matched
     labelled: bool
     notes: tuple[str, ...]
@@ -110,12 +110,12 @@ def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settin
     labelled = bool(texts.keys() - {"mounting"})
     try:
         if labelled:
-            groups, rests, lost = _labelled_rests(texts, outputs, file_of_row, found, interval)
+            rests, lost = _labelled_rests(texts, outputs, file_of_row, found, interval)
             settings.claims.require_rests(len(rests))
-            matched = labels.match(groups, rests, schedule, settings.claims, settings.mountings)
+            matched = labels.match(rests, schedule, settings.claims, settings.mountings)
             matched = replace(matched, notes=(*matched.notes, *lost))
         else:
-            rests = list(found.rests)
+            rests = found.rests
             settings.claims.require_rests(len(rests))
             matched = _matched(rests, schedule, settings)
             names = texts.get("mounting", [])
@@ -131,9 +131,18 @@ def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settin
         + list(matched.notes)
     )
     return Imported(
-        tuple(recordings), settings, schedule, outputs, seconds, file_of_row, found, tuple(rests), matched, labelled,
-        tuple(notes),
-    )  # fmt: skip
+        recordings=tuple(recordings),
+        settings=settings,
+        schedule=schedule,
+        outputs=outputs,
+        seconds=seconds,
+        file_of_row=file_of_row,
+        found=found,
+        rests=rests,
+        matched=matched,
+        labelled=labelled,
+        notes=tuple(notes),
+    )
 
 
 def _same_block(recordings: Sequence[Recording], outputs: Floats, file_of_row: Integers, found: Found) -> list[str]:
@@ -147,7 +156,7 @@ def _same_block(recordings: Sequence[Recording], outputs: Floats, file_of_row: I
         again, first = (f"{lines[row]} to {lines[row + copies.length - 1]}" for row in (copies.again, copies.first))
         said = f"rows {again} are rows {first} again, digit for digit: written twice? Leave them out"
         raise BadInput(said, recordings[file_of_row[copies.again]].file, int(lines[copies.again]))
-    rests = (outputs[rest.begin : rest.end] for rest in found.rests)
+    rests = (outputs[begin:end] for begin, end in zip(found.rests.begin, found.rests.end))
     sources = run_rows.in_turn(rests, step, recordings[0].unit)
     if sources is not None and sources.is_certain:
         raise BadInput(f"{sources.sentence}? Keep the rows of one", file, int(lines[0]))
@@ -192,7 +201,7 @@ def _joined_clocks(recordings: Sequence[Recording]) -> tuple[Floats | None, floa
     return np.concatenate(seconds), intervals[0], np.array(sorted(gaps), dtype=int)
 
 
-def _matched(rests: list[Rest], schedule: Schedule, settings: Settings) -> Matched:
+def _matched(rests: Rests, schedule: Schedule, settings: Settings) -> Matched:
     """Raises Doubtful; where no schedule was said, with the one that fits."""
     try:
         matched = match.match(rests, schedule, settings.claims)
@@ -208,7 +217,7 @@ def _matched(rests: list[Rest], schedule: Schedule, settings: Settings) -> Match
         raise
 
 
-def _other_schedule(rests: list[Rest], matched: Matched | None, claims: Claims) -> str | None:
+def _other_schedule(rests: Rests, matched: Matched | None, claims: Claims) -> str | None:
     """Advice, where another built-in schedule is found as a whole, and explains nearly all rests."""
     explained = max(_EXPLAINED * len(rests), 0 if matched is None else _explained(matched))
     for name in BUILT_IN:
@@ -239,38 +248,43 @@ def _labelled_rests(
     file_of_row: Integers,
     found: Found,
     interval: float | None,
-) -> tuple[list[labels.Group], list[Rest], list[str]]:
-    """Groups of rows with the same labels, and of each the rows that are at rest: with a clock, the longest rest in it;
-    without one, all."""
-    groups, rests, lost = [], [], []
-    for group in labels.groups_of(texts, file_of_row):
-        inside = [(max(r.begin, group.begin), min(r.end, group.end)) for r in found.rests]
-        inside = [(begin, end) for begin, end in inside if end - begin >= _FEWEST_ROWS_IN_BLOCK]
-        if interval is None or group.end - group.begin < 4 * found.block:
-            inside = [(group.begin, group.end)]
-        if not inside:
-            lost.append(f"rows labelled {group.text} are never at rest: left out")
+) -> tuple[Rests, list[str]]:
+    """Of rows with the same labels those that are at rest: with a clock, the longest rest in it; without one, all. And
+    sentences on those that never are."""
+    spans, files, lost = [], [], []
+    own: dict[str, list[str]] = {name: [] for name in texts}
+    for first, last in labels.stretches_of(texts, file_of_row):
+        begins, ends = np.maximum(found.rests.begin, first), np.minimum(found.rests.end, last)
+        inside = np.flatnonzero(ends - begins >= _FEWEST_ROWS_IN_BLOCK)
+        if interval is None or last - first < 4 * found.block:
+            spans.append((first, last))
+        elif len(inside):
+            longest = inside[(ends - begins)[inside].argmax()]
+            spans.append((int(begins[longest]), int(ends[longest])))
+        else:
+            lost.append(f"rows labelled {labels.text_of(texts, first)} are never at rest: left out")
             continue
-        begin, end = max(inside, key=lambda part: part[1] - part[0])
-        groups.append(group)
-        rests.append(rest_of(outputs, begin, end, found.block, found.rounding))
-    if not groups:
+        files.append(file_of_row[first])
+        for name, column in own.items():
+            column.append(texts[name][first])
+    if not spans:
         raise Doubtful("no group of rows with the same labels is at rest: see --still, --drift, --min-rest")
-    return groups, rests, lost
+    return replace(rests_of(outputs, spans, found.block, found.rounding), file=np.array(files), labels=own), lost
 
 
 def _require_one_name_a_mounting(
-    texts: Sequence[str], rests: Sequence[Rest], matched: Matched, schedule: Schedule, told: dict[str, int]
+    texts: Sequence[str], rests: Rests, matched: Matched, schedule: Schedule, told: dict[str, int]
 ) -> None:
     """A column of mountings beside a continuous recording, `texts` by row: a name for each mounting, the one that is
     `told`; empty: there is none. Raises Doubtful."""
     labels.require_names(told, list(dict.fromkeys(texts)), schedule)
     known: dict[str, tuple[int, int]] = {}
-    for number, (rest, position) in enumerate(zip(rests, matched.positions), 1):
+    middles = (rests.begin + rests.end) // 2
+    for number, (middle, position) in enumerate(zip(middles, matched.positions), 1):
         if position == NONE or not texts:
             continue
         mounting = schedule.positions[position].mounting
-        name = texts[(rest.begin + rest.end) // 2]
+        name = texts[middle]
         if told.get(name, mounting) != mounting:
             raise Doubtful(f"rest {number} is in mounting {mounting}, but --mountings says {name!r} is {told[name]}")
         first, other = known.setdefault(name, (mounting, number))
@@ -297,10 +311,10 @@ def _notes(
     return notes
 
 
-def _about_rate(rate_hz: float | None, rests: Sequence[Rest], matched: Matched) -> list[str]:
+def _about_rate(rate_hz: float | None, rests: Rests, matched: Matched) -> list[str]:
     """That the rests are so short or long by the rate which the user says that it may be wrong."""
-    lengths = [rest.samples for rest, position in zip(rests, matched.positions) if position != NONE]
-    if rate_hz is None or not lengths:
+    lengths = rests.samples[matched.positions != NONE]
+    if rate_hz is None or not len(lengths):
         return []
     usual_s = float(np.median(lengths)) / rate_hz
     if _SHORTEST_S <= usual_s <= _LONGEST_S:
@@ -308,7 +322,7 @@ def _about_rate(rate_hz: float | None, rests: Sequence[Rest], matched: Matched) 
     return [f"clock: at --rate {rate_hz:g} Hz the usual rest lasts {usual_s:.3g} s: is that so? Else the rate is wrong"]
 
 
-def _is_rate_right(recordings: Sequence[Recording], rests: Sequence[Rest], rate_hz: float | None) -> str:
+def _is_rate_right(recordings: Sequence[Recording], rests: Rests, rate_hz: float | None) -> str:
     """Behind a refusal: that the rate which the user says may be why; empty where nothing speaks for that."""
     doubts = [note for one in recordings for note in one.notes if note.startswith(CONTRADICTED)]
     if doubts:

@@ -50,9 +50,9 @@ from tumble.files.run_layout import (
 from tumble.importing import can_bus, clock, novatel
 from tumble.importing.can_bus import NO_BUS, Bus
 from tumble.importing.clock import Clock
+from tumble.importing.labels import LABELS
 
 OUTPUTS = ("ux", "uy", "uz")
-LABELS = ("mounting", "position", "angle", "number")
 OPTIONAL = ("time", *LABELS)
 COLUMNS = (*OUTPUTS, *OPTIONAL, TEMPERATURE)  # that a user may name
 SPACE = " "

@@ -55,7 +55,7 @@ def text(done: Imported) -> str:
     """For people."""
     files = ", ".join(os.path.basename(one.file) for one in done.recordings)
     rows = len(done.outputs)
-    taken = sum(rest.samples for rest, position in zip(done.rests, done.matched.positions) if position != NONE)
+    taken = int(done.rests.samples[done.matched.positions != NONE].sum())
     placed = set(done.matched.positions.tolist()) - {NONE}
     lines = [
         *_wrapped(f"import of {files}"),
@@ -78,16 +78,16 @@ def _table(done: Imported) -> list[str]:
     timed = done.seconds is not None
     heading = f"{'rest':>4} {'position':>8} {'from s' if timed else 'from row':>10} {'to s' if timed else 'to row':>10}"
     lines = [f"{heading} {'samples':>8} {'off mrad':>9}  remark"]
-    for number, (rest, position, state, off) in enumerate(
-        zip(done.rests, done.matched.positions, done.matched.states, done.matched.off), 1
-    ):
+    rests, matched = done.rests, done.matched
+    columns = zip(rests.begin, rests.end, matched.positions, matched.states, matched.off)
+    for number, (begin, end, position, state, off) in enumerate(columns, 1):
         label = "-" if position == NONE else done.schedule.positions[position].label
         if done.seconds is None:
-            span = f"{done.line(rest.begin):>10} {done.line(rest.end - 1):>10}"
+            span = f"{done.line(begin):>10} {done.line(end - 1):>10}"
         else:
-            span = f"{done.seconds[rest.begin]:>10.2f} {done.seconds[rest.end - 1]:>10.2f}"
+            span = f"{done.seconds[begin]:>10.2f} {done.seconds[end - 1]:>10.2f}"
         remark = _REMARKS[state]
-        lines.append(f"{number:>4} {label:>8} {span} {rest.samples:>8} {1e3 * off:>9.2f}  {remark}".rstrip()[:WIDTH])
+        lines.append(f"{number:>4} {label:>8} {span} {end - begin:>8} {1e3 * off:>9.2f}  {remark}".rstrip()[:WIDTH])
     return lines
 
 
@@ -158,21 +158,21 @@ def _missing(done: Imported) -> list[dict[str, int]]:
 
 
 def _rest(done: Imported, index: int) -> dict[str, Any]:
-    rest, position = done.rests[index], int(done.matched.positions[index])
+    begin, end = int(done.rests.begin[index]), int(done.rests.end[index])
+    position, seconds = int(done.matched.positions[index]), done.seconds
     place = None if position == NONE else done.schedule.positions[position]
-    seconds = done.seconds
     return {
-        "file": int(done.file_of_row[rest.begin]) + 1,
-        "first_row": done.line(rest.begin),
-        "last_row": done.line(rest.end - 1),
-        "from_s": None if seconds is None else float(seconds[rest.begin]),
-        "to_s": None if seconds is None else float(seconds[rest.end - 1]),
-        "samples": rest.samples,
+        "file": int(done.file_of_row[begin]) + 1,
+        "first_row": done.line(begin),
+        "last_row": done.line(end - 1),
+        "from_s": None if seconds is None else float(seconds[begin]),
+        "to_s": None if seconds is None else float(seconds[end - 1]),
+        "samples": end - begin,
         "mounting": None if place is None else place.mounting,
         "position": None if place is None else place.number,
         "state": done.matched.states[index],
         "off_rad": float(done.matched.off[index]),
-        "mean": rest.mean.tolist(),
+        "mean": done.rests.means[index].tolist(),
     }
 
 
@@ -189,10 +189,10 @@ def run_csv(done: Imported) -> str:
         f"# tumble import {__version__} of {files}; schedule {os.path.basename(done.settings.schedule_name)}",
         ",".join(["mounting", "position", *(name for name, *_ in columns)]),
     ]
-    for rest, position in zip(done.rests, done.matched.positions):
+    for begin, end, position in zip(done.rests.begin, done.rests.end, done.matched.positions):
         if position == NONE:
             continue
-        place, rows = done.schedule.positions[position], slice(rest.begin, rest.end)
+        place, rows = done.schedule.positions[position], slice(begin, end)
         fields = [map(written, values[rows].tolist()) for _, values, written in columns]
         lines += [f"{place.mounting},{place.number},{','.join(row)}" for row in zip(*fields)]
     return "\n".join(lines) + "\n"
@@ -201,8 +201,8 @@ def run_csv(done: Imported) -> str:
 def _numbers(done: Imported) -> Floats:
     """The number of the rest that a row is in."""
     found = np.zeros(len(done.outputs))
-    for number, rest in enumerate(done.rests, 1):
-        found[rest.begin : rest.end] = number
+    for number, (begin, end) in enumerate(zip(done.rests.begin, done.rests.end), 1):
+        found[begin:end] = number
     return found
 
 

@@ -21,7 +21,8 @@ import itertools
 import math
 from array import array
 from collections import Counter
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -56,20 +57,31 @@ class Thresholds:
 
 
 @dataclass(frozen=True)
-class Rest:
-    """Rows `begin` to `end` (exclusive) of a recording, at rest. `mean`, `error` (3,): of each channel, the latter the
-    standard error of the mean by the scatter of samples or of blocks, whichever is larger, and by
-    rounding."""
+class Rests:
+    """The table of rests, which everything after works on: rows `begin` to `end` (exclusive) of all recordings
+    (rests,); `means`, `errors` (rests, 3): of each channel, the latter the standard error of the mean by the scatter of
+    samples or of blocks, whichever is larger, and by rounding. Where rows have labels: the `file` (rests,), from 0,
+    and `labels`, a column of texts by name."""
 
-    begin: int
-    end: int
-    mean: Floats
-    error: Floats
+    begin: Integers
+    end: Integers
+    means: Floats
+    errors: Floats
+    file: Integers = field(default_factory=lambda: np.zeros(0, dtype=int))
+    labels: dict[str, list[str]] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        return len(self.begin)
 
     @property
-    def samples(self) -> int:
-        """How many rows."""
+    def samples(self) -> Integers:
+        """How many rows each has: (rests,)."""
         return self.end - self.begin
+
+    def part(self, kept: Integers) -> Rests:
+        """Some of them."""
+        labels = {name: [texts[rest] for rest in kept.tolist()] for name, texts in self.labels.items()}
+        return Rests(self.begin[kept], self.end[kept], self.means[kept], self.errors[kept], self.file[kept], labels)
 
 
 @dataclass(frozen=True)
@@ -78,7 +90,7 @@ class Found:
     block of `block` samples; `rounding` (3,): error of a mean of samples that round alike, 0 where noise spreads
     them."""
 
-    rests: tuple[Rest, ...]
+    rests: Rests
     noise: Floats
     block_noise: Floats
     rounding: Floats
@@ -102,7 +114,7 @@ def find_rests(outputs: Floats, gaps: Integers, interval_s: float | None, thresh
     unknown. Raises UsageError for lengths that count no samples then."""
     block, guard, fewest = _lengths(interval_s, thresholds)
     blocks = _blocks(outputs, gaps, block)
-    nothing = Found((), np.zeros(3), np.zeros(3), np.zeros(3), block)
+    nothing = Found(rests_of(outputs, [], block, np.zeros(3)), np.zeros(3), np.zeros(3), np.zeros(3), block)
     if len(blocks.begin) < _PER_WINDOW:
         return nothing
     windows = np.lib.stride_tricks.sliding_window_view
@@ -122,24 +134,27 @@ def find_rests(outputs: Floats, gaps: Integers, interval_s: float | None, thresh
     block_noise = np.maximum(np.minimum(usual, noise), np.maximum(white, floor / 2))
     still = whole & (within <= (thresholds.still * noise) ** 2).all(axis=1)
     still &= (ranges <= thresholds.drift * block_noise).all(axis=1)
-    rests = [
-        rest
-        for first, last in _runs(still)
-        if (part := _calm_part(blocks, first, last + _PER_WINDOW, _NEAR * block_noise, noise, guard)) is not None
-        and (rest := rest_of(outputs, *part, block, rounding)).samples >= fewest
-    ]
-    return Found(tuple(rests), noise, block_noise, rounding, block)
+    parts = (
+        _calm_part(blocks, first, last + _PER_WINDOW, _NEAR * block_noise, noise, guard) for first, last in _runs(still)
+    )
+    spans = [part for part in parts if part is not None and part[1] - part[0] >= fewest]
+    return Found(rests_of(outputs, spans, block, rounding), noise, block_noise, rounding, block)
 
 
-def rest_of(outputs: Floats, begin: int, end: int, block: int, rounding: Floats) -> Rest:
-    """Rows that are at rest; `rounding` (3,): error of a mean of samples that round alike."""
-    rows = outputs[begin:end]
-    error = rows.std(axis=0, ddof=1) / math.sqrt(len(rows)) if len(rows) > 1 else np.zeros(3)
-    count = len(rows) // block
-    if count >= _FEWEST_BLOCKS:
-        spread = rows[: count * block].reshape(count, block, 3).mean(axis=1).std(axis=0, ddof=1)
-        error = np.maximum(error, spread / math.sqrt(count))
-    return Rest(begin, end, rows.mean(axis=0), np.hypot(error, rounding))
+def rests_of(outputs: Floats, spans: Sequence[tuple[int, int]], block: int, rounding: Floats) -> Rests:
+    """Of rows that are at rest, from one to another (exclusive); `rounding` (3,): error of a mean of samples that round
+    alike."""
+    means, errors = np.empty((len(spans), 3)), np.empty((len(spans), 3))
+    for rest, (begin, end) in enumerate(spans):
+        rows = outputs[begin:end]
+        error = rows.std(axis=0, ddof=1) / math.sqrt(len(rows)) if len(rows) > 1 else np.zeros(3)
+        count = len(rows) // block
+        if count >= _FEWEST_BLOCKS:
+            spread = rows[: count * block].reshape(count, block, 3).mean(axis=1).std(axis=0, ddof=1)
+            error = np.maximum(error, spread / math.sqrt(count))
+        means[rest], errors[rest] = rows.mean(axis=0), np.hypot(error, rounding)
+    edges = np.array(spans, dtype=int).reshape(-1, 2)
+    return Rests(edges[:, 0], edges[:, 1], means, errors)
 
 
 def _lengths(interval_s: float | None, thresholds: Thresholds) -> tuple[int, int, int]:

@@ -29,7 +29,7 @@ def recording(done: Imported) -> Figure:
     rows = np.arange(len(done.outputs)) if done.seconds is None else done.seconds
     kept = thinned(done.outputs, _MOST_POINTS)
     unit = f" [{done.unit}]" if done.unit_told else ""
-    spans = [(rows[rest.begin], rows[rest.end - 1]) for rest in done.rests]
+    spans = list(zip(rows[done.rests.begin], rows[done.rests.end - 1]))
     positions, states = done.matched.positions, done.matched.states
     for axes, channel, name in zip(panels, done.outputs.T, ("ux", "uy", "uz")):
         axes.plot(rows[kept], channel[kept], linewidth=0.6, color=BLACK)
