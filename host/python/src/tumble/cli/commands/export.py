@@ -143,7 +143,7 @@ def _names(result: Any, them: Coefficients, warnings: Iterable[str], labels: boo
     unit, force, verdict = result["unit"], FORCE_UNITS[them.force_unit], "passed" if check["pass"] else "FAILED"
     largest, limit = check["max_abs_delta_g_g"], check["limit_g"]
     why_unknown = "no stand was declared" if result["u_K"] is None else "that of gravity is not told"
-    origin = _origin(result, labels) + [f"WARNING: {warning}" for warning in warnings]
+    origin = _origin(result, labels) + [f"WARNING: {_comment(warning)}" for warning in warnings]
     about = [
         f"Coefficients of a three-axis block of accelerometers, estimator {result['estimator']}.",
         f"Outputs in {ascii(unit)[1:-1]}, specific force in {force}.",
