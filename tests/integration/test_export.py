@@ -112,6 +112,15 @@ def test_what_a_label_ends_with_leaves_its_line_alone(end, solved, tumble, tmp_p
 
 
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+def test_warnings_of_a_result_leave_the_comment_alone(solved, tumble, tmp_path):
+    file, result = solved("paper_stand.csv")
+    file.write_text(json.dumps({**result, "warnings": ["*/ int x;\nint y; /* ??/"]}))
+    header = tumble("export", file, "--format", "c").stdout
+    assert " * WARNING: * / int x;\\nint y; / * ? ?/\n" in header
+    assert len(compiled(tmp_path, header)) == 13
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 def test_the_compiler_finds_a_trigraph(solved, tumble, tmp_path):
     """The canary of the test above."""
     file, _ = solved("paper_stand.csv")

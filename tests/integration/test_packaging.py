@@ -81,7 +81,7 @@ def test_schemas_and_options_name_the_estimators_of_the_core():
         schema = json.loads((ROOT / f"docs/schemas/tumble.{name}-1.schema.json").read_text(encoding="utf-8"))
         assert names in list(enums(schema))
     parser = argparse.ArgumentParser()
-    options.add_estimator(parser)
+    options.add(parser, "--estimator")
     for name in names:
         assert parser.parse_args(["--estimator", name]).estimator == name
         assert name in parser.format_help()

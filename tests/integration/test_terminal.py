@@ -12,7 +12,7 @@ from fcntl import ioctl
 import pytest
 from conftest import EXAMPLES
 
-from tumble.cli.commands import ABOUT
+from tumble.cli.commands import COMMANDS
 from tumble.messages import signed
 
 pytestmark = pytest.mark.python
@@ -123,7 +123,7 @@ def test_the_widest_table_fits_eighty_columns(estimator, tumble, tmp_path):
 
 @pytest.mark.parametrize(
     "command",
-    [*ABOUT, "fixture check", "store dump"]
+    [*COMMANDS, "fixture check", "store dump"]
     + [f"draw {subject}" for subject in ("stand", "mountings", "angles", "states", "wiring")]
     + [f"plan {subject}" for subject in ("budget", "require", "optimize", "schedule", "validate", "paper")],
 )

@@ -1,10 +1,10 @@
 """The command line `tumble COMMAND ...`, for `python -m tumble` and the program `tumble` alone.
 
     main          the parser, and an exit code and one line for whatever goes wrong
-    commands      a module for every command
+    commands      the table of commands, and a module for each
     options       options that several commands have in common
-    output        what is said of a solution, in the words of `presentation`; on a terminal by `terminal`
-    exports       coefficients in the formats of other tools
+    output        what is said of a solution, as plain text and on a terminal
+    exports       templates of the formats of `tumble export`
 
 Nothing here is imported by any other room. What only one command needs is imported when that command runs.
 """

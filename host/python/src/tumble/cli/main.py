@@ -7,18 +7,27 @@ import io
 import os
 import re
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from importlib import import_module
 from typing import Any, NoReturn
 
 from tumble import __version__, interruption
-from tumble.cli import completion
-from tumble.cli.aliases import ALIASES
-from tumble.cli.commands import ABOUT, EXAMPLES, adder_of
-from tumble.errors import EXIT_BAD_INPUT, EXIT_DISAGREEMENT, EXIT_PASS, Interrupted, TumbleError, UsageError
+from tumble.cli.commands import COMMANDS
+from tumble.errors import (
+    EXIT_BAD_INPUT,
+    EXIT_DISAGREEMENT,
+    EXIT_PASS,
+    Interrupted,
+    NotInstalled,
+    TumbleError,
+    UsageError,
+)
 from tumble.messages import tell
 
 ANSWERED = 10  # of `parse`: it was --help or --version
 _UNKNOWN = "unrecognized arguments: "
+SHELLS = ("bash", "zsh", "tcsh")
+_FILES = ("FILE", "RUN", "RESULT", "DATA", "BUS", "IMAGE", "SCHEDULE", "RECORDING")  # how metavars of files begin
 _NEGATIVE = re.compile(r"-(\.?\d|[+-]{2}$)")  # or three signs, of --signs
 
 
@@ -40,8 +49,11 @@ class _Parser(argparse.ArgumentParser):
 
     def format_help(self) -> str:
         """As argparse's, and an example."""
-        example = EXAMPLES.get(self.prog.partition(" ")[2])
-        return super().format_help() + (f"\nExample: {example}\n" if example else "")
+        if self._subparsers is not None:
+            return super().format_help()
+        examples = COMMANDS[self.prog.split()[1]].examples
+        example = next(one for one in examples if f"{one} ".startswith(f"{self.prog} "))
+        return f"{super().format_help()}\nExample: {example}\n"
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         """As argparse's, with a guess at what was meant."""
@@ -66,28 +78,56 @@ def _guess(word: str, known: Iterable[str]) -> str:
     return f"; did you mean {alike[0]}?" if alike else ""
 
 
-def _named(argv: Sequence[str]) -> str | None:
-    """The one command that is needed to parse this; empty for none of them, None for all."""
-    if any(word.startswith("--print-completion") for word in argv):
-        return None
-    names = {name: name for name in ABOUT} | {alias: name for name, others in ALIASES.items() for alias in others}
-    return next((names[word] for word in argv if word in names), "")
+class _PrintCompletion(argparse.Action):
+    """Print what makes a shell complete commands, options and names of files, by shtab, and end, as --help does."""
+
+    def __call__(
+        self, parser: argparse.ArgumentParser, _namespace: Any, shell: str | Sequence[Any] | None, *_: Any
+    ) -> None:
+        try:
+            import shtab
+        except ImportError:
+            raise NotInstalled("--print-completion", "shtab", extra="completion") from None
+        for action in _actions(parser):
+            if action.choices is None and str(action.metavar).startswith(_FILES):
+                action.complete = shtab.FILE  # type: ignore[attr-defined] # where shtab looks for it
+        print(shtab.complete(parser, shell=str(shell)))
+        parser.exit()
 
 
-def _parser(wanted: str | None = None) -> argparse.ArgumentParser:
-    """With all commands, or with the one that is `wanted`: of the others the names, and what they are about."""
+def _actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
+    """Of a parser and of all commands below it."""
+    for action in parser._actions:
+        yield action
+        if isinstance(action, argparse._SubParsersAction):
+            for command in action.choices.values():
+                yield from _actions(command)
+
+
+def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
+    """With all commands; or with the one that is among the `words`, and of the others the names, and what they are
+    about."""
     parser = _Parser(
         prog="tumble",
         description="Calibrate a three-axis block of accelerometers on a single-axis rotary stand.",
     )
     parser.add_argument("--version", action="version", version=f"tumble {__version__}")
-    completion.add_to(parser)
+    parser.add_argument(
+        "--print-completion",
+        action=_PrintCompletion,
+        choices=SHELLS,
+        metavar="SHELL",
+        help=f"print what makes {', '.join(SHELLS[:-1])} or {SHELLS[-1]} complete commands and options, and exit",
+    )
+    all_of_them = words is None or any(word.startswith("--print-completion") for word in words)
+    names = {name for one, command in COMMANDS.items() for name in (one, *command.aliases)}
+    named = next((word for word in words or () if word in names), None)
     subparsers = parser.add_subparsers(metavar="COMMAND")
-    for name, about in ABOUT.items():
-        if wanted in (None, name):
-            adder_of(name)(subparsers, about)
-        else:
-            subparsers.add_parser(name, aliases=ALIASES.get(name, ()), help=about)
+    for name, command in COMMANDS.items():
+        description = f"{command.about[0].upper()}{command.about[1:]}."
+        one = subparsers.add_parser(name, aliases=command.aliases, help=command.about, description=description)
+        if all_of_them or named in (name, *command.aliases):
+            import_module(f"tumble.cli.commands.{command.module or name}").describe(one)
     parser.set_defaults(run_command=lambda _: _help(parser))
     return parser
 
@@ -122,9 +162,9 @@ def parse(words: list[str]) -> int:
     try:
         _prepare_output()
         if not words:
-            _help(_parser(""))
+            _help(_parser(()))
             return ANSWERED
-        _parser(_named(words)).parse_args(words)
+        _parser(words).parse_args(words)
     except SystemExit:
         return ANSWERED
     except UsageError as error:
@@ -145,7 +185,7 @@ def main(argv: list[str] | None = None, *, interruptible: bool = False) -> int:
             interruption.watch()
         _prepare_output()
         words = sys.argv[1:] if argv is None else argv
-        arguments = _parser(_named(words)).parse_args(words)
+        arguments = _parser(words).parse_args(words)
         code: int = arguments.run_command(arguments)
         sys.stdout.flush()
         return code

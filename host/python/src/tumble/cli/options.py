@@ -1,4 +1,4 @@
-"""What several commands have in common: their options, and how the words given become values."""
+"""What several commands have in common: their options, how the words given become values, and who simulates a lot."""
 
 from __future__ import annotations
 
@@ -6,59 +6,81 @@ import argparse
 import math
 import os
 import re
-from typing import TypeAlias
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 from tumble.defaults import DEFAULT_CONFIDENCE, DEFAULT_ESTIMATOR, DEFAULT_LIMIT_G
 from tumble.errors import UsageError, quoted
 from tumble.estimators import ESTIMATORS
+from tumble.messages import on_terminal
 from tumble.schedule import BUILT_IN
 from tumble.terms import EXTENDABLE, TERMS
 
-Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"  # in quotes: no generic when it runs
+if TYPE_CHECKING:
+    from tumble.files.run_layout import Wishes
+    from tumble.workers.over import Team
+
 Options: TypeAlias = "argparse._ActionsContainer"  # a parser, or a group of options in one
 
 FIRMWARES = ("host", "zcu102")
+LARGEST_SEED = 2**64 - 1
+ABOVE_0 = math.ulp(0.0)  # the least number that is
+MOST_WORKERS = 256
+_DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "\\t": "\t", "space": " "}
 _PROMISING = frozenset(
     ".c .csv .h .htm .html .jpeg .jpg .json .m .mat .md .npz .parquet .pdf .png .pq .svg .toml .tsv .xls .xlsx .xml"
     " .yaml .yml".split()
 )  # endings that say what is in a file
-LARGEST_SEED = 2**64 - 1
 
-
-def add_subjects(subparsers: Subparsers, name: str, about: str, description: str = "") -> Subparsers:
-    """A command that is nothing without a subject. Returns the subparsers of these. `description`: if it is not what
-    `about` says."""
-    said = description or f"{about[0].upper()}{about[1:]}."
-    parser = subparsers.add_parser(name, help=about, description=said)
-    return parser.add_subparsers(metavar="SUBJECT", required=True)
-
-
-def add_schedule(parser: Options) -> None:
-    """--schedule."""
-    names = ", ".join(BUILT_IN[1:])
-    about = f"{names}, or a schedule file (TOML); default: paper, its 2 x 9 positions"
-    parser.add_argument("--schedule", metavar="NAME", help=about)
-
-
-def add_estimator(parser: Options, remark: str = "") -> None:
-    """--estimator."""
-    parser.add_argument(
-        "--estimator",
-        choices=ESTIMATORS,
-        default=DEFAULT_ESTIMATOR,
-        metavar="NAME",
-        help=f"{', '.join(ESTIMATORS[:-1])} or {ESTIMATORS[-1]}; default: {DEFAULT_ESTIMATOR}{remark}",
-    )
-
-
-def add_model(parser: Options) -> None:
-    """--model."""
-    parser.add_argument(
-        "--model",
-        metavar="TERM,...",
-        help=f"further terms to find: {', '.join(TERMS)} (second and third order, drift over the run); needs"
+_SHARED: dict[str, dict[str, Any]] = {  # by option, what argparse is told; {}: where a command remarks on it
+    "--schedule": {
+        "metavar": "NAME",
+        "help": f"{', '.join(BUILT_IN[1:])}, or a schedule file (TOML); default: paper, its 2 x 9 positions",
+    },
+    "--estimator": {
+        "choices": ESTIMATORS,
+        "default": DEFAULT_ESTIMATOR,
+        "metavar": "NAME",
+        "help": f"{', '.join(ESTIMATORS[:-1])} or {ESTIMATORS[-1]}; default: {DEFAULT_ESTIMATOR}{{}}",
+    },
+    "--model": {
+        "metavar": "TERM,...",
+        "help": f"further terms to find: {', '.join(TERMS)} (second and third order, drift over the run); needs"
         f" --estimator {' or '.join(EXTENDABLE)}",
-    )
+    },
+    "--limit": {
+        "metavar": "G",
+        "help": f"limit of the gravity check in g; default: the stand file's, else {DEFAULT_LIMIT_G:g}",
+    },
+    "--confidence": {
+        "metavar": "P",
+        "default": str(DEFAULT_CONFIDENCE),
+        "help": f"at which the run must fit its stand; default: {DEFAULT_CONFIDENCE}",
+    },
+    "--firmware": {"choices": FIRMWARES, "default": FIRMWARES[0], "help": f"{{}}default: {FIRMWARES[0]}"},
+    "--seed": {"metavar": "N", "default": "1", "help": "0 to 2^64 - 1{}; default: 1"},
+    "--json": {"action": "store_true", "help": "print the result as one JSON document"},
+    "--workers": {"metavar": "N", "help": f"so many processes, 1 to {MOST_WORKERS}, for the same result; default: 1"},
+    "--cluster": {
+        "metavar": "ADDRESS",
+        "help": "a scheduler of Dask distributed, such as tcp://HOST:8786, or tls:// with the files of Dask's own"
+        " configuration; needs the extra cluster",
+    },
+    "--resume": {
+        "metavar": "FILE.parquet",
+        "help": "keep there what is done, and go on from what is there; needs the extra parquet",
+    },
+}
+WORKERS = ("--workers", "--cluster", "--resume")  # of what simulates a lot
+
+
+def add(parser: Options, *options: str, remark: str = "") -> None:
+    """Options that are the same in several commands; the `remark` stands in the help of those that have a place for
+    one."""
+    for option in options:
+        how = _SHARED[option]
+        parser.add_argument(option, **{**how, "help": how["help"].format(remark)})
 
 
 def refuse_model(parser: argparse.ArgumentParser, why: str) -> None:
@@ -71,38 +93,42 @@ def refuse_model(parser: argparse.ArgumentParser, why: str) -> None:
     parser.add_argument("--model", action=Refuse, help=argparse.SUPPRESS)
 
 
-def add_limit(parser: Options) -> None:
-    """--limit."""
-    parser.add_argument(
-        "--limit",
-        metavar="G",
-        help=f"limit of the gravity check in g; default: the stand file's, else {DEFAULT_LIMIT_G:g}",
-    )
+def add_layout(
+    parser: argparse.ArgumentParser, what: str, example: str = "ux=AccX,uy=AccY", has_unit: bool = True
+) -> argparse._ArgumentGroup:
+    """--columns, --delimiter, --decimal, and if it `has_unit` --unit, of `what`. Returns their group."""
+    layout = parser.add_argument_group(f"layout of the {what}", "detected, unless given")
+    layout.add_argument("--columns", metavar="NAME=COLUMN,...", help=f"names of its columns, such as {example}")
+    layout.add_argument("--delimiter", metavar="SIGN", help="comma, semicolon, tab or another sign")
+    layout.add_argument("--decimal", choices=(".", ","), help="decimal mark")
+    if has_unit:
+        layout.add_argument("--unit", help="unit of the outputs; default: the one in brackets in the header, else V")
+    return layout
 
 
-def add_confidence(parser: argparse.ArgumentParser) -> None:
-    """--confidence."""
-    parser.add_argument(
-        "--confidence",
-        metavar="P",
-        default=str(DEFAULT_CONFIDENCE),
-        help=f"at which the run must fit its stand; default: {DEFAULT_CONFIDENCE}",
-    )
+def wishes(arguments: argparse.Namespace, names: Sequence[str], has_unit: bool = True) -> Wishes:
+    """What the options say about the layout, with columns of these names. Raises UsageError."""
+    from tumble.api.arguments import require_unit
+    from tumble.files.run_layout import Wishes, is_delimiter
+    from tumble.units import spelled
 
-
-def add_firmware(parser: Options, remark: str = "") -> None:
-    """--firmware."""
-    parser.add_argument("--firmware", choices=FIRMWARES, default=FIRMWARES[0], help=f"{remark}default: {FIRMWARES[0]}")
-
-
-def add_seed(parser: Options, remark: str = "") -> None:
-    """--seed."""
-    parser.add_argument("--seed", metavar="N", default="1", help=f"0 to 2^64 - 1{remark}; default: 1")
-
-
-def add_json(parser: Options) -> None:
-    """--json, of a command that gives a result."""
-    parser.add_argument("--json", action="store_true", help="print the result as one JSON document")
+    columns: dict[str, str] = {}  # of `ux=AccX,uy=AccY`
+    for part in [] if arguments.columns is None else arguments.columns.split(","):
+        wanted, equals, name = (piece.strip() for piece in part.partition("="))
+        if not equals or wanted not in names or not name or wanted in columns:
+            known = ", ".join(names)
+            raise UsageError(f"--columns: {quoted(part)} is not NAME=COLUMN with NAME one of {known}, once each")
+        columns[wanted] = name
+    delimiter = arguments.delimiter
+    if delimiter is not None:
+        delimiter = _DELIMITERS.get(delimiter.lower(), delimiter)
+        if not is_delimiter(delimiter):
+            raise UsageError(
+                f"--delimiter: {quoted(arguments.delimiter)} is not comma, semicolon, tab or another single sign"
+            )
+    unit = spelled(arguments.unit) if has_unit and arguments.unit is not None else None
+    require_unit(unit, "--unit")
+    return Wishes(columns, delimiter, arguments.decimal, unit)
 
 
 def require_ending(file: str | None, option: str, *endings: str) -> None:
@@ -116,20 +142,12 @@ def require_ending(file: str | None, option: str, *endings: str) -> None:
 
 def parse_limit(text: str | None) -> float | None:
     """The value of --limit, g; None without one. Raises UsageError."""
-    if text is None:
-        return None
-    limit_g = parse_number(text)
-    if not 0.0 < limit_g <= 1.0:
-        raise UsageError(f"--limit: {quoted(text)} is not a number of g above 0, at most 1")
-    return limit_g
+    return None if text is None else parse_number(text, "--limit", ABOVE_0, 1.0, "a number of g above 0, at most 1")
 
 
 def parse_confidence(text: str) -> float:
     """The value of --confidence. Raises UsageError."""
-    confidence = parse_number(text)
-    if not 0.5 <= confidence <= 0.999999:
-        raise UsageError(f"--confidence: {quoted(text)} is not a number from 0.5 to 0.999999")
-    return confidence
+    return parse_number(text, "--confidence", 0.5, 0.999999)
 
 
 def parse_seed(text: str) -> int:
@@ -144,8 +162,73 @@ def parse_whole(text: str, option: str, low: int, high: int) -> int:
     raise UsageError(f"{option}: {quoted(text)} is not a whole number from {low} to {high}")
 
 
-def parse_number(text: str) -> float:
-    """A number as run files have it, not a number where it is none: outside every range."""
+def parse_number(text: str, option: str, low: float, high: float, what: str = "") -> float:
+    """The value of an option, a number of a range, which is `what` is asked for. Raises UsageError."""
     from tumble.files.run_layout import NUMBER
 
-    return float(text) if NUMBER.fullmatch(text) else math.nan
+    value = float(text) if NUMBER.fullmatch(text) else math.nan
+    if not low <= value <= high:
+        raise UsageError(f"{option}: {quoted(text)} is not {what or f'a number from {low:g} to {high:g}'}")
+    return value
+
+
+def workers_of(arguments: argparse.Namespace) -> int:
+    """How many processes. Raises UsageError."""
+    return 1 if arguments.workers is None else parse_whole(arguments.workers, "--workers", 1, MOST_WORKERS)
+
+
+@contextmanager
+def team_of(arguments: argparse.Namespace, campaign: str, **depends: Any) -> Iterator[Team]:
+    """Who does it, by these options. `depends`: on what the results do, beside the program's version; as text it says
+    all. Raises TumbleError."""
+    count = workers_of(arguments)
+    if arguments.cluster is not None and arguments.workers is not None:
+        raise UsageError("--cluster: it has workers of its own, --workers is for this machine")
+    if arguments.resume is not None and not arguments.resume.endswith(".parquet"):
+        raise UsageError(f"--resume: {quoted(arguments.resume)} does not end in .parquet")
+
+    from tumble.workers.over import Team
+
+    team = Team()
+    if arguments.resume is not None:
+        from tumble.workers.over import Kept
+
+        team.kept = Kept(arguments.resume, {"campaign": campaign, **depends})
+    if arguments.cluster is not None:
+        from tumble.workers.crews import Cluster
+
+        team.crew = Cluster(arguments.cluster)
+    elif count > 1:
+        from tumble.workers.crews import Processes
+
+        team.crew = Processes(count)
+    with team:
+        yield team
+
+
+class Bar(Protocol):
+    """Is told how much more is done; and of how much, if that is known only now."""
+
+    def __call__(self, done: int, of: int | None = None) -> None: ...
+
+
+@contextmanager
+def progress_bar(what: str, total: int | None = None) -> Iterator[Bar]:
+    """On a terminal a bar, with the time left."""
+    if not on_terminal():
+        yield _say_nothing
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(what, total=total)
+
+        def advance(done: int, of: int | None = None) -> None:
+            bar.update(task, advance=done, total=of)
+
+        yield advance
+
+
+def _say_nothing(done: int, of: int | None = None) -> None:
+    pass

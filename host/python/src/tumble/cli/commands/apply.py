@@ -8,7 +8,7 @@ import sys
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, BinaryIO
 
-from tumble.cli import layout_options, options
+from tumble.cli import options
 from tumble.errors import EXIT_PASS, BadInput, UsageError, file_name, quoted
 from tumble.messages import tell
 from tumble.units import SI, force_unit
@@ -21,15 +21,15 @@ if TYPE_CHECKING:
 _IN_MEMORY = 1 << 24  # bytes of output, before they go to a temporary file
 
 
-def add_to(subparsers: options.Subparsers, about: str) -> None:
+def describe(parser: argparse.ArgumentParser) -> None:
     """Describe the command to argparse."""
-    parser = subparsers.add_parser(
-        "apply",
-        help=about,
-        description="Write measured data again with the acceleration in its last three columns, x, y, z: by K and U0 of"
-        " a result, and by its K2 and K3. Other columns are kept. CSV; Parquet where pyarrow or polars is installed.",
-        epilog="Several files are joined, or written into --out FOLDER one by one. Exit codes: 0 done, 2 bad input, 77"
-        " Parquet cannot be read here, 130 interrupted.",
+    parser.description = (
+        "Write measured data again with the acceleration in its last three columns, x, y, z: by K and U0 of"
+        " a result, and by its K2 and K3. Other columns are kept. CSV; Parquet where pyarrow or polars is installed."
+    )
+    parser.epilog = (
+        "Several files are joined, or written into --out FOLDER one by one. Exit codes: 0 done, 2 bad input, 77"
+        " Parquet cannot be read here, 130 interrupted."
     )
     parser.add_argument("result", metavar="RESULT.json", help="a result of tumble solve")
     parser.add_argument("data", metavar="DATA", nargs="+", help="files with columns ux,uy,uz, in the result's unit")
@@ -47,7 +47,7 @@ def add_to(subparsers: options.Subparsers, about: str) -> None:
         help="standard uncertainties of x, y, z and of their norm, by those of the coefficients, as columns u_x, u_y,"
         " u_z, u_norm before x",
     )
-    layout_options.add_layout(parser, "data", has_unit=False)
+    options.add_layout(parser, "data", has_unit=False)
     parser.set_defaults(run_command=run)
 
 
@@ -60,7 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.files.incoming import PARQUET, SUFFIXES, suffix_of
     from tumble.files.run_layout import TEMPERATURE
 
-    wishes = replace(layout_options.wishes(arguments, (*OUTPUTS, TEMPERATURE), has_unit=False), wanted=OUTPUTS)
+    wishes = replace(options.wishes(arguments, (*OUTPUTS, TEMPERATURE), has_unit=False), wanted=OUTPUTS)
     targets = _targets(arguments)
     for file in arguments.data:
         if suffix_of(file) in SUFFIXES and suffix_of(file) not in PARQUET:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import os
 import signal
 from contextlib import nullcontext
@@ -10,7 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from tumble.cli import options
-from tumble.cli.aliases import ALIASES
 from tumble.errors import (
     EXIT_LIMITS_FAILED,
     EXIT_PASS,
@@ -21,7 +21,6 @@ from tumble.errors import (
     TumbleError,
     UsageError,
     file_name,
-    quoted,
 )
 from tumble.estimators import OPTIMAL
 from tumble.messages import on_terminal, tell
@@ -43,18 +42,15 @@ if TYPE_CHECKING:
 _NO_REPORT = "TUMBLE_NO_REPORT"
 
 
-def add_to(subparsers: options.Subparsers, about: str) -> None:
+def describe(parser: argparse.ArgumentParser) -> None:
     """Describe the command to argparse."""
-    parser = subparsers.add_parser(
-        "bench",
-        aliases=ALIASES["bench"],
-        help=about,
-        description="Let the firmware calibrate a block on a simulated stand over CAN, and confirm what it finds.",
-        epilog="Leaves a run folder: run.csv, bus.log (candump -L), result.json, report.html, inputs/. After a fault:"
+    parser.description = "Let the firmware calibrate a block on a simulated stand over CAN, and confirm what it finds."
+    parser.epilog = (
+        "Leaves a run folder: run.csv, bus.log (candump -L), result.json, report.html, inputs/. After a fault:"
         " run.csv as far as it got, bus.log, fault.json, inputs/. After bad input or Ctrl-C: nothing. Exit codes: 0"
         " pass, 1 gravity check failed, the run does not fit its stand, or its uncertainty does not show the limit (NOT"
         " SHOWN), 2 bad input, 3 fault, or firmware and numpy disagree, 77 the bus is not to be had here, 130"
-        " interrupted, the table stopped.",
+        " interrupted, the table stopped."
     )
     add_options(parser)
     parser.set_defaults(run_command=run)
@@ -62,10 +58,10 @@ def add_to(subparsers: options.Subparsers, about: str) -> None:
 
 def add_options(parser: options.Options, shows_interactive: bool = True) -> None:
     """All that a run can be told. Who refuses --interactive does not show it."""
-    options.add_seed(parser, "; replays a run exactly")
+    options.add(parser, "--seed", remark="; replays a run exactly")
     parser.add_argument("--stand", metavar="FILE", help="stand file (TOML); default: the paper's stand")
     parser.add_argument("--block", metavar="FILE", help="file of [block] and [block.true]; overrides the stand's")
-    options.add_schedule(parser)
+    options.add(parser, "--schedule")
     parser.add_argument("--scenario", metavar="FILE", help="faults, and other keys (--keys); overrides the stand file")
     parser.add_argument(
         "--set",
@@ -82,8 +78,7 @@ def add_options(parser: options.Options, shows_interactive: bool = True) -> None
         help="average at a position only until the standard error of every channel's mean is at most this; --samples"
         " is then the most that may be taken",
     )
-    options.add_estimator(parser)
-    options.add_model(parser)
+    options.add(parser, "--estimator", "--model")
     parser.add_argument(
         "--bus",
         metavar="BUS",
@@ -91,7 +86,7 @@ def add_options(parser: options.Options, shows_interactive: bool = True) -> None
         help="inprocess: simulated, in virtual time; socketcan:IF: on this CAN interface, in real time; uml: likewise,"
         " inside user-mode Linux, where the kernel has no CAN; default: inprocess",
     )
-    options.add_firmware(parser, "zcu102: on a real bus only, and not with --interactive; ")
+    options.add(parser, "--firmware", remark="zcu102: on a real bus only, and not with --interactive; ")
     parser.add_argument(
         "--interactive",
         action="store_true",
@@ -100,7 +95,7 @@ def add_options(parser: options.Options, shows_interactive: bool = True) -> None
         if shows_interactive
         else argparse.SUPPRESS,
     )
-    options.add_limit(parser)
+    options.add(parser, "--limit")
     parser.add_argument(
         "--runs",
         metavar="N",
@@ -118,7 +113,7 @@ def add_options(parser: options.Options, shows_interactive: bool = True) -> None
     wishes.add_argument(
         "--no-report", action="store_true", help=f"leave none; as where the environment has {_NO_REPORT}=1"
     )
-    options.add_json(parser)
+    options.add(parser, "--json")
 
 
 class Onlooker(Protocol):
@@ -193,10 +188,9 @@ def _require_one_way(arguments: argparse.Namespace) -> None:
 def _run_many(arguments: argparse.Namespace, seed: int, scenario: str, gain_record: bytes | None) -> int:
     """Calibrate, and print lines as they come. Returns the exit code."""
     from tumble.cli.commands import campaign
-    from tumble.cli.working import MOST_WORKERS
     from tumble.world import campaigns
 
-    options.parse_whole(arguments.jobs or "1", "--jobs", 1, MOST_WORKERS)
+    options.parse_whole(arguments.jobs or "1", "--jobs", 1, options.MOST_WORKERS)
     count = options.parse_whole(arguments.runs, "--runs", 1, campaign.MOST)
     if seed + count - 1 > options.LARGEST_SEED:
         raise UsageError("--runs: the seeds would go beyond 2^64 - 1")
@@ -254,10 +248,8 @@ def _parse_budget(text: str | None) -> float:
     """The value of --error-budget, V; 0 without one. Raises UsageError."""
     if text is None:
         return 0.0
-    budget = options.parse_number(text)
-    if not 0.0 < budget < 1e9:
-        raise UsageError(f"--error-budget: {quoted(text)} is not a number of volts above 0")
-    return budget
+    volts = "a number of volts above 0"
+    return options.parse_number(text, "--error-budget", options.ABOVE_0, math.nextafter(1e9, 0.0), volts)
 
 
 def _read_schedule(arguments: argparse.Namespace, given: dict[str, bytes]) -> CoreSchedule:

@@ -6,8 +6,7 @@ import argparse
 import sys
 from typing import TYPE_CHECKING
 
-from tumble.cli.options import LARGEST_SEED, Subparsers, add_seed, add_subjects, parse_seed, parse_whole
-from tumble.cli.working import add_workers, progress_bar, team_of, workers_of
+from tumble.cli import options
 from tumble.errors import EXIT_PASS, UsageError
 from tumble.messages import tell
 
@@ -18,9 +17,9 @@ MOST = 1_000_000_000
 _DEFAULT = "1000"
 
 
-def add_to(subparsers: Subparsers, about: str) -> None:
+def describe(parser: argparse.ArgumentParser) -> None:
     """Describe the command and its subjects to argparse."""
-    subjects = add_subjects(subparsers, "campaign", about)
+    subjects = parser.add_subparsers(metavar="SUBJECT", required=True)
     runs = subjects.add_parser(
         "runs",
         help="calibrations, each of its own seed: one JSON line each",
@@ -41,10 +40,10 @@ def add_to(subparsers: Subparsers, about: str) -> None:
     )
     lives.add_argument("-v", "--verbose", action="store_true", help="tell the events that are enough for a violation")
     lives.add_argument("--lives", metavar="N", default=_DEFAULT, help=f"default: {_DEFAULT}")
-    for parser, run in ((runs, run_runs), (lives, run_lives)):
-        add_seed(parser, ", of the first")
-        add_workers(parser)
-        parser.set_defaults(run_command=run)
+    for subject, run in ((runs, run_runs), (lives, run_lives)):
+        options.add(subject, "--seed", remark=", of the first")
+        options.add(subject, *options.WORKERS)
+        subject.set_defaults(run_command=run)
 
 
 def run_runs(arguments: argparse.Namespace) -> int:
@@ -65,8 +64,11 @@ def print_runs(arguments: argparse.Namespace, job: Runs, seed: int, count: int) 
     from tumble.world import campaigns
 
     code = EXIT_PASS
-    summary = campaigns.Summary(seed, workers_of(arguments)) if arguments.summary else None
-    with team_of(arguments, "campaign runs", job=job) as team, progress_bar("calibrating", count) as progress:
+    summary = campaigns.Summary(seed, options.workers_of(arguments)) if arguments.summary else None
+    with (
+        options.team_of(arguments, "campaign runs", job=job) as team,
+        options.progress_bar("calibrating", count) as progress,
+    ):
         for ended in campaigns.ended(job, seed, count, team, progress):
             if summary is None:
                 sys.stdout.write(ended.output)
@@ -86,7 +88,7 @@ def run_lives(arguments: argparse.Namespace) -> int:
     from tumble.world import campaigns
 
     documents, code, job = [], EXIT_PASS, campaigns.HostileLives()
-    with team_of(arguments, "campaign lives") as team, progress_bar("living", count) as progress:
+    with options.team_of(arguments, "campaign lives") as team, options.progress_bar("living", count) as progress:
         for ended in campaigns.ended(job, seed, count, team, progress):
             for line in ended.said.splitlines():
                 tell(line)
@@ -102,7 +104,7 @@ def run_lives(arguments: argparse.Namespace) -> int:
 
 def _seeds(arguments: argparse.Namespace, option: str, text: str) -> tuple[int, int]:
     """The first, and how many. Raises UsageError."""
-    seed, count = parse_seed(arguments.seed), parse_whole(text, option, 1, MOST)
-    if seed + count - 1 > LARGEST_SEED:
+    seed, count = options.parse_seed(arguments.seed), options.parse_whole(text, option, 1, MOST)
+    if seed + count - 1 > options.LARGEST_SEED:
         raise UsageError(f"{option}: the seeds would go beyond 2^64 - 1")
     return seed, count

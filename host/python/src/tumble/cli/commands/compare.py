@@ -12,15 +12,15 @@ from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
 from tumble.schedule import file_of
 
 
-def add_to(subparsers: options.Subparsers, about: str) -> None:
+def describe(parser: argparse.ArgumentParser) -> None:
     """Describe the command to argparse."""
-    parser = subparsers.add_parser(
-        "compare",
-        help=about,
-        description="Hold two calibrations of one block against each other: the differences in units of their combined"
-        " uncertainty, and whether the block has changed, only the way it sits, or neither.",
-        epilog="Exit codes: 0 the block has not changed (its seat may have), 1 it has, or nobody can tell, as a result"
-        " has no uncertainties or failed its check, 2 bad input, 77 --plot cannot be drawn here, 130 interrupted.",
+    parser.description = (
+        "Hold two calibrations of one block against each other: the differences in units of their combined"
+        " uncertainty, and whether the block has changed, only the way it sits, or neither."
+    )
+    parser.epilog = (
+        "Exit codes: 0 the block has not changed (its seat may have), 1 it has, or nobody can tell, as a result"
+        " has no uncertainties or failed its check, 2 bad input, 77 --plot cannot be drawn here, 130 interrupted."
     )
     parser.add_argument("a", metavar="RESULT_A.json", help="the earlier result")
     parser.add_argument("b", metavar="RESULT_B.json", help="the later one, in the same unit")
@@ -49,7 +49,7 @@ def add_to(subparsers: options.Subparsers, about: str) -> None:
         default=str(DEFAULT_CONFIDENCE),
         help=f"of calling a block unchanged that is; default: {DEFAULT_CONFIDENCE}",
     )
-    options.add_json(parser)
+    options.add(parser, "--json")
     parser.add_argument("--plot", metavar="FILE", help="draw the differences: .svg, .png or .pdf; needs matplotlib")
     parser.set_defaults(run_command=run)
 

@@ -24,23 +24,21 @@ _SUBJECTS = {
 _OF_A_SCHEDULE = ("stand", "mountings", "angles")
 
 
-def add_to(subparsers: options.Subparsers, about: str) -> None:
+def describe(parser: argparse.ArgumentParser) -> None:
     """Describe the command and its subjects to argparse."""
-    subjects = options.add_subjects(
-        subparsers,
-        "draw",
-        about,
+    parser.description = (
         "Draw, as SVG, at most 170 mm wide. Exit codes: 0 done, 2 bad input, 77 matplotlib is not there, 130"
-        " interrupted.",
+        " interrupted."
     )
+    subjects = parser.add_subparsers(metavar="SUBJECT", required=True)
     for name, picture in _SUBJECTS.items():
-        parser = subjects.add_parser(name, help=picture, description=f"Draw {picture}.")
+        subject = subjects.add_parser(name, help=picture, description=f"Draw {picture}.")
         if name in _OF_A_SCHEDULE:
-            options.add_schedule(parser)
+            options.add(subject, "--schedule")
         if name == "angles":
-            parser.add_argument("--mounting", metavar="N", help="its number; default: the schedule's first")
-        parser.add_argument("--out", metavar="FILE.svg", help="default: standard output, unless that is a terminal")
-        parser.set_defaults(run_command=run, subject=name)
+            subject.add_argument("--mounting", metavar="N", help="its number; default: the schedule's first")
+        subject.add_argument("--out", metavar="FILE.svg", help="default: standard output, unless that is a terminal")
+        subject.set_defaults(run_command=run, subject=name)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -14,16 +14,17 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import re
 import sys
 import textwrap
 from collections.abc import Iterable
 from dataclasses import dataclass
-from fractions import Fraction
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tumble.cli.options import Subparsers, parse_number, require_ending
-from tumble.errors import EXIT_PASS, BadInput, UsageError, file_name, quoted
+from tumble.cli import options
+from tumble.errors import EXIT_PASS, BadInput, UsageError, file_name
 from tumble.messages import tell
 from tumble.units import SI, force_unit
 
@@ -55,14 +56,10 @@ _DOUBLE, _FLOAT, _FIXED = _NUMBERS = ("double", "float", "fixed")
 _CONDITIONS = ("gravity_m_s2", "u_gravity_m_s2", "temperature_c", "pressure_hpa", "humidity_percent")
 
 
-def add_to(subparsers: Subparsers, about: str) -> None:
+def describe(parser: argparse.ArgumentParser) -> None:
     """Describe the command to argparse."""
-    parser = subparsers.add_parser(
-        "export",
-        help=about,
-        description="Write the coefficients of a result, each with its unit and its standard uncertainty.",
-        epilog="Exit codes: 0 done, 2 bad input, 130 interrupted.",
-    )
+    parser.description = "Write the coefficients of a result, each with its unit and its standard uncertainty."
+    parser.epilog = "Exit codes: 0 done, 2 bad input, 130 interrupted."
     parser.add_argument("result", metavar="RESULT.json", help="a result of tumble solve")
     parser.add_argument(
         "--format",
@@ -100,7 +97,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.solving.coefficients import Coefficients
 
     refuse_overwriting(arguments.out, arguments.result)
-    require_ending(arguments.out, "--out", *form.endings)
+    options.require_ending(arguments.out, "--out", *form.endings)
     result = read_result(arguments.result)
     warnings = complaints_of_document(result)
     try:
@@ -130,10 +127,7 @@ def _parse_step(arguments: argparse.Namespace) -> float | None:
         raise UsageError("--number fixed and --step SIZE belong together: a count of the outputs has a size")
     if arguments.step is None:
         return None
-    step = parse_number(arguments.step)
-    if not 0.0 < step < 1e9:
-        raise UsageError(f"--step: {quoted(arguments.step)} is not a size above 0")
-    return step
+    return options.parse_number(arguments.step, "--step", options.ABOVE_0, math.nextafter(1e9, 0.0), "a size above 0")
 
 
 def _names(result: Result, them: Coefficients, warnings: Iterable[str], labels: bool) -> dict[str, Any]:
@@ -150,7 +144,7 @@ def _names(result: Result, them: Coefficients, warnings: Iterable[str], labels: 
     unit, force, verdict = result.unit, FORCE_UNITS[them.force_unit], "passed" if check.passed else "FAILED"
     largest, limit = check.max_abs_delta_g_g, check.limit_g
     why_unknown = "no stand was declared" if result.u_K is None else "that of gravity is not told"
-    origin = _origin(result, labels) + [f"WARNING: {warning}" for warning in warnings]
+    origin = _origin(result, labels) + [f"WARNING: {_comment(warning)}" for warning in warnings]
     about = [
         f"Coefficients of a three-axis block of accelerometers, estimator {result.estimator}.",
         f"Outputs in {ascii(unit)[1:-1]}, specific force in {force}.",
@@ -217,8 +211,6 @@ def _comment(text: object) -> str:
 
 def _filled(name: str, real: str, names: dict[str, Any]) -> str:
     """The template of a format. Its numbers are `digits`, in C a `literal` of the type `real`."""
-    from importlib.resources import files
-
     from jinja2 import Environment, StrictUndefined
 
     from tumble.solving.decision import phrase
@@ -238,7 +230,7 @@ def _filled(name: str, real: str, names: dict[str, Any]) -> str:
         "plain": lambda text: re.sub(r"[^A-Za-z0-9.+:_-]", "", text),  # without what needs quotes in CSV
         "json": lambda value: json.dumps(value, indent=4).replace("\n", "\n    "),  # of a member
     }
-    template = files("tumble.cli").joinpath("exports", f"{name}.j2").read_text(encoding="utf-8")
+    template = (Path(__file__).parents[1] / f"exports/{name}.j2").read_text(encoding="utf-8")
     return environment.from_string(template).render(names, real=real)
 
 
@@ -256,7 +248,6 @@ def _float_literal(value: float) -> str:
     return (text if any(sign in text for sign in ".e") else text + ".0") + "f"
 
 
-FORCE_STEP = Fraction(1, 1_000_000)
 _LARGEST_FACTOR = 2**29
 _LARGEST_COUNT = 2**31
 _LARGEST_SHIFT = 60
@@ -271,11 +262,13 @@ def _fixed_point(them: Coefficients, step: float) -> dict[str, Any]:
     products with counts of 32 bits leaves 64 bits. `step`: the size of a count, in the unit of the outputs. Raises
     ValueError.
     """
+    from fractions import Fraction
+
     if them.terms:
         raise ValueError("fixed point has no K2 and K3: export them as float or double")
     if not abs(them.values[9:12]).max() < _LARGEST_COUNT * step:
         raise ValueError(f"--step {step:g}: U0 has more counts than 32 bits hold")
-    factors = [[Fraction(one) * Fraction(step) / FORCE_STEP for one in row] for row in them.inverse.tolist()]
+    factors = [[Fraction(one) * Fraction(step) * 10**6 for one in row] for row in them.inverse.tolist()]
     largest = max(abs(one) for row in factors for one in row)
     shift = next((s for s in range(_LARGEST_SHIFT, 0, -1) if largest * 2**s < _LARGEST_FACTOR), None)
     if shift is None:

@@ -8,15 +8,7 @@ import os
 import sys
 from typing import TYPE_CHECKING
 
-from tumble.cli.options import (
-    Subparsers,
-    add_estimator,
-    add_limit,
-    add_schedule,
-    add_subjects,
-    parse_limit,
-    parse_number,
-)
+from tumble.cli import options
 from tumble.defaults import ANEW, DEFAULT_LIMIT_G, LEVELLED, ONCE
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BadInput, UsageError, file_name, quoted
 
@@ -30,41 +22,44 @@ AGAINST = ("declared", "needed")
 DEFAULT_CONFIDENCE = 0.95
 
 
-def add_to(subparsers: Subparsers, about: str) -> None:
+def describe(parser: argparse.ArgumentParser) -> None:
     """Describe the command to argparse."""
-    subjects = add_subjects(subparsers, "fixture", about)
-    parser = subjects.add_parser(
+    subjects = parser.add_subparsers(metavar="SUBJECT", required=True)
+    subject = subjects.add_parser(
         "check",
         help="runs against a stand file and an acceptance limit",
         description="What the runs show of every source of error, against what the stand file declares and what the"
         " limit of the gravity check needs. Several runs of one block are combined into one result.",
         epilog="Exit codes: 0 pass, 1 a limit is exceeded, 2 bad input, 3 core and numpy disagree, 130 interrupted.",
     )
-    parser.add_argument("--stand", metavar="FILE", required=True, help="stand file (TOML)")
-    parser.add_argument("runs", metavar="RUN.csv", nargs="+", help="run files with columns mounting,position,ux,uy,uz")
-    add_schedule(parser)
-    add_estimator(parser)
-    add_limit(parser)
-    parser.add_argument(
+    subject.add_argument("--stand", metavar="FILE", required=True, help="stand file (TOML)")
+    subject.add_argument("runs", metavar="RUN.csv", nargs="+", help="run files with columns mounting,position,ux,uy,uz")
+    options.add(subject, "--schedule", "--estimator", "--limit")
+    subject.add_argument(
         "--against",
         choices=AGAINST,
         default="declared",
         help="which limits decide: the stand file's (default), or the needed ones",
     )
-    parser.add_argument(
+    subject.add_argument(
         "--levelled",
         choices=LEVELLED,
         help="was the stand levelled once for all these runs, or anew before each? default: as their axis tilts show",
     )
-    parser.add_argument("--confidence", metavar="P", help="of all verdicts together, 0.5 to 0.9999; default: 0.95")
-    parser.add_argument("--json", action="store_true", help="print one JSON document, schema tumble.fixture/1")
-    parser.set_defaults(run_command=check)
+    subject.add_argument(
+        "--confidence",
+        metavar="P",
+        default=str(DEFAULT_CONFIDENCE),
+        help=f"of all verdicts together, 0.5 to 0.9999; default: {DEFAULT_CONFIDENCE}",
+    )
+    subject.add_argument("--json", action="store_true", help="print one JSON document, schema tumble.fixture/1")
+    subject.set_defaults(run_command=check)
 
 
 def check(arguments: argparse.Namespace) -> int:
     """Check and print. Returns the exit code; raises TumbleError."""
-    limit_g = parse_limit(arguments.limit)
-    confidence = DEFAULT_CONFIDENCE if arguments.confidence is None else _parse_confidence(arguments.confidence)
+    limit_g = options.parse_limit(arguments.limit)
+    confidence = options.parse_number(arguments.confidence, "--confidence", 0.5, 0.9999)
     _refuse_repetition(arguments.runs)
 
     from tumble.core import CoreSchedule, paper_schedule
@@ -103,13 +98,6 @@ def check(arguments: argparse.Namespace) -> int:
     text = to_json(report.document(outcome)) if arguments.json else report.render(outcome)
     sys.stdout.write(text)
     return EXIT_PASS if outcome.passed else EXIT_LIMITS_FAILED
-
-
-def _parse_confidence(text: str) -> float:
-    confidence = parse_number(text)
-    if not 0.5 <= confidence <= 0.9999:
-        raise UsageError(f"--confidence: {quoted(text)} is not a number from 0.5 to 0.9999")
-    return confidence
 
 
 def _refuse_repetition(runs: list[str]) -> None:

@@ -5,11 +5,14 @@ from __future__ import annotations
 import argparse
 import math
 import os
+import shlex
 import sys
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from tumble.cli import layout_options, options
+from tumble.cli import options
+from tumble.defaults import DEFAULT_SCHEDULE
 from tumble.errors import EXIT_PASS, UsageError, quoted
 from tumble.schedule import file_of
 
@@ -17,29 +20,28 @@ if TYPE_CHECKING:
     from tumble.importing.attitudes import Signs
     from tumble.importing.can_bus import Bus
     from tumble.importing.match import Claims
-    from tumble.importing.pipeline import Settings
+    from tumble.importing.pipeline import Imported, Settings
     from tumble.importing.rests import Thresholds
     from tumble.stand import PerChannel
 
 _REPEATS = ("first", "last", "longest")
+_WIDTH = 80
 
 
-def add_to(subparsers: options.Subparsers, about: str) -> None:
+def describe(parser: argparse.ArgumentParser) -> None:
     """Describe the command to argparse."""
-    parser = subparsers.add_parser(
-        "import",
-        help=about,
-        description="Find the rests in time-stamped recordings, match them to the positions of a schedule by the"
-        " direction of gravity, and write a run file. What was taken for granted is told, what fits two ways refused.",
-        epilog="Exit codes: 0 done, 2 bad input or a recording in doubt, 77 a package is missing, 130 interrupted.",
+    parser.description = (
+        "Find the rests in time-stamped recordings, match them to the positions of a schedule by the"
+        " direction of gravity, and write a run file. What was taken for granted is told, what fits two ways refused."
     )
+    parser.epilog = "Exit codes: 0 done, 2 bad input or a recording in doubt, 77 a package is missing, 130 interrupted."
     parser.add_argument(
         "recordings",
         metavar="RECORDING",
         nargs="+",
         help="CSV of a logger, a RAWIMU log (ASCII), or a CAN log; several are one run, in this order",
     )
-    options.add_schedule(parser)
+    options.add(parser, "--schedule")
     parser.add_argument("--stand", metavar="FILE", help="stand file: the sign of its scale_v_per_g is that of K")
     parser.add_argument("--signs", metavar="+++", help="of K_xx, K_yy, K_zz such as -+-; default: the stand's")
     parser.add_argument(
@@ -52,8 +54,8 @@ def add_to(subparsers: options.Subparsers, about: str) -> None:
     parser.add_argument("--recipe", metavar="FILE", help="do as this recipe says; if there is none yet, write it")
     parser.add_argument("--out", metavar="RUN.csv", help="write the run file")
     parser.add_argument("--plot", metavar="FILE", help="draw the recording: .png, .svg or .pdf; needs matplotlib")
-    options.add_json(parser)
-    layout = layout_options.add_layout(parser, "recordings", "ux=AccX,time=Tick")
+    options.add(parser, "--json")
+    layout = options.add_layout(parser, "recordings", "ux=AccX,time=Tick")
     layout.add_argument("--time-unit", choices=("s", "ms", "us", "ns"), help="of a clock that is a number")
     layout.add_argument("--rate", metavar="HZ", help="samples a second; the file's clock is not read then")
     bus = parser.add_argument_group("CAN logs", "candump, ASC, BLF, TRC, MF4, CSV of python-can")
@@ -71,7 +73,6 @@ def add_to(subparsers: options.Subparsers, about: str) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Import and tell. Returns the exit code; raises TumbleError."""
-    from tumble.cli.next_command import after_import
     from tumble.documents.base import to_json
     from tumble.files.disk import refuse_overwriting, write_all
     from tumble.files.schedule_file import read_schedule
@@ -97,7 +98,7 @@ def run(arguments: argparse.Namespace) -> int:
     done = import_recordings(arguments.recordings, schedule, settings)
     remarks = [f"recipe {os.path.basename(arguments.recipe)} followed"] if replayed else []
     done = replace(done, notes=(*remarks, *about_signs, *done.notes))
-    after = after_import(done, arguments.out, arguments.stand)
+    after = _after_import(done, arguments.out, arguments.stand)
     text = to_json(report.document(done)) if arguments.json else report.text(done) + after
     files: dict[str, bytes] = {}
     if arguments.out is not None:
@@ -121,7 +122,7 @@ def _settings(arguments: argparse.Namespace, replayed: bool, signs: Signs | None
     from tumble.importing.recording import COLUMNS, Timing
 
     base = report.read(arguments.recipe) if replayed else Settings()
-    told = layout_options.wishes(arguments, COLUMNS)
+    told = options.wishes(arguments, COLUMNS)
     wishes = replace(
         base.wishes,
         columns=base.wishes.columns | told.columns,
@@ -237,7 +238,44 @@ def _parse_mountings(text: str) -> dict[str, int]:
 
 
 def _positive(text: str, option: str, most: float = 1e6) -> float:
-    value = options.parse_number(text)
-    if not 0.0 < value <= most:
-        raise UsageError(f"{option}: {quoted(text)} is not a number above 0, at most {most:g}")
-    return value
+    return options.parse_number(text, option, options.ABOVE_0, most, f"a number above 0, at most {most:g}")
+
+
+def _after_import(done: Imported, run: str | None, stand: str | None) -> str:
+    """The lines that are said last: the command that solves the run file which has been written. `run`: that file, None
+    where none was asked for; `stand`: the stand file, if any. The program is called as it was: tools/tumble of a
+    checkout says how, by TUMBLE_PROGRAM."""
+    if run is None:
+        return "\nNext: the same with --out RUN.csv, which writes the run file for tumble solve.\n"
+    words = [os.environ.get("TUMBLE_PROGRAM", "tumble"), "solve", run]
+    if done.settings.schedule_name != DEFAULT_SCHEDULE:
+        words += ["--schedule", done.settings.schedule_name]
+    words += [] if stand is None else ["--stand", stand]
+    words += [] if _has_closed_form(done) else ["--estimator", "least_squares"]
+    words += ["--out", os.path.join(os.path.dirname(run), "result.json")]  # which apply and report take
+    return "\n".join(["", "Next:", *_folded(words), ""])
+
+
+def _has_closed_form(done: Imported) -> bool:
+    """Can the usual estimator solve the positions that were found?"""
+    from tumble.core import CoreRefusal, CoreSchedule
+
+    present = set(done.matched.positions.tolist())
+    try:
+        CoreSchedule(done.schedule.part(index in present for index in range(len(done.schedule.positions)))).harmonic()
+    except CoreRefusal:
+        return False
+    return True
+
+
+def _folded(words: Iterable[str]) -> list[str]:
+    """A command on lines that a shell joins: an option and its value stay together."""
+    program, verb, run, *chosen = map(shlex.quote, words)
+    lines = [f"  {program} {verb}"]
+    for option in (run, *map(" ".join, zip(chosen[::2], chosen[1::2]))):
+        if len(lines[-1]) + len(option) + len("  \\") > _WIDTH:
+            lines[-1] += " \\"
+            lines.append(f"    {option}")
+        else:
+            lines[-1] += f" {option}"
+    return lines

@@ -1,28 +1,566 @@
-"""`tumble plan ...`: what a stand is worth, before anything is measured on it."""
+"""`tumble plan ...`: what a stand is worth, before anything is measured on it.
+
+    budget      what a stand leaves of the accuracy of every coefficient
+    require     how good the stand must be for a limit of the gravity check
+    optimize    the gain table that is best for a stand, for people, programs and the firmware
+    schedule    the schedule that reaches an accuracy in the least test time
+    validate    do thousands of simulated runs turn out as accurate as they claim to be?
+    paper       the paper's tables and formulas computed again, side by side with what is printed
+
+Each is described, run and shown by functions that follow each other here; what they have in common comes first.
+"""
 
 from __future__ import annotations
 
-from tumble.cli.commands import (
-    plan_budget,
-    plan_optimize,
-    plan_paper,
-    plan_require,
-    plan_schedule,
-    plan_validate,
-)
-from tumble.cli.options import Subparsers, add_subjects
+import argparse
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
-# each is a module with add_to(subparsers), as a command is
-_SUBJECTS = (plan_budget, plan_require, plan_optimize, plan_schedule, plan_validate, plan_paper)
+from tumble.cli import options
+from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError, quoted
+from tumble.estimators import COEFFICIENTS, ESTIMATORS, HARMONIC, OPTIMAL
+from tumble.schedule import file_of
+from tumble.terms import parse
+
+if TYPE_CHECKING:
+    from tumble.arrays import Floats
+    from tumble.model.reliability import Reliability
+    from tumble.planning.budget import Budget
+    from tumble.planning.case import Case
+    from tumble.planning.optimize import Optimized
+    from tumble.planning.promise import Promise
+    from tumble.solving.further import Further
+    from tumble.terms import Terms
+
+DEFAULT_PROBABILITY = 0.95
+_LEAST_PROBABLE, _MOST_PROBABLE = 0.5, 0.9999  # few are served by less, and none is computed better than the last
+DEFAULT_RUNS = 20_000
+FEWEST_RUNS, MOST_RUNS = 100, 10_000_000
+_FEWEST_MOUNTINGS, _MOST_MOUNTINGS = 2, 6
+_STEPS = ("15", "22.5", "45")
+_LONGEST_S = 1e6
+PUBLISHED = "published"
+DERIVED = "derived"
 
 
-def add_to(subparsers: Subparsers, about: str) -> None:
+def describe(parser: argparse.ArgumentParser) -> None:
     """Describe the command and its subjects to argparse."""
-    subjects = add_subjects(
-        subparsers,
-        "plan",
-        about,
-        "What a stand is worth, before anything is measured on it.",
+    parser.description = "What a stand is worth, before anything is measured on it."
+    subjects = parser.add_subparsers(metavar="SUBJECT", required=True)
+    for name, (about, describe_subject, run) in _SUBJECTS.items():
+        subject = subjects.add_parser(name, help=about, epilog="Exit codes: 0 done, 2 bad input, 130 interrupted.")
+        subject.add_argument("--json", action="store_true", help="print one JSON document, schema tumble.plan/1")
+        describe_subject(subject)
+        subject.set_defaults(run_command=run)
+
+
+def add_case_options(parser: argparse.ArgumentParser, choose_estimator: bool = True, extendable: bool = True) -> None:
+    """--stand, --schedule, --limit, --model if further terms may be found, --estimator if there is a choice of one."""
+    add_limit_options(parser)
+    options.add(parser, "--schedule")
+    if extendable:
+        options.add(parser, "--model")
+    if choose_estimator:
+        options.add(parser, "--estimator")
+
+
+def add_limit_options(parser: argparse.ArgumentParser) -> None:
+    """--stand and --limit."""
+    parser.add_argument("--stand", metavar="FILE", help="stand file (TOML); default: the paper's stand, equation (5)")
+    options.add(parser, "--limit")
+
+
+def add_probability(parser: argparse.ArgumentParser, what: str) -> None:
+    """--probability."""
+    about = f"{what}; {_LEAST_PROBABLE:g} to {_MOST_PROBABLE:g}, default: {DEFAULT_PROBABILITY:g}"
+    parser.add_argument("--probability", metavar="P", help=about)
+
+
+def parse_probability(text: str | None) -> float:
+    """The value of --probability. Raises UsageError."""
+    if text is None:
+        return DEFAULT_PROBABILITY
+    return options.parse_number(text, "--probability", _LEAST_PROBABLE, _MOST_PROBABLE)
+
+
+def add_weights_option(parser: argparse.ArgumentParser) -> None:
+    """--weights."""
+    parser.add_argument(
+        "--weights",
+        choices=(PUBLISHED, DERIVED),
+        default=DERIVED,
+        help="derived: the estimator's own, on the exact geometry (default); published: the paper's Tables 1 and 4",
     )
-    for subject in _SUBJECTS:
-        subject.add_to(subjects)
+
+
+def read_case(arguments: argparse.Namespace) -> Case:
+    """The planning.case.Case that the options describe. Raises TumbleError."""
+    from tumble.planning.case import Case
+
+    stand_file = schedule = None
+    limit_g = options.parse_limit(arguments.limit)
+    if arguments.stand is not None:
+        from tumble.files.stand_file import read_stand
+
+        stand_file = read_stand(arguments.stand)
+    if getattr(arguments, "schedule", None) is not None:
+        from tumble.files.schedule_file import read_schedule
+
+        derived = getattr(arguments, "weights", DERIVED) == DERIVED
+        estimator = getattr(arguments, "estimator", None) if derived else None
+        schedule = read_schedule(arguments.schedule, estimator=estimator).data
+    case = replace(Case.of(stand_file, arguments.stand, schedule), terms=_terms(arguments))
+    if case.terms and hasattr(arguments, "schedule"):
+        from tumble.solving.further import require_told_apart
+
+        require_told_apart(case.schedule, case.terms)
+    return case if limit_g is None else replace(case, limit_g=limit_g)
+
+
+def _terms(arguments: argparse.Namespace) -> Terms:
+    """Of --model. Raises UsageError."""
+    text = getattr(arguments, "model", None)
+    if text is not None and getattr(arguments, "weights", DERIVED) == PUBLISHED:
+        raise UsageError("--model: the paper's weights are for twelve coefficients (--weights derived)")
+    return parse(text, getattr(arguments, "estimator", None))
+
+
+def parse_positive(text: str, option: str) -> float:
+    """A finite number above 0. Raises UsageError."""
+    return options.parse_number(text, option, options.ABOVE_0, sys.float_info.max, "a number above 0")
+
+
+def write_json(document: dict[str, Any]) -> None:
+    """Print a plan as JSON."""
+    from tumble.documents.base import to_json
+
+    sys.stdout.write(to_json(document))
+
+
+def _describe_budget(parser: argparse.ArgumentParser) -> None:
+    """Describe `tumble plan budget` to argparse."""
+    parser.description = "Error budget: what each source of error of a stand contributes to every coefficient."
+    add_case_options(parser)
+    add_weights_option(parser)
+
+
+def run_budget(arguments: argparse.Namespace) -> int:
+    """Compute and print. Raises TumbleError."""
+    case = read_case(arguments)
+    from tumble.planning import model_cost
+    from tumble.planning.budget import budget, document
+    from tumble.planning.promise import promise
+
+    found = budget(case, arguments.weights, arguments.estimator)
+    derived = arguments.weights == DERIVED
+    promised = promise(case, arguments.estimator) if derived else None
+    unseen = case.reliability(arguments.estimator) if derived else None
+    further = model_cost.model_cost(case, arguments.estimator)
+    if arguments.json:
+        write_json({**document(found, case, promised, unseen), **model_cost.document(further)})
+    else:
+        _show_budget(found, case, promised, unseen, further)
+    return EXIT_PASS
+
+
+def _show_budget(
+    found: Budget, case: Case, promised: Promise | None, unseen: Reliability | None, further: Further | None
+) -> None:
+    from tumble.model import reliability
+    from tumble.planning import model_cost, tables
+    from tumble.planning.budget import ALPHAS, notes, numbers_are, unit
+    from tumble.planning.published import NAMES
+
+    out = tables.console()
+    out.print(tables.heading(f"Error budget, {found.weights} weights, estimator {found.estimator}"))
+    out.print(f"Stand: {case.stand.name or 'without a name'}; numbers are {numbers_are(found.weights)}")
+    out.print(case.block_sentence)
+    units = ("size", *map(unit, found.sources), "")
+    sizes = ("", *(tables.number(size) for size in found.sizes), "")
+    rows = [units, sizes]
+    for index, name in enumerate(NAMES):
+        millionth = "ug" if name.startswith("a0") else "ppm"
+        cells = [tables.millionths(value) for value in (*found.terms[index], found.total[index])]
+        rows.append((f"{name}, {millionth}", *cells))
+    out.print(tables.table(("", *found.sources, "all"), rows))
+    out.print(ALPHAS)
+    for note in notes(case):
+        out.print(note)
+    if promised is not None:
+        out.print(promised.sentence)
+    for line in [] if unseen is None else reliability.lines(unseen):
+        out.print(line)
+    model_cost.show(out, further)
+    if found.second_order.matters:
+        for complaint in found.second_order.complaints:
+            out.print(f"Beware: {complaint}", style="yellow")
+        out.print("That is a bias, and in no column above", style="yellow")
+
+
+def _describe_require(parser: argparse.ArgumentParser) -> None:
+    """Describe `tumble plan require` to argparse."""
+    parser.description = (
+        "Requirements: how bad each source of error of a stand may be for a limit of the gravity check."
+    )
+    add_case_options(parser)
+    add_weights_option(parser)
+    add_probability(
+        parser, "what is just enough: probability of passing, and of |a| within the limit at every attitude"
+    )
+    parser.add_argument(
+        "--split",
+        metavar="SOURCE=PART,...",
+        help="how alpha1 to alpha4, noise, and seat and platform if declared, share a row, as parts of its square;"
+        " default: 1 each",
+    )
+
+
+def run_require(arguments: argparse.Namespace) -> int:
+    """Compute and print. Raises TumbleError."""
+    probability = parse_probability(arguments.probability)
+    case = read_case(arguments)
+    limit_g = case.limit_g
+    split = _split(arguments.split, case, arguments.weights == "published")
+
+    from tumble.planning import model_cost, tables
+    from tumble.planning.require import enough, headroom, margins, requirements
+    from tumble.planning.requirement_report import document, show
+
+    found = requirements(case, arguments.weights, arguments.estimator, limit_g, split)
+    room = headroom(case, arguments.weights, arguments.estimator, limit_g)
+    derived = arguments.weights == "derived"
+    of_all = margins(case, limit_g) if derived else {arguments.estimator: room.margin}
+    just = enough(case, arguments.estimator, found.limits, probability) if derived else None
+    plan = document(found, room, of_all, just, case, arguments.weights, arguments.estimator, limit_g, split)
+    further = model_cost.model_cost(case, arguments.estimator)
+    if arguments.json:
+        write_json({**plan, **model_cost.document(further)})
+    else:
+        show(plan, case)
+        if further is not None:
+            tables.console().print(model_cost.sentence(further))
+    return EXIT_PASS
+
+
+def _split(text: str | None, case: Case, published: bool) -> Floats:
+    """Parts by source, in the order of budget.sources."""
+    import numpy as np
+
+    from tumble.planning.budget import sources
+
+    parts = dict.fromkeys(sources(case, published), 1.0)
+    given = [] if text is None else text.split(",")
+    named = [item.partition("=")[0].strip() for item in given]
+    for item in given:
+        source, equals, part = item.partition("=")
+        if not equals or source.strip() not in parts:
+            raise UsageError(f"--split: {quoted(item)} is not SOURCE=PART with one of {', '.join(parts)}")
+        if named.count(source.strip()) > 1:
+            raise UsageError(f"--split: {source.strip()} is given twice")
+        parts[source.strip()] = parse_positive(part.strip(), "--split")
+    return np.array(list(parts.values()))
+
+
+def _describe_optimize(parser: argparse.ArgumentParser) -> None:
+    """Describe `tumble plan optimize` to argparse."""
+    parser.description = "The gain table of the optimal estimator for a stand, and how much better it is than refined."
+    add_case_options(parser, choose_estimator=False, extendable=False)
+    parser.set_defaults(estimator=OPTIMAL)
+    options.refuse_model(
+        parser,
+        "the firmware's gains are for twelve coefficients; further terms are for other plans",
+    )
+    parser.add_argument(
+        "--result",
+        metavar="RESULT.json",
+        help="linearise at the K of this result, the block's last known; default: its nominal K",
+    )
+    parser.add_argument(
+        "--out",
+        metavar="FILE",
+        help="also write the table: .json, .h (a C header) or .bin (a gain record for non-volatile memory)",
+    )
+
+
+def run_optimize(arguments: argparse.Namespace) -> int:
+    """Optimize and print. Returns the exit code; raises TumbleError.
+
+    A table bears the serial of the block that it was made for, a gain record a CRC of it. That is for people: nothing
+    checks it, as the firmware does not know which block is mounted.
+    """
+    kind = _kind(arguments.out)
+
+    from tumble.files.disk import refuse_overwriting, write_bytes
+    from tumble.planning import optimize
+
+    refuse_overwriting(arguments.out, arguments.stand, file_of(arguments.schedule), arguments.result)
+    case = read_case(arguments)
+    k = None if arguments.result is None else _last_known_k(arguments.result)
+    found = optimize.optimize(case, k, _serial(arguments.stand))
+    document = optimize.document(found)
+    if kind is not None:
+        write_bytes(arguments.out, _content(kind, found, document))
+    if arguments.json:
+        write_json(document)
+    else:
+        _show_optimize(found)
+    return EXIT_PASS
+
+
+def _show_optimize(found: Optimized) -> None:
+    import numpy as np
+
+    from tumble.planning import tables
+    from tumble.stand import per_channel
+
+    out, record = tables.console(), found.record
+    other = "least_squares" if found.u_refined is None else "refined"
+    u_other = found.u_least_squares if found.u_refined is None else found.u_refined
+    noise = ", ".join(f"{sigma:.2g}" for sigma in np.atleast_1d(per_channel(record.sigma_mean / record.weights)))
+    angles = ", ".join(f"{sigma:.3g}" for sigma in record.sigma)
+    out.print(tables.heading(f"Optimal weights: {record.fit_positions} fit positions in {record.mountings} mountings"))
+    out.print(f"Standard deviations: alpha1 to alpha4 {angles} rad, a mean's noise {noise} V")
+    rows = [
+        (name, "V/g" if name.startswith("K") else "V", f"{u:.3e}", f"{old:.3e}", f"{old / u:.2f}", f"{efficiency:.4f}")
+        for name, u, old, efficiency in zip(COEFFICIENTS, found.u, u_other, found.efficiency)
+    ]
+    headings = ("", "unit", "u, optimal", f"u, {other}", "gain", "efficiency")
+    out.print(tables.table(headings, rows, left=(0, 1)))
+    if (note := found.case.rounding_sentence) is not None:
+        out.print(note)
+    out.print(found.promise.sentence)
+    if found.table.floored:
+        out.print("Beware: the stand declares no noise; weights for 1e-9 g of it mean little.", style="yellow")
+    for complaint in found.second_order.complaints:
+        out.print(f"Beware: {complaint}", style="yellow")
+
+
+def _kind(out: str | None) -> str | None:
+    if out is None:
+        return None
+    kind = next((kind for kind in (".json", ".h", ".bin") if out.endswith(kind)), None)
+    if kind is None:
+        raise UsageError(f"--out: {quoted(out)} ends in none of .json, .h, .bin")
+    return kind
+
+
+def _content(kind: str, found: Optimized, document: dict[str, Any]) -> bytes:
+    from tumble.documents.base import to_json
+    from tumble.solving import optimal_run
+
+    if kind == ".bin":
+        return optimal_run.to_bytes(found.record)
+    text = to_json(document) if kind == ".json" else optimal_run.to_c_header(found.record, found.case.stand.name)
+    return text.encode("utf-8")
+
+
+def _last_known_k(file: str) -> Floats:
+    """K (3, 3) in V/g of a result file."""
+
+    from tumble.documents.result import read_result
+    from tumble.errors import BadInput
+    from tumble.units import noise_unit, volts_per
+
+    result = read_result(file)
+    if noise_unit(result.unit) != "V":
+        raise BadInput(f"K is in {quoted(result.unit)} per g; a gain table needs volts", file)
+    return result.K * volts_per(result.unit)
+
+
+def _serial(stand: str | None) -> str | None:
+    """The block's serial that a stand file states: the record is then for this block only."""
+    if stand is None:
+        return None
+    from tumble.files.stand_file import read_stand
+
+    block = read_stand(stand).block
+    assert block is not None  # read_case has asked for it
+    serial: str | None = block["serial"]
+    return serial
+
+
+def _describe_schedule(parser: argparse.ArgumentParser) -> None:
+    """Describe `tumble plan schedule` to argparse."""
+    parser.description = (
+        "The mountings, table angles and samples that reach a limit, or a worst standard uncertainty of"
+        " |a|, in the least test time found; and what the built-in schedules take for the same."
+    )
+    add_limit_options(parser)
+    options.add(parser, "--model")
+    add_probability(parser, "of keeping the limit: of passing the check, and of |a| within it at every attitude")
+    parser.add_argument(
+        "--norm", metavar="G", help="reach this worst standard uncertainty of |a| over all attitudes, not a limit"
+    )
+    parser.add_argument(
+        "--estimator",
+        choices=("least_squares", "optimal"),
+        default="optimal",
+        metavar="NAME",
+        help="least_squares or optimal; default: optimal",
+    )
+    parser.add_argument(
+        "--mountings",
+        metavar="N",
+        default="3",
+        help=f"so many or fewer, {_FEWEST_MOUNTINGS} to {_MOST_MOUNTINGS}; default: 3",
+    )
+    parser.add_argument(
+        "--angles", choices=_STEPS, default="22.5", help="table angles are multiples of so many degrees; default: 22.5"
+    )
+    parser.add_argument("--remounting", metavar="SECONDS", help="what it takes to mount the block anew; default: 300")
+    parser.add_argument("--out", metavar="FILE.toml", help="also write it as a schedule file")
+    options.add(parser, *options.WORKERS)
+
+
+def run_schedule(arguments: argparse.Namespace) -> int:
+    """Search and print. Raises TumbleError."""
+    if arguments.norm is not None and (arguments.limit is not None or arguments.probability is not None):
+        raise UsageError("--norm: a worst u(|a|) takes the place of --limit and --probability")
+    if arguments.out is not None and not arguments.out.endswith(".toml"):
+        raise UsageError(f"--out: {quoted(arguments.out)} does not end in .toml")
+    norm_g = None if arguments.norm is None else parse_positive(arguments.norm, "--norm")
+    probability = parse_probability(arguments.probability)
+    most = options.parse_whole(arguments.mountings, "--mountings", _FEWEST_MOUNTINGS, _MOST_MOUNTINGS)
+    remounting = None
+    if arguments.remounting is not None:
+        seconds = f"a number of seconds from 0 to {_LONGEST_S:g}"
+        remounting = options.parse_number(arguments.remounting, "--remounting", 0.0, _LONGEST_S, seconds)
+
+    from tumble.files.disk import refuse_overwriting, write_text
+    from tumble.files.schedule_file import to_toml
+    from tumble.files.stand_file import read_stand
+    from tumble.planning import schedule_report
+    from tumble.planning.schedule_search import DEFAULT_REMOUNT_S, Goal, Pace, plan_schedule
+
+    refuse_overwriting(arguments.out, arguments.stand)
+    case = read_case(arguments)
+    stand_file = None if arguments.stand is None else read_stand(arguments.stand)
+    pace = Pace.of(stand_file, DEFAULT_REMOUNT_S if remounting is None else remounting)
+    goal, step_deg = Goal(norm_g, probability, arguments.estimator), float(arguments.angles)
+    depends = {"case": case, "goal": goal, "pace": pace, "step_deg": step_deg}
+    with options.team_of(arguments, "plan schedule", **depends) as team, options.progress_bar("searching") as progress:
+        found = plan_schedule(case, goal, pace, step_deg, most, progress, team)
+    if arguments.out is not None:
+        write_text(arguments.out, to_toml(found.best.schedule))
+    if arguments.json:
+        write_json(schedule_report.document(found, step_deg))
+    else:
+        schedule_report.show(found, arguments.out, arguments.stand)
+    return EXIT_PASS
+
+
+def _describe_validate(parser: argparse.ArgumentParser) -> None:
+    """Describe `tumble plan validate` to argparse."""
+    parser.description = (
+        "Monte Carlo: the firmware's estimators on simulated runs of the exact geometry. Bias, spread,"
+        " coverage of the stated intervals, efficiency against the least possible spread."
+    )
+    parser.epilog = (
+        "Exit codes: 0 every figure within its limits, 1 not so, 2 bad input, 77 --plot cannot be drawn here,"
+        " 130 interrupted."
+    )
+    add_case_options(parser, choose_estimator=False)
+    parser.add_argument(
+        "--estimator", choices=ESTIMATORS, metavar="NAME", help="one of them; default: all that the schedule allows"
+    )
+    least = f"{FEWEST_RUNS} or more; "
+    parser.add_argument("--runs", metavar="N", default=str(DEFAULT_RUNS), help=f"{least}default: {DEFAULT_RUNS}")
+    options.add(parser, "--seed")
+    parser.add_argument(
+        "--table",
+        choices=("known", "run"),
+        default="known",
+        help="optimal weights: for the block's known K (default), or made anew for each run, as solve does",
+    )
+    parser.add_argument(
+        "--plot", metavar="FILE.svg", help="also draw histograms of error over stated uncertainty; needs matplotlib"
+    )
+    options.add(parser, *options.WORKERS)
+
+
+def run_validate(arguments: argparse.Namespace) -> int:
+    """Simulate, judge, print. Returns the exit code; raises TumbleError."""
+    runs = options.parse_whole(arguments.runs, "--runs", FEWEST_RUNS, MOST_RUNS)
+    seed = options.parse_seed(arguments.seed)
+    if arguments.plot is not None and not arguments.plot.endswith(".svg"):
+        raise UsageError(f"--plot: {quoted(arguments.plot)} does not end in .svg")
+    case = read_case(arguments)
+    if case.terms and arguments.table != "known":
+        raise UsageError("--table run: not with --model; the second order makes up for weights made elsewhere")
+
+    from tumble.files.disk import refuse_overwriting, write_text
+    from tumble.planning.validate import document, judge, show, validate
+
+    refuse_overwriting(arguments.plot, arguments.stand, file_of(arguments.schedule), option="--plot")
+    if arguments.plot is not None:
+        from tumble.pictures import require, svg
+        from tumble.pictures.histograms import histograms
+
+        require("--plot")
+    estimators = _estimators(arguments, case)
+    depends = {"case": case, "estimators": estimators, "seed": seed, "table": arguments.table}
+    with (
+        options.team_of(arguments, "plan validate", **depends) as team,
+        options.progress_bar("simulating", runs) as progress,
+    ):
+        found = validate(case, estimators, runs, seed, arguments.table, progress, team)
+    judged = [(one, judge(one)) for one in found]
+    if arguments.plot is not None:
+        write_text(arguments.plot, svg(histograms(found, f"{case.stand.name}: error over stated u, {runs} runs")))
+    if arguments.json:
+        write_json(document(case, judged, seed, arguments.table))
+    else:
+        show(case, judged, seed)
+    return EXIT_LIMITS_FAILED if any(one.outside for _, one in judged) else EXIT_PASS
+
+
+def _estimators(arguments: argparse.Namespace, case: Case) -> tuple[str, ...]:
+    """The one asked for, or all that the schedule allows."""
+    from tumble.model.estimators import circles
+    from tumble.planning.weights import estimators_of
+
+    if arguments.estimator is not None:
+        return (arguments.estimator,)
+    harmonic = circles(case.fitted) is not None
+    return tuple(name for name in estimators_of(case) if harmonic or name not in HARMONIC)
+
+
+def _describe_paper(parser: argparse.ArgumentParser) -> None:
+    """Describe `tumble plan paper` to argparse."""
+    parser.description = "Tables 1 to 5 and formulas (6), (18) and (19) of the paper, computed again and compared."
+    options.refuse_model(parser, "the paper's model has twelve coefficients; further terms are for other plans")
+
+
+def run_paper(arguments: argparse.Namespace) -> int:
+    """Compute and print."""
+    from tumble.planning.paper import document, show
+
+    if arguments.json:
+        write_json(document())
+    else:
+        show()
+    return EXIT_PASS
+
+
+_SUBJECTS: dict[str, tuple[str, Callable[[argparse.ArgumentParser], None], Callable[[argparse.Namespace], int]]] = {
+    "budget": (
+        "error budget: contributions of every source to every coefficient, and their sum",
+        _describe_budget,
+        run_budget,
+    ),
+    "require": (
+        "requirements: how bad each source may be for a limit of the gravity check",
+        _describe_require,
+        run_require,
+    ),
+    "optimize": ("the weights that are best for a stand: a gain table for `optimal`", _describe_optimize, run_optimize),
+    "schedule": (
+        "the quickest schedule: mountings, table angles and samples for a limit",
+        _describe_schedule,
+        run_schedule,
+    ),
+    "validate": ("Monte Carlo: thousands of simulated runs against what they claim", _describe_validate, run_validate),
+    "paper": ("the paper, audited: its tables and formulas beside what they should be", _describe_paper, run_paper),
+}

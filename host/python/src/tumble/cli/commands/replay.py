@@ -6,20 +6,20 @@ import argparse
 import sys
 from typing import Any
 
-from tumble.cli.options import Subparsers, add_firmware, add_json
+from tumble.cli import options
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BenchFault, UsageError
 from tumble.estimators import COEFFICIENTS
 
 
-def add_to(subparsers: Subparsers, about: str) -> None:
+def describe(parser: argparse.ArgumentParser) -> None:
     """Describe the command to argparse."""
-    parser = subparsers.add_parser(
-        "replay",
-        help=about,
-        description="Feed a recorded bus log, in order and at its recorded times, to the firmware of node 1 and ignore"
-        " what it sends: the coefficients come out with the same bits as in the run, on every processor.",
-        epilog="Exit codes: 0 pass, 1 gravity check failed, 2 bad input, 3 the run does not come to a result, 77 the"
-        " emulator or what reads such logs is not there, 130 interrupted.",
+    parser.description = (
+        "Feed a recorded bus log, in order and at its recorded times, to the firmware of node 1 and ignore"
+        " what it sends: the coefficients come out with the same bits as in the run, on every processor."
+    )
+    parser.epilog = (
+        "Exit codes: 0 pass, 1 gravity check failed, 2 bad input, 3 the run does not come to a result, 77 the"
+        " emulator or what reads such logs is not there, 130 interrupted."
     )
     parser.add_argument(
         "log",
@@ -27,7 +27,7 @@ def add_to(subparsers: Subparsers, about: str) -> None:
         nargs="?",
         help="of a run folder or of any interface: candump -L, ASC, BLF, TRC, MF4, CSV of python-can",
     )
-    add_firmware(parser)
+    options.add(parser, "--firmware")
     parser.add_argument(
         "--scenario",
         metavar="FILE",
@@ -41,7 +41,7 @@ def add_to(subparsers: Subparsers, about: str) -> None:
         metavar="FILE",
         help="replay nothing: write the record that tells the board zcu102 of the stand and block of --scenario",
     )
-    add_json(parser)
+    options.add(parser, "--json")
     parser.set_defaults(run_command=run)
 
 

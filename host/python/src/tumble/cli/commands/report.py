@@ -6,20 +6,18 @@ import argparse
 import sys
 from dataclasses import replace
 
-from tumble.cli import layout_options
-from tumble.cli.options import Subparsers
+from tumble.cli import options
 from tumble.errors import EXIT_PASS, UsageError
 
 
-def add_to(subparsers: Subparsers, about: str) -> None:
+def describe(parser: argparse.ArgumentParser) -> None:
     """Describe the command to argparse."""
-    parser = subparsers.add_parser(
-        "report",
-        help=about,
-        description="Write a calibration report on a result, with what ISO/IEC 17025 asks of one: one HTML file that"
-        " needs no other, or the same as PDF.",
-        epilog="Exit codes: 0 done, also of a result that failed; 2 bad input; 77 a package is missing; 130"
-        " interrupted.",
+    parser.description = (
+        "Write a calibration report on a result, with what ISO/IEC 17025 asks of one: one HTML file that"
+        " needs no other, or the same as PDF."
+    )
+    parser.epilog = (
+        "Exit codes: 0 done, also of a result that failed; 2 bad input; 77 a package is missing; 130 interrupted."
     )
     parser.add_argument("result", metavar="RESULT.json", help="a result of tumble solve or tumble bench")
     parser.add_argument(
@@ -31,7 +29,7 @@ def add_to(subparsers: Subparsers, about: str) -> None:
     parser.add_argument("--number", metavar="TEXT", help="of the report; default: by the result's date and content")
     parser.add_argument("--issued", metavar="DATE", help="of issue, such as 2026-11-28; default: today's (UTC)")
     parser.add_argument("--since", metavar="OLD.json", help="an earlier result of the block: has it changed since?")
-    layout_options.add_layout(parser, "run file")
+    options.add_layout(parser, "run file")
     parser.set_defaults(run_command=run)
 
 
@@ -50,7 +48,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.files.run_layout import COLUMNS
 
     _require_run_for_its_layout(arguments)
-    wishes = layout_options.wishes(arguments, COLUMNS)
+    wishes = options.wishes(arguments, COLUMNS)
     inputs = arguments.result, arguments.run, arguments.template, arguments.logo, arguments.since
     refuse_overwriting(arguments.out, *inputs)
     result = load(arguments.result)

@@ -6,7 +6,7 @@ import argparse
 import os
 from typing import TYPE_CHECKING
 
-from tumble.cli import layout_options, options, working
+from tumble.cli import options
 from tumble.defaults import NEEDS_STAND
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
 from tumble.estimators import OPTIMAL
@@ -19,27 +19,23 @@ if TYPE_CHECKING:
 FEWEST_SIMULATED, MOST_SIMULATED = 1000, 1_000_000
 
 
-def add_to(subparsers: options.Subparsers, about: str) -> None:
+def describe(parser: argparse.ArgumentParser) -> None:
     """Describe the command to argparse."""
-    parser = subparsers.add_parser(
-        "solve",
-        help=about,
-        description="Solve a recorded run: the firmware's code computes, an independent numpy computation confirms.",
-        epilog="Exit codes: 0 pass, 1 gravity check failed, the run does not fit its stand, or its uncertainty does not"
-        " show the limit (NOT SHOWN), 2 bad input, 3 core and numpy disagree, 130 interrupted.",
+    parser.description = (
+        "Solve a recorded run: the firmware's code computes, an independent numpy computation confirms."
+    )
+    parser.epilog = (
+        "Exit codes: 0 pass, 1 gravity check failed, the run does not fit its stand, or its uncertainty does not"
+        " show the limit (NOT SHOWN), 2 bad input, 3 core and numpy disagree, 130 interrupted."
     )
     parser.add_argument(
         "run",
         metavar="RUN.csv",
         help="run file with columns mounting,position,ux,uy,uz, also compressed by gzip or zstd; - for standard input",
     )
-    options.add_estimator(parser, "; optimal needs --stand")
+    options.add(parser, "--estimator", remark="; optimal needs --stand")
     parser.add_argument("--stand", metavar="FILE", help="stand file (TOML): gives the uncertainties")
-    options.add_schedule(parser)
-    options.add_model(parser)
-    options.add_limit(parser)
-    options.add_confidence(parser)
-    options.add_json(parser)
+    options.add(parser, "--schedule", "--model", "--limit", "--confidence", "--json")
     parser.add_argument("--out", metavar="RESULT.json", help="write the result to a file as well")
     parser.add_argument(
         "--monte-carlo",
@@ -48,8 +44,8 @@ def add_to(subparsers: options.Subparsers, about: str) -> None:
         " decide nearly all); 1000 to 1000000; needs --stand",
     )
     parser.add_argument("--seed", metavar="N", help="of --monte-carlo, 0 to 2^64 - 1; default: 1")
-    working.add_workers(parser.add_argument_group("who does --monte-carlo"))
-    layout_options.add_layout(parser, "run file")
+    options.add(parser.add_argument_group("who does --monte-carlo"), *options.WORKERS)
+    options.add_layout(parser, "run file")
     parser.set_defaults(run_command=run)
 
 
@@ -69,7 +65,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.files.run_layout import COLUMNS, TEMPERATURE
     from tumble.solving.decision import decide
 
-    recording = recording_of(arguments.run, layout_options.wishes(arguments, (*COLUMNS, TEMPERATURE)))
+    recording = recording_of(arguments.run, options.wishes(arguments, (*COLUMNS, TEMPERATURE)))
     refuse_overwriting(arguments.out, arguments.run, arguments.stand, file_of(arguments.schedule))
     options.require_ending(arguments.out, "--out", ".json")
     found = solved(
@@ -109,7 +105,7 @@ def _simulated(arguments: argparse.Namespace, solution: Solution, runs: int, see
     """With its Monte Carlo, by whoever is to do it. Raises TumbleError."""
     depends = {"seed": seed, **solution.drawn_from}
     with (
-        working.team_of(arguments, "solve --monte-carlo", **depends) as team,
-        working.progress_bar("simulating", runs) as progress,
+        options.team_of(arguments, "solve --monte-carlo", **depends) as team,
+        options.progress_bar("simulating", runs) as progress,
     ):
         return solution.simulated(runs, seed, team, progress)

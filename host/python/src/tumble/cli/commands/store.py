@@ -5,25 +5,25 @@ from __future__ import annotations
 import argparse
 import sys
 
-from tumble.cli.options import Subparsers, add_json, add_subjects, parse_whole
+from tumble.cli import options
 from tumble.errors import EXIT_PASS
 
 _LARGEST_SECTOR = 1 << 24
 
 
-def add_to(subparsers: Subparsers, about: str) -> None:
+def describe(parser: argparse.ArgumentParser) -> None:
     """Describe the command to argparse."""
-    subjects = add_subjects(subparsers, "store", about)
-    parser = subjects.add_parser(
+    subjects = parser.add_subparsers(metavar="SUBJECT", required=True)
+    subject = subjects.add_parser(
         "dump",
         help="what an image of the memory holds",
         description="Which set of coefficients is active, what else an image of the memory holds, and what is torn.",
         epilog="Exit codes: 0 done, 2 bad input, 130 interrupted.",
     )
-    parser.add_argument("image", metavar="IMAGE", help="the memory's bytes from its first sector on")
-    parser.add_argument("--sector", metavar="BYTES", help="size of a sector; default: 4096, the least")
-    add_json(parser)
-    parser.set_defaults(run_command=dump)
+    subject.add_argument("image", metavar="IMAGE", help="the memory's bytes from its first sector on")
+    subject.add_argument("--sector", metavar="BYTES", help="size of a sector; default: 4096, the least")
+    options.add(subject, "--json")
+    subject.set_defaults(run_command=dump)
 
 
 def dump(arguments: argparse.Namespace) -> int:
@@ -35,7 +35,7 @@ def dump(arguments: argparse.Namespace) -> int:
 
     sector = MIN_SECTOR
     if arguments.sector is not None:
-        sector = parse_whole(arguments.sector, "--sector", MIN_SECTOR, _LARGEST_SECTOR)
+        sector = options.parse_whole(arguments.sector, "--sector", MIN_SECTOR, _LARGEST_SECTOR)
     found = read_image(read_bytes(arguments.image), sector, arguments.image)
     sys.stdout.write(to_json(document(found)) if arguments.json else "\n".join([*describe(found), ""]))
     return EXIT_PASS

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import argparse
 
-from tumble.cli.options import Subparsers
 
-
-def add_to(subparsers: Subparsers, about: str) -> None:
+def describe(parser: argparse.ArgumentParser) -> None:
     """Describe the command to argparse."""
-    parser = subparsers.add_parser(
-        "uml",
-        usage="%(prog)s [-h] [-- COMMAND ...]",
-        help=about,
-        description="Run a command inside user-mode Linux, a kernel as an ordinary process, where vcan0 is up. It may"
+    parser.usage = "%(prog)s [-h] [-- COMMAND ...]"
+    parser.description = (
+        "Run a command inside user-mode Linux, a kernel as an ordinary process, where vcan0 is up. It may"
         " write in the directory it is called in, in the checkout, and in a TMPDIR that is gone afterwards; it has no"
-        " other network than vcan0 and 127.0.0.1. All that it started ends with it.",
-        epilog="Exit codes: the command's; 3 user-mode Linux does not start or hangs, 77 it is not installed, 130"
-        " interrupted.",
+        " other network than vcan0 and 127.0.0.1. All that it started ends with it."
+    )
+    parser.epilog = (
+        "Exit codes: the command's; 3 user-mode Linux does not start or hangs, 77 it is not installed, 130 interrupted."
     )
     parser.add_argument("words", metavar="COMMAND ...", nargs=argparse.REMAINDER, help="default: a shell")
     parser.set_defaults(run_command=run)

@@ -26,17 +26,19 @@ _PACES = 1e-3, 1e6
 _LOOK_S = 0.1
 
 
-def add_to(subparsers: options.Subparsers, about: str) -> None:
+def describe(parser: argparse.ArgumentParser) -> None:
     """Describe the command to argparse."""
-    parser = subparsers.add_parser(
-        "watch",
-        usage="%(prog)s [-h] SOURCE [--http [HOST:PORT]] [--every S] [--json]\n"
-        "       %(prog)s [-h] bench [--http [HOST:PORT]] [--pace X] [bench options]",
-        help=about,
-        description="Show a run as it goes: state, reason and remedy, table angle, running mean and its standard error,"
-        " coefficients, gravity check. Reads only; commands nothing.",
-        epilog="Exit codes: 0 the run is over; 2 bad usage or input; 3 (--json) the source does not answer; 77 a"
-        " package is missing, or this kernel has no CAN; 130 ended by Ctrl-C. Of bench: those of tumble bench.",
+    parser.usage = (
+        "%(prog)s [-h] SOURCE [--http [HOST:PORT]] [--every S] [--json]\n"
+        "       %(prog)s [-h] bench [--http [HOST:PORT]] [--pace X] [bench options]"
+    )
+    parser.description = (
+        "Show a run as it goes: state, reason and remedy, table angle, running mean and its standard error,"
+        " coefficients, gravity check. Reads only; commands nothing."
+    )
+    parser.epilog = (
+        "Exit codes: 0 the run is over; 2 bad usage or input; 3 (--json) the source does not answer; 77 a"
+        " package is missing, or this kernel has no CAN; 130 ended by Ctrl-C. Of bench: those of tumble bench."
     )
     parser.add_argument(
         "source",
@@ -60,7 +62,7 @@ def add_to(subparsers: options.Subparsers, about: str) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Look on until the run is over, or for ever. Returns the exit code; raises TumbleError."""
-    every_s = _within(arguments.every, "--every", _FASTEST_S, _SLOWEST_S)
+    every_s = options.parse_number(arguments.every, "--every", _FASTEST_S, _SLOWEST_S)
     address = None if arguments.http is None else _address(arguments.http)
     if address is not None:
         _require_server()
@@ -74,13 +76,6 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.json:
         return _print_once(source, arguments.source)
     return _follow(source, arguments.source, every_s, address)
-
-
-def _within(text: str, option: str, low: float, high: float) -> float:
-    value = options.parse_number(text)
-    if not low <= value <= high:
-        raise UsageError(f"{option}: {quoted(text)} is not a number from {low:g} to {high:g}")
-    return value
 
 
 def _address(text: str) -> tuple[str, int]:
@@ -166,7 +161,7 @@ def _pace(arguments: argparse.Namespace) -> float:
         raise UsageError("--interactive: who watches commands nothing; tumble bench --interactive asks")
     if arguments.pace is not None and arguments.bus != realbus.INPROCESS:
         raise UsageError("--pace: on a real bus a run goes in real time")
-    return 1.0 if arguments.pace is None else _within(arguments.pace, "--pace", *_PACES)
+    return 1.0 if arguments.pace is None else options.parse_number(arguments.pace, "--pace", *_PACES)
 
 
 def _until_interrupted() -> None:
