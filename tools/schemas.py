@@ -40,6 +40,7 @@ _MORE: dict[str, dict[str, Any]] = {
 }
 _WRITTEN = {  # by type: keys that are always there, though a reader does without
     "Result": "schema units stand_seen intrinsic reference means counters item environment",
+    "Si": "u_K u_bias",
     "Verification": "delta_g_g max_abs_delta_g_fit_g max_abs_delta_g_check_g closure residual_rms",
 }
 _PATTERNS = [one.name for one in PATTERNS]

@@ -14,7 +14,7 @@ from documents import NO_GRAVITY, paper_stand, valid
 from hypothesis import given, settings, strategies as st
 
 from tumble.estimators import COEFFICIENTS
-from tumble.solving.coefficients import converted
+from tumble.solving.coefficients import POWERS_OF_TWELVE, covariance_in_si, si_of
 
 pytestmark = pytest.mark.python
 G, U_G = 9.8106, 2e-3
@@ -81,11 +81,14 @@ def test_they_follow_by_differences(seed):
     whole = np.zeros((13, 13))
     whole[:12, :12], whole[12, 12] = covariance, u_gravity**2
     expected = jacobian @ whole @ jacobian.T
-    found = converted(k, u0, covariance, G, u_gravity)
+    environment = {"gravity_m_s2": G, "u_gravity_m_s2": u_gravity}
+    found = si_of(k, u0, covariance, environment, "V")
+    joint = covariance_in_si(at[:12], POWERS_OF_TWELVE, covariance, G, u_gravity)
     scale = np.sqrt(np.diag(expected))
-    assert found.covariance / np.outer(scale, scale)[:12, :12] == pytest.approx(
+    assert joint / np.outer(scale, scale)[:12, :12] == pytest.approx(
         expected[:12, :12] / np.outer(scale, scale)[:12, :12], abs=1e-6
     )
+    assert found.u_K.ravel() == pytest.approx(scale[:9], rel=1e-6)
     assert found.u_bias == pytest.approx(scale[12:], rel=1e-6)
 
 

@@ -487,11 +487,11 @@ class Si(Document, kw_only=True):
     u_gravity_m_s2: Size | None
     units: SiUnits
     K: Matrix
-    u_K: SizeMatrix | None
+    u_K: SizeMatrix | None = None
     scale: Vector | None = None
     u_scale: Sizes | None = None
     bias: Vector
-    u_bias: Sizes | None
+    u_bias: Sizes | None = None
 
 
 class Reference(Document):

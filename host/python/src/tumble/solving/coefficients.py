@@ -23,40 +23,6 @@ from tumble.units import per_g, per_m_s2
 POWERS_OF_TWELVE = np.repeat([1.0, 0.0], [9, 3])  # of the gravity in their units
 
 
-@dataclass(frozen=True)
-class SiCoefficients:
-    """`k` (3, 3) in the outputs' unit per m/s^2, `scale` (3,) the lengths of its rows, `bias` (3,): U0 over the length
-    of its row, in m/s^2; `covariance` (12, 12) of K row by row and U0, `u_scale`, `u_bias` (3,), None where the
-    coefficients' or gravity's uncertainty is unknown."""
-
-    k: Floats
-    scale: Floats
-    bias: Floats
-    covariance: Floats | None
-    u_scale: Floats | None
-    u_bias: Floats | None
-
-    @property
-    def u_k(self) -> Floats | None:
-        """Standard uncertainties of `k` (3, 3)."""
-        return None if self.covariance is None else np.sqrt(np.diag(self.covariance)[:9]).reshape(3, 3)
-
-
-def converted(
-    k: Floats, u0: Floats, covariance: Floats | None, gravity: float, u_gravity: float | None
-) -> SiCoefficients:
-    """Coefficients that were found in g; `gravity` in m/s^2 with its standard uncertainty, None where unknown."""
-    scale = np.linalg.norm(k, axis=1)
-    bias = u0 / scale
-    if covariance is None or u_gravity is None:
-        return SiCoefficients(k / gravity, scale / gravity, bias * gravity, None, None, None)
-    in_si = covariance_in_si(np.concatenate([k.ravel(), u0]), POWERS_OF_TWELVE, covariance, gravity, u_gravity)
-    of_scale, _, of_bias = np.split(variances(by_intrinsic(k, u0), covariance), 3)
-    u_scale = np.sqrt(of_scale + (scale * u_gravity / gravity) ** 2) / gravity
-    u_bias = np.sqrt(of_bias * gravity**2 + (bias * u_gravity) ** 2)
-    return SiCoefficients(k / gravity, scale / gravity, bias * gravity, in_si, u_scale, u_bias)
-
-
 def covariance_in_si(values: Floats, powers: Floats, covariance: Floats, gravity: float, u_gravity: float) -> Floats:
     """Covariance of `values` over these powers of gravity; that in g is `covariance`."""
     factor = gravity**-powers
@@ -66,22 +32,27 @@ def covariance_in_si(values: Floats, powers: Floats, covariance: Floats, gravity
 
 
 def si_of(k: Floats, u0: Floats, covariance: Floats | None, environment: dict[str, Any] | None, unit: str) -> Si | None:
-    """As it stands in a result; None where the environment names no gravity."""
+    """As it stands in a result, of coefficients that were found in g; None where the environment names no gravity."""
     gravity, u_gravity = gravity_of(environment)
     if gravity is None:
         return None
-    found = converted(k, u0, covariance, gravity, u_gravity)
-    return Si(
+    scale = np.linalg.norm(k, axis=1)
+    bias = u0 / scale
+    found = Si(
         gravity_m_s2=gravity,
         u_gravity_m_s2=u_gravity,
         units=SiUnits(per_m_s2(unit), "m/s^2"),
-        K=found.k,
-        u_K=found.u_k,
-        scale=found.scale,
-        u_scale=found.u_scale,
-        bias=found.bias,
-        u_bias=found.u_bias,
+        K=k / gravity,
+        scale=scale / gravity,
+        bias=bias * gravity,
     )
+    if covariance is not None and u_gravity is not None:
+        in_si = covariance_in_si(np.concatenate([k.ravel(), u0]), POWERS_OF_TWELVE, covariance, gravity, u_gravity)
+        of_scale, _, of_bias = np.split(variances(by_intrinsic(k, u0), covariance), 3)
+        found.u_K = np.sqrt(np.diag(in_si)[:9]).reshape(3, 3)
+        found.u_scale = np.sqrt(of_scale + (scale * u_gravity / gravity) ** 2) / gravity
+        found.u_bias = np.sqrt(of_bias * gravity**2 + (bias * u_gravity) ** 2)
+    return found
 
 
 def gravity_of(environment: dict[str, Any] | None) -> tuple[float | None, float | None]:
