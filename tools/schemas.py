@@ -21,6 +21,7 @@ from msgspec import inspect
 
 from tumble.data import SCHEMAS
 from tumble.documents.base import LARGEST, ONLY, Document, array_schema
+from tumble.documents.plan import PLAN, Plan
 from tumble.documents.result import RESULT, Result
 from tumble.estimators import ESTIMATORS
 from tumble.model.explanations import DOUBTS
@@ -30,7 +31,8 @@ from tumble.solving.noise import CORRELATED
 from tumble.stand import SOURCES
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
-DOCUMENTS: dict[str, tuple[type[Document], str]] = {  # by schema: its type and its title
+DOCUMENTS: dict[str, tuple[type[Document], str]] = {  # by schema: its type, or what its kinds derive from; its title
+    PLAN: (Plan, "what a stand is worth before a run"),
     RESULT: (Result, "the outcome of one calibration"),
 }
 _BENCH = ("bus", "firmware", "truth")  # keys of a run on the bench, all or none
@@ -53,10 +55,11 @@ def schema(name: str) -> dict[str, Any]:
     """Of the documents that call themselves `name`."""
     kind, title = DOCUMENTS[name]
     writer = _Writer()
-    made = inspect.type_info(kind)
-    assert isinstance(made, inspect.StructType)
-    own = writer.object_of(made, name)
     head = {"$schema": DRAFT, "$id": SCHEMAS + name, "title": f"{name}: {title}"}
+    if kinds := kind.__subclasses__():
+        own = {"description": _told(kind)[0], "oneOf": [writer.object_of(inspect.type_info(one)) for one in kinds]}
+    else:
+        own = writer.object_of(inspect.type_info(kind))
     return {**head, **own, **_MORE.get(name, {}), "$defs": dict(sorted(writer.parts.items()))}
 
 
@@ -66,9 +69,10 @@ def keys(kind: type[Document]) -> dict[str, str]:
 
 
 def _told(kind: type[Any]) -> tuple[str, dict[str, str]]:
-    """What the docstring says: of the type, and of its keys."""
+    """What the docstring says: of the type, and of its keys, also of those that it has from another type."""
     encoded = dict(zip(kind.__struct_fields__, kind.__struct_encode_fields__))
-    lead, named = [], {}
+    lead: list[str] = []
+    named = _told(kind.__base__)[1] if issubclass(kind.__base__, Document) else {}
     for paragraph in re.split(r"\n(?=\S)", cleandoc(kind.__doc__ or "")):
         key, colon, text = " ".join(paragraph.split()).partition(": ")
         if colon and key in encoded:
@@ -84,19 +88,22 @@ class _Writer:
     def __init__(self) -> None:
         self.parts: dict[str, Any] = {}
 
-    def object_of(self, kind: inspect.StructType, name: str = "") -> dict[str, Any]:
-        """A type of documents."""
+    def object_of(self, kind: inspect.Type) -> dict[str, Any]:
+        """A type of documents. A key with one text that it always has must be there."""
+        assert isinstance(kind, inspect.StructType)
         own = get_origin(kind.cls) or kind.cls
-        (about, of_keys), properties = _told(own), {}
+        (about, of_keys), properties, required = _told(own), {}, []
         for field in kind.fields:
             key = field.encode_name
             made = self.value(field.type)
+            fixed = made.get("enum") == [field.default]
+            if fixed:
+                made = {"const": field.default}
+            if fixed or field.required:
+                required.append(key)
             if (names := _NAMES.get((own.__name__, key))) is not None:
                 made = _one_of(made, list(names))
             properties[key] = ({"description": of_keys[key]} if key in of_keys else {}) | made
-        if name:
-            properties["schema"] = {"const": name}
-        required = [field.encode_name for field in kind.fields if field.required or field.encode_name == "schema"]
         listed = {"properties": properties, "required": required, "additionalProperties": False}
         return ({"description": about} if about else {}) | {"type": "object"} | listed
 
@@ -149,8 +156,9 @@ class _Writer:
 
     def _table(self, kind: inspect.DictType) -> dict[str, Any]:
         names = self.value(kind.key_type)
-        limited = {"propertyNames": names} if len(names) > 1 else {}
-        return {"type": "object", **limited, "additionalProperties": self.value(kind.value_type)}
+        limited = {} if names == {"type": "string"} else {"propertyNames": names}
+        limits = {"minProperties": kind.min_length, "additionalProperties": self.value(kind.value_type)}
+        return {**_with("object", limited), **_with("object", limits)}
 
     @staticmethod
     def _any_of(made: list[dict[str, Any]]) -> dict[str, Any]:

@@ -32,11 +32,11 @@ def test_those_of_types_are_what_the_types_make(tmp_path):
 
 def test_every_name_that_the_sources_write_has_one_and_no_other():
     """In C and in Python; a document says its name under "schema"."""
-    written = set()
+    written, name = set(), re.compile(r'(?:"schema"[,:] |[A-Z]+(?:: Final)? = )"(tumble\.\w+/\d+)"')
     for folder in SOURCES:
         for path in (ROOT / folder).rglob("*"):
             if path.suffix in (".c", ".py"):
-                written |= set(re.findall(r'(?:"schema"[,:] |[A-Z]+ = )"(tumble\.\w+/\d+)"', path.read_text()))
+                written |= set(name.findall(path.read_text()))
     assert written == {f"tumble.{kind}/1" for kind in KINDS}
 
 

@@ -13,14 +13,18 @@ from typing import Any
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.model import reliability
+from tumble.documents import plan, result
+from tumble.documents.base import part
+from tumble.documents.plan import Promise
+from tumble.documents.result import Unseen
 from tumble.model.errors import OF_OUTPUTS
-from tumble.model.reliability import Reliability
+from tumble.model.reliability import Reliability, largest
 from tumble.model.second_order import SecondOrder, second_order
 from tumble.planning import weights
-from tumble.planning.case import SCHEMA, Case
-from tumble.planning.promise import Promise
+from tumble.planning.case import Case
+from tumble.planning.model_cost import model_cost_part
 from tumble.planning.published import NAMES, SOURCES
+from tumble.solving.further import Further
 from tumble.solving.many_runs import estimator_or_linear
 from tumble.stand import SIGMA, SOURCES as DECLARED
 
@@ -63,14 +67,13 @@ def by_key(case: Case, names: tuple[str, ...], sizes: Floats) -> dict[str, Any]:
     return {key: sized(case, name, size) for key, name, size in zip(size_keys(names), names, sizes.tolist())}
 
 
-def sized(case: Case, name: str, size: float) -> float | list[float] | None:
+def sized(case: Case, name: str, size: float) -> float | tuple[float, ...] | None:
     """One of them."""
     if not np.isfinite(size):
         return None
     if name not in OF_OUTPUTS or not _differs(case, name):
         return size
-    of_each: list[float] = (size * case.stand.profile(name)).tolist()
-    return of_each
+    return tuple((size * case.stand.profile(name)).tolist())
 
 
 def _differs(case: Case, name: str) -> bool:
@@ -115,34 +118,40 @@ def budget(case: Case, which: str, estimator: str) -> Budget:
     return Budget(which, estimator, sources(case, published), found, terms, reference, beyond)
 
 
-def document(found: Budget, case: Case, promised: Promise | None, unseen: Reliability | None) -> dict[str, Any]:
-    """The budget for JSON, schema tumble.plan/1. The paper's weights promise nothing."""
+def document(
+    found: Budget, case: Case, promised: Promise | None, unseen: Reliability | None, further: Further | None
+) -> plan.Budget:
+    """For JSON. The paper's weights promise nothing."""
     total, absolute = found.total, found.total * found.reference
-    matrix = [[known(value) for value in row] for row in total[:9].reshape(3, 3)]
-    return {
-        "schema": SCHEMA,
-        "plan": "budget",
-        "weights": found.weights,
-        "estimator": found.estimator,
-        "numbers": numbers_are(found.weights),
-        "block": {"scale_v_per_g": case.scale, "misalignment_rad": case.misalignment},
-        "sources": {**by_key(case, found.sources, found.sizes), "samples": case.stand.samples},
-        "u_K_relative": matrix,
-        "u_a0_g": total[9:].tolist(),
-        "u_K": [[known(value) for value in row] for row in absolute[:9].reshape(3, 3)],
-        "u_U0": absolute[9:].tolist(),
-        "terms": {name: [known(value) for value in row] for name, row in zip(NAMES, found.terms)},
-        "second_order": found.second_order.document(),
-        "promise": None if promised is None else promised.document(),
-        **reliability.documents(unseen),
-    }
+    return plan.Budget(
+        weights=found.weights,
+        estimator=found.estimator,
+        numbers=numbers_are(found.weights),
+        block=case.block,
+        sources=plan.MeanSizes(**by_key(case, found.sources, found.sizes), samples=case.stand.samples),
+        u_K_relative=known(total[:9].reshape(3, 3)),
+        u_a0_g=total[9:],
+        u_K=known(absolute[:9].reshape(3, 3)),
+        u_U0=absolute[9:],
+        terms=dict(zip(NAMES, known(found.terms))),
+        second_order=part(result.SecondOrder, found.second_order.document()),
+        promise=promised,
+        reliability=unseen_parts(unseen),
+        reliability_norm_g=None if unseen is None else largest(unseen),
+        extended=model_cost_part(further),
+    )
 
 
-def numbers_are(which: str) -> str:
+def unseen_parts(found: Reliability | None) -> tuple[Unseen, ...] | None:
+    """What no run shows, as part of a plan."""
+    return None if found is None else tuple(part(Unseen, one.document()) for one in found)
+
+
+def numbers_are(which: str) -> plan.Numbers:
     """What the numbers of a plan mean."""
     return "standard deviations" if which == "derived" else "as declared"
 
 
-def known(value: float) -> float | None:
-    """A number for JSON: null for one that does not exist."""
-    return None if np.isnan(value) else float(value)
+def known(values: Floats) -> Any:
+    """A table of numbers for JSON: null for one that does not exist."""
+    return tuple(tuple(None if np.isnan(value) else value for value in row) for row in values.tolist())

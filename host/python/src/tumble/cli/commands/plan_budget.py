@@ -17,10 +17,10 @@ from tumble.cli.options import Subparsers
 from tumble.errors import EXIT_PASS
 
 if TYPE_CHECKING:
+    from tumble.documents.plan import Promise
     from tumble.model.reliability import Reliability
     from tumble.planning.budget import Budget
     from tumble.planning.case import Case
-    from tumble.planning.promise import Promise
     from tumble.solving.further import Further
 
 
@@ -50,7 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
     unseen = case.reliability(arguments.estimator) if derived else None
     further = model_cost.model_cost(case, arguments.estimator)
     if arguments.json:
-        write_json({**document(found, case, promised, unseen), **model_cost.document(further)})
+        write_json(document(found, case, promised, unseen, further))
     else:
         _show(found, case, promised, unseen, further)
     return EXIT_PASS
@@ -62,6 +62,7 @@ def _show(
     from tumble.model import reliability
     from tumble.planning import model_cost, tables
     from tumble.planning.budget import ALPHAS, notes, numbers_are, unit
+    from tumble.planning.promise import sentence
     from tumble.planning.published import NAMES
 
     out = tables.console()
@@ -80,7 +81,7 @@ def _show(
     for note in notes(case):
         out.print(note)
     if promised is not None:
-        out.print(promised.sentence)
+        out.print(sentence(promised))
     for line in [] if unseen is None else reliability.lines(unseen):
         out.print(line)
     model_cost.show(out, further)

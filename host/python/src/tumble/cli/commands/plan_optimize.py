@@ -7,7 +7,7 @@ checks it, as the firmware does not know which block is mounted.
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from tumble.cli.commands.plan_options import add_case_options, add_subject, read_case, write_json
 from tumble.cli.options import Subparsers, refuse_model
@@ -17,6 +17,7 @@ from tumble.schedule import file_of
 
 if TYPE_CHECKING:
     from tumble.arrays import Floats
+    from tumble.documents.plan import Optimize
     from tumble.planning.optimize import Optimized
 
 
@@ -72,6 +73,7 @@ def _show(found: Optimized) -> None:
     import numpy as np
 
     from tumble.planning import tables
+    from tumble.planning.promise import sentence
     from tumble.stand import per_channel
 
     out, record = tables.console(), found.record
@@ -89,7 +91,7 @@ def _show(found: Optimized) -> None:
     out.print(tables.table(headings, rows, left=(0, 1)))
     if (note := found.case.rounding_sentence) is not None:
         out.print(note)
-    out.print(found.promise.sentence)
+    out.print(sentence(found.promise))
     if found.table.floored:
         out.print("Beware: the stand declares no noise; weights for 1e-9 g of it mean little.", style="yellow")
     for complaint in found.second_order.complaints:
@@ -105,8 +107,8 @@ def _kind(out: str | None) -> str | None:
     return kind
 
 
-def _content(kind: str, found: Optimized, document: dict[str, Any]) -> bytes:
-    from tumble.files.documents import to_json
+def _content(kind: str, found: Optimized, document: Optimize) -> bytes:
+    from tumble.documents.base import to_json
     from tumble.solving import optimal_run
 
     if kind == ".bin":

@@ -21,6 +21,7 @@ from tumble.errors import UsageError, quoted
 from tumble.terms import parse
 
 if TYPE_CHECKING:
+    from tumble.documents.plan import Plan
     from tumble.planning.case import Case
     from tumble.terms import Terms
 
@@ -122,10 +123,10 @@ def parse_positive(text: str, option: str) -> float:
     return value
 
 
-def write_json(document: dict[str, Any]) -> None:
+def write_json(plan: Plan) -> None:
     """Print a plan as JSON."""
     import sys
 
-    from tumble.files.documents import to_json
+    from tumble.documents.base import to_json
 
-    sys.stdout.write(to_json(document))
+    sys.stdout.write(to_json(plan))

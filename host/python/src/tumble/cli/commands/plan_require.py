@@ -53,6 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
     split = _split(arguments.split, case, arguments.weights == "published")
 
     from tumble.planning import model_cost, tables
+    from tumble.planning.promise import promises
     from tumble.planning.require import enough, headroom, margins, requirements
     from tumble.planning.requirement_report import document, show
 
@@ -60,11 +61,13 @@ def run(arguments: argparse.Namespace) -> int:
     room = headroom(case, arguments.weights, arguments.estimator, limit_g)
     derived = arguments.weights == "derived"
     of_all = margins(case, limit_g) if derived else {arguments.estimator: room.margin}
+    promised = promises(case, probability) if derived else None
     just = enough(case, arguments.estimator, found.limits, probability) if derived else None
-    plan = document(found, room, of_all, just, case, arguments.weights, arguments.estimator, limit_g, split)
+    asked = arguments.weights, arguments.estimator, limit_g, split, probability
     further = model_cost.model_cost(case, arguments.estimator)
+    plan = document(found, room, of_all, just, promised, case, *asked, further)
     if arguments.json:
-        write_json({**plan, **model_cost.document(further)})
+        write_json(plan)
     else:
         show(plan, case)
         if further is not None:

@@ -73,14 +73,14 @@ def run(arguments: argparse.Namespace) -> int:
     depends = {"case": case, "estimators": estimators, "seed": seed, "table": arguments.table}
     with team_of(arguments, "plan validate", **depends) as team, progress_bar("simulating", runs) as progress:
         found = validate(case, estimators, runs, seed, arguments.table, progress, team)
-    judged = [(one, judge(one)) for one in found]
+    plan = document(case, {one.estimator: judge(one) for one in found}, runs, seed, arguments.table)
     if arguments.plot is not None:
         write_text(arguments.plot, svg(histograms(found, f"{case.stand.name}: error over stated u, {runs} runs")))
     if arguments.json:
-        write_json(document(case, judged, seed, arguments.table))
+        write_json(plan)
     else:
-        show(case, judged, seed)
-    return EXIT_LIMITS_FAILED if any(one.outside for _, one in judged) else EXIT_PASS
+        show(plan)
+    return EXIT_PASS if plan.passed else EXIT_LIMITS_FAILED
 
 
 def _estimators(arguments: argparse.Namespace, case: Case) -> tuple[str, ...]:
