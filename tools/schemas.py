@@ -22,6 +22,7 @@ from msgspec import inspect
 
 from tumble.data import SCHEMAS
 from tumble.documents.base import LARGEST, ONLY, Document, array_schema, described
+from tumble.documents.plan import PLAN, Plan
 from tumble.documents.result import RESULT, Result
 from tumble.estimators import ESTIMATORS
 from tumble.model.fit import DOUBTS
@@ -31,7 +32,8 @@ from tumble.solving.noise import CORRELATED
 from tumble.stand import SOURCES
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
-DOCUMENTS: dict[str, tuple[type[Document], str]] = {  # by schema: its type and its title
+DOCUMENTS: dict[str, tuple[type[Document], str]] = {  # by schema: its type, or what its kinds derive from; title
+    PLAN: (Plan, "what a stand is worth before a run"),
     RESULT: (Result, "the outcome of one calibration"),
 }
 _BENCH = ("bus", "firmware", "truth")  # keys of a run on the bench, all or none
@@ -39,7 +41,7 @@ _MORE: dict[str, dict[str, Any]] = {
     RESULT: {"dependentRequired": {"seed": list(_BENCH), **{one: ["seed"] for one in _BENCH}}},
 }
 _WRITTEN = {  # by type: keys that are always there, though a reader does without
-    "Result": "schema units stand_seen intrinsic reference means counters item environment",
+    "Result": "units stand_seen intrinsic reference means counters item environment",
     "Si": "u_K u_bias",
     "Verification": "delta_g_g max_abs_delta_g_fit_g max_abs_delta_g_check_g closure residual_rms",
 }
@@ -59,10 +61,14 @@ def schema(name: str) -> dict[str, Any]:
     """Of the documents that call themselves `name`."""
     kind, title = DOCUMENTS[name]
     writer = _Writer()
-    made = inspect.type_info(kind)
-    assert isinstance(made, inspect.StructType)
-    own = writer.object_of(made, name)
     head = {"$schema": DRAFT, "$id": SCHEMAS + name, "title": f"{name}: {title}"}
+    if kinds := kind.__subclasses__():
+        own = {
+            "description": _plain(described(kind)[0]),
+            "oneOf": [writer.object_of(inspect.type_info(one)) for one in kinds],
+        }
+    else:
+        own = writer.object_of(inspect.type_info(kind))
     return {**head, **own, **_MORE.get(name, {}), "$defs": dict(sorted(writer.parts.items()))}
 
 
@@ -77,20 +83,23 @@ class _Writer:
     def __init__(self) -> None:
         self.parts: dict[str, Any] = {}
 
-    def object_of(self, kind: inspect.StructType, name: str = "") -> dict[str, Any]:
-        """A type of documents."""
+    def object_of(self, kind: inspect.Type) -> dict[str, Any]:
+        """A type of documents. A key with one text that it always has must be there."""
+        assert isinstance(kind, inspect.StructType)
         own = get_origin(kind.cls) or kind.cls
-        (about, of_keys), properties = described(own), {}
+        (about, of_keys), properties, required = described(own), {}, []
+        always = _WRITTEN.get(own.__name__, "").split()
         for field in kind.fields:
             key = field.encode_name
             made = self.value(field.type)
+            fixed = made.get("enum") == [field.default]
+            if fixed:
+                made = {"const": field.default}
+            if fixed or field.required or key in always:
+                required.append(key)
             if (names := _NAMES.get((own.__name__, key))) is not None:
                 made = _one_of(made, list(names))
             properties[key] = ({"description": _plain(of_keys[key])} if key in of_keys else {}) | made
-        if name:
-            properties["schema"] = {"const": name}
-        always = _WRITTEN.get(own.__name__, "").split()
-        required = [field.encode_name for field in kind.fields if field.required or field.encode_name in always]
         listed = {"properties": properties, "required": required, "additionalProperties": False}
         return ({"description": _plain(about)} if about else {}) | {"type": "object"} | listed
 
@@ -143,8 +152,9 @@ class _Writer:
 
     def _table(self, kind: inspect.DictType) -> dict[str, Any]:
         names = self.value(kind.key_type)
-        limited = {"propertyNames": names} if len(names) > 1 else {}
-        return {"type": "object", **limited, "additionalProperties": self.value(kind.value_type)}
+        limited = {} if names == {"type": "string"} else {"propertyNames": names}
+        limits = {"minProperties": kind.min_length, "additionalProperties": self.value(kind.value_type)}
+        return {**_with("object", limited), **_with("object", limits)}
 
     @staticmethod
     def _any_of(made: list[dict[str, Any]]) -> dict[str, Any]:

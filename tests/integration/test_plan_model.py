@@ -16,7 +16,7 @@ from tumble.model import Propagation, built_in
 from tumble.model.coefficients import norm_gradient
 from tumble.planning import validate
 from tumble.planning.case import Case
-from tumble.planning.promise import error_field, largest_over_attitudes, largest_with_terms, promise
+from tumble.planning.promise import error_field, growing_promise, largest_over_attitudes, largest_with_terms
 from tumble.planning.schedule_search import NormSpread, worst_norm_of
 from tumble.schedule import CHECK, Position, Schedule
 
@@ -107,12 +107,13 @@ def test_where_no_order_is_high_both_ways_find_the_same(terms):
 def test_runs_turn_out_as_promised(terms, estimator):
     """At a limit that a third of them fail."""
     runs, case = 2000, case_of("lab", terms, with_checks(built_in("paper")))
-    growth = promise(case, estimator, 0.7).growth
+    growth = growing_promise(case, estimator, 0.7).growth
     found = validate.validate(replace(case, limit_g=case.limit_g / growth), (estimator,), runs, 3)[0]
     shares = found.tally.passed / runs, found.tally.everywhere / runs
-    for chance, share in zip((found.promise.passes, found.promise.everywhere), shares):
-        by_chance = np.hypot(np.sqrt(chance.value * (1 - chance.value) / runs), chance.u)
-        assert share == pytest.approx(chance.value, abs=CHANCE * by_chance + 1 / runs)
+    told = found.promise
+    for chance, u, share in zip((told.passes, told.every_attitude), (told.u_passes, told.u_every_attitude), shares):
+        by_chance = np.hypot(np.sqrt(chance * (1 - chance) / runs), u)
+        assert share == pytest.approx(chance, abs=CHANCE * by_chance + 1 / runs)
     assert found.tally.spread == pytest.approx(found.u, rel=CHANCE / np.sqrt(2 * runs))
 
 

@@ -43,18 +43,19 @@ class Document(msgspec.Struct):
 
 
 class _Array(type):
-    """Type of the arrays below: their shape (None: any length) and the least that a number may be. Any array of numpy
-    is an instance; `array_of` checks what is read."""
+    """Type of the arrays below: their shape (None: any length from `fewest` on) and the least that a number may be. Any
+    array of numpy is an instance; `array_of` checks what is read."""
 
     shape: tuple[int | None, ...]
     least: float
+    fewest: int
 
-    def __new__(cls, name: str, shape: tuple[int | None, ...], least: float = -LARGEST) -> _Array:
+    def __new__(cls, name: str, shape: tuple[int | None, ...], least: float = -LARGEST, fewest: int = 0) -> _Array:
         made = super().__new__(cls, name, (), {})
-        made.shape, made.least = shape, least
+        made.shape, made.least, made.fewest = shape, least, fewest
         return made
 
-    def __init__(cls, name: str, shape: tuple[int | None, ...], least: float = -LARGEST) -> None:
+    def __init__(cls, name: str, shape: tuple[int | None, ...], least: float = -LARGEST, fewest: int = 0) -> None:
         super().__init__(name, (), {})
 
     def __instancecheck__(cls, instance: object) -> bool:
@@ -70,6 +71,10 @@ if TYPE_CHECKING:
     Square: TypeAlias = Floats
     Numbers: TypeAlias = Floats
     Interval: TypeAlias = Floats
+    PerCoefficient: TypeAlias = Floats
+    SizePerCoefficient: TypeAlias = Floats
+    Gains: TypeAlias = Floats
+    FurtherGains: TypeAlias = Floats
 else:
     Vector = _Array("Vector", (3,))
     Matrix = _Array("Matrix", (3, 3))
@@ -79,24 +84,28 @@ else:
     Square = _Array("Square", (None, None))
     Numbers = _Array("Numbers", (None,))
     Interval = _Array("Interval", (2,))
+    PerCoefficient = _Array("PerCoefficient", (12,))
+    SizePerCoefficient = _Array("SizePerCoefficient", (12,), 0.0)
+    Gains = _Array("Gains", (12, None), fewest=3)
+    FurtherGains = _Array("FurtherGains", (None, None))
 Three: TypeAlias = Annotated[tuple[Size, ...], Meta(min_length=3, max_length=3)]
 ByChannel: TypeAlias = Size | Three  # one number for all channels, or one for each
 
 
 def array_of(kind: Any, told: Any) -> Floats:
     """Of what JSON has. Raises ValueError for another shape, and for what is no number or none of its range."""
-    return _array(told, kind.shape, kind.least)
+    return _array(told, kind, kind.shape)
 
 
-def _array(told: Any, shape: tuple[int | None, ...], least: float) -> Floats:
+def _array(told: Any, kind: Any, shape: tuple[int | None, ...]) -> Floats:
     if isinstance(told, np.ndarray):
         told = told.tolist()
     length, *inner = shape
-    if not isinstance(told, list) or (length is not None and len(told) != length):
+    if not isinstance(told, list) or not (len(told) >= kind.fewest if length is None else len(told) == length):
         raise ValueError("an array of another length")
     if inner:
-        return np.array([_array(row, tuple(inner), least) for row in told]).reshape(len(told), -1)
-    if not all(type(one) in (int, float) and least <= one < LARGEST and math.isfinite(one) for one in told):
+        return np.array([_array(row, kind, tuple(inner)) for row in told]).reshape(len(told), -1)
+    if not all(type(one) in (int, float) and kind.least <= one < LARGEST and math.isfinite(one) for one in told):
         raise ValueError("an array of something else")
     return np.array(told, dtype=float)
 
@@ -105,15 +114,19 @@ def array_schema(kind: Any) -> dict[str, Any]:
     """As JSON schema has it."""
     made: dict[str, Any] = {"type": "number", **({} if kind.least < 0.0 else {"minimum": kind.least})}
     for length in reversed(kind.shape):
-        limits = {} if length is None else {"minItems": length, "maxItems": length}
-        made = {"type": "array", "items": made, **limits}
+        fewest = kind.fewest if length is None else length
+        limits = {"minItems": fewest, "maxItems": length}
+        made = {"type": "array", "items": made, **{key: limit for key, limit in limits.items() if limit}}
     return made
 
 
 def described(kind: type[Document]) -> tuple[str, dict[str, str]]:
-    """What the docstring of a type says: of it, and by key of those that do not tell for themselves."""
+    """What the docstring of a type says: of it, and by key of those that do not tell for themselves, also of those that
+    it has from another type."""
     encoded = dict(zip(kind.__struct_fields__, kind.__struct_encode_fields__))
-    lead, named = [], {}
+    lead: list[str] = []
+    base = kind.__base__
+    named = described(base)[1] if base is not None and issubclass(base, Document) else {}
     for paragraph in re.split(r"\n(?=\S)", cleandoc(kind.__doc__ or "")):
         key, colon, text = " ".join(paragraph.split()).partition(": ")
         if colon and key in encoded:
@@ -138,6 +151,11 @@ def to_json(document: Document | dict[str, Any]) -> str:
 DocumentT = TypeVar("DocumentT", bound=Document)
 
 
+def part(kind: type[DocumentT], told: Any) -> DocumentT:
+    """Of a document, from what JSON has of it. Raises msgspec.ValidationError."""
+    return msgspec.convert(told, kind, dec_hook=array_of)
+
+
 def read(kind: type[DocumentT], name: str, data: bytes, file: str) -> DocumentT:
     """A document of schema `name`, read from the `data` of a `file`. Raises BadInput, which names the key."""
     return checked(kind, name, _parsed(data, file), file)
@@ -148,7 +166,7 @@ def checked(kind: type[DocumentT], name: str, told: dict[str, Any], file: str) -
     if told.get("schema") != name:
         raise BadInput(f"not a result of schema {name}: {_found(told, ['schema'])}", file)
     try:
-        return msgspec.convert(told, kind, dec_hook=array_of)
+        return part(kind, told)
     except msgspec.ValidationError as error:
         raise BadInput(f"not a result of schema {name}: {_fault(told, str(error))}", file) from None
 

@@ -13,16 +13,18 @@ from typing import Any
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.documents.base import written
+from tumble.documents import plan
+from tumble.documents.plan import Promise
 from tumble.model.errors import OF_OUTPUTS
 from tumble.model.propagation import SecondOrder, second_order
-from tumble.model.reliability import Reliability
+from tumble.model.reliability import Reliability, largest
 from tumble.planning import weights
-from tumble.planning.case import SCHEMA, Case
-from tumble.planning.promise import Promise
+from tumble.planning.case import Case
+from tumble.planning.model_cost import model_cost_part
 from tumble.planning.published import NAMES, SOURCES
+from tumble.solving.further import Further
 from tumble.solving.many_runs import estimator_or_linear
-from tumble.solving.result import second_order_of, unseen_keys
+from tumble.solving.result import second_order_of, unseen as unseen_of
 from tumble.stand import SIGMA, SOURCES as DECLARED
 
 ALPHAS = "alpha1 axis tilt, alpha2 level, alpha3 yaw of the block, alpha4 set angles"
@@ -64,14 +66,13 @@ def by_key(case: Case, names: tuple[str, ...], sizes: Floats) -> dict[str, Any]:
     return {key: sized(case, name, size) for key, name, size in zip(size_keys(names), names, sizes.tolist())}
 
 
-def sized(case: Case, name: str, size: float) -> float | list[float] | None:
+def sized(case: Case, name: str, size: float) -> float | tuple[float, ...] | None:
     """One of them."""
     if not np.isfinite(size):
         return None
     if name not in OF_OUTPUTS or not _differs(case, name):
         return size
-    of_each: list[float] = (size * case.stand.profile(name)).tolist()
-    return of_each
+    return tuple((size * case.stand.profile(name)).tolist())
 
 
 def _differs(case: Case, name: str) -> bool:
@@ -116,34 +117,35 @@ def budget(case: Case, which: str, estimator: str) -> Budget:
     return Budget(which, estimator, sources(case, published), found, terms, reference, beyond)
 
 
-def document(found: Budget, case: Case, promised: Promise | None, unseen: Reliability | None) -> dict[str, Any]:
-    """The budget for JSON, schema tumble.plan/1. The paper's weights promise nothing."""
+def document(
+    found: Budget, case: Case, promised: Promise | None, unseen: Reliability | None, further: Further | None
+) -> plan.Budget:
+    """For JSON. The paper's weights promise nothing."""
     total, absolute = found.total, found.total * found.reference
-    matrix = [[known(value) for value in row] for row in total[:9].reshape(3, 3)]
-    return {
-        "schema": SCHEMA,
-        "plan": "budget",
-        "weights": found.weights,
-        "estimator": found.estimator,
-        "numbers": numbers_are(found.weights),
-        "block": {"scale_v_per_g": case.scale, "misalignment_rad": case.misalignment},
-        "sources": {**by_key(case, found.sources, found.sizes), "samples": case.stand.samples},
-        "u_K_relative": matrix,
-        "u_a0_g": total[9:].tolist(),
-        "u_K": [[known(value) for value in row] for row in absolute[:9].reshape(3, 3)],
-        "u_U0": absolute[9:].tolist(),
-        "terms": {name: [known(value) for value in row] for name, row in zip(NAMES, found.terms)},
-        "second_order": written(second_order_of(found.second_order)),
-        "promise": None if promised is None else promised.document(),
-        **unseen_keys(unseen),
-    }
+    return plan.Budget(
+        weights=found.weights,
+        estimator=found.estimator,
+        numbers=numbers_are(found.weights),
+        block=case.block,
+        sources=plan.MeanSizes(**by_key(case, found.sources, found.sizes), samples=case.stand.samples),
+        u_K_relative=known(total[:9].reshape(3, 3)),
+        u_a0_g=total[9:],
+        u_K=known(absolute[:9].reshape(3, 3)),
+        u_U0=absolute[9:],
+        terms=dict(zip(NAMES, known(found.terms))),
+        second_order=second_order_of(found.second_order),
+        promise=promised,
+        reliability=None if unseen is None else unseen_of(unseen),
+        reliability_norm_g=None if unseen is None else largest(unseen),
+        extended=model_cost_part(further),
+    )
 
 
-def numbers_are(which: str) -> str:
+def numbers_are(which: str) -> plan.Numbers:
     """What the numbers of a plan mean."""
     return "standard deviations" if which == "derived" else "as declared"
 
 
-def known(value: float) -> float | None:
-    """A number for JSON: null for one that does not exist."""
-    return None if np.isnan(value) else float(value)
+def known(values: Floats) -> Any:
+    """A table of numbers for JSON: null for one that does not exist."""
+    return tuple(tuple(None if np.isnan(value) else value for value in row) for row in values.tolist())

@@ -8,6 +8,7 @@ import numpy as np
 
 from tumble.arrays import Floats
 from tumble.defaults import DEFAULT_COVERAGE_FACTOR, DEFAULT_LIMIT_G
+from tumble.documents.plan import Block
 from tumble.errors import BadInput
 from tumble.files.stand_file import StandFile
 from tumble.model.geometry import built_in
@@ -18,7 +19,6 @@ from tumble.schedule import Schedule
 from tumble.stand import PAPER_STAND, PER_CHANNEL, PerChannel, Stand, by_channel
 from tumble.terms import Terms
 
-SCHEMA = "tumble.plan/1"
 PAPER_BLOCK = {"scale_v_per_g": 2.0, "misalignment_rad": 0.02}
 
 
@@ -53,6 +53,11 @@ class Case:
         step_v = stand_file.step_v
         stand, factor = stand_file.stand.planned_with(step_v), stand_file.decided_by
         return cls(stand, *nominal, step_v, schedule, limit_g, coverage_factor=factor)
+
+    @property
+    def block(self) -> Block:
+        """As part of a plan."""
+        return Block(self.scale, self.misalignment)
 
     @property
     def full_scale(self) -> dict[str, float]:

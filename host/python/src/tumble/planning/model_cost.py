@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+from msgspec import UNSET, UnsetType
 
 from tumble.arrays import Floats
-from tumble.documents.base import written
+from tumble.documents import plan
+from tumble.documents.plan import ModelCost
 from tumble.estimators import COEFFICIENTS
 from tumble.model.coefficients import worst_norm
 from tumble.planning.case import Case
 from tumble.planning.promise import error_field
 from tumble.solving.further import Further, Without
-from tumble.solving.result import extended
-from tumble.terms import DRIFT, names
+from tumble.terms import DRIFT, KEYS, names
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -38,14 +39,20 @@ def _covariance(case: Case, estimator: str) -> Floats:
     return found
 
 
-def document(found: Further | None) -> dict[str, Any]:
-    """As a part of a plan for JSON: `extended` as a result has it, but without values."""
+def model_cost_part(found: Further | None) -> ModelCost | UnsetType:
+    """As a part of a plan: `extended` as a result has it, but without values."""
     if found is None:
-        return {}
-    whole, worst = written(extended(found, 1.0)), found.worst_norm
-    assert worst is not None  # of a planned stand it is known
-    kept = {key: value for key, value in whole.items() if key.startswith("u_") or key in ("terms", "without")}
-    return {"extended": {**kept, "u_norm_g": worst.worst}}
+        return UNSET
+    without, worst, alone = found.without, found.worst_norm, found.worst_norm_of_twelve
+    assert without is not None and worst is not None and alone is not None and found.u is not None  # of a planned stand
+    u = dict(zip(found.terms, found.u))
+    return ModelCost(
+        terms=found.terms,
+        **{f"u_{key}": u.get(term) for term, key in KEYS.items()},
+        u_norm_of_K_U0_g=alone.worst,
+        without=plan.Without(without.u_k, without.u_u0, without.worst.worst),
+        u_norm_g=worst.worst,
+    )
 
 
 def sentence(found: Further) -> str:

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
-
-import numpy as np
 
 from tumble.arrays import Floats
-from tumble.documents.base import written
+from tumble.documents.plan import Optimize, Promise
 from tumble.estimators import COEFFICIENTS, OPTIMAL
 from tumble.model.estimators import circles, linear_gains
 from tumble.model.optimal import OptimalTable, optimal_table, standard_deviations
 from tumble.model.propagation import SecondOrder, second_order
-from tumble.planning.case import SCHEMA, Case
-from tumble.planning.promise import Promise, promise
+from tumble.planning.case import Case
+from tumble.planning.promise import promise
 from tumble.solving.many_runs import estimator_or_linear
 from tumble.solving.optimal_run import Record, record_of
 from tumble.solving.result import second_order_of
@@ -67,28 +64,23 @@ def optimize(case: Case, k: Floats | None = None, serial: str | None = None) -> 
     )
 
 
-def document(found: Optimized) -> dict[str, Any]:
+def document(found: Optimized) -> Optimize:
     """The plan, ready for JSON."""
-    table = found.table
-    gain = None if found.u_refined is None else (found.u_refined / found.u).tolist()
-    return {
-        "schema": SCHEMA,
-        "plan": "optimize",
-        "stand": found.case.stand.name,
-        "block": {"scale_v_per_g": found.case.scale, "misalignment_rad": found.case.misalignment},
-        "estimator": OPTIMAL,
-        "unit": "V",
-        "names": list(COEFFICIENTS),
-        "K": table.k.tolist(),
-        "gains": table.gains.tolist(),
-        "stand_gains": table.nuisance_gains.tolist(),
-        "u_K": found.u[:9].reshape(3, 3).tolist(),
-        "u_U0": found.u[9:].tolist(),
-        "efficiency": found.efficiency.tolist(),
-        "gain_over_refined": gain,
-        "gain_over_least_squares": (found.u_least_squares / found.u).tolist(),
-        "sigma_mean_v": np.asarray(per_channel(table.sigma_mean / table.weights)).tolist(),
-        "noise_floored": table.floored,
-        "second_order": written(second_order_of(found.second_order)),
-        "promise": found.promise.document(),
-    }
+    table, case = found.table, found.case
+    return Optimize(
+        stand=case.stand.name,
+        block=case.block,
+        names=COEFFICIENTS,
+        K=table.k,
+        gains=table.gains,
+        stand_gains=table.nuisance_gains,
+        u_K=found.u[:9].reshape(3, 3),
+        u_U0=found.u[9:],
+        efficiency=found.efficiency,
+        gain_over_refined=None if found.u_refined is None else found.u_refined / found.u,
+        gain_over_least_squares=found.u_least_squares / found.u,
+        sigma_mean_v=per_channel(table.sigma_mean / table.weights),
+        noise_floored=table.floored,
+        second_order=second_order_of(found.second_order),
+        promise=found.promise,
+    )

@@ -14,18 +14,18 @@ from __future__ import annotations
 import re
 import textwrap
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import replace
 from decimal import Decimal
 from itertools import groupby
-from typing import Any
 
 import numpy as np
 
 from tumble.arrays import Floats
+from tumble.documents.plan import Discrepancy, Line, Paper
 from tumble.model.errors import unit_effect
 from tumble.model.estimators import linear_gains
 from tumble.planning import tables, weights
-from tumble.planning.case import SCHEMA, Case
+from tumble.planning.case import Case
 from tumble.planning.published import (
     EQUATION_6_PPM,
     EQUATION_18,
@@ -52,21 +52,6 @@ AUDIT_K = 2.0 * np.array([[1.0, 0.020, 0.016], [0.014, 1.0, 0.018], [0.012, 0.01
 _FIRST_ORDER = 0.05  # a weight may differ by the misalignments themselves, which a formula of first order leaves out
 _SIZES = np.array([float(STAND_5[source]) for source in SOURCES])
 _GROUPED = _SIZES / np.array([1.0, 1.0, 1.0, 1.0, float(GROUP_FACTOR)])
-
-
-@dataclass(frozen=True)
-class Line:
-    """One printed number or formula: where, as printed, its value if a formula, and what comes out now. `agrees`: after
-    rounding to the printed digits, or for a weight to first order. `notes`: numbers of the discrepancies it shows."""
-
-    table: str
-    row: str
-    column: str
-    printed: str
-    value: float
-    computed: float
-    agrees: bool
-    notes: tuple[int, ...]
 
 
 def rounds_to(printed: str, value: float) -> bool:
@@ -266,18 +251,6 @@ def _rounded(table: str, row: str, column: str, printed: str, computed: float, n
 
 
 _Found = tuple[int, str, str, str, str]
-
-
-@dataclass(frozen=True)
-class Discrepancy:
-    """`number` as the lines of lines refer to it; `where` in the paper; what is `printed`, what is `computed`,
-    and why, each in a few words."""
-
-    number: int
-    where: str
-    printed: str
-    computed: str
-    why: str
 
 
 def discrepancies() -> list[Discrepancy]:
@@ -502,15 +475,9 @@ _LEGEND = (
 )
 
 
-def document() -> dict[str, Any]:
-    """The audit for JSON, schema tumble.plan/1."""
-    return {
-        "schema": SCHEMA,
-        "plan": "paper",
-        "misalignments_of_weights": (AUDIT_K / 2.0).tolist(),
-        "lines": [{**asdict(line), "notes": list(line.notes)} for line in lines()],
-        "discrepancies": [asdict(discrepancy) for discrepancy in discrepancies()],
-    }
+def document() -> Paper:
+    """The audit for JSON."""
+    return Paper(misalignments_of_weights=AUDIT_K / 2.0, lines=tuple(lines()), discrepancies=tuple(discrepancies()))
 
 
 def show() -> None:

@@ -24,11 +24,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import numpy as np
+from msgspec import structs
 
 from tumble.arrays import Floats
+from tumble.documents.plan import GrowingPromise, Promise
 from tumble.errors import UsageError
 from tumble.model.coefficients import climbed, norm_gradient, spread_attitudes, worst_norm
 from tumble.model.errors import by_gains
@@ -119,7 +120,6 @@ def _gaps(lam: Floats, values: Floats) -> Floats:
 
 
 ON_A_SEAT = f"Assuming {ASSUMPTIONS['seat'].phrase}: {ASSUMPTIONS['seat'].why}."
-_ANY = 0.95  # of a growth that nobody asks for
 _SEED = 1
 _DIRECTIONS = {"positions": 32768, "attitudes": 8192}
 _LIMIT_BISECTIONS = 6
@@ -127,14 +127,6 @@ _STEPS = 50
 _SETTLED = 1e-11  # of a probability
 _TINY = 1e-300
 _FAR = 37.0  # standard deviations: beyond them nothing is left in a double
-
-
-@dataclass(frozen=True)
-class Chance:
-    """A probability, and the standard error with which it is computed."""
-
-    value: float
-    u: float
 
 
 @dataclass(frozen=True)
@@ -154,15 +146,15 @@ class Law:
         unit = _unit_vectors(directions, len(root) + len(root) % 2)  # one more that does nothing: even laws are sums
         return cls(largest(unit[:, : len(root)] @ root), unit.shape[1])
 
-    def chance(self, limit_g: float) -> Chance:
-        """That the largest error is within a limit."""
+    def chance(self, limit_g: float) -> tuple[float, float]:
+        """The probability that the largest error is within a limit, and the standard error with which it is known."""
         half = np.minimum(limit_g / np.maximum(self.sizes, _TINY), _FAR) ** 2 / 2.0
         term = np.exp(-half)
         beyond = term.copy()
         for index in range(1, self.freedom // 2):
             term *= half / index
             beyond += term
-        return Chance(float(1.0 - beyond.mean()), float(beyond.std() / len(beyond) ** 0.5))
+        return float(1.0 - beyond.mean()), float(beyond.std() / len(beyond) ** 0.5)
 
     def limit(self, probability: float) -> float:
         """The limit that is kept with a probability, g: bisected until the law is no longer flat, then by false
@@ -170,14 +162,14 @@ class Law:
         low, high = 0.0, float(self.sizes.max()) * _FAR
         for _ in range(_LIMIT_BISECTIONS):
             middle = (low + high) / 2.0
-            low, high = (low, middle) if self.chance(middle).value >= probability else (middle, high)
-        below, above = (self.chance(limit).value - probability for limit in (low, high))
+            low, high = (low, middle) if self.chance(middle)[0] >= probability else (middle, high)
+        below, above = (self.chance(limit)[0] - probability for limit in (low, high))
         moved = 0
         for _ in range(_STEPS):
             if above < _SETTLED:
                 break
             at = high - (high - low) * above / (above - below)
-            found = self.chance(at).value - probability
+            found = self.chance(at)[0] - probability
             if found >= 0.0:
                 high, above, below, moved = at, found, below / (2.0 if moved > 0 else 1.0), 1
             else:
@@ -192,72 +184,58 @@ def _unit_vectors(count: int, dimensions: int) -> Floats:
     return unit
 
 
-@dataclass(frozen=True)
-class Promise:
-    """For a limit in g: `passes`, the gravity check at all positions; `everywhere`, |a| at every attitude.
-    `u_norm_g`: the worst standard uncertainty of |a|, of which `coverage_factor` times must be within the limit.
-    `growth`: the factor by which all errors may grow together until the less probable of both is as asked, or until
-    that is not so any more; infinite without errors. `on_a_seat`: whether `everywhere` rests on a block that sits
-    square, which nobody declares."""
-
-    limit_g: float
-    passes: Chance
-    everywhere: Chance
-    growth: float
-    u_norm_g: float
-    coverage_factor: float
-    on_a_seat: bool = False
-
-    @property
-    def shown(self) -> bool:
-        """Whether the decision rule lets a run pass at all."""
-        return is_shown(self.limit_g, self.coverage_factor, self.u_norm_g)
-
-    @property
-    def sentence(self) -> str:
-        """For people, in two lines, and what it rests on."""
-        return (
-            f"A run passes the gravity check of {self.limit_g:g} g with a probability of"
-            f" {percent(self.passes.value)};\n"
-            f"|a| is within that limit at every attitude with {percent(self.everywhere.value)}."
-            f"{self.condition}"
-        )
-
-    @property
-    def condition(self) -> str:
-        """What it rests on, as a further line; empty for nothing."""
-        return f"\n{ON_A_SEAT}" if self.on_a_seat else ""
-
-    def document(self) -> dict[str, Any]:
-        """Ready for JSON."""
-        return {
-            "limit_g": self.limit_g,
-            "passes": self.passes.value,
-            "u_passes": self.passes.u,
-            "every_attitude": self.everywhere.value,
-            "u_every_attitude": self.everywhere.u,
-            "u_norm_worst_g": self.u_norm_g,
-            "coverage_factor": self.coverage_factor,
-            "shown": self.shown,
-            "assumes": ["seat"] if self.on_a_seat else [],
-        }
-
-
-def promise(case: Case, estimator: str, probability: float = _ANY, k: Floats | None = None) -> Promise:
+def promise(case: Case, estimator: str, k: Floats | None = None) -> Promise:
     """Of the case's stand and limit, for a block of sensitivity `k` (V/g), the nominal one unless given.
 
     Raises UsageError where the schedule does not allow the estimator.
     """
+    return _promise(case, case.nominal_k() if k is None else k, *_laws(case, estimator, k))
+
+
+def growing_promise(case: Case, estimator: str, probability: float) -> GrowingPromise:
+    """The same of the nominal block, with how much the errors may grow for a `probability`."""
+    check, norm, u_norm_g = _laws(case, estimator)
+    needed = max(check.limit(probability), norm.limit(probability), case.coverage_factor * u_norm_g)
+    growth = case.limit_g / needed if needed > 0.0 else np.inf
+    found = _promise(case, case.nominal_k(), check, norm, u_norm_g)
+    return GrowingPromise(**structs.asdict(found), growth=growth if np.isfinite(growth) else None)
+
+
+def _laws(case: Case, estimator: str, k: Floats | None = None) -> tuple[Law, Law, float]:
+    """Of the gravity check, of |a|; and the worst standard uncertainty of |a|, g."""
     k = case.nominal_k() if k is None else k
     field = error_field(case, estimator, k)
     check = Law.of(field.gravity, _DIRECTIONS["positions"], lambda errors: np.abs(errors).max(axis=1))
     norm = Law.of(*_of_norm(field, k, case.terms))
-    u_norm_g = worst_norm(k, field.unknowns.T @ field.unknowns, case.terms).worst
-    needed = max(check.limit(probability), norm.limit(probability), case.coverage_factor * u_norm_g)
-    growth = case.limit_g / needed if needed > 0.0 else np.inf
-    on_a_seat = rests_on_a_seat(case.fitted, k, case.stand, case.terms)
-    chances = check.chance(case.limit_g), norm.chance(case.limit_g)
-    return Promise(case.limit_g, *chances, growth, u_norm_g, case.coverage_factor, on_a_seat)
+    return check, norm, worst_norm(k, field.unknowns.T @ field.unknowns, case.terms).worst
+
+
+def _promise(case: Case, k: Floats, check: Law, norm: Law, u_norm_g: float) -> Promise:
+    (passes, u_passes), (everywhere, u_everywhere) = check.chance(case.limit_g), norm.chance(case.limit_g)
+    return Promise(
+        limit_g=case.limit_g,
+        passes=passes,
+        u_passes=u_passes,
+        every_attitude=everywhere,
+        u_every_attitude=u_everywhere,
+        u_norm_worst_g=u_norm_g,
+        coverage_factor=case.coverage_factor,
+        shown=is_shown(case.limit_g, case.coverage_factor, u_norm_g),
+        assumes=("seat",) if rests_on_a_seat(case.fitted, k, case.stand, case.terms) else (),
+    )
+
+
+def sentence(found: Promise) -> str:
+    """For people, in two lines, and what it rests on."""
+    return (
+        f"A run passes the gravity check of {found.limit_g:g} g with a probability of {percent(found.passes)};\n"
+        f"|a| is within that limit at every attitude with {percent(found.every_attitude)}.{condition(found)}"
+    )
+
+
+def condition(found: Promise) -> str:
+    """What it rests on, as a further line; empty for nothing."""
+    return f"\n{ON_A_SEAT}" if found.assumes else ""
 
 
 def _of_norm(field: ErrorField, k: Floats, terms: Terms) -> tuple[Floats, int, Callable[[Floats], Floats]]:
@@ -268,12 +246,12 @@ def _of_norm(field: ErrorField, k: Floats, terms: Terms) -> tuple[Floats, int, C
     return field.unknowns, count, lambda errors: largest_with_terms(errors, k, terms)
 
 
-def promises(case: Case, probability: float) -> dict[str, Promise]:
+def promises(case: Case, probability: float) -> dict[str, GrowingPromise]:
     """Of every estimator that the schedule allows."""
     found = {}
     for estimator in estimators_of(case):
         try:
-            found[estimator] = promise(case, estimator, probability)
+            found[estimator] = growing_promise(case, estimator, probability)
         except UsageError:  # the schedule lacks positions that it needs
             continue
     return found

@@ -32,16 +32,16 @@ import numpy as np
 
 from tumble.arrays import Flags, Floats
 from tumble.core import MAX_SAMPLES
+from tumble.documents.plan import ROWS, Enough
 from tumble.errors import UsageError
 from tumble.model.estimators import circles
 from tumble.planning import weights
 from tumble.planning.budget import by_key, sizes as declared_sizes, sources
 from tumble.planning.case import Case
-from tumble.planning.promise import Promise, promise, promises
+from tumble.planning.promise import growing_promise
 from tumble.planning.published import NAMES, SOURCES
 from tumble.stand import COMMON, Stand, by_channel, per_channel
 
-ROWS = ("K_xx", "K_yy", "K_zz", "a0_x", "a0_y", "a0_z", "noise")
 CEILING_RAD = 0.01  # beyond it nobody has tried the optimal estimator: what it bears up to here limits nothing
 _ROW_INDICES = [NAMES.index(name) for name in ROWS[:-1]]
 _NOISE = SOURCES.index("noise")
@@ -359,53 +359,17 @@ _SETTLED = 1e-4
 _STAND_STEPS = 20
 
 
-@dataclass(frozen=True)
-class Enough:
-    """What is just enough for `probability`: `sizes` of the sources by key, `factor` times the rule's, and `samples`;
-    None where scaling cannot reach it, or no number of samples. `promises`: of the stand as declared, by estimator."""
-
-    probability: float
-    promises: dict[str, Promise]
-    sizes: dict[str, Any] | None
-    factor: float
-    samples: int | None
-
-    def document(self, estimator: str) -> dict[str, Any]:
-        """Ready for JSON."""
-        of_all = {name: growing(one) for name, one in self.promises.items()}
-        sizes = None
-        if self.sizes is not None:
-            sizes = {**self.sizes, "samples": self.samples, "factor": self.factor}
-        return {
-            "probability": self.probability,
-            "promise": of_all[estimator],
-            "promises": of_all,
-            "just_enough": sizes,
-        }
-
-
-NOT_PROMISED = dict.fromkeys(
-    ("probability", "promise", "promises", "just_enough")
-)  # the paper's weights have no joint law
-
-
-def growing(found: Promise) -> dict[str, Any]:
-    """A promise with its growth, ready for JSON."""
-    return {**found.document(), "growth": float(found.growth) if np.isfinite(found.growth) else None}
-
-
-def enough(case: Case, estimator: str, limits: Floats, probability: float) -> Enough:
-    """For requirements `limits`, one a source, infinite where no row limits. Raises UsageError where no number of
-    samples suffices."""
+def enough(case: Case, estimator: str, limits: Floats, probability: float) -> Enough | None:
+    """What is just enough for requirements `limits`, one a source, infinite where no row limits; None where no factor
+    reaches the probability. Raises UsageError where no number of samples suffices."""
     declared, limited = declared_sizes(case, False), np.isfinite(limits)
-    of_all = promises(case, probability)
     factor = 1.0
     for _ in range(_STAND_STEPS):
         sizes = np.where(limited, factor * limits, declared)
-        growth = promise(stand_of(case, sizes), estimator, probability).growth
+        growth = growing_promise(stand_of(case, sizes), estimator, probability).growth
+        growth = math.inf if growth is None else growth
         if abs(growth - 1.0) <= _SETTLED:
             samples = samples_on(case.stand, float(sizes[SOURCES.index("noise")]))
-            named = by_key(case, sources(case, False), sizes)
-            return Enough(probability, of_all, named, factor, samples)
+            return Enough(**by_key(case, sources(case, False), sizes), samples=samples, factor=factor)
         factor *= growth
-    return Enough(probability, of_all, None, 0.0, 0)
+    return None

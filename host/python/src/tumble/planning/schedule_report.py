@@ -6,46 +6,53 @@ import shlex
 from dataclasses import asdict
 from typing import Any
 
+import numpy as np
+
+from tumble.documents import plan
+from tumble.documents.plan import Quickest
+from tumble.documents.result import WorstNorm
 from tumble.model import reliability
 from tumble.planning import model_cost, tables
-from tumble.planning.case import SCHEMA
-from tumble.planning.require import growing
+from tumble.planning.model_cost import model_cost_part
+from tumble.planning.promise import sentence
 from tumble.planning.schedule_search import Planned, Timed
 from tumble.schedule import Mounting, Schedule
-from tumble.solving.result import unseen_keys
+from tumble.solving.result import unseen
 from tumble.terms import Terms
 
 _TABLE_AXES = "hnv"
 
 
-def document(found: Planned, step_deg: float) -> dict[str, Any]:
-    """The plan for JSON, schema tumble.plan/1. Times in seconds."""
-    goal, case = found.goal, found.case
-    wanted = {"norm_g": goal.norm_g, "limit_g": None, "probability": None}
+def document(found: Planned, step_deg: float) -> Quickest:
+    """The plan for JSON."""
+    goal, case, pace, schedule = found.goal, found.case, found.pace, found.best.schedule
+    wanted = plan.Goal(goal.norm_g, None, None)
     if goal.norm_g is None:
-        wanted = {"norm_g": None, "limit_g": case.limit_g, "probability": goal.probability}
-    return {
-        "schema": SCHEMA,
-        "plan": "schedule",
-        "stand": case.stand.name,
-        "block": {"scale_v_per_g": case.scale, "misalignment_rad": case.misalignment},
-        "estimator": goal.estimator,
-        "goal": wanted,
-        "angles_deg": step_deg,
-        "pace": {
-            "velocity_deg_per_s": found.pace.velocity,
-            "acceleration_deg_per_s2": found.pace.acceleration,
-            "settling_s": found.pace.settling,
-            "sample_rate_hz": found.pace.rate,
-            "remounting_s": found.pace.remounting,
-        },
-        "schedule": {**_timed(found.best, case.terms), **_positions(found.best.schedule)},
-        "u_norm_g": {"worst_g": found.u_norm_g, "attitude": found.attitude},
-        "promise": growing(found.promise),
-        **unseen_keys(found.unseen),
-        **model_cost.document(found.further),
-        "beside": {name: None if timed is None else _timed(timed, case.terms) for name, timed in found.beside.items()},
-    }
+        wanted = plan.Goal(None, case.limit_g, goal.probability)
+    return Quickest(
+        stand=case.stand.name,
+        block=case.block,
+        estimator=goal.estimator,
+        goal=wanted,
+        angles_deg=step_deg,
+        pace=plan.Pace(pace.velocity, pace.acceleration, pace.settling, pace.rate, pace.remounting),
+        schedule=plan.FoundSchedule(
+            **_timed(found.best, case.terms),
+            matrices=tuple(np.array(mounting.matrix) for mounting in schedule.mountings),
+            angles_deg=tuple(_angles(schedule, mounting) for mounting in schedule.mountings),
+        ),
+        u_norm_g=WorstNorm(found.u_norm_g, np.array(found.attitude)),
+        promise=found.promise,
+        reliability=None if found.unseen is None else unseen(found.unseen),
+        reliability_norm_g=reliability.largest(found.unseen),
+        extended=model_cost_part(found.further),
+        beside=plan.Beside(
+            **{
+                name: None if timed is None else plan.Timed(**_timed(timed, case.terms))
+                for name, timed in found.beside.items()
+            }
+        ),
+    )
 
 
 def _timed(timed: Timed, terms: Terms) -> dict[str, Any]:
@@ -59,15 +66,8 @@ def _timed(timed: Timed, terms: Terms) -> dict[str, Any]:
     }
 
 
-def _positions(schedule: Schedule) -> dict[str, Any]:
-    return {
-        "matrices": [[list(row) for row in mounting.matrix] for mounting in schedule.mountings],
-        "angles_deg": [_angles(schedule, mounting) for mounting in schedule.mountings],
-    }
-
-
-def _angles(schedule: Schedule, mounting: Mounting) -> list[float]:
-    return [position.angle_deg for position in schedule.positions if position.mounting == mounting.number]
+def _angles(schedule: Schedule, mounting: Mounting) -> tuple[float, ...]:
+    return tuple(position.angle_deg for position in schedule.positions if position.mounting == mounting.number)
 
 
 def show(found: Planned, written: str | None, stand: str | None) -> None:
@@ -95,7 +95,7 @@ def show(found: Planned, written: str | None, stand: str | None) -> None:
         out.print(model_cost.sentence(found.further))
     if (note := found.case.rounding_sentence) is not None:
         out.print(note)
-    out.print(found.promise.sentence)
+    out.print(sentence(found.promise))
     for line in reliability.lines(found.unseen):
         out.print(line)
     if written is not None:

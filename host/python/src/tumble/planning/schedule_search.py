@@ -45,6 +45,7 @@ import numpy as np
 
 from tumble.arrays import Flags, Floats
 from tumble.core import MAX_POSITIONS, MAX_SAMPLES
+from tumble.documents.plan import GrowingPromise
 from tumble.errors import UsageError
 from tumble.estimators import OPTIMAL
 from tumble.files.stand_file import StandFile
@@ -56,7 +57,7 @@ from tumble.model.optimal import UNEQUAL, mean_sigma
 from tumble.model.reliability import Reliability
 from tumble.planning.case import Case
 from tumble.planning.model_cost import model_cost
-from tumble.planning.promise import Promise, error_field, promise
+from tumble.planning.promise import error_field, growing_promise
 from tumble.schedule import Mounting, Position, Schedule
 from tumble.solving.further import Further, confused
 from tumble.stand import by_channel
@@ -488,7 +489,7 @@ class Planned:
     beside: dict[str, Timed | None]
     u_norm_g: float
     attitude: list[float]
-    promise: Promise
+    promise: GrowingPromise
     unseen: Reliability
     further: Further | None = None
 
@@ -524,7 +525,7 @@ def plan_schedule(
         raise UsageError(f"unreachable: no schedule of at most {most_mountings} mountings reaches {wanted} here{why}")
     chosen = measured_with(case, best)
     u_norm_g, attitude = worst_norm_of(chosen, goal.estimator)
-    promised = promise(chosen, goal.estimator, goal.probability)
+    promised = growing_promise(chosen, goal.estimator, goal.probability)
     unseen, further = chosen.reliability(goal.estimator), model_cost(chosen, goal.estimator)
     return Planned(case, goal, pace, best, beside, u_norm_g, attitude, promised, unseen, further)
 
@@ -547,7 +548,8 @@ def reaching(case: Case, goal: Goal, schedule: Schedule, pace: Pace) -> Timed | 
 
     def growth(samples: int) -> float:
         timed = Timed(schedule, samples, 0.0, pace.duration(schedule, samples))
-        return promise(measured_with(case, timed), goal.estimator, goal.probability).growth
+        found = growing_promise(measured_with(case, timed), goal.estimator, goal.probability).growth
+        return math.inf if found is None else found
 
     samples, room = MAX_SAMPLES, growth(MAX_SAMPLES)
     for _ in range(_STEPS if room >= 1.0 else 0):  # a worst u(|a|) as much larger as the errors have room to grow

@@ -18,12 +18,13 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 import numpy as np
+from msgspec import UNSET
 
 from tumble import core
 from tumble.arrays import Floats, Integers
+from tumble.documents.plan import Covered, FigureLimits, Figures, Promise, Shares, Validation
 from tumble.errors import UsageError
 from tumble.estimators import COEFFICIENTS, OPTIMAL
 from tumble.model.coefficients import spread_attitudes
@@ -31,8 +32,8 @@ from tumble.model.errors import OF_OUTPUTS, course, declared, of_stand, sources
 from tumble.model.estimators import columns_at
 from tumble.model.optimal import samples_in_a_mean, standard_deviations
 from tumble.planning import tables
-from tumble.planning.case import SCHEMA, Case
-from tumble.planning.promise import Promise, largest_over_attitudes, norm_forms, promise
+from tumble.planning.case import Case
+from tumble.planning.promise import condition, largest_over_attitudes, norm_forms, promise
 from tumble.planning.weights import estimator_gains
 from tumble.solving import many_runs as tables_of_runs
 from tumble.solving.many_runs import Chunk, Sources, chunks, drawn_outputs, estimator_for, stream_of
@@ -272,19 +273,6 @@ TOLERANCE = 0.02  # of a spread over what was planned, and of the bound over a s
 COVERAGE_LIMITS = {1: (0.6727, 0.6927), 2: (0.945, 0.965), 3: (0.9953, 0.9993)}
 
 
-@dataclass(frozen=True)
-class Judged:
-    """Figures by coefficient (12,), `covered`, `low` and `high` by coverage factor too (3, 12); `outside`: in words."""
-
-    bias_over_u: Floats
-    spread_over_u: Floats
-    efficiency: Floats
-    covered: Floats
-    low: Floats
-    high: Floats
-    outside: list[str]
-
-
 def tolerance(runs: int) -> float:
     """How far a ratio of spreads may be from 1: 2 %, or what chance does to the spread of so few runs."""
     return max(TOLERANCE, CHANCE_SIGMAS / math.sqrt(2.0 * runs))
@@ -304,25 +292,30 @@ def binomial_limits(count: Integers, runs: int) -> tuple[Floats, Floats]:
     return np.clip(low, 0.0, 1.0), np.clip(high, 0.0, 1.0)
 
 
-def judge(found: Validated) -> Judged:
+def judge(found: Validated) -> Figures:
     """Every figure, and those outside their limits."""
-    runs = found.tally.runs
-    low, high = binomial_limits(found.tally.within, runs)
-    judged = Judged(
-        bias_over_u=found.tally.bias / found.u,
-        spread_over_u=found.tally.spread / found.u,
-        efficiency=found.bound / found.tally.spread,
-        covered=found.tally.within / runs,
-        low=low,
-        high=high,
-        outside=[],
+    tally, runs = found.tally, found.tally.runs
+    low, high = binomial_limits(tally.within, runs)
+    judged = Figures(
+        u=found.u,
+        bound=found.bound,
+        bias_over_u=tally.bias / found.u,
+        spread_over_u=tally.spread / found.u,
+        efficiency=found.bound / tally.spread,
+        coverage={
+            str(factor): Covered(tally.within[row] / runs, low[row], high[row])
+            for row, factor in enumerate(COVERAGE_FACTORS)
+        },
+        outside=(),
+        promise=found.promise,
+        simulated=Shares(passes=tally.passed / runs, every_attitude=tally.everywhere / runs),
     )
     for index, name in enumerate(COEFFICIENTS):
-        judged.outside.extend(f"{name} {what}" for what in _complaints(judged, index, runs, found.estimator))
+        judged.outside += tuple(f"{name} {what}" for what in _complaints(judged, index, runs, found.estimator))
     return judged
 
 
-def _complaints(judged: Judged, index: int, runs: int, estimator: str) -> list[str]:
+def _complaints(judged: Figures, index: int, runs: int, estimator: str) -> list[str]:
     bias, spread, efficiency = (row[index] for row in (judged.bias_over_u, judged.spread_over_u, judged.efficiency))
     complaints = []
     if not abs(bias) <= bias_limit(runs):
@@ -331,10 +324,10 @@ def _complaints(judged: Judged, index: int, runs: int, estimator: str) -> list[s
         complaints.append(f"spread {spread:.3f} of the planned u, limit 1 +- {tolerance(runs):.3f}")
     if estimator == OPTIMAL and not efficiency >= 1.0 - tolerance(runs):
         complaints.append(f"efficiency {efficiency:.3f}, limit {1.0 - tolerance(runs):.3f}")
-    for row, factor in enumerate(COVERAGE_FACTORS):
-        least, most = COVERAGE_LIMITS[factor]
-        if judged.high[row, index] < least or judged.low[row, index] > most:
-            covered = 100 * judged.covered[row, index]
+    for factor, one in judged.coverage.items():
+        least, most = COVERAGE_LIMITS[int(factor)]
+        if one.high[index] < least or one.low[index] > most:
+            covered = 100 * one.covered[index]
             complaints.append(f"k = {factor} covers {covered:.2f} %, limits {100 * least:.2f} to {100 * most:.2f}")
     return complaints
 
@@ -345,96 +338,65 @@ _HONEST = (
 )
 
 
-def document(case: Case, found: list[tuple[Validated, Judged]], seed: int, table: str) -> dict[str, Any]:
-    """The campaign for JSON, schema tumble.plan/1. Arrays run over `names`."""
-    runs = found[0][0].tally.runs
-    return {
-        "schema": SCHEMA,
-        "plan": "validate",
-        "stand": case.stand.name,
-        "block": {"scale_v_per_g": case.scale, "misalignment_rad": case.misalignment},
-        "runs": runs,
-        "seed": seed,
-        "table": table,
-        **({"model": list(case.terms)} if case.terms else {}),
-        "names": list(COEFFICIENTS),
-        "limits": {
-            "bias_over_u": bias_limit(runs),
-            "spread_over_u": [1.0 - tolerance(runs), 1.0 + tolerance(runs)],
-            "efficiency_of_optimal": 1.0 - tolerance(runs),
-            "coverage": {str(factor): list(limits) for factor, limits in COVERAGE_LIMITS.items()},
-            "binomial_sigmas": CHANCE_SIGMAS,
-        },
-        "estimators": {one.estimator: _figures(one, judged) for one, judged in found},
-        "pass": not any(judged.outside for _, judged in found),
-    }
+def document(case: Case, found: dict[str, Figures], runs: int, seed: int, table: str) -> Validation:
+    """The campaign for JSON, by estimator."""
+    return Validation(
+        stand=case.stand.name,
+        block=case.block,
+        runs=runs,
+        seed=seed,
+        table=table,
+        model=case.terms or UNSET,
+        names=COEFFICIENTS,
+        limits=FigureLimits(
+            bias_over_u=bias_limit(runs),
+            spread_over_u=np.array([1.0 - tolerance(runs), 1.0 + tolerance(runs)]),
+            efficiency_of_optimal=1.0 - tolerance(runs),
+            coverage={str(factor): np.array(limits) for factor, limits in COVERAGE_LIMITS.items()},
+            binomial_sigmas=CHANCE_SIGMAS,
+        ),
+        estimators=found,
+        passed=not any(one.outside for one in found.values()),
+    )
 
 
-def _figures(found: Validated, judged: Judged) -> dict[str, Any]:
-    return {
-        "u": found.u.tolist(),
-        "bound": found.bound.tolist(),
-        "bias_over_u": judged.bias_over_u.tolist(),
-        "spread_over_u": judged.spread_over_u.tolist(),
-        "efficiency": judged.efficiency.tolist(),
-        "coverage": {
-            str(factor): {name: rows[row].tolist() for name, rows in _binomial(judged).items()}
-            for row, factor in enumerate(COVERAGE_FACTORS)
-        },
-        "outside": judged.outside,
-        "promise": found.promise.document(),
-        "simulated": {name: count / found.tally.runs for name, count in _kept(found).items()},
-    }
-
-
-def _kept(found: Validated) -> dict[str, int]:
-    return {"passes": found.tally.passed, "every_attitude": found.tally.everywhere}
-
-
-def _binomial(judged: Judged) -> dict[str, Any]:
-    return {"covered": judged.covered, "low": judged.low, "high": judged.high}
-
-
-def show(case: Case, found: list[tuple[Validated, Judged]], seed: int) -> None:
+def show(plan: Validation) -> None:
     """Print the campaign on standard output."""
-    out, runs = tables.console(), found[0][0].tally.runs
-    out.print(tables.heading(f"Monte Carlo: {runs} runs of the firmware's estimators, seed {seed}"))
-    out.print(f"Stand: {case.stand.name or 'without a name'}")
-    if case.terms:
-        out.print(f"Beside the twelve coefficients each run finds {', '.join(case.terms)}")
+    out = tables.console()
+    out.print(tables.heading(f"Monte Carlo: {plan.runs} runs of the firmware's estimators, seed {plan.seed}"))
+    out.print(f"Stand: {plan.stand or 'without a name'}")
+    if plan.model:
+        out.print(f"Beside the twelve coefficients each run finds {', '.join(plan.model)}")
     headings = ("", "u planned", "bias/u", "spread/u", "bound/spread", "k = 1", "k = 2", "k = 3")
-    for one, judged in found:
-        out.print(tables.heading(f"\n{one.estimator}"))
-        out.print(tables.table(headings, [_row(one, judged, index) for index in range(len(COEFFICIENTS))]))
-        out.print(_promised(one))
-        for complaint in judged.outside:
+    for estimator, one in plan.estimators.items():
+        out.print(tables.heading(f"\n{estimator}"))
+        out.print(tables.table(headings, [_row(one, index) for index in range(len(COEFFICIENTS))]))
+        out.print(_promised(one, plan.runs))
+        for complaint in one.outside:
             out.print(f"Outside: {complaint}", style="red")
     out.print("k = 1, 2, 3: % of runs within k of their own stated standard uncertainties")
-    outside = sum(len(judged.outside) for _, judged in found)
+    outside = sum(len(one.outside) for one in plan.estimators.values())
     verdict = f"FAIL: {outside} figures lie outside their limits" if outside else _HONEST
     out.print(verdict, style="red bold" if outside else "green bold")
 
 
-def _promised(found: Validated) -> str:
+def _promised(found: Figures, runs: int) -> str:
     """Beside what was simulated, with its standard error."""
-    runs, promised = found.tally.runs, found.promise
-    shares = {name: count / runs for name, count in _kept(found).items()}
-    seen = {name: f"{100 * p:.1f} +- {100 * (p * (1 - p) / runs) ** 0.5:.1f} %" for name, p in shares.items()}
+    promised, shares = found.promise, (found.simulated.passes, found.simulated.every_attitude)
+    passes, everywhere = (f"{100 * p:.1f} +- {100 * (p * (1 - p) / runs) ** 0.5:.1f} %" for p in shares)
     return (
-        f"{promised.limit_g:g} g: passes the gravity check {tables.percent(promised.passes.value)}"
-        f" (seen {seen['passes']}),\n"
-        f"|a| within it at every attitude {tables.percent(promised.everywhere.value)} (seen {seen['every_attitude']})"
-        f"{promised.condition}"
+        f"{promised.limit_g:g} g: passes the gravity check {tables.percent(promised.passes)} (seen {passes}),\n"
+        f"|a| within it at every attitude {tables.percent(promised.every_attitude)} (seen {everywhere})"
+        f"{condition(promised)}"
     )
 
 
-def _row(found: Validated, judged: Judged, index: int) -> tuple[str, ...]:
-    covered = (f"{100 * judged.covered[row, index]:.2f}" for row in range(len(COVERAGE_FACTORS)))
+def _row(found: Figures, index: int) -> tuple[str, ...]:
     return (
         COEFFICIENTS[index],
         f"{found.u[index]:.3e}",
-        f"{judged.bias_over_u[index]:+.3f}",
-        f"{judged.spread_over_u[index]:.4f}",
-        f"{judged.efficiency[index]:.4f}",
-        *covered,
+        f"{found.bias_over_u[index]:+.3f}",
+        f"{found.spread_over_u[index]:.4f}",
+        f"{found.efficiency[index]:.4f}",
+        *(f"{100 * one.covered[index]:.2f}" for one in found.coverage.values()),
     )

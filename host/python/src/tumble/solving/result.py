@@ -30,7 +30,6 @@ from tumble.arrays import Floats
 from tumble.core import CoreRefusal, CoreSchedule, built_in
 from tumble.distributions import student_quantile
 from tumble.documents import result as of
-from tumble.documents.base import written
 from tumble.documents.result import Result
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.estimators import COEFFICIENTS
@@ -284,12 +283,6 @@ def fit_of(fit: Fit) -> of.Fit:
 def unseen(found: reliability.Reliability) -> tuple[of.Unseen, ...]:
     """What a run would not have shown, by pattern."""
     return tuple(of.Unseen(one.pattern.name, one.size, one.pattern.unit, one.norm_g) for one in found)
-
-
-def unseen_keys(found: reliability.Reliability | None) -> dict[str, Any]:
-    """As keys of a plan; None: of one without a stand."""
-    listed = None if found is None else [written(one) for one in unseen(found)]
-    return {"reliability": listed, "reliability_norm_g": None if found is None else reliability.largest(found)}
 
 
 def _noise(solution: Solution) -> of.Noise:

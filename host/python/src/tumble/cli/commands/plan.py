@@ -16,7 +16,7 @@ import argparse
 import sys
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from tumble.cli import options
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError, quoted
@@ -26,11 +26,11 @@ from tumble.terms import parse
 
 if TYPE_CHECKING:
     from tumble.arrays import Floats
+    from tumble.documents.plan import Optimize, Plan, Promise
     from tumble.model.reliability import Reliability
     from tumble.planning.budget import Budget
     from tumble.planning.case import Case
     from tumble.planning.optimize import Optimized
-    from tumble.planning.promise import Promise
     from tumble.solving.further import Further
     from tumble.terms import Terms
 
@@ -132,11 +132,11 @@ def parse_positive(text: str, option: str) -> float:
     return options.parse_number(text, option, options.ABOVE_0, sys.float_info.max, "a number above 0")
 
 
-def write_json(document: dict[str, Any]) -> None:
+def write_json(plan: Plan) -> None:
     """Print a plan as JSON."""
     from tumble.documents.base import to_json
 
-    sys.stdout.write(to_json(document))
+    sys.stdout.write(to_json(plan))
 
 
 def _describe_budget(parser: argparse.ArgumentParser) -> None:
@@ -159,7 +159,7 @@ def run_budget(arguments: argparse.Namespace) -> int:
     unseen = case.reliability(arguments.estimator) if derived else None
     further = model_cost.model_cost(case, arguments.estimator)
     if arguments.json:
-        write_json({**document(found, case, promised, unseen), **model_cost.document(further)})
+        write_json(document(found, case, promised, unseen, further))
     else:
         _show_budget(found, case, promised, unseen, further)
     return EXIT_PASS
@@ -171,6 +171,7 @@ def _show_budget(
     from tumble.model import reliability
     from tumble.planning import model_cost, tables
     from tumble.planning.budget import ALPHAS, notes, numbers_are, unit
+    from tumble.planning.promise import sentence
     from tumble.planning.published import NAMES
 
     out = tables.console()
@@ -189,7 +190,7 @@ def _show_budget(
     for note in notes(case):
         out.print(note)
     if promised is not None:
-        out.print(promised.sentence)
+        out.print(sentence(promised))
     for line in [] if unseen is None else reliability.lines(unseen):
         out.print(line)
     model_cost.show(out, further)
@@ -225,6 +226,7 @@ def run_require(arguments: argparse.Namespace) -> int:
     split = _split(arguments.split, case, arguments.weights == "published")
 
     from tumble.planning import model_cost, tables
+    from tumble.planning.promise import promises
     from tumble.planning.require import enough, headroom, margins, requirements
     from tumble.planning.requirement_report import document, show
 
@@ -233,10 +235,12 @@ def run_require(arguments: argparse.Namespace) -> int:
     derived = arguments.weights == "derived"
     of_all = margins(case, limit_g) if derived else {arguments.estimator: room.margin}
     just = enough(case, arguments.estimator, found.limits, probability) if derived else None
-    plan = document(found, room, of_all, just, case, arguments.weights, arguments.estimator, limit_g, split)
+    promised = promises(case, probability) if derived else None
+    asked = arguments.weights, arguments.estimator, limit_g, split, probability
     further = model_cost.model_cost(case, arguments.estimator)
+    plan = document(found, room, of_all, just, promised, case, *asked, further)
     if arguments.json:
-        write_json({**plan, **model_cost.document(further)})
+        write_json(plan)
     else:
         show(plan, case)
         if further is not None:
@@ -313,6 +317,7 @@ def _show_optimize(found: Optimized) -> None:
     import numpy as np
 
     from tumble.planning import tables
+    from tumble.planning.promise import sentence
     from tumble.stand import per_channel
 
     out, record = tables.console(), found.record
@@ -330,7 +335,7 @@ def _show_optimize(found: Optimized) -> None:
     out.print(tables.table(headings, rows, left=(0, 1)))
     if (note := found.case.rounding_sentence) is not None:
         out.print(note)
-    out.print(found.promise.sentence)
+    out.print(sentence(found.promise))
     if found.table.floored:
         out.print("Beware: the stand declares no noise; weights for 1e-9 g of it mean little.", style="yellow")
     for complaint in found.second_order.complaints:
@@ -346,7 +351,7 @@ def _kind(out: str | None) -> str | None:
     return kind
 
 
-def _content(kind: str, found: Optimized, document: dict[str, Any]) -> bytes:
+def _content(kind: str, found: Optimized, document: Optimize) -> bytes:
     from tumble.documents.base import to_json
     from tumble.solving import optimal_run
 
@@ -506,14 +511,14 @@ def run_validate(arguments: argparse.Namespace) -> int:
         options.progress_bar("simulating", runs) as progress,
     ):
         found = validate(case, estimators, runs, seed, arguments.table, progress, team)
-    judged = [(one, judge(one)) for one in found]
+    plan = document(case, {one.estimator: judge(one) for one in found}, runs, seed, arguments.table)
     if arguments.plot is not None:
         write_text(arguments.plot, svg(histograms(found, f"{case.stand.name}: error over stated u, {runs} runs")))
     if arguments.json:
-        write_json(document(case, judged, seed, arguments.table))
+        write_json(plan)
     else:
-        show(case, judged, seed)
-    return EXIT_LIMITS_FAILED if any(one.outside for _, one in judged) else EXIT_PASS
+        show(plan)
+    return EXIT_PASS if plan.passed else EXIT_LIMITS_FAILED
 
 
 def _estimators(arguments: argparse.Namespace, case: Case) -> tuple[str, ...]:
