@@ -105,12 +105,13 @@ class Stand:
     `axis_tilt`: the axis is not level (alpha1). `level`: zero of the table angle (alpha2). `remount`: yaw of the block
     on the platform (alpha3). `angle`: error of a set table angle (alpha4). `samples`: how many samples a mean has when
     a run gives only the mean. `limits`: what the numbers are, one of LIMIT_KINDS: standard deviations, three of them,
-    or half-widths of a uniform law. `remounting`: is the yaw drawn anew in every mounting, or common to all?
-    `seat`: how far each mounting tilts the block against the axis, and adds to the table angle. `platform`: how far the
-    platform tilts it against the axis, the same in all mountings and runs. `encoder`: of the table angle, by its sine,
-    cosine, and sine and cosine of its double, four numbers of this size for the stand. `drift`: of every channel, from
-    the first fitted position of a run to the last. `rounding`: standard deviation, whatever `limits` says, that a
-    converter leaves in every mean, however many its samples; a plan knows it, a run shows it. 0: not declared.
+    or half-widths of a uniform law. `remounting` (key remount): is the yaw drawn anew in every mounting, or common to
+    all? `seat`: how far each mounting tilts the block against the axis, and adds to the table angle. `platform`: how
+    far the platform tilts it against the axis, the same in all mountings and runs. `encoder`: of the table angle, by
+    its sine, cosine, and sine and cosine of its double, four numbers of this size for the stand. `drift`: of every
+    channel, from the first fitted position of a run to the last. `rounding`: standard deviation, whatever `limits`
+    says, that a converter leaves in every mean, however many its samples; a plan knows it, a run shows it. 0: not
+    declared.
     """
 
     axis_tilt: float

@@ -19,7 +19,7 @@ from tumble.api.table import html_table
 from tumble.api.words import in_python, told_in_python
 from tumble.arrays import Floats
 from tumble.documents.base import described
-from tumble.documents.result import Result as Document, result_of
+from tumble.documents.result import Result as ResultDocument, parse_result
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.files.disk import RESULT_FILE, path_of, read_bytes, write_bytes, write_text
 from tumble.files.run_layout import Wishes
@@ -62,14 +62,14 @@ class Result:
             raise UsageError(f"text: a {type(text).__name__} is no text of a result; tumble.load reads a file")
         self._text = text
         self._name = name
-        self._told = result_of(text.encode("utf-8", "surrogatepass"), name)
+        self._told = parse_result(text.encode("utf-8", "surrogatepass"), name)
         told = complaints_of_document(self._told) if warnings is None else warnings
         self.warnings = tuple(map(in_python, told))
         """Why the result may not be what it claims: the sentences that the command line prints, with arguments in place
         of options."""
 
     @property
-    def checked(self) -> Document:
+    def checked(self) -> ResultDocument:
         """The same by its types, tumble.documents.result."""
         return self._told
 
@@ -87,7 +87,7 @@ class Result:
         >>> tumble.solve("examples/paper_stand.csv").keys["U0"]
         'Outputs without acceleration.'
         """
-        return described(Document)[1]
+        return described(ResultDocument)[1]
 
     @property
     def estimator(self) -> str:
@@ -339,7 +339,7 @@ def load(file: str | os.PathLike[str]) -> Result:
     """Read a result that `Result.save`, `tumble solve --out` or `tumble bench` wrote. Raises BadInput."""
     name = path_of(file)
     data = read_bytes(name, RESULT_FILE)
-    result_of(data, name)  # also that it is text
+    parse_result(data, name)  # also that it is text
     return Result(data.decode("utf-8-sig"), name=name)
 
 

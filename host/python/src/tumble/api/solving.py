@@ -21,7 +21,7 @@ from tumble.defaults import (
     NEEDS_STAND,
 )
 from tumble.documents.base import to_json
-from tumble.documents.result import Result as Document
+from tumble.documents.result import Result as ResultDocument
 from tumble.errors import UsageError, quoted
 from tumble.estimators import ESTIMATORS, OPTIMAL
 from tumble.files import run_rows
@@ -30,7 +30,7 @@ from tumble.files.stand_file import StandFile, stand_file_of
 from tumble.schedule import Schedule
 from tumble.solving import plausibility
 from tumble.solving.plausibility import contradicted, in_environment
-from tumble.solving.result import created, result_of
+from tumble.solving.result import created, document_of
 from tumble.solving.solution import Solution, solve as solve_run
 from tumble.stand import Stand
 from tumble.terms import Terms, parse
@@ -52,11 +52,11 @@ class Solved:
         confirmed = plausibility.confirms_unit(self.solution, self.stand_file)
         return complaints(solution or self.solution, self.odd, confirmed)
 
-    def document(self, solution: Solution | None = None) -> Document:
+    def document(self, solution: Solution | None = None) -> ResultDocument:
         """As it is written, schema tumble.result/1; `solution` as of `complaints`."""
         file, told_of = self.stand_file, self.complaints(solution)
         told = (None, None, None) if file is None else (file.item, file.environment, file.serial)
-        return result_of(solution or self.solution, *told, self.run_file, self.created, told_of)
+        return document_of(solution or self.solution, *told, self.run_file, self.created, told_of)
 
 
 def solved(

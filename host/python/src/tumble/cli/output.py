@@ -143,7 +143,7 @@ def page(solution: Solution, file: str) -> list[Line | Table]:
         *([(line, "")] for line in remarks(solution)),
         [("", "")],
         *([(line, "yellow")] for line in bewares),
-        [(_verdict(solution, decision), f"{colour} bold")],
+        [(_verdict_line(solution, decision), f"{colour} bold")],
     ]
 
 
@@ -399,7 +399,7 @@ def _simulated(found: MonteCarlo) -> list[str]:
     return lines + textwrap.wrap(simulation_complaint(found) or "It agrees with the linear uncertainties.", _COLUMNS)
 
 
-def _verdict(solution: Solution, decision: Decision) -> str:
+def _verdict_line(solution: Solution, decision: Decision) -> str:
     """The decision and why, in one line if it fits."""
     position = solution.schedule.positions[solution.worst_position].label
     size = f"{on_its_side(abs(float(solution.found.gravity.delta_g[solution.worst_position])), solution.limit_g)} g"

@@ -1,6 +1,6 @@
 """The firmware core, for every room but `model`: numpy arrays in and out, a refusal as an exception.
 
-Nothing is computed here; every number comes from the C functions that fly, through the extension `_tumble_core`. The
+No coefficient and no check is computed here: they come from the C functions that fly, through `_tumble_core`. The
 names below are what most need: schedules, the linear estimators, the check of a calibration; `binding` has the rest.
 """
 

@@ -1,12 +1,9 @@
 """The firmware core, for Python: numpy arrays in and out, a refusal of the core as an exception.
 
-Nothing is computed here; every number comes from the C functions that fly. Arrays: `means` (positions, 3) in volts (or
+No coefficient and no check is computed here: they come from the C functions that fly. Angles of a schedule become sines
+and cosines here (`sine_cosine`). Arrays: `means` (positions, 3) in volts (or
 any unit, in which the coefficients then come out), in the schedule's order; `measured` (positions,) bool; K (3, 3) in
 volts per g, row i = channel i; U0 (3,) in volts. Rows of `means` that are not measured are never looked at.
-
-The core's stand-optimal estimator and its gain record, for Python; and any estimator for many runs at once.
-
-The core's standard uncertainties, for Python.
 """
 
 from __future__ import annotations
@@ -36,7 +33,9 @@ MAX_MEAN: float = lib.TUMBLE_MAX_MEAN_V
 MIN_ROW_RATIO: float = lib.TUMBLE_MIN_ROW_RATIO
 AXES = "xyz"
 
-# The core's table: by name what estimates and what states uncertainties; NULL for both where a gain record is needed.
+# TUMBLE_ESTIMATOR_LIST of tumble/core.h, as an array in binding/batch.c: by name what estimates and what states
+# uncertainties, such as tumble_estimate_refined (firmware/core/closed_form.c); NULL for both where a gain record is
+# needed.
 ESTIMATOR_ROWS = {ffi.string(row.name).decode(): row for row in lib.estimator_rows}
 LINEAR_ESTIMATORS = {name: row.estimate for name, row in ESTIMATOR_ROWS.items() if row.estimate}
 

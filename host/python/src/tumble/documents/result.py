@@ -1,7 +1,9 @@
 """tumble.result/1: the outcome of one calibration. U = U0 + K a: outputs U, specific force a in units of local gravity.
 
-A new key is a field here, a value in solving.result, and whatever shows it. A key with a default came later, or is not
-always written; one without has always been there.
+A new key is a field here with its meaning, a value in solving.result.document_of, and whatever shows it;
+tools/schemas.py makes the schema and the table in docs/files.md of it (`_WRITTEN` there: keys that are always written
+though a reader does without), and `tools/goldens write` takes it up. A key with a default came later, or is not always
+written.
 """
 
 from __future__ import annotations
@@ -741,9 +743,9 @@ class Result(Document, kw_only=True):
 
 def read_result(file: str) -> Result:
     """Of a file. Raises BadInput."""
-    return result_of(read_bytes(file, RESULT_FILE), file)
+    return parse_result(read_bytes(file, RESULT_FILE), file)
 
 
-def result_of(data: bytes, file: str) -> Result:
+def parse_result(data: bytes, file: str) -> Result:
     """As `read_result`, of what a `file` holds."""
     return read(Result, RESULT, data, file)

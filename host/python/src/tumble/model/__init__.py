@@ -10,7 +10,9 @@ uncertainties, checked in every solve, means something only as long as that hold
     propagation   how errors reach an estimate: gains, covariance, what each source brings; what is left out
     coefficients  what follows from them: specific force, |a| and its uncertainty, intrinsic parameters, gravity check
     fit           chi-squared of a run on its stand; of a misfit, what explains it (patterns)
-    stand_seen    the stand as a run shows it; noise: the noise that the samples show
+    patterns      what a run that does not fit may show instead: a table
+    stand_seen    the stand as a run shows it
+    noise         the noise that its samples show
     reliability   what a run, or a kind of run, cannot show
 """
 

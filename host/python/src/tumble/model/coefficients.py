@@ -1,4 +1,5 @@
-"""The specific force that a calibrated block shows, of any number of samples at once, and its standard uncertainty.
+"""What follows from coefficients: the specific force that a calibrated block shows (Force), its length and its
+uncertainty (worst_norm), intrinsic parameters, gravity check, closure and residuals, by other means than the core's.
 
 The model (tumble.terms) is U = F(a) with
 
@@ -9,17 +10,12 @@ J = dF/da; what is exported to C and MATLAB (cli/exports) does the same, PASSES 
 dc show a force that is off by da = -J^-1 (dF/dc) dc to first order; so the covariance of the
 coefficients gives that of the force, and of its length by the direction of a.
 
-What the covariance of the coefficients says of whatever is computed from them: of the specific force that the
-calibrated block shows, of its length, of the intrinsic parameters.
-
-A covariance is (12, 12), K row by row, then U0, as model.propagation gives it. A block at the attitude n, a unit
-vector, puts out U = U0 + K n. Calibrated with coefficients that are off by dK and dU0 it shows
+A covariance of coefficients is (12, 12), K row by row, then U0, as model.propagation gives it. A block at the attitude
+n, a unit vector, puts out U = U0 + K n. Calibrated with coefficients that are off by dK and dU0 it shows
 
     a = (K + dK)^-1 (U - U0 - dU0) = n - K^-1 (dK n + dU0)
 
 to first order, and the length of that is 1 - w (dK n + dU0) with w = n K^-1.
-
-Gravity check, closure, residuals and intrinsic parameters, by other means than the core's.
 """
 
 from __future__ import annotations

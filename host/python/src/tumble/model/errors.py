@@ -207,33 +207,35 @@ def exact_outputs(schedule: Schedule, k: Floats, u0: Floats, found: Mapping[str,
     return errors.outputs(np.asarray(k), np.asarray(u0), draws * errors.sigma)
 
 
-def brought(of: Callable[[Floats], Floats], found: Mapping[str, Draws]) -> dict[str, Floats]:
-    """What one standard deviation of each draw brings to a linear function of the means: by source, (draws, n). `of`
-    maps (draws, positions, 3) to (draws, n)."""
-    return {name: of(source.derivative) * source.sigma[:, None] for name, source in found.items()}
+ToUnknowns = Callable[[Floats], Floats]  # what a linear estimate makes of means: (draws, positions, 3) to (draws, n)
 
 
-def contributions(of: Callable[[Floats], Floats], found: Mapping[str, Draws]) -> dict[str, Floats]:
+def brought(to_unknowns: ToUnknowns, found: Mapping[str, Draws]) -> dict[str, Floats]:
+    """What one standard deviation of each draw brings to a linear estimate: by source, rows sigma G J (draws, n)."""
+    return {name: to_unknowns(source.derivative) * source.sigma[:, None] for name, source in found.items()}
+
+
+def contributions(to_unknowns: ToUnknowns, found: Mapping[str, Draws]) -> dict[str, Floats]:
     """Standard uncertainty (n,) that each source brings to it."""
-    return {name: np.sqrt((draws**2).sum(axis=0)) for name, draws in brought(of, found).items()}
+    return {name: np.sqrt((draws**2).sum(axis=0)) for name, draws in brought(to_unknowns, found).items()}
 
 
-def by_gains(schedule: Schedule, gains: Floats) -> Callable[[Floats], Floats]:
-    """What linear gains (rows, 3 x fit positions) make of means of all positions of a schedule, for `brought`."""
+def covariance_of(to_unknowns: ToUnknowns, found: Mapping[str, Draws]) -> Floats:
+    """Covariance (n, n) that all sources together bring to it: G J diag(sigma^2) (G J)^T."""
+    draws = np.concatenate(list(brought(to_unknowns, found).values()))
+    product: Floats = draws.T @ draws
+    return (product + product.T) / 2.0
+
+
+def by_gains(schedule: Schedule, gains: Floats) -> ToUnknowns:
+    """An estimate by gains G (n, 3 x fit positions), of means of all positions of a schedule."""
     fit = schedule.fit_indices
 
-    def of(means: Floats) -> Floats:
+    def to_unknowns(means: Floats) -> Floats:
         found: Floats = means[:, fit].reshape(len(means), -1) @ gains.T
         return found
 
-    return of
-
-
-def joint(of: Callable[[Floats], Floats], found: Mapping[str, Draws]) -> Floats:
-    """Covariance (n, n) that all sources together bring to it."""
-    draws = np.concatenate(list(brought(of, found).values()))
-    product: Floats = draws.T @ draws
-    return (product + product.T) / 2.0
+    return to_unknowns
 
 
 def by_coefficient(covariance: Floats) -> tuple[Floats, Floats]:

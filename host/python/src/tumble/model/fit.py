@@ -5,9 +5,7 @@ of the squares of all that is left, outputs and errors in units of their standar
 residuals of the coefficients' fit, and C the covariance that the declared errors give the outputs. It is found by
 Newton's way after Gauss, from a least-squares fit on the ideal stand; so it depends on no estimator.
 
-Does a run fit its stand? Chi-squared of all residuals against what is declared; and if not, what explains it.
-
-If it does not fit, uncertainties made from the declaration mean nothing. Every pattern of model.patterns is
+If it does not fit (`judge`), uncertainties made from the declaration mean nothing. Every pattern of model.patterns is
 tested by its own score; the smallest p, with Holm's correction, is the first explanation. Whatever remains is explained
 in the same way. A pattern may also show where the residuals as a whole still fit: it is told at the same confidence.
 """

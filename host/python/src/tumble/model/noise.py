@@ -53,7 +53,8 @@ class MeasuredNoise:
 
 def measured_noise(samples: Integers, scatter: Floats, squares: Floats, shortest: int = 1) -> MeasuredNoise | None:
     """None where no position has two samples. `samples` (positions,), `scatter` (positions, 3), `squares` (lengths,
-    positions, 3) as in files.run_blocks; of these, those from index `shortest` on are looked at beside the scatter."""
+    positions, 3) as in files.run_file.Blocks; of these, those from index `shortest` on are looked at beside the
+    scatter."""
     several = samples > 1
     if not several.any():
         return None

@@ -22,7 +22,17 @@ import numpy as np
 
 from tumble.arrays import Floats, Integers
 from tumble.errors import UsageError
-from tumble.model.errors import NOISE, Draws, Errors, by_coefficient, by_gains, declared, joint, of_stand, places
+from tumble.model.errors import (
+    NOISE,
+    Draws,
+    Errors,
+    by_coefficient,
+    by_gains,
+    covariance_of,
+    declared,
+    of_stand,
+    places,
+)
 from tumble.model.estimators import design, require_rank, unknowns
 from tumble.schedule import Schedule
 from tumble.stand import COMMON, PerChannel, Stand, by_channel, rounding_of
@@ -329,4 +339,4 @@ def optimal_covariance(
         noise = np.maximum(noise, np.sqrt(mean_variance))
     whole = of_stand(schedule, k, stand, declared(stand))
     whole[NOISE] = Draws(noise.ravel(), whole[NOISE].derivative)
-    return joint(by_gains(schedule, whitened.gains), whole)
+    return covariance_of(by_gains(schedule, whitened.gains), whole)

@@ -3,7 +3,7 @@
 An estimator is linear in the means, with gains G, and the errors add J s to these: so they add G J s to the
 coefficients, and each source its part of the covariance.
 
-What the linear theory of uncertainties leaves out: the bias that squares of a stand's errors leave in an estimate.
+What this leaves out (`second_order`) is the bias that squares of a stand's errors leave in an estimate.
 
 A mean over errors of a normal law is a sum over nodes (McNamee and Stenger): none, one, or two of the errors are off by
 sqrt(3) standard deviations, in either direction, the others zero. It is exact for polynomials of degree five, so it has
@@ -22,7 +22,7 @@ import numpy as np
 from tumble.arrays import Floats, Integers
 from tumble.documents.result import Shift
 from tumble.estimators import COEFFICIENTS, OPTIMAL
-from tumble.model.errors import Draws, brought, by_gains, exact_outputs, joint, sources
+from tumble.model.errors import Draws, brought, by_gains, covariance_of, exact_outputs, sources
 from tumble.model.estimators import linear_gains
 from tumble.model.optimal import OptimalTable, optimal_covariance, optimal_table, samples_in_a_mean
 from tumble.schedule import Schedule
@@ -73,7 +73,7 @@ class Propagation:
         if self.estimator == OPTIMAL:
             given = self.schedule, self.k, self.stand, self.samples
             return optimal_covariance(*given, self.step, variance, self.terms)
-        return joint(by_gains(self.schedule, self.gains), self.errors(variance))
+        return covariance_of(by_gains(self.schedule, self.gains), self.errors(variance))
 
 
 def covariance(

@@ -4,8 +4,9 @@ Of every pattern that no stand file declares: the size that its score test finds
 that so much of it leaves, at the worst attitude. It follows from the schedule, the stand and the estimator alone, so it
 is known before a run.
 
-What a run cannot show: a tilt of the block against the axis that is common to all mountings, and those of the
-block's own patterns, such as a third order, that lie in the span of the coefficients.
+What no run of a schedule shows, whatever the size (seat_is_unseen, unseen_patterns): a tilt of the block against the
+axis that is common to all mountings, and those of the block's own patterns, such as a third order, that lie in the span
+of the coefficients.
 """
 
 from __future__ import annotations

@@ -1,6 +1,5 @@
-"""What the firmware core makes of a run: coefficients, checks, and what follows from them.
-
-The core against the numpy model. A result that the model does not confirm is not given.
+"""What the firmware core makes of a run (`compute`): coefficients, checks, and what follows from them; held against the
+numpy model (`compare`): a result that the model does not confirm is not given.
 """
 
 from __future__ import annotations

@@ -5,10 +5,8 @@ stand, and is the limit met at every attitude, as far as the uncertainties say? 
 the first two are good and the third is not, conformity is not shown, which is no PASS. Without a declared stand nobody
 knows an uncertainty: then PASS holds at the measured positions only.
 
-What a result rests on that its run cannot test and its stand file does not declare.
-
-What would show that a limit is met where the uncertainties do not allow it: other weights for the same run, more
-samples, a third mounting, a better stand. Each is tried on the model of the run and told with what it reaches.
+In this order: what a result rests on (ASSUMPTIONS), the decision (decide), and what would show a limit that the
+uncertainties do not show (would_show).
 """
 
 from __future__ import annotations
@@ -235,7 +233,8 @@ class Decision:
 
     @property
     def sentence(self) -> str:
-        """Word and reason: the one form of the verdict, on a terminal, in a report, in an export."""
+        """Word and reason, as reports and exports have them; a terminal has them too, unless it is a PASS with figures
+        (cli.output._verdict_line)."""
         return self.word + self.reason
 
 
@@ -274,8 +273,10 @@ _PHRASES = {
 
 @dataclass(frozen=True)
 class Question:
-    """Of a run, done or planned: how errors reach its estimate, `variance` (positions, 3) of the means by the noise as
-    it was measured (0: as declared), of it `rounding` (3,) that no more samples average away, and the rule."""
+    """What would show a limit: other weights for the same run, more samples, a third mounting, a better stand. Each is
+    tried on the model of the run and told with what it reaches. Of a run, done or planned: how errors reach its
+    estimate, `variance` (positions, 3) of the means by the noise as it was measured (0: as declared), of it `rounding`
+    (3,) that no more samples average away, and the rule."""
 
     given: Propagation
     variance: Floats

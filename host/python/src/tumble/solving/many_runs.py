@@ -1,12 +1,8 @@
 """Thousands of runs on one schedule at once: drawn, solved by the core, and held against what a result states.
 
-Runs on a declared stand, drawn thousands at a time; and one stream of random numbers, cut for others to go on with.
-
 A seed means one stream, whoever draws from it. Normal numbers take from it as many bits as they happen to need, so
 where a later chunk begins is known only to whoever has drawn all before: whoever cuts the stream draws as well, and
 leaves what is computed from the numbers to others.
-
-An estimator for thousands of runs on one schedule at once, by the core.
 
 Monte Carlo of one result, after supplement 1 of the GUM (JCGM 101:2008): are its uncertainties, which are linear,
 those of the exact geometry?

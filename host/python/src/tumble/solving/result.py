@@ -1,15 +1,6 @@
-"""A solution as a document of schema tumble.result/1, part by part; documents.result says what every key means.
-
-What a result rests on and repeats: the stand as its file declares it, the schedule that the run was measured on.
-
-Results of other versions, and what other programs write, may lack them; whoever needs them says what then.
-
-When, by what and from what a result was made.
-
-How well the gravity check knows its errors: delta_g = (|a|^2 - 1)/2 at a position, with a = K^-1 (U - U0).
-
-The coefficients are those found, and the length of gravity is 1 g at every attitude, so that no error of the stand is
-in delta_g: the noise of the position's mean alone makes it uncertain, d delta_g = a K^-1 dU.
+"""A solution as a document of schema tumble.result/1, part by part (`document_of`), and what others need of a document
+again: its stand, its schedule, the step of its converter. documents.result says what every key means; where the names
+of the code are other than the keys, this module is where they meet.
 """
 
 from __future__ import annotations
@@ -29,7 +20,7 @@ from tumble._version import __version__
 from tumble.arrays import Floats
 from tumble.core import CoreRefusal, CoreSchedule, built_in
 from tumble.distributions import student_quantile
-from tumble.documents import result as of
+from tumble.documents import result as doc
 from tumble.documents.result import Result
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.estimators import COEFFICIENTS
@@ -108,7 +99,11 @@ def _written(moment: datetime) -> str:
 
 @dataclass(frozen=True)
 class GravityUncertainty:
-    """At every position of the schedule, NaN where it was not measured: standard uncertainty `u_g` of delta_g, and its
+    """How well the gravity check knows its errors, delta_g = (|a|^2 - 1)/2 with a = K^-1 (U - U0). The coefficients are
+    those found, and the length of gravity is 1 g at every attitude, so that no error of the stand is in delta_g: the
+    noise of the position's mean alone makes it uncertain, d delta_g = a K^-1 dU.
+
+    At every position of the schedule, NaN where it was not measured: standard uncertainty `u_g` of delta_g, and its
     coverage `factor` for PROBABILITY."""
 
     u_g: Floats
@@ -136,7 +131,7 @@ def gravity_uncertainty(solution: Solution) -> GravityUncertainty | None:
     return GravityUncertainty(np.sqrt(variance), factor)
 
 
-def result_of(
+def document_of(
     solution: Solution,
     item: dict[str, Any] | None,
     environment: dict[str, Any] | None,
@@ -160,13 +155,13 @@ def result_of(
         schedule=schedule_told(solution.schedule),
         estimator=found.estimator,
         unit=unit,
-        units=of.Units(K=per_g(unit), U0=unit, u_K=per_g(unit), u_U0=unit),
+        units=doc.Units(K=per_g(unit), U0=unit, u_K=per_g(unit), u_U0=unit),
         K=found.k,
         U0=found.u0,
         u_K=solution.u_k,
         u_U0=solution.u_u0,
         covariance=solution.covariance,
-        u_norm_g=None if u_norm is None else of.WorstNorm(u_norm.worst, u_norm.attitude),
+        u_norm_g=None if u_norm is None else doc.WorstNorm(u_norm.worst, u_norm.attitude),
         extended=None if solution.further is None else extended(solution.further, volts),
         second_order=None if solution.second_order is None else second_order_of(solution.second_order),
         monte_carlo=None if solution.monte_carlo is None else _monte_carlo(solution.monte_carlo),
@@ -177,20 +172,20 @@ def result_of(
         reliability_norm_g=None if solution.reliability is None else reliability.largest(solution.reliability),
         passed=decision.passed,
         pass_reason=" and ".join(decision.failures) or None,
-        decision=of.Decision(decision.coverage_factor, decision.u_norm_g, decision.limit_g, decision.scope),
+        decision=doc.Decision(decision.coverage_factor, decision.u_norm_g, decision.limit_g, decision.scope),
         would_show=tuple(would_show(solution)) if decision.is_not_shown else None,
         assumes=tuple(rests_on),
         assumed_for={name: tuple(coefficients) for name, coefficients in rests_on.items()},
         warnings=tuple(warnings),
         noise=_noise(solution),
-        scatter_alone=None if alone is None else of.ScatterAlone(alone.u_k, alone.u_u0),
+        scatter_alone=None if alone is None else doc.ScatterAlone(alone.u_k, alone.u_u0),
         coverage=None if solution.coverage is None else coverage_of(solution.coverage),
         verification=_verification(solution),
         stand_seen=stand_seen(solution.stand_seen, volts, solution.channel_noise),
         intrinsic=_of_block(found.intrinsic.scale, found.intrinsic.angles, found.intrinsic.bias),
         si=si_of(found.k, found.u0, solution.covariance, environment, unit),
         u_intrinsic=None if (u := solution.u_intrinsic) is None else _of_block(u.scale, u.angles, u.bias),
-        reference=of.Reference(
+        reference=doc.Reference(
             max_abs_difference_K=float(np.abs(difference.k).max()),
             max_abs_difference_U0=float(np.abs(difference.u0).max()),
             difference_K=difference.k,
@@ -200,24 +195,24 @@ def result_of(
         counters=solution.run.counters,
         item=item,
         environment=environment,
-        temperature=None if (t := temperature) is None else of.Temperature(t.low_c, t.high_c, t.source),
+        temperature=None if (t := temperature) is None else doc.Temperature(t.low_c, t.high_c, t.source),
     )
 
 
-def declared_stand(stand: Stand, step_v: Floats) -> of.DeclaredStand:
+def declared_stand(stand: Stand, step_v: Floats) -> doc.DeclaredStand:
     """With the keys and numbers of [stand]. `step_v` (3,): of the converter of its block, 0 where it is unknown."""
     errors = {source.key: getattr(stand, source.attribute) for source in SOURCES.values()}
     step = per_channel(step_v) if step_v.any() else None
     labels = stand.name or None, stand.limits, stand.remounting, int(stand.samples)
-    return of.DeclaredStand(*labels, **errors, step_v=step)
+    return doc.DeclaredStand(*labels, **errors, step_v=step)
 
 
-def schedule_told(schedule: Schedule) -> of.Schedule:
+def schedule_told(schedule: Schedule) -> doc.Schedule:
     """With the name of a built-in one, else None, and the tables of a schedule file."""
-    mountings = (of.Mounting(one.number, np.array(one.matrix), one.tilt_deg) for one in schedule.mountings)
-    positions = (of.Position(*_place(one)[:2], one.angle_deg, one.use) for one in schedule.positions)
+    mountings = (doc.Mounting(one.number, np.array(one.matrix), one.tilt_deg) for one in schedule.mountings)
+    positions = (doc.Position(*_place(one)[:2], one.angle_deg, one.use) for one in schedule.positions)
     name = next((name for name in BUILT_IN if built_in(name) == schedule), None)
-    return of.Schedule(name, tuple(mountings), tuple(positions))
+    return doc.Schedule(name, tuple(mountings), tuple(positions))
 
 
 def _place(position: Position) -> tuple[int, int, str]:
@@ -230,7 +225,7 @@ def _measured(solution: Solution) -> list[tuple[int, Position]]:
     return [(index, one) for index, one in enumerate(solution.schedule.positions) if samples[index] > 0]
 
 
-def extended(further: Further, volts_per_unit: float) -> of.Extended:
+def extended(further: Further, volts_per_unit: float) -> doc.Extended:
     """Null for a term that is not in the model; the drift in volts."""
     scale = [volts_per_unit if term == DRIFT else 1.0 for term in further.terms]
     sizes = dict(zip(further.terms, further.values * np.array(scale)[:, None]))
@@ -238,56 +233,56 @@ def extended(further: Further, volts_per_unit: float) -> of.Extended:
     scales = np.concatenate([np.ones(12), np.repeat(scale, 3)])
     joint, alone, without = further.of_values, further.worst_norm_of_twelve, further.without
     by_term = {key: found.get(term) for term, own in KEYS.items() for key, found in ((own, sizes), (f"u_{own}", u))}
-    return of.Extended(
+    return doc.Extended(
         further.terms,
         **by_term,
         names=names(further.terms),
         covariance=None if joint is None else scales[:, None] * joint * scales,
         u_norm_of_K_U0_g=None if alone is None else alone.worst,
-        without=None if without is None else of.Without(without.u_k, without.u_u0, without.worst.worst),
+        without=None if without is None else doc.Without(without.u_k, without.u_u0, without.worst.worst),
         max_abs_difference=float(np.abs(further.difference).max()),
     )
 
 
-def second_order_of(found: SecondOrder) -> of.SecondOrder:
+def second_order_of(found: SecondOrder) -> doc.SecondOrder:
     """The bias that the linear theory leaves out."""
-    return of.SecondOrder(
+    return doc.SecondOrder(
         bias_K_xx_relative=found.yaw**2 / 2.0,
         limit=found.limit(0),
         matters=found.matters,
         shifts=tuple(found.shifts),
-        bias=of.Bias(found.bias[:9].reshape(3, 3), found.bias[9:]),
+        bias=doc.Bias(found.bias[:9].reshape(3, 3), found.bias[9:]),
     )
 
 
-def _monte_carlo(found: MonteCarlo) -> of.MonteCarlo:
+def _monte_carlo(found: MonteCarlo) -> doc.MonteCarlo:
     ends, linear = np.stack([found.low, found.high], axis=1), np.stack([found.linear_low, found.linear_high], axis=1)
     rows = zip(
         *(COEFFICIENTS, found.shift.tolist(), found.u.tolist(), ends, linear),
         *(np.abs(ends - linear).max(axis=1).tolist(), found.tolerance.tolist()),
         (verdict.value for verdict in found.verdicts),
     )
-    coefficients = tuple(of.Simulated(*row) for row in rows)
-    return of.MonteCarlo(found.runs, found.seed, COVERAGE, LEVEL, found.agrees, coefficients)
+    coefficients = tuple(doc.Simulated(*row) for row in rows)
+    return doc.MonteCarlo(found.runs, found.seed, COVERAGE, LEVEL, found.agrees, coefficients)
 
 
-def fit_of(fit: Fit) -> of.Fit:
+def fit_of(fit: Fit) -> doc.Fit:
     """Whether a run fits its stand."""
     told = tuple(
-        of.Explanation(one.patterns, one.p, one.size, one.u_size, one.unit, one.column or None)
+        doc.Explanation(one.patterns, one.p, one.size, one.u_size, one.unit, one.column or None)
         for one in fit.explanations
     )
-    return of.Fit(fit.chi_squared, fit.freedom, fit.p, fit.fits, fit.confidence, told)
+    return doc.Fit(fit.chi_squared, fit.freedom, fit.p, fit.fits, fit.confidence, told)
 
 
-def unseen(found: reliability.Reliability) -> tuple[of.Unseen, ...]:
+def unseen(found: reliability.Reliability) -> tuple[doc.Unseen, ...]:
     """What a run would not have shown, by pattern."""
-    return tuple(of.Unseen(one.pattern.name, one.size, one.pattern.unit, one.norm_g) for one in found)
+    return tuple(doc.Unseen(one.pattern.name, one.size, one.pattern.unit, one.norm_g) for one in found)
 
 
-def _noise(solution: Solution) -> of.Noise:
+def _noise(solution: Solution) -> doc.Noise:
     noise, seen = solution.noise, solution.noise.measured
-    return of.Noise(
+    return doc.Noise(
         scatter=None if seen is None else seen.scatter,
         of_means=None if seen is None else of_means(seen, solution.run.samples),
         block_samples=None if seen is None else tuple(seen.length.tolist()),
@@ -297,11 +292,11 @@ def _noise(solution: Solution) -> of.Noise:
     )
 
 
-def coverage_of(found: Coverage) -> of.Coverage:
+def coverage_of(found: Coverage) -> doc.Coverage:
     """A freedom of null is infinite."""
     freedom, k = _finite(found.freedom), found.factors.tolist()
     intrinsic, k_intrinsic = _finite(found.intrinsic), factors_of(found.intrinsic).tolist()
-    return of.Coverage(
+    return doc.Coverage(
         probability=PROBABILITY,
         freedom_K=(freedom[0:3], freedom[3:6], freedom[6:9]),
         freedom_U0=freedom[9:],
@@ -316,17 +311,17 @@ def _finite(freedom: Floats) -> Any:
     return tuple(None if math.isinf(one) else one for one in freedom.tolist())
 
 
-def _of_block(scale: Any, angles: Any, bias: Any) -> of.OfBlock[Any, Any, Any]:
-    return of.OfBlock(scale, of.Angles(*(float(one) if one is not None else None for one in angles)), bias)
+def _of_block(scale: Any, angles: Any, bias: Any) -> doc.OfBlock[Any, Any, Any]:
+    return doc.OfBlock(scale, doc.Angles(*(float(one) if one is not None else None for one in angles)), bias)
 
 
-def _verification(solution: Solution) -> of.Verification:
+def _verification(solution: Solution) -> doc.Verification:
     gravity, known = solution.found.gravity, gravity_uncertainty(solution)
     judged = [largest for largest in (gravity.max_abs_fit, gravity.max_abs_check) if largest is not None]
     by_noise = {} if known is None else dict(enumerate(zip(known.u_g.tolist(), known.factor.tolist())))
-    return of.Verification(
+    return doc.Verification(
         delta_g_g=tuple(
-            of.DeltaG(*_place(one), float(gravity.delta_g[index]), *by_noise.get(index, ()))
+            doc.DeltaG(*_place(one), float(gravity.delta_g[index]), *by_noise.get(index, ()))
             for index, one in _measured(solution)
         ),
         max_abs_delta_g_g=max(judged),
@@ -334,19 +329,19 @@ def _verification(solution: Solution) -> of.Verification:
         max_abs_delta_g_check_g=gravity.max_abs_check,
         limit_g=solution.limit_g,
         passed=gravity.passed,
-        closure=tuple(of.Closure(*one) for one in solution.found.closure.items()),
+        closure=tuple(doc.Closure(*one) for one in solution.found.closure.items()),
         residual_rms=solution.found.residual_rms,
     )
 
 
-def stand_seen(seen: StandSeen, volts: float, channels: ChannelNoise | None) -> of.StandSeen:
+def stand_seen(seen: StandSeen, volts: float, channels: ChannelNoise | None) -> doc.StandSeen:
     """Every quantity with its standard uncertainty. `volts`: in a unit of the outputs; `channels`: of a stand that
     declares three."""
     has_u, noise, alpha4 = seen.source is not None, seen.noise, seen.alpha4
     angles = _twins({**{name: seen.angles[name] for name in ANGLES}, "alpha4": alpha4}, has_u)
     augmented = _twins(seen.augmented)
-    others = tuple(of.YawChange(mounting, *_pair(one)) for mounting, one in seen.other_yaw_changes.items())
-    return of.StandSeen(
+    others = tuple(doc.YawChange(mounting, *_pair(one)) for mounting, one in seen.other_yaw_changes.items())
+    return doc.StandSeen(
         **angles,
         noise_v=None if noise is None else noise.value * volts,
         u_noise_v=None if noise is None else noise.u * volts,
@@ -355,7 +350,7 @@ def stand_seen(seen: StandSeen, volts: float, channels: ChannelNoise | None) -> 
         u_from=seen.source,
         u_freedom=seen.freedom,
         alpha4_freedom=None if alpha4 is None else seen.alpha4_freedom,
-        augmented=None if set(augmented.values()) == {None} else of.Augmented(**augmented, other_yaw_changes=others),
+        augmented=None if set(augmented.values()) == {None} else doc.Augmented(**augmented, other_yaw_changes=others),
     )
 
 
@@ -369,17 +364,17 @@ def _pair(seen: Estimate | None, has_u: bool = True) -> tuple[float | None, floa
     return (None, None) if seen is None else (seen.value, seen.u if has_u else None)
 
 
-def _means(solution: Solution) -> tuple[of.Mean, ...]:
+def _means(solution: Solution) -> tuple[doc.Mean, ...]:
     run = solution.run
     return tuple(
-        of.Mean(*_place(one), int(run.samples[i]), run.means[i], run.scatter[i] if run.samples[i] > 1 else None)
+        doc.Mean(*_place(one), int(run.samples[i]), run.means[i], run.scatter[i] if run.samples[i] > 1 else None)
         for i, one in _measured(solution)
     )
 
 
-def truth(known: Truth) -> of.Truth:
+def truth(known: Truth) -> doc.Truth:
     """What a simulated run was made of."""
-    return of.Truth(
+    return doc.Truth(
         K=known.k,
         U0=known.u0,
         alpha1_rad=known.alpha1,

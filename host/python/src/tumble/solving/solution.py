@@ -33,17 +33,17 @@ from tumble.model.stand_seen import (
     ChannelNoise,
     RunSeen,
     StandSeen,
-    look,
+    look as look_at_stand,
     pooled_noise,
     stand_to_look_with,
     weights_of,
 )
 from tumble.schedule import Schedule
-from tumble.solving import further, noise as noise_of_runs, optimal_run
+from tumble.solving import optimal_run
 from tumble.solving.computation import LARGEST_MISFIT, Comparison, Computation, DeadChannels, compare, compute
-from tumble.solving.further import Further, Without
+from tumble.solving.further import Further, Without, require_told_apart
 from tumble.solving.many_runs import MonteCarlo, estimator_or_linear, simulate
-from tumble.solving.noise import sampled_patterns
+from tumble.solving.noise import NO_STAND, Noise, look as look_at_noise, sampled_patterns
 from tumble.solving.uncertainty import Coverage, Stated, coverage, stated
 from tumble.stand import PerChannel, Stand, over
 from tumble.terms import Terms
@@ -90,7 +90,7 @@ class Solution:
     comparison: Comparison
     stand: Stand | None
     stand_seen: StandSeen
-    noise: noise_of_runs.Noise
+    noise: Noise
     fit: Fit | None = None
     stated: Stated | None = None
     scatter_alone: Stated | None = None
@@ -145,7 +145,7 @@ class Solution:
     @cached_property
     def propagation(self) -> Propagation:
         """How errors reach the estimate: those of the declared stand, in the unit of the run, or of none."""
-        stand = noise_of_runs.NO_STAND if self.stand is None else self.declared.with_step(self.step)
+        stand = NO_STAND if self.stand is None else self.declared.with_step(self.step)
         samples = self.run.samples[self.run.measured]
         given = self.measured_schedule, self.found.k, stand, samples, self.found.estimator, self.step
         return Propagation(*given, self.found.terms)
@@ -235,54 +235,62 @@ def solve(
     Raises BadInput where the core refuses the run, Disagreement where the witness does not confirm the core.
     """
     step = over(step_v, volts_per(run.unit))
-    in_unit = None if stand is None else stand.beside(terms).in_unit(run.unit)
-    declared = None if in_unit is None else in_unit.with_step(step)
+    stand_in_unit = None if stand is None else stand.beside(terms).in_unit(run.unit)
+    stand_with_step = None if stand_in_unit is None else stand_in_unit.with_step(step)
     core_schedule = schedule or core.CoreSchedule.built_in("paper")
-    weighting = None
-    if estimator == OPTIMAL:
-        assert declared is not None  # as documented
-        weighting = optimal_run.Weighting(declared, run.samples, step, known)
-    name = core_schedule.name
-    witnessed = (core_schedule.data if name is None else built_in(name)).part(run.measured)
+    witness_schedule = _of_the_witness(core_schedule).part(run.measured)
     means, samples, scatter = run.means[run.measured], run.samples[run.measured], run.scatter[run.measured]
-    noisy = noise_of_runs.look(run, in_unit, step)
-    variance = noisy.mean_variance[run.measured]
-    try:
-        _require_told_apart(core_schedule, witnessed, run, terms, file)
-        found = compute(core_schedule, run.means, run.measured, estimator, limit_g, weighting, terms)
-    except core.CoreRefusal as refusal:
-        raise BadInput(_explain(refusal, estimator), file) from None
-    except (DeadChannels, NotSolvable) as error:
-        raise BadInput(str(error), file) from None
+
+    # The noise that the run itself shows, and where it counts.
+    noise = look_at_noise(run, stand_in_unit, step)
+    variance = noise.mean_variance[run.measured]
+
+    # The core computes.
+    weighting = None
+    if estimator == OPTIMAL and stand_with_step is not None:
+        weighting = optimal_run.Weighting(stand_with_step, run.samples, step, known)
+    found = _by_core(core_schedule, witness_schedule, run, estimator, limit_g, weighting, terms, file)
+
+    # The witness confirms.
     model = optimal = None
-    if declared is not None:
-        of_means = variance_of_means(declared, run.samples, noisy.rounding)[run.measured]
-        model = WholeModel(witnessed, means, of_means, declared, terms)
+    if stand_with_step is not None:
+        of_means = variance_of_means(stand_with_step, run.samples, noise.rounding)[run.measured]
+        model = WholeModel(witness_schedule, means, of_means, stand_with_step, terms)
         if weighting is not None:
             _require_near(model, file)
-            optimal = _by_numpy(witnessed, means, samples, weighting, variance, terms)
+            optimal = _by_numpy(witness_schedule, means, samples, weighting, variance, terms)
     linear = found.linear[run.measured]
-    comparison = compare(found, witnessed, means, linear, found.gravity.delta_g[run.measured], optimal)
+    comparison = compare(found, witness_schedule, means, linear, found.gravity.delta_g[run.measured], optimal)
+
+    # Uncertainties: of the declared stand, or of the scatter alone.
     further = Further(terms, found.k, found.sizes, comparison.sizes) if terms else None
-    uncertain, costly = None, further
-    if declared is not None or noisy.is_known:
-        given = Propagation(witnessed, found.k, declared or noise_of_runs.NO_STAND, samples, estimator, step, terms)
-        uncertain, costly = _state(given, core_schedule, run, variance, optimal, further, file)
-    alike = None if declared is None else stand_to_look_with(declared, found.k)
-    weights = weights_of(alike)
-    shown = RunSeen(witnessed, linear, found.k, core_schedule.data, weights)
-    seen = look(shown, pooled_noise(samples, scatter * weights), samples, alike, mean_variance=variance)
-    seen = _without_angles(seen) if terms else seen
-    fit = None
-    if alike is not None and model is not None:
-        fit = judge(model, confidence, seen, sampled_patterns(noisy, run, seen.noise, alike, step))
-    seen = replace(seen, alpha4=None, alpha4_freedom=0.0) if terms else seen
+    uncertainties, further_with_cost = None, further
+    if stand_with_step is not None or noise.is_known:
+        given = Propagation(witness_schedule, found.k, stand_with_step or NO_STAND, samples, estimator, step, terms)
+        uncertainties, further_with_cost = _uncertainties(given, core_schedule, run, variance, optimal, further, file)
+
+    # The stand as the run shows it, and whether it is the declared one.
+    stand_alike = None if stand_with_step is None else stand_to_look_with(stand_with_step, found.k)
+    shown = RunSeen(witness_schedule, linear, found.k, core_schedule.data, weights := weights_of(stand_alike))
+    seen = look_at_stand(shown, pooled_noise(samples, scatter * weights), samples, stand_alike, mean_variance=variance)
+    seen, fit = _without_angles(seen) if terms else seen, None
+    if stand_alike is not None and model is not None:
+        fit = judge(model, confidence, seen, sampled_patterns(noise, run, seen.noise, stand_alike, step))
+
     return Solution(
-        *(core_schedule.data, run, limit_g, found, comparison, stand, seen, noisy, fit),
-        stated=None if stand is None else uncertain,
-        scatter_alone=uncertain if stand is None else None,
+        schedule=core_schedule.data,
+        run=run,
+        limit_g=limit_g,
+        found=found,
+        comparison=comparison,
+        stand=stand,
+        stand_seen=replace(seen, alpha4=None, alpha4_freedom=0.0) if terms else seen,
+        noise=noise,
+        fit=fit,
+        stated=None if stand is None else uncertainties,
+        scatter_alone=uncertainties if stand is None else None,
         step=step,
-        further=further if stand is None else costly,
+        further=further if stand is None else further_with_cost,
         coverage_factor=coverage_factor,
     )
 
@@ -293,15 +301,34 @@ def _without_angles(seen: StandSeen) -> StandSeen:
     return replace(seen, angles=none, augmented=none, other_yaw_changes={}, source=None)
 
 
-def _require_told_apart(schedule: core.CoreSchedule, witnessed: Schedule, run: Run, terms: Terms, file: str) -> None:
-    """Raise BadInput where a run does not determine further terms; CoreRefusal where not even the twelve."""
-    if not terms:
-        return
-    schedule.identify(run.measured)
-    further.require_told_apart(witnessed, terms, file)
+def _of_the_witness(schedule: core.CoreSchedule) -> Schedule:
+    """Of a built-in schedule the witness has its own."""
+    return schedule.data if schedule.name is None else built_in(schedule.name)
 
 
-def _state(
+def _by_core(
+    schedule: core.CoreSchedule,
+    witness_schedule: Schedule,
+    run: Run,
+    estimator: str,
+    limit_g: float,
+    weighting: optimal_run.Weighting | None,
+    terms: Terms,
+    file: str,
+) -> Computation:
+    """What the core finds. Raises BadInput where it refuses the run, or a run does not determine its further terms."""
+    try:
+        if terms:
+            schedule.identify(run.measured)
+            require_told_apart(witness_schedule, terms, file)
+        return compute(schedule, run.means, run.measured, estimator, limit_g, weighting, terms)
+    except core.CoreRefusal as refusal:
+        raise BadInput(_explain(refusal, estimator), file) from None
+    except (DeadChannels, NotSolvable) as error:
+        raise BadInput(str(error), file) from None
+
+
+def _uncertainties(
     given: Propagation,
     schedule: core.CoreSchedule,
     run: Run,

@@ -1,9 +1,8 @@
 """The standard uncertainties that a result states: by the core, confirmed by the covariance that numpy finds.
 
-How well standard uncertainties are known themselves, and by what factor they are to be multiplied for 95 %.
-
-What a stand file declares is taken as known: of infinitely many degrees of freedom. What the samples of the run say of
-their noise comes from a finite number of blocks, one pooled estimate a channel. After Welch and Satterthwaite
+How well these are known themselves, and by what factor they are to be multiplied for 95 % (`coverage`): what a stand
+file declares is taken as known, of infinitely many degrees of freedom. What the samples of the run say of their noise
+comes from a finite number of blocks, one pooled estimate a channel. After Welch and Satterthwaite
 
     freedom = u^4 / sum over channels (u_measured^4 / freedom of the channel)
 

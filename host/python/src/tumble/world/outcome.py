@@ -103,7 +103,7 @@ def result_text(
     item, environment = (None, None) if stand_file is None else (stand_file.item, stand_file.environment)
     serial = None if setup.block is None else setup.block.get("serial")
     created = result.created(clock=bus != INPROCESS)
-    found = result.result_of(solution, item, environment, serial, "run.csv", created, complaints(solution))
+    found = result.document_of(solution, item, environment, serial, "run.csv", created, complaints(solution))
     assert solution.truth is not None  # it has been simulated
     found.seed, found.bus, found.firmware = setup.seed, bus, firmware
     found.table, found.truth = Table(**document["table"]), result.truth(solution.truth)
