@@ -173,6 +173,15 @@ def shifted(text, tumble, file):
     return text
 
 
+def test_labelled_rows_that_are_never_at_rest_are_refused(refused, tmp_path):
+    rows = [
+        f"{i / 100:.2f},{i // 500 + 1},{np.sin(i / 33):.6f},{np.cos(i / 43):.6f},{np.sin(i / 20):.6f}"
+        for i in range(4000)
+    ]
+    (tmp_path / "log.csv").write_text("\n".join(["time,position,ux,uy,uz", *rows]) + "\n")
+    assert "no group of rows with the same labels is at rest: see --still" in refused("import", tmp_path / "log.csv")
+
+
 def test_a_position_that_was_missed_is_named(tumble, tmp_path):
     file = logged(tmp_path, [place for place in IN_ORDER if place != 4])
     done = tumble("import", file, "--out", tmp_path / "run.csv")

@@ -107,7 +107,7 @@ def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settin
     found = find_rests(outputs, gaps, interval, settings.thresholds)
     same_block = _same_block(recordings, outputs, file_of_row, found)
     texts, same = _telling(recordings, schedule, settings.mountings)
-    labelled = bool(texts.keys() - {"mounting"})
+    labelled, rests = bool(texts.keys() - {"mounting"}), found.rests
     try:
         if labelled:
             rests, lost = _labelled_rests(texts, outputs, file_of_row, found, interval)
@@ -115,7 +115,6 @@ def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settin
             matched = labels.match(rests, schedule, settings.claims, settings.mountings)
             matched = replace(matched, notes=(*matched.notes, *lost))
         else:
-            rests = found.rests
             settings.claims.require_rests(len(rests))
             matched = _matched(rests, schedule, settings)
             names = texts.get("mounting", [])
