@@ -27,7 +27,7 @@ CLEAN = {
     f"{PACKAGE}/model/__init__.py": "import numpy\n",
     f"{PACKAGE}/solving/solution.py": "from tumble import core, model\nfrom tumble.solving.result import write\n",
     f"{PACKAGE}/solving/result.py": "def write():\n    from tumble import errors\n",
-    f"{PACKAGE}/cli/main.py": "from tumble import __version__\nimport tumble.solving.result\n",
+    f"{PACKAGE}/cli/main.py": "from tumble import __version__\nimport tumble.solving.result\nf = import_module(name)\n",
     "firmware/core/long.c": "int f(void)\n{\n" + "    g;\n" * 78 + "}\n",
 }
 LONG_FUNCTION_C = "int f(void)\n{\n" + "    if (x) {\n    }\n" * 40 + "}\n"
@@ -74,6 +74,7 @@ DEFECTS = {
     ),
     "the package's own door": (f"{PACKAGE}/solving/a.py", "import tumble\n", "1: solving may not know (the door)"),
     "an import by name": (f"{PACKAGE}/model/a.py", "f = __import__(name)\n", "1: only a plain absolute import"),
+    "a command by name": (f"{PACKAGE}/cli/a.py", "f = import_module(name)\n", "1: only a plain absolute import"),
     "a relative import": (f"{PACKAGE}/solving/a.py", "from .result import write\n", "1: only a plain absolute import"),
     "an unknown Python room": (f"{PACKAGE}/attic/a.py", "import os\n", "1: no such room: attic"),
     "a circle": (
