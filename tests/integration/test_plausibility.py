@@ -15,7 +15,7 @@ from tumble.files.run_file import Run
 from tumble.files.stand_file import StandFile
 from tumble.model import Geometry, built_in
 from tumble.schedule import Mounting, Position, Schedule
-from tumble.solving.plausibility import examine, marked
+from tumble.solving.plausibility import examine, with_order_flag
 from tumble.solving.solution import solve
 from tumble.stand import PAPER_STAND
 
@@ -274,7 +274,7 @@ def test_noise_names_no_cause(case, scale, scattered):
         solution = solve(run, CoreSchedule(FACES), "least_squares", 1.0, None, "run.csv")
         found = examine(solution, declared_block)
         assert found.refusal is None and len(found.warnings) == 1 and found.warnings[0].startswith(said)
-        assert not marked(solution, declared_block).is_out_of_order
+        assert not with_order_flag(solution, declared_block).is_out_of_order
 
 
 def test_a_channel_that_follows_nothing_measures_along_no_axis():

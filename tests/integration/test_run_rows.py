@@ -6,7 +6,7 @@ from conftest import EXAMPLES
 
 from tumble.errors import BadInput
 from tumble.files.run_file import RowStore, Run, read_run
-from tumble.files.run_rows import require
+from tumble.files.run_rows import check_rows
 from tumble.model import Geometry, built_in
 
 pytestmark = pytest.mark.python
@@ -43,7 +43,7 @@ def test_honest_rows_are_left_alone(rows, step, rho, request):
     """Steps of the converter in standard deviations. Beyond 8 of them is no honest row; measured with --full."""
     rng = np.random.default_rng(21)
     for _ in range(400 if request.config.getoption("--full") else 8):
-        assert require(honest(rng, rows, step * SIGMA, rho), PAPER, None, "run.csv") == ()
+        assert check_rows(honest(rng, rows, step * SIGMA, rho), PAPER, None, "run.csv") == ()
 
 
 def changed(path, change):
@@ -156,9 +156,9 @@ def test_noise_that_is_cut_off_without_a_run_of_equal_values():
     top = np.sort(outputs[..., 2], axis=None)[-30]
     outputs[..., 2] = np.minimum(outputs[..., 2], top)
     with pytest.raises(BadInput, match=r"column uz: 2\.\d+ V in 30 rows, and none beyond: saturated"):
-        require(run_of(outputs), PAPER, None, "run.csv")
+        check_rows(run_of(outputs), PAPER, None, "run.csv")
 
 
 @pytest.mark.parametrize("name", ["paper_stand", "angle_stand", "lab_stand"])
 def test_examples_are_left_alone(name):
-    assert require(read_run(str(EXAMPLES / f"{name}.csv"), PAPER), PAPER, None, "run.csv") == ()
+    assert check_rows(read_run(str(EXAMPLES / f"{name}.csv"), PAPER), PAPER, None, "run.csv") == ()

@@ -26,7 +26,7 @@ from tumble.files.incoming import Incoming
 from tumble.files.rows import PositionIndex
 from tumble.files.run_file import Rows, RowStore, RunReader, exact_sum, facts_of, in_order, read_measured, read_run
 from tumble.files.run_layout import Wishes
-from tumble.files.run_rows import require
+from tumble.files.run_rows import check_rows
 
 pytestmark = pytest.mark.python
 RUN = EXAMPLES / "paper_stand.csv"
@@ -265,7 +265,7 @@ def test_an_absurd_row_among_very_many(monkeypatch):
     store.add(index, np.column_stack((outputs, np.arange(54_000) + 2)))
 
     def judged(rows):
-        return require(Rows(rows, "V", True, {}).run(), PAPER, None, "f")
+        return check_rows(Rows(rows, "V", True, {}).run(), PAPER, None, "f")
 
     assert judged(clean) == ()
     with pytest.raises(

@@ -50,7 +50,7 @@ def told(folder, temperatures, wishes=None, **layout):
     found = run.temperature
     assert found is None or found.source == OF_RUN_FILE
     assert run.counters["columns_ignored"] == (found is None)
-    assert run_rows.require(run, PAPER, None, "run.csv") == run.passed_over
+    assert run_rows.check_rows(run, PAPER, None, "run.csv") == run.passed_over
     return None if found is None else (found.low_c, found.high_c), run.passed_over
 
 

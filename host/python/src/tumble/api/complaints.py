@@ -44,8 +44,8 @@ def complaints(solution: Solution, odd: Sequence[str] = (), confirmed_unit: bool
     if solution.monte_carlo is not None and (open_or_not := simulation_complaint(solution.monte_carlo)):
         told.append(open_or_not)
     told += plausibility.unchecked(solution)
-    if (doubt := complaint(solution)) is not None:
-        told.append(f"{doubt}; the uncertainties {consequence(solution)}")
+    if (doubt := misfit_sentence(solution)) is not None:
+        told.append(f"{doubt}; the uncertainties {misfit_consequence(solution)}")
     return told
 
 
@@ -67,7 +67,7 @@ def noise_notice(solution: Solution) -> str | None:
     return noise.notice(solution.noise, solution.declared, solution.run.samples, solution.run.unit)
 
 
-def complaint(solution: Solution) -> str | None:
+def misfit_sentence(solution: Solution) -> str | None:
     """That the run does not fit the declared stand, or shows what is not declared; None where it does neither."""
     if solution.fit is None:
         return None
@@ -105,7 +105,7 @@ def _placed(name: str, column: str) -> str:
     return f"{name} of {column}" if column else name
 
 
-def consequence(solution: Solution) -> str:
+def misfit_consequence(solution: Solution) -> str:
     """What a run that does not fit means for its uncertainties: more noise, where samples show it, is in them."""
     causes = () if solution.fit is None else [one.patterns[0] for one in solution.fit.explanations]
     is_noise = bool(causes) and set(causes) <= {NOISE_V, CORRELATED}

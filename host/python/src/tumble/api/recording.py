@@ -87,7 +87,7 @@ class Recording:
     def __repr__(self) -> str:
         return f"<tumble.Recording {self.name}: {len(self)} rows, unit {self.unit or 'not told'}>"
 
-    def on(self, schedule: CoreSchedule) -> tuple[Run, CoreSchedule]:
+    def averaged_on(self, schedule: CoreSchedule) -> tuple[Run, CoreSchedule]:
         """The run, averaged position by position, and the schedule: the given one, or its form with closures where the
         run has them. Raises BadInput."""
         if self._source is not None:

@@ -78,8 +78,8 @@ def solved(
     stand_file = None if stand is None else stand_file_of(stand)
     declared_g = None if stand_file is None else stand_file.delta_g_limit_g
     told_g = declared_g if limit_g is None else limit_g
-    run, planned = recording.on(schedule_of(DEFAULT_SCHEDULE if schedule is None else schedule, estimator))
-    odd_rows = run_rows.require(run, planned.data, stand_file, recording.name)
+    run, planned = recording.averaged_on(schedule_of(DEFAULT_SCHEDULE if schedule is None else schedule, estimator))
+    odd_rows = run_rows.check_rows(run, planned.data, stand_file, recording.name)
     environment = None if stand_file is None else stand_file.environment
     contradiction = contradicted(run, environment)
     solution = solve_run(
@@ -94,8 +94,8 @@ def solved(
         terms=terms,
         coverage_factor=DEFAULT_COVERAGE_FACTOR if stand_file is None else stand_file.decided_by,
     )
-    solution = plausibility.marked(solution, stand_file)
-    odd = (*odd_rows, *plausibility.require(solution, stand_file, recording.name))
+    solution = plausibility.with_order_flag(solution, stand_file)
+    odd = (*odd_rows, *plausibility.check_k(solution, stand_file, recording.name))
     odd += () if contradiction is None else (contradiction,)
     return Solved(solution, stand_file, odd, now, os.path.basename(recording.name) if recording.is_file else None)
 

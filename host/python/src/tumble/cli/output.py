@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tumble.api.complaints import complaint, consequence, named, noise_notice, simulation_complaint
+from tumble.api.complaints import misfit_consequence, misfit_sentence, named, noise_notice, simulation_complaint
 from tumble.arrays import Floats
 from tumble.estimators import COEFFICIENTS, HARMONIC
 from tumble.files.rows import OF_ENVIRONMENT, OF_RUN_FILE
@@ -126,8 +126,8 @@ def page(solution: Solution, file: str) -> list[Line | Table]:
     positions = f"{counters['positions']} of {len(solution.schedule.positions)} positions"
     solved = f"{file}: {counters['rows']} samples at {positions}, estimator {solution.found.estimator}{model}"
     limit = f"| marks the limit, {solution.limit_g:g} g"
-    why = complaint(solution)
-    warning = "" if why is None else f"Beware: {why}. The uncertainties above {consequence(solution)}."
+    why = misfit_sentence(solution)
+    warning = "" if why is None else f"Beware: {why}. The uncertainties above {misfit_consequence(solution)}."
     bewares = [*textwrap.wrap(warning, _COLUMNS, break_on_hyphens=False), ""] if warning else []
     partly = bool(decision.passed and decision.where)  # where a PASS without a stand holds is said before all else
     colour = "yellow" if decision.is_not_shown or partly else _colour(decision.passed)

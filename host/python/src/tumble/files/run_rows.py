@@ -265,7 +265,7 @@ class _Found:
     warnings: list[str]
 
 
-def require(run: Run, schedule: Schedule, stand_file: StandFile | None, file: str) -> tuple[str, ...]:
+def check_rows(run: Run, schedule: Schedule, stand_file: StandFile | None, file: str) -> tuple[str, ...]:
     """Warnings about columns that are passed over, and about rows that are odd but do not matter. Raises BadInput,
     naming rows, for those that do.
 

@@ -139,7 +139,7 @@ def examine(solution: Solution, stand_file: StandFile | None) -> Plausibility:
     return Plausibility(warnings=(f"K is not that of the declared block: {odd}",))
 
 
-def require(solution: Solution, stand_file: StandFile | None, file: str) -> tuple[str, ...]:
+def check_k(solution: Solution, stand_file: StandFile | None, file: str) -> tuple[str, ...]:
     """The warnings about K. Raises BadInput for a K that a mistake has made of the declared one; `file`: the run's."""
     found = examine(solution, stand_file)
     refusal = _same_means(solution) or found.refusal
@@ -165,7 +165,7 @@ def _same_means(solution: Solution) -> str | None:
     return None
 
 
-def marked(solution: Solution, stand_file: StandFile | None) -> Solution:
+def with_order_flag(solution: Solution, stand_file: StandFile | None) -> Solution:
     """This solution, which tells whether its K is out of order for all that is declared of the block."""
     is_declared = stand_file is not None and stand_file.block is not None
     is_odd = not _of_noise(solution) and bool(_structure(solution))

@@ -154,12 +154,12 @@ def _views(
         run, core_schedule = read_measured(file, planned)
         if views and run.unit != views[0].solution.run.unit:
             raise BadInput(f"outputs in {run.unit}, those of the runs before in {views[0].solution.run.unit}", file)
-        odd_rows = run_rows.require(run, core_schedule.data, stand_file, file)
+        odd_rows = run_rows.check_rows(run, core_schedule.data, stand_file, file)
         about_temperature = filter(None, (contradicted(run, stand_file.environment), spanned(run)))
         run = in_environment(run, stand_file.environment)
         solution = solve(run, core_schedule, arguments.estimator, limit_g, stand_file.stand, file, stand_file.step_v)
-        solution = plausibility.marked(solution, stand_file)
-        odd = (*odd_rows, *plausibility.require(solution, stand_file, file), *plausibility.unchecked(solution))
+        solution = plausibility.with_order_flag(solution, stand_file)
+        odd = (*odd_rows, *plausibility.check_k(solution, stand_file, file), *plausibility.unchecked(solution))
         odd += tuple(about_temperature)
         warnings += [f"{file_name(file)}: {sentence}" for sentence in odd]
         views.append(RunView.of(solution, file))
