@@ -178,7 +178,7 @@ CONFIDENCE = 0.999
 EXPLAINED = 0.01  # largest p, after Holm, of an explanation
 ALIKE = 0.75  # patterns with a larger cosine may be taken for each other
 _CONTAINED = 0.9999
-_DIGITS = 9  # of log p: places that show as much are as likely, and of these it is the first, whatever the rounding
+_DIGITS = 9  # of log p: of patterns or places that show as much it is the first, whatever the rounding
 _RAD = {"rad": 1.0, "urad": 1e-6}  # units of angles
 NOISE_V = "noise_v"
 SYSTEMATIC = tuple(f"{name}_rad" for name in ANGLES)
@@ -303,7 +303,7 @@ class _Search:
             log_p = {name: one.log_p for name, one in found.items() if name in self._left}
             if not fits:  # else samples speak for themselves: uncertainties count their noise, and a warning tells it
                 log_p |= {name: one.log_p for name, one in self._sampled.items() if name in self._left}
-            name = min(log_p, key=lambda one: log_p[one], default=None)
+            name = min(log_p, key=lambda one: round(log_p[one], _DIGITS), default=None)
             if name is None:
                 return
             corrected = len(self._left) * math.exp(log_p[name])
