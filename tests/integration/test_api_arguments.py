@@ -9,7 +9,7 @@ import pytest
 from conftest import EXAMPLES, ROOT
 
 import tumble
-from tumble.api.words import in_python
+from tumble.api.arguments import in_python
 from tumble.core import built_in
 from tumble.units import is_unit
 

@@ -2,7 +2,7 @@
 
 recording   runs as they were recorded, in files and in memory
 solving     from a recording to a solution
-arguments   what callers say, looked at; words: what they are told
+arguments   what callers say, looked at, and the words in which they are told
 complaints  why a solution may not be what it claims
 result      a result: its numbers, applied to data (applying), saved and loaded
 """

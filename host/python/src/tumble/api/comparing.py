@@ -7,10 +7,9 @@ import os
 from functools import cached_property
 from typing import Any
 
-from tumble.api.arguments import as_number, is_one_of, require_flag
+from tumble.api.arguments import as_number, in_python, is_one_of, require_flag, told_in_python
 from tumble.api.result import Result, load
 from tumble.api.sides import side_of
-from tumble.api.words import in_python, told_in_python
 from tumble.comparison import pair, report
 from tumble.comparison.shared import OneStand
 from tumble.core import CoreSchedule

@@ -9,8 +9,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from tumble.api.arguments import wishes_of
-from tumble.api.words import told_in_python
+from tumble.api.arguments import told_in_python, wishes_of
 from tumble.arrays import Floats, Integers
 from tumble.core import MAX_MEAN, CoreSchedule
 from tumble.errors import BadInput, UsageError

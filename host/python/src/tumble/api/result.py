@@ -1,8 +1,11 @@
-"""A result: coefficients with uncertainties and a verdict, from `tumble.solve` or from a file that a solve wrote."""
+"""A result: coefficients with uncertainties and a verdict, from `tumble.solve` or from a file that a solve wrote; for
+notebooks as a small table of HTML."""
 
 from __future__ import annotations
 
+import html
 import json
+import math
 import os
 from collections.abc import Mapping
 from functools import cached_property
@@ -12,15 +15,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tumble.api.applying import applied
-from tumble.api.arguments import require_flag
+from tumble.api.arguments import in_python, require_flag, told_in_python
 from tumble.api.complaints import complaints_of_document
 from tumble.api.recording import recording_of
-from tumble.api.table import html_table
-from tumble.api.words import in_python, told_in_python
 from tumble.arrays import Floats
 from tumble.documents.base import described
 from tumble.documents.result import Result as ResultDocument, parse_result
 from tumble.errors import BadInput, UsageError, quoted
+from tumble.estimators import COEFFICIENTS
 from tumble.files.disk import RESULT_FILE, path_of, read_bytes, write_bytes, write_text
 from tumble.files.run_layout import Wishes
 from tumble.files.stand_file import StandFile
@@ -29,10 +31,45 @@ from tumble.schedule import Schedule
 from tumble.solving.coefficients import Coefficients
 from tumble.solving.decision import Decision
 from tumble.stand import Stand
-from tumble.units import force_unit
+from tumble.units import force_unit, per_g
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+_UNKNOWN = "unknown"
+_DIGITS = 6  # of a value whose uncertainty is not known
+_MOST_DECIMALS = 12
+
+
+def html_table(result: ResultDocument) -> str:
+    """The verdict, then a row for each of the twelve coefficients: its
+    value to the second digit of its standard uncertainty, that, and the unit of both."""
+    values, unit = [*result.K.ravel().tolist(), *result.U0.tolist()], result.unit
+    uncertainties: list[float | None] = [None] * len(values)
+    if result.u_K is not None and result.u_U0 is not None:
+        uncertainties = [*result.u_K.ravel().tolist(), *result.u_U0.tolist()]
+    rows = "".join(
+        _row("td", name, *_rounded(value, u), unit if name.startswith("U0") else per_g(unit))
+        for name, value, u in zip(COEFFICIENTS, values, uncertainties)
+    )
+    return f"<p>{_verdict(result)}</p><table>{_row('th', '', 'value', 'std uncertainty', 'unit')}{rows}</table>"
+
+
+def _verdict(result: ResultDocument) -> str:
+    decision = Decision.of(result)
+    return f"<b>{decision.word}</b>{html.escape(decision.reason)}"
+
+
+def _row(tag: str, *cells: str) -> str:
+    return f"<tr>{''.join(f'<{tag}>{html.escape(cell)}</{tag}>' for cell in cells)}</tr>"
+
+
+def _rounded(value: float, u: float | None) -> tuple[str, str]:
+    if u is None or u == 0.0:
+        return f"{value:.{_DIGITS}g}", _UNKNOWN if u is None else "0"
+    decimals = min(_MOST_DECIMALS, max(0, 1 - math.floor(math.log10(u))))
+    return f"{value:.{decimals}f}", f"{u:.1e}"
 
 
 class HasColumns(Protocol):

@@ -7,11 +7,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from tumble.api.arguments import as_list, as_number, is_one_of
+from tumble.api.arguments import as_list, as_number, is_one_of, told_in_python
 from tumble.api.complaints import complaints
 from tumble.api.recording import Recording, recording_of
 from tumble.api.result import Result
-from tumble.api.words import told_in_python
 from tumble.defaults import (
     DEFAULT_CONFIDENCE,
     DEFAULT_COVERAGE_FACTOR,
