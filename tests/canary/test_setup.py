@@ -21,7 +21,7 @@ STUB = r"""#!/usr/bin/env bash
 echo "${0##*/} $*" >>"$WORLD/calls"
 case "${0##*/} $*" in
 "python -" | "python3 -") cat >/dev/null; echo "$0" ;;
-"python3 -m venv "*) mkdir -p "$3/bin" "$3/lib/python3.12/site-packages" && cp "$0" "$3/bin/python" ;;
+"python3 -m venv "*) mkdir -p .venv/bin .venv/lib/python3.12/site-packages && cp "$0" .venv/bin/python ;;
 *"pip install"*/plot.lock | *"pip install"*/report.lock) [[ ! -e $WORLD/no-network ]] ;;
 "ldconfig -p") [[ ! -e $WORLD/pango ]] || echo libpangoft2-1.0.so.0 libharfbuzz-subset.so.0 ;;
 "cc "*) cat >/dev/null; [[ ! -e $WORLD/no-compiler ]] ;;
