@@ -219,5 +219,5 @@ def test_requirements_count_rounding_by_channel():
     assert asked.rounding[1] / asked.mean_sigma(1)[1] == pytest.approx(left / stand.mean_sigma(50)[1], rel=1e-12)
     assert asked.rounding[::2] == (0.0, 0.0)
     alike = Case(replace(stand, noise=1e-3), 2.0, 0.02, 0.0, None, 3e-4)  # but for what rounding leaves
-    assert by_key(alike, ("noise",), np.array([2.0]))["noise_v"] == (2.0 * alike.stand.profile("noise")).tolist()
+    assert by_key(alike, ("noise",), np.array([2.0]))["noise_v"] == tuple((2.0 * alike.stand.profile("noise")).tolist())
     assert notes(alike)[0].startswith("noise: of the channel that has most") and "(uy)" in notes(alike)[1]
