@@ -7,6 +7,7 @@ from typing import Any
 from tumble.api.complaints import complaints_of_document
 from tumble.comparison import pair, report
 from tumble.defaults import DEFAULT_CONFIDENCE
+from tumble.documents.comparison import Comparison
 
 
 def side_of(name: str, checked: dict[str, Any]) -> pair.Side:
@@ -14,7 +15,7 @@ def side_of(name: str, checked: dict[str, Any]) -> pair.Side:
     return pair.Side.of(name, checked, complaints_of_document(checked))
 
 
-def since(earlier: dict[str, Any], later: dict[str, Any]) -> dict[str, Any]:
+def since(earlier: dict[str, Any], later: dict[str, Any]) -> Comparison:
     """What has changed, for a report on the later one: schema tumble.comparison/1, by what the results themselves tell.
     Raises BadInput."""
     sides = side_of("the earlier result", earlier), side_of("this result", later)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from typing import Any
 
+from tumble.documents.comparison import Comparison
 from tumble.errors import NotInstalled, UsageError, quoted
 from tumble.report import conformity, identity, method, pages, since, values
 from tumble.report.cells import MISSING, Fixed, line
@@ -52,7 +53,7 @@ def made(
     logo: str | None = None,
     number: str | None = None,
     issued: str | None = None,
-    earlier: tuple[dict[str, Any], dict[str, Any]] | None = None,
+    earlier: tuple[dict[str, Any], Comparison] | None = None,
     attached: str = "",
 ) -> bytes:
     """A report on `document`, schema tumble.result/1, as files.documents has checked it; `name`: what errors call it.

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import argparse
 import sys
-from typing import Any
+from typing import TYPE_CHECKING
 
 from tumble.cli import options
 from tumble.defaults import ANEW, DEFAULT_CONFIDENCE, LEVELLED
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
 from tumble.schedule import file_of
+
+if TYPE_CHECKING:
+    from tumble.documents.comparison import Comparison
 
 
 def add_to(subparsers: options.Subparsers, about: str) -> None:
@@ -65,8 +68,8 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.api.comparing import compared
     from tumble.cli.output import warn
     from tumble.comparison import report
+    from tumble.documents.base import to_json
     from tumble.files.disk import refuse_overwriting
-    from tumble.files.documents import to_json
 
     inputs = arguments.a, arguments.b, arguments.stand, file_of(arguments.schedule)
     refuse_overwriting(arguments.plot, *inputs, option="--plot")
@@ -85,12 +88,12 @@ def run(arguments: argparse.Namespace) -> int:
     )
     if arguments.plot is not None:
         _draw(told, arguments.plot)
-    warn(told["warnings"])
+    warn(told.warnings)
     sys.stdout.write(to_json(told) if arguments.json else report.render(told))
-    return EXIT_PASS if told["verdict"] in ("unchanged", "seat") else EXIT_LIMITS_FAILED
+    return EXIT_PASS if told.verdict in ("unchanged", "seat") else EXIT_LIMITS_FAILED
 
 
-def _draw(document: dict[str, Any], file: str) -> None:
+def _draw(document: Comparison, file: str) -> None:
     from tumble.files.disk import write_bytes
     from tumble.pictures import comparison, written
 
