@@ -22,6 +22,7 @@ from msgspec import inspect
 
 from tumble.data import SCHEMAS
 from tumble.documents.base import LARGEST, ONLY, Document, array_schema, described
+from tumble.documents.comparison import COMPARISON, Comparison
 from tumble.documents.plan import PLAN, Plan
 from tumble.documents.result import RESULT, Result
 from tumble.estimators import ESTIMATORS
@@ -34,6 +35,7 @@ from tumble.stand import SOURCES
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
 DOCUMENTS: dict[str, tuple[type[Document], str]] = {  # by schema: its type, or what its kinds derive from; title
     PLAN: (Plan, "what a stand is worth before a run"),
+    COMPARISON: (Comparison, "two calibrations of one block"),
     RESULT: (Result, "the outcome of one calibration"),
 }
 _BENCH = ("bus", "firmware", "truth")  # keys of a run on the bench, all or none
@@ -126,6 +128,7 @@ class _Writer:
                 return {"enum": list(kind.values)}
             case inspect.StrType():
                 limits = {"pattern": kind.pattern and kind.pattern.replace(ONLY, "$"), "minLength": kind.min_length}
+                limits["maxLength"] = kind.max_length
                 return _with("string", limits)
             case inspect.FloatType():
                 return _with("number", _range(kind))

@@ -144,8 +144,8 @@ def test_b_with_a_is_a_with_b_the_other_way_round():
             assert getattr(forth, name).size == pytest.approx(-getattr(back, name).size, rel=1e-12)
             assert getattr(forth, name).u == pytest.approx(getattr(back, name).u, rel=1e-6)
         for name in ("all_twelve", "block", "seat"):
-            assert getattr(forth.tests, name).chi_squared == pytest.approx(
-                getattr(back.tests, name).chi_squared, rel=1e-6
+            assert getattr(forth.tests, name).chi2 == pytest.approx(
+                getattr(back.tests, name).chi2, rel=1e-6
             )
         assert (forth.verdict, forth.changed.tolist()) == (back.verdict, back.changed.tolist())
 
@@ -241,8 +241,8 @@ def test_a_direction_without_variance_counts_only_where_something_is_in_it():
     draws = rng.normal(size=(5, 12))
     joint, inside = draws.T @ draws, rng.normal(size=5) @ draws
     found = whitened(joint, inside, np.full(12, 1e-13)).test
-    assert found.freedom == 5
-    assert found.chi_squared == pytest.approx(inside @ np.linalg.pinv(joint, hermitian=True) @ inside, rel=1e-8)
+    assert found.dof == 5
+    assert found.chi2 == pytest.approx(inside @ np.linalg.pinv(joint, hermitian=True) @ inside, rel=1e-8)
     outside = np.linalg.svd(draws)[2][-1]
     assert whitened(joint, inside + 1e-4 * outside, np.full(12, 1e-13)).test.p < 1e-9
 
@@ -282,9 +282,9 @@ def test_p_is_that_of_chi_squared(compare):
             k[i, j] = k[j, i] = each * u[0] / np.sqrt(2)
         b = calibration(k, each * u[9:], np.diag(U**2))
         found = judge(a, b, 0.0, 0.999)
-        assert found.tests.block.chi_squared == pytest.approx(factor * limit, rel=3e-4)
+        assert found.tests.block.chi2 == pytest.approx(factor * limit, rel=3e-4)
         assert found.verdict.value == verdict and not found.changed.any()
-        assert found.tests.block.p == chi_squared_above(found.tests.block.chi_squared, 9)
+        assert found.tests.block.p == chi_squared_above(found.tests.block.chi2, 9)
 
 
 def test_one_parameter_that_would_explain_it_is_told(compare, tumble, tmp_path):

@@ -19,19 +19,19 @@ JOINT = np.diag(U**2)
 def test_the_picture_shows_every_difference_where_it_is():
     a = package.Result(json.dumps(result(NOMINAL_K, U0, JOINT)))
     b = package.Result(json.dumps(result(NOMINAL_K, U0 + np.array([1.0, 2e-5, 0.0]), JOINT)))
-    document = package.compare(a, b).document
+    document = package.compare(a, b).checked
     axes = pictures.comparison(document).axes[0]
     shown = {line.get_gid(): line for line in axes.lines if line.get_gid() in {"U0_x", "U0_y", "bias_x", "K_xx"}}
     reach = axes.get_xlim()[1]
     assert shown["U0_y"].get_xdata()[0] == pytest.approx(2e-5 / (1e-5 * np.sqrt(2)))
     assert shown["U0_x"].get_xdata()[0] == reach and shown["U0_x"].get_marker() == ">"
     assert shown["bias_x"].get_color() != shown["U0_x"].get_color() and shown["K_xx"].get_xdata()[0] == 0.0
-    unknown = package.compare(a, package.Result(json.dumps(result(NOMINAL_K, U0)))).document
+    unknown = package.compare(a, package.Result(json.dumps(result(NOMINAL_K, U0)))).checked
     assert not [line for line in pictures.comparison(unknown).axes[0].lines if line.get_gid() == "U0_x"]
 
 
 def test_the_picture_is_drawn_as_all_are_whatever_the_user_has_set():
-    document = package.compare(*(package.Result(json.dumps(result(NOMINAL_K, U0, JOINT))),) * 2).document
+    document = package.compare(*(package.Result(json.dumps(result(NOMINAL_K, U0, JOINT))),) * 2).checked
     figure = pictures.comparison(document)
     expected = pictures.svg(figure)
     with matplotlib.rc_context({"font.size": 30.0, "axes.facecolor": "black", "lines.markersize": 20.0}):
@@ -51,5 +51,5 @@ def test_the_picture_says_why_nobody_can_tell():
         "Nobody can tell: a result failed its check": {**result(NOMINAL_K, U0, JOINT), "pass": False},
     }
     for title, other in others.items():
-        drawn = pictures.comparison(package.compare(sure, package.Result(json.dumps(other))).document)
+        drawn = pictures.comparison(package.compare(sure, package.Result(json.dumps(other))).checked)
         assert drawn.axes[0].get_title(loc="left") == title

@@ -232,7 +232,7 @@ STANDS = {"paper": PAPER_STAND, "rich": RICH, "lab": read_stand(str(EXAMPLES / "
 def test_an_unchanged_block_is_called_unchanged(name, once, count, fresh_seed):
     found = pairs(np.random.default_rng(fresh_seed), STANDS[name], count, once)
     unchanged = share_of(found, Verdict.UNCHANGED)
-    squares = [one.tests.all_twelve.chi_squared for one in found]
+    squares = [one.tests.all_twelve.chi2 for one in found]
     print(f"{name}, {WORDS[once]}: {unchanged} of {count} unchanged, mean chi-squared {np.mean(squares):.2f}")
     assert unchanged >= min(binomial_range(count, 0.999)[0], math.ceil(0.995 * count))
     assert np.mean(squares) == pytest.approx(12.0, abs=5.0 * math.sqrt(24.0 / count))

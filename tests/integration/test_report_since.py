@@ -8,12 +8,15 @@ import numpy as np
 import pytest
 from blocks import NOMINAL_K, write_run
 from conftest import EXAMPLES
+from msgspec import structs
 from report_reader import ascii_signs
 
 import tumble as package
 from tumble import model
 from tumble.cli.main import main
 from tumble.comparison import report
+from tumble.documents.base import part
+from tumble.documents.comparison import Comparison
 from tumble.report import make
 from tumble.report.make import section as section_since
 from tumble.report.pages import number_of
@@ -38,6 +41,11 @@ def results(tmp_path, monkeypatch):
     return tmp_path / "old.json", tmp_path / "new.json"
 
 
+def compared(*results):
+    """As it is given to a report."""
+    return part(Comparison, package.compare(*results).document)
+
+
 def texts(page, tag):
     """What stands in the elements of this tag."""
     found = re.findall(rf"<{tag}[^>]*>(.*?)</{tag}>", page, re.DOTALL)
@@ -48,17 +56,17 @@ def test_the_report_says_what_compare_finds(results, capsysbinary):
     old, new = results
     assert main(["report", "new.json", "--since", "old.json", "--out", "r.html"]) == 0
     page = (new.parent / "r.html").read_text(encoding="utf-8")
-    found = package.compare(old, new).document
-    assert found["verdict"] == "block" and found["changed"] == ["scale_y"]
+    told = compared(old, new)
+    assert told.verdict == "block" and told.changed == ("scale_y",)
     section = page[page.index('<section class="since">') :].split("</section>")[0]
     assert texts(section, "h2") == [HEADING]
-    assert [*map(ascii_signs, texts(section, "strong"))] == [report.sentence(found)]
+    assert [*map(ascii_signs, texts(section, "strong"))] == [report.sentence(told)]
     numbers = [number_of(json.loads(path.read_text())) for path in results]
     assert [one.split(",")[0] for one in texts(section, "td")[:2]] == numbers and numbers[0] != numbers[1]
     rows = [texts(row, "t[hd]") for row in section.split("<tr>")[3:]]
-    told = [row for part in ("parameters", "seat", "coefficients") for row in found[part]]
-    assert [tuple(map(ascii_signs, row)) for row in rows] == [report.COLUMNS, *map(report.cells, told)]
-    assert [*map(ascii_signs, texts(section, "li"))] == [*report.grounds(found), *found["warnings"]]
+    shown = map(report.cells, (*told.parameters, *told.seat, *told.coefficients))
+    assert [tuple(map(ascii_signs, row)) for row in rows] == [report.COLUMNS, *shown]
+    assert [*map(ascii_signs, texts(section, "li"))] == [*report.grounds(told), *told.warnings]
     assert "µrad" in section and not re.search(r"\bu(g|rad|V)\b", html.unescape(re.sub(r"<[^>]+>", " ", section)))
     assert section.count("<svg") == 1 and "The block has changed" in section
 
@@ -66,7 +74,7 @@ def test_the_report_says_what_compare_finds(results, capsysbinary):
 def test_an_option_of_compare_is_called_so(results):
     """The report has no --stand."""
     old, new = (json.loads(path.read_text()) for path in results)
-    told = package.compare(*results).document | {"notes": ["u is too large then (--stand FILE)."]}
+    told = structs.replace(compared(*results), notes=("u is too large then (--stand FILE).",))
     assert "u is too large then (tumble compare --stand FILE)." in map(str, section_since(told, old, new)["grounds"])
 
 
@@ -75,7 +83,7 @@ def test_undated_results_are_told_of(results):
     for path in results:
         path.write_text(json.dumps({**json.loads(path.read_text()), "created": None}))
     old, new = (json.loads(path.read_text()) for path in results)
-    told = package.compare(*results).document
+    told = compared(*results)
     assert any("Not both results are dated" in str(one) for one in section_since(told, old, new)["grounds"])
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-from functools import cached_property
 from typing import Any
 
 from tumble.api.arguments import as_number, in_python, is_one_of, require_flag, told_in_python
@@ -14,6 +13,7 @@ from tumble.comparison import pair, report
 from tumble.comparison.shared import OneStand
 from tumble.core import CoreSchedule
 from tumble.defaults import ANEW, DEFAULT_CONFIDENCE, LEVELLED
+from tumble.documents import comparison as types
 from tumble.documents.base import to_json
 from tumble.errors import UsageError, quoted
 from tumble.files.schedule_file import schedule_of
@@ -25,12 +25,13 @@ from tumble.stand import Stand
 class Comparison:
     """What `tumble.compare` found of a block that was calibrated twice. Immutable."""
 
-    def __init__(self, told: dict[str, Any]):
-        self._text = to_json(told)
+    def __init__(self, told: types.Comparison):
+        self._told, self._text = told, to_json(told)
 
-    @cached_property
-    def _told(self) -> dict[str, Any]:
-        return self.document
+    @property
+    def checked(self) -> types.Comparison:
+        """The same by its types, tumble.documents.comparison."""
+        return self._told
 
     @property
     def document(self) -> dict[str, Any]:
@@ -42,7 +43,7 @@ class Comparison:
     @property
     def verdict(self) -> str:
         """Of "unchanged", "seat" (only the seat has changed), "block" (the block has), "cannot tell"."""
-        return str(self._told["verdict"])
+        return self._told.verdict
 
     @property
     def block_changed(self) -> bool | None:
@@ -52,7 +53,7 @@ class Comparison:
     @property
     def changed(self) -> tuple[str, ...]:
         """Names of the parameters of the block that have changed by themselves, such as "scale_x"."""
-        return tuple(self._told["changed"])
+        return self._told.changed
 
     @property
     def sentence(self) -> str:
@@ -63,12 +64,12 @@ class Comparison:
     def warnings(self) -> tuple[str, ...]:
         """Why the comparison may not be what it claims: the sentences that the command line prints, with arguments in
         place of options, as in all that follows."""
-        return tuple(map(in_python, self._told["warnings"]))
+        return tuple(map(in_python, self._told.warnings))
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What the comparison rests on, and what it leaves out."""
-        return tuple(map(in_python, self._told["notes"]))
+        return tuple(map(in_python, self._told.notes))
 
     @property
     def text(self) -> str:
@@ -80,7 +81,7 @@ class Comparison:
         return self._text
 
     def __repr__(self) -> str:
-        return f"<tumble.Comparison {self._told['b']['file']} with {self._told['a']['file']}: {self.verdict}>"
+        return f"<tumble.Comparison {self._told.b.file} with {self._told.a.file}: {self.verdict}>"
 
 
 def compare(
@@ -120,7 +121,7 @@ def compared(
     levelled: str,
     two_stands: bool,
     confidence: float,
-) -> dict[str, Any]:
+) -> types.Comparison:
     """What `compare` finds, as a document; sentences, and errors of files, advise options of the command line."""
     require_flag(two_stands, "two_stands")
     if not is_one_of(levelled, LEVELLED):

@@ -36,6 +36,8 @@ from tumble.units import force_unit, per_g
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from tumble.documents.comparison import Comparison
+
 
 _UNKNOWN = "unknown"
 _DIGITS = 6  # of a value whose uncertainty is not known
@@ -362,7 +364,7 @@ class Result:
         more["issued"] = require_date((created() or "")[:10] if issued is None else issued)
         return made(self.document, self._name, kind, run=recording, attached=self._text, **more)
 
-    def _since(self, given: Result | str | os.PathLike[str] | None) -> tuple[dict[str, Any], dict[str, Any]] | None:
+    def _since(self, given: Result | str | os.PathLike[str] | None) -> tuple[dict[str, Any], Comparison] | None:
         """An earlier result, and what has changed since."""
         if given is None:
             return None

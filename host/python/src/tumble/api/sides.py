@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from tumble.api.complaints import complaints_of_document
 from tumble.comparison import pair, report
 from tumble.defaults import DEFAULT_CONFIDENCE
+from tumble.documents.comparison import Comparison
 from tumble.documents.result import Result
 
 
@@ -15,7 +14,7 @@ def side_of(name: str, checked: Result) -> pair.Side:
     return pair.Side.of(name, checked, complaints_of_document(checked))
 
 
-def since(earlier: Result, later: Result) -> dict[str, Any]:
+def since(earlier: Result, later: Result) -> Comparison:
     """What has changed, for a report on the later one: schema tumble.comparison/1, by what the results themselves tell.
     Raises BadInput."""
     sides = side_of("the earlier result", earlier), side_of("this result", later)

@@ -9,23 +9,16 @@ import numpy as np
 
 from tumble.arrays import Flags, Floats
 from tumble.distributions import chi_squared_above
+from tumble.documents.comparison import Test
 
 _NONE = 1e-12  # variance of a direction, in units of the standard uncertainties: what is left of rounding
 _ASYMMETRY = 1e-6  # in the same units: more than a file of fifteen digits leaves, or of fewer
 _BEYOND = 1e-5  # of a difference in such a direction, in the same units: more than rounding
 
 
-@dataclass(frozen=True)
-class Test:
-    """`chi_squared` with `freedom`; `p`: how often it is as large by chance."""
-
-    chi_squared: float
-    freedom: int
-
-    @property
-    def p(self) -> float:
-        """0 to 1; 1 without freedom."""
-        return chi_squared_above(self.chi_squared, self.freedom) if self.freedom else 1.0
+def test_of(chi_squared: float, freedom: int) -> Test:
+    """How often it is as large by chance: 1 without freedom."""
+    return Test(chi_squared, freedom, chi_squared_above(chi_squared, freedom) if freedom else 1.0)
 
 
 @dataclass(frozen=True)
@@ -40,7 +33,7 @@ class Whitened:
     @property
     def test(self) -> Test:
         """Of the whole difference."""
-        return Test(float(self.difference @ self.difference), self.freedom)
+        return test_of(float(self.difference @ self.difference), self.freedom)
 
 
 def whitened(covariance: Floats, difference: Floats, rounding: Floats) -> Whitened:

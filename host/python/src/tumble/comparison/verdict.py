@@ -22,7 +22,8 @@ import numpy as np
 
 from tumble.arrays import Flags, Floats
 from tumble.comparison.shared import Calibration
-from tumble.comparison.statistics import Test, Whitened, holm, normal_p, whitened
+from tumble.comparison.statistics import Whitened, holm, normal_p, test_of, whitened
+from tumble.documents.comparison import Test
 
 EXPLAINED = 0.01  # p of what an explanation leaves, at least
 _ROUNDING = 1e-13  # of the largest coefficient; of the parameters, which are numbers of size 1, themselves
@@ -161,7 +162,7 @@ def _nearest(block: Whitened) -> Explanation:
     length = np.linalg.norm(block.rows, axis=0)
     scores = block.rows.T @ block.difference / length
     best = int(np.abs(scores).argmax())
-    left = Test(max(0.0, block.test.chi_squared - float(scores[best] ** 2)), max(0, block.freedom - 1))
+    left = test_of(max(0.0, block.test.chi2 - float(scores[best] ** 2)), max(0, block.freedom - 1))
     return Explanation(best, float(scores[best] / length[best]), float(1.0 / length[best]), left.p)
 
 
@@ -207,4 +208,4 @@ def _fitted(own: Floats, seen: Floats) -> tuple[Floats, Floats, Test]:
     part = left.T @ seen
     angles = right.T @ (part / singular)
     u = np.sqrt(((right.T / singular) ** 2).sum(axis=1))
-    return angles, u, Test(float(part @ part), 3)
+    return angles, u, test_of(float(part @ part), 3)

@@ -2,6 +2,8 @@
 described by them in docs/schemas and docs/files.md.
 
 base         the kinds of numbers, arrays and texts; reading and writing
+comparison   tumble.comparison/1, of `compare`
+plan         tumble.plan/1, of `plan`
 result       tumble.result/1, of `solve` and `bench`
 
 tools/schemas.py makes the JSON schemas of them.

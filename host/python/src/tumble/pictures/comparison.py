@@ -12,6 +12,10 @@ from tumble.rounding import rounded
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from tumble.documents.comparison import Comparison, OfCoefficient, OfParameter, OfSeat
+
+    Row = OfParameter | OfSeat | OfCoefficient
+
 _ROW_MM, _FRAME_MM = 4.8, 28.0
 _BANDS = ((3.0, PALE, "\u00b13 u"), (2.0, "#C8C8C8", "\u00b12 u"))  # the inner one over the outer one
 _SAME, _CHANGED = BLUE, VERMILLION  # the markers differ too
@@ -25,14 +29,14 @@ _TITLES = {
 
 
 @picture
-def comparison(document: dict[str, Any]) -> Figure:
+def comparison(document: Comparison) -> Figure:
     """A picture of a document of schema tumble.comparison/1: B less A in units of the standard uncertainty of the
     difference, with bands of 2 and 3. Parameters that have changed are diamonds; a difference that is beyond the axis
     is an arrow at its edge. What has no uncertainty has no marker."""
-    rows = [(group, row) for group, _ in _GROUPS for row in document[group]]
+    rows = [(group, row) for group, _ in _GROUPS for row in getattr(document, group)]
     figure = blank("comparison", _FRAME_MM + _ROW_MM * (len(rows) + 2), "Two calibrations of one block")
     axes = figure.subplots()
-    reach = _reach([row["in_u"] for _, row in rows])
+    reach = _reach([row.in_u for _, row in rows])
     for half, colour, label in _BANDS:
         axes.axvspan(-half, half, color=colour, linewidth=0, label=label, zorder=0)
     axes.axvline(0.0, color=BLACK, linewidth=0.6)
@@ -45,10 +49,10 @@ def comparison(document: dict[str, Any]) -> Figure:
     return figure
 
 
-def _title(document: dict[str, Any]) -> str:
-    if document["verdict"] in _TITLES:
-        return f"{_TITLES[document['verdict']]} ({100 * document['confidence']:.6g} %)"
-    return f"Nobody can tell: {'no uncertainties' if document['tests'] is None else 'a result failed its check'}"
+def _title(document: Comparison) -> str:
+    if document.verdict in _TITLES:
+        return f"{_TITLES[document.verdict]} ({100 * document.confidence:.6g} %)"
+    return f"Nobody can tell: {'no uncertainties' if document.tests is None else 'a result failed its check'}"
 
 
 def _reach(in_u: list[float | None]) -> float:
@@ -65,27 +69,27 @@ def _heights(groups: list[str]) -> list[float]:
     return heights
 
 
-def _mark(axes: Any, height: float, row: dict[str, Any], reach: float) -> None:
-    size, has_changed = row["in_u"], bool(row.get("changed"))
+def _mark(axes: Any, height: float, row: Row, reach: float) -> None:
+    size, has_changed = row.in_u, getattr(row, "changed", False)
     if size is None:
         return
     colour = _CHANGED if has_changed else _SAME
     if abs(size) > reach:
         edge, arrow = (reach, ">") if size > 0 else (-reach, "<")
-        axes.plot([edge], [height], arrow, color=colour, markersize=6, clip_on=False, gid=row["name"])
+        axes.plot([edge], [height], arrow, color=colour, markersize=6, clip_on=False, gid=row.name)
         inner = 0.94 * edge
         side = "right" if size > 0 else "left"
         axes.text(inner, height, f"{size:+.3g} u".replace("-", MINUS), ha=side, va="center")
         return
     axes.plot([size - 1.0, size + 1.0], [height, height], color=colour)
-    axes.plot([size], [height], "D" if has_changed else "o", color=colour, gid=row["name"])
+    axes.plot([size], [height], "D" if has_changed else "o", color=colour, gid=row.name)
 
 
-def _label(axes: Any, heights: list[float], rows: list[tuple[str, dict[str, Any]]], reach: float) -> None:
+def _label(axes: Any, heights: list[float], rows: list[tuple[str, Row]], reach: float) -> None:
     """Names to the left, sizes with their uncertainties to the right, and the groups' names above."""
     axes.set_xlim(-reach, reach)
     axes.set_ylim(min(heights) - 0.7, 1.6)
-    axes.set_yticks(heights, [row["name"] for _, row in rows])
+    axes.set_yticks(heights, [row.name for _, row in rows])
     sizes = axes.secondary_yaxis("right")
     sizes.set_yticks(heights, [_sized(row) for _, row in rows])
     sizes.tick_params(length=0)
@@ -99,7 +103,7 @@ def _label(axes: Any, heights: list[float], rows: list[tuple[str, dict[str, Any]
     sizes.spines["right"].set_visible(False)
 
 
-def _sized(row: dict[str, Any]) -> str:
-    size, u = rounded(row["difference"], row["u"])
-    shown = [size, *([] if row["u"] is None else ["\u00b1", u])]
-    return " ".join([*(one.replace("-", MINUS) for one in shown), signed(row["unit"])])
+def _sized(row: Row) -> str:
+    size, u = rounded(row.difference, row.u)
+    shown = [size, *([] if row.u is None else ["\u00b1", u])]
+    return " ".join([*(one.replace("-", MINUS) for one in shown), signed(row.unit)])

@@ -9,6 +9,7 @@ import os
 from typing import Any
 
 from tumble.comparison import report
+from tumble.documents.comparison import Comparison
 from tumble.errors import NotInstalled, UsageError, quoted
 from tumble.report import conformity, method, pages, values
 from tumble.report.pages import number_of, require_number
@@ -16,7 +17,7 @@ from tumble.report.source import MISSING, Fixed, Source, Table, line, readable
 from tumble.solving.result import schedule_of
 
 
-def section(told: dict[str, Any] | None, earlier: dict[str, Any], later: dict[str, Any]) -> dict[str, Any] | None:
+def section(told: Comparison | None, earlier: dict[str, Any], later: dict[str, Any]) -> dict[str, Any] | None:
     """`told`: a document of schema tumble.comparison/1, whose A is `earlier` and whose B is `later`, documents of
     schema tumble.result/1; None: without an earlier result, and without a section."""
     if told is None:
@@ -25,13 +26,13 @@ def section(told: dict[str, Any] | None, earlier: dict[str, Any], later: dict[st
 
     from tumble.pictures import comparison, svg
 
-    rows = [row for part in ("parameters", "seat", "coefficients") for row in told[part]]
+    rows = [row for part in (told.parameters, told.seat, told.coefficients) for row in part]
     return {
         "sentence": readable(report.sentence(told)),
         "results": [(Fixed("A, the earlier result"), _called(earlier)), (Fixed("B, this result"), _called(later))],
-        "grounds": [readable(_for_compare(one)) for one in (*report.grounds(told), *told["warnings"])],
+        "grounds": [readable(_for_compare(one)) for one in (*report.grounds(told), *told.warnings)],
         "table": Table(report.COLUMNS, [tuple(map(Fixed, report.cells(row))) for row in rows], left=(3,)),
-        "legend": None if told["tests"] is None else readable(report.legend(told)),
+        "legend": None if told.tests is None else readable(report.legend(told)),
         "svg": Markup(svg(comparison(told))),
     }
 
@@ -87,7 +88,7 @@ def made(
     logo: str | None = None,
     number: str | None = None,
     issued: str | None = None,
-    earlier: tuple[dict[str, Any], dict[str, Any]] | None = None,
+    earlier: tuple[dict[str, Any], Comparison] | None = None,
     attached: str = "",
 ) -> bytes:
     """A report on `document`, schema tumble.result/1, as JSON has it; `name`: what errors call it.

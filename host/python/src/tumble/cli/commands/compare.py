@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import argparse
 import sys
-from typing import Any
+from typing import TYPE_CHECKING
 
 from tumble.cli import options
 from tumble.defaults import ANEW, DEFAULT_CONFIDENCE, LEVELLED
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
 from tumble.schedule import file_of
+
+if TYPE_CHECKING:
+    from tumble.documents.comparison import Comparison
 
 
 def describe(parser: argparse.ArgumentParser) -> None:
@@ -85,12 +88,12 @@ def run(arguments: argparse.Namespace) -> int:
     )
     if arguments.plot is not None:
         _draw(told, arguments.plot)
-    warn(told["warnings"])
+    warn(told.warnings)
     sys.stdout.write(to_json(told) if arguments.json else report.render(told))
-    return EXIT_PASS if told["verdict"] in ("unchanged", "seat") else EXIT_LIMITS_FAILED
+    return EXIT_PASS if told.verdict in ("unchanged", "seat") else EXIT_LIMITS_FAILED
 
 
-def _draw(document: dict[str, Any], file: str) -> None:
+def _draw(document: Comparison, file: str) -> None:
     from tumble.files.disk import write_bytes
     from tumble.pictures import comparison, written
 
