@@ -6,19 +6,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tumble.documents.result import Result
 from tumble.fixture.judge import Limits
 from tumble.model.fit import NOISE_V, Explanation
 from tumble.model.stand_seen import NAMES
-from tumble.rounding import on_its_side
 from tumble.solving import noise, plausibility
-from tumble.solving.decision import Decision
+from tumble.solving.decision import NO_UNIT
 from tumble.solving.many_runs import MonteCarlo, Verdict
 from tumble.solving.noise import CORRELATED
 from tumble.solving.solution import Solution
 from tumble.units import contradicts, looks_like, noise_unit
-
-_NO_UNIT = "the run file names no unit: outputs taken for volts (--unit V, or ux [V] in its header)"
 
 
 def complaints(solution: Solution, odd: Sequence[str] = (), confirmed_unit: bool = False) -> list[str]:
@@ -26,7 +22,7 @@ def complaints(solution: Solution, odd: Sequence[str] = (), confirmed_unit: bool
     outputs are in the unit that its stand file is in, which is the volt where nobody names one."""
     told: list[str] = []
     if not solution.run.unit_told and not confirmed_unit:
-        told.append(_NO_UNIT)
+        told.append(NO_UNIT)
     if (looks := unit_complaint(solution)) is not None:
         told.append(looks)
     told += odd
@@ -118,22 +114,3 @@ def simulation_complaint(found: MonteCarlo) -> str | None:
     if differs:
         return f"Monte Carlo differs from the uncertainties of {', '.join(differs)}"
     return f"too few runs of Monte Carlo to tell of {', '.join(open_ones)}" if open_ones else None
-
-
-def complaints_of_document(result: Result) -> list[str]:
-    """Of a result as it is read: what whoever uses its coefficients should know first."""
-    found, check = [], result.verification
-    if not check.passed:
-        sizes = f"largest error {on_its_side(check.max_abs_delta_g_g, check.limit_g)} g, limit {check.limit_g:g} g"
-        found.append(f"the gravity check FAILED: {sizes}")
-    decision = Decision.of(result)
-    if decision.is_not_shown:
-        found.append(f"{decision.sentence}: at some attitudes the coefficients may be off by more")
-    if result.warnings is not None:
-        return found + [one for one in result.warnings if one != _NO_UNIT]  # which `assumes` tells
-    fit = result.fit  # of a result that is older than its warnings
-    if result.stand_doubts or (fit is not None and not fit.fits):
-        found.append("the run does not fit the stand file: the uncertainties are too small")
-    elif fit is not None and fit.explanations:
-        found.append("the run shows what the stand file does not declare: the uncertainties are too small")
-    return found

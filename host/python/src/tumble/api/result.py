@@ -16,7 +16,6 @@ from numpy.typing import ArrayLike
 
 from tumble.api.applying import applied
 from tumble.api.arguments import in_python, require_flag, told_in_python
-from tumble.api.complaints import complaints_of_document
 from tumble.api.recording import recording_of
 from tumble.arrays import Floats
 from tumble.documents.base import described
@@ -29,7 +28,7 @@ from tumble.files.stand_file import StandFile
 from tumble.model.coefficients import Force
 from tumble.schedule import Schedule
 from tumble.solving.coefficients import Coefficients
-from tumble.solving.decision import Decision
+from tumble.solving.decision import Decision, complaints_of_result
 from tumble.stand import Stand
 from tumble.units import force_unit, per_g
 
@@ -102,7 +101,7 @@ class Result:
         self._text = text
         self._name = name
         self._told = parse_result(text.encode("utf-8", "surrogatepass"), name)
-        told = complaints_of_document(self._told) if warnings is None else warnings
+        told = complaints_of_result(self._told) if warnings is None else warnings
         self.warnings = tuple(map(in_python, told))
         """Why the result may not be what it claims: the sentences that the command line prints, with arguments in place
         of options."""

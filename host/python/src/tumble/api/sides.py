@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from tumble.api.complaints import complaints_of_document
 from tumble.comparison import pair, report
 from tumble.defaults import DEFAULT_CONFIDENCE
 from tumble.documents.comparison import Comparison
 from tumble.documents.result import Result
+from tumble.solving.decision import complaints_of_result
 
 
 def side_of(name: str, checked: Result) -> pair.Side:
     """A result, called `name`, as it was read. Raises BadInput."""
-    return pair.Side.of(name, checked, complaints_of_document(checked))
+    return pair.Side.of(name, checked, complaints_of_result(checked))
 
 
 def since(earlier: Result, later: Result) -> Comparison:

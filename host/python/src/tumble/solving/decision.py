@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -28,11 +29,14 @@ from tumble.model.propagation import Propagation
 from tumble.model.reliability import moved_by_a_seat, seat_is_unseen, unseen_patterns
 from tumble.rounding import on_its_side
 from tumble.schedule import Schedule
-from tumble.solving.solution import Solution
 from tumble.stand import Stand
 from tumble.terms import Terms
 
+if TYPE_CHECKING:  # whoever reads a result solves none
+    from tumble.solving.solution import Solution
+
 Coefficients = tuple[str, ...]
+NO_UNIT = "the run file names no unit: outputs taken for volts (--unit V, or ux [V] in its header)"
 _FEWEST_TO_TEST = 4  # samples: two lengths of blocks
 _EXPECTED_RAD = 1e-4  # of a seat or a platform that nobody declares
 _RAISED = 1.1  # u is by it, before a coefficient is marked
@@ -236,6 +240,25 @@ class Decision:
         """Word and reason, as reports and exports have them; a terminal has them too, unless it is a PASS with figures
         (cli.output._verdict_line)."""
         return self.word + self.reason
+
+
+def complaints_of_result(result: Result) -> list[str]:
+    """Of a result as it is read: what whoever uses its coefficients should know first."""
+    found, check = [], result.verification
+    if not check.passed:
+        sizes = f"largest error {on_its_side(check.max_abs_delta_g_g, check.limit_g)} g, limit {check.limit_g:g} g"
+        found.append(f"the gravity check FAILED: {sizes}")
+    decision = Decision.of(result)
+    if decision.is_not_shown:
+        found.append(f"{decision.sentence}: at some attitudes the coefficients may be off by more")
+    if result.warnings is not None:
+        return found + [one for one in result.warnings if one != NO_UNIT]  # which `assumes` tells
+    fit = result.fit  # of a result that is older than its warnings
+    if result.stand_doubts or (fit is not None and not fit.fits):
+        found.append("the run does not fit the stand file: the uncertainties are too small")
+    elif fit is not None and fit.explanations:
+        found.append("the run shows what the stand file does not declare: the uncertainties are too small")
+    return found
 
 
 def is_shown(limit_g: float, coverage_factor: float, u_norm_g: float | None) -> bool:

@@ -112,10 +112,9 @@ def _targets(arguments: argparse.Namespace) -> list[str]:
 
 def _beware(result: Result, file: str) -> None:
     """What whoever uses the calibrated data should know, on stderr."""
-    from tumble.api.complaints import complaints_of_document
-    from tumble.solving.decision import phrase
+    from tumble.solving.decision import complaints_of_result, phrase
 
-    for warning in complaints_of_document(result.checked):
+    for warning in complaints_of_result(result.checked):
         tell(f"tumble: warning: {file_name(file)}: {warning}")
     if result.assumes:
         tell(f"tumble: notice: {file_name(file)}: {phrase(result.assumes).removeprefix(', ')}")

@@ -91,15 +91,15 @@ def run(arguments: argparse.Namespace) -> int:
     """Convert and write. Returns the exit code; raises TumbleError."""
     form, step = FORMATS[arguments.format], _parse_step(arguments)
 
-    from tumble.api.complaints import complaints_of_document
     from tumble.documents.result import read_result
     from tumble.files.disk import refuse_overwriting, write_text
     from tumble.solving.coefficients import Coefficients
+    from tumble.solving.decision import complaints_of_result
 
     refuse_overwriting(arguments.out, arguments.result)
     options.require_ending(arguments.out, "--out", *form.endings)
     result = read_result(arguments.result)
-    warnings = complaints_of_document(result)
+    warnings = complaints_of_result(result)
     try:
         them = Coefficients.of(result, arguments.unit or form.unit)
         if form.twelve is not None and them.terms:
