@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Write the names of the estimators, as TUMBLE_ESTIMATOR_LIST of tumble/core.h has them, where they can't be read from
-C.
+"""Write the names of the estimators, as TUMBLE_ESTIMATOR_LIST of tumble/core.h has them, for the package, which parses
+a command line without C; tools/schemas.py takes them from there.
 
     estimators.py [--check]     exit 1 if something is (or with --check: would be) written anew
 """
@@ -11,7 +11,6 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 HEADER = ROOT / "firmware/include/tumble/core.h"
 MODULE = ROOT / "host/python/src/tumble/estimators.py"
-SCHEMAS = ROOT / "docs/schemas"
 ROW = re.compile(r"^    ONE(?:_WITH_GAINS)?\(\w+, (\w+)(?:, (\w+))?", re.MULTILINE)
 
 
@@ -22,17 +21,12 @@ def main(arguments):
     module = line(module, "HARMONIC", [name for name, needs in rows if needs == "HARMONIC"])
     module = line(module, "LINEAR", [name for name, needs in rows if needs])
     module = line(module, "ESTIMATORS", names)
-    texts = {MODULE: module}
-    for path in sorted(SCHEMAS.glob("*.json")):
-        quoted = ", ".join(f'"{name}"' for name in names)
-        texts[path] = re.sub(r'("estimator": \{\s*"enum": \[)[^]]*', lambda match, quoted=quoted: match[1] + quoted,
-                             path.read_text(encoding="utf-8"))
-    stale = [path for path, text in texts.items() if path.read_text(encoding="utf-8") != text]
-    for path in stale:
-        print(f"{path.relative_to(ROOT)}: not the estimators of tumble/core.h")
-        if "--check" not in arguments:
-            path.write_text(texts[path], encoding="utf-8")
-    return 1 if stale else 0
+    if MODULE.read_text(encoding="utf-8") == module:
+        return 0
+    print(f"{MODULE.relative_to(ROOT)}: not the estimators of tumble/core.h")
+    if "--check" not in arguments:
+        MODULE.write_text(module, encoding="utf-8")
+    return 1
 
 
 def line(text, name, values):

@@ -287,7 +287,7 @@ def test_weights_that_differ_go_with_the_gain_record():
     again = optimal_run.from_bytes(data)
     assert again.weights == pytest.approx(1.5e-3 / np.array(NOISE)) and again.sigma_mean == table.sigma_mean
     assert optimal_run.to_bytes(again) == data
-    assert core.optimal.GainRecord(core.CoreSchedule(PAPER), data).gains.tolist() == table.gains.tolist()
+    assert core.binding.GainRecord(core.CoreSchedule(PAPER), data).gains.tolist() == table.gains.tolist()
     assert "double weights[3];" in optimal_run.to_c_header(again)
     assert "weights" not in optimal_run.to_c_header(optimal_run.from_bytes(plain))
 

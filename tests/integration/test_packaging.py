@@ -79,7 +79,7 @@ def test_schemas_and_options_name_the_estimators_of_the_core():
     assert written.returncode == 0
     for name in ("result", "plan"):
         schema = json.loads((ROOT / f"docs/schemas/tumble.{name}-1.schema.json").read_text(encoding="utf-8"))
-        assert names in list(enums(schema))
+        assert set(names) in [set(found) - {None} for found in enums(schema)]
     parser = argparse.ArgumentParser()
     options.add(parser, "--estimator")
     for name in names:

@@ -15,6 +15,7 @@ from test_fixture_check import PAPER, U0, drawn, simulated, stand_named
 import tumble as package
 from tumble import model
 from tumble.core import MAX_STAND_ERROR_RAD
+from tumble.documents.result import parse_result
 from tumble.files.run_file import Run
 from tumble.solving.decision import Decision
 from tumble.solving.solution import solve
@@ -47,7 +48,8 @@ def test_a_wrong_stand_file_is_said_to_be_one(estimator, tumble):
     assert " ".join(beware.split()).endswith("The uncertainties above are too small.")
     assert max(map(len, beware.splitlines())) <= 80
     failures = re.match(r"FAIL: the .*?(?=;)", " ".join(verdict.split()))[0]
-    assert failures == Decision.of(result).sentence and "the fit to the declared stand" in failures
+    decision = Decision.of(parse_result(shown.stdout.encode(), "result"))
+    assert failures == decision.sentence and "the fit to the declared stand" in failures
     assert " ".join(verdict.split()).startswith(f"{failures}; explained best by noise; largest gravity error ")
     assert ("; 3 u(|a|) is up to " in " ".join(verdict.split())) != shown_everywhere
     assert max(map(len, verdict.splitlines())) <= 80
