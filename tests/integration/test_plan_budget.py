@@ -14,8 +14,8 @@ from tumble.files.stand_file import read_stand
 from tumble.planning import weights
 from tumble.planning.budget import budget
 from tumble.planning.case import Case
-from tumble.planning.published import NAMES, SOURCES
 from tumble.planning.validate import validate
+from tumble.planning.weights import NAMES, SOURCES
 
 pytestmark = pytest.mark.python
 

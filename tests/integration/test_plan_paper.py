@@ -8,9 +8,9 @@ import pytest
 from conftest import ROOT
 from test_plan_budget import plan
 
-from tumble.planning import published
+from tumble.planning import weights
 from tumble.planning.paper import discrepancies, lines, rounds_to
-from tumble.planning.published import NAMES, SOURCES
+from tumble.planning.weights import NAMES, SOURCES
 
 pytestmark = pytest.mark.python
 
@@ -123,10 +123,10 @@ def test_json(tumble):
 
 def test_formulas_are_evaluated_as_arithmetic():
     values = {"a_yx": 2.0, "a_zx": 0.5, "K_xx": 4.0, "dg": 3.0}
-    assert published.evaluate("(a_yx - a_zx)/2", values) == 0.75
-    assert published.evaluate("-0.5/a_zx", values) == -1.0
-    assert published.evaluate("dg/(5.2*a_zx)", values) == pytest.approx(3 / 2.6)
-    assert np.isnan(published.evaluate("1/a", {"a": 0.0}))
+    assert weights.evaluate("(a_yx - a_zx)/2", values) == 0.75
+    assert weights.evaluate("-0.5/a_zx", values) == -1.0
+    assert weights.evaluate("dg/(5.2*a_zx)", values) == pytest.approx(3 / 2.6)
+    assert np.isnan(weights.evaluate("1/a", {"a": 0.0}))
 
 
 def paper_name(key):
@@ -149,23 +149,23 @@ def normalised(formula):
 def test_the_print_is_as_recorded():
     """Against a transcription made apart from this one."""
     recorded = json.loads(RECORDED.read_text(encoding="utf-8"))
-    for table, ours in (("table1", published.TABLE_1), ("table4", published.TABLE_4)):
+    for table, ours in (("table1", weights.TABLE_1), ("table4", weights.TABLE_4)):
         for key, row in recorded[table].items():
             formulas = [normalised(row[f"gamma{n}"]) for n in range(1, 6)]
             assert [formula.replace(" ", "") for formula in ours[paper_name(key)]] == formulas, key
     for key, row in recorded["table2"].items():
-        assert [float(value) for value in published.TABLE_2[paper_name(key.removesuffix("_g"))]] == row
+        assert [float(value) for value in weights.TABLE_2[paper_name(key.removesuffix("_g"))]] == row
     for key, value in recorded["table3"].items():
-        assert float(published.TABLE_3[paper_name(key.rsplit("_", 1)[0])]) == value
+        assert float(weights.TABLE_3[paper_name(key.rsplit("_", 1)[0])]) == value
     assert {paper_name(key): value for key, value in recorded["eq6_ppm"].items()} == {
-        key: float(value) for key, value in published.EQUATION_6_PPM.items()
+        key: float(value) for key, value in weights.EQUATION_6_PPM.items()
     }
-    for ours, theirs in ((published.EQUATION_18, recorded["eq18"]), (published.EQUATION_19, recorded["eq19"])):
+    for ours, theirs in ((weights.EQUATION_18, recorded["eq18"]), (weights.EQUATION_19, recorded["eq19"])):
         assert {key: formula.replace(" ", "") for key, formula in ours.items()} == {
             k: normalised(v) for k, v in theirs.items()
         }
-    for ours, theirs in ((published.TABLE_5_REQUIRED, "required"), (published.TABLE_5_USED, "used")):
+    for ours, theirs in ((weights.TABLE_5_REQUIRED, "required"), (weights.TABLE_5_USED, "used")):
         assert [float(value) for value in ours.values()] == list(recorded["table5"][theirs].values())
-    assert [float(value) for value in published.STAND_5.values()] == list(recorded["inputs_eq5"].values())[:5]
-    assert float(published.LIMIT_20_G) == recorded["eq20_delta_g_limit_g"]
-    assert set(published.TABLE_1) == set(NAMES)
+    assert [float(value) for value in weights.STAND_5.values()] == list(recorded["inputs_eq5"].values())[:5]
+    assert float(weights.LIMIT_20_G) == recorded["eq20_delta_g_limit_g"]
+    assert set(weights.TABLE_1) == set(NAMES)

@@ -15,8 +15,8 @@ from tumble.files.stand_file import read_stand
 from tumble.planning import weights
 from tumble.planning.budget import budget
 from tumble.planning.case import Case
-from tumble.planning.published import NAMES
 from tumble.planning.require import CEILING_RAD, ROWS, headroom, requirements, samples_for, stand_of
+from tumble.planning.weights import NAMES
 
 pytestmark = pytest.mark.python
 

@@ -7,7 +7,7 @@
     promise           the probability that a run passes, and that |a| is within the limit
     schedule_search   the quickest schedule for a wanted accuracy
     validate          Monte Carlo, and the verdict on it
-    paper             the paper (published), computed again, and where it does not agree with itself
+    paper             the paper, computed again, and where it does not agree with itself
 
-Modules named *_report turn what was found into JSON and tables.
+The paper's own numbers stand in `weights`.
 """

@@ -21,7 +21,7 @@ from tumble.model.reliability import Reliability, largest
 from tumble.planning import weights
 from tumble.planning.case import Case
 from tumble.planning.model_cost import model_cost_part
-from tumble.planning.published import NAMES, SOURCES
+from tumble.planning.weights import NAMES, SOURCES
 from tumble.solving.further import Further
 from tumble.solving.many_runs import estimator_or_linear
 from tumble.solving.result import second_order_of, unseen as unseen_of

@@ -26,7 +26,8 @@ from tumble.model.errors import unit_effect
 from tumble.model.estimators import linear_gains
 from tumble.planning import tables, weights
 from tumble.planning.case import Case
-from tumble.planning.published import (
+from tumble.planning.require import Requirements, printed as evaluate_printed, requirements, samples_for
+from tumble.planning.weights import (
     EQUATION_6_PPM,
     EQUATION_18,
     EQUATION_19,
@@ -44,8 +45,6 @@ from tumble.planning.published import (
     TABLE_5_USED,
     evaluate,
 )
-from tumble.planning.require import Requirements, requirements, samples_for
-from tumble.planning.requirement_report import printed as evaluate_printed
 
 # Misalignments that no two formulas confuse: K_ij/K_ii off the diagonal.
 AUDIT_K = 2.0 * np.array([[1.0, 0.020, 0.016], [0.014, 1.0, 0.018], [0.012, 0.010, 1.0]])

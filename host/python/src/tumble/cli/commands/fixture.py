@@ -183,8 +183,8 @@ def _needed(
     from tumble.fixture.judge import Limits
     from tumble.planning.budget import sources
     from tumble.planning.case import Case
-    from tumble.planning.published import SOURCES
     from tumble.planning.require import allowed
+    from tumble.planning.weights import SOURCES
     from tumble.stand import by_channel
 
     case = Case.of(stand_file, arguments.stand, None if schedule is None else schedule.data)

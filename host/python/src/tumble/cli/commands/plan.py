@@ -172,7 +172,7 @@ def _show_budget(
     from tumble.planning import model_cost, tables
     from tumble.planning.budget import ALPHAS, notes, numbers_are, unit
     from tumble.planning.promise import sentence
-    from tumble.planning.published import NAMES
+    from tumble.planning.weights import NAMES
 
     out = tables.console()
     out.print(tables.heading(f"Error budget, {found.weights} weights, estimator {found.estimator}"))
@@ -227,8 +227,7 @@ def run_require(arguments: argparse.Namespace) -> int:
 
     from tumble.planning import model_cost, tables
     from tumble.planning.promise import promises
-    from tumble.planning.require import enough, headroom, margins, requirements
-    from tumble.planning.requirement_report import document, show
+    from tumble.planning.require import document, enough, headroom, margins, requirements, show
 
     found = requirements(case, arguments.weights, arguments.estimator, limit_g, split)
     room = headroom(case, arguments.weights, arguments.estimator, limit_g)
@@ -436,7 +435,7 @@ def run_schedule(arguments: argparse.Namespace) -> int:
     from tumble.files.disk import refuse_overwriting, write_text
     from tumble.files.schedule_file import to_toml
     from tumble.files.stand_file import read_stand
-    from tumble.planning import schedule_report
+    from tumble.planning import schedule_search
     from tumble.planning.schedule_search import DEFAULT_REMOUNT_S, Goal, Pace, plan_schedule
 
     refuse_overwriting(arguments.out, arguments.stand)
@@ -450,9 +449,9 @@ def run_schedule(arguments: argparse.Namespace) -> int:
     if arguments.out is not None:
         write_text(arguments.out, to_toml(found.best.schedule))
     if arguments.json:
-        write_json(schedule_report.document(found, step_deg))
+        write_json(schedule_search.document(found, step_deg))
     else:
-        schedule_report.show(found, arguments.out, arguments.stand)
+        schedule_search.show(found, arguments.out, arguments.stand)
     return EXIT_PASS
 
 
