@@ -24,6 +24,7 @@ from tumble.data import SCHEMAS
 from tumble.documents.base import LARGEST, ONLY, Document, array_schema, described
 from tumble.documents.comparison import COMPARISON, Comparison
 from tumble.documents.fixture import FIXTURE, Fixture
+from tumble.documents.importing import IMPORT, Import
 from tumble.documents.plan import PLAN, Plan
 from tumble.documents.result import RESULT, Result
 from tumble.estimators import ESTIMATORS
@@ -37,6 +38,7 @@ DRAFT = "https://json-schema.org/draft/2020-12/schema"
 DOCUMENTS: dict[str, tuple[type[Document], str]] = {  # by schema: its type, or what its kinds derive from; title
     PLAN: (Plan, "what a stand is worth before a run"),
     FIXTURE: (Fixture, "a stand, judged by the runs made on it"),
+    IMPORT: (Import, "what was found in recordings, and what was taken for granted"),
     COMPARISON: (Comparison, "two calibrations of one block"),
     RESULT: (Result, "the outcome of one calibration"),
 }
