@@ -27,6 +27,7 @@ from tumble.documents.fixture import FIXTURE, Fixture
 from tumble.documents.importing import IMPORT, Import
 from tumble.documents.plan import PLAN, Plan
 from tumble.documents.result import RESULT, Result
+from tumble.documents.store import STORE, Store
 from tumble.estimators import ESTIMATORS
 from tumble.model.fit import DOUBTS
 from tumble.model.patterns import PATTERNS
@@ -39,6 +40,7 @@ DOCUMENTS: dict[str, tuple[type[Document], str]] = {  # by schema: its type, or 
     PLAN: (Plan, "what a stand is worth before a run"),
     FIXTURE: (Fixture, "a stand, judged by the runs made on it"),
     IMPORT: (Import, "what was found in recordings, and what was taken for granted"),
+    STORE: (Store, "what an image of the memory holds"),
     COMPARISON: (Comparison, "two calibrations of one block"),
     RESULT: (Result, "the outcome of one calibration"),
 }

@@ -7,6 +7,7 @@ fixture      tumble.fixture/1, of `fixture check`
 importing    tumble.import/1, of `import`
 plan         tumble.plan/1, of `plan`
 result       tumble.result/1, of `solve` and `bench`
+store        tumble.store/1, of `store dump`
 
 tools/schemas.py makes the JSON schemas of them.
 """
