@@ -28,6 +28,7 @@ from tumble.documents.importing import IMPORT, Import
 from tumble.documents.plan import PLAN, Plan
 from tumble.documents.result import RESULT, Result
 from tumble.documents.store import STORE, Store
+from tumble.documents.watch import WATCH, Snapshot, Watch
 from tumble.estimators import ESTIMATORS
 from tumble.model.fit import DOUBTS
 from tumble.model.patterns import PATTERNS
@@ -41,6 +42,7 @@ DOCUMENTS: dict[str, tuple[type[Document], str]] = {  # by schema: its type, or 
     FIXTURE: (Fixture, "a stand, judged by the runs made on it"),
     IMPORT: (Import, "what was found in recordings, and what was taken for granted"),
     STORE: (Store, "what an image of the memory holds"),
+    WATCH: (Watch, "what is known of a run at one moment"),
     COMPARISON: (Comparison, "two calibrations of one block"),
     RESULT: (Result, "the outcome of one calibration"),
 }
@@ -57,6 +59,7 @@ _MORE: dict[str, dict[str, Any]] = {  # by type: what no type says
 _WRITTEN = {  # by type: keys that are always there, though a reader does without
     "Result": "units stand_seen intrinsic reference means counters item environment",
     "Si": "u_K u_bias",
+    "Snapshot": " ".join(Snapshot.__struct_fields__),
     "Verification": "delta_g_g max_abs_delta_g_fit_g max_abs_delta_g_check_g closure residual_rms",
 }
 _PATTERNS = [one.name for one in PATTERNS]
