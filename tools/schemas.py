@@ -23,8 +23,12 @@ from msgspec import inspect
 from tumble.data import SCHEMAS
 from tumble.documents.base import LARGEST, ONLY, Document, array_schema, described
 from tumble.documents.comparison import COMPARISON, Comparison
+from tumble.documents.fixture import FIXTURE, Fixture
+from tumble.documents.importing import IMPORT, Import
 from tumble.documents.plan import PLAN, Plan
 from tumble.documents.result import RESULT, Result
+from tumble.documents.store import STORE, Store
+from tumble.documents.watch import WATCH, Snapshot, Watch
 from tumble.estimators import ESTIMATORS
 from tumble.model.fit import DOUBTS
 from tumble.model.patterns import PATTERNS
@@ -35,16 +39,27 @@ from tumble.stand import SOURCES
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
 DOCUMENTS: dict[str, tuple[type[Document], str]] = {  # by schema: its type, or what its kinds derive from; title
     PLAN: (Plan, "what a stand is worth before a run"),
+    FIXTURE: (Fixture, "a stand, judged by the runs made on it"),
+    IMPORT: (Import, "what was found in recordings, and what was taken for granted"),
+    STORE: (Store, "what an image of the memory holds"),
+    WATCH: (Watch, "what is known of a run at one moment"),
     COMPARISON: (Comparison, "two calibrations of one block"),
     RESULT: (Result, "the outcome of one calibration"),
 }
 _BENCH = ("bus", "firmware", "truth")  # keys of a run on the bench, all or none
-_MORE: dict[str, dict[str, Any]] = {
-    RESULT: {"dependentRequired": {"seed": list(_BENCH), **{one: ["seed"] for one in _BENCH}}},
+_COMBINED = ("K", "U0", "u_K", "u_U0")  # of runs that are consistent, else null
+_MORE: dict[str, dict[str, Any]] = {  # by type: what no type says
+    "Result": {"dependentRequired": {"seed": list(_BENCH), **{one: ["seed"] for one in _BENCH}}},
+    "Combined": {
+        "if": {"properties": {"consistent": {"const": True}}},
+        "then": {"properties": {one: {"type": "array"} for one in _COMBINED}},
+        "else": {"properties": {one: {"type": "null"} for one in _COMBINED}},
+    },
 }
 _WRITTEN = {  # by type: keys that are always there, though a reader does without
     "Result": "units stand_seen intrinsic reference means counters item environment",
     "Si": "u_K u_bias",
+    "Snapshot": " ".join(Snapshot.__struct_fields__),
     "Verification": "delta_g_g max_abs_delta_g_fit_g max_abs_delta_g_check_g closure residual_rms",
 }
 _PATTERNS = [one.name for one in PATTERNS]
@@ -71,7 +86,7 @@ def schema(name: str) -> dict[str, Any]:
         }
     else:
         own = writer.object_of(inspect.type_info(kind))
-    return {**head, **own, **_MORE.get(name, {}), "$defs": dict(sorted(writer.parts.items()))}
+    return {**head, **own, "$defs": dict(sorted(writer.parts.items()))}
 
 
 def _plain(text: str) -> str:
@@ -103,6 +118,7 @@ class _Writer:
                 made = _one_of(made, list(names))
             properties[key] = ({"description": _plain(of_keys[key])} if key in of_keys else {}) | made
         listed = {"properties": properties, "required": required, "additionalProperties": False}
+        listed |= _MORE.get(own.__name__, {})
         return ({"description": _plain(about)} if about else {}) | {"type": "object"} | listed
 
     def value(self, kind: inspect.Type) -> dict[str, Any]:
@@ -126,6 +142,8 @@ class _Writer:
                 return self._table(kind)
             case inspect.LiteralType():
                 return {"enum": list(kind.values)}
+            case inspect.EnumType():
+                return {"enum": [one.value for one in kind.cls]}
             case inspect.StrType():
                 limits = {"pattern": kind.pattern and kind.pattern.replace(ONLY, "$"), "minLength": kind.min_length}
                 limits["maxLength"] = kind.max_length

@@ -3,7 +3,7 @@
 import json
 import urllib.request
 
-from tumble.watch.snapshot import Gravity, Mean, Snapshot
+from tumble.documents.watch import Gravity, Mean, Snapshot
 
 K = ((-1.9959264, 0.0241898, 0.03929), (-0.0358031, -2.0022531, 0.0214949), (-0.0119907, 0.0242429, -1.9999533))
 U_K = ((2.3e-5, 5.5e-5, 5.5e-5), (5.8e-5, 2.8e-5, 2.0e-5), (5.8e-5, 2.0e-5, 2.8e-5))

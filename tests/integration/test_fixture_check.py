@@ -10,9 +10,10 @@ from conftest import EXAMPLES
 from documents import schema
 
 from tumble import core, model
+from tumble.documents.fixture import Verdict
 from tumble.files.run_file import Run
 from tumble.files.stand_file import read_stand
-from tumble.fixture.judge import Judge, Limits, RunView, Verdict, combine, covariances, levelled_once
+from tumble.fixture.judge import Judge, Limits, RunView, combine, covariances, levelled_once
 from tumble.solving import noise
 from tumble.solving.computation import compute
 from tumble.solving.solution import Solution, solve
@@ -20,7 +21,7 @@ from tumble.solving.solution import Solution, solve
 pytestmark = pytest.mark.python
 PAPER = core.CoreSchedule(core.paper_schedule())
 U0 = np.array([0.02, -0.01, 0.03])
-SOURCES = schema("fixture")["properties"]["sources"]["required"]
+SOURCES = schema("fixture")["$defs"]["Sources"]["required"]
 
 
 def stand_named(name):
@@ -133,7 +134,7 @@ def test_the_range_of_a_standard_deviation_holds_the_truth_as_often_as_it_says()
     limits = Limits.declared(stand, 2).sigma
     for _ in range(150):
         for source, judgement in judged(rng, stand, stand, 2, views_by_core).items():
-            inside[source] += judgement.low <= limits[source] <= judgement.high
+            inside[source] += judgement.sigma_low <= limits[source] <= judgement.sigma_high
     assert all(133 <= count <= 150 for count in inside.values()), inside
 
 
@@ -160,8 +161,8 @@ def test_a_combined_result_lies_where_its_uncertainties_say(once, solved):
         level = {"alpha1": rng.normal() * stand.axis_tilt, "alpha2": rng.normal() * stand.level} if once else {}
         solutions = [solved(simulated(rng, own, **level), own) for own in (stand, stand, noisy)]
         combined = combine(solutions, once, 0.95)
-        found = np.concatenate([combined.k.ravel(), combined.u0])
-        scores.append((found - truth) / np.concatenate([combined.u_k.ravel(), combined.u_u0]))
+        found = np.concatenate([combined.K.ravel(), combined.U0])
+        scores.append((found - truth) / np.concatenate([combined.u_K.ravel(), combined.u_U0]))
         squares.append(combined.chi_squared)
         assert combined.freedom == 24
     assert np.sqrt((np.array(scores) ** 2).mean(axis=0)) == pytest.approx(1.0, abs=0.23)
@@ -176,10 +177,10 @@ def test_a_combination_is_sharper_but_not_where_the_runs_share_an_error():
         np.concatenate([solutions[0].u_k.ravel(), solutions[0].u_u0]), rel=1e-9
     )
     combined = combine(solutions, True, 0.95)
-    u = np.concatenate([combined.u_k.ravel(), combined.u_u0])
+    u = np.concatenate([combined.u_K.ravel(), combined.u_U0])
     assert u == pytest.approx(np.sqrt(np.diag(own / 4 + shared)), rel=0.02)
     anew = combine(solutions, False, 0.95)
-    assert anew.u_k == pytest.approx(solutions[0].u_k / 2, rel=0.02)
+    assert anew.u_K == pytest.approx(solutions[0].u_k / 2, rel=0.02)
 
 
 def test_the_covariance_of_the_optimal_estimator_is_that_of_its_uncertainties():

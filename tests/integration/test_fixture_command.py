@@ -17,7 +17,7 @@ from tumble.model import Geometry
 pytestmark = pytest.mark.python
 PAPER = core.paper_schedule()
 U0 = np.array([0.02, -0.01, 0.03])
-SOURCES = schema("fixture")["properties"]["sources"]["required"]
+SOURCES = schema("fixture")["$defs"]["Sources"]["required"]
 
 
 def check(tumble, *arguments, code):

@@ -11,18 +11,19 @@ import socket
 import time
 import urllib.error
 import urllib.request
-from dataclasses import replace
 from importlib import resources
 
 import documents
 import pytest
 from conftest import ROOT
+from msgspec.structs import replace
 from played_run import AVERAGING, DONE, FAULT, U0, K, PlayedSource, events
 from rich.console import Console
 
+from tumble.documents.watch import Gravity, Mean, Snapshot
 from tumble.watch import snapshot
 from tumble.watch.runs import BenchRun, Follower
-from tumble.watch.snapshot import Gravity, Lost, Mean, Snapshot, View, document
+from tumble.watch.snapshot import Lost, View, document
 from tumble.watch.terminal import Lines, drawn
 
 pytestmark = pytest.mark.python

@@ -12,8 +12,9 @@ from conftest import ROOT
 from played_node import U0, K, PlayedCanNode
 
 from tumble.client.link import CommunicationError, read_map
+from tumble.documents.watch import Gravity, Mean, Snapshot
 from tumble.watch.node_run import NodeRun
-from tumble.watch.snapshot import Gravity, Heard, Lost, Mean, Snapshot, Status, View, document
+from tumble.watch.snapshot import Heard, Lost, Status, View, document
 
 can = pytest.importorskip("can", reason="python-can is not installed")
 pytest.importorskip("canopen", reason="python-canopen is not installed")

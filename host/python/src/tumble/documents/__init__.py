@@ -3,8 +3,12 @@ described by them in docs/schemas and docs/files.md.
 
 base         the kinds of numbers, arrays and texts; reading and writing
 comparison   tumble.comparison/1, of `compare`
+fixture      tumble.fixture/1, of `fixture check`
+importing    tumble.import/1, of `import`
 plan         tumble.plan/1, of `plan`
 result       tumble.result/1, of `solve` and `bench`
+store        tumble.store/1, of `store dump`
+watch        tumble.watch/1, of `watch`
 
 tools/schemas.py makes the JSON schemas of them.
 """

@@ -21,12 +21,12 @@ import re
 import textwrap
 from collections.abc import Callable
 from dataclasses import fields, replace
-from typing import Any
 
 import numpy as np
 
 from tumble._version import __version__
 from tumble.arrays import Floats
+from tumble.documents import importing as doc
 from tumble.errors import BadInput, quoted
 from tumble.files.run_layout import TEMPERATURE, Wishes
 from tumble.files.toml import Table, read_toml
@@ -39,7 +39,6 @@ from tumble.importing.pipeline import Imported, Settings
 from tumble.importing.recording import COLUMNS, Timing
 from tumble.importing.rests import Thresholds
 
-SCHEMA = "tumble.import/1"
 WIDTH = 80
 _REMARKS = {
     TAKEN: "",
@@ -51,21 +50,20 @@ _REMARKS = {
 }
 
 
-def text(done: Imported) -> str:
+def text(found: doc.Import) -> str:
     """For people."""
-    files = ", ".join(os.path.basename(one.file) for one in done.recordings)
-    rows = len(done.outputs)
-    taken = int(done.rests.samples[done.matched.positions != NONE].sum())
-    placed = set(done.matched.positions.tolist()) - {NONE}
+    rows = sum(one.rows for one in found.recordings)
+    placed = [rest for rest in found.rests if rest.position is not None]
+    count = len({(rest.mounting, rest.position) for rest in placed})
     lines = [
-        *_wrapped(f"import of {files}"),
+        *_wrapped(f"import of {', '.join(one.file for one in found.recordings)}"),
         "",
-        f"{rows} rows, {taken} of them at {len(placed)} of {len(done.schedule.positions)} positions"
-        f" of {os.path.basename(done.settings.schedule_name)}",
+        f"{rows} rows, {sum(rest.samples for rest in placed)} of them at {count} of {count + len(found.missing)}"
+        f" positions of {found.schedule}",
         "",
-        *_table(done),
+        *_table(found),
         "",
-        *(line for note in (*_thresholds(done), *done.notes) for line in _wrapped(note, "- ")),
+        *(line for note in (*_thresholds(found), *found.assumed) for line in _wrapped(note, "- ")),
     ]
     return "\n".join(lines) + "\n"
 
@@ -74,106 +72,92 @@ def _wrapped(line: str, mark: str = "") -> list[str]:
     return textwrap.wrap(line, WIDTH, initial_indent=mark, subsequent_indent=" " * len(mark)) or [""]
 
 
-def _table(done: Imported) -> list[str]:
-    timed = done.seconds is not None
-    heading = f"{'rest':>4} {'position':>8} {'from s' if timed else 'from row':>10} {'to s' if timed else 'to row':>10}"
-    lines = [f"{heading} {'samples':>8} {'off mrad':>9}  remark"]
-    rests, matched = done.rests, done.matched
-    columns = zip(rests.begin, rests.end, matched.positions, matched.states, matched.off)
-    for number, (begin, end, position, state, off) in enumerate(columns, 1):
-        label = "-" if position == NONE else done.schedule.positions[position].label
-        if done.seconds is None:
-            span = f"{done.line(begin):>10} {done.line(end - 1):>10}"
-        else:
-            span = f"{done.seconds[begin]:>10.2f} {done.seconds[end - 1]:>10.2f}"
-        remark = _REMARKS[state]
-        lines.append(f"{number:>4} {label:>8} {span} {end - begin:>8} {1e3 * off:>9.2f}  {remark}".rstrip()[:WIDTH])
+def _timed(found: doc.Import) -> bool:
+    return found.thresholds.window_s is not None
+
+
+def _table(found: doc.Import) -> list[str]:
+    begin, end = ("from s", "to s") if _timed(found) else ("from row", "to row")
+    lines = [f"{'rest':>4} {'position':>8} {begin:>10} {end:>10} {'samples':>8} {'off mrad':>9}  remark"]
+    for number, rest in enumerate(found.rests, 1):
+        label = "-" if rest.position is None else f"{rest.mounting}.{rest.position}"
+        span = f"{rest.first_row:>10} {rest.last_row:>10}"
+        if rest.from_s is not None and rest.to_s is not None:
+            span = f"{rest.from_s:>10.2f} {rest.to_s:>10.2f}"
+        line = f"{number:>4} {label:>8} {span} {rest.samples:>8} {1e3 * rest.off_rad:>9.2f}  {_REMARKS[rest.state]}"
+        lines.append(line.rstrip()[:WIDTH])
     return lines
 
 
-def _thresholds(done: Imported) -> list[str]:
-    if done.labelled and done.seconds is None:
+def _thresholds(found: doc.Import) -> list[str]:
+    limits = found.thresholds
+    if found.by_labels and not _timed(found):
         return []
-    limits, found = done.settings.thresholds, done.found
     noise = " ".join(f"{one:.3g}" for one in found.noise)
-    unit = f" {done.unit}" if done.unit_told else ""
+    unit = "" if found.unit is None else f" {found.unit}"
     length = (
         f"--window {limits.window_s:g} s, --min-rest {limits.min_rest_s:g} s"
-        if done.seconds is not None
+        if _timed(found)
         else f"windows of {limits.window_samples} samples, rests of {limits.min_rest_samples} or more"
     )
     return [
-        f"rests: {len(done.rests)}; noise of a sample, x y z: {noise}{unit}; still: scatter below --still "
+        f"rests: {len(found.rests)}; noise of a sample, x y z: {noise}{unit}; still: scatter below --still "
         f"{limits.still:g} times that, block means within --drift {limits.drift:g} of theirs; {length}",
-        f"matched within --tolerance {_degrees(done):g} deg; usual distance {1e3 * done.matched.spread:.3g} mrad",
+        f"matched within --tolerance {limits.tolerance_deg:g} deg; usual distance {1e3 * found.spread_rad:.3g} mrad",
     ]
 
 
-def _degrees(done: Imported) -> float:
-    return round(math.degrees(done.settings.claims.tolerance), 6)
-
-
-def document(done: Imported) -> dict[str, Any]:
-    """Of schema tumble.import/1."""
-    limits = done.settings.thresholds
-    timed = done.seconds is not None
-    return {
-        "schema": SCHEMA,
-        "tumble": __version__,
-        "recordings": [
-            {"file": os.path.basename(one.file), "sha256": digest, "rows": len(one.outputs)}
+def document(done: Imported) -> doc.Import:
+    """All that an import found."""
+    claims, limits, positions = done.settings.claims, done.settings.thresholds, done.schedule.positions
+    timed, present = done.seconds is not None, set(done.matched.positions.tolist())
+    return doc.Import(
+        tumble=__version__,
+        recordings=tuple(
+            doc.Recording(os.path.basename(one.file), digest, len(one.outputs))
             for one, digest in zip(done.recordings, done.sha256())
-        ],
-        "schedule": os.path.basename(done.settings.schedule_name),
-        "unit": done.unit if done.unit_told else None,
-        "order": done.settings.claims.order,
-        "signs": None if done.settings.claims.signs is None else list(done.settings.claims.signs),
-        "by_labels": done.labelled,
-        "thresholds": {
-            "window_s": limits.window_s if timed else None,
-            "min_rest_s": limits.min_rest_s if timed else None,
-            "window_samples": None if timed else limits.window_samples,
-            "min_rest_samples": None if timed else limits.min_rest_samples,
-            "still": limits.still,
-            "drift": limits.drift,
-            "tolerance_deg": _degrees(done),
-        },
-        "noise": done.found.noise.tolist(),
-        "rests": [_rest(done, index) for index in range(len(done.rests))],
-        "missing": _missing(done),
-        "K": done.matched.fit.k.tolist(),
-        "U0": done.matched.fit.u0.tolist(),
-        "spread_rad": done.matched.spread,
-        "assumed": list(done.notes),
-    }
+        ),
+        schedule=os.path.basename(done.settings.schedule_name),
+        unit=done.unit if done.unit_told else None,
+        order=claims.order,
+        signs=claims.signs,
+        by_labels=done.labelled,
+        thresholds=doc.Thresholds(
+            window_s=limits.window_s if timed else None,
+            min_rest_s=limits.min_rest_s if timed else None,
+            window_samples=None if timed else limits.window_samples,
+            min_rest_samples=None if timed else limits.min_rest_samples,
+            still=limits.still,
+            drift=limits.drift,
+            tolerance_deg=round(math.degrees(claims.tolerance), 6),
+        ),
+        noise=done.found.noise,
+        rests=tuple(_rest(done, index) for index in range(len(done.rests))),
+        missing=tuple(doc.Missing(p.mounting, p.number) for index, p in enumerate(positions) if index not in present),
+        K=done.matched.fit.k,
+        U0=done.matched.fit.u0,
+        spread_rad=done.matched.spread,
+        assumed=done.notes,
+    )
 
 
-def _missing(done: Imported) -> list[dict[str, int]]:
-    present = set(done.matched.positions.tolist())
-    return [
-        {"mounting": place.mounting, "position": place.number}
-        for index, place in enumerate(done.schedule.positions)
-        if index not in present
-    ]
-
-
-def _rest(done: Imported, index: int) -> dict[str, Any]:
+def _rest(done: Imported, index: int) -> doc.Rest:
     begin, end = int(done.rests.begin[index]), int(done.rests.end[index])
     position, seconds = int(done.matched.positions[index]), done.seconds
     place = None if position == NONE else done.schedule.positions[position]
-    return {
-        "file": int(done.file_of_row[begin]) + 1,
-        "first_row": done.line(begin),
-        "last_row": done.line(end - 1),
-        "from_s": None if seconds is None else float(seconds[begin]),
-        "to_s": None if seconds is None else float(seconds[end - 1]),
-        "samples": end - begin,
-        "mounting": None if place is None else place.mounting,
-        "position": None if place is None else place.number,
-        "state": done.matched.states[index],
-        "off_rad": float(done.matched.off[index]),
-        "mean": done.rests.means[index].tolist(),
-    }
+    return doc.Rest(
+        file=int(done.file_of_row[begin]) + 1,
+        first_row=done.line(begin),
+        last_row=done.line(end - 1),
+        from_s=None if seconds is None else float(seconds[begin]),
+        to_s=None if seconds is None else float(seconds[end - 1]),
+        samples=end - begin,
+        mounting=None if place is None else place.mounting,
+        position=None if place is None else place.number,
+        state=done.matched.states[index],
+        off_rad=float(done.matched.off[index]),
+        mean=done.rests.means[index],
+    )
 
 
 def run_csv(done: Imported) -> str:

@@ -6,73 +6,68 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from tumble.documents.store import Check, Checkpoint, Entry, KeptPosition, Range, Set, Slots, Store
 from tumble.store.codec import HAS_TEMPERATURE, HAS_UNCERTAINTY, ORIGINS, CoefficientSet, HistoryEntry, Position
 from tumble.store.image import Image
 
-SCHEMA = "tumble.store/1"
 _DECAYED = {6: "decayed"}  # in the history alone
 
 
-def document(found: Image) -> dict[str, Any]:
-    """All that an image holds, unknown as null. Names and units as in docs/store.md, K in rows."""
-    checkpoint = None
-    if found.run is not None:
-        positions = [_position(found.positions[index]) for index in sorted(found.positions)]
-        checkpoint = {"fingerprint": found.run, "positions": positions}
-    return {
-        "schema": SCHEMA,
-        "active": found.active_slot or ("factory" if found.factory else None),
-        "factory": _set(found.factory),
-        "slots": {name: _set(found.slots.get(name)) for name in ("A", "B")},
-        "proposal": _set(found.proposal),
-        "history": [_entry(entry) for entry in found.history],
-        "checkpoint": checkpoint,
-        "torn": found.torn,
-        "newer": found.newer,
-    }
+def document(found: Image) -> Store:
+    """All that an image holds, unknown as null."""
+    positions = tuple(_position(found.positions[index]) for index in sorted(found.positions))
+    return Store(
+        active=found.active_slot or ("factory" if found.factory else None),
+        factory=_set(found.factory),
+        slots=Slots(*(_set(found.slots.get(name)) for name in "AB")),
+        proposal=_set(found.proposal),
+        history=tuple(map(_entry, found.history)),
+        checkpoint=None if found.run is None else Checkpoint(found.run, positions),
+        torn=tuple(found.torn),
+        newer=tuple(found.newer),
+    )
 
 
-def _set(found: CoefficientSet | None) -> dict[str, Any] | None:
+def _set(found: CoefficientSet | None) -> Set | None:
     if found is None:
         return None
-    limits = ("max_abs_fit_g", "max_abs_check_g", "limit_g")
-    return {
-        "sequence": found.sequence,
-        "origin": ORIGINS[found.origin],
-        "estimator": found.estimator,
-        "serial": found.serial,
-        "date_utc_s": found.date_utc_s,
-        "temperature_c": found.temperature_c,
-        "temperature": _range(found.temperature_range_c),
-        "gravity_m_s2": found.gravity_m_s2,
+    return Set(
+        sequence=found.sequence,
+        origin=ORIGINS[found.origin],
+        estimator=found.estimator,
+        serial=found.serial,
+        date_utc_s=found.date_utc_s,
+        temperature_c=found.temperature_c,
+        temperature=_range(found.temperature_range_c),
+        gravity_m_s2=found.gravity_m_s2,
         **_coefficients(found.k + found.u0, None if found.u_k is None else found.u_k + (found.u_u0 or [])),
-        "check": None if found.check is None else dict(zip(limits, found.check, strict=True)),
-        "closure_v": found.closure_v,
-        "samples": found.samples or None,
-        "fit_positions": found.fit_positions,
-        "check_positions": found.check_positions,
-        "schedule_crc": found.schedule_crc or None,
-        "stand_crc": found.stand_crc or None,
-        "reasons": found.reasons,
-        "restores": found.restores,
-        "from_crc": found.from_crc,
-        "resumed": found.resumed,
-        "other_rules": found.other_rules,
-    }
+        check=None if found.check is None else Check(*found.check),
+        closure_v=found.closure_v,
+        samples=found.samples or None,
+        fit_positions=found.fit_positions,
+        check_positions=found.check_positions,
+        schedule_crc=found.schedule_crc or None,
+        stand_crc=found.stand_crc or None,
+        reasons=found.reasons,
+        restores=found.restores,
+        from_crc=found.from_crc,
+        resumed=found.resumed,
+        other_rules=found.other_rules,
+    )
 
 
-def _entry(entry: HistoryEntry) -> dict[str, Any]:
+def _entry(entry: HistoryEntry) -> Entry:
     """A number that is none, under a right checksum, is null."""
-    return {
-        "number": entry.number,
-        "sequence": entry.sequence,
-        "origin": (ORIGINS | _DECAYED).get(entry.origin),
-        "estimator": entry.estimator,
-        "flags": entry.flags,
-        "date_utc_s": entry.date_utc_s,
-        "temperature_c": _finite([entry.temperature_c])[0] if entry.flags & HAS_TEMPERATURE else None,
+    return Entry(
+        number=entry.number,
+        sequence=entry.sequence,
+        origin=(ORIGINS | _DECAYED).get(entry.origin),
+        estimator=entry.estimator,
+        flags=entry.flags,
+        date_utc_s=entry.date_utc_s,
+        temperature_c=_finite([entry.temperature_c])[0] if entry.flags & HAS_TEMPERATURE else None,
         **_coefficients(_finite(entry.values), _finite(entry.u) if entry.flags & HAS_UNCERTAINTY else None),
-    }
+    )
 
 
 def _coefficients(values: Sequence[float | None], u: Sequence[float | None] | None) -> dict[str, Any]:
@@ -81,23 +76,18 @@ def _coefficients(values: Sequence[float | None], u: Sequence[float | None] | No
     return {"K": _rows(values), "U0": values[9:], "u_K": u_k, "u_U0": u_u0}
 
 
-def _position(position: Position) -> dict[str, Any]:
-    return {
-        "index": position.index,
-        "samples": position.samples,
-        "sums": position.sums,
-        "scatter": _finite(position.scatter),
-        "temperature": _range(position.temperature_range_c),
-    }
-
-
-def _range(range_c: list[float] | None) -> dict[str, float] | None:
-    return None if range_c is None else {"min_c": range_c[0], "max_c": range_c[1]}
-
-
 def _rows(numbers: Sequence[float | None]) -> list[Sequence[float | None]]:
     return [numbers[row : row + 3] for row in (0, 3, 6)]
 
 
-def _finite(numbers: list[float]) -> list[float | None]:
-    return [number if math.isfinite(number) else None for number in numbers]
+def _position(position: Position) -> KeptPosition:
+    scatter, temperature = _finite(position.scatter), _range(position.temperature_range_c)
+    return KeptPosition(position.index, position.samples, tuple(position.sums), scatter, temperature)
+
+
+def _range(range_c: list[float] | None) -> Range | None:
+    return None if range_c is None else Range(*range_c)
+
+
+def _finite(numbers: list[float]) -> tuple[float | None, ...]:
+    return tuple(number if math.isfinite(number) else None for number in numbers)

@@ -6,15 +6,17 @@ from __future__ import annotations
 import contextlib
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
+
+from msgspec.structs import replace
 
 from tumble.client import open_link
 from tumble.client.can_link import CanLink
 from tumble.client.link import CommunicationError, Link, Value
+from tumble.documents.watch import Gravity, Matrix, Mean, Snapshot, Vector
 from tumble.errors import TumbleError
 from tumble.watch import snapshot
-from tumble.watch.snapshot import IDENTIFIERS, Gravity, Heard, Lost, Matrix, Mean, Snapshot, Status, Vector
+from tumble.watch.snapshot import IDENTIFIERS, Heard, Lost, Status
 
 if TYPE_CHECKING:
     import can

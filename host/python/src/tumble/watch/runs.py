@@ -12,12 +12,14 @@ import math
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from msgspec.structs import replace
+
+from tumble.documents.watch import Gravity, Matrix, Mean, Snapshot, Vector
 from tumble.watch import snapshot
-from tumble.watch.snapshot import Gravity, Heard, Lost, Matrix, Mean, Snapshot, Source, Vector, View, without_prefix
+from tumble.watch.snapshot import Heard, Lost, Source, View, without_prefix
 
 
 class Follower:

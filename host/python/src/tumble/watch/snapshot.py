@@ -16,11 +16,16 @@ import math
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass
 from typing import Any, Protocol
+
+import msgspec
+from msgspec.structs import replace
 
 from tumble.client import names
 from tumble.client.tables import REASONS, STATES
+from tumble.documents.base import written
+from tumble.documents.watch import Outage, Snapshot, Watch
 
 STANDS = ("OFFLINE", "READY", "HOMING", "MOVING", "IN_POSITION", "STOPPED", "FAULT")  # tumble_stand_state_t
 ANGLE_KNOWN = ("MOVING", "IN_POSITION", "STOPPED")
@@ -58,82 +63,8 @@ def remedy(reason: str | None) -> str | None:
     return _REASONS.get(reason or "", (None, None))[1]
 
 
-SCHEMA = "tumble.watch/1"
-
-Vector = tuple[float, ...]  # of the channels x, y, z
-Matrix = tuple[Vector, ...]
-
-
 class Lost(Exception):
     """The source does not answer; says why, in words that can follow "connection lost: "."""
-
-
-@dataclass(frozen=True)
-class Gravity:
-    """The gravity check: the largest deviations from 1 g on positions that were fitted and on check positions, g.
-    `limit_g`: what they are held to. `passed`: None while it has not been made."""
-
-    max_fit_g: float | None
-    max_check_g: float | None
-    limit_g: float | None
-    passed: bool | None
-
-    @property
-    def worst_g(self) -> float | None:
-        """The larger of the two deviations."""
-        known = [value for value in (self.max_fit_g, self.max_check_g) if value is not None]
-        return max(known, default=None)
-
-
-@dataclass(frozen=True)
-class Mean:
-    """The running mean of a position, and the standard error of it, V; of so many samples of `wanted`. The last one
-    stays until there is another."""
-
-    mounting: int | None
-    position: int | None
-    samples: int | None
-    wanted: int | None
-    mean_v: Vector
-    standard_error_v: Vector | None
-
-
-@dataclass(frozen=True)
-class Snapshot:
-    """Of a navigation computer and its run.
-
-    `state`, `reason`, `stand`: names of the firmware without prefix, such as AVERAGE; `reason` is None where nothing is
-    wrong. `trouble`: what the source itself says of it. `run`: its number. `mounting`, `position`: their numbers in the
-    schedule; `finished` of `count` positions have a mean; `samples` of `wanted` are in the open one. `angle_rad`,
-    `target_rad`: of the table. `temperature_c`: of the block. `k_v_per_g` (3 x 3), `u0_v`: of the last run, with their
-    standard uncertainties. `emergencies`: by name of the node, the CiA 301 error code that it has raised, four
-    hexadecimal digits. `virtual_s`: the time of a simulated run. `over`: nothing more will come.
-    """
-
-    state: str | None = None
-    reason: str | None = None
-    trouble: str | None = None
-    run: int | None = None
-    mounting: int | None = None
-    position: int | None = None
-    count: int | None = None
-    finished: int | None = None
-    attempt: int | None = None
-    samples: int | None = None
-    wanted: int | None = None
-    stand: str | None = None
-    angle_rad: float | None = None
-    target_rad: float | None = None
-    temperature_c: float | None = None
-    mean: Mean | None = None
-    k_v_per_g: Matrix | None = None
-    u0_v: Vector | None = None
-    u_k_v_per_g: Matrix | None = None
-    u_u0_v: Vector | None = None
-    gravity: Gravity | None = None
-    emergencies: dict[str, str] = field(default_factory=dict)
-    virtual_s: float | None = None
-    over: bool = False
 
 
 class Source(Protocol):
@@ -146,8 +77,7 @@ class Source(Protocol):
         """Ask nothing more."""
 
 
-@dataclass(frozen=True)
-class View:
+class View(msgspec.Struct, frozen=True):
     """What those who look on are shown: the last snapshot (None: there was none), and whether it is still true.
 
     `name`: of the source. `time`: when that was found out, `lost_since`: since when the source has not answered; both
@@ -162,16 +92,15 @@ class View:
 
 
 def document(view: View) -> dict[str, Any]:
-    """A view as a document of schema tumble.watch/1. What is not finite is unknown."""
-    lost = None if view.lost_since is None else {"since_unix_s": view.lost_since, "why": view.why}
-    shown = None if view.snapshot is None else {**asdict(view.snapshot), **_in_words(view.snapshot)}
-    found = {"source": view.name, "time_unix_s": view.time, "lost": lost, "snapshot": shown}
-    return {"schema": SCHEMA, **_known(found)}
+    """A view as JSON has it. What is not finite is unknown."""
+    lost = None if view.lost_since is None else Outage(view.lost_since, view.why or "")
+    shown = None if view.snapshot is None else _in_words(view.snapshot)
+    found: dict[str, Any] = _known(written(Watch(source=view.name, time_unix_s=view.time, lost=lost, snapshot=shown)))
+    return found
 
 
-def _in_words(snapshot: Snapshot) -> dict[str, str | None]:
-    of_reason = {"sentence": sentence(snapshot.reason), "remedy": remedy(snapshot.reason)}
-    return {"meaning": meaning(snapshot.state), **of_reason}
+def _in_words(now: Snapshot) -> Snapshot:
+    return replace(now, meaning=meaning(now.state), sentence=sentence(now.reason), remedy=remedy(now.reason))
 
 
 def _known(value: Any) -> Any:

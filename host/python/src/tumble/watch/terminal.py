@@ -15,8 +15,9 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
 
+from tumble.documents.watch import Gravity, Matrix, Snapshot, Vector
 from tumble.watch import snapshot
-from tumble.watch.snapshot import Gravity, Matrix, Snapshot, Vector, View
+from tumble.watch.snapshot import View
 
 _WIDTH = 80
 _UPDATES_PER_SECOND = 4

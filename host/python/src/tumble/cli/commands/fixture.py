@@ -14,8 +14,9 @@ from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BadInput, UsageError, f
 
 if TYPE_CHECKING:
     from tumble.core import CoreSchedule
+    from tumble.documents.fixture import Combined
     from tumble.files.stand_file import StandFile
-    from tumble.fixture.judge import Combination, Limits, RunView
+    from tumble.fixture.judge import Limits, RunView
     from tumble.stand import PerChannel
 
 AGAINST = ("declared", "needed")
@@ -80,24 +81,22 @@ def check(arguments: argparse.Namespace) -> int:
     once, combined = _combined(arguments, views, confidence, stand_file.step_v)
     judge = Judge(views, confidence, once)
     needed = _needed(arguments, stand_file, schedule, limit_g, mountings)
-    outcome = report.Outcome(
-        stand=stand_file.stand,
-        views=views,
-        judged=judge.judge(Limits.declared(stand_file.stand, mountings)),
-        needed=needed,
-        needs=None if needed is None else judge.judge_need(needed),
+    found = report.document(
+        stand_file.stand,
+        views,
+        judge.judge(Limits.declared(stand_file.stand, mountings)),
+        None if needed is None else judge.judge_need(needed),
+        combined,
         against=arguments.against,
         limit_g=limit_g,
         confidence=confidence,
         levelled=ONCE if once else ANEW,
-        combined=combined,
         warnings=warnings,
     )
     for sentence in warnings:
         tell(f"tumble: warning: {sentence}")
-    text = to_json(report.document(outcome)) if arguments.json else report.render(outcome)
-    sys.stdout.write(text)
-    return EXIT_PASS if outcome.passed else EXIT_LIMITS_FAILED
+    sys.stdout.write(to_json(found) if arguments.json else report.render(found, views))
+    return EXIT_PASS if found.passed else EXIT_LIMITS_FAILED
 
 
 def _refuse_repetition(runs: list[str]) -> None:
@@ -112,7 +111,7 @@ def _refuse_repetition(runs: list[str]) -> None:
 
 def _combined(
     arguments: argparse.Namespace, views: list[RunView], confidence: float, step_v: PerChannel
-) -> tuple[bool, Combination | None]:
+) -> tuple[bool, Combined | None]:
     """Was the stand levelled once for all runs, and several runs in one: None of one run.
 
     Where nobody says, and runs that show the same axis tilt only agree if they were levelled anew, they were: the zero
@@ -120,7 +119,7 @@ def _combined(
     """
     from tumble.fixture.judge import combine, levelled_once
 
-    def combined(once: bool) -> Combination:
+    def combined(once: bool) -> Combined:
         return combine([view.solution for view in views], once, confidence, step_v)
 
     once = levelled_once(views) if arguments.levelled is None else arguments.levelled == ONCE

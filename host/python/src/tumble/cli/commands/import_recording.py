@@ -99,7 +99,8 @@ def run(arguments: argparse.Namespace) -> int:
     remarks = [f"recipe {os.path.basename(arguments.recipe)} followed"] if replayed else []
     done = replace(done, notes=(*remarks, *about_signs, *done.notes))
     after = _after_import(done, arguments.out, arguments.stand)
-    text = to_json(report.document(done)) if arguments.json else report.text(done) + after
+    found = report.document(done)
+    text = to_json(found) if arguments.json else report.text(found) + after
     files: dict[str, bytes] = {}
     if arguments.out is not None:
         files[arguments.out] = report.run_csv(done).encode()
