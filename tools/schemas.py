@@ -21,7 +21,7 @@ from typing import Any, get_origin
 from msgspec import inspect
 
 from tumble.data import SCHEMAS
-from tumble.documents.base import LARGEST, ONLY, Document, array_schema, described
+from tumble.documents.base import END_OF_TEXT, LARGEST, Document, described
 from tumble.documents.comparison import COMPARISON, Comparison
 from tumble.documents.fixture import FIXTURE, Fixture
 from tumble.documents.importing import IMPORT, Import
@@ -145,7 +145,10 @@ class _Writer:
             case inspect.EnumType():
                 return {"enum": [one.value for one in kind.cls]}
             case inspect.StrType():
-                limits = {"pattern": kind.pattern and kind.pattern.replace(ONLY, "$"), "minLength": kind.min_length}
+                limits = {
+                    "pattern": kind.pattern and kind.pattern.replace(END_OF_TEXT, "$"),
+                    "minLength": kind.min_length,
+                }
                 limits["maxLength"] = kind.max_length
                 return _with("string", limits)
             case inspect.FloatType():
@@ -202,6 +205,16 @@ def _with(kind: str, limits: dict[str, Any]) -> dict[str, Any]:
 def _range(kind: inspect.FloatType | inspect.IntType) -> dict[str, Any]:
     limits = {"minimum": kind.ge, "exclusiveMinimum": kind.gt, "maximum": kind.le, "exclusiveMaximum": kind.lt}
     return {key: value for key, value in limits.items() if value is not None and abs(value) < LARGEST}
+
+
+def array_schema(kind: Any) -> dict[str, Any]:
+    """As JSON schema has it."""
+    made: dict[str, Any] = {"type": "number", **({} if kind.least < 0.0 else {"minimum": kind.least})}
+    for length in reversed(kind.shape):
+        fewest = kind.fewest if length is None else length
+        limits = {"minItems": fewest, "maxItems": length}
+        made = {"type": "array", "items": made, **{key: limit for key, limit in limits.items() if limit}}
+    return made
 
 
 def text(value: Any, indent: int = 0, before: int = 0) -> str:

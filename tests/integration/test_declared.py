@@ -15,7 +15,7 @@ from tumble.errors import BadInput
 from tumble.files.schedule_file import read_schedule
 from tumble.schedule import BUILT_IN
 from tumble.solving.expected import expected
-from tumble.solving.result import schedule_of, schedule_told, stand_of, step_of
+from tumble.solving.result import schedule_of, schedule_part, stand_of, step_of
 from tumble.stand import SOURCES, Stand
 
 pytestmark = pytest.mark.python
@@ -104,7 +104,7 @@ def test_without_a_stand_there_is_none():
 
 @pytest.mark.parametrize("name", BUILT_IN)
 def test_a_built_in_schedule_has_its_name(name):
-    assert schedule_told(built_in(name)).name == name
+    assert schedule_part(built_in(name)).name == name
 
 
 def test_a_schedule_of_one_s_own_is_repeated_whole(tumble, tmp_path):

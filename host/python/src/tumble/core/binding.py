@@ -456,12 +456,6 @@ def optimal_each(record: GainRecord, means: Floats, tables: Gains) -> Floats:
     return found
 
 
-def require_small(angles: Floats) -> None:
-    """Raise CoreRefusal where an error of a stand, rad, is larger than the estimator can do with."""
-    if not np.abs(angles).max(initial=0.0) <= lib.TUMBLE_MAX_STAND_ERROR_RAD:
-        require_ok(lib.TUMBLE_E_STAND_ERROR)
-
-
 def _arrays(schedule: CoreSchedule, means: Floats) -> tuple[Floats, Floats, CData]:
     means = np.ascontiguousarray(means, dtype=float)
     if means.ndim != 3 or means.shape[1:] != (len(schedule), 3):

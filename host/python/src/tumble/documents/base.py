@@ -21,7 +21,7 @@ from tumble.errors import BadInput, quoted
 from tumble.files.disk import JSON, kind_of
 
 LARGEST = 1e300  # of a number in an array: products of a few stay finite
-ONLY = r"$(?!\n)"  # the end of a text; what re means by $ alone may be followed by a line feed
+END_OF_TEXT = r"$(?!\n)"  # the end of a text; what re means by $ alone may be followed by a line feed
 
 Number = Annotated[float, Meta(gt=-LARGEST, lt=LARGEST)]
 Size = Annotated[float, Meta(ge=0)]
@@ -33,7 +33,7 @@ PlaceNumber = Annotated[int, Meta(ge=1, le=255)]  # of a mounting, of a position
 
 def exactly(pattern: str) -> Meta:
     """A text that is this from its beginning to its end."""
-    return Meta(pattern=f"^{pattern}{ONLY}")
+    return Meta(pattern=f"^{pattern}{END_OF_TEXT}")
 
 
 class Document(msgspec.Struct):
@@ -98,8 +98,6 @@ def array_of(kind: Any, told: Any) -> Floats:
 
 
 def _array(told: Any, kind: Any, shape: tuple[int | None, ...]) -> Floats:
-    if isinstance(told, np.ndarray):
-        told = told.tolist()
     length, *inner = shape
     if not isinstance(told, list) or not (len(told) >= kind.fewest if length is None else len(told) == length):
         raise ValueError("an array of another length")
@@ -108,16 +106,6 @@ def _array(told: Any, kind: Any, shape: tuple[int | None, ...]) -> Floats:
     if not all(type(one) in (int, float) and kind.least <= one < LARGEST and math.isfinite(one) for one in told):
         raise ValueError("an array of something else")
     return np.array(told, dtype=float)
-
-
-def array_schema(kind: Any) -> dict[str, Any]:
-    """As JSON schema has it."""
-    made: dict[str, Any] = {"type": "number", **({} if kind.least < 0.0 else {"minimum": kind.least})}
-    for length in reversed(kind.shape):
-        fewest = kind.fewest if length is None else length
-        limits = {"minItems": fewest, "maxItems": length}
-        made = {"type": "array", "items": made, **{key: limit for key, limit in limits.items() if limit}}
-    return made
 
 
 def described(kind: type[Document]) -> tuple[str, dict[str, str]]:
@@ -151,11 +139,6 @@ def to_json(document: Document | dict[str, Any]) -> str:
 DocumentT = TypeVar("DocumentT", bound=Document)
 
 
-def part(kind: type[DocumentT], told: Any) -> DocumentT:
-    """Of a document, from what JSON has of it. Raises msgspec.ValidationError."""
-    return msgspec.convert(told, kind, dec_hook=array_of)
-
-
 def read(kind: type[DocumentT], name: str, data: bytes, file: str) -> DocumentT:
     """A document of schema `name`, read from the `data` of a `file`. Raises BadInput, which names the key."""
     return checked(kind, name, _parsed(data, file), file)
@@ -166,7 +149,7 @@ def checked(kind: type[DocumentT], name: str, told: dict[str, Any], file: str) -
     if told.get("schema") != name:
         raise BadInput(f"not a result of schema {name}: {_found(told, ['schema'])}", file)
     try:
-        return part(kind, told)
+        return msgspec.convert(told, kind, dec_hook=array_of)
     except msgspec.ValidationError as error:
         raise BadInput(f"not a result of schema {name}: {_fault(told, str(error))}", file) from None
 

@@ -152,7 +152,7 @@ def document_of(
         run_sha256=solution.run.sha256 or None,
         serial=serial,
         stand=None if solution.stand is None else declared_stand(solution.stand, by_channel(solution.step) * volts),
-        schedule=schedule_told(solution.schedule),
+        schedule=schedule_part(solution.schedule),
         estimator=found.estimator,
         unit=unit,
         units=doc.Units(K=per_g(unit), U0=unit, u_K=per_g(unit), u_U0=unit),
@@ -207,7 +207,7 @@ def declared_stand(stand: Stand, step_v: Floats) -> doc.DeclaredStand:
     return doc.DeclaredStand(*labels, **errors, step_v=step)
 
 
-def schedule_told(schedule: Schedule) -> doc.Schedule:
+def schedule_part(schedule: Schedule) -> doc.Schedule:
     """With the name of a built-in one, else None, and the tables of a schedule file."""
     mountings = (doc.Mounting(one.number, np.array(one.matrix), one.tilt_deg) for one in schedule.mountings)
     positions = (doc.Position(*_place(one)[:2], one.angle_deg, one.use) for one in schedule.positions)
@@ -338,8 +338,8 @@ def stand_seen(seen: StandSeen, volts: float, channels: ChannelNoise | None) -> 
     """Every quantity with its standard uncertainty. `volts`: in a unit of the outputs; `channels`: of a stand that
     declares three."""
     has_u, noise, alpha4 = seen.source is not None, seen.noise, seen.alpha4
-    angles = _twins({**{name: seen.angles[name] for name in ANGLES}, "alpha4": alpha4}, has_u)
-    augmented = _twins(seen.augmented)
+    angles = _with_uncertainties({**{name: seen.angles[name] for name in ANGLES}, "alpha4": alpha4}, has_u)
+    augmented = _with_uncertainties(seen.augmented)
     others = tuple(doc.YawChange(mounting, *_pair(one)) for mounting, one in seen.other_yaw_changes.items())
     return doc.StandSeen(
         **angles,
@@ -354,7 +354,7 @@ def stand_seen(seen: StandSeen, volts: float, channels: ChannelNoise | None) -> 
     )
 
 
-def _twins(seen: Mapping[str, Estimate | None], has_u: bool = True) -> dict[str, Any]:
+def _with_uncertainties(seen: Mapping[str, Estimate | None], has_u: bool = True) -> dict[str, Any]:
     """By key: what is seen of each angle, and its standard uncertainty; that of a set angle is always known."""
     pairs = {name: _pair(one, has_u or name == "alpha4") for name, one in seen.items()}
     return {f"{u}{name}_rad": told for name, pair in pairs.items() for u, told in zip(("", "u_"), pair)}
