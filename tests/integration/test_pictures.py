@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import msgspec
 import numpy as np
 import pytest
 from conftest import EXAMPLES
@@ -34,17 +35,17 @@ def test_an_older_document_has_those_that_it_has_what_it_takes_for(lacks, told):
 
 def older(name):
     """A result that repeats neither its stand nor its schedule."""
-    return {key: value for key, value in solved(name)[1].document.items() if key not in ("stand", "schedule")}
+    return msgspec.structs.replace(solved(name)[1].checked, stand=None, schedule=None)
 
 
 def test_a_document_alone_has_all_but_the_samples():
-    assert list(pictures.figures(solved("paper")[1].document)) == [one for one in ALL if one != "samples"]
+    assert list(pictures.figures(solved("paper")[1].checked)) == [one for one in ALL if one != "samples"]
 
 
 def test_what_its_stand_does_not_explain_is_left_out():
     """A computer with a record of gains states other uncertainties than its stand leaves a run that is solved alone."""
-    document = solved("paper")[1].document
-    others = {**document, "covariance": (2.0 * np.array(document["covariance"])).tolist()}
+    told = solved("paper")[1].checked
+    others = msgspec.structs.replace(told, covariance=2.0 * told.covariance)
     assert list(pictures.figures(others)) == [one for one in ALL if one not in ("samples", "budget")]
 
 
@@ -125,7 +126,7 @@ def test_a_built_in_schedule_is_found_by_the_residuals(name):
 def test_a_schedule_of_the_users_is_not_guessed():
     with pytest.raises(UsageError, match=r"^kind: residuals needs the schedule"):
         pictures.figures(older("checks"), kind="residuals")
-    assert list(pictures.figures(solved("checks")[1].document, kind="residuals")) == ["residuals"]
+    assert list(pictures.figures(solved("checks")[1].checked, kind="residuals")) == ["residuals"]
 
 
 # What is drawn.
@@ -168,13 +169,9 @@ def test_residuals(name):
 
 
 def test_a_caption_speaks_of_a_declaration_where_there_is_one():
-    document = {"stand": {"noise_v": 1.0}}
-    assert [("declared" in pictures.caption("stand_seen", one)) for one in (document, {"stand": None}, {})] == [
-        True,
-        False,
-        False,
-    ]
-    assert all(pictures.caption(name, document) == pictures.CAPTIONS[name] for name in ALL)
+    told = solved("paper")[1].checked
+    assert ["declared" in pictures.caption("stand_seen", one) for one in (told, older("paper"))] == [True, False]
+    assert all(pictures.caption(name, told) == pictures.CAPTIONS[name] for name in ALL)
 
 
 def test_stand_seen():

@@ -427,11 +427,8 @@ class YawChange(Document):
     u_alpha3_difference_rad: Size | None
 
 
-class Augmented(Document):
-    """The angles by least squares for coefficients, angles and every set angle at once: sharper, and for any schedule.
-
-    other_yaw_changes: From the third mounting on: yaw of the first less that of this one.
-    """
+class SeenAngles(Document):
+    """Angles of a stand as a run shows them, each with its standard uncertainty."""
 
     alpha1_rad: float | None
     u_alpha1_rad: Size | None
@@ -439,10 +436,18 @@ class Augmented(Document):
     u_alpha2_plus_alpha3_rad: Size | None
     alpha3_difference_rad: float | None
     u_alpha3_difference_rad: Size | None
+
+
+class Augmented(SeenAngles):
+    """The angles by least squares for coefficients, angles and every set angle at once: sharper, and for any schedule.
+
+    other_yaw_changes: From the third mounting on: yaw of the first less that of this one.
+    """
+
     other_yaw_changes: tuple[YawChange, ...] = ()
 
 
-class StandSeen(Document, kw_only=True):
+class StandSeen(SeenAngles, kw_only=True):
     """The stand as the run shows it. alpha1: tilt of the axis; alpha2 + alpha3: zero of the table angle plus mean yaw
     of the block; alpha3_difference: yaw of mounting 1 less that of mounting 2; alpha4: error of a set angle;
     noise_v: standard deviation of one sample, in volts for outputs in V, mV, uV or kV, else in the unit of the
@@ -457,12 +462,6 @@ class StandSeen(Document, kw_only=True):
     alpha4_freedom: Degrees of freedom of alpha4.
     """
 
-    alpha1_rad: float | None
-    u_alpha1_rad: Size | None
-    alpha2_plus_alpha3_rad: float | None
-    u_alpha2_plus_alpha3_rad: Size | None
-    alpha3_difference_rad: float | None
-    u_alpha3_difference_rad: Size | None
     alpha4_rad: float | None
     u_alpha4_rad: Size | None
     noise_v: Size | None
