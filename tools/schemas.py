@@ -58,6 +58,7 @@ _MORE: dict[str, dict[str, Any]] = {  # by type: what no type says
 }
 _WRITTEN = {  # by type: keys that are always there, though a reader does without
     "Result": "units stand_seen intrinsic reference means counters item environment",
+    "DeclaredStand": "step_v",
     "Si": "u_K u_bias",
     "Snapshot": " ".join(Snapshot.__struct_fields__),
     "Verification": "delta_g_g max_abs_delta_g_fit_g max_abs_delta_g_check_g closure residual_rms",

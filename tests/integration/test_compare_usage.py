@@ -103,7 +103,8 @@ def test_of_a_result_that_failed_nothing_firm_is_said(apparent, files, tumble, t
 
 def test_a_run_that_does_not_fit_its_stand_has_failed_too(files):
     same = json.dumps(result(NOMINAL_K, U0, JOINT))
-    misfit = package.Result(json.dumps({**json.loads(same), "pass": False, "fit": {"fits": False}}))
+    fit = {"chi2": 99.0, "dof": 42, "p": 1e-6, "fits": False, "confidence": 0.999, "explanations": []}
+    misfit = package.Result(json.dumps({**json.loads(same), "pass": False, "fit": fit}))
     assert package.compare(misfit, package.Result(same)).sentence.startswith("CANNOT TELL: A FAILED its check:")
     assert package.compare(misfit, misfit).sentence.startswith("CANNOT TELL: A and B FAILED their checks:")
     unsure = package.Result(json.dumps(result(NOMINAL_K, U0)))

@@ -94,7 +94,7 @@ else:
             ("remount", Literal[INDEPENDENT, COMMON]),
             ("samples", AtLeastOne),
             *((one.key, Size if one.is_angle else ByChannel) for one in SOURCES.values()),
-            ("step_v", ByChannel | None),
+            ("step_v", ByChannel | None, None),
         ],
         bases=(Document,),
         module=__name__,
