@@ -15,8 +15,6 @@ import tumble as package
 from tumble import model
 from tumble.cli.main import main
 from tumble.comparison import report
-from tumble.documents.base import part
-from tumble.documents.comparison import Comparison
 from tumble.report import make
 from tumble.report.make import section as section_since
 from tumble.report.pages import number_of
@@ -43,7 +41,7 @@ def results(tmp_path, monkeypatch):
 
 def compared(*results):
     """As it is given to a report."""
-    return part(Comparison, package.compare(*results).document)
+    return package.compare(*results).checked
 
 
 def texts(page, tag):
