@@ -22,6 +22,8 @@ from msgspec import inspect
 
 from tumble.data import SCHEMAS
 from tumble.documents.base import END_OF_TEXT, LARGEST, Document, described
+from tumble.documents.bench import BENCH, LOG, NODE, REPLAY, STAND, Bench, Log, Node, Replay, Stand
+from tumble.documents.campaign import CAMPAIGN, HOSTILE, Campaign, Hostile
 from tumble.documents.comparison import COMPARISON, Comparison
 from tumble.documents.fixture import FIXTURE, Fixture
 from tumble.documents.importing import IMPORT, Import
@@ -45,10 +47,22 @@ DOCUMENTS: dict[str, tuple[type[Document], str]] = {  # by schema: its type, or 
     WATCH: (Watch, "what is known of a run at one moment"),
     COMPARISON: (Comparison, "two calibrations of one block"),
     RESULT: (Result, "the outcome of one calibration"),
+    BENCH: (Bench, "a run in a simulated world"),
+    NODE: (Node, "a run of the computer on a real bus"),
+    STAND: (Stand, "what the simulated stand knows of a run on a real bus"),
+    REPLAY: (Replay, "a recorded bus through the firmware again"),
+    LOG: (Log, "one event of a program"),
+    CAMPAIGN: (Campaign, "statistics of calibrations"),
+    HOSTILE: (Hostile, "hostile lives, and what they broke"),
 }
 _BENCH = ("bus", "firmware", "truth")  # keys of a run on the bench, all or none
 _COMBINED = ("K", "U0", "u_K", "u_U0")  # of runs that are consistent, else null
 _MORE: dict[str, dict[str, Any]] = {  # by type: what no type says
+    "Log": {
+        "if": {"properties": {"event": {"const": "end"}}},
+        "then": {"required": ["exit"]},
+        "additionalProperties": {"type": ["string", "integer"]},
+    },
     "Result": {"dependentRequired": {"seed": list(_BENCH), **{one: ["seed"] for one in _BENCH}}},
     "Combined": {
         "if": {"properties": {"consistent": {"const": True}}},

@@ -16,8 +16,8 @@ DEFECTS = {  # name: (file, what is replaced, by what, what must be said)
     "an $id twice": (NODE, '/tumble.node/1"', '/tumble.bench/1"', "tumble.invalid/tumble.bench/1 is the $id of two"),
     "no $id": (NODE, '"$id"', '"id"', f"{NODE}: $id is not https://schemas.tumble.invalid/tumble.node/1"),
     "another document's name": (NODE, '"const": "tumble.node/1"', '"const": "tumble.node/2"', 'is not tumble.node/1'),
-    "a reference to nobody": (NODE, "/$defs/counters", "/$defs/meters", "$defs/meters leads nowhere"),
-    "a reference to the network": (NODE, '"/tumble.bench/1#', '"https://example.org/bench#', "leads nowhere"),
+    "a reference to nobody": (NODE, '"#/$defs/Mean"', '"#/$defs/Meter"', "$defs/Meter leads nowhere"),
+    "a reference to the network": (NODE, '"#/$defs/Mean"', '"https://example.org/bench#/$defs/Mean"', "leads nowhere"),
     "another draft": (BENCH, "2020-12", "2019-09", f"{BENCH}: $schema is not"),
     "a type that is none": (BENCH, '"type": "boolean"', '"type": "flag"', f"{BENCH}: not valid: 'flag'"),
 }  # fmt: skip

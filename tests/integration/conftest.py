@@ -101,14 +101,15 @@ def forged(monkeypatch, capsys):
 
     def run(forge, *words):
         from tumble.cli.main import main
+        from tumble.documents import base, bench
         from tumble.world import in_process
 
         real = in_process.write
 
         def write(border, folder):
-            document = real(border, folder)
+            document = bench.written(real(border, folder))
             forge(document)
-            return document
+            return base.checked(bench.Bench, bench.BENCH, document, "bench.json")
 
         monkeypatch.setattr(in_process, "write", write)
         code = main(["bench", *words])

@@ -105,8 +105,8 @@ def test_a_summary_of_pieces_without_their_time():
     summary = campaigns.Summary(1, 1)
     for part in campaigns.ended(campaigns.Runs((), "", False), 1, 2):
         summary.add(dataclasses.replace(part, cpu_s=None))
-    document = summary.document()
-    assert (document["runs"], document["cpu_s"], document["calibrations_per_cpu_s"]) == (2, None, None)
+    found = summary.document()
+    assert (found.runs, found.cpu_s, found.calibrations_per_cpu_s) == (2, None, None)
 
 
 def test_seeds_beyond_the_last(refused):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from simulated_bench import scenario
 
+from tumble.documents.bench import written
 from tumble.world import document, in_process, replay
 from tumble.world.border import Border
 
@@ -35,7 +36,7 @@ def recorded(folder, seed=1, **keys):
     world = Border(seed, path.read_text().splitlines(), None)
     in_process.Run(world, lambda event: None).to_its_end()
     (folder / "run").mkdir()
-    found = in_process.write(world, folder / "run")
+    found = written(in_process.write(world, folder / "run"))
     assert found["exit"] == 0
     return found, path
 
@@ -47,7 +48,7 @@ def played(log, path):
 
 def replayed(log, path):
     """What it has found then."""
-    return document.document(played(log, path))
+    return written(document.document(played(log, path)))
 
 
 @pytest.mark.parametrize("run", RUNS)

@@ -14,17 +14,21 @@ import urllib.request
 from importlib import resources
 
 import documents
+import numpy as np
 import pytest
 from conftest import ROOT
 from msgspec.structs import replace
 from played_run import AVERAGING, DONE, FAULT, U0, K, PlayedSource, events
 from rich.console import Console
 
+from tumble.documents.bench import Deviation, GravityCheck
 from tumble.documents.watch import Gravity, Mean, Snapshot
 from tumble.watch import snapshot
 from tumble.watch.runs import BenchRun, Follower
 from tumble.watch.snapshot import Lost, View, document
 from tumble.watch.terminal import Lines, drawn
+from tumble.world import document as bench_document
+from tumble.world.border import Border
 
 pytestmark = pytest.mark.python
 PLACE = {"mounting": 1, "position": 4, "index": 3, "count": 18, "finished": 3, "attempt": 0,
@@ -74,10 +78,11 @@ def test_events_of_a_bench_become_snapshots():
 def test_the_document_of_a_run_ends_it():
     run, calls = BenchRun(), []
     run.when_over = lambda: calls.append(run.snapshot().over)
-    rows = [{"use": "fit", "delta_g_g": -2e-5}, {"use": "fit", "delta_g_g": 1e-5}, {"use": "check", "delta_g_g": 4e-4}]
-    run.ended({"state": "TUMBLE_STATE_DONE", "reason": "TUMBLE_REASON_GRAVITY_CHECK", "K": [list(row) for row in K],
-               "U0": list(U0), "u_K": None, "u_U0": None,
-               "verification": {"delta_g_g": rows, "limit_g": 3e-4, "pass": False}})
+    rows = Deviation(1, 1, "fit", -2e-5), Deviation(1, 2, "fit", 1e-5), Deviation(1, 9, "check", 4e-4)
+    run.ended(replace(
+        bench_document.document(Border(1, [], None)), state="TUMBLE_STATE_DONE", reason="TUMBLE_REASON_GRAVITY_CHECK",
+        K=np.array(K), U0=np.array(U0), verification=GravityCheck(rows, 4e-4, 2e-5, 4e-4, 3e-4, False),
+    ))  # fmt: skip
     assert calls == [True]
     assert run.snapshot() == Snapshot(state="DONE", reason="GRAVITY_CHECK", k_v_per_g=K, u0_v=U0, over=True,
                                       gravity=Gravity(2e-5, 4e-4, 3e-4, False))

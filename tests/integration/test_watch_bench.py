@@ -241,6 +241,17 @@ NO_RESULTS = (
 )  # fmt: skip
 
 
+@pytest.mark.parametrize(
+    ("schema", "file"), [("result", "result.json"), ("bench", "fault.json"), ("node", "fault.json")]
+)
+@pytest.mark.parametrize("damaged", NO_RESULTS[1:], ids=json.dumps)
+def test_a_damaged_key_is_named(damaged, schema, file, tmp_path):
+    (tmp_path / "bus.log").touch()
+    (tmp_path / file).write_text(json.dumps({"schema": f"tumble.{schema}/1", **damaged}))
+    with pytest.raises(Lost, match=rf"^{file}: not a result of schema tumble\.{schema}/1: .+$"):
+        FolderRun(tmp_path).snapshot()
+
+
 @pytest.mark.parametrize("damaged", NO_RESULTS, ids=json.dumps)
 def test_a_damaged_result_is_one_line(damaged, tmp_path):
     (tmp_path / "bus.log").touch()

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from tumble.documents.bench import written
 from tumble.errors import BenchFault
 from tumble.workers.over import ALONE
 from tumble.world import campaigns, document, in_process, programs
@@ -41,9 +42,9 @@ def bench(keys=(), seed=1, gains=None, out=None):
     border = Border(seed, lines_of(keys), gains)
     in_process.Run(border, lambda event: None, events=0).to_its_end()
     if out is None:
-        return document.document(border)
+        return written(document.document(border))
     out.mkdir()
-    return in_process.write(border, out)
+    return written(in_process.write(border, out))
 
 
 def runs(keys, count, seed=1, gains=None, team=ALONE):

@@ -11,13 +11,17 @@ import json
 import math
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
 from msgspec.structs import replace
 
+from tumble.documents import base
+from tumble.documents.bench import BENCH, NODE, Bench, Deviation, NodeWithStand, OnBench
+from tumble.documents.result import RESULT, DeltaG, Result
 from tumble.documents.watch import Gravity, Matrix, Mean, Snapshot, Vector
+from tumble.errors import BadInput
 from tumble.watch import snapshot
 from tumble.watch.snapshot import Heard, Lost, Source, View, without_prefix
 
@@ -92,9 +96,6 @@ class Follower:
             self._failure = error
 
 
-NOT_THE_FORM = AttributeError, KeyError, OverflowError, TypeError, ValueError
-
-
 class BenchRun:
     """Takes the events of a run (tumble.world.in_process) in one thread; is asked in another. `pace`: virtual seconds
     per second. `when_over` is called when the run is over."""
@@ -118,7 +119,7 @@ class BenchRun:
         with self._lock:
             self._snapshot = after_event(self._snapshot, event)
 
-    def ended(self, document: dict[str, Any]) -> None:
+    def ended(self, document: OnBench) -> None:
         """Take the run's document: nothing more will be told."""
         with self._lock:
             self._snapshot = replace(after_document(self._snapshot, document), over=True)
@@ -153,21 +154,21 @@ def after_event(before: Snapshot, event: dict[str, Any]) -> Snapshot:
     return replace(after, samples=event["samples"], wanted=event["wanted"], mean=_mean(before, event))
 
 
-def after_document(before: Snapshot, document: dict[str, Any]) -> Snapshot:
-    """The snapshot with what the document of a bench run (tumble.bench/1) or a result (tumble.result/1) tells. Raises
-    one of NOT_THE_FORM where it is neither."""
-    check = document.get("verification")
+def after_document(before: Snapshot, document: OnBench | Result) -> Snapshot:
+    """The snapshot with what the document of a bench run or a result tells. A result is of a run that is done, whether
+    or not the log says so to its last line."""
+    check = document.verification
     after = replace(
         before,
-        k_v_per_g=matrix(document["K"]),
-        u0_v=vector(document.get("U0")),
-        u_k_v_per_g=matrix(document.get("u_K")),
-        u_u0_v=vector(document.get("u_U0")),
-        gravity=None if check is None else _gravity(check),
+        k_v_per_g=matrix(document.K),
+        u0_v=vector(document.U0),
+        u_k_v_per_g=matrix(document.u_K),
+        u_u0_v=vector(document.u_U0),
+        gravity=None if check is None else _gravity(check.delta_g_g, check.limit_g, check.passed),
     )
-    if "state" not in document:
-        return after
-    return replace(after, reason=_reason(document["reason"]), state=without_prefix(document["state"]))
+    if isinstance(document, Result):
+        return replace(after, state="DONE")
+    return replace(after, reason=_reason(document.reason), state=without_prefix(document.state))
 
 
 def _mean(before: Snapshot, event: dict[str, Any]) -> Mean | None:
@@ -183,20 +184,20 @@ def _reason(name: str) -> str | None:
     return None if name == "NONE" else name
 
 
-def _gravity(check: dict[str, Any]) -> Gravity:
+def _gravity(rows: Iterable[Deviation | DeltaG], limit_g: float, passed: bool) -> Gravity:
     worst: dict[str, list[float]] = {"fit": [], "check": []}
-    for row in check["delta_g_g"]:
-        worst[row["use"]].append(abs(row["delta_g_g"]))
+    for row in rows:
+        worst[row.use].append(abs(row.delta_g_g))
     fit, checked = (max(worst[use], default=None) for use in ("fit", "check"))
-    return Gravity(fit, checked, float(check["limit_g"]), check["pass"])
+    return Gravity(fit, checked, limit_g, passed)
 
 
-def vector(numbers: list[float] | None) -> Vector | None:
+def vector(numbers: Iterable[float] | None) -> Vector | None:
     """A list from a document; None stays."""
     return None if numbers is None else _three(numbers)
 
 
-def matrix(rows: list[list[float]] | None) -> Matrix | None:
+def matrix(rows: Iterable[Iterable[float]] | None) -> Matrix | None:
     """A list of lists from a document; None stays."""
     if rows is None:
         return None
@@ -204,7 +205,7 @@ def matrix(rows: list[list[float]] | None) -> Matrix | None:
     return x, y, z
 
 
-def _three(numbers: list[float]) -> Vector:
+def _three(numbers: Iterable[float]) -> Vector:
     x, y, z = map(float, numbers)
     return x, y, z
 
@@ -235,7 +236,7 @@ class FolderRun:
         found = self._document()
         self._read_log()
         now = self._heard_so_far()
-        return now if found is None else _ended(now, *found)
+        return now if found is None else replace(after_document(now, found), over=True)
 
     def close(self) -> None:
         """No file is kept open."""
@@ -245,16 +246,15 @@ class FolderRun:
         stages = self._path / name, self._path.resolve().parent / name
         return [self._path, *stages, *(stage / "bench" for stage in stages)]
 
-    def _document(self) -> tuple[str, Any] | None:
-        """(name of the file, what is in it)."""
+    def _document(self) -> OnBench | Result | None:
         for name in _DOCUMENTS:
             try:
-                found = json.loads((self._path / name).read_text(encoding="utf-8"))
+                told = json.loads((self._path / name).read_text(encoding="utf-8"))
             except FileNotFoundError:
                 continue
             except (OSError, ValueError) as error:
                 raise Lost(f"{name} cannot be read: {error}") from None
-            return name, found
+            return _checked(told, name)
         return None
 
     def _read_log(self) -> None:
@@ -300,11 +300,13 @@ class FolderRun:
         )
 
 
-def _ended(now: Snapshot, name: str, document: Any) -> Snapshot:
-    """With what the document says. A result is of a run that is done, whether or not the log says so to its last line.
-    Raises Lost for any other document, such as a damaged one."""
+def _checked(told: Any, file: str) -> OnBench | Result:
+    """Raises Lost for any other document, such as a damaged one."""
+    kinds: dict[str, type[OnBench | Result]] = {RESULT: Result, BENCH: Bench, NODE: NodeWithStand}
+    name = told.get("schema") if isinstance(told, dict) else None
+    if name not in kinds:
+        raise Lost(f"{file} is no result of a run")
     try:
-        after = after_document(now, document)
-    except NOT_THE_FORM:
-        raise Lost(f"{name} is no result of a run") from None
-    return replace(after, state=after.state if "state" in document else "DONE", over=True)
+        return base.checked(kinds[name], name, told, file)
+    except BadInput as error:
+        raise Lost(str(error)) from None

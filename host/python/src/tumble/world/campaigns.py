@@ -11,6 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from tumble.documents import base
+from tumble.documents.campaign import HOSTILE, Campaign, ErrorsOfK, ErrorsOfU0, Exits, Hostile
+from tumble.documents.result import Table
 from tumble.errors import EXIT_DISAGREEMENT, EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
 from tumble.workers.over import ALONE, Job, Piece, Progress, Result, Team, over
 from tumble.world import document
@@ -76,7 +79,7 @@ class Runs:
             "truth": {"K": list(report.true_k_v_per_g), "U0": list(report.true_u0_v)},
             "virtual_s": report.now_us * _MICROSECOND,
             "frames": report.frames,
-            "table": document.table(report),
+            "table": base.written(document.table(report)),
         }
         if self.with_means:
             positions = (report.positions[i] for i in range(report.position_count))
@@ -127,36 +130,31 @@ class Summary:
                 self._sum += error
                 self._square_sum += error**2
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> Campaign:
         """All of it."""
         wall_s = time.perf_counter() - self._began_s
-        runs = max(1, self._known)
-        mean, rms = self._sum / runs, np.sqrt(self._square_sum / runs)
-        errors = {
-            name: {
-                "mean_error": mean[part].tolist() if self._known else [None] * len(mean[part]),
-                "rms_error": rms[part].tolist() if self._known else [None] * len(mean[part]),
-            }
-            for name, part in (("K", slice(9)), ("U0", slice(9, 12)))
-        }
-        return {
-            "schema": "tumble.campaign/1",
-            "runs": self._runs,
-            "first_seed": self._first_seed,
-            "exits": self._exits,
-            "reasons": dict(self._reasons),
-            **errors,
-            "frames": self._frames,
-            "virtual_s": self._virtual_s,
-            "table": self._tables[0],
-            "jobs": self._jobs,
-            "wall_s": wall_s,
-            "cpu_s": self._cpu_s,
-            "calibrations_per_s": self._done_now / wall_s,
-            "frames_per_s": self._frames_now / wall_s,
-            "calibrations_per_cpu_s": self._runs / self._cpu_s if self._cpu_s else None,
-            "frames_per_cpu_s": self._frames / self._cpu_s if self._cpu_s else None,
-        }
+        mean: list[float | None] = [None] * 12
+        rms = mean
+        if self._known:
+            mean, rms = (self._sum / self._known).tolist(), np.sqrt(self._square_sum / self._known).tolist()
+        return Campaign(
+            runs=self._runs,
+            first_seed=self._first_seed,
+            exits=Exits(*self._exits.values()),
+            reasons=dict(self._reasons),
+            K=ErrorsOfK(tuple(mean[:9]), tuple(rms[:9])),
+            U0=ErrorsOfU0(tuple(mean[9:]), tuple(rms[9:])),
+            frames=self._frames,
+            virtual_s=self._virtual_s,
+            table=Table(**self._tables[0]),
+            jobs=self._jobs,
+            wall_s=wall_s,
+            cpu_s=self._cpu_s,
+            calibrations_per_s=self._done_now / wall_s,
+            frames_per_s=self._frames_now / wall_s,
+            calibrations_per_cpu_s=self._runs / self._cpu_s if self._cpu_s else None,
+            frames_per_cpu_s=self._frames / self._cpu_s if self._cpu_s else None,
+        )
 
 
 class HostileLives:
@@ -227,23 +225,15 @@ def of_runs(scenario: bytes | None, file: str, with_means: bool) -> Runs:
     return Runs(lines, file, with_means)
 
 
-def merged(first_seed: int, documents: list[str]) -> dict[str, Any]:
+def merged(first_seed: int, documents: list[str]) -> Hostile:
     """The document of all lives, tumble.hostile/1, from those of their pieces, in order; `speed` is that of one
     process."""
     found = _total([json.loads(one) for one in documents])
     speed, virtual_us, runs = found.pop("speed"), found.pop("virtual_us"), found.pop("runs")
-    last = {name: found.pop(name) for name in ("frames", "steps", "table")}
     ends = {state: {reason: n for reason, n in reasons.items() if n} for state, reasons in found["ends"].items()}
-    told: dict[str, Any] = {
-        "schema": "tumble.hostile/1",
-        "runs": runs,
-        "first_seed": first_seed,
-        **(found | {"ends": ends}),
-        "virtual_s": virtual_us * _MICROSECOND,
-        **last,
-        "speed": {"jobs": 1, **speed, "ms_per_life": 1e3 * speed["cpu_s"] / runs},
-    }
-    return {name: document.plain(value) for name, value in told.items()}
+    own = {"schema": HOSTILE, "runs": runs, "first_seed": first_seed, "virtual_s": virtual_us * _MICROSECOND}
+    speed |= {"jobs": 1, "ms_per_life": 1e3 * speed["cpu_s"] / runs}
+    return base.checked(Hostile, HOSTILE, {**found, **own, "ends": ends, "speed": speed}, "the campaign")
 
 
 def _total(parts: list[dict[str, Any]]) -> dict[str, Any]:

@@ -8,7 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from tumble.documents import bench
 from tumble.documents.base import to_json
+from tumble.documents.bench import Bench
 from tumble.world import document
 from tumble.world.border import AVERAGED, CHANGE, ENDED, FOREVER_US, QUESTION, Border, Refused
 
@@ -80,12 +82,12 @@ class Run:
                 words = self.on_event({"event": "refused", "what": str(refused)})
 
 
-def write(border: Border, folder: Path) -> dict[str, Any]:
+def write(border: Border, folder: Path) -> Bench:
     """run.csv, bus.log and the document into a folder. Returns the document. Raises OSError."""
     found = document.document(border)
     _write(folder / "run.csv", _run_rows(border))
     _write(folder / "bus.log", _bus_lines(border.frames()))
-    _write(folder / "bench.json", [to_json(found)])
+    _write(folder / "bench.json", [to_json(bench.written(found))])
     return found
 
 

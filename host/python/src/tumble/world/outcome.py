@@ -1,17 +1,18 @@
-"""What the firmware found on the bench, confirmed: from the program's document and run.csv to a solution with truth."""
+"""What the firmware found on the bench, confirmed: from its document and run.csv to a solution with truth."""
 
 from __future__ import annotations
 
 import dataclasses
-import json
 from pathlib import Path
-from typing import Any
 
 import numpy as np
+from msgspec import structs
 
 from tumble.api.complaints import complaints
 from tumble.arrays import Floats
+from tumble.documents import bench
 from tumble.documents.base import to_json
+from tumble.documents.bench import Bench, Node, NodeWithStand, OnBench, Stand
 from tumble.documents.result import Table
 from tumble.errors import BadInput, BenchFault, Disagreement
 from tumble.estimators import OPTIMAL
@@ -34,39 +35,34 @@ INPROCESS = "inprocess"
 _NOISE_LIMIT = 1e-9
 
 
-def read_document(stage: Path) -> dict[str, Any] | None:
-    """What the program wrote of the run; None if it did not get so far."""
-    path = stage / DOCUMENT
-    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
-
-
-def require_done(document: dict[str, Any]) -> None:
+def require_done(document: OnBench) -> None:
     """Raise BenchFault, one line that says what went wrong and where, unless the firmware has finished."""
-    if document["end"] == "done" and document["K"] is not None:
+    if document.end == "done" and document.K is not None:
         return
-    if document["end"] == "running":
+    if document.end == "running":
         raise BenchFault("the run has not come to its end: no result yet")
-    if document["end"] == "too long":
-        raise BenchFault(
-            f"no end after {document['virtual_s']:.0f} s of virtual time, in {in_words(document['state'])}"
-        )
-    where = f"in state {in_words(document['failed_in'])}, positions finished: {len(document['means'])}"
-    code = f", drive error 0x{document['drive_code']:04X}" if document["drive_code"] else ""
-    code += f", {document['drive_refusal']['sentence']}" if document["drive_refusal"] else ""
-    rest = "" if document["table"]["at_rest"] else "; THE TABLE IS NOT AT REST"
-    name = document["reason"].removeprefix("TUMBLE_REASON_")
-    raise BenchFault(f"the run failed: {document['reason_sentence']} ({name}, {where}{code}){rest}")
+    if document.end == "too long":
+        raise BenchFault(f"no end after {document.virtual_s:.0f} s of virtual time, in {in_words(document.state)}")
+    where = f"in state {in_words(document.failed_in)}, positions finished: {len(document.means)}"
+    code = f", drive error 0x{document.drive_code:04X}" if document.drive_code else ""
+    code += f", {document.drive_refusal.sentence}" if document.drive_refusal else ""
+    rest = "" if document.table.at_rest else "; THE TABLE IS NOT AT REST"
+    name = document.reason.removeprefix("TUMBLE_REASON_")
+    raise BenchFault(f"the run failed: {document.reason_sentence} ({name}, {where}{code}){rest}")
 
 
-def with_stand(document: dict[str, Any], stand: dict[str, Any], **others: dict[str, Any]) -> dict[str, Any]:
+def with_stand(document: Bench | Node, stand: Stand, **others: dict[str, int]) -> OnBench:
     """A run's document with what tumble-stand knows of it, and the counters of both and of `others`."""
-    counters = dict(document["counters"])
-    for who, told in {"stand": stand, **others}.items():
-        counters |= {f"{who}_{name}": value for name, value in told["counters"].items()}
-    return {**document, **{name: stand[name] for name in ("seed", "truth", "faults", "table")}, "counters": counters}
+    counters = dict(document.counters)
+    for who, told in {"stand": stand.counters, **others}.items():
+        counters |= {f"{who}_{name}": value for name, value in told.items()}
+    known = {name: getattr(stand, name) for name in ("seed", "truth", "faults", "table")} | {"counters": counters}
+    if isinstance(document, Bench):
+        return structs.replace(document, **known)
+    return NodeWithStand(**{**structs.asdict(document), **known})
 
 
-def confirm(document: dict[str, Any], stage: Path, setup: Setup) -> Solution:
+def confirm(document: OnBench, stage: Path, setup: Setup) -> Solution:
     """The firmware's result as a solution, if three computations agree; else raises Disagreement.
 
     The core behind the binding, given the firmware's means, must give the firmware's bits. The numpy witness must
@@ -88,14 +84,14 @@ def confirm(document: dict[str, Any], stage: Path, setup: Setup) -> Solution:
     _require_same_uncertainties(solution, document, setup)
     if setup.terms:
         solution = solve(*given, step_v=step_v(setup), terms=setup.terms, coverage_factor=setup.coverage_factor)
-    return dataclasses.replace(solution, truth=_truth(document["truth"]))
+    return dataclasses.replace(solution, truth=_truth(document.truth))
 
 
 def result_text(
     solution: Solution,
     setup: Setup,
     stand_file: StandFile | None,
-    document: dict[str, Any],
+    document: OnBench,
     bus: str = INPROCESS,
     firmware: str = "host",
 ) -> str:
@@ -106,27 +102,28 @@ def result_text(
     found = result.document_of(solution, item, environment, serial, "run.csv", created, complaints(solution))
     assert solution.truth is not None  # it has been simulated
     found.seed, found.bus, found.firmware = setup.seed, bus, firmware
-    found.table, found.truth = Table(**document["table"]), result.truth(solution.truth)
+    found.table, found.truth = Table(**bench.written(document.table)), result.truth(solution.truth)
     return to_json(found)
 
 
-def _as_averaged(recorded: Run, document: dict[str, Any]) -> Run:
+def _as_averaged(recorded: Run, document: OnBench) -> Run:
     """The run with the firmware's means: those of the recorded samples but for rounding. All positions have one."""
-    means = np.array([mean["u_v"] for mean in document["means"]])
-    samples = [mean["samples"] for mean in document["means"]]
+    means = np.array([mean.u_v for mean in document.means])
+    samples = [mean.samples for mean in document.means]
     if means.shape != recorded.means.shape or recorded.samples.tolist() != samples:
         raise Disagreement("the firmware averaged other samples than were recorded; no result is given")
     _require_close("a mean", means, recorded.means, RELATIVE_LIMIT * np.abs(recorded.means).max())
-    return dataclasses.replace(recorded, means=means, counters={**recorded.counters, **document["counters"]})
+    return dataclasses.replace(recorded, means=means, counters={**recorded.counters, **document.counters})
 
 
-def _require_same_bits(solution: Solution, document: dict[str, Any]) -> None:
-    found, check = solution.found, document["verification"]
+def _require_same_bits(solution: Solution, document: OnBench) -> None:
+    found, check = solution.found, document.verification
+    assert check is not None  # of a run that is done
     pairs = {
-        "K": (found.k, document["K"]),
-        "U0": (found.u0, document["U0"]),
-        "delta_g": (found.gravity.delta_g, [row["delta_g_g"] for row in check["delta_g_g"]]),
-        "pass": (found.gravity.passed, check["pass"]),
+        "K": (found.k, document.K),
+        "U0": (found.u0, document.U0),
+        "delta_g": (found.gravity.delta_g, [row.delta_g_g for row in check.delta_g_g]),
+        "pass": (found.gravity.passed, check.passed),
     }
     for name, (core, firmware) in pairs.items():
         if not np.array_equal(np.asarray(core), np.asarray(firmware)):
@@ -146,9 +143,9 @@ def _require_same_estimate(solution: Solution, recorded: Run, setup: Setup) -> N
     _require_close("U0", found.u0, u0, RELATIVE_LIMIT * np.abs(k).max())
 
 
-def _require_same_uncertainties(solution: Solution, document: dict[str, Any], setup: Setup) -> None:
+def _require_same_uncertainties(solution: Solution, document: OnBench, setup: Setup) -> None:
     """Those of the optimal estimator are for the gains on board, at the K that they were made for."""
-    if document["u_K"] is None:
+    if document.u_K is None or document.u_U0 is None:
         raise Disagreement("the firmware states no uncertainties; no result is given")
     schedule, samples = setup.schedule.data, solution.run.samples
     variance = _noise_on_board(solution, document, setup)
@@ -158,27 +155,27 @@ def _require_same_uncertainties(solution: Solution, document: dict[str, Any], se
         by_numpy = optimal_covariance(*given, known_samples=known.samples)
     else:
         by_numpy = covariance(schedule, solution.found.k, setup.stand, samples, setup.estimator, variance)
-    stated = np.concatenate([np.ravel(document["u_K"]), document["u_U0"]])
+    stated = np.concatenate([np.ravel(document.u_K), document.u_U0])
     compare_uncertainties(stated, np.sqrt(np.diag(by_numpy)), setup.estimator == OPTIMAL)
 
 
-def _noise_on_board(solution: Solution, document: dict[str, Any], setup: Setup) -> Floats | None:
+def _noise_on_board(solution: Solution, document: OnBench, setup: Setup) -> Floats | None:
     """What the noise of a mean counts at least, (positions, 3), from the recorded samples by the rule on board, which
     looks at two lengths of blocks; None where nobody looks. A position that was measured again counts twice there, and
     only its last samples are recorded: then as the firmware tells it."""
-    told, samples, step = document["noise"], solution.run.samples, step_v(setup)
+    told, samples, step = document.noise, solution.run.samples, step_v(setup)
     if told is None:
         return None
     declared = setup.stand.with_step(step) if setup.estimator == OPTIMAL else setup.stand
     scatter = (solution.run.scatter / step).astype(np.float32).astype(float) * step  # as it is kept there
-    noise = look(dataclasses.replace(solution.run, scatter=scatter), declared, step, told["block_samples"])
-    if document["counters"]["positions_kept"] > len(samples):
-        above = np.array([name in told["above_declared"] for name in "xyz"])
-        as_told: Floats = np.maximum(noise.mean_variance, above * np.square(told["noise_v"]) / samples[:, None])
+    noise = look(dataclasses.replace(solution.run, scatter=scatter), declared, step, told.block_samples)
+    if document.counters["positions_kept"] > len(samples):
+        above = np.array([name in told.above_declared for name in "xyz"])
+        as_told: Floats = np.maximum(noise.mean_variance, above * np.square(told.noise_v) / samples[:, None])
         return as_told
     assert noise.measured is not None  # the firmware saw two samples of a position
     seen = of_means(noise.measured, samples)
-    _require_close("the noise", np.array(told["noise_v"]), seen, _NOISE_LIMIT * seen)
+    _require_close("the noise", told.noise_v, seen, _NOISE_LIMIT * seen)
     return noise.mean_variance
 
 
@@ -192,16 +189,17 @@ def _require_close(name: str, firmware: Floats, witness: Floats, allowed: Floats
         )
 
 
-def _truth(truth: dict[str, Any]) -> Truth:
+def _truth(simulated: bench.Truth) -> Truth:
+    told = bench.written(simulated)
     return Truth(
-        k=np.array(truth["K"]).reshape(3, 3),
-        u0=np.array(truth["U0"]),
-        alpha1=truth["alpha1_rad"],
-        alpha2=truth["alpha2_rad"],
-        alpha3=tuple(truth["alpha3_rad"]),
-        alpha4=tuple(truth["alpha4_rad"]),
-        theta_h=tuple(truth["theta_h_rad"]),
-        theta_n=tuple(truth["theta_n_rad"]),
-        encoder=tuple(truth["encoder_rad"]),
-        drift=tuple(truth["drift_v"]),
+        k=simulated.K,
+        u0=simulated.U0,
+        alpha1=told["alpha1_rad"],
+        alpha2=told["alpha2_rad"],
+        alpha3=tuple(told["alpha3_rad"]),
+        alpha4=tuple(told["alpha4_rad"]),
+        theta_h=tuple(told["theta_h_rad"]),
+        theta_n=tuple(told["theta_n_rad"]),
+        encoder=tuple(told["encoder_rad"]),
+        drift=tuple(told["drift_v"]),
     )

@@ -26,9 +26,11 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from tumble import interruption
+from tumble.documents import base, bench
+from tumble.documents.bench import NODE, STAND, Bench, Node, OnBench, Stand
 from tumble.errors import BadInput, BenchFault, Disagreement, Skipped, UsageError, quoted
 from tumble.firmware_tables import STATES
 from tumble.schedule import Schedule
@@ -49,6 +51,9 @@ _ANSWER = re.compile(r"done|abort|leave|repeat (position|mounting) [0-9]{1,3}", 
 _INTERFACE = re.compile(r"[A-Za-z0-9._-]{1,15}", re.ASCII)
 
 OnEvent = Callable[[in_process.Event], "str | None"]
+
+
+_Judged: TypeAlias = "tuple[Ended, OnBench | None]"
 
 
 @dataclass(frozen=True)
@@ -107,8 +112,9 @@ def run(
     on_event: OnEvent,
     schedule: Schedule,
     interactive: bool = False,
-) -> Ended:
-    """Calibrate. Returns how it ended; its document, with the stand's, is in stage/bench unless it failed early.
+) -> tuple[Ended, OnBench | None]:
+    """Calibrate. Returns how it ended, and its document with the stand's, as it is in stage/bench too: None where it
+    failed early.
     `interactive`: what `on_event` answers is done at the stand, and told the node by SDO. Raises TumbleError."""
     require_there(bus, firmware)
     with uml.work_folder() as name:
@@ -252,31 +258,35 @@ def _state(told: dict[str, Any], schedule: Schedule) -> in_process.Event:
     }
 
 
-def _judged(told: dict[str, Any], folder: Path, out: Path, scenario: Path, interrupted: bool) -> Ended:
+def _judged(told: dict[str, Any], folder: Path, out: Path, scenario: Path, interrupted: bool) -> _Judged:
     """Join the documents of stand and node. Raises BenchFault where one of them did not come to its end."""
     who = "stand" if told["end"] == "stand" else "node"
     complaint = _text(folder / f"{who}.err").replace(str(folder / "scenario.txt"), str(scenario))
     if told["end"] == "stopped":
-        return Ended(-signal.SIGTERM, "", interrupted)
+        return Ended(-signal.SIGTERM, "", interrupted), None
     if told["end"] not in ("done", "stand"):
         raise BenchFault(told["end"])
     ended = Ended(told["code"], complaint, interrupted)
     if ended.code == UsageError.exit_code or (who == "node" and ended.code == Skipped.exit_code):
-        return ended
+        return ended, None
     if who == "stand":
         raise BenchFault(f"tumble-stand failed ({ended.code}): {complaint or 'it says nothing'}")
-    ours, theirs = outcome.read_document(out), _json(folder / "stand.json")
+    ours, theirs = _read(Node, NODE, out / outcome.DOCUMENT), _read(Stand, STAND, folder / "stand.json")
     rest = "THE TABLE MAY STILL TURN" if theirs is None else _at_rest(theirs)
     if ours is None:
         raise BenchFault(f"tumble-node ended without a result ({_how(ended)}); {rest}")
     if theirs is None:
-        raise BenchFault(f"tumble-stand ended without a document; tumble-node says: {ours['reason_sentence']}")
-    (out / outcome.DOCUMENT).write_text(json.dumps(outcome.with_stand(ours, theirs)), encoding="utf-8")
-    return ended
+        raise BenchFault(f"tumble-stand ended without a document; tumble-node says: {ours.reason_sentence}")
+    return ended, _joined(outcome.with_stand(ours, theirs), out)
 
 
-def _at_rest(stand: dict[str, Any]) -> str:
-    return "the table is at rest" if stand["table"]["at_rest"] else "THE TABLE IS NOT AT REST"
+def _joined(document: OnBench, out: Path) -> OnBench:
+    (out / outcome.DOCUMENT).write_text(json.dumps(bench.written(document)), encoding="utf-8")
+    return document
+
+
+def _at_rest(stand: Stand) -> str:
+    return "the table is at rest" if stand.table.at_rest else "THE TABLE IS NOT AT REST"
 
 
 def _how(ended: Ended) -> str:
@@ -286,12 +296,12 @@ def _how(ended: Ended) -> str:
     return ended.complaint or f"exit code {ended.code}"
 
 
-def _judged_board(board: dict[str, Any], folder: Path, out: Path, scenario: Path, interrupted: bool) -> Ended:
+def _judged_board(board: dict[str, Any], folder: Path, out: Path, scenario: Path, interrupted: bool) -> _Judged:
     """From what the console left to what a run in a world leaves."""
-    log, stand = _text(folder / "serial.log"), _json(folder / "stand.json")
+    log, stand = _text(folder / "serial.log"), _read(Stand, STAND, folder / "stand.json")
     began = (folder / "stand.json").exists()  # the stand is started when the board has booted
     if interrupted and not began:
-        return Ended(-signal.SIGTERM, "", interrupted)
+        return Ended(-signal.SIGTERM, "", interrupted), None
     if began and stand is None:
         complaint = _text(folder / "stand.err") or board["end"]
         raise BenchFault(f"tumble-stand ended without a document: {complaint}")
@@ -302,14 +312,14 @@ def _judged_board(board: dict[str, Any], folder: Path, out: Path, scenario: Path
     ours = _replayed(folder, out, scenario)
     if board["end"] == "done":
         _require_same_bits(ours, board["numbers"])
-    elif board["end"] == "failed" and ours["reason_number"] != board["reason"]:
+    elif board["end"] == "failed" and ours.reason_number != board["reason"]:
         raise BenchFault(_unexplained(log, stand))
-    board["counters"] |= _controller_counters(log)
-    (out / outcome.DOCUMENT).write_text(json.dumps(outcome.with_stand(ours, stand, board=board)), encoding="utf-8")
-    return Ended(ours["exit"], "", interrupted)
+    counters = board["counters"] | _controller_counters(log)
+    document = _joined(outcome.with_stand(ours, stand, board=counters), out)
+    return Ended(ours.exit, "", interrupted), document
 
 
-def _replayed(folder: Path, out: Path, scenario: Path) -> dict[str, Any]:
+def _replayed(folder: Path, out: Path, scenario: Path) -> Bench:
     """The run once more in this process: its run.csv, bus.log and document."""
     try:
         firmware = replay.played(replay.read(str(folder / "bus.log")), str(scenario))
@@ -319,13 +329,13 @@ def _replayed(folder: Path, out: Path, scenario: Path) -> dict[str, Any]:
     return in_process.write(firmware, out)
 
 
-def _require_same_bits(ours: dict[str, Any], theirs: list[str]) -> None:
-    numbers = [*sum(ours["K"] or [], []), *(ours["U0"] or [])]
+def _require_same_bits(ours: Bench, theirs: list[str]) -> None:
+    numbers = [] if ours.K is None or ours.U0 is None else [*ours.K.ravel().tolist(), *ours.U0.tolist()]
     if [struct.pack(">d", number).hex() for number in numbers] != theirs:
         raise Disagreement("the board states other coefficients than the replay of its bus gives; no result is given")
 
 
-def _unexplained(log: str, stand: dict[str, Any]) -> str:
+def _unexplained(log: str, stand: Stand) -> str:
     """The board stopped for a reason that its replay does not find: it has not heard all that was on the bus."""
     reasons = re.findall(r"TUMBLE_REASON_(\w+)", log)
     overflows = _controller_counters(log).get("controller_receive_overflows", 0)
@@ -344,6 +354,15 @@ def _controller_counters(log: str) -> dict[str, int]:
 
 def _text(path: Path) -> str:
     return path.read_text(errors="replace").strip() if path.exists() else ""
+
+
+def _read(kind: type[base.DocumentT], name: str, path: Path) -> base.DocumentT | None:
+    """What a program said at its end; None where it said nothing, or not all of it. Raises BenchFault."""
+    text = _text(path)
+    try:
+        return base.read(kind, name, text.encode(), path.name) if text.endswith("}") else None
+    except BadInput as error:
+        raise BenchFault(str(error)) from None
 
 
 def _json(path: Path) -> dict[str, Any] | None:

@@ -13,7 +13,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tumble.errors import BadInput, Skipped, UsageError, file_name
+from tumble.arrays import Floats
+from tumble.documents.bench import Replay, ReplayCounters
+from tumble.errors import BadInput, BenchFault, Skipped, UsageError, file_name
 from tumble.files import can_log
 from tumble.files.can_log import CANDUMP, CanLog
 from tumble.files.disk import MIB, MOST_OF_RECORDING, joined
@@ -23,7 +25,6 @@ from tumble.world.border import FRAMES, Border, Refused, require_good
 with contextlib.suppress(ImportError):  # which Border tells of
     from _tumble_world import ffi, lib
 
-SCHEMA = "tumble.replay/1"
 BOARD = "zcu102"
 READABLE = "candump -L, ASC, BLF, TRC, MF4, CSV of python-can"
 
@@ -92,7 +93,7 @@ def _frames(found: Iterable[tuple[int, int, bytes]], file: str) -> Any:
     return frames
 
 
-class Replay(Border):
+class Firmware(Border):
     """The firmware of node 1 with a scenario, for which a log is to be the bus. Raises Refused."""
 
     def __init__(self, lines: Iterable[str], gains: bytes | None):
@@ -149,11 +150,11 @@ def gain_options(scenario: str | Path | None) -> list[str]:
     return [] if path is None else ["--gain-record", str(path)]
 
 
-def of_scenario(scenario: str | None) -> Replay:
+def of_scenario(scenario: str | None) -> Firmware:
     """The firmware as a scenario has it, or as the paper has it. Raises BadInput, UsageError, BenchFault."""
     gains = gains_beside(scenario)
     try:
-        return Replay(_lines(scenario), None if gains is None else gains.read_bytes())
+        return Firmware(_lines(scenario), None if gains is None else gains.read_bytes())
     except Refused as refused:
         if scenario is not None and scenario.endswith(".toml") and refused.line:
             raise BadInput("looks like a stand file; a scenario file is wanted (docs/real-bus.md)", scenario) from None
@@ -169,7 +170,7 @@ def _lines(scenario: str | None) -> list[str]:
         raise BadInput(error.strerror or "cannot be read", scenario) from None
 
 
-def played(log: Log, scenario: str | None) -> Replay:
+def played(log: Log, scenario: str | None) -> Firmware:
     """The firmware when it has heard all of a log. Raises as `of_scenario` does."""
     firmware = of_scenario(scenario)
     try:
@@ -197,49 +198,50 @@ def commissioning(scenario: str | None) -> bytes:
         raise UsageError(str(refused)) from None
 
 
-def replay(file: str, scenario: str | None, firmware: str) -> dict[str, Any]:
-    """Replay. Returns the document:
-
-        schema; log; format, time_step_us: as of Log; firmware: "host" | "zcu102"
-        state, reason: names of the firmware's lists
-        K (3 x 3, V/g), U0 (3, V); bits: the same twelve as hexadecimal digits of IEEE 754 doubles; pass: of the gravity
-        check; all null where the run came to no result
-        counters {received, samples, averaged, lost, retries, commands_refused}
-
-    Raises BadInput, UsageError, NotInstalled, Skipped, BenchFault.
-    """
+def replay(file: str, scenario: str | None, firmware: str) -> Replay:
+    """Replay. Raises BadInput, UsageError, NotInstalled, Skipped, and BenchFault: also where there is no result."""
     log = read(file)
     found = (_on_board if firmware == BOARD else _on_host)(log, scenario)
-    numbers = found["numbers"]
-    return {
-        "schema": SCHEMA,
-        "log": file_name(file),
-        "format": log.format,
-        "time_step_us": log.time_step_us,
-        "firmware": firmware,
-        "state": found["state"],
-        "reason": found["reason"],
-        "K": None if numbers is None else [numbers[0:3], numbers[3:6], numbers[6:9]],
-        "U0": None if numbers is None else numbers[9:12],
-        "bits": None if numbers is None else [struct.pack(">d", number).hex() for number in numbers],
-        "pass": found["pass"],
-        "counters": found["counters"],
-    }
+    if found.numbers is None:
+        told = f"{file_name(file)}: the firmware comes to no result in this log ({found.state}, {found.reason})"
+        raise BenchFault(told if scenario else f"{told}; it took the paper's stand: --scenario names the run's own")
+    return Replay(
+        log=file_name(file),
+        format=log.format,
+        time_step_us=log.time_step_us,
+        firmware=firmware,
+        state=found.state,
+        reason=found.reason,
+        K=found.numbers[:9].reshape(3, 3),
+        U0=found.numbers[9:],
+        bits=tuple(struct.pack(">d", number).hex() for number in found.numbers.tolist()),
+        passed=found.passed,
+        counters=ReplayCounters(**found.counters),
+    )
 
 
-def _on_host(log: Log, scenario: str | None) -> dict[str, Any]:
+class _Found(NamedTuple):
+    """`numbers` (12,): K row by row, V/g, and U0, V; None where the run came to no result."""
+
+    state: str
+    reason: str
+    numbers: Floats | None
+    passed: bool
+    counters: dict[str, int]
+
+
+def _on_host(log: Log, scenario: str | None) -> _Found:
     found = document.document(played(log, scenario))
-    known = found["K"] is not None
-    return {
-        "state": found["state"],
-        "reason": found["reason"],
-        "numbers": [*sum(found["K"], []), *found["U0"]] if known else None,
-        "pass": found["verification"]["pass"] if known else None,
-        "counters": {name: found["counters"][own] for name, own in _COUNTERS.items()},
-    }
+    return _Found(
+        found.state,
+        found.reason,
+        None if found.K is None or found.U0 is None else np.concatenate([found.K.ravel(), found.U0]),
+        found.verification is not None and found.verification.passed,
+        {name: found.counters[own] for name, own in _COUNTERS.items()},
+    )
 
 
-def _on_board(log: Log, scenario: str | None) -> dict[str, Any]:
+def _on_board(log: Log, scenario: str | None) -> _Found:
     if (lacking := emulator.missing("replay")) is not None:
         raise Skipped(f"--firmware {BOARD}: {lacking}")
     with tempfile.TemporaryDirectory(prefix="tumble-") as name:
@@ -248,10 +250,10 @@ def _on_board(log: Log, scenario: str | None) -> dict[str, Any]:
         record.write_bytes(commissioning(scenario))
         told = emulator.replay(recorded, record, gains_beside(scenario))
     known = "K" in told
-    return {
-        "state": told["state"][0],
-        "reason": told["reason"][0],
-        "numbers": [struct.unpack(">d", bytes.fromhex(bits))[0] for bits in told["K"] + told["U0"]] if known else None,
-        "pass": told["pass"] == ["1"] if known else None,
-        "counters": {name: int(told[name][0]) for name in _COUNTERS},
-    }
+    return _Found(
+        told["state"][0],
+        told["reason"][0],
+        np.frombuffer(bytes.fromhex("".join(told["K"] + told["U0"])), ">f8").astype(float) if known else None,
+        known and told["pass"] == ["1"],
+        {name: int(told[name][0]) for name in _COUNTERS},
+    )

@@ -27,6 +27,8 @@ from typing import Any, NamedTuple
 
 import can
 
+from tumble.documents import bench
+from tumble.documents.bench import Bench
 from tumble.files.disk import read_bytes
 from tumble.world import document, in_process
 from tumble.world.border import ENDED, FOREVER_US, FRAME, Border, Refused
@@ -76,7 +78,7 @@ class VirtualBus(can.BusABC):
         self._busy: set[threading.Thread] = set()  # ... and those of them that do something with what they have got
         self._talk = threading.RLock()
         self._told = 0  # frames of the world that have been looked at
-        self._document: dict[str, Any] | None = None
+        self._document: Bench | None = None
         self._out = None if out is None else Path(out)
         self._until_left = ExitStack()
         self.periodic: list[_Periodic] = []
@@ -238,7 +240,7 @@ class VirtualBus(can.BusABC):
         and the stand's errors), state, reason, result and counters."""
         self.shutdown()
         assert self._document is not None
-        return self._document
+        return bench.written(self._document)
 
     def shutdown(self) -> None:
         """Leave the bus. Raises OSError where the folder cannot be written."""

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from tumble.api.result import Result
 from tumble.defaults import DEFAULT_ESTIMATOR, DEFAULT_SCHEDULE
+from tumble.documents import base, bench
 from tumble.errors import NotInstalled, UsageError, quoted
 from tumble.estimators import ESTIMATORS, OPTIMAL
 from tumble.files.schedule_file import schedule_of
@@ -221,12 +222,12 @@ class World:
     @property
     def table(self) -> dict[str, Any]:
         """Its true travel since power-on: lowest_deg, highest_deg, at_rest."""
-        return document.table(self._report())
+        return base.written(document.table(self._report()))
 
     @property
     def truth(self) -> dict[str, Any]:
         """What was simulated: K (V/g, rows), U0 (V), alpha1_rad and the other errors of the stand."""
-        return document.truth(self._report())
+        return base.written(document.truth(self._report()))
 
     @property
     def counters(self) -> dict[str, int]:
@@ -241,7 +242,7 @@ class World:
     @property
     def document(self) -> dict[str, Any]:
         """All of it, schema tumble.bench/1."""
-        return document.document(self._border)
+        return bench.written(document.document(self._border))
 
     def frames(self) -> Iterator[Frame]:
         """Every frame since power-on, in order."""
@@ -252,7 +253,7 @@ class World:
     def result(self) -> Result:
         """The firmware's calibration, confirmed by numpy, as `tumble.solve` gives it. Raises BenchFault where the run
         has not come to a result, Disagreement."""
-        found = self.document
+        found = document.document(self._border)
         outcome.require_done(found)
         with tempfile.TemporaryDirectory() as folder:
             in_process.write(self._border, Path(folder))

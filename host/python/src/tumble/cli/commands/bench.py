@@ -29,6 +29,7 @@ from tumble.terms import parse
 
 if TYPE_CHECKING:
     from tumble.core import CoreSchedule
+    from tumble.documents.bench import OnBench
     from tumble.files.stand_file import StandFile
     from tumble.schedule import Schedule
     from tumble.world.border import Border
@@ -124,8 +125,8 @@ class Onlooker(Protocol):
     def __call__(self, event: dict[str, Any]) -> None:
         """Take an event (boards/linux/progress.h)."""
 
-    def ended(self, document: dict[str, Any]) -> None:
-        """Take what the program says at the end."""
+    def ended(self, document: OnBench) -> None:
+        """Take what the run says of itself at the end."""
 
 
 def run(arguments: argparse.Namespace, onlooker: Onlooker | None = None) -> int:
@@ -268,7 +269,7 @@ def _simulate(
     scenario_path: Path,
     made: RunFolder,
     onlooker: Onlooker | None,
-) -> dict[str, Any]:
+) -> OnBench:
     """Let it run. Returns its document; raises where there is none, or the user did not want to wait for it."""
     from tumble.world import realbus
 
@@ -292,7 +293,7 @@ def _inside(
     made: RunFolder,
     progress: OnEvent,
     pace: float,
-) -> dict[str, Any]:
+) -> OnBench:
     """In a world within this process."""
     from tumble.files.disk import reason
     from tumble.world import in_process
@@ -304,7 +305,7 @@ def _inside(
     except OSError as error:
         raise BadInput(f"cannot be written: {reason(error)}", made.path) from None
     if interrupted:
-        raise _interrupted(document["table"]["at_rest"])
+        raise _interrupted(document.table.at_rest)
     return document
 
 
@@ -327,16 +328,15 @@ def _interrupted(at_rest: bool) -> Interrupted:
 
 def _outside(
     arguments: argparse.Namespace, wanted: Setup, scenario_path: Path, made: RunFolder, progress: OnEvent
-) -> dict[str, Any]:
+) -> OnBench:
     """By programs on a real bus."""
-    from tumble.world import outcome, realbus
+    from tumble.world import realbus
 
     given = arguments.bus, arguments.firmware, scenario_path, wanted.seed, made.stage
-    ended = realbus.run(*given, progress, wanted.schedule.data, arguments.interactive)
-    document = outcome.read_document(made.stage / "bench")
+    ended, document = realbus.run(*given, progress, wanted.schedule.data, arguments.interactive)
     if ended.interrupted or ended.code == Interrupted.exit_code:
         never_began = ended.code == -signal.SIGTERM  # it did not get so far as to listen to signals
-        raise _interrupted(never_began or (document is not None and document["table"]["at_rest"]))
+        raise _interrupted(never_began or (document is not None and document.table.at_rest))
     _require_written(ended, made)
     complaint = ended.complaint.replace(str(scenario_path), arguments.scenario or "scenario")
     if ended.code == BadInput.exit_code:

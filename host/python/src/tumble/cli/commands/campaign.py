@@ -84,6 +84,7 @@ def run_lives(arguments: argparse.Namespace) -> int:
     """Live, tell of violations as they come, print the document. Returns the exit code; raises TumbleError."""
     seed, count = _seeds(arguments, "--lives", arguments.lives)
 
+    from tumble.documents import bench
     from tumble.documents.base import to_json
     from tumble.world import campaigns
 
@@ -95,10 +96,10 @@ def run_lives(arguments: argparse.Namespace) -> int:
             documents.append(ended.output)
             code = campaigns.worse(code, ended.code)
     found = campaigns.merged(seed, documents)
-    for one in found["first"] if arguments.verbose else []:
-        for line in (one["world"], *one["events"], f"with these alone: {one['what']}"):
+    for one in found.first if arguments.verbose else ():
+        for line in (one.world, *one.events, f"with these alone: {one.what}"):
             tell(f"  {line}")
-    sys.stdout.write(to_json(found))
+    sys.stdout.write(to_json(bench.written(found)))
     return code
 
 

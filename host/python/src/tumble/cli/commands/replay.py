@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import argparse
 import sys
-from typing import Any
+from typing import TYPE_CHECKING
 
 from tumble.cli import options
-from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BenchFault, UsageError
+from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
 from tumble.estimators import COEFFICIENTS
+
+if TYPE_CHECKING:
+    from tumble.documents.bench import Replay
 
 
 def describe(parser: argparse.ArgumentParser) -> None:
@@ -49,6 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Replay, print. Returns the exit code; raises TumbleError."""
     import json
 
+    from tumble.documents.bench import written
     from tumble.world import replay
 
     if arguments.commissioning is not None:
@@ -60,16 +64,12 @@ def run(arguments: argparse.Namespace) -> int:
     scenario = arguments.scenario or replay.default_scenario(arguments.log)
     if arguments.recording is not None:
         return _write(arguments, "recording", replay.recording(replay.read(arguments.log), scenario))
-    document = replay.replay(arguments.log, scenario, arguments.firmware)
-    if document["K"] is None:
-        state, reason = document["state"], document["reason"]
-        told = f"{document['log']}: the firmware comes to no result in this log ({state}, {reason})"
-        raise BenchFault(told if scenario else f"{told}; it took the paper's stand: --scenario names the run's own")
+    found = replay.replay(arguments.log, scenario, arguments.firmware)
     if arguments.json:
-        print(json.dumps(document, allow_nan=False))
+        print(json.dumps(written(found), allow_nan=False))
     else:
-        _print(document)
-    return EXIT_PASS if document["pass"] else EXIT_LIMITS_FAILED
+        _print(found)
+    return EXIT_PASS if found.passed else EXIT_LIMITS_FAILED
 
 
 def _write(arguments: argparse.Namespace, option: str, data: bytes) -> int:
@@ -81,22 +81,14 @@ def _write(arguments: argparse.Namespace, option: str, data: bytes) -> int:
     return EXIT_PASS
 
 
-def _step(document: dict[str, Any]) -> str:
-    """What a user should know of the times of a log that another program has rounded."""
-    step_us = document["time_step_us"]
-    if step_us is None or step_us == 1:
-        return f"read as {document['format']}"
-    return f"read as {document['format']}, whose times are multiples of {step_us} us here"
-
-
-def _print(document: dict[str, Any]) -> None:
-    verdict = "passes" if document["pass"] else "FAILS"
-    counters = document["counters"]
-    print(f"{document['log']} on {document['firmware']}: {verdict} the gravity check;", end=" ")
-    print(f"{counters['received']} frames, {counters['averaged']} samples averaged, {counters['lost']} lost")
-    if document["time_step_us"] is not None:
-        print(f"  {_step(document)}")
-    numbers = [*sum(document["K"], []), *document["U0"]]
-    for name, number, bits in zip(COEFFICIENTS, numbers, document["bits"], strict=True):
+def _print(found: Replay) -> None:
+    verdict, counters = "passes" if found.passed else "FAILS", found.counters
+    print(f"{found.log} on {found.firmware}: {verdict} the gravity check;", end=" ")
+    print(f"{counters.received} frames, {counters.averaged} samples averaged, {counters.lost} lost")
+    if found.time_step_us is not None:  # another program has rounded its times
+        rounded = "" if found.time_step_us == 1 else f", whose times are multiples of {found.time_step_us} us here"
+        print(f"  read as {found.format}{rounded}")
+    numbers = [*found.K.ravel().tolist(), *found.U0.tolist()]
+    for name, number, bits in zip(COEFFICIENTS, numbers, found.bits, strict=True):
         print(f"  {name:4}  {number:+.17g}  {'V/g' if name[0] == 'K' else 'V  '}  {bits}")
     sys.stdout.flush()
