@@ -75,7 +75,7 @@ PLANTED = {
 
 HUNT = """
 import json, sys
-from tumble.world.lives import Lives
+from tumble.world.campaigns import Lives
 lives, (kind, opens) = Lives(), sys.argv[2:]
 for seed in range(1, int(sys.argv[1]) + 1):
     found = lives.live(seed)["violated"] and lives.shrunk(seed)

@@ -15,7 +15,7 @@ from tumble.core import CoreSchedule, binding as core_optimal, paper_schedule
 from tumble.model.optimal import optimal_estimate, optimal_table
 from tumble.solving import optimal_run
 from tumble.stand import PAPER_STAND
-from tumble.world import gains
+from tumble.world import setup
 from tumble.world.border import Refused
 
 SCHEDULE = CoreSchedule(paper_schedule())
@@ -92,8 +92,8 @@ OTHERS = {  # what the record is made for, exit code, what is said
 @pytest.mark.parametrize("other", OTHERS)
 def test_a_record_of_another_stand_or_schedule_is_found_out(other, monkeypatch, capsys, tmp_path):
     changed, code, said = OTHERS[other]
-    sound = gains.record
-    monkeypatch.setattr(gains, "record", lambda setup: sound(dataclasses.replace(setup, **changed)))
+    sound = setup.gain_record
+    monkeypatch.setattr(setup, "gain_record", lambda wanted: sound(dataclasses.replace(wanted, **changed)))
     assert main(["bench", "--estimator", "optimal", "--out", str(tmp_path / "run"), "--json"]) == code
     captured = capsys.readouterr()
     assert captured.out == "" and said in captured.err

@@ -51,11 +51,11 @@ def pytest_cmdline_main(config: pytest.Config) -> int | None:
     import sys
 
     from tumble.errors import TumbleError
-    from tumble.world import uml_command
+    from tumble.world import uml
 
     try:
         words = [sys.executable, "-m", "pytest", *map(str, config.invocation_params.args)]
-        return uml_command.run([*words, f"--tumble-bus={_INSIDE}"])
+        return uml.run_command([*words, f"--tumble-bus={_INSIDE}"])
     except TumbleError as error:
         print(f"--tumble-bus=uml: {error}", file=sys.stderr)
         return error.exit_code

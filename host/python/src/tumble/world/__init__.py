@@ -2,8 +2,8 @@
 found is confirmed by numpy, and becomes a result.
 
     world             tumble.World, for scripts
-    setup, gains      what a run is to be: the scenario, and the gain record of the optimal estimator
-    border, lives     the world in C; hostile lives in it
+    setup             what a run is to be: the scenario, and the gain record of the optimal estimator
+    border            the world in C
     in_process        a run in a world, to its end, and what it leaves; document: what is to be said of it
     campaigns         thousands of runs, or of hostile lives
     virtual_bus       a world as a bus of python-can
@@ -11,7 +11,7 @@ found is confirmed by numpy, and becomes a result.
     outcome, folder   what it found, confirmed; the run folder
     realbus           the same on a CAN interface in real time, by the firmware here or on the emulated board
     replay, emulator  a recorded bus log through the firmware again; the emulator of the board
-    uml, uml_command  user-mode Linux, where the kernel of this machine has no CAN
+    uml               user-mode Linux, where the kernel of this machine has no CAN
     programs          where the project's programs are
     console           a program of its own, run by its path beside stand and computer
 """

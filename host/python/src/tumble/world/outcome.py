@@ -26,9 +26,8 @@ from tumble.solving import result
 from tumble.solving.computation import OPTIMAL_LIMIT_U, RELATIVE_LIMIT, compare_uncertainties
 from tumble.solving.noise import look, of_means
 from tumble.solving.solution import Solution, Truth, solve
-from tumble.world import gains
 from tumble.world.progress import in_words
-from tumble.world.setup import Setup, step_v
+from tumble.world.setup import Setup, known_before, step_v
 
 DOCUMENT = "bench.json"
 INPROCESS = "inprocess"
@@ -76,7 +75,7 @@ def confirm(document: OnBench, stage: Path, setup: Setup) -> Solution:
     run = _as_averaged(recorded, document)
     given = run, setup.schedule, setup.estimator, setup.limit_g, setup.stand, "run.csv"
     try:
-        solution = solve(*given, step_v=step_v(setup), known=gains.known(setup), coverage_factor=setup.coverage_factor)
+        solution = solve(*given, step_v=step_v(setup), known=known_before(setup), coverage_factor=setup.coverage_factor)
     except BadInput as error:
         raise Disagreement(f"the firmware has a result, but: {error}; no result is given") from None
     _require_same_bits(solution, document)
@@ -133,7 +132,7 @@ def _require_same_bits(solution: Solution, document: OnBench) -> None:
 def _require_same_estimate(solution: Solution, recorded: Run, setup: Setup) -> None:
     schedule, found = setup.schedule.data, solution.found
     if setup.estimator == OPTIMAL:
-        known, step = gains.known(setup), step_v(setup)
+        known, step = known_before(setup), step_v(setup)
         one = optimal_estimate(schedule, recorded.means, setup.stand, recorded.samples, step, known.k, known.samples)
         _require_close("K", found.k, one.k, OPTIMAL_LIMIT_U * one.u_k)
         _require_close("U0", found.u0, one.u0, OPTIMAL_LIMIT_U * one.u_u0)
@@ -150,7 +149,7 @@ def _require_same_uncertainties(solution: Solution, document: OnBench, setup: Se
     schedule, samples = setup.schedule.data, solution.run.samples
     variance = _noise_on_board(solution, document, setup)
     if setup.estimator == OPTIMAL:
-        known, step = gains.known(setup), step_v(setup)
+        known, step = known_before(setup), step_v(setup)
         given = schedule, known.k, setup.stand, samples, step, variance
         by_numpy = optimal_covariance(*given, known_samples=known.samples)
     else:

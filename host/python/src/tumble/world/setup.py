@@ -1,4 +1,4 @@
-"""What a bench run is to be, and the scenario that tells the simulated world so.
+"""What a bench run is to be, the scenario that tells the simulated world so, and the gain record of `optimal`.
 
 A scenario has one `key = value` a line; `tumble bench --keys` lists them. What a stand file leaves out is left to the
 program's own defaults.
@@ -19,7 +19,9 @@ from tumble.core import CoreSchedule, sine_cosine
 from tumble.defaults import DEFAULT_COVERAGE_FACTOR, DEFAULT_ESTIMATOR, DEFAULT_LIMIT_G
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.files.stand_file import StandFile, converter_step_v
+from tumble.model.optimal import optimal_table
 from tumble.schedule import Mounting, Position, Schedule
+from tumble.solving.optimal_run import Known, record_of, to_bytes
 from tumble.stand import PAPER_STAND, PerChannel, Stand, by_channel, per_channel
 from tumble.terms import Terms
 
@@ -47,6 +49,9 @@ BY_OPTION = {  # keys of a scenario that the check of the result has to know of:
     "block.range_v": ("--block", "[block] of the stand"),
 }
 _REPEATED = ("fault", "profile.receive_pdo", "profile.transmit_pdo", "profile.write", "drive.lacks")
+_USUAL_BLOCK = {"scale_v_per_g": -2.0, "misalignment_rad": 0.02}  # the program's own, where no file describes a block
+_FEWEST_SAMPLES = 16  # before which the procedure does not look at an error budget
+_MOST = 1e6  # times the budget that one sample's noise counts as, at most
 _USUAL_CONVERTER = {"converter_bits": 24, "range_v": 10.0}  # where the file leaves it open
 
 
@@ -282,3 +287,27 @@ def _position(position: Position) -> str:
 
 def _angle(angle_deg: float) -> str:
     return _numbers(angle_deg, *sine_cosine(angle_deg))
+
+
+def known_before(setup: Setup) -> Known:
+    """The block's nominal K and the samples of a position."""
+    block = _USUAL_BLOCK if setup.block is None else setup.block
+    shape = np.full((3, 3), block["misalignment_rad"])
+    np.fill_diagonal(shape, 1.0)
+    return Known(by_channel(block["scale_v_per_g"])[:, None] * shape, _expected_samples(setup))
+
+
+def _expected_samples(setup: Setup) -> float:
+    """All that are asked for; with an error budget as many as bring the noise of a mean to it, but no fewer than the
+    procedure takes before it looks."""
+    if setup.error_budget_v == 0.0:
+        return float(setup.samples)
+    one_sample = float(setup.stand.with_step(step_v(setup)).sigmas("noise").max())
+    wanted = (one_sample / setup.error_budget_v) ** 2 if one_sample < _MOST * setup.error_budget_v else _MOST**2
+    return max(wanted, float(min(_FEWEST_SAMPLES, setup.samples)))
+
+
+def gain_record(setup: Setup) -> bytes:
+    """What goes into the navigation computer's non-volatile memory. Raises UsageError where no weights can be made."""
+    before, schedule = known_before(setup), setup.schedule.data
+    return to_bytes(record_of(optimal_table(schedule, before.k, setup.stand, step_v(setup), before.samples), schedule))

@@ -17,9 +17,9 @@ from tumble.estimators import ESTIMATORS, OPTIMAL
 from tumble.files.schedule_file import schedule_of
 from tumble.files.stand_file import stand_file_of
 from tumble.firmware_tables import STATES
-from tumble.world import document, gains, in_process, outcome
+from tumble.world import document, in_process, outcome
 from tumble.world.border import CHANGE, ENDED, ENDS, FOREVER_US, OPERATORS, SENDERS, Border, Key, Refused, keys, text
-from tumble.world.setup import BY_OPTION, Setup, scenario_text, setup_of
+from tumble.world.setup import BY_OPTION, Setup, gain_record, scenario_text, setup_of
 
 if TYPE_CHECKING:
     from tumble.world.virtual_bus import VirtualBus
@@ -79,7 +79,7 @@ class World:
         lines = list(_lines(keys))
         given = {line.partition("=")[0].strip() for line in lines}
         own = [one for one in scenario_text(self._setup).splitlines() if one.partition("=")[0].strip() not in given]
-        record = gains.record(self._setup) if self._setup.estimator == OPTIMAL else None
+        record = gain_record(self._setup) if self._setup.estimator == OPTIMAL else None
         try:
             self._border = Border(seed, [*lines, *own], record, operator, memory)
         except Refused as refused:

@@ -134,7 +134,7 @@ def run(arguments: argparse.Namespace, onlooker: Onlooker | None = None) -> int:
     from tumble.api.complaints import complaints
     from tumble.cli.output import print_solution, warn
     from tumble.solving.decision import decide
-    from tumble.world import border, folder, gains, outcome, realbus, setup
+    from tumble.world import border, folder, outcome, realbus, setup
 
     if arguments.keys:
         print(border.scenario_help(), end="")
@@ -150,7 +150,7 @@ def run(arguments: argparse.Namespace, onlooker: Onlooker | None = None) -> int:
     wanted, stand_file = _read_setup(arguments, given)
     extra = None if arguments.scenario is None else given[arguments.scenario]
     scenario = setup.scenario_text(wanted, arguments.scenario, extra, arguments.set)
-    gain_record = gains.record(wanted) if wanted.estimator == OPTIMAL else None
+    gain_record = setup.gain_record(wanted) if wanted.estimator == OPTIMAL else None
     if arguments.runs is not None:
         return _run_many(arguments, wanted.seed, scenario, gain_record)
     path = folder.default_path(wanted.seed) if arguments.out is None else arguments.out

@@ -22,7 +22,7 @@ def describe(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run it. Returns its exit code; raises TumbleError."""
-    from tumble.world import uml_command
+    from tumble.world import uml
 
     words = arguments.words
-    return uml_command.run(words[1:] if words[:1] == ["--"] else words)
+    return uml.run_command(words[1:] if words[:1] == ["--"] else words)
