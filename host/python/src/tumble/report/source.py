@@ -293,11 +293,6 @@ class Source:
         local: Path = ("environment", "gravity_m_s2")
         return STANDARD_GRAVITY if self.decimal(*local) is None else local
 
-    def flag(self, *path: Key) -> bool | None:
-        """True or false; None where nothing is said."""
-        found: bool | None = self.at(*path)
-        return found
-
     def decimal(self, *path: Key) -> Decimal | None:
         """A number; None where there is none."""
         found = self.at(*path)
