@@ -4,7 +4,6 @@ grounds, the numbers."""
 from __future__ import annotations
 
 import math
-import textwrap
 from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 
@@ -25,6 +24,7 @@ from tumble.documents.comparison import (
 from tumble.errors import file_name
 from tumble.estimators import COEFFICIENTS
 from tumble.files.rows import range_text
+from tumble.fixture.report import in_columns, wrapped
 from tumble.rounding import rounded
 from tumble.solving.decision import NOT_SHOWN, UNCERTAINTY, phrase
 from tumble.terms import names
@@ -108,7 +108,6 @@ def _rows(named: list[str], units: list[str], found: Differences, factor: float 
     ]
 
 
-_WIDTH = 80
 _FAILED = "FAILED"
 _PERCENT = 100.0
 _LEAST_PERCENT = 1e-4
@@ -125,14 +124,14 @@ Row: TypeAlias = OfParameter | OfSeat | OfCoefficient
 
 def render(told: Comparison, words: Words = str) -> str:
     """The whole of it. `words`: what turns options of the command line into what the reader has in their place."""
-    lines = [*_wrapped(words(sentence(told))), ""]
+    lines = [*wrapped(words(sentence(told))), ""]
     for name, side in (("A", told.a), ("B", told.b)):
-        lines += _wrapped(f"{name}: {_described(side)}", "   ")
-    given = [line for one in grounds(told) for line in _wrapped(f"- {words(one)}", "  ")]
+        lines += wrapped(f"{name}: {_described(side)}", "   ")
+    given = [line for one in grounds(told) for line in wrapped(f"- {words(one)}", "  ")]
     lines += ["", "What this rests on:", *given] if given else []
     lines += _table(told.parameters, told.seat, told.coefficients)
     if told.tests is not None:
-        lines += ["", *_wrapped(legend(told)), "", *_chances(told)]
+        lines += ["", *wrapped(legend(told)), "", *_chances(told)]
     return "\n".join(lines) + "\n"
 
 
@@ -204,15 +203,12 @@ def _verdict(side: Side) -> str | None:
 
 def _table(*parts: Sequence[Row]) -> list[str]:
     """A paragraph for each part."""
-    rows: list[list[tuple[str, ...]]] = [[COLUMNS], *([cells(row) for row in part] for part in parts)]
-    widths = [max(map(len, column)) for column in zip(*(row for part in rows for row in part))]
-    aligned = (str.ljust, str.rjust, str.rjust, str.ljust, str.rjust, str.rjust)
-    lines: list[str] = []
-    for part in rows:
-        lines += [] if part is rows[1] else [""]
-        for row in part:
-            lines.append("  ".join(fit(cell, width) for fit, cell, width in zip(aligned, row, widths)).rstrip())
-    return lines
+    sides = (str.ljust, str.rjust, str.rjust, str.ljust, str.rjust, str.rjust)
+    lines = iter(in_columns([COLUMNS, *(cells(row) for part in parts for row in part)], sides))
+    found = ["", next(lines)]
+    for part in parts:
+        found += [*([] if part is parts[0] else [""]), *(next(lines) for _ in part)]
+    return found
 
 
 def cells(row: Row) -> tuple[str, ...]:
@@ -256,7 +252,3 @@ def _words(name: str) -> str:
 def _sized(row: Row | Explained) -> str:
     size, u = rounded(row.difference, row.u)
     return f"{size} +- {u} {row.unit}" if row.u is not None else f"{size} {row.unit}"
-
-
-def _wrapped(text: str, indent: str = "") -> list[str]:
-    return textwrap.wrap(text, _WIDTH, break_long_words=False, break_on_hyphens=False, subsequent_indent=indent)

@@ -105,18 +105,18 @@ def _maximum(values: Floats, half_b: Floats) -> Floats:
     so bisection finds it; the value is then right to 1e-8 of b at least."""
     top = values[:, 2]
     low, high = top + np.abs(half_b[:, 2]), top + np.linalg.norm(half_b, axis=1)
+
+    def gaps(lam: Floats) -> Floats:
+        """lambda less each eigenvalue; not 0, where only a b of 0 to rounding leads."""
+        return np.maximum(lam[:, None] - values, np.finfo(float).tiny ** 0.5)
+
     for _ in range(_EIGEN_BISECTIONS):
         middle = (low + high) / 2.0
-        short = ((half_b / _gaps(middle, values)) ** 2).sum(axis=1) < 1.0
+        short = ((half_b / gaps(middle)) ** 2).sum(axis=1) < 1.0
         low, high = np.where(short, low, middle), np.where(short, middle, high)
-    lengthwise = np.minimum(half_b**2 / _gaps(high, values), np.abs(half_b))  # no component of a is longer than 1
+    lengthwise = np.minimum(half_b**2 / gaps(high), np.abs(half_b))  # no component of a is longer than 1
     found: Floats = high + lengthwise.sum(axis=1)
     return found
-
-
-def _gaps(lam: Floats, values: Floats) -> Floats:
-    """lambda less each eigenvalue; not 0, where only a b of 0 to rounding leads."""
-    return np.maximum(lam[:, None] - values, np.finfo(float).tiny ** 0.5)
 
 
 ON_A_SEAT = f"Assuming {ASSUMPTIONS['seat'].phrase}: {ASSUMPTIONS['seat'].why}."

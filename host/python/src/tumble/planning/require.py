@@ -26,7 +26,7 @@ import numpy as np
 from msgspec import UNSET, UnsetType
 from rich.console import Console
 
-from tumble.arrays import Floats
+from tumble.arrays import Flags, Floats
 from tumble.core import MAX_SAMPLES
 from tumble.documents.plan import (
     ROWS,
@@ -227,7 +227,7 @@ def _grown(case: Case, row_limit: float, split: Floats) -> Requirements:
     growing = sizes < ceiling
     while growing.any():
 
-        def grown(factor: float, sizes: Floats = sizes, growing: Any = growing) -> Floats:
+        def grown(factor: float, sizes: Floats = sizes, growing: Flags = growing) -> Floats:
             return np.where(growing, np.minimum(sizes * factor, ceiling), sizes)
 
         most = float((ceiling / sizes)[growing].max())
@@ -288,9 +288,16 @@ def headroom(case: Case, which: str, estimator: str, limit_g: float) -> Headroom
         gamma = _with_noise_row(case, weights.published(case, estimator, weights.WORST))[None]
     else:
         gamma = _by_pattern(stand_of(case, sizes), estimator, _sign_patterns())
-    if estimator == "optimal":
-        declared, ceiling = stand_of(case, sizes), _ceilings(case).tolist()
-        alone = np.array([_alone(declared, sizes, source, most, row_limit) for source, most in enumerate(ceiling)])
+    if estimator == "optimal":  # whose uncertainties grow with every source
+        declared, alone = stand_of(case, sizes), np.empty(len(sizes))
+        for source, most in enumerate(_ceilings(case).tolist()):
+            own, least = np.arange(len(sizes)) == source, _LEAST * most
+
+            def sizes_at(size: float, own: Flags = own) -> Floats:
+                return np.where(own, size, sizes)
+
+            size = _largest(declared, sizes_at, least, most, row_limit, row_limit)
+            alone[source] = 0.0 if size == least else math.inf if size == most else size
     else:
         terms = (gamma * sizes) ** 2
         left = row_limit**2 - (terms.sum(axis=2, keepdims=True) - terms)
@@ -298,16 +305,6 @@ def headroom(case: Case, which: str, estimator: str, limit_g: float) -> Headroom
         possible = np.divide(rest, gamma, out=np.where(left >= 0.0, np.inf, 0.0), where=gamma > 0.0)
         alone = possible.min(axis=(0, 1))
     return Headroom(alone, _margin(gamma, sizes, row_limit))
-
-
-def _alone(case: Case, sizes: Floats, source: int, ceiling: float, row_limit: float) -> float:
-    """Of one source, for the optimal estimator, whose uncertainties grow with every source."""
-
-    def sizes_at(size: float) -> Floats:
-        return np.where(np.arange(len(sizes)) == source, size, sizes)
-
-    found = _largest(case, sizes_at, _LEAST * ceiling, ceiling, row_limit, row_limit)
-    return 0.0 if found == _LEAST * ceiling else math.inf if found == ceiling else found
 
 
 def margins(case: Case, limit_g: float) -> dict[str, float]:

@@ -318,12 +318,6 @@ def judge(found: Validated) -> Figures:
     return judged
 
 
-_HONEST = (
-    "PASS: the stated uncertainties are honest: every figure within its limits.\n"
-    "Is the stand good enough for a limit? Ask tumble plan require."
-)
-
-
 def document(case: Case, found: dict[str, Figures], runs: int, seed: int, table: str) -> Validation:
     """The campaign for JSON, by estimator."""
     return Validation(
@@ -356,7 +350,20 @@ def show(plan: Validation) -> None:
     headings = ("", "u planned", "bias/u", "spread/u", "bound/spread", "k = 1", "k = 2", "k = 3")
     for estimator, one in plan.estimators.items():
         out.print(tables.heading(f"\n{estimator}"))
-        out.print(tables.table(headings, [_row(one, index) for index in range(len(COEFFICIENTS))]))
+        numbers = zip(one.u, one.bias_over_u, one.spread_over_u, one.efficiency)
+        covered = zip(*(of.covered for of in one.coverage.values()))
+        rows = [
+            (
+                name,
+                f"{u:.3e}",
+                f"{bias:+.3f}",
+                f"{spread:.4f}",
+                f"{best:.4f}",
+                *(f"{100 * share:.2f}" for share in shares),
+            )
+            for name, (u, bias, spread, best), shares in zip(COEFFICIENTS, numbers, covered)
+        ]
+        out.print(tables.table(headings, rows))
         promised, shares = one.promise, (one.simulated.passes, one.simulated.every_attitude)
         passes, everywhere = (f"{100 * p:.1f} +- {100 * (p * (1 - p) / plan.runs) ** 0.5:.1f} %" for p in shares)
         check = f"passes the gravity check {tables.percent(promised.passes)} (seen {passes})"
@@ -367,16 +374,8 @@ def show(plan: Validation) -> None:
             out.print(f"Outside: {complaint}", style="red")
     out.print("k = 1, 2, 3: % of runs within k of their own stated standard uncertainties")
     outside = sum(len(one.outside) for one in plan.estimators.values())
-    verdict = f"FAIL: {outside} figures lie outside their limits" if outside else _HONEST
-    out.print(verdict, style="red bold" if outside else "green bold")
-
-
-def _row(found: Figures, index: int) -> tuple[str, ...]:
-    return (
-        COEFFICIENTS[index],
-        f"{found.u[index]:.3e}",
-        f"{found.bias_over_u[index]:+.3f}",
-        f"{found.spread_over_u[index]:.4f}",
-        f"{found.efficiency[index]:.4f}",
-        *(f"{100 * one.covered[index]:.2f}" for one in found.coverage.values()),
-    )
+    if outside:
+        out.print(f"FAIL: {outside} figures lie outside their limits", style="red bold")
+    else:
+        out.print("PASS: the stated uncertainties are honest: every figure within its limits.", style="green bold")
+        out.print("Is the stand good enough for a limit? Ask tumble plan require.", style="green bold")

@@ -65,20 +65,7 @@ TABLE_2 = {
 }
 
 # Table 3: their sums with 50 samples, in ppm; biases in mg.
-TABLE_3 = {
-    "K_xx": "9",
-    "K_yy": "9",
-    "K_zz": "9",
-    "a0_x": "0.01",
-    "a0_y": "0.01",
-    "a0_z": "0.01",
-    "K_xy": "1600",
-    "K_xz": "1600",
-    "K_yx": "10500",
-    "K_yz": "590",
-    "K_zx": "10500",
-    "K_zy": "590",
-}
+TABLE_3 = dict(zip(TABLE_1, "9 9 9 0.01 0.01 0.01 1600 1600 10500 590 10500 590".split()))
 
 # Table 4: gamma1 to gamma5 of K_yx and K_zx from one mounting alone.
 TABLE_4 = {
