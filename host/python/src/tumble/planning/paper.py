@@ -24,30 +24,13 @@ from tumble.model.estimators import linear_gains
 from tumble.planning import tables, weights
 from tumble.planning.case import Case
 from tumble.planning.require import Requirements, printed as evaluate_printed, requirements, samples_for
-from tumble.planning.weights import (
-    EQUATION_6_PPM,
-    EQUATION_18,
-    EQUATION_19,
-    GROUP_FACTOR,
-    GROUP_SAMPLES,
-    LIMIT_20_G,
-    NAMES,
-    SOURCES,
-    STAND_5,
-    TABLE_1,
-    TABLE_2,
-    TABLE_3,
-    TABLE_4,
-    TABLE_5_REQUIRED,
-    TABLE_5_USED,
-    evaluate,
-)
+from tumble.planning.weights import NAMES, SOURCES, evaluate
 
 # Misalignments that no two formulas confuse: K_ij/K_ii off the diagonal.
 AUDIT_K = 2.0 * np.array([[1.0, 0.020, 0.016], [0.014, 1.0, 0.018], [0.012, 0.010, 1.0]])
 _FIRST_ORDER = 0.05  # a weight may differ by the misalignments themselves, which a formula of first order leaves out
-_SIZES = np.array([float(STAND_5[source]) for source in SOURCES])  # by (5); the noise of one sample
-_GROUPED = _SIZES / np.array([1.0, 1.0, 1.0, 1.0, float(GROUP_FACTOR)])  # and divided by the paper's 7
+_SIZES = np.array([float(weights.STAND_5[source]) for source in SOURCES])  # by (5); the noise of one sample
+_GROUPED = _SIZES / np.array([1.0, 1.0, 1.0, 1.0, float(weights.GROUP_FACTOR)])  # and divided by the paper's 7
 
 # Numbers of the discrepancies that a line shows, by table, row and column, or by table and column.
 _NOTES = {
@@ -100,26 +83,26 @@ def lines() -> list[Line]:
     averaged = weights.published(case, "averaged")
     totals = np.linalg.norm(averaged * _GROUPED, axis=1)
     found = _weights_from_both_mountings()
-    for name, row in TABLE_2.items():
+    for name, row in weights.TABLE_2.items():
         computed = averaged[NAMES.index(name)] * _SIZES
         found += [_rounded("Table 2", name, *one) for one in zip(SOURCES, row, computed.tolist())]
-    for name, printed in TABLE_3.items():
+    for name, printed in weights.TABLE_3.items():
         unit, size = ("mg", 1e3) if name.startswith("a0") else ("ppm", 1e6)
         found.append(_rounded("Table 3", name, unit, printed, float(totals[NAMES.index(name)]) * size))
     found += _weights_from_one_mounting()
     values = weights.symbols(case.nominal_k())
-    for name, printed in EQUATION_6_PPM.items():
-        gamma = np.array([evaluate(formula, values) for formula in TABLE_4[name]])
+    for name, printed in weights.EQUATION_6_PPM.items():
+        gamma = np.array([evaluate(formula, values) for formula in weights.TABLE_4[name]])
         found.append(_rounded("(6)", name, "ppm", printed, _ppm(gamma * _GROUPED)))
     for source, weight in (("alpha2", 1.0), ("alpha4", 0.15), ("noise", 0.3)):  # three in the row: 3 sqrt(3) gamma
-        found.append(_rounded("(18)", "K_yy", source, _factor(EQUATION_18[source]), 3.0 * 3.0**0.5 * weight))
+        found.append(_rounded("(18)", "K_yy", source, _factor(weights.EQUATION_18[source]), 3.0 * 3.0**0.5 * weight))
     units = np.array([1.0, case.misalignment, case.misalignment, 1.0, 1.0 / case.full_scale["noise"]])
-    divisors = (float(LIMIT_20_G) / rule.limits / units).tolist()
-    for strictest, (source, formula), divisor in zip(rule.set_by, EQUATION_19.items(), divisors):
+    divisors = (float(weights.LIMIT_20_G) / rule.limits / units).tolist()
+    for strictest, (source, formula), divisor in zip(rule.set_by, weights.EQUATION_19.items(), divisors):
         found.append(_rounded("(19)", str(strictest), source, _factor(formula), divisor))
-    for source, printed in TABLE_5_REQUIRED.items():
+    for source, printed in weights.TABLE_5_REQUIRED.items():
         found.append(_rounded("Table 5", "required", source, printed, general[source]))
-    for (source, printed), size in zip(TABLE_5_USED.items(), _SIZES.tolist()):
+    for (source, printed), size in zip(weights.TABLE_5_USED.items(), _SIZES.tolist()):
         found.append(_rounded("Table 5", "used", source, printed, size))
     return found
 
@@ -151,12 +134,12 @@ def _paper_case() -> Case:
 
 def _rule_requirements() -> Requirements:
     """What the paper's own rule gives: strictest row, worst signs, formula (7) in use."""
-    return requirements(_paper_case(), "published", "refined", float(LIMIT_20_G), np.ones(len(SOURCES)))
+    return requirements(_paper_case(), "published", "refined", float(weights.LIMIT_20_G), np.ones(len(SOURCES)))
 
 
 def _general_requirements() -> dict[str, float]:
     """What (19) gives as printed, by source."""
-    return evaluate_printed(_paper_case(), EQUATION_19, float(LIMIT_20_G))
+    return evaluate_printed(_paper_case(), weights.EQUATION_19, float(weights.LIMIT_20_G))
 
 
 def _weights_from_both_mountings() -> list[Line]:
@@ -164,18 +147,18 @@ def _weights_from_both_mountings() -> list[Line]:
     related = np.concatenate([AUDIT_K.ravel(), np.diag(AUDIT_K)])
     derived = _signed_weights(linear_gains(_paper_case().fitted, "averaged")) / related[:, None]
     derived[:, 3:] = np.abs(derived[:, 3:])
-    return _weight_lines("Table 1", TABLE_1, derived[[NAMES.index(name) for name in TABLE_1]])
+    return _weight_lines("Table 1", weights.TABLE_1, derived[[NAMES.index(name) for name in weights.TABLE_1]])
 
 
 def _weights_from_one_mounting() -> list[Line]:
     """Table 4: of K_yx and K_zx."""
     averaged = linear_gains(_paper_case().fitted, "averaged").reshape(12, 2, 27)
-    gain_rows = np.zeros((len(TABLE_4), 2, 27))
-    for own, name in zip(gain_rows, TABLE_4):
+    gain_rows = np.zeros((len(weights.TABLE_4), 2, 27))
+    for own, name in zip(gain_rows, weights.TABLE_4):
         mounting = int(name[1]) - 1
         own[mounting] = 2.0 * averaged[NAMES.index("K_" + name[-2:]), mounting]
-    related = np.array([AUDIT_K[1, 0] if name.endswith("yx") else AUDIT_K[2, 0] for name in TABLE_4])
-    return _weight_lines("Table 4", TABLE_4, _signed_weights(gain_rows.reshape(-1, 54)) / related[:, None])
+    related = np.array([AUDIT_K[1, 0] if name.endswith("yx") else AUDIT_K[2, 0] for name in weights.TABLE_4])
+    return _weight_lines("Table 4", weights.TABLE_4, _signed_weights(gain_rows.reshape(-1, 54)) / related[:, None])
 
 
 def _signed_weights(gain_rows: Floats) -> Floats:
@@ -293,22 +276,22 @@ def discrepancies() -> list[Discrepancy]:
 
 def _figures() -> dict[str, Any]:
     """What _DISCREPANCIES names."""
-    case, limit_g = _paper_case(), float(LIMIT_20_G)
+    case, limit_g = _paper_case(), float(weights.LIMIT_20_G)
     averaged, refined = (weights.published(case, estimator) for estimator in ("averaged", "refined"))
     single, grouped = (dict(zip(NAMES, averaged * sizes)) for sizes in (_SIZES, _GROUPED))
     misprinted = grouped["K_xz"].copy()
     misprinted[1] = case.misalignment * _GROUPED[1]
-    in_print = {name: np.array([float(one) for one in row]) / (1, 1, 1, 1, 7) for name, row in TABLE_2.items()}
+    in_print = {name: np.array([float(one) for one in row]) / (1, 1, 1, 1, 7) for name, row in weights.TABLE_2.items()}
     general, rule = _general_requirements(), _rule_requirements().limits
     noise = _SIZES[SOURCES.index("noise")]
     k_yx = grouped["K_yx"]
     by_place = {(line.table, line.row, line.column): line.computed for line in lines()}
     largest = [SOURCES[int(np.argmax(row))] for row in refined * _GROUPED]
     return {
-        "TABLE_2": TABLE_2,
-        "TABLE_3": TABLE_3,
-        "GROUP_SAMPLES": GROUP_SAMPLES,
-        "required": TABLE_5_REQUIRED,
+        "TABLE_2": weights.TABLE_2,
+        "TABLE_3": weights.TABLE_3,
+        "GROUP_SAMPLES": weights.GROUP_SAMPLES,
+        "required": weights.TABLE_5_REQUIRED,
         "misprinted": _ppm(misprinted),
         "k_xx": single["K_xx"],
         "sum_k_xx": _ppm(grouped["K_xx"]),

@@ -23,20 +23,20 @@ def section(told: Comparison | None, earlier: dict[str, Any], later: dict[str, A
 
     from tumble.pictures import comparison, svg
 
+    # an option that is the comparison's own, and not the report's
+    said = [
+        one.replace("(--stand FILE)", "(tumble compare --stand FILE)")
+        for one in (*report.grounds(told), *told.warnings)
+    ]
     rows = [row for part in (told.parameters, told.seat, told.coefficients) for row in part]
     return {
         "sentence": readable(report.sentence(told)),
         "results": [(Fixed("A, the earlier result"), _called(earlier)), (Fixed("B, this result"), _called(later))],
-        "grounds": [readable(_for_compare(one)) for one in (*report.grounds(told), *told.warnings)],
+        "grounds": [readable(one) for one in said],
         "table": Table(report.COLUMNS, [tuple(map(Fixed, report.cells(row))) for row in rows], left=(3,)),
         "legend": None if told.tests is None else readable(report.legend(told)),
         "svg": Markup(svg(comparison(told))),
     }
-
-
-def _for_compare(said: str) -> str:
-    """An option that is the comparison's own, and not the report's."""
-    return said.replace("(--stand FILE)", "(tumble compare --stand FILE)")
 
 
 def _called(document: dict[str, Any]) -> Fixed:

@@ -212,25 +212,20 @@ def declared(source: Source) -> tuple[Inline, Table] | None:
 
 def seen(source: Source) -> Table:
     """The stand as the run shows it, with standard uncertainties."""
-    rows = []
-    for key, name in _SEEN.items():
-        if key == "noise_v" and source.array("stand_seen", "noise_v_by_channel"):
-            rows += [_noise_of(source, name, channel) for channel in range(3)]
-            continue
-        value, u = source.with_uncertainty(("stand_seen", key), ("stand_seen", f"u_{key}"), None)
-        if value is not MISSING:
-            rows.append((Fixed(name), value, u, Fixed(_unit(source, key))))
-    return Table(("As this run shows it", "Value", "u (k = 1)", "Unit"), aligned(rows, 1, 2), left=(3,))
-
-
-def _noise_of(source: Source, name: str, channel: int) -> tuple[Inline, Inline, Inline, Inline]:
-    """Of a channel, beside what the stand declares of it."""
-    paths = [("stand_seen", f"{u}noise_v_by_channel", channel) for u in ("", "u_")]
-    value, u = source.with_uncertainty(paths[0], paths[1], None)
+    rows: list[tuple[Inline, ...]] = []
     kind = str(source.at("stand", "limits"))
     meaning = "" if kind == "sigma1" else f" ({_MEANING.get(kind, kind)})"
-    title = line(f"{name}, {'xyz'[channel]}; declared ", source.told("stand", "noise_v", channel), meaning)
-    return title, value, u, Fixed(_unit(source, "noise_v"))
+    for key, name in _SEEN.items():
+        unit, at = Fixed(_unit(source, key)), ("stand_seen", key)
+        if key == "noise_v" and source.array("stand_seen", "noise_v_by_channel"):
+            for i, axis in enumerate("xyz"):  # beside what the stand declares of each
+                title = line(f"{name}, {axis}; declared ", source.told("stand", "noise_v", i), meaning)
+                paths = [("stand_seen", f"{u}noise_v_by_channel", i) for u in ("", "u_")]
+                rows.append((title, *source.with_uncertainty(paths[0], paths[1], None), unit))
+        elif source.at(*at) is not None:
+            value, u = source.with_uncertainty(at, ("stand_seen", f"u_{key}"), None)
+            rows.append((Fixed(name), value, u, unit))
+    return Table(("As this run shows it", "Value", "u (k = 1)", "Unit"), aligned(rows, 1, 2), left=(3,))
 
 
 def unit_of_k(source: Source) -> Inline:
@@ -267,11 +262,6 @@ class Uncertainties:
     table: Path
     has_k: bool
     about: Inline
-
-    @property
-    def symbol(self) -> str:
-        """Of the column."""
-        return "U = k u" if self.has_k else "u (k = 1)"
 
 
 def uncertainties(source: Source) -> Uncertainties:
@@ -391,9 +381,9 @@ def _freedom(source: Source, path: Path) -> Inline:
 
 
 def _table(source: Source, rows: list[tuple[Inline, ...]], given: Uncertainties) -> Table:
-    head: tuple[str, ...] = ("", "Value", given.symbol, "Unit")
-    has_si = bool(source.table("si"))
-    head += ("Value, SI", given.symbol, "Unit") if has_si else ()
+    symbol, has_si = "U = k u" if given.has_k else "u (k = 1)", bool(source.table("si"))
+    head: tuple[str, ...] = ("", "Value", symbol, "Unit")
+    head += ("Value, SI", symbol, "Unit") if has_si else ()
     aligned_rows = aligned(rows, 1, 2, 4, 5) if has_si else aligned(rows, 1, 2)
     return Table((*head, "k", NU) if given.has_k else head, aligned_rows, left=(3, 6) if has_si else (3,))
 
