@@ -56,6 +56,12 @@ class ErrorField:
     forms: Floats
     unknowns: Floats
 
+    @property
+    def covariance(self) -> Floats:
+        """Of the unknowns."""
+        found: Floats = self.unknowns.T @ self.unknowns
+        return found
+
 
 def error_field(case: Case, estimator: str, k: Floats) -> ErrorField:
     """Of an estimator, for a block of sensitivity `k` (V/g). Raises UsageError where the schedule does not allow it."""
@@ -208,7 +214,7 @@ def _promise(case: Case, estimator: str, k: Floats) -> tuple[Promise, Law, Law]:
         norm = Law.of(field.unknowns, count, lambda errors: largest_with_terms(errors, k, case.terms))
     else:
         norm = Law.of(field.forms, count, largest_over_attitudes)
-    u_norm_g = worst_norm(k, field.unknowns.T @ field.unknowns, case.terms).worst
+    u_norm_g = worst_norm(k, field.covariance, case.terms).worst
     (passes, u_passes), (everywhere, u_everywhere) = check.chance(case.limit_g), norm.chance(case.limit_g)
     found = Promise(
         limit_g=case.limit_g,

@@ -430,8 +430,7 @@ def _measured_with(case: Case, schedule: Schedule, samples: int) -> Case:
 def worst_norm_of(case: Case, estimator: str) -> tuple[float, list[float]]:
     """The worst u(|a|) of a case, g, and at which attitude, from the estimator's own gains."""
     k = case.nominal_k()
-    found = error_field(case, estimator, k).unknowns
-    worst = worst_norm(k, found.T @ found, case.terms)
+    worst = worst_norm(k, error_field(case, estimator, k).covariance, case.terms)
     return worst.worst, worst.attitude.tolist()
 
 

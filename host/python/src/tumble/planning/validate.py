@@ -54,6 +54,7 @@ KNOWN = "known"  # optimal weights for the block's true K, as a last known one
 RUN = "run"  # for each run's own first estimate of K, as in a solve
 COVERAGE_FACTORS = (1, 2, 3)
 _ATTITUDES = 2000
+_SUMS = ("within", "histograms", "total", "squares")  # arrays of a tally
 HISTOGRAM = (-5.0, 5.0, 50)  # of error over u: from, to, bins
 
 
@@ -89,18 +90,16 @@ class Tally:
 
     def result(self, name: str) -> Result:
         """For `take`, under a name of its own."""
-        counts = np.array([self.runs, self.passed, self.everywhere])
-        sums = {"counts": counts, "within": self.within.ravel(), "histograms": self.histograms.ravel()}
-        return {f"{name} {part}": one for part, one in {**sums, "total": self.total, "squares": self.squares}.items()}
+        counts = {f"{name} counts": np.array([self.runs, self.passed, self.everywhere])}
+        return counts | {f"{name} {part}": getattr(self, part).ravel() for part in _SUMS}
 
     def take(self, result: Result, name: str) -> None:
         """Add what another tally was, of later runs: sums depend on their order."""
         runs, passed, everywhere = result[f"{name} counts"].tolist()
         self.runs, self.passed, self.everywhere = self.runs + runs, self.passed + passed, self.everywhere + everywhere
-        self.total += result[f"{name} total"]
-        self.squares += result[f"{name} squares"]
-        self.within = self.within + result[f"{name} within"].reshape(self.within.shape)
-        self.histograms = self.histograms + result[f"{name} histograms"].reshape(self.histograms.shape)
+        for part in _SUMS:
+            so_far = getattr(self, part)
+            setattr(self, part, so_far + result[f"{name} {part}"].reshape(so_far.shape))
 
     @property
     def bias(self) -> Floats:
