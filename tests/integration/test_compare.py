@@ -12,9 +12,7 @@ from calibrations import U, result
 from conftest import EXAMPLES, ROOT
 from documents import valid
 
-from tumble.comparison.shared import Calibration
-from tumble.comparison.statistics import holm, is_covariance, whitened
-from tumble.comparison.verdict import judge
+from tumble.comparison.verdict import Calibration, holm, is_covariance, judge, whitened
 from tumble.distributions import chi_squared_above, chi_squared_quantile
 from tumble.rounding import rounded
 

@@ -9,8 +9,7 @@ from blocks import NOMINAL_K, write_run
 from conftest import EXAMPLES
 from documents import paper_stand, valid
 
-from tumble.comparison.shared import Calibration
-from tumble.comparison.verdict import Verdict, judge
+from tumble.comparison.verdict import Calibration, Verdict, judge
 from tumble.core import CoreSchedule
 from tumble.core.binding import estimate_runs
 from tumble.distributions import chi_squared_quantile

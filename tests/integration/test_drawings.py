@@ -111,6 +111,7 @@ def test_text_stands_out_in_grey(page):
 @pytest.mark.parametrize("page", PAGES, ids=name_of)
 def test_no_text_runs_into_another_or_off_the_page(page):
     figure = draw(*page)
+    figure.draw_without_rendering()  # a note has its place from then on
     placed = sorted(((*box_of(one).extents, one.get_text()) for one in written(figure)), key=lambda one: one[0])
     for index, one in enumerate(placed):
         assert one[0] >= 0.0 and one[2] <= figure.bbox.x1, one

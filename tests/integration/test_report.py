@@ -20,7 +20,7 @@ from tumble.documents.base import to_json
 from tumble.errors import BadInput, UsageError
 from tumble.estimators import COEFFICIENTS
 from tumble.files.schedule_file import read_schedule
-from tumble.report import make, method
+from tumble.report import make, sections
 from tumble.report.pages import number_of
 from tumble.report.source import Source
 
@@ -516,9 +516,9 @@ def test_faces_laid_by_hand_have_no_table(tmp_path):
     source = Source(result.document, "result")
     (picture,) = make._mountings(source)
     assert picture[2].startswith("How the block lay in each mounting") and "able at angle" not in picture[1]
-    _, listed = method.declared(source)
+    _, listed = sections.declared(source)
     named = ["Noise of one sample", "Seat not square, in a mounting", "Drift over a run"]
     assert [row[0].text for row in listed.rows] == named
     assert "stand_seen" not in result.plot()
     turned = Source(solve().document, "result")
-    assert "Table at angle 0" in make._mountings(turned)[0][1] and len(method.declared(turned)[1].rows) == 5
+    assert "Table at angle 0" in make._mountings(turned)[0][1] and len(sections.declared(turned)[1].rows) == 5

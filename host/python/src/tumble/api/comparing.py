@@ -10,7 +10,7 @@ from tumble.api.arguments import as_number, in_python, is_one_of, require_flag, 
 from tumble.api.result import Result, load
 from tumble.api.sides import side_of
 from tumble.comparison import pair, report
-from tumble.comparison.shared import OneStand
+from tumble.comparison.pair import OneStand
 from tumble.core import CoreSchedule
 from tumble.defaults import ANEW, DEFAULT_CONFIDENCE, LEVELLED
 from tumble.documents import comparison as types

@@ -1,7 +1,14 @@
-"""From two results to a comparison: what of them can be compared, what they share, and what a person should know."""
+"""From two results to a comparison: what of them can be compared, what they share, and what a person should know.
+
+What two calibrations have in common comes from the stand that both were measured on. A result states the covariance of
+all errors together. The declared stand tells them apart, and fixture.judge which of them return with every run; they
+are propagated as the solve did it, on the schedule of each result. Stand and schedule are not taken on trust: all
+sources together must give the covariance that the result states.
+"""
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -10,30 +17,51 @@ from typing import Any
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.comparison import shared
-from tumble.comparison.shared import Calibration, OneStand
-from tumble.comparison.statistics import is_covariance
-from tumble.comparison.verdict import Found, Verdict, judge
-from tumble.defaults import ANEW
+from tumble.comparison.verdict import Calibration, Found, Verdict, is_covariance, judge
+from tumble.core import MAX_SAMPLES, CoreRefusal, CoreSchedule
+from tumble.defaults import ANEW, ONCE
 from tumble.documents.result import Result
-from tumble.errors import BadInput, file_name, quoted
+from tumble.errors import BadInput, UsageError, file_name, quoted
+from tumble.estimators import ESTIMATORS
 from tumble.files.rows import Temperatures
+from tumble.fixture.judge import repeats
+from tumble.model.propagation import Propagation
+from tumble.schedule import Schedule
 from tumble.solving.coefficients import Coefficients, gravity_of
 from tumble.solving.decision import GRAVITY, UNCERTAINTY, Decision
 from tumble.solving.plausibility import TOLERANCE_C
-from tumble.solving.result import stand_of
+from tumble.solving.result import schedule_of, stand_of
+from tumble.stand import SOURCES, PerChannel, Stand, over
 from tumble.terms import POWERS, Terms
+from tumble.units import volts_per
 
+_AGREEMENT = 1e-5  # of the standard uncertainties, in any direction: more than two computations differ by
+_SAME = 1e-9  # relative: two ways of writing one standard deviation differ by less
 _NOT_THEIRS = "with a schedule that is known (--schedule) does not give the uncertainties of both"
 _DATES = ("date", "run_date")  # labels of the day of a run
 _EXCHANGED = "exchanged? A is to be the earlier one"
 _WORDS = {"alpha1": "axis tilt", "alpha2": "level"}  # of sources whose names are none
 
+Draws = dict[str, Floats]  # by source: (draws, 12 + 3 x terms), one standard deviation of each
+
+
+@dataclass(frozen=True)
+class OneStand:
+    """That both results were measured on: what is declared of it, the step of the converter (None: not known), the
+    `schedules` that a result was measured by that does not tell its own, and whether it was `levelled` once for both or
+    anew. `label`: what a person calls it. Of its `stand`, what is each run's own is as the result itself declares it,
+    where it does."""
+
+    label: str
+    stand: Stand
+    step_v: PerChannel | None
+    schedules: Sequence[CoreSchedule]
+    levelled: str
+
 
 @dataclass(frozen=True)
 class Side:
-    """One of the two results: its `name`, its `document`, `complaints` about it, and
-    its `calibration`."""
+    """One of the two results: its `name`, its `document`, `complaints` about it, and its `calibration`."""
 
     name: str
     document: Result
@@ -54,7 +82,7 @@ class Side:
 
     @property
     def terms(self) -> Terms:
-        """That it was solved with beside the twelve coefficients."""
+        """That it was solved with beside the twelve coefficients, drift among them."""
         return () if self.document.extended is None else self.document.extended.terms
 
     @property
@@ -70,11 +98,6 @@ class Side:
         return bool(set(self.failures) - {UNCERTAINTY})
 
     @property
-    def assumes(self) -> tuple[str, ...]:
-        """What it rests on that nobody tested."""
-        return self.document.assumes
-
-    @property
     def temperature(self) -> Temperatures | None:
         """Of its run; None: not told."""
         told = self.document.temperature
@@ -85,14 +108,78 @@ class Side:
         """Where it was measured, with its standard uncertainty, m/s^2; None: not told."""
         return gravity_of(self.document.environment)
 
-    def told_apart(self, one_stand: OneStand) -> shared.Apart | None:
-        """What returns with every run on the stand, and what is its own; None where it is not its stand."""
+    def told_apart(self, one_stand: OneStand) -> tuple[Floats, Draws] | None:
+        """Its covariance in two: its own, and what returns with every run on the stand; by the first schedule with
+        which the stand explains the covariance. None where none does. Raises BadInput for a result whose own schedule
+        is none."""
         if self.calibration.covariance is None:
             return None
-        own = stand_of(self.document, self.name)
-        if own is not None and shared.is_one(own, one_stand.stand):
-            one_stand = replace(one_stand, stand=own)
-        return shared.told_apart(shared.Told(self.name, self.document, self.calibration, self.terms), one_stand)
+        own_stand, schedule = stand_of(self.document, self.name), schedule_of(self.document, self.name)
+        if own_stand is not None and _is_one(own_stand, one_stand.stand):
+            one_stand = replace(one_stand, stand=own_stand)
+        for one in one_stand.schedules if schedule is None else [schedule]:
+            found = self._by_source(one_stand, one.data)
+            beyond = None if found is None else self._beyond(found, one_stand.step_v is not None)
+            if found is not None and beyond is not None:
+                once = one_stand.levelled == ONCE
+                returns = {name: draws for name, draws in found.items() if repeats(name, once)}
+                own = [draws.T @ draws for name, draws in found.items() if name not in returns]
+                return sum(own, beyond), returns
+        return None
+
+    def _by_source(self, one_stand: OneStand, schedule: Schedule) -> Draws | None:
+        """None for a schedule that has other positions, or that this estimator cannot solve."""
+        document, k = self.document, self.calibration.k
+        samples = {(one.mounting, one.position, one.use): one.samples for one in document.means}
+        places = [(position.mounting, position.number, position.use) for position in schedule.positions]
+        counted = samples and all(0 < one <= MAX_SAMPLES for one in samples.values())
+        if not counted or not samples.keys() <= set(places) or document.estimator not in ESTIMATORS:
+            return None
+        part = schedule.part([place in samples for place in places])
+        rows = np.array([samples[place] for place in places if place in samples])
+        declared = one_stand.stand.beside(self.terms).in_unit(document.unit)
+        step = over(one_stand.step_v or 0.0, volts_per(document.unit))
+        given = Propagation(part, k, declared, rows, document.estimator, step, self.terms)
+        try:
+            return {name: self._of_values(draws) for name, draws in given.brought().items()}
+        except (CoreRefusal, UsageError, np.linalg.LinAlgError):
+            return None
+
+    def _of_values(self, sizes: Floats) -> Floats:
+        """What draws bring to the calibration's values, by what they bring to the coefficients and to the sizes of all
+        terms: a size is K_ii times K2. A drift is none of the values."""
+        k, found = np.diag(self.calibration.k), [sizes[:, :12]]
+        for place, term in enumerate(self.calibration.terms):
+            value = self.calibration.values[12 + 3 * place : 15 + 3 * place]
+            start = 12 + 3 * self.terms.index(term)
+            found.append((sizes[:, start : start + 3] - value * sizes[:, [0, 4, 8]]) / k)
+        return np.concatenate(found, axis=1)
+
+    def _beyond(self, draws: Draws, knows_step: bool) -> Floats | None:
+        """What the covariance that was stated has beyond these draws: noise that the run showed beyond the declared
+        one, or steps of a converter that nobody tells. None where these draws cannot make it up."""
+        stated = self.calibration.covariance
+        assert stated is not None  # as the caller has seen to
+        u = np.sqrt(np.diag(stated))
+        if not (u > 0.0).all():
+            return None
+        scaled = np.concatenate(list(draws.values())) / u
+        variance, directions = np.linalg.eigh(stated / np.outer(u, u) - scaled.T @ scaled)
+        noise = self.document.noise
+        is_told = noise is not None and not noise.above_declared and not noise.undithered
+        if variance[0] < -_AGREEMENT or (knows_step and is_told and variance[-1] > _AGREEMENT):
+            return None
+        columns = directions * u[:, None]
+        found: Floats = (columns * np.where(variance > _AGREEMENT, variance, 0.0)) @ columns.T
+        return found
+
+
+def _is_one(a: Stand, b: Stand) -> bool:
+    """Whether two declarations may be of one stand: by the standard deviations of its axis and table, however these are
+    written (`limits`). How many samples were averaged, noise, drift, and how the block was mounted are of each run and
+    its block."""
+    told = [source.attribute for source in SOURCES.values() if source.identifies]
+    return all(math.isclose(a.sigma(source), b.sigma(source), rel_tol=_SAME) for source in told)
 
 
 @dataclass(frozen=True)
@@ -114,11 +201,6 @@ class Comparison:
         """What may be said. Nothing firm of a result that failed: its numbers do not describe its own run."""
         return Verdict.CANNOT_TELL if self.a.failed or self.b.failed else self.found.verdict
 
-    @property
-    def assumes(self) -> tuple[str, ...]:
-        """Names of what the one or the other rests on that nobody tested."""
-        return tuple(dict.fromkeys((*self.a.assumes, *self.b.assumes)))
-
 
 def compare(
     a: Side, b: Side, one_stand: OneStand | None, confidence: float, two_stands: bool = False, levelled: str = ANEW
@@ -133,7 +215,8 @@ def compare(
     first, second, names = _with_in_common(a, b, stand)
     ratio, u_ratio = _gravities(a, b)
     found = judge(first.reduced(terms), second.reduced(terms).at_gravity(ratio), u_ratio, confidence)
-    warnings, notes = [*_of_each(a, b), *_of_both(a, b)], _notes(a, b, ratio)
+    warnings = [f"{file_name(side.name)}: {sentence}" for side in (a, b) for sentence in side.complaints]
+    warnings, notes = [*warnings, *_of_both(a, b)], _notes(a, b, ratio)
     if stand is not None and names is None and found.tests is not None:
         warnings.append(f"{file_name(stand.label)} {_NOT_THEIRS}: nothing is counted as shared")
     if found.tests is not None:
@@ -144,7 +227,7 @@ def compare(
 def _declared_by_both(a: Side, b: Side, levelled: str) -> OneStand | None:
     """The stand that both results declare, by the same name and as exact; None where they do not."""
     stand, other = stand_of(a.document, a.name), stand_of(b.document, b.name)
-    if stand is None or other is None or not stand.name or stand.name != other.name or not shared.is_one(stand, other):
+    if stand is None or other is None or not stand.name or stand.name != other.name or not _is_one(stand, other):
         return None
     return OneStand(stand.name, stand, None, (), levelled)
 
@@ -157,16 +240,12 @@ def _with_in_common(
     first, second = (None, None) if stand is None else (a.told_apart(stand), b.told_apart(stand))
     if first is None or second is None:
         return a.calibration, b.calibration, None
-    names = tuple(name for name in first.returns if name in second.returns)
-    split = [
-        replace(side.calibration, covariance=apart.own, in_common=_stacked(apart, names, len(side.calibration.values)))
-        for side, apart in ((a, first), (b, second))
-    ]
+    names = tuple(name for name in first[1] if name in second[1])
+    split = []
+    for side, (own, returns) in ((a, first), (b, second)):
+        in_common = [np.zeros((0, len(side.calibration.values))), *(returns[name] for name in names)]
+        split.append(replace(side.calibration, covariance=own, in_common=np.concatenate(in_common)))
     return split[0], split[1], names
-
-
-def _stacked(apart: shared.Apart, names: tuple[str, ...], count: int) -> Floats:
-    return np.concatenate([np.zeros((0, count)), *(apart.returns[name] for name in names)])
 
 
 def _gravities(a: Side, b: Side) -> tuple[float, float]:
@@ -177,14 +256,14 @@ def _gravities(a: Side, b: Side) -> tuple[float, float]:
     return of_a / of_b, float(np.hypot((u_a or 0.0) / of_a, (u_b or 0.0) / of_b))
 
 
-def _of_each(a: Side, b: Side) -> list[str]:
-    return [f"{file_name(side.name)}: {sentence}" for side in (a, b) for sentence in side.complaints]
-
-
 def _of_both(a: Side, b: Side) -> list[str]:
     """Why the two may not be two calibrations of one block under one condition."""
     found = []
-    for label, (one, other) in _labels(a, b).items():
+    items = a.document.item or {}, b.document.item or {}
+    named = [label for label in items[0] if "serial" in label.lower()]  # what speaks of the block
+    labels: dict[str, tuple[Any, Any]] = {"serial": (a.document.serial, b.document.serial)}
+    labels |= {f"item.{label}": (items[0][label], items[1].get(label)) for label in named}
+    for label, (one, other) in labels.items():
         if one is not None and other is not None and one != other:
             found.append(f"{label} differs, {quoted(one)} and {quoted(other)}: not one block?")
     if a.document.run_sha256 is not None and a.document.run_sha256 == b.document.run_sha256:
@@ -209,26 +288,6 @@ def _run_date(side: Side) -> str:
     tables = [side.document.item or {}, side.document.environment or {}]
     told = [str(one[key]) for one in tables for key in one if key.strip().lower().replace(" ", "_") in _DATES]
     return next((one[:10] for one in told if re.fullmatch(r"\d{4}-\d\d-\d\d([T ].*)?", one, re.ASCII)), "")
-
-
-def _of_dates(a: Side, b: Side) -> list[str]:
-    """That nothing tells which is the earlier one, or that it may be B: a run may also have been solved anew."""
-    if _run_date(a) and _run_date(b):
-        return []
-    made = a.document.created, b.document.created
-    if made[0] is None or made[1] is None:
-        return ["Not both results are dated: that A is the earlier one is taken on trust."]
-    return [f"A was solved after B, on {made[0][:10]} and {made[1][:10]}: {_EXCHANGED}"] if made[0] > made[1] else []
-
-
-def _labels(a: Side, b: Side) -> dict[str, tuple[Any, Any]]:
-    """What names the block: its serial number, and labels of [item] that speak of one."""
-    items = a.document.item or {}, b.document.item or {}
-    named = [label for label in items[0] if "serial" in label.lower()]
-    return {
-        "serial": (a.document.serial, b.document.serial),
-        **{f"item.{label}": (items[0][label], items[1].get(label)) for label in named},
-    }
 
 
 def _of_sharing(names: tuple[str, ...] | None, one_stand: OneStand | None, two_stands: bool) -> str:
@@ -262,4 +321,10 @@ def _notes(a: Side, b: Side, ratio: float) -> list[str]:
         found.append("A drift is the run's and not the block's: it is not compared.")
     if any(side.temperature is None for side in (a, b)):
         found.append("Not both results tell their temperature.")
-    return found + _of_dates(a, b)
+    if not (_run_date(a) and _run_date(b)):  # a run may also have been solved anew
+        made = a.document.created, b.document.created
+        if made[0] is None or made[1] is None:
+            found.append("Not both results are dated: that A is the earlier one is taken on trust.")
+        elif made[0] > made[1]:
+            found.append(f"A was solved after B, on {made[0][:10]} and {made[1][:10]}: {_EXCHANGED}")
+    return found

@@ -1,16 +1,13 @@
-"""A comparison as a document of schema tumble.comparison/1.
-
-A document of schema tumble.comparison/1 for people, 80 columns wide: what was found, its grounds, the numbers.
-"""
+"""A comparison as a document of schema tumble.comparison/1, and this for people, 80 columns wide: what was found, its
+grounds, the numbers."""
 
 from __future__ import annotations
 
 import math
-import textwrap
 from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 
-from tumble.comparison import pair, verdict
+from tumble.comparison import pair
 from tumble.comparison.verdict import Differences, Verdict
 from tumble.documents.comparison import (
     AfterHolm,
@@ -27,6 +24,7 @@ from tumble.documents.comparison import (
 from tumble.errors import file_name
 from tumble.estimators import COEFFICIENTS
 from tumble.files.rows import range_text
+from tumble.fixture.report import in_columns, wrapped
 from tumble.rounding import rounded
 from tumble.solving.decision import NOT_SHOWN, UNCERTAINTY, phrase
 from tumble.terms import names
@@ -37,24 +35,41 @@ _MILLIONTHS = 1e6
 
 def document(compared: pair.Comparison) -> Comparison:
     """Ready for JSON."""
-    found, stand = compared.found, compared.one_stand
-    parameters = _parameters(compared)
+    found, stand, unit = compared.found, compared.one_stand, compared.a.document.unit
+    reduced, is_firm = compared.a.calibration.reduced(compared.terms), compared.verdict is Verdict.BLOCK
+    named = reduced.parameter_names, reduced.parameter_units
+    rows = _rows([*named[0]], [*named[1]], found.parameters, _MILLIONTHS)
+    tests, p = None, [None] * len(rows)
+    if (told := found.tests) is not None:
+        tests, p = (
+            Tests(told.all_twelve, told.block, Alone(told.alone), told.seat, AfterHolm(**told.adjusted)),
+            told.p_parameters.tolist(),
+        )
+    parameters = tuple(
+        OfParameter(**row, p=one, changed=is_firm and bool(has)) for row, one, has in zip(rows, p, found.changed)
+    )
+    explained = None
+    if is_firm and (one := found.explanation) is not None:
+        name, of_name = (of[one.index] for of in named)
+        explained = Explained(name, one.size * _MILLIONTHS, one.u * _MILLIONTHS, of_name, one.p)
     seat = _rows([f"seat_{axis}" for axis in "xyz"], ["urad"] * 3, found.seat, _MILLIONTHS)
-    coefficients = _rows([*COEFFICIENTS, *names(compared.terms)], _units(compared), found.coefficients)
+    units = [per_g(unit)] * 9 + [unit] * 3
+    units += ["1/g" if term == "k2" else "1/g^2" for term in compared.terms for _ in "xyz"]
+    coefficients = _rows([*COEFFICIENTS, *names(compared.terms)], units, found.coefficients)
     return Comparison(
         verdict=compared.verdict.value,
         apparent=None if found.tests is None else found.verdict.value,
         confidence=found.confidence,
         changed=tuple(row.name for row in parameters if row.changed),
-        explained_by=_explained(compared),
-        assumes=compared.assumes,
+        explained_by=explained,
+        assumes=tuple(dict.fromkeys((*compared.a.document.assumes, *compared.b.document.assumes))),
         a=_side(compared.a),
         b=_side(compared.b),
-        unit=compared.a.document.unit,
+        unit=unit,
         parameters=parameters,
         seat=tuple(OfSeat(**row) for row in seat),
         coefficients=tuple(OfCoefficient(**row) for row in coefficients),
-        tests=None if found.tests is None else _tests(found.tests),
+        tests=tests,
         shared=Shared(
             stand=None if stand is None else stand.label,
             levelled=None if stand is None else stand.levelled,
@@ -78,13 +93,6 @@ def _side(side: pair.Side) -> Side:
     )
 
 
-def _units(compared: pair.Comparison) -> list[str]:
-    """Of the coefficients."""
-    unit = compared.a.document.unit
-    further = ["1/g" if term == "k2" else "1/g^2" for term in compared.terms for _ in "xyz"]
-    return [per_g(unit)] * 9 + [unit] * 3 + further
-
-
 def _rows(named: list[str], units: list[str], found: Differences, factor: float = 1.0) -> list[dict[str, Any]]:
     """Keys of one for each; a difference over an uncertainty of 0 is null."""
     in_u = found.in_u
@@ -100,34 +108,6 @@ def _rows(named: list[str], units: list[str], found: Differences, factor: float 
     ]
 
 
-def _parameters(compared: pair.Comparison) -> tuple[OfParameter, ...]:
-    found, reduced = compared.found, compared.a.calibration.reduced(compared.terms)
-    is_firm = compared.verdict is Verdict.BLOCK
-    rows = _rows([*reduced.parameter_names], [*reduced.parameter_units], found.parameters, _MILLIONTHS)
-    p = [None] * len(rows) if found.tests is None else found.tests.p_parameters.tolist()
-    return tuple(
-        OfParameter(**row, p=one, changed=is_firm and bool(has)) for row, one, has in zip(rows, p, found.changed)
-    )
-
-
-def _explained(compared: pair.Comparison) -> Explained | None:
-    one, named = compared.found.explanation, compared.a.calibration.reduced(compared.terms)
-    if one is None or compared.verdict is not Verdict.BLOCK:
-        return None
-    return Explained(
-        name=named.parameter_names[one.index],
-        difference=one.size * _MILLIONTHS,
-        u=one.u * _MILLIONTHS,
-        unit=named.parameter_units[one.index],
-        p=one.p,
-    )
-
-
-def _tests(tests: verdict.Tests) -> Tests:
-    return Tests(tests.all_twelve, tests.block, Alone(tests.alone), tests.seat, AfterHolm(**tests.adjusted))
-
-
-_WIDTH = 80
 _FAILED = "FAILED"
 _PERCENT = 100.0
 _LEAST_PERCENT = 1e-4
@@ -144,15 +124,14 @@ Row: TypeAlias = OfParameter | OfSeat | OfCoefficient
 
 def render(told: Comparison, words: Words = str) -> str:
     """The whole of it. `words`: what turns options of the command line into what the reader has in their place."""
-    lines = [*_wrapped(words(sentence(told))), ""]
-    lines += [
-        line for name, side in (("A", told.a), ("B", told.b)) for line in _wrapped(f"{name}: {_described(side)}", "   ")
-    ]
-    given = [_wrapped(f"- {words(one)}", "  ") for one in grounds(told)]
-    lines += ["", "What this rests on:", *(line for one in given for line in one)] if given else []
-    lines += ["", *_table(told.parameters, told.seat, told.coefficients)]
+    lines = [*wrapped(words(sentence(told))), ""]
+    for name, side in (("A", told.a), ("B", told.b)):
+        lines += wrapped(f"{name}: {_described(side)}", "   ")
+    given = [line for one in grounds(told) for line in wrapped(f"- {words(one)}", "  ")]
+    lines += ["", "What this rests on:", *given] if given else []
+    lines += _table(told.parameters, told.seat, told.coefficients)
     if told.tests is not None:
-        lines += ["", *_wrapped(legend(told)), "", *_chances(told)]
+        lines += ["", *wrapped(legend(told)), "", *_chances(told)]
     return "\n".join(lines) + "\n"
 
 
@@ -175,14 +154,9 @@ def _why_not(told: Comparison) -> str:
         has, runs = ("has", "its run") if len(unsure) == 1 else ("have", "their runs")
         also = f" And {_named(failed)} FAILED {checks}." if failed else ""
         return f"{_named(unsure)} {has} no uncertainties: solve {runs} again {_ADVICE}{also}"
-    return f"{_named(failed)} FAILED {checks}: nothing firm can be said. By the numbers alone, {_apparent(told)}."
-
-
-def _apparent(told: Comparison) -> str:
-    """What the numbers alone say."""
-    if told.apparent == Verdict.UNCHANGED:
-        return _NOTHING_SEEN
-    return _turned(told) if told.apparent == Verdict.SEAT else f"the block has changed: {_moved(told)}"
+    apparent = _NOTHING_SEEN if told.apparent == Verdict.UNCHANGED else f"the block has changed: {_moved(told)}"
+    apparent = _turned(told) if told.apparent == Verdict.SEAT else apparent
+    return f"{_named(failed)} FAILED {checks}: nothing firm can be said. By the numbers alone, {apparent}."
 
 
 def _named(sides: list[Side]) -> str:
@@ -229,22 +203,19 @@ def _verdict(side: Side) -> str | None:
 
 def _table(*parts: Sequence[Row]) -> list[str]:
     """A paragraph for each part."""
-    rows = [COLUMNS, *(cells(row) for part in parts for row in part)]
-    widths = [max(map(len, column)) for column in zip(*rows)]
-    aligned = (str.ljust, str.rjust, str.rjust, str.ljust, str.rjust, str.rjust)
-    lines = ["  ".join(fit(cell, width) for fit, cell, width in zip(aligned, row, widths)).rstrip() for row in rows]
-    ends = [1 + sum(map(len, parts[:count])) for count in range(1, len(parts))]
-    return [line for number, line in enumerate(lines) for line in ([""] if number in ends else []) + [line]]
+    sides = (str.ljust, str.rjust, str.rjust, str.ljust, str.rjust, str.rjust)
+    lines = iter(in_columns([COLUMNS, *(cells(row) for part in parts for row in part)], sides))
+    found = ["", next(lines)]
+    for part in parts:
+        found += [*([] if part is parts[0] else [""]), *(next(lines) for _ in part)]
+    return found
 
 
 def cells(row: Row) -> tuple[str, ...]:
     """A difference as it stands under COLUMNS."""
-    return _words(row.name), *rounded(row.difference, row.u), row.unit, *_judged(row)
-
-
-def _judged(row: Row) -> tuple[str, str]:
     in_u, p = row.in_u, getattr(row, "p", None)
-    return "-" if in_u is None else f"{in_u:+.2f}", "" if p is None else _chance(p)
+    judged = "-" if in_u is None else f"{in_u:+.2f}", "" if p is None else _chance(p)
+    return _words(row.name), *rounded(row.difference, row.u), row.unit, *judged
 
 
 def legend(told: Comparison) -> str:
@@ -281,7 +252,3 @@ def _words(name: str) -> str:
 def _sized(row: Row | Explained) -> str:
     size, u = rounded(row.difference, row.u)
     return f"{size} +- {u} {row.unit}" if row.u is not None else f"{size} {row.unit}"
-
-
-def _wrapped(text: str, indent: str = "") -> list[str]:
-    return textwrap.wrap(text, _WIDTH, break_long_words=False, break_on_hyphens=False, subsequent_indent=indent)

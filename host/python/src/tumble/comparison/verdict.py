@@ -11,19 +11,165 @@ After Holm, so that two calibrations of a block that nobody touched come out as 
 confidence leaves. `whole` or `alone`: the block has changed, and those parameters are named that stand out by
 themselves, after Holm among them. Parameters whose errors are alike may hide a change of one; so the one is told
 whose change alone would explain the difference, if there is one. Else `seat`: nothing but the seat has.
+
+A block that sits turned by a small vector phi has K (I + [phi]x) in place of K: the lengths of K's rows, the angles
+between them and U0 stay (`Calibration.parameters`). A difference is tested by its covariance, also where that has
+directions without any variance (`whitened`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 
 import numpy as np
 
 from tumble.arrays import Flags, Floats
-from tumble.comparison.shared import Calibration
-from tumble.comparison.statistics import Whitened, holm, normal_p, test_of, whitened
+from tumble.distributions import chi_squared_above
 from tumble.documents.comparison import Test
+from tumble.model.coefficients import PAIRS, by_intrinsic
+from tumble.solving.coefficients import POWERS_OF_TWELVE
+from tumble.terms import POWERS, Terms, names
+
+NAMES = (
+    *(f"scale_{axis}" for axis in "xyz"),
+    *(f"angle_{pair}" for pair in ("xy", "xz", "yz")),
+    *(f"bias_{axis}" for axis in "xyz"),
+)
+UNITS = ("ppm",) * 3 + ("urad",) * 3 + ("ug",) * 3
+_UNITS_OF_TERMS = {"k2": "ug/g^2", "k3": "ug/g^3"}
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """`values` (12 + 3 x terms,): K row by row, U0, then K2 and K3 as far as they are in `terms`, in the unit of the
+    outputs and g. Their `covariance`, None where it is unknown: all of it, or without `in_common`, (draws, 12 + 3 x
+    terms): errors that the other calibration has as well, draw by draw, one standard deviation of each."""
+
+    values: Floats
+    covariance: Floats | None
+    terms: Terms = ()
+    in_common: Floats | None = None
+
+    @property
+    def k(self) -> Floats:
+        """K (3, 3)."""
+        return self.values[:9].reshape(3, 3)
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """Of `parameters`."""
+        return NAMES + names(self.terms)
+
+    @property
+    def parameter_units(self) -> tuple[str, ...]:
+        """Of a millionth of each parameter."""
+        return UNITS + tuple(_UNITS_OF_TERMS[term] for term in self.terms for _ in "xyz")
+
+    @property
+    def parameters(self) -> Floats:
+        """What does not depend on the seat (9 + 3 x terms,): the logarithms of the lengths of K's rows, so that a
+        difference is a relative one, the angles between the rows xy, xz, yz in rad, U0 over the lengths in g; K2 and
+        K3."""
+        length = np.linalg.norm(self.k, axis=1)
+        axis = self.k / length[:, None]
+        angles = [np.arctan2(np.linalg.norm(np.cross(axis[i], axis[j])), axis[i] @ axis[j]) for i, j in PAIRS]
+        return np.concatenate([np.log(length), angles, self.values[9:12] / length, self.values[12:]])
+
+    @property
+    def by_values(self) -> Floats:
+        """Derivatives of `parameters` by `values`, (9 + 3 x terms, 12 + 3 x terms)."""
+        found = np.zeros((len(self.values) - 3, len(self.values)))
+        found[:9, :12] = by_intrinsic(self.k, self.values[9:12])
+        found[:3] /= np.linalg.norm(self.k, axis=1)[:, None]
+        found[9:, 12:] = np.eye(len(self.values) - 12)
+        return found
+
+    def reduced(self, terms: Terms) -> Calibration:
+        """With these of its terms alone."""
+        kept = [*range(12), *(12 + 3 * self.terms.index(term) + axis for term in terms for axis in range(3))]
+        covariance = None if self.covariance is None else self.covariance[np.ix_(kept, kept)]
+        in_common = None if self.in_common is None else self.in_common[:, kept]
+        return Calibration(self.values[kept], covariance, terms, in_common)
+
+    def at_gravity(self, ratio: float) -> Calibration:
+        """For accelerations in units of another gravity, so many times that of its own place."""
+        factor = ratio**self.powers
+        covariance = None if self.covariance is None else factor[:, None] * self.covariance * factor
+        in_common = None if self.in_common is None else self.in_common * factor
+        return replace(self, values=self.values * factor, covariance=covariance, in_common=in_common)
+
+    @property
+    def powers(self) -> Floats:
+        """Of the gravity in `values`."""
+        return np.concatenate([POWERS_OF_TWELVE, np.repeat([POWERS[term] - 1.0 for term in self.terms], 3)])
+
+
+_NONE = 1e-12  # variance of a direction, in units of the standard uncertainties: what is left of rounding
+_ASYMMETRY = 1e-6  # in the same units: more than a file of fifteen digits leaves, or of fewer
+_BEYOND = 1e-5  # of a difference in such a direction, in the same units: more than rounding
+
+
+def test_of(chi_squared: float, freedom: int) -> Test:
+    """How often it is as large by chance: 1 without freedom."""
+    return Test(chi_squared, freedom, chi_squared_above(chi_squared, freedom) if freedom else 1.0)
+
+
+@dataclass(frozen=True)
+class Whitened:
+    """A difference in coordinates (n,) that are independent, of variance 1: `rows` (n, n) times it. `freedom`: how many
+    of them count."""
+
+    rows: Floats
+    difference: Floats
+    freedom: int
+
+    @property
+    def test(self) -> Test:
+        """Of the whole difference."""
+        return test_of(float(self.difference @ self.difference), self.freedom)
+
+
+def whitened(covariance: Floats, difference: Floats, rounding: Floats) -> Whitened:
+    """Of a difference (n,) with this covariance (n, n); `rounding` (n,): sizes below which it is nothing.
+
+    A direction without variance counts where the difference has more in it than rounding leaves, which no chance
+    explains. Else it is no degree of freedom, and the difference is taken to be 0 there.
+    """
+    size = np.sqrt(np.maximum(np.diag(covariance), 0.0) + rounding**2)
+    variance, directions = np.linalg.eigh((covariance + np.diag(rounding**2)) / np.outer(size, size))
+    shown = directions.T @ (difference / size)
+    counts: Flags = (variance > _NONE) | (np.abs(shown) > _BEYOND)
+    scale = np.sqrt(np.maximum(variance, _NONE))
+    rows: Floats = (directions / scale).T / size
+    return Whitened(rows, np.where(counts, shown / scale, 0.0), int(counts.sum()))
+
+
+def is_covariance(matrix: Floats) -> bool:
+    """Whether a matrix (n, n) is symmetric, and has no direction with less variance than rounding leaves."""
+    variance = np.diag(matrix)
+    if (variance < 0.0).any() or matrix[variance == 0.0].any():
+        return False
+    size = np.sqrt(np.where(variance > 0.0, variance, 1.0))
+    scaled = matrix / np.outer(size, size)
+    return bool(np.abs(scaled - scaled.T).max() < _ASYMMETRY and np.linalg.eigvalsh(scaled).min() > -_ASYMMETRY)
+
+
+def normal_p(difference: Floats, u: Floats) -> Floats:
+    """How often differences (n,) of these standard uncertainties (n,), above 0, are as large by chance."""
+    return np.array([chi_squared_above(float(one), 1.0) for one in (difference / u) ** 2])
+
+
+def holm(p: Sequence[float]) -> list[float]:
+    """Each p such that any is below a level, where nothing is there, in no more runs than that level says (Holm 1979):
+    times the number of those that are no smaller, and no less than what a smaller one came to."""
+    found, worst = [1.0] * len(p), 0.0
+    for rank, place in enumerate(sorted(range(len(p)), key=lambda one: p[one])):
+        worst = max(worst, min(1.0, (len(p) - rank) * p[place]))
+        found[place] = worst
+    return found
+
 
 EXPLAINED = 0.01  # p of what an explanation leaves, at least
 _ROUNDING = 1e-13  # of the largest coefficient; of the parameters, which are numbers of size 1, themselves

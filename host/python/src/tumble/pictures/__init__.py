@@ -10,10 +10,10 @@ svg          a picture as an element of a page of HTML, or a file of its own; wr
 They are as wide as the text of a page of A4, and may be read without colours. matplotlib is loaded when it is used.
 
 gallery      which pictures there are of a result, and what each needs
-canvas       matplotlib, sizes, colours, files
+canvas       matplotlib, sizes, colours, files; the page of a drawing
 result       by position, by sample, the stand as it is seen; uncertainty: budget, correlation, attitude
 recording    what is imported; histograms: of a simulated campaign
-sheet        the page of a drawing; drawings: stand, mountings, angles; diagrams: states, wiring
+drawings     stand, mountings, angles; diagrams: states, wiring
 """
 
 from tumble.pictures.canvas import require, require_format, svg, written

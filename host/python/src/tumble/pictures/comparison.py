@@ -36,53 +36,36 @@ def comparison(document: Comparison) -> Figure:
     rows = [(group, row) for group, _ in _GROUPS for row in getattr(document, group)]
     figure = blank("comparison", _FRAME_MM + _ROW_MM * (len(rows) + 2), "Two calibrations of one block")
     axes = figure.subplots()
-    reach = _reach([row.in_u for _, row in rows])
+    largest = max((abs(row.in_u) for _, row in rows if row.in_u is not None), default=0.0)
+    reach = min(_MOST, max(_LEAST, 1.1 * largest))  # half of the axis, in u
     for half, colour, label in _BANDS:
         axes.axvspan(-half, half, color=colour, linewidth=0, label=label, zorder=0)
     axes.axvline(0.0, color=BLACK, linewidth=0.6)
-    heights = _heights([group for group, _ in rows])
+    heights = [0.0]  # of the rows, from the top down, with room between the groups
+    for (one, _), (other, _) in pairwise(rows):
+        heights.append(heights[-1] - (1.0 if one == other else 2.0))
     for height, (_, row) in zip(heights, rows):
         _mark(axes, height, row, reach)
     _label(axes, heights, rows, reach)
-    axes.set_title(_title(document))
+    if document.verdict in _TITLES:
+        axes.set_title(f"{_TITLES[document.verdict]} ({100 * document.confidence:.6g} %)")
+    else:
+        why = "no uncertainties" if document.tests is None else "a result failed its check"
+        axes.set_title(f"Nobody can tell: {why}")
     legend_above(axes, len(_BANDS))
     return figure
 
 
-def _title(document: Comparison) -> str:
-    if document.verdict in _TITLES:
-        return f"{_TITLES[document.verdict]} ({100 * document.confidence:.6g} %)"
-    return f"Nobody can tell: {'no uncertainties' if document.tests is None else 'a result failed its check'}"
-
-
-def _reach(in_u: list[float | None]) -> float:
-    """Half of the axis, in u."""
-    largest = max((abs(one) for one in in_u if one is not None), default=0.0)
-    return min(_MOST, max(_LEAST, 1.1 * largest))
-
-
-def _heights(groups: list[str]) -> list[float]:
-    """Of the rows, from the top down, with room between the groups."""
-    heights = [0.0]
-    for one, other in pairwise(groups):
-        heights.append(heights[-1] - (1.0 if one == other else 2.0))
-    return heights
-
-
 def _mark(axes: Any, height: float, row: Row, reach: float) -> None:
     size, has_changed = row.in_u, getattr(row, "changed", False)
-    if size is None:
-        return
     colour = _CHANGED if has_changed else _SAME
-    if abs(size) > reach:
-        edge, arrow = (reach, ">") if size > 0 else (-reach, "<")
+    if size is not None and abs(size) > reach:
+        edge, arrow, side = (reach, ">", "right") if size > 0 else (-reach, "<", "left")
         axes.plot([edge], [height], arrow, color=colour, markersize=6, clip_on=False, gid=row.name)
-        inner = 0.94 * edge
-        side = "right" if size > 0 else "left"
-        axes.text(inner, height, f"{size:+.3g} u".replace("-", MINUS), ha=side, va="center")
-        return
-    axes.plot([size - 1.0, size + 1.0], [height, height], color=colour)
-    axes.plot([size], [height], "D" if has_changed else "o", color=colour, gid=row.name)
+        axes.text(0.94 * edge, height, f"{size:+.3g} u".replace("-", MINUS), ha=side, va="center")
+    elif size is not None:
+        axes.plot([size - 1.0, size + 1.0], [height, height], color=colour)
+        axes.plot([size], [height], "D" if has_changed else "o", color=colour, gid=row.name)
 
 
 def _label(axes: Any, heights: list[float], rows: list[tuple[str, Row]], reach: float) -> None:

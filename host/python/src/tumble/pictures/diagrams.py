@@ -5,8 +5,23 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from tumble.firmware_tables import CONSUMER_MS, HEARTBEAT_MS, NODES, PROCESS_DATA, SAMPLES, STATES, WAYS
-from tumble.pictures.canvas import BLACK, WIDTH_MM, picture
-from tumble.pictures.sheet import LARGE_PT, LINE, MARGIN, PLATE, RED, SOFT, arrow, box, cut, paragraph, sheet, wrapped
+from tumble.pictures.canvas import (
+    BLACK,
+    LARGE_PT,
+    LINE,
+    MARGIN,
+    PLATE,
+    RED,
+    SOFT,
+    WIDTH_MM,
+    arrow,
+    box,
+    cut,
+    paragraph,
+    picture,
+    sheet,
+    wrapped,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -77,14 +92,8 @@ def _sign(page: Axes, x: float, y: float, by: str, label: str) -> None:
     """A letter in a circle; that of a fault is dark."""
     fill, ink = (RED, "white") if by == "fault" else ("white", BLACK)
     circle = {"boxstyle": "circle,pad=0.16", "facecolor": fill, "edgecolor": RED if by == "fault" else BLACK}
-    look: dict[str, Any] = {
-        "va": "center_baseline",
-        "bbox": {**circle, "linewidth": 0.85},
-        "color": ink,
-        "label": label,
-        **_BOLD,
-    }
-    page.text(x, y, _SIGNS[by][0], **look)
+    bbox: dict[str, Any] = {**circle, "linewidth": 0.85}
+    page.text(x, y, _SIGNS[by][0], va="center_baseline", bbox=bbox, color=ink, label=label, **_BOLD)
 
 
 def _legend(page: Axes, y: float) -> float:

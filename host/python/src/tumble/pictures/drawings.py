@@ -15,9 +15,9 @@ import numpy as np
 from tumble import poses
 from tumble.arrays import Floats
 from tumble.errors import UsageError
-from tumble.pictures import sheet
-from tumble.pictures.canvas import BLACK, FONT_PT, WIDTH_MM, picture
-from tumble.pictures.sheet import (
+from tumble.pictures.canvas import (
+    BLACK,
+    FONT_PT,
     FRAME,
     LARGE_PT,
     LINE,
@@ -27,8 +27,16 @@ from tumble.pictures.sheet import (
     POINTS,
     RED,
     SOFT,
+    TALLEST,
+    WIDTH_MM,
     arrow,
+    axes_over,
+    box,
     cut,
+    paragraph,
+    picture,
+    sheet,
+    width_of,
     wrapped,
 )
 from tumble.schedule import FIT, Mounting, Position, Schedule
@@ -65,7 +73,7 @@ def stand(schedule: Schedule) -> Figure:
         " positive angle raises h and tips v to the left, counterclockwise. Gravity points down. Angles of this"
         f" schedule, in degrees: {', '.join(f'{angle:g}' for angle in angles_deg)}."
     )
-    page = sheet.sheet("stand", "A block on a rotary stand with one horizontal axis", about, "The stand")
+    page = sheet("stand", "A block on a rotary stand with one horizontal axis", about, "The stand")
     page.text(54.0, 14.0, "at table angle 0", **_TITLE)
     page.text(126.0, 14.0, "seen from the front, along +n", **_TITLE)
     _whole_stand(View(page, OBLIQUE, (48.0, 53.0), 15.0))
@@ -87,7 +95,7 @@ def stand(schedule: Schedule) -> Figure:
         "Gravity points straight down. An axis that points up feels +1 g.",
         *(f"Mounting {one.number}: {poses.tilt(one)}." for one in schedule.mountings if one.tilt_deg),
     ):
-        y = sheet.paragraph(page, MARGIN, y, text, WIDTH_MM - 2 * MARGIN) + 0.6
+        y = paragraph(page, MARGIN, y, text, WIDTH_MM - 2 * MARGIN) + 0.6
     return cut(page, y)
 
 
@@ -129,10 +137,10 @@ def mountings(schedule: Schedule) -> Figure:
     about = ["Laid by hand, seen from the front." if is_laid else seen]
     about += [f"Mounting {one.number}: {', '.join(poses.axes(one, 0.0))}." for one in level]
     title = f"{heading}: {count} mounting{'s' if count > 1 else ''}"
-    page = sheet.sheet("mountings", title, " ".join(about), heading)
+    page = sheet("mountings", title, " ".join(about), heading)
     before_you = "Table at angle 0. You stand in front: the block is before you, the table behind it."
     before_you = "Laid by hand, on something level. You stand in front." if is_laid else before_you
-    sheet.paragraph(page, MARGIN, 12.5, before_you, 108.0, color=SOFT)
+    paragraph(page, MARGIN, 12.5, before_you, 108.0, color=SOFT)
     _frame(View(page, OBLIQUE, (137.0, 15.5), 6.0))
     columns = min(3, count)
     width = (WIDTH_MM - 2 * MARGIN) / columns
@@ -141,13 +149,21 @@ def mountings(schedule: Schedule) -> Figure:
     y = 20.0
     for first in range(0, count, columns):
         row = range(first, min(first + columns, count))
-        below = max(_below(level[index]) for index in row)
+        # Where the words under a picture begin, mm: clear of the labels of axes that come down towards one.
+        lowest = min(float((np.array(level[i].matrix) @ np.array(OBLIQUE)[1]).min()) for i in row)
+        below = max(51.0, 32.0 - 12.5 * REACH * lowest + 8.5)
         height = below - 1.0 + LINE * max(len(captions[index]) for index in row)
         for index in row:
             middle = MARGIN + (index - first + 0.5) * width
-            sheet.box(page, middle - width / 2 + 0.5, y, width - 1.0, height, edgecolor=SOFT)
+            box(page, middle - width / 2 + 0.5, y, width - 1.0, height, edgecolor=SOFT)
             page.text(middle, y + 5.0, f"mounting {level[index].number}", fontsize=LARGE_PT, **_TITLE)
-            _seated(View(page, OBLIQUE, (middle, y + 32.0), 12.5), level[index], is_laid)
+            room, pose = View(page, OBLIQUE, (middle, y + 32.0), 12.5), poses.pose(level[index], 0.0)
+            if not is_laid:
+                room.table()
+            room.block(pose, HALF * float(np.abs(pose[:, poses.UP]).sum()))
+            if not is_laid:
+                room.axis(-HALF, -2.3)
+            room.arrows(pose, "xyz", label=f"mounting {level[index].number}: ")
             for place, line in enumerate(captions[index]):
                 page.text(middle, y + below + place * LINE, line, ha="center")
         y += height + MARGIN
@@ -166,22 +182,6 @@ def _frame(room: View) -> None:
         room.axes.text(*(tip + place), f"{name}: {where}", ha=side, va="center", color=FRAME)
 
 
-def _below(mounting: Mounting) -> float:
-    """Where the words under a picture begin, mm: clear of the labels of axes that come down towards one."""
-    tips = np.array(mounting.matrix) @ np.array(OBLIQUE)[1]
-    return max(51.0, 32.0 - 12.5 * REACH * float(tips.min()) + 8.5)
-
-
-def _seated(room: View, mounting: Mounting, is_laid: bool) -> None:
-    pose = poses.pose(mounting, 0.0)
-    if not is_laid:
-        room.table()
-    room.block(pose, HALF * float(np.abs(pose[:, poses.UP]).sum()))
-    if not is_laid:
-        room.axis(-HALF, -2.3)
-    room.arrows(pose, "xyz", label=f"mounting {mounting.number}: ")
-
-
 @picture
 def angles(schedule: Schedule, mounting: int) -> Figure:
     """Round the axis, where the table stands at each position of the mounting of that number; and round the block,
@@ -193,7 +193,7 @@ def angles(schedule: Schedule, mounting: int) -> Figure:
     positions = [one for one in schedule.positions if one.mounting == mounting]
     told = [f"{one.number}: {one.angle_deg:g} deg, {poses.line(seat, one.angle_deg)}." for one in positions]
     about = " ".join(["Seen from the front, along the axis; positive is counterclockwise. Positions:", *told])
-    page = sheet.sheet("angles", f"The angles of mounting {mounting}", about)
+    page = sheet("angles", f"The angles of mounting {mounting}", about)
     for x, title, what in (
         (46.0, "the table, seen from the front", "where the mark of angle 0 goes"),
         (124.0, "the block, kept still", "where gravity points, by position"),
@@ -238,7 +238,7 @@ def _listed(page: Axes, mounting: Mounting, positions: list[Position], y: float)
             page.text(x, y, cell, ha=side, color=SOFT if cell == "0" else BLACK)
     tilted = poses.tilt(mounting).capitalize()
     note = "An axis that points up feels +1 g, the opposite of gravity." + (f" {tilted}." if tilted else "")
-    return sheet.paragraph(page, MARGIN, y + 2 * LINE, note, WIDTH_MM - 2 * MARGIN, color=SOFT)
+    return paragraph(page, MARGIN, y + 2 * LINE, note, WIDTH_MM - 2 * MARGIN, color=SOFT)
 
 
 class View:
@@ -246,7 +246,8 @@ class View:
 
     def __init__(self, page: Axes, projection: tuple[tuple[float, ...], ...], origin: tuple[float, float], mm: float):
         """`origin`: on the page; `mm`: of a unit."""
-        self.axes: Any = sheet.view(page, origin, mm)
+        (x, y), whole = origin, page.figure
+        self.axes: Any = axes_over(whole, ((0.0 - x) / mm, (WIDTH_MM - x) / mm), ((y - TALLEST) / mm, y / mm))
         self._projection, self._mm, self._y = np.array(projection), mm, origin[1]
         across, up = self._projection
         lost = np.cross(across, up)
@@ -292,14 +293,17 @@ class View:
 
     def arrows(self, pose: Floats, names: str, colour: str = BLACK, reach: float = REACH, label: str = "") -> None:
         """Arrows of three axes out of the block around the origin, each with its name: over the block where they come
-        out of a face that is seen, dashed where it hides them; one that points at the eye, or away, has its sign."""
+        out of a face that is seen, dashed where it hides them; one that points at the eye is a dot, one that points
+        away a cross."""
         towards = pose @ self._eye
         placed: list[Floats] = []
         for number, name in enumerate(names):
             tip = self.at(reach * pose[number])
             along, beyond = tip, 2.3
             if np.hypot(*tip) * self._mm < 1.5:
-                self._pole(tip, towards[number] < 0.0, colour)
+                look: dict[str, Any] = {"color": colour, "markeredgewidth": 1.1, "linestyle": "none"}
+                self.axes.plot(*tip, marker="o", markersize=8.0, markerfacecolor="white", **look)
+                self.axes.plot(*tip, marker="x" if towards[number] < 0.0 else ".", markersize=5.5, **look)
                 along, beyond = -self.at(pose[number - 1] + pose[number - 2]), 3.6
             else:
                 others = max(abs(float(towards[number - 1])), abs(float(towards[number - 2])), _SEEN)
@@ -315,12 +319,6 @@ class View:
                 beyond += 0.5
             placed.append(tip + beyond / self._mm * along)
             self.axes.text(*placed[-1], name, color=colour, bbox=_PLACARD, **_LABEL)
-
-    def _pole(self, centre: Floats, away: bool, colour: str) -> None:
-        """The sign for an arrow seen from its end: a cross where it points away, a dot where it points towards one."""
-        look: dict[str, Any] = {"color": colour, "markeredgewidth": 1.1, "linestyle": "none"}
-        self.axes.plot(*centre, marker="o", markersize=8.0, markerfacecolor="white", **look)
-        self.axes.plot(*centre, marker="x" if away else ".", markersize=5.5, **look)
 
     def dial(self) -> None:
         """The table from the front, with the way in which a positive angle turns."""
@@ -348,7 +346,7 @@ class View:
         taken: list[Any] = []
         for angle, text in _gathered(marks):
             way = self.at(arc(1.0, angle, angle)[0])
-            size = np.array([sheet.width_of(text), FONT_PT / POINTS])
+            size = np.array([width_of(text), FONT_PT / POINTS])
             least = DIAL * self._mm + 1.2 + 0.5 * float(np.abs(way) @ size)
             for out in np.arange(least, least + farthest, 0.8):
                 half = 0.5 * size + (0.6, 0.3)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from tumble.core import CoreSchedule
@@ -12,10 +13,8 @@ from tumble.files.schedule_file import schedule_of
 from tumble.files.stand_file import StandFile, stand_file_of
 from tumble.pictures import canvas, result, uncertainty
 from tumble.pictures.result import Facts, Recorded
-from tumble.schedule import Schedule
 from tumble.solving import result as results
-from tumble.solving.expected import Expected, expected, measured_schedule
-from tumble.stand import Stand
+from tumble.solving.expected import expected, measured_schedule
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -83,10 +82,7 @@ def figures(
         raise UsageError(f"kind: {quoted(kind)} is not one of {', '.join(_NEEDS)}")
     canvas.require("a picture")
     given = None if schedule is None else schedule_of(schedule), None if stand is None else stand_file_of(stand)
-    return _drawn(_facts(solved, run, *given), kind)
-
-
-def _drawn(facts: Facts, kind: str | None) -> dict[str, Figure]:
+    facts = _facts(solved, run, *given)
     if kind is not None and not _NEEDS[kind][1](facts):
         raise UsageError(f"kind: {kind} needs {_NEEDS[kind][2]}")
     wanted = {name: draw for name, (draw, is_known, _) in _NEEDS.items() if kind in (None, name) and is_known(facts)}
@@ -106,14 +102,10 @@ def _facts(solved: Result, run: Recorded | None, schedule: CoreSchedule | None, 
     if given is not None:
         found = None if on is None else expected(solved, on, given.stand, given.step_v)
         return Facts(solved, run, on, given.stand, found)
-    known = results.stand_of(solved, _RESULT)
-    return Facts(solved, run, on, known, None if on is None or known is None else _by_its_own(solved, on, known))
-
-
-def _by_its_own(solved: Result, on: Schedule, stand: Stand) -> Expected | None:
-    """What a result's own stand makes one expect. None where the result had more to go by: `optimal` of a computer that
-    has a record of gains has other uncertainties than its stand leaves this run."""
-    try:
-        return expected(solved, on, stand, results.step_of(solved))
-    except UsageError:
-        return None
+    known, found = results.stand_of(solved, _RESULT), None
+    if on is not None and known is not None:
+        # Where a result had more to go by, nothing is known of it by its own stand: `optimal` of a computer that has a
+        # record of gains has other uncertainties than its stand leaves this run.
+        with suppress(UsageError):
+            found = expected(solved, on, known, results.step_of(solved))
+    return Facts(solved, run, on, known, found)

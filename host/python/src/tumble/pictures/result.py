@@ -208,28 +208,24 @@ def rows(facts: Facts) -> list[Row]:
     declared = {} if facts.stand is None else Limits.declared(facts.stand, len(mountings)).sigma
 
     def row(key: str, title: str, augmented: Any, closed: Any, unit: str = "µrad") -> Row:
-        pairs = [_known(one, key) for one in (closed, augmented)]
+        values = [(getattr(one, key, None), getattr(one, f"u_{key}", None)) for one in (closed, augmented)]
+        pairs = [None if value is None else (value, u) for value, u in values]
         return Row(key, title, unit, MICRO if unit[0] == "µ" else 1.0, pairs[0], pairs[1], declared.get(key))
 
     def change(other: int) -> str:
         return f"{NAMES[yaw]}, mounting {mountings[0]} less {other}"
 
     yaw, noise = "alpha3_difference_rad", noise_unit(facts.unit)
+    others = () if fine is None else fine.other_yaw_changes
     found = [
         row("alpha1_rad", "axis tilt α₁", fine, seen),
         row("alpha2_plus_alpha3_rad", "level + yaw α₂ + α₃", fine, seen),
         row(yaw, change(mountings[1]) if len(mountings) > 1 else "yaw change", fine, seen),
-        *(row(yaw, change(other.mounting), other, None) for other in (() if fine is None else fine.other_yaw_changes)),
+        *(row(yaw, change(other.mounting), other, None) for other in others),
         row("alpha4_rad", "set angles α₄", fine, seen),
         row("noise_v", "noise of a sample", fine, seen, "µV" if noise == "V" else noise),
     ]
     return [one for one in found if one.closed is not None or one.augmented is not None]
-
-
-def _known(seen: Any, key: str) -> tuple[float, float | None] | None:
-    """A part of `stand_seen` and its standard uncertainty; None where there is none."""
-    value = getattr(seen, key, None)
-    return None if value is None else (value, getattr(seen, f"u_{key}"))
 
 
 @picture

@@ -98,7 +98,9 @@ def correlation(facts: Facts) -> Figure:
     luminance = np.where(shades <= 0.04045, shades / 12.92, ((shades + 0.055) / 1.055) ** 2.4) @ _TO_LUMINANCE
     for (i, j), value in np.ndenumerate(found):
         ink = "white" if luminance[i, j] < _EVEN else "black"
-        axes.text(j + 0.5, i + 0.5, figure_of(value), ha="center", va="center", color=ink)
+        sign = "?" if np.isnan(value) else f"{value:+.2f}"  # for the colour may not be seen
+        sign = {"+1.00": "1", "-0.00": "0", "+0.00": "0"}.get(sign, sign).replace("-", MINUS)
+        axes.text(j + 0.5, i + 0.5, sign, ha="center", va="center", color=ink)
     places = np.arange(len(found)) + 0.5
     axes.set_xticks(places, COEFFICIENTS)
     axes.set_yticks(places, COEFFICIENTS)
@@ -110,14 +112,6 @@ def correlation(facts: Facts) -> Figure:
         spine.set_visible(False)
     figure.colorbar(mesh, ax=axes, shrink=0.8, aspect=30, label="correlation")
     return figure
-
-
-def figure_of(value: float) -> str:
-    """With its sign, for the colour may not be seen."""
-    if np.isnan(value):
-        return "?"
-    rounded = f"{value:+.2f}"
-    return {"+1.00": "1", "-0.00": "0", "+0.00": "0"}.get(rounded, rounded).replace("-", MINUS)
 
 
 @picture

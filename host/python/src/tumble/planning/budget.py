@@ -63,16 +63,12 @@ def size_keys(names: tuple[str, ...]) -> tuple[str, ...]:
 
 def by_key(case: Case, names: tuple[str, ...], sizes: Floats) -> dict[str, Any]:
     """Sizes of sources for documents: None where infinite; three where the channels differ."""
-    return {key: sized(case, name, size) for key, name, size in zip(size_keys(names), names, sizes.tolist())}
-
-
-def sized(case: Case, name: str, size: float) -> float | tuple[float, ...] | None:
-    """One of them."""
-    if not np.isfinite(size):
-        return None
-    if name not in OF_OUTPUTS or not _differs(case, name):
-        return size
-    return tuple((size * case.stand.profile(name)).tolist())
+    found: dict[str, Any] = {}
+    for key, name, size in zip(size_keys(names), names, sizes.tolist()):
+        found[key] = size if np.isfinite(size) else None
+        if np.isfinite(size) and name in OF_OUTPUTS and _differs(case, name):
+            found[key] = tuple((size * case.stand.profile(name)).tolist())
+    return found
 
 
 def _differs(case: Case, name: str) -> bool:

@@ -19,7 +19,7 @@ from tumble.schedule import Schedule
 from tumble.stand import PAPER_STAND, PER_CHANNEL, PerChannel, Stand, by_channel
 from tumble.terms import Terms
 
-PAPER_BLOCK = {"scale_v_per_g": 2.0, "misalignment_rad": 0.02}
+PAPER_BLOCK = 2.0, 0.02  # V/g, rad
 
 
 @dataclass(frozen=True)
@@ -43,8 +43,7 @@ class Case:
     def of(cls, stand_file: StandFile | None, name: str | None, schedule: Schedule | None) -> Case:
         """From files, or the paper's stand, block and schedule for None. Raises BadInput for a file without [block]."""
         if stand_file is None:
-            scale, misalignment = PAPER_BLOCK.values()
-            return cls(PAPER_STAND, scale, misalignment, 0.0, schedule, DEFAULT_LIMIT_G)
+            return cls(PAPER_STAND, *PAPER_BLOCK, 0.0, schedule, DEFAULT_LIMIT_G)
         block = stand_file.block
         if block is None:
             raise BadInput("no table [block]: a plan needs scale_v_per_g and misalignment_rad", name or "")

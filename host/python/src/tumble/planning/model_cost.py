@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from msgspec import UNSET, UnsetType
 
-from tumble.arrays import Floats
 from tumble.documents import plan
 from tumble.documents.plan import ModelCost
 from tumble.estimators import COEFFICIENTS
@@ -27,16 +26,10 @@ def model_cost(case: Case, estimator: str) -> Further | None:
     if not case.terms:
         return None
     k = case.nominal_k()
-    covariance, twelve = _covariance(case, estimator), _covariance(replace(case, terms=()), estimator)
+    covariance, twelve = (error_field(one, estimator, k).covariance for one in (case, replace(case, terms=())))
     u = np.sqrt(np.diag(twelve))
     without, none = Without(u[:9].reshape(3, 3), u[9:], worst_norm(k, twelve)), np.zeros((len(case.terms), 3))
     return Further(case.terms, k, none, none, covariance, without)
-
-
-def _covariance(case: Case, estimator: str) -> Floats:
-    unknowns = error_field(case, estimator, case.nominal_k()).unknowns
-    found: Floats = unknowns.T @ unknowns
-    return found
 
 
 def model_cost_part(found: Further | None) -> ModelCost | UnsetType:

@@ -1,14 +1,13 @@
-"""The errors that a stand leaves, to first order: of the gravity check at every position, of |a| at every attitude.
+"""What a stand promises: the probabilities that a run passes the gravity check, and that |a| is within the limit at
+every attitude.
 
-All are linear in independent draws of unit variance, one for each error of the stand and of its noise. The estimator
-sees the same draws as the check: on fitted positions the check judges residuals.
+The errors that a stand leaves, of the gravity check at every position and of |a| at every attitude, are taken to first
+order (`ErrorField`). All are linear in independent draws of unit variance, one for each error of the stand and of its
+noise. The estimator sees the same draws as the check: on fitted positions the check judges residuals.
 
 The error of |a| at a unit attitude a is a'S a + b'a: `forms` holds S by its six elements, then b. (8) is its exact
 counterpart, (|a|^2 - 1)/2. A block whose K2 and K3 are found and applied adds their errors to it, which are of higher
 order in a.
-
-What a stand promises: the probabilities that a run passes the gravity check, and that |a| is within the limit at
-every attitude.
 
 The errors are jointly normal, to first order. A normal vector is a length, whose law is chi, times a direction, all of
 which are alike; and what is asked for, the largest of its errors, grows with the length in proportion. So
@@ -22,6 +21,7 @@ given with each probability.
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 
@@ -55,6 +55,12 @@ class ErrorField:
     gravity: Floats
     forms: Floats
     unknowns: Floats
+
+    @property
+    def covariance(self) -> Floats:
+        """Of the unknowns."""
+        found: Floats = self.unknowns.T @ self.unknowns
+        return found
 
 
 def error_field(case: Case, estimator: str, k: Floats) -> ErrorField:
@@ -105,18 +111,18 @@ def _maximum(values: Floats, half_b: Floats) -> Floats:
     so bisection finds it; the value is then right to 1e-8 of b at least."""
     top = values[:, 2]
     low, high = top + np.abs(half_b[:, 2]), top + np.linalg.norm(half_b, axis=1)
+
+    def gaps(lam: Floats) -> Floats:
+        """lambda less each eigenvalue; not 0, where only a b of 0 to rounding leads."""
+        return np.maximum(lam[:, None] - values, np.finfo(float).tiny ** 0.5)
+
     for _ in range(_EIGEN_BISECTIONS):
         middle = (low + high) / 2.0
-        short = ((half_b / _gaps(middle, values)) ** 2).sum(axis=1) < 1.0
+        short = ((half_b / gaps(middle)) ** 2).sum(axis=1) < 1.0
         low, high = np.where(short, low, middle), np.where(short, middle, high)
-    lengthwise = np.minimum(half_b**2 / _gaps(high, values), np.abs(half_b))  # no component of a is longer than 1
+    lengthwise = np.minimum(half_b**2 / gaps(high), np.abs(half_b))  # no component of a is longer than 1
     found: Floats = high + lengthwise.sum(axis=1)
     return found
-
-
-def _gaps(lam: Floats, values: Floats) -> Floats:
-    """lambda less each eigenvalue; not 0, where only a b of 0 to rounding leads."""
-    return np.maximum(lam[:, None] - values, np.finfo(float).tiny ** 0.5)
 
 
 ON_A_SEAT = f"Assuming {ASSUMPTIONS['seat'].phrase}: {ASSUMPTIONS['seat'].why}."
@@ -189,30 +195,28 @@ def promise(case: Case, estimator: str, k: Floats | None = None) -> Promise:
 
     Raises UsageError where the schedule does not allow the estimator.
     """
-    return _promise(case, case.nominal_k() if k is None else k, *_laws(case, estimator, k))
+    return _promise(case, estimator, case.nominal_k() if k is None else k)[0]
 
 
 def growing_promise(case: Case, estimator: str, probability: float) -> GrowingPromise:
     """The same of the nominal block, with how much the errors may grow for a `probability`."""
-    check, norm, u_norm_g = _laws(case, estimator)
-    needed = max(check.limit(probability), norm.limit(probability), case.coverage_factor * u_norm_g)
+    found, check, norm = _promise(case, estimator, case.nominal_k())
+    needed = max(check.limit(probability), norm.limit(probability), case.coverage_factor * found.u_norm_worst_g)
     growth = case.limit_g / needed if needed > 0.0 else np.inf
-    found = _promise(case, case.nominal_k(), check, norm, u_norm_g)
     return GrowingPromise(**structs.asdict(found), growth=growth if np.isfinite(growth) else None)
 
 
-def _laws(case: Case, estimator: str, k: Floats | None = None) -> tuple[Law, Law, float]:
-    """Of the gravity check, of |a|; and the worst standard uncertainty of |a|, g."""
-    k = case.nominal_k() if k is None else k
-    field = error_field(case, estimator, k)
+def _promise(case: Case, estimator: str, k: Floats) -> tuple[Promise, Law, Law]:
+    """With the laws of the gravity check and of |a|, of which K2 and K3 make more than a quadratic form."""
+    field, count = error_field(case, estimator, k), _DIRECTIONS["attitudes"]
     check = Law.of(field.gravity, _DIRECTIONS["positions"], lambda errors: np.abs(errors).max(axis=1))
-    norm = Law.of(*_of_norm(field, k, case.terms))
-    return check, norm, worst_norm(k, field.unknowns.T @ field.unknowns, case.terms).worst
-
-
-def _promise(case: Case, k: Floats, check: Law, norm: Law, u_norm_g: float) -> Promise:
+    if set(case.terms) & set(POWERS):
+        norm = Law.of(field.unknowns, count, lambda errors: largest_with_terms(errors, k, case.terms))
+    else:
+        norm = Law.of(field.forms, count, largest_over_attitudes)
+    u_norm_g = worst_norm(k, field.covariance, case.terms).worst
     (passes, u_passes), (everywhere, u_everywhere) = check.chance(case.limit_g), norm.chance(case.limit_g)
-    return Promise(
+    found = Promise(
         limit_g=case.limit_g,
         passes=passes,
         u_passes=u_passes,
@@ -223,6 +227,7 @@ def _promise(case: Case, k: Floats, check: Law, norm: Law, u_norm_g: float) -> P
         shown=is_shown(case.limit_g, case.coverage_factor, u_norm_g),
         assumes=("seat",) if rests_on_a_seat(case.fitted, k, case.stand, case.terms) else (),
     )
+    return found, check, norm
 
 
 def sentence(found: Promise) -> str:
@@ -238,20 +243,10 @@ def condition(found: Promise) -> str:
     return f"\n{ON_A_SEAT}" if found.assumes else ""
 
 
-def _of_norm(field: ErrorField, k: Floats, terms: Terms) -> tuple[Floats, int, Callable[[Floats], Floats]]:
-    """Arguments of Law.of. K2 and K3 make of |a| more than a quadratic form."""
-    count = _DIRECTIONS["attitudes"]
-    if not set(terms) & set(POWERS):
-        return field.forms, count, largest_over_attitudes
-    return field.unknowns, count, lambda errors: largest_with_terms(errors, k, terms)
-
-
 def promises(case: Case, probability: float) -> dict[str, GrowingPromise]:
     """Of every estimator that the schedule allows."""
     found = {}
     for estimator in estimators_of(case):
-        try:
+        with suppress(UsageError):  # the schedule lacks positions that it needs
             found[estimator] = growing_promise(case, estimator, probability)
-        except UsageError:  # the schedule lacks positions that it needs
-            continue
     return found

@@ -1,22 +1,16 @@
 """What an accuracy asks of a stand, and how much room a declared one has.
 
-Requirements, inverse to the budget: how bad each source of a stand may be for a limit of the gravity check.
+`requirements`, inverse to the budget: how bad each source of a stand may be for a limit of the gravity check. By (10),
+(13) and (14) the six scale factors and biases, and the noise of a mean on its own, may each take a third of the limit.
+In each of these rows the sources that enter it share that third; a source's requirement is what the strictest row
+allows it. `derived`: worst signs of the misalignments, sizes as standard deviations. The optimal estimator's weights
+follow the stand, so its requirements are those of a stand for which it was made, with full rows.
 
-By (10), (13) and (14) the six scale factors and biases, and the noise of a mean on its own, may each take a third of
-the limit. In each of these rows the sources that enter it share that third; a source's requirement is what the
-strictest row allows it. `derived`: worst signs of the misalignments, sizes as standard deviations. The optimal
-estimator's weights follow the stand, so its requirements are those of a stand for which it was made, with full rows.
+`headroom`: how much worse the sources of a declared stand may become before a row is exceeded.
 
-Headroom of a declared stand: how much worse its sources may become before a row of the requirements is exceeded.
-
-`alone`: the largest size of one source while the others stay as declared. `margin`: the factor by which all may grow
-together. The optimal estimator is made anew for every stand that is tried.
-
-How good a stand must be to be just enough: the requirements, scaled until the probability that the user asks for is
-reached, of passing the gravity check and of |a| within the limit at every attitude.
-
-The requirements' own rule, a third of the limit for each row, promises no probability. It says here how the sources
-compare; one factor for all of them sets the probability. Sources that no row limits stay as the stand has them.
+`enough`: the requirements, scaled until the probability that the user asks for is reached, of passing the gravity check
+and of |a| within the limit at every attitude. A third of the limit for each row promises no probability: it says how
+the sources compare, and one factor for all of them sets the probability. Sources that no row limits stay as declared.
 """
 
 from __future__ import annotations
@@ -26,14 +20,14 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from msgspec import UNSET, UnsetType
+from rich.console import Console
 
 from tumble.arrays import Flags, Floats
 from tumble.core import MAX_SAMPLES
-from tumble.documents import result
 from tumble.documents.plan import (
     ROWS,
     Enough,
@@ -49,14 +43,13 @@ from tumble.documents.plan import (
 )
 from tumble.errors import UsageError
 from tumble.model.estimators import circles
-from tumble.planning import weights
+from tumble.planning import tables, weights
 from tumble.planning.budget import (
     ALPHAS,
     by_key,
     notes,
     numbers_are,
     size_keys,
-    sizes,
     sizes as declared_sizes,
     sources,
     unit,
@@ -69,16 +62,13 @@ from tumble.solving.decision import UNCERTAINTY, Decision, Question, in_words
 from tumble.solving.further import Further
 from tumble.stand import COMMON, Stand, by_channel, per_channel
 
-if TYPE_CHECKING:
-    from rich.console import Console
-
-
 CEILING_RAD = 0.01  # beyond it nobody has tried the optimal estimator: what it bears up to here limits nothing
 _ROW_INDICES = [NAMES.index(name) for name in ROWS[:-1]]
 _NOISE = SOURCES.index("noise")
 _TIE = 1e-9
 _FULL = 1e-8
 _BISECTIONS = 50
+_LEAST = 1e-9  # of the ceiling: the smallest size that is tried
 
 
 @dataclass(frozen=True)
@@ -106,14 +96,27 @@ def requirements(case: Case, which: str, estimator: str, limit_g: float, split: 
 
 def allowed(case: Case, which: str, estimator: str, limit_g: float, split: Floats) -> Requirements:
     """The same, without asking how many samples it takes. Raises UsageError where weights do not exist."""
-    share_of = _Shares(limit_g / 3.0, split)
     if which == "published":
-        gamma = with_noise_row(case, weights.published(case, estimator, weights.WORST))
+        gamma = _with_noise_row(case, weights.published(case, estimator, weights.WORST))
     elif estimator == "optimal":
-        return _grown(case, share_of)
+        return _grown(case, limit_g / 3.0, split)
     else:
-        gamma = worst_weights(case, estimator)
-    return share_of.requirements(gamma, gamma > 0.0)
+        gamma = _by_pattern(case, estimator, _sign_patterns()).max(axis=0)
+    return _shared_out(gamma, limit_g / 3.0, split)
+
+
+def _shared_out(gamma: Floats, row_limit: float, split: Floats) -> Requirements:
+    """By weights (7, sources) that do not depend on the stand: the strictest row for every source. A row's `row_limit`
+    (g, or relative) is shared by the sources that enter it, `split` as proportions of its square."""
+    counted = gamma > 0.0
+    proportions = np.where(counted, split, 0.0)
+    shares = row_limit * np.sqrt(proportions / proportions.sum(axis=1, keepdims=True))
+    with np.errstate(divide="ignore"):
+        by_row = np.divide(shares, gamma, out=np.full(gamma.shape, np.inf), where=counted)
+    limits = by_row.min(axis=0)
+    strictest = [int(np.argmax(column <= limit * (1.0 + _TIE))) for column, limit in zip(by_row.T, limits)]
+    set_by = tuple(ROWS[row] if np.isfinite(limit) else None for row, limit in zip(strictest, limits))
+    return Requirements(limits, set_by, 1, gamma, shares)
 
 
 def samples_on(stand: Stand, limit_v: float, factor: float = 1.0) -> int | None:
@@ -139,13 +142,7 @@ def samples_for(noise_v: float, limit_v: float) -> int:
     return max(1, math.ceil(wanted * (1.0 - _TIE)))
 
 
-def worst_weights(case: Case, estimator: str) -> Floats:
-    """Weights (7, sources) of ROWS, each under the signs of the misalignments that are worst for it."""
-    worst: Floats = weights_by_pattern(case, estimator, sign_patterns()).max(axis=0)
-    return worst
-
-
-def weights_by_pattern(case: Case, estimator: str, patterns: Floats) -> Floats:
+def _by_pattern(case: Case, estimator: str, patterns: Floats) -> Floats:
     """Weights (n, 7, sources) of ROWS for choices of the misalignments' signs, `patterns` (n, 3, 3)."""
     schedule, common = case.fitted, case.stand.remounting == COMMON
     fixed = None if estimator == "optimal" else weights.estimator_gains(case, estimator, case.nominal_k())
@@ -154,51 +151,22 @@ def weights_by_pattern(case: Case, estimator: str, patterns: Floats) -> Floats:
         k = case.nominal_k(pattern)
         gain_rows = weights.estimator_gains(case, estimator, k) if fixed is None else fixed
         gamma = weights.absolute_weights(schedule, common, k, gain_rows, weights.sources_of(case.stand), case.stand)
-        found.append(with_noise_row(case, gamma / weights.reference_values(k)[:, None]))
+        found.append(_with_noise_row(case, gamma / weights.reference_values(k)[:, None]))
     return np.array(found)
 
 
-def ceilings(case: Case) -> Floats:
-    """The largest sizes that are tried (sources,): of angles CEILING_RAD, of outputs 1 g."""
-    return np.array([case.full_scale.get(name, CEILING_RAD) for name in weights.sources_of(case.stand)])
-
-
-def sign_patterns() -> Floats:
+def _sign_patterns() -> Floats:
     """All 64 choices of signs of the misalignments: (64, 3, 3), ones on the diagonal."""
     patterns = np.ones((64, 3, 3))
     patterns[:, ~np.eye(3, dtype=bool)] = list(product((1.0, -1.0), repeat=6))
     return patterns
 
 
-def with_noise_row(case: Case, gamma: Floats) -> Floats:
+def _with_noise_row(case: Case, gamma: Floats) -> Floats:
     """Weights (12, sources) of all coefficients to those (7, sources) of ROWS."""
     noise_alone = np.zeros(gamma.shape[1])
     noise_alone[_NOISE] = 1.0 / case.full_scale["noise"]
     return np.vstack([gamma[_ROW_INDICES], noise_alone])
-
-
-@dataclass(frozen=True)
-class _Shares:
-    """How the sources share a row of size `row_limit` (g, or relative): `split` (5,) as proportions of its square."""
-
-    row_limit: float
-    split: Floats
-
-    def shares(self, counted: Flags) -> Floats:
-        """What each source may take of each row (7, 5); 0 where it is not counted."""
-        proportions = np.where(counted, self.split, 0.0)
-        sizes: Floats = self.row_limit * np.sqrt(proportions / proportions.sum(axis=1, keepdims=True))
-        return sizes
-
-    def requirements(self, gamma: Floats, counted: Flags) -> Requirements:
-        """The strictest row for every source."""
-        shares = self.shares(counted)
-        with np.errstate(divide="ignore"):
-            allowed = np.divide(shares, gamma, out=np.full(gamma.shape, np.inf), where=counted)
-        limits = allowed.min(axis=0)
-        strictest = [int(np.argmax(column <= limit * (1.0 + _TIE))) for column, limit in zip(allowed.T, limits)]
-        set_by = tuple(ROWS[row] if np.isfinite(limit) else None for row, limit in zip(strictest, limits))
-        return Requirements(limits, set_by, 1, gamma, shares)
 
 
 def stand_of(case: Case, sizes: Floats) -> Case:
@@ -216,30 +184,56 @@ def stand_of(case: Case, sizes: Floats) -> Case:
     return replace(case, stand=stand, step_v=0.0)
 
 
-def _grown(case: Case, share_of: _Shares) -> Requirements:
+def _optimal_terms(case: Case, sizes: Floats, patterns: Floats) -> Floats:
+    """Terms (n, 7, sources) of the rows with optimal weights made for a stand of these sizes, for choices of the
+    misalignments' signs."""
+    return _by_pattern(stand_of(case, sizes), "optimal", patterns) * sizes
+
+
+def _ceilings(case: Case) -> Floats:
+    """The largest sizes that are tried (sources,): of angles CEILING_RAD, of outputs 1 g."""
+    return np.array([case.full_scale.get(name, CEILING_RAD) for name in weights.sources_of(case.stand)])
+
+
+def _grown(case: Case, row_limit: float, split: Floats) -> Requirements:
     """Requirements of the optimal estimator, whose weights follow the stand.
 
     It is never worse than a linear one, so what that one allows is allowed. From there every angle that fits, the least
     felt first, goes to the ceiling; what is left grows in proportion until the rows are full.
     """
-    estimator = "least_squares" if case.terms or circles(case.fitted) is None else "refined"
-    start = worst_weights(case, estimator)
-    ceiling = ceilings(case)
-    sizes = np.minimum(share_of.requirements(start, start > 0.0).limits, ceiling)
-    rows = _Rows(case, share_of.row_limit)
-    if not rows.fit(sizes):
+
+    def worst_terms(sizes: Floats) -> tuple[Floats, Floats]:
+        """Terms (7, sources) and total (7,) of every row, under the signs that are worst for its total."""
+        found = _optimal_terms(case, sizes, _sign_patterns())
+        totals = np.linalg.norm(found, axis=2)
+        worst, rows = totals.argmax(axis=0), np.arange(len(ROWS))
+        return found[worst, rows], totals[worst, rows]
+
+    def fit(sizes: Floats) -> bool:
+        return bool(worst_terms(sizes)[1].max() <= row_limit * (1.0 + _FULL))
+
+    linear = "least_squares" if case.terms or circles(case.fitted) is None else "refined"
+    start = _shared_out(_by_pattern(case, linear, _sign_patterns()).max(axis=0), row_limit, split)
+    ceiling = _ceilings(case)
+    sizes = np.minimum(start.limits, ceiling)
+    if not fit(sizes):
         raise UsageError("unreachable: no optimal weights can be made for noise as low as this limit asks for")
     angles = np.flatnonzero(np.arange(len(sizes)) != _NOISE)
     raised = [np.where(np.arange(len(sizes)) == angle, ceiling, sizes) for angle in angles]
-    for angle in angles[np.argsort([rows.terms(one)[1].max() for one in raised])]:
+    for angle in angles[np.argsort([worst_terms(one)[1].max() for one in raised])]:
         tried = np.where(np.arange(len(sizes)) == angle, ceiling, sizes)
-        sizes = tried if rows.fit(tried) else sizes
+        sizes = tried if fit(tried) else sizes
     set_by: list[str | None] = [None] * len(sizes)
     growing = sizes < ceiling
     while growing.any():
-        sizes = rows.grow(sizes, growing, ceiling)
-        terms, totals = rows.terms(sizes)
-        full = totals >= share_of.row_limit * (1.0 - _FULL)
+
+        def grown(factor: float, sizes: Floats = sizes, growing: Flags = growing) -> Floats:
+            return np.where(growing, np.minimum(sizes * factor, ceiling), sizes)
+
+        most = float((ceiling / sizes)[growing].max())
+        sizes = grown(_largest(case, grown, 1.0, most, row_limit, row_limit * (1.0 + _FULL)))
+        terms, totals = worst_terms(sizes)
+        full = totals >= row_limit * (1.0 - _FULL)
         stopped = growing & (terms[full] > 0.0).any(axis=0)
         for source in np.flatnonzero(stopped):
             set_by[source] = ROWS[int(np.argmax(np.where(full, terms[:, source], -1.0)))]
@@ -248,61 +242,38 @@ def _grown(case: Case, share_of: _Shares) -> Requirements:
     return Requirements(limits, tuple(set_by), 1, np.divide(terms, sizes), terms)
 
 
-@dataclass(frozen=True)
-class _Rows:
-    """The rows of a case with optimal weights made for the stand that is asked about."""
+def _largest(
+    case: Case, sizes_at: Callable[[float], Floats], least: float, most: float, row_limit: float, full: float
+) -> float:
+    """The largest factor from `least` to `most` with which no row of the optimal estimator exceeds `row_limit`, found
+    by bisection of its logarithm; `least` if none is so. Signs of the misalignments that are worst at what was found
+    are added until none makes a row more than `full`."""
+    every = _sign_patterns()
+    chosen: list[int] = []
 
-    case: Case
-    row_limit: float
+    def totals(factor: float, patterns: Floats) -> Floats:
+        """Of the worst row, for each choice of signs."""
+        largest: Floats = np.linalg.norm(_optimal_terms(case, sizes_at(factor), patterns), axis=2).max(axis=1)
+        return largest
 
-    def by_pattern(self, sizes: Floats, patterns: Floats) -> Floats:
-        """Terms (n, 7, 5) for choices of the misalignments' signs."""
-        return weights_by_pattern(stand_of(self.case, sizes), "optimal", patterns) * sizes
-
-    def terms(self, sizes: Floats) -> tuple[Floats, Floats]:
-        """Terms (7, 5) and total (7,) of every row, under the signs that are worst for its total."""
-        found = self.by_pattern(sizes, sign_patterns())
-        totals = np.linalg.norm(found, axis=2)
-        worst, rows = totals.argmax(axis=0), np.arange(len(ROWS))
-        return found[worst, rows], totals[worst, rows]
-
-    def fit(self, sizes: Floats) -> bool:
-        """Whether no row is more than full."""
-        return bool(self.terms(sizes)[1].max() <= self.row_limit * (1.0 + _FULL))
-
-    def grow(self, sizes: Floats, growing: Flags, ceiling: Floats) -> Floats:
-        """The same with some larger by one factor, up to the ceiling, such that a row is full if any can be. Signs that
-        are worst at what was found are added until none is worse."""
-        every = sign_patterns()
-        chosen: list[int] = []
-        most = float((ceiling / sizes)[growing].max())
-
-        def grown(factor: float) -> Floats:
-            return np.where(growing, np.minimum(sizes * factor, ceiling), sizes)
-
-        def worst(factor: float, patterns: Floats) -> tuple[float, int]:
-            totals = np.linalg.norm(self.by_pattern(grown(factor), patterns), axis=2).max(axis=1)
-            return float(totals.max()), int(totals.argmax())
-
-        while True:
-            low, high = 1.0, most
-            if chosen and worst(high, every[chosen])[0] > self.row_limit:
-                for _ in range(_BISECTIONS):
-                    middle = (low * high) ** 0.5
-                    low, high = (middle, high) if worst(middle, every[chosen])[0] <= self.row_limit else (low, middle)
-                high = low
-            total, pattern = worst(high, every)
-            if total <= self.row_limit * (1.0 + _FULL) or pattern in chosen:
-                return grown(high)
-            chosen.append(pattern)
-
-
-_STEPS = 50
+    while True:
+        low, high = least, most
+        if chosen and totals(high, every[chosen]).max() > row_limit:
+            for _ in range(_BISECTIONS):
+                middle = (low * high) ** 0.5
+                low, high = (middle, high) if totals(middle, every[chosen]).max() <= row_limit else (low, middle)
+            high = low
+        found = totals(high, every)
+        pattern = int(found.argmax())
+        if found.max() <= full or pattern in chosen or high == least:
+            return high
+        chosen.append(pattern)
 
 
 @dataclass(frozen=True)
 class Headroom:
-    """`alone` (sources,): infinite where nothing limits, 0 where the others take all; `margin`: below 1 on a stand that
+    """`alone` (sources,), the largest size of one source while the others stay as declared: infinite where nothing
+    limits, 0 where the others take all; `margin`, the factor by which all may grow together: below 1 on a stand that
     fails; infinite for a stand without errors."""
 
     alone: Floats
@@ -310,14 +281,29 @@ class Headroom:
 
 
 def headroom(case: Case, which: str, estimator: str, limit_g: float) -> Headroom:
-    """Of the case's stand, against a third of the limit in every row, for the worst signs of the misalignments."""
+    """Of the case's stand, against a third of the limit in every row, for the worst signs of the misalignments. The
+    optimal estimator is made anew for every stand that is tried."""
     row_limit, sizes = limit_g / 3.0, declared_sizes(case, which == "published")
-    gamma = _weights(case, which, estimator, sizes)
-    if estimator == "optimal":
-        declared = stand_of(case, sizes)
-        alone = np.array([_bisect(declared, sizes, source, row_limit) for source in range(len(sizes))])
+    if which == "published":
+        gamma = _with_noise_row(case, weights.published(case, estimator, weights.WORST))[None]
     else:
-        alone = _closed_form(gamma, sizes, row_limit)
+        gamma = _by_pattern(stand_of(case, sizes), estimator, _sign_patterns())
+    if estimator == "optimal":  # whose uncertainties grow with every source
+        declared, alone = stand_of(case, sizes), np.empty(len(sizes))
+        for source, most in enumerate(_ceilings(case).tolist()):
+            own, least = np.arange(len(sizes)) == source, _LEAST * most
+
+            def sizes_at(size: float, own: Flags = own) -> Floats:
+                return np.where(own, size, sizes)
+
+            size = _largest(declared, sizes_at, least, most, row_limit, row_limit)
+            alone[source] = 0.0 if size == least else math.inf if size == most else size
+    else:
+        terms = (gamma * sizes) ** 2
+        left = row_limit**2 - (terms.sum(axis=2, keepdims=True) - terms)
+        rest = np.sqrt(np.maximum(left, 0.0))
+        possible = np.divide(rest, gamma, out=np.where(left >= 0.0, np.inf, 0.0), where=gamma > 0.0)
+        alone = possible.min(axis=(0, 1))
     return Headroom(alone, _margin(gamma, sizes, row_limit))
 
 
@@ -326,64 +312,14 @@ def margins(case: Case, limit_g: float) -> dict[str, float]:
     sizes, found = declared_sizes(case, False), {}
     for estimator in weights.estimators_of(case):
         with suppress(UsageError):  # the schedule lacks positions that it needs
-            found[estimator] = _margin(_weights(case, "derived", estimator, sizes), sizes, limit_g / 3.0)
+            gamma = _by_pattern(stand_of(case, sizes), estimator, _sign_patterns())
+            found[estimator] = _margin(gamma, sizes, limit_g / 3.0)
     return found
-
-
-def _weights(case: Case, which: str, estimator: str, sizes: Floats) -> Floats:
-    """Weights (patterns, 7, 5)."""
-    if which == "published":
-        return with_noise_row(case, weights.published(case, estimator, weights.WORST))[None]
-    return weights_by_pattern(stand_of(case, sizes), estimator, sign_patterns())
 
 
 def _margin(gamma: Floats, sizes: Floats, row_limit: float) -> float:
     largest = np.linalg.norm(gamma * sizes, axis=2).max()
     return float(row_limit / largest) if largest > 0.0 else np.inf
-
-
-def _closed_form(gamma: Floats, sizes: Floats, row_limit: float) -> Floats:
-    """What each source may be where the weights (patterns, 7, 5) do not depend on the stand."""
-    terms = (gamma * sizes) ** 2
-    left = row_limit**2 - (terms.sum(axis=2, keepdims=True) - terms)
-    rest = np.sqrt(np.maximum(left, 0.0))
-    allowed = np.divide(rest, gamma, out=np.where(left >= 0.0, np.inf, 0.0), where=gamma > 0.0)
-    smallest: Floats = allowed.min(axis=(0, 1))
-    return smallest
-
-
-def _bisect(case: Case, sizes: Floats, source: int, row_limit: float) -> float:
-    """The same for the optimal estimator, whose uncertainties grow with every source. Signs that are worst at the size
-    found are added until none is worse."""
-    every = sign_patterns()
-    chosen: list[int] = []
-
-    def worst(size: float, patterns: Floats) -> tuple[float, int]:
-        tried = np.where(np.arange(len(sizes)) == source, size, sizes)
-        gamma = weights_by_pattern(stand_of(case, tried), "optimal", patterns)
-        totals = np.linalg.norm(gamma * tried, axis=2).max(axis=1)
-        return float(totals.max()), int(totals.argmax())
-
-    ceiling = float(ceilings(case)[source])
-    while True:
-        size = _largest(lambda size: worst(size, every[chosen])[0] <= row_limit, ceiling) if chosen else ceiling
-        total, pattern = worst(size, every)
-        if total <= row_limit or pattern in chosen or size == 0.0:
-            return np.inf if size == ceiling else size
-        chosen.append(pattern)
-
-
-def _largest(fits: Callable[[float], bool], ceiling: float) -> float:
-    """The largest size that fits, found in logarithms: 0 if none does, the ceiling if all do."""
-    low, high = 1e-9 * ceiling, ceiling
-    if fits(high):
-        return high
-    if not fits(low):
-        return 0.0
-    for _ in range(_STEPS):
-        middle = (low * high) ** 0.5
-        low, high = (middle, high) if fits(middle) else (low, middle)
-    return low
 
 
 _SETTLED = 1e-4
@@ -417,11 +353,6 @@ def printed(case: Case, formulas: dict[str, str], limit_g: float) -> dict[str, f
     return {source: evaluate(formula, values) for source, formula in formulas.items()}
 
 
-def _printed_limits(case: Case, formulas: dict[str, str], limit_g: float) -> dict[str, Any]:
-    found = printed(case, formulas, limit_g)
-    return {key: finite(value) for key, value in zip(size_keys(tuple(found)), found.values())}
-
-
 def document(
     found: Requirements,
     room: Headroom,
@@ -437,14 +368,29 @@ def document(
     further: Further | None,
 ) -> Require:
     """The requirements for JSON. `published` has (19) as printed, and beside it what the rule gives."""
+
+    def finite(value: float) -> float | None:
+        """Null where nothing limits."""
+        return float(value) if np.isfinite(value) else None
+
+    def as_printed(formulas: dict[str, str]) -> dict[str, Any]:
+        values = printed(case, formulas, limit_g)
+        return {key: finite(value) for key, value in zip(size_keys(tuple(values)), values.values())}
+
     names, published = sources(case, which == "published"), which == "published"
     limits, set_by = by_key(case, names, found.limits), OfSources(**dict(zip(names, found.set_by)))
     rule: Rule | UnsetType = UNSET
     equation_18: Equation18 | UnsetType = UNSET
     if published:
         rule = Rule(**limits, samples=found.samples, set_by=set_by)
-        equation_18 = Equation18(**_printed_limits(case, EQUATION_18, limit_g))
-        limits, set_by = _printed_limits(case, EQUATION_19, limit_g), _PRINTED_FROM
+        equation_18 = Equation18(**as_printed(EQUATION_18))
+        limits, set_by = as_printed(EQUATION_19), _PRINTED_FROM
+    own = None if promised is None else promised[estimator]
+    would_show = None
+    if own is not None and not own.shown:
+        as_declared = np.zeros((len(case.schedule.positions), 3)), by_channel(case.stand.rounding) ** 2
+        question = Question(case.propagation(estimator), *as_declared, case.limit_g, case.coverage_factor)
+        would_show = tuple(question.answers())
     return Require(
         weights=which,
         estimator=estimator,
@@ -460,64 +406,71 @@ def document(
             name: Row(limit_g / 3.0, tuple(weights.tolist()), tuple(shares.tolist()))
             for name, weights, shares in zip(ROWS, found.weights, found.shares)
         },
-        declared=SourceSizes(**by_key(case, names, sizes(case, published))),
+        declared=SourceSizes(**by_key(case, names, declared_sizes(case, published))),
         alone=SourceLimits(**by_key(case, names, room.alone)),
         margin=finite(room.margin),
         margins={name: finite(margin) for name, margin in margins.items()},
         probability=None if promised is None else probability,
-        promise=None if promised is None else promised[estimator],
+        promise=own,
         promises=promised,
         just_enough=just,
-        would_show=None if promised is None or promised[estimator].shown else _would_show(case, estimator),
+        would_show=would_show,
         extended=model_cost_part(further),
     )
 
 
-def _would_show(case: Case, estimator: str) -> tuple[result.Remedy, ...]:
-    """What would show the limit, where runs on this stand do not."""
-    as_declared = np.zeros((len(case.schedule.positions), 3)), by_channel(case.stand.rounding) ** 2
-    question = Question(case.propagation(estimator), *as_declared, case.limit_g, case.coverage_factor)
-    return tuple(question.answers())
-
-
-def finite(value: float) -> float | None:
-    """A number for JSON: null where nothing limits."""
-    return float(value) if np.isfinite(value) else None
+_AT_MOST = "at most: all sources at once, each at an equal share of the row named (--split)"
+_AT_MOST_OPTIMAL = "at most: all at once; as refined allows, scaled until the named row is full"
+_NO_NUMBER = "no number brings such a noise"
 
 
 def show(plan: Require, case: Case) -> None:
     """Print the requirements for people."""
-    from tumble.planning import tables
-
-    published = plan.weights == "published"
+    published, just = plan.weights == "published", plan.just_enough
+    asked = "" if plan.probability is None else f"{100.0 * plan.probability:g} %"
     out = tables.console()
     out.print(tables.heading(f"Requirements for {plan.limit_g:g} g, {plan.weights} weights, {plan.estimator}"))
     out.print(f"{case.block_sentence}; numbers are {plan.numbers}")
     rule = plan if plan.rule is UNSET else plan.rule
-    added = "(19)" if published else f"for {_asked(plan)}"
+    rows, shown = [], []
+    for source, key in zip(sources(case, published), size_keys(sources(case, published))):
+        limit, alone, has = (_most(getattr(of, key)) for of in (rule, plan.alone, plan.declared))
+        size, has = _most(getattr(plan if published else just, key, None)), has or 0.0
+        suffices = "as it is" if not published and limit is None and size is not None else tables.scientific(size)
+        cells = [source, unit(source), suffices, _limit(limit), getattr(rule.set_by, source) or "-"]
+        within = "within" if limit is None or has <= limit else "over"
+        rows.append([*cells, tables.scientific(has), within, _limit(alone)])
+        shown += [limit, alone]
+    added = "(19)" if published else f"for {asked}"
     headings = ["", "unit", added, "at most", "set by", "stand has", "its share", "alone"]
-    rows, names = [], sources(case, published)
-    for key, source in zip(size_keys(names), names):
-        limit, alone = (_most(getattr(of, key)) for of in (rule, plan.alone))
-        has = _most(getattr(plan.declared, key)) or 0.0
-        enough = _most(getattr(plan.just_enough, key, None))
-        verdict = "within" if limit is None or has <= limit else "over"
-        cells = [source, unit(source)]
-        cells += [tables.scientific(getattr(plan, key)) if published else _for_it(enough, limit)]
-        cells += [_limit(limit), getattr(rule.set_by, source) or "-"]
-        cells += [tables.scientific(has), verdict, _limit(alone)]
-        rows.append(cells)
     out.print(tables.table(headings, rows, left=(0, 1)))
-    out.print(f"Samples at each position: {_samples(plan)}; the stand has {case.stand.samples}")
-    for line in (*_explanations(plan, rule, size_keys(names)), *notes(case)):
+    samples = _NO_NUMBER if plan.samples is None else f"{plan.samples} at least"
+    suffice = None if just is None else just.samples or _NO_NUMBER
+    samples += "" if suffice in (None, samples) else f", {suffice} for {asked}"
+    out.print(f"Samples at each position: {samples}; the stand has {case.stand.samples}")
+    out.print(ALPHAS)
+    if not published and just is None:
+        out.print(f"for {asked}: out of reach while sources without a limit stay as they are")
+    elif just is not None:
+        out.print(f"for {asked}: {just.factor:.3g} times at most; then run and |a| are within the limit with {asked}")
+    optimal = plan.estimator == "optimal"
+    out.print(_AT_MOST_OPTIMAL if optimal else _AT_MOST)
+    out.print("its share: a source may exceed it if others leave room; the end decides")
+    out.print("alone: one source, the others as the stand has them")
+    if 0.0 in shown:
+        out.print("none left: the others alone exceed the limit already")
+    if None in shown:
+        up_to = f" up to {CEILING_RAD:g} rad, as far as was tried" if optimal else ""
+        out.print(f"no limit: the source limits nothing{up_to}")
+    for line in notes(case):
         out.print(line)
     if published:
         out.print("(19): as printed; at most: what its own rule gives (see tumble plan paper)")
     out.print()
     if published:
-        out.print(_sentence(plan), style="bold")
+        _show_margins(out, plan)
     else:
-        _show_promises(out, plan)
+        _show_promises(out, plan, asked)
 
 
 def _most(size: Any) -> float | None:
@@ -526,130 +479,50 @@ def _most(size: Any) -> float | None:
     return largest
 
 
-def _for_it(size: float | None, limit: float | None) -> str:
-    """For the probability asked for."""
-    from tumble.planning import tables
-
-    return "as it is" if limit is None and size is not None else tables.scientific(size)
-
-
 def _limit(value: float | None) -> str:
-    from tumble.planning import tables
-
     return "no limit" if value is None else "none left" if value == 0.0 else tables.scientific(value)
 
 
-_AT_MOST = "at most: all sources at once, each at an equal share of the row named (--split)"
-_AT_MOST_OPTIMAL = "at most: all at once; as refined allows, scaled until the named row is full"
-
-
-def _explanations(plan: Require, rule: Require | Rule, keys: tuple[str, ...]) -> list[str]:
-    """Of the words in the table."""
-    lines = [
-        ALPHAS,
-        *_for_probability(plan),
-        _AT_MOST_OPTIMAL if plan.estimator == "optimal" else _AT_MOST,
-        "its share: a source may exceed it if others leave room; the end decides",
-        "alone: one source, the others as the stand has them",
-    ]
-    shown = [_most(getattr(of, key)) for of in (plan.alone, rule) for key in keys]
-    if 0.0 in shown:
-        lines.append("none left: the others alone exceed the limit already")
-    if None in shown:
-        up_to = f" up to {CEILING_RAD:g} rad, as far as was tried" if plan.estimator == "optimal" else ""
-        lines.append(f"no limit: the source limits nothing{up_to}")
-    return lines
-
-
-def _for_probability(plan: Require) -> list[str]:
-    """Of the column that is only there with derived weights."""
-    if plan.weights == "published":
-        return []
-    if plan.just_enough is None:
-        return [f"for {_asked(plan)}: out of reach while sources without a limit stay as they are"]
-    times = f"{plan.just_enough.factor:.3g} times at most"
-    return [f"for {_asked(plan)}: {times}; then run and |a| are within the limit with {_asked(plan)}"]
-
-
-def _sentence(plan: Require) -> str:
+def _show_margins(out: Console, plan: Require) -> None:
     """Whether the stand will do, by the paper's rule."""
     width = max(map(len, plan.margins))
-    found = [
-        f"  with {name + ':':{width + 1}} " + ("yes (no errors)" if margin is None else _reached(margin))
-        for name, margin in plan.margins.items()
-    ]
-    meaning = "Margin: the factor by which all its errors may grow until a row is full."
-    return "\n".join([f"This stand reaches {plan.limit_g:g} g", *found, meaning])
+    out.print(f"This stand reaches {plan.limit_g:g} g", style="bold")
+    for name, margin in plan.margins.items():
+        verdict = "yes" if margin is None or margin >= 1.0 else "no"
+        reached = "no errors" if margin is None else f"margin {margin:.3g}"
+        out.print(f"  with {name + ':':{width + 1}} {verdict} ({reached})", style="bold")
+    out.print("Margin: the factor by which all its errors may grow until a row is full.", style="bold")
 
 
-def _reached(margin: float) -> str:
-    return f"{'yes' if margin >= 1.0 else 'no'} (margin {margin:.3g})"
+_PROMISED = """\
+passes: probability that a run passes the gravity check; every attitude: that
+the error of |a| is within the limit at all of them; both of the nominal block
+u(|a|): its largest standard uncertainty; a run whose {factor:g} u(|a|) exceeds the limit is no PASS
+may grow: factor for all errors of the stand until the lower of these is {asked},
+or until such runs are no PASS any more
+margin: factor until a third of the limit is the standard deviation of a row of
+scale factors, biases or noise; at 1 it promises no probability"""
 
 
-_PROMISED = (
-    "passes: probability that a run passes the gravity check; every attitude: that",
-    "the error of |a| is within the limit at all of them; both of the nominal block",
-    "u(|a|): its largest standard uncertainty; a run whose {factor:g} u(|a|) exceeds the limit is no PASS",
-    "may grow: factor for all errors of the stand until the lower of these is {asked},",
-    "or until such runs are no PASS any more",
-    "margin: factor until a third of the limit is the standard deviation of a row of",
-    "scale factors, biases or noise; at 1 it promises no probability",
-)
-
-
-def _show_promises(out: Console, plan: Require) -> None:
+def _show_promises(out: Console, plan: Require, asked: str) -> None:
     """Whether the stand will do, with every estimator."""
-    from tumble.planning import tables
-
-    asked, own, promises = _asked(plan), plan.promise, plan.promises
+    own, promises = plan.promise, plan.promises
     assert own is not None and promises is not None  # with derived weights
     out.print(f"Does this stand reach {plan.limit_g:g} g with a probability of {asked}?", style="bold")
-    rows = [
-        (
-            name,
-            "yes" if one.growth is None or one.growth >= 1.0 else "no",
-            tables.percent(one.passes),
-            tables.percent(one.every_attitude),
-            tables.scientific(one.coverage_factor * one.u_norm_worst_g),
-            _factor(one.growth),
-            _factor(plan.margins[name]),
-        )
-        for name, one in promises.items()
-    ]
-    reach = f"{own.coverage_factor:g} u(|a|), g"
-    out.print(tables.table(("with", "", "passes", "every attitude", reach, "may grow", "margin"), rows, left=(0, 1)))
-    for line in _PROMISED:
-        out.print(line.format(asked=asked, factor=own.coverage_factor))
+    rows = []
+    for name, one in promises.items():
+        growth, margin = ("no errors" if of is None else f"{of:.3g}" for of in (one.growth, plan.margins[name]))
+        reaches = "yes" if one.growth is None or one.growth >= 1.0 else "no"
+        reach = tables.scientific(one.coverage_factor * one.u_norm_worst_g)
+        passes, everywhere = tables.percent(one.passes), tables.percent(one.every_attitude)
+        rows.append((name, reaches, passes, everywhere, reach, growth, margin))
+    headings = ("with", "", "passes", "every attitude", f"{own.coverage_factor:g} u(|a|), g", "may grow", "margin")
+    out.print(tables.table(headings, rows, left=(0, 1)))
+    out.print(_PROMISED.format(asked=asked, factor=own.coverage_factor))
     if own.assumes:
         out.print(ON_A_SEAT)
-    if not own.shown:
-        out.print(f"{plan.estimator}: {_not_shown(plan)}", style="bold")
-
-
-def _not_shown(plan: Require) -> str:
-    """As a run that is solved says it."""
-    told, remedies = plan.promise, plan.would_show or ()
-    assert told is not None  # with derived weights
-    rule = told.limit_g, told.coverage_factor, told.u_norm_worst_g
-    decision = Decision((UNCERTAINTY,), told.assumes, 0, *rule)
-    return f"{decision.sentence}. {in_words(remedies, decision.limit_g)}."
-
-
-def _asked(plan: Require) -> str:
-    """As 95 %."""
-    assert plan.probability is not None  # with derived weights
-    return f"{100.0 * plan.probability:g} %"
-
-
-def _factor(value: float | None) -> str:
-    return "no errors" if value is None else f"{value:.3g}"
-
-
-def _samples(plan: Require) -> str:
-    """How many it takes."""
-    rule = _NO_NUMBER if plan.samples is None else f"{plan.samples} at least"
-    enough = None if plan.just_enough is None else plan.just_enough.samples or _NO_NUMBER
-    return rule if enough in (None, rule) else f"{rule}, {enough} for {_asked(plan)}"
-
-
-_NO_NUMBER = "no number brings such a noise"
+    if not own.shown:  # as a run that is solved says it
+        rule = own.limit_g, own.coverage_factor, own.u_norm_worst_g
+        not_shown = Decision((UNCERTAINTY,), own.assumes, 0, *rule).sentence
+        remedies = in_words(plan.would_show or (), own.limit_g)
+        out.print(f"{plan.estimator}: {not_shown}. {remedies}.", style="bold")

@@ -1,38 +1,28 @@
-"""The quickest schedule for a wanted accuracy: how long one takes, which mountings there are, the search, the plan.
+"""The quickest schedule for a limit or a worst u(|a|), beside what the built-in schedules take for the same.
 
-How long a schedule takes: moves, settling, averaging, and what people need to mount the block anew.
+How long a schedule takes (`Pace`): moves, settling, averaging, and what people need to mount the block anew. The table
+comes to every angle from below, as the play of its gear asks for: it turns up through a mounting's angles and back to
+the lowest of the next. Homing and the first mounting are the same for all schedules, and not counted.
 
-The table comes to every angle from below, as the play of its gear asks for: it turns up through a mounting's angles and
-back to the lowest of the next. Homing and the first mounting are the same for all schedules, and not counted.
+Ways to mount a block on a table square to its axes (`KINDS`): there are 24 proper rotations. Half a turn about the
+stand's axis is one of the table, so 12 remain. And which of a block's axes bears which name makes no difference to what
+several mountings together can tell: of sets that differ by their names alone one is kept, the one that starts with the
+first mounting of the paper.
 
-Ways to mount a block on a table square to its axes, without those that come to the same.
+How well subsets of positions know the norm of a (`NormSpread`): the worst u(|a|) over all attitudes, for thousands of
+them. What does not depend on the subset is computed once, for all candidate positions: what the stand's errors do to
+the outputs, and what errors of the unknowns do to |a|. An error of the stand that touches one position only, such as
+that of a set angle, adds to the covariance of its outputs; one that positions share is an unknown with a prior. For
+`optimal` the information of the positions then simply adds up. `least_squares` is propagated as it is. Unknowns are the
+coefficients, and the sizes of the case's further terms. A drift goes by the order of the candidates; of a subset that
+leaves some out it is nearly the drift of the run.
 
-There are 24 proper rotations. Half a turn about the stand's axis is one of the table, so 12 remain. And which of a
-block's axes bears which name makes no difference to what several mountings together can tell: of sets that differ by
-their names alone one is kept, the one that starts with the first mounting of the paper.
-
-How well a schedule's subsets know the norm of a: the worst u(|a|) over all attitudes, for thousands of subsets.
-
-Everything that does not depend on the subset is computed once, for all candidate positions: what the stand's errors do
-to the outputs, and what errors of the unknowns do to |a|. An error of the stand that touches one position only,
-such as that of a set angle, adds to the covariance of its outputs; one that positions share is an unknown with a prior.
-For `optimal` the information of the positions then simply adds up. `least_squares` is propagated as it is.
-
-Unknowns are the coefficients, and the sizes of the case's further terms. A drift goes by the order of the candidates;
-of a subset that leaves some out it is nearly the drift of the run.
-
-The schedule that reaches a worst u(|a|) in the least test time.
-
-For every set of mountings: from all table angles the one is left out that is needed least, again and again, and each
-time the samples are counted that what is left needs. The quickest of all these is then improved by exchanges of one
-angle for another, as long as that saves time. It is a search, and proves no optimum; it always finds the same.
-
-The quickest schedule for a limit or a worst u(|a|), beside what the built-in schedules take for the same.
+The search (`quickest`): for every set of mountings, the table angle is left out that is needed least, again and again,
+and each time the samples are counted that what is left needs. The quickest of all these is then improved by exchanges
+of one angle for another, as long as that saves time. It proves no optimum; it always finds the same.
 
 A limit is kept when a run passes, and |a| is within the limit at every attitude, with the probability asked for. That
-is a worst u(|a|) too, another for each schedule; it is found by trying.
-
-The quickest schedule: for JSON, and for people.
+is a worst u(|a|) too, another for each schedule; it is found by trying (`reaching`).
 """
 
 from __future__ import annotations
@@ -94,6 +84,21 @@ class Duration:
 
 
 @dataclass(frozen=True)
+class Timed:
+    """A schedule that reaches what was asked for: with so many `samples` at each position, `norm_g` the worst u(|a|)
+    that it was held to."""
+
+    schedule: Schedule
+    samples: int
+    norm_g: float
+    duration: Duration
+
+    def freedom(self, terms: Terms) -> int:
+        """Of the residuals: what a fit, with further `terms`, leaves to show that the model holds."""
+        return 3 * (len(self.schedule.positions) - len(terms)) - 12
+
+
+@dataclass(frozen=True)
 class Pace:
     """What a table, a block and people take their time for: deg/s, deg/s^2, s, samples a second, s."""
 
@@ -112,36 +117,37 @@ class Pace:
         return cls(velocity, acceleration, settling, rate, remount_s)
 
     def duration(self, schedule: Schedule, samples: int) -> Duration:
-        """Of a schedule whose positions stand mounting by mounting."""
+        """Of a schedule whose positions stand mounting by mounting. Moves are at rest at both ends, with limited speed
+        and acceleration."""
         angles = [0.0, *(position.angle_deg for position in schedule.positions)]
-        mountings = len(list(groupby(position.mounting for position in schedule.positions)))
+
+        def move(degrees: float) -> float:
+            if degrees < self.velocity**2 / self.acceleration:
+                return 2.0 * math.sqrt(degrees / self.acceleration)
+            return degrees / self.velocity + self.velocity / self.acceleration
+
         return Duration(
-            moving=sum(self._move(abs(b - a)) for a, b in pairwise(angles)),
+            moving=sum(move(abs(b - a)) for a, b in pairwise(angles)),
             settling=self.settling * len(schedule.positions),
             averaging=samples * len(schedule.positions) / self.rate,
-            remounting=self.remounting * (mountings - 1),
+            remounting=self.remounting * (len(list(groupby(one.mounting for one in schedule.positions))) - 1),
         )
 
-    def _move(self, degrees: float) -> float:
-        """At rest at both ends, with limited speed and acceleration."""
-        ramps = self.velocity**2 / self.acceleration
-        if degrees < ramps:
-            return 2.0 * math.sqrt(degrees / self.acceleration)
-        return degrees / self.velocity + self.velocity / self.acceleration
+    def timed(self, schedule: Schedule, samples: int, norm_g: float) -> Timed:
+        """The schedule with what it takes."""
+        return Timed(schedule, samples, norm_g, self.duration(schedule, samples))
 
 
 _HALF_TURN = np.diag([-1.0, 1.0, -1.0])  # about n, in the table frame h, n, v
-
-
-def _rotations() -> Iterator[Floats]:
-    for order in permutations(range(3)):
-        for signs in product((1.0, -1.0), repeat=3):
-            matrix = np.eye(3)[list(order)] * np.array(signs)[:, None]
-            if np.linalg.det(matrix) > 0.0:
-                yield matrix
-
-
-ROTATIONS = sorted(_rotations(), key=lambda matrix: (np.abs(matrix - np.eye(3)).sum(), *matrix.ravel()))
+_SIGNED_AXES = [
+    np.eye(3)[list(order)] * np.array(signs)[:, None]
+    for order in permutations(range(3))
+    for signs in product((1.0, -1.0), repeat=3)
+]
+ROTATIONS = sorted(
+    (matrix for matrix in _SIGNED_AXES if np.linalg.det(matrix) > 0.0),
+    key=lambda matrix: (np.abs(matrix - np.eye(3)).sum(), *matrix.ravel()),
+)
 
 
 def _kind(matrix: Floats) -> int:
@@ -169,19 +175,6 @@ def mountings(kinds: tuple[int, ...]) -> tuple[Mounting, ...]:
         Mounting(number, tuple(tuple((row + 0.0).tolist()) for row in ROTATIONS[kind]))
         for number, kind in enumerate(kinds, 1)
     )
-
-
-def without_unused(schedule: Schedule) -> Schedule:
-    """The schedule with the mountings that it uses, both these and its positions numbered from 1."""
-    used = schedule.fitted_mountings
-    places = {mounting.number: number for number, mounting in enumerate(used, 1)}
-    counts = dict.fromkeys(places, 0)
-    positions = []
-    for position in schedule.positions:
-        counts[position.mounting] += 1
-        positions.append(Position(places[position.mounting], counts[position.mounting], position.angle_deg))
-    renamed = tuple(Mounting(places[mounting.number], mounting.matrix, mounting.tilt_deg) for mounting in used)
-    return Schedule(renamed, tuple(positions))
 
 
 ESTIMATORS = EXTENDABLE
@@ -274,17 +267,6 @@ _FEWEST_POSITIONS = 6  # so that six residuals are left to check the model with
 _ALL_SETS = 3  # of so many mountings; more are added one by one
 
 
-@dataclass(frozen=True)
-class Timed:
-    """A schedule that reaches what was asked for: with so many `samples` at each position, `norm_g` the worst u(|a|)
-    that it was held to."""
-
-    schedule: Schedule
-    samples: int
-    norm_g: float
-    duration: Duration
-
-
 def fewest_samples(spread: NormSpread, chosen: Flags, norm_g: float) -> int | None:
     """The fewest samples with which a subset has no worse u(|a|) at any attitude; None if none do."""
     least = fewest_at_some(spread, chosen, norm_g)
@@ -324,74 +306,37 @@ class _Candidates:
 
     def quickest(self) -> tuple[Timed | None, Flags]:
         """By leaving out, then by exchange; and which positions it has."""
-        best, chosen = self._left_out()
+        one = np.eye(len(self.spread.schedule.positions), dtype=bool)
+        best, chosen = None, np.ones(len(one), dtype=bool)
+        left, fewest = chosen, _FEWEST_POSITIONS + len(self.spread.terms)
+        while left.sum() >= fewest and (found := self.timed(left)) is not None:
+            if left.sum() <= MAX_POSITIONS and (best is None or found.duration.total < best.duration.total):
+                best, chosen = found, left
+            fewer = left & ~one[left]
+            left = fewer[self.spread.worst(fewer, found.samples).argmin()]
         while best is not None:
-            tried = self._swapped(chosen, best.samples)
-            found = self.timed(tried)
-            if found is None or found.duration.total >= best.duration.total:
+            ways = product(np.flatnonzero(chosen), np.flatnonzero(~chosen))
+            swaps = np.array([(chosen & ~one[out]) | one[into] for out, into in ways])
+            tried = swaps[self.spread.worst(swaps, best.samples).argmin()] if len(swaps) else chosen
+            swapped = self.timed(tried)
+            if swapped is None or swapped.duration.total >= best.duration.total:
                 break
-            best, chosen = found, tried
+            best, chosen = swapped, tried
         return best, chosen
 
-    def _left_out(self) -> tuple[Timed | None, Flags]:
-        chosen = np.ones(len(self.spread.schedule.positions), dtype=bool)
-        best, best_chosen, fewest = None, chosen, _FEWEST_POSITIONS + len(self.spread.terms)
-        while chosen.sum() >= fewest and (found := self.timed(chosen)) is not None:
-            if chosen.sum() <= MAX_POSITIONS and (best is None or found.duration.total < best.duration.total):
-                best, best_chosen = found, chosen
-            fewer = chosen & ~np.eye(len(chosen), dtype=bool)[chosen]
-            chosen = fewer[self.spread.worst(fewer, found.samples).argmin()]
-        return best, best_chosen
 
-    def _swapped(self, chosen: Flags, samples: int) -> Flags:
-        """The exchange of one position for another that is best for the norm."""
-        one = np.eye(len(chosen), dtype=bool)
-        swaps = [(chosen & ~one[out]) | one[into] for out in np.flatnonzero(chosen) for into in np.flatnonzero(~chosen)]
-        if not swaps:
-            return chosen
-        best: Flags = swaps[int(self.spread.worst(np.array(swaps), samples).argmin())]
-        return best
-
-
-def quickest(
-    case: Case,
-    estimator: str,
-    norm_g: float,
-    pace: Pace,
-    step_deg: float,
-    most_mountings: int,
-    progress: Callable[..., None] = lambda done, of: None,
-    team: Team = ALONE,
-) -> Timed | None:
-    """The quickest schedule of at most so many mountings, with table angles of multiples of `step_deg`; None if there
-    is none, whatever the `team`. `progress`: how many sets of mountings more are done, and of how many all in all, as
-    far as it is known."""
-    job, rounds = _OfSet(case, estimator, norm_g, pace, step_deg), range(2, most_mountings + 1)
-    known = [mounting_sets(count) for count in rounds if count <= _ALL_SETS]
-    best, of = _Best(None, known[0][0]), 0
-    for count in rounds:
-        sets = known[count - 2] if count <= _ALL_SETS else best.with_one_more()
-        of += len(sets)
-        for kinds, found in job.over(sets, best, team, partial(progress, of=of)):
-            if found is not None and (best.timed is None or found.duration.total < best.timed.duration.total):
-                best.timed, best.kinds = found, kinds
-    return best.timed
-
-
-@dataclass
-class _Best:
-    """The quickest so far, and its set of mountings."""
-
-    timed: Timed | None
-    kinds: tuple[int, ...]
-
-    def with_one_more(self) -> list[tuple[int, ...]]:
-        """Its set with another mounting."""
-        return [(*self.kinds, kind) for kind in KINDS if kind not in self.kinds]
-
-    def is_out_of_reach(self, kinds: tuple[int, ...], pace: Pace) -> bool:
-        """Do the mountings of a set alone take as long?"""
-        return self.timed is not None and pace.remounting * (len(kinds) - 1) >= self.timed.duration.total
+def _part(everything: Schedule, chosen: Flags, samples: int, norm_g: float, pace: Pace) -> Timed:
+    """A subset of the positions, with the mountings that it uses, both these and its positions numbered from 1."""
+    part = everything.part(chosen)
+    used = part.fitted_mountings
+    places = {mounting.number: number for number, mounting in enumerate(used, 1)}
+    counts = dict.fromkeys(places, 0)
+    positions = []
+    for position in part.positions:
+        counts[position.mounting] += 1
+        positions.append(Position(places[position.mounting], counts[position.mounting], position.angle_deg))
+    renamed = tuple(Mounting(places[mounting.number], mounting.matrix, mounting.tilt_deg) for mounting in used)
+    return pace.timed(Schedule(renamed, tuple(positions)), samples, norm_g)
 
 
 @dataclass(frozen=True)
@@ -412,27 +357,8 @@ class _OfSet:
             "samples": np.array([] if best is None else [best.samples], dtype=int),
         }
 
-    def over(
-        self, sets: list[tuple[int, ...]], best: _Best, team: Team, progress: Progress
-    ) -> Iterator[tuple[tuple[int, ...], Timed | None]]:
-        """What is found for each of the sets, in their order, but for those that their mountings alone make slower than
-        the `best` so far: whoever works ahead may do more of them, to no effect."""
-        asked = []
-
-        def hopeful() -> Iterator[Piece]:
-            for kinds in sets:
-                if best.is_out_of_reach(kinds, self.pace):
-                    progress(1)
-                else:
-                    asked.append(kinds)
-                    yield Piece(f"{self.norm_g!r} {kinds}", kinds)
-
-        for place, result in enumerate(over(hopeful(), self, team, progress)):
-            if not best.is_out_of_reach(asked[place], self.pace):
-                yield asked[place], self._timed(asked[place], result)
-
-    def _timed(self, kinds: tuple[int, ...], result: Result) -> Timed | None:
-        """None if nothing has been found."""
+    def timed(self, kinds: tuple[int, ...], result: Result) -> Timed | None:
+        """What a call has found, None for nothing."""
         if not len(result["samples"]):
             return None
         everything = self._all(kinds)
@@ -446,28 +372,65 @@ class _OfSet:
         return Schedule(block, positions)
 
 
-def _part(everything: Schedule, chosen: Flags, samples: int, norm_g: float, pace: Pace) -> Timed:
-    schedule = without_unused(everything.part(chosen))
-    return Timed(schedule, samples, norm_g, pace.duration(schedule, samples))
+def quickest(
+    case: Case,
+    estimator: str,
+    norm_g: float,
+    pace: Pace,
+    step_deg: float,
+    most_mountings: int,
+    progress: Callable[..., None] = lambda done, of: None,
+    team: Team = ALONE,
+) -> Timed | None:
+    """The quickest schedule of at most so many mountings, with table angles of multiples of `step_deg`; None if there
+    is none, whatever the `team`. `progress`: how many sets of mountings more are done, and of how many all in all, as
+    far as it is known."""
+    job, rounds = _OfSet(case, estimator, norm_g, pace, step_deg), range(2, most_mountings + 1)
+    known = [mounting_sets(count) for count in rounds if count <= _ALL_SETS]
+    best: Timed | None = None
+    best_kinds, of = known[0][0], 0
+
+    def takes_longer(kinds: tuple[int, ...]) -> bool:
+        """Do the mountings of a set alone take as long as the best?"""
+        return best is not None and pace.remounting * (len(kinds) - 1) >= best.duration.total
+
+    def hopeful(sets: list[tuple[int, ...]], asked: list[tuple[int, ...]], done: Progress) -> Iterator[Piece]:
+        for kinds in sets:
+            if takes_longer(kinds):
+                done(1)
+            else:
+                asked.append(kinds)
+                yield Piece(f"{norm_g!r} {kinds}", kinds)
+
+    for count in rounds:
+        one_more = [(*best_kinds, kind) for kind in KINDS if kind not in best_kinds]
+        sets, asked = known[count - 2] if count <= _ALL_SETS else one_more, list[tuple[int, ...]]()
+        of += len(sets)
+        done = partial(progress, of=of)
+        for place, result in enumerate(over(hopeful(sets, asked, done), job, team, done)):
+            if takes_longer(asked[place]):  # whoever works ahead may do more of them, to no effect
+                continue
+            found = job.timed(asked[place], result)
+            if found is not None and (best is None or found.duration.total < best.duration.total):
+                best, best_kinds = found, asked[place]
+    return best
 
 
 def held_to(case: Case, estimator: str, schedule: Schedule, norm_g: float, pace: Pace) -> Timed | None:
     """What a given schedule takes; None if it does not get there."""
     spread = NormSpread(case, schedule, estimator)
     samples = fewest_samples(spread, np.ones(len(schedule.positions), dtype=bool), norm_g)
-    return None if samples is None else Timed(schedule, samples, norm_g, pace.duration(schedule, samples))
+    return None if samples is None else pace.timed(schedule, samples, norm_g)
 
 
-def measured_with(case: Case, timed: Timed) -> Case:
-    """The case with a schedule and its samples."""
-    return replace(case, own_schedule=timed.schedule, stand=replace(case.stand, samples=timed.samples))
+def _measured_with(case: Case, schedule: Schedule, samples: int) -> Case:
+    return replace(case, own_schedule=schedule, stand=replace(case.stand, samples=samples))
 
 
 def worst_norm_of(case: Case, estimator: str) -> tuple[float, list[float]]:
     """The worst u(|a|) of a case, g, and at which attitude, from the estimator's own gains."""
     k = case.nominal_k()
-    found = error_field(case, estimator, k).unknowns
-    worst = worst_norm(k, found.T @ found, case.terms)
+    worst = worst_norm(k, error_field(case, estimator, k).covariance, case.terms)
     return worst.worst, worst.attitude.tolist()
 
 
@@ -524,7 +487,10 @@ def plan_schedule(
         return None
 
     beside = {name: reaching(case, goal, built_in(name), pace) for name in BESIDE}
-    best = search(_first_norm(case, goal, beside))
+    first_norm_g = goal.norm_g
+    if first_norm_g is None:  # the strictest that a built-in one is held to: a limit asks for about the same of all
+        first_norm_g = min((one.norm_g for one in beside.values() if one is not None), default=case.limit_g / 3.0)
+    best = search(first_norm_g)
     if best is not None and goal.norm_g is None:
         again = search(best.norm_g)
         best = again if again is not None and again.duration.total < best.duration.total else best
@@ -532,18 +498,11 @@ def plan_schedule(
         wanted = f"{case.limit_g:g} g" if goal.norm_g is None else f"a worst u(|a|) of {goal.norm_g:g} g"
         why = "" if case.rounding_sentence is None else f". {case.rounding_sentence}"
         raise UsageError(f"unreachable: no schedule of at most {most_mountings} mountings reaches {wanted} here{why}")
-    chosen = measured_with(case, best)
+    chosen = _measured_with(case, best.schedule, best.samples)
     u_norm_g, attitude = worst_norm_of(chosen, goal.estimator)
     promised = growing_promise(chosen, goal.estimator, goal.probability)
     unseen, further = chosen.reliability(goal.estimator), model_cost(chosen, goal.estimator)
     return Planned(case, goal, pace, best, beside, u_norm_g, attitude, promised, unseen, further)
-
-
-def _first_norm(case: Case, goal: Goal, beside: dict[str, Timed | None]) -> float:
-    """To search with: the strictest that a built-in schedule is held to, as a limit asks for about the same of all."""
-    if goal.norm_g is not None:
-        return goal.norm_g
-    return min((timed.norm_g for timed in beside.values() if timed is not None), default=case.limit_g / 3.0)
 
 
 def reaching(case: Case, goal: Goal, schedule: Schedule, pace: Pace) -> Timed | None:
@@ -556,8 +515,7 @@ def reaching(case: Case, goal: Goal, schedule: Schedule, pace: Pace) -> Timed | 
     everything = np.ones(len(schedule.positions), dtype=bool)
 
     def growth(samples: int) -> float:
-        timed = Timed(schedule, samples, 0.0, pace.duration(schedule, samples))
-        found = growing_promise(measured_with(case, timed), goal.estimator, goal.probability).growth
+        found = growing_promise(_measured_with(case, schedule, samples), goal.estimator, goal.probability).growth
         return math.inf if found is None else found
 
     samples, room = MAX_SAMPLES, growth(MAX_SAMPLES)
@@ -570,11 +528,7 @@ def reaching(case: Case, goal: Goal, schedule: Schedule, pace: Pace) -> Timed | 
     while room < 1.0 and samples < MAX_SAMPLES:
         samples = min(MAX_SAMPLES, samples + 1 + samples // 100)
         room = growth(samples)
-    norm_g = spread.exact(everything, samples)
-    return Timed(schedule, samples, norm_g, pace.duration(schedule, samples)) if room >= 1.0 else None
-
-
-_TABLE_AXES = "hnv"
+    return pace.timed(schedule, samples, spread.exact(everything, samples)) if room >= 1.0 else None
 
 
 def document(found: Planned, step_deg: float) -> Quickest:
@@ -583,6 +537,17 @@ def document(found: Planned, step_deg: float) -> Quickest:
     wanted = plan.Goal(goal.norm_g, None, None)
     if goal.norm_g is None:
         wanted = plan.Goal(None, case.limit_g, goal.probability)
+
+    def timed(one: Timed) -> dict[str, Any]:
+        return {
+            "mountings": len(one.schedule.mountings),
+            "positions": len(one.schedule.positions),
+            "samples": one.samples,
+            "freedom": one.freedom(case.terms),
+            "seconds": one.duration.total,
+            **{f"{part}_s": seconds for part, seconds in asdict(one.duration).items()},
+        }
+
     return Quickest(
         stand=case.stand.name,
         block=case.block,
@@ -591,33 +556,19 @@ def document(found: Planned, step_deg: float) -> Quickest:
         angles_deg=step_deg,
         pace=plan.Pace(pace.velocity, pace.acceleration, pace.settling, pace.rate, pace.remounting),
         schedule=plan.FoundSchedule(
-            **_timed(found.best, case.terms),
+            **timed(found.best),
             matrices=tuple(np.array(mounting.matrix) for mounting in schedule.mountings),
             angles_deg=tuple(_angles(schedule, mounting) for mounting in schedule.mountings),
         ),
         u_norm_g=WorstNorm(found.u_norm_g, np.array(found.attitude)),
         promise=found.promise,
-        reliability=None if found.unseen is None else unseen(found.unseen),
+        reliability=unseen(found.unseen),
         reliability_norm_g=reliability.largest(found.unseen),
         extended=model_cost_part(found.further),
         beside=plan.Beside(
-            **{
-                name: None if timed is None else plan.Timed(**_timed(timed, case.terms))
-                for name, timed in found.beside.items()
-            }
+            **{name: None if one is None else plan.Timed(**timed(one)) for name, one in found.beside.items()}
         ),
     )
-
-
-def _timed(timed: Timed, terms: Terms) -> dict[str, Any]:
-    return {
-        "mountings": len(timed.schedule.mountings),
-        "positions": len(timed.schedule.positions),
-        "samples": timed.samples,
-        "freedom": freedom(timed, terms),
-        "seconds": timed.duration.total,
-        **{f"{part}_s": seconds for part, seconds in asdict(timed.duration).items()},
-    }
 
 
 def _angles(schedule: Schedule, mounting: Mounting) -> tuple[float, ...]:
@@ -626,25 +577,24 @@ def _angles(schedule: Schedule, mounting: Mounting) -> tuple[float, ...]:
 
 def show(found: Planned, written: str | None, stand: str | None) -> None:
     """Print the plan on standard output. `written`: the file that it went to; `stand`: that of the stand."""
-    out, goal, pace = tables.console(), found.goal, found.pace
+    out, goal, pace, best = tables.console(), found.goal, found.pace, found.best
     wanted = f"a worst u(|a|) of {1e6 * (goal.norm_g or 0.0):.4g} ug"
     if goal.norm_g is None:
         wanted = f"{found.case.limit_g:g} g with {100 * goal.probability:g} %"
     out.print(tables.heading(f"Quickest schedule found for {wanted}, estimator {goal.estimator}"))
     out.print(f"Stand: {found.case.stand.name or 'without a name'}")
-    rows = [_row("found", found.best), *(_row(name, timed) for name, timed in found.beside.items())]
+    rows = [_row("found", best), *(_row(name, timed) for name, timed in found.beside.items())]
     headings = ("", "positions", "samples", "moving", "settling", "averaging", "in all, s")
     out.print(tables.table(headings, rows))
     out.print(f"positions: in so many mountings, {pace.remounting:g} s for each after the first (--remounting)")
-    for mounting in found.best.schedule.mountings:
-        axes = ", ".join(f"{axis} {_along(row)}" for axis, row in zip("xyz", mounting.matrix))
-        angles = " ".join(f"{angle:g}" for angle in _angles(found.best.schedule, mounting))
-        out.print(f"Mounting {mounting.number}: {axes} (h across, n along the axis, v up at 0);")
+    for mounting in best.schedule.mountings:
+        along = [max(range(3), key=lambda axis: abs(row[axis])) for row in mounting.matrix]  # of the table's axes
+        axes = [f"{name} {'-' if row[n] < 0 else '+'}{'hnv'[n]}" for name, row, n in zip("xyz", mounting.matrix, along)]
+        angles = " ".join(f"{angle:g}" for angle in _angles(best.schedule, mounting))
+        out.print(f"Mounting {mounting.number}: {', '.join(axes)} (h across, n along the axis, v up at 0);")
         out.print(f"  table at {angles} deg")
-    out.print(
-        f"Worst u(|a|): {1e6 * found.u_norm_g:.4g} ug;"
-        f" {freedom(found.best, found.case.terms)} degrees of freedom check the model"
-    )
+    freedom = best.freedom(found.case.terms)
+    out.print(f"Worst u(|a|): {1e6 * found.u_norm_g:.4g} ug; {freedom} degrees of freedom check the model")
     if found.further is not None:
         out.print(cost_sentence(found.further))
     if (note := found.case.rounding_sentence) is not None:
@@ -654,14 +604,9 @@ def show(found: Planned, written: str | None, stand: str | None) -> None:
         out.print(line)
     if written is not None:
         files = ["--schedule", written, *([] if stand is None else ["--stand", stand])]
-        options = f"{shlex.join(files)} --samples {found.best.samples} --estimator {goal.estimator}"
+        options = f"{shlex.join(files)} --samples {best.samples} --estimator {goal.estimator}"
         options += f" --model {','.join(found.case.terms)}" if found.case.terms else ""
         out.print(f"Run it: tumble bench {options}", soft_wrap=True)
-
-
-def freedom(timed: Timed, terms: Terms = ()) -> int:
-    """Of the residuals: what a fit, with further `terms`, leaves to show that the model holds."""
-    return 3 * (len(timed.schedule.positions) - len(terms)) - 12
 
 
 def _row(name: str, timed: Timed | None) -> tuple[str, ...]:
@@ -671,9 +616,3 @@ def _row(name: str, timed: Timed | None) -> tuple[str, ...]:
     positions = f"{len(timed.schedule.positions)} in {len(timed.schedule.mountings)}"
     seconds = (time.moving, time.settling, time.averaging, time.total)
     return (name, positions, str(timed.samples), *(f"{part:.1f}" for part in seconds))
-
-
-def _along(row: tuple[float, ...]) -> str:
-    """The table axis that a block axis lies along, as in "-h"."""
-    index = max(range(3), key=lambda axis: abs(row[axis]))
-    return ("-" if row[index] < 0 else "+") + _TABLE_AXES[index]

@@ -1,15 +1,8 @@
-"""A Monte Carlo campaign: runs on a simulated stand, what they claim against how far off they were, and the verdict.
+"""A Monte Carlo campaign: the firmware core on thousands of simulated runs, against what is claimed of it.
 
-Runs on a simulated stand: position means of the exact geometry, thousands at a time.
-
-Monte Carlo: the firmware core on thousands of simulated runs, against what is claimed of it.
-
-Every run states its own uncertainties, at its own K, as a solve does, or those of its gain record, as the firmware
-does; they are judged by how far off the run was.
-
-Limits for a Monte Carlo campaign: what was counted against what was claimed, with room for chance.
-
-What a Monte Carlo campaign found: for JSON, and for people.
+The runs are position means of the exact geometry. Every run states its own uncertainties, at its own K, as a solve
+does, or those of its gain record, as the firmware does; they are judged by how far off the run was. What was counted is
+held against what was claimed with room for chance.
 """
 
 from __future__ import annotations
@@ -61,6 +54,7 @@ KNOWN = "known"  # optimal weights for the block's true K, as a last known one
 RUN = "run"  # for each run's own first estimate of K, as in a solve
 COVERAGE_FACTORS = (1, 2, 3)
 _ATTITUDES = 2000
+_SUMS = ("within", "histograms", "total", "squares")  # arrays of a tally
 HISTOGRAM = (-5.0, 5.0, 50)  # of error over u: from, to, bins
 
 
@@ -96,18 +90,16 @@ class Tally:
 
     def result(self, name: str) -> Result:
         """For `take`, under a name of its own."""
-        counts = np.array([self.runs, self.passed, self.everywhere])
-        sums = {"counts": counts, "within": self.within.ravel(), "histograms": self.histograms.ravel()}
-        return {f"{name} {part}": one for part, one in {**sums, "total": self.total, "squares": self.squares}.items()}
+        counts = {f"{name} counts": np.array([self.runs, self.passed, self.everywhere])}
+        return counts | {f"{name} {part}": getattr(self, part).ravel() for part in _SUMS}
 
     def take(self, result: Result, name: str) -> None:
         """Add what another tally was, of later runs: sums depend on their order."""
         runs, passed, everywhere = result[f"{name} counts"].tolist()
         self.runs, self.passed, self.everywhere = self.runs + runs, self.passed + passed, self.everywhere + everywhere
-        self.total += result[f"{name} total"]
-        self.squares += result[f"{name} squares"]
-        self.within = self.within + result[f"{name} within"].reshape(self.within.shape)
-        self.histograms = self.histograms + result[f"{name} histograms"].reshape(self.histograms.shape)
+        for part in _SUMS:
+            so_far = getattr(self, part)
+            setattr(self, part, so_far + result[f"{name} {part}"].reshape(so_far.shape))
 
     @property
     def bias(self) -> Floats:
@@ -231,16 +223,19 @@ def _solver(case: Case, estimator: str, k: Floats, table: str) -> Solver:
     """From means (runs, positions, 3) to coefficients, with the sizes of further terms behind, and stated uncertainties
     (runs, 12), by the core."""
     if estimator == OPTIMAL and table == RUN and not case.terms:
-        return lambda means: _weighted_anew(case, means[:, case.schedule.fit_indices])
+        fitted, indices = case.fitted, case.schedule.fit_indices
+        samples = samples_in_a_mean(fitted, case.stand, np.ones(len(fitted.positions), dtype=int))
+        return lambda means: many_runs.solve(fitted, means[:, indices], case.stand, case.step_v, samples)
     estimate, u = estimator_for(case.propagation(estimator, k)), _planned(case, estimator, k)
     if estimator == OPTIMAL:
         return lambda means: (estimate(means), np.broadcast_to(u, (len(means), 12)))
     state = _stated(case, estimator_gains(case, estimator, k))
-    return lambda means: _with(state, estimate(means))
 
+    def solved(means: Floats) -> tuple[Floats, Floats]:
+        found = estimate(means)
+        return found, state(found[:, :9])
 
-def _with(state: Callable[[Floats], Floats], found: Floats) -> tuple[Floats, Floats]:
-    return found, state(found[:, :9])
+    return solved
 
 
 def _stated(case: Case, weights: Floats) -> Callable[[Floats], Floats]:
@@ -259,12 +254,6 @@ def _stated(case: Case, weights: Floats) -> Callable[[Floats], Floats]:
     by_drift = np.einsum("cpi,p->ci", weights.reshape(12, -1, 3), course(case.fitted)) * case.stand.sigmas("drift")
     fixed = noise + (by_drift**2).sum(axis=1)
     return lambda k: np.sqrt((np.einsum("rm,mce->rce", k, stand_only) ** 2).sum(axis=2) + fixed)
-
-
-def _weighted_anew(case: Case, means: Floats) -> tuple[Floats, Floats]:
-    """As a solve: weights for each run's own K."""
-    samples = samples_in_a_mean(case.fitted, case.stand, np.ones(len(case.fitted.positions), dtype=int))
-    return many_runs.solve(case.fitted, means, case.stand, case.step_v, samples)
 
 
 CHANCE_SIGMAS = 4.0  # room for chance; about 300 figures are judged, and 1 in 16,000 lies further out
@@ -310,32 +299,22 @@ def judge(found: Validated) -> Figures:
         promise=found.promise,
         simulated=Shares(passes=tally.passed / runs, every_attitude=tally.everywhere / runs),
     )
-    for index, name in enumerate(COEFFICIENTS):
-        judged.outside += tuple(f"{name} {what}" for what in _complaints(judged, index, runs, found.estimator))
+    room, complaints = tolerance(runs), []
+    figures = zip(COEFFICIENTS, judged.bias_over_u, judged.spread_over_u, judged.efficiency)
+    for index, (name, bias, spread, efficiency) in enumerate(figures):
+        if not abs(bias) <= bias_limit(runs):
+            complaints.append(f"{name} bias {bias:+.2f} u, limit {bias_limit(runs):.2f}")
+        if not abs(spread - 1.0) <= room:
+            complaints.append(f"{name} spread {spread:.3f} of the planned u, limit 1 +- {room:.3f}")
+        if found.estimator == OPTIMAL and not efficiency >= 1.0 - room:
+            complaints.append(f"{name} efficiency {efficiency:.3f}, limit {1.0 - room:.3f}")
+        for factor, one in judged.coverage.items():
+            least, most = COVERAGE_LIMITS[int(factor)]
+            if one.high[index] < least or one.low[index] > most:
+                limits = f"limits {100 * least:.2f} to {100 * most:.2f}"
+                complaints.append(f"{name} k = {factor} covers {100 * one.covered[index]:.2f} %, {limits}")
+    judged.outside = tuple(complaints)
     return judged
-
-
-def _complaints(judged: Figures, index: int, runs: int, estimator: str) -> list[str]:
-    bias, spread, efficiency = (row[index] for row in (judged.bias_over_u, judged.spread_over_u, judged.efficiency))
-    complaints = []
-    if not abs(bias) <= bias_limit(runs):
-        complaints.append(f"bias {bias:+.2f} u, limit {bias_limit(runs):.2f}")
-    if not abs(spread - 1.0) <= tolerance(runs):
-        complaints.append(f"spread {spread:.3f} of the planned u, limit 1 +- {tolerance(runs):.3f}")
-    if estimator == OPTIMAL and not efficiency >= 1.0 - tolerance(runs):
-        complaints.append(f"efficiency {efficiency:.3f}, limit {1.0 - tolerance(runs):.3f}")
-    for factor, one in judged.coverage.items():
-        least, most = COVERAGE_LIMITS[int(factor)]
-        if one.high[index] < least or one.low[index] > most:
-            covered = 100 * one.covered[index]
-            complaints.append(f"k = {factor} covers {covered:.2f} %, limits {100 * least:.2f} to {100 * most:.2f}")
-    return complaints
-
-
-_HONEST = (
-    "PASS: the stated uncertainties are honest: every figure within its limits.\n"
-    "Is the stand good enough for a limit? Ask tumble plan require."
-)
 
 
 def document(case: Case, found: dict[str, Figures], runs: int, seed: int, table: str) -> Validation:
@@ -370,33 +349,32 @@ def show(plan: Validation) -> None:
     headings = ("", "u planned", "bias/u", "spread/u", "bound/spread", "k = 1", "k = 2", "k = 3")
     for estimator, one in plan.estimators.items():
         out.print(tables.heading(f"\n{estimator}"))
-        out.print(tables.table(headings, [_row(one, index) for index in range(len(COEFFICIENTS))]))
-        out.print(_promised(one, plan.runs))
+        numbers = zip(one.u, one.bias_over_u, one.spread_over_u, one.efficiency)
+        covered = zip(*(of.covered for of in one.coverage.values()))
+        rows = [
+            (
+                name,
+                f"{u:.3e}",
+                f"{bias:+.3f}",
+                f"{spread:.4f}",
+                f"{best:.4f}",
+                *(f"{100 * share:.2f}" for share in shares),
+            )
+            for name, (u, bias, spread, best), shares in zip(COEFFICIENTS, numbers, covered)
+        ]
+        out.print(tables.table(headings, rows))
+        promised, shares = one.promise, (one.simulated.passes, one.simulated.every_attitude)
+        passes, everywhere = (f"{100 * p:.1f} +- {100 * (p * (1 - p) / plan.runs) ** 0.5:.1f} %" for p in shares)
+        check = f"passes the gravity check {tables.percent(promised.passes)} (seen {passes})"
+        out.print(f"{promised.limit_g:g} g: {check},")
+        norm = f"at every attitude {tables.percent(promised.every_attitude)} (seen {everywhere})"
+        out.print(f"|a| within it {norm}{condition(promised)}")
         for complaint in one.outside:
             out.print(f"Outside: {complaint}", style="red")
     out.print("k = 1, 2, 3: % of runs within k of their own stated standard uncertainties")
     outside = sum(len(one.outside) for one in plan.estimators.values())
-    verdict = f"FAIL: {outside} figures lie outside their limits" if outside else _HONEST
-    out.print(verdict, style="red bold" if outside else "green bold")
-
-
-def _promised(found: Figures, runs: int) -> str:
-    """Beside what was simulated, with its standard error."""
-    promised, shares = found.promise, (found.simulated.passes, found.simulated.every_attitude)
-    passes, everywhere = (f"{100 * p:.1f} +- {100 * (p * (1 - p) / runs) ** 0.5:.1f} %" for p in shares)
-    return (
-        f"{promised.limit_g:g} g: passes the gravity check {tables.percent(promised.passes)} (seen {passes}),\n"
-        f"|a| within it at every attitude {tables.percent(promised.every_attitude)} (seen {everywhere})"
-        f"{condition(promised)}"
-    )
-
-
-def _row(found: Figures, index: int) -> tuple[str, ...]:
-    return (
-        COEFFICIENTS[index],
-        f"{found.u[index]:.3e}",
-        f"{found.bias_over_u[index]:+.3f}",
-        f"{found.spread_over_u[index]:.4f}",
-        f"{found.efficiency[index]:.4f}",
-        *(f"{100 * one.covered[index]:.2f}" for one in found.coverage.values()),
-    )
+    if outside:
+        out.print(f"FAIL: {outside} figures lie outside their limits", style="red bold")
+    else:
+        out.print("PASS: the stated uncertainties are honest: every figure within its limits.", style="green bold")
+        out.print("Is the stand good enough for a limit? Ask tumble plan require.", style="green bold")

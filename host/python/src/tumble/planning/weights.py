@@ -1,15 +1,14 @@
 """The weights gamma1 to gamma5 of equation (2): what one unit of each source does to each coefficient.
 
-Weights have the shape (12, 5): rows as in NAMES, columns as in SOURCES; derived ones have a further
-column for every other source that the stand declares. A coefficient of K counts
-relative to itself, a bias as U0_i/K_ii in g; angles are in radians and the noise is that of a position's mean. A row
-is NaN where the coefficient is zero, and so has no relative error. Signs being unknown, weights are not negative.
+Weights have the shape (12, 5): rows as in NAMES, columns as in SOURCES; derived ones have a further column for every
+other source that the stand declares. A coefficient of K counts relative to itself, a bias as U0_i/K_ii in g; angles are
+in radians and the noise is that of a position's mean. A row is NaN where the coefficient is zero, and so has no
+relative error. Signs being unknown, weights are not negative.
 
-The numbers of the paper, as printed (decimal points for decimal commas): its weights, tables and requirements.
-
+Published weights are those of the paper, whose numbers stand here as printed (decimal points for decimal commas):
 M. Chernyak, V. Rybak, V. Paliushok, "Ensuring the given accuracy of calibrating a three-axis block of navigation
-accelerometers on a single-axis rotary stand" (in Ukrainian). Formulas are kept as printed, with a_ij for the
-misalignments, K_ij for the coefficients, g = 1 and dg for the acceptance limit; `evaluate` gives their value.
+accelerometers on a single-axis rotary stand" (in Ukrainian). Formulas have a_ij for the misalignments, K_ij for the
+coefficients, g = 1 and dg for the acceptance limit; `evaluate` gives their value.
 """
 
 from __future__ import annotations
@@ -66,20 +65,7 @@ TABLE_2 = {
 }
 
 # Table 3: their sums with 50 samples, in ppm; biases in mg.
-TABLE_3 = {
-    "K_xx": "9",
-    "K_yy": "9",
-    "K_zz": "9",
-    "a0_x": "0.01",
-    "a0_y": "0.01",
-    "a0_z": "0.01",
-    "K_xy": "1600",
-    "K_xz": "1600",
-    "K_yx": "10500",
-    "K_yz": "590",
-    "K_zx": "10500",
-    "K_zy": "590",
-}
+TABLE_3 = dict(zip(TABLE_1, "9 9 9 0.01 0.01 0.01 1600 1600 10500 590 10500 590".split()))
 
 # Table 4: gamma1 to gamma5 of K_yx and K_zx from one mounting alone.
 TABLE_4 = {
@@ -200,36 +186,28 @@ def derived(case: Case, estimator: str, k: Floats) -> Floats:
     return absolute_weights(*given) / reference_values(k)[:, None]
 
 
-def published_formulas(estimator: str) -> dict[str, tuple[str, ...]]:
-    """Table 1, its misprint corrected, with Table 4's rows for K_yx and K_zx where formula (7) is used.
+def published(case: Case, estimator: str, signs: str = QUADRATURE) -> Floats:
+    """The paper's weights. Of the misalignments' signs, which are unknown, either the WORST counts, or all of them do:
+    QUADRATURE, as Table 2 has it. They are Table 1, its misprint corrected, with Table 4's rows for K_yx and K_zx where
+    formula (7) is used.
 
-    Raises UsageError for an estimator that the paper does not have.
+    Raises UsageError where the paper has no weights: another estimator, or other positions.
     """
     if estimator not in HARMONIC:
         raise UsageError(f"--weights published: the paper has averaged and refined, not {estimator}")
+    if len(case.fitted.positions) != 18 or paper_slots(case.fitted) is None:
+        raise UsageError("--weights published: the paper's weights are for its own 2 x 9 positions")
     rows = {name: list(formulas) for name, formulas in TABLE_1.items()}
     for (name, source), formula in TABLE_1_CORRECTED.items():
         rows[name][SOURCES.index(source)] = formula
     if estimator == "refined":
         rows.update({name: list(TABLE_4[single]) for name, single in REFINED.items()})
-    return {name: tuple(formulas) for name, formulas in rows.items()}
-
-
-def published(case: Case, estimator: str, signs: str = QUADRATURE) -> Floats:
-    """The paper's weights. Of the misalignments' signs, which are unknown, either the WORST counts, or all of them do:
-    QUADRATURE, as Table 2 has it.
-
-    Raises UsageError where the paper has no weights: another estimator, or other positions.
-    """
-    formulas = published_formulas(estimator)
-    if len(case.fitted.positions) != 18 or paper_slots(case.fitted) is None:
-        raise UsageError("--weights published: the paper's weights are for its own 2 x 9 positions")
-    values = np.array([_evaluated(case, formulas, pattern) for pattern in product((1.0, -1.0), repeat=6)])
+    values = np.array([_evaluated(case, rows, pattern) for pattern in product((1.0, -1.0), repeat=6)])
     found: Floats = np.abs(values).max(axis=0) if signs == WORST else np.sqrt((values**2).mean(axis=0))
     return found
 
 
-def _evaluated(case: Case, formulas: dict[str, tuple[str, ...]], signs: tuple[float, ...]) -> Floats:
+def _evaluated(case: Case, formulas: dict[str, list[str]], signs: tuple[float, ...]) -> Floats:
     """Weights (12, 5) for one choice of the misalignments' signs."""
     pattern = np.eye(3)
     pattern[~np.eye(3, dtype=bool)] = signs

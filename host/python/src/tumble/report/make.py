@@ -1,7 +1,4 @@
-"""From a result's document to the bytes of a report.
-
-What has changed since an earlier result: a section of the report on the later one.
-"""
+"""From a result's document to the bytes of a report, with what has changed since an earlier result."""
 
 from __future__ import annotations
 
@@ -11,7 +8,7 @@ from typing import Any
 from tumble.comparison import report
 from tumble.documents.comparison import Comparison
 from tumble.errors import NotInstalled, UsageError, quoted
-from tumble.report import conformity, method, pages, values
+from tumble.report import pages, sections
 from tumble.report.pages import number_of, require_number
 from tumble.report.source import MISSING, Fixed, Source, Table, line, readable
 from tumble.solving.result import schedule_of
@@ -26,20 +23,20 @@ def section(told: Comparison | None, earlier: dict[str, Any], later: dict[str, A
 
     from tumble.pictures import comparison, svg
 
+    # an option that is the comparison's own, and not the report's
+    said = [
+        one.replace("(--stand FILE)", "(tumble compare --stand FILE)")
+        for one in (*report.grounds(told), *told.warnings)
+    ]
     rows = [row for part in (told.parameters, told.seat, told.coefficients) for row in part]
     return {
         "sentence": readable(report.sentence(told)),
         "results": [(Fixed("A, the earlier result"), _called(earlier)), (Fixed("B, this result"), _called(later))],
-        "grounds": [readable(_for_compare(one)) for one in (*report.grounds(told), *told.warnings)],
+        "grounds": [readable(one) for one in said],
         "table": Table(report.COLUMNS, [tuple(map(Fixed, report.cells(row))) for row in rows], left=(3,)),
         "legend": None if told.tests is None else readable(report.legend(told)),
         "svg": Markup(svg(comparison(told))),
     }
-
-
-def _for_compare(said: str) -> str:
-    """An option that is the comparison's own, and not the report's."""
-    return said.replace("(--stand FILE)", "(tumble compare --stand FILE)")
 
 
 def _called(document: dict[str, Any]) -> Fixed:
@@ -137,7 +134,7 @@ def context(source: Source, number: str, logo: str | None, issued: str | None = 
     """What a template may say, but for `figures` and `since`. docs/report.md lists it."""
     from markupsafe import Markup
 
-    given = values.uncertainties(source)
+    given = sections.uncertainties(source)
     date = MISSING if issued is None else Fixed(issued)
     return {
         "number": number,
@@ -145,35 +142,35 @@ def context(source: Source, number: str, logo: str | None, issued: str | None = 
         "style": Markup(pages.own(pages.STYLE).replace("NUMBER", pages.css_string(number))),
         "created": source.at("created") or "",
         "document": source.document,
-        "verdict": conformity.verdict(source),
+        "verdict": sections.verdict(source),
         "simulated": line("seed ", source.told("seed")) if "seed" in source.document else None,
-        "findings": conformity.findings(source),
-        "rule": conformity.rule(source),
-        "positions": conformity.positions(source),
-        "about_positions": conformity.about_positions(source),
-        "explanations": conformity.explanations(source),
-        "unseen": conformity.unseen(source),
-        "assumptions": conformity.assumptions(source),
-        "warnings": conformity.warnings(source),
-        "parties": method.parties(source),
-        "item": method.item(source),
+        "findings": sections.findings(source),
+        "rule": sections.rule(source),
+        "positions": sections.positions(source),
+        "about_positions": sections.about_positions(source),
+        "explanations": sections.explanations(source),
+        "unseen": sections.unseen(source),
+        "assumptions": sections.assumptions(source),
+        "warnings": None if source.at("warnings") is None else source.each("warnings"),
+        "parties": sections.facts(source, sections.PARTIES),
+        "item": sections.item(source),
         "issued": date,
-        "dates": method.dates(source, date),
-        "issue": method.issue(source, date),
-        "labels": method.further_labels(source),
-        "traceability": method.traceability(source),
-        "deviations": method.deviations(source),
-        "method": method.method(source),
-        "environment": method.environment(source),
-        "declared": method.declared(source),
-        "seen": method.seen(source),
+        "dates": sections.dates(source, date),
+        "issue": sections.issue(source, date),
+        "labels": sections.further_labels(source),
+        "traceability": sections.facts(source, sections.TRACEABILITY),
+        "deviations": sections.facts(source, sections.DEVIATIONS),
+        "method": sections.method(source),
+        "environment": sections.environment(source),
+        "declared": sections.declared(source),
+        "seen": sections.seen(source),
         "uncertainties": given.about,
-        "coefficients": values.coefficients(source, given),
+        "coefficients": sections.coefficients(source, given),
         "in_si": bool(source.table("si")),
-        "marks": conformity.legend(source),
-        "further": values.further(source),
-        "intrinsic": values.intrinsic(source, given),
-        "worst_norm": values.worst_norm(source),
+        "marks": sections.legend(source),
+        "further": sections.further(source),
+        "intrinsic": sections.intrinsic(source, given),
+        "worst_norm": sections.worst_norm(source),
         "data": [
             (Fixed("Run file"), source.told("run_file")),
             (Fixed("SHA-256 of the run file"), source.told("run_sha256")),

@@ -1,10 +1,7 @@
 """The template filled in, and turned into PDF. Nothing of a report comes from elsewhere: no network, no other file.
 
 Jinja2 and WeasyPrint are loaded here alone, when they are needed.
-
-The number of a report, which stands on every page: given, or made from what the result says.
-
-Can a logo be drawn in reasonable time and memory? A small file may hold very large pictures.
+The number of a report, which stands on every page, is given, or made from what the result says.
 """
 
 from __future__ import annotations
@@ -61,16 +58,17 @@ _MOST_ELEMENTS = 20_000
 _REFERENCE = re.compile(r"#([\w.-]+)")
 
 
-def picture_fault(data: bytes, kind: str) -> str | None:
-    """What stands against a picture of this MIME type, as a message says it; None: nothing."""
+def _fault(data: bytes, kind: str) -> str | None:
+    """What stands against a picture of this MIME type, as a message says it; None: nothing. A small file may hold very
+    large pictures: it must be drawn in reasonable time and memory."""
     if kind == "image/svg+xml":
-        return _fault_of_svg(data)
-    if kind == "image/png":
-        return _fault_of_png(data)
-    return None if b"\xff\xd9" in data else "a JPEG picture that is not whole"
-
-
-def _fault_of_png(data: bytes) -> str | None:
+        try:
+            count = _drawn(ElementTree.fromstring(data))
+        except (ElementTree.ParseError, ValueError, LookupError, RecursionError) as error:
+            return f"an SVG picture that cannot be read: {error}"
+        return None if count <= _MOST_ELEMENTS else f"draws more than {_MOST_ELEMENTS} elements"
+    if kind != "image/png":
+        return None if b"\xff\xd9" in data else "a JPEG picture that is not whole"
     if len(data) < 24 or b"IEND" not in data:
         return "a PNG picture that is not whole"
     width, height = struct.unpack(">II", data[16:24])
@@ -79,29 +77,20 @@ def _fault_of_png(data: bytes) -> str | None:
     return None
 
 
-def _fault_of_svg(data: bytes) -> str | None:
-    try:
-        drawn = _Drawn(ElementTree.fromstring(data))
-    except (ElementTree.ParseError, ValueError, LookupError, RecursionError) as error:
-        return f"an SVG picture that cannot be read: {error}"
-    return None if drawn.count <= _MOST_ELEMENTS else f"draws more than {_MOST_ELEMENTS} elements"
+def _drawn(root: Any) -> int:
+    """How many elements an SVG draws: those that `use`, a pattern or a mask repeats count each time."""
+    named = {element.get("id"): element for element in root.iter() if element.get("id")}
+    known: dict[Any, int] = {}
 
-
-class _Drawn:
-    """How many elements an SVG draws: those that `use`, a pattern or a mask repeats `count` each time."""
-
-    def __init__(self, root: Any):
-        self._named = {element.get("id"): element for element in root.iter() if element.get("id")}
-        self._known: dict[Any, int] = {}
-        self.count = self._of(root)
-
-    def _of(self, element: Any) -> int:
-        if element not in self._known:
-            self._known[element] = 0  # whatever refers to itself is drawn once
+    def count(element: Any) -> int:
+        if element not in known:
+            known[element] = 0  # whatever refers to itself is drawn once
             names = _REFERENCE.findall(" ".join(element.attrib.values()))
-            parts = [*element, *(self._named[name] for name in names if name in self._named)]
-            self._known[element] = min(1 + sum(map(self._of, parts)), _MOST_ELEMENTS + 1)
-        return self._known[element]
+            parts = [*element, *(named[name] for name in names if name in named)]
+            known[element] = min(1 + sum(map(count, parts)), _MOST_ELEMENTS + 1)
+        return known[element]
+
+    return count(root)
 
 
 TEMPLATE = "report.html.j2"
@@ -132,7 +121,10 @@ def html(context: dict[str, Any], template: str | None) -> str:
     texts = {name: (own(name), f"{_OWN}/{name}", None) for name in (TEMPLATE, TABLES, SINCE)}
     texts |= {f"{_OWN}/{name}": texts[name] for name in (TEMPLATE, TABLES, SINCE)}
     if template is not None:
-        texts[_GIVEN] = (_text(template), template, None)
+        try:
+            texts[_GIVEN] = (read_bytes(template).decode("utf-8-sig"), template, None)
+        except UnicodeDecodeError:
+            raise BadInput("not a template: no text in UTF-8", template) from None
     environment = SandboxedEnvironment(
         loader=FunctionLoader(texts.get),
         autoescape=True,
@@ -151,13 +143,6 @@ def html(context: dict[str, Any], template: str | None) -> str:
     except Exception as error:  # whatever it computes
         said = f"not a template of a report: {quoted(f'{type(error).__name__}: {error}', 80)}"
         raise BadInput(said, template, _line_of(error, template)) from None
-
-
-def _text(template: str) -> str:
-    try:
-        return read_bytes(template).decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise BadInput("not a template: no text in UTF-8", template) from None
 
 
 def _line_of(error: Exception, template: str) -> int | None:
@@ -184,7 +169,7 @@ def logo(file: str) -> str:
         kind = "image/svg+xml"
     if kind is None:
         raise BadInput("not a picture in PNG, JPEG or SVG", file)
-    if (fault := picture_fault(data, kind)) is not None:
+    if (fault := _fault(data, kind)) is not None:
         raise BadInput(fault, file)
     return f"data:{kind};base64,{base64.b64encode(data).decode('ascii')}"
 

@@ -22,6 +22,7 @@ import unicodedata
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from decimal import ROUND_HALF_EVEN, Context, Decimal
+from functools import partial
 from html import escape
 from typing import Any, Protocol, TypeAlias
 
@@ -293,11 +294,6 @@ class Source:
         local: Path = ("environment", "gravity_m_s2")
         return STANDARD_GRAVITY if self.decimal(*local) is None else local
 
-    def flag(self, *path: Key) -> bool | None:
-        """True or false; None where nothing is said."""
-        found: bool | None = self.at(*path)
-        return found
-
     def decimal(self, *path: Key) -> Decimal | None:
         """A number; None where there is none."""
         found = self.at(*path)
@@ -310,7 +306,7 @@ class Source:
             return MISSING
         if isinstance(found, str):
             return Text(found, pointer(path))
-        return self._number(path, plain)
+        return self.scaled(path, plain)
 
     def each(self, *path: Key) -> list[Inline]:
         """All of an array, as `told`."""
@@ -318,16 +314,15 @@ class Source:
 
     def rounded(self, digits: int, *path: Key) -> Inline:
         """A number with so many significant digits."""
-        return self._number(path, lambda value: rounded(value, digits))
+        return self.scaled(path, partial(rounded, digits=digits))
 
     def to_places(self, places: int, *path: Key) -> Inline:
         """A number with so many digits behind the point."""
-        return self._number(path, lambda value: to_places(value, places))
+        return self.scaled(path, partial(to_places, places=places))
 
     def millionths(self, places: int | None, *path: Key) -> Inline:
         """A number in millionths, with so many digits behind the point; None: all."""
-        show = plain if places is None else lambda value: to_places(value, places)
-        return self.scaled(path, show, power=6)
+        return self.scaled(path, plain if places is None else partial(to_places, places=places), power=6)
 
     def scaled(self, path: Path, show: Callable[[Decimal], Shown], *times: Factor, power: int = 0) -> Inline:
         """A number times others, times ten to the `power`."""
@@ -358,10 +353,6 @@ class Source:
                 return None
             found = product(found, factor)
         return found
-
-    def _number(self, path: tuple[Key, ...], show: Any) -> Inline:
-        value = self.decimal(*path)
-        return MISSING if value is None else Number(show(value), pointer(path))
 
 
 def _named(times: tuple[Factor, ...]) -> tuple[str, ...]:
