@@ -21,7 +21,7 @@ from tumble.core.binding import (
 )
 from tumble.model.stand_seen import ANGLES, Estimate, StandSeen, look, own_variance, weights_of
 from tumble.schedule import FIT, Schedule
-from tumble.solving.computation import _LAST_BITS, _require, _require_both
+from tumble.solving.computation import _LAST_BITS, _require
 from tumble.stand import Stand
 
 if TYPE_CHECKING:
@@ -193,7 +193,7 @@ def _require_seen(
     name: str, core: Estimate | None, witness: Estimate | None, rounded: float, misfit: float = 1.0
 ) -> None:
     if core is None or witness is None:
-        _require_both(f"{name} of the stand seen", core, witness)
+        _require(f"{name} of the stand seen", core, witness, 0.0)
         return
     allowed = max(SEEN_LIMIT_U * misfit * witness.u, rounded)
     _require(f"{name} of the stand seen", core.value, witness.value, allowed)
@@ -204,7 +204,7 @@ def _require_alpha4(core: Estimate | None, witness: Estimate | None, rounded: fl
     """By its square and the uncertainty of that, which are what is estimated: where the set angles are hardly worse
     than the noise, the root of a small number and its uncertainty magnify what rounding leaves of the square."""
     if core is None or witness is None:
-        _require_both("alpha4 of the stand seen", core, witness)
+        _require("alpha4 of the stand seen", core, witness, 0.0)
         return
     squares = [Estimate(one.value**2, 2.0 * one.value * one.u) for one in (core, witness)]
     _require_seen("alpha4 squared", squares[0], squares[1], 2.0 * witness.value * rounded, misfit)

@@ -24,10 +24,6 @@ def on_its_side(value: float, other: float, digits: int = 2) -> str:
     """A number with so many digits, or more until it is above, at or below the other one as it is in full."""
     for count in range(digits, _ALL_DIGITS):
         text = f"{value:.{count}g}"
-        if _order(float(text), other) == _order(value, other):
+        if (float(text) > other, float(text) < other) == (value > other, value < other):
             return text
     return f"{value:.{_ALL_DIGITS}g}"
-
-
-def _order(value: float, other: float) -> int:
-    return int(value > other) - int(value < other)

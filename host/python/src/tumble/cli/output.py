@@ -36,10 +36,9 @@ from tumble.solving.decision import (
     phrase,
     would_show,
 )
-from tumble.solving.further import Further
 from tumble.solving.many_runs import NORMAL_COVERAGE, MonteCarlo
 from tumble.solving.solution import Solution
-from tumble.solving.uncertainty import HANDS, NEARLY_INFINITE, PROBABILITY, Coverage
+from tumble.solving.uncertainty import HANDS, NEARLY_INFINITE, PROBABILITY, Coverage, Further
 from tumble.terms import names
 from tumble.units import noise_unit, per_g, volts_per
 

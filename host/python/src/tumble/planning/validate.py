@@ -35,8 +35,9 @@ from tumble.planning import tables
 from tumble.planning.case import Case
 from tumble.planning.promise import condition, largest_over_attitudes, norm_forms, promise
 from tumble.planning.weights import estimator_gains
-from tumble.solving import many_runs
-from tumble.solving.many_runs import Chunk, Sources, chunks, drawn_outputs, estimator_for, stream_of
+from tumble.solving import optimal_run
+from tumble.solving.computation import estimator_for
+from tumble.solving.many_runs import Chunk, Sources, chunks, drawn_outputs, stream_of
 from tumble.terms import POWERS, Terms
 from tumble.workers.over import ALONE, Progress, Result, Team, over
 
@@ -264,7 +265,7 @@ def _stated(case: Case, weights: Floats) -> Callable[[Floats], Floats]:
 def _weighted_anew(case: Case, means: Floats) -> tuple[Floats, Floats]:
     """As a solve: weights for each run's own K."""
     samples = samples_in_a_mean(case.fitted, case.stand, np.ones(len(case.fitted.positions), dtype=int))
-    return many_runs.solve(case.fitted, means, case.stand, case.step_v, samples)
+    return optimal_run.solve_each(case.fitted, means, case.stand, case.step_v, samples)
 
 
 CHANCE_SIGMAS = 4.0  # room for chance; about 300 figures are judged, and 1 in 16,000 lies further out

@@ -31,11 +31,10 @@ from tumble.model.stand_seen import ANGLES, ChannelNoise, Estimate, StandSeen
 from tumble.schedule import BUILT_IN, Mounting, Position, Schedule
 from tumble.solving.coefficients import si_of
 from tumble.solving.decision import assumed, decide, would_show
-from tumble.solving.further import Further
 from tumble.solving.many_runs import COVERAGE, LEVEL, MonteCarlo
 from tumble.solving.noise import CHANNELS, NO_STAND, of_means
 from tumble.solving.solution import Solution, Truth
-from tumble.solving.uncertainty import PROBABILITY, Coverage, effective, factors_of
+from tumble.solving.uncertainty import PROBABILITY, Coverage, Further, effective, factors_of
 from tumble.stand import SOURCES, PerChannel, Stand, by_channel, per_channel
 from tumble.terms import DRIFT, KEYS, names
 from tumble.units import per_g, volts_per
