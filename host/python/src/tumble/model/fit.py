@@ -45,6 +45,11 @@ class Score:
     freedom: int
     sizes: dict[str, tuple[float, float]]
 
+    @property
+    def log_p(self) -> float:
+        """Of a larger square, had nothing been there."""
+        return chi_squared_log_above(self.square, self.freedom)
+
 
 class WholeModel:
     """The declared `stand`, in the unit of the `means` (positions, 3) of a schedule, all measured; `variance`
@@ -68,15 +73,11 @@ class WholeModel:
         for _ in range(PASSES):
             self._linearise()
 
-    def with_variance(self, variance: Floats) -> WholeModel:
-        """The same run, with other noise."""
-        schedule, means, _, stand = self._given
-        return WholeModel(schedule, means, variance, stand, self.terms)
-
-    def with_set_angles(self, sigma: float) -> WholeModel:
-        """The same run, with another standard deviation of set angles, rad."""
-        schedule, means, variance, stand = self._given
-        return WholeModel(schedule, means, variance, stand.with_sigma("angle", sigma), self.terms)
+    def again(self, variance: Floats | None = None, angle: float | None = None) -> WholeModel:
+        """The same run with other noise, or another standard deviation of set angles, rad."""
+        schedule, means, of_means, stand = self._given
+        stand = stand if angle is None else stand.with_sigma("angle", angle)
+        return WholeModel(schedule, means, of_means if variance is None else variance, stand, self.terms)
 
     @property
     def chi_squared(self) -> float:
@@ -197,11 +198,6 @@ class Explanation:
     unit: str
     column: str
 
-    @property
-    def may_be_another(self) -> bool:
-        """Whether it may be no fault of the stand: the block's, or that of this run."""
-        return any(name not in BY_NAME or BY_NAME[name].whose != STAND for name in self.patterns if name != NOISE_V)
-
 
 @dataclass(frozen=True)
 class Sampled:
@@ -215,10 +211,6 @@ class Sampled:
     unit: str
     column: str
     variance: Floats
-
-    def explanation(self, p: float) -> Explanation:
-        """As an explanation of a run, with its `p` after Holm."""
-        return Explanation((self.name,), p, self.size, self.u_size, self.unit, self.column)
 
 
 @dataclass(frozen=True)
@@ -243,8 +235,10 @@ class Fit:
 
     @property
     def excuses_stand(self) -> bool:
-        """Whether what explains most of it may be no fault of the stand."""
-        return bool(self.explanations) and self.explanations[0].may_be_another
+        """Whether what explains most of it may be no fault of the stand: the block's, or that of this run."""
+        likeliest = self.explanations[0].patterns if self.explanations else ()
+        others = [name for name in likeliest if name != NOISE_V]
+        return any(name not in BY_NAME or BY_NAME[name].whose != STAND for name in others)
 
     @property
     def doubts(self) -> tuple[str, ...]:
@@ -278,7 +272,7 @@ class _Candidate:
     @property
     def log_p(self) -> float:
         """Had any place been taken that shows more."""
-        return math.log(self.places) + _log_p(self.score)
+        return math.log(self.places) + self.score.log_p
 
 
 class _Search:
@@ -298,7 +292,8 @@ class _Search:
     def run(self) -> Iterator[Explanation]:
         """Explanations, in the order in which they are found."""
         while True:
-            fits = self._rest_fits()
+            rest = self._model.beside(self._known)[1]
+            fits = chi_squared_above(float(rest @ rest), self._model.freedom) >= 1.0 - self._confidence
             found = {one.pattern.name: one for one in map(self._candidate, PATTERNS) if one is not None}
             log_p = {name: one.log_p for name, one in found.items() if name in self._left}
             if not fits:  # else samples speak for themselves: uncertainties count their noise, and a warning tells it
@@ -315,14 +310,11 @@ class _Search:
                 alike = [name, *(other for other in alike if other != source)]
                 name, corrected = source, len(self._left) * math.exp(log_p[source])
             if name in self._sampled:
-                yield self._sampled[name].explanation(corrected)
+                one = self._sampled[name]
+                yield Explanation((name,), corrected, one.size, one.u_size, one.unit, one.column)
             else:
                 yield self._explanation(found[name], alike, corrected)
             self._take(name, found)
-
-    def _rest_fits(self) -> bool:
-        _, rest = self._model.beside(self._known)
-        return chi_squared_above(float(rest @ rest), self._model.freedom) >= 1.0 - self._confidence
 
     def _candidate(self, pattern: Pattern) -> _Candidate | None:
         """None where the residuals cannot show it, or only by angles that are too large to be what it is called: all of
@@ -330,13 +322,14 @@ class _Search:
         besides = dict(self._known)
         if pattern.random:  # it must not be blamed for what an angle of the whole run does
             for name in SYSTEMATIC:
-                besides |= {f"{name} {label}": one for label, one in self._columns(name).items()}
+                columns = BY_NAME[name].columns(self._model.scene)[0]
+                besides |= {f"{name} {label}": one for label, one in columns.items()}
         beside = self._model.beside(besides)  # of which a pattern may have many places
         tested = [(self._model.score(one, beside), one) for one in pattern.columns(self._model.scene)]
         shown = [(score, columns) for score, columns in tested if score.freedom > 0 and self._is_small(pattern, score)]
         if not shown:
             return None
-        score, columns = min(shown, key=lambda one: round(_log_p(one[0]), _DIGITS))
+        score, columns = min(shown, key=lambda one: round(one[0].log_p, _DIGITS))
         return _Candidate(pattern, columns, score, len(shown))
 
     def _is_small(self, pattern: Pattern, score: Score) -> bool:
@@ -351,9 +344,6 @@ class _Search:
         """An angle of the stand as it stands in the result."""
         return {"alpha4": self._seen.alpha4, **self._seen.angles}.get(pattern.name.removesuffix("_rad"))
 
-    def _columns(self, name: str) -> Columns:
-        return BY_NAME[name].columns(self._model.scene)[0]
-
     def _may_be(self, one: _Candidate, other: _Candidate) -> bool:
         """Whether another pattern explains what one explains: they look alike, and beside the other one the first is no
         longer needed. One that contains the first and more is no other explanation."""
@@ -364,16 +354,16 @@ class _Search:
         wider = spaces[1].shape[1] > spaces[0].shape[1] and bool((angles > _CONTAINED).all())
         besides = {**self._known, **{f"other {label}": column for label, column in other.columns.items()}}
         score = self._model.score(one.columns, self._model.beside(besides))
-        needed = len(self._left) * one.places * math.exp(_log_p(score)) <= EXPLAINED
+        needed = len(self._left) * one.places * math.exp(score.log_p) <= EXPLAINED
         return not wider and not needed and float(angles.max(initial=0.0)) >= ALIKE
 
     def _take(self, name: str, found: dict[str, _Candidate]) -> None:
         """Make what has been found part of the model."""
         self._left.remove(name)
         if name in self._sampled:
-            self._model = self._model.with_variance(self._sampled[name].variance)
+            self._model = self._model.again(variance=self._sampled[name].variance)
         elif found[name].pattern.random and self._seen.alpha4 is not None:
-            self._model = self._model.with_set_angles(self._seen.alpha4.value)
+            self._model = self._model.again(angle=self._seen.alpha4.value)
         else:
             self._known |= {f"{name} {label}": one for label, one in found[name].columns.items()}
 
@@ -386,7 +376,3 @@ class _Search:
         column = max(sizes, key=lambda label: abs(sizes[label][0]) / sizes[label][1], default=where)
         found = sizes.get(column, (None, None))
         return Explanation((one.pattern.name, *alike), p, found[0], found[1], unit, column)
-
-
-def _log_p(score: Score) -> float:
-    return chi_squared_log_above(score.square, score.freedom)
