@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tumble.api.complaints import misfit_consequence, misfit_sentence, named, noise_notice, simulation_complaint
+from tumble.api.solving import misfit_consequence, misfit_sentence, named, noise_notice, simulation_complaint
 from tumble.arrays import Floats
 from tumble.estimators import COEFFICIENTS, HARMONIC
 from tumble.files.rows import OF_ENVIRONMENT, OF_RUN_FILE

@@ -52,19 +52,9 @@ class Scene:
         """Table angles, rad: (P,)."""
         return geometry_of(self.schedule).phi
 
-    @property
-    def by_angle(self) -> Floats:
-        """The outputs' derivatives by the table angle: (P, 3)."""
-        return self.by(delta=1.0)
-
     def by(self, **error: float | Floats) -> Floats:
         """The outputs' derivatives by an error of the stand, as Geometry.force has it: (P, 3)."""
-        return geometry_of(self.schedule).derivative(self.k, **error)
-
-    def in_mounting(self, index: int) -> Floats:
-        """1 at the positions of a mounting, else 0: (P, 1)."""
-        here: Floats = (geometry_of(self.schedule).mounting_index == index).astype(float)[:, None]
-        return here
+        return geometry_of(self.schedule).force_by(**error) @ np.asarray(self.k).T
 
     def by_channel(self, felt: Floats) -> Columns:
         """Columns for a cause that every channel feels by itself, as `felt` (P, 3) in units of its own axis."""
@@ -112,7 +102,7 @@ def _hysteresis(scene: Scene) -> list[Columns]:
 def _per_turn(times: int) -> Callable[[Scene], list[Columns]]:
     def columns(scene: Scene) -> list[Columns]:
         waves = {"sine": np.sin(times * scene.angle), "cosine": np.cos(times * scene.angle)}
-        return [{name: scene.by_angle * wave[:, None] * _MILLIONTH for name, wave in waves.items()}]
+        return [{name: scene.by(delta=1.0) * wave[:, None] * _MILLIONTH for name, wave in waves.items()}]
 
     return columns
 
@@ -120,9 +110,10 @@ def _per_turn(times: int) -> Callable[[Scene], list[Columns]]:
 def _seat(scene: Scene) -> list[Columns]:
     """Either tilted against the axis in every mounting, or turned about it."""
     changes = {"theta_h": scene.by(seat_h=1.0), "theta_n": scene.by(seat_n=1.0)}
-    numbers = [mounting.number for mounting in scene.schedule.mountings]
+    numbers, mounting = [one.number for one in scene.schedule.mountings], geometry_of(scene.schedule).mounting_index
+    inside = {number: (mounting == m).astype(float)[:, None] for m, number in enumerate(numbers)}
     return [
-        {f"mounting {number}, {name}": by * scene.in_mounting(m) * _MILLIONTH for m, number in enumerate(numbers)}
+        {f"mounting {number}, {name}": by * here * _MILLIONTH for number, here in inside.items()}
         for name, by in changes.items()
     ]
 
@@ -132,7 +123,7 @@ def _lost_steps(scene: Scene) -> list[Columns]:
     moves = np.arange(len(scene.time), dtype=float)
     mounting = geometry_of(scene.schedule).mounting_index
     anew = moves - np.array([moves[mounting == index].min() for index in mounting])
-    return [{"": scene.by_angle * count[:, None] * _MILLIONTH} for count in (moves, anew)]
+    return [{"": scene.by(delta=1.0) * count[:, None] * _MILLIONTH} for count in (moves, anew)]
 
 
 def _slip(scene: Scene) -> list[Columns]:

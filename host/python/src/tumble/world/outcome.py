@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from tumble.api.complaints import complaints
+from tumble.api.solving import complaints
 from tumble.arrays import Floats
 from tumble.documents.base import to_json
 from tumble.documents.result import Table

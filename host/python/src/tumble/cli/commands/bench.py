@@ -130,7 +130,7 @@ class Onlooker(Protocol):
 
 def run(arguments: argparse.Namespace, onlooker: Onlooker | None = None) -> int:
     """Simulate, confirm, print. Returns the exit code; raises TumbleError."""
-    from tumble.api.complaints import complaints
+    from tumble.api.solving import complaints
     from tumble.cli.output import print_solution, warn
     from tumble.solving.decision import decide
     from tumble.world import border, folder, gains, outcome, realbus, setup
