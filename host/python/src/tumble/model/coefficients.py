@@ -22,6 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -200,11 +201,7 @@ def worst_norm(k: Floats, covariance: Floats, terms: Terms = ()) -> WorstNorm:
     many, and climbed from the best of them, around each in eight directions, with steps that are halved where none
     leads up.
     """
-
-    def heights(attitudes: Floats) -> Floats:
-        return norm_uncertainty(k, covariance, attitudes, terms)
-
-    start = spread_attitudes(_START)
+    heights, start = partial(norm_uncertainty, k, covariance, terms=terms), spread_attitudes(_START)
     best = start[np.argsort(heights(start))[-_BEST:]]
     best, height = climbed(heights, best, heights(best), _ROUNDS)
     top = int(height.argmax())

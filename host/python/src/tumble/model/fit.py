@@ -15,7 +15,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -53,7 +52,11 @@ class Score:
 
 class WholeModel:
     """The declared `stand`, in the unit of the `means` (positions, 3) of a schedule, all measured; `variance`
-    (positions, 3), or (positions,) for channels that are alike, of each mean by its noise. `terms`: unknown too."""
+    (positions, 3), or (positions,) for channels that are alike, of each mean by its noise. `terms`: unknown too.
+
+    `rest`: what no unknown explains, as independent numbers of variance 1; `chi_squared`: the sum of its squares, which
+    is the smallest, and `freedom` its degrees of freedom: every declared error brings a square of its own. `scene`:
+    what patterns are made from."""
 
     def __init__(self, schedule: Schedule, means: Floats, variance: Floats, stand: Stand, terms: Terms = ()):
         self._given = schedule, means, variance, stand
@@ -72,6 +75,8 @@ class WholeModel:
         self._x = np.zeros(len(self._sigma))  # rad, or as outputs are
         for _ in range(PASSES):
             self._linearise()
+        self.chi_squared, self.freedom = float(self.rest @ self.rest), len(self.rest)
+        self.scene = Scene(self.schedule, self.k)
 
     def again(self, variance: Floats | None = None, angle: float | None = None) -> WholeModel:
         """The same run with other noise, or another standard deviation of set angles, rad."""
@@ -79,20 +84,9 @@ class WholeModel:
         stand = stand if angle is None else stand.with_sigma("angle", angle)
         return WholeModel(schedule, means, of_means if variance is None else variance, stand, self.terms)
 
-    @property
-    def chi_squared(self) -> float:
-        """The smallest sum of squares."""
-        return float(self.rest @ self.rest)
-
-    @property
-    def freedom(self) -> int:
-        """Its degrees of freedom: every declared error brings a square of its own."""
-        return len(self.rest)
-
     def _linearise(self) -> None:
-        """Solve the problem that is linear where the pass before ended. `rest`: what no unknown explains, as
-        independent numbers of variance 1; `_left`: the directions of these among outputs and errors; `_coefficients`:
-        those of the coefficients."""
+        """Solve the problem that is linear where the pass before ended. `_left`: the directions of `rest` among outputs
+        and errors; `_coefficients`: those of the coefficients."""
         force = self._errors.force(self._x)
         by_unknown = np.hstack([by_coefficients(force), self._further])
         noise = self._noise.reshape(-1, 1)
@@ -113,11 +107,6 @@ class WholeModel:
         self._u0 = self._u0 + change[9:12]
         self._sizes = self._sizes + change[12 : by_unknown.shape[1]]
         self._x = np.clip(self._x + change[by_unknown.shape[1] :] * self._sigma, -self._largest, self._largest)
-
-    @cached_property
-    def scene(self) -> Scene:
-        """What patterns are made from."""
-        return Scene(self.schedule, self.k)
 
     def whitened(self, columns: Columns) -> Floats:
         """What the residuals show of a pattern: (freedom, columns), where they are independent and of variance 1. A

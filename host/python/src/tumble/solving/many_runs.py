@@ -31,7 +31,6 @@ from tumble.model.errors import Draws, exact_outputs
 from tumble.model.propagation import ManyRuns, Propagation
 from tumble.schedule import Schedule
 from tumble.solving.computation import estimator_for
-from tumble.stand import SIGMA
 from tumble.workers.over import ALONE, Piece, Progress, Result, Team, over
 
 Sources: TypeAlias = dict[str, Draws]
@@ -65,13 +64,13 @@ def drawn_outputs(
 
 
 def _draws(errors: Sources, limits: str, runs: int, rng: np.random.Generator) -> list[Floats]:
-    laws = [(SIGMA if source.normal else limits, len(source.sigma)) for source in errors.values()]
-    return [unit_draws(rng, law, (runs, count)) for law, count in laws]
-
-
-def unit_draws(rng: np.random.Generator, limits: str, shape: tuple[int, int]) -> Floats:
     """Numbers of mean 0 and variance 1; of a uniform law where the stand declares half-widths."""
-    return rng.uniform(-(3.0**0.5), 3.0**0.5, shape) if limits == "uniform" else rng.standard_normal(shape)
+    drawn = []
+    for source in errors.values():
+        shape = runs, len(source.sigma)
+        is_uniform = limits == "uniform" and not source.normal
+        drawn.append(rng.uniform(-(3.0**0.5), 3.0**0.5, shape) if is_uniform else rng.standard_normal(shape))
+    return drawn
 
 
 COVERAGE = 0.95
@@ -155,33 +154,28 @@ def compare(errors: Floats, value: Floats, u: Floats, seed: int, rounding: float
     tail = (1.0 - COVERAGE) / 2.0
     known = _NORMAL_LEVEL * (runs * tail * (1.0 - tail)) ** 0.5
     # what lies above the truth by an error makes the coefficient lie below the estimate by it
-    ends = {}
-    for name, share in (("low", 1.0 - tail), ("high", tail)):
+    ends = []
+    for share in (1.0 - tail, tail):
         places = np.clip(np.rint(share * runs + np.array([-known, 0.0, known])), 1, runs).astype(int) - 1
-        ends[name] = value - ordered[places]
-    linear = {"low": value - NORMAL_COVERAGE * u, "high": value + NORMAL_COVERAGE * u}
-    least, most = (np.max([bound(ends[name], linear[name]) for name in ends], axis=0) for bound in (_least, _most))
-    tolerance = np.maximum([_tolerance(one) for one in u.tolist()], rounding)
+        ends.append(value - ordered[places])
+    linear = [value - NORMAL_COVERAGE * u, value + NORMAL_COVERAGE * u]
+    # how far a linear end is from the range (3, 12) of a simulated one, which is 0 within it
+    outside = [np.maximum(one.min(axis=0) - end, end - one.max(axis=0)) for one, end in zip(ends, linear)]
+    # half a unit of the first digit of u (clause 7.9.2, one digit)
+    tolerance = [0.5 * 10.0 ** int(f"{one:.0e}".partition("e")[2]) if one > 0.0 else 0.0 for one in u.tolist()]
     return MonteCarlo(
-        *(runs, seed, errors.mean(axis=0), errors.std(axis=0, ddof=1), ends["low"][1], ends["high"][1]),
-        *(linear["low"], linear["high"], tolerance, least, most),
+        runs=runs,
+        seed=seed,
+        shift=errors.mean(axis=0),
+        u=errors.std(axis=0, ddof=1),
+        low=ends[0][1],
+        high=ends[1][1],
+        linear_low=linear[0],
+        linear_high=linear[1],
+        tolerance=np.maximum(tolerance, rounding),
+        least=np.maximum(np.max(outside, axis=0), 0.0),
+        most=np.max([np.abs(one - end).max(axis=0) for one, end in zip(ends, linear)], axis=0),
     )
-
-
-def _least(ends: Floats, linear: Floats) -> Floats:
-    """How far a linear end is from the range (3, 12) of a simulated one: 0 within."""
-    least: Floats = np.maximum(np.maximum(ends.min(axis=0) - linear, linear - ends.max(axis=0)), 0.0)
-    return least
-
-
-def _most(ends: Floats, linear: Floats) -> Floats:
-    most: Floats = np.abs(ends - linear).max(axis=0)
-    return most
-
-
-def _tolerance(u: float) -> float:
-    """Half a unit of the first digit of u (clause 7.9.2, one digit)."""
-    return 0.5 * 10.0 ** int(f"{u:.0e}".partition("e")[2]) if u > 0.0 else 0.0
 
 
 @dataclass(frozen=True)

@@ -117,7 +117,7 @@ _WEIGHTS_FIELD = "    double weights[3]; /* of the channels, squared */\n"
 _HEADER = """\
 /* Stand-optimal gains{title}: written by `tumble plan optimize`.
  *
- * For {positions} fit positions in {mountings} mountings. The object is a gain record, byte for byte:
+ * For {record.fit_positions} fit positions in {record.mountings} mountings. The object is a gain record, byte for byte:
  * tumble_gain_record_open(&tumble_optimal_gains, sizeof tumble_optimal_gains, schedule, &record) checks it.
  */
 #ifndef TUMBLE_OPTIMAL_GAINS_H
@@ -139,17 +139,17 @@ static const struct {{
         .magic = {{'T', 'G', 'R', '1'}},
         .size_bytes = {size}U,
         .schema = {schema}U,
-        .fit_positions = {positions}U,
-        .mountings = {mountings}U,
-        .yaws = {yaws}U,
-        .seats = {seats}U,
-        .waves = {waves}U,
-        .drifts = {drifts}U,
-        .schedule_crc = 0x{schedule_crc:08X}U,
-        .block_crc = 0x{block_crc:08X}U,
+        .fit_positions = {record.fit_positions}U,
+        .mountings = {record.mountings}U,
+        .yaws = {record.yaws}U,
+        .seats = {record.seats}U,
+        .waves = {record.waves}U,
+        .drifts = {record.drifts}U,
+        .schedule_crc = 0x{record.schedule_crc:08X}U,
+        .block_crc = 0x{record.block_crc:08X}U,
         .k_v_per_g = {k},
         .sigma_rad = {sigma},
-        .sigma_mean_v = {sigma_mean!r},
+        .sigma_mean_v = {record.sigma_mean!r},
         .u_k_v_per_g = {u_k},
         .u_u0_v = {u_u0},
     }},
@@ -171,22 +171,14 @@ def to_c_header(record: Record, title: str = "") -> str:
     words = "".join(sign if sign.isalnum() or sign in " -.,()" else "_" for sign in ascii(title)[1:-1])
     return _HEADER.format(
         title=f" for: {words}" if words else "",
-        positions=record.fit_positions,
-        mountings=record.mountings,
-        yaws=record.yaws,
-        seats=record.seats,
-        waves=record.waves,
-        drifts=record.drifts,
+        record=record,
         gain_rows=len(record.gains),
         stand_rows=len(record.nuisance_gains),
         columns=record.gains.shape[1],
         size=len(data),
         schema=SCHEMA,
-        schedule_crc=record.schedule_crc,
-        block_crc=record.block_crc,
         k=_c_array(record.k),
         sigma=_c_array(record.sigma),
-        sigma_mean=float(record.sigma_mean),
         u_k=_c_array(record.u[:9].reshape(3, 3)),
         u_u0=_c_array(record.u[9:]),
         gains=_c_array(record.gains),
@@ -246,8 +238,7 @@ def apply_table(table: OptimalTable, schedule: core.CoreSchedule, means: Floats)
 
 def estimate(schedule: core.CoreSchedule, means: Floats, measured: Flags, weighting: Weighting) -> OptimalEstimate:
     """Coefficients and the stand's errors by the core. Raises CoreRefusal; UsageError where weights cannot be made."""
-    table = make_table(schedule, means, measured, weighting)
-    return apply_table(table, schedule.part(measured), means[measured])
+    return apply_table(make_table(schedule, means, measured, weighting), schedule.part(measured), means[measured])
 
 
 # Many runs at once, each with weights at its own K: optimal_table in stacks. The system is the one of model.optimal but
