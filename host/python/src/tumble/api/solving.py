@@ -22,14 +22,14 @@ from tumble.defaults import (
     NEEDS_STAND,
 )
 from tumble.documents.base import to_json
-from tumble.documents.result import Result as ResultDocument
+from tumble.documents.result import Explanation, Result as ResultDocument
 from tumble.errors import UsageError, quoted
 from tumble.estimators import ESTIMATORS, OPTIMAL
 from tumble.files import run_rows
 from tumble.files.schedule_file import schedule_of
 from tumble.files.stand_file import StandFile, stand_file_of
 from tumble.fixture.judge import Limits
-from tumble.model.fit import NOISE_V, Explanation
+from tumble.model.fit import NOISE_V
 from tumble.model.stand_seen import NAMES
 from tumble.schedule import Schedule
 from tumble.solving import noise, plausibility
@@ -57,7 +57,9 @@ class Solved:
 
     def complaints(self, solution: Solution | None = None) -> list[str]:
         """Why it may not be what it claims; `solution`: if more has been found since."""
-        confirmed = plausibility.confirms_unit(self.solution, self.stand_file)
+        file = self.stand_file
+        is_declared = file is not None and file.block is not None  # then K is the declared one where nothing is odd
+        confirmed = is_declared and plausibility.examine(self.solution, file) == plausibility.Plausibility()
         return complaints(solution or self.solution, self.odd, confirmed)
 
     def document(self, solution: Solution | None = None) -> ResultDocument:
@@ -227,9 +229,9 @@ def named(explanation: Explanation) -> str:
     return _placed(NAMES.get(name, name), explanation.column)
 
 
-def _placed(name: str, column: str) -> str:
+def _placed(name: str, column: str | None) -> str:
     """With what shows it. One bad mean is that of a channel at a position, of which the channel may not be known."""
-    if name == "position":
+    if name == "position" and column:
         place, _, channel = column.partition(" ")
         return f"position {place} ({channel})" if channel else f"position {place}"
     return f"{name} of {column}" if column else name

@@ -287,18 +287,12 @@ def closure(schedule: Schedule, means: Floats, mounting: int) -> Floats | None:
     """Output at the last position of a mounting whose attitude came before, less the first such one's; None if none."""
     own = [index for index, position in enumerate(schedule.positions) if position.mounting == mounting]
     force = ideal_force(schedule)
-    pairs = [
-        (late, early)
-        for late in own
-        for early in own
-        if early < late and np.abs(force[late] - force[early]).max() < _SAME_ATTITUDE
-    ]
-    if not pairs:
-        return None
-    late = max(late for late, _ in pairs)
-    early = min(early for other, early in pairs if other == late)
-    difference: Floats = means[late] - means[early]
-    return difference
+    for late in reversed(own):
+        for early in own:
+            if early < late and np.abs(force[late] - force[early]).max() < _SAME_ATTITUDE:
+                difference: Floats = means[late] - means[early]
+                return difference
+    return None
 
 
 def residual_rms(schedule: Schedule, means: Floats, k: Floats, u0: Floats, unknowns: int = 4) -> Floats | None:

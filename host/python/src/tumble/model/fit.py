@@ -20,6 +20,7 @@ import numpy as np
 
 from tumble.arrays import Floats, Integers
 from tumble.distributions import chi_squared_above, chi_squared_log_above
+from tumble.documents.result import Explanation
 from tumble.model.errors import NOISE, OF_OUTPUTS, Errors, declared, of_stand
 from tumble.model.estimators import by_coefficients, design, estimate
 from tumble.model.patterns import BY_NAME, PATTERNS, STAND, Columns, Pattern, Scene
@@ -176,19 +177,6 @@ DOUBTS = (*SYSTEMATIC, "alpha4_rad", NOISE_V)  # sources of a stand that a misfi
 
 
 @dataclass(frozen=True)
-class Explanation:
-    """`patterns` that cannot be told apart, the likeliest first; its `p` after Holm, and `size`, `u_size` in `unit` of
-    its largest `column`, such as a channel (None: of none by itself)."""
-
-    patterns: tuple[str, ...]
-    p: float
-    size: float | None
-    u_size: float | None
-    unit: str
-    column: str
-
-
-@dataclass(frozen=True)
 class Sampled:
     """A pattern that samples show by themselves: `log_p`, how often they do by chance; `size`, `u_size` in `unit`, and
     the `column` it is of; `variance` (positions, 3) of the means with it."""
@@ -204,7 +192,8 @@ class Sampled:
 
 @dataclass(frozen=True)
 class Fit:
-    """`chi_squared` with `freedom`; `p`: how often a run that fits comes out above; `confidence` asked for."""
+    """`chi_squared` with `freedom`; `p`: how often a run that fits comes out above; `confidence` asked for;
+    `explanations`: each of patterns that cannot be told apart, the likeliest first."""
 
     chi_squared: float
     freedom: int
@@ -300,7 +289,7 @@ class _Search:
                 name, corrected = source, len(self._left) * math.exp(log_p[source])
             if name in self._sampled:
                 one = self._sampled[name]
-                yield Explanation((name,), corrected, one.size, one.u_size, one.unit, one.column)
+                yield Explanation((name,), corrected, one.size, one.u_size, one.unit, one.column or None)
             else:
                 yield self._explanation(found[name], alike, corrected)
             self._take(name, found)
@@ -360,8 +349,8 @@ class _Search:
         unit, sizes = one.pattern.unit, one.score.sizes
         seen = self._of_whole_run(one.pattern)
         if seen is not None:
-            return Explanation((one.pattern.name, *alike), p, seen.value, seen.u, unit, "")
+            return Explanation((one.pattern.name, *alike), p, seen.value, seen.u, unit, None)
         where = next(iter(one.columns)).partition(" ")[0] if one.pattern.name == "position" else ""
         column = max(sizes, key=lambda label: abs(sizes[label][0]) / sizes[label][1], default=where)
         found = sizes.get(column, (None, None))
-        return Explanation((one.pattern.name, *alike), p, found[0], found[1], unit, column)
+        return Explanation((one.pattern.name, *alike), p, found[0], found[1], unit, column or None)

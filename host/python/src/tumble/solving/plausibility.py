@@ -177,12 +177,6 @@ def with_order_flag(solution: Solution, stand_file: StandFile | None) -> Solutio
     return replace(solution, is_out_of_order=not is_declared and is_odd)
 
 
-def confirms_unit(solution: Solution, stand_file: StandFile | None) -> bool:
-    """Does the declared block show that the outputs are in the unit of the stand file? K then is the declared one."""
-    declared = stand_file is not None and stand_file.block is not None
-    return declared and examine(solution, stand_file) == Plausibility()
-
-
 def size_of(k: Floats) -> float:
     """What 1 g gives in the channel that is neither the largest nor the smallest."""
     return float(np.median(np.linalg.norm(k, axis=1)))

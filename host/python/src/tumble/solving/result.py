@@ -225,11 +225,7 @@ def _monte_carlo(found: MonteCarlo) -> doc.MonteCarlo:
 
 def fit_of(fit: Fit) -> doc.Fit:
     """Whether a run fits its stand."""
-    told = tuple(
-        doc.Explanation(one.patterns, one.p, one.size, one.u_size, one.unit, one.column or None)
-        for one in fit.explanations
-    )
-    return doc.Fit(fit.chi_squared, fit.freedom, fit.p, fit.fits, fit.confidence, told)
+    return doc.Fit(fit.chi_squared, fit.freedom, fit.p, fit.fits, fit.confidence, fit.explanations)
 
 
 def unseen(found: reliability.Reliability) -> tuple[doc.Unseen, ...]:
