@@ -39,16 +39,12 @@ _SHOWN = 0.01
 
 @dataclass(frozen=True)
 class Score:
-    """Of one pattern: `square` is chi-squared with `freedom`; `sizes`, `u` by label (None: not determined)."""
+    """Of one pattern: degrees of `freedom` of its chi-squared, and the logarithm `log_p` of how often that is larger by
+    chance; `sizes` with their standard uncertainties, by label, of those that are determined."""
 
-    square: float
     freedom: int
+    log_p: float
     sizes: dict[str, tuple[float, float]]
-
-    @property
-    def log_p(self) -> float:
-        """Of a larger square, had nothing been there."""
-        return chi_squared_log_above(self.square, self.freedom)
 
 
 class WholeModel:
@@ -136,7 +132,8 @@ class WholeModel:
             shown = np.where(np.linalg.norm(shown, axis=0) > _NULL * length, shown, 0.0)
         own = basis(shown)
         part = own.T @ rest
-        return Score(float(part @ part), own.shape[1], _sizes(list(columns), shown, rest))
+        freedom = own.shape[1]
+        return Score(freedom, chi_squared_log_above(float(part @ part), freedom), _sizes(list(columns), shown, rest))
 
 
 def basis(columns: Floats) -> Floats:
@@ -240,17 +237,14 @@ def variance_of_means(stand: Stand, samples: Integers, rounding: float | Floats)
 
 @dataclass(frozen=True)
 class _Candidate:
-    """A pattern at the place where it shows most, out of `places`, beside what is known already."""
+    """A pattern at the place where it shows most, out of `places`, beside what is known already; `log_p`: had any place
+    been taken that shows more."""
 
     pattern: Pattern
     columns: Columns
     score: Score
     places: int
-
-    @property
-    def log_p(self) -> float:
-        """Had any place been taken that shows more."""
-        return math.log(self.places) + self.score.log_p
+    log_p: float
 
 
 class _Search:
@@ -308,7 +302,7 @@ class _Search:
         if not shown:
             return None
         score, columns = min(shown, key=lambda one: round(one[0].log_p, _DIGITS))
-        return _Candidate(pattern, columns, score, len(shown))
+        return _Candidate(pattern, columns, score, len(shown), math.log(len(shown)) + score.log_p)
 
     def _is_small(self, pattern: Pattern, score: Score) -> bool:
         """Are the angles that a pattern has for sizes, if it has, such as the linear theory holds for?"""

@@ -83,9 +83,10 @@ class RunSeen:
     each mean by its noise, every `alpha4` the standard deviation of a set angle. `weights` (3,) make channels alike
     that differ: every variance is then of outputs times these.
 
-    The outputs of the P fitted positions are linear in everything: `_design` (3P, 14 + mountings) is for coefficients,
-    alpha1, alpha2, alpha3 by mounting, `_by_set_angle` (P, 3P) for each set angle. Of the unknowns behind the
-    coefficients `_combinations` are what is told, by name or, of a yaw change from the third on, by mounting."""
+    `_left` is what an ideal stand leaves of the outputs, over max|K|. The outputs of the P fitted positions are linear
+    in everything: `_design` (3P, 14 + mountings) is for coefficients, alpha1, alpha2, alpha3 by mounting,
+    `_by_set_angle` (P, 3P) for each set angle. Of the unknowns behind the coefficients `_combinations` are what is
+    told, by name or, of a yaw change from the third on, by mounting."""
 
     def __init__(
         self,
@@ -100,10 +101,12 @@ class RunSeen:
         self._fit, self._fitted = schedule.fit_indices, schedule.fitted
         self._scale = np.abs(k).max()
         self._means, self._k = means[self._fit] / self._scale, k / self._scale
+        ideal, outputs = design(self._fitted), self._means.ravel()
+        self._left: Floats = outputs - ideal @ np.linalg.lstsq(ideal, outputs, rcond=None)[0]
         self._slots = _paper_slots(self._fitted, whole or schedule)
         angles = [unit_effect(self._fitted, name).derivative(self._k) for name in ("alpha1", "alpha2", "alpha3")]
         by_angle = np.concatenate(angles)
-        self._design = np.column_stack([design(self._fitted), by_angle.reshape(len(by_angle), -1).T])
+        self._design = np.column_stack([ideal, by_angle.reshape(len(by_angle), -1).T])
         self._by_set_angle = unit_effect(self._fitted, "alpha4").derivative(self._k).reshape(len(self._fit), -1)
         mountings = len(schedule.mountings)
         used = [schedule.mountings.index(mounting) for mounting in schedule.fitted_mountings]
@@ -133,7 +136,7 @@ class RunSeen:
         """Rms of what least squares on the ideal stand leaves of the outputs, in the channel that has most, over
         max|K|: about an angle in rad."""
         freedom = len(self._fit) - 4
-        squares = (self._left().reshape(-1, 3) ** 2).sum(axis=0)
+        squares = (self._left.reshape(-1, 3) ** 2).sum(axis=0)
         return float(np.sqrt(squares.max() / freedom)) if freedom > 0 else 0.0
 
     def angles(self, alpha4: float | None, variance: Floats) -> dict[str, Estimate | None]:
@@ -199,13 +202,7 @@ class RunSeen:
         """Design, derivatives by the set angles, and what an ideal stand leaves of the outputs, in units of the
         noise."""
         noise = np.maximum(np.sqrt(np.repeat(variance[self._fit], 3)) / self._scale, _SMALLEST_NOISE)
-        return self._design / noise[:, None], self._by_set_angle.T / noise[:, None], self._left() / noise
-
-    def _left(self) -> Floats:
-        """What an ideal stand leaves of the outputs, over max|K|."""
-        ideal, outputs = design(self._fitted), self._means.ravel()
-        left: Floats = outputs - ideal @ np.linalg.lstsq(ideal, outputs, rcond=None)[0]
-        return left
+        return self._design / noise[:, None], self._by_set_angle.T / noise[:, None], self._left / noise
 
     def _components(self, variance: Floats) -> tuple[Floats, Floats]:
         """The residuals that errors of set angles move, as independent components: their values, in units of the noise,

@@ -80,7 +80,7 @@ def assumed(solution: Solution) -> dict[str, Coefficients]:
     if rests_on_a_seat(schedule, found.k, solution.stand, found.terms):
         # those whose uncertainty an undeclared tilt of a size to be expected would raise by a tenth or more
         stated = solution.stated or solution.scatter_alone
-        variance = np.zeros(12) if stated is None else np.diag(stated.of_twelve)
+        variance = np.zeros(12) if stated is None else np.diag(stated.covariance)[:12]
         moved = np.array(list(moved_by_a_seat(schedule, found.k, linear).values()))
         least_rad = _EXPECTED_RAD * moved.max() * (_COUNTS if stated is None else _ROUNDING)
         raised = (_EXPECTED_RAD * moved) ** 2 > np.maximum((_RAISED**2 - 1.0) * variance, least_rad**2)

@@ -204,8 +204,21 @@ def _far(k: Floats, declared: Floats, allowed: float, scale: float) -> Flags:
 
 def _of_noise(solution: Solution) -> tuple[str, ...]:
     """That the outputs do not follow the positions: none of them, or none along one axis, or one channel. Then K is
-    noise there, and names no mistake."""
-    limit, k, everywhere = _largest_by_noise(solution), np.abs(solution.found.k), np.ones((3, 3), dtype=bool)
+    noise there, and names no mistake.
+
+    An element means nothing by what is declared, else by the scatter of samples, and by the residuals, which tell too
+    how well a face was laid down again. Beside a declared stand large residuals are no noise: mountings may be
+    exchanged."""
+    stated, rms = solution.stated or solution.scatter_alone, solution.found.residual_rms
+    limit = np.zeros((3, 3)) if stated is None else _CLEAR * stated.u_k
+    if rms is not None and solution.stated is None:
+        measured = solution.measured_schedule
+        fitted = [position.use == FIT for position in measured.positions]
+        design = np.column_stack([Geometry(measured).force(), np.ones(len(fitted))])[fitted]
+        by_axis = np.sqrt(np.diag(np.linalg.inv(design.T @ design))[:3])
+        freedom = len(design) - 4 - len(solution.found.terms)
+        limit = np.maximum(limit, student_quantile(_SURELY, freedom) * rms[:, None] * by_axis)
+    k, everywhere = np.abs(solution.found.k), np.ones((3, 3), dtype=bool)
     alone = [("the outputs do not follow the positions", everywhere)]
     for axis, one in zip(AXES, np.eye(3, dtype=bool)):
         alone.append((f"the outputs do not change with gravity along {axis}", everywhere & one))
@@ -217,23 +230,6 @@ def _of_noise(solution: Solution) -> tuple[str, ...]:
             most = f"{limit[row, column]:.2g}"
             return (f"{what}: {size} where noise gives up to {most}; was the sensor not turned, or in another order?",)
     return ()
-
-
-def _largest_by_noise(solution: Solution) -> Floats:
-    """An element of K (3, 3) that means nothing: by what is declared, else by the scatter of samples, and by the
-    residuals, which tell too how well a face was laid down again. 0 where none is known. Beside a declared stand large
-    residuals are no noise: mountings may be exchanged."""
-    stated, rms = solution.stated or solution.scatter_alone, solution.found.residual_rms
-    limit = np.zeros((3, 3)) if stated is None else _CLEAR * stated.u_k
-    if rms is None or solution.stated is not None:
-        return limit
-    measured = solution.measured_schedule
-    fitted = [position.use == FIT for position in measured.positions]
-    design = np.column_stack([Geometry(measured).force(), np.ones(len(fitted))])[fitted]
-    by_axis = np.sqrt(np.diag(np.linalg.inv(design.T @ design))[:3])
-    freedom = len(design) - 4 - len(solution.found.terms)
-    largest: Floats = np.maximum(limit, student_quantile(_SURELY, freedom) * rms[:, None] * by_axis)
-    return largest
 
 
 # What the declared block would have to suffer.

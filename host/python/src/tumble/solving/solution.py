@@ -121,7 +121,7 @@ class Solution:
     @property
     def covariance(self) -> Floats | None:
         """Of K row by row and U0 (12, 12); None without a declared stand."""
-        return None if self.stated is None else self.stated.of_twelve
+        return None if self.stated is None else self.stated.covariance[:12, :12]
 
     @property
     def measured_schedule(self) -> Schedule:

@@ -102,11 +102,6 @@ class Stated:
     covariance: Floats
     without: Without | None = None
 
-    @property
-    def of_twelve(self) -> Floats:
-        """Covariance (12, 12) of K row by row and U0."""
-        return self.covariance[:12, :12]
-
 
 def confirmed(
     given: Propagation,
