@@ -16,7 +16,7 @@ from tumble.comparison.shared import Calibration
 from tumble.comparison.statistics import holm, is_covariance, whitened
 from tumble.comparison.verdict import judge
 from tumble.distributions import chi_squared_above, chi_squared_quantile
-from tumble.rounding import rounded
+from tumble.units import rounded
 
 pytestmark = pytest.mark.python
 U0 = np.array([0.01, -0.02, 0.03])

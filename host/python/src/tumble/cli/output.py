@@ -23,7 +23,6 @@ from tumble.messages import signed_for, tell
 from tumble.model import reliability
 from tumble.model.fit import SYSTEMATIC
 from tumble.model.stand_seen import NAMES, Estimate
-from tumble.rounding import on_its_side
 from tumble.schedule import CHECK
 from tumble.solving.decision import (
     ASSUMPTIONS,
@@ -40,7 +39,7 @@ from tumble.solving.many_runs import NORMAL_COVERAGE, MonteCarlo
 from tumble.solving.solution import Solution
 from tumble.solving.uncertainty import HANDS, NEARLY_INFINITE, PROBABILITY, Coverage, Further
 from tumble.terms import names
-from tumble.units import noise_unit, per_g, volts_per
+from tumble.units import noise_unit, on_its_side, per_g, volts_per
 
 _COLUMNS = 80  # a narrower terminal wraps lines, which loses nothing
 _BAR_WIDTH = 36

@@ -1,5 +1,8 @@
 """What the firmware core makes of a run (`compute`): coefficients, checks, and what follows from them; held against the
 numpy model (`compare`): a result that the model does not confirm is not given.
+
+Further terms of the model (tumble.terms), which the core does not know, are found by its least squares
+(`least_squares`); many runs at once by any estimator (`estimator_for`).
 """
 
 from __future__ import annotations

@@ -27,10 +27,10 @@ from tumble.model.coefficients import worst_norm
 from tumble.model.geometry import built_in
 from tumble.model.propagation import Propagation
 from tumble.model.reliability import moved_by_a_seat, seat_is_unseen, unseen_patterns
-from tumble.rounding import on_its_side
 from tumble.schedule import Schedule
 from tumble.stand import Stand
 from tumble.terms import Terms
+from tumble.units import on_its_side
 
 if TYPE_CHECKING:  # whoever reads a result solves none
     from tumble.solving.solution import Solution
