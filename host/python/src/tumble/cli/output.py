@@ -197,7 +197,7 @@ def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
         for i, name in enumerate(COEFFICIENTS + names(found.terms if solution.further is not None else ()))
     ]
     if solution.truth is not None:
-        known = zip(_twelve(solution.truth.k, solution.truth.u0), _errors_over_u(solution).tolist())
+        known = zip(_twelve(solution.truth.K, solution.truth.U0), _errors_over_u(solution).tolist())
         for i, (true, error) in enumerate(known):
             rows[i] += (f"{true:+.{decimals}f}", "-" if math.isnan(error) else f"{error:+.2f}")
     return rows
@@ -222,7 +222,7 @@ def _errors_over_u(solution: Solution) -> Floats:
     truth, u_k, u_u0 = solution.truth, solution.u_k, solution.u_u0
     assert truth is not None and u_k is not None and u_u0 is not None  # who simulates a run declares its stand
     u = np.concatenate([u_k.ravel(), u_u0])
-    errors = np.concatenate([(solution.found.k - truth.k).ravel(), solution.found.u0 - truth.u0])
+    errors = np.concatenate([(solution.found.k - truth.K).ravel(), solution.found.u0 - truth.U0])
     over: Floats = np.divide(errors, u, out=np.full(12, np.nan), where=u > 0)
     return over
 

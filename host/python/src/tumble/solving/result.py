@@ -13,7 +13,6 @@ from datetime import datetime, timezone
 from typing import Any
 
 import numpy as np
-from msgspec import UNSET
 
 from tumble._version import __version__
 from tumble.arrays import Floats
@@ -32,7 +31,7 @@ from tumble.solving.coefficients import si_of
 from tumble.solving.decision import assumed, decide, would_show
 from tumble.solving.many_runs import COVERAGE, LEVEL, MonteCarlo
 from tumble.solving.noise import CHANNELS, of_means
-from tumble.solving.solution import Solution, Truth
+from tumble.solving.solution import Solution
 from tumble.solving.uncertainty import PROBABILITY, Coverage, Further, effective, factors_of
 from tumble.stand import SOURCES, PerChannel, Stand, by_channel, per_channel
 from tumble.terms import DRIFT, KEYS, names
@@ -344,20 +343,4 @@ def _means(solution: Solution) -> tuple[doc.Mean, ...]:
     return tuple(
         doc.Mean(*place, int(run.samples[i]), run.means[i], run.scatter[i] if run.samples[i] > 1 else None)
         for i, place in _measured(solution)
-    )
-
-
-def truth(known: Truth) -> doc.Truth:
-    """What a simulated run was made of."""
-    return doc.Truth(
-        K=known.k,
-        U0=known.u0,
-        alpha1_rad=known.alpha1,
-        alpha2_rad=known.alpha2,
-        alpha3_rad=known.alpha3,
-        alpha4_rad=known.alpha4,
-        theta_h_rad=known.theta_h,
-        theta_n_rad=known.theta_n,
-        encoder_rad=known.encoder if any(known.encoder) else UNSET,
-        drift_v=known.drift if any(known.drift) else UNSET,
     )

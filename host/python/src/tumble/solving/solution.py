@@ -12,6 +12,7 @@ import numpy as np
 from tumble import core
 from tumble.arrays import Floats, Integers
 from tumble.defaults import DEFAULT_COVERAGE_FACTOR
+from tumble.documents.result import Truth
 from tumble.errors import BadInput
 from tumble.estimators import OPTIMAL
 from tumble.files.run_file import Run
@@ -56,24 +57,6 @@ from tumble.stand import PerChannel, Stand, over
 from tumble.terms import Terms
 from tumble.units import volts_per
 from tumble.workers.over import ALONE, Progress, Team
-
-
-@dataclass(frozen=True)
-class Truth:
-    """What a simulated run was made of: `k` (3, 3), `u0` (3,); the stand's errors in radians, `alpha3`, `theta_h` (the
-    platform's in it) and `theta_n` by mounting and `alpha4` by position, `encoder` by sine and cosine of the table
-    angle and of its double; `drift` by channel, V."""
-
-    k: Floats
-    u0: Floats
-    alpha1: float
-    alpha2: float
-    alpha3: tuple[float, ...]
-    alpha4: tuple[float, ...]
-    theta_h: tuple[float, ...]
-    theta_n: tuple[float, ...]
-    encoder: tuple[float, ...] = (0.0,) * 4
-    drift: tuple[float, ...] = (0.0,) * 3
 
 
 @dataclass(frozen=True)

@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from msgspec import UNSET
 
 from tumble.api.solving import complaints
 from tumble.arrays import Floats
 from tumble.documents.base import to_json
-from tumble.documents.result import Table
+from tumble.documents.result import Table, Truth
 from tumble.errors import BadInput, BenchFault, Disagreement
 from tumble.estimators import OPTIMAL
 from tumble.files.run_file import Run, read_run
@@ -24,7 +25,7 @@ from tumble.model.propagation import covariance
 from tumble.solving import result
 from tumble.solving.computation import OPTIMAL_LIMIT_U, RELATIVE_LIMIT, compare_uncertainties
 from tumble.solving.noise import look, of_means
-from tumble.solving.solution import Solution, Truth, solve
+from tumble.solving.solution import Solution, solve
 from tumble.world import gains
 from tumble.world.progress import in_words
 from tumble.world.setup import Setup, step_v
@@ -106,7 +107,7 @@ def result_text(
     found = result.document_of(solution, item, environment, serial, "run.csv", created, complaints(solution))
     assert solution.truth is not None  # it has been simulated
     found.seed, found.bus, found.firmware = setup.seed, bus, firmware
-    found.table, found.truth = Table(**document["table"]), result.truth(solution.truth)
+    found.table, found.truth = Table(**document["table"]), solution.truth
     return to_json(found)
 
 
@@ -192,16 +193,13 @@ def _require_close(name: str, firmware: Floats, witness: Floats, allowed: Floats
         )
 
 
-def _truth(truth: dict[str, Any]) -> Truth:
+def _truth(told: dict[str, Any]) -> Truth:
     return Truth(
-        k=np.array(truth["K"]).reshape(3, 3),
-        u0=np.array(truth["U0"]),
-        alpha1=truth["alpha1_rad"],
-        alpha2=truth["alpha2_rad"],
-        alpha3=tuple(truth["alpha3_rad"]),
-        alpha4=tuple(truth["alpha4_rad"]),
-        theta_h=tuple(truth["theta_h_rad"]),
-        theta_n=tuple(truth["theta_n_rad"]),
-        encoder=tuple(truth["encoder_rad"]),
-        drift=tuple(truth["drift_v"]),
+        K=np.array(told["K"]).reshape(3, 3),
+        U0=np.array(told["U0"]),
+        alpha1_rad=told["alpha1_rad"],
+        alpha2_rad=told["alpha2_rad"],
+        **{name: tuple(told[name]) for name in ("alpha3_rad", "alpha4_rad", "theta_h_rad", "theta_n_rad")},
+        encoder_rad=tuple(told["encoder_rad"]) if any(told["encoder_rad"]) else UNSET,
+        drift_v=tuple(told["drift_v"]) if any(told["drift_v"]) else UNSET,
     )
