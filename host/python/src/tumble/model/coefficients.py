@@ -36,13 +36,11 @@ PASSES = 12  # for whoever does not look whether it moves: each doubles the digi
 _STEPS = 50
 _CLOSE = 1e-13  # of the largest component, or of one unit
 _AT_ONCE = 1 << 15  # samples: what an uncertainty needs for one is 100 numbers
-
-
 _LEAST_OWN = 0.1  # of the length of a row of K
 
 
 class NotSolvable(Exception):
-    """Of outputs from which further terms do not let a specific force be found; says why."""
+    """Of outputs from which no coefficients, or with further terms no specific force, can be found; says why."""
 
 
 class NoForce(NotSolvable):

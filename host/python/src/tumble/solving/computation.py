@@ -61,7 +61,7 @@ def compute(
 ) -> Computation:
     """Let the core estimate and verify. `weighting`: of the optimal estimator, which alone needs it.
 
-    Raises CoreRefusal; DeadChannels where a channel does not feel gravity; NotSolvable.
+    Raises CoreRefusal; NotSolvable, also where a channel does not feel gravity.
     """
     sizes, linear = np.zeros((0, 3)), means
     if terms:  # by a table of gains where there are weights, else by the core's least squares
@@ -80,7 +80,8 @@ def compute(
     response, rounding = np.linalg.norm(k, axis=1), _ROUNDING * np.abs(means[measured]).max(axis=0)
     dead = response <= np.maximum(core.MIN_ROW_RATIO * response.max(), rounding)
     if dead.any():
-        raise DeadChannels([f"u{axis}" for axis, is_dead in zip(core.AXES, dead) if is_dead])
+        channels = [f"u{axis}" for axis, is_dead in zip(core.AXES, dead) if is_dead]
+        raise NotSolvable(f"no response to gravity in channel {' and '.join(channels)}: K is singular")
     calibration = core.Calibration(k, u0)
     if terms:
         linear = means.copy()
@@ -102,13 +103,6 @@ def compute(
         sizes=sizes,
         linear=linear,
     )
-
-
-class DeadChannels(NotSolvable):
-    """K is singular, and one can say why: `channels`, such as ["ux"], do not respond to gravity."""
-
-    def __init__(self, channels: list[str]):
-        super().__init__(f"no response to gravity in channel {' and '.join(channels)}: K is singular")
 
 
 _ROUNDING = 1e-13  # of the outputs: a response below it is what summing them leaves, whatever the core makes of it
