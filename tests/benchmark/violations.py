@@ -31,8 +31,7 @@ from tumble.files.run_file import Run
 from tumble.files.stand_file import read_stand
 from tumble.model.fit import CONFIDENCE, variance_of_means
 from tumble.model.propagation import Propagation
-from tumble.solving.computation import LARGEST_MISFIT
-from tumble.solving.many_runs import estimator_for
+from tumble.solving.computation import LARGEST_MISFIT, estimator_for
 from tumble.solving.plausibility import examine
 from tumble.solving.solution import solve
 from tumble.solving.uncertainty import standard_uncertainties

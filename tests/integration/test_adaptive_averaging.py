@@ -3,11 +3,10 @@
 import json
 import math
 
+import gain_record
 import numpy as np
 import pytest
 from simulated_bench import bench, runs
-
-from tumble.solving import optimal_run
 
 QUIET_V, NOISY_V = 3e-4, 9e-4  # mounting 1, mounting 2
 SCENARIO = f"""
@@ -98,5 +97,5 @@ def test_optimal_weighs_the_samples_that_there_will_be(budget, most, tumble, tmp
     done = tumble("bench", *options, cwd=tmp_path)
     assert done.returncode == 0 and "residuals" not in done.stderr, done.stderr
     assert 0.4 < json.loads(done.stdout)["misfit"] < 1.7
-    made = optimal_run.from_bytes((tmp_path / "run/inputs/gains.bin").read_bytes())
+    made = gain_record.from_bytes((tmp_path / "run/inputs/gains.bin").read_bytes())
     assert made.sigma_mean == pytest.approx(min(float(budget), 3e-4 / 4))

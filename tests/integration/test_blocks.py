@@ -11,7 +11,7 @@ from test_noise import autoregressive
 
 from tumble.core import CoreRefusal
 from tumble.core.binding import require_ok
-from tumble.model.noise import CHANCE_SIGMAS, chance_limit
+from tumble.solving.noise import CHANCE_SIGMAS, chance_limit
 
 V_PER_COUNT = 1e-5
 MOST = 2**63 - 1

@@ -9,6 +9,7 @@ import dataclasses
 import json
 
 import calibrations
+import gain_record
 import numpy as np
 import pytest
 from blocks import NOMINAL_K
@@ -30,7 +31,7 @@ from tumble.planning import require
 from tumble.planning.budget import budget
 from tumble.planning.case import Case
 from tumble.solving import optimal_run
-from tumble.solving.many_runs import estimator_for
+from tumble.solving.computation import estimator_for
 from tumble.solving.result import declared_stand, stand_of, step_of
 from tumble.solving.solution import solve
 from tumble.stand import Stand
@@ -283,13 +284,13 @@ def test_weights_that_differ_go_with_the_gain_record():
     k = SCALE[:, None] * NOMINAL_K / 2.0
     table, alike = optimal_table(PAPER, k, UNEQUAL), optimal_table(PAPER, k, dataclasses.replace(UNEQUAL, noise=3e-4))
     data, plain = (optimal_run.to_bytes(optimal_run.record_of(one, PAPER)) for one in (table, alike))
-    assert len(data) == len(plain) + 24 == optimal_run.size_of(18, 2, drifts=3) + 24
-    again = optimal_run.from_bytes(data)
+    assert len(data) == len(plain) + 24 == gain_record.size_of(18, 2, drifts=3) + 24
+    again = gain_record.from_bytes(data)
     assert again.weights == pytest.approx(1.5e-3 / np.array(NOISE)) and again.sigma_mean == table.sigma_mean
     assert optimal_run.to_bytes(again) == data
     assert core.binding.GainRecord(core.CoreSchedule(PAPER), data).gains.tolist() == table.gains.tolist()
     assert "double weights[3];" in optimal_run.to_c_header(again)
-    assert "weights" not in optimal_run.to_c_header(optimal_run.from_bytes(plain))
+    assert "weights" not in optimal_run.to_c_header(gain_record.from_bytes(plain))
 
 
 def case_of(stand, scale):

@@ -14,7 +14,7 @@ from documents import valid
 
 from tumble.comparison.verdict import Calibration, holm, is_covariance, judge, whitened
 from tumble.distributions import chi_squared_above, chi_squared_quantile
-from tumble.rounding import rounded
+from tumble.units import rounded
 
 pytestmark = pytest.mark.python
 U0 = np.array([0.01, -0.02, 0.03])

@@ -18,7 +18,7 @@ from tumble.fixture.judge import repeats
 from tumble.model import built_in, covariance, optimal_covariance
 from tumble.model.errors import exact_outputs, sources
 from tumble.model.propagation import Propagation
-from tumble.solving.many_runs import estimator_for
+from tumble.solving.computation import estimator_for
 from tumble.stand import PAPER_STAND
 
 pytestmark = pytest.mark.python

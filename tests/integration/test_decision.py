@@ -19,9 +19,9 @@ from tumble.model.optimal import optimal_table
 from tumble.model.propagation import Propagation
 from tumble.planning.case import Case
 from tumble.planning.promise import promise
-from tumble.rounding import on_its_side
 from tumble.solving.decision import UNCERTAINTY, Decision, Question, Remedy, in_words, is_shown
 from tumble.stand import PAPER_STAND, Stand
+from tumble.units import on_its_side
 
 pytestmark = pytest.mark.python
 PAPER_SCHEDULE = model.built_in("paper")

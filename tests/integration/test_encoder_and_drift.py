@@ -5,6 +5,7 @@ import dataclasses
 import json
 import re
 
+import gain_record
 import numpy as np
 import pytest
 from blocks import NOMINAL_K, gains_of, random_block, usable_schedule
@@ -157,7 +158,7 @@ def test_a_gain_record_has_rows_for_what_is_declared(changes):
     assert np.array_equal(opened.stand_gains, table.nuisance_gains)
     assert len(opened.stand_gains) == 4 + (4 if "encoder" in changes else 0) + (3 if "drift" in changes else 0)
     assert (data[14], data[15]) == (4 if "encoder" in changes else 0, 3 if "drift" in changes else 0)
-    again = optimal_run.from_bytes(data)
+    again = gain_record.from_bytes(data)
     assert (again.waves, again.drifts) == (data[14], data[15])
 
 

@@ -18,8 +18,8 @@ from tumble.model import Geometry, Propagation, WholeModel, gravity_errors, opti
 from tumble.model.coefficients import linear_outputs, worst_norm
 from tumble.model.estimators import columns_at, confused, unknowns
 from tumble.schedule import Position, Schedule
-from tumble.solving import computation, computation as crosscheck, further, uncertainty
-from tumble.solving.many_runs import estimator_for
+from tumble.solving import computation, uncertainty
+from tumble.solving.computation import estimator_for
 from tumble.terms import TERMS, names
 
 pytestmark = pytest.mark.python
@@ -102,7 +102,7 @@ def test_elimination_agrees_with_the_dense_problem(seed):
     k, u0 = random_block(rng)
     force = Geometry(schedule.data).force(**random_errors(rng, schedule.data, 1e-3))
     means = outputs_of(force, k, u0, VALUES)
-    core_found = further.least_squares(schedule, means[None], terms)[0]
+    core_found = computation.least_squares(schedule, means[None], terms)[0]
     assert np.abs(core_found - unknowns(schedule.data, means, "least_squares", terms)).max() < 1e-11 * np.abs(k).max()
 
 
@@ -226,7 +226,7 @@ def test_check_positions_and_a_seed(tmp_path, capsys):
     schedule = Schedule(PAPER.mountings, tuple(places))
     assert (Geometry(schedule).force() == Geometry(PAPER).force()).all()
     means = perfect(schedule)
-    found = further.least_squares(core.CoreSchedule(schedule), means[None], ALL)[0]
+    found = computation.least_squares(core.CoreSchedule(schedule), means[None], ALL)[0]
     linear = linear_outputs(means, found[:9].reshape(3, 3), found[9:12], found[12:].reshape(3, 3), ALL)
     assert np.abs(gravity_errors(linear, found[:9].reshape(3, 3), found[9:12])).max() < 1e-13
     options = (*STAND, "--estimator", "least_squares", "--model", "k2,drift", "--monte-carlo", 2000, "--limit", 1e-3)
@@ -320,9 +320,9 @@ def off_by(index, by):
 
 
 DEFECTS = {
-    "K2 of the core": (further, "least_squares", off_by(12, 5e-12), "least_squares", "k2 differs"),
-    "drift of the core": (further, "least_squares", off_by(17, 5e-12), "least_squares", "drift differs"),
-    "K2 of numpy": (crosscheck, "unknowns", off_by(12, 5e-12), "least_squares", "k2 differs"),
+    "K2 of the core": (computation, "least_squares", off_by(12, 5e-12), "least_squares", "k2 differs"),
+    "drift of the core": (computation, "least_squares", off_by(17, 5e-12), "least_squares", "drift differs"),
+    "K2 of numpy": (computation, "unknowns", off_by(12, 5e-12), "least_squares", "k2 differs"),
     "K2 of optimal": (computation, "by_table", off_by(12, 1e-10), "optimal", "k2 differs"),
     "uncertainties": (uncertainty, "standard_uncertainties", off_by(13, 1e-9), "optimal", "u of further terms differs"),
     "the force": (computation, "linear_outputs", off_by(0, 1e-8), "least_squares", "U with further terms differs"),

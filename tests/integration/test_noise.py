@@ -22,10 +22,9 @@ from tumble.distributions import chi_squared_above
 from tumble.files.run_file import NO_BLOCKS, Run, blocks_of, facts_of
 from tumble.model.errors import exact_outputs, sources
 from tumble.model.estimators import estimate
-from tumble.model.noise import CHANCE_SIGMAS, chance_limit
 from tumble.solving import noise
 from tumble.solving.decision import assumed
-from tumble.solving.noise import CORRELATED, log_p_if_white
+from tumble.solving.noise import CHANCE_SIGMAS, CORRELATED, chance_limit, log_p_if_white
 from tumble.solving.solution import solve
 from tumble.stand import PAPER_STAND
 
@@ -97,7 +96,7 @@ def test_block_sums_are_those_of_exact_arithmetic(positions):
 def test_pooled_blocks_are_the_variance_of_block_means(samples, positions, seed):
     """Of a power of two samples, all lengths from m on together have the squares of m-blocks about their means."""
     x = np.random.default_rng(seed).standard_normal((positions, 2 ** (samples.bit_length() - 1), 3))
-    found = model.measured_noise(*_arguments(x))
+    found = noise.measured_noise(*_arguments(x))
     for level, variance in enumerate(found.pooled):
         blocks = x.reshape(positions, -1, 2**level, 3).mean(axis=2)
         freedom = positions * (blocks.shape[1] - 1)
@@ -117,7 +116,7 @@ def test_block_means_agree_with_the_sum_of_autocovariances(rho):
     """Of long positions, where both are sharp: the variance of means of 128 samples is the sum of the autocovariances
     (Newey and West's window), and nearly (1 + rho)/(1 - rho) by theory."""
     x = np.moveaxis(autoregressive(np.random.default_rng(51), (60, 3, 4096), rho), 1, 2)
-    found = model.measured_noise(*_arguments(x))
+    found = noise.measured_noise(*_arguments(x))
     centred, lags = x - x.mean(axis=1, keepdims=True), 128
     sums = np.stack([(centred[:, lag:] * centred[:, : 4096 - lag]).sum(axis=(0, 1)) for lag in range(lags)])
     window = 1 - np.arange(lags) / lags
@@ -129,7 +128,7 @@ def test_block_means_agree_with_the_sum_of_autocovariances(rho):
 
 def test_alternating_noise_counts_as_its_scatter():
     x = np.moveaxis(autoregressive(np.random.default_rng(52), (POSITIONS, 3, 64), -0.7), 1, 2)
-    found = model.measured_noise(*_arguments(x))
+    found = noise.measured_noise(*_arguments(x))
     assert (found.length == 1).all()
     np.testing.assert_allclose(found.variance, found.scatter**2, rtol=0.02)
     assert (found.variance >= found.scatter**2 * (1 - 1e-12)).all()
@@ -150,7 +149,7 @@ def stated(x):
     """By run, of one channel (runs, positions, samples): the variance of a mean by its blocks, and whether it exceeds a
     declared noise of 1."""
     for run in x:
-        found = model.measured_noise(*_arguments(np.repeat(run[:, :, None], 3, axis=2)))
+        found = noise.measured_noise(*_arguments(np.repeat(run[:, :, None], 3, axis=2)))
         yield found.mean_variance(np.array([x.shape[2]]))[0, 0], bool(found.exceeds(1.0)[0])
 
 
@@ -309,7 +308,7 @@ def test_all_that_states_an_uncertainty_counts_the_measured_noise(estimator):
 def test_white_noise_is_seldom_called_correlated():
     """Whatever its size: one run in a hundred at a p of 1 %, and less for lengths and channels are not independent."""
     rng, runs = np.random.default_rng(62), 300
-    found = [model.measured_noise(*_arguments(rng.standard_normal((9, 32, 3)))) for _ in range(runs)]
+    found = [noise.measured_noise(*_arguments(rng.standard_normal((9, 32, 3)))) for _ in range(runs)]
     p = np.exp([log_p_if_white(one) for one in found])
     print(f"p below 0.5, 0.1, 0.01: {[float((p.min(axis=1) < one).mean()) for one in (0.5, 0.1, 0.01)]}")
     for one in (0.5, 0.1, 0.01):
@@ -362,7 +361,7 @@ def test_refined_covers(name, rho, runs):
     x = sigma * np.moveaxis(autoregressive(rng, (runs, POSITIONS, 3, samples), rho), 3, 2)
     means = exact_outputs(schedule, NOMINAL_K, np.zeros(3), errors, draws) + x.mean(axis=2)
     error = coefficients(means) - np.append(NOMINAL_K.ravel(), np.zeros(3))
-    found = [model.measured_noise(*_arguments(one)) for one in x]
+    found = [noise.measured_noise(*_arguments(one)) for one in x]
     told = np.array([one.exceeds(sigma) for one in found])
     measured = np.array([one.mean_variance(np.array([samples]))[0] for one in found])
     before = np.full((runs, 3), sigma**2 / samples)

@@ -3,6 +3,7 @@
 import dataclasses
 import json
 
+import gain_record
 import numpy as np
 import pytest
 from conftest import EXAMPLES
@@ -60,7 +61,7 @@ def test_runs_of_the_firmware_are_as_good_as_they_say(name, tumble, tmp_path):
 @pytest.mark.parametrize("options, samples", [((), 50), (("--samples", "8"), 8)])
 def test_the_record_is_among_the_inputs(options, samples, tumble, tmp_path):
     bench(tumble, *options, cwd=tmp_path)
-    made = optimal_run.from_bytes((tmp_path / "run/inputs/gains.bin").read_bytes())
+    made = gain_record.from_bytes((tmp_path / "run/inputs/gains.bin").read_bytes())
     assert made.sigma.tolist() == [2e-5, 2e-5, 4e-4, 4e-5] and made.sigma_mean == pytest.approx(3e-4 / samples**0.5)
     assert made.k == pytest.approx(-2.0 * (np.eye(3) + 0.02 * (1 - np.eye(3))))
 

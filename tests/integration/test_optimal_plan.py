@@ -7,6 +7,7 @@ import subprocess
 import zlib
 from dataclasses import replace
 
+import gain_record
 import numpy as np
 import pytest
 from blocks import NOMINAL_K
@@ -79,7 +80,7 @@ def test_the_three_files_hold_the_same_numbers(tumble, tmp_path):
     plan, data = json.loads((tmp_path / "table.json").read_text()), (tmp_path / "table.bin").read_bytes()
     opened = optimal.GainRecord(core.CoreSchedule(core.paper_schedule()), data)
     assert opened.gains.tolist() == plan["gains"] and opened.stand_gains.tolist() == plan["stand_gains"]
-    read = optimal_run.from_bytes(data)
+    read = gain_record.from_bytes(data)
     assert read.gains.tolist() == plan["gains"] and read.k.tolist() == plan["K"]
     assert read.u == pytest.approx(np.concatenate([np.ravel(plan["u_K"]), plan["u_U0"]]), rel=1e-9)
     assert read.sigma.tolist() == [2e-4, 5e-4, 2e-3, 2e-4] and read.sigma_mean == plan["sigma_mean_v"]
@@ -120,7 +121,7 @@ def test_a_name_with_anything_in_it_stays_within_its_comment(tumble, tmp_path):
 def test_a_serial_binds_the_record_to_its_block(tumble, tmp_path):
     paper_stand(tmp_path, block='serial = "B-17 \\u00e9"\n')
     optimize(tumble, "--stand", "stand.toml", "--out", "table.bin", cwd=tmp_path)
-    assert optimal_run.from_bytes((tmp_path / "table.bin").read_bytes()).block_crc == zlib.crc32("B-17 é".encode())
+    assert gain_record.from_bytes((tmp_path / "table.bin").read_bytes()).block_crc == zlib.crc32("B-17 é".encode())
 
 
 def test_weights_for_the_last_known_k(tumble, tmp_path):
@@ -204,25 +205,25 @@ def test_the_record_is_laid_out_as_documented():
     )
     assert len(tables) == 15
     assert optimal_run.to_bytes(made) == golden()[1]
-    assert optimal_run.to_bytes(optimal_run.from_bytes(golden()[1])) == golden()[1]
+    assert optimal_run.to_bytes(gain_record.from_bytes(golden()[1])) == golden()[1]
 
 
 def test_a_spoilt_record_is_no_record():
     table = optimal_table(model.built_in("paper"), NOMINAL_K, PAPER_STAND)
     data = optimal_run.to_bytes(optimal_run.record_of(table, model.built_in("paper")))
-    assert len(data) == optimal_run.size_of(18, 2) == 7152
+    assert len(data) == gain_record.size_of(18, 2) == 7152
     for index in (0, 4, 8, 10, 11, 12, 13, 14, 15, 20, 30, 500, 5000, len(data) - 8, len(data) - 1):
         spoilt = bytearray(data)
         spoilt[index] ^= 1
-        with pytest.raises(optimal_run.BadRecord):
-            optimal_run.from_bytes(bytes(spoilt))
+        with pytest.raises(gain_record.BadRecord):
+            gain_record.from_bytes(bytes(spoilt))
     for short in (b"", data[:20], data[:-1]):
-        with pytest.raises(optimal_run.BadRecord):
-            optimal_run.from_bytes(short)
+        with pytest.raises(gain_record.BadRecord):
+            gain_record.from_bytes(short)
 
 
 def test_a_record_of_no_position_is_no_record():
     parts = {"k": np.eye(3), "sigma": np.ones(4), "sigma_mean": 1.0, "u": np.ones(12), "gains": np.empty((12, 0))}
     empty = optimal_run.Record(0, 1, 1, 0, 0, 0, 0, 0, **parts, nuisance_gains=np.empty((3, 0)))
-    with pytest.raises(optimal_run.BadRecord):
-        optimal_run.from_bytes(optimal_run.to_bytes(empty))
+    with pytest.raises(gain_record.BadRecord):
+        gain_record.from_bytes(optimal_run.to_bytes(empty))

@@ -19,7 +19,7 @@ from tumble.planning.promise import error_field, promise
 from tumble.planning.require import requirements, samples_on, stand_of
 from tumble.planning.schedule_search import NormSpread, worst_norm_of
 from tumble.planning.validate import KNOWN, RUN, U0_V, judge, largest_gravity_errors, validate
-from tumble.solving import many_runs
+from tumble.solving import optimal_run
 from tumble.solving.decision import UNCERTAINTY, decide, would_show
 from tumble.solving.solution import solve
 from tumble.stand import PAPER_STAND, Stand
@@ -195,7 +195,7 @@ def test_a_campaign_is_as_planned(stand_with, table):
         assert judge(one).outside == ()
     k = case.nominal_k()
     means = model.Geometry(PAPER).outputs(k, np.array(U0_V))
-    u = many_runs.solve(PAPER, means[None], case.stand, case.step_v, 50)[1][0]
+    u = optimal_run.solve_each(PAPER, means[None], case.stand, case.step_v, 50)[1][0]
     witness = model.optimal_covariance(PAPER, k, case.stand, LONE, case.step_v)
     assert u == pytest.approx(np.sqrt(np.diag(witness)), rel=1e-6)
 

@@ -3,6 +3,7 @@
 import dataclasses
 import json
 
+import gain_record
 import jsonschema
 import numpy as np
 import pytest
@@ -272,7 +273,7 @@ def simulated(rng, schedule, declared, runs, platform=0.0):
 def test_a_record_without_seats_is_as_it_was():
     table = optimal_table(PAPER, NOMINAL_K, stand(*STANDS["lab"]))
     plain = optimal_run.to_bytes(optimal_run.record_of(table, PAPER))
-    assert plain[13:16] == bytes(3) and len(plain) == optimal_run.size_of(18, 2)
+    assert plain[13:16] == bytes(3) and len(plain) == gain_record.size_of(18, 2)
     table = optimal_table(PAPER, NOMINAL_K, stand(*STANDS["lab"], platform=1e-3))
     data = optimal_run.to_bytes(optimal_run.record_of(table, PAPER))
     assert data[13] == 2 and len(data) == len(plain) + 8 * 54 * 4
@@ -280,7 +281,7 @@ def test_a_record_without_seats_is_as_it_was():
     assert np.array_equal(opened.stand_gains, table.nuisance_gains)
     assert np.array_equal(table.nuisance_gains[4], table.nuisance_gains[5])  # of the platform, in either mounting
     assert not table.nuisance_gains[6:].any()
-    again = optimal_run.from_bytes(data)
+    again = gain_record.from_bytes(data)
     assert (again.seats, optimal_run.to_bytes(again)) == (2, data)
 
 
@@ -290,8 +291,8 @@ def test_a_record_of_another_number_of_seats_is_refused(seats):
     record = optimal_run.record_of(table, PAPER)
     rows = np.zeros((4 + 2 * seats, 54))
     data = optimal_run.to_bytes(dataclasses.replace(record, seats=seats, nuisance_gains=rows))
-    with pytest.raises(optimal_run.BadRecord):
-        optimal_run.from_bytes(data)
+    with pytest.raises(gain_record.BadRecord):
+        gain_record.from_bytes(data)
     with pytest.raises(core.CoreRefusal) as refusal:
         GainRecord(core.CoreSchedule(PAPER), data)
     assert refusal.value.name == "TUMBLE_E_GAIN_RECORD"

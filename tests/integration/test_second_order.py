@@ -17,7 +17,7 @@ from tumble.model.optimal import optimal_table
 from tumble.model.propagation import Propagation, SecondOrder, second_order
 from tumble.planning.validate import validate
 from tumble.schedule import FIT, Schedule
-from tumble.solving.many_runs import estimator_or_linear
+from tumble.solving.computation import estimator_or_linear
 from tumble.stand import COMMON, INDEPENDENT, PAPER_STAND, Stand
 
 pytestmark = pytest.mark.python

@@ -12,7 +12,7 @@ from tumble.files.stand_file import read_stand
 from tumble.model.optimal import optimal_table
 from tumble.planning.case import Case
 from tumble.planning.validate import position_means
-from tumble.solving import many_runs, optimal_run
+from tumble.solving import optimal_run
 
 pytestmark = pytest.mark.python
 STANDS = {
@@ -34,7 +34,7 @@ def means_of(case, runs):
 
 
 def solved(case, means):
-    return many_runs.solve(case.fitted, means, case.stand, case.step_v, case.stand.samples)
+    return optimal_run.solve_each(case.fitted, means, case.stand, case.step_v, case.stand.samples)
 
 
 @pytest.mark.parametrize("name", STANDS)
@@ -54,7 +54,7 @@ def test_each_run_gets_what_it_gets_alone(name):
 
 def test_results_do_not_depend_on_how_runs_are_cut():
     case = case_of("paper")
-    means = means_of(case, 2 * many_runs._AT_ONCE + 3)
+    means = means_of(case, 2 * optimal_run._AT_ONCE + 3)
     whole = solved(case, means)
     for cut in (slice(0, 1), slice(3, 8), slice(50, None)):
         assert all((part == all_[cut]).all() for part, all_ in zip(solved(case, means[cut]), whole))
@@ -64,14 +64,14 @@ def test_weights_that_rounding_spoils_are_refused():
     case = case_of("paper")
     stand = dataclasses.replace(case.stand, angle=1e8, remount=1e9)
     with pytest.raises(UsageError, match="too unequal"):
-        many_runs.solve(case.fitted, means_of(case, 3), stand, 0.0, stand.samples)
+        optimal_run.solve_each(case.fitted, means_of(case, 3), stand, 0.0, stand.samples)
 
 
 def test_a_drift_beyond_any_noise_is_refused():
     case = case_of("paper")
     stand = dataclasses.replace(case.stand, drift=1e9)
     with pytest.raises(UsageError, match="times the noise of a mean, above 1e"):
-        many_runs.solve(case.fitted, means_of(case, 3), stand, 0.0, stand.samples)
+        optimal_run.solve_each(case.fitted, means_of(case, 3), stand, 0.0, stand.samples)
 
 
 def test_a_run_that_the_core_refuses_is_named():

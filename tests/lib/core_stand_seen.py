@@ -21,8 +21,8 @@ from tumble.core.binding import (
 )
 from tumble.model.stand_seen import ANGLES, Estimate, StandSeen, look, own_variance, weights_of
 from tumble.schedule import FIT, Schedule
-from tumble.solving.computation import _LAST_BITS, _require, _require_both
-from tumble.stand import Stand
+from tumble.solving.computation import _LAST_BITS, _require
+from tumble.stand import LARGEST_ERROR_RAD, MOST_YAWS, Stand
 
 if TYPE_CHECKING:
     from _tumble_core import CData
@@ -38,14 +38,6 @@ class Seen:
 
     value: float
     u: float
-
-
-@dataclass(frozen=True)
-class AngleError:
-    """alpha4 as a run shows it (None where it cannot tell), and the degrees of freedom of that."""
-
-    seen: Seen | None
-    freedom: float
 
 
 def _seen(struct: CData) -> Seen | None:
@@ -88,7 +80,6 @@ class RunSeen:
     ):
         if weights is not None:
             means, k, u0 = means * weights, k * weights[:, None], u0 * weights
-        self.mountings = len(schedule.data.mountings)
         self._schedule, self._given = schedule, (means, measured, k, u0)
         self._means = schedule.means(means, measured)
         self._calibration = Calibration(k, u0)
@@ -96,10 +87,13 @@ class RunSeen:
         self._work = ffi.new("tumble_fit_work_t *")
 
     @property
-    def has_turns(self) -> bool:
-        """Does the table turn in any mounting, from one fit position to another?"""
+    def shows_angles(self) -> bool:
+        """Does the table turn in any mounting, from one fit position to another, of so many mountings as there are yaws
+        for, with outputs that small angles may explain?"""
         positions = [place for place in self._schedule.data.part(self._given[1]).positions if place.use == FIT]
-        return len({place.mounting for place in positions}) < len(positions)
+        has_turns = len({place.mounting for place in positions}) < len(positions)
+        few = len(self._schedule.data.mountings) <= MOST_YAWS
+        return few and has_turns and self.departure <= LARGEST_ERROR_RAD
 
     @property
     def departure(self) -> float:
@@ -123,28 +117,26 @@ class RunSeen:
                 raise
         return _angles(found)
 
-    def fit(self, alpha4: float, variance: Floats) -> dict[str, Seen | None]:
-        """The angles by generalised least squares; None where the positions cannot tell."""
-        found = ffi.new("tumble_seen_angles_t *")
-        require_ok(lib.tumble_seen_fit(*self._fit_arguments(alpha4, variance), found))
-        return _angles(found)
-
-    def other_yaw_changes(self, alpha4: float, variance: Floats) -> dict[int, Seen | None]:
-        """By mounting, from the third on, the yaw of the first less that of this one: as if it were the second."""
+    def fit(self, alpha4: float, variance: Floats) -> dict[str | int, Seen | None]:
+        """The angles by generalised least squares; None where the positions cannot tell. And by mounting, from the
+        third on, the yaw of the first less that of this one: as if it were the second."""
+        seen = ffi.new("tumble_seen_angles_t *")
+        require_ok(lib.tumble_seen_fit(*self._fit_arguments(alpha4, variance), seen))
+        found: dict[str | int, Seen | None] = {**_angles(seen)}
         whole, measured = self._schedule.data, self._given[1]
         first, *others = whole.part(measured).fitted_mountings
-        found: dict[int, Seen | None] = {}
         for one in others[1:]:
             order = (first, one, *(other for other in whole.mountings if other not in (first, one)))
-            shown = RunSeen(CoreSchedule(Schedule(order, whole.positions)), *self._given)
-            found[one.number] = shown.fit(alpha4, variance)["alpha3_difference"]
+            as_second = RunSeen(CoreSchedule(Schedule(order, whole.positions)), *self._given)
+            require_ok(lib.tumble_seen_fit(*as_second._fit_arguments(alpha4, variance), seen))
+            found[one.number] = _angles(seen)["alpha3_difference"]
         return found
 
-    def angle_error(self, variance: Floats) -> AngleError:
-        """alpha4 from the residuals beyond the noise."""
+    def angle_error(self, variance: Floats) -> tuple[Seen | None, float]:
+        """alpha4 from the residuals beyond the noise (None: it cannot tell), and the degrees of freedom of that."""
         found, freedom = ffi.new("tumble_seen_t *"), ffi.new("double *")
         require_ok(lib.tumble_seen_angle_error(*self._fit_arguments(0.0, variance), found, freedom))
-        return AngleError(_seen(found), freedom[0])
+        return _seen(found), freedom[0]
 
     def angle_chi_squared(self, alpha4: float, variance: Floats) -> tuple[float, int]:
         """How large the residuals are that errors of set angles move, if these had the standard deviation `alpha4`:
@@ -174,12 +166,12 @@ def compare_seen(
     noise allows, as behind a coarse converter, the uncertainty is that which they show: times their misfit.
     """
     seen = model.pooled_noise(samples, scatter * weights_of(stand))
-    rounded = max(_ROUNDED_RAD, _LAST_BITS * _SUMMED * run.largest_force)
+    rounded = max(_ROUNDED_RAD, _LAST_BITS * _SUMMED * float(np.abs(np.linalg.solve(run._k, run._means.T)).max()))
     witness = look(run, seen, samples, stand, trust_stand, mean_variance)
     variances = [
         own_variance(one, samples, stand, mean_variance) for one in (seen, None)
     ]  # by the run and by the stand
-    misfit = max([1.0, *(run.misfit(variance) for variance in variances if variance is not None)])
+    misfit = max([1.0, *(_misfit(run, variance) for variance in variances if variance is not None)])
     _require_seen("noise", found.noise, witness.noise, 0.0)
     _require_alpha4(found.alpha4, witness.alpha4, rounded, misfit)
     for name in ANGLES:
@@ -189,11 +181,20 @@ def compare_seen(
         _require_seen(f"yaw change {mounting}", change, witness.other_yaw_changes[mounting], rounded, misfit)
 
 
+def _misfit(run: model.RunSeen, variance: Floats) -> float:
+    """Rms of what no coefficient and no angle explains, in units of the noise: about 1 where that is the truth."""
+    explained, by_set_angle, right = run._whitened(variance)
+    left, singular, _ = np.linalg.svd(np.hstack([explained, by_set_angle]), full_matrices=False)
+    explaining = left[:, singular > 1e-12 * singular[0]]
+    rest = right - explaining @ (explaining.T @ right)
+    return float(np.linalg.norm(rest) / np.sqrt(max(1, len(right) - explaining.shape[1])))
+
+
 def _require_seen(
     name: str, core: Estimate | None, witness: Estimate | None, rounded: float, misfit: float = 1.0
 ) -> None:
     if core is None or witness is None:
-        _require_both(f"{name} of the stand seen", core, witness)
+        _require(f"{name} of the stand seen", core, witness, 0.0)
         return
     allowed = max(SEEN_LIMIT_U * misfit * witness.u, rounded)
     _require(f"{name} of the stand seen", core.value, witness.value, allowed)
@@ -204,7 +205,7 @@ def _require_alpha4(core: Estimate | None, witness: Estimate | None, rounded: fl
     """By its square and the uncertainty of that, which are what is estimated: where the set angles are hardly worse
     than the noise, the root of a small number and its uncertainty magnify what rounding leaves of the square."""
     if core is None or witness is None:
-        _require_both("alpha4 of the stand seen", core, witness)
+        _require("alpha4 of the stand seen", core, witness, 0.0)
         return
     squares = [Estimate(one.value**2, 2.0 * one.value * one.u) for one in (core, witness)]
     _require_seen("alpha4 squared", squares[0], squares[1], 2.0 * witness.value * rounded, misfit)

@@ -24,15 +24,11 @@ def signed(text: str) -> str:
     parts = _GAP.split(text)
     for place in range(0, len(parts), 2):
         plain = parts[place]
-        parts[place] = _in_signs(plain)
+        parts[place] = _MICRO.sub("µ", _PLUS_MINUS.sub("±", plain))
+        parts[place] = _DEGREES.sub("°", _CELSIUS.sub(" °C", parts[place]))
         if place + 1 < len(parts):
             parts[place + 1] += " " * (len(plain) - len(parts[place]))
     return "".join(parts)
-
-
-def _in_signs(text: str) -> str:
-    text = _MICRO.sub("µ", _PLUS_MINUS.sub("±", text))
-    return _DEGREES.sub("°", _CELSIUS.sub(" °C", text))
 
 
 def signed_for(text: str, stream: TextIO | None) -> str:

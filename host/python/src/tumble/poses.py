@@ -138,26 +138,17 @@ def sketch(mounting: Mounting, angle_deg: float) -> list[str]:
         before = arrows.get(eighth, (0.0, ""))
         arrows[eighth] = max(before[0], length), ",".join(filter(None, (before[1], name)))
     for eighth, (length, names) in arrows.items():
-        _draw_arrow(grid, eighth, length, names)
+        across, down = _STEPS[eighth]
+        steps = (_LONG if length > 0.6 else _SHORT)[down == 0]
+        for step in range(1, steps + 1):
+            sign = (_HEADS if step == steps else _SIGNS)[eighth]
+            grid[_ROWS // 2 + step * down][_COLUMNS // 2 + step * across] = sign
+        row, column = _ROWS // 2 + (steps + 1) * down, _COLUMNS // 2 + (steps + 1) * across
+        for offset, sign in enumerate(names):
+            grid[row][column + (1 if down == 0 and across > 0 else 0) + offset] = sign
     grid[_ROWS // 2][_COLUMNS // 2] = "o"
     said = [f"o: {name} points {where}" for name, where in ends.items()]
-    return _beside(grid, [*_told(mounting, angle_deg), *said])
-
-
-def _draw_arrow(grid: list[list[str]], eighth: int, length: float, names: str) -> None:
-    """From the middle of the grid."""
-    across, down = _STEPS[eighth]
-    steps = (_LONG if length > 0.6 else _SHORT)[down == 0]
-    row, column = _ROWS // 2, _COLUMNS // 2
-    for step in range(1, steps + 1):
-        grid[row + step * down][column + step * across] = (_HEADS if step == steps else _SIGNS)[eighth]
-    row, column = row + (steps + 1) * down, column + (steps + 1) * across
-    for offset, sign in enumerate(names):
-        grid[row][column + (1 if down == 0 and across > 0 else 0) + offset] = sign
-
-
-def _told(mounting: Mounting, angle_deg: float) -> list[str]:
-    return [*axes(mounting, angle_deg), f"up: {face_up(mounting, angle_deg)}"]
+    return _beside(grid, [*axes(mounting, angle_deg), f"up: {face_up(mounting, angle_deg)}", *said])
 
 
 def _beside(grid: list[list[str]], said: list[str]) -> list[str]:

@@ -1,4 +1,5 @@
-"""Units of a block's outputs: the volt, its multiples, and whatever a run file names."""
+"""Units of a block's outputs: the volt, its multiples, and whatever a run file names. And how many digits a number in
+them has beside its uncertainty or a limit."""
 
 from __future__ import annotations
 
@@ -19,6 +20,8 @@ _LOOKS_LIKE = {  # and what says so; sensors of 1 V/g are common, of 9.81 V/g th
 }
 _NEAR = 1.05  # of that, a factor: closer than most sensors come by chance
 _VOLTS_PER_UNIT = {"V": 1.0, "mV": 1e-3, "uV": 1e-6, "µV": 1e-6, "kV": 1e3}
+_LEAST = 1e-3  # of an uncertainty without an exponent
+_ALL_DIGITS = 17
 _KNOWN_BESIDE_VOLTS = {**_PER_G, "ug": 1e6, "µg": 1e6}
 
 
@@ -104,3 +107,24 @@ def per_g(unit: str) -> str:
 def per_m_s2(unit: str) -> str:
     """The same for an acceleration in m/s^2."""
     return f"({unit})/(m/s^2)" if "/" in unit else f"{unit}/(m/s^2)"
+
+
+def rounded(size: float, u: float | None) -> tuple[str, str]:
+    """A number and its standard uncertainty, both to the second digit of this; "-" for one that is unknown."""
+    if u is None or u == 0.0:
+        return f"{size:+.3g}", "-" if u is None else "0"
+    if u < _LEAST:
+        finest = math.floor(math.log10(u)) - 1
+        digits = max(0, math.floor(math.log10(abs(size))) - finest) if size else 0
+        return f"{size:+.{digits}e}", f"{u:.1e}"
+    places = max(0, 1 - math.floor(math.log10(u)))
+    return f"{size:+.{places}f}", f"{u:.{places}f}"
+
+
+def on_its_side(value: float, other: float, digits: int = 2) -> str:
+    """A number with so many digits, or more until it is above, at or below the other one as it is in full."""
+    for count in range(digits, _ALL_DIGITS):
+        text = f"{value:.{count}g}"
+        if (float(text) > other, float(text) < other) == (value > other, value < other):
+            return text
+    return f"{value:.{_ALL_DIGITS}g}"

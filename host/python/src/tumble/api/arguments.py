@@ -34,14 +34,10 @@ _WITH_VALUES = (
 
 def in_python(message: str) -> str:
     """A message with arguments in place of options, such as columns={'uy': 'NAME'} for --columns uy=NAME."""
-    message = _COLUMNS.sub(lambda found: f"columns={_mapping(found[1])}", message)
+    message = _COLUMNS.sub(lambda found: f"columns={dict(one.split('=', 1) for one in found[1].split(','))}", message)
     for pattern, argument in _WITH_VALUES:
         message = pattern.sub(argument, message)
     return message
-
-
-def _mapping(columns: str) -> str:
-    return str(dict(part.split("=", 1) for part in columns.split(",")))
 
 
 @contextmanager

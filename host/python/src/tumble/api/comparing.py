@@ -8,7 +8,6 @@ from typing import Any
 
 from tumble.api.arguments import as_number, in_python, is_one_of, require_flag, told_in_python
 from tumble.api.result import Result, load
-from tumble.api.sides import side_of
 from tumble.comparison import pair, report
 from tumble.comparison.pair import OneStand
 from tumble.core import CoreSchedule
@@ -19,6 +18,7 @@ from tumble.errors import UsageError, quoted
 from tumble.files.schedule_file import schedule_of
 from tumble.files.stand_file import StandFile, stand_file_of
 from tumble.schedule import BUILT_IN, Schedule
+from tumble.solving.decision import complaints_of_result
 from tumble.stand import Stand
 
 
@@ -136,7 +136,9 @@ def compared(
     one_stand = None
     if stand is not None:
         name, file = os.fspath(stand) if isinstance(stand, (str, os.PathLike)) else "the stand", stand_file_of(stand)
-        one_stand = OneStand(name, file.stand, file.step_v, _schedules(schedule), levelled)
+        schedules = [] if schedule is None else [schedule_of(schedule)]
+        schedules += [CoreSchedule.built_in(one) for one in BUILT_IN]
+        one_stand = OneStand(name, file.stand, file.step_v, schedules, levelled)
     return report.document(pair.compare(first, second, one_stand, confidence, two_stands, levelled))
 
 
@@ -145,10 +147,4 @@ def _side(given: Result | str | os.PathLike[str], name: str) -> pair.Side:
         name, given = os.fspath(given), load(given)
     if not isinstance(given, Result):
         raise UsageError(f"{name}: a {type(given).__name__} is neither a tumble.Result nor the path of one")
-    return side_of(name, given.checked)
-
-
-def _schedules(schedule: str | os.PathLike[str] | Schedule | None) -> list[CoreSchedule]:
-    """The one that was named, then all that are built in."""
-    built_in = [CoreSchedule.built_in(name) for name in BUILT_IN]
-    return built_in if schedule is None else [schedule_of(schedule), *built_in]
+    return pair.Side.of(name, given.checked, complaints_of_result(given.checked))

@@ -35,16 +35,12 @@ class Recording:
         """`source`: a run file, "-" for standard input, or what was in one; else `table`: any that files.frames knows.
         `name`: what errors call it."""
         self.name = name
-        self._is_file = is_file
+        self.is_file = is_file
+        """Was it read from a file?"""
         self._wishes = wishes
         self._source = source
         self._table = table
         self.notes: tuple[str, ...] = ()
-
-    @property
-    def is_file(self) -> bool:
-        """Was it read from a file?"""
-        return self._is_file
 
     @property
     def sha256(self) -> str | None:
@@ -69,10 +65,7 @@ class Recording:
     @property
     def unit(self) -> str | None:
         """Of the outputs; None where nobody told it: volts are assumed."""
-        if self._source is not None:
-            layout = self._text[1].layout
-            return layout.unit if layout.unit_told else None
-        return self._columns[1]
+        return self._rows.unit
 
     @property
     def temperature_c(self) -> tuple[float, float] | None:
@@ -116,61 +109,50 @@ class Recording:
         return held(self._source) if isinstance(self._source, str) else cast(Held, self._source)
 
     @cached_property
-    def _text(self) -> tuple[_Rows, RunReader]:
-        """The rows of a run file, and what has read them."""
-        reader = RunReader(self._held, Anywhere(), self._wishes, self.name)
-        index, values = zip(*reader)
-        rows = np.concatenate(values)
-        return _Rows(np.concatenate(index), rows[:, :3], rows[:, 3].astype(int)), reader
-
-    @cached_property
     def _temperatures(self) -> tuple[Temperatures | None, tuple[str, ...]]:
         """And sentences on a column that is passed over."""
-        if self._source is not None:
-            return self._text[1].temperature
+        if self._rows.reader is not None:
+            return self._rows.reader.temperature
         return temperatures_of_table(self._table, self._wishes.columns, len(self), self.name)
 
     @cached_property
     def _rows(self) -> _Rows:
         if self._source is not None:
-            return self._text[0]
-        places, _ = self._columns
-        rows = frames.stacked(self._table, places, COLUMNS, self.name)
-        if not len(rows):
-            raise BadInput("no samples", self.name)
-        self._require(rows)
-        index = Anywhere().of_arrays(rows[:, 0], rows[:, 1])
-        return _Rows(index, rows[:, 2:], np.arange(1, len(rows) + 1))
-
-    @cached_property
-    def _columns(self) -> tuple[tuple[int, ...], str | None]:
-        """Places of COLUMNS in the table, and the unit of the outputs, if it is told."""
+            reader = RunReader(self._held, Anywhere(), self._wishes, self.name)
+            indices, values = zip(*reader)
+            text, layout = np.concatenate(values), reader.layout
+            unit = layout.unit if layout.unit_told else None
+            return _Rows(np.concatenate(indices), text[:, :3], text[:, 3].astype(int), unit, reader)
         names = frames.names_of(self._table)
         try:
             places = find_all(names, self._wishes, is_text=False)
         except ValueError as error:
             raise BadInput(str(error), self.name) from None
-        return places, unit_of(self._wishes, [names[place] for place in places[-3:]], self.name, None)
-
-    def _require(self, rows: Floats) -> None:
-        """Numbers in range, as of a run file; the first row that has none is complained of. Rows count from 1."""
+        unit = unit_of(self._wishes, [names[place] for place in places[-3:]], self.name, None)
+        rows = frames.stacked(self._table, places, COLUMNS, self.name)
+        if not len(rows):
+            raise BadInput("no samples", self.name)
+        # numbers in range, as of a run file; the first row that has none is complained of
         bad = ~(np.abs(rows) <= MAX_MEAN)
         bad[:, :2] |= ~((rows[:, :2] >= 0) & (rows[:, :2] < NUMBERS) & (rows[:, :2] == np.floor(rows[:, :2])))
         if bad.any():
             row, column = np.argwhere(bad)[0].tolist()
-            value = float(rows[row, column])
             kind = "the number of a place" if column < 2 else "a finite number in range"
-            raise BadInput(f"{value!r} is not {kind}", self.name, row + 1, COLUMNS[column])
+            raise BadInput(f"{float(rows[row, column])!r} is not {kind}", self.name, row + 1, COLUMNS[column])
+        index = Anywhere().of_arrays(rows[:, 0], rows[:, 1])
+        return _Rows(index, rows[:, 2:], np.arange(1, len(rows) + 1), unit)
 
 
 @dataclass(frozen=True)
 class _Rows:
-    """`index` (rows,): NUMBERS times the mounting, and the position; `outputs` (rows, 3); `lines` (rows,): their
-    numbers in the file, from 1."""
+    """`index` (rows,): NUMBERS times the mounting, and the position; `outputs` (rows, 3), in `unit`, if it is told;
+    `lines` (rows,): their numbers in the file, from 1; `reader`: of a run file, what has read them."""
 
     index: Integers
     outputs: Floats
     lines: Integers
+    unit: str | None
+    reader: RunReader | None = None
 
 
 def recording_of(source: Any, wishes: Wishes = NO_WISHES) -> Recording:
@@ -244,18 +226,16 @@ def read(
     return recording
 
 
-def _is_can_log(file: str) -> bool:
-    require_no_folder_of(file, RUN_FILE)
-    return can_log.kind_of(read_head(file, can_log.HEAD)) is not None
-
-
 def _of_can_log(
     source: Any, wishes: Wishes, dbc: str | None, schedule: str | None, v_per_count: float | None
 ) -> Recording | None:
     """What the rests of a CAN log tell; None for any other source, which must be told nothing that only a log has."""
     file = str(os.fspath(source)) if isinstance(source, (str, os.PathLike)) else None
-    is_text = file is not None and file != incoming.STANDARD_INPUT and suffix_of(file) not in SUFFIXES
-    if file is None or not is_text or not _is_can_log(file):
+    is_log = False
+    if file is not None and file != incoming.STANDARD_INPUT and suffix_of(file) not in SUFFIXES:
+        require_no_folder_of(file, RUN_FILE)
+        is_log = can_log.kind_of(read_head(file, can_log.HEAD)) is not None
+    if file is None or not is_log:
         said = {"dbc": dbc, "schedule": schedule, "v_per_count": v_per_count}
         for name, value in said.items():
             if value is not None:

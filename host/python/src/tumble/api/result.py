@@ -7,6 +7,7 @@ import html
 import json
 import math
 import os
+import warnings
 from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar, overload
@@ -14,29 +15,29 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tumble.api.applying import applied
-from tumble.api.arguments import in_python, require_flag, told_in_python
+from tumble.api.arguments import in_python, require_flag, require_unit, told_in_python, wishes_of
 from tumble.api.recording import recording_of
 from tumble.arrays import Floats
+from tumble.defaults import DEFAULT_CONFIDENCE
 from tumble.documents.base import described
-from tumble.documents.result import Result as ResultDocument, parse_result
+from tumble.documents.result import Result as ResultDocument, Temperature, parse_result
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.estimators import COEFFICIENTS
+from tumble.files import frames
+from tumble.files.calibrated import OUTPUTS, Demand, Seen, factor_of, with_calibrated
 from tumble.files.disk import RESULT_FILE, path_of, read_bytes, write_bytes, write_text
 from tumble.files.run_layout import Wishes
 from tumble.files.stand_file import StandFile
-from tumble.model.coefficients import Force
+from tumble.model.coefficients import Force, NoForce
 from tumble.schedule import Schedule
 from tumble.solving.coefficients import Coefficients
 from tumble.solving.decision import Decision, complaints_of_result
+from tumble.solving.plausibility import outside
 from tumble.stand import Stand
-from tumble.units import force_unit, per_g
+from tumble.units import force_unit, per_g, per_g_of, spelled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from tumble.documents.comparison import Comparison
-
 
 _UNKNOWN = "unknown"
 _DIGITS = 6  # of a value whose uncertainty is not known
@@ -54,12 +55,9 @@ def html_table(result: ResultDocument) -> str:
         _row("td", name, *_rounded(value, u), unit if name.startswith("U0") else per_g(unit))
         for name, value, u in zip(COEFFICIENTS, values, uncertainties)
     )
-    return f"<p>{_verdict(result)}</p><table>{_row('th', '', 'value', 'std uncertainty', 'unit')}{rows}</table>"
-
-
-def _verdict(result: ResultDocument) -> str:
     decision = Decision.of(result)
-    return f"<b>{decision.word}</b>{html.escape(decision.reason)}"
+    verdict = f"<b>{decision.word}</b>{html.escape(decision.reason)}"
+    return f"<p>{verdict}</p><table>{_row('th', '', 'value', 'std uncertainty', 'unit')}{rows}</table>"
 
 
 def _row(tag: str, *cells: str) -> str:
@@ -244,10 +242,22 @@ class Result:
         ['time', 'ux', 'uy', 'uz', 'x', 'y', 'z']
         """
         require_flag(uncertainty, "uncertainty")
-        known_c = self._told.temperature
         with told_in_python():
-            given = data, self.unit, uncertainty, columns, outputs_unit, known_c
-            return applied(self.force(unit, uncertainty), *given, "unit" not in self.assumes, str(force_unit(unit)))
+            force, of_force = self.force(unit, uncertainty), str(force_unit(unit))
+            outputs_unit = spelled(outputs_unit) if isinstance(outputs_unit, str) else outputs_unit
+            require_unit(outputs_unit, "outputs_unit")
+            layout = wishes_of(columns, outputs_unit, wanted=OUTPUTS)
+            demand = demand_of(force, self.unit, uncertainty, layout, "unit" not in self.assumes, of_force)
+            if frames.is_table(data):
+                name, seen = frames.library_of(data) or "table", Seen()
+                found = with_calibrated(data, name, demand, seen)
+            else:
+                name, seen = "data", Seen(unit_told=outputs_unit is not None)
+                found = _of_array(force, data, self.unit, uncertainty, outputs_unit)
+                seen.weigh(found.reshape(-1, found.shape[-1])[:, :3] / demand.one_g)
+            for odd in doubts(seen, self._told.temperature, demand):
+                warnings.warn(f"{name}: {odd}", stacklevel=2)
+        return found
 
     def force(self, unit: str = "g", uncertainty: bool = False) -> Force:
         """What turns outputs in the result's unit into specific force in `unit`. `uncertainty`: it must be known."""
@@ -351,6 +361,7 @@ class Result:
         issued: str | None = None,
     ) -> bytes:
         """What `report` writes; `kind`: "html" or "pdf"."""
+        from tumble.comparison import pair, report as comparison
         from tumble.report.make import made
         from tumble.report.pages import require_date
         from tumble.solving.result import created
@@ -359,18 +370,15 @@ class Result:
         hashes = {self._told.run_sha256, None if recording is None else recording.sha256} - {None}
         if recording is not None and len(hashes) > 1:  # what has no hash is told by its means, when it is drawn
             raise BadInput(f"is not the run of {self._name}: its SHA-256 is another", recording.name)
-        more: dict[str, Any] = {"template": template, "logo": logo, "number": number, "earlier": self._since(since)}
+        earlier = None
+        if since is not None:
+            before = since if isinstance(since, Result) else load(since)
+            first = pair.Side.of("the earlier result", before._told, complaints_of_result(before._told))
+            second = pair.Side.of("this result", self._told, complaints_of_result(self._told))
+            earlier = before.document, comparison.document(pair.compare(first, second, None, DEFAULT_CONFIDENCE))
+        more: dict[str, Any] = {"template": template, "logo": logo, "number": number, "earlier": earlier}
         more["issued"] = require_date((created() or "")[:10] if issued is None else issued)
         return made(self.document, self._name, kind, run=recording, attached=self._text, **more)
-
-    def _since(self, given: Result | str | os.PathLike[str] | None) -> tuple[dict[str, Any], Comparison] | None:
-        """An earlier result, and what has changed since."""
-        if given is None:
-            return None
-        from tumble.api.sides import since
-
-        earlier = given if isinstance(given, Result) else load(given)
-        return earlier.document, since(earlier._told, self._told)
 
 
 def load(file: str | os.PathLike[str]) -> Result:
@@ -385,3 +393,46 @@ def _fixed(values: Any) -> Floats:
     found = np.array(values, dtype=float)
     found.flags.writeable = False
     return found
+
+
+def values_of(force: Force, outputs: Floats, with_uncertainty: bool, name: str = "data") -> Floats:
+    """x, y, z, then with uncertainty u_x, u_y, u_z, u_norm, of outputs (samples, 3) in the unit of the result."""
+    try:
+        found = force.of(outputs)
+    except NoForce as error:
+        raise BadInput(str(error), name, int(error.rows[0]) + 1) from None
+    return np.concatenate([found, force.uncertainty(found)], axis=1) if with_uncertainty else found
+
+
+def doubts(seen: Seen, known_c: Temperature | None, demand: Demand) -> tuple[str, ...]:
+    """What to warn of after data were calibrated. `known_c`: temperature of the result, None where it is not known."""
+    told = outside(known_c, seen.temperatures_c), seen.doubt(demand)
+    return (*seen.passed_over, *(one for one in told if one is not None))
+
+
+def demand_of(
+    force: Force, unit: str, with_uncertainty: bool, wishes: Wishes, unit_told: bool, of_force: str
+) -> Demand:
+    """What is to be done with a table, or with a file, of outputs; `unit`: of the result's, `unit_told` or assumed;
+    `of_force`: the unit of the acceleration."""
+    return Demand(
+        lambda outputs: values_of(force, outputs, with_uncertainty),
+        unit,
+        with_uncertainty,
+        wishes,
+        unit_told,
+        per_g_of(of_force),
+    )
+
+
+def _of_array(force: Force, data: Any, unit: str, with_uncertainty: bool, outputs_unit: str | None) -> Floats:
+    try:
+        outputs = frames.real(data)
+    except (TypeError, ValueError):
+        kind = f"{type(data).__module__}.{type(data).__name__}"
+        raise UsageError(f"{kind} is neither an array of numbers nor a table with columns") from None
+    if outputs.ndim < 1 or outputs.shape[-1] != 3:
+        raise UsageError(f"an array of shape {outputs.shape} holds no outputs: its last axis must be of 3 channels")
+    flat = outputs.reshape(-1, 3) * factor_of(outputs_unit, unit, "data")
+    values = values_of(force, flat, with_uncertainty)
+    return values.reshape(*outputs.shape[:-1], values.shape[1])

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tumble.api.complaints import misfit_consequence, misfit_sentence, named, noise_notice, simulation_complaint
+from tumble.api.solving import misfit_consequence, misfit_sentence, named, noise_notice, simulation_complaint
 from tumble.arrays import Floats
 from tumble.estimators import COEFFICIENTS, HARMONIC
 from tumble.files.rows import OF_ENVIRONMENT, OF_RUN_FILE
@@ -23,7 +23,6 @@ from tumble.messages import signed_for, tell
 from tumble.model import reliability
 from tumble.model.fit import SYSTEMATIC
 from tumble.model.stand_seen import NAMES, Estimate
-from tumble.rounding import on_its_side
 from tumble.schedule import CHECK
 from tumble.solving.decision import (
     ASSUMPTIONS,
@@ -36,12 +35,11 @@ from tumble.solving.decision import (
     phrase,
     would_show,
 )
-from tumble.solving.further import Further
 from tumble.solving.many_runs import NORMAL_COVERAGE, MonteCarlo
 from tumble.solving.solution import Solution
-from tumble.solving.uncertainty import HANDS, NEARLY_INFINITE, PROBABILITY, Coverage
+from tumble.solving.uncertainty import HANDS, NEARLY_INFINITE, PROBABILITY, Coverage, Further
 from tumble.terms import names
-from tumble.units import noise_unit, per_g, volts_per
+from tumble.units import noise_unit, on_its_side, per_g, volts_per
 
 _COLUMNS = 80  # a narrower terminal wraps lines, which loses nothing
 _BAR_WIDTH = 36
@@ -199,7 +197,7 @@ def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
         for i, name in enumerate(COEFFICIENTS + names(found.terms if solution.further is not None else ()))
     ]
     if solution.truth is not None:
-        known = zip(_twelve(solution.truth.k, solution.truth.u0), _errors_over_u(solution).tolist())
+        known = zip(_twelve(solution.truth.K, solution.truth.U0), _errors_over_u(solution).tolist())
         for i, (true, error) in enumerate(known):
             rows[i] += (f"{true:+.{decimals}f}", "-" if math.isnan(error) else f"{error:+.2f}")
     return rows
@@ -224,7 +222,7 @@ def _errors_over_u(solution: Solution) -> Floats:
     truth, u_k, u_u0 = solution.truth, solution.u_k, solution.u_u0
     assert truth is not None and u_k is not None and u_u0 is not None  # who simulates a run declares its stand
     u = np.concatenate([u_k.ravel(), u_u0])
-    errors = np.concatenate([(solution.found.k - truth.k).ravel(), solution.found.u0 - truth.u0])
+    errors = np.concatenate([(solution.found.k - truth.K).ravel(), solution.found.u0 - truth.U0])
     over: Floats = np.divide(errors, u, out=np.full(12, np.nan), where=u > 0)
     return over
 

@@ -25,10 +25,9 @@ from tumble.errors import file_name
 from tumble.estimators import COEFFICIENTS
 from tumble.files.rows import range_text
 from tumble.fixture.report import in_columns, wrapped
-from tumble.rounding import rounded
 from tumble.solving.decision import NOT_SHOWN, UNCERTAINTY, phrase
 from tumble.terms import names
-from tumble.units import per_g
+from tumble.units import per_g, rounded
 
 _MILLIONTHS = 1e6
 

@@ -12,7 +12,6 @@ uncertainties, checked in every solve, means something only as long as that hold
     fit           chi-squared of a run on its stand; of a misfit, what explains it (patterns)
     patterns      what a run that does not fit may show instead: a table
     stand_seen    the stand as a run shows it
-    noise         the noise that its samples show
     reliability   what a run, or a kind of run, cannot show
 """
 
@@ -21,7 +20,6 @@ from tumble.model.errors import by_coefficient
 from tumble.model.estimators import confused, estimate, magnification
 from tumble.model.fit import WholeModel
 from tumble.model.geometry import Geometry, built_in
-from tumble.model.noise import MeasuredNoise, measured_noise
 from tumble.model.optimal import OptimalEstimate, optimal_covariance, optimal_estimate
 from tumble.model.propagation import Propagation, covariance
 from tumble.model.reliability import moved_by_a_seat, seat_is_unseen, unseen_patterns
@@ -29,7 +27,6 @@ from tumble.model.stand_seen import RunSeen, pooled_noise
 
 __all__ = [
     "Geometry",
-    "MeasuredNoise",
     "OptimalEstimate",
     "Propagation",
     "RunSeen",
@@ -43,7 +40,6 @@ __all__ = [
     "gravity_errors",
     "intrinsic",
     "magnification",
-    "measured_noise",
     "moved_by_a_seat",
     "optimal_covariance",
     "optimal_estimate",

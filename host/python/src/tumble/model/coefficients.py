@@ -20,9 +20,9 @@ to first order, and the length of that is 1 - w (dK n + dU0) with w = n K^-1.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
 
 import numpy as np
 
@@ -36,13 +36,11 @@ PASSES = 12  # for whoever does not look whether it moves: each doubles the digi
 _STEPS = 50
 _CLOSE = 1e-13  # of the largest component, or of one unit
 _AT_ONCE = 1 << 15  # samples: what an uncertainty needs for one is 100 numbers
-
-
 _LEAST_OWN = 0.1  # of the length of a row of K
 
 
 class NotSolvable(Exception):
-    """Of outputs from which further terms do not let a specific force be found; says why."""
+    """Of outputs from which no coefficients, or with further terms no specific force, can be found; says why."""
 
 
 class NoForce(NotSolvable):
@@ -68,10 +66,9 @@ class Force:
         NoForce."""
         left = outputs - self._u0
         force: Floats = left @ self._inverse.T
-        return self._refined(left, force) if self._further else force
-
-    def _refined(self, left: Floats, force: Floats) -> Floats:
-        """From a force without the further terms, whose roots are taken that are nearest to it."""
+        if not self._further:
+            return force
+        # from a force without the further terms, whose roots are taken that are nearest to it
         sign = np.sign(np.linalg.det(self._k))
         known: Flags = np.isfinite(left.sum(axis=1))
         found = np.where(known[:, None], force, 0.0)
@@ -81,7 +78,10 @@ class Force:
                 slope = self._slope(found)
                 singular = np.linalg.det(slope) * sign <= 0.0
                 slope[singular] = self._k
-                step = np.linalg.solve(slope, (self._outputs(found) - target)[..., None])[..., 0]
+                shown = found @ self._k.T
+                for power, size in self._further:
+                    shown += np.diag(self._k) * size * found**power
+                step = np.linalg.solve(slope, (shown - target)[..., None])[..., 0]
                 found = found - step
                 moved = np.abs(step).max(axis=1)
                 open_ones = ~(moved <= _CLOSE * np.maximum(1.0, np.abs(found).max(axis=1))) | singular
@@ -90,13 +90,6 @@ class Force:
         if open_ones.any():
             raise NoForce(open_ones)
         return np.where(known[:, None], found, np.nan)
-
-    def _outputs(self, force: Floats) -> Floats:
-        """F(a) - U0 (samples, 3)."""
-        outputs: Floats = force @ self._k.T
-        for power, size in self._further:
-            outputs += np.diag(self._k) * size * force**power
-        return outputs
 
     def _slope(self, force: Floats) -> Floats:
         """J (samples, 3, 3)."""
@@ -124,20 +117,16 @@ class Force:
         with np.errstate(invalid="ignore"):
             direction = force / np.linalg.norm(force, axis=1)[:, None]
         rows = np.concatenate([to_force, direction[:, None] @ to_force], axis=1)  # of the outputs, for all four
-        gradient = rows @ self._by_coefficients(force)
+        by_coefficient = np.zeros((len(force), 3, 12 + 3 * len(self._further)))  # dF/dc
+        for i in range(3):
+            by_coefficient[:, i, 3 * i : 3 * i + 3] = force
+            by_coefficient[:, i, 9 + i] = 1.0
+            for place, (power, size) in enumerate(self._further):
+                by_coefficient[:, i, 4 * i] += size[i] * force[:, i] ** power
+                by_coefficient[:, i, 12 + 3 * place + i] = self._k[i, i] * force[:, i] ** power
+        gradient = rows @ by_coefficient
         variance = ((gradient @ self._covariance) * gradient).sum(axis=2)
         found: Floats = np.sqrt(np.maximum(variance, 0.0))
-        return found
-
-    def _by_coefficients(self, force: Floats) -> Floats:
-        """dF/dc (samples, 3, coefficients)."""
-        found = np.zeros((len(force), 3, 12 + 3 * len(self._further)))
-        for i in range(3):
-            found[:, i, 3 * i : 3 * i + 3] = force
-            found[:, i, 9 + i] = 1.0
-            for place, (power, size) in enumerate(self._further):
-                found[:, i, 4 * i] += size[i] * force[:, i] ** power
-                found[:, i, 12 + 3 * place + i] = self._k[i, i] * force[:, i] ** power
         return found
 
 
@@ -210,11 +199,7 @@ def worst_norm(k: Floats, covariance: Floats, terms: Terms = ()) -> WorstNorm:
     many, and climbed from the best of them, around each in eight directions, with steps that are halved where none
     leads up.
     """
-
-    def heights(attitudes: Floats) -> Floats:
-        return norm_uncertainty(k, covariance, attitudes, terms)
-
-    start = spread_attitudes(_START)
+    heights, start = partial(norm_uncertainty, k, covariance, terms=terms), spread_attitudes(_START)
     best = start[np.argsort(heights(start))[-_BEST:]]
     best, height = climbed(heights, best, heights(best), _ROUNDS)
     top = int(height.argmax())
@@ -224,9 +209,13 @@ def worst_norm(k: Floats, covariance: Floats, terms: Terms = ()) -> WorstNorm:
 def climbed(heights: Callable[[Floats], Floats], best: Floats, height: Floats, rounds: int) -> tuple[Floats, Floats]:
     """Attitudes (n, 3) and heights (n,) at most so many steps further up from `best`, which have `height`. `heights`:
     of attitudes (n, 8, 3) around each, (n, 8)."""
-    step = np.full(len(best), _FIRST_STEP)
+    step, turn = np.full(len(best), _FIRST_STEP), np.arange(8) * np.pi / 4.0
     for _ in range(rounds):
-        around = _around(best, step)
+        first = np.cross(best, np.eye(3)[np.abs(best).argmin(axis=1)])
+        first /= np.linalg.norm(first, axis=1)[:, None]
+        ways = np.cos(turn)[:, None] * first[:, None] + np.sin(turn)[:, None] * np.cross(best, first)[:, None]
+        around = best[:, None] + step[:, None, None] * ways
+        around = around / np.linalg.norm(around, axis=2)[..., None]
         found = heights(around)
         upward = found.argmax(axis=1)
         highest = np.take_along_axis(found, upward[:, None], axis=1)[:, 0]
@@ -240,46 +229,29 @@ def climbed(heights: Callable[[Floats], Floats], best: Floats, height: Floats, r
 
 def intrinsic_uncertainties(k: Floats, u0: Floats, covariance: Floats) -> IntrinsicUncertainties:
     """Of the lengths of K's rows, the angles between them, and the biases over these lengths."""
-    return IntrinsicUncertainties(*_spread(by_intrinsic(k, u0), covariance).reshape(3, 3))
+    spread = np.sqrt(np.maximum(variances(by_intrinsic(k, u0), covariance), 0.0))
+    return IntrinsicUncertainties(*spread.reshape(3, 3))
 
 
 def by_intrinsic(k: Floats, u0: Floats) -> Floats:
     """Derivatives (9, 12) of these lengths, angles and biases by the coefficients."""
     length = np.linalg.norm(k, axis=1)
     axis = k / length[:, None]
-    by_scale, by_angle = np.zeros((2, 3, 12))
+    by_scale, by_angle, by_bias = np.zeros((3, 3, 12))
     for i in range(3):
         by_scale[i, 3 * i : 3 * i + 3] = axis[i]
+        by_bias[i, 3 * i : 3 * i + 3] = -u0[i] / length[i] ** 3 * k[i]
+        by_bias[i, 9 + i] = 1.0 / length[i]
     for place, (i, j) in enumerate(PAIRS):
         cosine = axis[i] @ axis[j]
         sine = np.linalg.norm(np.cross(axis[i], axis[j]))
         for one, other in ((i, j), (j, i)):
             by_angle[place, 3 * one : 3 * one + 3] = (cosine * axis[one] - axis[other]) / (sine * length[one])
-    return np.concatenate([by_scale, by_angle, by_bias(k, u0)])
-
-
-def named(nine: Sequence[Any]) -> dict[str, Any]:
-    """What there is of each intrinsic parameter, by the names that these have in a result."""
-    return {"scale": nine[:3], "angle_rad": dict(zip(("xy", "xz", "yz"), nine[3:6])), "bias_g": nine[6:]}
-
-
-def by_bias(k: Floats, u0: Floats) -> Floats:
-    """Derivatives (3, 12) of U0_i over the length of row i by the coefficients."""
-    length, found = np.linalg.norm(k, axis=1), np.zeros((3, 12))
-    for i in range(3):
-        found[i, 3 * i : 3 * i + 3] = -u0[i] / length[i] ** 3 * k[i]
-        found[i, 9 + i] = 1.0 / length[i]
-    return found
-
-
-def _spread(gradients: Floats, covariance: Floats) -> Floats:
-    """Standard uncertainties (n,) of what has these gradients (n, 12)."""
-    spread: Floats = np.sqrt(np.maximum(variances(gradients, covariance), 0.0))
-    return spread
+    return np.concatenate([by_scale, by_angle, by_bias])
 
 
 def variances(gradients: Floats, covariance: Floats) -> Floats:
-    """Variances (n,) of the same."""
+    """Variances (n,) of what has these gradients (n, 12)."""
     found: Floats = ((gradients @ covariance) * gradients).sum(axis=1)
     return found
 
@@ -290,19 +262,6 @@ def spread_attitudes(count: int) -> Floats:
     z, turn = 1.0 - 2.0 * index / count, np.pi * (3.0 - np.sqrt(5.0)) * index
     radius = np.sqrt(1.0 - z**2)
     return np.stack([radius * np.cos(turn), radius * np.sin(turn), z], axis=1)
-
-
-def _around(attitudes: Floats, step: Floats) -> Floats:
-    """Eight neighbours of each (n, 8, 3), `step` (n,) away."""
-    least = np.eye(3)[np.abs(attitudes).argmin(axis=1)]
-    first = np.cross(attitudes, least)
-    first /= np.linalg.norm(first, axis=1)[:, None]
-    second = np.cross(attitudes, first)
-    turn = np.arange(8) * np.pi / 4.0
-    ways = np.cos(turn)[:, None] * first[:, None] + np.sin(turn)[:, None] * second[:, None]
-    found = attitudes[:, None] + step[:, None, None] * ways
-    moved: Floats = found / np.linalg.norm(found, axis=2)[..., None]
-    return moved
 
 
 _SAME_ATTITUDE = 1e-12
@@ -318,8 +277,7 @@ def gravity_errors(means: Floats, k: Floats, u0: Floats) -> Floats:
 def intrinsic(k: Floats, u0: Floats) -> tuple[Floats, Floats, Floats]:
     """Lengths of the rows of K (3,), angles between the rows xy, xz, yz in radians (3,), biases over lengths (3,)."""
     scale = np.linalg.norm(k, axis=1)
-    pairs = [(0, 1), (0, 2), (1, 2)]
-    angles = [np.arctan2(np.linalg.norm(np.cross(k[i], k[j])), k[i] @ k[j]) for i, j in pairs]
+    angles = [np.arctan2(np.linalg.norm(np.cross(k[i], k[j])), k[i] @ k[j]) for i, j in PAIRS]
     return scale, np.array(angles), u0 / scale
 
 
@@ -327,18 +285,12 @@ def closure(schedule: Schedule, means: Floats, mounting: int) -> Floats | None:
     """Output at the last position of a mounting whose attitude came before, less the first such one's; None if none."""
     own = [index for index, position in enumerate(schedule.positions) if position.mounting == mounting]
     force = ideal_force(schedule)
-    pairs = [
-        (late, early)
-        for late in own
-        for early in own
-        if early < late and np.abs(force[late] - force[early]).max() < _SAME_ATTITUDE
-    ]
-    if not pairs:
-        return None
-    late = max(late for late, _ in pairs)
-    early = min(early for other, early in pairs if other == late)
-    difference: Floats = means[late] - means[early]
-    return difference
+    for late in reversed(own):
+        for early in own:
+            if early < late and np.abs(force[late] - force[early]).max() < _SAME_ATTITUDE:
+                difference: Floats = means[late] - means[early]
+                return difference
+    return None
 
 
 def residual_rms(schedule: Schedule, means: Floats, k: Floats, u0: Floats, unknowns: int = 4) -> Floats | None:

@@ -30,23 +30,6 @@ OF_OUTPUTS = tuple(name for name, one in SOURCES.items() if not one.is_angle)  #
 Units = Mapping[str, Floats]  # one unit of every draw (draws, ...), by argument of Geometry.force
 
 
-@dataclass(frozen=True)
-class Effect:
-    """What a source of error does: `units` of its draws on a schedule, with one yaw common to all mountings or not;
-    `adds`: what they add to the outputs (draws, positions, 3), of which these are linear."""
-
-    units: Callable[[Geometry, bool], Units] = lambda geometry, common: {}
-    adds: Callable[[Geometry], Floats] | None = None
-
-
-def _one(geometry: Geometry) -> Floats:
-    return np.ones((1, 1))
-
-
-def _each(geometry: Geometry) -> Floats:
-    return np.eye(len(geometry.schedule.mountings))
-
-
 def encoder_waves(schedule: Schedule) -> Floats:
     """What one unit of each number of the encoder adds to the table angle (4, positions): the sine and the cosine of
     the angle, and of its double."""
@@ -63,16 +46,26 @@ def course(schedule: Schedule) -> Floats:
     return far
 
 
-EFFECTS = {  # by name, as stand.SOURCES
-    "alpha1": Effect(lambda g, common: {"alpha1": _one(g)}),
-    "alpha2": Effect(lambda g, common: {"alpha2": _one(g)}),
-    "alpha3": Effect(lambda g, common: {"alpha3": np.ones((1, len(_each(g)))) if common else _each(g)}),
-    "alpha4": Effect(lambda g, common: {"delta": np.eye(len(g.phi))}),
-    NOISE: Effect(adds=lambda g: np.eye(3 * len(g.phi)).reshape(-1, len(g.phi), 3)),
-    "seat": Effect(lambda g, common: {"seat_h": _each(g), "seat_n": _each(g)}),
-    "platform": Effect(lambda g, common: {"seat_h": _one(g)}),
-    "encoder": Effect(lambda g, common: {"delta": encoder_waves(g.schedule)}),
-    "drift": Effect(adds=lambda g: course(g.schedule)[:, None] * np.eye(3)[:, None]),
+ADDED = (
+    "added"  # in place of an argument: what draws add to the outputs (draws, positions, 3), of which these are linear
+)
+
+
+def _each(geometry: Geometry) -> Floats:
+    return np.eye(len(geometry.schedule.mountings))
+
+
+# By name, as stand.SOURCES: units of a source's draws on a schedule, with one yaw common to all mountings or not.
+EFFECTS: dict[str, Callable[[Geometry, bool], Units]] = {
+    "alpha1": lambda g, common: {"alpha1": np.ones((1, 1))},
+    "alpha2": lambda g, common: {"alpha2": np.ones((1, 1))},
+    "alpha3": lambda g, common: {"alpha3": np.ones((1, len(_each(g)))) if common else _each(g)},
+    "alpha4": lambda g, common: {"delta": np.eye(len(g.phi))},
+    NOISE: lambda g, common: {ADDED: np.eye(3 * len(g.phi)).reshape(-1, len(g.phi), 3)},
+    "seat": lambda g, common: {"seat_h": _each(g), "seat_n": _each(g)},
+    "platform": lambda g, common: {"seat_h": np.ones((1, 1))},
+    "encoder": lambda g, common: {"delta": encoder_waves(g.schedule)},
+    "drift": lambda g, common: {ADDED: course(g.schedule)[:, None] * np.eye(3)[:, None]},
 }
 
 
@@ -89,37 +82,32 @@ class Draws:
 
 
 @dataclass(frozen=True)
-class _UnitEffect:
-    """One unit of every draw of a source: `units`, and what the block feels of them: `force` (draws, positions, 3), g,
-    or what they add to its outputs."""
+class UnitEffect:
+    """One unit of every draw of a source: `units`, and what the block feels of them: `force` (draws, positions, 3), g;
+    without units what they add to its outputs."""
 
     units: Units
-    force: Floats | None
-    added: Floats | None
+    force: Floats
 
     def derivative(self, k: Floats) -> Floats:
         """Of the outputs of a block of sensitivity `k` (3, 3): (draws, positions, 3)."""
-        if self.force is None:
-            assert self.added is not None
-            return self.added
-        outputs: Floats = self.force @ np.asarray(k).T
-        return outputs
+        return self.force @ np.asarray(k).T if self.units else self.force
 
 
 @lru_cache(512)
-def unit_effect(schedule: Schedule, name: str, common: bool = False) -> _UnitEffect:
+def unit_effect(schedule: Schedule, name: str, common: bool = False) -> UnitEffect:
     """What one unit of every draw of a source does, on the ideal stand."""
-    geometry, effect = geometry_of(schedule), EFFECTS[name]
-    if effect.adds is not None:
-        return _UnitEffect({}, None, effect.adds(geometry))
-    units = effect.units(geometry, common)
+    geometry = geometry_of(schedule)
+    units = EFFECTS[name](geometry, common)
+    if ADDED in units:
+        return UnitEffect({}, units[ADDED])
     force = np.concatenate([geometry.force_by(**{argument: unit}) for argument, unit in units.items()])
     starts = np.cumsum([0, *(len(unit) for unit in units.values())])
     whole = {}
     for start, (argument, unit) in zip(starts, units.items()):
         whole[argument] = np.zeros((starts[-1], unit.shape[1]))
         whole[argument][start : start + len(unit)] = unit
-    return _UnitEffect(whole, force, None)
+    return UnitEffect(whole, force)
 
 
 def declared(stand: Stand) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from tumble.arrays import Flags, Floats, Integers
+from tumble.arrays import Floats, Integers
 from tumble.errors import UsageError
 from tumble.estimators import COEFFICIENTS, HARMONIC
 from tumble.model.geometry import built_in, ideal_force
@@ -85,18 +85,11 @@ def functionals(u: Floats) -> tuple[Floats, Floats, Floats]:
     return c, s, b
 
 
-def averaged(schedule: Schedule, means: Floats) -> tuple[Floats, Floats]:
-    """The earlier formulas: K_ij is the mean over all circles that hold the axis j, U0 that over all circles."""
-    return _mean_over_circles(schedule, means, np.zeros((3, 3), dtype=bool))
-
-
-def refined(schedule: Schedule, means: Floats) -> tuple[Floats, Floats]:
-    """Formula (7), of any circles: as averaged, but K_ij and K_ji only from those that hold both axes i and j."""
-    return _mean_over_circles(schedule, means, ~np.eye(3, dtype=bool))
-
-
-def _mean_over_circles(schedule: Schedule, means: Floats, choosy: Flags) -> tuple[Floats, Floats]:
-    """`choosy` (3, 3): the K_ij that are taken only from circles that hold both axes, where there are any."""
+def _harmonic(schedule: Schedule, means: Floats, estimator: str) -> tuple[Floats, Floats]:
+    """The earlier formulas (`averaged`): K_ij is the mean over all circles that hold the axis j, U0 that over all
+    circles. Formula (7), of any circles (`refined`): as these, but K_ij and K_ji only from circles that hold both axes
+    i and j, where there are any."""
+    choosy = ~np.eye(3, dtype=bool) if estimator == "refined" else np.zeros((3, 3), dtype=bool)
     found = circles(schedule)
     assert found is not None  # whoever asks for this estimator has seen to it
     holds = np.array([np.arange(3) != circle.normal for circle in found])
@@ -143,7 +136,7 @@ def unknowns(schedule: Schedule, means: Floats, estimator: str, terms: Terms = (
     positions of the schedule. Further terms are for least squares alone."""
     means = np.asarray(means, dtype=float)
     if estimator in HARMONIC:
-        k, u0 = (averaged if estimator == "averaged" else refined)(schedule, means)
+        k, u0 = _harmonic(schedule, means, estimator)
         return np.concatenate([k.reshape(*k.shape[:-2], 9), u0], axis=-1)
     observed = means[..., schedule.fit_indices, :]
     found = _solved(design(schedule, terms), observed.reshape(-1, 3 * observed.shape[-2]).T).T

@@ -15,12 +15,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from tumble.arrays import Floats, Integers
 from tumble.distributions import chi_squared_above, chi_squared_log_above
+from tumble.documents.result import Explanation
 from tumble.model.errors import NOISE, OF_OUTPUTS, Errors, declared, of_stand
 from tumble.model.estimators import by_coefficients, design, estimate
 from tumble.model.patterns import BY_NAME, PATTERNS, STAND, Columns, Pattern, Scene
@@ -39,16 +39,21 @@ _SHOWN = 0.01
 
 @dataclass(frozen=True)
 class Score:
-    """Of one pattern: `square` is chi-squared with `freedom`; `sizes`, `u` by label (None: not determined)."""
+    """Of one pattern: degrees of `freedom` of its chi-squared, and the logarithm `log_p` of how often that is larger by
+    chance; `sizes` with their standard uncertainties, by label, of those that are determined."""
 
-    square: float
     freedom: int
+    log_p: float
     sizes: dict[str, tuple[float, float]]
 
 
 class WholeModel:
     """The declared `stand`, in the unit of the `means` (positions, 3) of a schedule, all measured; `variance`
-    (positions, 3), or (positions,) for channels that are alike, of each mean by its noise. `terms`: unknown too."""
+    (positions, 3), or (positions,) for channels that are alike, of each mean by its noise. `terms`: unknown too.
+
+    `rest`: what no unknown explains, as independent numbers of variance 1; `chi_squared`: the sum of its squares, which
+    is the smallest, and `freedom` its degrees of freedom: every declared error brings a square of its own. `scene`:
+    what patterns are made from."""
 
     def __init__(self, schedule: Schedule, means: Floats, variance: Floats, stand: Stand, terms: Terms = ()):
         self._given = schedule, means, variance, stand
@@ -67,31 +72,18 @@ class WholeModel:
         self._x = np.zeros(len(self._sigma))  # rad, or as outputs are
         for _ in range(PASSES):
             self._linearise()
+        self.chi_squared, self.freedom = float(self.rest @ self.rest), len(self.rest)
+        self.scene = Scene(self.schedule, self.k)
 
-    def with_variance(self, variance: Floats) -> WholeModel:
-        """The same run, with other noise."""
-        schedule, means, _, stand = self._given
-        return WholeModel(schedule, means, variance, stand, self.terms)
-
-    def with_set_angles(self, sigma: float) -> WholeModel:
-        """The same run, with another standard deviation of set angles, rad."""
-        schedule, means, variance, stand = self._given
-        return WholeModel(schedule, means, variance, stand.with_sigma("angle", sigma), self.terms)
-
-    @property
-    def chi_squared(self) -> float:
-        """The smallest sum of squares."""
-        return float(self.rest @ self.rest)
-
-    @property
-    def freedom(self) -> int:
-        """Its degrees of freedom: every declared error brings a square of its own."""
-        return len(self.rest)
+    def again(self, variance: Floats | None = None, angle: float | None = None) -> WholeModel:
+        """The same run with other noise, or another standard deviation of set angles, rad."""
+        schedule, means, of_means, stand = self._given
+        stand = stand if angle is None else stand.with_sigma("angle", angle)
+        return WholeModel(schedule, means, of_means if variance is None else variance, stand, self.terms)
 
     def _linearise(self) -> None:
-        """Solve the problem that is linear where the pass before ended. `rest`: what no unknown explains, as
-        independent numbers of variance 1; `_left`: the directions of these among outputs and errors; `_coefficients`:
-        those of the coefficients."""
+        """Solve the problem that is linear where the pass before ended. `_left`: the directions of `rest` among outputs
+        and errors; `_coefficients`: those of the coefficients."""
         force = self._errors.force(self._x)
         by_unknown = np.hstack([by_coefficients(force), self._further])
         noise = self._noise.reshape(-1, 1)
@@ -112,11 +104,6 @@ class WholeModel:
         self._u0 = self._u0 + change[9:12]
         self._sizes = self._sizes + change[12 : by_unknown.shape[1]]
         self._x = np.clip(self._x + change[by_unknown.shape[1] :] * self._sigma, -self._largest, self._largest)
-
-    @cached_property
-    def scene(self) -> Scene:
-        """What patterns are made from."""
-        return Scene(self.schedule, self.k)
 
     def whitened(self, columns: Columns) -> Floats:
         """What the residuals show of a pattern: (freedom, columns), where they are independent and of variance 1. A
@@ -145,7 +132,8 @@ class WholeModel:
             shown = np.where(np.linalg.norm(shown, axis=0) > _NULL * length, shown, 0.0)
         own = basis(shown)
         part = own.T @ rest
-        return Score(float(part @ part), own.shape[1], _sizes(list(columns), shown, rest))
+        freedom = own.shape[1]
+        return Score(freedom, chi_squared_log_above(float(part @ part), freedom), _sizes(list(columns), shown, rest))
 
 
 def basis(columns: Floats) -> Floats:
@@ -186,24 +174,6 @@ DOUBTS = (*SYSTEMATIC, "alpha4_rad", NOISE_V)  # sources of a stand that a misfi
 
 
 @dataclass(frozen=True)
-class Explanation:
-    """`patterns` that cannot be told apart, the likeliest first; its `p` after Holm, and `size`, `u_size` in `unit` of
-    its largest `column`, such as a channel (None: of none by itself)."""
-
-    patterns: tuple[str, ...]
-    p: float
-    size: float | None
-    u_size: float | None
-    unit: str
-    column: str
-
-    @property
-    def may_be_another(self) -> bool:
-        """Whether it may be no fault of the stand: the block's, or that of this run."""
-        return any(name not in BY_NAME or BY_NAME[name].whose != STAND for name in self.patterns if name != NOISE_V)
-
-
-@dataclass(frozen=True)
 class Sampled:
     """A pattern that samples show by themselves: `log_p`, how often they do by chance; `size`, `u_size` in `unit`, and
     the `column` it is of; `variance` (positions, 3) of the means with it."""
@@ -216,14 +186,11 @@ class Sampled:
     column: str
     variance: Floats
 
-    def explanation(self, p: float) -> Explanation:
-        """As an explanation of a run, with its `p` after Holm."""
-        return Explanation((self.name,), p, self.size, self.u_size, self.unit, self.column)
-
 
 @dataclass(frozen=True)
 class Fit:
-    """`chi_squared` with `freedom`; `p`: how often a run that fits comes out above; `confidence` asked for."""
+    """`chi_squared` with `freedom`; `p`: how often a run that fits comes out above; `confidence` asked for;
+    `explanations`: each of patterns that cannot be told apart, the likeliest first."""
 
     chi_squared: float
     freedom: int
@@ -243,8 +210,10 @@ class Fit:
 
     @property
     def excuses_stand(self) -> bool:
-        """Whether what explains most of it may be no fault of the stand."""
-        return bool(self.explanations) and self.explanations[0].may_be_another
+        """Whether what explains most of it may be no fault of the stand: the block's, or that of this run."""
+        likeliest = self.explanations[0].patterns if self.explanations else ()
+        others = [name for name in likeliest if name != NOISE_V]
+        return any(name not in BY_NAME or BY_NAME[name].whose != STAND for name in others)
 
     @property
     def doubts(self) -> tuple[str, ...]:
@@ -268,17 +237,14 @@ def variance_of_means(stand: Stand, samples: Integers, rounding: float | Floats)
 
 @dataclass(frozen=True)
 class _Candidate:
-    """A pattern at the place where it shows most, out of `places`, beside what is known already."""
+    """A pattern at the place where it shows most, out of `places`, beside what is known already; `log_p`: had any place
+    been taken that shows more."""
 
     pattern: Pattern
     columns: Columns
     score: Score
     places: int
-
-    @property
-    def log_p(self) -> float:
-        """Had any place been taken that shows more."""
-        return math.log(self.places) + _log_p(self.score)
+    log_p: float
 
 
 class _Search:
@@ -298,7 +264,8 @@ class _Search:
     def run(self) -> Iterator[Explanation]:
         """Explanations, in the order in which they are found."""
         while True:
-            fits = self._rest_fits()
+            rest = self._model.beside(self._known)[1]
+            fits = chi_squared_above(float(rest @ rest), self._model.freedom) >= 1.0 - self._confidence
             found = {one.pattern.name: one for one in map(self._candidate, PATTERNS) if one is not None}
             log_p = {name: one.log_p for name, one in found.items() if name in self._left}
             if not fits:  # else samples speak for themselves: uncertainties count their noise, and a warning tells it
@@ -315,14 +282,11 @@ class _Search:
                 alike = [name, *(other for other in alike if other != source)]
                 name, corrected = source, len(self._left) * math.exp(log_p[source])
             if name in self._sampled:
-                yield self._sampled[name].explanation(corrected)
+                one = self._sampled[name]
+                yield Explanation((name,), corrected, one.size, one.u_size, one.unit, one.column or None)
             else:
                 yield self._explanation(found[name], alike, corrected)
             self._take(name, found)
-
-    def _rest_fits(self) -> bool:
-        _, rest = self._model.beside(self._known)
-        return chi_squared_above(float(rest @ rest), self._model.freedom) >= 1.0 - self._confidence
 
     def _candidate(self, pattern: Pattern) -> _Candidate | None:
         """None where the residuals cannot show it, or only by angles that are too large to be what it is called: all of
@@ -330,14 +294,15 @@ class _Search:
         besides = dict(self._known)
         if pattern.random:  # it must not be blamed for what an angle of the whole run does
             for name in SYSTEMATIC:
-                besides |= {f"{name} {label}": one for label, one in self._columns(name).items()}
+                columns = BY_NAME[name].columns(self._model.scene)[0]
+                besides |= {f"{name} {label}": one for label, one in columns.items()}
         beside = self._model.beside(besides)  # of which a pattern may have many places
         tested = [(self._model.score(one, beside), one) for one in pattern.columns(self._model.scene)]
         shown = [(score, columns) for score, columns in tested if score.freedom > 0 and self._is_small(pattern, score)]
         if not shown:
             return None
-        score, columns = min(shown, key=lambda one: round(_log_p(one[0]), _DIGITS))
-        return _Candidate(pattern, columns, score, len(shown))
+        score, columns = min(shown, key=lambda one: round(one[0].log_p, _DIGITS))
+        return _Candidate(pattern, columns, score, len(shown), math.log(len(shown)) + score.log_p)
 
     def _is_small(self, pattern: Pattern, score: Score) -> bool:
         """Are the angles that a pattern has for sizes, if it has, such as the linear theory holds for?"""
@@ -351,9 +316,6 @@ class _Search:
         """An angle of the stand as it stands in the result."""
         return {"alpha4": self._seen.alpha4, **self._seen.angles}.get(pattern.name.removesuffix("_rad"))
 
-    def _columns(self, name: str) -> Columns:
-        return BY_NAME[name].columns(self._model.scene)[0]
-
     def _may_be(self, one: _Candidate, other: _Candidate) -> bool:
         """Whether another pattern explains what one explains: they look alike, and beside the other one the first is no
         longer needed. One that contains the first and more is no other explanation."""
@@ -364,16 +326,16 @@ class _Search:
         wider = spaces[1].shape[1] > spaces[0].shape[1] and bool((angles > _CONTAINED).all())
         besides = {**self._known, **{f"other {label}": column for label, column in other.columns.items()}}
         score = self._model.score(one.columns, self._model.beside(besides))
-        needed = len(self._left) * one.places * math.exp(_log_p(score)) <= EXPLAINED
+        needed = len(self._left) * one.places * math.exp(score.log_p) <= EXPLAINED
         return not wider and not needed and float(angles.max(initial=0.0)) >= ALIKE
 
     def _take(self, name: str, found: dict[str, _Candidate]) -> None:
         """Make what has been found part of the model."""
         self._left.remove(name)
         if name in self._sampled:
-            self._model = self._model.with_variance(self._sampled[name].variance)
+            self._model = self._model.again(variance=self._sampled[name].variance)
         elif found[name].pattern.random and self._seen.alpha4 is not None:
-            self._model = self._model.with_set_angles(self._seen.alpha4.value)
+            self._model = self._model.again(angle=self._seen.alpha4.value)
         else:
             self._known |= {f"{name} {label}": one for label, one in found[name].columns.items()}
 
@@ -381,12 +343,8 @@ class _Search:
         unit, sizes = one.pattern.unit, one.score.sizes
         seen = self._of_whole_run(one.pattern)
         if seen is not None:
-            return Explanation((one.pattern.name, *alike), p, seen.value, seen.u, unit, "")
+            return Explanation((one.pattern.name, *alike), p, seen.value, seen.u, unit, None)
         where = next(iter(one.columns)).partition(" ")[0] if one.pattern.name == "position" else ""
         column = max(sizes, key=lambda label: abs(sizes[label][0]) / sizes[label][1], default=where)
         found = sizes.get(column, (None, None))
-        return Explanation((one.pattern.name, *alike), p, found[0], found[1], unit, column)
-
-
-def _log_p(score: Score) -> float:
-    return chi_squared_log_above(score.square, score.freedom)
+        return Explanation((one.pattern.name, *alike), p, found[0], found[1], unit, column or None)

@@ -99,13 +99,9 @@ class Geometry:
         """Outputs U = U0 + K a of a block: (positions, 3). `errors` as in `force`."""
         return self.force(**errors) @ np.asarray(k).T + u0
 
-    def derivative(self, k: Floats, **unit: float | Floats) -> Floats:
-        """Of the outputs of a block of sensitivity `k`, by errors that grow together, on the ideal stand: (positions,
-        3). `unit` of each, real, as in `force`."""
-        return self.force_by(**unit) @ np.asarray(k).T
-
     def force_by(self, **unit: float | Floats) -> Floats:
-        """The same of the specific force."""
+        """Derivative of the specific force, g, by errors that grow together, on the ideal stand: (positions, 3). `unit`
+        of each, real, as in `force`."""
         force: Floats = np.imag(self.force(**{name: 1j * STEP * np.asarray(one) for name, one in unit.items()})) / STEP
         return force
 

@@ -194,17 +194,12 @@ def optimal_table(
         claimed = _deviations(beta, whitened.by_error, sigma)
     if not (np.isfinite(prior).all() and lost < LARGEST_LOSS and (np.abs(claimed - u) < LARGEST_LOSS * u).all()):
         raise UsageError(UNEQUAL)
-    counts = record_counts(whitened.schedule, stand)
+    mountings, named = len(schedule.mountings), declared(stand)
+    yaws, seats = 1 if stand.remounting == COMMON else mountings, mountings if stand.declares_seat else 0
+    counts = yaws, seats, 4 if "encoder" in named else 0, 3 if "drift" in named else 0
     nuisance = by_mounting(prior * whitened.errors.sigma[:, None], whitened.found, whitened.schedule, stand)
     sigmas = np.array([stand.sigma(name) for name in ("axis_tilt", "level", "remount", "angle")])
     return OptimalTable(k, beta, nuisance, *counts, sigmas, float(sigma.max()), channel_weights(sigma), u, floored)
-
-
-def record_counts(schedule: Schedule, stand: Stand) -> tuple[int, int, int, int]:
-    """How many yaws, seats, numbers of an encoder and drifts a table has."""
-    mountings, named = len(schedule.mountings), declared(stand)
-    yaws, seats = 1 if stand.remounting == COMMON else mountings, mountings if stand.declares_seat else 0
-    return yaws, seats, 4 if "encoder" in named else 0, 3 if "drift" in named else 0
 
 
 def by_mounting(found: Floats, errors: dict[str, Draws], schedule: Schedule, stand: Stand) -> Floats:
@@ -292,13 +287,14 @@ def optimal_estimate(
     whitened = _Whitened(schedule, first, stand, mean_sigma(first, stand, step, number)[0], terms)
     x, _ = whitened.solve_exactly(means[None, schedule.fit_indices])
     found, angles = x[0, -whitened.count :], whitened.errors.arguments(whitened.sizes(x)[0])
+    tilts = [angles[name] for name in ("alpha1", "alpha3", "seat_h", "seat_n") if name in angles]
     k = found[:9].reshape(3, 3)
     covariance = optimal_covariance(schedule, k, stand, samples, step, mean_variance, terms)
     return OptimalEstimate(
         *(k, found[9:12], found[12:].reshape(-1, 3), covariance, float(angles["alpha1"][0])),
         *(float(angles["alpha2"][0]), np.resize(angles["alpha3"], len(schedule.mountings))),
         magnification=float(np.abs(whitened.gains).sum(axis=1).max()),
-        largest_angle=_largest_angle(angles),
+        largest_angle=float(np.abs(np.concatenate([angles["alpha2"] + angles["delta"], *tilts])).max()),
     )
 
 
@@ -309,12 +305,6 @@ def by_table(table: OptimalTable, schedule: Schedule, stand: Stand, terms: Terms
     corrected = whitened.solve_exactly(means[:, schedule.fit_indices])[1]
     found: Floats = corrected @ table.gains.T
     return found
-
-
-def _largest_angle(angles: dict[str, Floats]) -> float:
-    turns = angles["alpha2"] + angles["delta"]
-    tilts = [angles[name] for name in ("alpha1", "alpha3", "seat_h", "seat_n") if name in angles]
-    return float(np.abs(np.concatenate([turns, *tilts])).max())
 
 
 def optimal_covariance(

@@ -29,9 +29,8 @@ Columns = dict[str, Floats]  # by label, such as the channel: outputs (positions
 
 @dataclass(frozen=True)
 class Scene:
-    """The fit positions of a run, in the order in which they were measured: `force` (P, 3) on the ideal stand, `k`
-    (3, 3) as found, `time` (P,) from 0 to 1. `attitudes` (n, 3): a block that is used there, for a pattern that
-    `lasts`."""
+    """The fit positions of a run, in the order in which they were measured, and `k` (3, 3) as found. `attitudes` (n,
+    3): a block that is used there, for a pattern that `lasts`."""
 
     schedule: Schedule
     k: Floats
@@ -39,61 +38,59 @@ class Scene:
 
     @property
     def force(self) -> Floats:
-        """Specific force, g: (P, 3)."""
+        """Specific force on the ideal stand, g: (P, 3)."""
         return ideal_force(self.schedule) if self.attitudes is None else self.attitudes
 
     @property
     def time(self) -> Floats:
-        """Positions take equally long."""
+        """From 0 to 1 (P,): positions take equally long."""
         return np.linspace(0.0, 1.0, len(self.schedule.positions))
-
-    @property
-    def angle(self) -> Floats:
-        """Table angles, rad: (P,)."""
-        return geometry_of(self.schedule).phi
-
-    @property
-    def by_angle(self) -> Floats:
-        """The outputs' derivatives by the table angle: (P, 3)."""
-        return self.by(delta=1.0)
 
     def by(self, **error: float | Floats) -> Floats:
         """The outputs' derivatives by an error of the stand, as Geometry.force has it: (P, 3)."""
-        return geometry_of(self.schedule).derivative(self.k, **error)
-
-    def in_mounting(self, index: int) -> Floats:
-        """1 at the positions of a mounting, else 0: (P, 1)."""
-        here: Floats = (geometry_of(self.schedule).mounting_index == index).astype(float)[:, None]
-        return here
+        return geometry_of(self.schedule).force_by(**error) @ np.asarray(self.k).T
 
     def by_channel(self, felt: Floats) -> Columns:
-        """Columns for a cause that every channel feels by itself, as `felt` (P, 3) in units of its own axis."""
-        sensitivity = np.diag(self.k) * _MILLIONTH
-        return {name: felt * sensitivity * np.eye(3)[i] for i, name in enumerate(_CHANNELS)}
+        """Columns for a cause that every channel feels by itself, as `felt` (P, 3) in units of its own axis, or (P,)
+        alike."""
+        shape, sensitivity = felt if felt.ndim > 1 else felt[:, None], np.diag(self.k) * _MILLIONTH
+        return {name: shape * sensitivity * np.eye(3)[i] for i, name in enumerate(_CHANNELS)}
 
 
-def _same(shape: Floats) -> Floats:
-    return np.repeat(shape[:, None], 3, axis=1)
+def _felt(shapes: Callable[[Scene], list[Floats]]) -> Callable[[Scene], list[Columns]]:
+    """Of what every channel feels by itself: one variant for each of the `shapes`, as of Scene.by_channel."""
+    return lambda scene: [scene.by_channel(shape) for shape in shapes(scene)]
 
 
 # What changes within a run counts from its middle: K and U0 are those of the block at that time.
 
 
-def _drift_exp(scene: Scene) -> list[Columns]:
-    settling = [np.exp(-scene.time / tau) - np.exp(-_MIDDLE / tau) for tau in _WARM_UPS]
-    return [scene.by_channel(_same(outputs)) for outputs in settling]
+def _settling(scene: Scene) -> list[Floats]:
+    return [np.exp(-scene.time / tau) - np.exp(-_MIDDLE / tau) for tau in _WARM_UPS]
 
 
-def _step(scene: Scene) -> list[Columns]:
-    after = [(scene.time >= first) - float(first <= _MIDDLE) for first in scene.time[1:]]
-    return [scene.by_channel(_same(outputs)) for outputs in after]
+def _steps(scene: Scene) -> list[Floats]:
+    return [(scene.time >= first) - float(first <= _MIDDLE) for first in scene.time[1:]]
+
+
+def _half_circles(scene: Scene) -> list[Floats]:
+    return [np.where(np.sin(geometry_of(scene.schedule).phi) > -_ROUNDING, 1.0, -1.0)]
+
+
+def _per_turn(times: int) -> Callable[[Scene], list[Columns]]:
+    def columns(scene: Scene) -> list[Columns]:
+        turned, by_angle = times * geometry_of(scene.schedule).phi, scene.by(delta=1.0)
+        waves = {"sine": np.sin(turned), "cosine": np.cos(turned)}
+        return [{name: by_angle * wave[:, None] * _MILLIONTH for name, wave in waves.items()}]
+
+    return columns
 
 
 def _position(scene: Scene) -> list[Columns]:
     labels = [position.label for position in scene.schedule.positions]
     found = []
     for label, place in zip(labels, np.eye(len(labels))):
-        found.append({f"{label} {name}": one for name, one in scene.by_channel(_same(place)).items()})
+        found.append({f"{label} {name}": one for name, one in scene.by_channel(place).items()})
     return found
 
 
@@ -101,28 +98,17 @@ def _cross_coupling(scene: Scene) -> list[Columns]:
     found = {}
     for i, j in ((i, j) for i in range(3) for j in range(3) if i != j):
         product = scene.force[:, i] * scene.force[:, j]
-        found[f"{_CHANNELS[i]}{_CHANNELS[j]}"] = scene.by_channel(_same(product))[_CHANNELS[i]]
+        found[f"{_CHANNELS[i]}{_CHANNELS[j]}"] = scene.by_channel(product)[_CHANNELS[i]]
     return [found]
-
-
-def _hysteresis(scene: Scene) -> list[Columns]:
-    return [scene.by_channel(_same(np.where(np.sin(scene.angle) > -_ROUNDING, 1.0, -1.0)))]
-
-
-def _per_turn(times: int) -> Callable[[Scene], list[Columns]]:
-    def columns(scene: Scene) -> list[Columns]:
-        waves = {"sine": np.sin(times * scene.angle), "cosine": np.cos(times * scene.angle)}
-        return [{name: scene.by_angle * wave[:, None] * _MILLIONTH for name, wave in waves.items()}]
-
-    return columns
 
 
 def _seat(scene: Scene) -> list[Columns]:
     """Either tilted against the axis in every mounting, or turned about it."""
     changes = {"theta_h": scene.by(seat_h=1.0), "theta_n": scene.by(seat_n=1.0)}
-    numbers = [mounting.number for mounting in scene.schedule.mountings]
+    numbers, mounting = [one.number for one in scene.schedule.mountings], geometry_of(scene.schedule).mounting_index
+    inside = {number: (mounting == m).astype(float)[:, None] for m, number in enumerate(numbers)}
     return [
-        {f"mounting {number}, {name}": by * scene.in_mounting(m) * _MILLIONTH for m, number in enumerate(numbers)}
+        {f"mounting {number}, {name}": by * here * _MILLIONTH for number, here in inside.items()}
         for name, by in changes.items()
     ]
 
@@ -132,7 +118,8 @@ def _lost_steps(scene: Scene) -> list[Columns]:
     moves = np.arange(len(scene.time), dtype=float)
     mounting = geometry_of(scene.schedule).mounting_index
     anew = moves - np.array([moves[mounting == index].min() for index in mounting])
-    return [{"": scene.by_angle * count[:, None] * _MILLIONTH} for count in (moves, anew)]
+    by_angle = scene.by(delta=1.0)
+    return [{"": by_angle * count[:, None] * _MILLIONTH} for count in (moves, anew)]
 
 
 def _slip(scene: Scene) -> list[Columns]:
@@ -147,6 +134,10 @@ def _slip(scene: Scene) -> list[Columns]:
     return found
 
 
+def _level(scene: Scene) -> list[Columns]:
+    return [{"": scene.by(alpha2=1.0)}]
+
+
 def _yaw_change(scene: Scene) -> list[Columns]:
     first, *others = np.eye(len(scene.schedule.mountings))
     names = [mounting.number for mounting in scene.schedule.mountings]
@@ -154,8 +145,8 @@ def _yaw_change(scene: Scene) -> list[Columns]:
 
 
 def _set_angles(scene: Scene) -> list[Columns]:
-    labels = [position.label for position in scene.schedule.positions]
-    return [{label: scene.by(delta=one) for label, one in zip(labels, np.eye(len(labels)))}]
+    positions = scene.schedule.positions
+    return [{one.label: scene.by(delta=error) for one, error in zip(positions, np.eye(len(positions)))}]
 
 
 @dataclass(frozen=True)
@@ -173,39 +164,25 @@ class Pattern:
 
 
 PATTERNS = (
-    Pattern(
-        "drift", lambda s: [s.by_channel(_same(s.time - _MIDDLE))], "ug", RUN, "a drift of the outputs over the run"
-    ),
-    Pattern("drift_exp", _drift_exp, "ug", RUN, "outputs that settle exponentially, as when warming up"),
-    Pattern("step", _step, "ug", RUN, "a step of the outputs within the run"),
-    Pattern("k2", lambda s: [s.by_channel(s.force**2)], "ug/g^2", BLOCK, "the block's second order", lasts=True),
-    Pattern("k3", lambda s: [s.by_channel(s.force**3)], "ug/g^3", BLOCK, "the block's third order", lasts=True),
-    Pattern(
-        "asymmetry",
-        lambda s: [s.by_channel(np.abs(s.force))],
-        "ug/g",
-        BLOCK,
-        "scales that differ by the sign",
-        lasts=True,
-    ),
+    Pattern("drift", _felt(lambda s: [s.time - _MIDDLE]), "ug", RUN, "a drift of the outputs over the run"),
+    Pattern("drift_exp", _felt(_settling), "ug", RUN, "outputs that settle exponentially, as when warming up"),
+    Pattern("step", _felt(_steps), "ug", RUN, "a step of the outputs within the run"),
+    Pattern("k2", _felt(lambda s: [s.force**2]), "ug/g^2", BLOCK, "the block's second order", lasts=True),
+    Pattern("k3", _felt(lambda s: [s.force**3]), "ug/g^3", BLOCK, "the block's third order", lasts=True),
+    Pattern("asymmetry", _felt(lambda s: [abs(s.force)]), "ug/g", BLOCK, "scales that differ by the sign", lasts=True),
     Pattern(
         "cross_coupling", _cross_coupling, "ug/g^2", BLOCK, "products of two axes in the block's outputs", lasts=True
     ),
-    Pattern("hysteresis", _hysteresis, "ug", BLOCK, "outputs that remember the half circle before"),
+    Pattern("hysteresis", _felt(_half_circles), "ug", BLOCK, "outputs that remember the half circle before"),
     Pattern("once_per_turn", _per_turn(1), "urad", STAND, "an error of the table angle, once per turn"),
     Pattern("twice_per_turn", _per_turn(2), "urad", STAND, "an error of the table angle, twice per turn"),
     Pattern("lost_steps", _lost_steps, "urad", STAND, "a table that loses something in every move"),
     Pattern("seat", _seat, "urad", STAND, "mountings that sit tilted on the platform"),
     Pattern("slip", _slip, "urad", STAND, "a block that moved within a mounting"),
-    Pattern(
-        "scale_drift", lambda s: [s.by_channel(s.force * (s.time[:, None] - _MIDDLE))], "ppm", RUN, "scales that drift"
-    ),
+    Pattern("scale_drift", _felt(lambda s: [s.force * (s.time[:, None] - _MIDDLE)]), "ppm", RUN, "scales that drift"),
     Pattern("position", _position, "ug", RUN, "one position that is off"),
     Pattern("alpha1_rad", lambda s: [{"": s.by(alpha1=1.0)}], "rad", STAND, "an axis tilt beyond the declared"),
-    Pattern(
-        *("alpha2_plus_alpha3_rad", lambda s: [{"": s.by(alpha2=1.0)}], "rad", STAND),
-        words="level and yaw beyond the declared",
-    ),
+    Pattern("alpha2_plus_alpha3_rad", _level, "rad", STAND, "level and yaw beyond the declared"),
     Pattern("alpha3_difference_rad", _yaw_change, "rad", STAND, "a yaw change beyond the declared"),
     Pattern("alpha4_rad", _set_angles, "rad", STAND, "set angles beyond the declared", random=True),
 )

@@ -141,7 +141,8 @@ class SecondOrder:
             own = [shift for shift in shifts if shift.source == source]
             worst = max(own, key=lambda shift: shift.bias_relative / shift.limit if shift.limit else np.inf)
             name, others = worst.coefficient, [shift.coefficient for shift in own if shift is not worst]
-            beside = f"0.2 u({name})/{_scale_of(name)} = {worst.limit:.2g}"
+            scale = f"K_{name[-2 if name.startswith('K') else -1] * 2}"
+            beside = f"0.2 u({name})/{scale} = {worst.limit:.2g}"
             also = f" (also {', '.join(others)})" if others else ""
             found.append(
                 f"large {_PLAIN.get(source, source)}: second order shifts {name} by {worst.bias_relative:.2g},"
@@ -166,24 +167,14 @@ def second_order(given: Propagation, u: Floats, estimate: ManyRuns) -> SecondOrd
     ideal = np.concatenate([k.ravel(), np.zeros(3)])
     lone = _NODE * np.eye(count)
     single = moved(lone) + moved(-lone) if count else np.zeros((0, 12))
-    bias = (4.0 - count) / 18.0 * single.sum(axis=0) + _pairs(moved, lone) / 36.0
+    one, other, pairs = *np.triu_indices(count, 1), np.zeros(12)  # over both signs of both
+    for start in range(0, len(one), _CHUNK):
+        first, second = lone[one[start : start + _CHUNK]], lone[other[start : start + _CHUNK]]
+        for both in (first + second, first - second):
+            pairs += moved(both).sum(axis=0) + moved(-both).sum(axis=0)
+    bias = (4.0 - count) / 18.0 * single.sum(axis=0) + pairs / 36.0
     ends = np.cumsum([len(source.sigma) for source in errors.values()])[:-1]
     parts = {name: part.sum(axis=0) / 6.0 for name, part in zip(errors, np.split(single, ends))}
     scale = np.abs(np.diag(k))
     scale = np.where(scale > 0.0, scale, np.linalg.norm(k, axis=1))
     return SecondOrder(bias, parts, u, np.concatenate([np.repeat(scale, 3), scale]), given.stand.sigma("remount"))
-
-
-def _pairs(moved: ManyRuns, lone: Floats) -> Floats:
-    """Sum (12,) over both signs of both of all pairs."""
-    one, other = np.triu_indices(len(lone), 1)
-    total = np.zeros(12)
-    for start in range(0, len(one), _CHUNK):
-        first, second = lone[one[start : start + _CHUNK]], lone[other[start : start + _CHUNK]]
-        for both in (first + second, first - second):
-            total += moved(both).sum(axis=0) + moved(-both).sum(axis=0)
-    return total
-
-
-def _scale_of(name: str) -> str:
-    return f"K_{name[-2:-1] * 2}" if name.startswith("K") else f"K_{name[-1] * 2}"

@@ -13,9 +13,7 @@ from __future__ import annotations
 
 import itertools
 import textwrap
-from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -105,17 +103,63 @@ def reliability(given: Propagation, confidence: float = CONFIDENCE, rounding: fl
     means, variance = ideal_force(schedule) @ k.T, variance_of_means(stand, given.samples, rounding)
     model = WholeModel(schedule, means, variance, stand, terms)
     tested = [one for one in PATTERNS if one.name not in terms]
-    taken_up = _taken_up(stand)
+    taken_up = {*DOUBTS, *(pattern for name in declared(stand) for pattern in SOURCES[name].patterns)}
     false_alarms = (1.0 - confidence) / (len(tested) + _BESIDE)
-    search = _Search(model, k, given.gains, spread_attitudes(_ATTITUDES), terms)
-    found = [search.worst(pattern, false_alarms) for pattern in tested if pattern.name not in taken_up]
-    possible = [one for one in found if one is not None]
-    return tuple(sorted(possible, key=lambda one: -1.0 if one.norm_g is None else one.norm_g, reverse=True))
+    attitudes = spread_attitudes(_ATTITUDES)  # where |a| counts
+    gradient, found = norm_gradient(k, attitudes, terms), []
+    for pattern in tested:
+        if pattern.name in taken_up:  # the uncertainties contain it
+            continue
+        variants = pattern.columns(model.scene)
+        lasting: list[Columns | None] = [None] * len(variants)
+        if pattern.lasts:
+            lasting = [*pattern.columns(Scene(model.schedule, k, attitudes))]
+        given_gains = model, k, given.gains, gradient
+        places = [
+            _worst(*given_gains, pattern, columns, in_use, false_alarms / len(variants))
+            for columns, in_use in zip(variants, lasting)
+        ]
+        possible = [one for one in places if one is not None]
+        if possible:
+            found.append(max(possible, key=lambda one: np.inf if one.norm_g is None else one.norm_g))
+    return tuple(sorted(found, key=lambda one: -1.0 if one.norm_g is None else one.norm_g, reverse=True))
 
 
-def _taken_up(stand: Stand) -> set[str]:
-    """Names of the patterns that the uncertainties contain."""
-    return {*DOUBTS, *(pattern for name in declared(stand) for pattern in SOURCES[name].patterns)}
+def _worst(
+    model: WholeModel,
+    k: Floats,
+    gains: Floats,
+    gradient: Floats,
+    pattern: Pattern,
+    columns: Columns,
+    in_use: Columns | None,
+    false_alarms: float,
+) -> Undetected | None:
+    """At one place, the size and the signs that leave the largest error, in the whole `model` of a run without errors,
+    with the `gains` of its estimator and the `gradient` (attitudes, unknowns) of |a|; None for what neither shows nor
+    does any harm. A block that is `in_use` goes on with what lasts. Its columns come one by one, or all alike with any
+    signs."""
+    count = len(columns)
+    signs: list[tuple[int, ...]] = []
+    if 1 < count <= _MOST_SIGNED:
+        signs = [(1, *others) for others in itertools.product((1, -1), repeat=count - 1)]
+    choices = np.concatenate([np.eye(count), np.array(signs, dtype=float).reshape(-1, count)])
+    added = np.tensordot(choices, np.array(list(columns.values())), axes=1)
+    shown = np.linalg.norm(model.whitened({str(i): one for i, one in enumerate(added)}), axis=0)
+    of_norm = added.reshape(len(added), -1) @ gains.T @ gradient.T  # at all attitudes, by a unit of each choice, g
+    if in_use is not None:
+        of_norm = of_norm - choices @ np.einsum("cai,ai->ca", np.array(list(in_use.values())), gradient[:, 9:12])
+    errors = np.abs(of_norm).max(axis=1)
+    harmless = _HARMLESS * np.abs(added).max() / np.abs(k).max()
+    if ((shown == 0.0) & (errors > harmless)).any():
+        return Undetected(pattern)
+    rank = basis(model.whitened(columns)).shape[1]
+    if rank == 0:
+        return None
+    sizes = noncentrality(rank, false_alarms, FOUND) ** 0.5 / np.where(shown > 0.0, shown, np.inf)
+    most = int((sizes * errors).argmax())
+    size = float(sizes[most])
+    return Undetected(pattern, size, size * float(errors[most]), size * added[most])
 
 
 def largest(found: Reliability) -> float | None:
@@ -139,67 +183,3 @@ def lines(found: Reliability, limit_g: float | None = None) -> list[str]:
     if unseen:
         said.append(f"No run would show, at any size: {unseen}")
     return [line for one in said for line in textwrap.wrap(one, _WIDTH, subsequent_indent="  ")]
-
-
-@dataclass(frozen=True)
-class _Search:
-    """The whole `model` of a run without errors, the `gains` of its estimator, `attitudes` where |a| counts."""
-
-    model: WholeModel
-    k: Floats
-    gains: Floats
-    attitudes: Floats
-    terms: Terms
-
-    def worst(self, pattern: Pattern, false_alarms: float) -> Undetected | None:
-        """The size, place and signs that leave the largest error; None for what this schedule has no place for."""
-        variants = pattern.columns(self.model.scene)
-        lasting: list[Columns | None] = [None] * len(variants)
-        if pattern.lasts:
-            lasting = [*pattern.columns(Scene(self.model.schedule, self.k, self.attitudes))]
-        tested = [
-            self._worst_of(pattern, columns, in_use, false_alarms / len(variants))
-            for columns, in_use in zip(variants, lasting)
-        ]
-        found = [one for one in tested if one is not None]
-        return max(found, key=lambda one: np.inf if one.norm_g is None else one.norm_g, default=None)
-
-    def _worst_of(
-        self, pattern: Pattern, columns: Columns, in_use: Columns | None, false_alarms: float
-    ) -> Undetected | None:
-        """At one place, the error over all choices of its columns; None for what neither shows nor does any harm."""
-        choices = _choices(len(columns))
-        added = np.tensordot(choices, np.array(list(columns.values())), axes=1)
-        shown = np.linalg.norm(self.model.whitened({str(i): one for i, one in enumerate(added)}), axis=0)
-        errors = np.abs(self._errors(choices, added, in_use)).max(axis=1)
-        harmless = _HARMLESS * np.abs(added).max() / np.abs(self.k).max()
-        if ((shown == 0.0) & (errors > harmless)).any():
-            return Undetected(pattern)
-        rank = basis(self.model.whitened(columns)).shape[1]
-        if rank == 0:
-            return None
-        sizes = noncentrality(rank, false_alarms, FOUND) ** 0.5 / np.where(shown > 0.0, shown, np.inf)
-        most = int((sizes * errors).argmax())
-        size = float(sizes[most])
-        return Undetected(pattern, size, size * float(errors[most]), size * added[most])
-
-    def _errors(self, choices: Floats, added: Floats, in_use: Columns | None) -> Floats:
-        """Of |a| at all attitudes, by a unit of each choice: (choices, attitudes), g. A block that is used goes on with
-        what `lasts`."""
-        errors: Floats = added.reshape(len(added), -1) @ self.gains.T @ self._gradient.T
-        if in_use is not None:
-            by_outputs = self._gradient[:, 9:12]
-            errors = errors - choices @ np.einsum("cai,ai->ca", np.array(list(in_use.values())), by_outputs)
-        return errors
-
-    @cached_property
-    def _gradient(self) -> Floats:
-        return norm_gradient(self.k, self.attitudes, self.terms)
-
-
-def _choices(columns: int) -> Floats:
-    """One column, or all alike with any signs: (choices, columns)."""
-    signs: Sequence[tuple[int, ...]] = []
-    if 1 < columns <= _MOST_SIGNED:
-        signs = [(1, *others) for others in itertools.product((1, -1), repeat=columns - 1)]
-    return np.concatenate([np.eye(columns), np.array(signs, dtype=float).reshape(-1, columns)])

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import TypeVar
 
 import numpy as np
 
@@ -36,7 +35,6 @@ NAMES = {  # of what is seen, for people
     "noise_v": "noise",
 }
 _FARTHEST = 1e5  # rows of K, as their noise makes them alike, from one another
-_Name = TypeVar("_Name", str, int)
 
 
 @dataclass(frozen=True)
@@ -45,14 +43,6 @@ class Estimate:
 
     value: float
     u: float
-
-
-@dataclass(frozen=True)
-class AngleError:
-    """alpha4 as a run shows it (None where it cannot tell), and the degrees of freedom of that."""
-
-    seen: Estimate | None
-    freedom: float
 
 
 def pooled_noise(samples: Integers, scatter: Floats) -> Estimate | None:
@@ -77,35 +67,26 @@ def closed_form(slots: Integers, k: Floats, means: Floats) -> Floats:
     return np.stack([(v[..., 1] - v[..., 2]) / 2, (w[..., 1] + w[..., 2]) / 2, w[..., 1] - w[..., 2]], axis=-1)
 
 
-class _Linear:
-    """The outputs of all positions of a schedule that has fit positions alone, linear in everything: `design` (3P, 14 +
-    mountings) for coefficients, alpha1, alpha2, alpha3 by mounting; `by_set_angle` (P, 3P), their derivative with
-    respect to each set angle; P positions. Of the unknowns behind the coefficients, `combinations` are what is told."""
-
-    def __init__(self, schedule: Schedule, k: Floats):
-        by_angle = np.concatenate(
-            [unit_effect(schedule, name).derivative(k) for name in ("alpha1", "alpha2", "alpha3")]
-        )
-        self.design = np.column_stack([design(schedule), by_angle.reshape(len(by_angle), -1).T])
-        self.by_set_angle = unit_effect(schedule, "alpha4").derivative(k).reshape(len(schedule.positions), -1)
-        mountings = len(schedule.mountings)
-        used = [schedule.mountings.index(mounting) for mounting in schedule.fitted_mountings]
-        mean, one = np.zeros(mountings), np.eye(mountings)
-        mean[used] = 1 / len(used)
-        changes = {schedule.mountings[other].number: one[used[0]] - one[other] for other in used[1:]}
-        self.yaw_changes = {number: np.array([0.0, 0.0, *change]) for number, change in changes.items()}
-        self.combinations = {
-            "alpha1": np.array([1.0, 0.0, *np.zeros(mountings)]),
-            "alpha2_plus_alpha3": np.array([0.0, 1.0, *mean]),
-            "alpha3_difference": next(iter(self.yaw_changes.values()), None),
-        }
+def _paper_slots(fitted: Schedule, whole: Schedule) -> Integers | None:
+    """Among the fitted positions; a circle of the whole schedule is one, whether all of it was measured or not."""
+    measured = {(one.mounting, one.number): place for place, one in enumerate(fitted.positions)}
+    slots = paper_slots(whole)
+    if slots is None:
+        return None
+    names = [(whole.positions[slot].mounting, whole.positions[slot].number) for slot in slots.ravel()]
+    return np.array([measured[name] for name in names]).reshape(2, 9) if measured.keys() >= set(names) else None
 
 
 class RunSeen:
     """What one run shows of the stand: `means` (positions, 3) of a schedule, and the `k` found from them; `whole`: that
     schedule with the positions that were not measured, where some were not. Every `variance` (positions,) is that of
     each mean by its noise, every `alpha4` the standard deviation of a set angle. `weights` (3,) make channels alike
-    that differ: every variance is then of outputs times these."""
+    that differ: every variance is then of outputs times these.
+
+    `_left` is what an ideal stand leaves of the outputs, over max|K|. The outputs of the P fitted positions are linear
+    in everything: `_design` (3P, 14 + mountings) is for coefficients, alpha1, alpha2, alpha3 by mounting,
+    `_by_set_angle` (P, 3P) for each set angle. Of the unknowns behind the coefficients `_combinations` are what is
+    told, by name or, of a yaw change from the third on, by mounting."""
 
     def __init__(
         self,
@@ -117,38 +98,45 @@ class RunSeen:
     ):
         if weights is not None:
             means, k = means * weights, k * weights[:, None]
-        self.mountings = len(schedule.mountings)
         self._fit, self._fitted = schedule.fit_indices, schedule.fitted
         self._scale = np.abs(k).max()
         self._means, self._k = means[self._fit] / self._scale, k / self._scale
-        self._model = _Linear(self._fitted, self._k)
-        self._slots = self._paper_slots(whole or schedule)
-
-    def _paper_slots(self, whole: Schedule) -> Integers | None:
-        """Among the fitted positions; a circle of the schedule is one, whether all of it was measured or not."""
-        measured = {(one.mounting, one.number): place for place, one in enumerate(self._fitted.positions)}
-        slots = paper_slots(whole)
-        if slots is None:
-            return None
-        names = [(whole.positions[slot].mounting, whole.positions[slot].number) for slot in slots.ravel()]
-        return np.array([measured[name] for name in names]).reshape(2, 9) if measured.keys() >= set(names) else None
+        ideal, outputs = design(self._fitted), self._means.ravel()
+        self._left: Floats = outputs - ideal @ np.linalg.lstsq(ideal, outputs, rcond=None)[0]
+        self._slots = _paper_slots(self._fitted, whole or schedule)
+        angles = [unit_effect(self._fitted, name).derivative(self._k) for name in ("alpha1", "alpha2", "alpha3")]
+        by_angle = np.concatenate(angles)
+        self._design = np.column_stack([ideal, by_angle.reshape(len(by_angle), -1).T])
+        self._by_set_angle = unit_effect(self._fitted, "alpha4").derivative(self._k).reshape(len(self._fit), -1)
+        mountings = len(schedule.mountings)
+        used = [schedule.mountings.index(mounting) for mounting in schedule.fitted_mountings]
+        mean, one = np.zeros(mountings), np.eye(mountings)
+        mean[used] = 1 / len(used)
+        changes: dict[str | int, Floats] = {}
+        for other in used[1:]:
+            changes[schedule.mountings[other].number] = np.array([0.0, 0.0, *(one[used[0]] - one[other])])
+        second = next(iter(changes), None)
+        self._combinations: dict[str | int, Floats | None] = {
+            "alpha1": np.array([1.0, 0.0, *np.zeros(mountings)]),
+            "alpha2_plus_alpha3": np.array([0.0, 1.0, *mean]),
+            "alpha3_difference": None if second is None else changes.pop(second),
+            **changes,
+        }
 
     @property
-    def has_turns(self) -> bool:
-        """Are there mountings with more than one fit position?"""
-        return len(self._fitted.fitted_mountings) < len(self._fit)
-
-    @property
-    def largest_force(self) -> float:
-        """The largest output, as a specific force in g."""
-        return float(np.abs(np.linalg.solve(self._k, self._means.T)).max())
+    def shows_angles(self) -> bool:
+        """Free attitudes do not: poses without a turn of one table, or more mountings than the core has yaws for. Nor
+        do outputs so far from those of any stand that no small angles explain them, such as those of exchanged
+        mountings: the angles are linear theory, and its figures would be rounding."""
+        has_turns = len(self._fitted.fitted_mountings) < len(self._fit)
+        return len(self._fitted.mountings) <= MOST_YAWS and has_turns and self.departure <= LARGEST_ERROR_RAD
 
     @property
     def departure(self) -> float:
         """Rms of what least squares on the ideal stand leaves of the outputs, in the channel that has most, over
         max|K|: about an angle in rad."""
         freedom = len(self._fit) - 4
-        squares = (self._left().reshape(-1, 3) ** 2).sum(axis=0)
+        squares = (self._left.reshape(-1, 3) ** 2).sum(axis=0)
         return float(np.sqrt(squares.max() / freedom)) if freedom > 0 else 0.0
 
     def angles(self, alpha4: float | None, variance: Floats) -> dict[str, Estimate | None]:
@@ -163,25 +151,16 @@ class RunSeen:
         u = np.zeros(3)
         if alpha4 is not None:
             count = len(self._fit)
-            moved = self._model.by_set_angle.reshape(count, count, 3)
+            moved = self._by_set_angle.reshape(count, count, 3)
             noise = np.eye(3 * count).reshape(-1, count, 3) * np.sqrt(variance[self._fit])[:, None] / self._scale
             draws = np.concatenate([alpha4 * moved, noise])
             u = np.sqrt((closed_form(slots, self._k, draws) ** 2).sum(axis=0))
         values = closed_form(slots, self._k, self._means)
         return {name: Estimate(*pair) for name, pair in zip(ANGLES, zip(values.tolist(), u.tolist()))}
 
-    def fit(self, alpha4: float, variance: Floats) -> dict[str, Estimate | None]:
-        """The angles by least squares for everything at once, each None where these positions cannot tell it."""
-        return self._combined(self._model.combinations, alpha4, variance)
-
-    def other_yaw_changes(self, alpha4: float, variance: Floats) -> dict[int, Estimate | None]:
-        """By mounting, from the third on, the yaw of the first less that of this one, likewise."""
-        others = list(self._model.yaw_changes.items())[1:]
-        return self._combined(dict(others), alpha4, variance) if others else {}
-
-    def _combined(
-        self, combinations: Mapping[_Name, Floats | None], alpha4: float, variance: Floats
-    ) -> dict[_Name, Estimate | None]:
+    def fit(self, alpha4: float, variance: Floats) -> dict[str | int, Estimate | None]:
+        """By least squares for everything at once, each None where these positions cannot tell it: the angles, and by
+        mounting, from the third on, the yaw of the first less that of this one."""
         explained, by_set_angle, right = self._whitened(variance)
         count, unknowns = by_set_angle.shape[1], explained.shape[1]
         prior = np.hstack([np.zeros((count, unknowns)), np.eye(count)])
@@ -189,8 +168,8 @@ class RunSeen:
         left, singular, directions = np.linalg.svd(whole)
         rank = int((singular > _NULL * singular[0]).sum())
         inverse = (directions[:rank].T / singular[:rank]) @ left[:, :rank].T
-        found: dict[_Name, Estimate | None] = dict.fromkeys(combinations)
-        for name, combination in combinations.items():
+        found: dict[str | int, Estimate | None] = dict.fromkeys(self._combinations)
+        for name, combination in self._combinations.items():
             row = np.zeros(unknowns + count)
             if combination is not None:
                 row[12:unknowns] = combination
@@ -199,44 +178,31 @@ class RunSeen:
                     found[name] = Estimate(float(gains[: len(right)] @ right), float(np.linalg.norm(gains)))
         return found
 
-    def angle_error(self, variance: Floats) -> AngleError:
-        """alpha4 such that chi-squared is what it should be (Paule and Mandel). None where there is no excess."""
+    def angle_error(self, variance: Floats) -> tuple[Estimate | None, float]:
+        """alpha4 such that chi-squared is what it should be (Paule and Mandel), and the degrees of freedom of that.
+        None and 0 where there is no excess."""
         values, gains = self._components(variance)
         count = len(values)
         if count == 0 or (values**2).sum() <= count:
-            return AngleError(None, 0.0)
+            return None, 0.0
         low, high = 0.0, float((values**2 / gains).sum())
         while low < (middle := (low + high) / 2) < high and high - low > 1e-15 * high:
             too_small = (values**2 / (1 + middle * gains)).sum() > count
             low, high = (middle, high) if too_small else (low, middle)
         share = (high * gains / (1 + high * gains)).sum()
         freedom, alpha4 = float(share**2 / count), float(np.sqrt(high))
-        return AngleError(Estimate(alpha4, float(alpha4 / np.sqrt(2 * freedom))), freedom)
+        return Estimate(alpha4, float(alpha4 / np.sqrt(2 * freedom))), freedom
 
     def angle_chi_squared(self, alpha4: float, variance: Floats) -> tuple[float, int]:
         """Chi-squared of the residuals that errors of set angles move, and its degrees of freedom."""
         values, gains = self._components(variance)
         return float((values**2 / (1 + alpha4**2 * gains)).sum()), len(values)
 
-    def misfit(self, variance: Floats) -> float:
-        """Rms of what no coefficient and no angle explains, in units of the noise: about 1 where that is the truth."""
-        explained, by_set_angle, right = self._whitened(variance)
-        left, singular, _ = np.linalg.svd(np.hstack([explained, by_set_angle]), full_matrices=False)
-        explaining = left[:, singular > _NULL * singular[0]]
-        rest = right - explaining @ (explaining.T @ right)
-        return float(np.linalg.norm(rest) / np.sqrt(max(1, len(right) - explaining.shape[1])))
-
     def _whitened(self, variance: Floats) -> tuple[Floats, Floats, Floats]:
         """Design, derivatives by the set angles, and what an ideal stand leaves of the outputs, in units of the
         noise."""
         noise = np.maximum(np.sqrt(np.repeat(variance[self._fit], 3)) / self._scale, _SMALLEST_NOISE)
-        return self._model.design / noise[:, None], self._model.by_set_angle.T / noise[:, None], self._left() / noise
-
-    def _left(self) -> Floats:
-        """What an ideal stand leaves of the outputs, over max|K|."""
-        ideal, outputs = design(self._fitted), self._means.ravel()
-        left: Floats = outputs - ideal @ np.linalg.lstsq(ideal, outputs, rcond=None)[0]
-        return left
+        return self._design / noise[:, None], self._by_set_angle.T / noise[:, None], self._left / noise
 
     def _components(self, variance: Floats) -> tuple[Floats, Floats]:
         """The residuals that errors of set angles move, as independent components: their values, in units of the noise,
@@ -289,27 +255,24 @@ def look(
     Channels of which the stand declares different noise are made alike by its weights first: `run` was made with these,
     `noise` is that of the noisiest channel, each having been held against its own.
 
-    Free attitudes show the noise alone: poses without a turn of one table, or more mountings than the core has yaws
-    for. So do outputs so far from those of any stand that no small angles explain them, such as those of exchanged
-    mountings: the angles are linear theory, and its figures would be rounding. A stand that is not to be
-    trusted gives no uncertainties, except where the run itself has none to give.
+    A stand that is not to be trusted gives no uncertainties, except where the run itself has none to give.
     """
-    if run.mountings > MOST_YAWS or not run.has_turns or run.departure > LARGEST_ERROR_RAD:
-        return StandSeen(noise, None, 0.0, dict.fromkeys(ANGLES), dict.fromkeys(ANGLES), None)
+    nothing = dict.fromkeys(ANGLES)
+    if not run.shows_angles:
+        return StandSeen(noise, None, 0.0, nothing, nothing, None)
     own = own_variance(noise, samples, stand, mean_variance)
-    error = None if own is None else run.angle_error(own)
-    alpha4 = None if error is None else error.seen
+    alpha4, freedom = (None, 0.0) if own is None else run.angle_error(own)
     if stand is not None and (trust_stand or alpha4 is None):
         source, sigma = "stand", stand.sigma("angle")
-        variance = _at_least(_declared(stand, samples), mean_variance, stand)
+        variance = _at_least(stand.mean_variance(samples).max(axis=1), mean_variance, stand)
     elif alpha4 is not None and own is not None:
         source, sigma, variance = "run", alpha4.value, own
     else:
-        angles = run.angles(None, np.zeros(len(samples)))
-        return StandSeen(noise, None, 0.0, angles, dict.fromkeys(ANGLES), None)
-    freedom = 0.0 if error is None or alpha4 is None else error.freedom
-    found = run.angles(sigma, variance), run.fit(sigma, variance), source, run.other_yaw_changes(sigma, variance)
-    return StandSeen(noise, alpha4, freedom, *found)
+        return StandSeen(noise, None, 0.0, run.angles(None, np.zeros(len(samples))), nothing, None)
+    found = run.fit(sigma, variance)
+    augmented = {name: found[name] for name in ANGLES}
+    others = {name: one for name, one in found.items() if isinstance(name, int)}
+    return StandSeen(noise, alpha4, freedom, run.angles(sigma, variance), augmented, source, others)
 
 
 def averaged_over(samples: Integers, stand: Stand | None) -> Integers:
@@ -324,7 +287,7 @@ def own_variance(
     alike; None where neither is known. Arguments as of `look`."""
     if noise is not None:
         return _at_least(noise.value**2 / averaged_over(samples, stand), mean_variance, stand)
-    return None if stand is None else _declared(stand, samples)
+    return None if stand is None else np.asarray(stand.mean_variance(samples).max(axis=1))
 
 
 def weights_of(stand: Stand | None) -> Floats:
@@ -337,11 +300,6 @@ def stand_to_look_with(stand: Stand, k: Floats) -> Stand:
     the outputs are no such channels then, as if one had another unit, and the angles would hang on last bits."""
     rows = np.linalg.norm(k, axis=1) * stand.weights
     return stand if rows.max() <= _FARTHEST * rows.min() else stand.with_sigma("noise", stand.sigmas("noise").max())
-
-
-def _declared(stand: Stand, samples: Integers) -> Floats:
-    variance: Floats = stand.mean_variance(samples).max(axis=1)
-    return variance
 
 
 def _at_least(white: Floats, mean_variance: Floats | None, stand: Stand | None) -> Floats:
@@ -365,7 +323,7 @@ class ChannelNoise:
     @property
     def u(self) -> Floats:
         """Standard uncertainties (3,)."""
-        return self.values * self._relative_u
+        return self.values * float((2.0 * self.freedom) ** -0.5)
 
     @classmethod
     def pooled(cls, runs: Iterable[ChannelNoise | None]) -> ChannelNoise | None:
@@ -379,8 +337,4 @@ class ChannelNoise:
         """For people."""
         seen = ", ".join(f"{axis} {value:.2e}" for axis, value in zip("xyz", self.values))
         declared = ", ".join(f"{sigma:.2e}" for sigma in self.declared)
-        return f"{seen} {unit}, each +- {100.0 * self._relative_u:.2g} %; declared {declared}"
-
-    @property
-    def _relative_u(self) -> float:
-        return float((2.0 * self.freedom) ** -0.5)
+        return f"{seen} {unit}, each +- {100.0 * (2.0 * self.freedom) ** -0.5:.2g} %; declared {declared}"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from tumble.messages import signed
 from tumble.pictures.canvas import BLACK, BLUE, MINUS, PALE, VERMILLION, blank, legend_above, picture
-from tumble.rounding import rounded
+from tumble.units import rounded
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

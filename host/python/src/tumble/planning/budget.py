@@ -22,9 +22,9 @@ from tumble.planning import weights
 from tumble.planning.case import Case
 from tumble.planning.model_cost import model_cost_part
 from tumble.planning.weights import NAMES, SOURCES
-from tumble.solving.further import Further
-from tumble.solving.many_runs import estimator_or_linear
+from tumble.solving.computation import estimator_or_linear
 from tumble.solving.result import second_order_of, unseen as unseen_of
+from tumble.solving.uncertainty import Further
 from tumble.stand import SIGMA, SOURCES as DECLARED
 
 ALPHAS = "alpha1 axis tilt, alpha2 level, alpha3 yaw of the block, alpha4 set angles"

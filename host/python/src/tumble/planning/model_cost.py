@@ -14,7 +14,7 @@ from tumble.estimators import COEFFICIENTS
 from tumble.model.coefficients import worst_norm
 from tumble.planning.case import Case
 from tumble.planning.promise import error_field
-from tumble.solving.further import Further, Without
+from tumble.solving.uncertainty import Further, Without
 from tumble.terms import DRIFT, KEYS, names
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from tumble.model.optimal import OptimalTable, optimal_table, standard_deviation
 from tumble.model.propagation import SecondOrder, second_order
 from tumble.planning.case import Case
 from tumble.planning.promise import promise
-from tumble.solving.many_runs import estimator_or_linear
+from tumble.solving.computation import estimator_or_linear
 from tumble.solving.optimal_run import Record, record_of
 from tumble.solving.result import second_order_of
 from tumble.stand import per_channel

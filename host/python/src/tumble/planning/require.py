@@ -59,7 +59,7 @@ from tumble.planning.model_cost import model_cost_part
 from tumble.planning.promise import ON_A_SEAT, growing_promise
 from tumble.planning.weights import EQUATION_18, EQUATION_19, NAMES, SOURCES, evaluate, symbols
 from tumble.solving.decision import UNCERTAINTY, Decision, Question, in_words
-from tumble.solving.further import Further
+from tumble.solving.uncertainty import Further
 from tumble.stand import COMMON, Stand, by_channel, per_channel
 
 CEILING_RAD = 0.01  # beyond it nobody has tried the optimal estimator: what it bears up to here limits nothing

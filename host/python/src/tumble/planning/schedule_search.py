@@ -57,8 +57,9 @@ from tumble.planning.case import Case
 from tumble.planning.model_cost import model_cost, model_cost_part, sentence as cost_sentence
 from tumble.planning.promise import error_field, growing_promise, sentence
 from tumble.schedule import Mounting, Position, Schedule
-from tumble.solving.further import Further, confused
+from tumble.solving.computation import confused
 from tumble.solving.result import unseen
+from tumble.solving.uncertainty import Further
 from tumble.stand import by_channel
 from tumble.terms import EXTENDABLE, Terms
 from tumble.workers.over import ALONE, Piece, Progress, Result, Team, over

@@ -28,8 +28,9 @@ from tumble.planning import tables
 from tumble.planning.case import Case
 from tumble.planning.promise import condition, largest_over_attitudes, norm_forms, promise
 from tumble.planning.weights import estimator_gains
-from tumble.solving import many_runs
-from tumble.solving.many_runs import Chunk, Sources, chunks, drawn_outputs, estimator_for, stream_of
+from tumble.solving import optimal_run
+from tumble.solving.computation import estimator_for
+from tumble.solving.many_runs import Chunk, Sources, chunks, drawn_outputs, stream_of
 from tumble.terms import POWERS, Terms
 from tumble.workers.over import ALONE, Progress, Result, Team, over
 
@@ -225,7 +226,7 @@ def _solver(case: Case, estimator: str, k: Floats, table: str) -> Solver:
     if estimator == OPTIMAL and table == RUN and not case.terms:
         fitted, indices = case.fitted, case.schedule.fit_indices
         samples = samples_in_a_mean(fitted, case.stand, np.ones(len(fitted.positions), dtype=int))
-        return lambda means: many_runs.solve(fitted, means[:, indices], case.stand, case.step_v, samples)
+        return lambda means: optimal_run.solve_each(fitted, means[:, indices], case.stand, case.step_v, samples)
     estimate, u = estimator_for(case.propagation(estimator, k)), _planned(case, estimator, k)
     if estimator == OPTIMAL:
         return lambda means: (estimate(means), np.broadcast_to(u, (len(means), 12)))

@@ -3,15 +3,15 @@
 The core computes, the numpy model confirms, and only then is there a solution with its uncertainties.
 
     solution     solve a run; what is known afterwards
-    computation  what the core makes of the means, held against the model; a disagreement gives no result
-    optimal_run  the optimal estimator for one run: weights made for it, their record, evaluated by the core
-    further      further terms of the model, K2, K3 and drift: how they are found, and what they cost
+    computation  what the core makes of the means of one run or of many, held against the model; a disagreement gives
+                 no result
+    optimal_run  the weights of the optimal estimator: made for a run or for many, their record, evaluated by the core
     noise        the noise that a run itself shows, and where it counts
-    uncertainty  the standard uncertainties that a result states, and how well they are known
+    uncertainty  the standard uncertainties that a result states, of further terms too, and how well they are known
     plausibility is K that of the declared block; at which temperatures was it measured
     decision     what a result rests on, whether it passes, and what would show its limit
     result       the document that is written of a solution, schema tumble.result/1, and stand and schedule read back
     coefficients those of a result, in g or m/s^2, with K^-1
     expected     what the declared stand makes one expect of a result, source by source
-    many_runs    thousands of runs at once, and whether they confirm a result's uncertainties
+    many_runs    thousands of runs drawn from a stand, and whether they confirm a result's uncertainties
 """

@@ -1,5 +1,8 @@
 """What the firmware core makes of a run (`compute`): coefficients, checks, and what follows from them; held against the
 numpy model (`compare`): a result that the model does not confirm is not given.
+
+Further terms of the model (tumble.terms), which the core does not know, are found by its least squares
+(`least_squares`); many runs at once by any estimator (`estimator_for`).
 """
 
 from __future__ import annotations
@@ -10,13 +13,19 @@ import numpy as np
 
 from tumble import core
 from tumble.arrays import Flags, Floats
-from tumble.errors import Disagreement
-from tumble.model import coefficients
-from tumble.model.coefficients import linear_outputs
+from tumble.core.binding import GainRecord, estimate_runs as core_runs, optimal_runs
+from tumble.errors import BadInput, Disagreement, UsageError
+from tumble.estimators import OPTIMAL
+from tumble.model import coefficients, estimators
+from tumble.model.coefficients import NotSolvable, linear_outputs
+from tumble.model.errors import by_gains
 from tumble.model.estimators import columns_at, magnification, unknowns
+from tumble.model.geometry import ideal_force
 from tumble.model.optimal import OptimalEstimate, by_table
+from tumble.model.propagation import ManyRuns, Propagation
 from tumble.schedule import Schedule
-from tumble.solving import further, optimal_run
+from tumble.solving import optimal_run
+from tumble.solving.optimal_run import record_of, to_bytes
 from tumble.terms import Terms
 
 
@@ -52,89 +61,51 @@ def compute(
 ) -> Computation:
     """Let the core estimate and verify. `weighting`: of the optimal estimator, which alone needs it.
 
-    Raises CoreRefusal; DeadChannels where a channel does not feel gravity; NotSolvable.
+    Raises CoreRefusal; NotSolvable, also where a channel does not feel gravity.
     """
     sizes, linear = np.zeros((0, 3)), means
-    if terms:
-        found = _with_terms(schedule, means, measured, weighting, terms)
+    if terms:  # by a table of gains where there are weights, else by the core's least squares
+        part, lone = schedule.part(measured), means[None, measured]
+        if weighting is None:
+            found = least_squares(part, lone, terms).ravel()
+        else:
+            table = optimal_run.make_table(schedule, means, measured, weighting, terms)
+            found = by_table(table, part.data, weighting.stand, terms, lone).ravel()
         k, u0, sizes = found[:9].reshape(3, 3), found[9:12], found[12:].reshape(-1, 3)
     elif weighting is None:
         k, u0 = core.estimate(schedule, means, measured, estimator)
     else:
         one = optimal_run.estimate(schedule, means, measured, weighting)
         k, u0 = one.k, one.u0
-    _require_response(k, means[measured])
+    response, rounding = np.linalg.norm(k, axis=1), _ROUNDING * np.abs(means[measured]).max(axis=0)
+    dead = response <= np.maximum(core.MIN_ROW_RATIO * response.max(), rounding)
+    if dead.any():
+        channels = [f"u{axis}" for axis, is_dead in zip(core.AXES, dead) if is_dead]
+        raise NotSolvable(f"no response to gravity in channel {' and '.join(channels)}: K is singular")
     calibration = core.Calibration(k, u0)
     if terms:
         linear = means.copy()
         linear[measured] = linear_outputs(means[measured], k, u0, sizes, terms)
+    rms, left = core.residual_rms(schedule, linear, measured, k, u0), len(schedule.data.part(measured).fit_indices) - 4
+    if terms and rms is not None:  # that of the core is over the positions less four, not less all unknowns
+        rms = None if left <= len(terms) else rms * (left / (left - len(terms))) ** 0.5
+    numbers = [mounting.number for mounting in schedule.data.mountings]
+    differences = {number: core.closure(schedule, means, measured, number) for number in numbers}
     return Computation(
         estimator=estimator,
         k=k,
         u0=u0,
         gravity=core.gravity_check(schedule, linear, measured, calibration, limit_g),
         intrinsic=core.intrinsic(k, u0),
-        closure=_closures(schedule, means, measured),
-        residual_rms=_residual_rms(schedule, linear, measured, k, u0, len(terms)),
+        closure={number: difference for number, difference in differences.items() if difference is not None},
+        residual_rms=rms,
         terms=terms,
         sizes=sizes,
         linear=linear,
     )
 
 
-def _with_terms(
-    schedule: core.CoreSchedule,
-    means: Floats,
-    measured: Flags,
-    weighting: optimal_run.Weighting | None,
-    terms: Terms,
-) -> Floats:
-    """K row by row, U0 and the sizes (12 + 3 x terms,): by a table of gains where there are weights, else by the
-    core's least squares."""
-    part, lone = schedule.part(measured), means[None, measured]
-    if weighting is None:
-        found = further.least_squares(part, lone, terms)
-    else:
-        table = optimal_run.make_table(schedule, means, measured, weighting, terms)
-        found = by_table(table, part.data, weighting.stand, terms, lone)
-    return found.ravel()
-
-
-def _residual_rms(
-    schedule: core.CoreSchedule, means: Floats, measured: Flags, k: Floats, u0: Floats, terms: int
-) -> Floats | None:
-    """The core's, which is over the positions less four, over those less all unknowns of a channel."""
-    rms = core.residual_rms(schedule, means, measured, k, u0)
-    left = len(schedule.data.part(measured).fit_indices) - 4
-    if rms is None or left <= terms:
-        return None
-    found: Floats = rms * (left / (left - terms)) ** 0.5
-    return found
-
-
-class DeadChannels(Exception):
-    """K is singular, and one can say why: `channels`, such as ["ux"], do not respond to gravity."""
-
-    def __init__(self, channels: list[str]):
-        super().__init__(f"no response to gravity in channel {' and '.join(channels)}: K is singular")
-
-
 _ROUNDING = 1e-13  # of the outputs: a response below it is what summing them leaves, whatever the core makes of it
-
-
-def _require_response(k: Floats, outputs: Floats) -> None:
-    response = np.linalg.norm(k, axis=1)
-    dead = response <= np.maximum(core.MIN_ROW_RATIO * response.max(), _ROUNDING * np.abs(outputs).max(axis=0))
-    if dead.any():
-        raise DeadChannels([f"u{axis}" for axis, is_dead in zip(core.AXES, dead) if is_dead])
-
-
-def _closures(schedule: core.CoreSchedule, means: Floats, measured: Flags) -> dict[int, Floats]:
-    numbers = [mounting.number for mounting in schedule.data.mountings]
-    differences = {number: core.closure(schedule, means, measured, number) for number in numbers}
-    return {number: difference for number, difference in differences.items() if difference is not None}
-
-
 RELATIVE_LIMIT = 1e-12
 OPTIMAL_LIMIT_U = 1e-6
 UNCERTAINTY_LIMIT = 1e-9
@@ -174,17 +145,22 @@ def compare(
     1e-6 of their standard uncertainty, or by that bit as its weights magnify it. What follows from the coefficients may
     differ by ten times that, times the condition of K where K is inverted or its rows are compared.
     """
+    largest = np.abs(outputs).max()
     if optimal is not None:
         k, u0, sizes = optimal.k, optimal.u0, optimal.sizes
-        allowed_k, allowed_u0, allowed_sizes = _allowed_of_optimal(optimal, outputs)
+        magnified = _MAGNIFIED_BITS + _SINGLE_BIT * optimal.largest_angle**2
+        bits = max(_LAST_BITS, magnified * optimal.magnification) * largest
+        u_of_all = optimal.u_k, optimal.u_u0, optimal.u_sizes
+        allowed_k, allowed_u0, allowed_sizes = (np.maximum(OPTIMAL_LIMIT_U * u, bits) for u in u_of_all)
     else:
-        k, u0, sizes = _estimate(schedule, outputs, found)
-        allowed_k = allowed_u0 = allowed_sizes = np.array(_allowed(schedule, outputs, np.abs(k).max(), found.terms))
+        numbers = unknowns(schedule, outputs, found.estimator, found.terms)
+        k, u0, sizes = numbers[:9].reshape(3, 3), numbers[9:12], numbers[12:].reshape(-1, 3)
+        bits = max(_LAST_BITS, _MAGNIFIED_BITS * magnification(schedule, found.terms)) * float(largest)
+        allowed_k = allowed_u0 = np.array(max(RELATIVE_LIMIT * np.abs(k).max(), bits))
+        allowed_sizes = np.broadcast_to(allowed_k, sizes.shape)
     _require("K", found.k, k, allowed_k)
     _require("U0", found.u0, u0, allowed_u0)
-    for term, computed, witness, allowed in zip(
-        found.terms, found.sizes, sizes, np.broadcast_to(allowed_sizes, sizes.shape)
-    ):
+    for term, computed, witness, allowed in zip(found.terms, found.sizes, sizes, allowed_sizes):
         _require(term, computed, witness, allowed)
 
     largest_k = np.abs(k).max()
@@ -202,17 +178,11 @@ def compare(
     _require("intrinsic angle_rad", found.intrinsic.angles, angles, conditioned)
     _require("intrinsic bias_g", found.intrinsic.bias, bias, conditioned * (1.0 + np.abs(bias).max()))
     rms = coefficients.residual_rms(schedule, means, k, u0, 4 + len(found.terms))
-    _require_same("residual_rms", found.residual_rms, rms, follows * largest_k)
+    _require("residual_rms", found.residual_rms, rms, follows * largest_k)
     for mounting in schedule.mountings:
         closure = coefficients.closure(schedule, outputs, mounting.number)
-        _require_same(f"closure of mounting {mounting.number}", found.closure.get(mounting.number), closure, 0.0)
+        _require(f"closure of mounting {mounting.number}", found.closure.get(mounting.number), closure, 0.0)
     return Comparison(found.k - k, found.u0 - u0, found.sizes - sizes)
-
-
-def _estimate(schedule: Schedule, means: Floats, found: Computation) -> tuple[Floats, Floats, Floats]:
-    """K, U0 and the sizes of further terms by numpy, of an estimator that needs no stand."""
-    numbers = unknowns(schedule, means, found.estimator, found.terms)
-    return numbers[:9].reshape(3, 3), numbers[9:12], numbers[12:].reshape(-1, 3)
 
 
 def compare_uncertainties(stated: Floats, by_numpy: Floats, optimal: bool) -> None:
@@ -226,30 +196,11 @@ def compare_uncertainties(stated: Floats, by_numpy: Floats, optimal: bool) -> No
         _require(name, stated[part], by_numpy[part], limits[part])
 
 
-def _allowed(schedule: Schedule, means: Floats, largest_k: float, terms: Terms) -> float:
-    bits = max(_LAST_BITS, _MAGNIFIED_BITS * magnification(schedule, terms))
-    return max(RELATIVE_LIMIT * largest_k, bits * float(np.abs(means).max()))
-
-
-def _allowed_of_optimal(optimal: OptimalEstimate, means: Floats) -> tuple[Floats, Floats, Floats]:
-    magnified = _MAGNIFIED_BITS + _SINGLE_BIT * optimal.largest_angle**2
-    bits = max(_LAST_BITS, magnified * optimal.magnification) * np.abs(means).max()
-    k, u0, sizes = (np.maximum(OPTIMAL_LIMIT_U * u, bits) for u in (optimal.u_k, optimal.u_u0, optimal.u_sizes))
-    return k, u0, sizes
-
-
-def _require_same(name: str, core: Floats | None, witness: Floats | None, limit: float) -> None:
-    _require_both(name, core, witness)
-    if core is not None and witness is not None:
-        _require(name, core, witness, limit)
-
-
-def _require_both(name: str, core: object, witness: object) -> None:
-    if (core is None) != (witness is None):
-        raise Disagreement(f"the C core and numpy disagree: only one of them gives {name}; no result is given")
-
-
-def _require(name: str, core: Floats | float, witness: Floats | float, limit: Floats | float) -> None:
+def _require(name: str, core: Floats | float | None, witness: Floats | float | None, limit: Floats | float) -> None:
+    if core is None or witness is None:
+        if core is not None or witness is not None:
+            raise Disagreement(f"the C core and numpy disagree: only one of them gives {name}; no result is given")
+        return
     difference, limit = np.broadcast_arrays(np.abs(core - witness), limit)
     if not (difference <= limit).all():
         worst = int(np.argmin(limit - difference))  # the first that is not a number, if there is one
@@ -258,3 +209,70 @@ def _require(name: str, core: Floats | float, witness: Floats | float, limit: Fl
             f" allowed is {limit.flat[worst]:.2g};"
             " no result is given"
         )
+
+
+def confused(schedule: Schedule, terms: Terms) -> str | None:
+    """What the fit positions cannot tell apart, in words; None where they can."""
+    found = [f"{', '.join(them[:-1])} and {them[-1]}" for them in estimators.confused(schedule, terms)]
+    return f"these positions cannot tell apart {', nor '.join(found)}" if found else None
+
+
+def require_told_apart(schedule: Schedule, terms: Terms, file: str = "") -> None:
+    """Raise BadInput of the run in `file`, UsageError before there is one, where the fit positions do not determine the
+    terms."""
+    found = confused(schedule, terms) if terms else None
+    if found is not None:
+        said = f"--model {','.join(terms)}: {found}"
+        raise BadInput(said, file) if file else UsageError(said)
+
+
+def least_squares(schedule: core.CoreSchedule, means: Floats, terms: Terms) -> Floats:
+    """K row by row, U0 and the sizes of further terms (runs, 12 + 3 x terms) of means (runs, positions, 3), all
+    measured, by the core's least squares, which does not know the terms. Raises CoreRefusal.
+
+    Sizes are found by elimination: the core solves the outputs, and the column of every term, for the twelve; what it
+    leaves of both has only the terms in common. The outputs without them then have the twelve of all unknowns together,
+    whose normal equations are the same.
+    """
+    force, fit = ideal_force(schedule.data), schedule.data.fit_indices
+    columns = columns_at(force, terms)
+
+    def left(outputs: Floats) -> Floats:
+        twelve = core_runs(schedule, outputs, "least_squares")
+        rest = outputs - force @ np.swapaxes(twelve[:, :9].reshape(-1, 3, 3), 1, 2) - twelve[:, None, 9:]
+        return rest[:, fit].reshape(len(outputs), -1)
+
+    sizes = np.linalg.lstsq(left(columns).T, left(means).T, rcond=None)[0].T.astype(float)
+    twelve = core_runs(schedule, means - np.tensordot(sizes, columns, axes=1), "least_squares")
+    return np.concatenate([twelve, sizes], axis=1)
+
+
+def estimator_for(given: Propagation) -> ManyRuns:
+    """From means (runs, positions, 3), all measured, to K row by row, U0 and the sizes of further terms (runs, 12 + 3 x
+    terms). `optimal` has weights made at the `k` given: its second order makes up for those of each run's own K. What
+    is returned raises CoreRefusal."""
+    schedule, terms = core.CoreSchedule(given.schedule), given.terms
+    if given.estimator != OPTIMAL:
+        if terms:
+            return lambda means: least_squares(schedule, means, terms)
+        return lambda means: core_runs(schedule, means, given.estimator)
+    if terms:
+        return lambda means: by_table(given.table, given.schedule, given.stand, terms, means)
+    record = GainRecord(schedule, to_bytes(record_of(given.table, given.schedule)))
+    return lambda means: optimal_runs(record, means)[0]
+
+
+def estimator_or_linear(given: Propagation) -> ManyRuns:
+    """The same, of the twelve alone; beyond 0.1 rad, where `optimal` gives no result, its linear part, whose bias says
+    enough."""
+    estimate = estimator_for(given)
+
+    def of(means: Floats) -> Floats:
+        try:
+            return estimate(means)[:, :12]
+        except core.CoreRefusal:
+            if given.estimator != OPTIMAL:
+                raise
+            return by_gains(given.schedule, given.gains[:12])(means)
+
+    return of

@@ -11,14 +11,14 @@ uncertainties do not show (would_show).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tumble import core
-from tumble.arrays import Flags, Floats
+from tumble.arrays import Floats
 from tumble.defaults import DEFAULT_COVERAGE_FACTOR
 from tumble.documents.result import Remedy, Result
 from tumble.errors import UsageError
@@ -27,10 +27,10 @@ from tumble.model.coefficients import worst_norm
 from tumble.model.geometry import built_in
 from tumble.model.propagation import Propagation
 from tumble.model.reliability import moved_by_a_seat, seat_is_unseen, unseen_patterns
-from tumble.rounding import on_its_side
 from tumble.schedule import Schedule
 from tumble.stand import Stand
 from tumble.terms import Terms
+from tumble.units import on_its_side
 
 if TYPE_CHECKING:  # whoever reads a result solves none
     from tumble.solving.solution import Solution
@@ -46,14 +46,23 @@ _ROUNDING = 1e-9  # of the largest change: less is none
 
 @dataclass(frozen=True)
 class Assumption:
-    """`phrase`: what is assumed, to stand behind "assuming"; `why`: in a few words. `of`: the coefficients of a
-    solution that rest on it, empty where all do; None where it need not be assumed. `mark`: of a coefficient that does;
-    empty where all do."""
+    """`phrase`: what is assumed, to stand behind "assuming"; `why`: in a few words; `mark`: of a coefficient that rests
+    on it; empty where all do."""
 
     phrase: str
     why: str
-    of: Callable[[Solution], Coefficients | None]
     mark: str = ""
+
+
+ASSUMPTIONS: Mapping[str, Assumption] = {
+    "seat": Assumption("a square seat", "no position shows the block's tilt against the axis", "*"),
+    "linear": Assumption("linearity", "the positions do not show all higher orders of the block", "^"),
+    "order": Assumption("nothing exchanged or reversed", "no [block] says that its axes are such"),
+    "unit": Assumption("volts", "the run file names no unit (--unit)"),
+    "white_noise": Assumption("white noise", "too few samples at a position to test it"),
+    "undithered": Assumption("independent rounding errors", "all samples of a position round alike"),
+    "temperature": Assumption("one temperature", "K and U0 hold at that of the run, which is unknown"),
+}
 
 
 def rests_on_a_seat(schedule: Schedule, k: Floats, stand: Stand | None, terms: Terms = ()) -> bool:
@@ -62,74 +71,31 @@ def rests_on_a_seat(schedule: Schedule, k: Floats, stand: Stand | None, terms: T
     return (stand is None or not stand.declares_seat) and seat_is_unseen(schedule, k, terms)
 
 
-def _on_a_linear_block(solution: Solution) -> Coefficients | None:
-    found = solution.found
-    moved = unseen_patterns(solution.measured_schedule, found.k, _linear(found.estimator))
-    return _names(np.any(list(moved.values()), axis=0).ravel()) if moved else None
-
-
-def _linear(estimator: str) -> str:
-    """The estimator, or the one that is most like `optimal`."""
-    return "least_squares" if estimator == OPTIMAL else estimator
-
-
-def _names(moved: Flags) -> Coefficients:
-    """Of those of the twelve, or of the nine of K."""
-    return tuple(COEFFICIENTS[index] for index in np.flatnonzero(moved))
-
-
-def _on_a_square_seat(solution: Solution) -> Coefficients | None:
-    """Those whose uncertainty an undeclared tilt of a size to be expected would raise by a tenth or more."""
-    found, schedule = solution.found, solution.measured_schedule
-    if not rests_on_a_seat(schedule, found.k, solution.stand, found.terms):
-        return None
-    stated = solution.stated or solution.scatter_alone
-    variance = np.zeros(12) if stated is None else np.diag(stated.of_twelve)
-    moved = np.array(list(moved_by_a_seat(schedule, found.k, _linear(found.estimator)).values()))
-    least_rad = _EXPECTED_RAD * moved.max() * (_COUNTS if stated is None else _ROUNDING)
-    raised = (_EXPECTED_RAD * moved) ** 2 > np.maximum((_RAISED**2 - 1.0) * variance, least_rad**2)
-    return _names(raised.any(axis=0))
-
-
-def _in_volts(solution: Solution) -> Coefficients | None:
-    return None if solution.run.unit_told else ()
-
-
-def _on_white_noise(solution: Solution) -> Coefficients | None:
-    return None if solution.run.samples.max() >= _FEWEST_TO_TEST else ()
-
-
-def _on_a_temperature(solution: Solution) -> Coefficients | None:
-    return () if solution.run.temperature is None else None
-
-
-def _on_rounding(solution: Solution) -> Coefficients | None:
-    return () if solution.noise.undithered.any() else None
-
-
-def _in_order(solution: Solution) -> Coefficients | None:
-    return () if solution.is_out_of_order else None
-
-
-ASSUMPTIONS: Mapping[str, Assumption] = {
-    "seat": Assumption("a square seat", "no position shows the block's tilt against the axis", _on_a_square_seat, "*"),
-    "linear": Assumption(
-        "linearity", "the positions do not show all higher orders of the block", _on_a_linear_block, "^"
-    ),
-    "order": Assumption("nothing exchanged or reversed", "no [block] says that its axes are such", _in_order),
-    "unit": Assumption("volts", "the run file names no unit (--unit)", _in_volts),
-    "white_noise": Assumption("white noise", "too few samples at a position to test it", _on_white_noise),
-    "undithered": Assumption("independent rounding errors", "all samples of a position round alike", _on_rounding),
-    "temperature": Assumption(
-        "one temperature", "K and U0 hold at that of the run, which is unknown", _on_a_temperature
-    ),
-}
-
-
 def assumed(solution: Solution) -> dict[str, Coefficients]:
-    """What a solution rests on, by name and in the order of ASSUMPTIONS, and the coefficients that do."""
-    found = {name: assumption.of(solution) for name, assumption in ASSUMPTIONS.items()}
-    return {name: coefficients for name, coefficients in found.items() if coefficients is not None}
+    """What a solution rests on, by name and in the order of ASSUMPTIONS, and the coefficients that do; none where all
+    do."""
+    found, run, schedule = solution.found, solution.run, solution.measured_schedule
+    rests_on: dict[str, Coefficients] = {}
+    linear = "least_squares" if found.estimator == OPTIMAL else found.estimator  # what is most like `optimal`
+    if rests_on_a_seat(schedule, found.k, solution.stand, found.terms):
+        # those whose uncertainty an undeclared tilt of a size to be expected would raise by a tenth or more
+        stated = solution.stated or solution.scatter_alone
+        variance = np.zeros(12) if stated is None else np.diag(stated.covariance)[:12]
+        moved = np.array(list(moved_by_a_seat(schedule, found.k, linear).values()))
+        least_rad = _EXPECTED_RAD * moved.max() * (_COUNTS if stated is None else _ROUNDING)
+        raised = (_EXPECTED_RAD * moved) ** 2 > np.maximum((_RAISED**2 - 1.0) * variance, least_rad**2)
+        rests_on["seat"] = tuple(COEFFICIENTS[index] for index in np.flatnonzero(raised.any(axis=0)))
+    if unseen := unseen_patterns(schedule, found.k, linear):
+        moved_k = np.any(list(unseen.values()), axis=0).ravel()
+        rests_on["linear"] = tuple(COEFFICIENTS[index] for index in np.flatnonzero(moved_k))
+    whole = {
+        "order": solution.is_out_of_order,
+        "unit": not run.unit_told,
+        "white_noise": run.samples.max() < _FEWEST_TO_TEST,
+        "undithered": solution.noise.undithered.any(),
+        "temperature": run.temperature is None,
+    }
+    return rests_on | {name: () for name, is_assumed in whole.items() if is_assumed}
 
 
 def marks(assumes: Mapping[str, Iterable[str]]) -> dict[str, str]:
@@ -216,9 +182,7 @@ class Decision:
     @property
     def where(self) -> str:
         """Behind PASS without a stand; else empty, as it holds everywhere."""
-        if self.scope == EVERYWHERE:
-            return ""
-        return f"{self.only}: no stand declared, no uncertainty elsewhere"
+        return f"{self.only}: no stand declared, no uncertainty elsewhere" if self.only else ""
 
     @property
     def only(self) -> str:
@@ -327,35 +291,27 @@ class Question:
 
     def answers(self) -> list[Remedy]:
         """What would show it, the cheapest first; a better stand always does."""
-        told = [one for one in (self._weights(), self._samples(), self._mounting()) if one is not None]
-        better = self.reach_g() / self.limit_g * _ROUNDED
-        return [*told, Remedy("converter" if self.rounding.any() else "stand", better, self.limit_g)]
+        given, limit_g, found = self.given, self.limit_g, []
+        reach_g = np.inf if given.estimator == OPTIMAL else self._tried(estimator=OPTIMAL)
+        if reach_g <= limit_g:
+            found.append(Remedy("estimator", OPTIMAL, reach_g))
+        if self._tried(times=_MOST_TIMES) <= limit_g:
+            low, high = 1.0, _MOST_TIMES
+            for _ in range(_BISECTIONS):
+                middle = (low * high) ** 0.5
+                low, high = (low, middle) if self.reach_g(middle) <= limit_g else (middle, high)
+            samples = given.stand.averaged_over(given.samples)
+            found.append(Remedy("samples", int(np.ceil(high * samples.max())), self.reach_g(high)))
+        reach_g = np.inf if len(given.schedule.mountings) > 2 else self._tried(schedule=built_in(_THIRD))
+        if reach_g <= limit_g:
+            found.append(Remedy("mountings", 3, reach_g))
+        better = self.reach_g() / limit_g * _ROUNDED
+        return [*found, Remedy("converter" if self.rounding.any() else "stand", better, limit_g)]
 
-    def _weights(self) -> Remedy | None:
-        reach_g = np.inf if self.given.estimator == OPTIMAL else self._tried(lambda: self.reach_g(estimator=OPTIMAL))
-        return Remedy("estimator", OPTIMAL, reach_g) if reach_g <= self.limit_g else None
-
-    def _samples(self) -> Remedy | None:
-        if self._tried(lambda: self.reach_g(_MOST_TIMES)) > self.limit_g:
-            return None
-        low, high = 1.0, _MOST_TIMES
-        for _ in range(_BISECTIONS):
-            middle = (low * high) ** 0.5
-            low, high = (low, middle) if self.reach_g(middle) <= self.limit_g else (middle, high)
-        samples = self.given.stand.averaged_over(self.given.samples)
-        return Remedy("samples", int(np.ceil(high * samples.max())), self.reach_g(high))
-
-    def _mounting(self) -> Remedy | None:
-        schedule = built_in(_THIRD)
-        if len(self.given.schedule.mountings) > 2:
-            return None
-        reach_g = self._tried(lambda: self.reach_g(schedule=schedule))
-        return Remedy("mountings", 3, reach_g) if reach_g <= self.limit_g else None
-
-    def _tried(self, reach: Callable[[], float]) -> float:
+    def _tried(self, **changes: Any) -> float:
         """Infinite where there is no such estimate."""
         try:
-            return reach()
+            return self.reach_g(**changes)
         except (UsageError, core.CoreRefusal, np.linalg.LinAlgError):
             return np.inf
 
@@ -368,13 +324,11 @@ def would_show(solution: Solution) -> list[Remedy]:
 
 
 def in_words(remedies: Sequence[Remedy], limit_g: float) -> str:
-    """All, such as "It would be shown by --estimator optimal (0.00011 g) or ..."; empty for none."""
-    return "It would be shown by " + " or ".join(_told(remedies, limit_g)) if remedies else ""
-
-
-def _told(remedies: Sequence[Remedy], limit_g: float) -> Iterator[str]:
-    """A stand so many times better always helps."""
+    """All, such as "It would be shown by --estimator optimal (0.00011 g) or ..."; empty for none. A stand so many times
+    better always helps."""
+    told = []
     for one in remedies:
         is_better = one.change in ("stand", "converter")
-        phrase = _PHRASES[one.change].format(f"{one.to:.3g}" if is_better else one.to)
-        yield phrase if is_better else f"{phrase} ({on_its_side(one.reach_g, limit_g)} g)"
+        said = _PHRASES[one.change].format(f"{one.to:.3g}" if is_better else one.to)
+        told.append(said if is_better else f"{said} ({on_its_side(one.reach_g, limit_g)} g)")
+    return "It would be shown by " + " or ".join(told) if told else ""

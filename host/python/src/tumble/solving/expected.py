@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -95,8 +94,16 @@ def expected(result: Result, schedule: Schedule, declared: Stand, step_v: PerCha
     if not is_told:  # the noise is what the other sources leave
         others = sum((u**2 for name, u in coefficients.items() if name != NOISE), np.zeros(12))
         coefficients[NOISE] = np.sqrt(np.maximum(stated - others, 0.0))
-    _require_same(np.sqrt(stated), coefficients)
-    return Expected(coefficients, _together(left, errors).reshape(-1, 3), _together(gravity, errors))
+    together, u = np.sqrt(sum(u**2 for u in coefficients.values())), np.sqrt(stated)
+    wrong = ~np.isclose(together, u, rtol=_SAME, atol=0.0)
+    if wrong.any():
+        one = int(wrong.argmax())
+        has, leaves = f"the result has {u[one]:.4g}", f"this one leaves {together[one]:.4g}"
+        raise UsageError(f"stand: not that of the result: of u({COEFFICIENTS[one]}) {has}, {leaves}")
+    of_residuals, of_delta_g = (
+        np.sqrt(sum(one**2 for one in contributions(linear, errors).values())) for linear in (left, gravity)
+    )
+    return Expected(coefficients, of_residuals.reshape(-1, 3), of_delta_g)
 
 
 def terms_of(result: Result) -> Terms:
@@ -123,11 +130,6 @@ def _linear(given: Propagation) -> tuple[Linear, Linear, Linear]:
         return delta_g
 
     return found, left, gravity
-
-
-def _together(of: Linear, errors: dict[str, Any]) -> Floats:
-    found: Floats = np.sqrt(sum(one**2 for one in contributions(of, errors).values()))
-    return found
 
 
 def _part(result: Result, schedule: Schedule) -> Schedule | None:
@@ -174,13 +176,3 @@ def _mean_variance(result: Result, stand: Stand, samples: Integers, step: PerCha
     knows_step = bool((by_channel(step) > 0.0).all())
     is_told = (not any(exceeds) or len(set(samples.tolist())) == 1) and (not any(undithered) or knows_step)
     return np.where(undithered, beside, by_samples), is_told
-
-
-def _require_same(stated: Floats, coefficients: dict[str, Floats]) -> None:
-    """Raise UsageError where the sources together do not leave the uncertainties that the result states."""
-    found = np.sqrt(sum(u**2 for u in coefficients.values()))
-    wrong = ~np.isclose(found, stated, rtol=_SAME, atol=0.0)
-    if wrong.any():
-        one = int(wrong.argmax())
-        has, leaves = f"the result has {stated[one]:.4g}", f"this one leaves {found[one]:.4g}"
-        raise UsageError(f"stand: not that of the result: of u({COEFFICIENTS[one]}) {has}, {leaves}")

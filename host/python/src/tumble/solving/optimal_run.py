@@ -1,12 +1,8 @@
-"""The weights of the optimal estimator for one run: the record that carries them, and the run that is solved by them.
+"""The weights of the optimal estimator: made for a run, carried by a gain record, evaluated by the core.
 
-The gain record: a table of the optimal estimator as bytes for non-volatile memory, and as a C header.
-
-The layout is laid down in docs/gain-record.md. Units in it are volts and radians.
-
-The optimal estimator for a recorded run: weights made for the run, evaluated by the core.
-
-Weights depend on K: they are made at the last known K of the block, or at a first least-squares estimate by the core.
+Weights depend on K: they are made at the last known K of the block, or at a first least-squares estimate by the core;
+for many runs at once (`solve_each`) at each run's own. A gain record is a table of them as bytes for non-volatile
+memory, laid down in docs/gain-record.md, and as a C header. Units in it are volts and radians.
 """
 
 from __future__ import annotations
@@ -19,22 +15,30 @@ import numpy as np
 
 from tumble import core
 from tumble.arrays import Flags, Floats, Integers
-from tumble.core.binding import OptimalEstimate, optimal
-from tumble.model.optimal import OptimalTable, optimal_table, samples_in_a_mean
+from tumble.core.binding import GainRecord, Gains, OptimalEstimate, estimate_runs, optimal, optimal_each
+from tumble.errors import UsageError
+from tumble.model.errors import unit_effect
+from tumble.model.estimators import design
+from tumble.model.optimal import (
+    LARGEST_LOSS,
+    UNEQUAL,
+    OptimalTable,
+    by_mounting,
+    channel_weights,
+    mean_sigma,
+    optimal_table,
+    require_drift,
+    samples_in_a_mean,
+    shared_errors,
+)
 from tumble.schedule import FIT, Schedule
-from tumble.stand import PerChannel, Stand
+from tumble.stand import PerChannel, Stand, by_channel
 from tumble.terms import Terms
 
 MAGIC = b"TGR1"
 SCHEMA = 1
 _HEAD = struct.Struct("<4sIHBBBBBBII")
 _TAIL = struct.Struct("<II")
-_WEIGHTS_BYTES = 24  # of the channels, behind the gains, if they differ
-_HEAD_DOUBLES = 26  # K, sigma alpha1..4, sigma of a mean, u of K and U0
-
-
-class BadRecord(Exception):
-    """Bytes that are no gain record: says why."""
 
 
 @dataclass(frozen=True)
@@ -109,52 +113,11 @@ def _squares(record: Record) -> Floats:
     return squares[: 0 if (squares == 1.0).all() else 3]
 
 
-def from_bytes(data: bytes) -> Record:
-    """Read a record again. Raises BadRecord."""
-    if len(data) < _HEAD.size + _TAIL.size or data[:4] != MAGIC:
-        raise BadRecord("not a gain record")
-    _, size, schema, positions, mountings, yaws, seats, waves, drifts, *crcs = _HEAD.unpack_from(data)
-    alike = size_of(positions, yaws, seats, waves, drifts)
-    if schema != SCHEMA or size not in (alike, alike + _WEIGHTS_BYTES) or size > len(data):
-        raise BadRecord("a gain record of another schema or size")
-    possible = yaws in (1, mountings) and seats in (0, mountings) and waves in (0, 4) and drifts in (0, 3)
-    if positions == 0 or not possible:
-        raise BadRecord(
-            "a gain record without a position, or with an impossible number of yaws, seats, waves or drifts"
-        )
-    zero, crc = _TAIL.unpack_from(data, size - _TAIL.size)
-    if zlib.crc32(data[: size - 4]) != crc or zero != 0:
-        raise BadRecord("a gain record whose checksum does not agree")
-    numbers = np.frombuffer(data, "<f8", (size - _HEAD.size - _TAIL.size) // 8, _HEAD.size).astype(float)
-    head, squares = numbers[:_HEAD_DOUBLES], numbers[(alike - _HEAD.size - _TAIL.size) // 8 :]
-    tables = numbers[_HEAD_DOUBLES : len(numbers) - len(squares)].reshape(-1, 3 * positions)
-    if not (squares > 0.0).all():
-        raise BadRecord("a gain record with a weight that is not above 0")
-    return Record(
-        *(positions, mountings, yaws, seats, waves, drifts),
-        schedule_crc=crcs[0],
-        block_crc=crcs[1],
-        k=head[:9].reshape(3, 3),
-        sigma=head[9:13],
-        sigma_mean=float(head[13]),
-        weights=np.sqrt(squares) if len(squares) else np.ones(3),
-        u=head[14:],
-        gains=tables[:12],
-        nuisance_gains=tables[12:],
-    )
-
-
-def size_of(fit_positions: int, yaws: int, seats: int = 0, waves: int = 0, drifts: int = 0) -> int:
-    """Size in bytes of a record for channels that are alike."""
-    rows = 14 + yaws + 2 * seats + waves + drifts
-    return _HEAD.size + 8 * _HEAD_DOUBLES + 8 * 3 * fit_positions * rows + _TAIL.size
-
-
 _WEIGHTS_FIELD = "    double weights[3]; /* of the channels, squared */\n"
 _HEADER = """\
 /* Stand-optimal gains{title}: written by `tumble plan optimize`.
  *
- * For {positions} fit positions in {mountings} mountings. The object is a gain record, byte for byte:
+ * For {record.fit_positions} fit positions in {record.mountings} mountings. The object is a gain record, byte for byte:
  * tumble_gain_record_open(&tumble_optimal_gains, sizeof tumble_optimal_gains, schedule, &record) checks it.
  */
 #ifndef TUMBLE_OPTIMAL_GAINS_H
@@ -176,17 +139,17 @@ static const struct {{
         .magic = {{'T', 'G', 'R', '1'}},
         .size_bytes = {size}U,
         .schema = {schema}U,
-        .fit_positions = {positions}U,
-        .mountings = {mountings}U,
-        .yaws = {yaws}U,
-        .seats = {seats}U,
-        .waves = {waves}U,
-        .drifts = {drifts}U,
-        .schedule_crc = 0x{schedule_crc:08X}U,
-        .block_crc = 0x{block_crc:08X}U,
+        .fit_positions = {record.fit_positions}U,
+        .mountings = {record.mountings}U,
+        .yaws = {record.yaws}U,
+        .seats = {record.seats}U,
+        .waves = {record.waves}U,
+        .drifts = {record.drifts}U,
+        .schedule_crc = 0x{record.schedule_crc:08X}U,
+        .block_crc = 0x{record.block_crc:08X}U,
         .k_v_per_g = {k},
         .sigma_rad = {sigma},
-        .sigma_mean_v = {sigma_mean!r},
+        .sigma_mean_v = {record.sigma_mean!r},
         .u_k_v_per_g = {u_k},
         .u_u0_v = {u_u0},
     }},
@@ -208,22 +171,14 @@ def to_c_header(record: Record, title: str = "") -> str:
     words = "".join(sign if sign.isalnum() or sign in " -.,()" else "_" for sign in ascii(title)[1:-1])
     return _HEADER.format(
         title=f" for: {words}" if words else "",
-        positions=record.fit_positions,
-        mountings=record.mountings,
-        yaws=record.yaws,
-        seats=record.seats,
-        waves=record.waves,
-        drifts=record.drifts,
+        record=record,
         gain_rows=len(record.gains),
         stand_rows=len(record.nuisance_gains),
         columns=record.gains.shape[1],
         size=len(data),
         schema=SCHEMA,
-        schedule_crc=record.schedule_crc,
-        block_crc=record.block_crc,
         k=_c_array(record.k),
         sigma=_c_array(record.sigma),
-        sigma_mean=float(record.sigma_mean),
         u_k=_c_array(record.u[:9].reshape(3, 3)),
         u_u0=_c_array(record.u[9:]),
         gains=_c_array(record.gains),
@@ -283,5 +238,163 @@ def apply_table(table: OptimalTable, schedule: core.CoreSchedule, means: Floats)
 
 def estimate(schedule: core.CoreSchedule, means: Floats, measured: Flags, weighting: Weighting) -> OptimalEstimate:
     """Coefficients and the stand's errors by the core. Raises CoreRefusal; UsageError where weights cannot be made."""
-    table = make_table(schedule, means, measured, weighting)
-    return apply_table(table, schedule.part(measured), means[measured])
+    return apply_table(make_table(schedule, means, measured, weighting), schedule.part(measured), means[measured])
+
+
+# Many runs at once, each with weights at its own K: optimal_table in stacks. The system is the one of model.optimal but
+# for the errors of the set angles. Each of these moves the three outputs of its own position alone, along d =
+# sigma4 K f', so it needs no column: the reflection that turns d to the first axis leaves noise of
+# sqrt(sigma^2 + |d|^2) along that axis and of sigma on the other two, and dividing the first row by their ratio makes
+# all noise alike. Exact, and as well conditioned as the whole system. Every run is reckoned by itself, so numbers do
+# not depend on how many runs are in a stack.
+
+_AT_ONCE = 50  # runs: what a stack of them takes stays in a processor's second cache
+
+
+def solve_each(
+    schedule: Schedule, means: Floats, stand: Stand, step: PerChannel, samples: float
+) -> tuple[Floats, Floats]:
+    """Coefficients (runs, 12) by the core, with weights made at each run's first estimate, from means (runs, positions,
+    3) of a schedule that has fit positions alone; and standard uncertainties (runs, 12) at the K found. `step` as in
+    optimal_table; `samples`: of a mean, for the weights; uncertainties are for the stand's own.
+
+    Raises CoreRefusal; UsageError where weights cannot be made.
+    """
+    system = _System(schedule, stand, step)
+    opened = core.CoreSchedule(schedule)
+    first = estimate_runs(opened, means, "least_squares")[:, :9].reshape(-1, 3, 3)
+    table = optimal_table(schedule, first[0], stand, step, samples)
+    record = GainRecord(opened, to_bytes(record_of(table, schedule)))
+    found, u = np.empty((2, len(means), 12))
+    for start in range(0, len(means), _AT_ONCE):
+        part = slice(start, start + _AT_ONCE)
+        found[part] = optimal_each(record, means[part], system.weights(first[part], samples))
+        u[part] = system.uncertainties(found[part, :9].reshape(-1, 3, 3))
+    return found, u
+
+
+class _Mirror:
+    """Makes the noise of outputs alike: for positions whose angle's error moves them by `along` (runs, P, 3), beside
+    noise `sigma` (runs,). The reflection is I - v w^T, with v along the sum of d/|d| and the first axis, both taken to
+    one side, so that nothing cancels."""
+
+    def __init__(self, along: Floats, sigma: Floats):
+        size = np.linalg.norm(along, axis=2, keepdims=True)
+        anywhere = np.broadcast_to(np.eye(3)[0], along.shape).copy()
+        self.v = np.divide(along, size, out=anywhere, where=size > 0.0)
+        self.v[..., 0] += np.where(self.v[..., 0] < 0.0, -1.0, 1.0)
+        self.w = self.v / np.abs(self.v[..., :1])
+        self.ratio = sigma[:, None] / np.hypot(size[..., 0], sigma[:, None])
+
+    def of(self, outputs: Floats) -> Floats:
+        """Of columns (runs, P, 3, n) of outputs."""
+        across = _dot(np.swapaxes(outputs, 2, 3), self.w[:, :, None])
+        turned: Floats = outputs - self.v[..., None] * across[:, :, None]
+        turned[:, :, 0] *= self.ratio[..., None]
+        return turned
+
+    def back(self, rows: Floats) -> Floats:
+        """Gains (runs, n, 3P) of what `of` made, as gains of the outputs."""
+        by_position = rows.reshape(*rows.shape[:2], -1, 3).copy()
+        by_position[..., 0] *= self.ratio[:, None]
+        across = _dot(by_position, self.v[:, None])
+        turned: Floats = by_position - across[..., None] * self.w[:, None]
+        return turned.reshape(rows.shape)
+
+
+@dataclass(frozen=True)
+class _Whitened:
+    """Runs with noise alike in all rows: `rows` (runs, 3P + shared, shared + 12), the prior's behind the outputs'. What
+    they came from: outputs `by_shared` (runs, P, 3, shared), in units of the prior, and `by_angle` (runs, P, 3);
+    `mirror`; `sigma` (runs, 3) of a mean, and the `weights` (runs, 1, 3) that make channels alike."""
+
+    rows: Floats
+    by_shared: Floats
+    by_angle: Floats
+    mirror: _Mirror
+    sigma: Floats
+    weights: Floats
+
+
+class _System:
+    """What the runs of a stand and a schedule share."""
+
+    def __init__(self, schedule: Schedule, stand: Stand, step: PerChannel):
+        self.schedule, self.stand, self.step = schedule, stand, step
+        self.errors = shared_errors(schedule, np.eye(3), stand)
+        self.shared = np.concatenate([source.sigma for source in self.errors.values()])
+        self.design = design(schedule).reshape(-1, 3, 12)
+        by_shared = np.concatenate([source.derivative for source in self.errors.values()])
+        self.by_shared = np.moveaxis(by_shared, 0, 2) * self.shared
+        self.angles = len(self.shared) - (3 if "drift" in self.errors else 0)  # the others do not depend on K
+        self.by_angle = unit_effect(schedule, "alpha4").derivative(np.eye(3)).sum(axis=0) * stand.sigma("angle")
+
+    def whiten(self, k: Floats, samples: float) -> _Whitened:
+        """For blocks of sensitivity `k` (runs, 3, 3)."""
+        runs, positions, shared = len(k), len(self.design), len(self.shared)
+        sigma = mean_sigma(k, self.stand, self.step, samples)[0]
+        require_drift(self.stand.sigmas("drift") / sigma)
+        weights, largest = channel_weights(sigma)[:, None], sigma.max(axis=1)
+        by_channel = k @ np.swapaxes(self.by_shared, 0, 1).reshape(3, -1)  # those of `by_shared` are for K = 1
+        by_shared = np.swapaxes(by_channel.reshape(runs, 3, positions, shared), 1, 2).copy()
+        by_shared[..., self.angles :] = self.by_shared[..., self.angles :]
+        by_angle = self.by_angle @ np.swapaxes(k, 1, 2)
+        outputs = np.empty((runs, positions, 3, shared + 12))
+        outputs[..., :shared], outputs[..., shared:] = by_shared, self.design
+        outputs *= weights[..., None]
+        mirror = _Mirror(by_angle * weights, largest)
+        prior = largest[:, None, None] * np.eye(shared, shared + 12)
+        rows = np.concatenate([mirror.of(outputs).reshape(runs, -1, shared + 12), prior], axis=1)
+        return _Whitened(rows, by_shared, by_angle, mirror, sigma, weights)
+
+    def weights(self, k: Floats, samples: float) -> Gains:
+        """For each run. Raises UsageError where numbers are beyond any stand."""
+        system, shared = self.whiten(k, samples), len(self.shared)
+        q, r = np.linalg.qr(system.rows)
+        data = np.swapaxes(q[:, : 3 * len(self.design)], 1, 2)
+        with np.errstate(all="ignore"):
+            beta = np.linalg.solve(r[:, shared:, shared:], data[:, shared:])
+            left = data[:, :shared] - r[:, :shared, shared:] @ beta
+            prior = self.shared[:, None] * np.linalg.solve(r[:, :shared, :shared], left)
+            weights = np.tile(system.weights, len(self.design))
+            beta, prior = system.mirror.back(beta) * weights, system.mirror.back(prior) * weights
+            # as optimal_table: the gains give back the coefficients, and their spread is the one that QR says
+            u = _deviations(r[:, shared:, shared:], system.sigma)
+            lost = np.abs(beta @ self.design.reshape(-1, 12) - np.eye(12)).max()
+            by_shared = beta @ system.by_shared.reshape(*beta.shape[::2], -1)
+            by_angle = _dot(beta.reshape(*beta.shape[:2], -1, 3), system.by_angle[:, None])
+            noise = _dot((beta**2).reshape(*beta.shape[:2], -1, 3).sum(axis=2), system.sigma[:, None] ** 2)
+            claimed = np.sqrt((by_shared**2).sum(axis=2) + (by_angle**2).sum(axis=2) + noise)
+            sound = lost < LARGEST_LOSS and (np.abs(claimed - u) < LARGEST_LOSS * u).all()
+        if not (np.isfinite(prior).all() and sound):
+            raise UsageError(UNEQUAL)
+        return Gains(
+            k,
+            system.sigma.max(axis=1),
+            system.weights[:, 0],
+            beta,
+            by_mounting(prior, self.errors, self.schedule, self.stand),
+        )
+
+    def uncertainties(self, k: Floats) -> Floats:
+        """What the runs state (runs, 12): of the estimates, for blocks of sensitivity `k`."""
+        system, shared = self.whiten(k, self.stand.samples), len(self.shared)
+        r = np.asarray(np.linalg.qr(system.rows, mode="r"))
+        u, rounding = _deviations(r[:, shared:, shared:], system.sigma), by_channel(self.stand.rounding)
+        if not rounding.any():
+            return u
+        gains_of_runs = self.weights(k, self.stand.samples).gains
+        by_rounding = (gains_of_runs**2).reshape(len(k), 12, -1, 3).sum(axis=2) @ rounding**2
+        together: Floats = np.sqrt(u**2 + by_rounding)
+        return together
+
+
+def _dot(one: Floats, other: Floats) -> Floats:
+    """Over a last axis of three, which a sum of numpy takes several times as long for."""
+    product: Floats = one[..., 0] * other[..., 0] + one[..., 1] * other[..., 1] + one[..., 2] * other[..., 2]
+    return product
+
+
+def _deviations(r: Floats, sigma: Floats) -> Floats:
+    deviations: Floats = sigma.max(axis=1)[:, None] * np.sqrt((np.linalg.inv(r) ** 2).sum(axis=2))
+    return deviations

@@ -125,7 +125,8 @@ def examine(solution: Solution, stand_file: StandFile | None) -> Plausibility:
     spread = 0.0 if solution.u_k is None else float((solution.u_k / np.abs(np.diag(nominal))[:, None]).max())
     misalignment = max(stand_file.block["misalignment_rad"], _LEAST_RAD)
     allowed = min(_SIGMAS * math.hypot(misalignment, spread), _LARGEST_RAD)
-    if any(_is_near(solution.found.k, declared, allowed, _SCALE) for declared in (nominal, *known)):
+    k = solution.found.k
+    if any(not _far(k, declared, allowed, _SCALE).any() for declared in (nominal, *known)):
         return Plausibility()
     if noise:
         return Plausibility(warnings=noise)
@@ -133,9 +134,13 @@ def examine(solution: Solution, stand_file: StandFile | None) -> Plausibility:
         mistakes = _explain(solution, declared)
         if mistakes:
             said = " or ".join(" and ".join(mistake.words) for mistake in mistakes[:_MOST_NAMED])
-            remedy = _remedy(solution.found.k, nominal, unit) if declared is nominal else ""
-            return Plausibility(refusal=f"{said}: {_worst(solution, declared, misalignment)}{remedy}")
-    odd = "; ".join(_departures(solution, nominal, misalignment, allowed)[:_MOST_NAMED])
+            remedy = _remedy(k, nominal, unit) if declared is nominal else ""
+            # the element that is farthest from the declared one; of several, one that should be small
+            is_large = np.abs(declared) > np.abs(declared).max() / 2
+            worst = divmod(int((np.abs(k - declared) * np.where(is_large, 0.75, 1.0)).argmax()), 3)
+            return Plausibility(refusal=f"{said}: {_element(solution, declared, misalignment, *worst)}{remedy}")
+    far = np.argwhere(_far(k, nominal, allowed, _SCALE))[:_MOST_NAMED]
+    odd = "; ".join(_element(solution, nominal, misalignment, *place) for place in far)
     return Plausibility(warnings=(f"K is not that of the declared block: {odd}",))
 
 
@@ -172,12 +177,6 @@ def with_order_flag(solution: Solution, stand_file: StandFile | None) -> Solutio
     return replace(solution, is_out_of_order=not is_declared and is_odd)
 
 
-def confirms_unit(solution: Solution, stand_file: StandFile | None) -> bool:
-    """Does the declared block show that the outputs are in the unit of the stand file? K then is the declared one."""
-    declared = stand_file is not None and stand_file.block is not None
-    return declared and examine(solution, stand_file) == Plausibility()
-
-
 def size_of(k: Floats) -> float:
     """What 1 g gives in the channel that is neither the largest nor the smallest."""
     return float(np.median(np.linalg.norm(k, axis=1)))
@@ -191,18 +190,13 @@ def unchecked(solution: Solution) -> tuple[str, ...]:
     return (UNCHECKED,) if free <= 0 and fitted == len(positions) else ()
 
 
-def _is_near(k: Floats, declared: Floats, allowed: float, scale: float) -> bool:
-    """Are the large elements of K within a factor `scale` of the declared ones, and the small ones within `allowed` of
-    their row's length?"""
-    return not _far(k, declared, allowed, scale).any()
-
-
-def _far(k: Floats, declared: Floats, allowed: float, scale: float) -> Floats:
+def _far(k: Floats, declared: Floats, allowed: float, scale: float) -> Flags:
+    """Which elements of K (3, 3) are not near the declared ones: large ones within a factor `scale`, and small ones
+    within `allowed` of their row's length."""
     length = np.linalg.norm(declared, axis=1)[:, None]
     is_large = np.abs(declared) > length / 2
     ratio = np.where(is_large, k, 1.0) / np.where(is_large, declared, 1.0)
-    far: Floats = np.where(is_large, (ratio < 1 / scale) | (ratio > scale), np.abs(k - declared) > allowed * length)
-    return far
+    return np.where(is_large, (ratio < 1 / scale) | (ratio > scale), np.abs(k - declared) > allowed * length)
 
 
 # Does K say anything?
@@ -210,41 +204,32 @@ def _far(k: Floats, declared: Floats, allowed: float, scale: float) -> Floats:
 
 def _of_noise(solution: Solution) -> tuple[str, ...]:
     """That the outputs do not follow the positions: none of them, or none along one axis, or one channel. Then K is
-    noise there, and names no mistake."""
-    limit, k = _largest_by_noise(solution), np.abs(solution.found.k)
-    for what, where in _columns_and_rows():
+    noise there, and names no mistake.
+
+    An element means nothing by what is declared, else by the scatter of samples, and by the residuals, which tell too
+    how well a face was laid down again. Beside a declared stand large residuals are no noise: mountings may be
+    exchanged."""
+    stated, rms = solution.stated or solution.scatter_alone, solution.found.residual_rms
+    limit = np.zeros((3, 3)) if stated is None else _CLEAR * stated.u_k
+    if rms is not None and solution.stated is None:
+        measured = solution.measured_schedule
+        fitted = [position.use == FIT for position in measured.positions]
+        design = np.column_stack([Geometry(measured).force(), np.ones(len(fitted))])[fitted]
+        by_axis = np.sqrt(np.diag(np.linalg.inv(design.T @ design))[:3])
+        freedom = len(design) - 4 - len(solution.found.terms)
+        limit = np.maximum(limit, student_quantile(_SURELY, freedom) * rms[:, None] * by_axis)
+    k, everywhere = np.abs(solution.found.k), np.ones((3, 3), dtype=bool)
+    alone = [("the outputs do not follow the positions", everywhere)]
+    for axis, one in zip(AXES, np.eye(3, dtype=bool)):
+        alone.append((f"the outputs do not change with gravity along {axis}", everywhere & one))
+        alone.append((f"channel u{axis} does not follow the positions", everywhere & one[:, None]))
+    for what, where in alone:
         if (k <= limit)[where].all():
             row, column = np.argwhere(where)[int(k[where].argmax())].tolist()
             size = f"K_{AXES[row]}{AXES[column]} = {solution.found.k[row, column]:.2g} {per_g(solution.run.unit)}"
             most = f"{limit[row, column]:.2g}"
             return (f"{what}: {size} where noise gives up to {most}; was the sensor not turned, or in another order?",)
     return ()
-
-
-def _columns_and_rows() -> Iterator[tuple[str, Flags]]:
-    """All of K, then what may be noise by itself: (3, 3)."""
-    everywhere = np.ones((3, 3), dtype=bool)
-    yield "the outputs do not follow the positions", everywhere
-    for axis, alone in zip(AXES, np.eye(3, dtype=bool)):
-        yield f"the outputs do not change with gravity along {axis}", everywhere & alone
-        yield f"channel u{axis} does not follow the positions", everywhere & alone[:, None]
-
-
-def _largest_by_noise(solution: Solution) -> Floats:
-    """An element of K (3, 3) that means nothing: by what is declared, else by the scatter of samples, and by the
-    residuals, which tell too how well a face was laid down again. 0 where none is known. Beside a declared stand large
-    residuals are no noise: mountings may be exchanged."""
-    stated, rms = solution.stated or solution.scatter_alone, solution.found.residual_rms
-    limit = np.zeros((3, 3)) if stated is None else _CLEAR * stated.u_k
-    if rms is None or solution.stated is not None:
-        return limit
-    measured = solution.measured_schedule
-    fitted = [position.use == FIT for position in measured.positions]
-    design = np.column_stack([Geometry(measured).force(), np.ones(len(fitted))])[fitted]
-    by_axis = np.sqrt(np.diag(np.linalg.inv(design.T @ design))[:3])
-    freedom = len(design) - 4 - len(solution.found.terms)
-    largest: Floats = np.maximum(limit, student_quantile(_SURELY, freedom) * rms[:, None] * by_axis)
-    return largest
 
 
 # What the declared block would have to suffer.
@@ -257,7 +242,7 @@ def _explain(solution: Solution, declared: Floats) -> list[Mistake]:
     for of_stand, k, residual in _resolved(solution):
         of_unit, factor = _unit_mistake(solution.run.unit, k, declared)
         for of_channels, undo in _CHANNELS:
-            if _is_near(undo @ k / factor, declared, _ROUGHLY_RAD, _ROUGHLY_SCALE):
+            if not _far(undo @ k / factor, declared, _ROUGHLY_RAD, _ROUGHLY_SCALE).any():
                 found.append((of_unit + of_channels + of_stand, residual))
     fewest = min((mistake.count for mistake, _ in found), default=0)
     best = [(mistake, residual) for mistake, residual in found if mistake.count == fewest > 0]
@@ -275,17 +260,12 @@ def _channel_mistakes() -> Iterator[tuple[Mistake, Floats]]:
             words = " and ".join(names[index] for index in moved) if len(moved) == 2 else "ux, uy and uz"
             exchanged = Mistake(len(moved) - 1, (f"channels {words} look exchanged (--columns)",))
         for signs in itertools.product((1.0, -1.0), repeat=3):
-            reversed_ones = [names[index] for index in range(3) if signs[index] < 0]
-            yield exchanged + _reversal(reversed_ones), np.eye(3)[list(order)].T * np.array(signs)
-
-
-def _reversal(names: list[str]) -> Mistake:
-    if len(names) == 3:
-        return Mistake(1, ("all channels look reversed (the sign of scale_v_per_g?)",))
-    if not names:
-        return Mistake(0)
-    words = f"channel {names[0]} looks" if len(names) == 1 else f"channels {' and '.join(names)} look"
-    return Mistake(len(names), (f"{words} reversed",))
+            odd = [names[index] for index in range(3) if signs[index] < 0]
+            looks = "channel {} looks" if len(odd) == 1 else "channels {} look"
+            reversed_ones = Mistake(len(odd), (f"{looks.format(' and '.join(odd))} reversed",) if odd else ())
+            if len(odd) == 3:
+                reversed_ones = Mistake(1, ("all channels look reversed (the sign of scale_v_per_g?)",))
+            yield exchanged + reversed_ones, np.eye(3)[list(order)].T * np.array(signs)
 
 
 _CHANNELS = tuple(_channel_mistakes())
@@ -294,7 +274,7 @@ _CHANNELS = tuple(_channel_mistakes())
 def _remedy(k: Floats, nominal: Floats, volts: float) -> str:
     """How to declare a block of which some channels have the other sign, and nothing else is odd."""
     signs = np.where(np.diag(k) * np.diag(nominal) < 0.0, -1.0, 1.0)
-    if abs(signs.sum()) == 3 or not _is_near(signs[:, None] * k, nominal, _ROUGHLY_RAD, _ROUGHLY_SCALE):
+    if abs(signs.sum()) == 3 or _far(signs[:, None] * k, nominal, _ROUGHLY_RAD, _ROUGHLY_SCALE).any():
         return ""
     scales = ", ".join(f"{scale:g}" for scale in (signs * np.diag(nominal) * volts).tolist())
     return f"; if the block is so, [block] says it per channel: scale_v_per_g = [{scales}]"
@@ -344,12 +324,13 @@ def _stand_mistakes(schedule: Schedule) -> Iterator[tuple[Mistake, tuple[Positio
     numbers = [mounting.number for mounting in schedule.fitted_mountings]
     orders: list[tuple[int, ...]] = list(itertools.permutations(numbers))
     if len(numbers) > _MOST_MOUNTINGS:
-        orders = [tuple(numbers), *_exchanges(numbers)]
+        exchanges = [{one: other, other: one} for one, other in itertools.combinations(numbers, 2)]
+        orders = [tuple(numbers), *(tuple(pair.get(number, number) for number in numbers) for pair in exchanges)]
     for order in orders:
         truly = dict(zip(numbers, order))
         moved = [number for number in numbers if truly[number] != number]
-        words = (f"mountings {_listed(moved)} look exchanged",) if moved else ()
-        exchanged = Mistake(max(0, len(moved) - 1), words)
+        listed = f"{', '.join(map(str, moved[:-1]))} and {moved[-1]}" if moved else ""
+        exchanged = Mistake(max(0, len(moved) - 1), (f"mountings {listed} look exchanged",) if moved else ())
         positions = tuple(replace(position, mounting=truly[position.mounting]) for position in told)
         if moved:
             yield exchanged, positions
@@ -366,29 +347,7 @@ def _stand_mistakes(schedule: Schedule) -> Iterator[tuple[Mistake, tuple[Positio
             )
 
 
-def _exchanges(numbers: list[int]) -> Iterator[tuple[int, ...]]:
-    for one, other in itertools.combinations(numbers, 2):
-        pair = {one: other, other: one}
-        yield tuple(pair.get(number, number) for number in numbers)
-
-
-def _listed(numbers: list[int]) -> str:
-    return f"{', '.join(map(str, numbers[:-1]))} and {numbers[-1]}"
-
-
 # What is said of it.
-
-
-def _worst(solution: Solution, declared: Floats, misalignment: float) -> str:
-    """The element of K that is farthest from the declared one; of several, one that should be small."""
-    excess = np.abs(solution.found.k - declared) * np.where(np.abs(declared) > np.abs(declared).max() / 2, 0.75, 1.0)
-    row, column = np.unravel_index(int(excess.argmax()), excess.shape)
-    return _element(solution, declared, misalignment, int(row), int(column))
-
-
-def _departures(solution: Solution, declared: Floats, misalignment: float, allowed: float) -> list[str]:
-    far = np.argwhere(_far(solution.found.k, declared, allowed, _SCALE))
-    return [_element(solution, declared, misalignment, int(row), int(column)) for row, column in far]
 
 
 def _element(solution: Solution, declared: Floats, misalignment: float, row: int, column: int) -> str:

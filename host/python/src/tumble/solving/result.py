@@ -9,12 +9,10 @@ import math
 import os
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from datetime import datetime, timezone
 from typing import Any
 
 import numpy as np
-from msgspec import UNSET
 
 from tumble._version import __version__
 from tumble.arrays import Floats
@@ -31,11 +29,10 @@ from tumble.model.stand_seen import ANGLES, ChannelNoise, Estimate, StandSeen
 from tumble.schedule import BUILT_IN, Mounting, Position, Schedule
 from tumble.solving.coefficients import si_of
 from tumble.solving.decision import assumed, decide, would_show
-from tumble.solving.further import Further
 from tumble.solving.many_runs import COVERAGE, LEVEL, MonteCarlo
-from tumble.solving.noise import CHANNELS, NO_STAND, of_means
-from tumble.solving.solution import Solution, Truth
-from tumble.solving.uncertainty import PROBABILITY, Coverage, effective, factors_of
+from tumble.solving.noise import CHANNELS, of_means
+from tumble.solving.solution import Solution
+from tumble.solving.uncertainty import PROBABILITY, Coverage, Further, effective, factors_of
 from tumble.stand import SOURCES, PerChannel, Stand, by_channel, per_channel
 from tumble.terms import DRIFT, KEYS, names
 from tumble.units import per_g, volts_per
@@ -86,49 +83,12 @@ def created(clock: bool = True) -> str | None:
     Raises UsageError for a SOURCE_DATE_EPOCH that is no whole number of seconds.
     """
     told = os.environ.get("SOURCE_DATE_EPOCH")
-    if told is not None:
-        if not re.fullmatch(r"[0-9]{1,12}", told, re.ASCII) or int(told) > _LATEST:
-            raise UsageError(f"SOURCE_DATE_EPOCH: {quoted(told)} is not a whole number of seconds since 1970")
-        return _written(datetime.fromtimestamp(int(told), timezone.utc))
-    return _written(datetime.now(timezone.utc)) if clock else None
-
-
-def _written(moment: datetime) -> str:
-    return f"{moment:%Y-%m-%dT%H:%M:%SZ}"
-
-
-@dataclass(frozen=True)
-class GravityUncertainty:
-    """How well the gravity check knows its errors, delta_g = (|a|^2 - 1)/2 with a = K^-1 (U - U0). The coefficients are
-    those found, and the length of gravity is 1 g at every attitude, so that no error of the stand is in delta_g: the
-    noise of the position's mean alone makes it uncertain, d delta_g = a K^-1 dU.
-
-    At every position of the schedule, NaN where it was not measured: standard uncertainty `u_g` of delta_g, and its
-    coverage `factor` for PROBABILITY."""
-
-    u_g: Floats
-    factor: Floats
-
-
-def gravity_uncertainty(solution: Solution) -> GravityUncertainty | None:
-    """By the declared noise or the measured one, whichever counts in the other uncertainties; None where neither is
-    known."""
-    noise, run = solution.noise, solution.run
-    if solution.stand is None and not noise.is_known:
+    if told is None and not clock:
         return None
-    stand = NO_STAND if solution.stand is None else solution.declared.with_step(solution.step)
-    declared = np.broadcast_to(stand.mean_variance(run.samples), noise.mean_variance.shape)
-    inverse = np.linalg.inv(solution.found.k)
-    force = (run.means - solution.found.u0) @ inverse.T
-    weights = (force @ inverse) ** 2
-    variance = (weights * np.maximum(declared, noise.mean_variance)).sum(axis=1)
-    if noise.measured is None:
-        freedom = np.full(len(variance), np.inf)
-    else:
-        measured = np.where(noise.by_samples >= declared, noise.by_samples, 0.0)
-        freedom = effective(variance, (weights * measured).T, noise.measured.freedom)
-    factor = np.array([student_quantile(PROBABILITY, one) for one in freedom.tolist()])
-    return GravityUncertainty(np.sqrt(variance), factor)
+    if told is not None and (not re.fullmatch(r"[0-9]{1,12}", told, re.ASCII) or int(told) > _LATEST):
+        raise UsageError(f"SOURCE_DATE_EPOCH: {quoted(told)} is not a whole number of seconds since 1970")
+    moment = datetime.now(timezone.utc) if told is None else datetime.fromtimestamp(int(told), timezone.utc)
+    return f"{moment:%Y-%m-%dT%H:%M:%SZ}"
 
 
 def document_of(
@@ -210,19 +170,15 @@ def declared_stand(stand: Stand, step_v: Floats) -> doc.DeclaredStand:
 def schedule_part(schedule: Schedule) -> doc.Schedule:
     """With the name of a built-in one, else None, and the tables of a schedule file."""
     mountings = (doc.Mounting(one.number, np.array(one.matrix), one.tilt_deg) for one in schedule.mountings)
-    positions = (doc.Position(*_place(one)[:2], one.angle_deg, one.use) for one in schedule.positions)
+    positions = (doc.Position(int(one.mounting), int(one.number), one.angle_deg, one.use) for one in schedule.positions)
     name = next((name for name in BUILT_IN if built_in(name) == schedule), None)
     return doc.Schedule(name, tuple(mountings), tuple(positions))
 
 
-def _place(position: Position) -> tuple[int, int, str]:
-    return int(position.mounting), int(position.number), position.use
-
-
-def _measured(solution: Solution) -> list[tuple[int, Position]]:
-    """Index and position of every one that was measured."""
-    samples = solution.run.samples
-    return [(index, one) for index, one in enumerate(solution.schedule.positions) if samples[index] > 0]
+def _measured(solution: Solution) -> list[tuple[int, tuple[int, int, str]]]:
+    """Index of every position that was measured, and which it is."""
+    samples, positions = solution.run.samples, solution.schedule.positions
+    return [(i, (int(one.mounting), int(one.number), one.use)) for i, one in enumerate(positions) if samples[i] > 0]
 
 
 def extended(further: Further, volts_per_unit: float) -> doc.Extended:
@@ -268,11 +224,7 @@ def _monte_carlo(found: MonteCarlo) -> doc.MonteCarlo:
 
 def fit_of(fit: Fit) -> doc.Fit:
     """Whether a run fits its stand."""
-    told = tuple(
-        doc.Explanation(one.patterns, one.p, one.size, one.u_size, one.unit, one.column or None)
-        for one in fit.explanations
-    )
-    return doc.Fit(fit.chi_squared, fit.freedom, fit.p, fit.fits, fit.confidence, told)
+    return doc.Fit(fit.chi_squared, fit.freedom, fit.p, fit.fits, fit.confidence, fit.explanations)
 
 
 def unseen(found: reliability.Reliability) -> tuple[doc.Unseen, ...]:
@@ -316,13 +268,12 @@ def _of_block(scale: Any, angles: Any, bias: Any) -> doc.OfBlock[Any, Any, Any]:
 
 
 def _verification(solution: Solution) -> doc.Verification:
-    gravity, known = solution.found.gravity, gravity_uncertainty(solution)
+    gravity, by_noise = solution.found.gravity, _gravity_uncertainty(solution)
     judged = [largest for largest in (gravity.max_abs_fit, gravity.max_abs_check) if largest is not None]
-    by_noise = {} if known is None else dict(enumerate(zip(known.u_g.tolist(), known.factor.tolist())))
     return doc.Verification(
         delta_g_g=tuple(
-            doc.DeltaG(*_place(one), float(gravity.delta_g[index]), *by_noise.get(index, ()))
-            for index, one in _measured(solution)
+            doc.DeltaG(*place, float(gravity.delta_g[index]), *by_noise.get(index, ()))
+            for index, place in _measured(solution)
         ),
         max_abs_delta_g_g=max(judged),
         max_abs_delta_g_fit_g=gravity.max_abs_fit,
@@ -334,15 +285,38 @@ def _verification(solution: Solution) -> doc.Verification:
     )
 
 
+def _gravity_uncertainty(solution: Solution) -> dict[int, tuple[float, float]]:
+    """How well the gravity check knows its errors, delta_g = (|a|^2 - 1)/2 with a = K^-1 (U - U0): by position their
+    standard uncertainty, g, and its coverage factor for PROBABILITY; NaN where it was not measured, nothing where no
+    noise is known. The coefficients are those found, and the length of gravity is 1 g at every attitude, so that no
+    error of the stand is in delta_g: the noise of the position's mean alone makes it uncertain, d delta_g = a K^-1 dU;
+    the declared or the measured one, whichever counts in the other uncertainties."""
+    noise, run = solution.noise, solution.run
+    if solution.stand is None and not noise.is_known:
+        return {}
+    stand = solution.propagation.stand
+    declared = np.broadcast_to(stand.mean_variance(run.samples), noise.mean_variance.shape)
+    inverse = np.linalg.inv(solution.found.k)
+    force = (run.means - solution.found.u0) @ inverse.T
+    weights = (force @ inverse) ** 2
+    variance = (weights * np.maximum(declared, noise.mean_variance)).sum(axis=1)
+    freedom = np.full(len(variance), np.inf)
+    if noise.measured is not None:
+        measured = np.where(noise.by_samples >= declared, noise.by_samples, 0.0)
+        freedom = effective(variance, (weights * measured).T, noise.measured.freedom)
+    factors = [student_quantile(PROBABILITY, one) for one in freedom.tolist()]
+    return dict(enumerate(zip(np.sqrt(variance).tolist(), factors)))
+
+
 def stand_seen(seen: StandSeen, volts: float, channels: ChannelNoise | None) -> doc.StandSeen:
     """Every quantity with its standard uncertainty. `volts`: in a unit of the outputs; `channels`: of a stand that
     declares three."""
     has_u, noise, alpha4 = seen.source is not None, seen.noise, seen.alpha4
-    angles = _with_uncertainties({**{name: seen.angles[name] for name in ANGLES}, "alpha4": alpha4}, has_u)
-    augmented = _with_uncertainties(seen.augmented)
+    angles = {name: (seen.angles[name], has_u) for name in ANGLES} | {"alpha4": (alpha4, True)}
+    told, augmented = _by_key(angles), _by_key({name: (one, True) for name, one in seen.augmented.items()})
     others = tuple(doc.YawChange(mounting, *_pair(one)) for mounting, one in seen.other_yaw_changes.items())
     return doc.StandSeen(
-        **angles,
+        **told,
         noise_v=None if noise is None else noise.value * volts,
         u_noise_v=None if noise is None else noise.u * volts,
         noise_v_by_channel=None if channels is None else channels.values,
@@ -354,9 +328,9 @@ def stand_seen(seen: StandSeen, volts: float, channels: ChannelNoise | None) -> 
     )
 
 
-def _with_uncertainties(seen: Mapping[str, Estimate | None], has_u: bool = True) -> dict[str, Any]:
-    """By key: what is seen of each angle, and its standard uncertainty; that of a set angle is always known."""
-    pairs = {name: _pair(one, has_u or name == "alpha4") for name, one in seen.items()}
+def _by_key(seen: Mapping[str, tuple[Estimate | None, bool]]) -> dict[str, Any]:
+    """What is seen of each angle, and its standard uncertainty, if that is known."""
+    pairs = {name: _pair(*one) for name, one in seen.items()}
     return {f"{u}{name}_rad": told for name, pair in pairs.items() for u, told in zip(("", "u_"), pair)}
 
 
@@ -367,22 +341,6 @@ def _pair(seen: Estimate | None, has_u: bool = True) -> tuple[float | None, floa
 def _means(solution: Solution) -> tuple[doc.Mean, ...]:
     run = solution.run
     return tuple(
-        doc.Mean(*_place(one), int(run.samples[i]), run.means[i], run.scatter[i] if run.samples[i] > 1 else None)
-        for i, one in _measured(solution)
-    )
-
-
-def truth(known: Truth) -> doc.Truth:
-    """What a simulated run was made of."""
-    return doc.Truth(
-        K=known.k,
-        U0=known.u0,
-        alpha1_rad=known.alpha1,
-        alpha2_rad=known.alpha2,
-        alpha3_rad=known.alpha3,
-        alpha4_rad=known.alpha4,
-        theta_h_rad=known.theta_h,
-        theta_n_rad=known.theta_n,
-        encoder_rad=known.encoder if any(known.encoder) else UNSET,
-        drift_v=known.drift if any(known.drift) else UNSET,
+        doc.Mean(*place, int(run.samples[i]), run.means[i], run.scatter[i] if run.samples[i] > 1 else None)
+        for i, place in _measured(solution)
     )

@@ -12,6 +12,7 @@ import numpy as np
 from tumble import core
 from tumble.arrays import Floats, Integers
 from tumble.defaults import DEFAULT_COVERAGE_FACTOR
+from tumble.documents.result import Truth
 from tumble.errors import BadInput
 from tumble.estimators import OPTIMAL
 from tumble.files.run_file import Run
@@ -40,33 +41,22 @@ from tumble.model.stand_seen import (
 )
 from tumble.schedule import Schedule
 from tumble.solving import optimal_run
-from tumble.solving.computation import LARGEST_MISFIT, Comparison, Computation, DeadChannels, compare, compute
-from tumble.solving.further import Further, Without, require_told_apart
-from tumble.solving.many_runs import MonteCarlo, estimator_or_linear, simulate
+from tumble.solving.computation import (
+    LARGEST_MISFIT,
+    Comparison,
+    Computation,
+    compare,
+    compute,
+    estimator_or_linear,
+    require_told_apart,
+)
+from tumble.solving.many_runs import MonteCarlo, simulate
 from tumble.solving.noise import NO_STAND, Noise, look as look_at_noise, sampled_patterns
-from tumble.solving.uncertainty import Coverage, Stated, coverage, stated
+from tumble.solving.uncertainty import Coverage, Further, Stated, confirmed, coverage
 from tumble.stand import PerChannel, Stand, over
 from tumble.terms import Terms
 from tumble.units import volts_per
 from tumble.workers.over import ALONE, Progress, Team
-
-
-@dataclass(frozen=True)
-class Truth:
-    """What a simulated run was made of: `k` (3, 3), `u0` (3,); the stand's errors in radians, `alpha3`, `theta_h` (the
-    platform's in it) and `theta_n` by mounting and `alpha4` by position, `encoder` by sine and cosine of the table
-    angle and of its double; `drift` by channel, V."""
-
-    k: Floats
-    u0: Floats
-    alpha1: float
-    alpha2: float
-    alpha3: tuple[float, ...]
-    alpha4: tuple[float, ...]
-    theta_h: tuple[float, ...]
-    theta_n: tuple[float, ...]
-    encoder: tuple[float, ...] = (0.0,) * 4
-    drift: tuple[float, ...] = (0.0,) * 3
 
 
 @dataclass(frozen=True)
@@ -114,7 +104,7 @@ class Solution:
     @property
     def covariance(self) -> Floats | None:
         """Of K row by row and U0 (12, 12); None without a declared stand."""
-        return None if self.stated is None else self.stated.of_twelve
+        return None if self.stated is None else self.stated.covariance[:12, :12]
 
     @property
     def measured_schedule(self) -> Schedule:
@@ -157,7 +147,7 @@ class Solution:
             return None
         given = self.propagation
         by_twelve = by_intrinsic(self.found.k, self.found.u0)
-        return coverage(self.noise, self.run.measured, given.stand, given.samples, given.covariance, by_twelve)
+        return coverage(self.noise, self.run.measured, given, by_twelve)
 
     def simulated(self, runs: int, seed: int, team: Team = ALONE, progress: Progress = lambda runs: None) -> Solution:
         """This solution with its `monte_carlo`, by a team; it has a declared stand. Raises UsageError."""
@@ -226,23 +216,22 @@ def solve(
     terms: Terms = (),
     coverage_factor: float = DEFAULT_COVERAGE_FACTOR,
 ) -> Solution:
-    """Solve a run on a schedule (None: the paper's). `file` names the run in errors.
+    """Solve a run on a schedule (None: the paper's).
 
-    The optimal estimator needs a `stand`; `step_v` is its converter's step, 0 if unknown, and `known` what its table
-    was made for, None if it is to be made for this run. `confidence`: at which the run must fit the stand. `terms`:
-    further ones of the model, in the order of TERMS, for one of EXTENDABLE. `coverage_factor`: of the decision rule.
-
-    Raises BadInput where the core refuses the run, Disagreement where the witness does not confirm the core.
+    `file` names the run in errors. The optimal estimator needs a `stand`; `step_v` is its converter's step, 0 if
+    unknown, and `known` what its table was made for, None if it is to be made for this run. `confidence`: at which the
+    run must fit the stand. `terms`: further ones of the model, in the order of TERMS, for one of EXTENDABLE.
+    `coverage_factor`: of the decision rule. Raises BadInput where the core refuses the run, Disagreement where the
+    witness does not confirm the core.
     """
     step = over(step_v, volts_per(run.unit))
-    stand_in_unit = None if stand is None else stand.beside(terms).in_unit(run.unit)
-    stand_with_step = None if stand_in_unit is None else stand_in_unit.with_step(step)
+    declared = None if stand is None else stand.beside(terms).in_unit(run.unit)
+    stand_with_step = None if declared is None else declared.with_step(step)
     core_schedule = schedule or core.CoreSchedule.built_in("paper")
-    witness_schedule = _of_the_witness(core_schedule).part(run.measured)
+    own = core_schedule.data if core_schedule.name is None else built_in(core_schedule.name)  # of the witness
+    witness_schedule = own.part(run.measured)
     means, samples, scatter = run.means[run.measured], run.samples[run.measured], run.scatter[run.measured]
-
-    # The noise that the run itself shows, and where it counts.
-    noise = look_at_noise(run, stand_in_unit, step)
+    noise = look_at_noise(run, declared, step)
     variance = noise.mean_variance[run.measured]
 
     # The core computes.
@@ -257,26 +246,27 @@ def solve(
         of_means = variance_of_means(stand_with_step, run.samples, noise.rounding)[run.measured]
         model = WholeModel(witness_schedule, means, of_means, stand_with_step, terms)
         if weighting is not None:
-            _require_near(model, file)
-            optimal = _by_numpy(witness_schedule, means, samples, weighting, variance, terms)
+            optimal = _by_numpy(model, witness_schedule, means, samples, weighting, variance, file)
     linear = found.linear[run.measured]
     comparison = compare(found, witness_schedule, means, linear, found.gravity.delta_g[run.measured], optimal)
 
     # Uncertainties: of the declared stand, or of the scatter alone.
-    further = Further(terms, found.k, found.sizes, comparison.sizes) if terms else None
-    uncertainties, further_with_cost = None, further
+    uncertainties = None
     if stand_with_step is not None or noise.is_known:
         given = Propagation(witness_schedule, found.k, stand_with_step or NO_STAND, samples, estimator, step, terms)
-        uncertainties, further_with_cost = _uncertainties(given, core_schedule, run, variance, optimal, further, file)
+        uncertainties = confirmed(given, core_schedule, run.measured, variance, optimal, file)
+    stated = None if stand is None else uncertainties
+    of_terms = (None, None) if stated is None else (stated.covariance, stated.without)
 
     # The stand as the run shows it, and whether it is the declared one.
-    stand_alike = None if stand_with_step is None else stand_to_look_with(stand_with_step, found.k)
-    shown = RunSeen(witness_schedule, linear, found.k, core_schedule.data, weights := weights_of(stand_alike))
-    seen = look_at_stand(shown, pooled_noise(samples, scatter * weights), samples, stand_alike, mean_variance=variance)
-    seen, fit = _without_angles(seen) if terms else seen, None
-    if stand_alike is not None and model is not None:
-        fit = judge(model, confidence, seen, sampled_patterns(noise, run, seen.noise, stand_alike, step))
-
+    alike = None if stand_with_step is None else stand_to_look_with(stand_with_step, found.k)
+    shown = RunSeen(witness_schedule, linear, found.k, core_schedule.data, weights := weights_of(alike))
+    seen, fit = look_at_stand(shown, pooled_noise(samples, scatter * weights), samples, alike, True, variance), None
+    if terms:  # which have much in common with the angles: after them a run does not tell these any more
+        none = dict.fromkeys(ANGLES)
+        seen = replace(seen, angles=none, augmented=none, other_yaw_changes={}, source=None)
+    if alike is not None and model is not None:
+        fit = judge(model, confidence, seen, sampled_patterns(noise, run, seen.noise, alike, step))
     return Solution(
         schedule=core_schedule.data,
         run=run,
@@ -287,23 +277,12 @@ def solve(
         stand_seen=replace(seen, alpha4=None, alpha4_freedom=0.0) if terms else seen,
         noise=noise,
         fit=fit,
-        stated=None if stand is None else uncertainties,
+        stated=stated,
         scatter_alone=uncertainties if stand is None else None,
         step=step,
-        further=further if stand is None else further_with_cost,
+        further=Further(terms, found.k, found.sizes, comparison.sizes, *of_terms) if terms else None,
         coverage_factor=coverage_factor,
     )
-
-
-def _without_angles(seen: StandSeen) -> StandSeen:
-    """Further terms have much in common with the angles: after them a run does not tell these any more."""
-    none = dict.fromkeys(ANGLES)
-    return replace(seen, angles=none, augmented=none, other_yaw_changes={}, source=None)
-
-
-def _of_the_witness(schedule: core.CoreSchedule) -> Schedule:
-    """Of a built-in schedule the witness has its own."""
-    return schedule.data if schedule.name is None else built_in(schedule.name)
 
 
 def _by_core(
@@ -316,73 +295,46 @@ def _by_core(
     terms: Terms,
     file: str,
 ) -> Computation:
-    """What the core finds. Raises BadInput where it refuses the run, or a run does not determine its further terms."""
+    """What the core finds. Raises BadInput where it refuses the run, or a run does not determine its further terms: in
+    terms of what the user gave."""
     try:
         if terms:
             schedule.identify(run.measured)
             require_told_apart(witness_schedule, terms, file)
         return compute(schedule, run.means, run.measured, estimator, limit_g, weighting, terms)
-    except core.CoreRefusal as refusal:
-        raise BadInput(_explain(refusal, estimator), file) from None
-    except (DeadChannels, NotSolvable) as error:
+    except NotSolvable as error:
         raise BadInput(str(error), file) from None
-
-
-def _uncertainties(
-    given: Propagation,
-    schedule: core.CoreSchedule,
-    run: Run,
-    variance: Floats,
-    optimal: OptimalEstimate | None,
-    further: Further | None,
-    file: str,
-) -> tuple[Stated, Further | None]:
-    """The uncertainties, those of `further` terms with what they cost the twelve. Raises BadInput for a stand beyond
-    what the core computes with."""
-    try:
-        found = stated(given, schedule, run.measured, variance, optimal)
-        if further is None:
-            return found, None
-        alone = stated(replace(given, terms=()), schedule, run.measured, variance)
     except core.CoreRefusal as refusal:
-        raise BadInput(f"no uncertainties from this stand: {refusal}", file) from None
-    without = Without(alone.u_k, alone.u_u0, worst_norm(given.k, alone.covariance))
-    return found, replace(further, covariance=found.covariance, without=without)
-
-
-def _require_near(model: WholeModel, file: str) -> None:
-    """Raise BadInput for a run that cannot have come from such a stand: weights made for errors that are not there
-    would mislead."""
-    misfit = math.sqrt(model.chi_squared / max(1, model.freedom))
-    if not misfit <= LARGEST_MISFIT:
-        raise BadInput(f"residuals {misfit:.2g} times what the stand declares: no optimal weights for it", file)
+        missing, lost = (", ".join(refusal.details.get(key, ())) for key in ("missing", "unidentified"))
+        explained = {
+            "TUMBLE_E_MISSING_POSITION": f"{estimator} needs every fit position (another schedule: --schedule);"
+            f" missing {missing}",
+            "TUMBLE_E_NOT_HARMONIC": f"the schedule lacks positions that {estimator} needs; least_squares solves any"
+            " schedule",
+            # only for want of room: the record was made for this run
+            "TUMBLE_E_GAIN_RECORD": f"more than {core.MAX_YAWS} mountings, which optimal takes at most; least_squares"
+            " solves any schedule",
+            "TUMBLE_E_RANK": f"these positions cannot identify {lost}",
+            "TUMBLE_E_SINGULAR": f"{refusal}, or the table turned the other way in one mounting, or one attitude was"
+            " measured twice",
+        }
+        raise BadInput(explained.get(refusal.name, str(refusal)), file) from None
 
 
 def _by_numpy(
+    model: WholeModel,
     schedule: Schedule,
     means: Floats,
     samples: Integers,
     weighting: optimal_run.Weighting,
-    mean_variance: Floats,
-    terms: Terms,
+    variance: Floats,
+    file: str,
 ) -> OptimalEstimate:
-    """The optimal estimator from the data, without a table."""
+    """The optimal estimator from the data, without a table. Raises BadInput for a run that cannot have come from such a
+    stand: weights made for errors that are not there would mislead."""
+    misfit = math.sqrt(model.chi_squared / max(1, model.freedom))
+    if not misfit <= LARGEST_MISFIT:
+        raise BadInput(f"residuals {misfit:.2g} times what the stand declares: no optimal weights for it", file)
     k, of_means = (None, None) if weighting.known is None else (weighting.known.k, weighting.known.samples)
     given = schedule, means, weighting.stand, samples, weighting.step
-    return optimal_estimate(*given, k, of_means, mean_variance, terms)
-
-
-def _explain(refusal: core.CoreRefusal, estimator: str) -> str:
-    """A refusal of the core, in terms of what the user gave."""
-    if refusal.name == "TUMBLE_E_MISSING_POSITION":
-        missing = ", ".join(refusal.details["missing"])
-        return f"{estimator} needs every fit position (another schedule: --schedule); missing {missing}"
-    if refusal.name == "TUMBLE_E_NOT_HARMONIC":
-        return f"the schedule lacks positions that {estimator} needs; least_squares solves any schedule"
-    if refusal.name == "TUMBLE_E_GAIN_RECORD":  # only for want of room: the record was made for this run
-        return f"more than {core.MAX_YAWS} mountings, which optimal takes at most; least_squares solves any schedule"
-    if refusal.name == "TUMBLE_E_RANK":
-        return f"these positions cannot identify {', '.join(refusal.details['unidentified'])}"
-    if refusal.name == "TUMBLE_E_SINGULAR":
-        return f"{refusal}, or the table turned the other way in one mounting, or one attitude was measured twice"
-    return str(refusal)
+    return optimal_estimate(*given, k, of_means, variance, model.terms)

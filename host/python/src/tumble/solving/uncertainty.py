@@ -12,8 +12,7 @@ with u_measured the part of u that comes from the measured noise of that channel
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -21,50 +20,117 @@ from tumble import core
 from tumble.arrays import Flags, Floats, Integers
 from tumble.core.binding import uncertainties, uncertainties_of_gains
 from tumble.distributions import student_quantile
+from tumble.errors import BadInput
 from tumble.estimators import OPTIMAL
-from tumble.model.coefficients import variances
+from tumble.model.coefficients import WorstNorm, variances, worst_norm
 from tumble.model.optimal import NOISE_FLOOR_G, OptimalEstimate
 from tumble.model.propagation import Propagation
 from tumble.solving.computation import compare_uncertainties
 from tumble.solving.noise import Noise
-from tumble.stand import Stand
+from tumble.terms import POWERS, Terms
+
+
+@dataclass(frozen=True)
+class Without:
+    """Standard uncertainties of the same run, stand and estimator without the further terms: `u_k` (3, 3), `u_u0` (3,);
+    `worst`: of |a|."""
+
+    u_k: Floats
+    u_u0: Floats
+    worst: WorstNorm
+
+
+@dataclass(frozen=True)
+class Further:
+    """`sizes` (terms, 3) of `terms` beside `k` (3, 3), in the unit of the outputs, and these less the witness's
+    (`difference`); `covariance` of K row by row, U0 and the sizes, and what uncertainties would be `without` the terms:
+    None without a declared stand."""
+
+    terms: Terms
+    k: Floats
+    sizes: Floats
+    difference: Floats
+    covariance: Floats | None = None
+    without: Without | None = None
+
+    @property
+    def values(self) -> Floats:
+        """K2 in 1/g, K3 in 1/g^2, the drift over the run in the unit of the outputs: (terms, 3)."""
+        return self.sizes * self.factors
+
+    @property
+    def factors(self) -> Floats:
+        """Of the values, times the sizes: (terms, 3)."""
+        return np.array([1.0 / np.diag(self.k) if term in POWERS else np.ones(3) for term in self.terms])
+
+    @property
+    def of_values(self) -> Floats | None:
+        """Covariance of K row by row, U0 and the values."""
+        if self.covariance is None:
+            return None
+        by_size = np.diag(np.concatenate([np.ones(12), self.factors.ravel()]))
+        for row, (value, factor) in enumerate(zip(self.values.ravel(), self.factors.ravel())):
+            if self.terms[row // 3] in POWERS:
+                by_size[12 + row, 4 * (row % 3)] = -value * factor  # by K_ii
+        found: Floats = by_size @ self.covariance @ by_size.T
+        return (found + found.T) / 2.0
+
+    @property
+    def u(self) -> Floats | None:
+        """Standard uncertainties of `values` (terms, 3)."""
+        joint = self.of_values
+        return None if joint is None else np.sqrt(np.diag(joint)[12:]).reshape(-1, 3)
+
+    @property
+    def worst_norm(self) -> WorstNorm | None:
+        """Where the block shows the length of gravity worst, K2 and K3 applied."""
+        return None if self.covariance is None else worst_norm(self.k, self.covariance, self.terms)
+
+    @property
+    def worst_norm_of_twelve(self) -> WorstNorm | None:
+        """The same by what the uncertainties of K and U0 alone bring."""
+        return None if self.covariance is None else worst_norm(self.k, self.covariance[:12, :12])
 
 
 @dataclass(frozen=True)
 class Stated:
     """Standard uncertainties `u_k` (3, 3), `u_u0` (3,); `covariance` of K row by row, U0 and the sizes of further
-    terms, where there are any."""
+    terms, where there are any: then also what they would be `without`."""
 
     u_k: Floats
     u_u0: Floats
     covariance: Floats
-
-    @property
-    def of_twelve(self) -> Floats:
-        """Covariance (12, 12) of K row by row and U0."""
-        return self.covariance[:12, :12]
+    without: Without | None = None
 
 
-def stated(
+def confirmed(
     given: Propagation,
     schedule: core.CoreSchedule,
     measured: Flags,
     mean_variance: Floats,
-    optimal: OptimalEstimate | None = None,
+    optimal: OptimalEstimate | None,
+    file: str,
 ) -> Stated:
-    """Of an estimate as `given`, of the measured positions of a `schedule`; `mean_variance` (positions of `given`, 3):
-    by the noise as measured; `optimal`: what numpy found by that estimator, if it has. Raises CoreRefusal,
-    Disagreement."""
-    u = standard_uncertainties(given, schedule, measured, mean_variance)
+    """By the core and by numpy, of an estimate as `given`, of the measured positions of a `schedule`; `mean_variance`
+    (positions of `given`, 3): by the noise as measured; `optimal`: what numpy found by that estimator, if it has.
+    Raises Disagreement; BadInput of the run in `file` for a stand beyond what the core computes with."""
+    try:
+        u = standard_uncertainties(given, schedule, measured, mean_variance)
+    except core.CoreRefusal as refusal:
+        raise BadInput(f"no uncertainties from this stand: {refusal}", file) from None
     covariance = given.covariance(mean_variance) if optimal is None else optimal.covariance
     compare_uncertainties(u, np.sqrt(np.diag(covariance)), given.estimator == OPTIMAL)
-    return Stated(u[:9].reshape(3, 3), u[9:12], covariance)
+    without = None
+    if given.terms:
+        alone = confirmed(replace(given, terms=()), schedule, measured, mean_variance, None, file)
+        without = Without(alone.u_k, alone.u_u0, worst_norm(given.k, alone.covariance))
+    return Stated(u[:9].reshape(3, 3), u[9:12], covariance, without)
 
 
 def standard_uncertainties(
     given: Propagation, schedule: core.CoreSchedule, measured: Flags, mean_variance: Floats | None = None
 ) -> Floats:
-    """Of K row by row, U0 and the sizes of further terms (12 + 3 x terms,), by the core; arguments as of `stated`.
+    """Of K row by row, U0 and the sizes of further terms (12 + 3 x terms,), by the core; arguments as of `confirmed`.
 
     Those of the optimal estimator are for weights made at the solved K: the second order, which it takes out, makes up
     for weights made elsewhere.
@@ -110,30 +176,19 @@ def factors_of(freedom: Floats) -> Floats:
     return np.array([student_quantile(PROBABILITY, one) for one in freedom])
 
 
-def coverage(
-    noise: Noise,
-    measured: Flags,
-    stand: Stand,
-    samples: Integers,
-    covariance_with: Callable[[Floats], Floats],
-    by_intrinsic: Floats,
-) -> Coverage:
-    """Of the uncertainties that `covariance_with` gives: from variances (positions, 3) of the means, which count where
-    they are larger than those of `stand`, to a covariance of the twelve, and perhaps of more behind them.
-
-    `noise` of the run; `measured` (all positions,) bool; `samples` (measured positions,) as Stand.averaged_over takes
-    them. `by_intrinsic` (9, 12): derivatives of the intrinsic parameters by the twelve.
-    """
+def coverage(noise: Noise, measured: Flags, given: Propagation, by_intrinsic: Floats) -> Coverage:
+    """Of the uncertainties of an estimate as `given`, of a run with this `noise` at its `measured` positions.
+    `by_intrinsic` (9, 12): derivatives of the intrinsic parameters by the twelve."""
     variance, by_samples = noise.mean_variance[measured], noise.by_samples[measured]
-    by_samples = np.where(by_samples >= stand.mean_variance(samples), by_samples, 0.0)
+    by_samples = np.where(by_samples >= given.stand.mean_variance(given.samples), by_samples, 0.0)
     if noise.measured is None or not by_samples.any():
         return Coverage(np.full(12, math.inf))
     gradients = np.concatenate([np.eye(12), by_intrinsic])
-    whole, parts = variances(gradients, covariance_with(variance)[:12, :12]), np.zeros((3, len(gradients)))
+    whole, parts = variances(gradients, given.covariance(variance)[:12, :12]), np.zeros((3, len(gradients)))
     for channel in np.flatnonzero(by_samples.any(axis=0)):
         once_more = variance.copy()  # a variance is linear in those of the means: what the same again adds is its part
         once_more[:, channel] += by_samples[:, channel]
-        parts[channel] = variances(gradients, covariance_with(once_more)[:12, :12]) - whole
+        parts[channel] = variances(gradients, given.covariance(once_more)[:12, :12]) - whole
     freedom = effective(whole, parts, noise.measured.freedom)
     return Coverage(freedom[:12], freedom[12:])
 

@@ -6,14 +6,14 @@ import dataclasses
 from pathlib import Path
 
 import numpy as np
-from msgspec import structs
+from msgspec import UNSET, structs
 
-from tumble.api.complaints import complaints
+from tumble.api.solving import complaints
 from tumble.arrays import Floats
 from tumble.documents import bench
 from tumble.documents.base import to_json
 from tumble.documents.bench import Bench, Node, NodeWithStand, OnBench, Stand
-from tumble.documents.result import Table
+from tumble.documents.result import Table, Truth
 from tumble.errors import BadInput, BenchFault, Disagreement
 from tumble.estimators import OPTIMAL
 from tumble.files.run_file import Run, read_run
@@ -25,7 +25,7 @@ from tumble.model.propagation import covariance
 from tumble.solving import result
 from tumble.solving.computation import OPTIMAL_LIMIT_U, RELATIVE_LIMIT, compare_uncertainties
 from tumble.solving.noise import look, of_means
-from tumble.solving.solution import Solution, Truth, solve
+from tumble.solving.solution import Solution, solve
 from tumble.world.progress import in_words
 from tumble.world.setup import Setup, known_before, step_v
 
@@ -101,7 +101,7 @@ def result_text(
     found = result.document_of(solution, item, environment, serial, "run.csv", created, complaints(solution))
     assert solution.truth is not None  # it has been simulated
     found.seed, found.bus, found.firmware = setup.seed, bus, firmware
-    found.table, found.truth = Table(**bench.written(document.table)), result.truth(solution.truth)
+    found.table, found.truth = Table(**bench.written(document.table)), solution.truth
     return to_json(found)
 
 
@@ -189,16 +189,7 @@ def _require_close(name: str, firmware: Floats, witness: Floats, allowed: Floats
 
 
 def _truth(simulated: bench.Truth) -> Truth:
-    told = bench.written(simulated)
-    return Truth(
-        k=simulated.K,
-        u0=simulated.U0,
-        alpha1=told["alpha1_rad"],
-        alpha2=told["alpha2_rad"],
-        alpha3=tuple(told["alpha3_rad"]),
-        alpha4=tuple(told["alpha4_rad"]),
-        theta_h=tuple(told["theta_h_rad"]),
-        theta_n=tuple(told["theta_n_rad"]),
-        encoder=tuple(told["encoder_rad"]),
-        drift=tuple(told["drift_v"]),
-    )
+    told = {name: tuple(value) if isinstance(value, list) else value for name, value in bench.written(simulated).items()}
+    for name in ("encoder_rad", "drift_v"):
+        told[name] = told[name] if any(told[name]) else UNSET
+    return Truth(**{**told, "K": simulated.K, "U0": simulated.U0})

@@ -53,8 +53,7 @@ def describe(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Calibrate and write. Returns the exit code; raises TumbleError."""
-    from tumble.api.applying import demand_of
-    from tumble.api.result import load
+    from tumble.api.result import demand_of, load
     from tumble.files.calibrated import OUTPUTS
     from tumble.files.disk import together
     from tumble.files.incoming import PARQUET, SUFFIXES, suffix_of
@@ -150,7 +149,7 @@ def _calibrate(files: list[str], out: BinaryIO, demand: Demand, known_c: Tempera
 
 
 def _tell_of_doubts(seen: Seen, known_c: Temperature | None, demand: Demand, file: str) -> None:
-    from tumble.api.applying import doubts
+    from tumble.api.result import doubts
 
     if not seen.unit_told:
         taken = f"{demand.unit}, as in the result{'' if demand.unit_told else ', whose run names none either'}"

@@ -131,7 +131,7 @@ class Onlooker(Protocol):
 
 def run(arguments: argparse.Namespace, onlooker: Onlooker | None = None) -> int:
     """Simulate, confirm, print. Returns the exit code; raises TumbleError."""
-    from tumble.api.complaints import complaints
+    from tumble.api.solving import complaints
     from tumble.cli.output import print_solution, warn
     from tumble.solving.decision import decide
     from tumble.world import border, folder, outcome, realbus, setup
@@ -227,13 +227,13 @@ def _read_setup(arguments: argparse.Namespace, given: dict[str, bytes]) -> tuple
 
     from tumble.core import MAX_SAMPLES
     from tumble.files.stand_file import read_block, read_stand
-    from tumble.solving import further
+    from tumble.solving.computation import require_told_apart
     from tumble.world.setup import setup_of
 
     samples = None if arguments.samples is None else options.parse_whole(arguments.samples, "--samples", 1, MAX_SAMPLES)
     error_budget_v = _parse_budget(arguments.error_budget)
     schedule = _read_schedule(arguments, given)
-    further.require_told_apart(schedule.data, terms)
+    require_told_apart(schedule.data, terms)
     file = None if arguments.stand is None else read_stand(arguments.stand, given[arguments.stand])
     others: dict[str, Any] = {
         "stand_file": arguments.stand or "",

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from tumble.planning.budget import Budget
     from tumble.planning.case import Case
     from tumble.planning.optimize import Optimized
-    from tumble.solving.further import Further
+    from tumble.solving.uncertainty import Further
     from tumble.terms import Terms
 
 DEFAULT_PROBABILITY = 0.95
@@ -113,7 +113,7 @@ def read_case(arguments: argparse.Namespace) -> Case:
         schedule = read_schedule(arguments.schedule, estimator=estimator).data
     case = replace(Case.of(stand_file, arguments.stand, schedule), terms=_terms(arguments))
     if case.terms and hasattr(arguments, "schedule"):
-        from tumble.solving.further import require_told_apart
+        from tumble.solving.computation import require_told_apart
 
         require_told_apart(case.schedule, case.terms)
     return case if limit_g is None else replace(case, limit_g=limit_g)
