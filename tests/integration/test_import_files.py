@@ -36,8 +36,9 @@ def imported(tumble, tmp_path):
             files[-1].write_bytes(content if isinstance(content, bytes) else content.encode())
         done = tumble("import", *files, *options, "--out", tmp_path / "run.csv")
         if done.returncode:
-            assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1), done.stderr
-            return done.stderr, {}
+            line = done.stderr.partition("assumed:\n")[0]
+            assert (done.returncode, done.stdout, line.count("\n")) == (2, "", 1), done.stderr
+            return line, {}
         assert done.stderr == "" and max(map(len, done.stdout.partition("\nNext:\n")[0].splitlines())) <= 80
         return " ".join(done.stdout.split()), means_of((tmp_path / "run.csv").read_text())
 

@@ -17,6 +17,7 @@ from tumble.errors import (
     EXIT_BAD_INPUT,
     EXIT_DISAGREEMENT,
     EXIT_PASS,
+    BadInput,
     Interrupted,
     NotInstalled,
     TumbleError,
@@ -143,6 +144,15 @@ def _complain(message: str) -> None:
     tell("tumble: " + message.replace("\r", "\\r").replace("\n", "\\n"))
 
 
+def _list_assumed(facts: Iterable[str]) -> None:
+    """Below a complaint, what the refused input was read by besides what was said: a list of 80 columns."""
+    import textwrap
+
+    tell("assumed:")
+    for fact in facts:
+        tell(textwrap.fill(fact, 80, initial_indent="- ", subsequent_indent="  "))
+
+
 def _prepare_output() -> None:
     """What the output's encoding does not have is escaped instead of failing in the middle. A standard stream that is
     closed does not become one of our files."""
@@ -194,6 +204,8 @@ def main(argv: list[str] | None = None, *, interruptible: bool = False) -> int:
         return interruption.exit_code()
     except TumbleError as error:
         _complain(str(error))
+        if isinstance(error, BadInput) and error.assumed:
+            _list_assumed(error.assumed)
         return error.exit_code
     except KeyboardInterrupt:
         _complain("interrupted")

@@ -15,6 +15,7 @@ from tumble.files import run_rows
 from tumble.files.run_file import smallest_step
 from tumble.files.run_layout import NO_WISHES, Wishes
 from tumble.importing import labels, match, recording
+from tumble.importing.attitudes import scale_and_bias
 from tumble.importing.can_bus import NO_BUS, Bus
 from tumble.importing.clock import CONTRADICTED
 from tumble.importing.match import JOINED, POSITIVE, REPEATED, TAKEN, Claims, Doubtful, Matched
@@ -105,10 +106,10 @@ def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settin
     file_of_row = np.repeat(np.arange(len(files)), lengths)
     seconds, interval, gaps = _joined_clocks(recordings)
     found = find_rests(outputs, gaps, interval, settings.thresholds)
-    same_block = _same_block(recordings, outputs, file_of_row, found)
     texts, same = _telling(recordings, schedule, settings.mountings)
     labelled, rests = bool(texts.keys() - {"mounting"}), found.rests
     try:
+        same_block = _same_block(recordings, outputs, file_of_row, found)
         if labelled:
             rests, lost = _labelled_rests(texts, outputs, file_of_row, found, interval)
             settings.claims.require_rests(len(rests))
@@ -119,8 +120,11 @@ def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settin
             matched = _matched(rests, schedule, settings)
             names = texts.get("mounting", [])
             _require_one_name_a_mounting(names, rests, matched, schedule, settings.mountings)
-    except Doubtful as doubt:
-        raise BadInput(f"{doubt}{_is_rate_right(recordings, rests, settings.timing.rate_hz)}", files[0]) from None
+    except (BadInput, Doubtful) as doubt:
+        hint = _is_rate_right(recordings, rests, settings.timing.rate_hz)
+        refusal = doubt if isinstance(doubt, BadInput) else BadInput(f"{doubt}{hint}", files[0])
+        refusal.assumed = _assumed(recordings, settings, found, interval, texts)
+        raise refusal from None
     notes = (
         _notes(recordings, settings, found, interval, labelled)
         + _about_unit(recordings, matched)
@@ -310,6 +314,33 @@ def _notes(
     return notes
 
 
+def _assumed(
+    recordings: Sequence[Recording],
+    settings: Settings,
+    found: Found,
+    interval: float | None,
+    texts: dict[str, list[str]],
+) -> tuple[str, ...]:
+    """What a refusal rests on besides what was said: schedule, clock, unit, what tells the positions, noise."""
+    by_labels = texts.keys() - {"mounting"}
+    notes = _notes(recordings, settings, found, interval, bool(by_labels))
+    said = ("schedule: nobody", "clock: ")
+    facts = [note for note in notes if any(start in note for start in said) and CONTRADICTED not in note]
+    for column in (quoted(one.clock_column) for one in recordings if one.clock_column is not None):
+        facts += [] if any(column in note for note in facts) else [f"clock: column {column}"]
+    if any(not one.unit_told for one in recordings):
+        rough = scale_and_bias(found.rests.means)
+        facts.append("unit: nobody says " + _unit_hint(None if rough is None else float(np.prod(rough[0]) ** (1 / 3))))
+    if by_labels:
+        facts.append(f"positions: by labels of the rows, {' and '.join(texts)} (--columns)")
+    else:
+        facts.append("positions: by gravity, for the rows have no labels of positions (--columns)")
+    if interval is not None or not by_labels:
+        noise = " ".join(f"{one:.3g}" for one in found.noise)
+        facts.append(f"rests: {len(found.rests)}, by the noise of the quietest rows, {noise} (--still, --drift)")
+    return tuple(dict.fromkeys(facts))
+
+
 def _about_rate(rate_hz: float | None, rests: Rests, matched: Matched) -> list[str]:
     """That the rests are so short or long by the rate which the user says that it may be wrong."""
     lengths = rests.samples[matched.positions != NONE]
@@ -333,7 +364,11 @@ def _about_unit(recordings: Sequence[Recording], matched: Matched) -> list[str]:
     """That nobody says the unit of the outputs, and which one they look like."""
     if all(one.unit_told for one in recordings):
         return []
-    per_g = float(np.abs(np.linalg.det(matched.fit.k)) ** (1 / 3))
-    seen = looks_like(per_g)
-    hint = "--unit" if seen is None else f"1 g is {per_g:.4g} of it, which looks like {seen}"
-    return [f"unit: nobody says; the run file names none either ({hint})"]
+    hint = _unit_hint(float(np.abs(np.linalg.det(matched.fit.k)) ** (1 / 3)))
+    return [f"unit: nobody says; the run file names none either {hint}"]
+
+
+def _unit_hint(per_g: float | None) -> str:
+    """What the unit may be where 1 g comes out as so much, None: unknown."""
+    seen = None if per_g is None else looks_like(per_g)
+    return "(--unit)" if seen is None else f"(1 g is {per_g:.4g} of it, which looks like {seen})"

@@ -64,7 +64,8 @@ _MOST_LABELS = 256  # different running numbers: more count samples
 class Recording:
     """One file. `outputs` (rows, 3) in `unit`, which is `unit_told` or assumed; `lines` (rows,): where each stands;
     `clock`: None where there is none; `labels`: texts of each row, by name in LABELS; `notes`: sentences;
-    `temperature` (rows,): in deg C, NaN where it is not known, None where no row tells it."""
+    `temperature` (rows,): in deg C, NaN where it is not known, None where no row tells it; `clock_column`: its name,
+    where nobody but the file says that it is the clock."""
 
     file: str
     outputs: Floats
@@ -76,6 +77,7 @@ class Recording:
     notes: tuple[str, ...]
     data: bytes
     temperature: Floats | None = None
+    clock_column: str | None = None
 
 
 @dataclass(frozen=True)
@@ -159,6 +161,7 @@ def _read_table(file: str, data: bytes, wishes: Wishes, timing: Timing) -> Recor
     return Recording(
         file, outputs, lines, layout.unit, layout.unit_told, told, labels, tuple(notes), own,
         None if felt is None else rows[:, FELT],
+        None if told is None or timing.rate_hz or "time" in wishes.columns else names[columns["time"]],
     )  # fmt: skip
 
 
