@@ -14,7 +14,7 @@ from documents import paper_stand, valid
 from recordings import Habits, recording
 
 from tumble.errors import BadInput
-from tumble.importing import order
+from tumble.importing import match
 from tumble.importing.pipeline import Settings, import_recordings
 from tumble.model import built_in
 
@@ -330,7 +330,7 @@ def test_the_order_is_the_best_and_says_where_another_is_as_good():
     for _ in range(300):
         of_position = rng.integers(0, 4, rng.integers(2, 7))
         nearest = rng.integers(-1, 4, rng.integers(1, 7))
-        found = order.assign(order.SCHEDULE, nearest, np.zeros(len(nearest)), of_position, SCHEDULE)
+        found = match.assign(match.SCHEDULE, nearest, np.zeros(len(nearest)), of_position, SCHEDULE)
         most, ways = brute(nearest, of_position)
         assert found.matched == most and tuple(found.positions) in [tuple(map(int, way)) for way in ways]
         for rest, place in enumerate(found.positions):

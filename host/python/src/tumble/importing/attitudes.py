@@ -134,7 +134,7 @@ def see(means: Floats, rough: tuple[Floats, Floats], view: View, attitudes: Atti
     fit = None
     for _ in range(_ROUNDS):
         fit = fitted(attitudes.forces[nearest[nearest >= 0]], means[nearest >= 0], _weights(off[nearest >= 0]))
-        if fit is None or not _is_view_of(view, fit.k):
+        if fit is None or not is_view_of(view, fit.k):
             return None
         before = nearest
         nearest, off = _nearest(fit.attitudes(means), attitudes, allowed)
@@ -176,7 +176,7 @@ def _nearest(felt: Floats, attitudes: Attitudes, allowed: float) -> tuple[Intege
     return np.where(off <= allowed, distances.argmin(axis=1), -1), off
 
 
-def _is_view_of(view: View, k: Floats) -> bool:
+def is_view_of(view: View, k: Floats) -> bool:
     """Does each channel feel its own axis most, and that way round?"""
     own = np.array([k[channel, axis] * sign for axis, (channel, sign) in enumerate(zip(view.channels, view.signs))])
     ordered = np.abs(k[list(view.channels)])

@@ -9,35 +9,49 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from tumble.arrays import Flags, Floats, Integers
 from tumble.errors import quoted
 from tumble.importing import attitudes
-from tumble.importing.match import LEFT_OUT, REPEATED, REPEATS, TAKEN, Claims, Doubtful, Matched
-from tumble.importing.order import NONE
-from tumble.importing.rests import Rests
+from tumble.importing.attitudes import View
+from tumble.importing.match import LEFT_OUT, NONE, REPEATED, REPEATS, TAKEN, Claims, Doubtful, Matched
+from tumble.importing.rests import FEWEST_IN_BLOCK, Found, Rests, rests_of
 from tumble.schedule import Schedule
 
 LABELS = ("mounting", "position", "angle", "number")
 _NEAR_DEG = 3.0  # of a set angle, what a table shows may be off
 _ALL = "all"  # key of groups that are numbered through all mountings
 _MOST_NAMES = 6  # of mountings whose numbers nobody says: 720 ways of giving six numbers, half a second
-_CROSS = 0.5  # of a channel's own axis, what it may feel of another
 
 
-def stretches_of(labels: dict[str, list[str]], file_of_row: Integers) -> list[tuple[int, int]]:
-    """Rows in a row with the same labels: the first, and the one behind the last."""
-    rows = list(zip(file_of_row.tolist(), *labels.values()))
+def labelled_rests(
+    texts: dict[str, list[str]], outputs: Floats, file_of_row: Integers, found: Found, interval: float | None
+) -> tuple[Rests, list[str]]:
+    """Of rows with the same labels those that are at rest: with a clock, the longest rest in it; without one, all. And
+    sentences on those that never are. `texts`: of each row, by name in LABELS. Raises Doubtful."""
+    rows = list(zip(file_of_row.tolist(), *texts.values()))
     begins = [0, *(row for row in range(1, len(rows)) if rows[row] != rows[row - 1]), len(rows)]
-    return list(itertools.pairwise(begins))
-
-
-def text_of(labels: dict[str, list[str]], row: int) -> str:
-    """The labels of a row."""
-    return ", ".join(quoted(labels[name][row]) for name in LABELS if name in labels)
+    spans, firsts, lost = [], [], []
+    for first, last in itertools.pairwise(begins):  # the rows between have the same labels
+        starts, stops = np.maximum(found.rests.begin, first), np.minimum(found.rests.end, last)
+        inside = np.flatnonzero(stops - starts >= FEWEST_IN_BLOCK)
+        if interval is None or last - first < 4 * found.block:
+            spans.append((first, last))
+        elif len(inside):
+            longest = inside[(stops - starts)[inside].argmax()]
+            spans.append((int(starts[longest]), int(stops[longest])))
+        else:
+            labels = ", ".join(quoted(texts[name][first]) for name in LABELS if name in texts)
+            lost.append(f"rows labelled {labels} are never at rest: left out")
+            continue
+        firsts.append(first)
+    if not spans:
+        raise Doubtful("no group of rows with the same labels is at rest: see --still, --drift, --min-rest")
+    own = {name: [column[row] for row in firsts] for name, column in texts.items()}
+    return replace(rests_of(outputs, spans, found.block, found.rounding), file=file_of_row[firsts], labels=own), lost
 
 
 @dataclass(frozen=True)
@@ -122,10 +136,8 @@ class _Labelled:
                 f"{len(set(positions[taken].tolist()))} positions do not show scale and bias of every channel: give "
                 "the recordings of all mountings together"
             )
-        signs = self.claims.signs or tuple(1 if own >= 0 else -1 for own in np.diag(fit.k))
-        own = np.diag(fit.k) * np.array(signs)
-        cross = np.abs(fit.k - np.diag(np.diag(fit.k))).max(axis=1)
-        if not (own > 0.0).all() or not (cross <= _CROSS * own).all():
+        x, y, z = (1 if own >= 0 else -1 for own in np.diag(fit.k))
+        if not attitudes.is_view_of(View(signs=self.claims.signs or (x, y, z)), fit.k):
             raise Doubtful(
                 "as the rows are labelled, channels feel other axes than their own, or with other signs than told: are "
                 "mountings or positions exchanged, or columns (--columns ux=...)? "
@@ -150,7 +162,7 @@ def _visits(positions: Integers) -> dict[int, list[list[int]]]:
     return found
 
 
-def require_names(named: dict[str, int], there: Sequence[str], schedule: Schedule) -> None:
+def _require_names(named: dict[str, int], there: Sequence[str], schedule: Schedule) -> None:
     """Raise Doubtful where the user names a mounting that the rows do not, or gives one a number that is not there.
     `there`: the names of the rows, empty where they have none."""
     numbers = [mounting.number for mounting in schedule.mountings]
@@ -165,10 +177,33 @@ def require_names(named: dict[str, int], there: Sequence[str], schedule: Schedul
             raise Doubtful(f"--mountings: the schedule has no mounting {number}; it has {known}")
 
 
+def require_one_name_a_mounting(
+    texts: Sequence[str], rests: Rests, matched: Matched, schedule: Schedule, told: dict[str, int]
+) -> None:
+    """A column of mountings beside a continuous recording, `texts` by row: a name for each mounting, the one that is
+    `told`; empty: there is none. Raises Doubtful."""
+    _require_names(told, list(dict.fromkeys(texts)), schedule)
+    known: dict[str, tuple[int, int]] = {}
+    middles = (rests.begin + rests.end) // 2
+    for number, (middle, position) in enumerate(zip(middles, matched.positions), 1):
+        if position == NONE or not texts:
+            continue
+        mounting = schedule.positions[position].mounting
+        name = texts[middle]
+        if told.get(name, mounting) != mounting:
+            raise Doubtful(f"rest {number} is in mounting {mounting}, but --mountings says {name!r} is {told[name]}")
+        first, other = known.setdefault(name, (mounting, number))
+        if first != mounting:
+            raise Doubtful(
+                f"the rows of mounting {name!r} are mounting {first} at rest {other} and {mounting} at rest {number}: "
+                f"--leave-out {number} or {other}, or leave out that column (--columns mounting=...)"
+            )
+
+
 def _only_way(given: _Labelled, named: dict[str, int]) -> _Way:
     """The numbers of mountings that labels and gravity agree on. Raises Doubtful."""
     keys = _mounting_keys(given.rests, given.schedule)
-    require_names(named, [key for key in dict.fromkeys(keys) if key != _ALL], given.schedule)
+    _require_names(named, [key for key in dict.fromkeys(keys) if key != _ALL], given.schedule)
     found, faults = [], []
     for numbers in _ways(list(dict.fromkeys(keys)), given.schedule, named):
         try:

@@ -17,17 +17,14 @@ from tumble.files.run_layout import NO_WISHES, Wishes
 from tumble.importing import labels, match, recording
 from tumble.importing.attitudes import scale_and_bias
 from tumble.importing.can_bus import NO_BUS, Bus
-from tumble.importing.clock import CONTRADICTED
-from tumble.importing.match import JOINED, POSITIVE, REPEATED, TAKEN, Claims, Doubtful, Matched
-from tumble.importing.order import ANY, NONE
-from tumble.importing.recording import Recording, Timing
-from tumble.importing.rests import Found, Rests, Thresholds, find_rests, rests_of
+from tumble.importing.match import ANY, JOINED, NONE, POSITIVE, REPEATED, TAKEN, Claims, Doubtful, Matched
+from tumble.importing.recording import CONTRADICTED, Recording, Timing
+from tumble.importing.rests import Found, Rests, Thresholds, find_rests
 from tumble.model.geometry import built_in
 from tumble.schedule import BUILT_IN, Schedule
 from tumble.units import looks_like
 
 DEFAULT_SCHEDULE = "paper"
-_FEWEST_ROWS_IN_BLOCK = 4
 _SHORTEST_S, _LONGEST_S = 1.5, 900.0  # of the usual rest: nobody's hand or table is quicker, or so patient
 _FEWEST_RESTS = 6  # of a recording that is of any use
 _EXPLAINED = 0.8  # of the rests, by a schedule that is to be advised
@@ -111,7 +108,7 @@ def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settin
     try:
         same_block = _same_block(recordings, outputs, file_of_row, found)
         if labelled:
-            rests, lost = _labelled_rests(texts, outputs, file_of_row, found, interval)
+            rests, lost = labels.labelled_rests(texts, outputs, file_of_row, found, interval)
             settings.claims.require_rests(len(rests))
             matched = labels.match(rests, schedule, settings.claims, settings.mountings)
             matched = replace(matched, notes=(*matched.notes, *lost))
@@ -119,20 +116,20 @@ def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settin
             settings.claims.require_rests(len(rests))
             matched = _matched(rests, schedule, settings)
             names = texts.get("mounting", [])
-            _require_one_name_a_mounting(names, rests, matched, schedule, settings.mountings)
+            labels.require_one_name_a_mounting(names, rests, matched, schedule, settings.mountings)
     except (BadInput, Doubtful) as doubt:
         hint = _is_rate_right(recordings, rests, settings.timing.rate_hz)
         refusal = doubt if isinstance(doubt, BadInput) else BadInput(f"{doubt}{hint}", files[0])
         refusal.assumed = _assumed(recordings, settings, found, interval, texts)
         raise refusal from None
-    notes = (
-        _notes(recordings, settings, found, interval, labelled)
-        + _about_unit(recordings, matched)
-        + _about_rate(settings.timing.rate_hz, rests, matched)
-        + same
-        + same_block
-        + list(matched.notes)
-    )
+    notes = [
+        *_notes(recordings, settings, interval, labelled),
+        *_about_unit(recordings, matched),
+        *_about_rate(settings.timing.rate_hz, rests, matched),
+        *same,
+        *same_block,
+        *matched.notes,
+    ]
     return Imported(
         recordings=tuple(recordings),
         settings=settings,
@@ -245,62 +242,7 @@ def _explained(matched: Matched) -> int:
     return sum(state in (TAKEN, JOINED, REPEATED) for state in matched.states)
 
 
-def _labelled_rests(
-    texts: dict[str, list[str]],
-    outputs: Floats,
-    file_of_row: Integers,
-    found: Found,
-    interval: float | None,
-) -> tuple[Rests, list[str]]:
-    """Of rows with the same labels those that are at rest: with a clock, the longest rest in it; without one, all. And
-    sentences on those that never are."""
-    spans, files, lost = [], [], []
-    own: dict[str, list[str]] = {name: [] for name in texts}
-    for first, last in labels.stretches_of(texts, file_of_row):
-        begins, ends = np.maximum(found.rests.begin, first), np.minimum(found.rests.end, last)
-        inside = np.flatnonzero(ends - begins >= _FEWEST_ROWS_IN_BLOCK)
-        if interval is None or last - first < 4 * found.block:
-            spans.append((first, last))
-        elif len(inside):
-            longest = inside[(ends - begins)[inside].argmax()]
-            spans.append((int(begins[longest]), int(ends[longest])))
-        else:
-            lost.append(f"rows labelled {labels.text_of(texts, first)} are never at rest: left out")
-            continue
-        files.append(file_of_row[first])
-        for name, column in own.items():
-            column.append(texts[name][first])
-    if not spans:
-        raise Doubtful("no group of rows with the same labels is at rest: see --still, --drift, --min-rest")
-    return replace(rests_of(outputs, spans, found.block, found.rounding), file=np.array(files), labels=own), lost
-
-
-def _require_one_name_a_mounting(
-    texts: Sequence[str], rests: Rests, matched: Matched, schedule: Schedule, told: dict[str, int]
-) -> None:
-    """A column of mountings beside a continuous recording, `texts` by row: a name for each mounting, the one that is
-    `told`; empty: there is none. Raises Doubtful."""
-    labels.require_names(told, list(dict.fromkeys(texts)), schedule)
-    known: dict[str, tuple[int, int]] = {}
-    middles = (rests.begin + rests.end) // 2
-    for number, (middle, position) in enumerate(zip(middles, matched.positions), 1):
-        if position == NONE or not texts:
-            continue
-        mounting = schedule.positions[position].mounting
-        name = texts[middle]
-        if told.get(name, mounting) != mounting:
-            raise Doubtful(f"rest {number} is in mounting {mounting}, but --mountings says {name!r} is {told[name]}")
-        first, other = known.setdefault(name, (mounting, number))
-        if first != mounting:
-            raise Doubtful(
-                f"the rows of mounting {name!r} are mounting {first} at rest {other} and {mounting} at rest {number}: "
-                f"--leave-out {number} or {other}, or leave out that column (--columns mounting=...)"
-            )
-
-
-def _notes(
-    recordings: Sequence[Recording], settings: Settings, found: Found, interval: float | None, labelled: bool
-) -> list[str]:
+def _notes(recordings: Sequence[Recording], settings: Settings, interval: float | None, labelled: bool) -> list[str]:
     several = len(recordings) > 1
     notes = [
         f"{f'file {number}: ' if several else ''}{note}"
@@ -323,7 +265,7 @@ def _assumed(
 ) -> tuple[str, ...]:
     """What a refusal rests on besides what was said: schedule, clock, unit, what tells the positions, noise."""
     by_labels = texts.keys() - {"mounting"}
-    notes = _notes(recordings, settings, found, interval, bool(by_labels))
+    notes = _notes(recordings, settings, interval, bool(by_labels))
     said = ("schedule: nobody", "clock: ")
     facts = [note for note in notes if any(start in note for start in said) and CONTRADICTED not in note]
     for column in (quoted(one.clock_column) for one in recordings if one.clock_column is not None):
