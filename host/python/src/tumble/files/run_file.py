@@ -1,6 +1,6 @@
 """Run files: recorded samples in, one mean per position and channel out.
 
-A file goes one way: its bytes in blocks (incoming), its layout (run_layout), its rows as numbers (rows), grouped by
+A file goes one way: its bytes in blocks (disk), its layout (run_layout), its rows as numbers (rows), grouped by
 position in a RowStore, of which few are in memory, what those of a position say together (PositionFacts), and the Run.
 Only the last two look at more than a block, and only at the rows of one position at a time. Rows of a position are
 taken for consecutive samples, in the order of the file.
@@ -25,8 +25,7 @@ from tumble.arrays import Flags, Floats, Integers
 from tumble.core import CoreSchedule
 from tumble.errors import BadInput
 from tumble.files import can_log
-from tumble.files.disk import LONGEST_LINE, MIB, in_words, reason
-from tumble.files.incoming import Held, Incoming
+from tumble.files.disk import MIB, Held, Incoming, in_words, pieces, reason
 from tumble.files.rows import NotANumber, Part, PositionIndex, Refused, RowParser, Temperatures, listed
 from tumble.files.run_layout import (
     COLUMNS,
@@ -522,20 +521,3 @@ def _to_its_end(blocks: Iterator[bytes]) -> Iterator[None]:
         for _ in blocks:
             pass
         raise
-
-
-def pieces(blocks: Iterable[bytes], file: str) -> Iterator[bytes]:
-    """The same bytes, cut where lines end. Raises BadInput for a line that does not end."""
-    parts: list[bytes] = []
-    held = 0
-    for block in blocks:
-        cut = block.rfind(b"\n") + 1 or block.rfind(b"\r", 0, len(block) - 1) + 1  # a last \r may be half an end
-        if cut:
-            yield b"".join((*parts, block[:cut]))
-            parts, held = [], 0
-        parts.append(block[cut:])
-        held += len(block) - cut
-        if held > LONGEST_LINE:
-            raise BadInput(f"a line of more than {in_words(LONGEST_LINE)}", file)
-    if last := b"".join(parts):
-        yield last

@@ -24,7 +24,7 @@ from tumble.arrays import Flags, Floats, Integers
 from tumble.errors import BadInput, NotInstalled, UsageError, file_name, quoted
 from tumble.files.can_log import CanLog, Frame
 from tumble.files.disk import read_bytes
-from tumble.files.incoming import suffix_of
+from tumble.files.frames import suffix_of
 from tumble.files.run_layout import Wishes, find_all, unit_of
 from tumble.stand import PerChannel, by_channel
 

@@ -153,14 +153,14 @@ def _same_block(recordings: Sequence[Recording], outputs: Floats, file_of_row: I
     file = recordings[0].file
     copies = run_rows.copied(outputs, file_of_row, step)
     if copies is not None:
-        again, first = (f"{lines[row]} to {lines[row + copies.length - 1]}" for row in (copies.again, copies.first))
-        said = f"rows {again} are rows {first} again, digit for digit: written twice? Leave them out"
+        named = (f"{lines[row]} to {lines[row + copies.length - 1]}" for row in (copies.again, copies.first))
+        said = run_rows.WRITTEN_AGAIN.format(*named)
         raise BadInput(said, recordings[file_of_row[copies.again]].file, int(lines[copies.again]))
     rests = (outputs[begin:end] for begin, end in zip(found.rests.begin, found.rests.end))
     sources = run_rows.in_turn(rests, step, recordings[0].unit)
     if sources is not None and sources.is_certain:
-        raise BadInput(f"{sources.sentence}? Keep the rows of one", file, int(lines[0]))
-    return [] if sources is None else [f"{sources.sentence}, or a vibration in step with them?"]
+        raise BadInput(sources.sentence, file, int(lines[0]))
+    return [] if sources is None else [sources.sentence]
 
 
 def _telling(

@@ -22,7 +22,7 @@ from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.files import can_log
 from tumble.files.disk import MOST_OF_RECORDING, read_bytes
-from tumble.files.incoming import SUFFIXES, suffix_of
+from tumble.files.frames import SUFFIXES, suffix_of
 from tumble.files.rows import (
     FELT,
     LARGEST_OUTPUT,

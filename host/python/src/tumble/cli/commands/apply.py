@@ -57,7 +57,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.api.result import load
     from tumble.files.calibrated import OUTPUTS
     from tumble.files.disk import together
-    from tumble.files.incoming import PARQUET, SUFFIXES, suffix_of
+    from tumble.files.frames import PARQUET, SUFFIXES, suffix_of
     from tumble.files.run_layout import TEMPERATURE
 
     wishes = replace(options.wishes(arguments, (*OUTPUTS, TEMPERATURE), has_unit=False), wanted=OUTPUTS)
@@ -124,7 +124,7 @@ def _calibrate(files: list[str], out: BinaryIO, demand: Demand, known_c: Tempera
     """All files into one output: the header of the first, the rows of all. `known_c`: temperature of the result."""
     from tumble.files.calibrated import CsvData, calibrate_parquet
     from tumble.files.disk import opened
-    from tumble.files.incoming import PARQUET, suffix_of
+    from tumble.files.frames import PARQUET, suffix_of
 
     first: Any = None
     last = b"\n"
