@@ -7,6 +7,7 @@ import io
 import os
 import re
 import sys
+import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 from importlib import import_module
 from typing import Any, NoReturn
@@ -144,15 +145,6 @@ def _complain(message: str) -> None:
     tell("tumble: " + message.replace("\r", "\\r").replace("\n", "\\n"))
 
 
-def _list_assumed(facts: Iterable[str]) -> None:
-    """Below a complaint, what the refused input was read by besides what was said: a list of 80 columns."""
-    import textwrap
-
-    tell("assumed:")
-    for fact in facts:
-        tell(textwrap.fill(fact, 80, initial_indent="- ", subsequent_indent="  "))
-
-
 def _prepare_output() -> None:
     """What the output's encoding does not have is escaped instead of failing in the middle. A standard stream that is
     closed does not become one of our files."""
@@ -205,7 +197,9 @@ def main(argv: list[str] | None = None, *, interruptible: bool = False) -> int:
     except TumbleError as error:
         _complain(str(error))
         if isinstance(error, BadInput) and error.assumed:
-            _list_assumed(error.assumed)
+            tell("assumed:")
+            for fact in error.assumed:
+                tell(textwrap.fill(fact, 80, initial_indent="- ", subsequent_indent="  "))
         return error.exit_code
     except KeyboardInterrupt:
         _complain("interrupted")

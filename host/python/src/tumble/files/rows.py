@@ -5,8 +5,7 @@ C (binding/rows.c) takes lines of whose numbers it is certain, and stops at any 
 the one way that complains: so what C takes does not matter to what is accepted, and every complaint knows its row,
 its column and its reason.
 
-Extra columns hold whatever they like, so a column that only looks like one of temperatures is passed over
-where it is not; one that the user names is read or refused.
+A column that only looks like one of temperatures is passed over; one that the user names is read or refused.
 """
 
 from __future__ import annotations
@@ -79,7 +78,9 @@ class PositionIndex:
             if number != math.floor(number):
                 raise Refused(f"{number!r} is not a whole number", column)
         if mounting not in self.mountings:
-            hint = self._are_exchanged(mounting, position) or f"mountings are {listed(self.mountings)}"
+            hint = f"mountings are {listed(self.mountings)}"
+            if position in self.mountings and 0 <= mounting < NUMBERS and self.table[int(position), int(mounting)] >= 0:
+                hint = "are mounting and position exchanged? Or is it a run of another schedule (--schedule)?"
             raise Refused(f"the schedule has no mounting {mounting:.15g}; {hint}", "mounting")
         index = int(self.table[int(mounting), int(position)]) if 0 <= position < NUMBERS else -1
         if index < 0:
@@ -87,13 +88,6 @@ class PositionIndex:
             known = np.flatnonzero(self.table[int(mounting)] >= 0).tolist()
             raise Refused(f"{missing}; positions are {listed(known)}", "position")
         return index
-
-    def _are_exchanged(self, mounting: float, position: float) -> str | None:
-        """A question, where the row would be good the other way round."""
-        known = position in self.mountings and 0 <= mounting < NUMBERS
-        is_good = known and self.table[int(position), int(mounting)] >= 0
-        asked = "are mounting and position exchanged? Or is it a run of another schedule (--schedule)?"
-        return asked if is_good else None
 
 
 class Anywhere(PositionIndex):
@@ -269,7 +263,7 @@ class RowParser:
         self.is_marked |= any(layout.decimal in fields[place] for place in layout.indices)
         values = [*numbers[-3:], float(self.line)]
         if self._recorded:
-            values += [math.nan if self._time is None else self._moment(fields[self._time]), felt]
+            values += [math.nan if self._time is None else self._pointed(fields[self._time], "time"), felt]
             for name, place in self._texts.items():
                 self.texts[name].append(fields[place])
         return index, values
@@ -298,18 +292,18 @@ class RowParser:
             return None
         if not self._recorded and bare in _NOT_FINITE:
             raise Refused(f"{quoted(text)} is not a finite number", column)
-        comma = self.layout.decimal == ","
-        pointed = text.replace(",", ".") if comma else text
-        if not NUMBER.fullmatch(pointed) or (comma and "." in text and not self._recorded):
+        if self.layout.decimal == "," and "." in text and not self._recorded:
             raise NotANumber(text, column)
-        if abs(float(pointed)) > LARGEST_OUTPUT:
+        value = self._pointed(text, column)
+        if abs(value) > LARGEST_OUTPUT:
             raise Refused(f"{quoted(text)} is out of range", column)
-        return float(pointed)
+        return value
 
-    def _moment(self, text: str) -> float:
+    def _pointed(self, text: str, column: str) -> float:
+        """Of a text with the layout's decimal mark. Raises NotANumber."""
         pointed = text.replace(",", ".") if self.layout.decimal == "," else text
         if not NUMBER.fullmatch(pointed):
-            raise NotANumber(text, "time")
+            raise NotANumber(text, column)
         return float(pointed)
 
 

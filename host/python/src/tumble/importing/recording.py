@@ -42,10 +42,10 @@ from tumble.files.run_layout import (
     Wishes,
     as_text,
     body_of,
-    decoded,
     detect,
     find_column,
     is_number,
+    lines_of,
     require_text,
     split,
     unit_of,
@@ -143,8 +143,7 @@ def _read_table(file: str, data: bytes, wishes: Wishes, timing: Timing) -> Recor
         data = b"\n".join(b" ".join(line.split()) for line in data.splitlines())
     wishes = replace(wishes, wanted=OUTPUTS, has_preamble=True)
     layout = detect(data, wishes, file)
-    header = decoded(data).replace("\r\n", "\n").replace("\r", "\n").split("\n")[layout.header_row - 1]
-    names = split(header, layout.delimiter)
+    names = split(lines_of(data)[layout.header_row - 1], layout.delimiter)
     columns = _optional_columns(names, wishes, file, layout.header_row)
     notes = []
     if layout.header_row - layout.comments - layout.blanks > 1:

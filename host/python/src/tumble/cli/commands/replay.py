@@ -81,21 +81,15 @@ def _write(arguments: argparse.Namespace, option: str, data: bytes) -> int:
     return EXIT_PASS
 
 
-def _step(document: dict[str, Any]) -> str:
-    """What a user should know of the times of a log that another program has rounded."""
-    step_us = document["time_step_us"]
-    if step_us is None or step_us == 1:
-        return f"read as {document['format']}"
-    return f"read as {document['format']}, whose times are multiples of {step_us} us here"
-
-
 def _print(document: dict[str, Any]) -> None:
     verdict = "passes" if document["pass"] else "FAILS"
     counters = document["counters"]
     print(f"{document['log']} on {document['firmware']}: {verdict} the gravity check;", end=" ")
     print(f"{counters['received']} frames, {counters['averaged']} samples averaged, {counters['lost']} lost")
-    if document["time_step_us"] is not None:
-        print(f"  {_step(document)}")
+    step_us = document["time_step_us"]
+    if step_us is not None:  # another program may have rounded the times of a log
+        rounded = "" if step_us == 1 else f", whose times are multiples of {step_us} us here"
+        print(f"  read as {document['format']}{rounded}")
     numbers = [*sum(document["K"], []), *document["U0"]]
     for name, number, bits in zip(COEFFICIENTS, numbers, document["bits"], strict=True):
         print(f"  {name:4}  {number:+.17g}  {'V/g' if name[0] == 'K' else 'V  '}  {bits}")
