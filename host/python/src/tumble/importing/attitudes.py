@@ -133,7 +133,10 @@ def see(means: Floats, rough: tuple[Floats, Floats], view: View, attitudes: Atti
     nearest, off = _nearest(felt, attitudes, allowed)
     fit = None
     for _ in range(_ROUNDS):
-        fit = fitted(attitudes.forces[nearest[nearest >= 0]], means[nearest >= 0], _weights(off[nearest >= 0]))
+        near = nearest >= 0
+        usual = max(float(np.median(off[near])), 1e-6) if near.any() else 1.0
+        weights = 1.0 / np.sqrt(1.0 + (off[near] / (3.0 * usual)) ** 2)  # far off where others are near counts little
+        fit = fitted(attitudes.forces[nearest[near]], means[near], weights)
         if fit is None or not is_view_of(view, fit.k):
             return None
         before = nearest
@@ -161,13 +164,6 @@ def fitted(forces: Floats, means: Floats, weights: Floats | None = None) -> Fit 
 
 def _design(forces: Floats) -> Floats:
     return np.hstack([forces, np.ones((len(forces), 1))])
-
-
-def _weights(off: Floats) -> Floats:
-    """A rest that is far off where the others are near counts little."""
-    usual = max(float(np.median(off)), 1e-6) if len(off) else 1.0
-    found: Floats = 1.0 / np.sqrt(1.0 + (off / (3.0 * usual)) ** 2)
-    return found
 
 
 def _nearest(felt: Floats, attitudes: Attitudes, allowed: float) -> tuple[Integers, Floats]:

@@ -80,10 +80,6 @@ def match(rests: Rests, schedule: Schedule, claims: Claims, named: dict[str, int
     off = np.linalg.norm(felt[:, None] - attitudes.attitudes_of(schedule).forces, axis=-1).min(axis=1)
     off[kept] = way.off
     spread = float(np.sqrt((way.off[way.taken] ** 2).mean()))
-    return Matched(positions, tuple(states.tolist()), off, spread, way.fit, _notes(way, schedule, claims))
-
-
-def _notes(way: _Way, schedule: Schedule, claims: Claims) -> tuple[str, ...]:
     notes = [f"positions: by the labels of the rows, which gravity confirms; mountings {_told(way.numbers)}"]
     present = set(way.positions.tolist())
     missing = [place.label for index, place in enumerate(schedule.positions) if index not in present]
@@ -94,7 +90,7 @@ def _notes(way: _Way, schedule: Schedule, claims: Claims) -> tuple[str, ...]:
     elif again:
         choice = f"--repeats {'|'.join(REPEATS)} takes one"
         notes.append(f"positions that come more than once, {', '.join(again)}: all their rests are taken; {choice}")
-    return tuple(notes)
+    return Matched(positions, tuple(states.tolist()), off, spread, way.fit, tuple(notes))
 
 
 @dataclass(frozen=True)
@@ -111,20 +107,14 @@ class _Labelled:
         labels = self.rests.labels
         rows = [dict(zip(labels, texts)) for texts in zip(*labels.values())]
         positions = np.array([_position(row, mountings[key], self.schedule) for row, key in zip(rows, keys)])
-        taken = self._taken(positions)
-        return _Way(mountings, positions, taken, *self._held_against_gravity(positions, taken))
-
-    def _taken(self, positions: Integers) -> Flags:
-        """All, or of those at one position the visit that the user chooses."""
         taken = np.ones(len(positions), dtype=bool)
-        if self.claims.repeats is None:
-            return taken
-        for visits in _visits(positions).values():
-            samples = [int(self.rests.samples[visit].sum()) for visit in visits]
-            choices = {"first": 0, "last": len(visits) - 1, "longest": int(np.argmax(samples))}
-            taken[list(itertools.chain(*visits))] = False
-            taken[visits[choices[self.claims.repeats]]] = True
-        return taken
+        if self.claims.repeats is not None:  # of those at one position the visit that the user chooses
+            for visits in _visits(positions).values():
+                samples = [int(self.rests.samples[visit].sum()) for visit in visits]
+                choices = {"first": 0, "last": len(visits) - 1, "longest": int(np.argmax(samples))}
+                taken[list(itertools.chain(*visits))] = False
+                taken[visits[choices[self.claims.repeats]]] = True
+        return _Way(mountings, positions, taken, *self._held_against_gravity(positions, taken))
 
     def _held_against_gravity(self, positions: Integers, taken: Flags) -> tuple[Floats, attitudes.Fit]:
         """How far off its position each rest is, rad. Raises Doubtful where labels and gravity disagree."""
@@ -277,7 +267,14 @@ def _position(labels: dict[str, str], mounting: int, schedule: Schedule) -> int:
     """Index of the position of a rest with these labels. Raises Doubtful."""
     position, number = labels.get("position"), labels.get("number")
     if mounting == 0 or (position is None and number is not None):
-        return _running(position if number is None else number, schedule)
+        text = position if number is None else number
+        value = _value(text)
+        if value is None or value != int(value) or not 1 <= value <= len(schedule.positions):
+            raise Doubtful(
+                f"{quoted(text)} is no running number of the schedule's {len(schedule.positions)} positions, from 1; "
+                "another schedule? (--schedule)"
+            )
+        return int(value) - 1
     inside = [index for index, place in enumerate(schedule.positions) if place.mounting == mounting]
     if position is not None:
         value = _value(position)
@@ -293,13 +290,3 @@ def _position(labels: dict[str, str], mounting: int, schedule: Schedule) -> int:
     if not found:
         raise Doubtful(f"the schedule has no {what} in mounting {mounting}; another one? (--schedule)")
     return found[0]
-
-
-def _running(text: str | None, schedule: Schedule) -> int:
-    value = _value(text)
-    if value is None or value != int(value) or not 1 <= value <= len(schedule.positions):
-        raise Doubtful(
-            f"{quoted(text)} is no running number of the schedule's {len(schedule.positions)} positions, from 1; "
-            "another schedule? (--schedule)"
-        )
-    return int(value) - 1

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -10,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from tumble.arrays import Floats, Integers
+from tumble.defaults import DEFAULT_SCHEDULE
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.files import run_rows
 from tumble.files.run_file import smallest_step
@@ -24,7 +24,6 @@ from tumble.model.geometry import built_in
 from tumble.schedule import BUILT_IN, Schedule
 from tumble.units import looks_like
 
-DEFAULT_SCHEDULE = "paper"
 _SHORTEST_S, _LONGEST_S = 1.5, 900.0  # of the usual rest: nobody's hand or table is quicker, or so patient
 _FEWEST_RESTS = 6  # of a recording that is of any use
 _EXPLAINED = 0.8  # of the rests, by a schedule that is to be advised
@@ -83,10 +82,6 @@ class Imported:
             np.full(len(one.outputs), np.nan) if one.temperature is None else one.temperature for one in self.recordings
         ]
         return None if all(one.temperature is None for one in self.recordings) else np.concatenate(parts)
-
-    def sha256(self) -> list[str]:
-        """Of each file's bytes."""
-        return [hashlib.sha256(one.data).hexdigest() for one in self.recordings]
 
     def line(self, row: int) -> int:
         """The number of a row's line in its file."""

@@ -15,6 +15,7 @@ Rests to leave out or to take belong to one recording and are not in it.
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 import os
@@ -119,8 +120,8 @@ def document(done: Imported) -> doc.Import:
     return doc.Import(
         tumble=__version__,
         recordings=tuple(
-            doc.Recording(os.path.basename(one.file), digest, len(one.outputs))
-            for one, digest in zip(done.recordings, done.sha256())
+            doc.Recording(os.path.basename(one.file), hashlib.sha256(one.data).hexdigest(), len(one.outputs))
+            for one in done.recordings
         ),
         schedule=os.path.basename(done.settings.schedule_name),
         unit=done.unit if done.unit_told else None,
