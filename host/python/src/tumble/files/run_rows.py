@@ -153,7 +153,7 @@ class _Judge:
         """How many equal values in a row honest noise does not give: each but the first has the chance of the step in
         which the mean may lie."""
         noise = self._least_noise(channel)
-        chance = math.erf(0.5 / (math.sqrt(2.0) * noise)) if noise > 0.0 else 1.0
+        chance = _chance_of_a_value(noise)
         if chance >= 1.0:
             return math.inf
         return 1.0 + math.log(_STUCK_CHANCE / (3 * int(self._table.samples.sum()))) / math.log(chance)
@@ -221,7 +221,8 @@ class _Judge:
                 continue
             outputs, lines = self._table.rows(position)
             if is_restless:
-                if _is_ramp(outputs, int(_beyond(own, noise).argmax())):
+                worst = outputs[:, int(_beyond(own, noise).argmax())]
+                if len(worst) >= _FEWEST_FOR_TREND and np.corrcoef(np.arange(len(worst)), worst)[0, 1] ** 2 > _TREND:
                     moving.append((position, outputs, lines))
                 else:
                     warnings.append(self._restless(position, own, noise))
@@ -322,13 +323,6 @@ def _beyond(own: Floats, noise: Floats) -> Floats:
     return np.where(there, own / np.where(there, noise, 1.0), np.where(own > 0.0, np.inf, 0.0))
 
 
-def _is_ramp(outputs: Floats, channel: int) -> bool:
-    """Is most of a position's scatter a straight line in the order of its rows?"""
-    if len(outputs) < _FEWEST_FOR_TREND:
-        return False
-    return float(np.corrcoef(np.arange(len(outputs)), outputs[:, channel])[0, 1]) ** 2 > _TREND
-
-
 def _edges(far: Flags) -> Flags:
     """Of the far rows those, two or more, with which a position begins or ends."""
     edges = np.zeros(len(far), dtype=bool)
@@ -397,8 +391,8 @@ def copied(outputs: Floats, position: Integers, step: Floats) -> Repeat | None:
     likely = max(
         _held(outputs, position),
         _held(outputs[part], position[part]),
-        _chance_of_a_value(changes / np.where(step > 0.0, step, np.inf)),
-        _chance_of_a_row(outputs, position, step),
+        _chance_of_a_value(float((changes / np.where(step > 0.0, step, np.inf)).max())),
+        _chance_of_a_value(float(_innovations(outputs, position, step).max())),  # all rows before it having come again
     )
     chance = 2.0 * math.log(len(outputs)) + found.length * math.log(likely)
     return found if chance < math.log(CHANCE) else None
@@ -432,7 +426,15 @@ def _longest_repeat(outputs: Floats) -> Repeat | None:
     while len(keys) > 1 and (pair := _equal_apart(keys, length)) is not None:
         best = pair
         keys, length = _mixed(keys[:-length] * _MULTIPLIERS[0] + keys[length:]), 2 * length
-    return None if best is None else _extended(outputs, int(places[best[0]]), int(places[best[1]]))
+    if best is None:
+        return None
+    first, again = (int(places[one]) for one in best)
+    apart = again - first
+    equal: Flags = (outputs[:-apart] == outputs[apart:]).all(axis=1)  # backwards and forwards, until rows differ
+    unequal = np.flatnonzero(~equal)
+    begin = int(unequal[unequal < first].max(initial=-1)) + 1
+    end = int(unequal[unequal >= first].min(initial=len(equal)))
+    return Repeat(begin, begin + apart, end - begin)
 
 
 def _mixed(keys: Keys) -> Keys:
@@ -454,16 +456,6 @@ def _equal_apart(keys: Keys, length: int) -> tuple[int, int] | None:
     return (int(begins[apart[0]]), int(places[apart[0]])) if len(apart) else None
 
 
-def _extended(outputs: Floats, first: int, again: int) -> Repeat:
-    """Backwards and forwards, until rows differ."""
-    apart = again - first
-    equal: Flags = (outputs[:-apart] == outputs[apart:]).all(axis=1)
-    unequal = np.flatnonzero(~equal)
-    begin = int(unequal[unequal < first].max(initial=-1)) + 1
-    end = int(unequal[unequal >= first].min(initial=len(equal)))
-    return Repeat(begin, begin + apart, end - begin)
-
-
 def _held(outputs: Floats, position: Integers) -> float:
     """The largest share of rows that are equal to the one, two or three rows before."""
     shares = [0.0]
@@ -474,22 +466,13 @@ def _held(outputs: Floats, position: Integers) -> float:
     return max(shares)
 
 
-def _chance_of_a_row(outputs: Floats, position: Integers, step: Floats) -> float:
-    """That a row comes out as another one did, all before it having done so."""
-    steps = _innovations(outputs, position, step)
-    if steps is None:
-        steps = _LEAST_NOISE * np.ptp(outputs, axis=0) / np.where(step > 0.0, step, np.inf)
-    return _chance_of_a_value(steps)
-
-
-def _chance_of_a_value(steps: Floats) -> float:
-    """Of the likeliest in the noisiest channel, by the noise of each in steps."""
-    noise = float(steps.max())
+def _chance_of_a_value(noise: float) -> float:
+    """Of the likeliest value, by the noise in steps."""
     return math.erf(0.5 / (math.sqrt(2.0) * noise)) if noise > 0.0 else 1.0
 
 
-def _innovations(outputs: Floats, position: Integers, step: Floats) -> Floats | None:
-    """Of each channel in steps, without what rounding adds; None where too few rows tell."""
+def _innovations(outputs: Floats, position: Integers, step: Floats) -> Floats:
+    """Of each channel in steps, without what rounding adds; where too few rows tell, the least that there can be."""
     ends = np.flatnonzero(np.diff(position, append=-1)) + 1
     lengths = np.diff(ends, prepend=0)
     order = min(_ORDER, int(np.median(lengths)) // 4)
@@ -498,7 +481,8 @@ def _innovations(outputs: Floats, position: Integers, step: Floats) -> Floats | 
     places = np.arange(order, len(off))
     places = places[(visit[places] == visit[places - order]) & (lengths[visit[places]] > 1)][:_MOST_INNOVATIONS]
     if len(places) < _FEWEST_COPIED + 2 * order:
-        return None
+        least: Floats = _LEAST_NOISE * np.ptp(outputs, axis=0) / np.where(step > 0.0, step, np.inf)
+        return least
     sizes = np.zeros(3)
     for channel in np.flatnonzero(step > 0.0):
         before = off[places[:, None] - np.arange(1, order + 1), channel]

@@ -491,16 +491,13 @@ def _mountings(
     for choice in itertools.product(*(open_to[rest] for rest in open_rests)):
         mounting = {rest: open_to[rest][0] for rest in used} | dict(zip(open_rests, choice))
         changes = sum(mounting[one] != mounting[other] for one, other in itertools.pairwise(used))
-        ranked.append((-_positions_found(mounting, nearest, by_attitude), changes, choice))
+        counts = Counter((int(nearest[rest]), number) for rest, number in mounting.items())
+        found = sum(min(count, len(by_attitude[attitude][number])) for (attitude, number), count in counts.items())
+        ranked.append((-found, changes, choice))
     ranked.sort()
-    best = [choice for found, changes, choice in ranked if (found, changes) == ranked[0][:2]]
+    best = [choice for *rank, choice in ranked if rank == [*ranked[0][:2]]]
     doubtful = {rest for place, rest in enumerate(open_rests) if len({choice[place] for choice in best}) > 1}
     return {rest: open_to[rest][0] for rest in used} | dict(zip(open_rests, best[0])), doubtful
-
-
-def _positions_found(mounting: dict[int, int], nearest: Integers, by_attitude: list[dict[int, list[int]]]) -> int:
-    counts = Counter((int(nearest[rest]), number) for rest, number in mounting.items())
-    return sum(min(count, len(by_attitude[attitude][number])) for (attitude, number), count in counts.items())
 
 
 def _tell_apart(here: list[int], places: list[int], block: list[int], found: Integers, schedule: Schedule) -> None:

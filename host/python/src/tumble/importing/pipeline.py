@@ -92,7 +92,10 @@ class Imported:
 def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settings) -> Imported:
     """All of it. Raises BadInput and UsageError."""
     recordings = [recording.read(file, settings.wishes, settings.timing, settings.bus) for file in files]
-    recording.require_alike(recordings)
+    if len(units := {one.unit for one in recordings}) > 1:
+        raise UsageError(
+            f"recordings in different units, {', '.join(sorted(units))}: --unit says which, or import each"
+        )
     outputs = np.concatenate([one.outputs for one in recordings])
     lengths = [len(one.outputs) for one in recordings]
     file_of_row = np.repeat(np.arange(len(files)), lengths)

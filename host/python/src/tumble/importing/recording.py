@@ -19,7 +19,7 @@ from datetime import datetime
 import numpy as np
 
 from tumble.arrays import Floats, Integers
-from tumble.errors import BadInput, UsageError, quoted
+from tumble.errors import BadInput, quoted
 from tumble.files import can_log
 from tumble.files.disk import MOST_OF_RECORDING, read_bytes
 from tumble.files.frames import SUFFIXES, suffix_of
@@ -123,15 +123,6 @@ def _require_kind(file: str, beginning: bytes) -> None:
     """It is text, if it is no CAN log. Raises BadInput."""
     if beginning.strip() and can_log.kind_of(beginning) is None:
         require_text(beginning, file)
-
-
-def require_alike(recordings: list[Recording]) -> None:
-    """Several files that are to be one run have the same unit. Raises UsageError."""
-    units = {one.unit for one in recordings}
-    if len(units) > 1:
-        raise UsageError(
-            f"recordings in different units, {', '.join(sorted(units))}: --unit says which, or import each"
-        )
 
 
 # Tables.
