@@ -11,7 +11,7 @@ from documents import paper_stand
 from tumble.files import can_log
 from tumble.files.can_log import Frame
 from tumble.files.run_layout import Wishes
-from tumble.importing import can_bus, rests
+from tumble.importing import can_bus
 from tumble.importing.can_bus import Bus
 
 DBC = ROOT / "docs/bus/block.dbc"
@@ -36,10 +36,10 @@ def bench(tmp_path_factory):
 def encoded(counter, outputs, status=0, degrees=25.0, node=3, seconds=0.0, channel="can0"):
     """Both frames of a sample, by the DBC file and the page's checksum."""
     halves = {
-        rests.XY: {"x": outputs[0], "y": outputs[1], "sample_counter": counter % 256, "crc_xy": 0},
-        rests.Z: {"z": outputs[2], "frame_counter": (2 * counter + 1) % 256, "timestamp": 10 * counter % 4096,
+        can_bus.XY: {"x": outputs[0], "y": outputs[1], "sample_counter": counter % 256, "crc_xy": 0},
+        can_bus.Z: {"z": outputs[2], "frame_counter": (2 * counter + 1) % 256, "timestamp": 10 * counter % 4096,
                           "temperature": degrees, "crc_z": 0,
-                          **{name: status >> bit & 1 for bit, name in enumerate(rests.STATUS)}},
+                          **{name: status >> bit & 1 for bit, name in enumerate(can_bus.STATUS)}},
     }
     bus = cantools.database.load_file(DBC)
     for (name, signals), identifier in zip(halves.items(), (0x680 + node, 0x690 + node)):

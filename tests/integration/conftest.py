@@ -80,16 +80,19 @@ def without_matplotlib(tmp_path):
 def refused(tumble, tmp_path):
     """Run `tumble ...` on what it must refuse: exit 2, nothing on stdout, one line on stderr, no file left behind.
 
-    Returns that line.
+    Returns that line. Below it, import lists what it assumed, in 80 columns.
     """
 
     def run(*arguments, cwd=None):
         before = sorted(tmp_path.rglob("*"))
         done = tumble(*arguments, cwd=cwd)
         assert (done.returncode, done.stdout) == (2, ""), done.stderr
-        assert done.stderr.endswith("\n") and done.stderr.count("\n") == 1, done.stderr
+        said, heading, assumed = done.stderr.partition("assumed:\n")
+        assert said.endswith("\n") and said.count("\n") == 1, done.stderr
+        assert not heading or (arguments[0] == "import" and assumed.startswith("- ") and assumed.endswith("\n"))
+        assert all(line.startswith(("- ", "  ")) and len(line) <= 80 for line in assumed.splitlines()), assumed
         assert sorted(tmp_path.rglob("*")) == before
-        return done.stderr
+        return said
 
     return run
 

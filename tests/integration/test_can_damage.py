@@ -14,7 +14,7 @@ from can_logs import bench, candump, encoded, encoded_quickly, lines_of, read_te
 
 from tumble.errors import BadInput
 from tumble.files.can_log import Frame
-from tumble.importing import rests
+from tumble.importing import can_bus
 
 pytestmark = pytest.mark.python
 
@@ -35,13 +35,13 @@ def test_it_takes_and_counts_what_the_firmware_does(tmp_path):
         requests = "".join(f"receive {one.identifier:03X} {one.data.hex()}\n" for one in frames)
         answers = subprocess.run([program], input=requests, text=True, capture_output=True, check=True).stdout
         answers = [line.split() for line in answers.splitlines()]
-        receiver = rests.Receiver(rests.messages())
+        receiver = can_bus.Receiver(can_bus.messages())
         for one in frames:
             receiver.take(one)
         samples = [list(map(int, words[1:])) for words in answers if words[0] == "sample"]
         healthy = [values for values in samples if values[5] == 0]
-        assert receiver.outputs.tolist() == [values[:3] for values in healthy]
-        assert receiver.temperature.tolist() == [values[6] / 2 for values in healthy]
+        assert receiver.samples[:, 1:4].tolist() == [values[:3] for values in healthy]
+        assert receiver.samples[:, 4].tolist() == [values[6] / 2 for values in healthy]
         events = [words[0] for words in answers]
         assert [receiver.counts[name] for name in EVENTS] == [events.count(name) for name in EVENTS]
         assert sum(receiver.counts[name] for name in CORRUPTED) == events.count("corrupted")

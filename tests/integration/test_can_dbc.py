@@ -12,7 +12,7 @@ from can_logs import DBC, bench, read_text  # noqa: F401
 
 from tumble.errors import BadInput
 from tumble.files.run_layout import Wishes
-from tumble.importing import can_signals
+from tumble.importing import can_bus
 
 pytestmark = pytest.mark.python
 
@@ -124,7 +124,7 @@ def test_a_pair_is_nearest_by_brute_force():
     for _ in range(200):
         times = np.arange(40.0) + draw.uniform(-0.2, 0.2, 40)
         first, second = (np.sort(times[draw.random(40) < 0.8] + shift) for shift in (0.0, draw.uniform(-0.2, 0.2)))
-        found = can_signals._nearest(first, second)
+        found = can_bus.nearest(first, second)
         interval = np.median(np.diff(second))
         for at, place in enumerate(found.tolist()):
             nearest = int(np.argmin(np.abs(second - first[at])))

@@ -131,6 +131,16 @@ def test_what_is_imported_can_be_solved(bench, tumble, tmp_path):
     assert (np.abs(own.K - again.K) < own.u_K).all() and (np.abs(own.U0 - again.U0) < own.u_U0).all()
 
 
+def test_what_was_assumed_is_with_the_error(bench):
+    with pytest.raises(BadInput, match="choose by these options") as refusal:
+        api.read(bench.log, columns={"ux": "y", "uy": "x", "uz": "z"})
+    assert [fact.split(" (")[0] for fact in refusal.value.assumed[:2]] == [
+        "schedule: nobody says, taken for paper",
+        "positions: by gravity, for the rows have no labels of positions",
+    ]
+    assert "(schedule=)" in refusal.value.assumed[0]
+
+
 def test_axes_can_be_exchanged_and_a_recipe_remembers(bench, tumble, tmp_path):
     columns = ("--columns", "ux=y,uy=x,uz=z", "--signs=+++", "--stand", bench.stand)
     data = bench.log.read_bytes()

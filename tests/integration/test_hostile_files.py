@@ -13,7 +13,7 @@ import pytest
 from conftest import EXAMPLES
 
 import tumble as package
-from tumble.files import disk, incoming
+from tumble.files import disk
 
 pytestmark = pytest.mark.python
 MOST = 2 << 30
@@ -96,10 +96,10 @@ def test_a_line_without_an_end_below_the_header(refused_within, tmp_path):
 
 
 def test_what_is_decompressed_has_an_end(monkeypatch, tmp_path):
-    monkeypatch.setattr(incoming, "MOST_IN_ALL", 4 << 20)
+    monkeypatch.setattr(disk, "MOST_IN_ALL", 4 << 20)
     (tmp_path / "run.csv.gz").write_bytes(gzip.compress(b"1,1,0,0,1\n" * 500_000))
     with pytest.raises(package.BadInput, match=r"more than 0 GiB, decompressed"):
-        list(incoming.Incoming(str(tmp_path / "run.csv.gz")))
+        list(disk.Incoming(str(tmp_path / "run.csv.gz")))
 
 
 def test_the_limit_is_what_it_says(tmp_path):

@@ -13,7 +13,9 @@ from conftest import EXAMPLES, ROOT
 from documents import paper_stand, valid
 from recordings import Habits, recording
 
-from tumble.importing import order
+from tumble.errors import BadInput
+from tumble.importing import match
+from tumble.importing.pipeline import Settings, import_recordings
 from tumble.model import built_in
 
 pytestmark = pytest.mark.python
@@ -67,6 +69,43 @@ def test_the_hand_held_session_leads_by_its_advice_to_a_solution(tumble, refused
     # The six sections that others cut out of it by hand gave these (test_six_face_session).
     assert np.diag(result["K"]) == pytest.approx([9.776727847, 9.833534627, 10.038596053], abs=1e-3)
     assert result["unit"] == "m/s^2" and 5e-4 < result["verification"]["max_abs_delta_g_g"] < 2e-3
+
+
+def test_a_refusal_lists_what_it_rests_on(tumble, tmp_path):
+    """Only what nobody said: by option or, as units and labels, in the file."""
+    done = tumble("import", HAND_HELD)
+    assert done.stderr.partition("\n")[2] == """assumed:
+- schedule: nobody says, taken for paper (--schedule)
+- clock: none, so lengths are counted in samples (--rate HZ gives seconds)
+- unit: nobody says (1 g is 9.882 of it, which looks like m/s^2: --unit m/s^2)
+- positions: by gravity, for the rows have no labels of positions (--columns)
+- rests: 13, by the noise of the quietest rows, 0.0137 0.0116 0.0165 (--still,
+  --drift)
+"""
+    done = tumble("import", HAND_HELD, *SIX_FACES)
+    assert [line.split(":")[0] for line in done.stderr.splitlines()[1:4]] == ["assumed", "- positions", "- rests"]
+    header, *rows = HAND_HELD.read_text().splitlines()
+    lines = [f"Timestamp,{header}", *(f"{10 * number},{row}" for number, row in enumerate(rows))]
+    (tmp_path / "log.csv").write_text("\n".join(lines) + "\n")
+    own = ("--schedule", "six_faces", "--unit", "m/s^2")
+    for options, facts in (
+        ((), ["'Timestamp' names no unit, steps of 10: taken for ms (--time-unit)"]),
+        (("--time-unit", "ms"), ["column 'Timestamp'"]),
+        (("--time-unit", "ms", "--columns", "time=Timestamp"), []),
+    ):
+        said = tumble("import", tmp_path / "log.csv", *own, *options).stderr
+        assert [line[len("- clock: ") :] for line in said.splitlines() if line.startswith("- clock: ")] == facts
+
+
+def test_a_refusal_of_labelled_rows_says_that_it_read_labels(tmp_path):
+    log = tmp_path / "log.csv"
+    log.write_text("Pos,Ux,Uy,Uz\n" + "".join(f"{place},0.{place},0.2,0.3\n" for place in (1, 2, 3, 4)))
+    with pytest.raises(BadInput) as refusal:
+        import_recordings([str(log)], SCHEDULE, Settings(schedule="paper"))
+    assert refusal.value.assumed == (
+        "unit: nobody says (--unit)",
+        "positions: by labels of the rows, position (--columns)",
+    )
 
 
 @pytest.mark.parametrize("which", ["last", "longest"])
@@ -291,7 +330,7 @@ def test_the_order_is_the_best_and_says_where_another_is_as_good():
     for _ in range(300):
         of_position = rng.integers(0, 4, rng.integers(2, 7))
         nearest = rng.integers(-1, 4, rng.integers(1, 7))
-        found = order.assign(order.SCHEDULE, nearest, np.zeros(len(nearest)), of_position, SCHEDULE)
+        found = match.assign(match.SCHEDULE, nearest, np.zeros(len(nearest)), of_position, SCHEDULE)
         most, ways = brute(nearest, of_position)
         assert found.matched == most and tuple(found.positions) in [tuple(map(int, way)) for way in ways]
         for rest, place in enumerate(found.positions):

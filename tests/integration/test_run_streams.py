@@ -22,7 +22,7 @@ from tumble.cli.main import main
 from tumble.core import CoreSchedule
 from tumble.errors import BadInput, NotInstalled
 from tumble.files import run_layout
-from tumble.files.incoming import Incoming
+from tumble.files.disk import Incoming
 from tumble.files.rows import PositionIndex
 from tumble.files.run_file import Rows, RowStore, RunReader, exact_sum, facts_of, in_order, read_measured, read_run
 from tumble.files.run_layout import Wishes

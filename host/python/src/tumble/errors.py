@@ -57,7 +57,9 @@ class UsageError(TumbleError, ValueError):
 
 class BadInput(TumbleError, ValueError):
     """A file or a table cannot be used. Says which, and where known in which row (line number, from 1) and column or
-    key."""
+    key. `assumed`: of a recording, sentences on what nobody said and it was read by."""
+
+    assumed: tuple[str, ...] = ()
 
     def __init__(self, message: str, file: str | os.PathLike[str], row: int | None = None, column: str | None = None):
         place = [] if row is None else [f"row {row}"]

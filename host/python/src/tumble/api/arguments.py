@@ -49,6 +49,7 @@ def told_in_python() -> Iterator[None]:
         where = str(error).removesuffix(error.fault)
         error.fault = in_python(error.fault)
         error.args = (where + error.fault,)
+        error.assumed = tuple(map(in_python, error.assumed))
         raise
     except TumbleError as error:
         error.args = (in_python(str(error)),)

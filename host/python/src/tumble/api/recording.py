@@ -13,9 +13,9 @@ from tumble.api.arguments import told_in_python, wishes_of
 from tumble.arrays import Floats, Integers
 from tumble.core import MAX_MEAN, CoreSchedule
 from tumble.errors import BadInput, UsageError
-from tumble.files import can_log, frames, incoming, run_file
-from tumble.files.disk import RUN_FILE, read_head, require_no_folder_of
-from tumble.files.incoming import SUFFIXES, Held, held, read_table_file, suffix_of
+from tumble.files import can_log, frames, run_file
+from tumble.files.disk import RUN_FILE, STANDARD_INPUT, Held, held, name_of, read_head, require_no_folder_of
+from tumble.files.frames import SUFFIXES, read_table_file, suffix_of
 from tumble.files.rows import NUMBERS, Anywhere, PositionIndex, Refused, Temperatures, temperatures_of_table
 from tumble.files.run_file import Rows, RowStore, Run, RunReader
 from tumble.files.run_layout import COLUMNS, NO_WISHES, TEMPERATURE, Wishes, find_all, unit_of
@@ -163,7 +163,7 @@ def recording_of(source: Any, wishes: Wishes = NO_WISHES) -> Recording:
         file = str(os.fspath(source))
         if suffix_of(file) in SUFFIXES:
             return Recording(file, wishes, table=read_table_file(file))
-        return Recording(incoming.name_of(file), wishes, file, is_file=file != incoming.STANDARD_INPUT)
+        return Recording(name_of(file), wishes, file, is_file=file != STANDARD_INPUT)
     if not frames.is_table(source):
         source = _of_array(source)
     return Recording(frames.library_of(source) or "table", wishes, table=source, is_file=False)
@@ -232,7 +232,7 @@ def _of_can_log(
     """What the rests of a CAN log tell; None for any other source, which must be told nothing that only a log has."""
     file = str(os.fspath(source)) if isinstance(source, (str, os.PathLike)) else None
     is_log = False
-    if file is not None and file != incoming.STANDARD_INPUT and suffix_of(file) not in SUFFIXES:
+    if file is not None and file != STANDARD_INPUT and suffix_of(file) not in SUFFIXES:
         require_no_folder_of(file, RUN_FILE)
         is_log = can_log.kind_of(read_head(file, can_log.HEAD)) is not None
     if file is None or not is_log:

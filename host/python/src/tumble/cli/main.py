@@ -7,6 +7,7 @@ import io
 import os
 import re
 import sys
+import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 from importlib import import_module
 from typing import Any, NoReturn
@@ -17,6 +18,7 @@ from tumble.errors import (
     EXIT_BAD_INPUT,
     EXIT_DISAGREEMENT,
     EXIT_PASS,
+    BadInput,
     Interrupted,
     NotInstalled,
     TumbleError,
@@ -194,6 +196,10 @@ def main(argv: list[str] | None = None, *, interruptible: bool = False) -> int:
         return interruption.exit_code()
     except TumbleError as error:
         _complain(str(error))
+        if isinstance(error, BadInput) and error.assumed:
+            tell("assumed:")
+            for fact in error.assumed:
+                tell(textwrap.fill(fact, 80, initial_indent="- ", subsequent_indent="  "))
         return error.exit_code
     except KeyboardInterrupt:
         _complain("interrupted")

@@ -216,7 +216,7 @@ class Bar(Protocol):
 def progress_bar(what: str, total: int | None = None) -> Iterator[Bar]:
     """On a terminal a bar, with the time left."""
     if not on_terminal():
-        yield _say_nothing
+        yield lambda done, of=None: None
         return
     from rich.console import Console
     from rich.progress import Progress
@@ -228,7 +228,3 @@ def progress_bar(what: str, total: int | None = None) -> Iterator[Bar]:
             bar.update(task, advance=done, total=of)
 
         yield advance
-
-
-def _say_nothing(done: int, of: int | None = None) -> None:
-    pass

@@ -128,11 +128,15 @@ def page(solution: Solution, file: str) -> list[Line | Table]:
     warning = "" if why is None else f"Beware: {why}. The uncertainties above {misfit_consequence(solution)}."
     bewares = [*textwrap.wrap(warning, _COLUMNS, break_on_hyphens=False), ""] if warning else []
     partly = bool(decision.passed and decision.where)  # where a PASS without a stand holds is said before all else
-    colour = "yellow" if decision.is_not_shown or partly else _colour(decision.passed)
+    colour = "yellow" if decision.is_not_shown or partly else "green" if decision.passed else "red"
+    u = "std uncertainty" if solution.scatter_alone is None else "u, scatter alone"
+    headings: tuple[str, ...] = ("", "value", "unit", u, "relative", "vs numpy")
+    if solution.truth is not None:
+        headings = ("", "value", "unit", "u", "u, rel.", "vs numpy", "truth", "error/u")
     return [
         *([[(decision.word + decision.where, "yellow bold")], [("", "")]] if partly else []),
         [(solved, "bold")],
-        Table(_headings(solution), coefficient_rows(solution)),
+        Table(headings, coefficient_rows(solution)),
         *([(line, "yellow")] for line in notes(solution) + uncertainty_notes(solution)),
         [("", "")],
         [(f"Gravity check: delta_g in g at every position; {limit}", "bold")],
@@ -143,18 +147,6 @@ def page(solution: Solution, file: str) -> list[Line | Table]:
         *([(line, "yellow")] for line in bewares),
         [(_verdict_line(solution, decision), f"{colour} bold")],
     ]
-
-
-def _colour(good: bool) -> str:
-    return "green" if good else "red"
-
-
-def _headings(solution: Solution) -> tuple[str, ...]:
-    """One for each column of `coefficient_rows`."""
-    if solution.truth is not None:
-        return ("", "value", "unit", "u", "u, rel.", "vs numpy", "truth", "error/u")
-    u = "std uncertainty" if solution.scatter_alone is None else "u, scatter alone"
-    return ("", "value", "unit", u, "relative", "vs numpy")
 
 
 def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
@@ -270,7 +262,7 @@ def _gravity_bars(solution: Solution) -> list[Line]:
         if not math.isnan(delta_g):
             cells = ("#" * min(_BAR_WIDTH, math.ceil(abs(delta_g) / full))).ljust(_BAR_WIDTH)
             exceeds = abs(delta_g) > limit_g
-            colour = _colour(not exceeds)
+            colour = "red" if exceeds else "green"
             bars.append([
                 (f"{position.label:>6}  {position.use:<5}  {delta_g:+.2e}  ", ""),
                 (cells[:limit], colour),

@@ -6,12 +6,11 @@ For every room from here up. A complaint is one line with file, row and column (
     run_layout     how CSV is laid out: header, delimiter, decimal mark, columns, unit
     rows           rows of CSV as numbers, for run files, recordings and measured data; their temperatures
     run_rows       rows that no block at rest gives
-    incoming       the bytes of a run in blocks, from a file or standard input, decompressed; tables of other formats
+    frames         tables of other formats, in memory and in files
     calibrated     measured data with calibrated columns behind their own
     stand_file     stand files, and files of a [block] alone
     schedule_file  schedule files
     can_log        frames in the log of a CAN bus
     toml           TOML with every key and every value checked, for files of other kinds too
-    documents      JSON, and results read back
-    disk           bytes of a file; files written as a whole or not at all
+    disk           bytes of a file, as a whole or in blocks, decompressed; files written as a whole or not at all
 """

@@ -17,9 +17,9 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.errors import BadInput, NotInstalled, file_name, quoted
+from tumble.errors import BadInput, file_name, quoted
 from tumble.files import frames
-from tumble.files.disk import LONGEST_LINE, bounded, in_words, reason
+from tumble.files.disk import bounded, pieces, reason
 from tumble.files.rows import LINE, OUTPUTS as PLACES, Refused, RowParser, Temperatures, temperatures_of_table
 from tumble.files.run_layout import Wishes, detect, find_all, require_text, split, unit_of
 from tumble.units import looks_as_applied, noise_unit, volts_per
@@ -101,15 +101,6 @@ class Seen:
         return f"at rest the acceleration comes out as {usual:.3g} g: {seen}"
 
 
-def columns_of_outputs(names: list[str], wishes: Wishes, name: str) -> tuple[tuple[int, ...], str | None]:
-    """Places of the outputs among the columns of a table, and their unit, if it is told. Raises BadInput."""
-    try:
-        places = find_all(names, Wishes(columns=wishes.columns, wanted=OUTPUTS), is_text=False)
-    except ValueError as error:
-        raise BadInput(str(error), name) from None
-    return places, unit_of(wishes, [names[place] for place in places], name, None, "outputs_unit")
-
-
 def factor_of(told: str | None, unit: str, name: str) -> float:
     """From outputs in the unit that is `told`, None for none, to those of a result in `unit`. Raises BadInput."""
     if told is None or told == unit:
@@ -137,7 +128,7 @@ class CsvData:
 
     def __init__(self, stream: BinaryIO, file: str, demand: Demand):
         self._demand, self._file = demand, file
-        self._pieces = _pieces(stream, file)
+        self._pieces = pieces(_blocks(stream, file), file)
         self._first = next(self._pieces, b"")
         require_text(self._first, file)
         self._layout = detect(self._first, demand.wishes, file)
@@ -207,22 +198,12 @@ class CsvData:
         return self._layout.delimiter.join([own, *text]) + (end or self._end)
 
 
-def _pieces(stream: BinaryIO, file: str) -> Iterator[bytes]:
-    rest = b""
-    while True:
-        try:
-            read = stream.read(_PIECE)
-        except OSError as error:
-            raise BadInput(reason(error), file) from None
-        data = rest + read
-        end = data.rfind(b"\n") + 1 if read else len(data)
-        if end:
-            yield data[:end]
-        rest = data[end:]
-        if len(rest) > LONGEST_LINE:
-            raise BadInput(f"a line of more than {in_words(LONGEST_LINE)}", file)
-        if not read:
-            return
+def _blocks(stream: BinaryIO, file: str) -> Iterator[bytes]:
+    try:
+        while block := stream.read(_PIECE):
+            yield block
+    except OSError as error:
+        raise BadInput(reason(error), file) from None
 
 
 def _lines(data: bytes) -> Iterator[str]:
@@ -248,66 +229,55 @@ def _quoted(name: str, delimiter: str) -> str:
 
 
 def calibrate_parquet(file: str, out: BinaryIO, demand: Demand) -> Seen:
-    """Write a Parquet file with calibrated columns. Raises BadInput, NotInstalled."""
+    """Write a Parquet file with calibrated columns: piece by piece by pyarrow, as a whole by polars. Raises BadInput,
+    NotInstalled."""
+    seen = Seen()
     with bounded(file):
-        return _calibrate_parquet(file, out, demand)
+        try:
+            with open(file, "rb"):
+                pass
+        except OSError as error:
+            raise BadInput(reason(error), file) from None
+        try:
+            from pyarrow import Table, parquet
+        except ImportError:
+            table = _read_by(frames.load_polars(file).read_parquet, file)
+            with_calibrated(table, file, demand, seen).write_parquet(out)
+            return seen
+        source, writer = _read_by(parquet.ParquetFile, file), None
+        try:
+            for batch in source.iter_batches(_ROWS):
+                table = with_calibrated(Table.from_batches([batch]), file, demand, seen)
+                writer = writer or parquet.ParquetWriter(out, table.schema)
+                writer.write_table(table)
+            if writer is None:
+                empty = Table.from_batches([], schema=source.schema_arrow)
+                writer = parquet.ParquetWriter(out, with_calibrated(empty, file, demand, seen).schema)
+        finally:
+            if writer is not None:
+                writer.close()
+    return seen
 
 
-def _calibrate_parquet(file: str, out: BinaryIO, demand: Demand) -> Seen:
+def _read_by(read: Callable[[str], Any], file: str) -> Any:
     try:
-        with open(file, "rb"):
-            pass
-    except OSError as error:
-        raise BadInput(reason(error), file) from None
-    try:
-        from pyarrow import parquet
-    except ImportError:
-        return _by_polars(file, out, demand)
-    try:
-        source = parquet.ParquetFile(file)
+        return read(file)
     except Exception as error:  # classes of its own for what is no such file
         raise BadInput(f"not a Parquet file that can be read: {quoted(error)}", file) from None
-    from pyarrow import Table
-
-    seen, writer = Seen(), None
-    first = Table.from_batches([], schema=source.schema_arrow)
-    try:
-        for batch in source.iter_batches(_ROWS):
-            table = with_calibrated(Table.from_batches([batch]), file, demand, seen)
-            writer = writer or parquet.ParquetWriter(out, table.schema)
-            writer.write_table(table)
-        if writer is None:
-            table = with_calibrated(first, file, demand, seen)
-            writer = parquet.ParquetWriter(out, table.schema)
-    finally:
-        if writer is not None:
-            writer.close()
-    return seen
-
-
-def _by_polars(file: str, out: BinaryIO, demand: Demand) -> Seen:
-    """As a whole."""
-    try:
-        import polars
-    except ImportError:
-        raise NotInstalled(f"{file_name(file)}: Parquet", "pyarrow", "polars", extra="parquet") from None
-    try:
-        source = polars.read_parquet(file)
-    except Exception as error:  # as above
-        raise BadInput(f"not a Parquet file that can be read: {quoted(error)}", file) from None
-    seen = Seen()
-    with_calibrated(source, file, demand, seen).write_parquet(out)
-    return seen
 
 
 def with_calibrated(table: Any, name: str, demand: Demand, seen: Seen) -> Any:
     """A table of files.frames with its calibrated columns; what else is in it is added to what was `seen`. Raises
     BadInput."""
-    names = frames.names_of(table)
-    places, told = columns_of_outputs(names, demand.wishes, name)
+    names, wishes = frames.names_of(table), demand.wishes
+    try:
+        places = find_all(names, Wishes(columns=wishes.columns, wanted=OUTPUTS), is_text=False)
+    except ValueError as error:
+        raise BadInput(str(error), name) from None
+    told = unit_of(wishes, [names[place] for place in places], name, None, "outputs_unit")
     outputs = frames.stacked(table, places, OUTPUTS, name)
     values = demand.values(outputs, factor_of(told, demand.unit, name))
     seen.renamed, seen.unit_told = raw_names(names, demand.with_uncertainty), told is not None
     seen.weigh(values[:, -3:] / demand.one_g)
-    seen.feel(*temperatures_of_table(table, demand.wishes.columns, len(outputs), name))
+    seen.feel(*temperatures_of_table(table, wishes.columns, len(outputs), name))
     return frames.with_columns(table, seen.renamed, dict(zip(demand.names, values.T)))

@@ -20,23 +20,15 @@ from tumble.files.run_layout import decoded
 
 CANDUMP, ASC, BLF, TRC, MF4, CSV = "candump", "ASC", "BLF", "TRC", "MF4", "python-can CSV"
 HEAD = 4096  # bytes that tell it
-_BEGINNINGS = {
-    BLF: rb"LOGG",
-    MF4: rb"(MDF     |UnFinMF )4\.",
-    CSV: rb"timestamp,arbitration_id,extended,remote,error,dlc,data\s",
-    TRC: rb";(\$FILEVERSION=|#{40})",
-    ASC: rb"(?is)(//[^\n]*\n)*date [^\n]*\n(//[^\n]*\n)*base\s+(hex|dec)\b",
-    CANDUMP: rb"\s*\(\d+\.\d+\)\s+\S+\s+[0-9A-Fa-f]{3,8}#",
+_KINDS = {  # how each begins; what reads it in python-can
+    BLF: (rb"LOGG", "BLFReader"),
+    MF4: (rb"(MDF     |UnFinMF )4\.", "MF4Reader"),
+    CSV: (rb"timestamp,arbitration_id,extended,remote,error,dlc,data\s", "CSVReader"),
+    TRC: (rb";(\$FILEVERSION=|#{40})", "TRCReader"),
+    ASC: (rb"(?is)(//[^\n]*\n)*date [^\n]*\n(//[^\n]*\n)*base\s+(hex|dec)\b", "ASCReader"),
+    CANDUMP: (rb"\s*\(\d+\.\d+\)\s+\S+\s+[0-9A-Fa-f]{3,8}#", "CanutilsLogReader"),
 }
 _BINARY = (BLF, MF4)
-_READERS = {  # in python-can
-    CANDUMP: "CanutilsLogReader",
-    ASC: "ASCReader",
-    BLF: "BLFReader",
-    TRC: "TRCReader",
-    MF4: "MF4Reader",
-    CSV: "CSVReader",
-}
 _CANDUMP_LINE = re.compile(
     rb"\s*\((\d{1,10})\.(\d{6})\)\s+\S+\s+"
     rb"(?:[0-9A-Fa-f]{8}#|([0-7][0-9A-Fa-f]{2})#(?:[R#]|((?:[0-9A-Fa-f]{2}){0,8})(?:\s|$)))"
@@ -58,7 +50,7 @@ class Frame(NamedTuple):
 def kind_of(data: bytes) -> str | None:
     """What kind of CAN log this is, as it is called in messages; None: it is none."""
     head = data[:HEAD].removeprefix(b"\xef\xbb\xbf")
-    return next((kind for kind, beginning in _BEGINNINGS.items() if re.match(beginning, head)), None)
+    return next((kind for kind, (beginning, _) in _KINDS.items() if re.match(beginning, head)), None)
 
 
 def refuse(data: bytes, file: str) -> None:
@@ -172,7 +164,8 @@ def _reader_of(file: str, kind: str) -> Any:
         import can
     except ImportError:
         raise NotInstalled(f"{file_name(file)}: a CAN log", "python-can", extra="can") from None
-    if not hasattr(can, _READERS[kind]):
+    reader = _KINDS[kind][1]
+    if not hasattr(can, reader):
         raise NotInstalled(f"{file_name(file)}: a CAN log in {kind}", "a newer python-can", extra="can")
     if kind == MF4:
         try:
@@ -183,4 +176,4 @@ def _reader_of(file: str, kind: str) -> Any:
 
     for library in ("can", "asammdf"):  # else their remarks would stand among ours
         logging.getLogger(library).handlers = [logging.NullHandler()]
-    return getattr(can, _READERS[kind])
+    return getattr(can, reader)

@@ -1,25 +1,25 @@
-"""Files on disk: read and written as a whole, bounded, and told what they are instead.
+"""Files on disk: read and written as a whole or in blocks, bounded, and told what they are instead.
 
-What a file looks like that is not what was expected: for messages alone, nothing is read by it.
-
-A bound on the memory that a library may take for a file, whatever that declares or decompresses to.
-
-Reading and writing whole files, with one-line errors and nothing half-written left behind.
+Errors are one line, and nothing half-written is left behind. What comes in, from a file or standard input, is
+decompressed where gzip or zstd has compressed it: what it begins with tells, whatever the file's name is.
 """
 
 from __future__ import annotations
 
 import errno
+import hashlib
+import io
 import itertools
 import os
 import re
 import shutil
 import stat
+import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager, suppress
-from typing import BinaryIO
+from contextlib import contextmanager, nullcontext, suppress
+from typing import Any, BinaryIO
 
-from tumble.errors import BadInput, TumbleError, UsageError, file_name, quoted
+from tumble.errors import BadInput, NotInstalled, TumbleError, UsageError, file_name, quoted
 
 _HEAD_BYTES = 1 << 12
 _MAGIC = {b"PK\x03\x04": "a ZIP or NPZ file", b"\x89PNG": "a PNG picture", b"%PDF": "a PDF file", b"PAR1": "Parquet"}
@@ -150,6 +150,110 @@ def opened(file: str) -> BinaryIO:
         raise BadInput("not a file name", file) from None
 
 
+STANDARD_INPUT = "-"  # as the command line names it
+MOST_IN_ALL = 4 << 30  # bytes, decompressed: of an input that is read in blocks
+_GZIP, _ZSTD = b"\x1f\x8b", b"\x28\xb5\x2f\xfd"
+
+
+def name_of(file: str) -> str:
+    """As messages have it."""
+    return "standard input" if file == STANDARD_INPUT else file
+
+
+class Incoming:
+    """An input, to be gone through once: `name` as messages have it; `sha256` of its bytes as they are, compressed or
+    not, in hexadecimal digits, when all have been read. Raises BadInput, NotInstalled."""
+
+    def __init__(self, file: str, block: int = _BLOCK):
+        self.name = name_of(file)
+        self._file, self._block = file, block
+        self._hash = hashlib.sha256()
+
+    @property
+    def sha256(self) -> str:
+        """Of what has been read."""
+        return self._hash.hexdigest()
+
+    def __iter__(self) -> Iterator[bytes]:
+        if self._file != STANDARD_INPUT:
+            require_no_folder_of(self._file, RUN_FILE)
+        try:
+            with nullcontext(sys.stdin.buffer) if self._file == STANDARD_INPUT else opened(self._file) as raw:
+                stream: Any = io.BufferedReader(_Whole(raw, self._hash.update), self._block)
+                magic, size, source = stream.peek(4)[:4], 0, stream
+                if magic.startswith(_GZIP):
+                    import gzip
+
+                    source = gzip.GzipFile(fileobj=stream)
+                elif magic == _ZSTD:
+                    source = self._zstd(stream)
+                while block := source.read(self._block):
+                    size += len(block)
+                    if size > MOST_IN_ALL:
+                        raise BadInput(f"more than {MOST_IN_ALL >> 30} GiB, decompressed", self.name)
+                    yield block
+                while stream.read(self._block):  # of what follows compressed data only the hash is taken
+                    pass
+        except BadInput:
+            raise
+        except EOFError:
+            raise BadInput("its compressed data end too early", self.name) from None
+        except OSError as error:
+            raise BadInput(reason(error) if error.errno else f"cannot be read: {quoted(error)}", self.name) from None
+        except Exception as error:
+            if type(error).__name__ not in ("error", "ZstdError"):  # of zlib and zstd, which are loaded when needed
+                raise
+            raise BadInput(f"its compressed data are damaged: {quoted(error)}", self.name) from None
+
+    def _zstd(self, stream: BinaryIO) -> Any:
+        try:
+            from compression import zstd  # of Python 3.14
+        except ImportError:
+            try:
+                from backports import zstd
+            except ImportError:
+                raise NotInstalled(f"{file_name(self.name)}: zstd", "backports.zstd", extra="zstd") from None
+        return zstd.ZstdFile(stream)
+
+
+class _Whole(io.RawIOBase):
+    """A stream that fills whatever it is given to fill, as a pipe does not, and shows `see` what it read."""
+
+    def __init__(self, raw: BinaryIO, see: Callable[[memoryview], None]):
+        self._raw, self._see = raw, see
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: Any) -> int:
+        view, filled = memoryview(buffer).cast("B"), 0
+        while filled < len(view):
+            count = self._raw.readinto(view[filled:])  # type: ignore[attr-defined]
+            if not count:
+                break
+            filled += count
+        self._see(view[:filled])
+        return filled
+
+
+class Held:
+    """The same of bytes that are in memory."""
+
+    def __init__(self, data: bytes, name: str, sha256: str | None = None):
+        self.name, self.data = name, data
+        self.sha256 = hashlib.sha256(data).hexdigest() if sha256 is None else sha256
+
+    def __iter__(self) -> Iterator[bytes]:
+        return (self.data[begin : begin + _BLOCK] for begin in range(0, len(self.data), _BLOCK))
+
+
+def held(file: str) -> Held:
+    """All of an input, decompressed. Raises BadInput, NotInstalled."""
+    incoming = Incoming(file)
+    data = joined(incoming, incoming.name, MOST_OF_RECORDING)
+    return Held(data, incoming.name, incoming.sha256)
+
+
 def write_text(file: str, text: str) -> None:
     """Write a text file, UTF-8, as `written` does."""
     write_bytes(file, text.encode("utf-8"))
@@ -157,8 +261,7 @@ def write_text(file: str, text: str) -> None:
 
 def write_bytes(file: str, data: bytes) -> None:
     """Write a file as `written` does."""
-    with written(file) as stream:
-        stream.write(data)
+    write_all({file: data})
 
 
 def write_all(files: Mapping[str, bytes]) -> None:
@@ -171,10 +274,7 @@ def write_all(files: Mapping[str, bytes]) -> None:
 
 @contextmanager
 def written(file: str) -> Iterator[BinaryIO]:
-    """A file to be written as a whole or not at all: into a temporary one beside it, then renamed. Raises BadInput.
-
-    A pipe or a device, such as /dev/stdout, cannot be replaced and is written to directly. See `refuse_link`.
-    """
+    """A file to be written as a whole or not at all. Raises BadInput."""
     with together() as them, them.written(file) as stream:
         yield stream
 
@@ -191,7 +291,10 @@ def together() -> Iterator[Together]:
 
 
 class Together:
-    """See `together`. Of files that were in these places before, one name is kept until all is done."""
+    """See `together`. Of files that were in these places before, one name is kept until all is done.
+
+    A pipe or a device, such as /dev/stdout, cannot be replaced and is written to directly. See `refuse_link`.
+    """
 
     def __init__(self) -> None:
         self._staged: list[tuple[str, str, str]] = []  # as the user calls it, where it is, where it belongs
@@ -199,7 +302,7 @@ class Together:
 
     @contextmanager
     def written(self, file: str) -> Iterator[BinaryIO]:
-        """One of them. Raises BadInput."""
+        """One of them: a temporary file beside it, to be renamed. Raises BadInput."""
         with _naming(file):
             target = os.path.realpath(file)
             refuse_link(file)
@@ -293,6 +396,23 @@ def refuse_overwriting(out: str | None, *sources: str | None, option: str = "--o
             raise UsageError(f"{option}: {quoted(out)} is an input of this command")
     if out:
         refuse_link(out)
+
+
+def pieces(blocks: Iterable[bytes], file: str) -> Iterator[bytes]:
+    """The same bytes, cut where lines end. Raises BadInput for a line that does not end."""
+    parts: list[bytes] = []
+    held = 0
+    for block in blocks:
+        cut = block.rfind(b"\n") + 1 or block.rfind(b"\r", 0, len(block) - 1) + 1  # a last \r may be half an end
+        if cut:
+            yield b"".join((*parts, block[:cut]))
+            parts, held = [], 0
+        parts.append(block[cut:])
+        held += len(block) - cut
+        if held > LONGEST_LINE:
+            raise BadInput(f"a line of more than {in_words(LONGEST_LINE)}", file)
+    if last := b"".join(parts):
+        yield last
 
 
 def _is_same(one: str, other: str) -> bool:

@@ -5,8 +5,7 @@ C (binding/rows.c) takes lines of whose numbers it is certain, and stops at any 
 the one way that complains: so what C takes does not matter to what is accepted, and every complaint knows its row,
 its column and its reason.
 
-Extra columns hold whatever they like, so a column that only looks like one of temperatures is passed over
-where it is not; one that the user names is read or refused.
+A column that only looks like one of temperatures is passed over; one that the user names is read or refused.
 """
 
 from __future__ import annotations
@@ -79,7 +78,9 @@ class PositionIndex:
             if number != math.floor(number):
                 raise Refused(f"{number!r} is not a whole number", column)
         if mounting not in self.mountings:
-            hint = self._are_exchanged(mounting, position) or f"mountings are {listed(self.mountings)}"
+            hint = f"mountings are {listed(self.mountings)}"
+            if position in self.mountings and 0 <= mounting < NUMBERS and self.table[int(position), int(mounting)] >= 0:
+                hint = "are mounting and position exchanged? Or is it a run of another schedule (--schedule)?"
             raise Refused(f"the schedule has no mounting {mounting:.15g}; {hint}", "mounting")
         index = int(self.table[int(mounting), int(position)]) if 0 <= position < NUMBERS else -1
         if index < 0:
@@ -87,13 +88,6 @@ class PositionIndex:
             known = np.flatnonzero(self.table[int(mounting)] >= 0).tolist()
             raise Refused(f"{missing}; positions are {listed(known)}", "position")
         return index
-
-    def _are_exchanged(self, mounting: float, position: float) -> str | None:
-        """A question, where the row would be good the other way round."""
-        known = position in self.mountings and 0 <= mounting < NUMBERS
-        is_good = known and self.table[int(position), int(mounting)] >= 0
-        asked = "are mounting and position exchanged? Or is it a run of another schedule (--schedule)?"
-        return asked if is_good else None
 
 
 class Anywhere(PositionIndex):
@@ -269,7 +263,7 @@ class RowParser:
         self.is_marked |= any(layout.decimal in fields[place] for place in layout.indices)
         values = [*numbers[-3:], float(self.line)]
         if self._recorded:
-            values += [math.nan if self._time is None else self._moment(fields[self._time]), felt]
+            values += [math.nan if self._time is None else self._pointed(fields[self._time], "time"), felt]
             for name, place in self._texts.items():
                 self.texts[name].append(fields[place])
         return index, values
@@ -298,18 +292,18 @@ class RowParser:
             return None
         if not self._recorded and bare in _NOT_FINITE:
             raise Refused(f"{quoted(text)} is not a finite number", column)
-        comma = self.layout.decimal == ","
-        pointed = text.replace(",", ".") if comma else text
-        if not NUMBER.fullmatch(pointed) or (comma and "." in text and not self._recorded):
+        if self.layout.decimal == "," and "." in text and not self._recorded:
             raise NotANumber(text, column)
-        if abs(float(pointed)) > LARGEST_OUTPUT:
+        value = self._pointed(text, column)
+        if abs(value) > LARGEST_OUTPUT:
             raise Refused(f"{quoted(text)} is out of range", column)
-        return float(pointed)
+        return value
 
-    def _moment(self, text: str) -> float:
+    def _pointed(self, text: str, column: str) -> float:
+        """Of a text with the layout's decimal mark. Raises NotANumber."""
         pointed = text.replace(",", ".") if self.layout.decimal == "," else text
         if not NUMBER.fullmatch(pointed):
-            raise NotANumber(text, "time")
+            raise NotANumber(text, column)
         return float(pointed)
 
 
@@ -344,7 +338,7 @@ class Thermometer:
 
     def __init__(self, layout: Layout):
         self._layout, self._low_c, self._high_c = layout, math.inf, -math.inf
-        self._odd: _NotTemperatures | None = None
+        self._odd: _Odd | None = None
         self._values: dict[str, float] = {"": math.nan}  # a thermometer gives the same few values again and again
         column = layout.temperature
         self.index = None if column is None or not _is_celsius(column) else column.index
@@ -356,7 +350,7 @@ class Thermometer:
         if text not in self._values:
             pointed = text.replace(",", ".") if self._layout.decimal == "," else text
             if not NUMBER.fullmatch(pointed) or not LOWEST_C <= float(pointed) <= HIGHEST_C:
-                self._odd, self.index = _NotTemperatures(_odd(quoted(text)), row), None
+                self._odd, self.index = (_no_temperature(quoted(text)), row), None
                 return math.nan
             self._values[text] = float(pointed)
             self.take_range(self._values[text], self._values[text])
@@ -368,13 +362,8 @@ class Thermometer:
 
     def told(self, file: str) -> tuple[Temperatures | None, tuple[str, ...]]:
         """By all rows, and sentences about a column that is passed over. Raises BadInput with row and column."""
-
-        def seen(_: Column) -> Floats:
-            if self._odd is not None:
-                raise self._odd
-            return np.array([self._low_c, self._high_c] if self._low_c <= self._high_c else [])
-
-        return _told(self._layout.temperature, self._layout.doubt, seen, file)
+        known = Temperatures(self._low_c, self._high_c, OF_RUN_FILE) if self._low_c <= self._high_c else None
+        return _told(self._layout.temperature, self._layout.doubt, self._odd, known, file)
 
 
 def temperatures_of_table(
@@ -383,52 +372,48 @@ def temperatures_of_table(
     """The range of a table of files.frames with so many `rows`, of which `columns` (names by name) are told; and
     the same sentences."""
     column, doubt = temperature_column(frames.names_of(table), columns)
-    return _told(column, doubt, lambda column: _of_table(table, column, rows, name), name)
+    odd, known = (None, None) if column is None or not _is_celsius(column) else _of_table(table, column, rows, name)
+    return _told(column, doubt, odd, known, name)
+
+
+_Odd = tuple[str, int | None]  # why a column is none of temperatures, and in which row
+
+
+def _of_table(table: Any, column: Column, rows: int, name: str) -> tuple[_Odd | None, Temperatures | None]:
+    try:
+        values = frames.column_of(table, column.index, name)
+    except BadInput as error:
+        return (error.fault, None), None
+    if len(values) != rows:
+        return (f"its length is {len(values)}, that of the outputs {rows}", None), None
+    odd = ~np.isnan(values) & ~((values >= LOWEST_C) & (values <= HIGHEST_C))
+    if odd.any():
+        row = int(odd.argmax())
+        return (_no_temperature(repr(float(values[row]))), row + 1), None
+    known = values[~np.isnan(values)]
+    return None, Temperatures(float(known.min()), float(known.max()), OF_RUN_FILE) if len(known) else None
 
 
 def _told(
-    column: Column | None, doubt: str | None, read: Callable[[Column], Floats], file: str
+    column: Column | None, doubt: str | None, odd: _Odd | None, known: Temperatures | None, file: str
 ) -> tuple[Temperatures | None, tuple[str, ...]]:
-    """The range of what `read` gives of a column, None where all are unknown; or why it is passed over, which is
-    refused where the user named it."""
+    """What is `known` by a column; or why it is passed over, which is refused where the user named it."""
     if column is None:
         return None, (() if doubt is None else (doubt,))
-    try:
-        if not _is_celsius(column):
-            raise _NotTemperatures("its unit is not deg C")
-        found = read(column)
-    except _NotTemperatures as odd:
-        if column.told:
-            raise BadInput(odd.message, file, odd.row, column.name) from None
-        where = "" if odd.row is None else f"row {odd.row}: "
-        return None, (f"column {quoted(column.name)} passed over: {where}{odd.message}",)
-    known = found[~np.isnan(found)]
-    return (Temperatures(float(known.min()), float(known.max()), OF_RUN_FILE) if len(known) else None), ()
+    if not _is_celsius(column):
+        odd = "its unit is not deg C", None
+    if odd is None:
+        return known, ()
+    message, row = odd
+    if column.told:
+        raise BadInput(message, file, row, column.name)
+    where = "" if row is None else f"row {row}: "
+    return None, (f"column {quoted(column.name)} passed over: {where}{message}",)
 
 
 def _is_celsius(column: Column) -> bool:
     return not column.unit or _CELSIUS.fullmatch(column.unit) is not None
 
 
-class _NotTemperatures(Exception):
-    def __init__(self, message: str, row: int | None = None):
-        super().__init__(message)
-        self.message, self.row = message, row
-
-
-def _of_table(table: Any, column: Column, rows: int, name: str) -> Floats:
-    try:
-        values = frames.column_of(table, column.index, name)
-    except BadInput as error:
-        raise _NotTemperatures(error.fault) from None
-    if len(values) != rows:
-        raise _NotTemperatures(f"its length is {len(values)}, that of the outputs {rows}")
-    odd = ~np.isnan(values) & ~((values >= LOWEST_C) & (values <= HIGHEST_C))
-    if odd.any():
-        row = int(odd.argmax())
-        raise _NotTemperatures(_odd(repr(float(values[row]))), row + 1)
-    return values
-
-
-def _odd(text: str) -> str:
+def _no_temperature(text: str) -> str:
     return f"{text} is no temperature from {LOWEST_C:g} to {HIGHEST_C:g} deg C"

@@ -1,6 +1,6 @@
 """Run files: recorded samples in, one mean per position and channel out.
 
-A file goes one way: its bytes in blocks (incoming), its layout (run_layout), its rows as numbers (rows), grouped by
+A file goes one way: its bytes in blocks (disk), its layout (run_layout), its rows as numbers (rows), grouped by
 position in a RowStore, of which few are in memory, what those of a position say together (PositionFacts), and the Run.
 Only the last two look at more than a block, and only at the rows of one position at a time. Rows of a position are
 taken for consecutive samples, in the order of the file.
@@ -25,8 +25,7 @@ from tumble.arrays import Flags, Floats, Integers
 from tumble.core import CoreSchedule
 from tumble.errors import BadInput
 from tumble.files import can_log
-from tumble.files.disk import LONGEST_LINE, MIB, in_words, reason
-from tumble.files.incoming import Held, Incoming
+from tumble.files.disk import MIB, Held, Incoming, in_words, pieces, reason
 from tumble.files.rows import NotANumber, Part, PositionIndex, Refused, RowParser, Temperatures, listed
 from tumble.files.run_layout import (
     COLUMNS,
@@ -42,13 +41,15 @@ from tumble.files.run_layout import (
     require_text,
     split,
 )
-from tumble.schedule import CHECK, CLOSED, Position, Schedule
+from tumble.schedule import CHECK, CLOSED, Schedule
 
 WITHIN_ONE_SIGMA = 0.6827
 _FEW_ROWS = 1 << 14  # as many are kept of what is ordered or follows in time
 _FEW_SUMMED, _SUMMED_AT_ONCE = 1 << 11, 1 << 16
 _TINY = 1e-250  # units of what is larger are no denormal numbers
 _SORTED_BY_NUMPY = 1 << 11
+ROWS_IN_MEMORY = 1 << 18
+_ROWS_FOR_STEP = 20000
 
 
 @dataclass(frozen=True)
@@ -136,18 +137,22 @@ def exact_sum(values: Floats) -> float:
 def _channel(values: Floats, stride: int) -> Channel:
     rows, ordered = len(values), in_order(values)
     median = float(ordered[(rows - 1) // 2] + ordered[rows // 2]) / 2
-    off = _distances(ordered, median)
+    off = np.abs(ordered - median)
+    below = int(np.searchsorted(ordered, median))  # values on either side of it are in order already, and are merged
+    off = np.sort(np.concatenate((off[:below][::-1], off[below:])), kind="stable")
     within = math.floor((rows - 1) * WITHIN_ONE_SIGMA)
     ends = float(ordered[0]), float(ordered[-1])
     first_largest = int(np.searchsorted(ordered, ends[1], "left"))
     changes, steps = np.diff(values), np.diff(ordered)
+    begins = np.flatnonzero(np.concatenate(([True], changes != 0.0, [True])))  # of runs of equal values
+    longest = int(np.diff(begins).argmax())
     return Channel(
         median=median,
         usual=math.sqrt(rows / (rows - 1)) * float(off[within]) if rows > 1 else 0.0,
         farthest=float(off[-1]),
         ends=ends,
         at_ends=(int(np.searchsorted(ordered, ends[0], "right")), rows - first_largest),
-        run=_longest_run(changes),
+        run=(int(begins[longest]), int(begins[longest + 1])),
         off=off[1::stride].copy(),
         changes=np.abs(changes[::stride]),
         resolution=float(steps.min(initial=np.inf, where=steps > 0.0)),
@@ -162,21 +167,6 @@ def in_order(values: Floats) -> Floats:
     scratch = np.empty_like(ordered)
     lib.rows_sort(ffi.from_buffer("uint64_t[]", ordered), ffi.from_buffer("uint64_t[]", scratch), len(ordered))
     return ordered
-
-
-def _distances(ordered: Floats, median: float) -> Floats:
-    """From the median, in order: those of the values below and above it are so already, and are merged."""
-    off = np.abs(ordered - median)
-    below = int(np.searchsorted(ordered, median))
-    return np.sort(np.concatenate((off[:below][::-1], off[below:])), kind="stable")
-
-
-def _longest_run(steps: Floats) -> tuple[int, int]:
-    """The first of the longest runs of equal values, given the differences of neighbours: its first row, and the one
-    behind its last."""
-    begins = np.flatnonzero(np.concatenate(([True], steps != 0.0, [True])))
-    longest = int(np.diff(begins).argmax())
-    return int(begins[longest]), int(begins[longest + 1])
 
 
 @dataclass(frozen=True)
@@ -209,11 +199,6 @@ def smallest_step(values: Floats) -> float:
     steps = np.diff(in_order(values))
     step = float(steps.min(initial=np.inf, where=steps > 0.0))
     return step if math.isfinite(step) else 0.0
-
-
-ROWS_IN_MEMORY = 1 << 18
-_ROWS_FOR_STEP = 20000
-_WIDTH = 4  # of a row: three outputs and the number of its line
 
 
 class RowStore:
@@ -282,7 +267,7 @@ class RowStore:
         return values[:, :3], values[:, 3].astype(np.intp)
 
     def _rows(self, position: int, most: int | None = None) -> Floats:
-        values, begin = np.empty((int(self.samples[position]), _WIDTH))[:most], 0
+        values, begin = np.empty((int(self.samples[position]), 4))[:most], 0
         for place, count in self._written[position]:
             assert self._file is not None
             self._file.seek(place)
@@ -377,8 +362,8 @@ class Rows:
 
     def on(self, planned: Schedule, other: Schedule) -> Rows:
         """On a schedule that has all their positions, after the one that they were read on."""
-        places = {_numbers(position): index for index, position in enumerate(planned.positions)}
-        return replace(self, store=self.store.on([places[_numbers(position)] for position in other.positions]))
+        places = {(one.mounting, one.number): index for index, one in enumerate(planned.positions)}
+        return replace(self, store=self.store.on([places[one.mounting, one.number] for one in other.positions]))
 
     def run(self) -> Run:
         """Averaged, position by position."""
@@ -403,10 +388,6 @@ class Rows:
             temperature=self.temperature,
             passed_over=self.passed_over,
         )
-
-
-def _numbers(position: Position) -> tuple[int, int]:
-    return position.mounting, position.number
 
 
 def read_rows(source: str | Incoming | Held, schedule: Schedule, wishes: Wishes = NO_WISHES) -> Rows:
@@ -490,9 +471,7 @@ class RunReader:
             zero = block.find(b"\0")
             if zero >= 0:
                 raise BadInput("not a text file", self._file, ends + block.count(b"\n", 0, zero) + 1)
-            ends += int(
-                np.count_nonzero(np.frombuffer(block, dtype=np.uint8) == ord("\n"))
-            )  # ten times as fast as count
+            ends += int(np.count_nonzero(np.frombuffer(block, np.uint8) == ord("\n")))  # ten times as fast as count
             yield block
 
     def _hint(self, refused: NotANumber) -> str:
@@ -522,20 +501,3 @@ def _to_its_end(blocks: Iterator[bytes]) -> Iterator[None]:
         for _ in blocks:
             pass
         raise
-
-
-def pieces(blocks: Iterable[bytes], file: str) -> Iterator[bytes]:
-    """The same bytes, cut where lines end. Raises BadInput for a line that does not end."""
-    parts: list[bytes] = []
-    held = 0
-    for block in blocks:
-        cut = block.rfind(b"\n") + 1 or block.rfind(b"\r", 0, len(block) - 1) + 1  # a last \r may be half an end
-        if cut:
-            yield b"".join((*parts, block[:cut]))
-            parts, held = [], 0
-        parts.append(block[cut:])
-        held += len(block) - cut
-        if held > LONGEST_LINE:
-            raise BadInput(f"a line of more than {in_words(LONGEST_LINE)}", file)
-    if last := b"".join(parts):
-        yield last

@@ -137,8 +137,9 @@ def require_text(data: bytes, file: str) -> None:
 
 def detect(data: bytes, wishes: Wishes, file: str) -> Layout:
     """Find out how a run file is laid out. Raises BadInput."""
-    found = detect_in_head(data, wishes, file) or _detect(data, wishes, file, whole=True)
-    assert found is not None  # of a whole file it complains instead
+    found = detect_in_head(data, wishes, file) or _detect(data, wishes, file)
+    if found is None:
+        raise BadInput("no header line", file, len(lines_of(data)))
     return found
 
 
@@ -155,9 +156,14 @@ def detect_in_head(data: bytes, wishes: Wishes, file: str) -> Layout | None:
     return _detect(head, wishes, file)
 
 
-def _detect(head: bytes, wishes: Wishes, file: str, whole: bool = False) -> Layout | None:
-    """From the beginning of a file, or from the whole of it; None if there is no header line in the beginning."""
-    lines = decoded(head).replace("\r\n", "\n").replace("\r", "\n").split("\n")
+def lines_of(data: bytes) -> list[str]:
+    """Of a file, without their ends."""
+    return decoded(data).replace("\r\n", "\n").replace("\r", "\n").split("\n")
+
+
+def _detect(head: bytes, wishes: Wishes, file: str) -> Layout | None:
+    """None if there is no header line in it."""
+    lines = lines_of(head)
     blanks = comments = 0
     for row, line in enumerate(lines, start=1):
         if not line.strip():
@@ -166,8 +172,6 @@ def _detect(head: bytes, wishes: Wishes, file: str, whole: bool = False) -> Layo
             comments += 1
         else:
             return _from_header(row, line, lines[row:], (comments, blanks), wishes, file)
-    if whole:
-        raise BadInput("no header line", file, len(lines))
     return None
 
 

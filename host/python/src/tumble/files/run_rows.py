@@ -1,14 +1,13 @@
-"""Rows that are no measurements of their own: written again, or of several sources in turn.
-
-An honest run repeats itself too, where its converter is coarse. So a stretch of equal rows counts only where noise
-would have changed it: by the innovations of its noisiest channel, what a linear prediction from the rows before leaves,
-so that hum, drift and slow noise are none; and no more than neighbouring rows change, which a sensor may hold.
-
-Rows that no block at rest gives: taken while the table turned, absurd, stuck, saturated; or not those of one block.
+"""Rows that no block at rest gives: taken while the table turned, absurd, stuck, saturated; or not those of one block:
+written again, or of several sources in turn.
 
 The gates are those of the firmware (core/averaging.c), which sees every sample, for a file of which nobody knows how
 it was averaged. A row is held against the other rows of its position. Noise is taken from the rows themselves, by
 quantiles, so that a third of them may be wrong; where the converter is coarse, it is no less than half a step.
+
+An honest run repeats itself too, where its converter is coarse. So a stretch of equal rows counts only where noise
+would have changed it: by the innovations of its noisiest channel, what a linear prediction from the rows before leaves,
+so that hum, drift and slow noise are none; and no more than neighbouring rows change, which a sensor may hold.
 """
 
 from __future__ import annotations
@@ -28,212 +27,6 @@ from tumble.schedule import Schedule
 from tumble.stand import PerChannel, by_channel
 from tumble.units import volts_per
 
-CHANCE = 1e-9  # that an honest run is taken for one with copies
-_SHORTEST = 4  # rows of a stretch
-_WINDOWS = 1 << 14  # of which the search is made
-_NEIGHBOURS = 3
-_ORDER = 8  # of the prediction
-_FEWEST_COPIED = 12  # innovations, to know their size
-_MOST_INNOVATIONS, MOST_IN_TURN = 20_000, 4096  # rows that are looked at; of a position
-_LEAST_NOISE = 1e-6  # of all that a channel spans: no sensor with its converter repeats itself better
-_SOURCES = (2, 3, 4)
-_FEWEST_IN_TURN = 8  # rows at a position
-_TIMES_NOISE = 30.0  # variance of the means of sources, over what noise makes of it; alternating noise makes up to 20
-_CLEAR, _LARGE, _OF_POSITIONS = 8.0, 5e-3, 0.75  # times noise, parts of 1 g and of the positions: no vibration
-_HELD, _CHANGES = (4, 3, 2), 0.9  # rows of a value; share of the next ones that are other ones
-_NUMBERS = {2: "two", 3: "three", 4: "four"}
-_STEPS_APART = 3.0  # of a converter: it may alternate by one by itself
-_MULTIPLIERS = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
-
-Keys = NDArray[np.uint64]
-
-
-@dataclass(frozen=True)
-class Repeat:
-    """Rows from `again` on are those from `first` on, `length` of them: indices in the order of the file."""
-
-    first: int
-    again: int
-    length: int
-
-
-def copied(outputs: Floats, position: Integers, step: Floats) -> Repeat | None:
-    """The longest stretch of rows (rows, 3) that stands there once more and that noise would have changed; None: there
-    is none. `position` of each row; `step` (3,) of the values."""
-    found = _longest_repeat(outputs)
-    if found is None or found.length < _SHORTEST:
-        return None
-    part = slice(found.first, found.first + found.length)
-    changes = np.sqrt(np.mean(np.diff(outputs[part], axis=0) ** 2, axis=0) / 2.0)  # a part may be quiet
-    likely = max(
-        _held(outputs, position),
-        _held(outputs[part], position[part]),
-        _chance_of_a_value(changes / np.where(step > 0.0, step, np.inf)),
-        _chance_of_a_row(outputs, position, step),
-    )
-    chance = 2.0 * math.log(len(outputs)) + found.length * math.log(likely)
-    return found if chance < math.log(CHANCE) else None
-
-
-def held(rests: Iterable[Floats]) -> int:
-    """How many rows each measurement stands for: 1, or as many as are equal throughout where their neighbours are not:
-    written several times one after the other, or held by a sensor that is slower than its log. `rests`: the rows
-    (rows, 3) of each position."""
-    whole = [rows for rows in rests if len(rows) >= _FEWEST_IN_TURN]
-    for times in _HELD if whole else ():
-        grouped = [rows[: len(rows) // times * times].reshape(-1, times, 3) for rows in whole]
-        if all((group == group[:, :1]).all() for group in grouped):
-            changes = [(group[1:, 0] != group[:-1, 0]).any(axis=1) for group in grouped]
-            if np.concatenate(changes).mean() >= _CHANGES:
-                return times
-    return 1
-
-
-def _longest_repeat(outputs: Floats) -> Repeat | None:
-    """By windows of 4, 8, 16, ... rows, as long as any comes again behind its end; then as far as rows are equal. Of
-    many windows every n-th or so counts, chosen by what is in it, so that those of a copy are chosen too."""
-    bits = [(outputs[:, channel] + 0.0).view(np.uint64) for channel in range(3)]  # of which -0.0 has none
-    bits = [one ^ (one >> np.uint64(31)) for one in bits]  # those of round numbers are all in the upper half
-    keys = bits[0] * _MULTIPLIERS[0] + bits[1] * _MULTIPLIERS[1] + bits[2] * _MULTIPLIERS[2]
-    keys = keys[:-1] * _MULTIPLIERS[1] + keys[1:]
-    keys = _mixed(keys[:-2] * _MULTIPLIERS[2] + keys[2:])
-    stride = 1 << max(0, len(keys).bit_length() - _WINDOWS.bit_length())
-    places = np.flatnonzero((keys & np.uint64(stride - 1)) == 0)
-    keys, length, best = keys[places], _SHORTEST if stride == 1 else 1, None
-    while len(keys) > 1 and (pair := _equal_apart(keys, length)) is not None:
-        best = pair
-        keys, length = _mixed(keys[:-length] * _MULTIPLIERS[0] + keys[length:]), 2 * length
-    return None if best is None else _extended(outputs, int(places[best[0]]), int(places[best[1]]))
-
-
-def _mixed(keys: Keys) -> Keys:
-    mixed: Keys = (keys ^ (keys >> np.uint64(29))) * _MULTIPLIERS[1]
-    return mixed ^ (mixed >> np.uint64(32))
-
-
-def _equal_apart(keys: Keys, length: int) -> tuple[int, int] | None:
-    """Indices of two equal keys that are at least so far apart."""
-    ordered = in_order((keys >> np.uint64(2)).view(np.float64)).view(np.uint64)  # so they are numbers that are finite
-    equal = ordered[1:][ordered[1:] == ordered[:-1]]
-    if not len(equal):
-        return None
-    places = np.flatnonzero(np.isin(keys >> np.uint64(2), equal))
-    places = places[np.argsort(keys[places], kind="stable")]
-    first = np.concatenate(([True], np.diff(keys[places].view(np.int64)) != 0))
-    begins = places[np.flatnonzero(first)][np.cumsum(first) - 1]
-    apart = np.flatnonzero(places - begins >= length)
-    return (int(begins[apart[0]]), int(places[apart[0]])) if len(apart) else None
-
-
-def _extended(outputs: Floats, first: int, again: int) -> Repeat:
-    """Backwards and forwards, until rows differ."""
-    apart = again - first
-    equal: Flags = (outputs[:-apart] == outputs[apart:]).all(axis=1)
-    unequal = np.flatnonzero(~equal)
-    begin = int(unequal[unequal < first].max(initial=-1)) + 1
-    end = int(unequal[unequal >= first].min(initial=len(equal)))
-    return Repeat(begin, begin + apart, end - begin)
-
-
-def _held(outputs: Floats, position: Integers) -> float:
-    """The largest share of rows that are equal to the one, two or three rows before."""
-    shares = [0.0]
-    for apart in range(1, min(_NEIGHBOURS, len(outputs) - 1) + 1):
-        beside = position[apart:] == position[:-apart]
-        equal = (outputs[apart:] == outputs[:-apart]).all(axis=1) & beside
-        shares.append(float(equal.sum() / max(1, beside.sum())))
-    return max(shares)
-
-
-def _chance_of_a_row(outputs: Floats, position: Integers, step: Floats) -> float:
-    """That a row comes out as another one did, all before it having done so."""
-    steps = _innovations(outputs, position, step)
-    if steps is None:
-        steps = _LEAST_NOISE * np.ptp(outputs, axis=0) / np.where(step > 0.0, step, np.inf)
-    return _chance_of_a_value(steps)
-
-
-def _chance_of_a_value(steps: Floats) -> float:
-    """Of the likeliest in the noisiest channel, by the noise of each in steps."""
-    noise = float(steps.max())
-    return math.erf(0.5 / (math.sqrt(2.0) * noise)) if noise > 0.0 else 1.0
-
-
-def _innovations(outputs: Floats, position: Integers, step: Floats) -> Floats | None:
-    """Of each channel in steps, without what rounding adds; None where too few rows tell."""
-    ends = np.flatnonzero(np.diff(position, append=-1)) + 1
-    lengths = np.diff(ends, prepend=0)
-    order = min(_ORDER, int(np.median(lengths)) // 4)
-    visit = np.repeat(np.arange(len(lengths)), lengths)
-    off = outputs - (np.add.reduceat(outputs, ends - lengths) / lengths[:, None])[visit]
-    places = np.arange(order, len(off))
-    places = places[(visit[places] == visit[places - order]) & (lengths[visit[places]] > 1)][:_MOST_INNOVATIONS]
-    if len(places) < _FEWEST_COPIED + 2 * order:
-        return None
-    sizes = np.zeros(3)
-    for channel in np.flatnonzero(step > 0.0):
-        before = off[places[:, None] - np.arange(1, order + 1), channel]
-        weights = np.linalg.lstsq(before, off[places, channel], rcond=1e-9)[0]
-        left = np.abs(off[places, channel] - before @ weights) / step[channel]
-        rounding = (1.0 + float(weights @ weights)) / 12.0
-        sizes[channel] = math.sqrt(max(0.0, float(np.quantile(left, WITHIN_ONE_SIGMA)) ** 2 - rounding))
-    return sizes
-
-
-@dataclass(frozen=True)
-class Sources:
-    """That rows may be of several sources in turn, a `sentence` without its end; `is_certain`: no noise does that."""
-
-    sentence: str
-    is_certain: bool
-
-
-_Parts = tuple[Floats, Floats, int]  # means of the sources (sources, 3), squares within them (3,), rows of each
-
-
-def in_turn(positions: Iterable[Floats], step: Floats, unit: str) -> Sources | None:
-    """What the rows (rows, 3) of each position that has enough, at rest, show of several sources in turn; None where
-    noise explains it, or a converter that alternates."""
-    long = (rows[:MOST_IN_TURN] for rows in positions if len(rows) >= _FEWEST_IN_TURN)
-    by_sources = zip(*([_stretches(rows, sources) for sources in _SOURCES] for rows in long))
-    ratio, best = max(((_ratio(parts, step), parts) for parts in by_sources), key=lambda one: one[0], default=(0.0, ()))
-    if ratio <= _TIMES_NOISE:
-        return None
-    apart = np.array([_apart(parts, step) for parts in best])
-    widths = np.array([np.ptp(parts[0], axis=0) for parts in best])
-    scale = np.ptp([parts[0].mean(axis=0) for parts in best], axis=0).max() / 2
-    place, channel = np.unravel_index(int(apart.argmax()), apart.shape)
-    clear = int(((apart > _CLEAR) & (widths > _LARGE * scale)).any(axis=1).sum())
-    levels = [f"{level:.5g}" for level in best[place][0][:, channel].tolist()]
-    said = f"rows alternate, u{'xyz'[channel]} between {' and '.join(levels)} {unit}"
-    return Sources(f"{said}: {_NUMBERS[len(levels)]} sources in one file", clear >= _OF_POSITIONS * len(best))
-
-
-def _stretches(rows: Floats, sources: int) -> _Parts:
-    each = len(rows) // sources
-    parted = rows[: each * sources].reshape(each, sources, 3)
-    means = parted.mean(axis=0)
-    return means, ((parted - means) ** 2).sum(axis=(0, 1)), each
-
-
-def _ratio(positions: Sequence[_Parts], step: Floats) -> float:
-    """Of the mean squares between and within sources, in the channel where it is largest."""
-    between = [each * means.var(axis=0, ddof=1) for means, _, each in positions]
-    freedom = sum((each - 1) * len(means) for means, _, each in positions)
-    noise = np.maximum(np.sum([squares for _, squares, _ in positions], axis=0) / freedom, (step / 2) ** 2)
-    widest = np.max([np.ptp(means, axis=0) for means, _, _ in positions], axis=0)
-    told = (widest > _STEPS_APART * step) & (noise > 0.0) & (freedom >= _FEWEST_COPIED)
-    return float((np.where(told, np.mean(between, axis=0), 0.0) / np.where(told, noise, 1.0)).max())
-
-
-def _apart(parts: _Parts, step: Floats) -> Floats:
-    """The largest difference between sources (3,), in standard deviations of their noise."""
-    means, squares, each = parts
-    noise = np.sqrt(np.maximum(squares / ((each - 1) * len(means)), (step / 2) ** 2))
-    apart: Floats = np.ptp(means, axis=0) / np.where(noise > 0.0, noise, np.inf)
-    return apart
-
-
 _FAR = 8.0  # noise: further off no row is at rest, nor is a position that scatters so much more than the others
 _ABSURD = 20.0  # noise: further off a single row is no spike of a block that has some
 _MATTERS = 3.0  # standard errors of a mean: rows that move it further are not averaged
@@ -247,22 +40,7 @@ _MOST_NAMED = 3
 _CHANNELS = ("ux", "uy", "uz")
 
 
-@dataclass(frozen=True)
-class Stretch:
-    """Rows of one position that belong together, in the order of the file: outputs (rows, 3), numbers of lines."""
-
-    position: int
-    outputs: Floats
-    lines: Integers
-
-
-@dataclass(frozen=True)
-class _Found:
-    """What was not at rest, what is absurd, and sentences about what does not matter."""
-
-    moving: list[Stretch]
-    absurd: list[Stretch]
-    warnings: list[str]
+_Stretch = tuple[int, Floats, Integers]  # rows that belong together: position, outputs (rows, 3), numbers of lines
 
 
 def check_rows(run: Run, schedule: Schedule, stand_file: StandFile | None, file: str) -> tuple[str, ...]:
@@ -350,19 +128,15 @@ class _Judge:
             own = [self._facts[position].channels[channel] for position in self._present]
             for end, extreme in ((1, max(one.ends[1] for one in own)), (0, min(one.ends[0] for one in own))):
                 rows = sum(one.at_ends[end] for one in own if one.ends[end] == extreme)
-                if rows >= _EXTREMES:
-                    line = self._first_with(channel, extreme)
-                    said = f"{self._said(extreme)} in {rows} rows, and none beyond: saturated"
-                    raise self._refusal(said, line, channel)
-
-    def _first_with(self, channel: int, value: float) -> int:
-        """The line of the first row with a value of a channel."""
-        lines = []
-        for position in self._present:
-            if value in self._facts[position].channels[channel].ends:
-                outputs, own = self._table.rows(position)
-                lines.append(int(own[(outputs[:, channel] == value).argmax()]))
-        return min(lines)
+                if rows < _EXTREMES:
+                    continue
+                lines = []  # of the first such row of each position
+                for position in self._present:
+                    if extreme in self._facts[position].channels[channel].ends:
+                        outputs, its_lines = self._table.rows(position)
+                        lines.append(int(its_lines[(outputs[:, channel] == extreme).argmax()]))
+                said = f"{self._said(extreme)} in {rows} rows, and none beyond: saturated"
+                raise self._refusal(said, min(lines), channel)
 
     def _least_noise(self, channel: int) -> float:
         """Noise of a channel in steps of its values, at least, by the differences of neighbouring rows of positions in
@@ -379,7 +153,7 @@ class _Judge:
         """How many equal values in a row honest noise does not give: each but the first has the chance of the step in
         which the mean may lie."""
         noise = self._least_noise(channel)
-        chance = math.erf(0.5 / (math.sqrt(2.0) * noise)) if noise > 0.0 else 1.0
+        chance = _chance_of_a_value(noise)
         if chance >= 1.0:
             return math.inf
         return 1.0 + math.log(_STUCK_CHANCE / (3 * int(self._table.samples.sum()))) / math.log(chance)
@@ -390,14 +164,14 @@ class _Judge:
         """No rows that come again, digit for digit, where noise should have changed them."""
         for outputs, lines, position in self._in_order():
             found = copied(outputs, position, self._table.step)
-            if found is not None:
-                last = found.length - 1
-                again, first = (
-                    f"{_range(lines[begin], lines[begin + last])} ({self._labels(position, begin, begin + last)})"
-                    for begin in (found.again, found.first)
-                )
-                said = f"rows {again} are rows {first} again, digit for digit: written twice? Leave them out"
-                raise self._refusal(said, int(lines[found.again]))
+            if found is None:
+                continue
+            named = []
+            for begin in (found.again, found.first):
+                end = begin + found.length - 1
+                labels = dict.fromkeys(self._label(int(position[row])) for row in (begin, end))
+                named.append(f"{_range(lines[begin], lines[end])} ({' to '.join(labels)})")
+            raise self._refusal(WRITTEN_AGAIN.format(*named), int(lines[found.again]))
 
     def _in_order(self) -> Iterator[tuple[Floats, Integers, Integers]]:
         """Rows, their lines and positions, in the order of the file: all, or of each position where they are many."""
@@ -416,8 +190,8 @@ class _Judge:
         found = in_turn(rests, self._table.step, self._run.unit)
         first = min(self._facts[position].lines[0] for position in self._present)
         if found is not None and found.is_certain:
-            raise self._refusal(f"{found.sentence}? Keep the rows of one", first)
-        return () if found is None else (f"from row {first} on {found.sentence}, or a vibration in step with them?",)
+            raise self._refusal(found.sentence, first)
+        return () if found is None else (f"from row {first} on {found.sentence}",)
 
     def judge_held(self) -> tuple[str, ...]:
         """A warning where every measurement stands in several rows."""
@@ -435,39 +209,39 @@ class _Judge:
         noise = self._noise()
         if noise is None:
             return ()
-        found = _Found([], [], [])
+        moving: list[_Stretch] = []
+        absurd: list[_Stretch] = []
+        warnings = []
         for position in self._present:
-            if self._facts[position].samples > 1:
-                self._judge_position(position, noise, found)
-        if found.moving:
-            raise self._turned(found.moving)
-        if found.absurd:
-            raise self._absurd(found.absurd)
-        return tuple(found.warnings)
-
-    def _judge_position(self, position: int, noise: Floats, found: _Found) -> None:
-        channels = self._facts[position].channels
-        own, farthest = np.array([one.usual for one in channels]), np.array([one.farthest for one in channels])
-        level = np.maximum(noise, own)
-        if not (own > _FAR * noise).any() and not (farthest > _FAR * level).any():
-            return
-        outputs, lines = self._table.rows(position)
-        if (own > _FAR * noise).any():
-            if _is_ramp(outputs, int(_beyond(own, noise).argmax())):
-                found.moving.append(Stretch(position, outputs, lines))
+            channels = self._facts[position].channels
+            own, farthest = np.array([one.usual for one in channels]), np.array([one.farthest for one in channels])
+            level = np.maximum(noise, own)
+            is_restless = (own > _FAR * noise).any()
+            if self._facts[position].samples < 2 or not (is_restless or (farthest > _FAR * level).any()):
+                continue
+            outputs, lines = self._table.rows(position)
+            if is_restless:
+                worst = outputs[:, int(_beyond(own, noise).argmax())]
+                if len(worst) >= _FEWEST_FOR_TREND and np.corrcoef(np.arange(len(worst)), worst)[0, 1] ** 2 > _TREND:
+                    moving.append((position, outputs, lines))
+                else:
+                    warnings.append(self._restless(position, own, noise))
+                continue
+            off = np.abs(outputs - self._medians(position))
+            far: Flags = np.any(off > _FAR * level, axis=1)
+            at_edge, matters = _edges(far), _matters(outputs, far, level)
+            if matters and at_edge.any():
+                moving += [(position, outputs[part], lines[part]) for part in _parts(at_edge)]
+            elif matters and (off > _ABSURD * level).any():
+                absurd.append((position, outputs[far], lines[far]))
             else:
-                found.warnings.append(self._restless(position, own, noise))
-            return
-        off = np.abs(outputs - self._medians(position))
-        far: Flags = np.any(off > _FAR * level, axis=1)
-        at_edge = _edges(far)
-        matters = _matters(outputs, far, level)
-        if matters and at_edge.any():
-            found.moving.extend(Stretch(position, outputs[part], lines[part]) for part in _parts(at_edge))
-        elif matters and (off > _ABSURD * level).any():
-            found.absurd.append(Stretch(position, outputs[far], lines[far]))
-        else:
-            found.warnings.append(self._odd(Stretch(position, outputs[far], lines[far])))
+                line, channel, said = self._far_off((position, outputs[far], lines[far]))
+                warnings.append(f"row {line}, column {_CHANNELS[channel]}: {said}")
+        if moving:
+            raise self._turned(moving)
+        if absurd:
+            raise self._absurd(absurd)
+        return tuple(warnings)
 
     def _noise(self) -> Floats | None:
         """Of one sample of each channel; None where too few rows tell."""
@@ -484,61 +258,46 @@ class _Judge:
 
     # Words.
 
-    def _turned(self, stretches: list[Stretch]) -> BadInput:
-        named = [f"{_range(one.lines[0], one.lines[-1])} ({self._label(one.position)})" for one in stretches]
+    def _turned(self, stretches: list[_Stretch]) -> BadInput:
+        named = [f"{_range(lines[0], lines[-1])} ({self._label(position)})" for position, _, lines in stretches]
         rest = len(named) - _MOST_NAMED
         more = f" and {rest} more such stretches" if rest > 0 else ""
         said = f"the table was not at rest: rows {', '.join(named[:_MOST_NAMED])}{more} are off the others of their"
-        return self._refusal(f"{said} position; leave them out", int(stretches[0].lines[0]))
+        return self._refusal(f"{said} position; leave them out", int(stretches[0][2][0]))
 
-    def _absurd(self, stretches: list[Stretch]) -> BadInput:
-        row, channel = self._farthest(stretches[0])
-        lines = [str(line) for one in stretches for line in one.lines]
+    def _absurd(self, stretches: list[_Stretch]) -> BadInput:
+        first, channel, said = self._far_off(stretches[0])
+        lines = [str(line) for _, _, numbers in stretches for line in numbers]
         more = ""
         if len(lines) > 1:
             shown = ", ".join(lines[: 2 * _MOST_NAMED])
             more = f"; absurd are rows {shown}" + (
                 f" and {len(lines) - 2 * _MOST_NAMED} more" if len(lines) > 6 else ""
             )
-        said = f"{self._beside(stretches[0], row, channel)}{more}"
-        return self._refusal(said, int(stretches[0].lines[row]), channel)
-
-    def _odd(self, one: Stretch) -> str:
-        row, channel = self._farthest(one)
-        place = f"row {int(one.lines[row])}, column {_CHANNELS[channel]}"
-        return f"{place}: {self._beside(one, row, channel)}"
+        return self._refusal(f"{said}{more}", first, channel)
 
     def _restless(self, position: int, own: Floats, noise: Floats) -> str:
         beyond = _beyond(own, noise)
         channel = int(beyond.argmax())
-        times = (
-            "and does not elsewhere"
-            if np.isinf(beyond[channel])
-            else f"{beyond[channel]:.0f} times as much as elsewhere"
-        )
+        times = f"{beyond[channel]:.0f} times as much as elsewhere"
+        times = "and does not elsewhere" if np.isinf(beyond[channel]) else times
         place = f"rows {_range(*self._facts[position].lines)} ({self._label(position)})"
         return f"{place}: {_CHANNELS[channel]} scatters {times}"
 
     def _medians(self, position: int) -> Floats:
         return np.array([one.median for one in self._facts[position].channels])
 
-    def _farthest(self, one: Stretch) -> tuple[int, int]:
-        off = np.abs(one.outputs - self._medians(one.position))
-        row, channel = np.unravel_index(int(off.argmax()), off.shape)
-        return int(row), int(channel)
-
-    def _beside(self, one: Stretch, row: int, channel: int) -> str:
-        usual = self._facts[one.position].channels[channel].median
-        others = f"the others of {self._label(one.position)} lie about {usual:.5g} {self._run.unit}"
-        return f"{self._said(one.outputs[row, channel])} is far off: {others}"
+    def _far_off(self, stretch: _Stretch) -> tuple[int, int, str]:
+        """Line and channel of the value that is farthest off, and what to say of it."""
+        position, outputs, lines = stretch
+        off = np.abs(outputs - self._medians(position))
+        row, channel = map(int, np.unravel_index(int(off.argmax()), off.shape))
+        usual = self._facts[position].channels[channel].median
+        others = f"the others of {self._label(position)} lie about {usual:.5g} {self._run.unit}"
+        return int(lines[row]), channel, f"{self._said(outputs[row, channel])} is far off: {others}"
 
     def _said(self, value: float) -> str:
         return f"{value:.5g} {self._run.unit}"
-
-    def _labels(self, position: Integers, first: int, last: int) -> str:
-        """Of the positions of two rows."""
-        ends = [self._label(int(position[row])) for row in (first, last)]
-        return ends[0] if ends[0] == ends[1] else f"{ends[0]} to {ends[1]}"
 
     def _label(self, position: int) -> str:
         return self._schedule.positions[position].label
@@ -564,13 +323,6 @@ def _beyond(own: Floats, noise: Floats) -> Floats:
     return np.where(there, own / np.where(there, noise, 1.0), np.where(own > 0.0, np.inf, 0.0))
 
 
-def _is_ramp(outputs: Floats, channel: int) -> bool:
-    """Is most of a position's scatter a straight line in the order of its rows?"""
-    if len(outputs) < _FEWEST_FOR_TREND:
-        return False
-    return float(np.corrcoef(np.arange(len(outputs)), outputs[:, channel])[0, 1]) ** 2 > _TREND
-
-
 def _edges(far: Flags) -> Flags:
     """Of the far rows those, two or more, with which a position begins or ends."""
     edges = np.zeros(len(far), dtype=bool)
@@ -593,3 +345,205 @@ def _matters(outputs: Floats, far: Flags, noise: Floats) -> bool:
     """Do the far rows move a mean by more than it can be off by noise?"""
     moved = np.abs(outputs.mean(axis=0) - outputs[~far].mean(axis=0))
     return bool((moved > _MATTERS * noise / math.sqrt(len(outputs))).any())
+
+
+# Rows that are written again, held, or of several sources in turn.
+
+CHANCE = 1e-9  # that an honest run is taken for one with copies
+_SHORTEST = 4  # rows of a stretch
+_WINDOWS = 1 << 14  # of which the search is made
+_NEIGHBOURS = 3
+_ORDER = 8  # of the prediction
+_FEWEST_COPIED = 12  # innovations, to know their size
+_MOST_INNOVATIONS, MOST_IN_TURN = 20_000, 4096  # rows that are looked at; of a position
+_LEAST_NOISE = 1e-6  # of all that a channel spans: no sensor with its converter repeats itself better
+_SOURCES = (2, 3, 4)
+_FEWEST_IN_TURN = 8  # rows at a position
+_TIMES_NOISE = 30.0  # variance of the means of sources, over what noise makes of it; alternating noise makes up to 20
+_CLEAR, _LARGE, _OF_POSITIONS = 8.0, 5e-3, 0.75  # times noise, parts of 1 g and of the positions: no vibration
+_HELD, _CHANGES = (4, 3, 2), 0.9  # rows of a value; share of the next ones that are other ones
+_NUMBERS = {2: "two", 3: "three", 4: "four"}
+_STEPS_APART = 3.0  # of a converter: it may alternate by one by itself
+_MULTIPLIERS = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
+
+WRITTEN_AGAIN = "rows {} are rows {} again, digit for digit: written twice? Leave them out"
+
+Keys = NDArray[np.uint64]
+
+
+@dataclass(frozen=True)
+class Repeat:
+    """Rows from `again` on are those from `first` on, `length` of them: indices in the order of the file."""
+
+    first: int
+    again: int
+    length: int
+
+
+def copied(outputs: Floats, position: Integers, step: Floats) -> Repeat | None:
+    """The longest stretch of rows (rows, 3) that stands there once more and that noise would have changed; None: there
+    is none. `position` of each row; `step` (3,) of the values."""
+    found = _longest_repeat(outputs)
+    if found is None or found.length < _SHORTEST:
+        return None
+    part = slice(found.first, found.first + found.length)
+    changes = np.sqrt(np.mean(np.diff(outputs[part], axis=0) ** 2, axis=0) / 2.0)  # a part may be quiet
+    likely = max(
+        _held(outputs, position),
+        _held(outputs[part], position[part]),
+        _chance_of_a_value(float((changes / np.where(step > 0.0, step, np.inf)).max())),
+        _chance_of_a_value(float(_innovations(outputs, position, step).max())),  # all rows before it having come again
+    )
+    chance = 2.0 * math.log(len(outputs)) + found.length * math.log(likely)
+    return found if chance < math.log(CHANCE) else None
+
+
+def held(rests: Iterable[Floats]) -> int:
+    """How many rows each measurement stands for: 1, or as many as are equal throughout where their neighbours are not:
+    written several times one after the other, or held by a sensor that is slower than its log. `rests`: the rows
+    (rows, 3) of each position."""
+    whole = [rows for rows in rests if len(rows) >= _FEWEST_IN_TURN]
+    for times in _HELD if whole else ():
+        grouped = [rows[: len(rows) // times * times].reshape(-1, times, 3) for rows in whole]
+        if all((group == group[:, :1]).all() for group in grouped):
+            changes = [(group[1:, 0] != group[:-1, 0]).any(axis=1) for group in grouped]
+            if np.concatenate(changes).mean() >= _CHANGES:
+                return times
+    return 1
+
+
+def _longest_repeat(outputs: Floats) -> Repeat | None:
+    """By windows of 4, 8, 16, ... rows, as long as any comes again behind its end; then as far as rows are equal. Of
+    many windows every n-th or so counts, chosen by what is in it, so that those of a copy are chosen too."""
+    bits = [(outputs[:, channel] + 0.0).view(np.uint64) for channel in range(3)]  # of which -0.0 has none
+    bits = [one ^ (one >> np.uint64(31)) for one in bits]  # those of round numbers are all in the upper half
+    keys = bits[0] * _MULTIPLIERS[0] + bits[1] * _MULTIPLIERS[1] + bits[2] * _MULTIPLIERS[2]
+    keys = keys[:-1] * _MULTIPLIERS[1] + keys[1:]
+    keys = _mixed(keys[:-2] * _MULTIPLIERS[2] + keys[2:])
+    stride = 1 << max(0, len(keys).bit_length() - _WINDOWS.bit_length())
+    places = np.flatnonzero((keys & np.uint64(stride - 1)) == 0)
+    keys, length, best = keys[places], _SHORTEST if stride == 1 else 1, None
+    while len(keys) > 1 and (pair := _equal_apart(keys, length)) is not None:
+        best = pair
+        keys, length = _mixed(keys[:-length] * _MULTIPLIERS[0] + keys[length:]), 2 * length
+    if best is None:
+        return None
+    first, again = (int(places[one]) for one in best)
+    apart = again - first
+    equal: Flags = (outputs[:-apart] == outputs[apart:]).all(axis=1)  # backwards and forwards, until rows differ
+    unequal = np.flatnonzero(~equal)
+    begin = int(unequal[unequal < first].max(initial=-1)) + 1
+    end = int(unequal[unequal >= first].min(initial=len(equal)))
+    return Repeat(begin, begin + apart, end - begin)
+
+
+def _mixed(keys: Keys) -> Keys:
+    mixed: Keys = (keys ^ (keys >> np.uint64(29))) * _MULTIPLIERS[1]
+    return mixed ^ (mixed >> np.uint64(32))
+
+
+def _equal_apart(keys: Keys, length: int) -> tuple[int, int] | None:
+    """Indices of two equal keys that are at least so far apart."""
+    ordered = in_order((keys >> np.uint64(2)).view(np.float64)).view(np.uint64)  # so they are numbers that are finite
+    equal = ordered[1:][ordered[1:] == ordered[:-1]]
+    if not len(equal):
+        return None
+    places = np.flatnonzero(np.isin(keys >> np.uint64(2), equal))
+    places = places[np.argsort(keys[places], kind="stable")]
+    first = np.concatenate(([True], np.diff(keys[places].view(np.int64)) != 0))
+    begins = places[np.flatnonzero(first)][np.cumsum(first) - 1]
+    apart = np.flatnonzero(places - begins >= length)
+    return (int(begins[apart[0]]), int(places[apart[0]])) if len(apart) else None
+
+
+def _held(outputs: Floats, position: Integers) -> float:
+    """The largest share of rows that are equal to the one, two or three rows before."""
+    shares = [0.0]
+    for apart in range(1, min(_NEIGHBOURS, len(outputs) - 1) + 1):
+        beside = position[apart:] == position[:-apart]
+        equal = (outputs[apart:] == outputs[:-apart]).all(axis=1) & beside
+        shares.append(float(equal.sum() / max(1, beside.sum())))
+    return max(shares)
+
+
+def _chance_of_a_value(noise: float) -> float:
+    """Of the likeliest value, by the noise in steps."""
+    return math.erf(0.5 / (math.sqrt(2.0) * noise)) if noise > 0.0 else 1.0
+
+
+def _innovations(outputs: Floats, position: Integers, step: Floats) -> Floats:
+    """Of each channel in steps, without what rounding adds; where too few rows tell, the least that there can be."""
+    ends = np.flatnonzero(np.diff(position, append=-1)) + 1
+    lengths = np.diff(ends, prepend=0)
+    order = min(_ORDER, int(np.median(lengths)) // 4)
+    visit = np.repeat(np.arange(len(lengths)), lengths)
+    off = outputs - (np.add.reduceat(outputs, ends - lengths) / lengths[:, None])[visit]
+    places = np.arange(order, len(off))
+    places = places[(visit[places] == visit[places - order]) & (lengths[visit[places]] > 1)][:_MOST_INNOVATIONS]
+    if len(places) < _FEWEST_COPIED + 2 * order:
+        least: Floats = _LEAST_NOISE * np.ptp(outputs, axis=0) / np.where(step > 0.0, step, np.inf)
+        return least
+    sizes = np.zeros(3)
+    for channel in np.flatnonzero(step > 0.0):
+        before = off[places[:, None] - np.arange(1, order + 1), channel]
+        weights = np.linalg.lstsq(before, off[places, channel], rcond=1e-9)[0]
+        left = np.abs(off[places, channel] - before @ weights) / step[channel]
+        rounding = (1.0 + float(weights @ weights)) / 12.0
+        sizes[channel] = math.sqrt(max(0.0, float(np.quantile(left, WITHIN_ONE_SIGMA)) ** 2 - rounding))
+    return sizes
+
+
+@dataclass(frozen=True)
+class Sources:
+    """A `sentence` that rows may be of several sources in turn; `is_certain`: no noise does that."""
+
+    sentence: str
+    is_certain: bool
+
+
+_Parts = tuple[Floats, Floats, int]  # means of the sources (sources, 3), squares within them (3,), rows of each
+
+
+def in_turn(positions: Iterable[Floats], step: Floats, unit: str) -> Sources | None:
+    """What the rows (rows, 3) of each position that has enough, at rest, show of several sources in turn; None where
+    noise explains it, or a converter that alternates."""
+    long = (rows[:MOST_IN_TURN] for rows in positions if len(rows) >= _FEWEST_IN_TURN)
+    by_sources = zip(*([_stretches(rows, sources) for sources in _SOURCES] for rows in long))
+    ratio, best = max(((_ratio(parts, step), parts) for parts in by_sources), key=lambda one: one[0], default=(0.0, ()))
+    if ratio <= _TIMES_NOISE:
+        return None
+    apart = np.array([_apart(parts, step) for parts in best])
+    widths = np.array([np.ptp(parts[0], axis=0) for parts in best])
+    scale = np.ptp([parts[0].mean(axis=0) for parts in best], axis=0).max() / 2
+    place, channel = np.unravel_index(int(apart.argmax()), apart.shape)
+    clear = int(((apart > _CLEAR) & (widths > _LARGE * scale)).any(axis=1).sum())
+    levels = [f"{level:.5g}" for level in best[place][0][:, channel].tolist()]
+    said = f"rows alternate, u{'xyz'[channel]} between {' and '.join(levels)} {unit}"
+    is_certain = clear >= _OF_POSITIONS * len(best)
+    end = "? Keep the rows of one" if is_certain else ", or a vibration in step with them?"
+    return Sources(f"{said}: {_NUMBERS[len(levels)]} sources in one file{end}", is_certain)
+
+
+def _stretches(rows: Floats, sources: int) -> _Parts:
+    each = len(rows) // sources
+    parted = rows[: each * sources].reshape(each, sources, 3)
+    means = parted.mean(axis=0)
+    return means, ((parted - means) ** 2).sum(axis=(0, 1)), each
+
+
+def _ratio(positions: Sequence[_Parts], step: Floats) -> float:
+    """Of the mean squares between and within sources, in the channel where it is largest."""
+    between = [each * means.var(axis=0, ddof=1) for means, _, each in positions]
+    freedom = sum((each - 1) * len(means) for means, _, each in positions)
+    noise = np.maximum(np.sum([squares for _, squares, _ in positions], axis=0) / freedom, (step / 2) ** 2)
+    widest = np.max([np.ptp(means, axis=0) for means, _, _ in positions], axis=0)
+    told = (widest > _STEPS_APART * step) & (noise > 0.0) & (freedom >= _FEWEST_COPIED)
+    return float((np.where(told, np.mean(between, axis=0), 0.0) / np.where(told, noise, 1.0)).max())
+
+
+def _apart(parts: _Parts, step: Floats) -> Floats:
+    """The largest difference between sources (3,), in standard deviations of their noise."""
+    means, squares, each = parts
+    noise = np.sqrt(np.maximum(squares / ((each - 1) * len(means)), (step / 2) ** 2))
+    apart: Floats = np.ptp(means, axis=0) / np.where(noise > 0.0, noise, np.inf)
+    return apart

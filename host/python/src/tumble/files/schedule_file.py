@@ -34,18 +34,15 @@ def read_schedule(file: str, data: bytes | None = None, estimator: str | None = 
     table."""
     if file in BUILT_IN:
         return _built_in(file, estimator)
-    return _solvable(_read(file, data), estimator, file)
+    schedule = _read(file, data)
+    _require_solvable(schedule, estimator, file, tells=True)
+    return schedule
 
 
 @lru_cache
 def _built_in(name: str, estimator: str | None) -> CoreSchedule:
-    return _solvable(CoreSchedule.built_in(name), estimator, name)
-
-
-def _solvable(schedule: CoreSchedule, estimator: str | None, file: str) -> CoreSchedule:
-    require_solvable(schedule, estimator, file)
-    if estimator in HARMONIC:
-        _tell_of_left_out(schedule, estimator, file)
+    schedule = CoreSchedule.built_in(name)
+    _require_solvable(schedule, estimator, name, tells=True)
     return schedule
 
 
@@ -63,24 +60,32 @@ def schedule_of(schedule: Any, estimator: str | None = None) -> CoreSchedule:
         raise BadInput(f"is refused: {refusal}", "schedule") from None
     except (TypeError, ValueError, OverflowError, AttributeError) as error:
         raise BadInput(f"cannot be used: {quoted(error, 80)}", "schedule") from None
-    require_identifying(core_schedule, "schedule")
-    require_solvable(core_schedule, estimator, "schedule")
+    _require_identifying(core_schedule, "schedule")
+    _require_solvable(core_schedule, estimator, "schedule")
     return core_schedule
 
 
-def require_solvable(schedule: CoreSchedule, estimator: str | None, file: str) -> None:
-    """Raise BadInput for a schedule, called `file`, that lacks what an estimator needs."""
+def _require_solvable(schedule: CoreSchedule, estimator: str | None, file: str, tells: bool = False) -> None:
+    """Raise BadInput for a schedule, called `file`, that lacks what an estimator needs; where it `tells`, positions
+    that are not needed are named on stderr."""
     if estimator in HARMONIC:
-        _require_positions(schedule, estimator, file)
+        try:
+            schedule.harmonic()
+        except CoreRefusal:
+            raise BadInput(f"lacks positions that {estimator} needs; least_squares solves any schedule", file) from None
+        if tells:
+            _tell_of_left_out(schedule, estimator, file)
     if estimator == OPTIMAL and (count := len(schedule.data.mountings)) > MAX_YAWS:
         raise BadInput(f"has {count} mountings, optimal takes {MAX_YAWS}; least_squares solves any schedule", file)
 
 
 def _read(file: str, data: bytes | None) -> CoreSchedule:
     if data is None and not os.path.exists(file):
-        raise BadInput(
-            f"no such file or folder, nor a built-in schedule: these are {', '.join(BUILT_IN)}{_meant(file)}", file
-        )
+        import difflib
+
+        close = difflib.get_close_matches(file.lower().replace("-", "_"), BUILT_IN, n=1, cutoff=0.7)
+        meant = f"; is {close[0]} meant?" if close else ""
+        raise BadInput(f"no such file or folder, nor a built-in schedule: these are {', '.join(BUILT_IN)}{meant}", file)
     top = read_toml(file, data)
     if "stand" in top.keys:
         raise BadInput("is a stand file (--stand), not a schedule file", file)
@@ -91,40 +96,22 @@ def _read(file: str, data: bytes | None) -> CoreSchedule:
         core_schedule = CoreSchedule(schedule)
     except CoreRefusal as refusal:
         raise _table_at_fault(refusal, schedule, mountings, positions).refuse(f"is refused: {refusal}") from None
-    require_identifying(core_schedule, file)
-    _tell_of_rotations(schedule, [table.matrix("matrix") for table in mountings], file)
-    return core_schedule
-
-
-def _meant(name: str) -> str:
-    """A question, where a built-in schedule has nearly this name."""
-    import difflib
-
-    close = difflib.get_close_matches(name.lower().replace("-", "_"), BUILT_IN, n=1, cutoff=0.7)
-    return f"; is {close[0]} meant?" if close else ""
-
-
-def require_identifying(schedule: CoreSchedule, file: str) -> None:
-    """Raise BadInput for a schedule, called `file`, that does not identify all coefficients."""
-    try:
-        schedule.identify()
-    except CoreRefusal as refusal:
-        raise BadInput(f"these positions cannot identify {', '.join(refusal.details['unidentified'])}", file) from None
-
-
-def _tell_of_rotations(schedule: Schedule, given: list[tuple[tuple[float, ...], ...]], file: str) -> None:
+    _require_identifying(core_schedule, file)
+    given = [table.matrix("matrix") for table in mountings]
     off = {one.number: np.abs(np.subtract(one.matrix, matrix)).max() for one, matrix in zip(schedule.mountings, given)}
     changed = [number for number, by in off.items() if by > 0.0]
     if changed:
         which = f"matrix of mounting {changed[0]}" if len(changed) == 1 else f"matrices of {len(changed)} mountings"
         tell(f"tumble: notice: {file}: {which} made orthonormal, by {max(off.values()):.1g}")
+    return core_schedule
 
 
-def _require_positions(schedule: CoreSchedule, estimator: str, file: str) -> None:
+def _require_identifying(schedule: CoreSchedule, file: str) -> None:
+    """Raise BadInput for a schedule, called `file`, that does not identify all coefficients."""
     try:
-        schedule.harmonic()
-    except CoreRefusal:
-        raise BadInput(f"lacks positions that {estimator} needs; least_squares solves any schedule", file) from None
+        schedule.identify()
+    except CoreRefusal as refusal:
+        raise BadInput(f"these positions cannot identify {', '.join(refusal.details['unidentified'])}", file) from None
 
 
 def _tell_of_left_out(schedule: CoreSchedule, estimator: str, file: str) -> None:
@@ -192,15 +179,12 @@ def _table_at_fault(refusal: CoreRefusal, schedule: Schedule, mountings: list[Ta
 
 def to_toml(schedule: Schedule) -> str:
     """A schedule file's text, which reads back as the same schedule."""
-    return "\n".join([*map(_mounting_table, schedule.mountings), *map(_position_table, schedule.positions)])
-
-
-def _mounting_table(mounting: Mounting) -> str:
-    rows = ", ".join(f"[{', '.join(map(repr, row))}]" for row in mounting.matrix)
-    tilt = f"axis_tilt_deg = {mounting.tilt_deg!r}\n" if mounting.tilt_deg else ""
-    return f"[[mounting]]\nnumber = {mounting.number}\nmatrix = [{rows}]\n{tilt}"
-
-
-def _position_table(position: Position) -> str:
-    place = f"mounting = {position.mounting}\nposition = {position.number}\n"
-    return f'[[position]]\n{place}angle_deg = {position.angle_deg!r}\nuse = "{position.use}"\n'
+    tables = []
+    for one in schedule.mountings:
+        rows = ", ".join(f"[{', '.join(map(repr, row))}]" for row in one.matrix)
+        tilt = f"axis_tilt_deg = {one.tilt_deg!r}\n" if one.tilt_deg else ""
+        tables.append(f"[[mounting]]\nnumber = {one.number}\nmatrix = [{rows}]\n{tilt}")
+    for place in schedule.positions:
+        numbers = f"mounting = {place.mounting}\nposition = {place.number}\n"
+        tables.append(f'[[position]]\n{numbers}angle_deg = {place.angle_deg!r}\nuse = "{place.use}"\n')
+    return "\n".join(tables)

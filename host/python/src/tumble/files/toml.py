@@ -28,32 +28,24 @@ def read_toml(file: str, data: bytes | None = None) -> Table:
         text = data.decode("utf-8")
     except UnicodeDecodeError as error:
         raise BadInput("not UTF-8 text", file, data.count(b"\n", 0, error.start) + 1) from None
+    if sys.version_info >= (3, 11):
+        from tomllib import loads
+    else:
+        from tomli import loads
     try:
-        values = _loads(text)
+        values = loads(text)
     except ValueError as error:
         if (kind := kind_of(data)) not in (None, TOML):
             raise BadInput(f"is {kind}; TOML is expected, such as a stand or a schedule file", file) from None
         place = _PLACE.search(str(error))
         row, column = place.groups() if place else (text.count("\n") + 1, None)
         message = _PLACE.sub("", str(error)).removesuffix(" (at end of document)")
-        hint = _number_hint(text.split("\n")[min(int(row), text.count("\n") + 1) - 1])
+        line = text.split("\n")[min(int(row), text.count("\n") + 1) - 1]
+        hint = "; a number has a decimal point and no unit" if _NO_NUMBER.match(line) else ""
         raise BadInput(f"not valid TOML: {message.lower()}{hint}", file, int(row), column) from None
     except RecursionError:
         raise BadInput("not valid TOML: nested too deeply", file, 1) from None
     return Table(file, values, (), _rows(text))
-
-
-def _loads(text: str) -> dict[str, Any]:
-    if sys.version_info >= (3, 11):
-        from tomllib import loads
-    else:
-        from tomli import loads
-    return loads(text)
-
-
-def _number_hint(line: str) -> str:
-    """What people write who don't know TOML."""
-    return "; a number has a decimal point and no unit" if _NO_NUMBER.match(line) else ""
 
 
 def _rows(text: str) -> dict[Path, int]:
@@ -170,27 +162,23 @@ class Table:
 
     def matrix(self, key: str) -> tuple[tuple[float, ...], ...]:
         """3 x 3 finite numbers."""
-
-        def is_matrix(value: Any) -> bool:
-            return isinstance(value, list) and len(value) == 3 and all(_is_vector(row, 3) for row in value)
-
-        value = self._get(key, _REQUIRED, "3 rows of 3 numbers", is_matrix)
+        value = self._get(
+            key, _REQUIRED, "3 rows of 3 numbers",
+            lambda v: isinstance(v, list) and len(v) == 3 and all(_is_vector(row, 3) for row in v),
+        )  # fmt: skip
         return tuple(tuple(map(float, row)) for row in value)
 
-    def label(self, key: str) -> str | int | float:
-        """A text, a number or a date (as text): something to be carried along."""
-
-        def is_label(value: Any) -> bool:
-            is_finite = _is_number(value) and math.isfinite(value)
-            return is_finite or isinstance(value, str) or hasattr(value, "isoformat")
-
-        value = self._get(key, _REQUIRED, "a text, a number or a date", is_label)
-        label: str | int | float = value.isoformat() if hasattr(value, "isoformat") else value
-        return label
-
     def labels(self) -> dict[str, str | int | float]:
-        """Every key as a label."""
-        return {key: self.label(key) for key in self._values}
+        """Every key with a text, a number or a date (as text): something to be carried along."""
+        found: dict[str, str | int | float] = {}
+        for key, value in self._values.items():
+            if hasattr(value, "isoformat"):
+                found[key] = value.isoformat()
+            elif isinstance(value, str) or (_is_number(value) and math.isfinite(value)):
+                found[key] = value
+            else:
+                raise self.refuse(f"must be a text, a number or a date, not {quoted(value)}", key)
+        return found
 
     def table(self, key: str) -> Table | None:
         """A table inside this one, or None."""
@@ -199,11 +187,10 @@ class Table:
 
     def tables(self, key: str) -> list[Table]:
         """An array of tables, [[key]], at least one."""
-
-        def is_array(value: Any) -> bool:
-            return isinstance(value, list) and bool(value) and all(isinstance(row, dict) for row in value)
-
-        value = self._get(key, _REQUIRED, f"tables, [[{key}]]", is_array)
+        value = self._get(
+            key, _REQUIRED, f"tables, [[{key}]]",
+            lambda v: isinstance(v, list) and bool(v) and all(isinstance(row, dict) for row in v),
+        )  # fmt: skip
         return [Table(self.file, row, (*self._path, key, index), self._rows) for index, row in enumerate(value)]
 
 

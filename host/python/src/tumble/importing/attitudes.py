@@ -133,8 +133,11 @@ def see(means: Floats, rough: tuple[Floats, Floats], view: View, attitudes: Atti
     nearest, off = _nearest(felt, attitudes, allowed)
     fit = None
     for _ in range(_ROUNDS):
-        fit = fitted(attitudes.forces[nearest[nearest >= 0]], means[nearest >= 0], _weights(off[nearest >= 0]))
-        if fit is None or not _is_view_of(view, fit.k):
+        near = nearest >= 0
+        usual = max(float(np.median(off[near])), 1e-6) if near.any() else 1.0
+        weights = 1.0 / np.sqrt(1.0 + (off[near] / (3.0 * usual)) ** 2)  # far off where others are near counts little
+        fit = fitted(attitudes.forces[nearest[near]], means[near], weights)
+        if fit is None or not is_view_of(view, fit.k):
             return None
         before = nearest
         nearest, off = _nearest(fit.attitudes(means), attitudes, allowed)
@@ -163,20 +166,13 @@ def _design(forces: Floats) -> Floats:
     return np.hstack([forces, np.ones((len(forces), 1))])
 
 
-def _weights(off: Floats) -> Floats:
-    """A rest that is far off where the others are near counts little."""
-    usual = max(float(np.median(off)), 1e-6) if len(off) else 1.0
-    found: Floats = 1.0 / np.sqrt(1.0 + (off / (3.0 * usual)) ** 2)
-    return found
-
-
 def _nearest(felt: Floats, attitudes: Attitudes, allowed: float) -> tuple[Integers, Floats]:
     distances = np.linalg.norm(felt[:, None] - attitudes.forces, axis=-1)
     off = distances.min(axis=1)
     return np.where(off <= allowed, distances.argmin(axis=1), -1), off
 
 
-def _is_view_of(view: View, k: Floats) -> bool:
+def is_view_of(view: View, k: Floats) -> bool:
     """Does each channel feel its own axis most, and that way round?"""
     own = np.array([k[channel, axis] * sign for axis, (channel, sign) in enumerate(zip(view.channels, view.signs))])
     ordered = np.abs(k[list(view.channels)])

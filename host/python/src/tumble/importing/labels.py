@@ -9,35 +9,49 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from tumble.arrays import Flags, Floats, Integers
 from tumble.errors import quoted
 from tumble.importing import attitudes
-from tumble.importing.match import LEFT_OUT, REPEATED, REPEATS, TAKEN, Claims, Doubtful, Matched
-from tumble.importing.order import NONE
-from tumble.importing.rests import Rests
+from tumble.importing.attitudes import View
+from tumble.importing.match import LEFT_OUT, NONE, REPEATED, REPEATS, TAKEN, Claims, Doubtful, Matched
+from tumble.importing.rests import FEWEST_IN_BLOCK, Found, Rests, rests_of
 from tumble.schedule import Schedule
 
 LABELS = ("mounting", "position", "angle", "number")
 _NEAR_DEG = 3.0  # of a set angle, what a table shows may be off
 _ALL = "all"  # key of groups that are numbered through all mountings
 _MOST_NAMES = 6  # of mountings whose numbers nobody says: 720 ways of giving six numbers, half a second
-_CROSS = 0.5  # of a channel's own axis, what it may feel of another
 
 
-def stretches_of(labels: dict[str, list[str]], file_of_row: Integers) -> list[tuple[int, int]]:
-    """Rows in a row with the same labels: the first, and the one behind the last."""
-    rows = list(zip(file_of_row.tolist(), *labels.values()))
+def labelled_rests(
+    texts: dict[str, list[str]], outputs: Floats, file_of_row: Integers, found: Found, interval: float | None
+) -> tuple[Rests, list[str]]:
+    """Of rows with the same labels those that are at rest: with a clock, the longest rest in it; without one, all. And
+    sentences on those that never are. `texts`: of each row, by name in LABELS. Raises Doubtful."""
+    rows = list(zip(file_of_row.tolist(), *texts.values()))
     begins = [0, *(row for row in range(1, len(rows)) if rows[row] != rows[row - 1]), len(rows)]
-    return list(itertools.pairwise(begins))
-
-
-def text_of(labels: dict[str, list[str]], row: int) -> str:
-    """The labels of a row."""
-    return ", ".join(quoted(labels[name][row]) for name in LABELS if name in labels)
+    spans, firsts, lost = [], [], []
+    for first, last in itertools.pairwise(begins):  # the rows between have the same labels
+        starts, stops = np.maximum(found.rests.begin, first), np.minimum(found.rests.end, last)
+        inside = np.flatnonzero(stops - starts >= FEWEST_IN_BLOCK)
+        if interval is None or last - first < 4 * found.block:
+            spans.append((first, last))
+        elif len(inside):
+            longest = inside[(stops - starts)[inside].argmax()]
+            spans.append((int(starts[longest]), int(stops[longest])))
+        else:
+            labels = ", ".join(quoted(texts[name][first]) for name in LABELS if name in texts)
+            lost.append(f"rows labelled {labels} are never at rest: left out")
+            continue
+        firsts.append(first)
+    if not spans:
+        raise Doubtful("no group of rows with the same labels is at rest: see --still, --drift, --min-rest")
+    own = {name: [column[row] for row in firsts] for name, column in texts.items()}
+    return replace(rests_of(outputs, spans, found.block, found.rounding), file=file_of_row[firsts], labels=own), lost
 
 
 @dataclass(frozen=True)
@@ -66,10 +80,6 @@ def match(rests: Rests, schedule: Schedule, claims: Claims, named: dict[str, int
     off = np.linalg.norm(felt[:, None] - attitudes.attitudes_of(schedule).forces, axis=-1).min(axis=1)
     off[kept] = way.off
     spread = float(np.sqrt((way.off[way.taken] ** 2).mean()))
-    return Matched(positions, tuple(states.tolist()), off, spread, way.fit, _notes(way, schedule, claims))
-
-
-def _notes(way: _Way, schedule: Schedule, claims: Claims) -> tuple[str, ...]:
     notes = [f"positions: by the labels of the rows, which gravity confirms; mountings {_told(way.numbers)}"]
     present = set(way.positions.tolist())
     missing = [place.label for index, place in enumerate(schedule.positions) if index not in present]
@@ -80,7 +90,7 @@ def _notes(way: _Way, schedule: Schedule, claims: Claims) -> tuple[str, ...]:
     elif again:
         choice = f"--repeats {'|'.join(REPEATS)} takes one"
         notes.append(f"positions that come more than once, {', '.join(again)}: all their rests are taken; {choice}")
-    return tuple(notes)
+    return Matched(positions, tuple(states.tolist()), off, spread, way.fit, tuple(notes))
 
 
 @dataclass(frozen=True)
@@ -97,20 +107,14 @@ class _Labelled:
         labels = self.rests.labels
         rows = [dict(zip(labels, texts)) for texts in zip(*labels.values())]
         positions = np.array([_position(row, mountings[key], self.schedule) for row, key in zip(rows, keys)])
-        taken = self._taken(positions)
-        return _Way(mountings, positions, taken, *self._held_against_gravity(positions, taken))
-
-    def _taken(self, positions: Integers) -> Flags:
-        """All, or of those at one position the visit that the user chooses."""
         taken = np.ones(len(positions), dtype=bool)
-        if self.claims.repeats is None:
-            return taken
-        for visits in _visits(positions).values():
-            samples = [int(self.rests.samples[visit].sum()) for visit in visits]
-            choices = {"first": 0, "last": len(visits) - 1, "longest": int(np.argmax(samples))}
-            taken[list(itertools.chain(*visits))] = False
-            taken[visits[choices[self.claims.repeats]]] = True
-        return taken
+        if self.claims.repeats is not None:  # of those at one position the visit that the user chooses
+            for visits in _visits(positions).values():
+                samples = [int(self.rests.samples[visit].sum()) for visit in visits]
+                choices = {"first": 0, "last": len(visits) - 1, "longest": int(np.argmax(samples))}
+                taken[list(itertools.chain(*visits))] = False
+                taken[visits[choices[self.claims.repeats]]] = True
+        return _Way(mountings, positions, taken, *self._held_against_gravity(positions, taken))
 
     def _held_against_gravity(self, positions: Integers, taken: Flags) -> tuple[Floats, attitudes.Fit]:
         """How far off its position each rest is, rad. Raises Doubtful where labels and gravity disagree."""
@@ -122,10 +126,8 @@ class _Labelled:
                 f"{len(set(positions[taken].tolist()))} positions do not show scale and bias of every channel: give "
                 "the recordings of all mountings together"
             )
-        signs = self.claims.signs or tuple(1 if own >= 0 else -1 for own in np.diag(fit.k))
-        own = np.diag(fit.k) * np.array(signs)
-        cross = np.abs(fit.k - np.diag(np.diag(fit.k))).max(axis=1)
-        if not (own > 0.0).all() or not (cross <= _CROSS * own).all():
+        x, y, z = (1 if own >= 0 else -1 for own in np.diag(fit.k))
+        if not attitudes.is_view_of(View(signs=self.claims.signs or (x, y, z)), fit.k):
             raise Doubtful(
                 "as the rows are labelled, channels feel other axes than their own, or with other signs than told: are "
                 "mountings or positions exchanged, or columns (--columns ux=...)? "
@@ -150,7 +152,7 @@ def _visits(positions: Integers) -> dict[int, list[list[int]]]:
     return found
 
 
-def require_names(named: dict[str, int], there: Sequence[str], schedule: Schedule) -> None:
+def _require_names(named: dict[str, int], there: Sequence[str], schedule: Schedule) -> None:
     """Raise Doubtful where the user names a mounting that the rows do not, or gives one a number that is not there.
     `there`: the names of the rows, empty where they have none."""
     numbers = [mounting.number for mounting in schedule.mountings]
@@ -165,10 +167,33 @@ def require_names(named: dict[str, int], there: Sequence[str], schedule: Schedul
             raise Doubtful(f"--mountings: the schedule has no mounting {number}; it has {known}")
 
 
+def require_one_name_a_mounting(
+    texts: Sequence[str], rests: Rests, matched: Matched, schedule: Schedule, told: dict[str, int]
+) -> None:
+    """A column of mountings beside a continuous recording, `texts` by row: a name for each mounting, the one that is
+    `told`; empty: there is none. Raises Doubtful."""
+    _require_names(told, list(dict.fromkeys(texts)), schedule)
+    known: dict[str, tuple[int, int]] = {}
+    middles = (rests.begin + rests.end) // 2
+    for number, (middle, position) in enumerate(zip(middles, matched.positions), 1):
+        if position == NONE or not texts:
+            continue
+        mounting = schedule.positions[position].mounting
+        name = texts[middle]
+        if told.get(name, mounting) != mounting:
+            raise Doubtful(f"rest {number} is in mounting {mounting}, but --mountings says {name!r} is {told[name]}")
+        first, other = known.setdefault(name, (mounting, number))
+        if first != mounting:
+            raise Doubtful(
+                f"the rows of mounting {name!r} are mounting {first} at rest {other} and {mounting} at rest {number}: "
+                f"--leave-out {number} or {other}, or leave out that column (--columns mounting=...)"
+            )
+
+
 def _only_way(given: _Labelled, named: dict[str, int]) -> _Way:
     """The numbers of mountings that labels and gravity agree on. Raises Doubtful."""
     keys = _mounting_keys(given.rests, given.schedule)
-    require_names(named, [key for key in dict.fromkeys(keys) if key != _ALL], given.schedule)
+    _require_names(named, [key for key in dict.fromkeys(keys) if key != _ALL], given.schedule)
     found, faults = [], []
     for numbers in _ways(list(dict.fromkeys(keys)), given.schedule, named):
         try:
@@ -242,7 +267,14 @@ def _position(labels: dict[str, str], mounting: int, schedule: Schedule) -> int:
     """Index of the position of a rest with these labels. Raises Doubtful."""
     position, number = labels.get("position"), labels.get("number")
     if mounting == 0 or (position is None and number is not None):
-        return _running(position if number is None else number, schedule)
+        text = position if number is None else number
+        value = _value(text)
+        if value is None or value != int(value) or not 1 <= value <= len(schedule.positions):
+            raise Doubtful(
+                f"{quoted(text)} is no running number of the schedule's {len(schedule.positions)} positions, from 1; "
+                "another schedule? (--schedule)"
+            )
+        return int(value) - 1
     inside = [index for index, place in enumerate(schedule.positions) if place.mounting == mounting]
     if position is not None:
         value = _value(position)
@@ -258,13 +290,3 @@ def _position(labels: dict[str, str], mounting: int, schedule: Schedule) -> int:
     if not found:
         raise Doubtful(f"the schedule has no {what} in mounting {mounting}; another one? (--schedule)")
     return found[0]
-
-
-def _running(text: str | None, schedule: Schedule) -> int:
-    value = _value(text)
-    if value is None or value != int(value) or not 1 <= value <= len(schedule.positions):
-        raise Doubtful(
-            f"{quoted(text)} is no running number of the schedule's {len(schedule.positions)} positions, from 1; "
-            "another schedule? (--schedule)"
-        )
-    return int(value) - 1

@@ -1,41 +1,44 @@
-"""What a recording may be: views of its rests in one order or another, and which of them fits.
+"""Which rest is which position: what a recording may be, and what of it is certain.
 
 A hypothesis is a view (signs, channels) and an order. The one that is claimed, by the user or by what is assumed where
 he says nothing, is held against the others: with any other signs, with channels exchanged, in any order. Of each all
 twelve coefficients are fitted; what counts is how many positions it finds, then how far off the rests are. The claimed
 one is taken only if no other finds more, nor, among those that nobody has ruled out, as many.
 
-Rests matched to the positions of a schedule, one by one, once it is known which hypothesis they fit.
+Of the hypothesis that is taken, a rest that is off, by F over what the others leave, is left out where another rest is
+at its position; where none is, the recording is refused. So is one with several rests at a position, unless the user
+says which to take. Two that differ by no more than noise, with nothing between them, are one rest that was interrupted.
 
-A rest that is off, by F over what the others leave, is left out where another rest is at its position; where none is,
-the recording is refused. So is one with several rests at a position, unless the user says which to take. Two that
-differ by no more than noise, with nothing between them, are one rest that was interrupted.
+In the schedule's order, rests have positions by the longest way through both that goes forward in both. In any order:
+the mountings one after another with as few changes as can be, and positions of one attitude and mounting told apart by
+the shortest way of the table. A rest that another assignment, as good, would call otherwise is in doubt.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from tumble.arrays import Flags, Floats, Integers
 from tumble.distributions import f_quantile
 from tumble.errors import UsageError
-from tumble.importing import attitudes, order
+from tumble.importing import attitudes
 from tumble.importing.attitudes import AXES, STRAIGHT, Attitudes, Fit, Seen, Signs, View
-from tumble.importing.order import ANY, NONE, SCHEDULE, Assigned
 from tumble.importing.rests import Rests
 from tumble.schedule import Schedule
 
+SCHEDULE, ANY = "schedule", "any"
+NONE = -1
 POSITIVE: Signs = (1, 1, 1)
 REPEATS = ("first", "last", "longest")
 _CLEARLY_WORSE = 3.0  # times as far off
 _FEWEST = 5  # positions: K and U0 take four
 _MOST_LISTED = 3
-
-
 _CHANCE = 1e-6  # that an honest rest is called off
 _CHANCE_SPARE = 1e-4  # the same of one whose position another rest has
 _AGREE = 5.0  # standard errors: two rests closer than this are one, twice interrupted
@@ -83,7 +86,22 @@ class Claims:
 
 
 @dataclass(frozen=True)
-class Hypothesis:
+class Assigned:
+    """`positions` (rests,): index in the schedule, NONE where the rest is none; `doubts`: by rest, the positions that
+    it could be as well; `alike`: positions of one attitude in one mounting, which order alone tells apart."""
+
+    positions: Integers
+    doubts: dict[int, tuple[int, ...]] = field(default_factory=dict)
+    alike: tuple[tuple[int, ...], ...] = ()
+
+    @property
+    def matched(self) -> int:
+        """How many positions have a rest."""
+        return len(set(self.positions.tolist()) - {NONE})
+
+
+@dataclass(frozen=True)
+class _Hypothesis:
     order: str
     seen: Seen
     assigned: Assigned
@@ -117,39 +135,32 @@ class _Matcher:
         self._tolerance = min(claims.tolerance, 0.4 * self._attitudes.apart)
         self._signs = POSITIVE if claims.signs is None else claims.signs
 
-    def claimed(self) -> Hypothesis:
-        """The one that is claimed, if it fits and nothing else does as well. Raises Doubtful."""
+    def claimed(self) -> _Hypothesis:
+        """The one that is claimed, if it fits and nothing else does better, or as well. Raises Doubtful."""
         rough = attitudes.scale_and_bias(self._rests.means[self._used])
         if rough is None:
-            raise Doubtful(self._too_few())
+            raise Doubtful(
+                f"{int(self._used.sum())} rests do not show scale and bias of every channel: give the recordings of "
+                "all mountings together, or see whether --still, --drift or --min-rest hide some"
+            )
         self._rough = rough
         own = self._hypothesis(View(signs=self._signs), self._claims.order)
-        self._require_no_other(own)
-        assert own is not None
-        return own
-
-    def _hypothesis(self, view: View, in_order: str) -> Hypothesis | None:
-        seen = attitudes.see(self._rests.means[self._used], self._rough, view, self._attitudes, self._tolerance)
-        if seen is None:
-            return None
-        nearest, off = np.full(len(self._used), NONE), np.full(len(self._used), np.inf)
-        nearest[self._used], off[self._used] = seen.nearest, seen.off
-        seen = replace(seen, nearest=nearest, off=off)
-        return Hypothesis(in_order, seen, self._assign(in_order, nearest, off))
-
-    def _assign(self, in_order: str, nearest: Integers, off: Floats) -> Assigned:
-        nearness = np.clip(1.0 - off / self._tolerance, 0.0, 1.0)
-        return order.assign(in_order, nearest, nearness, self._attitudes.of_position, self._schedule)
-
-    def _require_no_other(self, own: Hypothesis | None) -> None:
-        """Raises Doubtful where another hypothesis explains the rests better, or as well."""
-        found = 0 if own is None else own.matched
-        others = self._others()
+        found, others = 0 if own is None else own.matched, self._others()
         better = [other for other in others if other.matched > max(found, _FEWEST - 1)]
         if better:
-            raise Doubtful(self._not_as_claimed(own, better))
+            most = max(other.matched for other in better)
+            best = [other for other in better if other.matched == most]
+            claimed = self._described(View(signs=self._signs), self._claims.order)
+            raise Doubtful(
+                f"{claimed}, {found} of {len(self._schedule.positions)} positions are found; {most}"
+                f"{' either way' if len(best) > 1 else ''}: {self._listed(best)}; choose by these options"
+            )
         if own is None or found < _FEWEST:
-            raise Doubtful(self._nothing_fits(own))
+            raise Doubtful(
+                f"of {int(self._used.sum())} rests {'none' if own is None else found} fit the positions of this "
+                "schedule; another one? (--schedule; poses of your own: a schedule file)"
+            )
+        noise = float(np.median(np.linalg.norm(np.linalg.solve(own.seen.fit.k, self._rests.errors.T), axis=0)))  # rad
         rivals = [
             other
             for other in others
@@ -158,13 +169,27 @@ class _Matcher:
             and other.seen.view.channels == STRAIGHT
             and other.seen.view != own.seen.view
             and self._claims.signs is None
-            and other.off <= _CLEARLY_WORSE * own.off + self._noise(own)
+            and other.off <= _CLEARLY_WORSE * own.off + noise
         ]
         if rivals:
             both = self._listed([own, *rivals])
             raise Doubtful(f"fits {1 + len(rivals)} ways: {both}; say the signs of K (--signs, or --stand FILE)")
+        return own
 
-    def _others(self) -> list[Hypothesis]:
+    def _hypothesis(self, view: View, in_order: str) -> _Hypothesis | None:
+        seen = attitudes.see(self._rests.means[self._used], self._rough, view, self._attitudes, self._tolerance)
+        if seen is None:
+            return None
+        nearest, off = np.full(len(self._used), NONE), np.full(len(self._used), np.inf)
+        nearest[self._used], off[self._used] = seen.nearest, seen.off
+        seen = replace(seen, nearest=nearest, off=off)
+        return _Hypothesis(in_order, seen, self._assign(in_order, nearest, off))
+
+    def _assign(self, in_order: str, nearest: Integers, off: Floats) -> Assigned:
+        nearness = np.clip(1.0 - off / self._tolerance, 0.0, 1.0)
+        return assign(in_order, nearest, nearness, self._attitudes.of_position, self._schedule)
+
+    def _others(self) -> list[_Hypothesis]:
         """Which the claimed one is held against: the schedule's order in every view and any order in the claimed one;
         where that is any order, other signs."""
         own = View(signs=self._signs)
@@ -174,10 +199,6 @@ class _Matcher:
             tried = [(view, ANY) for view in attitudes.views(self._claims.signs, channels=False) if view != own]
         return [one for view, way in tried if (one := self._hypothesis(view, way)) is not None]
 
-    def _noise(self, own: Hypothesis) -> float:
-        """Of the mean of a rest, rad."""
-        return float(np.median(np.linalg.norm(np.linalg.solve(own.seen.fit.k, self._rests.errors.T), axis=0)))
-
     def _label(self, position: int) -> str:
         return self._schedule.positions[position].label
 
@@ -185,20 +206,7 @@ class _Matcher:
         found: Floats = self._attitudes.forces[self._attitudes.of_position[np.asarray(positions, dtype=int)]]
         return found
 
-    # Words.
-
-    def _not_as_claimed(self, own: Hypothesis | None, better: list[Hypothesis]) -> str:
-        most = max(other.matched for other in better)
-        best = [other for other in better if other.matched == most]
-        found = 0 if own is None else own.matched
-        claimed = self._described(View(signs=self._signs), self._claims.order)
-        return (
-            f"{claimed}, {found} of {len(self._schedule.positions)} positions are found; "
-            f"{most} {'either way' if len(best) > 1 else ''}: ".replace(" :", ":")
-            + f"{self._listed(best)}; choose by these options"
-        )
-
-    def _listed(self, fits: Sequence[Hypothesis]) -> str:
+    def _listed(self, fits: Sequence[_Hypothesis]) -> str:
         told = [
             f"({number}) {self._described(one.seen.view, one.order)} ({self._option(one)})"
             for number, one in enumerate(fits[:_MOST_LISTED], 1)
@@ -213,7 +221,7 @@ class _Matcher:
         negative = [axis for axis, sign in zip(AXES, view.signs) if sign < 0]
         return f"{way}{channels}, K {'negative in ' + ', '.join(negative) if negative else 'positive'}"
 
-    def _option(self, one: Hypothesis) -> str:
+    def _option(self, one: _Hypothesis) -> str:
         options = []
         if one.seen.view.channels != STRAIGHT:
             names = (f"u{axis}=<that of u{AXES[channel]}>" for axis, channel in zip(AXES, one.seen.view.channels))
@@ -224,22 +232,7 @@ class _Matcher:
             options.append(f"--order {one.order}")
         return " ".join(options) or "as claimed"
 
-    def _nothing_fits(self, own: Hypothesis | None) -> str:
-        found = "none" if own is None else str(own.matched)
-        return (
-            f"of {int(self._used.sum())} rests {found} fit the positions of this schedule; another one? (--schedule; "
-            "poses of your own: a schedule file)"
-        )
-
-    def _too_few(self) -> str:
-        return (
-            f"{int(self._used.sum())} rests do not show scale and bias of every channel: give the recordings of all "
-            "mountings together, or see whether --still, --drift or --min-rest hide some"
-        )
-
-    # Every rest of the hypothesis that is taken.
-
-    def judge(self, own: Hypothesis) -> Matched:
+    def judge(self, own: _Hypothesis) -> Matched:
         """Every rest of the hypothesis that is taken. Raises Doubtful."""
         excluded: dict[int, int] = {}  # rests that are off, and the position that each would have had
         nearest, assigned = own.seen.nearest.copy(), own.assigned
@@ -251,7 +244,9 @@ class _Matcher:
             excluded[far] = int(assigned.positions[far])
             nearest[far] = NONE
             assigned = self._assign(own.order, nearest, own.seen.off)
-        self._require_certain(assigned)
+        for rest, could_be in assigned.doubts.items():
+            labels = " or ".join(map(self._label, could_be))
+            raise Doubtful(f"rest {rest + 1} could be {labels}: --leave-out {rest + 1} goes on without it")
         self._require_filled(excluded, assigned, fit)
         return self._finish(assigned, excluded, fit, spread, freedom)
 
@@ -336,40 +331,39 @@ class _Matcher:
         for rest, state in enumerate(states):
             if state == REPEATED:
                 groups.setdefault(self._position_beside(rest, int(nearest[rest]), positions), []).append(rest)
-        if groups and self._claims.repeats is None:
-            raise Doubtful(self._repeated(groups, positions))
+        repeats = self._claims.repeats
+        if groups and repeats is None:
+            position, spare = next(iter(groups.items()))
+            held = np.flatnonzero(positions == position).tolist() if position != NONE else []
+            numbers = " and ".join(str(rest + 1) for rest in sorted([*held, *spare]))
+            all_spare = ",".join(str(rest + 1) for group in groups.values() for rest in group)
+            where = self._label(position) if position != NONE else "one position"
+            raise Doubtful(
+                f"rests {numbers} are all at {where}: --repeats {'|'.join(REPEATS)} takes one, "
+                f"--leave-out {all_spare} goes on without the later ones"
+            )
         for position, spare in groups.items():
             if position == NONE:
                 continue
             held = [rest for rest in np.flatnonzero(positions == position).tolist() if states[rest] in (TAKEN, JOINED)]
-            if self._claims.order == SCHEDULE and not self._is_one_stretch([*held, *spare], positions, position):
+            all_of_them = [*held, *spare]
+            between = set(positions[min(all_of_them) : max(all_of_them) + 1].tolist())
+            if self._claims.order == SCHEDULE and not between <= {NONE, position}:
                 continue  # another position comes between: out of order, so the repeat is the one to leave
-            choice = self._choice([*held, *spare])
-            if choice in held and self._claims.repeats != "last":
+            if repeats == "longest":
+                choice = max(all_of_them, key=lambda rest: self._rests.samples[rest])
+            else:
+                choice = max(all_of_them) if repeats == "last" else min(all_of_them)
+            if choice in held and repeats != "last":
                 continue
             for rest in held:
                 positions[rest], states[rest] = NONE, REPEATED
             positions[choice], states[choice] = position, TAKEN
 
-    def _choice(self, rests: list[int]) -> int:
-        keys = {"first": lambda r: -r, "last": lambda r: r, "longest": lambda r: self._rests.samples[r]}
-        return max(rests, key=keys[self._claims.repeats or "first"])
-
     def _position_beside(self, rest: int, attitude: int, positions: Integers) -> int:
         """Of the positions of an attitude the one whose rest is nearest in time."""
         held = [r for r, p in enumerate(positions) if p != NONE and self._attitudes.of_position[p] == attitude]
         return int(positions[min(held, key=lambda other: abs(other - rest))]) if held else NONE
-
-    def _is_one_stretch(self, rests: list[int], positions: Integers, position: int) -> bool:
-        between = positions[min(rests) : max(rests) + 1]
-        return set(between.tolist()) <= {NONE, position}
-
-    # What must not be in doubt.
-
-    def _require_certain(self, assigned: Assigned) -> None:
-        for rest, could_be in assigned.doubts.items():
-            labels = " or ".join(self._schedule.positions[position].label for position in could_be)
-            raise Doubtful(f"rest {rest + 1} could be {labels}: --leave-out {rest + 1} goes on without it")
 
     def _require_filled(self, excluded: dict[int, int], assigned: Assigned, fit: Fit) -> None:
         """A rest that is off is named and left out where another is at its position; else it is in doubt."""
@@ -384,8 +378,6 @@ class _Matcher:
                 f"far more than the others are off theirs: --take {many} takes it, --leave-out {many} goes on without"
             )
 
-    # Words.
-
     def _notes(self, assigned: Assigned, positions: Integers, states: list[str]) -> tuple[str, ...]:
         notes = []
         if self._claims.signs is None:
@@ -395,7 +387,11 @@ class _Matcher:
             notes.append(f"signs of K in x, y, z: {told}, as told")
         if self._claims.order == ANY:
             run = [position for position in positions.tolist() if position != NONE]
-            notes.append("order: any; measured in " + self._told_order(run))
+            places = list(dict.fromkeys(run))
+            way = "the order " + " ".join(map(self._label, places))
+            if places in (sorted(places), sorted(places, reverse=True)):
+                way = "the schedule's order" + ("" if places == sorted(places) else " reversed")
+            notes.append(f"order: any; measured in {way}")
         else:
             notes.append("order: the schedule's")
         for alike in assigned.alike:
@@ -408,24 +404,112 @@ class _Matcher:
             notes.append(f"positions that come more than once: the {self._claims.repeats} rest is taken")
         return tuple(notes)
 
-    def _told_order(self, run: list[int]) -> str:
-        places = list(dict.fromkeys(run))
-        if places == sorted(places):
-            return "the schedule's order"
-        if places == sorted(places, reverse=True):
-            return "the schedule's order reversed"
-        return "the order " + " ".join(map(self._label, places))
-
-    def _repeated(self, groups: dict[int, list[int]], positions: Integers) -> str:
-        position, spare = next(iter(groups.items()))
-        held = np.flatnonzero(positions == position).tolist() if position != NONE else []
-        numbers = " and ".join(str(rest + 1) for rest in sorted([*held, *spare]))
-        all_spare = ",".join(str(rest + 1) for group in groups.values() for rest in group)
-        where = self._label(position) if position != NONE else "one position"
-        return (
-            f"rests {numbers} are all at {where}: --repeats {'|'.join(REPEATS)} takes one, "
-            f"--leave-out {all_spare} goes on without the later ones"
-        )
-
     def _is_among(self, numbers: frozenset[int]) -> Flags:
         return np.array([rest + 1 in numbers for rest in range(len(self._rests))], dtype=bool)
+
+
+# Positions in an order.
+
+_NEARER = 0.25  # part of a match that nearness is worth, so that it never outweighs one
+_MOST_OPEN = 10  # rests whose mounting is open: more are not tried
+
+
+def assign(order: str, nearest: Integers, nearness: Floats, of_position: Integers, schedule: Schedule) -> Assigned:
+    """`nearest` (rests,): attitude of each rest, NONE: of no position; `nearness` (rests,), 0 to 1; `of_position`:
+    attitude of each position."""
+    if order == SCHEDULE:
+        return _in_order(nearest, nearness, of_position)
+    return _in_any_order(nearest, of_position, schedule)
+
+
+def _in_order(nearest: Integers, nearness: Floats, of_position: Integers) -> Assigned:
+    rests, positions = len(nearest), len(of_position)
+    worth = np.where(nearest[:, None] == of_position, 1.0 + _NEARER * nearness[:, None] / max(rests, 1), 0.0)
+    ahead, behind = _best_ways(worth), _best_ways(worth[::-1, ::-1])[::-1, ::-1]
+    found, doubts = np.full(rests, NONE), {}
+    best = ahead[rests, positions]
+    rest, position = rests, positions
+    while rest and position:
+        if worth[rest - 1, position - 1] > 0 and np.isclose(
+            ahead[rest, position], ahead[rest - 1, position - 1] + worth[rest - 1, position - 1]
+        ):
+            rest, position = rest - 1, position - 1
+            found[rest] = position
+        elif np.isclose(ahead[rest, position], ahead[rest - 1, position]):
+            rest -= 1
+        else:
+            position -= 1
+    for rest in np.flatnonzero(found != NONE).tolist():
+        through = ahead[rest, :-1] + worth[rest] + behind[rest + 1, 1:]
+        others = np.flatnonzero((worth[rest] > 0) & (through > best - 0.5))
+        if len(others) > 1:
+            doubts[rest] = tuple(map(int, others))
+    return Assigned(found, doubts)
+
+
+def _best_ways(worth: Floats) -> Floats:
+    """Best sum over the first r rests and p positions, both in order: (rests + 1, positions + 1)."""
+    best = np.zeros((worth.shape[0] + 1, worth.shape[1] + 1))
+    for rest, row in enumerate(worth):
+        taken = np.maximum(best[rest, 1:], np.where(row > 0, best[rest, :-1] + row, 0.0))
+        best[rest + 1, 1:] = np.maximum.accumulate(taken)
+    return best
+
+
+def _in_any_order(nearest: Integers, of_position: Integers, schedule: Schedule) -> Assigned:
+    by_attitude: list[dict[int, list[int]]] = [{} for _ in range(int(of_position.max()) + 1)]  # by mounting: positions
+    for index, position in enumerate(schedule.positions):
+        by_attitude[of_position[index]].setdefault(position.mounting, []).append(index)
+    used = [rest for rest, attitude in enumerate(nearest.tolist()) if attitude != NONE]
+    open_to = {rest: sorted(by_attitude[int(nearest[rest])]) for rest in used}
+    chosen, doubtful = _mountings(used, open_to, nearest, by_attitude)
+    found = np.full(len(nearest), NONE)
+    groups: dict[tuple[int, int], list[int]] = {}
+    for rest in used:
+        groups.setdefault((chosen[rest], int(nearest[rest])), []).append(rest)
+    for (mounting, attitude), here in groups.items():
+        places = by_attitude[attitude][mounting]
+        found[here[: len(places)]] = places[: len(here)]
+    alike = []
+    for (mounting, attitude), here in groups.items():
+        if len(places := by_attitude[attitude][mounting]) > 1:
+            alike.append(tuple(places))
+            _tell_apart(here, places, [rest for rest in used if chosen[rest] == mounting], found, schedule)
+    doubts = {rest: tuple(by_attitude[int(nearest[rest])][m][0] for m in open_to[rest]) for rest in doubtful}
+    return Assigned(found, doubts, tuple(sorted(alike)))
+
+
+def _mountings(
+    used: list[int], open_to: dict[int, list[int]], nearest: Integers, by_attitude: list[dict[int, list[int]]]
+) -> tuple[dict[int, int], set[int]]:
+    """The mounting of each rest, and the rests for which another would do as well: most positions found, then fewest
+    changes of mounting."""
+    open_rests = [rest for rest in used if len(open_to[rest]) > 1]
+    if len(open_rests) > _MOST_OPEN:
+        return {rest: open_to[rest][0] for rest in used}, set(open_rests)
+    ranked = []
+    for choice in itertools.product(*(open_to[rest] for rest in open_rests)):
+        mounting = {rest: open_to[rest][0] for rest in used} | dict(zip(open_rests, choice))
+        changes = sum(mounting[one] != mounting[other] for one, other in itertools.pairwise(used))
+        counts = Counter((int(nearest[rest]), number) for rest, number in mounting.items())
+        found = sum(min(count, len(by_attitude[attitude][number])) for (attitude, number), count in counts.items())
+        ranked.append((-found, changes, choice))
+    ranked.sort()
+    best = [choice for *rank, choice in ranked if rank == [*ranked[0][:2]]]
+    doubtful = {rest for place, rest in enumerate(open_rests) if len({choice[place] for choice in best}) > 1}
+    return {rest: open_to[rest][0] for rest in used} | dict(zip(open_rests, best[0])), doubtful
+
+
+def _tell_apart(here: list[int], places: list[int], block: list[int], found: Integers, schedule: Schedule) -> None:
+    """Of positions that share an attitude: those that make the table's way the shortest, else in order of time."""
+    count = min(len(here), len(places))
+    if count == 0 or len(places) > 4:
+        return
+
+    def way(choice: Iterable[int]) -> float:
+        tried = found.copy()
+        tried[here[:count]] = list(choice)
+        angles = [schedule.positions[tried[rest]].angle_deg for rest in block if tried[rest] != NONE]
+        return float(np.abs(np.diff(angles)).sum())
+
+    found[here[:count]] = min(itertools.permutations(places, count), key=way)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -10,23 +9,21 @@ from functools import cached_property
 import numpy as np
 
 from tumble.arrays import Floats, Integers
+from tumble.defaults import DEFAULT_SCHEDULE
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.files import run_rows
 from tumble.files.run_file import smallest_step
 from tumble.files.run_layout import NO_WISHES, Wishes
 from tumble.importing import labels, match, recording
+from tumble.importing.attitudes import scale_and_bias
 from tumble.importing.can_bus import NO_BUS, Bus
-from tumble.importing.clock import CONTRADICTED
-from tumble.importing.match import JOINED, POSITIVE, REPEATED, TAKEN, Claims, Doubtful, Matched
-from tumble.importing.order import ANY, NONE
-from tumble.importing.recording import Recording, Timing
-from tumble.importing.rests import Found, Rests, Thresholds, find_rests, rests_of
+from tumble.importing.match import ANY, JOINED, NONE, POSITIVE, REPEATED, TAKEN, Claims, Doubtful, Matched
+from tumble.importing.recording import CONTRADICTED, Recording, Timing
+from tumble.importing.rests import Found, Rests, Thresholds, find_rests
 from tumble.model.geometry import built_in
 from tumble.schedule import BUILT_IN, Schedule
 from tumble.units import looks_like
 
-DEFAULT_SCHEDULE = "paper"
-_FEWEST_ROWS_IN_BLOCK = 4
 _SHORTEST_S, _LONGEST_S = 1.5, 900.0  # of the usual rest: nobody's hand or table is quicker, or so patient
 _FEWEST_RESTS = 6  # of a recording that is of any use
 _EXPLAINED = 0.8  # of the rests, by a schedule that is to be advised
@@ -86,10 +83,6 @@ class Imported:
         ]
         return None if all(one.temperature is None for one in self.recordings) else np.concatenate(parts)
 
-    def sha256(self) -> list[str]:
-        """Of each file's bytes."""
-        return [hashlib.sha256(one.data).hexdigest() for one in self.recordings]
-
     def line(self, row: int) -> int:
         """The number of a row's line in its file."""
         before = sum(len(one.outputs) for one in self.recordings[: self.file_of_row[row]])
@@ -99,18 +92,21 @@ class Imported:
 def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settings) -> Imported:
     """All of it. Raises BadInput and UsageError."""
     recordings = [recording.read(file, settings.wishes, settings.timing, settings.bus) for file in files]
-    recording.require_alike(recordings)
+    if len(units := {one.unit for one in recordings}) > 1:
+        raise UsageError(
+            f"recordings in different units, {', '.join(sorted(units))}: --unit says which, or import each"
+        )
     outputs = np.concatenate([one.outputs for one in recordings])
     lengths = [len(one.outputs) for one in recordings]
     file_of_row = np.repeat(np.arange(len(files)), lengths)
     seconds, interval, gaps = _joined_clocks(recordings)
     found = find_rests(outputs, gaps, interval, settings.thresholds)
-    same_block = _same_block(recordings, outputs, file_of_row, found)
     texts, same = _telling(recordings, schedule, settings.mountings)
     labelled, rests = bool(texts.keys() - {"mounting"}), found.rests
     try:
+        same_block = _same_block(recordings, outputs, file_of_row, found)
         if labelled:
-            rests, lost = _labelled_rests(texts, outputs, file_of_row, found, interval)
+            rests, lost = labels.labelled_rests(texts, outputs, file_of_row, found, interval)
             settings.claims.require_rests(len(rests))
             matched = labels.match(rests, schedule, settings.claims, settings.mountings)
             matched = replace(matched, notes=(*matched.notes, *lost))
@@ -118,17 +114,20 @@ def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settin
             settings.claims.require_rests(len(rests))
             matched = _matched(rests, schedule, settings)
             names = texts.get("mounting", [])
-            _require_one_name_a_mounting(names, rests, matched, schedule, settings.mountings)
-    except Doubtful as doubt:
-        raise BadInput(f"{doubt}{_is_rate_right(recordings, rests, settings.timing.rate_hz)}", files[0]) from None
-    notes = (
-        _notes(recordings, settings, found, interval, labelled)
-        + _about_unit(recordings, matched)
-        + _about_rate(settings.timing.rate_hz, rests, matched)
-        + same
-        + same_block
-        + list(matched.notes)
-    )
+            labels.require_one_name_a_mounting(names, rests, matched, schedule, settings.mountings)
+    except (BadInput, Doubtful) as doubt:
+        hint = _is_rate_right(recordings, rests, settings.timing.rate_hz)
+        refusal = doubt if isinstance(doubt, BadInput) else BadInput(f"{doubt}{hint}", files[0])
+        refusal.assumed = _assumed(recordings, settings, found, interval, texts)
+        raise refusal from None
+    notes = [
+        *_notes(recordings, settings, interval, labelled),
+        *_about_unit(recordings, matched),
+        *_about_rate(settings.timing.rate_hz, rests, matched),
+        *same,
+        *same_block,
+        *matched.notes,
+    ]
     return Imported(
         recordings=tuple(recordings),
         settings=settings,
@@ -152,14 +151,14 @@ def _same_block(recordings: Sequence[Recording], outputs: Floats, file_of_row: I
     file = recordings[0].file
     copies = run_rows.copied(outputs, file_of_row, step)
     if copies is not None:
-        again, first = (f"{lines[row]} to {lines[row + copies.length - 1]}" for row in (copies.again, copies.first))
-        said = f"rows {again} are rows {first} again, digit for digit: written twice? Leave them out"
+        named = (f"{lines[row]} to {lines[row + copies.length - 1]}" for row in (copies.again, copies.first))
+        said = run_rows.WRITTEN_AGAIN.format(*named)
         raise BadInput(said, recordings[file_of_row[copies.again]].file, int(lines[copies.again]))
     rests = (outputs[begin:end] for begin, end in zip(found.rests.begin, found.rests.end))
     sources = run_rows.in_turn(rests, step, recordings[0].unit)
     if sources is not None and sources.is_certain:
-        raise BadInput(f"{sources.sentence}? Keep the rows of one", file, int(lines[0]))
-    return [] if sources is None else [f"{sources.sentence}, or a vibration in step with them?"]
+        raise BadInput(sources.sentence, file, int(lines[0]))
+    return [] if sources is None else [sources.sentence]
 
 
 def _telling(
@@ -241,62 +240,7 @@ def _explained(matched: Matched) -> int:
     return sum(state in (TAKEN, JOINED, REPEATED) for state in matched.states)
 
 
-def _labelled_rests(
-    texts: dict[str, list[str]],
-    outputs: Floats,
-    file_of_row: Integers,
-    found: Found,
-    interval: float | None,
-) -> tuple[Rests, list[str]]:
-    """Of rows with the same labels those that are at rest: with a clock, the longest rest in it; without one, all. And
-    sentences on those that never are."""
-    spans, files, lost = [], [], []
-    own: dict[str, list[str]] = {name: [] for name in texts}
-    for first, last in labels.stretches_of(texts, file_of_row):
-        begins, ends = np.maximum(found.rests.begin, first), np.minimum(found.rests.end, last)
-        inside = np.flatnonzero(ends - begins >= _FEWEST_ROWS_IN_BLOCK)
-        if interval is None or last - first < 4 * found.block:
-            spans.append((first, last))
-        elif len(inside):
-            longest = inside[(ends - begins)[inside].argmax()]
-            spans.append((int(begins[longest]), int(ends[longest])))
-        else:
-            lost.append(f"rows labelled {labels.text_of(texts, first)} are never at rest: left out")
-            continue
-        files.append(file_of_row[first])
-        for name, column in own.items():
-            column.append(texts[name][first])
-    if not spans:
-        raise Doubtful("no group of rows with the same labels is at rest: see --still, --drift, --min-rest")
-    return replace(rests_of(outputs, spans, found.block, found.rounding), file=np.array(files), labels=own), lost
-
-
-def _require_one_name_a_mounting(
-    texts: Sequence[str], rests: Rests, matched: Matched, schedule: Schedule, told: dict[str, int]
-) -> None:
-    """A column of mountings beside a continuous recording, `texts` by row: a name for each mounting, the one that is
-    `told`; empty: there is none. Raises Doubtful."""
-    labels.require_names(told, list(dict.fromkeys(texts)), schedule)
-    known: dict[str, tuple[int, int]] = {}
-    middles = (rests.begin + rests.end) // 2
-    for number, (middle, position) in enumerate(zip(middles, matched.positions), 1):
-        if position == NONE or not texts:
-            continue
-        mounting = schedule.positions[position].mounting
-        name = texts[middle]
-        if told.get(name, mounting) != mounting:
-            raise Doubtful(f"rest {number} is in mounting {mounting}, but --mountings says {name!r} is {told[name]}")
-        first, other = known.setdefault(name, (mounting, number))
-        if first != mounting:
-            raise Doubtful(
-                f"the rows of mounting {name!r} are mounting {first} at rest {other} and {mounting} at rest {number}: "
-                f"--leave-out {number} or {other}, or leave out that column (--columns mounting=...)"
-            )
-
-
-def _notes(
-    recordings: Sequence[Recording], settings: Settings, found: Found, interval: float | None, labelled: bool
-) -> list[str]:
+def _notes(recordings: Sequence[Recording], settings: Settings, interval: float | None, labelled: bool) -> list[str]:
     several = len(recordings) > 1
     notes = [
         f"{f'file {number}: ' if several else ''}{note}"
@@ -308,6 +252,33 @@ def _notes(
     if interval is None and not labelled:
         notes.append("clock: none, so lengths are counted in samples (--rate HZ gives seconds)")
     return notes
+
+
+def _assumed(
+    recordings: Sequence[Recording],
+    settings: Settings,
+    found: Found,
+    interval: float | None,
+    texts: dict[str, list[str]],
+) -> tuple[str, ...]:
+    """What a refusal rests on besides what was said: schedule, clock, unit, what tells the positions, noise."""
+    by_labels = texts.keys() - {"mounting"}
+    notes = _notes(recordings, settings, interval, bool(by_labels))
+    said = ("schedule: nobody", "clock: ")
+    facts = [note for note in notes if any(start in note for start in said) and CONTRADICTED not in note]
+    for column in (quoted(one.clock_column) for one in recordings if one.clock_column is not None):
+        facts += [] if any(column in note for note in facts) else [f"clock: column {column}"]
+    if any(not one.unit_told for one in recordings):
+        rough = scale_and_bias(found.rests.means)
+        facts.append("unit: nobody says " + _unit_hint(None if rough is None else float(np.prod(rough[0]) ** (1 / 3))))
+    if by_labels:
+        facts.append(f"positions: by labels of the rows, {' and '.join(texts)} (--columns)")
+    else:
+        facts.append("positions: by gravity, for the rows have no labels of positions (--columns)")
+    if interval is not None or not by_labels:
+        noise = " ".join(f"{one:.3g}" for one in found.noise)
+        facts.append(f"rests: {len(found.rests)}, by the noise of the quietest rows, {noise} (--still, --drift)")
+    return tuple(dict.fromkeys(facts))
 
 
 def _about_rate(rate_hz: float | None, rests: Rests, matched: Matched) -> list[str]:
@@ -333,7 +304,11 @@ def _about_unit(recordings: Sequence[Recording], matched: Matched) -> list[str]:
     """That nobody says the unit of the outputs, and which one they look like."""
     if all(one.unit_told for one in recordings):
         return []
-    per_g = float(np.abs(np.linalg.det(matched.fit.k)) ** (1 / 3))
-    seen = looks_like(per_g)
-    hint = "--unit" if seen is None else f"1 g is {per_g:.4g} of it, which looks like {seen}"
-    return [f"unit: nobody says; the run file names none either ({hint})"]
+    hint = _unit_hint(float(np.abs(np.linalg.det(matched.fit.k)) ** (1 / 3)))
+    return [f"unit: nobody says; the run file names none either {hint}"]
+
+
+def _unit_hint(per_g: float | None) -> str:
+    """What the unit may be where 1 g comes out as so much, None: unknown."""
+    seen = None if per_g is None else looks_like(per_g)
+    return "(--unit)" if seen is None else f"(1 g is {per_g:.4g} of it, which looks like {seen})"

@@ -10,16 +10,19 @@ import csv
 import functools
 import io
 import itertools
+import re
+import zlib
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from datetime import datetime
 
 import numpy as np
 
 from tumble.arrays import Floats, Integers
-from tumble.errors import BadInput, UsageError, quoted
+from tumble.errors import BadInput, quoted
 from tumble.files import can_log
 from tumble.files.disk import MOST_OF_RECORDING, read_bytes
-from tumble.files.incoming import SUFFIXES, suffix_of
+from tumble.files.frames import SUFFIXES, suffix_of
 from tumble.files.rows import (
     FELT,
     LARGEST_OUTPUT,
@@ -39,48 +42,60 @@ from tumble.files.run_layout import (
     Wishes,
     as_text,
     body_of,
-    decoded,
     detect,
     find_column,
     is_number,
+    lines_of,
     require_text,
     split,
     unit_of,
 )
-from tumble.importing import can_bus, clock, novatel
-from tumble.importing.can_bus import NO_BUS, Bus
-from tumble.importing.clock import Clock
+from tumble.importing import can_bus
+from tumble.importing.can_bus import NO_BUS, OUTPUTS, Bus
 from tumble.importing.labels import LABELS
 
-OUTPUTS = ("ux", "uy", "uz")
 OPTIONAL = ("time", *LABELS)
 COLUMNS = (*OUTPUTS, *OPTIONAL, TEMPERATURE)  # that a user may name
-SPACE = " "
+UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}  # of a clock
+CONTRADICTED = "clock: --rate says"
 _ROWS_OF_CLOCK = 5000  # that tell its rate well enough
 _MOST_LABELS = 256  # different running numbers: more count samples
 
 
 @dataclass(frozen=True)
+class Clock:
+    """`seconds` (rows,), from the first row on; `interval_s`: usual, between two rows; `gaps`: rows before which time
+    is missing or the clock was set back; `notes`: sentences on what was taken for granted."""
+
+    seconds: Floats
+    interval_s: float
+    gaps: Integers
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class Recording:
     """One file. `outputs` (rows, 3) in `unit`, which is `unit_told` or assumed; `lines` (rows,): where each stands;
-    `clock`: None where there is none; `labels`: texts of each row, by name in LABELS; `notes`: sentences;
-    `temperature` (rows,): in deg C, NaN where it is not known, None where no row tells it."""
+    `clock`: None where there is none; `notes`: sentences; `labels`: texts of each row, by name in LABELS;
+    `temperature` (rows,): in deg C, NaN where it is not known, None where no row tells it; `clock_column`: its name,
+    where nobody but the file says that it is the clock."""
 
     file: str
+    data: bytes
     outputs: Floats
     lines: Integers
     unit: str
     unit_told: bool
     clock: Clock | None
-    labels: dict[str, list[str]]
     notes: tuple[str, ...]
-    data: bytes
+    labels: dict[str, list[str]] = field(default_factory=dict)
     temperature: Floats | None = None
+    clock_column: str | None = None
 
 
 @dataclass(frozen=True)
 class Timing:
-    """What the user says about time: `rate_hz` instead of a clock; `unit` of its numbers, one of clock.UNITS."""
+    """What the user says about time: `rate_hz` instead of a clock; `unit` of its numbers, one of UNITS."""
 
     rate_hz: float | None = None
     unit: str | None = None
@@ -94,10 +109,14 @@ def read(file: str, wishes: Wishes, timing: Timing, bus: Bus = NO_BUS) -> Record
         )
     data = read_bytes(file, most=MOST_OF_RECORDING, look=functools.partial(_require_kind, file))
     if (kind := can_log.kind_of(data)) is not None:
-        return _read_bus(file, data, kind, wishes, timing, bus)
+        log = can_bus.read(data, file, kind, wishes, bus)
+        clock = _clock_of(log.seconds, "time s", replace(timing, unit=None), file)
+        unit, notes = log.unit or DEFAULT_UNIT, (*log.notes, *clock.notes)
+        told = log.unit is not None
+        return Recording(file, data, log.outputs, log.lines, unit, told, clock, notes, temperature=log.temperature)
     bus.require_log()
     require_text(data, file)
-    return _read_log(file, data, wishes, timing) if novatel.is_log(data) else _read_table(file, data, wishes, timing)
+    return _read_rawimu(file, data, wishes, timing) if is_rawimu(data) else _read_table(file, data, wishes, timing)
 
 
 def _require_kind(file: str, beginning: bytes) -> None:
@@ -106,34 +125,16 @@ def _require_kind(file: str, beginning: bytes) -> None:
         require_text(beginning, file)
 
 
-def _read_log(file: str, data: bytes, wishes: Wishes, timing: Timing) -> Recording:
-    log = novatel.read(data, file)
-    notes = [f"RAWIMU log: {len(log.lines)} messages; ux is its X, uy the negative of its -Y, uz its Z, in counts"]
-    if log.damaged or log.others:
-        notes.append(f"left out: {log.damaged} messages that are damaged, {log.others} lines of something else")
-    told = _clock_of(log.seconds, "time s", timing, file)
-    return Recording(
-        file, log.outputs, log.lines, wishes.unit or novatel.UNIT, True, told, {}, (*notes, *told.notes), data
-    )
-
-
-def _read_bus(file: str, data: bytes, kind: str, wishes: Wishes, timing: Timing, bus: Bus) -> Recording:
-    log = can_bus.read(data, file, kind, wishes, bus)
-    told = _clock_of(log.seconds, "time s", replace(timing, unit=None), file)
-    notes = (*log.notes, *told.notes)
-    unit = log.unit or DEFAULT_UNIT
-    return Recording(
-        file, log.outputs, log.lines, unit, log.unit is not None, told, {}, notes, data, log.temperature
-    )  # fmt: skip
+# Tables.
 
 
 def _read_table(file: str, data: bytes, wishes: Wishes, timing: Timing) -> Recording:
     own = data
-    if wishes.delimiter == SPACE:
+    if wishes.delimiter == " ":
         data = b"\n".join(b" ".join(line.split()) for line in data.splitlines())
     wishes = replace(wishes, wanted=OUTPUTS, has_preamble=True)
     layout = detect(data, wishes, file)
-    names = split(_line(data, layout.header_row), layout.delimiter)
+    names = split(lines_of(data)[layout.header_row - 1], layout.delimiter)
     columns = _optional_columns(names, wishes, file, layout.header_row)
     notes = []
     if layout.header_row - layout.comments - layout.blanks > 1:
@@ -145,25 +146,31 @@ def _read_table(file: str, data: bytes, wishes: Wishes, timing: Timing) -> Recor
     parser, rows = _parse(data, layout, columns, timing, file)
     outputs, lines = rows[:, PLACES], rows[:, LINE].astype(int)
     notes += [f"{parser.lost} rows without a number in an output are left out"] if parser.lost else []
-    notes += _rate_doubt(data, layout, names, columns, timing, file)
+    clock_name = names[columns["time"]] if "time" in columns else None
+    notes += _rate_doubt(data, layout, clock_name, columns, timing, file)
     labels = parser.texts
-    told = _clock(labels.pop("time", rows[:, TIME]), lines, names, columns, timing, file)
-    if _counts_samples(labels):
+    clock = _clock(labels.pop("time", rows[:, TIME]), lines, clock_name, timing, file)
+    if "number" in labels and ("position" in labels or len(set(labels["number"])) > _MOST_LABELS):
         del labels["number"]
         notes.append(f"column {quoted(names[columns['number']])} counts samples: not read")
     felt, odd = parser.thermometer.told(file)
-    notes += told.notes if told else ()
+    notes += clock.notes if clock else ()
     notes += odd
     if felt is not None and layout.temperature is not None:
         notes.append(f"temperature: of column {quoted(layout.temperature.name)}, {felt.text}")
     return Recording(
-        file, outputs, lines, layout.unit, layout.unit_told, told, labels, tuple(notes), own,
-        None if felt is None else rows[:, FELT],
-    )  # fmt: skip
-
-
-def _line(data: bytes, row: int) -> str:
-    return decoded(data).replace("\r\n", "\n").replace("\r", "\n").split("\n")[row - 1]
+        file=file,
+        data=own,
+        outputs=outputs,
+        lines=lines,
+        unit=layout.unit,
+        unit_told=layout.unit_told,
+        clock=clock,
+        notes=tuple(notes),
+        labels=labels,
+        temperature=None if felt is None else rows[:, FELT],
+        clock_column=None if clock is None or timing.rate_hz or "time" in wishes.columns else clock_name,
+    )
 
 
 def _optional_columns(names: list[str], wishes: Wishes, file: str, row: int) -> dict[str, int]:
@@ -184,22 +191,21 @@ def _optional_columns(names: list[str], wishes: Wishes, file: str, row: int) -> 
 
 def _below_units(data: bytes, layout: Layout, names: list[str], wishes: Wishes, file: str) -> tuple[Layout, list[str]]:
     """The layout with a row of units taken for a part of the header, if there is one."""
-    for row, line in _lines(data, layout):
-        try:
-            fields = split(line, layout.delimiter)
-        except csv.Error:
-            break
-        if any(map(is_number, fields)) or len(fields) < len(names) or all(f.lower() in NO_VALUE for f in fields):
-            break
-        units = [f"[{fields[index].strip('[]()')}]" for index in layout.indices]
-        unit = unit_of(wishes, units, file, row)
-        told = layout.unit_told or unit is not None
-        note = f"row {row} is taken for units" + (f": {unit}" if unit else "")
-        felt = layout.temperature
-        if felt is not None and not felt.unit and fields[felt.index].lower() not in NO_VALUE:
-            felt = replace(felt, unit=fields[felt.index].strip("[]()"))
-        return replace(layout, header_row=row, unit=unit or layout.unit, unit_told=told, temperature=felt), [note]
-    return layout, []
+    row, line = next(_lines(data, layout), (0, ""))
+    try:
+        fields = split(line, layout.delimiter)
+    except csv.Error:
+        return layout, []
+    if any(map(is_number, fields)) or len(fields) < len(names) or all(f.lower() in NO_VALUE for f in fields):
+        return layout, []
+    units = [f"[{fields[index].strip('[]()')}]" for index in layout.indices]
+    unit = unit_of(wishes, units, file, row)
+    felt = layout.temperature
+    if felt is not None and not felt.unit and fields[felt.index].lower() not in NO_VALUE:
+        felt = replace(felt, unit=fields[felt.index].strip("[]()"))
+    told = layout.unit_told or unit is not None
+    layout = replace(layout, header_row=row, unit=unit or layout.unit, unit_told=told, temperature=felt)
+    return layout, [f"row {row} is taken for units" + (f": {unit}" if unit else "")]
 
 
 def _parse(data: bytes, layout: Layout, columns: dict[str, int], timing: Timing, file: str) -> tuple[RowParser, Floats]:
@@ -239,14 +245,51 @@ def _lines(data: bytes, layout: Layout) -> Iterator[tuple[int, str]]:
             yield row, line
 
 
+# Clocks.
+
+_IN_NAME = re.compile(r"(?:[\[(\s_]|^t|time|stamp)(ns|us|µs|ms|s|sec|seconds)[\])]?\s*$", re.IGNORECASE)
+_WORDS = {"sec": "s", "seconds": "s", "µs": "us"}
+_OF_DAY = re.compile(r"(\d{1,2}):(\d{2}):(\d{2}(?:[.,]\d+)?)")
+_GAP = 5.0  # intervals: a step of the clock beyond is a gap
+_SAME_RATE = 1.2  # of two rates, a factor
+_FEWEST_STEPS = 10
+_SLOWEST_S = 0.5  # between samples of a recording: beyond, a column without a unit does not count seconds
+_WITHOUT = "--rate HZ reads the recording without it"
+
+
+def _clock(time: Floats | list[str], lines: Integers, name: str | None, timing: Timing, file: str) -> Clock | None:
+    """By the rate that the user says, else of the column of that `name`; None where there is neither."""
+    if timing.rate_hz is not None:
+        return _of_rate(len(lines), timing.rate_hz)
+    if name is None or len(lines) < 2:
+        return None
+    if isinstance(time, list):
+        return _of_texts(time, file, lines)
+    far = ~(np.abs(time) <= LARGEST_OUTPUT)
+    if far.any():
+        row = int(far.argmax())
+        raise BadInput(f"{float(time[row])!r} is out of range", file, int(lines[row]), "time")
+    return _of_numbers(time, name, timing.unit, file)
+
+
+def _clock_of(values: Floats, name: str, timing: Timing, file: str) -> Clock:
+    """Of a log whose time is sure to be a number; a rate that the user says is held against it."""
+    if timing.rate_hz is None:
+        return _of_numbers(values, name, timing.unit, file)
+    try:
+        doubt = _contradiction(_of_numbers(values, name, timing.unit, file), timing.rate_hz, name)
+    except BadInput:
+        doubt = []
+    return _of_rate(len(values), timing.rate_hz, *doubt)
+
+
 def _rate_doubt(
-    data: bytes, layout: Layout, names: list[str], columns: dict[str, int], timing: Timing, file: str
+    data: bytes, layout: Layout, name: str | None, columns: dict[str, int], timing: Timing, file: str
 ) -> list[str]:
     """That a clock at the beginning of the file contradicts the rate that the user says; a clock that cannot be read
     may be why it is said."""
-    if timing.rate_hz is None or "time" not in columns:
+    if timing.rate_hz is None or name is None:
         return []
-    name = names[columns["time"]]
     try:
         lines, texts = [], []
         for row, line in itertools.islice(_lines(data, layout), _ROWS_OF_CLOCK):
@@ -254,50 +297,145 @@ def _rate_doubt(
             texts.append(split(line, layout.delimiter)[columns["time"]])
         pointed = [text.replace(",", ".") if layout.decimal == "," else text for text in texts]
         own = (
-            clock.of_numbers(np.array(list(map(float, pointed))), name, timing.unit, file)
+            _of_numbers(np.array(list(map(float, pointed))), name, timing.unit, file)
             if all(map(NUMBER.fullmatch, pointed))
-            else clock.of_texts(texts, file, np.array(lines))
+            else _of_texts(texts, file, np.array(lines))
         )
     except (csv.Error, IndexError, BadInput):
         return []
-    return clock.contradiction(own, timing.rate_hz, name)
+    return _contradiction(own, timing.rate_hz, name)
 
 
-def _clock(
-    time: Floats | list[str], lines: Integers, names: list[str], columns: dict[str, int], timing: Timing, file: str
-) -> Clock | None:
-    if timing.rate_hz is not None:
-        return clock.of_rate(len(lines), timing.rate_hz)
-    if "time" not in columns or len(lines) < 2:
+def _contradiction(own: Clock, rate_hz: float, name: str) -> list[str]:
+    """That the file's `own` clock, of the column `name`, has another rate than the one that the user says; nothing
+    where they agree, or where the clock has moved on too seldom to tell."""
+    seen = 1.0 / own.interval_s
+    moved = int((np.diff(own.seconds) > 0.0).sum())
+    if moved < _FEWEST_STEPS or seen / _SAME_RATE < rate_hz < seen * _SAME_RATE:
+        return []
+    return [f"{CONTRADICTED} {rate_hz:g} Hz, but {quoted(name)} moves on at {seen:.4g} Hz: which is right?"]
+
+
+def _of_rate(rows: int, rate_hz: float, *notes: str) -> Clock:
+    return Clock(np.arange(rows) / rate_hz, 1.0 / rate_hz, np.zeros(0, dtype=int), notes)
+
+
+def _of_numbers(values: Floats, name: str, told_unit: str | None, file: str) -> Clock:
+    """Of a column of numbers; its unit is the one that the user told, or that its name ends in. Raises BadInput."""
+    in_name, notes = _IN_NAME.search(name), []
+    unit = told_unit or (in_name and _WORDS.get(in_name[1].lower(), in_name[1].lower()))
+    steps = np.diff(values)
+    forward = steps[steps > 0.0]
+    if not len(forward):
+        raise BadInput(f"column {quoted(name)} does not count: {_WITHOUT}", file)
+    step = float(np.median(forward))
+    if unit is None:
+        unit = "s" if step <= _SLOWEST_S else "ms" if step < 1000.0 * _SLOWEST_S else "us"
+        notes.append(f"clock: {quoted(name)} names no unit, steps of {step:.6g}: taken for {unit} (--time-unit)")
+    return _with_gaps((values - values[0]) * UNITS[unit], notes, file)
+
+
+def _of_texts(texts: list[str], file: str, lines: Integers) -> Clock:
+    """Of a column of dates or times of day. Raises BadInput."""
+    seconds = []
+    for text, line in zip(texts, lines):
+        second = _second(text.strip())
+        if second is None:
+            advice = f"a number, 12:34:56.789 or 2026-05-01T12:34:56.789; {_WITHOUT}"
+            raise BadInput(f"{quoted(text)} is no time: {advice}", file, int(line), "time")
+        seconds.append(second)
+    values = np.array(seconds)
+    return _with_gaps(values - values[0], [], file)
+
+
+def _second(text: str) -> float | None:
+    if found := _OF_DAY.fullmatch(text):
+        return 3600.0 * int(found[1]) + 60.0 * int(found[2]) + float(found[3].replace(",", "."))
+    text = text.replace(",", ".").removesuffix("Z")
+    whole, point, decimals = text.partition(".")
+    if point and decimals.isdigit():  # with six of them, as older versions of Python want it
+        text = f"{whole}.{decimals[:6]:0<6}"
+    try:
+        moment = datetime.fromisoformat(text)
+    except ValueError:
         return None
-    if isinstance(time, list):
-        return clock.of_texts(time, file, lines)
-    far = ~(np.abs(time) <= LARGEST_OUTPUT)
-    if far.any():
-        row = int(far.argmax())
-        raise BadInput(f"{float(time[row])!r} is out of range", file, int(lines[row]), "time")
-    return _clock_of(time, names[columns["time"]], timing, file)
+    return (moment.replace(tzinfo=None) - datetime(2000, 1, 1)).total_seconds()
 
 
-def _clock_of(values: Floats, name: str, timing: Timing, file: str) -> Clock:
-    if timing.rate_hz is not None:
-        try:
-            doubt = clock.contradiction(clock.of_numbers(values, name, timing.unit, file), timing.rate_hz, name)
-        except BadInput:
-            doubt = []
-        return clock.of_rate(len(values), timing.rate_hz, doubt)
-    return clock.of_numbers(values, name, timing.unit, file)
-
-
-def _counts_samples(labels: dict[str, list[str]]) -> bool:
-    """Does the label `number` count samples? So where it is another in nearly every row, or beside a position."""
-    return "number" in labels and ("position" in labels or len(set(labels["number"])) > _MOST_LABELS)
-
-
-def require_alike(recordings: list[Recording]) -> None:
-    """Several files that are to be one run have the same unit. Raises UsageError."""
-    units = {one.unit for one in recordings}
-    if len(units) > 1:
-        raise UsageError(
-            f"recordings in different units, {', '.join(sorted(units))}: --unit says which, or import each"
+def _with_gaps(seconds: Floats, notes: list[str], file: str) -> Clock:
+    steps = np.diff(seconds)
+    forward = steps[steps > 0.0]
+    if not len(forward):
+        raise BadInput(f"the clock stands still: {_WITHOUT}", file)
+    coarse = len(forward) < 0.8 * len(steps)
+    interval = float(seconds[-1] - seconds[0]) / len(steps) if coarse else float(np.median(forward))
+    if coarse:
+        notes.append(
+            f"clock: it moves on at {len(forward)} of {len(steps)} rows; {1 / max(interval, 1e-9):.4g} Hz on average"
         )
+    if not interval > 0.0:
+        raise BadInput(f"the clock runs backwards: {_WITHOUT}", file)
+    back = steps < 0.0
+    gaps = np.flatnonzero(back | (steps > _GAP * max(interval, float(np.median(forward))))) + 1
+    if back.any():
+        notes.append(f"clock: set back {int(back.sum())} times, taken for gaps")
+    return Clock(seconds, interval, gaps, tuple(notes))
+
+
+# Raw logs of inertial units on NovAtel receivers, ASCII: RAWIMU, RAWIMUX, RAWIMUS, RAWIMUSX.
+#
+#     #RAWIMUA,header;week,seconds,status,Z,-Y,X,gyro Z,-gyro Y,gyro X*crc
+#     %RAWIMUSXA,header;info,type,week,seconds,status,Z,-Y,X,gyro Z,-gyro Y,gyro X*crc
+#
+# (OEM7 Commands and Logs Reference Manual.) Accelerations are counts of velocity gained in an interval; how large a
+# count is depends on the unit, so K comes out in counts per g. The last eight digits are a CRC-32 of all between the
+# first sign and the asterisk.
+
+_LINE = re.compile(rb"[#%](RAWIMU(S?)(X?)A,[^;*#%]*;([^*#%]*))\*([0-9a-fA-F]{8})")
+_START = re.compile(rb"[#%]RAWIMUS?X?A,")
+_WEEK_S = 604800.0
+
+
+def is_rawimu(data: bytes) -> bool:
+    """Does this begin like such a log?"""
+    return _START.search(data[: 1 << 16]) is not None
+
+
+def _read_rawimu(file: str, data: bytes, wishes: Wishes, timing: Timing) -> Recording:
+    rows, lines = [], []
+    damaged = others = 0
+    for number, line in enumerate(data.split(b"\n"), start=1):
+        begun = len(_START.findall(line))  # two, where the end of one was lost
+        others += begun == 0 and bool(line.strip())
+        for found in _LINE.finditer(line):
+            row = _row(found) if int(found[5], 16) == crc32(found[1]) else None
+            if row is not None:
+                rows.append(row)
+                lines.append(number)
+                begun -= 1
+        damaged += begun
+    if not rows:
+        raise BadInput(f"{damaged} lines of a RAWIMU log, none with a good check sum: log it anew, as ASCII", file)
+    values = np.array(rows)
+    notes = [f"RAWIMU log: {len(lines)} messages; ux is its X, uy the negative of its -Y, uz its Z, in counts"]
+    if damaged or others:
+        notes.append(f"left out: {damaged} messages that are damaged, {others} lines of something else")
+    clock = _clock_of(values[:, 0], "time s", timing, file)
+    unit = wishes.unit or can_bus.COUNTS
+    return Recording(file, data, values[:, 1:], np.array(lines), unit, True, clock, (*notes, *clock.notes))
+
+
+def crc32(data: bytes) -> int:
+    """That of the receivers: zlib's polynomial, zero to begin with, nothing inverted."""
+    return zlib.crc32(data, 0xFFFFFFFF) ^ 0xFFFFFFFF
+
+
+def _row(found: re.Match[bytes]) -> tuple[float, float, float, float] | None:
+    """Seconds of GNSS time; x, y, z in counts."""
+    fields = found[4].split(b",")[2 if found[3] else 0 :]
+    try:
+        week, second, z, minus_y, x = (float(fields[place]) for place in (0, 1, 3, 4, 5))
+    except (ValueError, IndexError):
+        return None
+    row = week * _WEEK_S + second, x, -minus_y, z
+    return row if all(abs(value) <= LARGEST_OUTPUT for value in row) else None

@@ -1,6 +1,7 @@
-"""What an import tells: as text of 80 columns, as a document of schema tumble.import/1, and as the run file itself.
+"""What an import tells: as text of 80 columns, as a document of schema tumble.import/1, as the run file, and as a
+recipe.
 
-Recipes: what an import was told and found out about the layout, as TOML, to do the same with the next recording.
+A recipe is what an import was told and found out about the layout, as TOML, to do the same with the next recording.
 
 [import]      schedule, order, signs ("++-"), repeats, tolerance_deg, rate_hz, time_unit
 [layout]      delimiter, decimal, unit
@@ -14,6 +15,7 @@ Rests to leave out or to take belong to one recording and are not in it.
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 import os
@@ -32,11 +34,21 @@ from tumble.files.run_layout import TEMPERATURE, Wishes
 from tumble.files.toml import Table, read_toml
 from tumble.importing.attitudes import Signs
 from tumble.importing.can_bus import Bus
-from tumble.importing.clock import UNITS
-from tumble.importing.match import JOINED, LEFT_OUT, NOWHERE, OFF, REPEATED, REPEATS, TAKEN, Claims
-from tumble.importing.order import ANY, NONE, SCHEDULE
+from tumble.importing.match import (
+    ANY,
+    JOINED,
+    LEFT_OUT,
+    NONE,
+    NOWHERE,
+    OFF,
+    REPEATED,
+    REPEATS,
+    SCHEDULE,
+    TAKEN,
+    Claims,
+)
 from tumble.importing.pipeline import Imported, Settings
-from tumble.importing.recording import COLUMNS, Timing
+from tumble.importing.recording import COLUMNS, UNITS, Timing
 from tumble.importing.rests import Thresholds
 
 WIDTH = 80
@@ -72,12 +84,8 @@ def _wrapped(line: str, mark: str = "") -> list[str]:
     return textwrap.wrap(line, WIDTH, initial_indent=mark, subsequent_indent=" " * len(mark)) or [""]
 
 
-def _timed(found: doc.Import) -> bool:
-    return found.thresholds.window_s is not None
-
-
 def _table(found: doc.Import) -> list[str]:
-    begin, end = ("from s", "to s") if _timed(found) else ("from row", "to row")
+    begin, end = ("from row", "to row") if found.thresholds.window_s is None else ("from s", "to s")
     lines = [f"{'rest':>4} {'position':>8} {begin:>10} {end:>10} {'samples':>8} {'off mrad':>9}  remark"]
     for number, rest in enumerate(found.rests, 1):
         label = "-" if rest.position is None else f"{rest.mounting}.{rest.position}"
@@ -91,15 +99,13 @@ def _table(found: doc.Import) -> list[str]:
 
 def _thresholds(found: doc.Import) -> list[str]:
     limits = found.thresholds
-    if found.by_labels and not _timed(found):
+    if found.by_labels and limits.window_s is None:
         return []
     noise = " ".join(f"{one:.3g}" for one in found.noise)
     unit = "" if found.unit is None else f" {found.unit}"
-    length = (
-        f"--window {limits.window_s:g} s, --min-rest {limits.min_rest_s:g} s"
-        if _timed(found)
-        else f"windows of {limits.window_samples} samples, rests of {limits.min_rest_samples} or more"
-    )
+    length = f"windows of {limits.window_samples} samples, rests of {limits.min_rest_samples} or more"
+    if limits.window_s is not None:
+        length = f"--window {limits.window_s:g} s, --min-rest {limits.min_rest_s:g} s"
     return [
         f"rests: {len(found.rests)}; noise of a sample, x y z: {noise}{unit}; still: scatter below --still "
         f"{limits.still:g} times that, block means within --drift {limits.drift:g} of theirs; {length}",
@@ -114,8 +120,8 @@ def document(done: Imported) -> doc.Import:
     return doc.Import(
         tumble=__version__,
         recordings=tuple(
-            doc.Recording(os.path.basename(one.file), digest, len(one.outputs))
-            for one, digest in zip(done.recordings, done.sha256())
+            doc.Recording(os.path.basename(one.file), hashlib.sha256(one.data).hexdigest(), len(one.outputs))
+            for one in done.recordings
         ),
         schedule=os.path.basename(done.settings.schedule_name),
         unit=done.unit if done.unit_told else None,
@@ -164,11 +170,15 @@ def run_csv(done: Imported) -> str:
     """The run file: the samples at positions, in the order in which they were measured."""
     files = ", ".join(ascii(os.path.basename(one.file))[1:-1] for one in done.recordings)
     unit = f" [{done.unit}]" if done.unit_told else ""
+    number = np.zeros(len(done.outputs))  # of the rest that a row is in
+    for rest, (begin, end) in enumerate(zip(done.rests.begin, done.rests.end), 1):
+        number[begin:end] = rest
     columns: list[tuple[str, Floats, Callable[[float], str]]]
     columns = [(f"u{axis}{unit}", done.outputs[:, place], repr) for place, axis in enumerate("xyz")]
     columns += [] if done.seconds is None else [("time_s", done.seconds, "{:.6f}".format)]
-    columns += [("rest", _numbers(done), "{:.0f}".format)]
-    columns += [] if done.temperatures_c is None else [(TEMPERATURE, done.temperatures_c, _known)]
+    columns += [("rest", number, "{:.0f}".format)]
+    if (felt := done.temperatures_c) is not None:
+        columns.append((TEMPERATURE, felt, lambda value: "" if math.isnan(value) else repr(value)))
     lines = [
         f"# tumble import {__version__} of {files}; schedule {os.path.basename(done.settings.schedule_name)}",
         ",".join(["mounting", "position", *(name for name, *_ in columns)]),
@@ -182,35 +192,24 @@ def run_csv(done: Imported) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _numbers(done: Imported) -> Floats:
-    """The number of the rest that a row is in."""
-    found = np.zeros(len(done.outputs))
-    for number, (begin, end) in enumerate(zip(done.rests.begin, done.rests.end), 1):
-        found[begin:end] = number
-    return found
-
-
-def _known(value: float) -> str:
-    """Nothing for what is not known."""
-    return "" if math.isnan(value) else repr(value)
-
-
 _LARGEST = 1e6
 
 
 def read(file: str) -> Settings:
     """The settings of a recipe. Raises BadInput with file and row."""
-    top = read_toml(file)
-    top.only("import", "layout", "columns", "thresholds", "mountings", "can")
-    main = (top.table("import") or Table(file, {}, ("import",), {})).only(
-        "schedule", "order", "signs", "repeats", "tolerance_deg", "rate_hz", "time_unit"
-    )
-    layout = (top.table("layout") or Table(file, {}, ("layout",), {})).only("delimiter", "decimal", "unit")
-    columns = (top.table("columns") or Table(file, {}, ("columns",), {})).only(*COLUMNS)
-    mountings, can = top.table("mountings"), top.table("can")
-    tolerance = main.number("tolerance_deg", 0.01, 45.0, default=None)
+    top = read_toml(file).only("import", "layout", "columns", "thresholds", "mountings", "can")
+
+    def table(name: str) -> Table:
+        return top.table(name) or Table(file, {}, (name,), {})
+
+    main = table("import").only("schedule", "order", "signs", "repeats", "tolerance_deg", "rate_hz", "time_unit")
+    layout = table("layout").only("delimiter", "decimal", "unit")
+    columns, mountings = table("columns").only(*COLUMNS), table("mountings")
+    tolerance, signs = main.number("tolerance_deg", 0.01, 45.0, default=None), main.text("signs", default=None)
+    if signs is not None and parse_signs(signs) is None:
+        raise BadInput(f"signs {quoted(signs)} are not three of + and -, of x, y and z", file)
     claims = Claims(
-        signs=parse_signs(main.text("signs", default=None), file),
+        signs=None if signs is None else parse_signs(signs),
         order=main.choice("order", (SCHEDULE, ANY), default=SCHEDULE),
         repeats=main.choice("repeats", REPEATS, default=None),
     )
@@ -226,15 +225,14 @@ def read(file: str) -> Settings:
             rate_hz=main.number("rate_hz", 1.0 / _LARGEST, _LARGEST, default=None),
             unit=main.choice("time_unit", tuple(UNITS), default=None),
         ),
-        thresholds=_toml_thresholds(top.table("thresholds")),
+        thresholds=_toml_thresholds(table("thresholds")),
         claims=claims if tolerance is None else replace(claims, tolerance=math.radians(tolerance)),
-        mountings={} if mountings is None else {k: mountings.integer(k, 1, 255) for k in sorted(mountings.keys)},
-        bus=Bus() if can is None else _bus(can),
+        mountings={name: mountings.integer(name, 1, 255) for name in sorted(mountings.keys)},
+        bus=_bus(table("can").only("dbc", "identifier", "channel", "v_per_count")),
     )
 
 
 def _bus(table: Table) -> Bus:
-    table.only("dbc", "identifier", "channel", "v_per_count")
     return Bus(
         dbc=table.text("dbc", default=None),
         identifier=table.integer("identifier", 0, 0x7FF, default=None),
@@ -243,9 +241,7 @@ def _bus(table: Table) -> Bus:
     )
 
 
-def _toml_thresholds(table: Table | None) -> Thresholds:
-    if table is None:
-        return Thresholds()
+def _toml_thresholds(table: Table) -> Thresholds:
     table.only(*(one.name for one in fields(Thresholds)))
     found: dict[str, object] = {f"{name}_samples": None for name in ("window", "min_rest") if f"{name}_s" in table.keys}
     for one in fields(Thresholds):
@@ -255,12 +251,10 @@ def _toml_thresholds(table: Table | None) -> Thresholds:
     return Thresholds(**found)  # type: ignore[arg-type] # of each field its own kind
 
 
-def parse_signs(text: str | None, file: str) -> Signs | None:
-    """Of three signs, such as "++-". Raises BadInput."""
-    if text is None:
-        return None
+def parse_signs(text: str) -> Signs | None:
+    """Of three of + and -, such as "++-"; None: it is none."""
     if not re.fullmatch(r"[+-]{3}", text):
-        raise BadInput(f"signs {quoted(text)} are not three of + and -, of x, y and z", file)
+        return None
     x, y, z = (1 if sign == "+" else -1 for sign in text)
     return x, y, z
 
@@ -285,13 +279,8 @@ def to_toml(settings: Settings) -> str:
         "mountings": {json.dumps(key): number for key, number in settings.mountings.items()},
         "can": {key: value or None for key, value in vars(settings.bus).items()},
     }
-    return "\n".join(filter(None, (_as_toml(name, values) for name, values in tables.items())))
-
-
-def _as_toml(name: str, values: dict[str, object]) -> str:
-    lines = [f"{key} = {_written(value)}" for key, value in values.items() if value is not None]
-    return "\n".join([f"[{name}]", *lines, ""]) if lines else ""
-
-
-def _written(value: object) -> str:
-    return json.dumps(value, ensure_ascii=False)
+    written = []
+    for name, values in tables.items():
+        lines = [f"{k} = {json.dumps(v, ensure_ascii=False)}" for k, v in values.items() if v is not None]
+        written += ["\n".join([f"[{name}]", *lines, ""])] if lines else []
+    return "\n".join(written)

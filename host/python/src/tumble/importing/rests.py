@@ -8,33 +8,23 @@ a coarse converter, is no motion.
 
 A rest is a run of still windows. Blocks at its ends that are off its level or scatter, where the table settles,
 are left out, and half a window more at each end.
-
-The accelerometer block's samples on a CAN bus (docs/bus/README.md), of two frames each: checked, paired, counted.
-
-The receiver takes, refuses and counts frame by frame as firmware/sample/block_frames.c does; what the bytes mean is
-read off the package's DBC file, by cantools.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from array import array
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
-from tumble import data
 from tumble.arrays import Flags, Floats, Integers
 from tumble.errors import UsageError
-from tumble.files.can_log import Frame
 from tumble.files.run_file import smallest_step
 
 _PER_WINDOW = 4  # blocks
-_FEWEST_IN_BLOCK = 4  # samples: fewer have no scatter to speak of
+FEWEST_IN_BLOCK = 4  # samples: fewer have no scatter to speak of
 _FEWEST_BLOCKS = 3  # of a rest
 _CLUSTER = 4.0  # a cluster of variances spans this factor: chi-squared of a few degrees of freedom
 _PART_OF_DENSEST = 0.4  # of the windows in the densest cluster: fewer are chance
@@ -86,13 +76,11 @@ class Rests:
 
 @dataclass(frozen=True)
 class Found:
-    """The rests, in order of time; `noise`, `block_noise` (3,): standard deviation of a sample, and of the mean of a
-    block of `block` samples; `rounding` (3,): error of a mean of samples that round alike, 0 where noise spreads
-    them."""
+    """The rests, in order of time; `noise` (3,): standard deviation of a sample; `rounding` (3,): error of a mean of
+    samples that round alike, 0 where noise spreads them; `block`: samples of one."""
 
     rests: Rests
     noise: Floats
-    block_noise: Floats
     rounding: Floats
     block: int
 
@@ -114,7 +102,7 @@ def find_rests(outputs: Floats, gaps: Integers, interval_s: float | None, thresh
     unknown. Raises UsageError for lengths that count no samples then."""
     block, guard, fewest = _lengths(interval_s, thresholds)
     blocks = _blocks(outputs, gaps, block)
-    nothing = Found(rests_of(outputs, [], block, np.zeros(3)), np.zeros(3), np.zeros(3), np.zeros(3), block)
+    nothing = Found(rests_of(outputs, [], block, np.zeros(3)), np.zeros(3), np.zeros(3), block)
     if len(blocks.begin) < _PER_WINDOW:
         return nothing
     windows = np.lib.stride_tricks.sliding_window_view
@@ -138,7 +126,7 @@ def find_rests(outputs: Floats, gaps: Integers, interval_s: float | None, thresh
         _calm_part(blocks, first, last + _PER_WINDOW, _NEAR * block_noise, noise, guard) for first, last in _runs(still)
     )
     spans = [part for part in parts if part is not None and part[1] - part[0] >= fewest]
-    return Found(rests_of(outputs, spans, block, rounding), noise, block_noise, rounding, block)
+    return Found(rests_of(outputs, spans, block, rounding), noise, rounding, block)
 
 
 def rests_of(outputs: Floats, spans: Sequence[tuple[int, int]], block: int, rounding: Floats) -> Rests:
@@ -162,19 +150,17 @@ def _lengths(interval_s: float | None, thresholds: Thresholds) -> tuple[int, int
     UsageError."""
     interval, window, rest = interval_s or 1.0, thresholds.window_s, thresholds.min_rest_s
     if interval_s is None:
-        window = _counted(thresholds.window_samples, "--window", window)
-        rest = _counted(thresholds.min_rest_samples, "--min-rest", rest)
-    block = max(round(window / interval / _PER_WINDOW), _FEWEST_IN_BLOCK)
+        for option, told, samples in (
+            ("--window", window, thresholds.window_samples),
+            ("--min-rest", rest, thresholds.min_rest_samples),
+        ):
+            if samples is None:
+                why = "without a clock it counts samples, a whole number; --rate HZ gives seconds"
+                raise UsageError(f"{option} {told:g}: {why}")
+        window, rest = float(thresholds.window_samples or 0), float(thresholds.min_rest_samples or 0)
+    block = max(round(window / interval / _PER_WINDOW), FEWEST_IN_BLOCK)
     guard = max(round(window / interval / 2 / block), 1)
-    return block, guard, max(math.ceil(rest / interval), _FEWEST_IN_BLOCK)
-
-
-def _counted(samples: int | None, option: str, told: float) -> float:
-    if samples is None:
-        raise UsageError(
-            f"{option} {told:g}: without a clock it counts samples, a whole number; --rate HZ gives seconds"
-        )
-    return float(samples)
+    return block, guard, max(math.ceil(rest / interval), FEWEST_IN_BLOCK)
 
 
 def _blocks(outputs: Floats, gaps: Integers, length: int) -> _Blocks:
@@ -190,15 +176,14 @@ def _blocks(outputs: Floats, gaps: Integers, length: int) -> _Blocks:
 
 
 def _quietest(variances: Floats) -> Floats:
-    """Of each channel the median variance in the quietest cluster of windows (windows, 3)."""
-    return np.array([_quietest_of(np.sort(channel)) for channel in variances.T])
-
-
-def _quietest_of(ordered: Floats) -> float:
-    """Rest is one cluster on a scale of factors; motion is spread over many of them."""
-    counts = np.searchsorted(ordered, _CLUSTER * ordered, side="right") - np.arange(len(ordered))
-    first = int(np.argmax(counts >= _PART_OF_DENSEST * counts.max()))
-    return float(np.median(ordered[first : first + counts[first]]))
+    """Of each channel the median variance in the quietest cluster of windows (windows, 3): rest is one cluster on a
+    scale of factors, motion is spread over many of them."""
+    found = []
+    for ordered in map(np.sort, variances.T):
+        counts = np.searchsorted(ordered, _CLUSTER * ordered, side="right") - np.arange(len(ordered))
+        first = int(np.argmax(counts >= _PART_OF_DENSEST * counts.max()))
+        found.append(float(np.median(ordered[first : first + counts[first]])))
+    return np.array(found)
 
 
 def _runs(flags: Flags) -> list[tuple[int, int]]:
@@ -220,147 +205,3 @@ def _calm_part(blocks: _Blocks, first: int, end: int, far: Floats, noise: Floats
     if last - begin + 1 < _FEWEST_BLOCKS:
         return None
     return int(blocks.begin[begin]), int(blocks.begin[last]) + blocks.length
-
-
-XY, Z = "BLOCK_XY", "BLOCK_Z"  # in the DBC file, where they have the identifiers of node 3
-AXES = ("x", "y", "z")
-FIRST, SECOND = 0x680, 0x690  # of the halves' identifiers, and the block's node
-STATUS = ("saturated", "self_test_failed", "converter_fault", "temperature_out_of_range")
-SILENCE_S = 1.0  # beyond, eight bits do not tell how many samples are missing, or whether the block began anew
-_BYTES = 8
-_POLYNOMIAL = 0x2F
-_LONGEST_STEP = 127
-
-
-def _crc_table() -> list[int]:
-    table = []
-    for byte in range(256):
-        for _ in range(8):
-            byte = (byte << 1 ^ (_POLYNOMIAL if byte & 0x80 else 0)) & 0xFF
-        table.append(byte)
-    return table
-
-
-_CRC = _crc_table()
-
-
-def checksum(identifier: int, payload: bytes) -> int:
-    """CRC-8 of a frame: over the low byte of its identifier and its seven bytes before the checksum."""
-    crc = _CRC[0xFF ^ (identifier & 0xFF)]
-    for byte in payload[: _BYTES - 1]:
-        crc = _CRC[crc ^ byte]
-    return crc ^ 0xFF
-
-
-def messages() -> tuple[Any, Any]:
-    """Both halves, as cantools reads them from the DBC file."""
-    import cantools
-
-    bus: Any = cantools.database.load_file(data.file("bus/block.dbc"))
-    return bus.get_message_by_name(XY), bus.get_message_by_name(Z)
-
-
-class Receiver:
-    """Of one block. `counts`: of frames and samples that were not taken, by reason."""
-
-    def __init__(self, halves: tuple[Any, Any]):
-        self._xy, self._z = halves
-        self._last: int | None = None  # sample counter of the last sample
-        self._pending: tuple[str, int, dict[str, Any], Frame] | None = None  # a half, and the counter in it
-        self._seconds = array("d")
-        self._outputs = array("d")
-        self._temperature = array("d")
-        self._lines = array("q")
-        self._heard: float | None = None
-        self.halves = 0
-        self.counts: Counter[str] = Counter()
-
-    def __len__(self) -> int:
-        return len(self._seconds)
-
-    @property
-    def seconds(self) -> Floats:
-        """When each sample's first half came: (samples,)."""
-        return np.array(self._seconds)
-
-    @property
-    def outputs(self) -> Floats:
-        """Counts of x, y, z: (samples, 3)."""
-        return np.array(self._outputs).reshape(-1, len(AXES))
-
-    @property
-    def temperature(self) -> Floats:
-        """Of the block, in deg C: (samples,)."""
-        return np.array(self._temperature)
-
-    @property
-    def lines(self) -> Integers:
-        """Where in the log each sample's first half is: (samples,)."""
-        return np.array(self._lines)
-
-    def restart(self) -> None:
-        """The block has begun anew, or may have: its next counter tells nothing of what was lost."""
-        self._last = self._pending = None
-
-    def take(self, frame: Frame) -> None:
-        """One of its frames, as they come."""
-        self.halves += 1
-        if self._heard is not None and frame.seconds - self._heard > SILENCE_S:
-            self.counts["silences"] += 1
-            self.restart()
-        self._heard = frame.seconds
-        if len(frame.data) != _BYTES:
-            self.counts["wrong_length"] += 1
-        elif frame.data[-1] != checksum(frame.identifier, frame.data):
-            self.counts["wrong_crc"] += 1
-        elif frame.identifier < SECOND:
-            self._take_xy(self._xy.decode(frame.data, decode_choices=False), frame)
-        else:
-            self._take_z(self._z.decode(frame.data, decode_choices=False), frame)
-
-    def _take_xy(self, half: dict[str, Any], frame: Frame) -> None:
-        counter = half["sample_counter"]
-        kind, waiting = (None, None) if self._pending is None else self._pending[:2]
-        if counter == self._last or (kind == XY and counter == waiting):
-            self.counts["repeated"] += 1
-        elif kind == Z and waiting == _frame_counter(counter):
-            self._pending = None
-            self.counts["reordered"] += 1
-        else:
-            self.counts["lone_halves"] += kind is not None
-            self._pending = XY, counter, half, frame
-
-    def _take_z(self, half: dict[str, Any], frame: Frame) -> None:
-        counter = half["frame_counter"]
-        if self._pending is not None and self._pending[0] == XY and counter == _frame_counter(self._pending[1]):
-            self._complete(*self._pending[1:], half)
-        elif self._last is not None and counter == _frame_counter(self._last):
-            self.counts["repeated"] += 1
-        elif (self._pending is not None and self._pending[0] == XY) or counter % 2 == 0:
-            self._pending = None
-            self.counts["wrong_pair"] += 1
-        else:
-            self.counts["lone_halves"] += self._pending is not None
-            self._pending = Z, counter, half, frame
-
-    def _complete(self, counter: int, first: dict[str, Any], frame: Frame, second: dict[str, Any]) -> None:
-        self._pending = None
-        step = 1 if self._last is None else (counter - self._last) % 256
-        if step > _LONGEST_STEP:
-            self.counts["reordered"] += 1
-            return
-        self.counts["lost"] += step - 1
-        self._last = counter
-        if any(second[name] for name in STATUS):
-            self.counts.update(name for name in STATUS if second[name])
-            self.counts["unfit"] += 1
-            return
-        self._seconds.append(frame.seconds)
-        self._outputs.extend((first["x"], first["y"], second["z"]))
-        self._temperature.append(second["temperature"])
-        self._lines.append(frame.line)
-
-
-def _frame_counter(sample_counter: int) -> int:
-    """What the second half carries of the first one's counter."""
-    return (2 * sample_counter + 1) % 256

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tumble.importing.match import NOWHERE, OFF, REPEATED
-from tumble.importing.order import NONE
+from tumble.importing.match import NONE, NOWHERE, OFF, REPEATED
 from tumble.importing.pipeline import Imported
 from tumble.pictures.canvas import BLACK, blank, picture, thinned
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from msgspec import UNSET, structs
@@ -189,7 +190,9 @@ def _require_close(name: str, firmware: Floats, witness: Floats, allowed: Floats
 
 
 def _truth(simulated: bench.Truth) -> Truth:
-    told = {name: tuple(value) if isinstance(value, list) else value for name, value in bench.written(simulated).items()}
-    for name in ("encoder_rad", "drift_v"):
-        told[name] = told[name] if any(told[name]) else UNSET
-    return Truth(**{**told, "K": simulated.K, "U0": simulated.U0})
+    """As results have it: in numbers as they are written, without what is not declared."""
+    told: dict[str, Any] = {
+        name: tuple(value) if isinstance(value, list) else value for name, value in bench.written(simulated).items()
+    }
+    declared = {name: told[name] if any(told[name]) else UNSET for name in ("encoder_rad", "drift_v")}
+    return Truth(**{**told, **declared, "K": simulated.K, "U0": simulated.U0})

@@ -14,7 +14,6 @@ from tumble.messages import tell
 from tumble.units import SI, force_unit
 
 if TYPE_CHECKING:
-    from tumble.api.result import Result
     from tumble.documents.result import Temperature
     from tumble.files.calibrated import Demand, Seen
 
@@ -56,8 +55,9 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.api.result import demand_of, load
     from tumble.files.calibrated import OUTPUTS
     from tumble.files.disk import together
-    from tumble.files.incoming import PARQUET, SUFFIXES, suffix_of
+    from tumble.files.frames import PARQUET, SUFFIXES, suffix_of
     from tumble.files.run_layout import TEMPERATURE
+    from tumble.solving.decision import complaints_of_result, phrase
 
     wishes = replace(options.wishes(arguments, (*OUTPUTS, TEMPERATURE), has_unit=False), wanted=OUTPUTS)
     targets = _targets(arguments)
@@ -72,10 +72,9 @@ def run(arguments: argparse.Namespace) -> int:
     told = "unit" not in result.assumes
     demand = demand_of(force, result.unit, arguments.uncertainty, wishes, told, arguments.unit)
     known_c = result.checked.temperature
-    if len(kinds) > 1 and len(set(targets)) < len(targets):
-        raise UsageError("CSV and Parquet cannot be joined: --out FOLDER keeps them apart")
-    if kinds == {True} and len(set(targets)) < len(targets):
-        raise UsageError("Parquet files cannot be joined: --out FOLDER keeps them apart")
+    if True in kinds and len(set(targets)) < len(targets):
+        what = "CSV and Parquet" if len(kinds) > 1 else "Parquet files"
+        raise UsageError(f"{what} cannot be joined: --out FOLDER keeps them apart")
     if True in kinds and arguments.out is None:
         raise UsageError("Parquet goes to a file: --out FILE")
     if arguments.out is None:
@@ -91,7 +90,10 @@ def run(arguments: argparse.Namespace) -> int:
         for target in dict.fromkeys(filter(None, targets)):
             with them.written(target) as out:
                 _calibrate([file for file, its in zip(arguments.data, targets) if its == target], out, demand, known_c)
-    _beware(result, arguments.result)
+    for warning in complaints_of_result(result.checked):
+        tell(f"tumble: warning: {file_name(arguments.result)}: {warning}")
+    if result.assumes:
+        tell(f"tumble: notice: {file_name(arguments.result)}: {phrase(result.assumes).removeprefix(', ')}")
     return EXIT_PASS
 
 
@@ -109,21 +111,11 @@ def _targets(arguments: argparse.Namespace) -> list[str]:
     return targets
 
 
-def _beware(result: Result, file: str) -> None:
-    """What whoever uses the calibrated data should know, on stderr."""
-    from tumble.solving.decision import complaints_of_result, phrase
-
-    for warning in complaints_of_result(result.checked):
-        tell(f"tumble: warning: {file_name(file)}: {warning}")
-    if result.assumes:
-        tell(f"tumble: notice: {file_name(file)}: {phrase(result.assumes).removeprefix(', ')}")
-
-
 def _calibrate(files: list[str], out: BinaryIO, demand: Demand, known_c: Temperature | None) -> None:
     """All files into one output: the header of the first, the rows of all. `known_c`: temperature of the result."""
     from tumble.files.calibrated import CsvData, calibrate_parquet
     from tumble.files.disk import opened
-    from tumble.files.incoming import PARQUET, suffix_of
+    from tumble.files.frames import PARQUET, suffix_of
 
     first: Any = None
     last = b"\n"

@@ -28,15 +28,11 @@ from tumble.schedule import file_of
 from tumble.terms import parse
 
 if TYPE_CHECKING:
-    from tumble.core import CoreSchedule
     from tumble.documents.bench import OnBench
     from tumble.files.stand_file import StandFile
-    from tumble.schedule import Schedule
     from tumble.world.border import Border
     from tumble.world.folder import RunFolder
     from tumble.world.in_process import OnEvent
-    from tumble.world.progress import Progress
-    from tumble.world.realbus import Ended
     from tumble.world.setup import Setup
 
 
@@ -226,39 +222,37 @@ def _read_setup(arguments: argparse.Namespace, given: dict[str, bytes]) -> tuple
     terms = parse(arguments.model, arguments.estimator)
 
     from tumble.core import MAX_SAMPLES
+    from tumble.files.schedule_file import read_schedule
     from tumble.files.stand_file import read_block, read_stand
     from tumble.solving.computation import require_told_apart
     from tumble.world.setup import setup_of
 
     samples = None if arguments.samples is None else options.parse_whole(arguments.samples, "--samples", 1, MAX_SAMPLES)
-    error_budget_v = _parse_budget(arguments.error_budget)
-    schedule = _read_schedule(arguments, given)
+    error_budget_v = 0.0
+    if arguments.error_budget is not None:
+        most_v, volts = math.nextafter(1e9, 0.0), "a number of volts above 0"
+        error_budget_v = options.parse_number(arguments.error_budget, "--error-budget", options.ABOVE_0, most_v, volts)
+    name = arguments.schedule or "paper"
+    schedule = read_schedule(name, given.get(name), arguments.estimator)
     require_told_apart(schedule.data, terms)
     file = None if arguments.stand is None else read_stand(arguments.stand, given[arguments.stand])
-    others: dict[str, Any] = {
-        "stand_file": arguments.stand or "",
-        "block_file": arguments.block or arguments.stand or "",
-    }
+    others: dict[str, Any] = {}
     if arguments.block is not None:
         others["block"], others["truth"] = read_block(arguments.block, given[arguments.block])
-    others |= {"error_budget_v": error_budget_v, "estimator": arguments.estimator, "terms": terms}
-    return setup_of(seed, file, schedule, samples, limit_g, **others), file
-
-
-def _parse_budget(text: str | None) -> float:
-    """The value of --error-budget, V; 0 without one. Raises UsageError."""
-    if text is None:
-        return 0.0
-    volts = "a number of volts above 0"
-    return options.parse_number(text, "--error-budget", options.ABOVE_0, math.nextafter(1e9, 0.0), volts)
-
-
-def _read_schedule(arguments: argparse.Namespace, given: dict[str, bytes]) -> CoreSchedule:
-    """The schedule in use. The estimators of the paper need the paper's positions. Raises BadInput."""
-    from tumble.files.schedule_file import read_schedule
-
-    name = arguments.schedule or "paper"
-    return read_schedule(name, given.get(name), arguments.estimator)
+    setup = setup_of(
+        seed,
+        file,
+        schedule,
+        samples,
+        limit_g,
+        stand_file=arguments.stand or "",
+        block_file=arguments.block or arguments.stand or "",
+        error_budget_v=error_budget_v,
+        estimator=arguments.estimator,
+        terms=terms,
+        **others,
+    )
+    return setup, file
 
 
 def _simulate(
@@ -272,8 +266,10 @@ def _simulate(
 ) -> OnBench:
     """Let it run. Returns its document; raises where there is none, or the user did not want to wait for it."""
     from tumble.world import realbus
+    from tumble.world.progress import LiveProgress, Progress
 
-    seen = _progress(wanted.schedule.data, arguments.interactive) if onlooker is None else nullcontext(onlooker)
+    kind = LiveProgress if on_terminal() else Progress
+    seen = kind(wanted.schedule.data, arguments.interactive) if onlooker is None else nullcontext(onlooker)
     with seen as progress:
         if arguments.bus == realbus.INPROCESS:
             pace = 0.0 if onlooker is None else onlooker.pace
@@ -337,7 +333,10 @@ def _outside(
     if ended.interrupted or ended.code == Interrupted.exit_code:
         never_began = ended.code == -signal.SIGTERM  # it did not get so far as to listen to signals
         raise _interrupted(never_began or (document is not None and document.table.at_rest))
-    _require_written(ended, made)
+    _, _, said = ended.complaint.partition(": ")
+    at_fault, _, why = said.partition(f"{made.stage / 'bench'}: ")
+    if ended.code == BadInput.exit_code and why and not at_fault:  # the program could not write what it had to
+        raise BadInput(why, made.path)
     complaint = ended.complaint.replace(str(scenario_path), arguments.scenario or "scenario")
     if ended.code == BadInput.exit_code:
         raise UsageError(f"this cannot be simulated: {complaint}")
@@ -349,36 +348,19 @@ def _outside(
     return document
 
 
-def _require_written(ended: Ended, made: RunFolder) -> None:
-    """Raise BadInput if the program could not write what it had to."""
-    _name, _, said = ended.complaint.partition(": ")
-    at_fault, _, why = said.partition(f"{made.stage / 'bench'}: ")
-    if ended.code == BadInput.exit_code and why and not at_fault:
-        raise BadInput(why, made.path)
-
-
-def _progress(schedule: Schedule, interactive: bool) -> Progress:
-    from tumble.world.progress import LiveProgress, Progress
-
-    return (LiveProgress if on_terminal() else Progress)(schedule, interactive)
-
-
 def _add_report(made: RunFolder, result: str, is_asked_for: bool) -> None:
     """One that nobody asked for must not cost the run. Raises TumbleError for one that was."""
     try:
-        made.add("report.html", _report(result, made.stage / "run.csv"))
+        from tumble.api.recording import recording_of
+        from tumble.api.result import Result
+        from tumble.files.run_layout import Wishes
+        from tumble.report.make import HTML
+
+        run = recording_of(made.stage / "run.csv", Wishes(unit="V"))
+        made.add("report.html", Result(result).reported(HTML, run))
     except NotInstalled as error:
         tell(f"tumble: the run is made without a report: {error}; --no-report leaves this line out")
     except TumbleError as error:
         if is_asked_for:
             raise
         tell(f"tumble: no report is left: {error}")
-
-
-def _report(result: str, run: Path) -> bytes:
-    from tumble.api.recording import recording_of
-    from tumble.api.result import Result
-    from tumble.files.run_layout import Wishes
-    from tumble.report.make import HTML
-
-    return Result(result).reported(HTML, recording_of(run, Wishes(unit="V")))

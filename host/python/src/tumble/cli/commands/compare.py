@@ -4,15 +4,11 @@ from __future__ import annotations
 
 import argparse
 import sys
-from typing import TYPE_CHECKING
 
 from tumble.cli import options
 from tumble.defaults import ANEW, DEFAULT_CONFIDENCE, LEVELLED
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
 from tumble.schedule import file_of
-
-if TYPE_CHECKING:
-    from tumble.documents.comparison import Comparison
 
 
 def describe(parser: argparse.ArgumentParser) -> None:
@@ -69,7 +65,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.cli.output import warn
     from tumble.comparison import report
     from tumble.documents.base import to_json
-    from tumble.files.disk import refuse_overwriting
+    from tumble.files.disk import refuse_overwriting, write_bytes
 
     inputs = arguments.a, arguments.b, arguments.stand, file_of(arguments.schedule)
     refuse_overwriting(arguments.plot, *inputs, option="--plot")
@@ -87,14 +83,9 @@ def run(arguments: argparse.Namespace) -> int:
         confidence,
     )
     if arguments.plot is not None:
-        _draw(told, arguments.plot)
+        from tumble.pictures import comparison, written
+
+        write_bytes(arguments.plot, written(comparison(told), arguments.plot))
     warn(told.warnings)
     sys.stdout.write(to_json(told) if arguments.json else report.render(told))
     return EXIT_PASS if told.verdict in ("unchanged", "seat") else EXIT_LIMITS_FAILED
-
-
-def _draw(document: Comparison, file: str) -> None:
-    from tumble.files.disk import write_bytes
-    from tumble.pictures import comparison, written
-
-    write_bytes(file, written(comparison(document), file))

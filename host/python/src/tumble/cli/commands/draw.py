@@ -4,14 +4,10 @@ from __future__ import annotations
 
 import argparse
 import sys
-from typing import TYPE_CHECKING
 
 from tumble.cli import options
 from tumble.errors import EXIT_PASS, UsageError
 from tumble.schedule import file_of
-
-if TYPE_CHECKING:
-    from tumble.schedule import Schedule
 
 _LARGEST_NUMBER = 255
 _SUBJECTS = {
@@ -62,18 +58,13 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _drawn(arguments: argparse.Namespace) -> str:
     from tumble import pictures
+    from tumble.files.schedule_file import read_schedule
 
     if arguments.subject not in _OF_A_SCHEDULE:
         return pictures.svg(pictures.states() if arguments.subject == "states" else pictures.wiring())
     wanted = getattr(arguments, "mounting", None)
     number = None if wanted is None else options.parse_whole(wanted, "--mounting", 1, _LARGEST_NUMBER)
-    schedule = _schedule(arguments.schedule)
+    schedule = read_schedule(arguments.schedule or "paper").data
     if arguments.subject == "angles":
         return pictures.svg(pictures.angles(schedule, schedule.mountings[0].number if number is None else number))
     return pictures.svg(pictures.stand(schedule) if arguments.subject == "stand" else pictures.mountings(schedule))
-
-
-def _schedule(name: str | None) -> Schedule:
-    from tumble.files.schedule_file import read_schedule
-
-    return read_schedule(name or "paper").data

@@ -211,6 +211,7 @@ def _comment(text: object) -> str:
 
 def _filled(name: str, real: str, names: dict[str, Any]) -> str:
     """The template of a format. Its numbers are `digits`, in C a `literal` of the type `real`."""
+    import numpy as np
     from jinja2 import Environment, StrictUndefined
 
     from tumble.solving.decision import phrase
@@ -224,8 +225,8 @@ def _filled(name: str, real: str, names: dict[str, Any]) -> str:
     )
     environment.filters |= {
         "digits": lambda value: format(value, ".17g"),
-        "double": _double_literal,
-        "literal": _float_literal if real == _FLOAT else _double_literal,
+        "double": _literal,
+        "literal": lambda value: f"{_literal(float(np.float32(value)), 9)}f" if real == _FLOAT else _literal(value),
         "phrase": phrase,
         "plain": lambda text: re.sub(r"[^A-Za-z0-9.+:_-]", "", text),  # without what needs quotes in CSV
         "json": lambda value: json.dumps(value, indent=4).replace("\n", "\n    "),  # of a member
@@ -234,18 +235,10 @@ def _filled(name: str, real: str, names: dict[str, Any]) -> str:
     return environment.from_string(template).render(names, real=real)
 
 
-def _double_literal(value: float) -> str:
-    """A C double: 17 digits, and never an integer literal."""
-    text = format(value, ".17g")
+def _literal(value: float, digits: int = 17) -> str:
+    """Of a C double, or of the digits that a float has; never an integer literal."""
+    text = format(value, f".{digits}g")
     return text if any(sign in text for sign in ".e") else text + ".0"
-
-
-def _float_literal(value: float) -> str:
-    """A C float: 9 digits of the nearest one."""
-    import numpy as np
-
-    text = format(float(np.float32(value)), ".9g")
-    return (text if any(sign in text for sign in ".e") else text + ".0") + "f"
 
 
 _LARGEST_FACTOR = 2**29

@@ -61,7 +61,12 @@ def check(arguments: argparse.Namespace) -> int:
     """Check and print. Returns the exit code; raises TumbleError."""
     limit_g = options.parse_limit(arguments.limit)
     confidence = options.parse_number(arguments.confidence, "--confidence", 0.5, 0.9999)
-    _refuse_repetition(arguments.runs)
+    seen: set[str] = set()
+    for run in arguments.runs:  # given twice, it would count as two
+        path = os.path.realpath(run)
+        if path in seen:
+            raise UsageError(f"the run {quoted(run)} is given twice")
+        seen.add(path)
 
     from tumble.core import CoreSchedule, paper_schedule
     from tumble.documents.base import to_json
@@ -99,16 +104,6 @@ def check(arguments: argparse.Namespace) -> int:
     return EXIT_PASS if found.passed else EXIT_LIMITS_FAILED
 
 
-def _refuse_repetition(runs: list[str]) -> None:
-    """A run given twice would count as two."""
-    seen: set[str] = set()
-    for run in runs:
-        path = os.path.realpath(run)
-        if path in seen:
-            raise UsageError(f"the run {quoted(run)} is given twice")
-        seen.add(path)
-
-
 def _combined(
     arguments: argparse.Namespace, views: list[RunView], confidence: float, step_v: PerChannel
 ) -> tuple[bool, Combined | None]:
@@ -119,15 +114,13 @@ def _combined(
     """
     from tumble.fixture.judge import combine, levelled_once
 
-    def combined(once: bool) -> Combined:
-        return combine([view.solution for view in views], once, confidence, step_v)
-
+    solutions = [view.solution for view in views]
     once = levelled_once(views) if arguments.levelled is None else arguments.levelled == ONCE
     if len(views) == 1:
         return once, None
-    found = combined(once)
+    found = combine(solutions, once, confidence, step_v)
     if arguments.levelled is None and once and not found.consistent:
-        anew = combined(False)
+        anew = combine(solutions, False, confidence, step_v)
         return (False, anew) if anew.consistent else (once, found)
     return once, found
 
@@ -154,12 +147,12 @@ def _views(
         if views and run.unit != views[0].solution.run.unit:
             raise BadInput(f"outputs in {run.unit}, those of the runs before in {views[0].solution.run.unit}", file)
         odd_rows = run_rows.check_rows(run, core_schedule.data, stand_file, file)
-        about_temperature = filter(None, (contradicted(run, stand_file.environment), spanned(run)))
+        about_temperature = [contradicted(run, stand_file.environment), spanned(run)]
         run = in_environment(run, stand_file.environment)
         solution = solve(run, core_schedule, arguments.estimator, limit_g, stand_file.stand, file, stand_file.step_v)
         solution = plausibility.with_order_flag(solution, stand_file)
         odd = (*odd_rows, *plausibility.check_k(solution, stand_file, file), *plausibility.unchecked(solution))
-        odd += tuple(about_temperature)
+        odd += tuple(filter(None, about_temperature))
         warnings += [f"{file_name(file)}: {sentence}" for sentence in odd]
         views.append(RunView.of(solution, file))
     return views, warnings

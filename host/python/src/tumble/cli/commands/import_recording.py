@@ -7,7 +7,6 @@ import math
 import os
 import shlex
 import sys
-from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -18,11 +17,8 @@ from tumble.schedule import file_of
 
 if TYPE_CHECKING:
     from tumble.importing.attitudes import Signs
-    from tumble.importing.can_bus import Bus
-    from tumble.importing.match import Claims
     from tumble.importing.pipeline import Imported, Settings
     from tumble.importing.rests import Thresholds
-    from tumble.stand import PerChannel
 
 _REPEATS = ("first", "last", "longest")
 _WIDTH = 80
@@ -118,6 +114,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _settings(arguments: argparse.Namespace, replayed: bool, signs: Signs | None) -> Settings:
     """The recipe's, or the usual ones, with what the options say, and the `signs` that they say. Raises TumbleError."""
+    from tumble.files.stand_file import read_stand
     from tumble.importing import report
     from tumble.importing.pipeline import Settings
     from tumble.importing.recording import COLUMNS, Timing
@@ -133,38 +130,34 @@ def _settings(arguments: argparse.Namespace, replayed: bool, signs: Signs | None
     )
     rate = base.timing.rate_hz if arguments.rate is None else _positive(arguments.rate, "--rate")
     mountings = base.mountings if arguments.mountings is None else _parse_mountings(arguments.mountings)
-    return Settings(
-        schedule=arguments.schedule or base.schedule,
-        wishes=wishes,
-        timing=Timing(rate, arguments.time_unit or base.timing.unit),
-        thresholds=_thresholds(arguments, base.thresholds),
-        claims=_claims(arguments, base.claims, signs or base.claims.signs),
-        mountings=mountings,
-        bus=_bus(arguments, base.bus),
+    thresholds = _thresholds(arguments, base.thresholds)
+    tolerance = base.claims.tolerance
+    if arguments.tolerance is not None:
+        tolerance = math.radians(_positive(arguments.tolerance, "--tolerance", 45.0))
+    claims = replace(
+        base.claims,
+        signs=signs or base.claims.signs,
+        order=arguments.order or base.claims.order,
+        tolerance=tolerance,
+        repeats=arguments.repeats or base.claims.repeats,
+        leave_out=_parse_rests(arguments.leave_out, "--leave-out"),
+        take=_parse_rests(arguments.take, "--take"),
     )
-
-
-def _bus(arguments: argparse.Namespace, base: Bus) -> Bus:
-    identifier = base.identifier
+    identifier = base.bus.identifier
     if arguments.can_id is not None:
         try:
             identifier = int(arguments.can_id, 0)
         except ValueError:
             raise UsageError(f"--can-id: {quoted(arguments.can_id)} is not an identifier such as 0x683") from None
-    return replace(
-        base,
-        dbc=arguments.dbc or base.dbc,
+    bus = replace(
+        base.bus,
+        dbc=arguments.dbc or base.bus.dbc,
         identifier=identifier,
-        channel=arguments.can_channel or base.channel,
-        v_per_count=base.v_per_count if arguments.stand is None else _step_of_stand(arguments.stand),
+        channel=arguments.can_channel or base.bus.channel,
+        v_per_count=base.bus.v_per_count if arguments.stand is None else read_stand(arguments.stand).step_v,
     )
-
-
-def _step_of_stand(file: str) -> PerChannel:
-    """Size of a count of the block's converter, V; 0 where the stand file does not tell it."""
-    from tumble.files.stand_file import read_stand
-
-    return read_stand(file).step_v
+    timing = Timing(rate, arguments.time_unit or base.timing.unit)
+    return Settings(arguments.schedule or base.schedule, wishes, timing, thresholds, claims, mountings, bus)
 
 
 def _thresholds(arguments: argparse.Namespace, base: Thresholds) -> Thresholds:
@@ -182,24 +175,10 @@ def _thresholds(arguments: argparse.Namespace, base: Thresholds) -> Thresholds:
     return replace(base, **said)  # type: ignore[arg-type] # samples are whole, the rest are not
 
 
-def _claims(arguments: argparse.Namespace, base: Claims, signs: Signs | None) -> Claims:
-    tolerance = base.tolerance
-    if arguments.tolerance is not None:
-        tolerance = math.radians(_positive(arguments.tolerance, "--tolerance", 45.0))
-    return replace(
-        base,
-        signs=signs,
-        order=arguments.order or base.order,
-        tolerance=tolerance,
-        repeats=arguments.repeats or base.repeats,
-        leave_out=_parse_rests(arguments.leave_out, "--leave-out"),
-        take=_parse_rests(arguments.take, "--take"),
-    )
-
-
 def _told_signs(arguments: argparse.Namespace) -> tuple[Signs | None, list[str]]:
     """The signs of K that the options say, and remarks on where they are from; None: they say none."""
     from tumble.files.stand_file import read_stand
+    from tumble.importing.report import parse_signs
     from tumble.stand import by_channel
 
     of_stand, remarks = None, []
@@ -210,14 +189,12 @@ def _told_signs(arguments: argparse.Namespace) -> tuple[Signs | None, list[str]]
         else:
             x, y, z = (1 if scale > 0 else -1 for scale in by_channel(block["scale_v_per_g"]).tolist())
             of_stand, remarks = (x, y, z), [f"signs of K: of scale_v_per_g in {name}"]
-    return (of_stand, remarks) if arguments.signs is None else (_parse_signs(arguments.signs), [])
-
-
-def _parse_signs(text: str) -> Signs:
-    if len(text) != 3 or set(text) - {"+", "-"}:
-        raise UsageError(f"--signs: {quoted(text)} is not three of + and -, of x, y and z, such as --signs=+-+")
-    x, y, z = (1 if sign == "+" else -1 for sign in text)
-    return x, y, z
+    if arguments.signs is None:
+        return of_stand, remarks
+    if (signs := parse_signs(arguments.signs)) is None:
+        told = quoted(arguments.signs)
+        raise UsageError(f"--signs: {told} is not three of + and -, of x, y and z, such as --signs=+-+")
+    return signs, []
 
 
 def _parse_rests(text: str | None, option: str) -> frozenset[int]:
@@ -243,34 +220,23 @@ def _positive(text: str, option: str, most: float = 1e6) -> float:
 
 
 def _after_import(done: Imported, run: str | None, stand: str | None) -> str:
-    """The lines that are said last: the command that solves the run file which has been written. `run`: that file, None
-    where none was asked for; `stand`: the stand file, if any. The program is called as it was: tools/tumble of a
-    checkout says how, by TUMBLE_PROGRAM."""
+    """The lines that are said last: the command that solves the run file which has been written, on lines that a shell
+    joins; an option and its value stay together. `run`: that file, None where none was asked for; `stand`: the stand
+    file, if any. The program is called as it was: tools/tumble of a checkout says how, by TUMBLE_PROGRAM."""
+    from tumble.core import CoreRefusal, CoreSchedule
+
     if run is None:
         return "\nNext: the same with --out RUN.csv, which writes the run file for tumble solve.\n"
     words = [os.environ.get("TUMBLE_PROGRAM", "tumble"), "solve", run]
     if done.settings.schedule_name != DEFAULT_SCHEDULE:
         words += ["--schedule", done.settings.schedule_name]
     words += [] if stand is None else ["--stand", stand]
-    words += [] if _has_closed_form(done) else ["--estimator", "least_squares"]
-    words += ["--out", os.path.join(os.path.dirname(run), "result.json")]  # which apply and report take
-    return "\n".join(["", "Next:", *_folded(words), ""])
-
-
-def _has_closed_form(done: Imported) -> bool:
-    """Can the usual estimator solve the positions that were found?"""
-    from tumble.core import CoreRefusal, CoreSchedule
-
     present = set(done.matched.positions.tolist())
-    try:
+    try:  # can the usual estimator solve the positions that were found?
         CoreSchedule(done.schedule.part(index in present for index in range(len(done.schedule.positions)))).harmonic()
     except CoreRefusal:
-        return False
-    return True
-
-
-def _folded(words: Iterable[str]) -> list[str]:
-    """A command on lines that a shell joins: an option and its value stay together."""
+        words += ["--estimator", "least_squares"]
+    words += ["--out", os.path.join(os.path.dirname(run), "result.json")]  # which apply and report take
     program, verb, run, *chosen = map(shlex.quote, words)
     lines = [f"  {program} {verb}"]
     for option in (run, *map(" ".join, zip(chosen[::2], chosen[1::2]))):
@@ -279,4 +245,4 @@ def _folded(words: Iterable[str]) -> list[str]:
             lines.append(f"    {option}")
         else:
             lines[-1] += f" {option}"
-    return lines
+    return "\n".join(["", "Next:", *lines, ""])

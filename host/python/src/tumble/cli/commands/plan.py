@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from tumble.planning.case import Case
     from tumble.planning.optimize import Optimized
     from tumble.solving.uncertainty import Further
-    from tumble.terms import Terms
 
 DEFAULT_PROBABILITY = 0.95
 _LEAST_PROBABLE, _MOST_PROBABLE = 0.5, 0.9999  # few are served by less, and none is computed better than the last
@@ -41,8 +40,6 @@ FEWEST_RUNS, MOST_RUNS = 100, 10_000_000
 _FEWEST_MOUNTINGS, _MOST_MOUNTINGS = 2, 6
 _STEPS = ("15", "22.5", "45")
 _LONGEST_S = 1e6
-PUBLISHED = "published"
-DERIVED = "derived"
 
 
 def describe(parser: argparse.ArgumentParser) -> None:
@@ -56,51 +53,40 @@ def describe(parser: argparse.ArgumentParser) -> None:
         subject.set_defaults(run_command=run)
 
 
-def add_case_options(parser: argparse.ArgumentParser, choose_estimator: bool = True, extendable: bool = True) -> None:
-    """--stand, --schedule, --limit, --model if further terms may be found, --estimator if there is a choice of one."""
-    add_limit_options(parser)
-    options.add(parser, "--schedule")
-    if extendable:
-        options.add(parser, "--model")
-    if choose_estimator:
-        options.add(parser, "--estimator")
-
-
-def add_limit_options(parser: argparse.ArgumentParser) -> None:
-    """--stand and --limit."""
+def _add_case_options(parser: argparse.ArgumentParser, *more: str) -> None:
+    """--stand, --limit, and of the shared options `more`."""
     parser.add_argument("--stand", metavar="FILE", help="stand file (TOML); default: the paper's stand, equation (5)")
-    options.add(parser, "--limit")
+    options.add(parser, "--limit", *more)
 
 
-def add_probability(parser: argparse.ArgumentParser, what: str) -> None:
-    """--probability."""
+def _add_probability(parser: argparse.ArgumentParser, what: str) -> None:
     about = f"{what}; {_LEAST_PROBABLE:g} to {_MOST_PROBABLE:g}, default: {DEFAULT_PROBABILITY:g}"
     parser.add_argument("--probability", metavar="P", help=about)
 
 
-def parse_probability(text: str | None) -> float:
-    """The value of --probability. Raises UsageError."""
+def _parse_probability(text: str | None) -> float:
+    """Raises UsageError."""
     if text is None:
         return DEFAULT_PROBABILITY
     return options.parse_number(text, "--probability", _LEAST_PROBABLE, _MOST_PROBABLE)
 
 
-def add_weights_option(parser: argparse.ArgumentParser) -> None:
-    """--weights."""
+def _add_weights_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--weights",
-        choices=(PUBLISHED, DERIVED),
-        default=DERIVED,
+        choices=("published", "derived"),
+        default="derived",
         help="derived: the estimator's own, on the exact geometry (default); published: the paper's Tables 1 and 4",
     )
 
 
-def read_case(arguments: argparse.Namespace) -> Case:
-    """The planning.case.Case that the options describe. Raises TumbleError."""
+def _read_case(arguments: argparse.Namespace) -> Case:
+    """What the options describe. Raises TumbleError."""
     from tumble.planning.case import Case
 
     stand_file = schedule = None
-    limit_g = options.parse_limit(arguments.limit)
+    limit_g, model = options.parse_limit(arguments.limit), getattr(arguments, "model", None)
+    derived = getattr(arguments, "weights", "derived") == "derived"
     if arguments.stand is not None:
         from tumble.files.stand_file import read_stand
 
@@ -108,10 +94,12 @@ def read_case(arguments: argparse.Namespace) -> Case:
     if getattr(arguments, "schedule", None) is not None:
         from tumble.files.schedule_file import read_schedule
 
-        derived = getattr(arguments, "weights", DERIVED) == DERIVED
         estimator = getattr(arguments, "estimator", None) if derived else None
         schedule = read_schedule(arguments.schedule, estimator=estimator).data
-    case = replace(Case.of(stand_file, arguments.stand, schedule), terms=_terms(arguments))
+    case = Case.of(stand_file, arguments.stand, schedule)
+    if model is not None and not derived:
+        raise UsageError("--model: the paper's weights are for twelve coefficients (--weights derived)")
+    case = replace(case, terms=parse(model, getattr(arguments, "estimator", None)))
     if case.terms and hasattr(arguments, "schedule"):
         from tumble.solving.computation import require_told_apart
 
@@ -119,47 +107,35 @@ def read_case(arguments: argparse.Namespace) -> Case:
     return case if limit_g is None else replace(case, limit_g=limit_g)
 
 
-def _terms(arguments: argparse.Namespace) -> Terms:
-    """Of --model. Raises UsageError."""
-    text = getattr(arguments, "model", None)
-    if text is not None and getattr(arguments, "weights", DERIVED) == PUBLISHED:
-        raise UsageError("--model: the paper's weights are for twelve coefficients (--weights derived)")
-    return parse(text, getattr(arguments, "estimator", None))
-
-
-def parse_positive(text: str, option: str) -> float:
-    """A finite number above 0. Raises UsageError."""
+def _parse_positive(text: str, option: str) -> float:
     return options.parse_number(text, option, options.ABOVE_0, sys.float_info.max, "a number above 0")
 
 
-def write_json(plan: Plan) -> None:
-    """Print a plan as JSON."""
+def _print_json(plan: Plan) -> None:
     from tumble.documents.base import to_json
 
     sys.stdout.write(to_json(plan))
 
 
 def _describe_budget(parser: argparse.ArgumentParser) -> None:
-    """Describe `tumble plan budget` to argparse."""
     parser.description = "Error budget: what each source of error of a stand contributes to every coefficient."
-    add_case_options(parser)
-    add_weights_option(parser)
+    _add_case_options(parser, "--schedule", "--model", "--estimator")
+    _add_weights_option(parser)
 
 
-def run_budget(arguments: argparse.Namespace) -> int:
-    """Compute and print. Raises TumbleError."""
-    case = read_case(arguments)
+def _run_budget(arguments: argparse.Namespace) -> int:
+    case = _read_case(arguments)
     from tumble.planning import model_cost
     from tumble.planning.budget import budget, document
     from tumble.planning.promise import promise
 
     found = budget(case, arguments.weights, arguments.estimator)
-    derived = arguments.weights == DERIVED
-    promised = promise(case, arguments.estimator) if derived else None
-    unseen = case.reliability(arguments.estimator) if derived else None
+    promised = unseen = None
+    if arguments.weights == "derived":
+        promised, unseen = promise(case, arguments.estimator), case.reliability(arguments.estimator)
     further = model_cost.model_cost(case, arguments.estimator)
     if arguments.json:
-        write_json(document(found, case, promised, unseen, further))
+        _print_json(document(found, case, promised, unseen, further))
     else:
         _show_budget(found, case, promised, unseen, further)
     return EXIT_PASS
@@ -201,13 +177,12 @@ def _show_budget(
 
 
 def _describe_require(parser: argparse.ArgumentParser) -> None:
-    """Describe `tumble plan require` to argparse."""
     parser.description = (
         "Requirements: how bad each source of error of a stand may be for a limit of the gravity check."
     )
-    add_case_options(parser)
-    add_weights_option(parser)
-    add_probability(
+    _add_case_options(parser, "--schedule", "--model", "--estimator")
+    _add_weights_option(parser)
+    _add_probability(
         parser, "what is just enough: probability of passing, and of |a| within the limit at every attitude"
     )
     parser.add_argument(
@@ -218,10 +193,9 @@ def _describe_require(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def run_require(arguments: argparse.Namespace) -> int:
-    """Compute and print. Raises TumbleError."""
-    probability = parse_probability(arguments.probability)
-    case = read_case(arguments)
+def _run_require(arguments: argparse.Namespace) -> int:
+    probability = _parse_probability(arguments.probability)
+    case = _read_case(arguments)
     limit_g = case.limit_g
     split = _split(arguments.split, case, arguments.weights == "published")
 
@@ -239,7 +213,7 @@ def run_require(arguments: argparse.Namespace) -> int:
     further = model_cost.model_cost(case, arguments.estimator)
     plan = document(found, room, of_all, just, promised, case, *asked, further)
     if arguments.json:
-        write_json(plan)
+        _print_json(plan)
     else:
         show(plan, case)
         if further is not None:
@@ -262,14 +236,13 @@ def _split(text: str | None, case: Case, published: bool) -> Floats:
             raise UsageError(f"--split: {quoted(item)} is not SOURCE=PART with one of {', '.join(parts)}")
         if named.count(source.strip()) > 1:
             raise UsageError(f"--split: {source.strip()} is given twice")
-        parts[source.strip()] = parse_positive(part.strip(), "--split")
+        parts[source.strip()] = _parse_positive(part.strip(), "--split")
     return np.array(list(parts.values()))
 
 
 def _describe_optimize(parser: argparse.ArgumentParser) -> None:
-    """Describe `tumble plan optimize` to argparse."""
     parser.description = "The gain table of the optimal estimator for a stand, and how much better it is than refined."
-    add_case_options(parser, choose_estimator=False, extendable=False)
+    _add_case_options(parser, "--schedule")
     parser.set_defaults(estimator=OPTIMAL)
     options.refuse_model(
         parser,
@@ -287,26 +260,28 @@ def _describe_optimize(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def run_optimize(arguments: argparse.Namespace) -> int:
+def _run_optimize(arguments: argparse.Namespace) -> int:
     """Optimize and print. Returns the exit code; raises TumbleError.
 
     A table bears the serial of the block that it was made for, a gain record a CRC of it. That is for people: nothing
     checks it, as the firmware does not know which block is mounted.
     """
-    kind = _kind(arguments.out)
+    kind = next((ending for ending in (".json", ".h", ".bin") if (arguments.out or "").endswith(ending)), None)
+    if arguments.out is not None and kind is None:
+        raise UsageError(f"--out: {quoted(arguments.out)} ends in none of .json, .h, .bin")
 
     from tumble.files.disk import refuse_overwriting, write_bytes
     from tumble.planning import optimize
 
     refuse_overwriting(arguments.out, arguments.stand, file_of(arguments.schedule), arguments.result)
-    case = read_case(arguments)
+    case = _read_case(arguments)
     k = None if arguments.result is None else _last_known_k(arguments.result)
     found = optimize.optimize(case, k, _serial(arguments.stand))
     document = optimize.document(found)
     if kind is not None:
         write_bytes(arguments.out, _content(kind, found, document))
     if arguments.json:
-        write_json(document)
+        _print_json(document)
     else:
         _show_optimize(found)
     return EXIT_PASS
@@ -339,15 +314,6 @@ def _show_optimize(found: Optimized) -> None:
         out.print("Beware: the stand declares no noise; weights for 1e-9 g of it mean little.", style="yellow")
     for complaint in found.second_order.complaints:
         out.print(f"Beware: {complaint}", style="yellow")
-
-
-def _kind(out: str | None) -> str | None:
-    if out is None:
-        return None
-    kind = next((kind for kind in (".json", ".h", ".bin") if out.endswith(kind)), None)
-    if kind is None:
-        raise UsageError(f"--out: {quoted(out)} ends in none of .json, .h, .bin")
-    return kind
 
 
 def _content(kind: str, found: Optimized, document: Optimize) -> bytes:
@@ -386,14 +352,12 @@ def _serial(stand: str | None) -> str | None:
 
 
 def _describe_schedule(parser: argparse.ArgumentParser) -> None:
-    """Describe `tumble plan schedule` to argparse."""
     parser.description = (
         "The mountings, table angles and samples that reach a limit, or a worst standard uncertainty of"
         " |a|, in the least test time found; and what the built-in schedules take for the same."
     )
-    add_limit_options(parser)
-    options.add(parser, "--model")
-    add_probability(parser, "of keeping the limit: of passing the check, and of |a| within it at every attitude")
+    _add_case_options(parser, "--model")
+    _add_probability(parser, "of keeping the limit: of passing the check, and of |a| within it at every attitude")
     parser.add_argument(
         "--norm", metavar="G", help="reach this worst standard uncertainty of |a| over all attitudes, not a limit"
     )
@@ -418,14 +382,13 @@ def _describe_schedule(parser: argparse.ArgumentParser) -> None:
     options.add(parser, *options.WORKERS)
 
 
-def run_schedule(arguments: argparse.Namespace) -> int:
-    """Search and print. Raises TumbleError."""
+def _run_schedule(arguments: argparse.Namespace) -> int:
     if arguments.norm is not None and (arguments.limit is not None or arguments.probability is not None):
         raise UsageError("--norm: a worst u(|a|) takes the place of --limit and --probability")
     if arguments.out is not None and not arguments.out.endswith(".toml"):
         raise UsageError(f"--out: {quoted(arguments.out)} does not end in .toml")
-    norm_g = None if arguments.norm is None else parse_positive(arguments.norm, "--norm")
-    probability = parse_probability(arguments.probability)
+    norm_g = None if arguments.norm is None else _parse_positive(arguments.norm, "--norm")
+    probability = _parse_probability(arguments.probability)
     most = options.parse_whole(arguments.mountings, "--mountings", _FEWEST_MOUNTINGS, _MOST_MOUNTINGS)
     remounting = None
     if arguments.remounting is not None:
@@ -439,7 +402,7 @@ def run_schedule(arguments: argparse.Namespace) -> int:
     from tumble.planning.schedule_search import DEFAULT_REMOUNT_S, Goal, Pace, plan_schedule
 
     refuse_overwriting(arguments.out, arguments.stand)
-    case = read_case(arguments)
+    case = _read_case(arguments)
     stand_file = None if arguments.stand is None else read_stand(arguments.stand)
     pace = Pace.of(stand_file, DEFAULT_REMOUNT_S if remounting is None else remounting)
     goal, step_deg = Goal(norm_g, probability, arguments.estimator), float(arguments.angles)
@@ -449,14 +412,13 @@ def run_schedule(arguments: argparse.Namespace) -> int:
     if arguments.out is not None:
         write_text(arguments.out, to_toml(found.best.schedule))
     if arguments.json:
-        write_json(schedule_search.document(found, step_deg))
+        _print_json(schedule_search.document(found, step_deg))
     else:
         schedule_search.show(found, arguments.out, arguments.stand)
     return EXIT_PASS
 
 
 def _describe_validate(parser: argparse.ArgumentParser) -> None:
-    """Describe `tumble plan validate` to argparse."""
     parser.description = (
         "Monte Carlo: the firmware's estimators on simulated runs of the exact geometry. Bias, spread,"
         " coverage of the stated intervals, efficiency against the least possible spread."
@@ -465,7 +427,7 @@ def _describe_validate(parser: argparse.ArgumentParser) -> None:
         "Exit codes: 0 every figure within its limits, 1 not so, 2 bad input, 77 --plot cannot be drawn here,"
         " 130 interrupted."
     )
-    add_case_options(parser, choose_estimator=False)
+    _add_case_options(parser, "--schedule", "--model")
     parser.add_argument(
         "--estimator", choices=ESTIMATORS, metavar="NAME", help="one of them; default: all that the schedule allows"
     )
@@ -484,13 +446,12 @@ def _describe_validate(parser: argparse.ArgumentParser) -> None:
     options.add(parser, *options.WORKERS)
 
 
-def run_validate(arguments: argparse.Namespace) -> int:
-    """Simulate, judge, print. Returns the exit code; raises TumbleError."""
+def _run_validate(arguments: argparse.Namespace) -> int:
     runs = options.parse_whole(arguments.runs, "--runs", FEWEST_RUNS, MOST_RUNS)
     seed = options.parse_seed(arguments.seed)
     if arguments.plot is not None and not arguments.plot.endswith(".svg"):
         raise UsageError(f"--plot: {quoted(arguments.plot)} does not end in .svg")
-    case = read_case(arguments)
+    case = _read_case(arguments)
     if case.terms and arguments.table != "known":
         raise UsageError("--table run: not with --model; the second order makes up for weights made elsewhere")
 
@@ -514,7 +475,7 @@ def run_validate(arguments: argparse.Namespace) -> int:
     if arguments.plot is not None:
         write_text(arguments.plot, svg(histograms(found, f"{case.stand.name}: error over stated u, {runs} runs")))
     if arguments.json:
-        write_json(plan)
+        _print_json(plan)
     else:
         show(plan)
     return EXIT_PASS if plan.passed else EXIT_LIMITS_FAILED
@@ -532,17 +493,15 @@ def _estimators(arguments: argparse.Namespace, case: Case) -> tuple[str, ...]:
 
 
 def _describe_paper(parser: argparse.ArgumentParser) -> None:
-    """Describe `tumble plan paper` to argparse."""
     parser.description = "Tables 1 to 5 and formulas (6), (18) and (19) of the paper, computed again and compared."
     options.refuse_model(parser, "the paper's model has twelve coefficients; further terms are for other plans")
 
 
-def run_paper(arguments: argparse.Namespace) -> int:
-    """Compute and print."""
+def _run_paper(arguments: argparse.Namespace) -> int:
     from tumble.planning.paper import document, show
 
     if arguments.json:
-        write_json(document())
+        _print_json(document())
     else:
         show()
     return EXIT_PASS
@@ -552,19 +511,23 @@ _SUBJECTS: dict[str, tuple[str, Callable[[argparse.ArgumentParser], None], Calla
     "budget": (
         "error budget: contributions of every source to every coefficient, and their sum",
         _describe_budget,
-        run_budget,
+        _run_budget,
     ),
     "require": (
         "requirements: how bad each source may be for a limit of the gravity check",
         _describe_require,
-        run_require,
+        _run_require,
     ),
-    "optimize": ("the weights that are best for a stand: a gain table for `optimal`", _describe_optimize, run_optimize),
+    "optimize": (
+        "the weights that are best for a stand: a gain table for `optimal`",
+        _describe_optimize,
+        _run_optimize,
+    ),
     "schedule": (
         "the quickest schedule: mountings, table angles and samples for a limit",
         _describe_schedule,
-        run_schedule,
+        _run_schedule,
     ),
-    "validate": ("Monte Carlo: thousands of simulated runs against what they claim", _describe_validate, run_validate),
-    "paper": ("the paper, audited: its tables and formulas beside what they should be", _describe_paper, run_paper),
+    "validate": ("Monte Carlo: thousands of simulated runs against what they claim", _describe_validate, _run_validate),
+    "paper": ("the paper, audited: its tables and formulas beside what they should be", _describe_paper, _run_paper),
 }

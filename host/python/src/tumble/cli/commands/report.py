@@ -47,7 +47,9 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.files.disk import refuse_overwriting, write_bytes
     from tumble.files.run_layout import COLUMNS
 
-    _require_run_for_its_layout(arguments)
+    for name in ("columns", "delimiter", "decimal", "unit"):
+        if arguments.run is None and getattr(arguments, name) is not None:
+            raise UsageError(f"--{name} says how the run file is laid out: it needs --run RUN.csv")
     wishes = options.wishes(arguments, COLUMNS)
     inputs = arguments.result, arguments.run, arguments.template, arguments.logo, arguments.since
     refuse_overwriting(arguments.out, *inputs)
@@ -63,10 +65,3 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         write_bytes(arguments.out, text)
     return EXIT_PASS
-
-
-def _require_run_for_its_layout(arguments: argparse.Namespace) -> None:
-    """Raises UsageError for an option that says how a run file is laid out where there is none."""
-    for name in ("columns", "delimiter", "decimal", "unit"):
-        if arguments.run is None and getattr(arguments, name) is not None:
-            raise UsageError(f"--{name} says how the run file is laid out: it needs --run RUN.csv")

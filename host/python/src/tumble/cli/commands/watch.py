@@ -6,7 +6,6 @@ import argparse
 import sys
 import time
 from contextlib import ExitStack
-from functools import partial
 from typing import TYPE_CHECKING, TextIO
 
 from tumble import interruption
@@ -65,7 +64,11 @@ def run(arguments: argparse.Namespace) -> int:
     every_s = options.parse_number(arguments.every, "--every", _FASTEST_S, _SLOWEST_S)
     address = None if arguments.http is None else _address(arguments.http)
     if address is not None:
-        _require_server()
+        try:
+            import starlette  # noqa: F401
+            import uvicorn  # noqa: F401
+        except ImportError as error:
+            raise NotInstalled("--http", error.name or "a package", extra="watch") from None
     if arguments.source == _BENCH:
         return _bench(arguments, address)
     _refuse_options_of_bench(arguments)
@@ -84,15 +87,6 @@ def _address(text: str) -> tuple[str, int]:
     if not host or not port.isascii() or not port.isdigit() or int(port) > 65535:
         raise UsageError(f"--http: {quoted(text)} is not HOST:PORT, such as {_HTTP}; SOURCE comes before --http")
     return host.removeprefix("[").removesuffix("]"), int(port)
-
-
-def _require_server() -> None:
-    try:
-        import starlette
-        import uvicorn  # noqa: F401
-    except ImportError as error:
-        raise NotInstalled("--http", error.name or "a package", extra="watch") from None
-    assert starlette is not None
 
 
 def _refuse_options_of_bench(arguments: argparse.Namespace) -> None:
@@ -135,7 +129,12 @@ def _bench(arguments: argparse.Namespace, address: tuple[str, int] | None) -> in
     source = BenchRun(_pace(arguments))
     with ExitStack() as stack:
         follower = _shown(stack, source, _BENCH, _LOOK_S, address, sys.stderr)
-        source.when_over = follower.ask if address is not None else partial(_end, follower, stack)
+
+        def end() -> None:
+            follower.ask()
+            stack.close()
+
+        source.when_over = follower.ask if address is not None else end
         try:
             code = bench.run(arguments, source)
         except BenchFault as error:
@@ -147,11 +146,6 @@ def _bench(arguments: argparse.Namespace, address: tuple[str, int] | None) -> in
         if address is not None:
             _until_interrupted()
     return code
-
-
-def _end(follower: Follower, stack: ExitStack) -> None:
-    follower.ask()
-    stack.close()
 
 
 def _pace(arguments: argparse.Namespace) -> float:
