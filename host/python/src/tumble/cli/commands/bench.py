@@ -148,7 +148,7 @@ def run(arguments: argparse.Namespace, onlooker: Onlooker | None = None) -> int:
     scenario = setup.scenario_text(wanted, arguments.scenario, extra, arguments.set)
     gain_record = setup.gain_record(wanted) if wanted.estimator == OPTIMAL else None
     if arguments.runs is not None:
-        return _run_many(arguments, wanted.seed, scenario, gain_record)
+        return _run_many(arguments, scenario, gain_record)
     path = folder.default_path(wanted.seed) if arguments.out is None else arguments.out
     with folder.RunFolder(path, may_make_parent=folder.is_in_default_parent(path)) as made:
         scenario_path = made.add_inputs(given, scenario, gain_record)
@@ -182,15 +182,13 @@ def _require_one_way(arguments: argparse.Namespace) -> None:
         raise UsageError("--runs: runs inprocess alone, not on a real bus")
 
 
-def _run_many(arguments: argparse.Namespace, seed: int, scenario: str, gain_record: bytes | None) -> int:
+def _run_many(arguments: argparse.Namespace, scenario: str, gain_record: bytes | None) -> int:
     """Calibrate, and print lines as they come. Returns the exit code."""
     from tumble.cli.commands import campaign
     from tumble.world import campaigns
 
     options.parse_whole(arguments.jobs or "1", "--jobs", 1, options.MOST_WORKERS)
-    count = options.parse_whole(arguments.runs, "--runs", 1, campaign.MOST)
-    if seed + count - 1 > options.LARGEST_SEED:
-        raise UsageError("--runs: the seeds would go beyond 2^64 - 1")
+    seed, count = campaign.seeds(arguments, "--runs", arguments.runs)
     arguments.workers, arguments.cluster, arguments.resume, arguments.summary = arguments.jobs, None, None, False
     _world(arguments, seed, scenario, gain_record)  # what is refused is refused once
     job = campaigns.Runs(tuple(scenario.splitlines()), arguments.scenario or "scenario", False, gain_record)

@@ -13,7 +13,7 @@ from tumble.messages import tell
 if TYPE_CHECKING:
     from tumble.world.campaigns import Runs
 
-MOST = 1_000_000_000
+_MOST = 1_000_000_000
 _DEFAULT = "1000"
 
 
@@ -48,7 +48,7 @@ def describe(parser: argparse.ArgumentParser) -> None:
 
 def run_runs(arguments: argparse.Namespace) -> int:
     """Calibrate, and print lines as they come. Returns the exit code; raises TumbleError."""
-    seed, count = _seeds(arguments, "--runs", arguments.runs)
+    seed, count = seeds(arguments, "--runs", arguments.runs)
 
     from tumble.files.disk import read_bytes
     from tumble.world import campaigns
@@ -82,7 +82,7 @@ def print_runs(arguments: argparse.Namespace, job: Runs, seed: int, count: int) 
 
 def run_lives(arguments: argparse.Namespace) -> int:
     """Live, tell of violations as they come, print the document. Returns the exit code; raises TumbleError."""
-    seed, count = _seeds(arguments, "--lives", arguments.lives)
+    seed, count = seeds(arguments, "--lives", arguments.lives)
 
     from tumble.documents import bench
     from tumble.documents.base import to_json
@@ -103,9 +103,9 @@ def run_lives(arguments: argparse.Namespace) -> int:
     return code
 
 
-def _seeds(arguments: argparse.Namespace, option: str, text: str) -> tuple[int, int]:
+def seeds(arguments: argparse.Namespace, option: str, text: str) -> tuple[int, int]:
     """The first, and how many. Raises UsageError."""
-    seed, count = options.parse_seed(arguments.seed), options.parse_whole(text, option, 1, MOST)
+    seed, count = options.parse_seed(arguments.seed), options.parse_whole(text, option, 1, _MOST)
     if seed + count - 1 > options.LARGEST_SEED:
         raise UsageError(f"{option}: the seeds would go beyond 2^64 - 1")
     return seed, count

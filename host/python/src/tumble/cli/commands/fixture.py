@@ -68,13 +68,13 @@ def check(arguments: argparse.Namespace) -> int:
             raise UsageError(f"the run {quoted(run)} is given twice")
         seen.add(path)
 
+    from tumble.cli.output import warn
     from tumble.core import CoreSchedule, paper_schedule
     from tumble.documents.base import to_json
     from tumble.files.schedule_file import read_schedule
     from tumble.files.stand_file import read_stand
     from tumble.fixture import report
     from tumble.fixture.judge import Judge, Limits
-    from tumble.messages import tell
 
     stand_file = read_stand(arguments.stand)
     schedule = None
@@ -98,8 +98,7 @@ def check(arguments: argparse.Namespace) -> int:
         levelled=ONCE if once else ANEW,
         warnings=warnings,
     )
-    for sentence in warnings:
-        tell(f"tumble: warning: {sentence}")
+    warn(warnings)
     sys.stdout.write(to_json(found) if arguments.json else report.render(found, views))
     return EXIT_PASS if found.passed else EXIT_LIMITS_FAILED
 
