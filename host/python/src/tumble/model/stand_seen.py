@@ -271,7 +271,7 @@ def look(
         return StandSeen(noise, None, 0.0, run.angles(None, np.zeros(len(samples))), nothing, None)
     found = run.fit(sigma, variance)
     augmented = {name: found[name] for name in ANGLES}
-    others = {name: one for name, one in found.items() if isinstance(name, int)}
+    others = {int(name): one for name, one in found.items() if name not in ANGLES}
     return StandSeen(noise, alpha4, freedom, run.angles(sigma, variance), augmented, source, others)
 
 
