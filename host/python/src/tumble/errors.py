@@ -7,6 +7,7 @@ needs is not there   130 interrupted
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,12 @@ _LONGEST_QUOTE = 40
 _CHECKOUT = Path(__file__).parents[4]  # if this is one
 _PROFILES = {"plot": "plot", "report": "report", "watch": "watch", "client": "watch"}  # of tools/setup, by extra
 _ON_PYPI = {"can": "python-can cantools"}  # where more is to be installed than the one that was missed
+
+
+def listed(words: Sequence[object], last: str = "and") -> str:
+    """Such as "a, b and c"; at least one."""
+    *others, end = map(str, words)
+    return f"{', '.join(others)} {last} {end}" if others else end
 
 
 def quoted(text: object, longest: int = _LONGEST_QUOTE) -> str:

@@ -17,6 +17,7 @@ import textwrap
 import numpy as np
 
 from tumble.arrays import Floats
+from tumble.errors import listed
 from tumble.schedule import Mounting, Schedule
 
 RIGHT, AWAY, UP = range(3)
@@ -88,7 +89,7 @@ def face_up(mounting: Mounting, angle_deg: float) -> str:
     off = f", {_degrees(off_deg)} off" if off_deg > NEAR_DEG else ""
     if len(names) == 1:
         return f"face {names[0]}{off}"
-    return f"the {'edge' if len(names) == 2 else 'corner'} of faces {', '.join(names[:-1])} and {names[-1]}{off}"
+    return f"the {'edge' if len(names) == 2 else 'corner'} of faces {listed(names)}{off}"
 
 
 def _degrees(angle: float) -> str:

@@ -23,6 +23,7 @@ from tumble.errors import (
     NotInstalled,
     TumbleError,
     UsageError,
+    listed,
 )
 from tumble.messages import tell
 
@@ -119,7 +120,7 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
         action=_PrintCompletion,
         choices=SHELLS,
         metavar="SHELL",
-        help=f"print what makes {', '.join(SHELLS[:-1])} or {SHELLS[-1]} complete commands and options, and exit",
+        help=f"print what makes {listed(SHELLS, 'or')} complete commands and options, and exit",
     )
     all_of_them = words is None or any(word.startswith("--print-completion") for word in words)
     names = {name for one, command in COMMANDS.items() for name in (one, *command.aliases)}

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 from tumble.defaults import DEFAULT_CONFIDENCE, DEFAULT_ESTIMATOR, DEFAULT_LIMIT_G
-from tumble.errors import UsageError, quoted
+from tumble.errors import UsageError, listed, quoted
 from tumble.estimators import ESTIMATORS
 from tumble.messages import on_terminal
 from tumble.schedule import BUILT_IN
@@ -42,7 +42,7 @@ _SHARED: dict[str, dict[str, Any]] = {  # by option, what argparse is told; {}: 
         "choices": ESTIMATORS,
         "default": DEFAULT_ESTIMATOR,
         "metavar": "NAME",
-        "help": f"{', '.join(ESTIMATORS[:-1])} or {ESTIMATORS[-1]}; default: {DEFAULT_ESTIMATOR}{{}}",
+        "help": f"{listed(ESTIMATORS, 'or')}; default: {DEFAULT_ESTIMATOR}{{}}",
     },
     "--model": {
         "metavar": "TERM,...",
@@ -136,8 +136,7 @@ def require_ending(file: str | None, option: str, *endings: str) -> None:
     under `endings`. A name that promises none is taken as it is."""
     ending = "" if file is None else os.path.splitext(file)[1].lower()
     if ending in _PROMISING and ending not in endings:
-        listed = " or ".join([", ".join(endings[:-1]), endings[-1]] if len(endings) > 1 else endings)
-        raise UsageError(f"{option}: {quoted(file)} does not end in {listed}")
+        raise UsageError(f"{option}: {quoted(file)} does not end in {listed(endings, 'or')}")
 
 
 def parse_limit(text: str | None) -> float | None:

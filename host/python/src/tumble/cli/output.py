@@ -16,6 +16,7 @@ import numpy as np
 
 from tumble.api.solving import misfit_consequence, misfit_sentence, named, noise_notice, simulation_complaint
 from tumble.arrays import Floats
+from tumble.errors import listed
 from tumble.estimators import COEFFICIENTS, HARMONIC
 from tumble.files.rows import OF_ENVIRONMENT, OF_RUN_FILE
 from tumble.fixture.judge import Limits
@@ -369,8 +370,7 @@ def _cost_of_terms(further: Further) -> list[str]:
             sizes = f"{before[worst] / scale[worst]:.3g} -> {after[worst] / scale[worst]:.3g}"
             parts.append(f"u({COEFFICIENTS[worst]}) {sizes} {unit}")
     parts.append(f"worst u(|a|) {without.worst.worst * 1e6:.3g} -> {now.worst * 1e6:.3g} ug")
-    listed = " and ".join([*filter(None, [", ".join(further.terms[:-1])]), further.terms[-1]])
-    return textwrap.wrap(f"Because of {listed}: {', '.join(parts)}", _COLUMNS, break_on_hyphens=False)
+    return textwrap.wrap(f"Because of {listed(further.terms)}: {', '.join(parts)}", _COLUMNS, break_on_hyphens=False)
 
 
 def _simulated(found: MonteCarlo) -> list[str]:

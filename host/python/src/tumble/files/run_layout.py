@@ -11,7 +11,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from tumble.errors import BadInput, quoted
+from tumble.errors import BadInput, listed, quoted
 from tumble.files.disk import JSON, TOML
 from tumble.units import UNIT, are_at_odds, spelled
 
@@ -269,11 +269,11 @@ def find_all(names: list[str], wishes: Wishes, is_text: bool = True) -> tuple[in
             alike = [wanted for wanted, its in found.items() if its == index]
             if len(alike) > 1:
                 name = quoted(names[index or 0])
-                raise ValueError(f"column {name} is named for {_listed(alike)}; each has one of its own")
+                raise ValueError(f"column {name} is named for {listed(alike)}; each has one of its own")
         return tuple(index for wanted, index in found.items() if index is not None and wanted != TEMPERATURE)
     told = [wanted for wanted in missing if wanted in renamed]
     plain = [wanted for wanted in missing if wanted not in renamed]
-    asked = [f"{_columns([quoted(renamed[wanted]) for wanted in told])} (for {_listed(told)})"] if told else []
+    asked = [f"{_columns([quoted(renamed[wanted]) for wanted in told])} (for {listed(told)})"] if told else []
     header = quoted(",".join(names), _LONGEST_HEADER)
     said = f"{' and '.join([*asked, *([_columns(plain)] if plain else [])])} among {header}"
     if len(names) == 1 and is_text:
@@ -288,11 +288,7 @@ def find_all(names: list[str], wishes: Wishes, is_text: bool = True) -> tuple[in
 
 
 def _columns(names: list[str]) -> str:
-    return f"no column{'s' if len(names) > 1 else ''} {_listed(names)}"
-
-
-def _listed(names: list[str]) -> str:
-    return " and ".join([", ".join(names[:-1]), names[-1]]) if len(names) > 1 else names[0]
+    return f"no column{'s' if len(names) > 1 else ''} {listed(names)}"
 
 
 def find_column(wanted: str, names: list[str], renamed: dict[str, str]) -> int | None:

@@ -139,9 +139,11 @@ class _Matcher:
         """The one that is claimed, if it fits and nothing else does better, or as well. Raises Doubtful."""
         rough = attitudes.scale_and_bias(self._rests.means[self._used])
         if rough is None:
+            used = int(self._used.sum())
+            shown = "1 rest does" if used == 1 else f"{used} rests do"
             raise Doubtful(
-                f"{int(self._used.sum())} rests do not show scale and bias of every channel: give the recordings of "
-                "all mountings together, or see whether --still, --drift or --min-rest hide some"
+                f"{shown} not show scale and bias of every channel: give the recordings of all mountings together, or "
+                "see whether --still, --drift or --min-rest hide some"
             )
         self._rough = rough
         own = self._hypothesis(View(signs=self._signs), self._claims.order)

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec
 import numpy as np
 
 from tumble.arrays import Floats, Integers
-from tumble.errors import NotInstalled, UsageError, quoted
+from tumble.errors import NotInstalled, UsageError, listed, quoted
 from tumble.units import volts_per
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ def require_format(file: str, option: str) -> None:
     """Raises UsageError for a file that is not of FORMATS, NotInstalled where matplotlib is not there. `option`: what
     the user calls it."""
     if not file.lower().endswith(FORMATS):
-        raise UsageError(f"{option}: {quoted(file)} does not end in {', '.join(FORMATS[:-1])} or {FORMATS[-1]}")
+        raise UsageError(f"{option}: {quoted(file)} does not end in {listed(FORMATS, 'or')}")
     require(option)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from tumble import core
 from tumble.arrays import Flags, Floats
 from tumble.core.binding import GainRecord, estimate_runs as core_runs, optimal_runs
-from tumble.errors import BadInput, Disagreement, UsageError
+from tumble.errors import BadInput, Disagreement, UsageError, listed
 from tumble.estimators import OPTIMAL
 from tumble.model import coefficients, estimators
 from tumble.model.coefficients import NotSolvable, linear_outputs
@@ -213,7 +213,7 @@ def _require(name: str, core: Floats | float | None, witness: Floats | float | N
 
 def confused(schedule: Schedule, terms: Terms) -> str | None:
     """What the fit positions cannot tell apart, in words; None where they can."""
-    found = [f"{', '.join(them[:-1])} and {them[-1]}" for them in estimators.confused(schedule, terms)]
+    found = [listed(them) for them in estimators.confused(schedule, terms)]
     return f"these positions cannot tell apart {', nor '.join(found)}" if found else None
 
 

@@ -21,7 +21,7 @@ from tumble import core
 from tumble.arrays import Floats
 from tumble.defaults import DEFAULT_COVERAGE_FACTOR
 from tumble.documents.result import Remedy, Result
-from tumble.errors import UsageError
+from tumble.errors import UsageError, listed
 from tumble.estimators import COEFFICIENTS, OPTIMAL
 from tumble.model.coefficients import worst_norm
 from tumble.model.geometry import built_in
@@ -174,8 +174,7 @@ class Decision:
         if self.is_not_shown:
             return f": {self.comparison}"
         if not self.passed:
-            *others, last = (_NAMES.get(one, one) for one in self.failures)
-            return f": {', '.join(others)} and {last}" if others else f": {last}"
+            return f": {listed([_NAMES.get(one, one) for one in self.failures])}"
         rests_on = phrase(self.assumes)
         return f"{self.where};{rests_on.removeprefix(',')}" if self.where and rests_on else self.where + rests_on
 

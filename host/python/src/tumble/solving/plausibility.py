@@ -23,7 +23,7 @@ from tumble.arrays import Flags, Floats
 from tumble.core import AXES
 from tumble.distributions import student_quantile
 from tumble.documents.result import Temperature
-from tumble.errors import BadInput
+from tumble.errors import BadInput, listed
 from tumble.files.rows import OF_ENVIRONMENT, Temperatures
 from tumble.files.run_file import Run
 from tumble.files.stand_file import StandFile
@@ -329,8 +329,7 @@ def _stand_mistakes(schedule: Schedule) -> Iterator[tuple[Mistake, tuple[Positio
     for order in orders:
         truly = dict(zip(numbers, order))
         moved = [number for number in numbers if truly[number] != number]
-        listed = f"{', '.join(map(str, moved[:-1]))} and {moved[-1]}" if moved else ""
-        exchanged = Mistake(max(0, len(moved) - 1), (f"mountings {listed} look exchanged",) if moved else ())
+        exchanged = Mistake(max(0, len(moved) - 1), (f"mountings {listed(moved)} look exchanged",) if moved else ())
         positions = tuple(replace(position, mounting=truly[position.mounting]) for position in told)
         if moved:
             yield exchanged, positions
