@@ -14,6 +14,7 @@ from tumble.documents.fixture import Verdict
 from tumble.files.run_file import Run
 from tumble.files.stand_file import read_stand
 from tumble.fixture.judge import Judge, Limits, RunView, combine, covariances, levelled_once
+from tumble.model.propagation import Propagation
 from tumble.solving import noise
 from tumble.solving.computation import compute
 from tumble.solving.solution import Solution, solve
@@ -56,7 +57,9 @@ def by_core(run, declared):
     """As much of a solution as verdicts and combinations use, by the core alone: for statistics of many runs. Whether
     the witness agrees, and what excuses the stand, is the question of other tests, and of the long versions."""
     found = compute(PAPER, run.means, run.measured, "refined", 1.0)
-    return Solution(PAPER.data, run, 1.0, found, None, declared, None, noise.look(run, declared, 0.0))
+    seen = noise.look(run, declared, 0.0)
+    propagation = Propagation(PAPER.data, found.k, declared, run.samples, found.estimator)
+    return Solution(PAPER.data, run, 1.0, found, None, declared, None, seen, propagation)
 
 
 def views_of(runs, declared):

@@ -333,7 +333,7 @@ DEFECTS = {
 def test_core_and_numpy_find_the_same_chi_squared(terms):
     """Of noisy runs with such terms, by ways that have little in common."""
     rng = np.random.default_rng(930)
-    declared, measured = read_stand(str(EXAMPLES / "paper_stand.toml")).stand.beside(terms), np.ones(18, dtype=bool)
+    declared, measured = read_stand(str(EXAMPLES / "paper_stand.toml")).stand.without(terms), np.ones(18, dtype=bool)
     schedule, variance = core.CoreSchedule.built_in("paper"), np.full((18, 3), declared.noise**2 / 50)
     for _ in range(5):
         sizes = 1e-4 * rng.normal(size=(len(terms), 3))

@@ -16,7 +16,6 @@ from test_report import drawn, solve  # noqa: F401 # a fixture
 
 import tumble as package
 from tumble.api.result import Result
-from tumble.cli.commands import bench
 from tumble.cli.main import main
 from tumble.errors import BadInput, UsageError
 from tumble.report.make import context
@@ -327,7 +326,7 @@ def test_a_report_that_fails_costs_no_run(options, code, tmp_path, monkeypatch, 
         raise BadInput("cannot be drawn", "result")
 
     monkeypatch.delenv("TUMBLE_NO_REPORT")
-    monkeypatch.setattr(bench, "_report", fail)
+    monkeypatch.setattr(Result, "reported", fail)
     assert main(["bench", "--out", str(tmp_path / "run"), *options]) == code
     assert "result: cannot be drawn\n" in capsys.readouterr().err
     assert (tmp_path / "run/result.json").exists() == (code == 0)

@@ -325,7 +325,7 @@ def test_what_the_coefficients_take_up_does_not_show_by_the_angles_of_the_stand(
     schedule, stand = built_in("diagonal"), stand_named("lab")
     means = Geometry(schedule).outputs(NOMINAL_K, U0, alpha2=1e-3, alpha3=np.array([3e-3, -2e-3, 1e-3]))
     model = WholeModel(schedule, means, variance_of_means(stand, np.full(12, 25), 0.0), stand)
-    scores = {one.name: model.score(one.columns(model.scene)[0], model.beside({})).freedom for one in PATTERNS}
+    scores = {one.name: model.score(one.columns(model.scene)[0], model.given({})).freedom for one in PATTERNS}
     assert scores["k3"] == 0 and scores["k2"] == 3 and scores["alpha2_plus_alpha3_rad"] == 1
 
 

@@ -164,7 +164,7 @@ class Stand:
         by_unit: dict[str, Any] = {name: over(getattr(self, name), volts) for name in (*PER_CHANNEL, "rounding")}
         return replace(self, **by_unit)
 
-    def beside(self, terms: Terms) -> Stand:
+    def without(self, terms: Terms) -> Stand:
         """This stand without what further `terms` of a model have as unknowns, whatever its size: its drift."""
         return replace(self, drift=0.0) if DRIFT in terms else self
 

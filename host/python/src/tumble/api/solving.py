@@ -55,18 +55,20 @@ class Solved:
     created: str | None
     run_file: str | None
 
-    def complaints(self, solution: Solution | None = None) -> list[str]:
-        """Why it may not be what it claims; `solution`: if more has been found since."""
+    @property
+    def complaints(self) -> list[str]:
+        """Why it may not be what it claims."""
         file = self.stand_file
         is_declared = file is not None and file.block is not None  # then K is the declared one where nothing is odd
         confirmed = is_declared and plausibility.examine(self.solution, file) == plausibility.Plausibility()
-        return complaints(solution or self.solution, self.odd, confirmed)
+        return complaints(self.solution, self.odd, confirmed)
 
-    def document(self, solution: Solution | None = None) -> ResultDocument:
-        """As it is written, schema tumble.result/1; `solution` as of `complaints`."""
-        file, told_of = self.stand_file, self.complaints(solution)
+    @property
+    def document(self) -> ResultDocument:
+        """As it is written, schema tumble.result/1."""
+        file = self.stand_file
         told = (None, None, None) if file is None else (file.item, file.environment, file.serial)
-        return document_of(solution or self.solution, *told, self.run_file, self.created, told_of)
+        return document_of(self.solution, *told, self.run_file, self.created, self.complaints)
 
 
 def solved(
@@ -157,7 +159,7 @@ def solve(
             confidence=confidence,
             terms=parse(as_list(model), estimator),
         )
-        return Result(to_json(found.document()), tuple(found.complaints()))
+        return Result(to_json(found.document), tuple(found.complaints))
 
 
 def complaints(solution: Solution, odd: Sequence[str] = (), confirmed_unit: bool = False) -> list[str]:

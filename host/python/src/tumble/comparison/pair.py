@@ -137,7 +137,7 @@ class Side:
             return None
         part = schedule.part([place in samples for place in places])
         rows = np.array([samples[place] for place in places if place in samples])
-        declared = one_stand.stand.beside(self.terms).in_unit(document.unit)
+        declared = one_stand.stand.without(self.terms).in_unit(document.unit)
         step = over(one_stand.step_v or 0.0, volts_per(document.unit))
         given = Propagation(part, k, declared, rows, document.estimator, step, self.terms)
         try:

@@ -31,7 +31,6 @@ from tumble.terms import Terms
 
 PASSES = 4
 _FLOOR_G = 1e-7
-_LARGEST_RAD = 0.1
 _NULL = 1e-7
 _INESTIMABLE = 1e-6
 _SHOWN = 0.01
@@ -66,7 +65,7 @@ class WholeModel:
         names = [name for name in declared(stand) if name != NOISE]
         self._errors = Errors(self.schedule, of_stand(self.schedule, self.k, stand, names))
         self._sigma = self._errors.sigma
-        self._largest = np.full(len(self._sigma), _LARGEST_RAD)
+        self._largest = np.full(len(self._sigma), LARGEST_ERROR_RAD)
         for name in set(OF_OUTPUTS) & set(names):
             self._largest[self._errors.of[name]] = np.inf
         self._x = np.zeros(len(self._sigma))  # rad, or as outputs are
@@ -118,7 +117,7 @@ class WholeModel:
         seen &= length > _NULL * length.max(initial=0.0)
         return np.where(seen, shown, 0.0)
 
-    def beside(self, besides: Columns) -> tuple[Floats, Floats]:
+    def given(self, besides: Columns) -> tuple[Floats, Floats]:
         """The space of other patterns that are there `besides`, (freedom, their rank), and what remains of `rest`."""
         known = basis(self.whitened(besides)) if besides else np.zeros((len(self.rest), 0))
         return known, self.rest - known @ (known.T @ self.rest)
@@ -264,7 +263,7 @@ class _Search:
     def run(self) -> Iterator[Explanation]:
         """Explanations, in the order in which they are found."""
         while True:
-            rest = self._model.beside(self._known)[1]
+            rest = self._model.given(self._known)[1]
             fits = chi_squared_above(float(rest @ rest), self._model.freedom) >= 1.0 - self._confidence
             found = {one.pattern.name: one for one in map(self._candidate, PATTERNS) if one is not None}
             log_p = {name: one.log_p for name, one in found.items() if name in self._left}
@@ -296,7 +295,7 @@ class _Search:
             for name in SYSTEMATIC:
                 columns = BY_NAME[name].columns(self._model.scene)[0]
                 besides |= {f"{name} {label}": one for label, one in columns.items()}
-        beside = self._model.beside(besides)  # of which a pattern may have many places
+        beside = self._model.given(besides)  # of which a pattern may have many places
         tested = [(self._model.score(one, beside), one) for one in pattern.columns(self._model.scene)]
         shown = [(score, columns) for score, columns in tested if score.freedom > 0 and self._is_small(pattern, score)]
         if not shown:
@@ -325,7 +324,7 @@ class _Search:
         angles = np.linalg.svd(spaces[0].T @ spaces[1], compute_uv=False)
         wider = spaces[1].shape[1] > spaces[0].shape[1] and bool((angles > _CONTAINED).all())
         besides = {**self._known, **{f"other {label}": column for label, column in other.columns.items()}}
-        score = self._model.score(one.columns, self._model.beside(besides))
+        score = self._model.score(one.columns, self._model.given(besides))
         needed = len(self._left) * one.places * math.exp(score.log_p) <= EXPLAINED
         return not wider and not needed and float(angles.max(initial=0.0)) >= ALIKE
 

@@ -129,15 +129,15 @@ class Comparison:
 def compare(
     found: Computation,
     schedule: Schedule,
-    outputs: Floats,
     means: Floats,
+    linear: Floats,
     delta_g: Floats,
     optimal: OptimalEstimate | None = None,
 ) -> Comparison:
     """Compute all of it again and compare. Raises Disagreement, naming the quantity that differs.
 
-    `schedule`, `outputs` (positions, 3) and the core's `delta_g` (positions,) hold the measured positions only;
-    `means`: the outputs without further terms.
+    `schedule`, `means` (positions, 3) and the core's `delta_g` (positions,) hold the measured positions only; `linear`:
+    the means without further terms.
     `optimal`: what the witness of the optimal estimator found, where that is the one in use.
 
     Coefficients may differ by 1e-12 of max|K|, or where that is coarser by 16 times the last bit of the largest output
@@ -145,7 +145,7 @@ def compare(
     1e-6 of their standard uncertainty, or by that bit as its weights magnify it. What follows from the coefficients may
     differ by ten times that, times the condition of K where K is inverted or its rows are compared.
     """
-    largest = np.abs(outputs).max()
+    largest = np.abs(means).max()
     if optimal is not None:
         k, u0, sizes = optimal.k, optimal.u0, optimal.sizes
         magnified = _MAGNIFIED_BITS + _SINGLE_BIT * optimal.largest_angle**2
@@ -153,7 +153,7 @@ def compare(
         u_of_all = optimal.u_k, optimal.u_u0, optimal.u_sizes
         allowed_k, allowed_u0, allowed_sizes = (np.maximum(OPTIMAL_LIMIT_U * u, bits) for u in u_of_all)
     else:
-        numbers = unknowns(schedule, outputs, found.estimator, found.terms)
+        numbers = unknowns(schedule, means, found.estimator, found.terms)
         k, u0, sizes = numbers[:9].reshape(3, 3), numbers[9:12], numbers[12:].reshape(-1, 3)
         bits = max(_LAST_BITS, _MAGNIFIED_BITS * magnification(schedule, found.terms)) * float(largest)
         allowed_k = allowed_u0 = np.array(max(RELATIVE_LIMIT * np.abs(k).max(), bits))
@@ -167,20 +167,20 @@ def compare(
     relative = max(allowed_k.max(), allowed_u0.max(), allowed_sizes.max(initial=0.0)) / largest_k
     follows = _DERIVED * relative
     conditioned = follows * largest_k * np.linalg.norm(np.linalg.inv(k), 2)
-    force: Floats = np.linalg.solve(k, (means - u0).T).T.astype(float)
+    force: Floats = np.linalg.solve(k, (linear - u0).T).T.astype(float)
     largest_force = np.abs(force).max()
     if found.terms:  # found step by step, they add up in one
         added = np.tensordot(found.sizes.ravel(), columns_at(force, found.terms), axes=1)
-        _require("U with further terms", means + added, outputs, conditioned * largest_k)
-    _require("delta_g", delta_g, coefficients.gravity_errors(means, k, u0), conditioned * max(1.0, largest_force**2))
+        _require("U with further terms", linear + added, means, conditioned * largest_k)
+    _require("delta_g", delta_g, coefficients.gravity_errors(linear, k, u0), conditioned * max(1.0, largest_force**2))
     scale, angles, bias = coefficients.intrinsic(k, u0)
     _require("intrinsic scale", found.intrinsic.scale, scale, follows * largest_k)
     _require("intrinsic angle_rad", found.intrinsic.angles, angles, conditioned)
     _require("intrinsic bias_g", found.intrinsic.bias, bias, conditioned * (1.0 + np.abs(bias).max()))
-    rms = coefficients.residual_rms(schedule, means, k, u0, 4 + len(found.terms))
+    rms = coefficients.residual_rms(schedule, linear, k, u0, 4 + len(found.terms))
     _require("residual_rms", found.residual_rms, rms, follows * largest_k)
     for mounting in schedule.mountings:
-        closure = coefficients.closure(schedule, outputs, mounting.number)
+        closure = coefficients.closure(schedule, means, mounting.number)
         _require(f"closure of mounting {mounting.number}", found.closure.get(mounting.number), closure, 0.0)
     return Comparison(found.k - k, found.u0 - u0, found.sizes - sizes)
 

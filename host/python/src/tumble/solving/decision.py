@@ -317,7 +317,7 @@ class Question:
 
 def would_show(solution: Solution) -> list[Remedy]:
     """Of a solution whose uncertainty is beyond the limit."""
-    variance, rounding = solution.noise.mean_variance[solution.run.measured], solution.noise.rounding**2
+    variance, rounding = solution.mean_variance, solution.noise.rounding**2
     rule = solution.limit_g, solution.coverage_factor
     return Question(solution.propagation, variance, rounding, *rule).answers()
 

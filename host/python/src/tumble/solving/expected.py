@@ -82,7 +82,7 @@ def expected(result: Result, schedule: Schedule, declared: Stand, step_v: PerCha
         raise UsageError("stand: the result was solved without one")
     unit, k, estimator, terms = result.unit, result.K, result.estimator, terms_of(result)
     step = over(step_v, volts_per(unit))
-    stand = declared.beside(terms).in_unit(unit).with_step(step)
+    stand = declared.without(terms).in_unit(unit).with_step(step)
     samples = np.array([one.samples for one in result.means])
     variance, is_told = _mean_variance(result, declared.in_unit(unit), samples, step)
     if estimator == OPTIMAL:  # as its weights have it

@@ -64,7 +64,8 @@ class Solution:
     """Everything known after a run: one row per position of `schedule`, in its order.
 
     `found`: by the core; `comparison`: with the witness; `stand`: the declared one; `stand_seen`: the stand as the run
-    shows it, in the unit of the run; `noise`: what the samples show of it; `fit`: whether the run fits the declared
+    shows it, in the unit of the run; `noise`: what the samples show of it; `propagation`: how errors reach the
+    estimate, those of the declared stand, in the unit of the run, or of none; `fit`: whether the run fits the declared
     stand; `stated`: the uncertainties, None without a declared stand; `scatter_alone`: without one, those that the
     noise of the samples leaves if the stand has no errors at all, None where it is not known; `truth`: None for a run
     that was measured; `step`: of the converter, in the unit of the run, 0: unknown; `monte_carlo`: None where nobody
@@ -81,6 +82,7 @@ class Solution:
     stand: Stand | None
     stand_seen: StandSeen
     noise: Noise
+    propagation: Propagation
     fit: Fit | None = None
     stated: Stated | None = None
     scatter_alone: Stated | None = None
@@ -106,17 +108,21 @@ class Solution:
         """Of K row by row and U0 (12, 12); None without a declared stand."""
         return None if self.stated is None else self.stated.covariance[:12, :12]
 
-    @property
+    @cached_property
     def measured_schedule(self) -> Schedule:
         """The schedule without the positions that the run does not have."""
         return self.schedule.part(self.run.measured)
 
     @property
     def declared(self) -> Stand:
-        """What is declared of the errors beside the unknowns, in the unit of the run; for whoever knows that there is a
-        stand."""
+        """What is declared of the errors that are no unknowns, in the unit of the run. Only where there is a stand."""
         assert self.stand is not None
-        return self.stand.beside(self.found.terms).in_unit(self.run.unit)
+        return self.stand.without(self.found.terms).in_unit(self.run.unit)
+
+    @property
+    def mean_variance(self) -> Floats:
+        """Of the means by the noise (measured positions, 3)."""
+        return self.noise.mean_variance[self.run.measured]
 
     @cached_property
     def second_order(self) -> SecondOrder | None:
@@ -133,34 +139,23 @@ class Solution:
         return reliability(self.propagation, self.fit.confidence, self.noise.rounding)
 
     @cached_property
-    def propagation(self) -> Propagation:
-        """How errors reach the estimate: those of the declared stand, in the unit of the run, or of none."""
-        stand = NO_STAND if self.stand is None else self.declared.with_step(self.step)
-        samples = self.run.samples[self.run.measured]
-        given = self.measured_schedule, self.found.k, stand, samples, self.found.estimator, self.step
-        return Propagation(*given, self.found.terms)
-
-    @cached_property
     def coverage(self) -> Coverage | None:
         """How well the uncertainties are known, of a stand or by scatter alone; None where there are none."""
         if self.u_k is None and self.scatter_alone is None:
             return None
-        given = self.propagation
         by_twelve = by_intrinsic(self.found.k, self.found.u0)
-        return coverage(self.noise, self.run.measured, given, by_twelve)
+        return coverage(self.noise, self.run.measured, self.propagation, by_twelve)
 
     def simulated(self, runs: int, seed: int, team: Team = ALONE, progress: Progress = lambda runs: None) -> Solution:
         """This solution with its `monte_carlo`, by a team; it has a declared stand. Raises UsageError."""
-        variance = self.noise.mean_variance[self.run.measured]
-        given = self.propagation, self.found.u0, self._u, runs, seed, variance
+        given = self.propagation, self.found.u0, self._u, runs, seed, self.mean_variance
         return replace(self, monte_carlo=simulate(*given, team, progress))
 
     @property
     def drawn_from(self) -> dict[str, Any]:
-        """All that its simulated runs depend on, beside their seed; for whoever knows that there is a stand."""
+        """All that its simulated runs depend on, beside their seed. Only where there is a stand."""
         given = {one.name: getattr(self.propagation, one.name) for one in fields(self.propagation)}
-        variance = self.noise.mean_variance[self.run.measured]
-        return {**given, "u0": self.found.u0, "u": self._u, "mean_variance": variance}
+        return {**given, "u0": self.found.u0, "u": self._u, "mean_variance": self.mean_variance}
 
     @property
     def channel_noise(self) -> ChannelNoise | None:
@@ -225,26 +220,25 @@ def solve(
     witness does not confirm the core.
     """
     step = over(step_v, volts_per(run.unit))
-    declared = None if stand is None else stand.beside(terms).in_unit(run.unit)
-    stand_with_step = None if declared is None else declared.with_step(step)
+    in_unit = None if stand is None else stand.without(terms).in_unit(run.unit)
+    declared = None if in_unit is None else in_unit.with_step(step)  # with the rounding of its converter
     core_schedule = schedule or core.CoreSchedule.built_in("paper")
     own = core_schedule.data if core_schedule.name is None else built_in(core_schedule.name)  # of the witness
     witness_schedule = own.part(run.measured)
     means, samples, scatter = run.means[run.measured], run.samples[run.measured], run.scatter[run.measured]
-    noise = look_at_noise(run, declared, step)
+    noise = look_at_noise(run, in_unit, step)
     variance = noise.mean_variance[run.measured]
 
     # The core computes.
-    weighting = None
-    if estimator == OPTIMAL and stand_with_step is not None:
-        weighting = optimal_run.Weighting(stand_with_step, run.samples, step, known)
+    weighting = model = optimal = None
+    if estimator == OPTIMAL and declared is not None:
+        weighting = optimal_run.Weighting(declared, run.samples, step, known)
     found = _by_core(core_schedule, witness_schedule, run, estimator, limit_g, weighting, terms, file)
 
     # The witness confirms.
-    model = optimal = None
-    if stand_with_step is not None:
-        of_means = variance_of_means(stand_with_step, run.samples, noise.rounding)[run.measured]
-        model = WholeModel(witness_schedule, means, of_means, stand_with_step, terms)
+    if declared is not None:
+        of_means = variance_of_means(declared, run.samples, noise.rounding)[run.measured]
+        model = WholeModel(witness_schedule, means, of_means, declared, terms)
         if weighting is not None:
             optimal = _by_numpy(model, witness_schedule, means, samples, weighting, variance, file)
     linear = found.linear[run.measured]
@@ -252,19 +246,19 @@ def solve(
 
     # Uncertainties: of the declared stand, or of the scatter alone.
     uncertainties = None
-    if stand_with_step is not None or noise.is_known:
-        given = Propagation(witness_schedule, found.k, stand_with_step or NO_STAND, samples, estimator, step, terms)
-        uncertainties = confirmed(given, core_schedule, run.measured, variance, optimal, file)
+    propagation = Propagation(witness_schedule, found.k, declared or NO_STAND, samples, estimator, step, terms)
+    if declared is not None or noise.is_known:
+        uncertainties = confirmed(propagation, core_schedule, run.measured, variance, optimal, file)
     stated = None if stand is None else uncertainties
     of_terms = (None, None) if stated is None else (stated.covariance, stated.without)
 
     # The stand as the run shows it, and whether it is the declared one.
-    alike = None if stand_with_step is None else stand_to_look_with(stand_with_step, found.k)
-    shown = RunSeen(witness_schedule, linear, found.k, core_schedule.data, weights := weights_of(alike))
-    seen, fit = look_at_stand(shown, pooled_noise(samples, scatter * weights), samples, alike, True, variance), None
-    if terms:  # which have much in common with the angles: after them a run does not tell these any more
-        none = dict.fromkeys(ANGLES)
-        seen = replace(seen, angles=none, augmented=none, other_yaw_changes={}, source=None)
+    alike = None if declared is None else stand_to_look_with(declared, found.k)
+    weights, fit = weights_of(alike), None
+    shown = RunSeen(witness_schedule, linear, found.k, core_schedule.data, weights)
+    seen = look_at_stand(shown, pooled_noise(samples, scatter * weights), samples, alike, True, variance)
+    if terms:
+        seen = without_angles(seen)
     if alike is not None and model is not None:
         fit = judge(model, confidence, seen, sampled_patterns(noise, run, seen.noise, alike, step))
     return Solution(
@@ -276,6 +270,7 @@ def solve(
         stand=stand,
         stand_seen=replace(seen, alpha4=None, alpha4_freedom=0.0) if terms else seen,
         noise=noise,
+        propagation=propagation,
         fit=fit,
         stated=stated,
         scatter_alone=uncertainties if stand is None else None,
@@ -283,6 +278,13 @@ def solve(
         further=Further(terms, found.k, found.sizes, comparison.sizes, *of_terms) if terms else None,
         coverage_factor=coverage_factor,
     )
+
+
+def without_angles(seen: StandSeen) -> StandSeen:
+    """Further terms have much in common with the angles of a stand: beside them a run does not tell these any more. The
+    error of a set angle is still asked for by `judge`."""
+    none = dict.fromkeys(ANGLES)
+    return replace(seen, angles=none, augmented=none, other_yaw_changes={}, source=None)
 
 
 def _by_core(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from tumble.cli import options
@@ -77,15 +78,15 @@ def run(arguments: argparse.Namespace) -> int:
         confidence=confidence,
         terms=terms,
     )
-    solution = found.solution if runs is None else _simulated(arguments, found.solution, runs, seed)
-    sentences = found.complaints(solution)
+    if runs is not None:
+        found = replace(found, solution=_simulated(arguments, found.solution, runs, seed))
     wanted = arguments.json or arguments.out is not None
-    text = to_json(found.document(solution)) if wanted else ""
+    text = to_json(found.document) if wanted else ""
     if arguments.out is not None:
         write_text(arguments.out, text)
-    warn(sentences)
-    print_solution(solution, text if arguments.json else None, os.path.basename(recording.name))
-    return EXIT_PASS if decide(solution).passed else EXIT_LIMITS_FAILED
+    warn(found.complaints)
+    print_solution(found.solution, text if arguments.json else None, os.path.basename(recording.name))
+    return EXIT_PASS if decide(found.solution).passed else EXIT_LIMITS_FAILED
 
 
 def _parse_monte_carlo(arguments: argparse.Namespace) -> tuple[int | None, int]:
