@@ -22,7 +22,7 @@ from msgspec import inspect
 
 from tumble.data import SCHEMAS
 from tumble.documents.base import END_OF_TEXT, LARGEST, Document, described
-from tumble.documents.bench import BENCH, LOG, NODE, REPLAY, STAND, Bench, Log, Node, Replay, Stand
+from tumble.documents.bench import BENCH, LOG, NODE, REPLAY, STAND, Bench, Computer, Log, Replay, Stand
 from tumble.documents.campaign import CAMPAIGN, HOSTILE, Campaign, Hostile
 from tumble.documents.comparison import COMPARISON, Comparison
 from tumble.documents.fixture import FIXTURE, Fixture
@@ -48,7 +48,7 @@ DOCUMENTS: dict[str, tuple[type[Document], str]] = {  # by schema: its type, or 
     COMPARISON: (Comparison, "two calibrations of one block"),
     RESULT: (Result, "the outcome of one calibration"),
     BENCH: (Bench, "a run in a simulated world"),
-    NODE: (Node, "a run of the computer on a real bus"),
+    NODE: (Computer, "a run of the computer on a real bus"),
     STAND: (Stand, "what the simulated stand knows of a run on a real bus"),
     REPLAY: (Replay, "a recorded bus through the firmware again"),
     LOG: (Log, "one event of a program"),

@@ -14,6 +14,10 @@ from schema_folder import BASE, faults
 from simulated_bench import DRIVE_FAULT, QUICK, bench, scenario
 
 from tumble import data
+from tumble.documents import base
+from tumble.documents.bench import Node, Stand, written
+from tumble.watch.runs import FolderRun
+from tumble.world.outcome import with_stand
 
 pytestmark = pytest.mark.python
 KINDS = sorted(path.name.split("-")[0].removeprefix("tumble.") for path in SCHEMAS.glob("*.json"))
@@ -76,6 +80,32 @@ def test_a_schema_would_notice_what_is_not_there(kind):
     other = next(one for one in KINDS if one != kind)
     for document in ({}, {"schema": f"tumble.{kind}/1"}, {"schema": f"tumble.{other}/1"}):
         assert not validator(kind).is_valid(document)
+
+
+def on_a_real_bus(document):
+    """What tumble-node and tumble-stand would say of the run of a simulated world."""
+    of_stand = ("truth", "faults", "table")
+    firmware = {name: value for name, value in document.items() if name not in of_stand}
+    node = {**firmware, "schema": "tumble.node/1", "interface": "vcan0", "cause": None}
+    own = {"angle_deg": 1.5, "operator": {"answers": 2, "refusals": 0}, "counters": {"sent": 9}}
+    stand = {name: document[name] for name in ("seed", "virtual_s", *of_stand)}
+    return node, {"schema": "tumble.stand/1", "interface": "vcan0", **stand, **own}
+
+
+def test_documents_of_a_real_bus_alone_and_together(run, tmp_path):
+    """What the programs say is valid and read, as is what becomes of both; watch shows the folder of either."""
+    node, stand = on_a_real_bus(run[1])
+    assert valid(json.dumps(node), "node") == node and valid(json.dumps(stand), "stand") == stand
+    both = with_stand(base.checked(Node, "tumble.node/1", node, "n"), base.checked(Stand, "tumble.stand/1", stand, "s"))
+    joined = valid(json.dumps(written(both)), "node")
+    assert joined == {**node, **{name: stand[name] for name in ("truth", "faults", "table")},
+                      "counters": {**node["counters"], "stand_sent": 9}}  # fmt: skip
+    for name, document in (("bench.json", node), ("fault.json", joined)):
+        (tmp_path / "bus.log").touch()
+        (tmp_path / name).write_text(json.dumps(document))
+        shown = FolderRun(tmp_path).snapshot()
+        assert (shown.state, shown.over, shown.k_v_per_g) == ("DONE", True, tuple(map(tuple, node["K"])))
+        (tmp_path / name).unlink()
 
 
 @pytest.fixture(scope="module")

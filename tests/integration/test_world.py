@@ -38,6 +38,7 @@ def test_the_result_is_that_of_the_command_line(tumble_run):
     written = tumble_run("--seed", 5, "--stand", EXAMPLES / "lab_stand.toml", "--schedule", "three_mountings")
     assert world.result.document == written
     assert world.truth["K"] == written["truth"]["K"] and world.end == "done"
+    assert world.truth["alpha3_rad"] == written["truth"]["alpha3_rad"]  # a list, too
 
 
 @pytest.fixture

@@ -200,7 +200,16 @@ def main(argv: list[str] | None = None, *, interruptible: bool = False) -> int:
         if isinstance(error, BadInput) and error.assumed:
             tell("assumed:")
             for fact in error.assumed:
-                tell(textwrap.fill(fact, 80, initial_indent="- ", subsequent_indent="  "))
+                tell(
+                    textwrap.fill(
+                        fact,
+                        80,
+                        break_on_hyphens=False,
+                        break_long_words=False,
+                        initial_indent="- ",
+                        subsequent_indent="  ",
+                    )
+                )
         return error.exit_code
     except KeyboardInterrupt:
         _complain("interrupted")

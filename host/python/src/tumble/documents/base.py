@@ -126,8 +126,15 @@ def described(kind: type[Document]) -> tuple[str, dict[str, str]]:
 
 def written(document: Document | dict[str, Any]) -> dict[str, Any]:
     """As JSON has it: dicts, lists, texts and numbers."""
-    found: dict[str, Any] = msgspec.to_builtins(document, enc_hook=lambda one: one.tolist())
+    found: dict[str, Any] = _with_lists(msgspec.to_builtins(document, enc_hook=lambda one: one.tolist()))
     return found
+
+
+def _with_lists(value: Any) -> Any:
+    """In place of tuples."""
+    if isinstance(value, dict):
+        return {name: _with_lists(one) for name, one in value.items()}
+    return [_with_lists(one) for one in value] if isinstance(value, (tuple, list)) else value
 
 
 def to_json(document: Document | dict[str, Any]) -> str:

@@ -259,7 +259,7 @@ class Replay(Document, kw_only=True):
     K: V/g
     U0: V
     bits: The twelve coefficients as hexadecimal digits of IEEE 754 doubles.
-    pass: Of the gravity check.
+    passed: Of the gravity check.
     """
 
     schema: Literal["tumble.replay/1"] = REPLAY
@@ -316,7 +316,7 @@ def plain(value: Any) -> Any:
     """The same of anything that JSON can hold."""
     if isinstance(value, dict):
         return {name: plain(one) for name, one in value.items()}
-    if isinstance(value, (list, tuple)):
+    if isinstance(value, list):
         return [plain(one) for one in value]
     if isinstance(value, float):
         if not math.isfinite(value):

@@ -18,7 +18,7 @@ from typing import Any
 from msgspec.structs import replace
 
 from tumble.documents import base
-from tumble.documents.bench import BENCH, NODE, Bench, Deviation, NodeWithStand, OnBench
+from tumble.documents.bench import BENCH, NODE, Bench, Deviation, FirmwareRun, Node
 from tumble.documents.result import RESULT, DeltaG, Result
 from tumble.documents.watch import Gravity, Matrix, Mean, Snapshot, Vector
 from tumble.errors import BadInput
@@ -119,7 +119,7 @@ class BenchRun:
         with self._lock:
             self._snapshot = after_event(self._snapshot, event)
 
-    def ended(self, document: OnBench) -> None:
+    def ended(self, document: FirmwareRun) -> None:
         """Take the run's document: nothing more will be told."""
         with self._lock:
             self._snapshot = replace(after_document(self._snapshot, document), over=True)
@@ -154,7 +154,7 @@ def after_event(before: Snapshot, event: dict[str, Any]) -> Snapshot:
     return replace(after, samples=event["samples"], wanted=event["wanted"], mean=_mean(before, event))
 
 
-def after_document(before: Snapshot, document: OnBench | Result) -> Snapshot:
+def after_document(before: Snapshot, document: FirmwareRun | Result) -> Snapshot:
     """The snapshot with what the document of a bench run or a result tells. A result is of a run that is done, whether
     or not the log says so to its last line."""
     check = document.verification
@@ -246,7 +246,7 @@ class FolderRun:
         stages = self._path / name, self._path.resolve().parent / name
         return [self._path, *stages, *(stage / "bench" for stage in stages)]
 
-    def _document(self) -> OnBench | Result | None:
+    def _document(self) -> FirmwareRun | Result | None:
         for name in _DOCUMENTS:
             try:
                 told = json.loads((self._path / name).read_text(encoding="utf-8"))
@@ -300,9 +300,9 @@ class FolderRun:
         )
 
 
-def _checked(told: Any, file: str) -> OnBench | Result:
+def _checked(told: Any, file: str) -> FirmwareRun | Result:
     """Raises Lost for any other document, such as a damaged one."""
-    kinds: dict[str, type[OnBench | Result]] = {RESULT: Result, BENCH: Bench, NODE: NodeWithStand}
+    kinds: dict[str, type[FirmwareRun | Result]] = {RESULT: Result, BENCH: Bench, NODE: Node}
     name = told.get("schema") if isinstance(told, dict) else None
     if name not in kinds:
         raise Lost(f"{file} is no result of a run")

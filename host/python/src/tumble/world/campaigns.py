@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from tumble.documents import base
-from tumble.documents.campaign import HOSTILE, Campaign, ErrorsOfK, ErrorsOfU0, Exits, Hostile
+from tumble.documents.campaign import Campaign, ErrorsOfK, ErrorsOfU0, Exits, Hostile, Sets, Speed, Violation
 from tumble.documents.result import Table
 from tumble.errors import EXIT_DISAGREEMENT, EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
 from tumble.workers.over import ALONE, Job, Piece, Progress, Result, Team, over
@@ -333,9 +333,14 @@ def merged(first_seed: int, documents: list[str]) -> Hostile:
     found = _total([json.loads(one) for one in documents])
     speed, virtual_us, runs = found.pop("speed"), found.pop("virtual_us"), found.pop("runs")
     ends = {state: {reason: n for reason, n in reasons.items() if n} for state, reasons in found["ends"].items()}
-    own = {"schema": HOSTILE, "runs": runs, "first_seed": first_seed, "virtual_s": virtual_us * _MICROSECOND}
-    speed |= {"jobs": 1, "ms_per_life": 1e3 * speed["cpu_s"] / runs}
-    return base.checked(Hostile, HOSTILE, {**found, **own, "ends": ends, "speed": speed}, "the campaign")
+    parts: dict[str, Any] = {
+        "first": tuple(Violation(**one) for one in found.pop("first")),
+        "sets": Sets(**found.pop("sets")),
+        "table": Table(**found.pop("table")),
+        "speed": Speed(**speed, jobs=1, ms_per_life=1e3 * speed["cpu_s"] / runs),
+    }
+    found["ends"] = ends
+    return Hostile(runs=runs, first_seed=first_seed, virtual_s=virtual_us * _MICROSECOND, **found, **parts)
 
 
 def _total(parts: list[dict[str, Any]]) -> dict[str, Any]:
