@@ -3,7 +3,7 @@
 import numpy as np
 
 from tumble import core
-from tumble.core import binding as core_optimal, binding as uncertainty
+from tumble.core import binding
 from tumble.model import Geometry
 from tumble.model.optimal import optimal_table
 from tumble.solving import optimal_run
@@ -44,19 +44,19 @@ const tumble_coefficients_t benchmark_coefficients = {{.k_v_per_g = {{{rows_of(k
 """
     )
     data = optimal_run.to_bytes(written)
-    optimal = core_optimal.optimal(data, schedule, means)
+    optimal = binding.optimal(data, schedule, means)
     found = {name: core.estimate(schedule, means, None, name) for name in ("refined", "least_squares")}
     found |= {"linear": core.estimate_gains(schedule, written.gains, means), "optimal": (optimal.k, optimal.u0)}
     once = np.ones(18, dtype=int)
     for name in ("refined", "least_squares"):
-        found[f"u {name}"] = uncertainty.uncertainties(schedule, k, PAPER_STAND, once, name)
+        found[f"u {name}"] = binding.uncertainties(schedule, k, PAPER_STAND, once, name)
     for name, outputs in others.items():
         found[name] = core.estimate(core.CoreSchedule.built_in(name), outputs)
     for name, counts in sums.items():
         of_counts = counts / PER_POSITION * V_PER_COUNT
         own = core.CoreSchedule.built_in(OTHERS[1]) if name == "diagonal_sums" else schedule
         found[name] = core.estimate(own, of_counts)
-    found["u optimal"] = uncertainty.uncertainties_of_gains(schedule, k, PAPER_STAND, once, written.gains)
+    found["u optimal"] = binding.uncertainties_of_gains(schedule, k, PAPER_STAND, once, written.gains)
     return {name: np.concatenate([k.ravel(), u0]) for name, (k, u0) in found.items()}
 
 

@@ -1,5 +1,6 @@
 """What callers of `import tumble` may get wrong: a TumbleError that names the argument, in Python's words."""
 
+import argparse
 import ast
 import dataclasses
 import re
@@ -9,7 +10,8 @@ import pytest
 from conftest import EXAMPLES, ROOT
 
 import tumble
-from tumble.api.arguments import in_python
+from tumble.api.arguments import import_in_python, in_python
+from tumble.cli.commands import import_recording
 from tumble.core import built_in
 from tumble.units import is_unit
 
@@ -203,21 +205,46 @@ def test_options_become_arguments(told, expected):
     assert in_python(told) == expected == in_python(expected)
 
 
+@pytest.mark.parametrize(("told", "expected"), [
+    ("schedule: nobody says, taken for paper (--schedule)", "schedule: nobody says, taken for paper (schedule=)"),
+    ("another block? --dbc FILE.dbc describes its frames", "another block? dbc= describes its frames"),
+    ("does not fit: all of six_faces have: --schedule six_faces",
+     'does not fit: all of six_faces have: schedule="six_faces"'),
+    ("all of six_faces have: --schedule six_faces --order any",
+     "all of six_faces have: tumble import --schedule six_faces --order any"),
+    ("K positive (--columns ux=<that of uy>,uy=<that of ux> --signs=+++)",
+     "K positive (tumble import --columns ux=<that of uy>,uy=<that of ux> --signs=+++)"),
+    ("say the signs of K (--signs, or --stand FILE)", "say the signs of K (tumble import --signs, or --stand FILE)"),
+    ("(--stand) to have V", "(tumble import --stand) to have V"),
+    ("--columns mounting=: of a CAN log ux, uy and uz can be named",
+     "columns: mounting: of a CAN log ux, uy and uz can be named"),
+])  # fmt: skip
+def test_options_that_only_an_import_has_are_told_as_its(told, expected):
+    assert import_in_python(told) == expected
+
+
 OF_COMMANDS = {"out", "monte-carlo", "levelled"}  # which no function of the API has
+ROOMS = ("api", "files", "solving", "core", "model", "comparison", "fixture", "importing")
 
 
 def test_no_sentence_that_the_api_can_say_names_an_option():
+    """But those of an import: what is left there are options of `tumble import`."""
     sources = [ROOT / f"host/python/src/tumble/{name}.py" for name in ("terms", "defaults", "units", "stand")]
-    for room in ("api", "files", "solving", "core", "reference"):
+    for room in ROOMS:
+        assert (ROOT / "host/python/src/tumble" / room / "__init__.py").is_file()
         sources += sorted((ROOT / "host/python/src/tumble" / room).glob("*.py"))
-    seen = set()
+    of_import, seen = argparse.ArgumentParser(), set()
+    import_recording.describe(of_import)
     for source in sources:
         for node in ast.walk(ast.parse(source.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Constant) and isinstance(node.value, str) and len(node.value) < 200:
                 left = set(re.findall(r"--([a-z][a-z-]+)", in_python(node.value))) - OF_COMMANDS
                 seen |= set(re.findall(r"--([a-z][a-z-]+)", node.value))
-                assert not left or "tumble " in node.value or source.name == "words.py", (source.name, node.value)
-    assert {"columns", "unit", "decimal", "model", "schedule"} <= seen
+                if source.parent.name == "importing":
+                    assert {f"--{one}" for one in left} <= of_import._option_string_actions.keys(), node.value
+                else:
+                    assert not left or "tumble " in node.value, (source, node.value)
+    assert {"columns", "unit", "decimal", "model", "schedule", "signs", "order", "repeats", "leave-out"} <= seen
 
 
 def test_warnings_are_told_in_arguments(tmp_path):

@@ -1,5 +1,7 @@
-"""docs/architecture.md: its list of the package's rooms is the one that tools/rooms.py holds the code to."""
+"""docs/architecture.md: its list of the package's rooms is the one that tools/rooms.py holds the code to. And packages'
+docstrings: they list the modules that there are."""
 
+import ast
 import re
 import sys
 
@@ -42,3 +44,38 @@ def test_the_page_lists_what_the_tool_allows():
 def test_another_list_is_noticed(old, new):
     """The canary."""
     assert PAGE.count(old) == 1 and listed(PAGE.replace(old, new)) != listed(PAGE)
+
+
+# Docstrings of packages.
+
+PACKAGES = [path for path in sorted((ROOT / rooms.PACKAGE).rglob("__init__.py"))
+            if path.parent.name != "commands"]  # whose list is the table of commands
+
+
+def rows_of(docstring, gap=" {2,}"):
+    """What the rows `name, name   what they are` are about."""
+    return {name for head in re.findall(rf"^ *([A-Za-z_]+(?:, [A-Za-z_]+)*){gap}\S", docstring, re.MULTILINE)
+            for name in head.split(", ")}
+
+
+def wrong_names(docstring, modules, others=()):
+    """Modules that it does not name, in a row or as `name`; and rows of what there is not."""
+    named = rows_of(docstring, gap=" +") | set(re.findall(r"`(\w+)`", docstring))  # the longest name has but one space
+    return sorted(modules - named), sorted(rows_of(docstring) - modules - set(others))
+
+
+@pytest.mark.parametrize("package", PACKAGES, ids=lambda path: path.parent.name)
+def test_a_package_lists_its_modules(package):
+    tree, folder = ast.parse(package.read_text(encoding="utf-8")), package.parent
+    modules = {path.stem for path in folder.glob("*.py")} | {path.parent.name for path in folder.glob("*/__init__.py")}
+    folders = [path.name for path in folder.iterdir() if path.is_dir()]
+    public = [name for node in tree.body if isinstance(node, ast.Assign) and node.targets[0].id == "__all__"
+              for name in ast.literal_eval(node.value)]
+    private = {"__init__", "__main__", "_version"}
+    assert wrong_names(ast.get_docstring(tree), modules - private, [*folders, *public]) == ([], [])
+
+
+def test_a_module_that_is_not_listed_or_not_there_is_noticed():
+    """The canary."""
+    assert wrong_names("Rooms.\n\nbase     numbers\none, two  rows, of `three`", {"base", "one", "three", "four"}) == (
+        ["four"], ["two"])

@@ -132,13 +132,22 @@ def test_what_is_imported_can_be_solved(bench, tumble, tmp_path):
 
 
 def test_what_was_assumed_is_with_the_error(bench):
-    with pytest.raises(BadInput, match="choose by these options") as refusal:
+    with pytest.raises(BadInput, match=r"all 18 would be found in .* \(tumble import --columns ux=<that") as refusal:
         api.read(bench.log, columns={"ux": "y", "uy": "x", "uz": "z"})
     assert [fact.split(" (")[0] for fact in refusal.value.assumed[:2]] == [
         "schedule: nobody says, taken for paper",
         "positions: by gravity, for the rows have no labels of positions",
     ]
     assert "(schedule=)" in refusal.value.assumed[0]
+    assert refusal.value.assumed[2].endswith("(tumble import --still, --drift)")
+
+
+def test_what_was_found_is_told_in_words_of_scripts(bench):
+    notes = api.read(bench.log).notes
+    assert "schedule: nobody says, taken for paper (schedule=)" in notes
+    assert any("(tumble import --signs, or scale_v_per_g of a stand file)" in note for note in notes)
+    with pytest.raises(BadInput, match=r"could be .*: tumble import --leave-out \d+ goes on without it"):
+        api.read(bench.log, schedule="three_mountings")
 
 
 def test_axes_can_be_exchanged_and_a_recipe_remembers(bench, tumble, tmp_path):

@@ -5,7 +5,7 @@ import pytest
 from blocks import NOMINAL_K, random_block, usable_schedule
 
 from tumble import core
-from tumble.core import CoreRefusal, binding as core_optimal
+from tumble.core import CoreRefusal, binding
 from tumble.estimators import LINEAR
 from tumble.model import Geometry, estimate, optimal_estimate
 from tumble.model.estimators import unidentified
@@ -74,7 +74,7 @@ def difference(rng, schedule):
     table = record_for(schedule.data, first_k, stand)
     witness = optimal_estimate(schedule.data, means, stand, np.ones(len(schedule)))
     try:
-        found = core_optimal.optimal(table, schedule, means)
+        found = binding.optimal(table, schedule, means)
     except CoreRefusal as refusal:  # positions that hardly tell an angle, on a stand of milliradians
         assert refusal.name == "TUMBLE_E_STAND_ERROR"
         assert largest_angle(schedule.data, first_k, stand, means) > LARGE_RAD
@@ -111,7 +111,7 @@ def test_the_limit_would_notice_a_missing_correction():
     stand = Stand(1e-4, 1e-4, 15e-3, 1e-4, 1e-4, 10, "sigma1")
     means = run_on(rng, PAPER.data, NOMINAL_K, np.zeros(3), stand)
     first_k = estimate(PAPER.data, means, "least_squares")[0]
-    opened = core_optimal.GainRecord(PAPER, record_for(PAPER.data, first_k, stand))
+    opened = binding.GainRecord(PAPER, record_for(PAPER.data, first_k, stand))
     linear_k, _ = core.estimate_gains(PAPER, opened.gains, means)
     witness = optimal_estimate(PAPER.data, means, stand, np.ones(18))
     assert np.abs((linear_k - witness.k) / witness.u_k).max() > 1e4 * LIMIT
@@ -121,13 +121,13 @@ def test_many_runs_at_once_are_the_runs_one_by_one():
     rng = np.random.default_rng(62)
     means = np.stack([run_on(rng, PAPER.data, NOMINAL_K, np.zeros(3), PAPER_STAND) for _ in range(20)])
     data = record_for(PAPER.data, NOMINAL_K, PAPER_STAND)
-    found, stand = core_optimal.optimal_runs(core_optimal.GainRecord(PAPER, data), means)
+    found, stand = binding.optimal_runs(binding.GainRecord(PAPER, data), means)
     for run, of_stand, mean in zip(found, stand, means):
-        one = core_optimal.optimal(data, PAPER, mean)
+        one = binding.optimal(data, PAPER, mean)
         assert np.array_equal(run, np.concatenate([one.k.ravel(), one.u0]))
         assert np.array_equal(of_stand, np.concatenate([[one.alpha1, one.alpha2], one.alpha3]))
     for estimator in LINEAR:
-        for run, mean in zip(core_optimal.estimate_runs(PAPER, means, estimator), means):
+        for run, mean in zip(binding.estimate_runs(PAPER, means, estimator), means):
             k, u0 = core.estimate(PAPER, mean, None, estimator)
             assert np.array_equal(run, np.concatenate([k.ravel(), u0]))
 
@@ -135,16 +135,16 @@ def test_many_runs_at_once_are_the_runs_one_by_one():
 def test_many_runs_at_once_name_the_run_refused():
     means = np.zeros((5, 18, 3))
     means[3, 7, 1] = np.nan
-    opened = core_optimal.GainRecord(PAPER, record_for(PAPER.data, NOMINAL_K, PAPER_STAND))
+    opened = binding.GainRecord(PAPER, record_for(PAPER.data, NOMINAL_K, PAPER_STAND))
     for call in (
-        lambda: core_optimal.optimal_runs(opened, means),
-        lambda: core_optimal.estimate_runs(PAPER, means, "refined"),
+        lambda: binding.optimal_runs(opened, means),
+        lambda: binding.estimate_runs(PAPER, means, "refined"),
     ):
         with pytest.raises(CoreRefusal) as refused:
             call()
         assert (refused.value.name, refused.value.details) == ("TUMBLE_E_NOT_FINITE", {"run": 3})
     with pytest.raises(ValueError, match=r"means must have shape \(runs, 18, 3\), not \(18, 3\)"):
-        core_optimal.optimal_runs(opened, means[0])
+        binding.optimal_runs(opened, means[0])
 
 
 def test_writer_and_reader_agree_on_every_number():
@@ -153,8 +153,8 @@ def test_writer_and_reader_agree_on_every_number():
         schedule = usable_schedule(rng)
         stand = random_stand(rng, 2.0)
         table = optimal_table(schedule.data, NOMINAL_K, stand)
-        opened = core_optimal.GainRecord(schedule, optimal_run.to_bytes(optimal_run.record_of(table, schedule.data)))
-        assert core_optimal.schedule_crc(schedule) == optimal_run.fingerprint(schedule.data)
+        opened = binding.GainRecord(schedule, optimal_run.to_bytes(optimal_run.record_of(table, schedule.data)))
+        assert binding.schedule_crc(schedule) == optimal_run.fingerprint(schedule.data)
         assert np.array_equal(opened.gains, table.gains)
         assert np.array_equal(opened.stand_gains, table.nuisance_gains)
         assert np.array_equal(np.array(list(map(list, opened.struct.k_v_per_g))), NOMINAL_K)
@@ -171,6 +171,6 @@ def test_a_wrong_record_is_an_exception_and_no_result(spoil):
         spoil
     ]
     with pytest.raises(CoreRefusal) as refused:
-        core_optimal.optimal(spoilt, PAPER, np.zeros((18, 3)))
+        binding.optimal(spoilt, PAPER, np.zeros((18, 3)))
     expected = {"short": "TUMBLE_E_GAIN_RECORD", "flipped": "TUMBLE_E_CRC", "foreign": "TUMBLE_E_GAIN_TABLE"}
     assert refused.value.name == expected[spoil]

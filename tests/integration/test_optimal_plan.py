@@ -15,7 +15,7 @@ from conftest import EXAMPLES, ROOT
 from documents import document_of, paper_stand
 
 from tumble import core, model
-from tumble.core import binding as optimal
+from tumble.core import binding
 from tumble.files.schedule_file import to_toml
 from tumble.model.optimal import optimal_table
 from tumble.schedule import Position, Schedule
@@ -78,7 +78,7 @@ def test_the_three_files_hold_the_same_numbers(tumble, tmp_path):
         optimize(tumble, "--stand", EXAMPLES / "lab_stand.toml", "--out", f"table.{kind}", cwd=tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["table.bin", "table.h", "table.json"]
     plan, data = json.loads((tmp_path / "table.json").read_text()), (tmp_path / "table.bin").read_bytes()
-    opened = optimal.GainRecord(core.CoreSchedule(core.paper_schedule()), data)
+    opened = binding.GainRecord(core.CoreSchedule(core.paper_schedule()), data)
     assert opened.gains.tolist() == plan["gains"] and opened.stand_gains.tolist() == plan["stand_gains"]
     read = gain_record.from_bytes(data)
     assert read.gains.tolist() == plan["gains"] and read.k.tolist() == plan["K"]

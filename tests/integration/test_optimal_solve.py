@@ -11,7 +11,7 @@ from documents import paper_stand
 
 from tumble import core, model
 from tumble.cli.main import main
-from tumble.core import binding as core_optimal
+from tumble.core import binding
 from tumble.model import Geometry
 from tumble.model.optimal import optimal_table
 from tumble.solving import optimal_run, solution
@@ -115,7 +115,7 @@ def test_an_impossible_stand_error_is_bad_input(refused, tmp_path):
 
 @pytest.mark.parametrize(("excess", "code"), [(0.5, 0), (2.0, 3)])
 def test_the_witness_must_confirm_within_a_millionth_of_u(excess, code, monkeypatch, capsys):
-    sound = core_optimal.optimal
+    sound = binding.optimal
 
     def spoilt(*arguments):
         found = sound(*arguments)
@@ -146,7 +146,7 @@ def test_weights_of_the_wrong_schedule_are_refused():
     )
     record = optimal_run.to_bytes(optimal_run.record_of(table, other))
     with pytest.raises(core.CoreRefusal) as refusal:
-        core_optimal.optimal(record, PAPER, np.zeros((18, 3)))
+        binding.optimal(record, PAPER, np.zeros((18, 3)))
     assert refusal.value.name == "TUMBLE_E_GAIN_TABLE"
 
 

@@ -12,6 +12,9 @@ stay; all else may change with any version. It stands in rooms, each of which sa
 
     core, model         the firmware core, and the numpy model of a calibration, which knows nothing of it
     files               run files, stand files, schedule files
+    documents           what is written as JSON, as types
+    importing           continuous recordings made run files
+    workers             work cut into pieces, on this machine or a cluster
     solving             from a run to a stated result
     fixture, planning   what runs tell of a stand; what a stand is worth before any run
     world, store        simulated stands and real buses; the memory of a navigation computer
@@ -19,10 +22,17 @@ stay; all else may change with any version. It stands in rooms, each of which sa
     comparison          two results of one block
     pictures            of results, comparisons, recordings, campaigns, and of the stand itself
     report              a result as a document for people
-    client              a navigation computer over CAN or Modbus, for scripts
+    client, watch       a navigation computer over CAN or Modbus, for scripts; a run as it goes, for people who look on
+    data                files that come with the package
     api, cli            what scripts call; the command line
 
-Beside them is what all share: plain data (schedule, stand, estimators, units), errors, messages, interruption.
+Beside them is what all share:
+
+    schedule, stand, estimators, terms, units, defaults     plain data
+    arrays, distributions, poses    arrays as types; quantiles; where the block's axes point, in words
+    firmware_tables     states of a run and nodes of the bus, as the firmware has them
+    errors, messages, interruption      what goes wrong, how it is told, and how a command ends early
+
 tools/rooms.py checks which room knows which.
 """
 

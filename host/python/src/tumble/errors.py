@@ -64,7 +64,8 @@ class UsageError(TumbleError, ValueError):
 
 class BadInput(TumbleError, ValueError):
     """A file or a table cannot be used. Says which, and where known in which row (line number, from 1) and column or
-    key. `assumed`: of a recording, sentences on what nobody said and it was read by."""
+    key. `assumed`: where a recording cannot be imported, sentences on what was taken for granted because nobody said
+    it."""
 
     assumed: tuple[str, ...] = ()
 

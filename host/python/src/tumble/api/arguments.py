@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from numbers import Real
 from typing import Any
@@ -17,15 +17,20 @@ import numpy as np
 
 from tumble.errors import BadInput, TumbleError, UsageError, quoted
 from tumble.files.run_layout import COLUMNS, DECIMALS, TEMPERATURE, Wishes, is_delimiter
+from tumble.schedule import BUILT_IN
 from tumble.units import is_unit, spelled
 
-_NAMES = "columns|decimal|delimiter|estimator|logo|model|number|run|schedule|stand|template|unit"
-_COLUMNS = re.compile(r"--columns (\w+=[^\s,;)]+(?:,\w+=[^\s,;)]+)*)")
+_NAMES = "columns|dbc|decimal|delimiter|estimator|logo|model|number|run|schedule|stand|template|unit"
+_COLUMNS = re.compile(r"--columns (\w+=(?!:)[^\s,;)]+(?:,\w+=[^\s,;)]+)*)")
+_OPTION = re.compile(r"--(?=[a-z])")
 _WITH_VALUES = (
+    (re.compile(r"--columns (\w+)=:"), r"columns: \1:"),
     (re.compile(r"--(estimator|model) (\w+(?:,\w+)*)"), r'\1="\2"'),
     (re.compile(r"--(unit) (\w+) or (\w+)"), r'\1="\2" or "\3"'),
     (re.compile(r"--(unit) (\S+?)(?=[,)]|$)"), r'\1="\2"'),
     (re.compile(r"--(decimal) ([.,])(?=\))"), r'\1="\2"'),
+    (re.compile(rf"--(schedule) ({'|'.join(BUILT_IN)})(?![\w.-])"), r'\1="\2"'),
+    (re.compile(r"--(dbc) FILE.dbc"), r"\1="),
     (re.compile(r"--(stand) FILE"), r"\1="),
     (re.compile(rf"--({_NAMES}):"), r"\1:"),
     (re.compile(rf"--({_NAMES})(?![\w-])"), r"\1="),
@@ -40,19 +45,28 @@ def in_python(message: str) -> str:
     return message
 
 
+def import_in_python(message: str) -> str:
+    """A message of an import, where `tumble.read` has an argument for all that it advises. Else it is about options of
+    `tumble import`, and says so."""
+    told = in_python(message)
+    if "--stand" in message or _OPTION.search(told):
+        return _OPTION.sub("tumble import --", message, count=1)
+    return told
+
+
 @contextmanager
-def told_in_python() -> Iterator[None]:
-    """What is raised within tells of arguments. The names of files stay as they are."""
+def told_in_python(words: Callable[[str], str] = in_python) -> Iterator[None]:
+    """What is raised within is told in these `words`. The names of files stay as they are."""
     try:
         yield
     except BadInput as error:
         where = str(error).removesuffix(error.fault)
-        error.fault = in_python(error.fault)
+        error.fault = words(error.fault)
         error.args = (where + error.fault,)
-        error.assumed = tuple(map(in_python, error.assumed))
+        error.assumed = tuple(map(words, error.assumed))
         raise
     except TumbleError as error:
-        error.args = (in_python(str(error)),)
+        error.args = (words(str(error)),)
         raise
 
 
@@ -91,7 +105,7 @@ def require_unit(unit: Any, argument: str) -> None:
 
 
 def is_one_of(value: Any, known: Iterable[str]) -> bool:
-    """Is this one of the known words? Whatever it is: an array would be compared element by element."""
+    """Is this one of the known words? A value of any other type is not; == alone would compare an array by elements."""
     return isinstance(value, str) and value in known
 
 

@@ -9,7 +9,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from tumble.api.arguments import told_in_python, wishes_of
+from tumble.api.arguments import import_in_python, told_in_python, wishes_of
 from tumble.arrays import Floats, Integers
 from tumble.core import MAX_MEAN, CoreSchedule
 from tumble.errors import BadInput, UsageError
@@ -83,6 +83,7 @@ class Recording:
         """The run, averaged position by position, and the schedule: the given one, or its form with closures where the
         run has them. Raises BadInput."""
         if self._source is not None:
+            # What is in memory is not read again; what is not goes through in blocks, and never is there as a whole.
             known = self._held if "_held" in self.__dict__ else self._source
             return run_file.read_measured(known, schedule, self._wishes)
         return run_file.on_schedule(self._on, schedule)
@@ -220,16 +221,18 @@ def read(
     """
     with told_in_python():
         wishes = wishes_of(columns, unit, delimiter, decimal)
-        recording = _of_can_log(source, wishes, dbc, schedule, v_per_count) or recording_of(source, wishes)
-        len(recording)  # what cannot be used is told now
-        _ = recording.temperature_c if TEMPERATURE in (columns or {}) else None
-    return recording
+        log = _can_log(source, dbc, schedule, v_per_count)
+        if log is None:
+            recording = recording_of(source, wishes)
+            len(recording)  # what cannot be used is told now
+            _ = recording.temperature_c if TEMPERATURE in (columns or {}) else None
+            return recording
+    with told_in_python(import_in_python):
+        return _imported(log, wishes, dbc, schedule, v_per_count)
 
 
-def _of_can_log(
-    source: Any, wishes: Wishes, dbc: str | None, schedule: str | None, v_per_count: float | None
-) -> Recording | None:
-    """What the rests of a CAN log tell; None for any other source, which must be told nothing that only a log has."""
+def _can_log(source: Any, dbc: str | None, schedule: str | None, v_per_count: float | None) -> str | None:
+    """The file of a CAN log; None for any other source, which must be told nothing that only a log has."""
     file = str(os.fspath(source)) if isinstance(source, (str, os.PathLike)) else None
     is_log = False
     if file is not None and file != STANDARD_INPUT and suffix_of(file) not in SUFFIXES:
@@ -243,6 +246,11 @@ def _of_can_log(
         return None
     if v_per_count is not None and not (isinstance(v_per_count, (int, float)) and 0 < v_per_count < MAX_MEAN):
         raise UsageError(f"v_per_count: {v_per_count!r} is no number of volts above 0")
+    return file
+
+
+def _imported(file: str, wishes: Wishes, dbc: str | None, schedule: str | None, v_per_count: float | None) -> Recording:
+    """What the rests of a CAN log tell."""
     from tumble.files.schedule_file import read_schedule
     from tumble.importing import report
     from tumble.importing.can_bus import Bus
@@ -253,5 +261,6 @@ def _of_can_log(
     done = import_recordings([file], read_schedule(settings.schedule_name).data, settings)
     own = Held(report.run_csv(done).encode(), file)
     found = Recording(file, replace(NO_WISHES, unit=done.unit if done.unit_told else None), own)
-    found.notes = done.notes
+    found.notes = tuple(map(import_in_python, done.notes))
+    len(found)  # what cannot be used is told now
     return found

@@ -82,7 +82,7 @@ def _guess(word: str, known: Iterable[str]) -> str:
 
 
 class _PrintCompletion(argparse.Action):
-    """Print what makes a shell complete commands, options and names of files, by shtab, and end, as --help does."""
+    """Print a script, made by shtab, with which a shell completes commands, options and names of files; then exit."""
 
     def __call__(
         self, parser: argparse.ArgumentParser, _namespace: Any, shell: str | Sequence[Any] | None, *_: Any

@@ -60,7 +60,7 @@ class Table:
 
 
 def warn(sentences: Sequence[str]) -> None:
-    """A line on stderr for each of `complaints`."""
+    """A line on stderr for each of `sentences`."""
     for sentence in sentences:
         tell(f"tumble: warning: {sentence}")
 

@@ -8,6 +8,11 @@
         print(node.result().K)
 
 Needs python-can and python-canopen, or pymodbus: pip install './host/python[client]'. `connect` alone loads them.
+
+    node                    a navigation computer as a script sees it
+    link                    objects by name, whatever the link
+    can_link, modbus_link   the link over CAN, over Modbus
+    names, tables           the firmware's numbers as names; the names of its objects
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """The firmware core, for Python: numpy arrays in and out, a refusal of the core as an exception.
 
 No coefficient and no check is computed here: they come from the C functions that fly. Angles of a schedule become sines
-and cosines here (`sine_cosine`). Arrays: `means` (positions, 3) in volts (or
-any unit, in which the coefficients then come out), in the schedule's order; `measured` (positions,) bool; K (3, 3) in
-volts per g, row i = channel i; U0 (3,) in volts. Rows of `means` that are not measured are never looked at.
+and cosines here (`sine_cosine`). Arrays: `means` (positions, 3) in volts (or any unit, in which the coefficients then
+come out), in the schedule's order; `measured` (positions,) bool; K (3, 3) in volts per g, row i = channel i; U0 (3,) in
+volts. Rows of `means` that are not measured are never looked at.
 """
 
 from __future__ import annotations

@@ -2,6 +2,8 @@
 described by them in docs/schemas and docs/files.md.
 
 base         the kinds of numbers, arrays and texts; reading and writing
+bench        tumble.bench/1, node/1, stand/1, replay/1 and log/1, of `bench`, `replay` and the programs
+campaign     tumble.campaign/1 and tumble.hostile/1, of `campaign`
 comparison   tumble.comparison/1, of `compare`
 fixture      tumble.fixture/1, of `fixture check`
 importing    tumble.import/1, of `import`

@@ -1,4 +1,4 @@
-"""Files on disk: read and written as a whole or in blocks, bounded, and told what they are instead.
+"""Files on disk, read and written as a whole or in blocks. Sizes are bounded, and a file of another kind is told so.
 
 Errors are one line, and nothing half-written is left behind. What comes in, from a file or standard input, is
 decompressed where gzip or zstd has compressed it: what it begins with tells, whatever the file's name is.
@@ -237,7 +237,7 @@ class _Whole(io.RawIOBase):
 
 
 class Held:
-    """The same of bytes that are in memory."""
+    """As Incoming: a name, a digest and blocks, but of bytes that are in memory."""
 
     def __init__(self, data: bytes, name: str, sha256: str | None = None):
         self.name, self.data = name, data

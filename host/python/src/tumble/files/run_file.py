@@ -58,7 +58,8 @@ class Channel:
     not show; 0 of fewer than two. `farthest`: the largest distance from the `median`. `at_ends`: how many rows have the
     smallest and the largest value. `run`: the longest run of equal values, as indices of its first row and the one
     behind its last. `off`: distances from the median in order, the smallest left out; `changes`: between neighbouring
-    rows; of both every `stride`-th. `resolution`: the smallest difference of two values, infinite where there is none.
+    rows; of both every n-th, n the `stride` of PositionFacts. `resolution`: the smallest difference of two values,
+    infinite where there is none.
     """
 
     median: float
@@ -135,7 +136,7 @@ def exact_sum(values: Floats) -> float:
 
 
 def _channel(values: Floats, stride: int) -> Channel:
-    rows, ordered = len(values), in_order(values)
+    rows, ordered = len(values), sorted_copy(values)
     median = float(ordered[(rows - 1) // 2] + ordered[rows // 2]) / 2
     off = np.abs(ordered - median)
     below = int(np.searchsorted(ordered, median))  # values on either side of it are in order already, and are merged
@@ -159,8 +160,8 @@ def _channel(values: Floats, stride: int) -> Channel:
     )
 
 
-def in_order(values: Floats) -> Floats:
-    """A sorted copy: by digits where there are many, six times as fast as by comparison."""
+def sorted_copy(values: Floats) -> Floats:
+    """In ascending order: by digits where there are many, six times as fast as by comparison."""
     if len(values) < _SORTED_BY_NUMPY:
         return np.sort(values)
     ordered = values.copy()
@@ -196,7 +197,7 @@ def blocks_of(positions: Sequence[PositionFacts]) -> Blocks:
 def smallest_step(values: Floats) -> float:
     """Between two values of a channel: the converter's, where it is coarse, next to nothing where it is not; 0 where
     there is one value alone."""
-    steps = np.diff(in_order(values))
+    steps = np.diff(sorted_copy(values))
     step = float(steps.min(initial=np.inf, where=steps > 0.0))
     return step if math.isfinite(step) else 0.0
 
@@ -331,8 +332,8 @@ def read_measured(
 
 
 def on_schedule(read: Callable[[Schedule], Rows], schedule: CoreSchedule) -> tuple[Run, CoreSchedule]:
-    """A run on a schedule, or where it has positions that close its mountings, on the form of it that has them. It is
-    read once, on that form."""
+    """A run on a schedule. Where the schedule has a form with closures, the rows are read on that one first, once; it
+    is kept if the run has a row at a closing position."""
     if schedule.name not in CLOSED:
         return read(schedule.data).run(), schedule
     closed = CoreSchedule.built_in(CLOSED[schedule.name])
@@ -391,7 +392,8 @@ class Rows:
 
 
 def read_rows(source: str | Incoming | Held, schedule: Schedule, wishes: Wishes = NO_WISHES) -> Rows:
-    """As read_run, without looking at the rows. Raises BadInput, NotInstalled."""
+    """The rows of a run file, as read_run takes it, each one parsed and placed, none averaged. Raises BadInput,
+    NotInstalled."""
     incoming = Incoming(source) if isinstance(source, str) else source
     reader = RunReader(incoming, PositionIndex(schedule), wishes, incoming.name)
     store = RowStore(len(schedule.positions), incoming.name)

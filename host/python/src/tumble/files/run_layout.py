@@ -67,7 +67,7 @@ NO_WISHES = Wishes()
 
 @dataclass(frozen=True)
 class Column:
-    """One of `width` columns that need not be there: its `name` in the file, `unit` in brackets there, empty if none;
+    """A column that need not be there: its `index`, its `name` in the file, `unit` in brackets there, empty if none;
     `told` by the user, not found."""
 
     index: int

@@ -1,7 +1,8 @@
 """From a continuous recording to a run file: rests found, matched to a schedule by the direction of gravity.
 
 pipeline     all steps of it
-recording    files in, numbers out: tables, their clocks, RAWIMU logs; of CAN logs by can_bus
+recording    files in, numbers out: tables, their clocks, RAWIMU logs
+can_bus      of CAN logs
 rests        where the block was at rest
 attitudes    what gravity alone says of K and of the attitude at each rest
 match        which rest is which position, and whether anything else fits as well

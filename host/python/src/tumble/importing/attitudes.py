@@ -52,7 +52,8 @@ class View:
 
 @dataclass(frozen=True)
 class Fit:
-    """K (3, 3) and U0 (3,) of outputs at known attitudes, and `design` (3 + 1 columns), whose leverage is wanted."""
+    """K (3, 3) and U0 (3,) of outputs at known attitudes, and `inverse` (4, 4) of the normal
+    equations, by which leverage is told."""
 
     k: Floats
     u0: Floats

@@ -126,18 +126,16 @@ class _Matcher:
     """The rests of a recording, what is claimed of them, and the schedule that they are held against.
 
     `_used` (rests,): not told to be left out; `_attitudes` of the schedule; `_tolerance`: how far off one of them a
-    rest may be, rad."""
+    rest may be, rad; `_rough`: scale and bias of each channel, as the rests alone show them."""
 
     def __init__(self, rests: Rests, schedule: Schedule, claims: Claims):
+        """Raises Doubtful where the rests do not show scale and bias."""
         self._rests, self._schedule, self._claims = rests, schedule, claims
         self._used = ~self._is_among(claims.leave_out)
         self._attitudes: Attitudes = attitudes.attitudes_of(schedule)
         self._tolerance = min(claims.tolerance, 0.4 * self._attitudes.apart)
         self._signs = POSITIVE if claims.signs is None else claims.signs
-
-    def claimed(self) -> _Hypothesis:
-        """The one that is claimed, if it fits and nothing else does better, or as well. Raises Doubtful."""
-        rough = attitudes.scale_and_bias(self._rests.means[self._used])
+        rough = attitudes.scale_and_bias(rests.means[self._used])
         if rough is None:
             used = int(self._used.sum())
             shown = "1 rest does" if used == 1 else f"{used} rests do"
@@ -146,6 +144,9 @@ class _Matcher:
                 "see whether --still, --drift or --min-rest hide some"
             )
         self._rough = rough
+
+    def claimed(self) -> _Hypothesis:
+        """The one that is claimed, if it fits and nothing else does better, or as well. Raises Doubtful."""
         own = self._hypothesis(View(signs=self._signs), self._claims.order)
         found, others = 0 if own is None else own.matched, self._others()
         better = [other for other in others if other.matched > max(found, _FEWEST - 1)]
@@ -153,10 +154,13 @@ class _Matcher:
             most = max(other.matched for other in better)
             best = [other for other in better if other.matched == most]
             claimed = self._described(View(signs=self._signs), self._claims.order)
-            raise Doubtful(
-                f"{claimed}, {found} of {len(self._schedule.positions)} positions are found; {most}"
-                f"{' either way' if len(best) > 1 else ''}: {self._listed(best)}; choose by these options"
-            )
+            positions = len(self._schedule.positions)
+            would = f"{'all ' if most == positions else ''}{most} would be found"
+            if len(best) > 1:
+                would += f" in {len(best)} ways: {self._listed(best)}; choose one by its options"
+            else:
+                would += f" {self._described(best[0].seen.view, best[0].order)} ({self._option(best[0])})"
+            raise Doubtful(f"{claimed}, {found} of {positions} positions are found; {would}")
         if own is None or found < _FEWEST:
             raise Doubtful(
                 f"of {int(self._used.sum())} rests {'none' if own is None else found} fit the positions of this "
@@ -178,18 +182,18 @@ class _Matcher:
             raise Doubtful(f"fits {1 + len(rivals)} ways: {both}; say the signs of K (--signs, or --stand FILE)")
         return own
 
-    def _hypothesis(self, view: View, in_order: str) -> _Hypothesis | None:
+    def _hypothesis(self, view: View, order: str) -> _Hypothesis | None:
         seen = attitudes.see(self._rests.means[self._used], self._rough, view, self._attitudes, self._tolerance)
         if seen is None:
             return None
         nearest, off = np.full(len(self._used), NONE), np.full(len(self._used), np.inf)
         nearest[self._used], off[self._used] = seen.nearest, seen.off
         seen = replace(seen, nearest=nearest, off=off)
-        return _Hypothesis(in_order, seen, self._assign(in_order, nearest, off))
+        return _Hypothesis(order, seen, self._assign(order, nearest, off))
 
-    def _assign(self, in_order: str, nearest: Integers, off: Floats) -> Assigned:
+    def _assign(self, order: str, nearest: Integers, off: Floats) -> Assigned:
         nearness = np.clip(1.0 - off / self._tolerance, 0.0, 1.0)
-        return assign(in_order, nearest, nearness, self._attitudes.of_position, self._schedule)
+        return assign(order, nearest, nearness, self._attitudes.of_position, self._schedule)
 
     def _others(self) -> list[_Hypothesis]:
         """Which the claimed one is held against: the schedule's order in every view and any order in the claimed one;
@@ -216,8 +220,8 @@ class _Matcher:
         more = f" and {len(fits) - _MOST_LISTED} more" if len(fits) > _MOST_LISTED else ""
         return " ".join(told) + more
 
-    def _described(self, view: View, in_order: str) -> str:
-        way = "in the schedule's order" if in_order == SCHEDULE else "in another order"
+    def _described(self, view: View, order: str) -> str:
+        way = "in the schedule's order" if order == SCHEDULE else "in another order"
         exchanged = [AXES[channel] for axis, channel in enumerate(view.channels) if axis != channel]
         channels = f", channels {' and '.join(exchanged)} exchanged" if exchanged else ""
         negative = [axis for axis, sign in zip(AXES, view.signs) if sign < 0]
@@ -239,8 +243,8 @@ class _Matcher:
         excluded: dict[int, int] = {}  # rests that are off, and the position that each would have had
         nearest, assigned = own.seen.nearest.copy(), own.assigned
         while True:
-            fit, spread, freedom = self._refit(assigned.positions, own.seen.fit)
-            far = self._farthest(assigned.positions, fit, spread, freedom)
+            fit, variance, freedom = self._refit(assigned.positions, own.seen.fit)
+            far = self._farthest(assigned.positions, fit, variance, freedom)
             if far is None or 3 * len(excluded) >= own.matched:
                 break
             excluded[far] = int(assigned.positions[far])
@@ -250,7 +254,7 @@ class _Matcher:
             labels = " or ".join(map(self._label, could_be))
             raise Doubtful(f"rest {rest + 1} could be {labels}: --leave-out {rest + 1} goes on without it")
         self._require_filled(excluded, assigned, fit)
-        return self._finish(assigned, excluded, fit, spread, freedom)
+        return self._finish(assigned, excluded, fit, variance, freedom)
 
     def _refit(self, positions: Integers, otherwise: Fit) -> tuple[Fit, float, int]:
         """K and U0 by the rests that have a position, the variance of what is left (rad^2), its degrees of freedom."""

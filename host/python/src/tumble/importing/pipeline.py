@@ -50,7 +50,7 @@ class Settings:
 
 @dataclass(frozen=True)
 class Imported:
-    """`file_of_row`, `seconds`, `lines`, `outputs` by row of all recordings, one after another; `rests` with what was
+    """`file_of_row`, `seconds`, `outputs` by row of all recordings, one after another; `rests` with what was
     made of each in `matched`; `labelled`: by the rows' own labels; `notes`: what was assumed and found."""
 
     recordings: tuple[Recording, ...]
@@ -90,7 +90,11 @@ class Imported:
 
 
 def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settings) -> Imported:
-    """All of it. Raises BadInput and UsageError."""
+    """All of it. Raises BadInput and UsageError.
+
+    Once the rests are found, a BadInput tells in `assumed` what it rests on. One before, of reading a file, does not:
+    the fault is in the file itself, and noise and rests, which `assumed` tells too, are not known yet.
+    """
     recordings = [recording.read(file, settings.wishes, settings.timing, settings.bus) for file in files]
     if len(units := {one.unit for one in recordings}) > 1:
         raise UsageError(
@@ -101,10 +105,10 @@ def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settin
     file_of_row = np.repeat(np.arange(len(files)), lengths)
     seconds, interval, gaps = _joined_clocks(recordings)
     found = find_rests(outputs, gaps, interval, settings.thresholds)
-    texts, same = _telling(recordings, schedule, settings.mountings)
+    texts, about_same = _labels_that_tell(recordings, schedule, settings.mountings)
     labelled, rests = bool(texts.keys() - {"mounting"}), found.rests
     try:
-        same_block = _same_block(recordings, outputs, file_of_row, found)
+        about_sources = _require_one_block(recordings, outputs, file_of_row, found)
         if labelled:
             rests, lost = labels.labelled_rests(texts, outputs, file_of_row, found, interval)
             settings.claims.require_rests(len(rests))
@@ -116,7 +120,7 @@ def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settin
             names = texts.get("mounting", [])
             labels.require_one_name_a_mounting(names, rests, matched, schedule, settings.mountings)
     except (BadInput, Doubtful) as doubt:
-        hint = _is_rate_right(recordings, rests, settings.timing.rate_hz)
+        hint = _rate_hint(recordings, rests, settings.timing.rate_hz)
         refusal = doubt if isinstance(doubt, BadInput) else BadInput(f"{doubt}{hint}", files[0])
         refusal.assumed = _assumed(recordings, settings, found, interval, texts)
         raise refusal from None
@@ -124,8 +128,8 @@ def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settin
         *_notes(recordings, settings, interval, labelled),
         *_about_unit(recordings, matched),
         *_about_rate(settings.timing.rate_hz, rests, matched),
-        *same,
-        *same_block,
+        *about_same,
+        *about_sources,
         *matched.notes,
     ]
     return Imported(
@@ -143,7 +147,9 @@ def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settin
     )
 
 
-def _same_block(recordings: Sequence[Recording], outputs: Floats, file_of_row: Integers, found: Found) -> list[str]:
+def _require_one_block(
+    recordings: Sequence[Recording], outputs: Floats, file_of_row: Integers, found: Found
+) -> list[str]:
     """A note where rows at rest may be of several sources in turn. Raises BadInput where they are, and where rows stand
     there twice."""
     step = np.array([smallest_step(channel) for channel in outputs.T])
@@ -161,7 +167,7 @@ def _same_block(recordings: Sequence[Recording], outputs: Floats, file_of_row: I
     return [] if sources is None else [sources.sentence]
 
 
-def _telling(
+def _labels_that_tell(
     recordings: Sequence[Recording], schedule: Schedule, told: dict[str, int]
 ) -> tuple[dict[str, list[str]], list[str]]:
     """The labels (by name, a text for each row) that all recordings have, without those that are the same in every row
@@ -292,7 +298,7 @@ def _about_rate(rate_hz: float | None, rests: Rests, matched: Matched) -> list[s
     return [f"clock: at --rate {rate_hz:g} Hz the usual rest lasts {usual_s:.3g} s: is that so? Else the rate is wrong"]
 
 
-def _is_rate_right(recordings: Sequence[Recording], rests: Rests, rate_hz: float | None) -> str:
+def _rate_hint(recordings: Sequence[Recording], rests: Rests, rate_hz: float | None) -> str:
     """Behind a refusal: that the rate which the user says may be why; empty where nothing speaks for that."""
     doubts = [note for one in recordings for note in one.notes if note.startswith(CONTRADICTED)]
     if doubts:

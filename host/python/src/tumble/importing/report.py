@@ -195,7 +195,7 @@ def run_csv(done: Imported) -> str:
 _LARGEST = 1e6
 
 
-def read(file: str) -> Settings:
+def read_recipe(file: str) -> Settings:
     """The settings of a recipe. Raises BadInput with file and row."""
     top = read_toml(file).only("import", "layout", "columns", "thresholds", "mountings", "can")
 
@@ -259,7 +259,7 @@ def parse_signs(text: str) -> Signs | None:
     return x, y, z
 
 
-def to_toml(settings: Settings) -> str:
+def recipe_text(settings: Settings) -> str:
     """A recipe's text, which reads back as the same settings but for rests that are left out or taken."""
     claims, timing, wishes = settings.claims, settings.timing, settings.wishes
     signs = None if claims.signs is None else "".join("+" if sign > 0 else "-" for sign in claims.signs)

@@ -112,7 +112,7 @@ class OptimalTable:
 
 class _Whitened:
     """The problem of a schedule's fit positions, linearised at one K: unknowns are the errors of the stand, over their
-    sigma, then the `count` coefficients and sizes. Noise is as of the noisiest channel in all rows, `largest`."""
+    sigma, then the `count` coefficients and sizes. All rows are scaled to the noise of the noisiest channel."""
 
     def __init__(self, schedule: Schedule, k: Floats, stand: Stand, sigma: Floats, terms: Terms):
         self.schedule, self.design, largest = schedule.fitted, design(schedule, terms), float(sigma.max())

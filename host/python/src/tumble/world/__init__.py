@@ -4,7 +4,8 @@ found is confirmed by numpy, and becomes a result.
     world             tumble.World, for scripts
     setup             what a run is to be: the scenario, and the gain record of the optimal estimator
     border            the world in C
-    in_process        a run in a world, to its end, and what it leaves; document: what is to be said of it
+    in_process        a run in a world, to its end, and what it leaves
+    document          what is to be said of it
     campaigns         thousands of runs, or of hostile lives
     virtual_bus       a world as a bus of python-can
     progress          what a person is told while it goes on

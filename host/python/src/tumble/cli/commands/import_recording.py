@@ -106,7 +106,7 @@ def run(arguments: argparse.Namespace) -> int:
 
         files[arguments.plot] = written(recording(done), arguments.plot)
     if arguments.recipe is not None and not replayed:
-        files[arguments.recipe] = report.to_toml(settings).encode()
+        files[arguments.recipe] = report.recipe_text(settings).encode()
     write_all(files)
     sys.stdout.write(text)
     return EXIT_PASS
@@ -119,7 +119,7 @@ def _settings(arguments: argparse.Namespace, replayed: bool, signs: Signs | None
     from tumble.importing.pipeline import Settings
     from tumble.importing.recording import COLUMNS, Timing
 
-    base = report.read(arguments.recipe) if replayed else Settings()
+    base = report.read_recipe(arguments.recipe) if replayed else Settings()
     told = options.wishes(arguments, COLUMNS)
     wishes = replace(
         base.wishes,

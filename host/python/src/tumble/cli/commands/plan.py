@@ -346,7 +346,7 @@ def _serial(stand: str | None) -> str | None:
     from tumble.files.stand_file import read_stand
 
     block = read_stand(stand).block
-    assert block is not None  # read_case has asked for it
+    assert block is not None  # _read_case has asked for it
     serial: str | None = block["serial"]
     return serial
 
