@@ -122,8 +122,9 @@ class _Labelled:
         forces = known.forces[known.of_position[positions]]
         fit = attitudes.fitted(forces[taken], self.rests.means[taken])
         if fit is None:
+            count = len(set(positions[taken].tolist()))
             raise Doubtful(
-                f"{len(set(positions[taken].tolist()))} positions do not show scale and bias of every channel: give "
+                f"{count} position{'s do' if count != 1 else ' does'} not show scale and bias of every channel: give "
                 "the recordings of all mountings together"
             )
         x, y, z = (1 if own >= 0 else -1 for own in np.diag(fit.k))

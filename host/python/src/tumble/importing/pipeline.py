@@ -107,8 +107,8 @@ def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settin
     found = find_rests(outputs, gaps, interval, settings.thresholds)
     texts, about_same = _labels_that_tell(recordings, schedule, settings.mountings)
     labelled, rests = bool(texts.keys() - {"mounting"}), found.rests
+    about_sources = _require_one_block(recordings, outputs, file_of_row, found)
     try:
-        about_sources = _require_one_block(recordings, outputs, file_of_row, found)
         if labelled:
             rests, lost = labels.labelled_rests(texts, outputs, file_of_row, found, interval)
             settings.claims.require_rests(len(rests))
@@ -122,7 +122,7 @@ def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settin
     except (BadInput, Doubtful) as doubt:
         hint = _rate_hint(recordings, rests, settings.timing.rate_hz)
         refusal = doubt if isinstance(doubt, BadInput) else BadInput(f"{doubt}{hint}", files[0])
-        refusal.assumed = _assumed(recordings, settings, found, interval, texts)
+        refusal.assumed = _assumed(recordings, settings, found, interval, texts, about_same)
         raise refusal from None
     notes = [
         *_notes(recordings, settings, interval, labelled),
@@ -266,6 +266,7 @@ def _assumed(
     found: Found,
     interval: float | None,
     texts: dict[str, list[str]],
+    about_same: Sequence[str],
 ) -> tuple[str, ...]:
     """What a refusal rests on besides what was said: schedule, clock, unit, what tells the positions, noise."""
     by_labels = texts.keys() - {"mounting"}
@@ -280,8 +281,8 @@ def _assumed(
     if by_labels:
         facts.append(f"positions: by labels of the rows, {' and '.join(texts)} (--columns)")
     else:
-        facts.append("positions: by gravity, for the rows have no labels of positions (--columns)")
-    if interval is not None or not by_labels:
+        facts += about_same or ["positions: by gravity, for the rows have no labels of positions (--columns)"]
+    if found.noise.any() and (interval is not None or not by_labels):
         noise = " ".join(f"{one:.3g}" for one in found.noise)
         facts.append(f"rests: {len(found.rests)}, by the noise of the quietest rows, {noise} (--still, --drift)")
     return tuple(dict.fromkeys(facts))
