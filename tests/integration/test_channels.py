@@ -247,7 +247,7 @@ def test_a_result_repeats_what_was_declared():
     stand = written(declared_stand(UNEQUAL, np.array([1e-7, 2e-7, 3e-7])))
     document = calibrations.result(np.eye(3), np.zeros(3), stand=stand)
     told = package.Result(json.dumps(document)).checked
-    assert document["stand"]["noise_v"] == NOISE and document["stand"]["drift_v"] == DRIFT
+    assert document["stand"]["noise_v"] == list(NOISE) and document["stand"]["drift_v"] == list(DRIFT)
     assert stand_of(told, "result") == UNEQUAL and step_of(told) == (1e-7, 2e-7, 3e-7)
     stand["level_rad"] = [2e-5] * 3
     with pytest.raises(BadInput, match=r"stand\.level_rad is "):
