@@ -81,6 +81,12 @@ def test_hang_up_is_ignored_where_that_is_wanted(tmp_path):
     assert child.returncode == 128 + signal.SIGTERM
 
 
+def test_no_module_is_loaded_to_compile_the_package():
+    """As for \\N{...}: an interrupt while it is loaded comes out as a SyntaxError."""
+    package = ROOT / "host/python/src/tumble"
+    assert [path for path in package.rglob("*.py") if "\\N{" in path.read_text(encoding="utf-8")] == []
+
+
 @pytest.mark.python
 def test_an_early_interrupt_ends_quietly(tmp_path):
     """In every moment of the first quarter of a second, the launcher's included."""

@@ -9,8 +9,8 @@ import re
 UNIT = re.compile(r"[A-Za-z0-9µΩ°%/^·._ +-]{1,16}")
 SI = "m/s2"  # of accelerations, as --unit of apply and export have it
 _SPELLINGS = {
-    **dict.fromkeys((SI, "m/s\N{SUPERSCRIPT TWO}", "m/s**2", "m/s/s", "m/s^2"), "m/s^2"),
-    **{f"\N{GREEK SMALL LETTER MU}{unit}": f"\N{MICRO SIGN}{unit}" for unit in ("V", "g")},
+    **dict.fromkeys((SI, "m/s\u00b2", "m/s**2", "m/s/s", "m/s^2"), "m/s^2"),
+    **{f"\u03bc{unit}": f"\u00b5{unit}" for unit in ("V", "g")},
 }
 _PER_G = {"m/s^2": 9.81, "g": 1.0, "mg": 1000.0}  # what 1 g gives in units of acceleration
 _LOOKS_LIKE = {  # and what says so; sensors of 1 V/g are common, of 9.81 V/g they are not

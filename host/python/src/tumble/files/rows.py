@@ -309,7 +309,7 @@ class RowParser:
 
 LOWEST_C, HIGHEST_C = -100.0, 230.0  # beyond any block; room temperature in kelvins is above
 OF_RUN_FILE, OF_ENVIRONMENT = "run_file", "environment"
-_CELSIUS = re.compile(r"(\N{DEGREE SIGN}|deg ?)?C|celsius", re.IGNORECASE)
+_CELSIUS = re.compile(r"(\u00b0|deg ?)?C|celsius", re.IGNORECASE)
 
 
 @dataclass(frozen=True)

@@ -40,7 +40,7 @@ _PNG_DPI = 150
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 YELLOW, BLUE, VERMILLION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
 GREY, PALE = "#7F7F7F", "#E6E6E6"
-MINUS = "\N{MINUS SIGN}"
+MINUS = "\u2212"  # a minus sign
 MICRO = 1e6  # of a g, of a radian
 _PREFIXES = ((1.0, ""), (1e3, "m"), (1e6, "µ"))
 
