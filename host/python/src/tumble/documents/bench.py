@@ -301,7 +301,7 @@ class Log(Document, kw_only=True):
     exit: Annotated[int, Meta(ge=0, le=255)] | UnsetType = UNSET
 
 
-OnBench: TypeAlias = Bench | NodeWithStand
+RunWithTruth: TypeAlias = Bench | NodeWithStand
 
 _WHOLE = 1e17  # below it a whole number is written without a point
 

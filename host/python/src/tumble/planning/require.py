@@ -102,10 +102,10 @@ def allowed(case: Case, which: str, estimator: str, limit_g: float, split: Float
         return _grown(case, limit_g / 3.0, split)
     else:
         gamma = _by_pattern(case, estimator, _sign_patterns()).max(axis=0)
-    return _shared_out(gamma, limit_g / 3.0, split)
+    return _requirements_by_shares(gamma, limit_g / 3.0, split)
 
 
-def _shared_out(gamma: Floats, row_limit: float, split: Floats) -> Requirements:
+def _requirements_by_shares(gamma: Floats, row_limit: float, split: Floats) -> Requirements:
     """By weights (7, sources) that do not depend on the stand: the strictest row for every source. A row's `row_limit`
     (g, or relative) is shared by the sources that enter it, `split` as proportions of its square."""
     counted = gamma > 0.0
@@ -213,7 +213,7 @@ def _grown(case: Case, row_limit: float, split: Floats) -> Requirements:
         return bool(worst_terms(sizes)[1].max() <= row_limit * (1.0 + _FULL))
 
     linear = "least_squares" if case.terms or circles(case.fitted) is None else "refined"
-    start = _shared_out(_by_pattern(case, linear, _sign_patterns()).max(axis=0), row_limit, split)
+    start = _requirements_by_shares(_by_pattern(case, linear, _sign_patterns()).max(axis=0), row_limit, split)
     ceiling = _ceilings(case)
     sizes = np.minimum(start.limits, ceiling)
     if not fit(sizes):

@@ -13,7 +13,7 @@ from tumble.api.solving import complaints
 from tumble.arrays import Floats
 from tumble.documents import bench
 from tumble.documents.base import to_json
-from tumble.documents.bench import Bench, Node, NodeWithStand, OnBench, Stand
+from tumble.documents.bench import Bench, Node, NodeWithStand, RunWithTruth, Stand
 from tumble.documents.result import Table, Truth
 from tumble.errors import BadInput, BenchFault, Disagreement
 from tumble.estimators import OPTIMAL
@@ -28,14 +28,14 @@ from tumble.solving.computation import OPTIMAL_LIMIT_U, RELATIVE_LIMIT, compare_
 from tumble.solving.noise import look, of_means
 from tumble.solving.solution import Solution, solve
 from tumble.world.progress import in_words
-from tumble.world.setup import Setup, known_before, step_v
+from tumble.world.setup import Setup, step_v, weights_made_for
 
 DOCUMENT = "bench.json"
 INPROCESS = "inprocess"
 _NOISE_LIMIT = 1e-9
 
 
-def require_done(document: OnBench) -> None:
+def require_done(document: RunWithTruth) -> None:
     """Raise BenchFault, one line that says what went wrong and where, unless the firmware has finished."""
     if document.end == "done" and document.K is not None:
         return
@@ -51,7 +51,7 @@ def require_done(document: OnBench) -> None:
     raise BenchFault(f"the run failed: {document.reason_sentence} ({name}, {where}{code}){rest}")
 
 
-def with_stand(document: Bench | Node, stand: Stand, **others: dict[str, int]) -> OnBench:
+def with_stand(document: Bench | Node, stand: Stand, **others: dict[str, int]) -> RunWithTruth:
     """A run's document with what tumble-stand knows of it, and the counters of both and of `others`."""
     counters = dict(document.counters)
     for who, told in {"stand": stand.counters, **others}.items():
@@ -62,7 +62,7 @@ def with_stand(document: Bench | Node, stand: Stand, **others: dict[str, int]) -
     return NodeWithStand(**{**structs.asdict(document), **known})
 
 
-def confirm(document: OnBench, stage: Path, setup: Setup) -> Solution:
+def confirm(document: RunWithTruth, stage: Path, setup: Setup) -> Solution:
     """The firmware's result as a solution, if three computations agree; else raises Disagreement.
 
     The core behind the binding, given the firmware's means, must give the firmware's bits. The numpy witness must
@@ -76,7 +76,9 @@ def confirm(document: OnBench, stage: Path, setup: Setup) -> Solution:
     run = _as_averaged(recorded, document)
     given = run, setup.schedule, setup.estimator, setup.limit_g, setup.stand, "run.csv"
     try:
-        solution = solve(*given, step_v=step_v(setup), known=known_before(setup), coverage_factor=setup.coverage_factor)
+        solution = solve(
+            *given, step_v=step_v(setup), known=weights_made_for(setup), coverage_factor=setup.coverage_factor
+        )
     except BadInput as error:
         raise Disagreement(f"the firmware has a result, but: {error}; no result is given") from None
     _require_same_bits(solution, document)
@@ -91,7 +93,7 @@ def result_text(
     solution: Solution,
     setup: Setup,
     stand_file: StandFile | None,
-    document: OnBench,
+    document: RunWithTruth,
     bus: str = INPROCESS,
     firmware: str = "host",
 ) -> str:
@@ -106,7 +108,7 @@ def result_text(
     return to_json(found)
 
 
-def _as_averaged(recorded: Run, document: OnBench) -> Run:
+def _as_averaged(recorded: Run, document: RunWithTruth) -> Run:
     """The run with the firmware's means: those of the recorded samples but for rounding. All positions have one."""
     means = np.array([mean.u_v for mean in document.means])
     samples = [mean.samples for mean in document.means]
@@ -116,7 +118,7 @@ def _as_averaged(recorded: Run, document: OnBench) -> Run:
     return dataclasses.replace(recorded, means=means, counters={**recorded.counters, **document.counters})
 
 
-def _require_same_bits(solution: Solution, document: OnBench) -> None:
+def _require_same_bits(solution: Solution, document: RunWithTruth) -> None:
     found, check = solution.found, document.verification
     assert check is not None  # of a run that is done
     pairs = {
@@ -133,7 +135,7 @@ def _require_same_bits(solution: Solution, document: OnBench) -> None:
 def _require_same_estimate(solution: Solution, recorded: Run, setup: Setup) -> None:
     schedule, found = setup.schedule.data, solution.found
     if setup.estimator == OPTIMAL:
-        known, step = known_before(setup), step_v(setup)
+        known, step = weights_made_for(setup), step_v(setup)
         one = optimal_estimate(schedule, recorded.means, setup.stand, recorded.samples, step, known.k, known.samples)
         _require_close("K", found.k, one.k, OPTIMAL_LIMIT_U * one.u_k)
         _require_close("U0", found.u0, one.u0, OPTIMAL_LIMIT_U * one.u_u0)
@@ -143,14 +145,14 @@ def _require_same_estimate(solution: Solution, recorded: Run, setup: Setup) -> N
     _require_close("U0", found.u0, u0, RELATIVE_LIMIT * np.abs(k).max())
 
 
-def _require_same_uncertainties(solution: Solution, document: OnBench, setup: Setup) -> None:
+def _require_same_uncertainties(solution: Solution, document: RunWithTruth, setup: Setup) -> None:
     """Those of the optimal estimator are for the gains on board, at the K that they were made for."""
     if document.u_K is None or document.u_U0 is None:
         raise Disagreement("the firmware states no uncertainties; no result is given")
     schedule, samples = setup.schedule.data, solution.run.samples
     variance = _noise_on_board(solution, document, setup)
     if setup.estimator == OPTIMAL:
-        known, step = known_before(setup), step_v(setup)
+        known, step = weights_made_for(setup), step_v(setup)
         given = schedule, known.k, setup.stand, samples, step, variance
         by_numpy = optimal_covariance(*given, known_samples=known.samples)
     else:
@@ -159,7 +161,7 @@ def _require_same_uncertainties(solution: Solution, document: OnBench, setup: Se
     compare_uncertainties(stated, np.sqrt(np.diag(by_numpy)), setup.estimator == OPTIMAL)
 
 
-def _noise_on_board(solution: Solution, document: OnBench, setup: Setup) -> Floats | None:
+def _noise_on_board(solution: Solution, document: RunWithTruth, setup: Setup) -> Floats | None:
     """What the noise of a mean counts at least, (positions, 3), from the recorded samples by the rule on board, which
     looks at two lengths of blocks; None where nobody looks. A position that was measured again counts twice there, and
     only its last samples are recorded: then as the firmware tells it."""

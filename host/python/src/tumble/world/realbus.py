@@ -30,7 +30,7 @@ from typing import Any, TypeAlias
 
 from tumble import interruption
 from tumble.documents import base, bench
-from tumble.documents.bench import NODE, STAND, Bench, Node, OnBench, Stand
+from tumble.documents.bench import NODE, STAND, Bench, Node, RunWithTruth, Stand
 from tumble.errors import BadInput, BenchFault, Disagreement, Skipped, UsageError, quoted
 from tumble.firmware_tables import STATES
 from tumble.schedule import Schedule
@@ -51,9 +51,7 @@ _ANSWER = re.compile(r"done|abort|leave|repeat (position|mounting) [0-9]{1,3}", 
 _INTERFACE = re.compile(r"[A-Za-z0-9._-]{1,15}", re.ASCII)
 
 OnEvent = Callable[[in_process.Event], "str | None"]
-
-
-_Judged: TypeAlias = "tuple[Ended, OnBench | None]"
+_Judged: TypeAlias = "tuple[Ended, RunWithTruth | None]"
 
 
 @dataclass(frozen=True)
@@ -112,7 +110,7 @@ def run(
     on_event: OnEvent,
     schedule: Schedule,
     interactive: bool = False,
-) -> tuple[Ended, OnBench | None]:
+) -> tuple[Ended, RunWithTruth | None]:
     """Calibrate. Returns how it ended, and its document with the stand's, as it is in stage/bench too: None where it
     failed early.
     `interactive`: what `on_event` answers is done at the stand, and told the node by SDO. Raises TumbleError."""
@@ -280,7 +278,7 @@ def _judged(told: dict[str, Any], folder: Path, out: Path, scenario: Path, inter
     return ended, _joined(outcome.with_stand(ours, theirs), out)
 
 
-def _joined(document: OnBench, out: Path) -> OnBench:
+def _joined(document: RunWithTruth, out: Path) -> RunWithTruth:
     (out / outcome.DOCUMENT).write_text(json.dumps(bench.written(document)), encoding="utf-8")
     return document
 

@@ -289,7 +289,7 @@ def _angle(angle_deg: float) -> str:
     return _numbers(angle_deg, *sine_cosine(angle_deg))
 
 
-def known_before(setup: Setup) -> Known:
+def weights_made_for(setup: Setup) -> Known:
     """The block's nominal K and the samples of a position."""
     block = _USUAL_BLOCK if setup.block is None else setup.block
     shape = np.full((3, 3), block["misalignment_rad"])
@@ -309,5 +309,5 @@ def _expected_samples(setup: Setup) -> float:
 
 def gain_record(setup: Setup) -> bytes:
     """What goes into the navigation computer's non-volatile memory. Raises UsageError where no weights can be made."""
-    before, schedule = known_before(setup), setup.schedule.data
+    before, schedule = weights_made_for(setup), setup.schedule.data
     return to_bytes(record_of(optimal_table(schedule, before.k, setup.stand, step_v(setup), before.samples), schedule))

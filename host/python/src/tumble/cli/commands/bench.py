@@ -28,7 +28,7 @@ from tumble.schedule import file_of
 from tumble.terms import parse
 
 if TYPE_CHECKING:
-    from tumble.documents.bench import OnBench
+    from tumble.documents.bench import RunWithTruth
     from tumble.files.stand_file import StandFile
     from tumble.world.border import Border
     from tumble.world.folder import RunFolder
@@ -121,7 +121,7 @@ class Onlooker(Protocol):
     def __call__(self, event: dict[str, Any]) -> None:
         """Take an event (boards/linux/progress.h)."""
 
-    def ended(self, document: OnBench) -> None:
+    def ended(self, document: RunWithTruth) -> None:
         """Take what the run says of itself at the end."""
 
 
@@ -261,7 +261,7 @@ def _simulate(
     scenario_path: Path,
     made: RunFolder,
     onlooker: Onlooker | None,
-) -> OnBench:
+) -> RunWithTruth:
     """Let it run. Returns its document; raises where there is none, or the user did not want to wait for it."""
     from tumble.world import realbus
     from tumble.world.progress import LiveProgress, Progress
@@ -287,7 +287,7 @@ def _inside(
     made: RunFolder,
     progress: OnEvent,
     pace: float,
-) -> OnBench:
+) -> RunWithTruth:
     """In a world within this process."""
     from tumble.files.disk import reason
     from tumble.world import in_process
@@ -322,7 +322,7 @@ def _interrupted(at_rest: bool) -> Interrupted:
 
 def _outside(
     arguments: argparse.Namespace, wanted: Setup, scenario_path: Path, made: RunFolder, progress: OnEvent
-) -> OnBench:
+) -> RunWithTruth:
     """By programs on a real bus."""
     from tumble.world import realbus
 
