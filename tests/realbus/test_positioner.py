@@ -13,6 +13,7 @@ from modbus_positioner import ModbusPositioner
 PATIENT = {"silence_ms": 3000, "watch_ms": 3000}  # where a busy machine that lets a process wait is not what is tested
 KEYS = {**HASTE, **PATIENCE, "present__drive": "no", "procedure__settle_ms": 150}
 SLOW_DEG_S = 60.0
+PATIENT_MARGIN_MS = 8000  # half of it without progress: silence, which is told first, must be shorter
 WATCHED = {"silence_ms": 1500, "watch_ms": 1500, "stop_timeout_ms": 500}
 CRAWLING_DEG_S = 15.0  # so that a move lasts longer than the watchdog
 
@@ -62,7 +63,7 @@ def test_a_calibration_finds_the_truth_within_its_uncertainty(run):
 
 def test_a_controller_that_falls_silent_in_a_move_stops_by_itself(run):
     """The computer tells; nobody else can stop the table but the controller's own watchdog."""
-    node, stand, controller = run(CRAWLING_DEG_S, WATCHED)
+    node, stand, controller = run(CRAWLING_DEG_S, WATCHED, procedure__motion_margin_ms=PATIENT_MARGIN_MS)
     node.wait_for("MOVE", 2)
     wait_until(lambda: controller.goal_deg == 90.0)
     controller.silent = True

@@ -100,7 +100,7 @@ def test_a_script_beside_the_gateway_loses_no_read(bus, script, started, tmp_pat
     second = Second(served.port)
     began, took, lost = time.monotonic(), [], []
     while len(took) < reads or not was_done(node):
-        assert len(took) < reads or time.monotonic() - began < PATIENCE_S, [one["state"] for one in node.events()][-3:]
+        assert len(took) < reads or time.monotonic() - began < PATIENCE_S, node.events()[-3:]
         asked = time.monotonic()
         try:
             read(script, len(took))
