@@ -11,7 +11,7 @@ import time
 import canopen
 import pytest
 from conftest import ROOT
-from processes import HASTE, PATIENCE, Node, Stand, scenario
+from processes import HASTE, PATIENCE, Node, Stand, scenario, wait_until
 from test_gateway import Served
 
 from tumble import client
@@ -87,7 +87,10 @@ class Second(threading.Thread):
 
 
 def was_done(node):
-    return any(event.get("state") == "TUMBLE_STATE_DONE" for event in node.events())
+    """Has a calibration come to its end? One that ended in a fault fails at once."""
+    states = [event["state"] for event in node.events() if event["event"] == "state"]
+    assert "TUMBLE_STATE_FAULT" not in states, node.events()[-3:]
+    return "TUMBLE_STATE_DONE" in states
 
 
 @pytest.mark.parametrize("reads, pace_s", [(200, PACE_S), pytest.param(10_000, 0.0, marks=pytest.mark.full)])
@@ -97,6 +100,7 @@ def test_a_script_beside_the_gateway_loses_no_read(bus, script, started, tmp_pat
     node = Node(bus, path, "--nv", tmp_path / "memory", folder=tmp_path)
     served = Served(bus, "--poll", FASTEST, "--allow-commands")
     started.extend([stand, node, served])
+    wait_until(lambda: counted(served)["Polls"])  # until then it asks on the first channel where its own is
     second = Second(served.port)
     began, took, lost = time.monotonic(), [], []
     while len(took) < reads or not was_done(node):
