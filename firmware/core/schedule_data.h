@@ -29,9 +29,9 @@
     {(mounting), 9, TUMBLE_USE_FIT, TUMBLE_AT_360}
 
 /* x, y, z along: */
-#define TUMBLE_H_N_V {1, {{ 1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}, TUMBLE_AT_0} /* ( h, n, v) */
-#define TUMBLE_MH_V_N {2, {{-1.0, 0.0, 0.0}, {0.0, 0.0, 1.0}, {0.0, 1.0, 0.0}}, TUMBLE_AT_0} /* (-h, v, n) */
-#define TUMBLE_N_V_H {3, {{ 0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}, {1.0, 0.0, 0.0}}, TUMBLE_AT_0} /* ( n, v, h) */
+#define TUMBLE_H_N_V {1, {{ 1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}, TUMBLE_AT_0, 0} /* ( h, n, v) */
+#define TUMBLE_MH_V_N {2, {{-1.0, 0.0, 0.0}, {0.0, 0.0, 1.0}, {0.0, 1.0, 0.0}}, TUMBLE_AT_0, 0} /* (-h, v, n) */
+#define TUMBLE_N_V_H {3, {{ 0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}, {1.0, 0.0, 0.0}}, TUMBLE_AT_0, 0} /* ( n, v, h) */
 /* clang-format on */
 
 /* The schedule of a file's `mountings`, and of the positions in an array. */

@@ -3,6 +3,7 @@
 #include "core/arith.h"
 #include "core/course.h"
 #include "core/harmonic.h"
+#include "core/inclined.h"
 #include "core/means.h"
 #include "core/normal.h"
 #include "core/one_copy.h"
@@ -13,12 +14,18 @@
 
 enum { X, Y, Z, BIAS }; /* the unknowns of a channel: K_ix, K_iy, K_iz, U0_i */
 
-typedef enum { AVERAGED, REFINED, LEAST_SQUARES, TABLE } kind_t;
+typedef enum { AVERAGED, REFINED, LEAST_SQUARES, TABLE, INCLINED } kind_t;
 
 typedef struct {
     tumble_normal_t normal;
     double column[TUMBLE_UNKNOWNS]; /* of N^-1, the one of the unknown */
 } least_squares_t;
+
+typedef struct {
+    tumble_inclined_map_t map;
+    tumble_inclined_t run;
+    tumble_harmonics_t gains; /* of the coefficient, or with an attitude of |a| */
+} inclined_t;
 
 /* Where the gains of one coefficient come from; of the pointers those that belong to the kind. */
 typedef struct {
@@ -29,6 +36,7 @@ typedef struct {
     const tumble_harmonic_map_t *map;
     const uint8_t *slots; /* with the map: what each position is to it */
     least_squares_t *least_squares;
+    inclined_t *inclined;
     const tumble_gain_table_t *table;
     double by_channel[TUMBLE_CHANNELS]; /* with an attitude n: n K^-1, what |a| changes by an output of each */
 } gains_t;
@@ -39,7 +47,7 @@ typedef struct {
     double alpha2;
     double alpha4_squared;
     double noise_squared;
-    double yaw; /* of alpha3 and theta_h common to all mountings, and of those of each */
+    double yaw; /* of alpha3 and theta_h common to all mountings, and of those of each bolting */
     double yaws_squared;
     double lean;
     double seats_squared;
@@ -47,6 +55,13 @@ typedef struct {
     uint32_t samples[TUMBLE_CHANNELS];   /* of so many samples: the next one mostly has as many */
     tumble_course_response_t course;
 } response_t;
+
+/* The same of what the mountings of one bolting share. */
+typedef struct {
+    double alpha3;
+    double theta_h;
+    double theta_n;
+} bolted_t;
 
 /* A channel in one mounting: what it gives of a force along h, n, v of the table frame (its row of K M), and the sums
  * over its means of their gains, times the sine of the table angle, 1, and its cosine. */
@@ -115,6 +130,51 @@ static void solve_column(const gains_t *gains)
     tumble_normal_solve(&gains->least_squares->normal, column);
 }
 
+/* Where the mounting of a position stands among the inclinations. */
+static uint8_t inclination_of(const gains_t *gains, const tumble_mounting_t *mounting)
+{
+    const tumble_inclined_map_t *map = &gains->inclined->map;
+    uint8_t k = 0;
+    while ((k < (map->count - 1U)) && (&gains->run->schedule->mountings[map->mounting[k]] != mounting)) {
+        k++;
+    }
+    return k;
+}
+
+/* What a harmonic weighs, times what the mean weighs in it (core/inclined.c). */
+static void inclined_gain(const gains_t *gains, uint8_t p, double g[TUMBLE_CHANNELS])
+{
+    const tumble_angle_t *angle = &gains->run->schedule->positions[p].angle;
+    const uint8_t k = inclination_of(gains, tumble_schedule_mounting_of(gains->run->schedule, p));
+    const double(*of)[TUMBLE_CHANNELS] = gains->inclined->gains[k];
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        const double waves = (of[TUMBLE_SINE][i] * angle->sine) + (of[TUMBLE_COSINE][i] * angle->cosine);
+        g[i] = ((2.0 * waves) + of[TUMBLE_LEVEL][i]) / (double)gains->inclined->map.positions[k];
+    }
+}
+
+/* The gains of the harmonics in the coefficient, or with an attitude n in the length of the shown specific force. K_ij is
+ * the sum of K_ih, K_in, K_iv over row j of the mounting's matrix. */
+static void solve_inclined(const gains_t *gains)
+{
+    const tumble_inclined_map_t *map = &gains->inclined->map;
+    const double(*matrix)[3] = map->schedule->mountings[map->mounting[0]].matrix;
+    const double *attitude = gains->run->attitude;
+    double seed[TUMBLE_UNKNOWNS][TUMBLE_CHANNELS] = {{0.0}};
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        const bool counts = (attitude != NULL) || (i == gains->channel);
+        const double weight = !counts ? 0.0 : (attitude != NULL) ? gains->by_channel[i] : 1.0;
+        for (int j = 0; j < TUMBLE_CHANNELS; j++) {
+            const double of_axis = (attitude != NULL) ? attitude[j] : (j == gains->unknown) ? 1.0 : 0.0;
+            for (int n = 0; n < 3; n++) {
+                seed[n][i] += weight * of_axis * matrix[j][n];
+            }
+        }
+        seed[BIAS][i] = ((attitude != NULL) || (gains->unknown == BIAS)) ? weight : 0.0;
+    }
+    tumble_inclined_gains(map, &gains->inclined->run, seed, gains->inclined->gains);
+}
+
 /* The gains of the position `p`, the fit position number `fit` from 0, for its three channels. False if all are 0. */
 static bool gains_of_one(const gains_t *gains, uint8_t p, size_t fit, double g[TUMBLE_CHANNELS])
 {
@@ -125,6 +185,10 @@ static bool gains_of_one(const gains_t *gains, uint8_t p, size_t fit, double g[T
         for (size_t i = 0; i < TUMBLE_CHANNELS; i++) {
             g[i] = gains->table->gains[((size_t)row * row_length) + (fit * TUMBLE_CHANNELS) + i];
         }
+        return true;
+    }
+    if (gains->kind == INCLINED) {
+        inclined_gain(gains, p, g);
         return true;
     }
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
@@ -160,7 +224,7 @@ static void norm_gains(gains_t *gains, uint8_t p, size_t fit, double g[TUMBLE_CH
 
 static bool gains_at(gains_t *gains, uint8_t p, size_t fit, double g[TUMBLE_CHANNELS])
 {
-    if (gains->run->attitude == NULL) {
+    if ((gains->run->attitude == NULL) || (gains->kind == INCLINED)) {
         return gains_of_one(gains, p, fit, g);
     }
     norm_gains(gains, p, fit, g);
@@ -226,7 +290,7 @@ static double add_mean(const tumble_angle_t *angle, double gain, channel_t *chan
  *     theta_h          (0, cos t cos p, -sin t)                the tilt turns n towards v
  * What is common to all mountings adds up before it is squared. */
 static void close_mounting(const tumble_angle_t *tilt, const channel_t *channels, int first, int last,
-                           response_t *response)
+                           response_t *response, bolted_t *bolted)
 {
     double sum[3][3] = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}; /* of force times moment */
     for (int i = first; i <= last; i++) {
@@ -239,10 +303,17 @@ static void close_mounting(const tumble_angle_t *tilt, const channel_t *channels
     const double theta_h = (tilt->cosine * sum[1][2]) - (tilt->sine * sum[2][1]);
     response->alpha1 += (tilt->cosine * sum[1][1]) - (tilt->sine * (sum[0][0] + sum[2][2]));
     response->alpha2 += turning;
-    response->yaw += alpha3;
-    response->yaws_squared += tumble_square(alpha3);
-    response->lean += theta_h;
-    response->seats_squared += tumble_square(theta_h) + tumble_square(turning);
+    bolted->alpha3 += alpha3;
+    bolted->theta_h += theta_h;
+    bolted->theta_n += turning;
+}
+
+static void close_bolting(const bolted_t *bolted, response_t *response)
+{
+    response->yaw += bolted->alpha3;
+    response->yaws_squared += tumble_square(bolted->alpha3);
+    response->lean += bolted->theta_h;
+    response->seats_squared += tumble_square(bolted->theta_h) + tumble_square(bolted->theta_n);
 }
 
 /* All sources in quadrature. */
@@ -257,15 +328,39 @@ static double combined(const tumble_stand_record_t *stand, const response_t *res
         tumble_square(stand->platform_rad * response->lean) + tumble_course_variance(stand, &response->course));
 }
 
+/* The inclination of the axis, and the angle of the table from its zero: as the run shows them where it does. */
+static tumble_angle_t tilt_of(const gains_t *gains, const tumble_mounting_t *mounting)
+{
+    if (gains->kind != INCLINED) {
+        return mounting->tilt;
+    }
+    const tumble_inclinations_t *seen = &gains->inclined->run.seen;
+    const uint8_t k = inclination_of(gains, mounting);
+    return (tumble_angle_t){0.0, seen->sine[k], seen->cosine[k]};
+}
+
+static tumble_angle_t angle_of(const gains_t *gains, const tumble_mounting_t *mounting, const tumble_angle_t *angle)
+{
+    if (gains->kind != INCLINED) {
+        return *angle;
+    }
+    const tumble_inclinations_t *seen = &gains->inclined->run.seen;
+    const uint8_t k = inclination_of(gains, mounting);
+    return (tumble_angle_t){angle->deg,
+                            (angle->sine * seen->turn_cosine[k]) + (angle->cosine * seen->turn_sine[k]),
+                            (angle->cosine * seen->turn_cosine[k]) - (angle->sine * seen->turn_sine[k])};
+}
+
 /* A coefficient is made of the means of its channel, but of all three by a table, as is |a|. */
-static void add_mounting(gains_t *gains, const tumble_mounting_t *mounting, response_t *response)
+static void add_mounting(gains_t *gains, const tumble_mounting_t *mounting, response_t *response, bolted_t *bolted)
 {
     const tumble_judged_run_t *run = gains->run;
-    const bool of_all = (gains->kind == TABLE) || (run->attitude != NULL);
+    const bool of_all = (gains->kind == TABLE) || (gains->kind == INCLINED) || (run->attitude != NULL);
     const int first = of_all ? X : gains->channel;
     const int last = of_all ? Z : gains->channel;
     channel_t channels[TUMBLE_CHANNELS];
     size_t fit = 0;
+    const tumble_angle_t tilt = tilt_of(gains, mounting);
     for (int i = first; i <= last; i++) {
         open_channel(run->coefficients, mounting, i, &channels[i]);
     }
@@ -274,26 +369,49 @@ static void add_mounting(gains_t *gains, const tumble_mounting_t *mounting, resp
         const bool used = tumble_normal_uses(run->schedule, run->measured, p);
         double g[TUMBLE_CHANNELS];
         if (used && (position->mounting == mounting->number) && gains_at(gains, p, fit, g)) {
+            const tumble_angle_t angle = angle_of(gains, mounting, &position->angle);
             double turning = 0.0;
             for (int i = first; i <= last; i++) {
-                turning += add_mean(&position->angle, g[i], &channels[i]);
+                turning += add_mean(&angle, g[i], &channels[i]);
             }
-            turning *= mounting->tilt.cosine;
+            turning *= tilt.cosine;
             response->alpha4_squared += tumble_square(turning);
             tumble_course_add(run, p, turning, g, &response->course);
             add_noise(run, p, g, response);
         }
         fit += used ? 1U : 0U;
     }
-    close_mounting(&mounting->tilt, channels, first, last, response);
+    close_mounting(&tilt, channels, first, last, response, bolted);
+}
+
+/* Is it the same bolting as that of an earlier one? */
+static bool is_bolted_on(const tumble_schedule_t *schedule, uint8_t m)
+{
+    const uint8_t bolting = schedule->mountings[m].bolting;
+    bool earlier = false;
+    for (uint8_t n = 0; n < m; n++) {
+        earlier = earlier || ((bolting > 0U) && (schedule->mountings[n].bolting == bolting));
+    }
+    return earlier;
 }
 
 /* Mounting by mounting, so that no number has to be kept for each. */
 static double uncertainty_of(gains_t *gains)
 {
+    const tumble_schedule_t *schedule = gains->run->schedule;
     response_t response = {0};
-    for (uint8_t m = 0; m < gains->run->schedule->mounting_count; m++) {
-        add_mounting(gains, &gains->run->schedule->mountings[m], &response);
+    if (gains->kind == INCLINED) {
+        solve_inclined(gains);
+    }
+    for (uint8_t m = 0; m < schedule->mounting_count; m++) {
+        bolted_t bolted = {0};
+        for (uint8_t n = m; (n < schedule->mounting_count) && !is_bolted_on(schedule, m); n++) {
+            const uint8_t bolting = schedule->mountings[n].bolting;
+            if ((n == m) || ((bolting > 0U) && (bolting == schedule->mountings[m].bolting))) {
+                add_mounting(gains, &schedule->mountings[n], &response, &bolted);
+            }
+        }
+        close_bolting(&bolted, &response);
     }
     return combined(gains->run->stand, &response);
 }
@@ -427,6 +545,25 @@ TUMBLE_ONE_COPY tumble_status_t tumble_uncertainty_least_squares(const tumble_ju
     const uint8_t unidentified = tumble_normal_unidentified(&least_squares.normal);
     report(refusal, 0, unidentified);
     return (unidentified == 0U) ? judge(&gains, uncertainty) : TUMBLE_E_RANK;
+}
+
+/* Not inlined, as above. */
+TUMBLE_ONE_COPY tumble_status_t tumble_uncertainty_inclined(const tumble_judged_run_t *run,
+                                                            tumble_uncertainty_t *uncertainty,
+                                                            tumble_refusal_t *refusal)
+{
+    tumble_status_t status = check_arguments(run, uncertainty);
+    inclined_t inclined;
+    gains_t gains = {.run = run, .kind = INCLINED, .inclined = &inclined};
+    uint64_t missing = 0;
+    if (status == TUMBLE_OK) {
+        status = tumble_schedule_inclinations(run->schedule, run->measured, &inclined.map, &missing);
+    }
+    report(refusal, missing, 0);
+    if (status == TUMBLE_OK) {
+        status = tumble_inclined_again(&inclined.map, run->coefficients, run->inclinations, run->weights, &inclined.run);
+    }
+    return (status == TUMBLE_OK) ? judge(&gains, uncertainty) : status;
 }
 
 static bool every_fit_position_is_measured(const tumble_judged_run_t *run)

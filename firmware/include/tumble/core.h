@@ -108,6 +108,8 @@ typedef struct {
     uint8_t number;      /* what people call it: 1, 2, ... unique in the schedule */
     double matrix[3][3]; /* proper rotation, orthonormal to 1e-9; rows: block axes x, y, z; columns: h, n, v */
     tumble_angle_t tilt; /* known tilt of the axis out of the horizontal; {0, 0, 1} on a level stand */
+    uint8_t bolting;     /* mountings with the same number, above 0, are inclinations of a block that is bolted on once: one
+                          * matrix, one seat, one yaw. 0: bolted on for itself */
 } tumble_mounting_t;
 
 typedef enum {
@@ -155,6 +157,12 @@ extern const tumble_schedule_t tumble_schedule_diagonal_closed;
 /* Each face of the block up once, in the paper's two mountings, with the numbers that these positions have there. Only
  * tumble_estimate_least_squares and gains solve it. */
 extern const tumble_schedule_t tumble_schedule_six_faces;
+
+/* A block that is bolted on once, as in mounting 1, on a stand that is inclined: to 0, 45 and -45 degrees, which nobody needs
+ * to measure, as mountings 1 to 3 of one bolting; each at 0, 45, ... 315 degrees, and 360 to check. `closed`: at the end
+ * level again, as a fourth. Only tumble_estimate_inclined and gains solve them. */
+extern const tumble_schedule_t tumble_schedule_inclined;
+extern const tumble_schedule_t tumble_schedule_inclined_closed;
 
 /* Is this schedule usable data? Checks the sizes, then every mounting (number, rotation, tilt), then every position
  * (mounting, number, use, angle), and stops at the first fault. `where` (may be null) then receives the index of that
@@ -219,6 +227,25 @@ typedef struct {
  * them but not all positions are measured; TUMBLE_E_ARGUMENT (null). */
 tumble_status_t tumble_schedule_harmonic(const tumble_schedule_t *schedule, const bool *measured,
                                          tumble_harmonic_map_t *map, uint64_t *missing);
+
+/* What a schedule offers to the estimator `inclined`: the inclinations of one bolting that positions are fitted at, in the
+ * schedule's order. */
+typedef struct {
+    const tumble_schedule_t *schedule;
+    uint8_t count;
+    uint8_t highest; /* places below `count`: of the largest and of the smallest nominal inclination */
+    uint8_t lowest;
+    uint8_t mounting[TUMBLE_MAX_YAWS]; /* by their indices in the schedule */
+    uint8_t positions[TUMBLE_MAX_YAWS];
+} tumble_inclined_map_t;
+
+/* Find them: three or more mountings of one `bolting`, with tilts on both sides of the level, whose fit positions divide a
+ * turn of the table equally; fit positions in other mountings must not be there. `measured` and `missing` as for
+ * tumble_schedule_harmonic.
+ * Returns TUMBLE_OK; TUMBLE_E_NOT_INCLINED when the schedule has them not; TUMBLE_E_MISSING_POSITION; TUMBLE_E_ARGUMENT
+ * (null). */
+tumble_status_t tumble_schedule_inclinations(const tumble_schedule_t *schedule, const bool *measured,
+                                         tumble_inclined_map_t *map, uint64_t *missing);
 
 /* ---- Averaging: exact integer averaging of raw samples, position by position, with gates.
  *
@@ -364,7 +391,8 @@ tumble_status_t tumble_averaging_means(const tumble_averaging_t *averaging, doub
     ONE(AVERAGED, averaged, HARMONIC, tumble_estimate_averaged, tumble_uncertainty_averaged)                           \
     ONE(REFINED, refined, HARMONIC, tumble_estimate_refined, tumble_uncertainty_refined)                               \
     ONE(LEAST_SQUARES, least_squares, RANK, tumble_estimate_least_squares, tumble_uncertainty_least_squares)           \
-    ONE_WITH_GAINS(OPTIMAL, optimal)
+    ONE_WITH_GAINS(OPTIMAL, optimal)                                                                                   \
+    ONE(INCLINED, inclined, INCLINED, tumble_estimate_inclined, tumble_uncertainty_inclined)
 
 typedef enum {
 #define TUMBLE_ESTIMATE_ENUM(number, ...) TUMBLE_ESTIMATE_##number,
@@ -377,7 +405,8 @@ typedef enum {
 enum {
     TUMBLE_NEEDS_HARMONIC = 0, /* circles: see tumble_schedule_harmonic */
     TUMBLE_NEEDS_RANK,         /* positions that identify all twelve coefficients */
-    TUMBLE_NEEDS_GAINS         /* a gain record made for it */
+    TUMBLE_NEEDS_GAINS,        /* a gain record made for it */
+    TUMBLE_NEEDS_INCLINED      /* inclinations of one bolting: see tumble_schedule_inclinations */
 };
 
 typedef struct {
@@ -421,6 +450,30 @@ tumble_status_t tumble_refined_of_means(const tumble_harmonic_map_t *map, const 
  * empty or open), TUMBLE_E_STATE (their numbers of samples differ: take the means). */
 tumble_status_t tumble_refined_of_sums(const tumble_harmonic_map_t *map, const tumble_averaging_t *averaging,
                                        double v_per_count, tumble_coefficients_t *coefficients);
+
+/* What a run says of its inclinations, as tumble_inclined_map_t has them: each by its sine and cosine, and the zero of its
+ * table angle against the first one's. The core has no arc sine. */
+typedef struct {
+    double sine[TUMBLE_MAX_YAWS];
+    double cosine[TUMBLE_MAX_YAWS];
+    double turn_sine[TUMBLE_MAX_YAWS];
+    double turn_cosine[TUMBLE_MAX_YAWS];
+} tumble_inclinations_t;
+
+/* `inclined`: the block is bolted on once, and the stand is inclined. Neither the inclinations nor the level of the axis
+ * need be known: the outputs across the axis follow a parabola over those along it, whose vertex is the level
+ * (docs/never-remounted.md). K is that of the table frame at the first inclination. The sign of the inclinations is that of
+ * the schedule's tilts, which nothing else depends on.
+ * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_NOT_INCLINED, TUMBLE_E_MISSING_POSITION (then refusal->missing),
+ * TUMBLE_E_NOT_FINITE, TUMBLE_E_ALIKE, TUMBLE_E_ONE_SIDE. `refusal` may be null. */
+tumble_status_t tumble_estimate_inclined(const tumble_schedule_t *schedule, const tumble_means_t *means,
+                                         tumble_coefficients_t *coefficients, tumble_refusal_t *refusal);
+
+/* The same with a weight for each channel, above 0 and finite, best in proportion to 1 / noise (null: equal), and what the
+ * run says of its inclinations (`seen` may be null). */
+tumble_status_t tumble_inclined_weighted(const tumble_schedule_t *schedule, const tumble_means_t *means,
+                                         const double weights[TUMBLE_CHANNELS], tumble_coefficients_t *coefficients,
+                                         tumble_inclinations_t *seen, tumble_refusal_t *refusal);
 
 /* `least_squares`: ordinary least squares of the measured fit positions on the ideal geometry, any schedule. Solves the
  * four-unknown normal matrix that the three channels share, then corrects the solution once from its residuals
@@ -590,6 +643,10 @@ typedef struct {
      * and `uncertainty` may be null. Null: coefficients are. */
     const double *attitude;
     double *norm_g;
+    /* Of tumble_estimate_inclined: what the run says of its inclinations, and the weights of the channels, as
+     * tumble_inclined_weighted has them. Null: as the schedule has them; equal. */
+    const tumble_inclinations_t *inclinations;
+    const double *weights;
 } tumble_judged_run_t;
 
 /* Standard uncertainties, arranged and with units as in tumble_coefficients_t. */
@@ -610,6 +667,12 @@ tumble_status_t tumble_uncertainty_refined(const tumble_judged_run_t *run, tumbl
                                            tumble_refusal_t *refusal);
 tumble_status_t tumble_uncertainty_least_squares(const tumble_judged_run_t *run, tumble_uncertainty_t *uncertainty,
                                                  tumble_refusal_t *refusal);
+
+/* Likewise of tumble_estimate_inclined, at the inclinations that the run shows. Errors of level and inclination do
+ * nothing; seat and yaw of the bolting and the zero of the table angle turn the block against its axes, as K says them.
+ * Returns also TUMBLE_E_NOT_INCLINED, TUMBLE_E_MISSING_POSITION, TUMBLE_E_ALIKE, TUMBLE_E_ONE_SIDE. */
+tumble_status_t tumble_uncertainty_inclined(const tumble_judged_run_t *run, tumble_uncertainty_t *uncertainty,
+                                            tumble_refusal_t *refusal);
 
 /* Standard uncertainties of an estimate by tumble_estimate_gains, or by the table of a gain record.
  * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_NOT_FINITE, TUMBLE_E_GAIN_TABLE (for another number of fit positions),

@@ -50,7 +50,10 @@ extern "C" {
       "an error of the stand came out larger than any stand can have: wrong gains, mounting or means")                 \
     X(TUMBLE_E_UNCERTAIN, "the mean of a position is less certain than its budget asks, after all samples allowed")    \
     X(TUMBLE_E_NV, "the non-volatile memory failed, or has no such place")                                             \
-    X(TUMBLE_E_UNHEALTHY, "the block itself calls the sample faulty")
+    X(TUMBLE_E_UNHEALTHY, "the block itself calls the sample faulty")                                                  \
+    X(TUMBLE_E_NOT_INCLINED, "the schedule has no inclinations of one bolting on both sides of the level")             \
+    X(TUMBLE_E_ALIKE, "the run shows no inclinations: its outputs do not change as those of an inclined axis")         \
+    X(TUMBLE_E_ONE_SIDE, "the run shows all inclinations on one side of the level")
 
 typedef enum {
 #define TUMBLE_STATUS_ENUM(name, sentence) name,
