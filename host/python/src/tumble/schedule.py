@@ -29,12 +29,14 @@ class Mounting:
 
     `number` is 1 to 255. `matrix` is 3 x 3, a proper rotation: its rows are the block axes x, y, z in the table frame
     (h horizontal across the axis, n along the axis, v up at table angle 0). `tilt_deg` is the known tilt of the axis
-    out of the horizontal, 0 on a level stand.
+    out of the horizontal, 0 on a level stand. Mountings of one `bolting` (1 to 255) are inclinations of a block that is
+    bolted on once; None: it is bolted on for itself.
     """
 
     number: int
     matrix: tuple[tuple[float, ...], ...]
     tilt_deg: float = 0.0
+    bolting: int | None = None
 
 
 @dataclass(frozen=True)

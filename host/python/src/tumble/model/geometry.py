@@ -31,6 +31,7 @@ _AXES = {1: ("h", "n", "v"), 2: ("-h", "v", "n"), 3: ("n", "v", "h")}  # of x, y
 _NINE = {turn: 45.0 * (turn - 1) for turn in range(1, 10)}
 _FOUR = {turn: 90.0 * turn - 45.0 for turn in range(1, 5)}
 _CLOSED = {**_FOUR, 5: 45.0}  # the last to check only
+_INCLINATIONS = {1: 0.0, 2: 45.0, 3: -45.0, 4: 0.0}  # deg, of a block bolted on once
 _FACES = {1: (1, 3, 5, 7), 2: (1, 5)}
 
 
@@ -44,10 +45,19 @@ def built_in(name: str) -> Schedule:
         "diagonal": {1: _FOUR, 2: _FOUR, 3: _FOUR},
         "diagonal_closed": {1: _CLOSED, 2: _CLOSED, 3: _CLOSED},
         "six_faces": {number: {turn: _NINE[turn] for turn in faces} for number, faces in _FACES.items()},
+        "inclined": dict.fromkeys((1, 2, 3), _NINE),
+        "inclined_closed": dict.fromkeys((1, 2, 3, 4), _NINE),
     }[name]
-    mountings = tuple(Mounting(number, tuple(_TABLE[axis] for axis in _AXES[number])) for number in angles)
+    inclined = name.startswith("inclined")
+    mountings = tuple(
+        Mounting(number, tuple(_TABLE[axis] for axis in _AXES[1]), _INCLINATIONS[number], 1)
+        if inclined
+        else Mounting(number, tuple(_TABLE[axis] for axis in _AXES[number]))
+        for number in angles
+    )
+    last = 9 if inclined else 5
     positions = (
-        Position(m, turn, angle, CHECK if turns is _CLOSED and turn == 5 else FIT)
+        Position(m, turn, angle, CHECK if (inclined or turns is _CLOSED) and turn == last else FIT)
         for m, turns in angles.items()
         for turn, angle in turns.items()
     )

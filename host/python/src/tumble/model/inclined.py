@@ -1,0 +1,156 @@
+"""The block bolted on once, the stand inclined: coefficients, and the inclinations that nobody measured.
+
+At inclination k, whose true angle is beta_k and whose table angle has its zero at tau_k, channel i puts out
+
+    U_i = U0_i + K_in sin beta_k + cos beta_k (K_ih sin(phi + tau_k) + K_iv cos(phi + tau_k))
+
+The part of the outputs that does not turn with the table lies on a line, and says how far along it each inclination is;
+the part that turns says how much of gravity is left across the axis. The square of the one is a parabola over the
+other, and its vertex is the level axis. Here by least squares, polynomials and angles; the core has square roots alone.
+
+Arrays may be complex: complex steps through `solve` give its derivatives.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from tumble.arrays import Floats, Integers
+from tumble.errors import UsageError
+from tumble.model.geometry import STEP, Geometry
+from tumble.schedule import Schedule
+
+FEWEST = 3
+_SAME = 1e-9
+EQUAL = np.ones(3)
+
+
+class NotShown(ValueError):
+    """The run contradicts its schedule; the text says how."""
+
+
+@dataclass(frozen=True)
+class Inclinations:
+    """What a run says of its inclinations, in the order of `numbers`, those of their mountings: `beta` and `tau`
+    (inclinations,) or (runs, inclinations), rad; the first tau is 0 by definition."""
+
+    numbers: tuple[int, ...]
+    beta: Floats
+    tau: Floats
+
+
+@dataclass(frozen=True)
+class Layout:
+    """The inclinations of a schedule: `slots`, indices of the fit positions of each; `highest`, `lowest`: places of the
+    steepest ones; `matrix` (3, 3) of the bolting."""
+
+    numbers: tuple[int, ...]
+    slots: tuple[Integers, ...]
+    parts: tuple[Floats, ...]  # by inclination (3, positions): means to their parts by sin phi, cos phi and 1
+    highest: int
+    lowest: int
+    matrix: Floats
+
+
+@lru_cache(64)
+def layout(schedule: Schedule) -> Layout | None:
+    """None where `inclined` does not solve it: three or more mountings of one bolting, on both sides of the level, whose
+    fit positions divide a turn equally."""
+    used = schedule.fitted_mountings
+    boltings = {one.bolting for one in used}
+    if len(used) < FEWEST or len(boltings) != 1 or None in boltings:
+        return None
+    matrices = np.array([one.matrix for one in used], dtype=float)
+    tilts = np.array([one.tilt_deg for one in used])
+    slots = tuple(
+        np.array([i for i in schedule.fit_indices if schedule.positions[i].mounting == one.number]) for one in used
+    )
+    phi = Geometry(schedule).phi
+    designs = [np.stack([np.sin(phi[own]), np.cos(phi[own]), np.ones(len(own))]) for own in slots]
+    spread = [design @ design.T / len(design.T) for design in designs]
+    equal = all(len(own) >= FEWEST and np.allclose(one, np.diag([0.5, 0.5, 1.0]), 0, _SAME) for own, one in zip(slots, spread))
+    steep = np.abs(tilts).max() < 90.0 and tilts.max() > 0.0 > tilts.min()
+    if not equal or not steep or np.abs(matrices - matrices[0]).max() > _SAME:
+        return None
+    parts = tuple(np.linalg.pinv(design.T) for design in designs)
+    numbers = tuple(one.number for one in used)
+    return Layout(numbers, slots, parts, int(tilts.argmax()), int(tilts.argmin()), matrices[0])
+
+
+def solve(schedule: Schedule, means: Floats, weights: Floats = EQUAL) -> tuple[Floats, Floats, Inclinations]:
+    """K (..., 3, 3) and U0 (..., 3) from means (..., positions, 3) of all positions, real or complex; K in the frame of
+    the table at the first inclination. `weights` of the channels, best in proportion to 1 / noise. Raises UsageError for
+    a schedule of another kind, NotShown."""
+    of = layout(schedule)
+    if of is None:
+        raise UsageError("inclined: the schedule has no three inclinations of one bolting on both sides of the level")
+    waves = np.stack([np.einsum("hp,...pi->...hi", parts, means[..., own, :]) for parts, own in zip(of.parts, of.slots)], -3)
+    s, c, b = waves[..., 0, :], waves[..., 1, :], waves[..., 2, :]  # (..., inclinations, 3)
+    beta = _inclinations(of, s, c, b, weights)
+    x = np.sin(beta)
+    line = x - x.mean(axis=-1, keepdims=True)
+    k_n = (line[..., None] * b).sum(axis=-2) / (line**2).sum(axis=-1)[..., None]
+    u0 = b.mean(axis=-2) - k_n * x.mean(axis=-1)[..., None]
+    h, v = s / np.cos(beta)[..., None], c / np.cos(beta)[..., None]
+    tau = _turn(h, v, weights)
+    sine, cosine = np.sin(tau)[..., None], np.cos(tau)[..., None]
+    k_h, k_v = (h * cosine + v * sine).mean(axis=-2), (v * cosine - h * sine).mean(axis=-2)
+    k = np.stack([k_h, k_n, k_v], axis=-1) @ of.matrix.T
+    return k, u0, Inclinations(of.numbers, beta, tau)
+
+
+def _inclinations(of: Layout, s: Floats, c: Floats, b: Floats, weights: Floats) -> Floats:
+    """beta (..., inclinations) from the parts of the outputs (..., inclinations, 3)."""
+    apart = weights * (b[..., of.highest, :] - b[..., of.lowest, :])
+    along = apart / np.sqrt((apart**2).sum(axis=-1))[..., None]
+    t = ((weights * (b - b[..., :1, :])) * along[..., None, :]).sum(axis=-1)
+    square = ((weights * s) ** 2 + (weights * c) ** 2).sum(axis=-1)
+    powers = np.stack([np.ones_like(t), t, t**2], axis=-1)
+    turned = np.swapaxes(powers, -1, -2)
+    p, q, r = np.moveaxis(np.linalg.solve(turned @ powers, turned @ square[..., None])[..., 0], -1, 0)
+    vertex = p - q**2 / (4.0 * r)
+    if not ((np.real(r) < 0.0) & (np.real(vertex) > 0.0)).all():
+        raise NotShown("its outputs do not change as those of an inclined axis: inclinations alike?")
+    x = np.sqrt(-r / vertex)[..., None] * (t + (q / (2.0 * r))[..., None])
+    if not (np.abs(np.real(x)) < 1.0).all():
+        raise NotShown("its outputs change more than gravity can: inclinations alike?")
+    if not ((np.real(x[..., of.highest]) > 0.0) & (np.real(x[..., of.lowest]) < 0.0)).all():
+        raise NotShown("it shows all inclinations on one side of the level")
+    beta: Floats = np.arcsin(x)
+    return beta
+
+
+def _turn(h: Floats, v: Floats, weights: Floats) -> Floats:
+    """tau (..., inclinations): how far each zero of the table angle is from the first one."""
+    square = weights**2
+    along = (square * (h * h[..., :1, :] + v * v[..., :1, :])).sum(axis=-1)
+    across = (square * (v * h[..., :1, :] - h * v[..., :1, :])).sum(axis=-1)
+    tau: Floats = np.arctan(across / along)
+    return tau + np.where(np.real(along) < 0.0, np.pi, 0.0)
+
+
+def as_seen(schedule: Schedule, found: Inclinations) -> Schedule:
+    """The schedule that the run was made on: with its inclinations, and table angles from their own zeros."""
+    tilts = dict(zip(found.numbers, np.rad2deg(found.beta).tolist()))
+    turns = dict(zip(found.numbers, np.rad2deg(found.tau).tolist()))
+    return Schedule(
+        tuple(replace(one, tilt_deg=tilts.get(one.number, one.tilt_deg)) for one in schedule.mountings),
+        tuple(replace(one, angle_deg=one.angle_deg + turns.get(one.mounting, 0.0)) for one in schedule.positions),
+    )
+
+
+def gains(schedule: Schedule, k: Floats, found: Inclinations | None = None, weights: Floats = EQUAL) -> Floats:
+    """Derivatives (12, 3 x fit positions) of K row by row and U0 by the means, the channel running fastest, at a block of
+    sensitivity `k` on the inclinations that were found; None: on those of the schedule. By complex steps."""
+    seen = schedule if found is None else as_seen(schedule, found)
+    means, fit = Geometry(seen).outputs(k, np.zeros(3)), schedule.fit_indices
+    stepped = np.tile(means.astype(complex), (3 * len(fit), 1, 1))
+    for row, (position, channel) in enumerate((position, channel) for position in fit for channel in range(3)):
+        stepped[row, position, channel] += 1j * STEP
+    by_k, by_u0, _ = solve(schedule, stepped, weights)
+    columns = np.concatenate([by_k.reshape(len(stepped), 9), by_u0], axis=1)
+    derived: Floats = np.imag(columns).T / STEP
+    return derived
