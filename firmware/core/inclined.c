@@ -10,6 +10,7 @@
 
 #define ROTATION_TOLERANCE 1e-9
 #define ANGLE_TOLERANCE 1e-9 /* of sums over a mounting's angles, as a share of their number */
+#define LEAST_APART 1e-3     /* of the level parts at the two steepest inclinations, as a share of the largest output */
 
 /* ---- What a schedule offers. ---- */
 
@@ -206,7 +207,8 @@ static tumble_status_t find_inclinations(const tumble_inclined_map_t *map, tumbl
     run->r = bent / run->bends_squared;
     run->q = (linear / run->places_squared) - (run->r * run->skew);
     run->vertex = (mean - (run->r * run->spread)) - (tumble_square(run->q) / (4.0 * run->r));
-    if (!tumble_is_positive(-run->r) || !tumble_is_positive(run->vertex)) {
+    const bool apart = tumble_exceeds(run->apart, LEAST_APART);
+    if (!apart || !tumble_is_positive(-run->r) || !tumble_is_positive(run->vertex)) {
         return TUMBLE_E_ALIKE;
     }
     run->slope = tumble_sqrt(-run->r / run->vertex);

@@ -5,9 +5,9 @@
 #include "model.h"
 
 static const tumble_mounting_t six_faces_mountings[] = {
-    {1, {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}}, LEVEL}, /* x up at 0 */
-    {2, {{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, LEVEL}, /* y up */
-    {3, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, LEVEL}, /* z up */
+    {1, {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}}, LEVEL, 0}, /* x up at 0 */
+    {2, {{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, LEVEL, 0}, /* y up */
+    {3, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, LEVEL, 0}, /* z up */
 };
 
 static const tumble_position_t six_faces_positions[] = {

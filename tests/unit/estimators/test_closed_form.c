@@ -93,7 +93,7 @@ static void test_a_channel_does_not_depend_on_the_others(void)
 static void test_a_circle_may_begin_anywhere(void)
 {
     tumble_mounting_t mountings[2] = {tumble_schedule_paper.mountings[0],
-                                      {2, {{0.6, 0, 0.8}, {0.8, 0, -0.6}, {0, 1, 0}}, LEVEL}};
+                                      {2, {{0.6, 0, 0.8}, {0.8, 0, -0.6}, {0, 1, 0}}, LEVEL, 0}};
     const tumble_schedule_t turned = {mountings, tumble_schedule_paper.positions, 2, 18};
     dice_t dice = {45};
     for (int round = 0; round < 200; round++) {

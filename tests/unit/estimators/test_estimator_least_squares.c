@@ -131,8 +131,8 @@ static void test_random_schedules_against_the_dense_solution(void)
 static void test_a_weak_schedule_loses_digits_with_its_condition_only(void)
 {
     static const tumble_mounting_t mountings[] = {
-        {1, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {20.0, 0.34202014332566871, 0.93969262078590843}},
-        {2, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {20.2, 0.34529819899853464, 0.93849302275955593}},
+        {1, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {20.0, 0.34202014332566871, 0.93969262078590843}, 0},
+        {2, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {20.2, 0.34529819899853464, 0.93849302275955593}, 0},
     };
     static tumble_means_t means;
     static tumble_position_t positions[24];

@@ -103,8 +103,8 @@ static void test_numbers_that_are_not_there_are_not_found(void)
 
 static void test_look_ups_go_by_number_not_by_order(void)
 {
-    static const tumble_mounting_t mountings[] = {{7, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, LEVEL},
-                                                  {4, {{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, LEVEL}};
+    static const tumble_mounting_t mountings[] = {{7, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, LEVEL, 0},
+                                                  {4, {{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, LEVEL, 0}};
     static const tumble_position_t positions[] = {
         {4, 8, TUMBLE_USE_FIT, LEVEL}, {7, 8, TUMBLE_USE_FIT, LEVEL}, {4, 200, TUMBLE_USE_CHECK, LEVEL}};
     static const tumble_schedule_t schedule = {mountings, positions, 2, 3};

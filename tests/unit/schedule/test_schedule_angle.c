@@ -7,7 +7,7 @@ static const tumble_schedule_t schedule = {mountings, positions, 1, 2};
 
 static void set_up(void)
 {
-    mountings[0] = (tumble_mounting_t){1, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, LEVEL};
+    mountings[0] = (tumble_mounting_t){1, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, LEVEL, 0};
     positions[0] = (tumble_position_t){1, 1, TUMBLE_USE_FIT, LEVEL};
     positions[1] = (tumble_position_t){1, 2, TUMBLE_USE_FIT, LEVEL};
 }

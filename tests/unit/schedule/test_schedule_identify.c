@@ -109,8 +109,8 @@ static void test_check_positions_do_not_count(void)
 /* One mounting turned on an axis with two tilts: +sine in four positions, -sine or none in four more. */
 static void assert_two_tilts(tumble_angle_t first, tumble_angle_t second, unsigned expected)
 {
-    const tumble_mounting_t mountings[] = {{1, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, first},
-                                           {2, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, second}};
+    const tumble_mounting_t mountings[] = {{1, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, first, 0},
+                                           {2, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, second, 0}};
     tumble_position_t positions[8];
     for (uint8_t p = 0; p < 8U; p++) {
         positions[p] = (tumble_position_t){(uint8_t)(p / 4U + 1U), (uint8_t)(p + 1U), TUMBLE_USE_FIT,

@@ -11,7 +11,7 @@ static tumble_schedule_t schedule;
 
 static void set_up(void)
 {
-    static const tumble_mounting_t mounting = {1, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, LEVEL};
+    static const tumble_mounting_t mounting = {1, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, LEVEL, 0};
     for (unsigned m = 0; m < COUNT_OF(mountings); m++) {
         mountings[m] = mounting;
         mountings[m].number = (uint8_t)(m + 1U);
