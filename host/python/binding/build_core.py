@@ -39,7 +39,7 @@ const char *tumble_status_sentence(tumble_status_t status);
 
 SCHEDULE = """
 typedef struct { double deg; double sine; double cosine; } tumble_angle_t;
-typedef struct { uint8_t number; double matrix[3][3]; tumble_angle_t tilt; } tumble_mounting_t;
+typedef struct { uint8_t number; double matrix[3][3]; tumble_angle_t tilt; uint8_t bolting; } tumble_mounting_t;
 typedef enum { TUMBLE_USE_FIT, TUMBLE_USE_CHECK } tumble_use_t;
 typedef struct { uint8_t mounting; uint8_t number; tumble_use_t use; tumble_angle_t angle; } tumble_position_t;
 typedef struct {
@@ -56,11 +56,16 @@ extern const tumble_schedule_t tumble_schedule_three_mountings;
 extern const tumble_schedule_t tumble_schedule_diagonal;
 extern const tumble_schedule_t tumble_schedule_diagonal_closed;
 extern const tumble_schedule_t tumble_schedule_six_faces;
+extern const tumble_schedule_t tumble_schedule_inclined;
+extern const tumble_schedule_t tumble_schedule_inclined_closed;
 tumble_status_t tumble_schedule_validate(const tumble_schedule_t *, uint8_t *where);
 void tumble_schedule_attitude(const tumble_schedule_t *, uint8_t index, double *a_g);
 tumble_status_t tumble_schedule_identify(const tumble_schedule_t *, const bool *measured, uint8_t *unidentified);
 tumble_status_t tumble_schedule_harmonic(const tumble_schedule_t *, const bool *measured, tumble_harmonic_map_t *,
                                          uint64_t *missing);
+typedef struct { uint8_t count; ...; } tumble_inclined_map_t;
+tumble_status_t tumble_schedule_inclinations(const tumble_schedule_t *, const bool *measured, tumble_inclined_map_t *,
+                                             uint64_t *missing);
 """
 
 AVERAGING = """
@@ -99,6 +104,10 @@ ESTIMATOR = """
 typedef struct { double k_v_per_g[3][3]; double u0_v[3]; } tumble_coefficients_t;
 typedef struct { uint64_t missing; uint8_t unidentified; } tumble_refusal_t;
 typedef struct { const double *gains; uint8_t fit_positions; } tumble_gain_table_t;
+typedef struct { double sine[...]; double cosine[...]; double turn_sine[...]; double turn_cosine[...]; }
+    tumble_inclinations_t;
+tumble_status_t tumble_inclined_weighted(const tumble_schedule_t *, const tumble_means_t *, const double *weights,
+                                         tumble_coefficients_t *, tumble_inclinations_t *, tumble_refusal_t *);
 
 tumble_status_t tumble_estimate_gains(const tumble_gain_table_t *, const tumble_schedule_t *, const tumble_means_t *,
                                       tumble_coefficients_t *);
@@ -232,6 +241,8 @@ typedef struct {
     const tumble_noise_t *noise;
     const double *attitude;
     double *norm_g;
+    const tumble_inclinations_t *inclinations;
+    const double *weights;
 } tumble_judged_run_t;
 typedef struct {
     double best[3];

@@ -5,8 +5,8 @@ core.
 """
 
 HARMONIC = ("averaged", "refined")  # closed forms, on circles through two block axes
-LINEAR = ("averaged", "refined", "least_squares")  # that need no stand
-ESTIMATORS = ("averaged", "refined", "least_squares", "optimal")
+LINEAR = ("averaged", "refined", "least_squares", "inclined")  # that need no stand
+ESTIMATORS = ("averaged", "refined", "least_squares", "optimal", "inclined")
 OPTIMAL = "optimal"  # weighs by the stand's errors
 
 COEFFICIENTS = (*(f"K_{i}{j}" for i in "xyz" for j in "xyz"), *(f"U0_{i}" for i in "xyz"))

@@ -139,7 +139,10 @@ class CoreSchedule:
         self.data, self.name = schedule, name
         self._mountings = ffi.new(
             "tumble_mounting_t[]",
-            [{"number": m.number, "matrix": m.matrix, "tilt": _angle(m.tilt_deg)} for m in schedule.mountings],
+            [
+                {"number": m.number, "matrix": m.matrix, "tilt": _angle(m.tilt_deg), "bolting": m.bolting or 0}
+                for m in schedule.mountings
+            ],
         )
         self._positions = ffi.new("tumble_position_t[]", [self._position(p) for p in schedule.positions])
         counts = [min(len(rows), 255) for rows in (schedule.mountings, schedule.positions)]
@@ -219,7 +222,7 @@ def built_in(name: str) -> Schedule:
     mountings = [held.mountings[m] for m in range(held.mounting_count)]
     positions = [held.positions[p] for p in range(held.position_count)]
     return Schedule(
-        tuple(Mounting(m.number, tuple(map(tuple, m.matrix)), m.tilt.deg) for m in mountings),
+        tuple(Mounting(m.number, tuple(map(tuple, m.matrix)), m.tilt.deg, m.bolting or None) for m in mountings),
         tuple(Position(p.mounting, p.number, p.angle.deg, CHECK if p.use else FIT) for p in positions),
     )
 

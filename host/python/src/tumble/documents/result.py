@@ -108,6 +108,7 @@ class Mounting(Document):
     number: PlaceNumber
     matrix: Matrix
     axis_tilt_deg: float
+    bolting: PlaceNumber | UnsetType = UNSET
 
 
 class Position(Document):

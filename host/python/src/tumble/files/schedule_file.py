@@ -1,6 +1,6 @@
 """Schedules by name: built-in ones, and files of mountings and test positions (TOML).
 
-[[mounting]]   number, matrix (3 x 3, rows = block axes x, y, z in the table frame h, n, v), axis_tilt_deg
+[[mounting]]   number, matrix (3 x 3, rows = block axes x, y, z in the table frame h, n, v), axis_tilt_deg, bolting
 [[position]]   mounting, position, angle_deg, use = "fit" or "check"
 """
 
@@ -141,9 +141,10 @@ def _why_left_out(fit: list[Position], number: int, out: list[Position]) -> str:
 
 
 def _mounting(table: Table) -> Mounting:
-    table.only("number", "matrix", "axis_tilt_deg")
+    table.only("number", "matrix", "axis_tilt_deg", "bolting")
     tilt_deg = table.number("axis_tilt_deg", -_LARGEST_TILT_DEG, _LARGEST_TILT_DEG, default=0.0)
-    return Mounting(table.integer("number", 1, _LARGEST_NUMBER), _rotation(table.matrix("matrix")), tilt_deg)
+    number, matrix = table.integer("number", 1, _LARGEST_NUMBER), _rotation(table.matrix("matrix"))
+    return Mounting(number, matrix, tilt_deg, table.integer("bolting", 1, _LARGEST_NUMBER, default=None))
 
 
 def _rotation(given: tuple[tuple[float, ...], ...]) -> tuple[tuple[float, ...], ...]:
@@ -183,7 +184,8 @@ def to_toml(schedule: Schedule) -> str:
     for one in schedule.mountings:
         rows = ", ".join(f"[{', '.join(map(repr, row))}]" for row in one.matrix)
         tilt = f"axis_tilt_deg = {one.tilt_deg!r}\n" if one.tilt_deg else ""
-        tables.append(f"[[mounting]]\nnumber = {one.number}\nmatrix = [{rows}]\n{tilt}")
+        bolting = f"bolting = {one.bolting}\n" if one.bolting else ""
+        tables.append(f"[[mounting]]\nnumber = {one.number}\nmatrix = [{rows}]\n{tilt}{bolting}")
     for place in schedule.positions:
         numbers = f"mounting = {place.mounting}\nposition = {place.number}\n"
         tables.append(f'[[position]]\n{numbers}angle_deg = {place.angle_deg!r}\nuse = "{place.use}"\n')

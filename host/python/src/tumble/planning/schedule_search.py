@@ -336,7 +336,7 @@ def _part(everything: Schedule, chosen: Flags, samples: int, norm_g: float, pace
     for position in part.positions:
         counts[position.mounting] += 1
         positions.append(Position(places[position.mounting], counts[position.mounting], position.angle_deg))
-    renamed = tuple(Mounting(places[mounting.number], mounting.matrix, mounting.tilt_deg) for mounting in used)
+    renamed = tuple(replace(mounting, number=places[mounting.number]) for mounting in used)
     return pace.timed(Schedule(renamed, tuple(positions)), samples, norm_g)
 
 

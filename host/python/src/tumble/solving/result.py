@@ -65,7 +65,10 @@ def schedule_of(result: Result, name: str) -> CoreSchedule | None:
     if told is None:
         return None
     matrices = (tuple(map(tuple, one.matrix.tolist())) for one in told.mounting)
-    mountings = (Mounting(one.number, matrix, one.axis_tilt_deg) for one, matrix in zip(told.mounting, matrices))
+    mountings = (
+        Mounting(one.number, matrix, one.axis_tilt_deg, one.bolting or None)
+        for one, matrix in zip(told.mounting, matrices)
+    )
     positions = (Position(one.mounting, one.position, one.angle_deg, one.use) for one in told.position)
     try:
         return CoreSchedule(Schedule(tuple(mountings), tuple(positions)))
@@ -169,7 +172,10 @@ def declared_stand(stand: Stand, step_v: Floats) -> doc.DeclaredStand:
 
 def schedule_part(schedule: Schedule) -> doc.Schedule:
     """With the name of a built-in one, else None, and the tables of a schedule file."""
-    mountings = (doc.Mounting(one.number, np.array(one.matrix), one.tilt_deg) for one in schedule.mountings)
+    mountings = (
+        doc.Mounting(one.number, np.array(one.matrix), one.tilt_deg, one.bolting or UNSET)
+        for one in schedule.mountings
+    )
     positions = (doc.Position(int(one.mounting), int(one.number), one.angle_deg, one.use) for one in schedule.positions)
     name = next((name for name in BUILT_IN if built_in(name) == schedule), None)
     return doc.Schedule(name, tuple(mountings), tuple(positions))
