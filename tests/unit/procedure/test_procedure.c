@@ -131,8 +131,8 @@ static void test_running_mean_is_in_volts(void)
 static void test_schedule_with_check_positions_and_interleaved_mountings(void)
 {
     static const tumble_mounting_t mountings[] = {
-        {1, {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}, LEVEL},
-        {7, {{-1.0, 0.0, 0.0}, {0.0, 0.0, 1.0}, {0.0, 1.0, 0.0}}, LEVEL},
+        {1, {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}, LEVEL, 0},
+        {7, {{-1.0, 0.0, 0.0}, {0.0, 0.0, 1.0}, {0.0, 1.0, 0.0}}, LEVEL, 0},
     };
     static const tumble_position_t positions[] = {
         {1, 1, TUMBLE_USE_FIT, {0.0, 0.0, 1.0}},

@@ -109,9 +109,9 @@ static void test_diagonals_among_others_are_no_circle(void)
  * other way. */
 static void test_a_circle_may_begin_anywhere(void)
 {
-    mountings[1] = (tumble_mounting_t){2, {{0.6, 0, 0.8}, {0.8, 0, -0.6}, {0, 1, 0}}, LEVEL};
+    mountings[1] = (tumble_mounting_t){2, {{0.6, 0, 0.8}, {0.8, 0, -0.6}, {0, 1, 0}}, LEVEL, 0};
     assert_circles(&schedule, NULL, 0, 1, 1);
-    mountings[1] = (tumble_mounting_t){2, {{0, -1, 0}, {1, 0, 0}, {0, 0, 1}}, LEVEL};
+    mountings[1] = (tumble_mounting_t){2, {{0, -1, 0}, {1, 0, 0}, {0, 0, 1}}, LEVEL, 0};
     assert_circles(&schedule, NULL, 1, 1, 0);
     mountings[1] = mountings[0];
     mountings[1].number = 2;
@@ -215,7 +215,7 @@ static void test_extra_positions_and_mountings_do_no_harm(void)
     mountings[2] = mountings[0];
     mountings[2].number = 3;
     mountings[2].tilt = (tumble_angle_t){5.0, 0.08715574274765818, 0.99619469809174555};
-    mountings[3] = (tumble_mounting_t){4, {{0, 0.6, 0.8}, {0, -0.8, 0.6}, {1, 0, 0}}, LEVEL};
+    mountings[3] = (tumble_mounting_t){4, {{0, 0.6, 0.8}, {0, -0.8, 0.6}, {1, 0, 0}}, LEVEL, 0};
     schedule.mounting_count = 4;
     for (uint8_t p = 18; p < TUMBLE_MAX_POSITIONS; p++) {
         positions[p] = (tumble_position_t){3, p, TUMBLE_USE_FIT, positions[p % 9U].angle};
