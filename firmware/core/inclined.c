@@ -55,7 +55,7 @@ static double tilt_of(const tumble_schedule_t *schedule, uint8_t m)
 /* All inclinations of one bolting that positions are fitted at, in the schedule's order, and which is the steepest either
  * way. */
 tumble_status_t tumble_schedule_inclinations(const tumble_schedule_t *schedule, const bool *measured,
-                                         tumble_inclined_map_t *map, uint64_t *missing)
+                                             tumble_inclined_map_t *map, uint64_t *missing)
 {
     if ((schedule == NULL) || (map == NULL)) {
         return TUMBLE_E_ARGUMENT;
@@ -153,8 +153,8 @@ static void find_places(const tumble_inclined_map_t *map, tumble_inclined_t *run
 {
     double mean = 0.0;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        run->along[i] = run->weight[i] * (run->harmonics[map->highest][TUMBLE_LEVEL][i] -
-                                          run->harmonics[map->lowest][TUMBLE_LEVEL][i]);
+        run->along[i] = run->weight[i] *
+                        (run->harmonics[map->highest][TUMBLE_LEVEL][i] - run->harmonics[map->lowest][TUMBLE_LEVEL][i]);
     }
     run->apart = tumble_sqrt(tumble_dot(run->along, run->along));
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
@@ -220,7 +220,8 @@ static tumble_status_t find_inclinations(const tumble_inclined_map_t *map, tumbl
         }
         run->seen.cosine[k] = tumble_sqrt(1.0 - tumble_square(run->seen.sine[k]));
     }
-    const bool both = tumble_is_positive(run->seen.sine[map->highest]) && tumble_is_positive(-run->seen.sine[map->lowest]);
+    const bool both =
+        tumble_is_positive(run->seen.sine[map->highest]) && tumble_is_positive(-run->seen.sine[map->lowest]);
     return both ? TUMBLE_OK : TUMBLE_E_ONE_SIDE;
 }
 
@@ -243,11 +244,11 @@ static void find_axial(const tumble_inclined_map_t *map, tumble_inclined_t *run)
  * tan tau_k = sum w^2 (v_k h_0 - h_k v_0) / sum w^2 (h_k h_0 + v_k v_0). */
 static void find_transverse(const tumble_inclined_map_t *map, tumble_inclined_t *run)
 {
-    const double(*first)[TUMBLE_CHANNELS] = run->harmonics[0];
+    const double (*first)[TUMBLE_CHANNELS] = run->harmonics[0];
     (void)memset(run->column[0], 0, sizeof run->column[0]);
     (void)memset(run->column[2], 0, sizeof run->column[2]);
     for (uint8_t k = 0; k < map->count; k++) {
-        const double(*harmonic)[TUMBLE_CHANNELS] = run->harmonics[k];
+        const double (*harmonic)[TUMBLE_CHANNELS] = run->harmonics[k];
         double along = 0.0;
         double across = 0.0;
         for (int i = 0; i < TUMBLE_CHANNELS; i++) {
@@ -298,7 +299,7 @@ tumble_status_t tumble_inclined_again(const tumble_inclined_map_t *map, const tu
                                       tumble_inclined_t *run)
 {
     const tumble_mounting_t *mountings = map->schedule->mountings;
-    const double(*matrix)[3] = mountings[map->mounting[0]].matrix;
+    const double (*matrix)[3] = mountings[map->mounting[0]].matrix;
     for (uint8_t k = 0; k < map->count; k++) {
         const tumble_angle_t *tilt = &mountings[map->mounting[k]].tilt;
         const double sine = (inclinations != NULL) ? inclinations->sine[k] : tilt->sine;
@@ -319,9 +320,10 @@ tumble_status_t tumble_inclined_again(const tumble_inclined_map_t *map, const tu
 }
 
 /* K M = (K_h, K_n, K_v), so K = (K_h, K_n, K_v) M^T. */
-static void conclude(const tumble_inclined_map_t *map, const tumble_inclined_t *run, tumble_coefficients_t *coefficients)
+static void conclude(const tumble_inclined_map_t *map, const tumble_inclined_t *run,
+                     tumble_coefficients_t *coefficients)
 {
-    const double(*matrix)[3] = map->schedule->mountings[map->mounting[0]].matrix;
+    const double (*matrix)[3] = map->schedule->mountings[map->mounting[0]].matrix;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         const double row[3] = {run->column[0][i], run->column[1][i], run->column[2][i]};
         for (int j = 0; j < TUMBLE_CHANNELS; j++) {
@@ -373,9 +375,9 @@ static void transverse_backwards(const tumble_inclined_map_t *map, const tumble_
                                  const double seed[4][TUMBLE_CHANNELS], double sine[TUMBLE_MAX_YAWS],
                                  tumble_harmonics_t gains)
 {
-    const double(*first)[TUMBLE_CHANNELS] = run->harmonics[0];
+    const double (*first)[TUMBLE_CHANNELS] = run->harmonics[0];
     for (uint8_t k = 0; k < map->count; k++) {
-        const double(*harmonic)[TUMBLE_CHANNELS] = run->harmonics[k];
+        const double (*harmonic)[TUMBLE_CHANNELS] = run->harmonics[k];
         const double cosine = run->seen.turn_cosine[k];
         const double turned = run->seen.turn_sine[k];
         const double share = 1.0 / (run->seen.cosine[k] * (double)map->count);
@@ -396,8 +398,10 @@ static void transverse_backwards(const tumble_inclined_map_t *map, const tumble_
         for (int i = 0; i < TUMBLE_CHANNELS; i++) {
             const double weight = turning * tumble_square(run->weight[i]);
             /* across cosine - along turned, by each of its four numbers */
-            gains[k][TUMBLE_COSINE][i] += weight * ((cosine * first[TUMBLE_SINE][i]) - (turned * first[TUMBLE_COSINE][i]));
-            gains[k][TUMBLE_SINE][i] -= weight * ((cosine * first[TUMBLE_COSINE][i]) + (turned * first[TUMBLE_SINE][i]));
+            gains[k][TUMBLE_COSINE][i] +=
+                weight * ((cosine * first[TUMBLE_SINE][i]) - (turned * first[TUMBLE_COSINE][i]));
+            gains[k][TUMBLE_SINE][i] -=
+                weight * ((cosine * first[TUMBLE_COSINE][i]) + (turned * first[TUMBLE_SINE][i]));
             gains[0][TUMBLE_SINE][i] +=
                 weight * ((cosine * harmonic[TUMBLE_COSINE][i]) - (turned * harmonic[TUMBLE_SINE][i]));
             gains[0][TUMBLE_COSINE][i] -=
@@ -460,8 +464,8 @@ static void parabola_backwards(const tumble_inclined_map_t *map, const tumble_in
         skew -= bend * run->place[k];
         spread -= bend;
     }
-    added->places_squared += (spread / count) - (linear * (run->q + (run->r * run->skew))) -
-                             (skew * (run->skew / run->places_squared));
+    added->places_squared +=
+        (spread / count) - (linear * (run->q + (run->r * run->skew))) - (skew * (run->skew / run->places_squared));
     for (uint8_t k = 0; k < map->count; k++) {
         added->place[k] += (3.0 * skew * tumble_square(run->place[k]) / run->places_squared) +
                            (2.0 * added->places_squared * run->place[k]);

@@ -26,8 +26,8 @@ typedef struct {
     double spread;
     double r; /* of the parabola p + q t + r t^2 */
     double q;
-    double vertex;               /* A^2, at the level axis */
-    double slope;                /* sin beta_k = slope t_k + middle */
+    double vertex; /* A^2, at the level axis */
+    double slope;  /* sin beta_k = slope t_k + middle */
     double middle;
     double length[TUMBLE_MAX_YAWS];    /* of the sums that the turn onto the first inclination comes from */
     double column[3][TUMBLE_CHANNELS]; /* K_ih, K_in, K_iv */

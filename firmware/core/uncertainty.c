@@ -146,7 +146,7 @@ static void inclined_gain(const gains_t *gains, uint8_t p, double g[TUMBLE_CHANN
 {
     const tumble_angle_t *angle = &gains->run->schedule->positions[p].angle;
     const uint8_t k = inclination_of(gains, tumble_schedule_mounting_of(gains->run->schedule, p));
-    const double(*of)[TUMBLE_CHANNELS] = gains->inclined->gains[k];
+    const double (*of)[TUMBLE_CHANNELS] = gains->inclined->gains[k];
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         const double waves = (of[TUMBLE_SINE][i] * angle->sine) + (of[TUMBLE_COSINE][i] * angle->cosine);
         g[i] = ((2.0 * waves) + of[TUMBLE_LEVEL][i]) / (double)gains->inclined->map.positions[k];
@@ -158,7 +158,7 @@ static void inclined_gain(const gains_t *gains, uint8_t p, double g[TUMBLE_CHANN
 static void solve_inclined(const gains_t *gains)
 {
     const tumble_inclined_map_t *map = &gains->inclined->map;
-    const double(*matrix)[3] = map->schedule->mountings[map->mounting[0]].matrix;
+    const double (*matrix)[3] = map->schedule->mountings[map->mounting[0]].matrix;
     const double *attitude = gains->run->attitude;
     double seed[TUMBLE_UNKNOWNS][TUMBLE_CHANNELS] = {{0.0}};
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
@@ -346,8 +346,7 @@ static tumble_angle_t angle_of(const gains_t *gains, const tumble_mounting_t *mo
     }
     const tumble_inclinations_t *seen = &gains->inclined->run.seen;
     const uint8_t k = inclination_of(gains, mounting);
-    return (tumble_angle_t){angle->deg,
-                            (angle->sine * seen->turn_cosine[k]) + (angle->cosine * seen->turn_sine[k]),
+    return (tumble_angle_t){angle->deg, (angle->sine * seen->turn_cosine[k]) + (angle->cosine * seen->turn_sine[k]),
                             (angle->cosine * seen->turn_cosine[k]) - (angle->sine * seen->turn_sine[k])};
 }
 
@@ -561,7 +560,8 @@ TUMBLE_ONE_COPY tumble_status_t tumble_uncertainty_inclined(const tumble_judged_
     }
     report(refusal, missing, 0);
     if (status == TUMBLE_OK) {
-        status = tumble_inclined_again(&inclined.map, run->coefficients, run->inclinations, run->weights, &inclined.run);
+        status =
+            tumble_inclined_again(&inclined.map, run->coefficients, run->inclinations, run->weights, &inclined.run);
     }
     return (status == TUMBLE_OK) ? judge(&gains, uncertainty) : status;
 }

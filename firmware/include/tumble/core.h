@@ -108,7 +108,7 @@ typedef struct {
     uint8_t number;      /* what people call it: 1, 2, ... unique in the schedule */
     double matrix[3][3]; /* proper rotation, orthonormal to 1e-9; rows: block axes x, y, z; columns: h, n, v */
     tumble_angle_t tilt; /* known tilt of the axis out of the horizontal; {0, 0, 1} on a level stand */
-    uint8_t bolting;     /* mountings with the same number, above 0, are inclinations of a block that is bolted on once: one
+    uint8_t bolting; /* mountings with the same number, above 0, are inclinations of a block that is bolted on once: one
                           * matrix, one seat, one yaw. 0: bolted on for itself */
 } tumble_mounting_t;
 
@@ -245,7 +245,7 @@ typedef struct {
  * Returns TUMBLE_OK; TUMBLE_E_NOT_INCLINED when the schedule has them not; TUMBLE_E_MISSING_POSITION; TUMBLE_E_ARGUMENT
  * (null). */
 tumble_status_t tumble_schedule_inclinations(const tumble_schedule_t *schedule, const bool *measured,
-                                         tumble_inclined_map_t *map, uint64_t *missing);
+                                             tumble_inclined_map_t *map, uint64_t *missing);
 
 /* ---- Averaging: exact integer averaging of raw samples, position by position, with gates.
  *

@@ -30,7 +30,8 @@ static void draw_run(dice_t *dice, inclined_run_t *run, uint8_t inclinations, do
     for (uint8_t k = 0; k < inclinations; k++) {
         const uint8_t positions = numbers[dice_below(dice, COUNT_OF(numbers))];
         const double first_deg = 30.0 * dice_signed_unit(dice);
-        run->mountings[k] = (tumble_mounting_t){.number = (uint8_t)(k + 1U), .tilt = angle_at(nominal[k]), .bolting = 7};
+        run->mountings[k] =
+            (tumble_mounting_t){.number = (uint8_t)(k + 1U), .tilt = angle_at(nominal[k]), .bolting = 7};
         memcpy(run->mountings[k].matrix, matrix, sizeof matrix);
         run->beta[k] = nominal[k] * (3.14159265358979323846 / 180.0) + error * dice_signed_unit(dice);
         run->tau[k] = (k == 0U) ? 0.0 : error * dice_signed_unit(dice);
@@ -74,8 +75,8 @@ static void test_unknown_inclinations_do_not_matter(void)
         measure(&run, &block, &means);
         found = estimate_with(tumble_estimate_inclined, &run.schedule, &means);
         assert_coefficients(&block, &found, 3e-13);
-        ASSERT_STATUS(TUMBLE_OK, tumble_inclined_weighted(&run.schedule, &means, (round % 2 == 0) ? weights : NULL, &found,
-                                                          &seen, NULL));
+        ASSERT_STATUS(TUMBLE_OK, tumble_inclined_weighted(&run.schedule, &means, (round % 2 == 0) ? weights : NULL,
+                                                          &found, &seen, NULL));
         assert_coefficients(&block, &found, 3e-13);
         for (int k = 0; k < run.schedule.mounting_count; k++) {
             TEST_ASSERT_DOUBLE_WITHIN(1e-12, sin(run.beta[k]), seen.sine[k]);
@@ -243,21 +244,22 @@ static void test_gains_are_the_derivatives(void)
         }
         ASSERT_STATUS(TUMBLE_OK, tumble_schedule_inclinations(&run.schedule, NULL, &map, NULL));
         ASSERT_STATUS(TUMBLE_OK, tumble_inclined_solve(&map, &means, weights, &solved));
-        tumble_inclined_gains(&map, &solved, (const double(*)[3])seed, gains);
+        tumble_inclined_gains(&map, &solved, (const double (*)[3])seed, gains);
         for (int cell = 0; cell < 3 * run.schedule.position_count; cell++) {
             const int p = cell / 3;
             const int i = cell % 3;
             const ptrdiff_t k = tumble_schedule_mounting_of(&run.schedule, (uint8_t)p) - run.mountings;
             const tumble_angle_t *angle = &run.positions[p].angle;
-            const double gain = (2.0 * (angle->sine * gains[k][TUMBLE_SINE][i] + angle->cosine * gains[k][TUMBLE_COSINE][i]) +
-                                 gains[k][TUMBLE_LEVEL][i]) /
-                                map.positions[k];
+            const double gain =
+                (2.0 * (angle->sine * gains[k][TUMBLE_SINE][i] + angle->cosine * gains[k][TUMBLE_COSINE][i]) +
+                 gains[k][TUMBLE_LEVEL][i]) /
+                map.positions[k];
             const double before = means.u_v[p][i];
             double difference = 0.0;
             for (int sign = -1; sign <= 1; sign += 2) {
                 means.u_v[p][i] = before + sign * 1e-5;
                 ASSERT_STATUS(TUMBLE_OK, tumble_inclined_solve(&map, &means, weights, &moved));
-                difference += sign * weighed((const double(*)[3])seed, &moved) / 2e-5;
+                difference += sign * weighed((const double (*)[3])seed, &moved) / 2e-5;
             }
             means.u_v[p][i] = before;
             TEST_ASSERT_DOUBLE_WITHIN(3e-8, difference, gain);

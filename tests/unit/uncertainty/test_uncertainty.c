@@ -309,6 +309,7 @@ static void test_a_gain_table_does_not_ask_for_check_positions(void)
     for (int p = 0; p < 19; p++) {
         measured[p] = p < 18;
     }
-    const tumble_judged_run_t run = {&extended, &no_errors, &straight, measured, NULL, 0, NULL, NULL, NULL, NULL, NULL, NULL};
+    const tumble_judged_run_t run = {&extended, &no_errors, &straight, measured, NULL, 0,
+                                     NULL,      NULL,       NULL,      NULL,     NULL, NULL};
     (void)judged(by_table, &run);
 }

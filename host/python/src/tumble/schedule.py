@@ -15,7 +15,7 @@ CHECK = "check"
 # Built-in schedules: the core and its witness each have their own. --schedule takes these names; a file of the same
 # name is given with a path.
 BUILT_IN = ("paper", "three_mountings", "diagonal", "diagonal_closed", "six_faces", "inclined", "inclined_closed")
-CLOSED = {"diagonal": "diagonal_closed", "inclined": "inclined_closed"}  # the same with a closure, for runs that have it
+CLOSED = {"diagonal": "diagonal_closed", "inclined": "inclined_closed"}  # the same, and back where it began
 
 
 def file_of(name: str | None) -> str | None:

@@ -57,8 +57,8 @@ class Layout:
 
 @lru_cache(64)
 def layout(schedule: Schedule) -> Layout | None:
-    """None where `inclined` does not solve it: three or more mountings of one bolting, on both sides of the level, whose
-    fit positions divide a turn equally."""
+    """None where `inclined` does not solve it: three or more mountings of one bolting, on both sides of the level,
+    whose fit positions divide a turn equally."""
     used = schedule.fitted_mountings
     boltings = {one.bolting for one in used}
     if len(used) < FEWEST or len(boltings) != 1 or None in boltings:
@@ -70,8 +70,9 @@ def layout(schedule: Schedule) -> Layout | None:
     )
     phi = Geometry(schedule).phi
     designs = [np.stack([np.sin(phi[own]), np.cos(phi[own]), np.ones(len(own))]) for own in slots]
-    spread = [design @ design.T / len(design.T) for design in designs]
-    equal = all(len(own) >= FEWEST and np.allclose(one, np.diag([0.5, 0.5, 1.0]), 0, _SAME) for own, one in zip(slots, spread))
+    spreads = [design @ design.T / len(design.T) for design in designs]
+    enough = all(len(own) >= FEWEST for own in slots)
+    equal = enough and all(np.allclose(spread, np.diag([0.5, 0.5, 1.0]), 0.0, _SAME) for spread in spreads)
     steep = np.abs(tilts).max() < 90.0 and tilts.max() > 0.0 > tilts.min()
     if not equal or not steep or np.abs(matrices - matrices[0]).max() > _SAME:
         return None
@@ -82,12 +83,14 @@ def layout(schedule: Schedule) -> Layout | None:
 
 def solve(schedule: Schedule, means: Floats, weights: Floats = EQUAL) -> tuple[Floats, Floats, Inclinations]:
     """K (..., 3, 3) and U0 (..., 3) from means (..., positions, 3) of all positions, real or complex; K in the frame of
-    the table at the first inclination. `weights` of the channels, best in proportion to 1 / noise. Raises UsageError for
-    a schedule of another kind, NotShown."""
+    the table at the first inclination. `weights` of the channels, best in proportion to 1 / noise. Raises UsageError
+    for a schedule of another kind, NotShown."""
     of = layout(schedule)
     if of is None:
         raise UsageError("inclined: the schedule has no three inclinations of one bolting on both sides of the level")
-    waves = np.stack([np.einsum("hp,...pi->...hi", parts, means[..., own, :]) for parts, own in zip(of.parts, of.slots)], -3)
+    waves = np.stack(
+        [np.einsum("hp,...pi->...hi", parts, means[..., own, :]) for parts, own in zip(of.parts, of.slots)], -3
+    )
     s, c, b = waves[..., 0, :], waves[..., 1, :], waves[..., 2, :]  # (..., inclinations, 3)
     beta = _inclinations(of, s, c, b, weights)
     x = np.sin(beta)
@@ -143,8 +146,8 @@ def as_seen(schedule: Schedule, found: Inclinations) -> Schedule:
 
 
 def gains(schedule: Schedule, k: Floats, found: Inclinations | None = None, weights: Floats = EQUAL) -> Floats:
-    """Derivatives (12, 3 x fit positions) of K row by row and U0 by the means, the channel running fastest, at a block of
-    sensitivity `k` on the inclinations that were found; None: on those of the schedule. By complex steps."""
+    """Derivatives (12, 3 x fit positions) of K row by row and U0 by the means, the channel running fastest, at a block
+    of sensitivity `k` on the inclinations that were found; None: on those of the schedule. By complex steps."""
     seen = schedule if found is None else as_seen(schedule, found)
     means, fit = Geometry(seen).outputs(k, np.zeros(3)), schedule.fit_indices
     stepped = np.tile(means.astype(complex), (3 * len(fit), 1, 1))

@@ -13,6 +13,7 @@ from datetime import datetime, timezone
 from typing import Any
 
 import numpy as np
+from msgspec import UNSET
 
 from tumble._version import __version__
 from tumble.arrays import Floats
@@ -173,8 +174,7 @@ def declared_stand(stand: Stand, step_v: Floats) -> doc.DeclaredStand:
 def schedule_part(schedule: Schedule) -> doc.Schedule:
     """With the name of a built-in one, else None, and the tables of a schedule file."""
     mountings = (
-        doc.Mounting(one.number, np.array(one.matrix), one.tilt_deg, one.bolting or UNSET)
-        for one in schedule.mountings
+        doc.Mounting(one.number, np.array(one.matrix), one.tilt_deg, one.bolting or UNSET) for one in schedule.mountings
     )
     positions = (doc.Position(int(one.mounting), int(one.number), one.angle_deg, one.use) for one in schedule.positions)
     name = next((name for name in BUILT_IN if built_in(name) == schedule), None)
