@@ -11,7 +11,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 HEADER = ROOT / "firmware/include/tumble/core.h"
 MODULE = ROOT / "host/python/src/tumble/estimators.py"
-ROW = re.compile(r"^    ONE(?:_WITH_GAINS)?\(\w+, (\w+)(?:, (\w+))?", re.MULTILINE)
+ROW = re.compile(r"^    (?:ONE|LENT)\(\w+, (\w+), (\w+)", re.MULTILINE)
 
 
 def main(arguments):
