@@ -11,7 +11,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 HEADER = ROOT / "firmware/include/tumble/core.h"
 MODULE = ROOT / "host/python/src/tumble/estimators.py"
-ROW = re.compile(r"^    ONE(?:_WITH_GAINS)?\(\w+, (\w+)(?:, (\w+))?", re.MULTILINE)
+ROW = re.compile(r"^    (?:ONE|LENT)\(\w+, (\w+), (\w+)", re.MULTILINE)
 
 
 def main(arguments):
@@ -19,7 +19,7 @@ def main(arguments):
     names = [name for name, _ in rows]
     module = MODULE.read_text(encoding="utf-8")
     module = line(module, "HARMONIC", [name for name, needs in rows if needs == "HARMONIC"])
-    module = line(module, "LINEAR", [name for name, needs in rows if needs])
+    module = line(module, "LINEAR", [name for name, needs in rows if needs != "GAINS"])
     module = line(module, "ESTIMATORS", names)
     if MODULE.read_text(encoding="utf-8") == module:
         return 0

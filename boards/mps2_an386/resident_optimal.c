@@ -4,8 +4,11 @@
 #include "tumble/core.h"
 #include "tumble/navcomp.h"
 
-extern const tumble_weighted_t tumble_resident_weighted;
+extern const tumble_lent_t tumble_resident_lent;
 
 static tumble_optimal_t work;
 static const tumble_optimal_source_t source = {NULL, 0, &work};
-const tumble_weighted_t tumble_resident_weighted = {tumble_optimal_check, tumble_optimal_estimate, &source};
+const tumble_lent_t tumble_resident_lent = {.estimator = TUMBLE_ESTIMATE_OPTIMAL,
+                                            .check = tumble_optimal_check,
+                                            .estimate = tumble_optimal_estimate,
+                                            .source = &source};

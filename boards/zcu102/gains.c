@@ -12,14 +12,17 @@
 static tumble_optimal_t work;
 static const tumble_optimal_source_t SOURCE = {
     .record = (const void *)(uintptr_t)GAINS_ADDRESS, .record_bytes = GAINS_BYTES, .work = &work};
-static const tumble_weighted_t WEIGHTED = {tumble_optimal_check, tumble_optimal_estimate, &SOURCE};
+static const tumble_lent_t LENT = {.estimator = TUMBLE_ESTIMATE_OPTIMAL,
+                                   .check = tumble_optimal_check,
+                                   .estimate = tumble_optimal_estimate,
+                                   .source = &SOURCE};
 
-const tumble_weighted_t *zcu102_weighted(void)
+const tumble_lent_t *zcu102_lent(void)
 {
-    return &WEIGHTED;
+    return &LENT;
 }
 #else
-const tumble_weighted_t *zcu102_weighted(void)
+const tumble_lent_t *zcu102_lent(void)
 {
     return NULL;
 }

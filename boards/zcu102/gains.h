@@ -9,6 +9,6 @@
 #include "tumble/navcomp.h"
 
 /* Null: the board has no memory for gains, and refuses the estimator. */
-const tumble_weighted_t *zcu102_weighted(void);
+const tumble_lent_t *zcu102_lent(void);
 
 #endif

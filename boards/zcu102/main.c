@@ -117,7 +117,7 @@ static tumble_status_t init(void)
 #ifdef NV_ADDRESS
     find_memory();
 #endif
-    commissioned.procedure.weighted = zcu102_weighted();
+    commissioned.procedure.lent = zcu102_lent();
     config.port = &port.port;
     config.stand_memory = &drive;
     config.stand_bytes = sizeof drive;

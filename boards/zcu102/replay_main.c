@@ -86,7 +86,7 @@ int main(void)
         status = zcu102_configure(&config, &commissioned);
     }
     if (status == TUMBLE_OK) {
-        commissioned.procedure.weighted = zcu102_weighted();
+        commissioned.procedure.lent = zcu102_lent();
         config.port = &replay.port;
         config.stand_memory = &drive;
         config.stand_bytes = sizeof drive;

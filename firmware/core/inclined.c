@@ -149,7 +149,7 @@ static void find_weights(const tumble_inclined_map_t *map, const double weights[
 
 /* Where each inclination lies along the line that the level parts lie on: t_k = d . w b_k, less their mean; and how much
  * gravity is left across the axis there: A2_k = sum w^2 (s^2 + c^2) = A^2 cos^2 beta_k. */
-static void find_places(const tumble_inclined_map_t *map, tumble_inclined_t *run)
+static tumble_status_t find_places(const tumble_inclined_map_t *map, tumble_inclined_t *run)
 {
     double mean = 0.0;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
@@ -157,6 +157,9 @@ static void find_places(const tumble_inclined_map_t *map, tumble_inclined_t *run
                         (run->harmonics[map->highest][TUMBLE_LEVEL][i] - run->harmonics[map->lowest][TUMBLE_LEVEL][i]);
     }
     run->apart = tumble_sqrt(tumble_dot(run->along, run->along));
+    if (!tumble_exceeds(run->apart, LEAST_APART)) {
+        return TUMBLE_E_ALIKE;
+    }
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         run->along[i] /= run->apart;
     }
@@ -175,6 +178,7 @@ static void find_places(const tumble_inclined_map_t *map, tumble_inclined_t *run
     for (uint8_t k = 0; k < map->count; k++) {
         run->place[k] -= mean;
     }
+    return TUMBLE_OK;
 }
 
 /* The parabola A2 = p + q t + r t^2 through three points, by least squares through more: its bend is what t^2 has beside a
@@ -204,11 +208,13 @@ static tumble_status_t find_inclinations(const tumble_inclined_map_t *map, tumbl
         run->bends_squared += tumble_square(run->bend[k]);
         bent += run->bend[k] * run->square[k];
     }
-    run->r = bent / run->bends_squared;
+    run->r = tumble_is_positive(run->bends_squared) ? (bent / run->bends_squared) : 0.0;
+    if (!tumble_is_positive(-run->r)) {
+        return TUMBLE_E_ALIKE; /* no three different ones, or no parabola that is open downwards */
+    }
     run->q = (linear / run->places_squared) - (run->r * run->skew);
     run->vertex = (mean - (run->r * run->spread)) - (tumble_square(run->q) / (4.0 * run->r));
-    const bool apart = tumble_exceeds(run->apart, LEAST_APART);
-    if (!apart || !tumble_is_positive(-run->r) || !tumble_is_positive(run->vertex)) {
+    if (!tumble_is_positive(run->vertex)) {
         return TUMBLE_E_ALIKE;
     }
     run->slope = tumble_sqrt(-run->r / run->vertex);
@@ -242,7 +248,7 @@ static void find_axial(const tumble_inclined_map_t *map, tumble_inclined_t *run)
 
 /* K_ih and K_iv: the means of (s_ik, c_ik) / cos beta_k, each turned by the zero tau_k of its table angle onto the first:
  * tan tau_k = sum w^2 (v_k h_0 - h_k v_0) / sum w^2 (h_k h_0 + v_k v_0). */
-static void find_transverse(const tumble_inclined_map_t *map, tumble_inclined_t *run)
+static tumble_status_t find_transverse(const tumble_inclined_map_t *map, tumble_inclined_t *run)
 {
     const double (*first)[TUMBLE_CHANNELS] = run->harmonics[0];
     (void)memset(run->column[0], 0, sizeof run->column[0]);
@@ -259,6 +265,9 @@ static void find_transverse(const tumble_inclined_map_t *map, tumble_inclined_t 
                                 (harmonic[TUMBLE_SINE][i] * first[TUMBLE_COSINE][i]));
         }
         const double length = tumble_sqrt(tumble_square(along) + tumble_square(across));
+        if (!tumble_is_positive(length)) {
+            return TUMBLE_E_ALIKE;
+        }
         run->length[k] = length;
         run->seen.turn_cosine[k] = along / length;
         run->seen.turn_sine[k] = across / length;
@@ -270,6 +279,7 @@ static void find_transverse(const tumble_inclined_map_t *map, tumble_inclined_t 
                                           (run->seen.turn_sine[k] * harmonic[TUMBLE_SINE][i]));
         }
     }
+    return TUMBLE_OK;
 }
 
 /* From the harmonics on. */
@@ -277,11 +287,13 @@ static tumble_status_t solve(const tumble_inclined_map_t *map, const double weig
                              tumble_inclined_t *run)
 {
     find_weights(map, weights, run);
-    find_places(map, run);
-    const tumble_status_t status = find_inclinations(map, run);
+    tumble_status_t status = find_places(map, run);
+    if (status == TUMBLE_OK) {
+        status = find_inclinations(map, run);
+    }
     if (status == TUMBLE_OK) {
         find_axial(map, run);
-        find_transverse(map, run);
+        status = find_transverse(map, run);
     }
     return status;
 }
@@ -333,6 +345,15 @@ static void conclude(const tumble_inclined_map_t *map, const tumble_inclined_t *
     }
 }
 
+static bool are_weights(const double weights[TUMBLE_CHANNELS])
+{
+    bool valid = true;
+    for (int i = 0; (weights != NULL) && (i < TUMBLE_CHANNELS); i++) {
+        valid = valid && tumble_is_positive(weights[i]);
+    }
+    return valid;
+}
+
 tumble_status_t tumble_inclined_weighted(const tumble_schedule_t *schedule, const tumble_means_t *means,
                                          const double weights[TUMBLE_CHANNELS], tumble_coefficients_t *coefficients,
                                          tumble_inclinations_t *seen, tumble_refusal_t *refusal)
@@ -341,8 +362,8 @@ tumble_status_t tumble_inclined_weighted(const tumble_schedule_t *schedule, cons
     tumble_inclined_t run;
     uint64_t missing = 0;
     tumble_status_t status = tumble_means_check(schedule, means, coefficients);
-    for (int i = 0; (i < TUMBLE_CHANNELS) && (weights != NULL); i++) {
-        status = ((status == TUMBLE_OK) && !tumble_is_positive(weights[i])) ? TUMBLE_E_ARGUMENT : status;
+    if ((status == TUMBLE_OK) && !are_weights(weights)) {
+        status = TUMBLE_E_ARGUMENT;
     }
     if (status == TUMBLE_OK) {
         status = tumble_schedule_inclinations(schedule, means->measured, &map, &missing);
@@ -366,6 +387,28 @@ tumble_status_t tumble_estimate_inclined(const tumble_schedule_t *schedule, cons
                                          tumble_coefficients_t *coefficients, tumble_refusal_t *refusal)
 {
     return tumble_inclined_weighted(schedule, means, NULL, coefficients, NULL, refusal);
+}
+
+/* ---- For a procedure that knows no inclinations. ---- */
+
+tumble_status_t tumble_inclined_check(const void *source, const tumble_schedule_t *schedule)
+{
+    const tumble_inclined_source_t *from = source;
+    tumble_inclined_map_t map;
+    if ((from == NULL) || (from->seen == NULL) || !are_weights(from->weights)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    return tumble_schedule_inclinations(schedule, NULL, &map, NULL);
+}
+
+tumble_status_t tumble_inclined_estimate(const void *source, const tumble_schedule_t *schedule,
+                                         const tumble_means_t *means, tumble_coefficients_t *coefficients)
+{
+    const tumble_inclined_source_t *from = source;
+    if ((from == NULL) || (from->seen == NULL)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    return tumble_inclined_weighted(schedule, means, from->weights, coefficients, from->seen, NULL);
 }
 
 /* ---- The same backwards: what a unit of each number adds to a weighed sum of coefficients. ---- */

@@ -566,6 +566,19 @@ TUMBLE_ONE_COPY tumble_status_t tumble_uncertainty_inclined(const tumble_judged_
     return (status == TUMBLE_OK) ? judge(&gains, uncertainty) : status;
 }
 
+tumble_status_t tumble_inclined_uncertainty(const void *source, const tumble_judged_run_t *run,
+                                            tumble_uncertainty_t *uncertainty)
+{
+    const tumble_inclined_source_t *from = source;
+    if ((from == NULL) || (from->seen == NULL) || (run == NULL)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    tumble_judged_run_t judged = *run;
+    judged.inclinations = from->seen;
+    judged.weights = from->weights;
+    return tumble_uncertainty_inclined(&judged, uncertainty, NULL);
+}
+
 static bool every_fit_position_is_measured(const tumble_judged_run_t *run)
 {
     bool measured = true;

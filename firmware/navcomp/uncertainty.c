@@ -4,23 +4,22 @@
 
 #define SKIPS_THE_CHECK 2U /* of the gain record: that is done with the first coefficient */
 
-static tumble_status_t judge(const tumble_procedure_config_t *config, const tumble_declared_t *declared,
-                             const tumble_judged_run_t *run, tumble_uncertainty_t *found)
+static tumble_status_t judge(const tumble_procedure_config_t *config, const tumble_judged_run_t *run,
+                             tumble_uncertainty_t *found)
 {
+    const tumble_lent_t *lent = tumble_procedure_lent(config);
     tumble_status_t status = TUMBLE_E_ARGUMENT;
     switch (config->estimate) {
 #define ONE(number, name, needs, estimate, uncertainty)                                                                \
     case TUMBLE_ESTIMATE_##number:                                                                                     \
         status = uncertainty(run, found, NULL);                                                                        \
         break;
-#define ONE_WITH_GAINS(number, name)                                                                                   \
-    case TUMBLE_ESTIMATE_##number:                                                                                     \
-        if (declared->weighted != NULL) {                                                                              \
-            status = declared->weighted(config->weighted->source, run, found);                                         \
-        }                                                                                                              \
-        break;
-        TUMBLE_ESTIMATOR_LIST(ONE, ONE_WITH_GAINS)
+#define NONE_OF_ITS_OWN(number, name, needs)
+        TUMBLE_ESTIMATOR_LIST(ONE, NONE_OF_ITS_OWN)
     default:
+        if ((lent != NULL) && (lent->uncertainty != NULL)) {
+            status = lent->uncertainty(lent->source, run, found);
+        }
         break;
     }
     return status;
@@ -59,7 +58,7 @@ static tumble_status_t judge_asked(const tumble_navcomp_t *navcomp, const tumble
                                      .noise = noise,
                                      .attitude = asked->attitude,
                                      .norm_g = asked->norm_g};
-    return judge(config, declared, &run, uncertainty);
+    return judge(config, &run, uncertainty);
 }
 
 tumble_status_t tumble_navcomp_uncertainty(const tumble_navcomp_t *navcomp, uint16_t coefficients,

@@ -24,9 +24,6 @@ typedef struct tumble_run_noise {
 typedef struct tumble_declared {
     const tumble_stand_record_t *stand; /* its `samples` are not looked at: the run knows them */
 
-    /* Of TUMBLE_ESTIMATE_OPTIMAL: tumble_optimal_uncertainty of tumble/core.h; else may be null. */
-    tumble_status_t (*weighted)(const void *source, const tumble_judged_run_t *run, tumble_uncertainty_t *uncertainty);
-
     /* tumble_navcomp_take_noise and memory for it: the uncertainties count the noise that a run shows, where it is more
      * than declared. Both null: the declared noise is believed. */
     void (*take)(const tumble_navcomp_t *navcomp, tumble_taken_t taken, const tumble_block_sample_t *sample);
@@ -51,7 +48,7 @@ bool tumble_navcomp_look_at_noise(const tumble_navcomp_t *navcomp);
  * to zero on TUMBLE_E_NOT_FINITE.
  * Returns TUMBLE_OK, TUMBLE_E_PORT_BUSY (the noise of the run has been looked at, and nothing else: ask again; only with
  * memory for it, and only the first time), TUMBLE_E_STATE (no result), TUMBLE_E_ARGUMENT (null; nothing declared; no
- * coefficient; a number out of range), TUMBLE_E_DEVIATION (the samples scatter beyond all measure), or as the
+ * coefficient; a number out of range; an estimator that the board lends without it), TUMBLE_E_DEVIATION (the samples scatter beyond all measure), or as the
  * estimator's function in tumble/core.h. */
 tumble_status_t tumble_navcomp_uncertainty(const tumble_navcomp_t *navcomp, uint16_t coefficients,
                                            tumble_uncertainty_t *uncertainty);

@@ -22,15 +22,19 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* The estimator behind TUMBLE_ESTIMATE_OPTIMAL, with data of its own, so that a computer that does not use it need not
- * link it. Set `check` and `estimate` to tumble_optimal_check and tumble_optimal_estimate of tumble/core.h, `source` to
- * a tumble_optimal_source_t. */
-typedef struct {
+/* An estimator that a board lends, with data of its own, so that a computer that does not use it need not link it. For
+ * TUMBLE_ESTIMATE_OPTIMAL set the functions to tumble_optimal_check, tumble_optimal_estimate, tumble_optimal_uncertainty of
+ * tumble/core.h and `source` to a tumble_optimal_source_t; for TUMBLE_ESTIMATE_INCLINED likewise tumble_inclined_*. */
+typedef struct tumble_lent {
+    tumble_estimate_t estimator;
     tumble_status_t (*check)(const void *source, const tumble_schedule_t *schedule);
     tumble_status_t (*estimate)(const void *source, const tumble_schedule_t *schedule, const tumble_means_t *means,
                                 tumble_coefficients_t *coefficients);
+    tumble_status_t (*uncertainty)(const void *source, const tumble_judged_run_t *run,
+                                   tumble_uncertainty_t *uncertainty); /* null: none is stated */
     const void *source;
-} tumble_weighted_t;
+    const struct tumble_lent *next; /* another one that the board lends; null at the end */
+} tumble_lent_t;
 
 /* With an error budget: so many samples lie between one look at the standard error and the next. */
 #define TUMBLE_BUDGET_CHECK_SAMPLES 8U
@@ -39,13 +43,13 @@ typedef struct {
     const tumble_schedule_t *schedule;
     const tumble_averaging_config_t *averaging; /* min_samples there is the smallest; samples below the largest */
     tumble_estimate_t estimate;
-    const tumble_weighted_t *weighted; /* of TUMBLE_ESTIMATE_OPTIMAL; else not looked at */
-    uint32_t samples;      /* per position; averaging->min_samples to TUMBLE_MAX_SAMPLES. With the stuck gate on, a
+    const tumble_lent_t *lent; /* the estimators that the board lends; null: none */
+    uint32_t samples;          /* per position; averaging->min_samples to TUMBLE_MAX_SAMPLES. With the stuck gate on, a
                                        position must have averaging->stuck_run, or as many as honest noise leaves equal in
                                        one case of 100,000: 3 with noise of 127 counts, 4 from 19, 7 from 2.8, 14 from 1 or less */
-    double error_budget_v; /* a position is finished before that once the standard error of every channel's
+    double error_budget_v;     /* a position is finished before that once the standard error of every channel's
                                        mean is at most this, V; if it never is, that is a fault; 0: always `samples` */
-    double v_per_count;    /* size of one count, V; finite, not 0 */
+    double v_per_count;        /* size of one count, V; finite, not 0 */
     double nominal_scale_v_per_g;  /* signed, not 0; good to a tenth: for the checks of direction and closure */
     double gravity_limit_g;        /* limit of the gravity check; above 0 */
     double closure_limit_g;        /* |U9 - U1| over the nominal scale that calls a slip; above 0 */
@@ -147,10 +151,13 @@ typedef struct {
 
 /* Would a run with this configuration be refused at once? PREFLIGHT asks the same. `reason` (may be null) receives
  * TUMBLE_REASON_NONE, TUMBLE_REASON_CONFIGURATION, TUMBLE_REASON_SCHEDULE or TUMBLE_REASON_CABLE_LIMIT.
- * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT (a number out of range, or a position with no table angle within the cable's
- * limits), or what tumble_schedule_validate, tumble_schedule_identify or (for the harmonic estimators)
- * tumble_schedule_harmonic returns. */
+ * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT (a number out of range, an estimator that is not lent, or a position with no table
+ * angle within the cable's limits), or what tumble_schedule_validate, tumble_schedule_identify, (for the harmonic
+ * estimators) tumble_schedule_harmonic or the `check` of a lent one returns. */
 tumble_status_t tumble_procedure_validate(const tumble_procedure_config_t *config, tumble_reason_t *reason);
+
+/* The configured estimator, if the board lends it; else null. */
+const tumble_lent_t *tumble_procedure_lent(const tumble_procedure_config_t *config);
 
 /* Get ready, in IDLE. The procedure keeps pointers to `config` and `stand`. In IDLE, DONE and ABORT the numbers of the
  * configuration may change if `start` is the next command; the schedule and the pointers may change before init only.

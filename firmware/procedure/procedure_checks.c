@@ -101,7 +101,7 @@ static bool stuck_shows(const tumble_procedure_config_t *config)
 
 /* Which estimators need what, a bit for each. */
 enum {
-#define NOBODY(number, name)
+#define NOBODY(number, name, needs)
 #define BIT(number, name, needs, estimate, uncertainty)                                                                \
     | ((TUMBLE_NEEDS_##needs == TUMBLE_NEEDS_HARMONIC) ? (1 << TUMBLE_ESTIMATE_##number) : 0)
     NEED_HARMONIC = 0 TUMBLE_ESTIMATOR_LIST(BIT, NOBODY),
@@ -110,6 +110,15 @@ enum {
     | ((TUMBLE_NEEDS_##needs == TUMBLE_NEEDS_RANK) ? (1 << TUMBLE_ESTIMATE_##number) : 0)
     NEED_RANK = 0 TUMBLE_ESTIMATOR_LIST(BIT, NOBODY)
 };
+
+const tumble_lent_t *tumble_procedure_lent(const tumble_procedure_config_t *config)
+{
+    const tumble_lent_t *lent = config->lent;
+    while ((lent != NULL) && (lent->estimator != config->estimate)) {
+        lent = lent->next;
+    }
+    return lent;
+}
 
 static bool is_one_of(const tumble_procedure_config_t *config, unsigned estimators)
 {
@@ -120,7 +129,7 @@ static bool is_valid(const tumble_procedure_config_t *config)
 {
     return (config->schedule != NULL) && (config->averaging != NULL) &&
            ((unsigned)config->estimate < (unsigned)TUMBLE_ESTIMATE_COUNT) &&
-           (is_one_of(config, NEED_HARMONIC | NEED_RANK) || (config->weighted != NULL)) &&
+           (is_one_of(config, NEED_HARMONIC | NEED_RANK) || (tumble_procedure_lent(config) != NULL)) &&
            ((int64_t)config->samples <= TUMBLE_MAX_SAMPLES) && (config->samples >= config->averaging->min_samples) &&
            numbers_are_valid(config) && whole_numbers_are_valid(config) && stuck_shows(config);
 }
@@ -161,10 +170,11 @@ tumble_status_t tumble_examine(const tumble_procedure_config_t *config, tumble_r
         return status;
     }
     if (!is_one_of(config, NEED_HARMONIC | NEED_RANK)) {
-        status = config->weighted->check(config->weighted->source, config->schedule);
+        const tumble_lent_t *lent = tumble_procedure_lent(config);
+        status = lent->check(lent->source, config->schedule);
     }
     if (status != TUMBLE_OK) {
-        *reason = TUMBLE_REASON_CONFIGURATION;
+        *reason = (status == TUMBLE_E_NOT_INCLINED) ? TUMBLE_REASON_SCHEDULE : TUMBLE_REASON_CONFIGURATION;
         return status;
     }
     if (!cable_reaches_all(config)) {

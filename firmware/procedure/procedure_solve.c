@@ -21,13 +21,13 @@ TUMBLE_ONE_COPY static void make_means(tumble_procedure_t *procedure)
 static tumble_status_t estimate(tumble_procedure_t *procedure)
 {
 #define ESTIMATOR(number, name, needs, estimate, uncertainty) [TUMBLE_ESTIMATE_##number] = (estimate),
-#define NONE_OF_ITS_OWN(number, name) [TUMBLE_ESTIMATE_##number] = NULL,
+#define NONE_OF_ITS_OWN(number, name, needs) [TUMBLE_ESTIMATE_##number] = NULL,
     static const estimator_t estimators[] = {TUMBLE_ESTIMATOR_LIST(ESTIMATOR, NONE_OF_ITS_OWN)};
     const tumble_procedure_config_t *config = procedure->config;
     const estimator_t own = estimators[config->estimate];
     if (own == NULL) {
-        return config->weighted->estimate(config->weighted->source, config->schedule, &procedure->work.means,
-                                          &procedure->coefficients);
+        const tumble_lent_t *lent = tumble_procedure_lent(config);
+        return lent->estimate(lent->source, config->schedule, &procedure->work.means, &procedure->coefficients);
     }
     return own(config->schedule, &procedure->work.means, &procedure->coefficients, &procedure->refusal);
 }

@@ -204,8 +204,6 @@ static bool needs_gains(const bench_config_t *config)
 static const char *complete_gains(bench_config_t *config)
 {
     config->gains.work = &config->optimal;
-    config->weighted = (tumble_weighted_t){tumble_optimal_check, tumble_optimal_estimate, &config->gains};
-    config->procedure.weighted = &config->weighted;
     const bool needed = needs_gains(config);
     if (needed != (config->gains.record != NULL)) {
         return needed ? "procedure.estimator = optimal needs a gain record"
@@ -216,11 +214,33 @@ static const char *complete_gains(bench_config_t *config)
     return (status == TUMBLE_OK) ? NULL : tumble_status_sentence(status);
 }
 
+static double converter_noise_v(const bench_config_t *config)
+{
+    return fabs(config->procedure.v_per_count) / sqrt(12.0);
+}
+
+/* Weights of the channels go as 1 / noise, where the stand declares them unlike. */
+static void lend_estimators(bench_config_t *config)
+{
+    const double *noise_v = config->record.channel_noise_v;
+    bool weighted = false;
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        weighted = weighted || noise_v[i] > 0.0;
+        config->weights[i] = 1.0 / fmax(noise_v[i], converter_noise_v(config));
+    }
+    config->inclined = (tumble_inclined_source_t){weighted ? config->weights : NULL, &config->seen};
+    config->lent[0] = (tumble_lent_t){TUMBLE_ESTIMATE_OPTIMAL,    tumble_optimal_check, tumble_optimal_estimate,
+                                      tumble_optimal_uncertainty, &config->gains,       &config->lent[1]};
+    config->lent[1] = (tumble_lent_t){TUMBLE_ESTIMATE_INCLINED,    tumble_inclined_check, tumble_inclined_estimate,
+                                      tumble_inclined_uncertainty, &config->inclined,     NULL};
+    config->procedure.lent = &config->lent[0];
+}
+
 /* The noise as the weights have it: never less than the converter's, and that of a mean at least 1e-9 g. */
 static void declare_weighted_noise(bench_config_t *config)
 {
     const tumble_gain_record_t *const made = config->gains.record;
-    const double converter_v = fabs(config->procedure.v_per_count) / sqrt(12.0);
+    const double converter_v = converter_noise_v(config);
     tumble_stand_record_t *const record = &config->record;
     record->noise_v = fmax(record->noise_v, converter_v);
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
@@ -259,8 +279,7 @@ static void declare_stand(bench_config_t *config)
     if (needs_gains(config)) {
         declare_weighted_noise(config);
     }
-    config->declared =
-        (tumble_declared_t){&config->record, tumble_optimal_uncertainty, tumble_navcomp_take_noise, &config->noise};
+    config->declared = (tumble_declared_t){&config->record, tumble_navcomp_take_noise, &config->noise};
 }
 
 /* Silence of the block that is a fault: by default a hundred samples, never more than its eight-bit counter tells from a
@@ -373,6 +392,7 @@ const char *bench_config_complete(bench_config_t *config)
     wrong = (wrong != NULL) ? wrong : complete_gains(config);
     if (wrong == NULL) {
         declare_stand(config);
+        lend_estimators(config);
     }
     return wrong;
 }

@@ -56,10 +56,13 @@ typedef struct {
 
     tumble_averaging_config_t averaging;
     tumble_procedure_config_t procedure;
-    tumble_optimal_source_t gains; /* of the estimator `optimal`; record null: none */
-    tumble_weighted_t weighted;
-    tumble_optimal_t optimal;     /* its working memory */
-    tumble_stand_record_t record; /* what the firmware is told of the stand */
+    tumble_optimal_source_t gains;     /* of the estimator `optimal`; record null: none */
+    tumble_optimal_t optimal;          /* its working memory */
+    tumble_inclined_source_t inclined; /* of the estimator `inclined`, */
+    double weights[TUMBLE_CHANNELS];   /* what it weighs channels by that differ, */
+    tumble_inclinations_t seen;        /* and its memory */
+    tumble_lent_t lent[2];             /* both of them, as the firmware has them */
+    tumble_stand_record_t record;      /* what the firmware is told of the stand */
     tumble_declared_t declared;
     tumble_run_noise_t noise; /* working memory of what it is told */
     tumble_drive_profile_t profile;

@@ -22,7 +22,7 @@ void keeper_prepare(void)
                                              .angle_rad = 4e-5,
                                              .noise_v = 1e-5,
                                              .samples = 1};
-    declared = (tumble_declared_t){&declared_stand, NULL, NULL, NULL};
+    declared = (tumble_declared_t){&declared_stand, NULL, NULL};
     keeper_config = (tumble_keeper_config_t){
         .sets = {.serial = "TB-0001", .settings = &settings, .inhibited = ask_board, .context = &board_inhibits},
         .uncertainty = tumble_navcomp_uncertainty,

@@ -385,14 +385,15 @@ tumble_status_t tumble_averaging_means(const tumble_averaging_t *averaging, doub
 
 /* The table of estimators: number, name, what it needs of a schedule, the functions that estimate and that state
  * uncertainties. C reads it here, Python through its extension; tools/estimators writes the names into the package and
- * the schemas. An estimator's number is its place in the list and travels over CAN: new ones go to the end. A board
- * hands in the functions of an estimator with a gain record (tumble_optimal_estimate, tumble_optimal_uncertainty). */
-#define TUMBLE_ESTIMATOR_LIST(ONE, ONE_WITH_GAINS)                                                                     \
+ * the schemas. An estimator's number is its place in the list and travels over CAN: new ones go to the end. Those of LENT
+ * a board lends with data of its own (tumble_optimal_estimate, tumble_inclined_estimate and what follows them), so that
+ * images without them do not link them. */
+#define TUMBLE_ESTIMATOR_LIST(ONE, LENT)                                                                               \
     ONE(AVERAGED, averaged, HARMONIC, tumble_estimate_averaged, tumble_uncertainty_averaged)                           \
     ONE(REFINED, refined, HARMONIC, tumble_estimate_refined, tumble_uncertainty_refined)                               \
     ONE(LEAST_SQUARES, least_squares, RANK, tumble_estimate_least_squares, tumble_uncertainty_least_squares)           \
-    ONE_WITH_GAINS(OPTIMAL, optimal)                                                                                   \
-    ONE(INCLINED, inclined, INCLINED, tumble_estimate_inclined, tumble_uncertainty_inclined)
+    LENT(OPTIMAL, optimal, GAINS)                                                                                      \
+    LENT(INCLINED, inclined, INCLINED)
 
 typedef enum {
 #define TUMBLE_ESTIMATE_ENUM(number, ...) TUMBLE_ESTIMATE_##number,
@@ -673,6 +674,27 @@ tumble_status_t tumble_uncertainty_least_squares(const tumble_judged_run_t *run,
  * Returns also TUMBLE_E_NOT_INCLINED, TUMBLE_E_MISSING_POSITION, TUMBLE_E_ALIKE, TUMBLE_E_ONE_SIDE. */
 tumble_status_t tumble_uncertainty_inclined(const tumble_judged_run_t *run, tumble_uncertainty_t *uncertainty,
                                             tumble_refusal_t *refusal);
+
+/* `inclined` for a procedure that knows no inclinations: how the channels weigh, and memory for what the run says of its
+ * inclinations, 192 bytes, which the uncertainties need. */
+typedef struct {
+    const double *weights; /* as tumble_inclined_weighted has them; null: equal */
+    tumble_inclinations_t *seen;
+} tumble_inclined_source_t;
+
+/* Does the schedule have inclinations? `source`: a tumble_inclined_source_t, here and below.
+ * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT (null, no memory, a weight that is not above 0 and finite), TUMBLE_E_NOT_INCLINED. */
+tumble_status_t tumble_inclined_check(const void *source, const tumble_schedule_t *schedule);
+
+/* Estimate by tumble_inclined_weighted. Returns TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_NOT_INCLINED,
+ * TUMBLE_E_MISSING_POSITION, TUMBLE_E_NOT_FINITE, TUMBLE_E_ALIKE, TUMBLE_E_ONE_SIDE. */
+tumble_status_t tumble_inclined_estimate(const void *source, const tumble_schedule_t *schedule,
+                                         const tumble_means_t *means, tumble_coefficients_t *coefficients);
+
+/* Standard uncertainties of the last estimate from this source, by tumble_uncertainty_inclined at the inclinations that it
+ * found; those of `run` and its weights are not read. Returns as that function, and TUMBLE_E_ARGUMENT (no memory). */
+tumble_status_t tumble_inclined_uncertainty(const void *source, const tumble_judged_run_t *run,
+                                            tumble_uncertainty_t *uncertainty);
 
 /* Standard uncertainties of an estimate by tumble_estimate_gains, or by the table of a gain record.
  * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_NOT_FINITE, TUMBLE_E_GAIN_TABLE (for another number of fit positions),

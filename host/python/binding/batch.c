@@ -15,8 +15,10 @@ typedef struct {
 } estimator_row_t;
 
 #define ROW(number, name, needs, estimate, uncertainty) {#name, estimate, uncertainty},
-#define ROW_WITH_GAINS(number, name) {#name, NULL, NULL},
-static const estimator_row_t estimator_rows[] = {TUMBLE_ESTIMATOR_LIST(ROW, ROW_WITH_GAINS)};
+#define ROW_OF_GAINS NULL, NULL
+#define ROW_OF_INCLINED tumble_estimate_inclined, tumble_uncertainty_inclined
+#define LENT_ROW(number, name, needs) {#name, ROW_OF_##needs},
+static const estimator_row_t estimator_rows[] = {TUMBLE_ESTIMATOR_LIST(ROW, LENT_ROW)};
 
 static const double *batch_load(const tumble_schedule_t *schedule, const double *means_v, tumble_means_t *means)
 {

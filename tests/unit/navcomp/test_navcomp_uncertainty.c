@@ -114,10 +114,14 @@ static void test_without_a_result_or_a_stand_nothing_is_stated(void)
     other.stand_memory = &stand;
     ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_init(&fresh, &other));
     ASSERT_STATUS(TUMBLE_E_STATE, tumble_navcomp_uncertainty(&fresh, TUMBLE_ALL_COEFFICIENTS, &stated));
-    const tumble_declared_t bare = {world.navcomp_config.declared->stand, NULL, NULL, NULL};
+    const tumble_declared_t bare = {world.navcomp_config.declared->stand, NULL, NULL};
     world.navcomp_config.declared = &bare;
     ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_uncertainty(&world.navcomp, TUMBLE_ALL_COEFFICIENTS, &stated));
-    world.navcomp.procedure_config.estimate = TUMBLE_ESTIMATE_OPTIMAL; /* which this board does not hold */
+    const tumble_lent_t mute = {.estimator = TUMBLE_ESTIMATE_OPTIMAL};
+    world.navcomp.procedure_config.estimate = TUMBLE_ESTIMATE_OPTIMAL;
+    world.navcomp.procedure_config.lent = &mute; /* of which no uncertainties are stated */
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_navcomp_uncertainty(&world.navcomp, TUMBLE_ALL_COEFFICIENTS, &stated));
+    world.navcomp.procedure_config.lent = NULL; /* which this board does not lend */
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_navcomp_uncertainty(&world.navcomp, TUMBLE_ALL_COEFFICIENTS, &stated));
     world.navcomp_config.declared = NULL;
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_navcomp_uncertainty(&world.navcomp, TUMBLE_ALL_COEFFICIENTS, &stated));

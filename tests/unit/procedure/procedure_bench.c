@@ -122,7 +122,8 @@ static double bench_sine(double deg)
 
 static void bench_outputs(bench_t *b, double u_v[3])
 {
-    const tumble_mounting_t *mounting = &b->config.schedule->mountings[b->mounted];
+    const tumble_mounting_t *mountings = (b->block.truth != NULL) ? b->block.truth : b->config.schedule->mountings;
+    const tumble_mounting_t *mounting = &mountings[b->mounted];
     const double deg = b->stand.angle_deg + b->block.slip_deg;
     const double t = mounting->tilt.cosine;
     const double f[3] = {t * bench_sine(deg), mounting->tilt.sine, t * bench_sine(deg + 90.0)};

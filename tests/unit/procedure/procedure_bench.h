@@ -42,9 +42,10 @@ typedef struct {
     int32_t noise_counts; /* uniform, plus or minus */
     uint8_t channel[3];   /* which one comes out where */
     double sign[3];
-    double slip_deg;    /* of the block against the table's report */
-    double drift_v;     /* added to every output */
-    int32_t add_counts; /* to channel 0, every other sample */
+    const tumble_mounting_t *truth; /* how it really sits, by mounting; null: as the schedule has it */
+    double slip_deg;                /* of the block against the table's report */
+    double drift_v;                 /* added to every output */
+    int32_t add_counts;             /* to channel 0, every other sample */
     bool dead[3];
     bool silent;
     bool frozen_time;

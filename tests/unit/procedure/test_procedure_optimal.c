@@ -6,7 +6,7 @@
 static gain_bytes_t record;
 static tumble_optimal_t work;
 static tumble_optimal_source_t source;
-static tumble_weighted_t weighted;
+static tumble_lent_t lent;
 
 /* Gains of least squares, column by column from its answer to a unit mean; a perfect stand. */
 static void tabulate_least_squares(void)
@@ -33,10 +33,13 @@ static void set_up(void)
 {
     tabulate_least_squares();
     source = (tumble_optimal_source_t){record.bytes, record.size, &work};
-    weighted = (tumble_weighted_t){tumble_optimal_check, tumble_optimal_estimate, &source};
+    lent = (tumble_lent_t){.estimator = TUMBLE_ESTIMATE_OPTIMAL,
+                           .check = tumble_optimal_check,
+                           .estimate = tumble_optimal_estimate,
+                           .source = &source};
     bench_init(&bench);
     bench.config.estimate = TUMBLE_ESTIMATE_OPTIMAL;
-    bench.config.weighted = &weighted;
+    bench.config.lent = &lent;
 }
 
 static tumble_coefficients_t coefficients_of_a_run(void)
@@ -74,7 +77,7 @@ static void assert_never_begins(tumble_status_t expected)
 
 static void test_a_run_does_not_begin_without_an_estimator(void)
 {
-    bench.config.weighted = NULL;
+    bench.config.lent = NULL;
     assert_never_begins(TUMBLE_E_ARGUMENT);
 }
 
