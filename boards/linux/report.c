@@ -165,6 +165,20 @@ static void put_means(const bench_world_t *world, bench_json_t *json)
     bench_json_close(json, ']');
 }
 
+static void put_inclinations(const bench_world_t *world, bench_json_t *json)
+{
+    const tumble_schedule_t *const schedule = &world->config->scenario.schedule;
+    double beta_rad[TUMBLE_MAX_MOUNTINGS];
+    if (!bench_inclines(schedule)) {
+        return;
+    }
+    for (uint8_t m = 0; m < schedule->mounting_count; m++) {
+        beta_rad[m] = sim_truth_beta_rad(&world->truth, schedule, m);
+    }
+    bench_json_vector(json, "beta_rad", beta_rad, schedule->mounting_count);
+    bench_json_vector(json, "tau_rad", world->truth.tau_rad, schedule->mounting_count);
+}
+
 static void put_truth(const bench_world_t *world, bench_json_t *json)
 {
     const sim_truth_t *const truth = &world->truth;
@@ -178,6 +192,7 @@ static void put_truth(const bench_world_t *world, bench_json_t *json)
     bench_json_vector(json, "alpha4_rad", truth->alpha4_rad, schedule->position_count);
     bench_json_vector(json, "theta_h_rad", truth->theta_h_rad, schedule->mounting_count);
     bench_json_vector(json, "theta_n_rad", truth->theta_n_rad, schedule->mounting_count);
+    put_inclinations(world, json);
     bench_json_vector(json, "encoder_rad", truth->encoder_rad, TUMBLE_WAVES);
     bench_json_vector(json, "drift_v", truth->drift_v, TUMBLE_CHANNELS);
     bench_json_close(json, '}');

@@ -18,7 +18,8 @@
  *     means: list of {mounting, position, samples, u_v (3), standard_error_v (3)} of the positions finished
  *     counters: {name: integer}: the firmware's, the bus's, the simulation's
  *     truth: {K, U0, alpha1_rad, alpha2_rad, alpha3_rad (by mounting), alpha4_rad (by position),
- *             theta_h_rad, theta_n_rad (by mounting; the platform's in theta_h), encoder_rad (4), drift_v (3)}
+ *             theta_h_rad, theta_n_rad (by mounting; the platform's in theta_h), with a bolting beta_rad, tau_rad (by
+ *             mounting), encoder_rad (4), drift_v (3)}
  *     faults: list of {kind, times}: those of the scenario, and how often each has come
  *     virtual_s: when it ended
  *     table: {at_rest, lowest_deg, highest_deg}: how far the table has turned since power-on, by the simulation's truth

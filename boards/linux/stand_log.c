@@ -39,8 +39,12 @@ static void look_at_person(stand_log_t *log, const bench_world_t *world)
     for (uint32_t i = 0; i < schedule->mounting_count; i++) {
         const unsigned number = schedule->mountings[i].number;
         if (world->person.mounted[i] != log->mounted[i]) {
-            event_log_tell(EVENT_LOG_NOTICE, "mounted", EVENT_FIELDS(EVENT_WHOLE("mounting", number)),
-                           "the block is on the table in mounting %u", number);
+            const bool inclined = world->person.inclined;
+            event_log_tell(EVENT_LOG_NOTICE, inclined ? "inclined" : "mounted",
+                           EVENT_FIELDS(EVENT_WHOLE("mounting", number)),
+                           inclined ? "the stand is inclined as mounting %u has it, the block still bolted on"
+                                    : "the block is on the table in mounting %u",
+                           number);
         }
         log->mounted[i] = world->person.mounted[i];
     }

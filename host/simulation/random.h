@@ -32,7 +32,8 @@ typedef enum {
     SIM_CAUSE_PLATFORM,      /* theta_h of the platform */
     SIM_CAUSE_SEAT,          /* theta_h, then theta_n of the seat; index: number of the mounting */
     SIM_CAUSE_ENCODER,       /* the four numbers of its errors */
-    SIM_CAUSE_DRIFT          /* over the run, of each channel */
+    SIM_CAUSE_DRIFT,         /* over the run, of each channel */
+    SIM_CAUSE_INCLINATION    /* beta, then tau of setting it; index: number of the mounting */
 } sim_cause_t;
 
 typedef struct {

@@ -28,6 +28,10 @@ typedef struct {
     double platform_rad;             /* theta_h of them all */
     double encoder_rad;              /* each number of the encoder's errors */
     double drift_v[TUMBLE_CHANNELS]; /* from the first fit position to the last */
+    double inclination_rad;          /* beta and tau of setting an inclination */
+    /* No errors of the stand that are drawn, but as they are: how far the block sags against the axis for each g ... */
+    double sag_across_rad_per_g; /* ... across it: its near end droops, as the end of a beam does, ... */
+    double sag_along_rad_per_g;  /* ... and along it: it leans about h, as theta_h does */
     sim_law_t law;
     sim_remount_t remount;
 } sim_stand_t;

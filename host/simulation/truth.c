@@ -1,5 +1,7 @@
 #include "simulation/truth.h"
 
+#include "simulation/maths.h"
+
 #include <string.h>
 
 static double draw_once(const sim_stand_t *stand, double limit, uint64_t seed, sim_cause_t cause)
@@ -29,10 +31,43 @@ static void draw_block(tumble_coefficients_t *block, const sim_block_config_t *c
     }
 }
 
-static void draw_seat(sim_truth_t *truth, const sim_stand_t *stand, uint8_t m)
+uint8_t sim_first_of_bolting(const tumble_schedule_t *schedule, uint8_t mounting_index)
 {
-    truth->theta_h_rad[m] = truth->platform_rad + sim_law_draw(stand->law, stand->seat_rad, &truth->seat[m]);
-    truth->theta_n_rad[m] = sim_law_draw(stand->law, stand->seat_rad, &truth->seat[m]);
+    const uint8_t bolting = schedule->mountings[mounting_index].bolting;
+    uint8_t first = (bolting == 0U) ? mounting_index : 0U;
+    while (schedule->mountings[first].bolting != bolting) {
+        first++;
+    }
+    return first;
+}
+
+static void draw_yaw(sim_truth_t *truth, const sim_stand_t *stand, uint8_t m, sim_random_t *stream)
+{
+    truth->alpha3_rad[m] = sim_law_draw(stand->law, stand->remount_rad, stream);
+}
+
+static void draw_seat(sim_truth_t *truth, const sim_stand_t *stand, uint8_t m, sim_random_t *stream)
+{
+    truth->theta_h_rad[m] = truth->platform_rad + sim_law_draw(stand->law, stand->seat_rad, stream);
+    truth->theta_n_rad[m] = sim_law_draw(stand->law, stand->seat_rad, stream);
+}
+
+static void draw_mounting(sim_truth_t *truth, const sim_scenario_t *scenario, uint64_t seed, uint8_t m)
+{
+    const sim_stand_t *const stand = &scenario->stand;
+    const uint32_t number = scenario->schedule.mountings[m].number;
+    const uint8_t first = sim_first_of_bolting(&scenario->schedule, m);
+    sim_random_open(&truth->incline[m], seed, SIM_CAUSE_INCLINATION, number);
+    sim_truth_incline(truth, scenario, m);
+    if (first < m) {
+        sim_truth_keep_bolting(truth, first, m);
+        return;
+    }
+    const uint32_t index = (stand->remount == SIM_REMOUNT_COMMON) ? 0U : number;
+    sim_random_open(&truth->remount[m], seed, SIM_CAUSE_REMOUNT, index);
+    draw_yaw(truth, stand, m, &truth->remount[m]);
+    sim_random_open(&truth->seat[m], seed, SIM_CAUSE_SEAT, number);
+    draw_seat(truth, stand, m, &truth->seat[m]);
 }
 
 static void draw_encoder(sim_truth_t *truth, const sim_stand_t *stand, uint64_t seed)
@@ -69,22 +104,60 @@ void sim_truth_draw(sim_truth_t *truth, const sim_scenario_t *scenario, uint64_t
         draw_block(&truth->block, &scenario->block, seed);
     }
     for (uint8_t m = 0; m < scenario->schedule.mounting_count; m++) {
-        const uint32_t index = (stand->remount == SIM_REMOUNT_COMMON) ? 0U : scenario->schedule.mountings[m].number;
-        sim_random_open(&truth->remount[m], seed, SIM_CAUSE_REMOUNT, index);
-        truth->alpha3_rad[m] = sim_law_draw(stand->law, stand->remount_rad, &truth->remount[m]);
-        sim_random_open(&truth->seat[m], seed, SIM_CAUSE_SEAT, scenario->schedule.mountings[m].number);
-        draw_seat(truth, stand, m);
+        draw_mounting(truth, scenario, seed, m);
     }
 }
 
 void sim_truth_remount(sim_truth_t *truth, const sim_scenario_t *scenario, uint8_t mounting_index)
 {
     const sim_stand_t *const stand = &scenario->stand;
-    draw_seat(truth, stand, mounting_index);
+    const uint8_t first = sim_first_of_bolting(&scenario->schedule, mounting_index);
+    draw_seat(truth, stand, mounting_index, &truth->seat[first]);
     if (stand->remount == SIM_REMOUNT_INDEPENDENT) {
-        truth->alpha3_rad[mounting_index] =
-            sim_law_draw(stand->law, stand->remount_rad, &truth->remount[mounting_index]);
+        draw_yaw(truth, stand, mounting_index, &truth->remount[first]);
     }
+}
+
+void sim_truth_keep_bolting(sim_truth_t *truth, uint8_t before, uint8_t mounting_index)
+{
+    truth->alpha3_rad[mounting_index] = truth->alpha3_rad[before];
+    truth->theta_h_rad[mounting_index] = truth->theta_h_rad[before];
+    truth->theta_n_rad[mounting_index] = truth->theta_n_rad[before];
+}
+
+void sim_truth_incline(sim_truth_t *truth, const sim_scenario_t *scenario, uint8_t mounting_index)
+{
+    const sim_stand_t *const stand = &scenario->stand;
+    sim_random_t *const stream = &truth->incline[mounting_index];
+    if (scenario->schedule.mountings[mounting_index].bolting > 0U) {
+        truth->inclination_rad[mounting_index] = sim_law_draw(stand->law, stand->inclination_rad, stream);
+        truth->tau_rad[mounting_index] = sim_law_draw(stand->law, stand->inclination_rad, stream);
+    }
+}
+
+double sim_truth_beta_rad(const sim_truth_t *truth, const tumble_schedule_t *schedule, uint8_t mounting_index)
+{
+    const double nominal_rad = schedule->mountings[mounting_index].tilt.deg / SIM_DEG_PER_RAD;
+    return nominal_rad + truth->alpha1_rad + truth->inclination_rad[mounting_index];
+}
+
+/* Gravity pulls the near end of the block down, which raises its n axis; and along the axis it pulls at the middle of the
+ * block, which is above its platform where v points up: v follows n's lower end. */
+sim_seat_t sim_truth_seat(const sim_truth_t *truth, const sim_scenario_t *scenario, uint8_t mounting_index)
+{
+    const sim_stand_t *const stand = &scenario->stand;
+    double along_g;
+    double across_g;
+    sim_sincos_deg(sim_truth_beta_rad(truth, &scenario->schedule, mounting_index) * SIM_DEG_PER_RAD, &along_g,
+                   &across_g);
+    sim_seat_t seat = {.alpha1_rad = truth->alpha1_rad + truth->inclination_rad[mounting_index] +
+                                     stand->sag_across_rad_per_g * across_g,
+                       .alpha2_rad = truth->alpha2_rad + truth->tau_rad[mounting_index],
+                       .alpha3_rad = truth->alpha3_rad[mounting_index],
+                       .theta_h_rad = truth->theta_h_rad[mounting_index] + stand->sag_along_rad_per_g * along_g,
+                       .theta_n_rad = truth->theta_n_rad[mounting_index]};
+    memcpy(seat.encoder_rad, truth->encoder_rad, sizeof seat.encoder_rad);
+    return seat;
 }
 
 void sim_truth_bias(const sim_truth_t *truth, const tumble_schedule_t *schedule, uint8_t position,

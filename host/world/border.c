@@ -503,6 +503,17 @@ static void report_positions(const world_t *world, world_report_t *report)
     }
 }
 
+static void report_inclinations(const world_t *world, world_report_t *report)
+{
+    const sim_truth_t *const truth = &world->world.truth;
+    const tumble_schedule_t *const schedule = &world->config.scenario.schedule;
+    report->inclines = bench_inclines(schedule);
+    for (uint8_t m = 0; m < schedule->mounting_count; m++) {
+        report->beta_rad[m] = sim_truth_beta_rad(truth, schedule, m);
+        report->tau_rad[m] = truth->tau_rad[m];
+    }
+}
+
 static void report_truth(const world_t *world, world_report_t *report)
 {
     const sim_truth_t *const truth = &world->world.truth;
@@ -513,6 +524,7 @@ static void report_truth(const world_t *world, world_report_t *report)
     memcpy(report->alpha3_rad, truth->alpha3_rad, sizeof report->alpha3_rad);
     memcpy(report->theta_h_rad, truth->theta_h_rad, sizeof report->theta_h_rad);
     memcpy(report->theta_n_rad, truth->theta_n_rad, sizeof report->theta_n_rad);
+    report_inclinations(world, report);
     memcpy(report->encoder_rad, truth->encoder_rad, sizeof report->encoder_rad);
     memcpy(report->drift_v, truth->drift_v, sizeof report->drift_v);
     report->fault_count = world->config.scenario.fault_count;

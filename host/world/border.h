@@ -246,6 +246,9 @@ typedef struct {
     double alpha3_rad[WORLD_MOUNTINGS];
     double theta_h_rad[WORLD_MOUNTINGS];
     double theta_n_rad[WORLD_MOUNTINGS];
+    bool inclines; /* a bolting has several inclinations: the errors of setting them are in the next two */
+    double beta_rad[WORLD_MOUNTINGS];
+    double tau_rad[WORLD_MOUNTINGS];
     double encoder_rad[4];
     double drift_v[3];
     /* the faults of the keys */

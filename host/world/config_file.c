@@ -48,6 +48,12 @@ const bench_key_t bench_config_keys[] = {
     {"stand.platform_rad", BENCH_F64, 1, STAND(platform_rad), 0, 1, "rad; limit of theta_h of the platform"},
     {"stand.encoder_rad", BENCH_F64, 1, STAND(encoder_rad), 0, 1, "rad; limit of each number of the encoder's errors"},
     {"stand.drift_v", BENCH_F64, 3, STAND(drift_v), 0, BIG, "V; limit of the drift over the run, by channel"},
+    {"stand.inclination_rad", BENCH_F64, 1, STAND(inclination_rad), 0, 1,
+     "rad; limit of beta and tau of an inclination of one bolting"},
+    {"stand.sag_across_rad_per_g", BENCH_F64, 1, STAND(sag_across_rad_per_g), -1, 1,
+     "rad/g; the block droops against the axis by the force across it"},
+    {"stand.sag_along_rad_per_g", BENCH_F64, 1, STAND(sag_along_rad_per_g), -1, 1,
+     "rad/g; it leans about h by the force along the axis"},
     {"stand.limits", BENCH_ENUM, 1, STAND(law), 0, 0, "sigma1|sigma3|uniform"},
     {"stand.remount", BENCH_ENUM, 1, STAND(remount), 0, 0, "independent|common"},
 
@@ -179,6 +185,7 @@ static const bench_key_t MOUNTING[] = {
     {"sine", BENCH_F64, 1, offsetof(tumble_mounting_t, tilt.sine), -1, 1, ""},
     {"cosine", BENCH_F64, 1, offsetof(tumble_mounting_t, tilt.cosine), -1, 1, ""},
     {"matrix", BENCH_F64, 9, offsetof(tumble_mounting_t, matrix), -1, 1, ""},
+    {"bolting", BENCH_U8, 1, offsetof(tumble_mounting_t, bolting), 1, 255, ""},
 };
 static const bench_key_t POSITION[] = {
     {"mounting", BENCH_U8, 1, offsetof(tumble_position_t, mounting), 1, 255, ""},
@@ -219,21 +226,26 @@ typedef struct {
     const char *key;
     const bench_key_t *fields;
     unsigned field_count;
-    size_t list;  /* offset in bench_config_t */
-    size_t bytes; /* of an element */
-    size_t count; /* offset of how many there are, a byte */
+    unsigned needed; /* fields from the first on; those behind may be left out */
+    size_t list;     /* offset in bench_config_t */
+    size_t bytes;    /* of an element */
+    size_t count;    /* offset of how many there are, a byte */
     uint8_t most;
     const char *full;
     const char *wrong;
 } line_t;
 
-#define LINE(fields, list, element, count) fields, COUNT(fields), AT(list), sizeof(element), AT(count)
+#define LINE(fields, list, element, count) LINE_WITH(COUNT(fields), fields, list, element, count)
+#define LINE_WITH(needed, fields, list, element, count)                                                                \
+    fields, COUNT(fields), (needed), AT(list), sizeof(element), AT(count)
 
 /* The first two are the schedule. */
 static const line_t LINES[] = {
-    {"mounting", LINE(MOUNTING, scenario.mountings, tumble_mounting_t, scenario.schedule.mounting_count),
+    {"mounting",
+     LINE_WITH(COUNT(MOUNTING) - 1U, MOUNTING, scenario.mountings, tumble_mounting_t, scenario.schedule.mounting_count),
      TUMBLE_MAX_MOUNTINGS, "more mountings than fit",
-     "a mounting is a number 1 to 255, tilt (degrees, sine, cosine) and nine elements within 1"},
+     "a mounting is a number 1 to 255, tilt (degrees, sine, cosine), nine elements within 1, and if it shares a bolting "
+     "that one's number"},
     {"position", LINE(POSITION, scenario.positions, tumble_position_t, scenario.schedule.position_count),
      TUMBLE_MAX_POSITIONS, "more positions than fit",
      "a position is mounting and number (1 to 255), fit or check, and its angle (degrees, sine, cosine)"},
@@ -503,6 +515,9 @@ static bool take_element(const line_t *line, void *element, const words_t *words
     for (unsigned i = 0; good && i < line->field_count; i++) {
         const bench_key_t *const field = &line->fields[i];
         const unsigned left = words->count - *from;
+        if (left == 0U && i >= line->needed) {
+            break;
+        }
         const unsigned values = (field->count > 0U) ? field->count : left;
         good = values > 0U && values <= left && (field->count > 0U || values <= (unsigned)field->high) &&
                store_all(field, element, &words->word[*from], values);

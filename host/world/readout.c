@@ -124,6 +124,15 @@ const char *bench_counter(const bench_world_t *world, size_t row, uint64_t *valu
     return (name != NULL) ? name : bench_bus_counter(&world->bus, row - FIRMWARE_COUNTERS - 1U, value);
 }
 
+bool bench_inclines(const tumble_schedule_t *schedule)
+{
+    bool inclines = false;
+    for (uint8_t m = 0; m < schedule->mounting_count; m++) {
+        inclines = inclines || schedule->mountings[m].bolting > 0U;
+    }
+    return inclines;
+}
+
 bench_travel_t bench_travel(const bench_world_t *world)
 {
     bench_travel_t travel = {.at_rest = bench_world_is_at_rest(world)};

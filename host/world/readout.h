@@ -17,6 +17,9 @@ typedef struct {
 
 bench_travel_t bench_travel(const bench_world_t *world);
 
+/* Does the schedule name boltings? Then the inclinations of the stand belong to the truth. */
+bool bench_inclines(const tumble_schedule_t *schedule);
+
 /* The name of a counter, null where there is no such row; and its value: of the firmware, of the simulated bus, and of
  * both, one behind the other. */
 const char *bench_firmware_counter(const bench_world_t *world, size_t row, uint64_t *value);

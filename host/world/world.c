@@ -285,20 +285,42 @@ void bench_world_turn(bench_world_t *world, double angle_deg, double speed_deg_s
     sim_block_disturb(&world->block);
 }
 
+/* In this mounting, or in another one of its bolting. */
+static bool was_bolted_on(const bench_world_t *world, uint8_t index)
+{
+    const tumble_schedule_t *const schedule = &world->config->scenario.schedule;
+    const uint8_t first = sim_first_of_bolting(schedule, index);
+    bool was = false;
+    for (uint8_t m = 0; m < schedule->mounting_count; m++) {
+        was = was || (world->person.mounted[m] > 0U && sim_first_of_bolting(schedule, m) == first);
+    }
+    return was;
+}
+
+static bool stays_bolted(const bench_world_t *world, uint8_t index)
+{
+    const tumble_mounting_t *const mountings = world->config->scenario.schedule.mountings;
+    return mountings[index].bolting > 0U && mountings[index].bolting == mountings[world->person.on_table].bolting;
+}
+
 void bench_world_mount(bench_world_t *world, uint8_t index)
 {
     const sim_scenario_t *const scenario = &world->config->scenario;
+    bench_person_t *const person = &world->person;
+    const bool stays = stays_bolted(world, index);
+    const bool again = was_bolted_on(world, index);
     sim_geometry_t geometry;
-    if (world->person.mounted[index]++ > 0U) {
+    if (stays) {
+        sim_truth_keep_bolting(&world->truth, person->on_table, index);
+    } else if (again) {
         sim_truth_remount(&world->truth, scenario, index);
     }
-    const sim_truth_t *const truth = &world->truth;
-    sim_seat_t seat = {.alpha1_rad = truth->alpha1_rad,
-                       .alpha2_rad = truth->alpha2_rad,
-                       .alpha3_rad = truth->alpha3_rad[index],
-                       .theta_h_rad = truth->theta_h_rad[index],
-                       .theta_n_rad = truth->theta_n_rad[index]};
-    memcpy(seat.encoder_rad, truth->encoder_rad, sizeof seat.encoder_rad);
+    if (person->mounted[index]++ > 0U) {
+        sim_truth_incline(&world->truth, scenario, index);
+    }
+    person->on_table = index;
+    person->inclined = stays && again;
+    const sim_seat_t seat = sim_truth_seat(&world->truth, scenario, index);
     sim_geometry_init(&geometry, &scenario->schedule.mountings[index], &seat);
     sim_block_mount(&world->block, &geometry);
 }

@@ -50,6 +50,8 @@ typedef struct {
     uint32_t mended;                        /* faults mended so far */
     bool erred;                             /* the wrong mounting has been made */
     uint32_t mounted[TUMBLE_MAX_MOUNTINGS]; /* how often each was put on the table */
+    uint8_t on_table;                       /* the last of these, by its index */
+    bool inclined;                          /* the block was bolted on before, and only the stand inclined */
 } bench_person_t;
 
 /* The faults of the scenario (fault_script.h). */
@@ -132,7 +134,7 @@ void bench_world_turn(bench_world_t *world, double angle_deg, double speed_deg_s
 bool bench_world_is_at_rest(const bench_world_t *world);
 
 /* The block is put on the table in mounting `index` of the schedule: a new yaw, unless it is there for the first time.
- */
+ * Where it stays bolted on, the stand is inclined: with new errors, unless it is there for the first time. */
 void bench_world_mount(bench_world_t *world, uint8_t index);
 
 /* Its course. */

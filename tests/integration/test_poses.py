@@ -5,6 +5,7 @@ import io
 import math
 import re
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from drawn_schedules import SCHEDULES, rotations, turned_somehow
 
 from tumble import poses
 from tumble.model import Geometry
+from tumble.model.geometry import built_in
 from tumble.schedule import Mounting, Position, Schedule
 from tumble.world.progress import Progress
 
@@ -184,10 +186,15 @@ def test_drawings_fit_a_terminal_and_lie_along_their_axes(name):
             assert abs((drawn - real + 180.0) % 360.0 - 180.0) <= 40.0
 
 
-def asked(schedule, monkeypatch, capsys, **event):
-    """What a person is asked."""
+def asked(schedule, monkeypatch, capsys, measured=None, **event):
+    """What a person is asked, after the mounting `measured`."""
     monkeypatch.setattr(sys, "stdin", io.StringIO("\n"))
-    assert Progress(schedule, True)({"event": "question", **event}) == "done"
+    progress = Progress(schedule, True)
+    if measured is not None:
+        place = {"mounting": measured, "finished": 0, "count": 9, "virtual_s": 1.0}
+        assert progress({"event": "state", "state": "TUMBLE_STATE_AVERAGE", **place}) is None
+        capsys.readouterr()
+    assert progress({"event": "question", **event}) == "done"
     return capsys.readouterr().err.splitlines()
 
 
@@ -200,6 +207,38 @@ def test_the_prompt_for_a_mounting_draws_it_and_lists_its_positions(monkeypatch,
     assert "y up" in drawing[1] and said[-1] == "[Enter or done: it is done; leave: do nothing; abort: stop here]"
     listed = [line for line in said if line.startswith("  position ")]
     assert len(listed) == 9 and listed[1] == "  position 2,  45 deg, up: the edge of faces -x and +y"
+
+
+INCLINED = [  # mounting that was measured before, the one that is asked for, what is said
+    (None, 1, "Mount the block as mounting 1 says: x along +h"),
+    (1, 2, "The block stays bolted on as it is. Incline the stand to about +45 deg, the far end of its axis up, lock "
+           "it, and confirm."),
+    (2, 3, "The block stays bolted on as it is. Incline the stand to about -45 deg, the near end of its axis up, lock "
+           "it, and confirm."),
+    (3, 4, "The block stays bolted on as it is. Incline the stand to about 0 deg, lock it, and confirm."),
+    (2, 2, "The block stays bolted on as it is. Incline the stand to about +45 deg"),  # to be repeated
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("before", "asked_for", "says"), INCLINED)
+def test_a_block_that_is_bolted_on_stays_while_the_stand_is_inclined(monkeypatch, capsys, before, asked_for, says):
+    schedule = built_in("inclined_closed")
+    said = asked(schedule, monkeypatch, capsys, before, kind="mounting", mounting=asked_for)
+    assert " ".join(" ".join(said).split()).startswith(says)
+    assert "\n".join(poses.sketch(schedule.mountings[asked_for - 1], 0.0)) in "\n".join(said)
+    assert max(map(len, said)) <= 80
+
+
+def test_a_block_that_is_bolted_on_a_steep_stand_is_mounted_and_then_inclined(monkeypatch, capsys):
+    """Mounting 2 first, or after a mounting of another bolting: both are asked for."""
+    inclined = built_in("inclined")
+    others = replace(inclined, mountings=(*inclined.mountings[:2], replace(inclined.mountings[2], bolting=None)))
+    for schedule, before in ((inclined, None), (others, 3)):
+        said = " ".join(" ".join(asked(schedule, monkeypatch, capsys, before, kind="mounting", mounting=2)).split())
+        assert said.startswith("Mount the block as mounting 2 says: x along +h")
+        assert "Incline the stand to about +45 deg" in said and "stays" not in said
+    said = " ".join(asked(others, monkeypatch, capsys, 2, kind="mounting", mounting=3))
+    assert said.startswith("Mount the block as mounting 3 says") and "Incline" not in said  # its tilt is known
 
 
 def test_the_prompt_for_an_angle_draws_the_block_there(monkeypatch, capsys):

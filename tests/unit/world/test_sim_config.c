@@ -11,6 +11,9 @@ typedef struct {
     const char *lines;
 } refusal_t;
 
+#define MOUNTING_WORDS                                                                                                   \
+    "a mounting is a number 1 to 255, tilt (degrees, sine, cosine), nine elements within 1, and if it shares a bolting " \
+    "that one's number"
 #define WRITE_WORDS                                                                                                    \
     "a write is index, subindex, size (1, 2, 4) and value, at most 16 of them; an index is hexadecimal, such as "      \
     "0x6040"
@@ -43,10 +46,11 @@ static const refusal_t REFUSALS[] = {
     {1, "keeper.serial must be a word of at most 24 characters", "keeper.serial =\n"},
     {0, "drive.sign must be 1 or -1", "drive.sign = 0\n"},
     {0, "bus.bits_per_second must be 125000, 250000, 500000 or 1000000", "bus.bits_per_second = 300000\n"},
-    {1, "a mounting is a number 1 to 255, tilt (degrees, sine, cosine) and nine elements within 1",
-     "mounting = 1 0 0 1 1 0 0 0 1 0 0 0\n"},
-    {1, "a mounting is a number 1 to 255, tilt (degrees, sine, cosine) and nine elements within 1",
-     "mounting = 0 0 0 1 1 0 0 0 1 0 0 0 1\n"},
+    {1, MOUNTING_WORDS, "mounting = 1 0 0 1 1 0 0 0 1 0 0 0\n"},
+    {1, MOUNTING_WORDS, "mounting = 0 0 0 1 1 0 0 0 1 0 0 0 1\n"},
+    {1, MOUNTING_WORDS, "mounting = 1 0 0 1 1 0 0 0 1 0 0 0 1 0\n"}, /* no bolting has this number */
+    {1, MOUNTING_WORDS, "mounting = 1 0 0 1 1 0 0 0 1 0 0 0 1 256\n"},
+    {1, MOUNTING_WORDS, "mounting = 1 0 0 1 1 0 0 0 1 0 0 0 1 1 1\n"},
     {1, "a position is mounting and number (1 to 255), fit or check, and its angle (degrees, sine, cosine)",
      "position = 1 1 use 0 0 1\n"},
     {1, "no such fault; tumble bench --keys lists them", "fault = meteorite at=1.1\n"},
@@ -253,9 +257,28 @@ static void test_a_schedule_arrives(void)
     TEST_ASSERT_EQUAL_UINT8(1, schedule->mounting_count);
     TEST_ASSERT_EQUAL_UINT8(2, schedule->position_count);
     TEST_ASSERT_EQUAL_UINT8(7, schedule->mountings[0].number);
+    TEST_ASSERT_EQUAL_UINT8(0, schedule->mountings[0].bolting);
     ASSERT_SAME_DOUBLE(1.0, schedule->mountings[0].matrix[0][1]);
     ASSERT_SAME_DOUBLE(0.70710678118654757, schedule->positions[0].angle.sine);
     TEST_ASSERT_EQUAL_INT(TUMBLE_USE_CHECK, schedule->positions[1].use);
+}
+
+/* The bolting is the one number of a mounting that may be left out. */
+static void test_a_bolting_arrives(void)
+{
+    TEST_ASSERT_NULL(
+        read_lines("mounting = 7  0 0 1  1 0 0  0 1 0  0 0 1  255\n"
+                   "mounting = 8  0 0 1  1 0 0  0 1 0  0 0 1\n"
+                   "position = 7 1 fit  0 0 1\nposition = 8 1 fit  0 0 1\n"
+                   "stand.inclination_rad = 5e-3\nstand.sag_across_rad_per_g = -1e-5\n"
+                   "stand.sag_along_rad_per_g = 2e-5\n"));
+    const tumble_schedule_t *const schedule = config.procedure.schedule;
+    TEST_ASSERT_EQUAL_UINT8(2, schedule->mounting_count);
+    TEST_ASSERT_EQUAL_UINT8(255, schedule->mountings[0].bolting);
+    TEST_ASSERT_EQUAL_UINT8(0, schedule->mountings[1].bolting);
+    ASSERT_SAME_DOUBLE(5e-3, config.scenario.stand.inclination_rad);
+    ASSERT_SAME_DOUBLE(-1e-5, config.scenario.stand.sag_across_rad_per_g);
+    ASSERT_SAME_DOUBLE(2e-5, config.scenario.stand.sag_along_rad_per_g);
 }
 
 /* What is left open follows from the rest. */

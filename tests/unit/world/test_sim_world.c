@@ -141,6 +141,48 @@ static void test_what_is_left_of_the_swing_is_small(void)
     }
 }
 
+/* What somebody does with the block: on the table go mountings 1, 2 and 3 of one bolting, and 4 for itself. Yaw and
+ * inclination are new only when the block is bolted on again, or the stand inclined again. */
+static void test_a_block_stays_bolted_on_while_the_stand_is_inclined(void)
+{
+    static const bench_watcher_t NOBODY = {0};
+    static const struct {
+        uint8_t mounted;
+        bool new_yaw;
+        bool new_inclination;
+        bool inclined; /* and not bolted on */
+    } COURSE[] = {
+        {1, false, false, false}, {2, false, false, true},  {3, false, false, true}, {2, false, true, true},
+        {2, false, true, true},   {4, false, false, false}, {3, true, true, false},  {1, false, true, true},
+        {4, true, false, false},  {4, true, false, false},
+    };
+    TEST_ASSERT_NULL(
+        read_lines("mounting = 1  0 0 1  1 0 0  0 1 0  0 0 1  9\nmounting = 2  90 1 0  1 0 0  0 1 0  0 0 1  9\n"
+                   "mounting = 3  -90 -1 0  1 0 0  0 1 0  0 0 1  9\nmounting = 4  0 0 1  1 0 0  0 0 -1  0 1 0\n"
+                   "position = 1 1 fit 0 0 1\nposition = 2 1 fit 0 0 1\nposition = 3 1 fit 0 0 1\n"
+                   "position = 4 1 fit 0 0 1\nposition = 4 2 fit 90 1 0\nposition = 4 3 fit 180 0 -1\n"
+                   "procedure.estimator = least_squares\nstand.inclination_rad = 1e-2\nstand.seat_rad = 1e-3\n"));
+    ASSERT_STATUS(TUMBLE_OK, bench_world_init(&world, &config, 3, &NOBODY));
+    const sim_truth_t *const truth = &world.truth;
+    double yaw[4] = {0.0, 0.0, 0.0, truth->alpha3_rad[3]};
+    double lean = truth->theta_h_rad[0];
+    yaw[0] = truth->alpha3_rad[0];
+    for (size_t i = 0; i < COUNT_OF(COURSE); i++) {
+        const uint8_t m = (uint8_t)(COURSE[i].mounted - 1U);
+        const uint8_t first = (m < 3U) ? 0U : 3U;
+        const double inclination = truth->inclination_rad[m];
+        const double tau = truth->tau_rad[m];
+        bench_world_mount(&world, m);
+        TEST_ASSERT_EQUAL_INT(COURSE[i].new_yaw, truth->alpha3_rad[m] != yaw[first]);
+        TEST_ASSERT_EQUAL_INT(COURSE[i].new_inclination, truth->inclination_rad[m] != inclination);
+        TEST_ASSERT_EQUAL_INT(COURSE[i].new_inclination, truth->tau_rad[m] != tau);
+        TEST_ASSERT_EQUAL_INT(COURSE[i].inclined, world.person.inclined);
+        TEST_ASSERT_TRUE(m == 3U || COURSE[i].new_yaw == (truth->theta_h_rad[m] != lean));
+        yaw[first] = truth->alpha3_rad[m];
+        lean = (m < 3U) ? truth->theta_h_rad[m] : lean;
+    }
+}
+
 /* 60 seeds on the paper's stand: rms errors as the budget has them (docs/method.md), within what 60 can tell. */
 static void test_errors_are_as_large_as_the_budget_says(void)
 {

@@ -97,6 +97,8 @@ class Truth(Document):
     """What the simulation was made of: angles are the errors of the stand, by mounting, alpha4 by position.
 
     theta_h_rad: Seat; the platform's is in it.
+    beta_rad: Of a block that is bolted on once: the inclinations themselves, with alpha1 and the error of setting them.
+    tau_rad: Likewise: error of the zero of the table angle at each; alpha2 is not in it.
     encoder_rad: By the sine and cosine of the table angle, and of its double.
     drift_v: By channel.
     """
@@ -111,6 +113,8 @@ class Truth(Document):
     theta_n_rad: tuple[float, ...]
     encoder_rad: Annotated[tuple[float, ...], Meta(min_length=4, max_length=4)]
     drift_v: Annotated[tuple[float, ...], Meta(min_length=3, max_length=3)]
+    beta_rad: tuple[float, ...] | UnsetType = UNSET
+    tau_rad: tuple[float, ...] | UnsetType = UNSET
 
 
 class Fault(Document):

@@ -552,6 +552,8 @@ class Truth(Document):
     alpha4_rad: One per position.
     theta_h_rad: Seat, one per mounting; the platform's is in it.
     theta_n_rad: Seat, one per mounting.
+    beta_rad: Of a block that is bolted on once: the inclinations, one per mounting, with their errors.
+    tau_rad: Likewise: error of the zero of the table angle, one per mounting; alpha2 is not in it.
     encoder_rad: Where declared: errors by the sine and cosine of the table angle, and of its double.
     drift_v: Where declared: from the first fit position to the last.
     """
@@ -566,6 +568,8 @@ class Truth(Document):
     theta_n_rad: Annotated[tuple[float, ...], Meta(min_length=1)] = (0.0,)
     encoder_rad: Annotated[tuple[float, ...], Meta(min_length=4, max_length=4)] | UnsetType = UNSET
     drift_v: Annotated[tuple[float, ...], Meta(min_length=3, max_length=3)] | UnsetType = UNSET
+    beta_rad: Annotated[tuple[float, ...], Meta(min_length=1)] | UnsetType = UNSET
+    tau_rad: Annotated[tuple[float, ...], Meta(min_length=1)] | UnsetType = UNSET
 
 
 class Result(Document, kw_only=True):

@@ -96,7 +96,7 @@ _SCENARIO = """Scenario files: one `key = value` a line, # comments.
 {keys}
 
 Lines that may repeat:
-mounting = NUMBER  TILT_DEG SINE COSINE  M11 M12 M13 M21 M22 M23 M31 M32 M33
+mounting = NUMBER  TILT_DEG SINE COSINE  M11 M12 M13 M21 M22 M23 M31 M32 M33  [BOLTING]
 position = MOUNTING NUMBER fit|check  ANGLE_DEG SINE COSINE
 drive.lacks = INDEX ...
 profile.receive_pdo = NUMBER COB_ID INDEX:SUBINDEX:BITS ...

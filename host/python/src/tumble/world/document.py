@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from msgspec import UNSET
 
 from tumble.arrays import Floats
 from tumble.documents.bench import (
@@ -120,6 +121,8 @@ def truth(report: Any) -> Truth:
         theta_n_rad=tuple(report.theta_n_rad[i] for i in mountings),
         encoder_rad=tuple(report.encoder_rad),
         drift_v=tuple(report.drift_v),
+        beta_rad=tuple(report.beta_rad[i] for i in mountings) if report.inclines else UNSET,
+        tau_rad=tuple(report.tau_rad[i] for i in mountings) if report.inclines else UNSET,
     )
 
 

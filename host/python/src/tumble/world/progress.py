@@ -19,6 +19,7 @@ _HELP_FAULT = (
 )
 _SEATED = "At table angle 0 deg, seen from the front (the block before the table):"
 _TURNED = "At table angle {:g} deg, seen from the front (positive: counterclockwise):"
+_STAYS = "The block stays bolted on as it is."
 _WIDTH = 80
 
 
@@ -30,6 +31,13 @@ def mounting_text(mounting: Mounting) -> str:
         nearly = "" if abs(row[axis]) > 0.999 else "nearly "
         parts.append(f"{name} {nearly}along {'-' if row[axis] < 0 else '+'}{_AXES[axis]}")
     return "; ".join(parts)
+
+
+def inclining_text(mounting: Mounting) -> str:
+    """What to do with the stand for an inclination of a block that is bolted on."""
+    end = f", the {'far' if mounting.tilt_deg > 0.0 else 'near'} end of its axis up" if mounting.tilt_deg else ""
+    angle = f"{mounting.tilt_deg:+g}" if mounting.tilt_deg else "0"
+    return f"Incline the stand to about {angle} deg{end}, lock it, and confirm."
 
 
 def in_words(state: str) -> str:
@@ -44,6 +52,7 @@ class Progress:
         self._schedule = schedule
         self._interactive = interactive
         self._mounting = 0
+        self._on_table = 0  # mounting that was measured last
 
     def __enter__(self) -> Progress:
         return self
@@ -54,6 +63,8 @@ class Progress:
     def __call__(self, event: dict[str, Any]) -> str | None:
         """Take an event. Returns the answer if it is a question for a person."""
         kind = event["event"]
+        if event.get("state") == "TUMBLE_STATE_AVERAGE":
+            self._on_table = event["mounting"]
         if kind == "state":
             self.on_state(event)
         elif kind == "average":
@@ -83,10 +94,14 @@ class Progress:
         """Put a question, return the answer as the program takes it."""
         by_number = {mounting.number: mounting for mounting in self._schedule.mountings}
         if event["kind"] == "mounting":
-            mounting = by_number[event["mounting"]]
+            mounting, on_table = by_number[event["mounting"]], by_number.get(self._on_table)
+            is_bolted = on_table is not None and mounting.bolting is not None and on_table.bolting == mounting.bolting
+            is_steep = mounting.bolting is not None and mounting.tilt_deg != 0.0
             where = f"Mount the block as mounting {mounting.number} says: {mounting_text(mounting)}."
+            todo = [_STAYS] if is_bolted else [where]
+            todo += [inclining_text(mounting)] if is_bolted or is_steep else []
             turned = ["The table then turns to:", *poses.positions(self._schedule, mounting)]
-            self._put(where, [_SEATED, *poses.sketch(mounting, 0.0), *turned], _HELP)
+            self._put(" ".join(todo), [_SEATED, *poses.sketch(mounting, 0.0), *turned], _HELP)
         elif event["kind"] == "angle":
             angle_deg, number = event["angle_deg"], event["mounting"]
             shown = [_TURNED.format(angle_deg), *poses.sketch(by_number[number], angle_deg)] if number else []

@@ -278,7 +278,8 @@ def _schedule(schedule: Schedule) -> list[tuple[str, str]]:
 
 def _mounting(mounting: Mounting) -> str:
     elements = (element for row in mounting.matrix for element in row)
-    return f"{mounting.number} {_angle(mounting.tilt_deg)} {_numbers(*elements)}"
+    bolting = "" if mounting.bolting is None else f" {mounting.bolting}"
+    return f"{mounting.number} {_angle(mounting.tilt_deg)} {_numbers(*elements)}{bolting}"
 
 
 def _position(position: Position) -> str:

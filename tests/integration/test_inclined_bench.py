@@ -1,0 +1,155 @@
+"""A block that is bolted on once, on a simulated stand that is inclined: against the numpy geometry, and over the bus."""
+
+import math
+import subprocess
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from c_compiler import compiled
+
+from tumble import World
+from tumble.model.geometry import Geometry, built_in
+from tumble.model.inclined import as_seen, gains, solve
+from tumble.schedule import Schedule
+
+K = np.array([[-2.02, 0.03, -0.01], [0.02, -1.97, 0.04], [-0.03, 0.01, -2.01]])
+U0 = np.array([0.05, -0.08, 0.02])
+NAMES = ("inclined", "inclined_closed")
+QUIET = {"block.noise_v": 0.0, "motion.swing_deg": 0.0, "procedure.gravity_limit_g": 1.0,
+         "procedure.estimator": "least_squares"}  # fmt: skip
+"""One that solves any schedule: what the firmware makes of unknown inclinations does not matter here."""
+
+
+def inclined_force(schedule, alpha1, alpha2, alpha3, seat_h, seat_n, beta, tau, delta=0.0):
+    """Of the numpy geometry, in which the inclinations are the schedule's own, and their zeros the angles'."""
+    mountings = tuple(
+        replace(one, tilt_deg=math.degrees(angle - alpha1)) for one, angle in zip(schedule.mountings, beta)
+    )
+    geometry = Geometry(Schedule(mountings, schedule.positions))
+    delta = delta + np.asarray(tau)[geometry.mounting_index]
+    return geometry.force(alpha1=alpha1, alpha2=alpha2, alpha3=alpha3, delta=delta, seat_h=seat_h, seat_n=seat_n)
+
+
+@pytest.fixture(scope="module")
+def simulated(tmp_path_factory):
+    """A function of seed, inclination, sag across and along: the errors of a simulated stand, and its forces."""
+    parts = ("truth", "geometry", "scenario", "random", "maths")
+    program = compiled(tmp_path_factory.mktemp("inclined") / "forces", "-Wall", "-Wextra", "-Werror", "-Ihost",
+                       "-Ifirmware/include", "-Ifirmware", "tests/integration/inclined_harness.c",
+                       *(f"host/simulation/{part}.c" for part in parts), "firmware/core/schedule_inclined.c",
+                       "firmware/core/schedule_paper.c", "-lm")
+
+    def forces(*words):
+        done = subprocess.run([program, *map(repr, words)], text=True, capture_output=True, check=True)
+        rows = [np.array(line.split(), float) for line in done.stdout.splitlines()]
+        return rows[0], np.array(rows[1:5]).T, np.array(rows[5:])
+
+    return forces
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3, 40])
+def test_simulated_forces_are_those_of_the_numpy_geometry(simulated, seed):
+    schedule = built_in("inclined_closed")
+    for inclination in (0.0, 5e-3, 5e-2):
+        (alpha1, alpha2), (alpha3, seat_h, seat_n, beta, tau), force = simulated(seed, inclination, 0.0, 0.0)
+        assert all(len(set(shared.tolist())) == 1 for shared in (alpha3, seat_h, seat_n))  # of one bolting
+        assert len(set(tau.tolist())) == (4 if inclination else 1)
+        expected = inclined_force(schedule, alpha1, alpha2, alpha3, seat_h, seat_n, beta, tau)
+        assert np.abs(force - expected).max() < 1e-12
+
+
+def test_sagging_forces_are_those_of_the_numpy_geometry(simulated):
+    """Along the axis the block leans by the force along it; across it, it droops as the axis does."""
+    schedule = built_in("inclined_closed")
+    for across, along in ((3e-3, 0.0), (0.0, -2e-3), (1e-3, 2e-3)):
+        (alpha1, alpha2), (alpha3, seat_h, seat_n, beta, tau), force = simulated(9, 5e-2, across, along)
+        leaning = seat_h + along * np.sin(beta)
+        drooping = beta + across * np.cos(beta)
+        expected = inclined_force(schedule, alpha1, alpha2, alpha3, leaning, seat_n, drooping, tau)
+        assert np.abs(force - expected).max() < 1e-12
+
+
+def worst_norm_error(schedule, force, seed=1, attitudes=20000):
+    """Of the length of the specific force, g, over all attitudes, for the coefficients that these forces give."""
+    k, u0, _ = solve(schedule, force @ K.T + U0)
+    along = np.random.default_rng(seed).normal(size=(attitudes, 3))
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    felt = np.linalg.solve(k, (along @ K.T + U0 - u0).T)
+    return np.abs(np.linalg.norm(felt, axis=0) - 1.0).max()
+
+
+@pytest.mark.parametrize(
+    ("across", "along", "error_g"), [(1e-5, 0.0, 0.0), (0.0, 1e-5, 3.33e-6), (1e-5, 1e-5, 3.33e-6)]
+)
+def test_what_a_sag_of_the_block_against_the_axis_costs(simulated, across, along, error_g):
+    """10 urad per g: nothing across the axis; along it 3.3 ug. Without any, rounding alone."""
+    inclined = built_in("inclined")
+    for seed in (1, 2):
+        *_, force = simulated(seed, 0.0, across, along)
+        assert worst_norm_error(inclined, force[:27]) == pytest.approx(error_g, rel=0.02, abs=2e-12)
+        *_, force = simulated(seed, 5e-3, 0.0, 0.0)
+        assert worst_norm_error(inclined, force[:27]) < 2e-12
+
+
+def outputs(schedule, truth):
+    """What the block puts out on the stand that a document tells."""
+    force = inclined_force(
+        schedule,
+        truth["alpha1_rad"],
+        truth["alpha2_rad"],
+        *(np.array(truth[name]) for name in ("alpha3_rad", "theta_h_rad", "theta_n_rad", "beta_rad", "tau_rad")),
+        np.array(truth["alpha4_rad"]),
+    )
+    return force @ np.array(truth["K"]).T + np.array(truth["U0"])
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_means_of_a_run_are_what_its_truth_says(name):
+    """To half a count of the converter, on a stand as bad as one can be: inclinations off by 20 mrad."""
+    errors = {"stand.inclination_rad": 2e-2, "stand.axis_tilt_rad": 1e-2, "stand.seat_rad": 1e-3,
+              "stand.platform_rad": 1e-3}  # fmt: skip
+    schedule = built_in(name)
+    world = World(7, schedule=name, samples=10, **QUIET, **errors).run()
+    means = np.array([mean["u_v"] for mean in world.document["means"]])
+    assert (world.state, len(means)) == ("DONE", 9 * len(schedule.mountings))
+    assert np.abs(means - outputs(schedule, world.truth)).max() < 0.51 * 20.0 / 2**24
+    seen = solve(schedule, means)[2]
+    beta, tau = np.array(world.truth["beta_rad"]), np.array(world.truth["tau_rad"])
+    assert np.abs(seen.beta - beta).max() < 1e-4 and np.abs(seen.tau - (tau - tau[0])).max() < 1e-4
+    nominal = np.deg2rad([one.tilt_deg for one in schedule.mountings])
+    assert np.abs(beta - nominal).max() > 5e-3  # it is no nominal stand
+
+
+def answered(world, *answers):
+    """Let it go on from question to question. Returns the mountings that were asked for."""
+    asked = []
+    for words in answers:
+        while world.question is None:
+            assert world.advance(1.0)
+        asked.append(world.question["mounting"])
+        world.answer(words)
+    return asked
+
+
+def test_an_inclination_that_is_repeated_is_set_anew_and_the_block_stays_bolted_on():
+    errors = {"stand.inclination_rad": 5e-3, "stand.seat_rad": 1e-3}
+    world = World(5, schedule="inclined", samples=10, operator="asked", **QUIET, **errors)
+    before = world.truth
+    asked = answered(world, "done", "done", "repeat mounting 2", "done", "done")
+    assert asked == [1, 2, 3, 2, 3]
+    world.run()
+    after = world.truth
+    assert world.state == "DONE"
+    for name in ("alpha3_rad", "theta_h_rad", "theta_n_rad"):
+        assert before[name] == after[name] and len(set(after[name])) == 1
+    for name in ("beta_rad", "tau_rad"):
+        assert [one == other for one, other in zip(before[name], after[name])] == [True, False, True]
+    means = np.array([mean["u_v"] for mean in world.document["means"]])
+    assert np.abs(means - outputs(built_in("inclined"), after)).max() < 0.51 * 20.0 / 2**24
+
+
+def test_a_plain_schedule_tells_no_inclinations_and_has_none():
+    plain = World(3).truth
+    assert "beta_rad" not in plain and "tau_rad" not in plain
+    assert World(3, **{"stand.inclination_rad": 1e-2}).truth == plain
