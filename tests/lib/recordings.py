@@ -4,11 +4,12 @@ The truth comes along: which rows are at rest at which position. Nothing here is
 """
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from tumble.model import Geometry
+from tumble.schedule import Schedule
 
 
 @dataclass
@@ -70,7 +71,10 @@ def recording(schedule, visits, k, u0, habits, rng):
         if after is None:
             path.by_hand(forces[now], _unit(rng))
         elif schedule.positions[now].mounting != schedule.positions[after].mounting:
-            path.by_hand(forces[now], forces[after])
+            places = (mountings.index(schedule.positions[one].mounting) for one in (now, after))
+            boltings = {schedule.mountings[place].bolting for place in places}
+            move = path.by_hand if len(boltings) > 1 or None in boltings else path.incline
+            move(forces[now], forces[after])
         else:
             path.turn(schedule, now, after, forces)
     felt, truth = np.concatenate(path.felt), np.concatenate(path.truth)
@@ -143,6 +147,16 @@ class _Path:
             if end != last:
                 self.add(np.tile(felt[-1], (self.count(self.rng.uniform(1, 3)), 1)))
 
+    def incline(self, begin, end):
+        """The frame is tilted while the table is turned back, not quite steadily; the block stays on the table."""
+        rows = self.count(self.rng.uniform(3.0, 8.0))
+        phase = 0.5 - 0.5 * np.cos(np.linspace(0, np.pi, rows))
+        by_way_of = _unit(self.rng) * np.sin(np.pi * phase)[:, None]  # begin and end may be the same
+        felt = begin + phase[:, None] * (end - begin) + 0.5 * by_way_of
+        felt /= np.linalg.norm(felt, axis=1, keepdims=True)
+        smooth = np.sin(np.linspace(0, np.pi, rows))[:, None]
+        self.add(felt + 0.01 * smooth * self.rng.normal(0, 1, (rows, 3)))
+
     def by_hand(self, begin, end):
         """Carried about, unsteadily, by way of anywhere; sometimes laid down."""
         stops = [begin, *(_unit(self.rng) for _ in range(self.rng.integers(1, 4)))]
@@ -165,10 +179,29 @@ class _Path:
                 self.add(np.tile(other, (self.count(self.rng.uniform(1, 4)), 1)))
 
 
+def inclined_anew(schedule, off, zero, bolting, rng):
+    """The schedule as a stand has it that nobody measured: each inclination off by up to `off`, its zero of the table
+    angle by up to `zero`, and the block turned on the table by up to `bolting` about each axis; rad."""
+    tilts = {one.number: one.tilt_deg + np.rad2deg(rng.uniform(-off, off)) for one in schedule.mountings}
+    zeros = {one.number: np.rad2deg(rng.uniform(-zero, zero)) for one in schedule.mountings}
+    x, y, z = rng.uniform(-bolting, bolting, 3)
+    turned = np.eye(3) + np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    left, _, right = np.linalg.svd(turned)
+    bolted = left @ right  # the nearest rotation
+    return Schedule(
+        tuple(
+            replace(one, tilt_deg=float(tilts[one.number]), matrix=tuple(map(tuple, np.array(one.matrix) @ bolted)))
+            for one in schedule.mountings
+        ),
+        tuple(replace(one, angle_deg=float(one.angle_deg + zeros[one.mounting])) for one in schedule.positions),
+    )
+
+
 def _at(schedule, mounting, angles):
-    matrix = np.array(next(one.matrix for one in schedule.mountings if one.number == mounting))
-    phi = np.deg2rad(angles)
-    return np.stack([np.sin(phi), 0 * phi, np.cos(phi)], axis=1) @ matrix.T
+    mounted = next(one for one in schedule.mountings if one.number == mounting)
+    phi, tilt = np.deg2rad(angles), np.deg2rad(mounted.tilt_deg)
+    felt = [np.cos(tilt) * np.sin(phi), np.sin(tilt) + 0 * phi, np.cos(tilt) * np.cos(phi)]
+    return np.stack(felt, axis=1) @ np.array(mounted.matrix).T
 
 
 def _unit(rng):

@@ -4,27 +4,34 @@ At rest an accelerometer block measures a unit vector (g). So the outputs of all
 block whose channels lie nearly along its axes has nearly the axes of the outputs: six unknowns, linear in the squares.
 That leaves open which way round each channel is, and which channel belongs to which axis: a view. For each view the
 attitudes are held against those of the schedule, and K and U0 are fitted, all twelve of them.
+
+Nobody measures how far a block that is bolted on once is inclined, nor where the table has its zero then. So the
+attitudes of one inclination move together to where the rests show them: two more unknowns each, fitted with the twelve.
 """
 
 from __future__ import annotations
 
 import itertools
+from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from tumble.arrays import Floats, Integers
 from tumble.model.geometry import Geometry
+from tumble.model.inclined import Inclinations, as_seen
 from tumble.schedule import Schedule
 
 AXES = "xyz"
 _SAME = 1e-6  # rad: attitudes closer than this are one
-_LEAST_SINGULAR = 1e-2  # of the largest: below, the rests do not show scale and bias of every channel
+_LEAST_SINGULAR = 1e-2  # of the largest: below, the rests do not show it
 _ROUGH = 0.45  # of the smallest angle between attitudes: how far off a first guess may be
 _ROUNDS = 12
+_SETTLED = 1e-9  # rad: inclinations that move less stay
 _SQUARES = 6  # unknowns of an ellipsoid along the axes
 _CROSS = 0.5  # of a channel's own axis: what it may feel of another
+TWELVE = 12  # coefficients
 _RANK = 4  # of the unit attitudes with a column of ones: K and U0 need as much
 
 Channels = tuple[int, int, int]
@@ -34,12 +41,18 @@ STRAIGHT: Channels = (0, 1, 2)
 
 @dataclass(frozen=True)
 class Attitudes:
-    """Those of a schedule: `forces` (attitudes, 3), unit vectors on the block's axes; `of_position` (positions,): which
-    of them each position has; `apart`: the smallest angle between two, rad."""
+    """Those of a schedule: `schedule` with a position for each; `forces` (attitudes, 3), unit vectors on the block's
+    axes; `of_position` (positions,): which of them each position has; `apart`: the smallest angle between two, rad."""
 
+    schedule: Schedule
     forces: Floats
     of_position: Integers
     apart: float
+
+    def of_positions(self, schedule: Schedule) -> Attitudes:
+        """The same with an attitude for each position of the schedule: two inclinations that should be alike are set
+        each for itself."""
+        return Attitudes(schedule, Geometry(schedule).force(), np.arange(len(schedule.positions)), self.apart)
 
 
 @dataclass(frozen=True)
@@ -52,23 +65,25 @@ class View:
 
 @dataclass(frozen=True)
 class Fit:
-    """K (3, 3) and U0 (3,) of outputs at known attitudes, and `inverse` (4, 4) of the normal
-    equations, by which leverage is told."""
+    """K (3, 3) and U0 (3,) of outputs at attitudes. `forces` (attitudes, 3): these, on the `inclinations` that were
+    fitted as well, if any. `leverage` (attitudes,): how much of its own error a rest there takes into the fit, which
+    has so many `unknowns`."""
 
     k: Floats
     u0: Floats
-    inverse: Floats
+    forces: Floats
+    leverage: Floats
+    unknowns: int = TWELVE
+    inclinations: Inclinations | None = None
 
     def attitudes(self, means: Floats) -> Floats:
         """What the block feels where it gives `means` (n, 3): (n, 3), g."""
         felt = np.linalg.solve(self.k, (means - self.u0).T).T
         return np.asarray(felt, dtype=np.float64)
 
-    def leverage(self, forces: Floats) -> Floats:
-        """How much of its own error an attitude takes into the fit."""
-        design = _design(forces)
-        found: Floats = np.einsum("ni,ij,nj->n", design, self.inverse, design)
-        return found
+    def at(self, attitudes: Integers) -> Fit:
+        """The same at some of the attitudes, or at some of them more than once."""
+        return replace(self, forces=self.forces[attitudes], leverage=self.leverage[attitudes])
 
 
 @dataclass(frozen=True)
@@ -86,15 +101,17 @@ def attitudes_of(schedule: Schedule) -> Attitudes:
     """Those that a schedule has, each once."""
     ideal = Geometry(schedule).force()
     forces: list[Floats] = []
-    of_position = []
+    of_position, is_first = [], []
     for force in ideal:
         same = [index for index, known in enumerate(forces) if np.linalg.norm(known - force) < _SAME]
         of_position.append(same[0] if same else len(forces))
+        is_first.append(not same)
         if not same:
             forces.append(force)
     stacked = np.array(forces)
     distances = np.linalg.norm(stacked[:, None] - stacked, axis=-1) + 4.0 * np.eye(len(stacked))
-    return Attitudes(stacked, np.array(of_position), float(2 * np.arcsin(min(distances.min(), 2.0) / 2)))
+    apart = float(2 * np.arcsin(min(distances.min(), 2.0) / 2))
+    return Attitudes(schedule.part(is_first), stacked, np.array(of_position), apart)
 
 
 def views(signs: Signs | None, channels: bool) -> Iterator[View]:
@@ -131,44 +148,95 @@ def see(means: Floats, rough: tuple[Floats, Floats], view: View, attitudes: Atti
     scale, bias = rough
     felt = ((means - bias) / scale)[:, list(view.channels)] * view.signs
     allowed = max(tolerance, _ROUGH * attitudes.apart)
-    nearest, off = _nearest(felt, attitudes, allowed)
+    nearest, off = _nearest(felt, attitudes.forces, allowed)
     fit = None
     for _ in range(_ROUNDS):
         near = nearest >= 0
         usual = max(float(np.median(off[near])), 1e-6) if near.any() else 1.0
         weights = 1.0 / np.sqrt(1.0 + (off[near] / (3.0 * usual)) ** 2)  # far off where others are near counts little
-        fit = fitted(attitudes.forces[nearest[near]], means[near], weights)
+        fit = fitted(attitudes, nearest[near], means[near], weights)
         if fit is None or not is_view_of(view, fit.k):
             return None
         before = nearest
-        nearest, off = _nearest(fit.attitudes(means), attitudes, allowed)
+        nearest, off = _nearest(fit.attitudes(means), fit.forces, allowed)
         if (before == nearest).all() and allowed == tolerance:
             break
         allowed = tolerance
     return None if fit is None else Seen(view, fit, nearest, off)
 
 
-def fitted(forces: Floats, means: Floats, weights: Floats | None = None) -> Fit | None:
-    """K and U0 by least squares, from outputs (n, 3) at attitudes (n, 3); None where these do not tell them."""
+def fitted(attitudes: Attitudes, at: Integers, means: Floats, weights: Floats | None = None) -> Fit | None:
+    """K and U0 by least squares, from outputs (n, 3) at the attitudes `at` (n,), inclinations moved to where these show
+    them; None where they do not tell K and U0."""
+    root = np.ones(len(at)) if weights is None else weights
+    plain = _linear(attitudes.forces, at, means, root)
+    present = {attitudes.schedule.positions[one].mounting for one in at.tolist()}
+    numbers = tuple(number for number in inclinations_of(attitudes.schedule) if number in present)
+    if plain is None or not numbers:
+        return plain
+    tilts = np.deg2rad([one.tilt_deg for one in attitudes.schedule.mountings if one.number in numbers])
+    moved, fit = np.zeros((2, len(numbers))), plain
+    for _ in range(_ROUNDS):  # by Gauss and Newton
+        found = Inclinations(numbers, tilts + moved[0], moved[1])
+        fit, step = _inclined(attitudes.schedule, found, at, means, root)
+        moved = moved + step
+        if np.abs(moved).max() > _ROUGH * attitudes.apart:
+            return plain  # as far off as another attitude: none of the schedule's inclinations
+        if np.abs(step).max() < _SETTLED:
+            break
+    return fit
+
+
+def _inclined(schedule: Schedule, found: Inclinations, at: Integers, means: Floats, root: Floats) -> tuple[Fit, Floats]:
+    """The fit on these inclinations, and how far they have to move: (2, inclinations), beta and tau, rad. What the
+    rests do not show stays: the zero of all angles together, which is in K, and inclinations where only two are."""
+    stand = Geometry(as_seen(schedule, found))
+    fit = _linear(stand.force(), at, means, root)
+    assert fit is not None
+    of = np.array([[place.mounting == number for number in found.numbers] for place in schedule.positions])
+    beta, tau = (stand.force_by(**{error: 1.0})[:, :, None] * of[:, None, :] for error in ("alpha1", "delta"))
+    columns = np.concatenate([beta, tau], axis=2)  # (attitudes, 3, unknowns)
+    design, weights = _design(fit.forces), root[:, None, None]
+    explained = np.tensordot(np.linalg.pinv(root[:, None] * design[at]), weights * columns[at], 1)
+    columns = columns - np.tensordot(design, explained, 1)  # by K and U0
+    left, singular, right = np.linalg.svd((weights * columns[at]).reshape(3 * len(at), -1), full_matrices=False)
+    shown = singular > _LEAST_SINGULAR * singular[0]
+    inverse = right[shown].T / singular[shown]
+    off = root[:, None] * (fit.attitudes(means) - fit.forces[at])
+    step = (inverse @ (left[:, shown].T @ off.ravel())).reshape(2, -1)
+    leverage = fit.leverage + ((columns @ inverse) ** 2).sum(axis=(1, 2)) / 3.0
+    unknowns = TWELVE + int(shown.sum())
+    return replace(fit, leverage=leverage, unknowns=unknowns, inclinations=found), step
+
+
+def inclinations_of(schedule: Schedule) -> tuple[int, ...]:
+    """The mountings that share a bolting with another one."""
+    bolted = [one for one in schedule.mountings if one.bolting is not None]
+    shared = Counter(one.bolting for one in bolted)
+    return tuple(one.number for one in bolted if shared[one.bolting] > 1)
+
+
+def _linear(forces: Floats, at: Integers, means: Floats, root: Floats) -> Fit | None:
+    """K and U0 at known `forces`; each row weighs by its `root`."""
     design = _design(forces)
-    weighted = design if weights is None else design * weights[:, None]
-    if len(design) < _RANK or np.linalg.matrix_rank(weighted, tol=1e-3 * len(design) ** 0.5) < _RANK:
+    weighted = design[at] * root[:, None]
+    if len(weighted) < _RANK or np.linalg.matrix_rank(weighted, tol=1e-3 * len(weighted) ** 0.5) < _RANK:
         return None
-    scaled = means if weights is None else means * weights[:, None]
-    solution = np.linalg.lstsq(weighted, scaled, rcond=None)[0]
+    solution = np.linalg.lstsq(weighted, means * root[:, None], rcond=None)[0]
     k = solution[:3].T
     if abs(np.linalg.det(k)) < 1e-6 * np.linalg.norm(k) ** 3:
         return None
     inverse = np.linalg.inv(weighted.T @ weighted)
-    return Fit(*(np.asarray(one, dtype=np.float64) for one in (k, solution[3], inverse)))
+    leverage: Floats = np.einsum("ni,ij,nj->n", design, inverse, design)
+    return Fit(np.asarray(k, dtype=np.float64), np.asarray(solution[3], dtype=np.float64), forces, leverage)
 
 
 def _design(forces: Floats) -> Floats:
     return np.hstack([forces, np.ones((len(forces), 1))])
 
 
-def _nearest(felt: Floats, attitudes: Attitudes, allowed: float) -> tuple[Integers, Floats]:
-    distances = np.linalg.norm(felt[:, None] - attitudes.forces, axis=-1)
+def _nearest(felt: Floats, forces: Floats, allowed: float) -> tuple[Integers, Floats]:
+    distances = np.linalg.norm(felt[:, None] - forces, axis=-1)
     off = distances.min(axis=1)
     return np.where(off <= allowed, distances.argmin(axis=1), -1), off
 

@@ -17,7 +17,18 @@ from tumble.arrays import Flags, Floats, Integers
 from tumble.errors import quoted
 from tumble.importing import attitudes
 from tumble.importing.attitudes import View
-from tumble.importing.match import LEFT_OUT, NONE, REPEATED, REPEATS, TAKEN, Claims, Doubtful, Matched
+from tumble.importing.match import (
+    LEFT_OUT,
+    NONE,
+    REPEATED,
+    REPEATS,
+    TAKEN,
+    Claims,
+    Doubtful,
+    Matched,
+    about_inclinations,
+    every_part,
+)
 from tumble.importing.rests import FEWEST_IN_BLOCK, Found, Rests, rests_of
 from tumble.schedule import Schedule
 
@@ -77,10 +88,11 @@ def match(rests: Rests, schedule: Schedule, claims: Claims, named: dict[str, int
     positions[kept] = np.where(way.taken, way.positions, NONE)
     states[kept] = np.where(way.taken, TAKEN, REPEATED)
     felt = way.fit.attitudes(rests.means)
-    off = np.linalg.norm(felt[:, None] - attitudes.attitudes_of(schedule).forces, axis=-1).min(axis=1)
+    off = np.linalg.norm(felt[:, None] - way.fit.forces, axis=-1).min(axis=1)
     off[kept] = way.off
     spread = float(np.sqrt((way.off[way.taken] ** 2).mean()))
     notes = [f"positions: by the labels of the rows, which gravity confirms; mountings {_told(way.numbers)}"]
+    notes += about_inclinations(way.fit)
     present = set(way.positions.tolist())
     missing = [place.label for index, place in enumerate(schedule.positions) if index not in present]
     notes += [f"no rows at {', '.join(missing)}"] if missing else []
@@ -119,13 +131,12 @@ class _Labelled:
     def _held_against_gravity(self, positions: Integers, taken: Flags) -> tuple[Floats, attitudes.Fit]:
         """How far off its position each rest is, rad. Raises Doubtful where labels and gravity disagree."""
         known = attitudes.attitudes_of(self.schedule)
-        forces = known.forces[known.of_position[positions]]
-        fit = attitudes.fitted(forces[taken], self.rests.means[taken])
+        fit = attitudes.fitted(known.of_positions(self.schedule), positions[taken], self.rests.means[taken])
         if fit is None:
             count = len(set(positions[taken].tolist()))
             raise Doubtful(
                 f"{count} position{'s do' if count != 1 else ' does'} not show scale and bias of every channel: give "
-                "the recordings of all mountings together"
+                f"the recordings of {every_part(self.schedule)} together"
             )
         x, y, z = (1 if own >= 0 else -1 for own in np.diag(fit.k))
         if not attitudes.is_view_of(View(signs=self.claims.signs or (x, y, z)), fit.k):
@@ -133,7 +144,7 @@ class _Labelled:
                 "as the rows are labelled, channels feel other axes than their own, or with other signs than told: are "
                 "mountings or positions exchanged, or columns (--columns ux=...)? "
             )
-        off: Floats = np.linalg.norm(fit.attitudes(self.rests.means) - forces, axis=1)
+        off: Floats = np.linalg.norm(fit.attitudes(self.rests.means) - fit.forces[positions], axis=1)
         judged = taken & np.array([number not in self.claims.take for number in self.numbers], dtype=bool)
         worst = int(np.where(judged, off, 0.0).argmax())
         if judged[worst] and off[worst] > min(self.claims.tolerance, 0.4 * known.apart):

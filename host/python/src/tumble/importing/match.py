@@ -10,8 +10,9 @@ at its position; where none is, the recording is refused. So is one with several
 says which to take. Two that differ by no more than noise, with nothing between them, are one rest that was interrupted.
 
 In the schedule's order, rests have positions by the longest way through both that goes forward in both. In any order:
-the mountings one after another with as few changes as can be, and positions of one attitude and mounting told apart by
-the shortest way of the table. A rest that another assignment, as good, would call otherwise is in doubt.
+the mountings one after another with as few changes as can be, those that are alike in the schedule's order, and
+positions of one attitude and mounting told apart by the shortest way of the table. A rest that another assignment, as
+good, would call otherwise is in doubt.
 """
 
 from __future__ import annotations
@@ -122,17 +123,36 @@ def match(rests: Rests, schedule: Schedule, claims: Claims) -> Matched:
     return matcher.judge(matcher.claimed())
 
 
+def every_part(schedule: Schedule) -> str:
+    """What has to be recorded together."""
+    return "all inclinations" if attitudes.inclinations_of(schedule) else "all mountings"
+
+
+def about_inclinations(fit: Fit) -> list[str]:
+    """Where the rests show a block that is bolted on once."""
+    found = fit.inclinations
+    if found is None:
+        return []
+    if fit.unknowns < attitudes.TWELVE + 2 * len(found.numbers) - 1:
+        return ["inclinations: the rests do not show all, so some are taken as the schedule has them"]
+    degrees = np.rad2deg(found.beta)
+    each = ", ".join(f"{number} at {degree:.2f}" for number, degree in zip(found.numbers, degrees))
+    return [f"inclinations, as the rests show them: {each} deg"]
+
+
 class _Matcher:
     """The rests of a recording, what is claimed of them, and the schedule that they are held against.
 
-    `_used` (rests,): not told to be left out; `_attitudes` of the schedule; `_tolerance`: how far off one of them a
-    rest may be, rad; `_rough`: scale and bias of each channel, as the rests alone show them."""
+    `_used` (rests,): not told to be left out; `_attitudes` of the schedule, `_places` of its positions; `_tolerance`:
+    how far off one of them a rest may be, rad; `_rough`: scale and bias of each channel, as the rests alone show
+    them."""
 
     def __init__(self, rests: Rests, schedule: Schedule, claims: Claims):
         """Raises Doubtful where the rests do not show scale and bias."""
         self._rests, self._schedule, self._claims = rests, schedule, claims
         self._used = ~self._is_among(claims.leave_out)
         self._attitudes: Attitudes = attitudes.attitudes_of(schedule)
+        self._places = self._attitudes.of_positions(schedule)
         self._tolerance = min(claims.tolerance, 0.4 * self._attitudes.apart)
         self._signs = POSITIVE if claims.signs is None else claims.signs
         rough = attitudes.scale_and_bias(rests.means[self._used])
@@ -140,8 +160,8 @@ class _Matcher:
             used = int(self._used.sum())
             shown = "1 rest does" if used == 1 else f"{used} rests do"
             raise Doubtful(
-                f"{shown} not show scale and bias of every channel: give the recordings of all mountings together, or "
-                "see whether --still, --drift or --min-rest hide some"
+                f"{shown} not show scale and bias of every channel: give the recordings of {every_part(schedule)} "
+                "together, or see whether --still, --drift or --min-rest hide some"
             )
         self._rough = rough
 
@@ -208,10 +228,6 @@ class _Matcher:
     def _label(self, position: int) -> str:
         return self._schedule.positions[position].label
 
-    def _forces(self, positions: Integers | Iterable[int]) -> Floats:
-        found: Floats = self._attitudes.forces[self._attitudes.of_position[np.asarray(positions, dtype=int)]]
-        return found
-
     def _listed(self, fits: Sequence[_Hypothesis]) -> str:
         told = [
             f"({number}) {self._described(one.seen.view, one.order)} ({self._option(one)})"
@@ -242,8 +258,9 @@ class _Matcher:
         """Every rest of the hypothesis that is taken. Raises Doubtful."""
         excluded: dict[int, int] = {}  # rests that are off, and the position that each would have had
         nearest, assigned = own.seen.nearest.copy(), own.assigned
+        seen = own.seen.fit.at(self._attitudes.of_position)
         while True:
-            fit, variance, freedom = self._refit(assigned.positions, own.seen.fit)
+            fit, variance, freedom = self._refit(assigned.positions, seen)
             far = self._farthest(assigned.positions, fit, variance, freedom)
             if far is None or 3 * len(excluded) >= own.matched:
                 break
@@ -259,10 +276,9 @@ class _Matcher:
     def _refit(self, positions: Integers, otherwise: Fit) -> tuple[Fit, float, int]:
         """K and U0 by the rests that have a position, the variance of what is left (rad^2), its degrees of freedom."""
         used = positions != NONE
-        forces = self._forces(positions[used])
-        fit = attitudes.fitted(forces, self._rests.means[used]) or otherwise
-        freedom = 3 * int(used.sum()) - 12
-        left = fit.attitudes(self._rests.means[used]) - forces
+        fit = attitudes.fitted(self._places, positions[used], self._rests.means[used]) or otherwise
+        freedom = 3 * int(used.sum()) - fit.unknowns
+        left = fit.attitudes(self._rests.means[used]) - fit.forces[positions[used]]
         return fit, float((left**2).sum() / freedom) if freedom > 0 else 0.0, freedom
 
     def _farthest(self, positions: Integers, fit: Fit, variance: float, freedom: int) -> int | None:
@@ -270,9 +286,10 @@ class _Matcher:
         if freedom <= 3:
             return None
         used = np.flatnonzero((positions != NONE) & ~self._is_among(self._claims.take))
-        forces = self._forces(positions[used])
-        left = 1.0 - fit.leverage(forces)
-        squares = ((fit.attitudes(self._rests.means[used]) - forces) ** 2).sum(axis=1) / np.maximum(left, 1e-6)
+        places = positions[used]
+        left = 1.0 - fit.leverage[places]
+        off = fit.attitudes(self._rests.means[used]) - fit.forces[places]
+        squares = (off**2).sum(axis=1) / np.maximum(left, 1e-6)
         others = np.maximum(variance * freedom - squares, 0.0) / (freedom - 3)
         ratios = squares / 3.0 / (others + self._variances(fit)[used] + 1e-18)
         worst = int(np.argmax(np.where(left > 0.05, ratios, 0.0)))
@@ -285,15 +302,16 @@ class _Matcher:
 
     def _finish(self, assigned: Assigned, excluded: dict[int, int], fit: Fit, variance: float, freedom: int) -> Matched:
         felt = fit.attitudes(self._rests.means)
-        distances = np.linalg.norm(felt[:, None] - self._attitudes.forces, axis=-1)
-        off, nearest = distances.min(axis=1), distances.argmin(axis=1)
+        distances = np.linalg.norm(felt[:, None] - fit.forces, axis=-1)
+        off, place = distances.min(axis=1), distances.argmin(axis=1)
+        nearest = self._attitudes.of_position[place]
         states = [
             LEFT_OUT if not used else OFF if rest in excluded else NOWHERE if position == NONE else TAKEN
             for rest, (used, position) in enumerate(zip(self._used, assigned.positions))
         ]
         positions = assigned.positions.copy()
         spare = [rest for rest, state in enumerate(states) if state == NOWHERE and off[rest] <= self._tolerance]
-        allowed = self._allowed(fit, variance, freedom, nearest, spare)
+        allowed = self._allowed(fit, variance, freedom, place, spare)
         for rest in spare:
             twin = self._twin(rest, nearest[rest], positions, states)
             if twin is not None:
@@ -303,17 +321,15 @@ class _Matcher:
             else:
                 states[rest] = OFF
         self._settle_repeats(positions, states, nearest)
-        notes = self._notes(assigned, positions, states)
+        notes = (*self._notes(assigned, positions, states), *about_inclinations(fit))
         return Matched(positions, tuple(states), off, math.sqrt(3 * variance), fit, notes)
 
-    def _allowed(
-        self, fit: Fit, variance: float, freedom: int, nearest: Integers, spare: list[int]
-    ) -> dict[int, float]:
-        """How far off its attitude a rest outside the fit may be that is still at it, rad."""
+    def _allowed(self, fit: Fit, variance: float, freedom: int, place: Integers, spare: list[int]) -> dict[int, float]:
+        """How far off its nearest `place` a rest outside the fit may be that is still at it, rad."""
         if not spare:
             return {}
         factor = f_quantile(1 - _CHANCE_SPARE, 3.0, max(freedom, 1))
-        wider = 1.0 + fit.leverage(self._attitudes.forces[nearest[spare]])
+        wider = 1.0 + fit.leverage[place[spare]]
         noise = self._variances(fit)[spare]
         return dict(zip(spare, np.sqrt(3.0 * factor * (wider * variance + noise)).tolist()))
 
@@ -377,7 +393,7 @@ class _Matcher:
         lost = [(rest, position) for rest, position in excluded.items() if position not in filled]
         if lost:
             rest, position = lost[0]
-            felt = fit.attitudes(self._rests.means[[rest]])[0] - self._forces([position])[0]
+            felt = fit.attitudes(self._rests.means[[rest]])[0] - fit.forces[position]
             many = ",".join(str(rest + 1) for rest, _ in lost)
             raise Doubtful(
                 f"rest {rest + 1} is {1e3 * float(np.linalg.norm(felt)):.3g} mrad off {self._label(position)}, "
@@ -403,6 +419,10 @@ class _Matcher:
         for alike in assigned.alike:
             labels = " and ".join(self._label(position) for position in alike)
             notes.append(f"{labels} are one attitude: told apart by the way of the table, else by time")
+        present = {self._schedule.positions[position].mounting for position in set(positions.tolist()) - {NONE}}
+        for same in alike_mountings(self._attitudes.of_position, self._schedule):
+            if self._claims.order == ANY and present >= {*same}:
+                notes.append(f"{' and '.join(map(str, same))} have the same attitudes: told apart by time")
         missing = sorted(set(range(len(self._schedule.positions))) - set(positions.tolist()))
         if missing:
             notes.append(f"no rest at {', '.join(map(self._label, missing))}")
@@ -417,7 +437,8 @@ class _Matcher:
 # Positions in an order.
 
 _NEARER = 0.25  # part of a match that nearness is worth, so that it never outweighs one
-_MOST_OPEN = 10  # rests whose mounting is open: more are not tried
+_MOST_OPEN = 10  # rests whose mounting is open: of more, only stretches are tried
+_MOST_IN_TURN = 3  # mountings that these may be of
 
 
 def assign(order: str, nearest: Integers, nearness: Floats, of_position: Integers, schedule: Schedule) -> Assigned:
@@ -468,7 +489,7 @@ def _in_any_order(nearest: Integers, of_position: Integers, schedule: Schedule) 
         by_attitude[of_position[index]].setdefault(position.mounting, []).append(index)
     used = [rest for rest, attitude in enumerate(nearest.tolist()) if attitude != NONE]
     open_to = {rest: sorted(by_attitude[int(nearest[rest])]) for rest in used}
-    chosen, doubtful = _mountings(used, open_to, nearest, by_attitude)
+    chosen, doubtful = _mountings(used, open_to, nearest, by_attitude, alike_mountings(of_position, schedule))
     found = np.full(len(nearest), NONE)
     groups: dict[tuple[int, int], list[int]] = {}
     for rest in used:
@@ -485,25 +506,58 @@ def _in_any_order(nearest: Integers, of_position: Integers, schedule: Schedule) 
     return Assigned(found, doubts, tuple(sorted(alike)))
 
 
+def alike_mountings(of_position: Integers, schedule: Schedule) -> list[tuple[int, ...]]:
+    """Mountings of the same attitudes, such as an inclination and the return to it: only time tells them apart."""
+    groups: dict[tuple[int, ...], list[int]] = {}
+    for mounting in schedule.mountings:
+        own = [index for index, place in enumerate(schedule.positions) if place.mounting == mounting.number]
+        groups.setdefault(tuple(sorted(of_position[own].tolist())), []).append(mounting.number)
+    return [tuple(group) for group in groups.values() if len(group) > 1]
+
+
 def _mountings(
-    used: list[int], open_to: dict[int, list[int]], nearest: Integers, by_attitude: list[dict[int, list[int]]]
+    used: list[int],
+    open_to: dict[int, list[int]],
+    nearest: Integers,
+    by_attitude: list[dict[int, list[int]]],
+    alike: list[tuple[int, ...]],
 ) -> tuple[dict[int, int], set[int]]:
     """The mounting of each rest, and the rests for which another would do as well: most positions found, then fewest
     changes of mounting."""
     open_rests = [rest for rest in used if len(open_to[rest]) > 1]
+    choices: Iterable[tuple[int, ...]] = itertools.product(*(open_to[rest] for rest in open_rests))
     if len(open_rests) > _MOST_OPEN:
-        return {rest: open_to[rest][0] for rest in used}, set(open_rests)
+        choices = _one_after_another([open_to[rest] for rest in open_rests], alike)
     ranked = []
-    for choice in itertools.product(*(open_to[rest] for rest in open_rests)):
+    for choice in choices:
         mounting = {rest: open_to[rest][0] for rest in used} | dict(zip(open_rests, choice))
         changes = sum(mounting[one] != mounting[other] for one, other in itertools.pairwise(used))
         counts = Counter((int(nearest[rest]), number) for rest, number in mounting.items())
         found = sum(min(count, len(by_attitude[attitude][number])) for (attitude, number), count in counts.items())
         ranked.append((-found, changes, choice))
+    if not ranked:
+        return {rest: open_to[rest][0] for rest in used}, set(open_rests)
     ranked.sort()
     best = [choice for *rank, choice in ranked if rank == [*ranked[0][:2]]]
     doubtful = {rest for place, rest in enumerate(open_rests) if len({choice[place] for choice in best}) > 1}
     return {rest: open_to[rest][0] for rest in used} | dict(zip(open_rests, best[0])), doubtful
+
+
+def _one_after_another(open_to: list[list[int]], alike: list[tuple[int, ...]]) -> list[tuple[int, ...]]:
+    """Ways through rests that are all open to the same mountings, each of which comes once, those that are `alike` in
+    the schedule's order; none where the rests are open to several, or to too many."""
+    numbers = open_to[0]
+    if len(numbers) > _MOST_IN_TURN or any(other != numbers for other in open_to):
+        return []
+    ways = []
+    for order in itertools.permutations(numbers):
+        for cuts in itertools.combinations_with_replacement(range(len(open_to) + 1), len(order) - 1):
+            lengths = np.diff([0, *cuts, len(open_to)]).tolist()
+            used = [number for number, length in zip(order, lengths) if length]
+            own = [tuple(number for number in used if number in group) for group in alike]
+            if all(some == group[: len(some)] for some, group in zip(own, alike)):
+                ways.append(tuple(np.repeat(order, lengths).tolist()))
+    return list(dict.fromkeys(ways))
 
 
 def _tell_apart(here: list[int], places: list[int], block: list[int], found: Integers, schedule: Schedule) -> None:

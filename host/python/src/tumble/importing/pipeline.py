@@ -222,8 +222,10 @@ def _matched(rests: Rests, schedule: Schedule, settings: Settings) -> Matched:
 
 
 def _other_schedule(rests: Rests, matched: Matched | None, claims: Claims) -> str | None:
-    """Advice, where another built-in schedule is found as a whole, and explains nearly all rests."""
+    """Advice, where another built-in schedule is found as a whole, and explains nearly all rests: of those that are,
+    the one of most positions."""
     explained = max(_EXPLAINED * len(rests), 0 if matched is None else _explained(matched))
+    advice: dict[int, str] = {}
     for name in BUILT_IN:
         if name == DEFAULT_SCHEDULE:
             continue
@@ -237,8 +239,9 @@ def _other_schedule(rests: Rests, matched: Matched | None, claims: Claims) -> st
                 continue
             whole = set(range(len(schedule.positions))) <= set(other.positions.tolist())
             if whole and _explained(other) >= explained:
-                return f"all of {name} have: --schedule {name}" + (" --order any" if order != claims.order else "")
-    return None
+                options = f"--schedule {name}" + (" --order any" if order != claims.order else "")
+                advice.setdefault(len(schedule.positions), f"all of {name} have: {options}")
+    return advice[max(advice)] if advice else None
 
 
 def _explained(matched: Matched) -> int:

@@ -224,6 +224,7 @@ def _after_import(done: Imported, run: str | None, stand: str | None) -> str:
     joins; an option and its value stay together. `run`: that file, None where none was asked for; `stand`: the stand
     file, if any. The program is called as it was: tools/tumble of a checkout says how, by TUMBLE_PROGRAM."""
     from tumble.core import CoreRefusal, CoreSchedule
+    from tumble.model.inclined import layout
 
     if run is None:
         return "\nNext: the same with --out RUN.csv, which writes the run file for tumble solve.\n"
@@ -232,10 +233,19 @@ def _after_import(done: Imported, run: str | None, stand: str | None) -> str:
         words += ["--schedule", done.settings.schedule_name]
     words += [] if stand is None else ["--stand", stand]
     present = set(done.matched.positions.tolist())
-    try:  # can the usual estimator solve the positions that were found?
-        CoreSchedule(done.schedule.part(index in present for index in range(len(done.schedule.positions)))).harmonic()
-    except CoreRefusal:
-        words += ["--estimator", "least_squares"]
+    measured = done.schedule.part(index in present for index in range(len(done.schedule.positions)))
+    if layout(done.schedule) is not None:
+        if layout(measured) is None:
+            return (
+                "\nNext: measure what lacks, or leave out that inclination: the estimator inclined takes"
+                "\ninclinations on both sides of the level, three or more, turned in equal steps.\n"
+            )
+        words += ["--estimator", "inclined"]
+    else:
+        try:  # can the usual estimator solve the positions that were found?
+            CoreSchedule(measured).harmonic()
+        except CoreRefusal:
+            words += ["--estimator", "least_squares"]
     words += ["--out", os.path.join(os.path.dirname(run), "result.json")]  # which apply and report take
     program, verb, run, *chosen = map(shlex.quote, words)
     lines = [f"  {program} {verb}"]
