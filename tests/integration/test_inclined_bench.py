@@ -1,4 +1,4 @@
-"""A block that is bolted on once, on a simulated stand that is inclined: against the numpy geometry, and over the bus."""
+"""A block that is bolted on once, on a simulated stand that is inclined: as the numpy geometry, and over the bus."""
 
 import math
 import subprocess
@@ -10,7 +10,7 @@ from c_compiler import compiled
 
 from tumble import World
 from tumble.model.geometry import Geometry, built_in
-from tumble.model.inclined import as_seen, gains, solve
+from tumble.model.inclined import solve
 from tumble.schedule import Schedule
 
 K = np.array([[-2.02, 0.03, -0.01], [0.02, -1.97, 0.04], [-0.03, 0.01, -2.01]])

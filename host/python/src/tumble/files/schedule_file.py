@@ -68,6 +68,11 @@ def schedule_of(schedule: Any, estimator: str | None = None) -> CoreSchedule:
 def _require_solvable(schedule: CoreSchedule, estimator: str | None, file: str, tells: bool = False) -> None:
     """Raise BadInput for a schedule, called `file`, that lacks what an estimator needs; where it `tells`, positions
     that are not needed are named on stderr."""
+    inclined, of_inclinations = schedule.data.is_inclined, estimator in (INCLINED, OPTIMAL)
+    if inclined and estimator is not None and not of_inclinations:
+        raise BadInput(
+            f"{estimator} takes its inclinations for exact, which nobody measures; inclined finds them", file
+        )
     if estimator in HARMONIC:
         try:
             schedule.harmonic()
@@ -75,11 +80,6 @@ def _require_solvable(schedule: CoreSchedule, estimator: str | None, file: str, 
             raise BadInput(f"lacks positions that {estimator} needs; least_squares solves any schedule", file) from None
         if tells:
             _tell_of_left_out(schedule, estimator, file)
-    inclined, of_inclinations = schedule.data.is_inclined, estimator in (INCLINED, OPTIMAL)
-    if inclined and estimator is not None and not of_inclinations:
-        raise BadInput(
-            f"{estimator} takes its inclinations for exact, which nobody measures; inclined finds them", file
-        )
     if estimator == INCLINED or (inclined and estimator == OPTIMAL):
         try:
             schedule.inclinations()

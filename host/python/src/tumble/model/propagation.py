@@ -79,6 +79,13 @@ class Propagation:
         more than the stand's."""
         return sources(self.schedule, self.k, self.stand.with_step(self.step), self.samples, variance)
 
+    def simulated(self, variance: Floats | None = None) -> dict[str, Draws]:
+        """Those that can be drawn for runs on this schedule. `optimal` is linearised at the inclinations that a run
+        shows, so what moves these is no error of a run at them."""
+        follows = self.estimator == OPTIMAL and self.schedule.is_inclined
+        shown = ("alpha1", "inclination") if follows else ()
+        return {name: one for name, one in self.errors(variance).items() if name not in shown}
+
     def brought(self, variance: Floats | None = None) -> dict[str, Floats]:
         """What one standard deviation of each draw brings to the unknowns: by source, (draws, 12 + 3 x terms)."""
         return brought(by_gains(self.schedule, self.gains), self.errors(variance))
@@ -170,13 +177,9 @@ ManyRuns = Callable[[Floats], Floats]  # from means (runs, positions, 3), all me
 
 
 def second_order(given: Propagation, u: Floats, estimate: ManyRuns) -> SecondOrder:
-    """For an `estimate` as `given`, with claimed standard uncertainties `u` (12,). Where the block is inclined, the
-    schedule has the inclinations of the run: errors of the axis have come out before."""
+    """For an `estimate` as `given`, with claimed standard uncertainties `u` (12,)."""
     schedule, k = given.schedule, given.k
-    followed = ("alpha1", "inclination") if given.estimator == OPTIMAL and schedule.is_inclined else ()
-    errors = {
-        name: one for name, one in given.errors().items() if one.units and one.sigma.any() and name not in followed
-    }
+    errors = {name: one for name, one in given.simulated().items() if one.units and one.sigma.any()}
     count = sum(len(source.sigma) for source in errors.values())
 
     def moved(draws: Floats) -> Floats:

@@ -7,7 +7,9 @@ from functools import cached_property
 
 from tumble.arrays import Floats
 from tumble.documents.plan import Optimize, Promise
+from tumble.errors import UsageError
 from tumble.estimators import COEFFICIENTS, OPTIMAL
+from tumble.model.errors import free
 from tumble.model.estimators import circles, linear_gains
 from tumble.model.optimal import OptimalTable, optimal_table, standard_deviations
 from tumble.model.propagation import SecondOrder, second_order
@@ -46,6 +48,10 @@ class Optimized:
 
 def optimize(case: Case, k: Floats | None = None, serial: str | None = None) -> Optimized:
     """Weights for a block of sensitivity `k` (V/g), the nominal one unless given. Raises UsageError."""
+    if free(case.stand, case.schedule):
+        raise UsageError(
+            "weights for inclinations that a run has yet to show: declare inclination_rad in the stand file"
+        )
     k = case.nominal_k() if k is None else k
     table = optimal_table(case.fitted, k, case.stand, case.step_v)
 

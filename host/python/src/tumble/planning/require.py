@@ -42,6 +42,7 @@ from tumble.documents.plan import (
     Weights,
 )
 from tumble.errors import UsageError
+from tumble.estimators import INCLINED, OPTIMAL
 from tumble.model.estimators import circles
 from tumble.planning import tables, weights
 from tumble.planning.budget import (
@@ -145,7 +146,7 @@ def samples_for(noise_v: float, limit_v: float) -> int:
 def _by_pattern(case: Case, estimator: str, patterns: Floats) -> Floats:
     """Weights (n, 7, sources) of ROWS for choices of the misalignments' signs, `patterns` (n, 3, 3)."""
     schedule, common = case.fitted, case.stand.remounting == COMMON
-    fixed = None if estimator == "optimal" else weights.estimator_gains(case, estimator, case.nominal_k())
+    fixed = None if estimator in (INCLINED, OPTIMAL) else weights.estimator_gains(case, estimator, case.nominal_k())
     found = []
     for pattern in patterns:
         k = case.nominal_k(pattern)

@@ -19,21 +19,23 @@ from tumble import core
 from tumble.arrays import Floats, Integers
 from tumble.documents.plan import Covered, FigureLimits, Figures, Promise, Shares, Validation
 from tumble.errors import UsageError
-from tumble.estimators import COEFFICIENTS, OPTIMAL
+from tumble.estimators import COEFFICIENTS, INCLINED, OPTIMAL
 from tumble.model.coefficients import spread_attitudes
-from tumble.model.errors import OF_OUTPUTS, course, declared, of_stand, sources
+from tumble.model.errors import OF_OUTPUTS, course, declared, free, of_stand, sources
 from tumble.model.estimators import columns_at
-from tumble.model.optimal import samples_in_a_mean, standard_deviations
+from tumble.model.inclined import as_seen
+from tumble.model.optimal import by_table, optimal_covariance, samples_in_a_mean, standard_deviations
 from tumble.planning import tables
 from tumble.planning.case import Case
 from tumble.planning.promise import condition, largest_over_attitudes, norm_forms, promise
 from tumble.planning.weights import estimator_gains
 from tumble.solving import optimal_run
-from tumble.solving.computation import estimator_for
+from tumble.solving.computation import estimator_for, look_at_inclinations
 from tumble.solving.many_runs import Chunk, Sources, chunks, drawn_outputs, stream_of
 from tumble.terms import POWERS, Terms
 from tumble.workers.over import ALONE, Progress, Result, Team, over
 
+_UNDECLARED_RAD = 5e-3
 U0_V = (0.01, -0.02, 0.03)  # of the simulated block: linear estimators do not care
 
 
@@ -47,8 +49,10 @@ def position_means(case: Case, k: Floats, runs: int, rng: np.random.Generator) -
 
 
 def errors_of(case: Case, k: Floats) -> Sources:
-    """What is drawn of a case's stand."""
-    return sources(case.schedule, k, case.stand, np.ones(len(case.schedule.positions), dtype=int))
+    """What is drawn of a case's stand; inclinations that nobody declares err by 5 mrad."""
+    undeclared = free(case.stand, case.schedule)
+    stand = case.stand.with_sigma("inclination", _UNDECLARED_RAD) if undeclared else case.stand
+    return sources(case.schedule, k, stand, np.ones(len(case.schedule.positions), dtype=int))
 
 
 KNOWN = "known"  # optimal weights for the block's true K, as a last known one
@@ -223,6 +227,8 @@ Solver = Callable[[Floats], tuple[Floats, Floats]]
 def _solver(case: Case, estimator: str, k: Floats, table: str) -> Solver:
     """From means (runs, positions, 3) to coefficients, with the sizes of further terms behind, and stated uncertainties
     (runs, 12), by the core."""
+    if estimator == OPTIMAL and case.schedule.is_inclined and (table == RUN or free(case.stand, case.schedule)):
+        return _at_inclinations(case)
     if estimator == OPTIMAL and table == RUN and not case.terms:
         fitted, indices = case.fitted, case.schedule.fit_indices
         samples = samples_in_a_mean(fitted, case.stand, np.ones(len(fitted.positions), dtype=int))
@@ -230,7 +236,7 @@ def _solver(case: Case, estimator: str, k: Floats, table: str) -> Solver:
     estimate, u = estimator_for(case.propagation(estimator, k)), _planned(case, estimator, k)
     if estimator == OPTIMAL:
         return lambda means: (estimate(means), np.broadcast_to(u, (len(means), 12)))
-    state = _stated(case, estimator_gains(case, estimator, k))
+    state = _stated(case, estimator_gains(case, estimator, k), ("alpha1",) if estimator == INCLINED else ())
 
     def solved(means: Floats) -> tuple[Floats, Floats]:
         found = estimate(means)
@@ -239,12 +245,37 @@ def _solver(case: Case, estimator: str, k: Floats, table: str) -> Solver:
     return solved
 
 
-def _stated(case: Case, weights: Floats) -> Callable[[Floats], Floats]:
-    """The uncertainties (runs, 12) that runs state at their own K (runs, 9), for fixed gains.
+def _at_inclinations(case: Case) -> Solver:
+    """`optimal` of runs that each show other inclinations, as solves of their own."""
+    fitted, indices, stand = core.CoreSchedule(case.fitted), case.schedule.fit_indices, case.stand
+    lone = np.ones(len(fitted), dtype=int)
+    weighting, measured = optimal_run.Weighting(stand, lone, case.step_v), lone > 0
+
+    def solved(means: Floats) -> tuple[Floats, Floats]:
+        found, u = [], []
+        for run in means[:, indices]:
+            _, seen = look_at_inclinations(fitted, run, measured, stand.weights)
+            at = core.CoreSchedule(as_seen(fitted.data, seen))
+            table = optimal_run.make_table(at, run, measured, weighting, case.terms)
+            if case.terms:
+                found.append(by_table(table, at.data, stand, case.terms, run[None])[0])
+            else:
+                one = optimal_run.apply_table(table, at, run)
+                found.append(np.concatenate([one.k.ravel(), one.u0]))
+            k = found[-1][:9].reshape(3, 3)
+            u.append(np.sqrt(np.diag(optimal_covariance(at.data, k, stand, lone, case.step_v))[:12]))
+        return np.array(found), np.array(u)
+
+    return solved
+
+
+def _stated(case: Case, weights: Floats, without: tuple[str, ...] = ()) -> Callable[[Floats], Floats]:
+    """The uncertainties (runs, 12) that runs state at their own K (runs, 9), for fixed gains; `without` sources that
+    would bring nothing by the gains at that K.
 
     What an error of the stand brings to a coefficient is linear in K; what noise and drift bring does not depend on it.
     """
-    names = [name for name in declared(case.stand, case.schedule) if name not in OF_OUTPUTS]
+    names = [name for name in declared(case.stand, case.schedule) if name not in (*OF_OUTPUTS, "inclination", *without)]
     by_error = []
     for one in np.eye(9).reshape(9, 3, 3):
         found = of_stand(case.fitted, one, case.stand, names).values()

@@ -141,7 +141,7 @@ def simulate(
 
     Raises UsageError where a run on such a stand cannot be solved.
     """
-    errors, k = given.errors(mean_variance), given.k
+    errors, k = given.simulated(mean_variance), given.k
     pieces = chunks(errors, given.stand.limits, runs, seed)
     found = [one["found"] for one in over(pieces, _Estimates(given, u0, errors), team, progress)]
     value = np.concatenate([k.ravel(), u0])
