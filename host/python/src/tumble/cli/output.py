@@ -347,7 +347,7 @@ def _inclinations(solution: Solution) -> list[str]:
     for index, (number, beta) in enumerate(zip(seen.numbers, np.rad2deg(seen.beta))):
         sure = "" if u is None else f" +- {np.rad2deg(u[index]):.4f}"
         lines.append(
-            f"{'' if lines else 'Inclined:':11} mounting {number:<2} {beta:+9.4f}{sure} deg, set to {set_at[number]:+g}"
+            f"{'' if lines else 'Inclined:':11} mounting {number:<2} {beta:+9.4f}{sure} deg, set to {set_at[number]:g}"
         )
     return lines
 

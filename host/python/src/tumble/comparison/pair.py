@@ -30,7 +30,7 @@ from tumble.schedule import Schedule
 from tumble.solving.coefficients import Coefficients, gravity_of
 from tumble.solving.decision import GRAVITY, UNCERTAINTY, Decision
 from tumble.solving.plausibility import TOLERANCE_C
-from tumble.solving.result import schedule_of, stand_of
+from tumble.solving.result import as_shown, schedule_of, stand_of
 from tumble.stand import SOURCES, PerChannel, Stand, over
 from tumble.terms import POWERS, Terms
 from tumble.units import volts_per
@@ -135,7 +135,7 @@ class Side:
         counted = samples and all(0 < one <= MAX_SAMPLES for one in samples.values())
         if not counted or not samples.keys() <= set(places) or document.estimator not in ESTIMATORS:
             return None
-        part = schedule.part([place in samples for place in places])
+        part = as_shown(schedule, document).part([place in samples for place in places])
         rows = np.array([samples[place] for place in places if place in samples])
         declared = one_stand.stand.without(self.terms).in_unit(document.unit)
         step = over(one_stand.step_v or 0.0, volts_per(document.unit))

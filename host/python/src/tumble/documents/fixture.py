@@ -5,10 +5,10 @@ from __future__ import annotations
 from enum import Enum
 from typing import TYPE_CHECKING, Annotated, Final, Literal, TypeAlias
 
-from msgspec import Meta, field
+from msgspec import UNSET, Meta, UnsetType, field
 
 from tumble.documents.base import Count, Document, Matrix, Size, SizeMatrix, Sizes, Vector, exactly
-from tumble.documents.result import Fit, StandSeen
+from tumble.documents.result import Fit, Inclination, StandSeen
 
 FIXTURE: Final = "tumble.fixture/1"
 
@@ -33,6 +33,7 @@ class RunOnStand(Document):
     """passed: Of the gravity check.
     fit: As fit of tumble.result/1.
     stand_seen: As stand_seen of tumble.result/1, but with uncertainties from the run itself where it has any.
+    inclinations: As inclinations of tumble.result/1.
     """
 
     file: str
@@ -40,6 +41,7 @@ class RunOnStand(Document):
     max_abs_delta_g_g: Size
     fit: Fit | None
     stand_seen: StandSeen
+    inclinations: tuple[Inclination, ...] | UnsetType = UNSET
 
 
 class Judged(Document):

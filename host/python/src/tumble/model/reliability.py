@@ -31,6 +31,7 @@ from tumble.stand import SOURCES, Stand
 from tumble.terms import Terms
 
 _SEEN = 1e-6  # of the effect, left by what explains it: rounding leaves 1e-14, any position that shows it a tenth
+_SHOWN = 1e-2  # of a pattern: what the block's misalignments alone leave of it, as of cubes on inclines, is less
 _COUNTS = 0.1  # of the largest change: less is the block's misalignment and no doubt worth a mark
 _UNIT_SEAT = Stand(0.0, 0.0, 0.0, 0.0, 0.0, 1, "sigma1", seat=1.0, platform=1.0)
 
@@ -56,24 +57,26 @@ def moved_by_a_seat(schedule: Schedule, k: Floats, estimator: str) -> dict[str, 
 
 
 def unseen_patterns(schedule: Schedule, k: Floats, estimator: str) -> dict[str, Flags]:
-    """By name of a pattern of the block that no fit position shows: the elements of K (3, 3) that it moves, where it
-    moves any. `estimator`: one of estimators.LINEAR."""
+    """By name of a pattern of the block that no fit position shows, in one channel or more: the elements of K (3, 3)
+    that it moves, where it moves any. `estimator`: one that needs no stand."""
     fitted, found = schedule.fitted, {}
     inclinations = unit_effect(fitted, "inclination").derivative(k)
     explaining = np.column_stack([design(fitted), inclinations.reshape(len(inclinations), 3 * len(fitted.positions)).T])
     for pattern in (one for one in PATTERNS if one.whose == BLOCK):
-        columns = np.array(list(pattern.columns(Scene(fitted, k))[0].values()))
-        if columns.any() and _is_hidden(columns.reshape(len(columns), -1).T, explaining):
-            moved = np.abs(gains_at(fitted, k, estimator)[:9] @ columns.sum(axis=0).ravel()).reshape(3, 3)
-            if moved.max() > _SEEN * np.abs(columns).max():  # else it is a bias
-                found[pattern.name] = moved > _COUNTS * moved.max()
+        columns = [one.reshape(-1, 1) for one in pattern.columns(Scene(fitted, k))[0].values()]
+        hidden = [one for one in columns if one.any() and _is_hidden(one, explaining, _SHOWN)]
+        moved = np.abs(
+            gains_at(fitted, k, estimator)[:9] @ np.sum(hidden or [np.zeros_like(columns[0])], axis=0)
+        ).reshape(3, 3)
+        if moved.max() > _SEEN * max(np.abs(one).max() for one in columns):  # else it is a bias
+            found[pattern.name] = moved > _COUNTS * moved.max()
     return found
 
 
-def _is_hidden(effect: Floats, explaining: Floats) -> bool:
-    """Whether the columns of an effect lie in the span of others."""
+def _is_hidden(effect: Floats, explaining: Floats, seen: float = _SEEN) -> bool:
+    """Whether the columns of an effect lie in the span of others, but for `seen` of it."""
     left = effect - explaining @ np.linalg.lstsq(explaining, effect, rcond=None)[0]
-    return bool(np.linalg.norm(left, axis=0).max() <= _SEEN * np.linalg.norm(effect))
+    return bool(np.linalg.norm(left, axis=0).max() <= seen * np.linalg.norm(effect))
 
 
 FOUND = 0.9  # share of runs

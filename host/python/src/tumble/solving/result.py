@@ -148,7 +148,7 @@ def document_of(
         coverage=None if solution.coverage is None else coverage_of(solution.coverage),
         verification=_verification(solution),
         stand_seen=stand_seen(solution.stand_seen, volts, solution.channel_noise),
-        **inclinations(solution),
+        **_inclined(solution),
         intrinsic=_of_block(found.intrinsic.scale, found.intrinsic.angles, found.intrinsic.bias),
         si=si_of(found.k, found.u0, solution.covariance, environment, unit),
         u_intrinsic=None if (u := solution.u_intrinsic) is None else _of_block(u.scale, u.angles, u.bias),
@@ -166,18 +166,26 @@ def document_of(
     )
 
 
-def inclinations(solution: Solution) -> dict[str, Any]:
-    """What a run says of them, and of the level of the axis; nothing where the block is not inclined."""
+def inclinations_of(solution: Solution) -> tuple[doc.Inclination, ...] | UnsetType:
+    """What a run says of them, of a block that is inclined."""
     seen, u = solution.inclinations, solution.u_inclinations
     if seen is None:
-        return {}
+        return UNSET
     deg, zeros = np.rad2deg([seen.beta, seen.tau]).tolist()
-    u_rad = [None] * len(deg) if u is None else u.tolist()
-    u_deg = [None if one is None else math.degrees(one) for one in u_rad]
-    told: dict[str, Any] = {"inclinations": tuple(map(doc.Inclination, seen.numbers, deg, u_deg, zeros))}
-    set_at = {one.number: one.tilt_deg for one in solution.schedule.mountings}
-    level = next((index for index, number in enumerate(seen.numbers) if set_at[number] == 0.0), None)
-    return told if level is None else {**told, "level_rad": float(seen.beta[level]), "u_level_rad": u_rad[level]}
+    u_deg = [None] * len(deg) if u is None else np.rad2deg(u).tolist()
+    return tuple(map(doc.Inclination, seen.numbers, deg, u_deg, zeros))
+
+
+def _inclined(solution: Solution) -> dict[str, Any]:
+    """The same, and the level of the axis: the first inclination that was to be level."""
+    told = inclinations_of(solution)
+    if isinstance(told, UnsetType):
+        return {}
+    to_be_level = [one.number for one in solution.schedule.mountings if one.tilt_deg == 0.0]
+    levels = ((math.radians(one.deg), one.u_deg) for one in told if one.mounting in to_be_level)
+    level, u_deg = next(levels, (UNSET, UNSET))
+    u_level = math.radians(u_deg) if isinstance(u_deg, float) else u_deg
+    return {"inclinations": told, "level_rad": level, "u_level_rad": u_level}
 
 
 def as_shown(schedule: Schedule, result: Result) -> Schedule:
