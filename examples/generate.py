@@ -47,7 +47,7 @@ MATRICES = {  # the paper's two mountings, and the third
     2: ((-1, 0, 0), (0, 0, 1), (0, 1, 0)),
     3: ((0, 1, 0), (0, 0, 1), (1, 0, 0)),
 }
-INCLINED = {"tilt": {1: 0.0, 2: 45.0, 3: -45.0}, "off_rad": 5e-3, "zero_rad": 1e-3}  # standard deviations, undeclared
+INCLINED = {"tilt": {1: 0.0, 2: 45.0, 3: -45.0}, "off_rad": 5e-3, "zero_rad": 1e-3}  # deg; standard deviations
 NINE, FOUR = [45.0 * turn for turn in range(9)], [45.0, 135.0, 225.0, 315.0]
 BUILT_IN = {  # mountings, angles in each
     "paper": (2, NINE),
@@ -56,7 +56,7 @@ BUILT_IN = {  # mountings, angles in each
     "inclined": (3, NINE),
 }
 
-UNITS_TOLD = ("diagonal", "three_mountings", "inclined")  # in the header; scripts know the columns of the older runs without
+UNITS_TOLD = ("diagonal", "three_mountings", "inclined")  # in the header; of the older runs scripts know it
 
 
 def load(name: str) -> dict:

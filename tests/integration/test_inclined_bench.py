@@ -1,4 +1,4 @@
-"""A block that is bolted on once, on a simulated stand that is inclined: as the numpy geometry, and over the bus."""
+"""A block that is bolted on once, on a simulated stand that is inclined: against the numpy geometry, and on the bus."""
 
 import math
 import subprocess
@@ -9,16 +9,16 @@ import pytest
 from c_compiler import compiled
 
 from tumble import World
-from tumble.model.geometry import Geometry, built_in
-from tumble.model.inclined import solve
+from tumble.model.geometry import STEP, Geometry, built_in
+from tumble.model.inclined import as_seen, solve
 from tumble.schedule import Schedule
+from tumble.stand import PAPER_STAND
 
 K = np.array([[-2.02, 0.03, -0.01], [0.02, -1.97, 0.04], [-0.03, 0.01, -2.01]])
 U0 = np.array([0.05, -0.08, 0.02])
 NAMES = ("inclined", "inclined_closed")
 QUIET = {"block.noise_v": 0.0, "motion.swing_deg": 0.0, "procedure.gravity_limit_g": 1.0,
-         "procedure.estimator": "least_squares"}  # fmt: skip
-"""One that solves any schedule: what the firmware makes of unknown inclinations does not matter here."""
+         "procedure.estimator": "inclined"}  # fmt: skip
 
 
 def inclined_force(schedule, alpha1, alpha2, alpha3, seat_h, seat_n, beta, tau, delta=0.0):
@@ -153,3 +153,57 @@ def test_a_plain_schedule_tells_no_inclinations_and_has_none():
     plain = World(3).truth
     assert "beta_rad" not in plain and "tau_rad" not in plain
     assert World(3, **{"stand.inclination_rad": 1e-2}).truth == plain
+
+
+# What nobody measures, an order of magnitude larger than it needs to be.
+UNKNOWN = {"stand.inclination_rad": 1e-2, "stand.axis_tilt_rad": 1e-2, "stand.level_rad": 1e-3,
+           "stand.remount_rad": 1e-3, "stand.seat_rad": 1e-3}  # fmt: skip
+
+
+def shown(schedule, means):
+    """All that a run shows: K row by row, U0, the inclinations, and the zeros of the angle but for the first."""
+    k, u0, seen = solve(schedule, means)
+    return np.concatenate([k.reshape(*k.shape[:-2], 9), u0, seen.beta, seen.tau[..., 1:]], axis=-1)
+
+
+def true_of(truth):
+    """The same of its truth, K in the frame of the table at the first inclination: yaw, seat and zero of the angle turn
+    the block against it."""
+    yaw, lean = truth["alpha3_rad"][0], truth["theta_h_rad"][0]
+    zero = truth["alpha2_rad"] + truth["theta_n_rad"][0] + truth["tau_rad"][0]
+    about_v = [[math.cos(yaw), math.sin(yaw), 0.0], [-math.sin(yaw), math.cos(yaw), 0.0], [0.0, 0.0, 1.0]]
+    about_h = [[1.0, 0.0, 0.0], [0.0, math.cos(lean), math.sin(lean)], [0.0, -math.sin(lean), math.cos(lean)]]
+    about_n = [[math.cos(zero), 0.0, math.sin(zero)], [0.0, 1.0, 0.0], [-math.sin(zero), 0.0, math.cos(zero)]]
+    k = np.array(truth["K"]) @ about_v @ about_h @ about_n
+    tau = np.array(truth["tau_rad"])
+    return np.concatenate([k.ravel(), truth["U0"], truth["beta_rad"], tau[1:] - tau[0]])
+
+
+def uncertainties(schedule, means, stand):
+    """Standard uncertainties of what a run shows, by noise and set angles: complex steps of each mean."""
+    k, _, seen = solve(schedule, means)
+    stepped = np.tile(means.astype(complex), (means.size, 1, 1))
+    stepped.reshape(means.size, -1)[np.arange(means.size), np.arange(means.size)] += 1j * STEP
+    gains = np.imag(shown(schedule, stepped)).T.reshape(-1, *means.shape) / STEP
+    turned = Geometry(as_seen(schedule, seen)).force_by(delta=1.0) @ k.T
+    by_noise = (stand.mean_sigma(stand.samples) ** 2 * gains**2).sum(axis=(1, 2))
+    by_angles = ((gains * turned).sum(axis=2) ** 2).sum(axis=1) * stand.sigma("angle") ** 2
+    return np.sqrt(by_noise + by_angles)
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("runs", [40, pytest.param(1000, marks=pytest.mark.full)])
+def test_errors_of_bench_runs_are_as_large_as_noise_and_set_angles_make_them(name, runs):
+    """K, U0, inclinations and zeros, found by the firmware or in numpy: z = error / u is of rms 1, each and all."""
+    schedule, z = built_in(name), []
+    for seed in range(1, runs + 1):
+        world = World(seed, schedule=name, **{"procedure.estimator": "inclined"}, **UNKNOWN).run()
+        document = world.document
+        means = np.array([mean["u_v"] for mean in document["means"]])
+        found = shown(schedule, means)
+        assert (world.state, world.reason) == ("DONE", "NONE")
+        assert np.abs(found[:12] - [*np.ravel(document["K"]), *document["U0"]]).max() < 1e-12 * 2.0
+        z.append((found - true_of(world.truth)) / uncertainties(schedule, means, PAPER_STAND))
+    z = np.array(z)
+    assert np.sqrt((z**2).mean()) == pytest.approx(1.0, abs=0.1 if runs < 100 else 0.05)
+    assert np.abs(np.sqrt((z**2).mean(axis=0)) - 1.0).max() < 3.9 / math.sqrt(2 * runs)

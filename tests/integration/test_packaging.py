@@ -21,7 +21,7 @@ from wheels import build, installed_in
 
 from tumble import __version__, core, data
 from tumble.cli import options
-from tumble.estimators import ESTIMATORS, LINEAR, OPTIMAL
+from tumble.estimators import ESTIMATORS, INCLINED, LINEAR, OPTIMAL
 
 PYTHON = ROOT / "host/python"
 LICENCES = ("LICENSE", "NOTICE")
@@ -69,8 +69,8 @@ def test_the_installed_program_is_what_a_checkout_runs():
 def test_estimators_offered_are_those_of_the_core():
     table = {ffi.string(row.name).decode(): row for row in lib.estimator_rows}
     assert tuple(table) == ESTIMATORS and len(lib.estimator_rows) == lib.TUMBLE_ESTIMATE_COUNT
-    assert tuple(name for name, row in table.items() if row.estimate and row.uncertainty) == LINEAR
-    assert [name for name in table if name not in LINEAR] == [OPTIMAL]
+    assert tuple(name for name, row in table.items() if row.estimate and row.uncertainty) == (*LINEAR, INCLINED)
+    assert [name for name in table if name not in LINEAR] == [OPTIMAL, INCLINED]
 
 
 def test_schemas_and_options_name_the_estimators_of_the_core():

@@ -14,7 +14,7 @@ from test_terminal import on_terminal, without_styles
 
 from tumble import core
 from tumble.core import binding
-from tumble.estimators import COEFFICIENTS, ESTIMATORS
+from tumble.estimators import COEFFICIENTS, LINEAR, OPTIMAL
 from tumble.files.stand_file import read_stand
 from tumble.model import Geometry
 from tumble.model.optimal import optimal_table
@@ -27,6 +27,7 @@ from tumble.solving import optimal_run
 
 pytestmark = pytest.mark.python
 STANDS = ("paper", "angle", "lab")
+LEVEL = (*LINEAR, OPTIMAL)  # of stands that are not inclined
 
 
 def case_of(name, **changes):
@@ -51,7 +52,7 @@ def plan(tumble, *arguments, cwd=EXAMPLES):
 @pytest.mark.parametrize("name", STANDS)
 def test_spread_coverage_and_efficiency_are_as_claimed(name):
     """20,000 runs of each estimator: a spread is then known to 0.5 %."""
-    for estimator, (_, found) in judged(case_of(name), ESTIMATORS, 20_000).items():
+    for estimator, (_, found) in judged(case_of(name), LEVEL, 20_000).items():
         assert found.outside == (), estimator
 
 
@@ -59,7 +60,7 @@ def test_spread_coverage_and_efficiency_are_as_claimed(name):
 @pytest.mark.parametrize("name", STANDS)
 def test_50000_runs_within_two_per_cent(name, fresh_seed):
     """The stated figures, with no more room than they give: all coefficients, all estimators."""
-    for estimator, (_, found) in judged(case_of(name), ESTIMATORS, 50_000, fresh_seed).items():
+    for estimator, (_, found) in judged(case_of(name), LEVEL, 50_000, fresh_seed).items():
         assert np.abs(found.spread_over_u - 1.0).max() <= 0.02, estimator
         assert np.abs(found.bias_over_u).max() <= 0.2, estimator
         assert found.coverage["2"].covered.min() >= 0.945 and found.coverage["2"].covered.max() <= 0.965, estimator
@@ -112,7 +113,7 @@ def test_one_table_serves_blocks_of_any_misalignments(name):
 def test_other_declarations(remounting, limits):
     """A uniform law leaves nothing far out: its k = 2 and 3 may cover more."""
     case = case_of("angle", remounting=remounting, limits=limits)
-    for _, found in judged(case, ESTIMATORS, 4000).values():
+    for _, found in judged(case, LEVEL, 4000).values():
         serious = [line for line in found.outside if limits != "uniform" or "covers" not in line]
         assert serious == []
 
@@ -148,7 +149,7 @@ def test_a_bias_is_found_out(monkeypatch):
     assert found.outside[0].startswith("K_xx bias +0.")
 
 
-@pytest.mark.parametrize("estimator", ESTIMATORS)
+@pytest.mark.parametrize("estimator", LEVEL)
 @pytest.mark.parametrize("name", STANDS)
 def test_what_is_validated_is_what_the_budget_says(name, estimator):
     case = case_of(name)
@@ -190,7 +191,7 @@ def test_a_seed_is_a_campaign(tumble):
     once = plan(tumble, "--runs", "3000", "--seed", "7")
     assert once == plan(tumble, "--runs", "3000", "--seed", "7")
     assert once["estimators"] != plan(tumble, "--runs", "3000", "--seed", "8")["estimators"]
-    assert sorted(once["estimators"]) == sorted(ESTIMATORS) and once["runs"] == 3000
+    assert sorted(once["estimators"]) == sorted(LEVEL) and once["runs"] == 3000
     assert np.shape(once["estimators"]["refined"]["coverage"]["2"]["low"]) == (12,)
 
 

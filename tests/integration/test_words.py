@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 from conftest import EXAMPLES, ROOT
 
+from tumble.schedule import BUILT_IN
+
 pytestmark = pytest.mark.python
 
-NAMES = "nor a built-in schedule: these are paper, three_mountings, diagonal, diagonal_closed, six_faces"
+NAMES = f"nor a built-in schedule: these are {', '.join(BUILT_IN)}"
 TOML, JSON = "TOML, such as a stand or a schedule file", "a result of tumble solve (JSON) is expected"
 WANTED = "TOML is expected, such as a stand or a schedule file"
 

@@ -163,7 +163,7 @@ def solve(
             estimator=estimator,
             limit_g=limit_g,
             confidence=confidence,
-            terms=parse(as_list(model), estimator),
+            terms=parse(as_list(model), DEFAULT_ESTIMATOR if estimator is None else estimator),
         )
         return Result(to_json(found.document), tuple(found.complaints))
 
