@@ -93,6 +93,9 @@ def match(rests: Rests, schedule: Schedule, claims: Claims, named: dict[str, int
     spread = float(np.sqrt((way.off[way.taken] ** 2).mean()))
     notes = [f"positions: by the labels of the rows, which gravity confirms; mountings {_told(way.numbers)}"]
     notes += about_inclinations(way.fit)
+    if way.fit.inclinations is not None and claims.signs is None:  # up and down exchanged look like another sign
+        signs = "".join("+" if own >= 0 else "-" for own in np.diag(way.fit.k))
+        notes.append(f"signs of K in x, y, z: {signs}, if the labels tell up from down; nobody says them (--signs)")
     present = set(way.positions.tolist())
     missing = [place.label for index, place in enumerate(schedule.positions) if index not in present]
     notes += [f"no rows at {', '.join(missing)}"] if missing else []

@@ -20,7 +20,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -182,9 +182,10 @@ class _Matcher:
                 would += f" {self._described(best[0].seen.view, best[0].order)} ({self._option(best[0])})"
             raise Doubtful(f"{claimed}, {found} of {positions} positions are found; {would}")
         if own is None or found < _FEWEST:
+            lacks = "; an inclination that lacks, or" if attitudes.inclinations_of(self._schedule) else ";"
             raise Doubtful(
                 f"of {int(self._used.sum())} rests {'none' if own is None else found} fit the positions of this "
-                "schedule; another one? (--schedule; poses of your own: a schedule file)"
+                f"schedule{lacks} another one? (--schedule; poses of your own: a schedule file)"
             )
         noise = float(np.median(np.linalg.norm(np.linalg.solve(own.seen.fit.k, self._rests.errors.T), axis=0)))  # rad
         rivals = [
@@ -527,9 +528,9 @@ def _mountings(
     open_rests = [rest for rest in used if len(open_to[rest]) > 1]
     choices: Iterable[tuple[int, ...]] = itertools.product(*(open_to[rest] for rest in open_rests))
     if len(open_rests) > _MOST_OPEN:
-        choices = _one_after_another([open_to[rest] for rest in open_rests], alike)
+        choices = _one_after_another([open_to[rest] for rest in open_rests])
     ranked = []
-    for choice in choices:
+    for choice in dict.fromkeys(choice for choice in choices if _in_turn(choice, alike)):
         mounting = {rest: open_to[rest][0] for rest in used} | dict(zip(open_rests, choice))
         changes = sum(mounting[one] != mounting[other] for one, other in itertools.pairwise(used))
         counts = Counter((int(nearest[rest]), number) for rest, number in mounting.items())
@@ -543,21 +544,23 @@ def _mountings(
     return {rest: open_to[rest][0] for rest in used} | dict(zip(open_rests, best[0])), doubtful
 
 
-def _one_after_another(open_to: list[list[int]], alike: list[tuple[int, ...]]) -> list[tuple[int, ...]]:
-    """Ways through rests that are all open to the same mountings, each of which comes once, those that are `alike` in
-    the schedule's order; none where the rests are open to several, or to too many."""
+def _one_after_another(open_to: list[list[int]]) -> Iterator[tuple[int, ...]]:
+    """Ways through rests that are all open to the same mountings, each of which comes once; none where the rests are
+    open to several, or to too many."""
     numbers = open_to[0]
     if len(numbers) > _MOST_IN_TURN or any(other != numbers for other in open_to):
-        return []
-    ways = []
+        return
     for order in itertools.permutations(numbers):
         for cuts in itertools.combinations_with_replacement(range(len(open_to) + 1), len(order) - 1):
-            lengths = np.diff([0, *cuts, len(open_to)]).tolist()
-            used = [number for number, length in zip(order, lengths) if length]
-            own = [tuple(number for number in used if number in group) for group in alike]
-            if all(some == group[: len(some)] for some, group in zip(own, alike)):
-                ways.append(tuple(np.repeat(order, lengths).tolist()))
-    return list(dict.fromkeys(ways))
+            lengths = np.diff([0, *cuts, len(open_to)])
+            yield tuple(np.repeat(order, lengths).tolist())
+
+
+def _in_turn(choice: tuple[int, ...], alike: list[tuple[int, ...]]) -> bool:
+    """Do mountings that are alike come in the schedule's order, the first of them first?"""
+    came = list(dict.fromkeys(choice))
+    own = [tuple(number for number in came if number in group) for group in alike]
+    return all(some == group[: len(some)] for some, group in zip(own, alike))
 
 
 def _tell_apart(here: list[int], places: list[int], block: list[int], found: Integers, schedule: Schedule) -> None:
