@@ -4,12 +4,15 @@ Runs come from the exact geometry: inclinations off by 5 mrad, the axis out of l
 anew at every inclination by 10, the bolting off by 1, all normal and none of it declared.
 """
 
+import json
 from dataclasses import dataclass
 
 import numpy as np
 import pytest
 from blocks import NOMINAL_K, write_run
+from conftest import EXAMPLES, ROOT
 
+import tumble as package
 from tumble import core, model
 from tumble.core.binding import inclined_runs, uncertainties
 from tumble.model.coefficients import worst_norm
@@ -263,3 +266,37 @@ def test_estimators_that_do_not_find_inclinations_are_refused(tmp_path, tumble, 
     file = write_run(tmp_path / "run.csv", planned, Geometry(planned).outputs(NOMINAL_K, U0))
     done = tumble("solve", file, "--schedule", schedule, "--estimator", estimator)
     assert (done.returncode, done.stderr) == (2, f"tumble: {schedule}: {REFUSED[schedule, estimator]}\n")
+
+
+def test_the_picture_of_the_page_is_drawn_from_the_example(tmp_path):
+    """Of its own means: the three inclinations lie on the parabola, and the level is its vertex."""
+    pytest.importorskip("matplotlib")
+    stand = str(EXAMPLES / "inclined_stand.toml")
+    result = package.solve(str(EXAMPLES / "inclined_stand.csv"), stand=stand, schedule="inclined")
+    figure = result.plot(tmp_path / "parabola.svg", kind="inclinations")["inclinations"]
+    assert (tmp_path / "parabola.svg").read_text() == (ROOT / "docs/parabola.svg").read_text()
+    (axes,) = figure.axes
+    curve, level, points, vertex = (line.get_xydata() for line in axes.get_lines())
+    along, across = points.T
+    assert np.interp(along, *curve.T) == pytest.approx(across, rel=1e-3)
+    assert vertex[0] == pytest.approx((level[0, 0], curve[:, 1].max()), rel=1e-4)
+    of_channels = np.linalg.norm(np.array(result.K)[:, [0, 2]])  # what follows the table, at the level
+    assert vertex[0, 1] == pytest.approx(of_channels**2, rel=1e-9)
+
+
+def test_the_example_finds_what_it_was_made_of():
+    truth = json.loads((EXAMPLES / "inclined_stand.truth.json").read_text())
+    stand = str(EXAMPLES / "inclined_stand.toml")
+    for estimator in ("inclined", "optimal"):
+        run = str(EXAMPLES / "inclined_stand.csv")
+        result = package.solve(run, stand=stand, schedule="inclined", estimator=estimator)
+        document = json.loads(result.to_json())
+        found = intrinsic(np.array(document["K"]), np.array(document["U0"]))
+        u = document["u_intrinsic"]
+        u = np.concatenate([u["scale"], list(u["angle_rad"].values()), u["bias_g"]])
+        assert np.abs((found - intrinsic(np.array(truth["K"]), np.array(truth["U0"]))) / u).max() < 3.0
+        seen = document["inclinations"]
+        for one, nominal, off in zip(seen, (0.0, 45.0, -45.0), truth["alpha1_rad"]):
+            assert abs(one["deg"] - nominal - np.rad2deg(off)) < 3.5 * one["u_deg"]
+        assert document["level_rad"] == pytest.approx(np.deg2rad(seen[0]["deg"]), rel=1e-12)
+        assert document["estimator"] == estimator and document["assumes"] == ["linear", "temperature"]

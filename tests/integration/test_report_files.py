@@ -379,7 +379,7 @@ def test_with_its_pictures_a_report_is_one_file_and_always_the_same(tmp_path):
     assert [link for link in report.links if not link.startswith(("data:", "#"))] == []
     assert [url for url in re.findall(r"url\(([^)]*)\)", report.source) if not url.startswith("#")] == []
     assert len(set(report.ids)) == len(report.ids) and report.tags.count("svg") == 8
-    assert [one for one in report.ids if one in kinds()] == list(kinds())
+    assert [one for one in report.ids if one in kinds()] == [one for one in kinds() if one != "inclinations"]
 
 
 @pytest.mark.toolchain

@@ -81,18 +81,42 @@ def layout(schedule: Schedule) -> Layout | None:
     return Layout(numbers, slots, parts, int(tilts.argmax()), int(tilts.argmin()), matrices[0])
 
 
+@dataclass(frozen=True)
+class Parabola:
+    """What becomes of the outputs as the block is inclined, by inclination, weighed: `along` (..., inclinations), how
+    far the part that does not turn with the table has moved since the first; `across` (..., inclinations), the squared
+    amplitude of the part that does. It is p + q along + r along^2 (..., 1 each), the largest at the level."""
+
+    along: Floats
+    across: Floats
+    p: Floats
+    q: Floats
+    r: Floats
+
+    @property
+    def level(self) -> Floats:
+        """`along` of a level axis (..., 1)."""
+        return -self.q / (2.0 * self.r)
+
+    @property
+    def largest(self) -> Floats:
+        """`across` of a level axis (..., 1): all of gravity."""
+        return self.p - self.q**2 / (4.0 * self.r)
+
+
+def parabola(schedule: Schedule, means: Floats, weights: Floats = EQUAL) -> Parabola:
+    """Of means (..., positions, 3) of all positions, as `solve` takes them. Raises UsageError, NotShown."""
+    of = _layout(schedule)
+    return _parabola(of, *_parts(of, means), weights)
+
+
 def solve(schedule: Schedule, means: Floats, weights: Floats = EQUAL) -> tuple[Floats, Floats, Inclinations]:
     """K (..., 3, 3) and U0 (..., 3) from means (..., positions, 3) of all positions, real or complex; K in the frame of
     the table at the first inclination. `weights` of the channels, best in proportion to 1 / noise. Raises UsageError
     for a schedule of another kind, NotShown."""
-    of = layout(schedule)
-    if of is None:
-        raise UsageError("inclined: the schedule has no three inclinations of one bolting on both sides of the level")
-    waves = np.stack(
-        [np.einsum("hp,...pi->...hi", parts, means[..., own, :]) for parts, own in zip(of.parts, of.slots)], -3
-    )
-    s, c, b = waves[..., 0, :], waves[..., 1, :], waves[..., 2, :]  # (..., inclinations, 3)
-    beta = _inclinations(of, s, c, b, weights)
+    of = _layout(schedule)
+    s, c, b = _parts(of, means)
+    beta = _inclinations(of, _parabola(of, s, c, b, weights))
     x = np.sin(beta)
     line = x - x.mean(axis=-1, keepdims=True)
     k_n = (line[..., None] * b).sum(axis=-2) / (line**2).sum(axis=-1)[..., None]
@@ -105,19 +129,38 @@ def solve(schedule: Schedule, means: Floats, weights: Floats = EQUAL) -> tuple[F
     return k, u0, Inclinations(of.numbers, beta, tau)
 
 
-def _inclinations(of: Layout, s: Floats, c: Floats, b: Floats, weights: Floats) -> Floats:
-    """beta (..., inclinations) from the parts of the outputs (..., inclinations, 3)."""
+def _layout(schedule: Schedule) -> Layout:
+    of = layout(schedule)
+    if of is None:
+        raise UsageError("inclined: the schedule has no three inclinations of one bolting on both sides of the level")
+    return of
+
+
+def _parts(of: Layout, means: Floats) -> tuple[Floats, Floats, Floats]:
+    """Of the outputs by inclination what follows the sine of the table angle, its cosine, and neither: each
+    (..., inclinations, 3)."""
+    waves = [np.einsum("hp,...pi->...hi", part, means[..., own, :]) for part, own in zip(of.parts, of.slots)]
+    s, c, b = np.moveaxis(np.stack(waves, -3), -2, 0)
+    return s, c, b
+
+
+def _parabola(of: Layout, s: Floats, c: Floats, b: Floats, weights: Floats) -> Parabola:
     apart = weights * (b[..., of.highest, :] - b[..., of.lowest, :])
     along = apart / np.sqrt((apart**2).sum(axis=-1))[..., None]
     t = ((weights * (b - b[..., :1, :])) * along[..., None, :]).sum(axis=-1)
     square = ((weights * s) ** 2 + (weights * c) ** 2).sum(axis=-1)
     powers = np.stack([np.ones_like(t), t, t**2], axis=-1)
     turned = np.swapaxes(powers, -1, -2)
-    p, q, r = np.moveaxis(np.linalg.solve(turned @ powers, turned @ square[..., None])[..., 0], -1, 0)
-    vertex = p - q**2 / (4.0 * r)
-    if not ((np.real(r) < 0.0) & (np.real(vertex) > 0.0)).all():
+    p, q, r = np.moveaxis(np.linalg.solve(turned @ powers, turned @ square[..., None])[..., 0], -1, 0)[..., None]
+    found = Parabola(t, square, p, q, r)
+    if not ((np.real(r) < 0.0) & (np.real(found.largest) > 0.0)).all():
         raise NotShown("its outputs do not change as those of an inclined axis: inclinations alike?")
-    x = np.sqrt(-r / vertex)[..., None] * (t + (q / (2.0 * r))[..., None])
+    return found
+
+
+def _inclinations(of: Layout, found: Parabola) -> Floats:
+    """beta (..., inclinations)."""
+    x = np.sqrt(-found.r / found.largest) * (found.along - found.level)
     if not (np.abs(np.real(x)) < 1.0).all():
         raise NotShown("its outputs change more than gravity can: inclinations alike?")
     if not ((np.real(x[..., of.highest]) > 0.0) & (np.real(x[..., of.lowest]) < 0.0)).all():

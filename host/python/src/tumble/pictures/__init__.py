@@ -11,7 +11,7 @@ They are as wide as the text of a page of A4, and may be read without colours. m
 
 gallery      which pictures there are of a result, and what each needs
 canvas       matplotlib, sizes, colours, files; the page of a drawing
-result       by position, by sample, the stand as it is seen
+result       by position, by sample, the stand and its inclinations as they are seen
 uncertainty  budget, correlation, attitude
 recording    what is imported
 histograms   of a simulated campaign

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
+from msgspec import UNSET
+
 from tumble.core import CoreSchedule
 from tumble.documents.result import Result
 from tumble.errors import UsageError, quoted
@@ -30,6 +32,9 @@ CAPTIONS = {
     "budget": "Where the uncertainty of each coefficient comes from: the shares of the stand's sources of error in its"
     " variance.",
     "stand_seen": f"{_SEEN}, beside what is declared of the stand.",
+    "inclinations": "How the outputs say where level is: at each inclination of the stand, of the part that turns with"
+    " the table how much is left across the axis, over how far the part that does not turn has moved. The parabola"
+    " through them is highest at the level axis, which nobody has to find by hand.",
     "correlation": "How the errors of the twelve coefficients go together: +1 is as one, -1 is against each other, 0 is"
     " not at all.",
     "attitude": "The standard uncertainty of the length of the specific force that the calibrated block shows, over all"
@@ -50,6 +55,11 @@ _NEEDS: dict[str, tuple[Callable[[Facts], Figure], Callable[[Facts], bool], str]
         result.stand_seen,
         lambda facts: len(result.rows(facts)) > 1,  # of one number a table says as much
         "a run that shows angles of its stand",
+    ),
+    "inclinations": (
+        result.inclinations,
+        lambda facts: facts.schedule is not None and facts.result.inclinations is not UNSET,
+        "a run of a block that was inclined as it was bolted on",
     ),
     "correlation": (uncertainty.correlation, lambda facts: facts.result.covariance is not None, _A_STAND),
     "attitude": (uncertainty.attitude, lambda facts: facts.result.u_norm_g is not None, _A_STAND),

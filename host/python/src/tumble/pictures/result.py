@@ -8,12 +8,14 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
+from msgspec import UnsetType
 
 from tumble.arrays import Floats, Integers
 from tumble.documents.result import Result, StandSeen
 from tumble.errors import UsageError
 from tumble.fixture.judge import Limits
 from tumble.model.fit import SYSTEMATIC
+from tumble.model.inclined import parabola
 from tumble.model.stand_seen import NAMES
 from tumble.pictures import canvas
 from tumble.pictures.canvas import BLACK, BLUE, GREY, MICRO, PALE, VERMILLION, picture
@@ -266,3 +268,31 @@ def _draw(axes: Axes, row: Row) -> None:
     axes.set_yticks([])
     axes.spines["left"].set_visible(False)
     axes.set_title(f"{row.title} / {row.unit}", fontsize="medium")
+
+
+@picture
+def inclinations(facts: Facts) -> Figure:
+    """The parabola of docs/never-remounted.md, of a run's own means: of each inclination the squared amplitude of the
+    part of the outputs that turns with the table, over how far the other part has moved since the first."""
+    schedule, told = facts.schedule, facts.result.inclinations
+    assert schedule is not None and not isinstance(told, UnsetType)  # as the caller has seen to
+    weights = np.ones(3) if facts.stand is None else facts.stand.weights
+    found = parabola(schedule, np.array([one.mean for one in facts.result.means]), weights)
+    level, largest = float(found.level[0]), float(found.largest[0])
+    figure = canvas.blank("inclinations", 90.0, "Inclinations, and the level axis")
+    axes = figure.subplots()
+    margin = 0.12 * float(np.ptp(found.along))
+    along = np.linspace(float(found.along.min()) - margin, float(found.along.max()) + margin, 200)
+    axes.plot(along, found.p + found.q * along + found.r * along**2, color=GREY, label="parabola through them")
+    axes.axvline(level, color=BLACK, linestyle="--", label="level")
+    axes.plot(found.along, found.across, "o", color=BLUE, label="inclinations")
+    axes.plot([level], [largest], "*", color=VERMILLION, markersize=11, label="all of gravity across the axis")
+    for one, x, y in zip(told, found.along, found.across):
+        inwards, side = (-8, "right") if x > level + 0.1 * float(np.ptp(found.along)) else (8, "left")
+        name = f"{one.deg:+.2f}°".replace("-", canvas.MINUS)
+        axes.annotate(name, (x, y), (inwards, -12), textcoords="offset points", ha=side)
+    axes.set_ylim(0.0, 1.12 * largest)
+    axes.set_xlabel(f"part of the outputs that does not turn, since the first inclination / {facts.unit}")
+    axes.set_ylabel(f"turning part, squared / {facts.unit}²")
+    canvas.legend_above(axes, 4)
+    return figure
