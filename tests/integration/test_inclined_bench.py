@@ -11,8 +11,8 @@ from c_compiler import compiled
 from tumble import World
 from tumble.model.geometry import STEP, Geometry, built_in
 from tumble.model.inclined import as_seen, solve
-from tumble.stand import PAPER_STAND
 from tumble.schedule import Schedule
+from tumble.stand import PAPER_STAND
 
 K = np.array([[-2.02, 0.03, -0.01], [0.02, -1.97, 0.04], [-0.03, 0.01, -2.01]])
 U0 = np.array([0.05, -0.08, 0.02])
