@@ -18,7 +18,7 @@ from tumble.files.schedule_file import to_toml
 pytestmark = pytest.mark.python
 
 LINES = re.findall(r"^\$ tools/tumble (draw .*)$", (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8"), re.MULTILINE)
-SUBJECTS = ("stand", "mountings", "angles", "states", "wiring")
+SUBJECTS = ("stand", "mountings", "inclinations", "angles", "states", "wiring")
 
 
 @pytest.mark.parametrize("line", LINES)
@@ -65,11 +65,13 @@ def test_pictures_that_pages_show_are_committed():
 
 @pytest.mark.parametrize("subject", SUBJECTS)
 def test_standard_output_and_file_hold_the_same(subject, tumble, tmp_path):
-    printed, written = tumble("draw", subject), tumble("draw", subject, "--out", tmp_path / "picture.svg")
+    words = ("draw", subject, *(("--schedule", "inclined") if subject == "inclinations" else ()))
+    printed, written = tumble(*words), tumble(*words, "--out", tmp_path / "picture.svg")
     assert (printed.returncode, printed.stderr) == (written.returncode, written.stderr) == (0, "")
     assert written.stdout == "" and (tmp_path / "picture.svg").read_text() == printed.stdout
-    arguments = {"states": (), "wiring": (), "angles": (SCHEDULES["paper"], 1)}.get(subject, (SCHEDULES["paper"],))
-    assert printed.stdout == pictures.svg(getattr(pictures, subject)(*arguments))
+    arguments = {"states": (), "wiring": (), "angles": (SCHEDULES["paper"], 1),
+                 "inclinations": (SCHEDULES["inclined"],)}  # fmt: skip
+    assert printed.stdout == pictures.svg(getattr(pictures, subject)(*arguments.get(subject, (SCHEDULES["paper"],))))
 
 
 @pytest.mark.parametrize("name", ["three_mountings", "diagonal", "six_faces"])

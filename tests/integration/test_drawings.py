@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from conftest import ROOT
-from drawn_schedules import SCHEDULES, rotations
+from drawn_schedules import SCHEDULES, rotations, turned_somehow
 from matplotlib import colors
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
@@ -28,6 +28,11 @@ AWAY = np.array([0.6, 0.4])  # where a unit away from the eye goes in the obliqu
 PAPER, DIAL = "#eef1f4", 2.1
 PAGES = [("states",), ("wiring",)]
 PAGES += [(subject, name) for subject in ("stand", "mountings") for name in SCHEDULES]
+STEEP = tuple(Mounting(number, turned_somehow(2), tilt_deg, 9)
+              for number, tilt_deg in ((5, 80.0), (6, -80.0), (77, 12.5), (200, -0.5), (255, 0.0)))  # fmt: skip
+SCHEDULES = {**SCHEDULES, "steep": Schedule(STEEP, tuple(Position(one.number, 1, 30.0) for one in STEEP))}
+INCLINED = ("inclined", "inclined_closed", "steep")
+PAGES += [("inclinations", name) for name in INCLINED]
 PAGES += [("angles", name, SCHEDULES[name].mountings[index].number) for name in SCHEDULES for index in (0, -1)]
 
 
@@ -119,6 +124,36 @@ def test_no_text_runs_into_another_or_off_the_page(page):
             if other[0] >= one[2]:
                 break
             assert not (one[1] < other[3] and other[1] < one[3]), (one, other)
+
+
+# Inclinations.
+
+
+@pytest.mark.parametrize("name", INCLINED)
+def test_the_stand_is_drawn_inclined_as_the_schedule_has_it(name):
+    """Seen from the right: what points away is drawn to the right, what points up upwards, what points at you a dot."""
+    figure, text = draw("inclinations", name), said(draw("inclinations", name))
+    for one in SCHEDULES[name].mountings:
+        tilt = np.deg2rad(one.tilt_deg)
+        axis, across = np.array([np.cos(tilt), np.sin(tilt)]), np.array([-np.sin(tilt), np.cos(tilt)])
+        for letter, (_, n, v) in zip("xyz", one.matrix):
+            arrows = labelled(figure, "texts", f"mounting {one.number}: {letter}")
+            assert len(arrows) == (np.hypot(n, v) > 0.15)
+            for arrow in arrows:
+                assert arrow.xy == pytest.approx(1.5 * (n * axis + v * across), abs=1e-9)
+        arcs = labelled(figure, "texts", f"inclination {one.number}")
+        assert len(arcs) == (one.tilt_deg != 0.0) and all(arc.xy == pytest.approx(2.7 * axis) for arc in arcs)
+        assert (f"{one.tilt_deg:+g}°" if one.tilt_deg else " 0°") in text and f"mounting {one.number} " in text
+    assert text.count("far end raised") == sum(one.tilt_deg > 0.0 for one in SCHEDULES[name].mountings)
+    assert text.count("near end raised") == sum(one.tilt_deg < 0.0 for one in SCHEDULES[name].mountings)
+
+
+def test_mountings_of_boltings_of_their_own_are_no_inclinations():
+    mountings = [Mounting(number, STEEP[0].matrix, 10.0, number) for number in (1, 2)]
+    alone = Schedule(tuple(mountings), tuple(Position(one.number, 1, 0.0) for one in mountings))
+    for schedule in (alone, SCHEDULES["paper"]):
+        with pytest.raises(UsageError, match=r"^no mountings of this schedule share a bolting"):
+            pictures.inclinations(schedule)
 
 
 # Mountings.

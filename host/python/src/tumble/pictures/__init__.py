@@ -3,7 +3,7 @@
 figures      all that a result has what it takes for, by name; kinds: these names
 CAPTIONS     a sentence or two for each; caption: for that of a document
 comparison   two calibrations of one block
-stand, mountings, angles    what one does with one's hands, by a schedule
+stand, mountings, angles, inclinations    what one does with one's hands, by a schedule
 states, wiring              the run and the bus, by the firmware's own tables
 svg          a picture as an element of a page of HTML, or a file of its own; written: as .png, .svg or .pdf
 
@@ -15,14 +15,14 @@ result       by position, by sample, the stand and its inclinations as they are 
 uncertainty  budget, correlation, attitude
 recording    what is imported
 histograms   of a simulated campaign
-drawings     stand, mountings, angles
+drawings     stand, mountings, angles, inclinations
 diagrams     states, wiring
 """
 
 from tumble.pictures.canvas import require, require_format, svg, written
 from tumble.pictures.comparison import comparison
 from tumble.pictures.diagrams import states, wiring
-from tumble.pictures.drawings import angles, mountings, stand
+from tumble.pictures.drawings import angles, inclinations, mountings, stand
 from tumble.pictures.gallery import CAPTIONS, caption, figures, kinds
 
 __all__ = [
@@ -31,6 +31,7 @@ __all__ = [
     "caption",
     "comparison",
     "figures",
+    "inclinations",
     "kinds",
     "mountings",
     "require",

@@ -1,7 +1,9 @@
-"""What one does with one's hands: the stand, how the block sits in each mounting, the angles of a mounting.
+"""What one does with one's hands: the stand, how the block sits in each mounting, how the stand is inclined for it, the
+angles of a mounting.
 
-Every line follows from the schedule's matrices and angles (tumble.poses). Two projections: an oblique one that leaves
-the front as it is, where what is away goes up to the right, at a fixed part of its length; and the view from the front.
+Every line follows from the schedule's matrices and angles (tumble.poses). Three projections: an oblique one that leaves
+the front as it is, where what is away goes up to the right, at a fixed part of its length; and the views from the front
+and from the right.
 """
 
 from __future__ import annotations
@@ -47,6 +49,7 @@ if TYPE_CHECKING:
 
 OBLIQUE = ((1.0, 0.6, 0.0), (0.0, 0.4, 1.0))  # right and up on the page, of one unit to the right, away and up
 FRONT = ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+SIDE = ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 HALF = 0.42  # of the block's edge
 REACH = 1.5  # of the arrows of its axes, from its centre
 DIAL = 2.1  # radius of the circle of angles, seen from the front
@@ -57,10 +60,16 @@ _PLATES = (PLATE, PLATE_SIDE, PLATE_SIDE)
 _STEEL = (PLATE, PLATE_SIDE, "#b9c2cc")
 _LIGHT = np.array([0.25, -0.45, 0.86])  # where it comes from
 _SEEN = 1e-9
+_SIDE_MM, _TURNED = 7.0, 2.7  # from the right: size of a unit; radius of the arc of an inclination
 _LABEL = {"ha": "center", "va": "center_baseline", "fontsize": LARGE_PT, "fontweight": "bold"}
 _PLACARD = {"boxstyle": "circle,pad=0", "facecolor": "white", "edgecolor": "none"}  # no line runs through it
 _TITLE: dict[str, Any] = {"ha": "center", "fontweight": "bold"}
 _DISC, _THICK, _RADIUS, _FLOOR = 0.85, 0.14, 1.3, -2.0  # the table: face, thickness, size; the floor of the room
+_BASE, _STAND, _DRIVE = (
+    ([-1.1, 0.4, _FLOOR - 0.12], [1.1, 2.7, _FLOOR]),
+    ([-0.35, 1.5, _FLOOR], [0.35, 2.3, -0.6]),
+    ([-0.6, 1.3, -0.6], [0.6, 2.5, 0.6]),
+)
 
 
 @picture
@@ -101,11 +110,7 @@ def stand(schedule: Schedule) -> Figure:
 
 def _whole_stand(room: View) -> None:
     """Back to front: base, drive, table, block; then the frame, what turns, and the names of the parts."""
-    for low, high in (
-        ([-1.1, 0.4, _FLOOR - 0.12], [1.1, 2.7, _FLOOR]),
-        ([-0.35, 1.5, _FLOOR], [0.35, 2.3, -0.6]),
-        ([-0.6, 1.3, -0.6], [0.6, 2.5, 0.6]),
-    ):
+    for low, high in (_BASE, _STAND, _DRIVE):
         room.box(np.eye(3), low, high, _STEEL)
     room.table()
     room.block(np.eye(3), HALF)
@@ -183,6 +188,83 @@ def _frame(room: View) -> None:
 
 
 @picture
+def inclinations(schedule: Schedule) -> Figure:
+    """From the right, the stand as it is inclined for each mounting that shares its bolting with others. Raises
+    UsageError where the schedule has none."""
+    boltings = [one.bolting for one in schedule.mountings]
+    bolted = [one for one in schedule.mountings if one.bolting is not None and boltings.count(one.bolting) > 1]
+    if not bolted:
+        raise UsageError("no mountings of this schedule share a bolting, as those of inclined do")
+    told = [f"Mounting {one.number}: {poses.tilt(one) or 'axis level'}." for one in bolted]
+    about = "Seen from the right, with the table at angle 0: the block is at the left, on the near end of the axis."
+    heading = "How the stand is inclined, the block bolted on once"
+    page = sheet("inclinations", heading, " ".join([about, *told]), heading)
+    paragraph(
+        page, MARGIN, 12.5, f"{about} Each angle is set about so and locked: nobody measures it.", 162.0, color=SOFT
+    )
+    columns = min(3, len(bolted))
+    width = (WIDTH_MM - 2 * MARGIN) / columns
+    floor = 12.0
+    for index, one in enumerate(bolted):
+        if index % columns == 0:
+            row = bolted[index : index + columns]
+            floor += _SIDE_MM * max(_top(other) - _bottom(other) for other in row) + 9.0
+        middle = MARGIN + (index % columns + 0.5) * width
+        page.plot([middle - 0.46 * width, middle + 0.46 * width], [floor, floor], color=SOFT, linewidth=0.85)
+        _inclined(View(page, SIDE, (middle - 0.8 * _SIDE_MM, floor + _bottom(one) * _SIDE_MM), _SIDE_MM), one)
+        page.text(middle, floor + 5.0, f"mounting {one.number}", fontsize=LARGE_PT, **_TITLE)
+        raised = "far end raised" if one.tilt_deg > 0.0 else "near end raised" if one.tilt_deg else "axis level"
+        page.text(middle, floor + 5.0 + LINE, raised, ha="center")
+        floor += 5.0 + 2 * LINE if index % columns == columns - 1 else 0.0
+    below = floor if len(bolted) % columns == 0 else floor + 5.0 + 2 * LINE
+    return cut(page, below)
+
+
+def _corners(mounting: Mounting) -> Floats:
+    """Of base and drive of the stand that is inclined for a mounting: (corners, 3)."""
+    sides = [[low, high] for low, high in (_BASE, _DRIVE)]
+    places = [[x[0], y[1], z[2]] for ends in sides for x in ends for y in ends for z in ends]
+    corners: Floats = np.array([*places, [0.0, _DISC, _RADIUS]]) @ poses.table(0.0, mounting.tilt_deg)
+    return corners
+
+
+def _bottom(mounting: Mounting) -> float:
+    """Where the floor is: below the stand, and below the block on its near end."""
+    return min(-REACH - 0.5, float(_corners(mounting)[:, poses.UP].min()))
+
+
+def _top(mounting: Mounting) -> float:
+    return max(REACH + 0.4, float(_corners(mounting)[:, poses.UP].max()))
+
+
+def _inclined(room: View, mounting: Mounting) -> None:
+    """The stand on its wedge, the block on its table, and the angle of the axis, with its sign."""
+    frame, tilt_deg = poses.table(0.0, mounting.tilt_deg), mounting.tilt_deg
+    low, high = np.array(_BASE[0]), np.array(_BASE[1])
+    under = np.array([[0.0, low[1], low[2]], [0.0, high[1], low[2]]]) @ frame
+    feet = under.copy()
+    feet[:, poses.UP] = _bottom(mounting)
+    room.face([*under, *feet[::-1]], PLATE, SOFT)  # the wedge
+    for part in (_BASE, _STAND, _DRIVE, ([-_RADIUS, _DISC, -_RADIUS], [_RADIUS, _DISC + _THICK, _RADIUS])):
+        room.box(frame, *part, _STEEL)
+    pose = poses.pose(mounting, 0.0)
+    below = HALF * float(np.abs(np.array(mounting.matrix)[:, 2]).sum())
+    room.box(frame, [-0.8, -HALF, -below - 0.1], [0.8, _DISC, -below], _PLATES)
+    room.box(pose, [-HALF] * 3, [HALF] * 3)
+    room.line([[0.0, 0.0, 0.0], [0.0, _TURNED + 0.4, 0.0]], SOFT, 0.7, (0.0, (2.6, 2.0)))
+    room.line(np.array([[0.0, -1.3, 0.0], [0.0, _TURNED + 0.4, 0.0]]) @ frame, SOFT, 0.85, (0.0, (10.0, 2.7, 2.0, 2.7)))
+    turned = np.deg2rad(np.linspace(0.0, tilt_deg, 16))
+    if tilt_deg:
+        curve = np.stack([0.0 * turned, np.cos(turned), np.sin(turned)], axis=1)
+        arrow(room.axes, room.at(_TURNED * curve), BLACK, 1.3, label=f"inclination {mounting.number}")
+    half = np.deg2rad(0.5 * tilt_deg)
+    place = (_TURNED + 0.75) * np.array([0.0, np.cos(half), np.sin(half)])
+    said = f"{tilt_deg:+g}°" if tilt_deg else "0°"
+    room.axes.text(*room.at(place), said, ha="center", va="center", fontweight="bold")
+    room.arrows(pose, "xyz", label=f"mounting {mounting.number}: ")
+
+
+@picture
 def angles(schedule: Schedule, mounting: int) -> Figure:
     """Round the axis, where the table stands at each position of the mounting of that number; and round the block,
     where gravity points. Raises UsageError where the schedule has no such mounting."""
@@ -250,8 +332,7 @@ class View:
         self.axes: Any = axes_over(whole, ((0.0 - x) / mm, (WIDTH_MM - x) / mm), ((y - TALLEST) / mm, y / mm))
         self._projection, self._mm, self._y = np.array(projection), mm, origin[1]
         across, up = self._projection
-        lost = np.cross(across, up)
-        self._eye: Floats = lost if lost[poses.AWAY] < 0.0 else -lost  # towards it: what the projection loses
+        self._eye: Floats = np.cross(across, up)  # towards it: what the projection loses
 
     def at(self, places: Any) -> Floats:
         """Places (..., 3) on the axes: (..., 2)."""

@@ -13,11 +13,12 @@ _LARGEST_NUMBER = 255
 _SUBJECTS = {
     "stand": "the stand: axis, table, gravity, where its angle begins and how it counts",
     "mountings": "how the block sits on the table in each mounting",
+    "inclinations": "how the stand is inclined for a block that is bolted on once",
     "angles": "the table angles of a mounting's positions, and gravity on the block's axes",
     "states": "the states of a run, and what leads from one to another",
     "wiring": "the bus: nodes, identifiers, terminators",
 }
-_OF_A_SCHEDULE = ("stand", "mountings", "angles")
+_OF_A_SCHEDULE = ("stand", "mountings", "inclinations", "angles")
 
 
 def describe(parser: argparse.ArgumentParser) -> None:
@@ -67,4 +68,5 @@ def _drawn(arguments: argparse.Namespace) -> str:
     schedule = read_schedule(arguments.schedule or "paper").data
     if arguments.subject == "angles":
         return pictures.svg(pictures.angles(schedule, schedule.mountings[0].number if number is None else number))
-    return pictures.svg(pictures.stand(schedule) if arguments.subject == "stand" else pictures.mountings(schedule))
+    of_schedule = {"stand": pictures.stand, "mountings": pictures.mountings, "inclinations": pictures.inclinations}
+    return pictures.svg(of_schedule[arguments.subject](schedule))
