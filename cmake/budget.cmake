@@ -2,6 +2,8 @@ find_package(Python3 REQUIRED COMPONENTS Interpreter)
 
 # The parts that are measured, by their sources, which tumble::core and tumble::navcomp hold among others.
 set(part_optimal core/crc32.c core/gain_record.c core/optimal.c core/turn.c)
+set(part_inclined core/inclined.c)
+set(part_inclined_uncertainty core/uncertainty_inclined.c)
 set(part_whole_model core/whole_model.c core/whole_place.c core/whole_run.c)
 set(part_uncertainty core/uncertainty.c core/stand_record.c)
 set(part_worst_norm core/worst_norm.c)
@@ -10,14 +12,16 @@ set(part_blocks core/blocks.c)
 set(part_noise core/noise.c)
 set(part_chi_squared core/chi_squared.c)
 set(part_stand_seen core/stand_fit.c core/stand_seen.c)
-set(part_schedules core/schedule_three_mountings.c core/schedule_diagonal.c core/schedule_six_faces.c)
+set(part_schedules core/schedule_three_mountings.c core/schedule_diagonal.c core/schedule_six_faces.c
+  core/schedule_inclined.c)
 set(part_navcomp_uncertainty navcomp/uncertainty.c navcomp/noise.c)
 foreach(room core sets sample canopen stand procedure navcomp)
   set(folder ${PROJECT_SOURCE_DIR}/firmware)
   file(GLOB part_${room} CONFIGURE_DEPENDS RELATIVE ${folder} ${folder}/${room}/*.c ${folder}/${room}/*/*.c)
 endforeach()
-list(REMOVE_ITEM part_core ${part_optimal} ${part_uncertainty} ${part_worst_norm} ${part_misfit} ${part_stand_seen} ${part_schedules}
-  ${part_whole_model} ${part_blocks} ${part_noise} ${part_chi_squared} core/optimal_uncertainty.c)
+list(REMOVE_ITEM part_core ${part_optimal} ${part_inclined} ${part_uncertainty} ${part_worst_norm} ${part_misfit} ${part_stand_seen} ${part_schedules}
+  ${part_whole_model} ${part_blocks} ${part_noise} ${part_chi_squared} core/optimal_uncertainty.c
+  ${part_inclined_uncertainty})
 set(part_keeper ${part_navcomp})
 list(FILTER part_keeper INCLUDE REGEX "/(keeper[a-z_]*|fingerprint|parameters)\\.c$")
 list(REMOVE_ITEM part_navcomp ${part_keeper} ${part_navcomp_uncertainty} navcomp/stand_view.c)

@@ -139,6 +139,12 @@ const tumble_mounting_t *tumble_schedule_mounting_of(const tumble_schedule_t *sc
     return &schedule->mountings[tumble_schedule_find_mounting(schedule, schedule->positions[index].mounting)];
 }
 
+bool tumble_schedule_stays_bolted(const tumble_schedule_t *schedule, uint8_t index)
+{
+    const tumble_mounting_t *mounting = &schedule->mountings[index];
+    return (index > 0U) && (mounting->bolting > 0U) && (mounting->bolting == schedule->mountings[index - 1U].bolting);
+}
+
 void tumble_schedule_attitude(const tumble_schedule_t *schedule, uint8_t index, double a_g[TUMBLE_CHANNELS])
 {
     const tumble_mounting_t *mounting = tumble_schedule_mounting_of(schedule, index);

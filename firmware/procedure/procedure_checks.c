@@ -2,6 +2,7 @@
 
 #include "core/arith.h"
 #include "core/averaging_state.h"
+#include "core/one_copy.h"
 #include "core/vector.h"
 #include "procedure/config_fields.h"
 
@@ -111,7 +112,7 @@ enum {
     NEED_RANK = 0 TUMBLE_ESTIMATOR_LIST(BIT, NOBODY)
 };
 
-const tumble_lent_t *tumble_procedure_lent(const tumble_procedure_config_t *config)
+TUMBLE_ONE_COPY const tumble_lent_t *tumble_procedure_lent(const tumble_procedure_config_t *config)
 {
     const tumble_lent_t *lent = config->lent;
     while ((lent != NULL) && (lent->estimator != config->estimate)) {
@@ -125,11 +126,11 @@ static bool is_one_of(const tumble_procedure_config_t *config, unsigned estimato
     return ((estimators >> (unsigned)config->estimate) & 1U) != 0U;
 }
 
-static bool is_valid(const tumble_procedure_config_t *config)
+static bool is_valid(const tumble_procedure_config_t *config, const tumble_lent_t *lent)
 {
     return (config->schedule != NULL) && (config->averaging != NULL) &&
            ((unsigned)config->estimate < (unsigned)TUMBLE_ESTIMATE_COUNT) &&
-           (is_one_of(config, NEED_HARMONIC | NEED_RANK) || (tumble_procedure_lent(config) != NULL)) &&
+           (is_one_of(config, NEED_HARMONIC | NEED_RANK) || (lent != NULL)) &&
            ((int64_t)config->samples <= TUMBLE_MAX_SAMPLES) && (config->samples >= config->averaging->min_samples) &&
            numbers_are_valid(config) && whole_numbers_are_valid(config) && stuck_shows(config);
 }
@@ -160,7 +161,8 @@ tumble_status_t tumble_examine(const tumble_procedure_config_t *config, tumble_r
                                tumble_refusal_t *refusal)
 {
     *refusal = (tumble_refusal_t){0};
-    if (!is_valid(config)) {
+    const tumble_lent_t *lent = tumble_procedure_lent(config);
+    if (!is_valid(config, lent)) {
         *reason = TUMBLE_REASON_CONFIGURATION;
         return TUMBLE_E_ARGUMENT;
     }
@@ -169,8 +171,7 @@ tumble_status_t tumble_examine(const tumble_procedure_config_t *config, tumble_r
         *reason = TUMBLE_REASON_SCHEDULE;
         return status;
     }
-    if (!is_one_of(config, NEED_HARMONIC | NEED_RANK)) {
-        const tumble_lent_t *lent = tumble_procedure_lent(config);
+    if (lent != NULL) {
         status = lent->check(lent->source, config->schedule);
     }
     if (status != TUMBLE_OK) {

@@ -108,8 +108,8 @@ typedef struct {
     uint8_t number;      /* what people call it: 1, 2, ... unique in the schedule */
     double matrix[3][3]; /* proper rotation, orthonormal to 1e-9; rows: block axes x, y, z; columns: h, n, v */
     tumble_angle_t tilt; /* known tilt of the axis out of the horizontal; {0, 0, 1} on a level stand */
-    uint8_t bolting; /* mountings with the same number, above 0, are inclinations of a block that is bolted on once: one
-                          * matrix, one seat, one yaw. 0: bolted on for itself */
+    uint8_t bolting; /* mountings in a row with the same number, above 0, are inclinations of a block that is bolted on
+                      * once: one matrix, one seat, one yaw. 0: bolted on for itself */
 } tumble_mounting_t;
 
 typedef enum {
@@ -180,6 +180,10 @@ uint8_t tumble_schedule_find_mounting(const tumble_schedule_t *schedule, uint8_t
 
 /* The mounting that the position at `index` is measured in. `index` below position_count, validated schedule. */
 const tumble_mounting_t *tumble_schedule_mounting_of(const tumble_schedule_t *schedule, uint8_t index);
+
+/* Does the block stay bolted on from the mounting before to the mounting at `index`, so that the stand is inclined only?
+ * Their boltings are one number above 0. `index` below mounting_count. */
+bool tumble_schedule_stays_bolted(const tumble_schedule_t *schedule, uint8_t index);
 
 /* Specific force a (g) on the block axes x, y, z at the position at `index`, on the ideal stand. */
 void tumble_schedule_attitude(const tumble_schedule_t *schedule, uint8_t index, double a_g[TUMBLE_CHANNELS]);

@@ -52,7 +52,7 @@ extern "C" {
     X(TUMBLE_E_NV, "the non-volatile memory failed, or has no such place")                                             \
     X(TUMBLE_E_UNHEALTHY, "the block itself calls the sample faulty")                                                  \
     X(TUMBLE_E_NOT_INCLINED, "the schedule has no inclinations of one bolting on both sides of the level")             \
-    X(TUMBLE_E_ALIKE, "the run shows no inclinations: its outputs do not change as those of an inclined axis")         \
+    X(TUMBLE_E_ALIKE, "the run shows no inclinations of the axis")                                                     \
     X(TUMBLE_E_ONE_SIDE, "the run shows all inclinations on one side of the level")
 
 typedef enum {

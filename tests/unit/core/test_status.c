@@ -45,6 +45,9 @@ static void test_numbers_on_the_wire_never_change(void)
         TUMBLE_E_UNCERTAIN,
         TUMBLE_E_NV,
         TUMBLE_E_UNHEALTHY,
+        TUMBLE_E_NOT_INCLINED,
+        TUMBLE_E_ALIKE,
+        TUMBLE_E_ONE_SIDE,
     };
     for (size_t i = 0; i < COUNT_OF(in_order); i++) {
         TEST_ASSERT_EQUAL_INT((int)i, (int)in_order[i]);
