@@ -243,7 +243,7 @@ def solve(
     variance = noise.mean_variance[run.measured]
 
     weights = NO_STAND.weights if declared is None else declared.weights
-    place = _at_inclinations(planned, run, estimator, weights, file)
+    place = _at_inclinations(planned, run, estimator, weights, file, known is not None)
     core_schedule, witness_schedule = place.schedule, place.witness_schedule
 
     # The core computes.
@@ -306,11 +306,13 @@ class _Place:
     inclinations: Inclinations | None = None
 
 
-def _at_inclinations(planned: core.CoreSchedule, run: Run, estimator: str, weights: Floats, file: str) -> _Place:
-    """The place of a run that was `planned` so. Raises BadInput where it shows no inclinations, or the estimator does
-    not find them; Disagreement where numpy sees others."""
+def _at_inclinations(
+    planned: core.CoreSchedule, run: Run, estimator: str, weights: Floats, file: str, has_table: bool
+) -> _Place:
+    """The place of a run that was `planned` so; a table that existed before the run is for that. Raises BadInput where
+    it shows no inclinations, or the estimator does not find them; Disagreement where numpy sees others."""
     own = planned.data if planned.name is None else built_in(planned.name)  # of the witness
-    if estimator != INCLINED and not planned.data.is_inclined:
+    if (estimator != INCLINED and not planned.data.is_inclined) or (estimator == OPTIMAL and has_table):
         return _Place(planned, own.part(run.measured))
     if estimator not in (INCLINED, OPTIMAL):
         raise BadInput(f"{estimator} takes inclinations for exact, which nobody measures; inclined finds them", file)

@@ -20,7 +20,7 @@ from tumble.estimators import OPTIMAL
 from tumble.files.run_file import Run, read_run
 from tumble.files.run_layout import Wishes
 from tumble.files.stand_file import StandFile
-from tumble.model.estimators import estimate
+from tumble.model.estimators import unknowns
 from tumble.model.optimal import optimal_covariance, optimal_estimate
 from tumble.model.propagation import covariance
 from tumble.solving import result
@@ -86,7 +86,7 @@ def confirm(document: RunWithTruth, stage: Path, setup: Setup) -> Solution:
     _require_same_uncertainties(solution, document, setup)
     if setup.terms:
         solution = solve(*given, step_v=step_v(setup), terms=setup.terms, coverage_factor=setup.coverage_factor)
-    return dataclasses.replace(solution, truth=_truth(document.truth))
+    return dataclasses.replace(solution, truth=_truth(document.truth), knows_signs=True)  # of the nominal scale
 
 
 def result_text(
@@ -140,9 +140,10 @@ def _require_same_estimate(solution: Solution, recorded: Run, setup: Setup) -> N
         _require_close("K", found.k, one.k, OPTIMAL_LIMIT_U * one.u_k)
         _require_close("U0", found.u0, one.u0, OPTIMAL_LIMIT_U * one.u_u0)
         return
-    k, u0 = estimate(schedule, recorded.means, setup.estimator)
-    _require_close("K", found.k, k, RELATIVE_LIMIT * np.abs(k).max())
-    _require_close("U0", found.u0, u0, RELATIVE_LIMIT * np.abs(k).max())
+    numbers = unknowns(schedule, recorded.means, setup.estimator, weights=setup.stand.weights)
+    allowed = RELATIVE_LIMIT * np.abs(numbers[:9]).max()
+    _require_close("K", found.k.ravel(), numbers[:9], allowed)
+    _require_close("U0", found.u0, numbers[9:], allowed)
 
 
 def _require_same_uncertainties(solution: Solution, document: RunWithTruth, setup: Setup) -> None:
@@ -156,7 +157,8 @@ def _require_same_uncertainties(solution: Solution, document: RunWithTruth, setu
         given = schedule, known.k, setup.stand, samples, step, variance
         by_numpy = optimal_covariance(*given, known_samples=known.samples)
     else:
-        by_numpy = covariance(schedule, solution.found.k, setup.stand, samples, setup.estimator, variance)
+        at = solution.measured_schedule
+        by_numpy = covariance(at, solution.found.k, setup.stand, samples, setup.estimator, variance)
     stated = np.concatenate([np.ravel(document.u_K), document.u_U0])
     compare_uncertainties(stated, np.sqrt(np.diag(by_numpy)), setup.estimator == OPTIMAL)
 
