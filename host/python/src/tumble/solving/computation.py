@@ -172,7 +172,9 @@ def compare(
         magnified = _MAGNIFIED_BITS + _SINGLE_BIT * optimal.largest_angle**2
         bits = max(_LAST_BITS, magnified * optimal.magnification) * largest
         u_of_all = optimal.u_k, optimal.u_u0, optimal.u_sizes
-        allowed_k, allowed_u0, allowed_sizes = (np.maximum(OPTIMAL_LIMIT_U * u, bits) for u in u_of_all)
+        allowed_k, allowed_u0, allowed_sizes = (
+            np.maximum((OPTIMAL_LIMIT_U + optimal.beyond_records) * u, bits) for u in u_of_all
+        )
     else:
         numbers = unknowns(schedule, means, found.estimator, found.terms, weights)
         k, u0, sizes = numbers[:9].reshape(3, 3), numbers[9:12], numbers[12:].reshape(-1, 3)
