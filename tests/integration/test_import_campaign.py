@@ -1,4 +1,5 @@
-"""Random recordings of all 18 positions, imported: right, or refused with a reason; never wrong without a word."""
+"""Random recordings of all positions of a schedule, imported: right, or refused with a reason; never wrong without a
+word."""
 
 import re
 from collections import Counter
@@ -15,18 +16,18 @@ from tumble.model import built_in
 
 pytestmark = pytest.mark.python
 
-SCHEDULE = built_in("paper")
-ALIKE = {8: 0, 17: 9}  # the last position of a mounting is the attitude of its first
+PAPER, INCLINED = "paper", "inclined"
+ALIKE = {8: 0, 17: 9, 26: 18}  # the last position of a mounting is the attitude of its first
 FAR = 6.0  # standard errors, of a mean that moving rows are in
 
 
-def judged(case, folder):
-    """("right" | "refused" | "wrong", what) of a case."""
+def judged(case, name, folder):
+    """("right" | "refused" | "wrong", what) of a case of the schedule of this name."""
     file = folder / "recording.csv"
     file.write_text(case.recorded.csv())
     claims = Claims(order=case.order, signs=case.signs)
     try:
-        done = import_recordings([str(file)], SCHEDULE, Settings("paper", Wishes(unit="V"), claims=claims))
+        done = import_recordings([str(file)], built_in(name), Settings(name, Wishes(unit="V"), claims=claims))
     except BadInput as refused:
         return "refused", str(refused)
     told = " ".join(done.notes)
@@ -42,7 +43,7 @@ def judged(case, folder):
             faults.append(f"rest of {true} called {position}")
         elif moved(case.recorded, mean, end - begin, true) > FAR:
             faults.append(f"rows in motion at {position}")
-    missing = 18 - len(set(done.matched.positions.tolist()) - {-1})
+    missing = len(done.schedule.positions) - len(set(done.matched.positions.tolist()) - {-1})
     if missing and "no rest at" not in told:
         faults.append(f"{missing} positions are missing, and nobody says so")
     return ("wrong", "; ".join(faults)) if faults else ("right", f"{missing} missing")
@@ -57,12 +58,12 @@ def moved(recorded, mean, samples, position):
     return ((np.abs(mean - expected) - rounded) / (noise + digits)).max()
 
 
-def outcomes(seeds, folder):
-    """Of random recordings: [(seed, case, outcome, what)]."""
+def outcomes(name, seeds, folder):
+    """Of random recordings of this schedule: [(seed, case, outcome, what)]."""
     found = []
     for seed in seeds:
-        case = random_case(SCHEDULE, seed)
-        found.append((seed, case, *judged(case, folder)))
+        case = random_case(built_in(name), seed)
+        found.append((seed, case, *judged(case, name, folder)))
     return found
 
 
@@ -85,14 +86,16 @@ def is_true(case):
 
 
 @pytest.mark.toolchain
-def test_a_few_dozen(tmp_path):
-    require(outcomes(range(32), tmp_path), 0.8)
+@pytest.mark.parametrize(("name", "count"), [(PAPER, 32), (INCLINED, 12)])
+def test_a_few_dozen(name, count, tmp_path):
+    require(outcomes(name, range(count), tmp_path), 0.8)
 
 
 @pytest.mark.full
 @pytest.mark.slow
-def test_a_thousand(tmp_path):
-    found = outcomes(range(1000, 2000), tmp_path)
+@pytest.mark.parametrize("name", [PAPER, INCLINED])
+def test_a_thousand(name, tmp_path):
+    found = outcomes(name, range(1000, 2000), tmp_path)
     print(Counter(outcome for *_, outcome, _ in found))
     print("of those whose user says what is so:", Counter(outcome for _, case, outcome, _ in found if is_true(case)))
     require(found, 0.95)

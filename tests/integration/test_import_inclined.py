@@ -10,6 +10,7 @@ from recordings import Habits, inclined_anew, recording
 
 from tumble.files.schedule_file import to_toml
 from tumble.importing import match
+from tumble.importing.attitudes import attitudes_of, fitted
 from tumble.importing.match import Claims, Doubtful
 from tumble.importing.rests import Rests
 from tumble.model import Geometry, built_in, inclined
@@ -67,17 +68,17 @@ def test_inclinations_that_nobody_measured_are_found(name, order):
 def test_leverage_is_what_a_rest_takes_into_the_fit():
     """Held against the derivative of the fit: a rest that moves takes its attitude along by its leverage."""
     stand = inclined_anew(SCHEDULE, OFF, ZERO, BOLTING, np.random.default_rng(1))
-    rests, claims = rests_of(stand, NUMBERS), Claims(SAID)
-    fit = match.match(rests, SCHEDULE, claims).fit
+    means, places = rests_of(stand, NUMBERS).means, attitudes_of(SCHEDULE).of_positions(SCHEDULE)
+    fit = fitted(places, np.arange(27), means)
     assert fit.unknowns == 12 + 3 + 2
     assert 3.0 * fit.leverage.sum() == pytest.approx(fit.unknowns, abs=1e-9)
     step = 1e-6
-    for rest in (0, 8, 12, 26):
+    for rest in NUMBERS:
         taken = 0.0
         for axis in np.eye(3):
-            moved = rests.means.copy()
+            moved = means.copy()
             moved[rest] += fit.k @ axis * step
-            other = match.match(Rests(rests.begin, rests.end, moved, rests.errors + 1.0), SCHEDULE, claims).fit
+            other = fitted(places, np.arange(27), moved)
             drawn = other.k @ other.forces[rest] + other.u0 - fit.k @ fit.forces[rest] - fit.u0
             taken += np.linalg.solve(fit.k, drawn) @ axis / step / 3.0
         assert fit.leverage[rest] == pytest.approx(taken, abs=1e-4)

@@ -244,7 +244,11 @@ def random_case(schedule, seed):
     visits = _visits(schedule, kind, rng)
     order = "schedule" if kind == "schedule" or rng.random() < 0.3 else "any"
     told = tuple(int(sign) for sign in signs) if rng.random() < 0.7 else None
-    recorded = recording(schedule, visits, k, rng.uniform(-3, 3, 3) * scale, habits, rng)
+    stand = schedule
+    if schedule.mountings[0].bolting is not None:
+        stand = inclined_anew(schedule, np.deg2rad(5.0), np.deg2rad(2.0), np.deg2rad(2.0), rng)
+        habits = replace(habits, seat=0.0)  # that would be of a mounting
+    recorded = recording(stand, visits, k, rng.uniform(-3, 3, 3) * scale, habits, rng)
     return Case(recorded, kind, order, told, tuple(int(sign) for sign in signs))
 
 
