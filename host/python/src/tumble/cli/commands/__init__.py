@@ -79,6 +79,7 @@ COMMANDS = {  # in the order in which they are listed
             "tumble draw stand --out stand.svg",
             "tumble draw mountings --out mountings.svg",
             "tumble draw angles --out angles.svg",
+            "tumble draw inclinations --schedule inclined --out inclinations.svg",
             "tumble draw states --out states.svg",
             "tumble draw wiring --out wiring.svg",
         ),
