@@ -300,3 +300,15 @@ def test_the_example_finds_what_it_was_made_of():
             assert abs(one["deg"] - nominal - np.rad2deg(off)) < 3.5 * one["u_deg"]
         assert document["level_rad"] == pytest.approx(np.deg2rad(seen[0]["deg"]), rel=1e-12)
         assert document["estimator"] == estimator and document["assumes"] == ["linear", "temperature"]
+
+
+def test_mountings_of_one_bolting_follow_one_another(tmp_path, tumble):
+    rows = "".join(f"[[mounting]]\nnumber = {number}\nmatrix = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n"
+                   f"axis_tilt_deg = {tilt}\nbolting = {bolting}\n"
+                   for number, tilt, bolting in ((1, 0, 1), (2, 45, 2), (3, -45, 1)))
+    places = "".join(f'[[position]]\nmounting = {number}\nposition = {place}\nangle_deg = {45 * place}\nuse = "fit"\n'
+                     for number in (1, 2, 3) for place in range(1, 9))
+    (tmp_path / "mine.toml").write_text(rows + places)
+    done = tumble("plan", "budget", "--schedule", tmp_path / "mine.toml")
+    said = "mountings of one bolting must follow one another: a block is bolted on once"
+    assert (done.returncode, done.stderr) == (2, f"tumble: {tmp_path / 'mine.toml'}: {said}\n")

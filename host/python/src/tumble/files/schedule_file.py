@@ -68,6 +68,8 @@ def schedule_of(schedule: Any, estimator: str | None = None) -> CoreSchedule:
 def _require_solvable(schedule: CoreSchedule, estimator: str | None, file: str, tells: bool = False) -> None:
     """Raise BadInput for a schedule, called `file`, that lacks what an estimator needs; where it `tells`, positions
     that are not needed are named on stderr."""
+    if any(one[-1] - one[0] >= len(one) for one in schedule.data.boltings):
+        raise BadInput("mountings of one bolting must follow one another: a block is bolted on once", file)
     inclined, of_inclinations = schedule.data.is_inclined, estimator in (INCLINED, OPTIMAL)
     if inclined and estimator is not None and not of_inclinations:
         raise BadInput(

@@ -254,7 +254,7 @@ class OptimalEstimate:
     """What the run says: `k` (3, 3), `u0` (3,), `sizes` (terms, 3) of further terms, their `covariance`, K row by row,
     then U0, then the sizes; `alpha1`, `alpha2`, `alpha3` (one per mounting), radians; `magnification`: by how much the
     rounding of a mean may be larger in a coefficient; `largest_angle`: of all errors found, table angles with alpha2,
-    radians; `beyond_records`: of u, how much a record may be off that knows nothing of the inclinations' second order."""
+    radians; `beyond_records`: of u, how far a record may be off that leaves out the second order of inclinations."""
 
     k: Floats
     u0: Floats
