@@ -146,7 +146,8 @@ static void test_a_tilted_platform(void)
 
 static void test_sources_add_in_quadrature(void)
 {
-    const tumble_stand_record_t stand = {1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 0.0, 1, false, 6e-3, 7e-3, 8e-3, 9e-3, {0}, {0}};
+    const tumble_stand_record_t stand = {1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 0.0, 1,  false,
+                                         6e-3, 7e-3, 8e-3, 9e-3, {0},  {0}, 0.0};
     const tumble_stand_record_t alone[9] = {
         {.axis_tilt_rad = 1e-3, .samples = 1}, {.level_rad = 2e-3, .samples = 1},   {.remount_rad = 3e-3, .samples = 1},
         {.angle_rad = 4e-3, .samples = 1},     {.noise_v = 5e-3, .samples = 1},     {.seat_rad = 6e-3, .samples = 1},
@@ -266,7 +267,7 @@ static void test_a_mean_of_no_samples_is_refused(void)
 static void test_a_k_that_is_no_number_or_too_large_is_refused(void)
 {
     static const double bad[] = {NOT_A_NUMBER, INFINITE, -INFINITE, 1e200};
-    const tumble_stand_record_t stand = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1, false, 1.0, 1.0, 1.0, 1.0, {0}, {0}};
+    const tumble_stand_record_t stand = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1, false, 1.0, 1.0, 1.0, 1.0, {0}, {0}, 0.0};
     for (int cell = 0; cell < 9; cell++) {
         for (size_t b = 0; b < COUNT_OF(bad); b++) {
             tumble_coefficients_t block = straight;

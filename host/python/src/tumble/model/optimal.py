@@ -40,7 +40,6 @@ from tumble.stand import COMMON, PerChannel, Stand, by_channel, rounding_of
 from tumble.terms import Terms
 
 CORRECTIONS = 2
-_BEYOND_RECORDS = 0.01
 NOISE_FLOOR_G = 1e-9  # times the largest element of K: the noise of a mean never counts as less
 UNEQUAL = "no optimal weights: the stand's errors are too large, or too unequal, to compute with"
 LARGEST_LOSS = 1e-5  # of bias and of spread to rounding, before weights are refused
@@ -127,7 +126,7 @@ class _Whitened:
         self.model = np.hstack([self.by_error, self.design])
         self.expected = derivative.reshape(len(derivative), -1).T @ self.errors.mean
         in_records = [np.full(len(one.sigma), name in (*_SHARED, "alpha4")) for name, one in self.found.items()]
-        self.in_records = np.concatenate(in_records)
+        self._in_records = np.concatenate(in_records)
         self.weights = np.tile(channel_weights(sigma), len(self.design) // 3)
         prior = largest * np.eye(self.by_error.shape[1], self.model.shape[1])
         self.system = np.vstack([self.model * self.weights[:, None], prior])
@@ -159,7 +158,7 @@ class _Whitened:
         corrected = measured = measured.reshape(len(measured), -1) - self.expected
         x = self.solve(measured.T).T
         for _ in range(CORRECTIONS):
-            known = x * np.concatenate([self.in_records, np.ones(self.count, dtype=bool)])
+            known = x * np.concatenate([self._in_records, np.ones(self.count, dtype=bool)])
             found = x[:, -self.count :]
             exact = self.errors.outputs(found[:, :9].reshape(-1, 3, 3), found[:, 9:12], self.sizes(known))
             further = found[:, 12:] @ self.design[:, 12:].T
@@ -254,7 +253,7 @@ class OptimalEstimate:
     """What the run says: `k` (3, 3), `u0` (3,), `sizes` (terms, 3) of further terms, their `covariance`, K row by row,
     then U0, then the sizes; `alpha1`, `alpha2`, `alpha3` (one per mounting), radians; `magnification`: by how much the
     rounding of a mean may be larger in a coefficient; `largest_angle`: of all errors found, table angles with alpha2,
-    radians; `beyond_records`: of u, how far a record may be off that leaves out the second order of inclinations."""
+    radians."""
 
     k: Floats
     u0: Floats
@@ -265,7 +264,6 @@ class OptimalEstimate:
     alpha3: Floats
     magnification: float
     largest_angle: float
-    beyond_records: float
 
     @property
     def u_k(self) -> Floats:
@@ -307,13 +305,11 @@ def optimal_estimate(
     tilts = [angles[name] for name in ("alpha1", "alpha3", "seat_h", "seat_n") if name in angles]
     k = found[:9].reshape(3, 3)
     covariance = optimal_covariance(schedule, k, stand, samples, step, mean_variance, terms)
-    leaves_out = known_k is not None and not whitened.in_records.all()
     return OptimalEstimate(
         *(k, found[9:12], found[12:].reshape(-1, 3), covariance, float(angles["alpha1"][0])),
         *(float(angles["alpha2"][0]), np.resize(angles["alpha3"], len(schedule.mountings))),
         magnification=float(np.abs(whitened.gains).sum(axis=1).max()),
         largest_angle=float(np.abs(np.concatenate([angles["alpha2"] + angles["delta"], *tilts])).max()),
-        beyond_records=_BEYOND_RECORDS if leaves_out else 0.0,
     )
 
 

@@ -9,7 +9,6 @@ from tumble.arrays import Floats
 from tumble.documents.plan import Optimize, Promise
 from tumble.errors import UsageError
 from tumble.estimators import COEFFICIENTS, OPTIMAL
-from tumble.model.errors import free
 from tumble.model.estimators import circles, linear_gains
 from tumble.model.optimal import OptimalTable, optimal_table, standard_deviations
 from tumble.model.propagation import SecondOrder, second_order
@@ -48,9 +47,9 @@ class Optimized:
 
 def optimize(case: Case, k: Floats | None = None, serial: str | None = None) -> Optimized:
     """Weights for a block of sensitivity `k` (V/g), the nominal one unless given. Raises UsageError."""
-    if free(case.stand, case.schedule):
+    if case.schedule.is_inclined:
         raise UsageError(
-            "weights for inclinations that a run has yet to show: declare inclination_rad in the stand file"
+            "a gain record knows no inclinations: on board take inclined; solve and plan have optimal, too"
         )
     k = case.nominal_k() if k is None else k
     table = optimal_table(case.fitted, k, case.stand, case.step_v)

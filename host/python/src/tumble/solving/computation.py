@@ -2,11 +2,13 @@
 numpy model (`compare`): a result that the model does not confirm is not given.
 
 Further terms of the model (tumble.terms), which the core does not know, are found by its least squares
-(`least_squares`); many runs at once by any estimator (`estimator_for`).
+(`least_squares`), and by `optimal`, as where it declares inclinations, by a table that the core does not evaluate; many
+runs at once by any estimator (`estimator_for`).
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -80,7 +82,8 @@ def compute(
     Raises CoreRefusal; NotSolvable, also where a channel does not feel gravity.
     """
     sizes, linear = np.zeros((0, 3)), means
-    if terms:  # by a table of gains where there are weights, else by the core's least squares
+    beyond = weighting is not None and math.isfinite(weighting.stand.inclination) and schedule.data.is_inclined
+    if terms or beyond:  # by a table of gains where there are weights, else by the core's least squares
         part, lone = schedule.part(measured), means[None, measured]
         if weighting is None:
             found = least_squares(part, lone, terms).ravel()
@@ -172,9 +175,7 @@ def compare(
         magnified = _MAGNIFIED_BITS + _SINGLE_BIT * optimal.largest_angle**2
         bits = max(_LAST_BITS, magnified * optimal.magnification) * largest
         u_of_all = optimal.u_k, optimal.u_u0, optimal.u_sizes
-        allowed_k, allowed_u0, allowed_sizes = (
-            np.maximum((OPTIMAL_LIMIT_U + optimal.beyond_records) * u, bits) for u in u_of_all
-        )
+        allowed_k, allowed_u0, allowed_sizes = (np.maximum(OPTIMAL_LIMIT_U * u, bits) for u in u_of_all)
     else:
         numbers = unknowns(schedule, means, found.estimator, found.terms, weights)
         k, u0, sizes = numbers[:9].reshape(3, 3), numbers[9:12], numbers[12:].reshape(-1, 3)

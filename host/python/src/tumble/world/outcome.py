@@ -137,9 +137,8 @@ def _require_same_estimate(solution: Solution, recorded: Run, setup: Setup) -> N
     if setup.estimator == OPTIMAL:
         known, step = weights_made_for(setup), step_v(setup)
         one = optimal_estimate(schedule, recorded.means, setup.stand, recorded.samples, step, known.k, known.samples)
-        share = OPTIMAL_LIMIT_U + one.beyond_records
-        _require_close("K", found.k, one.k, share * one.u_k)
-        _require_close("U0", found.u0, one.u0, share * one.u_u0)
+        _require_close("K", found.k, one.k, OPTIMAL_LIMIT_U * one.u_k)
+        _require_close("U0", found.u0, one.u0, OPTIMAL_LIMIT_U * one.u_u0)
         return
     numbers = unknowns(schedule, recorded.means, setup.estimator, weights=setup.stand.weights)
     allowed = RELATIVE_LIMIT * np.abs(numbers[:9]).max()
