@@ -19,7 +19,7 @@ def main(arguments):
     names = [name for name, _ in rows]
     module = MODULE.read_text(encoding="utf-8")
     module = line(module, "HARMONIC", [name for name, needs in rows if needs == "HARMONIC"])
-    module = line(module, "LINEAR", [name for name, needs in rows if needs != "GAINS"])
+    module = line(module, "LINEAR", [name for name, needs in rows if needs in ("HARMONIC", "RANK")])
     module = line(module, "ESTIMATORS", names)
     if MODULE.read_text(encoding="utf-8") == module:
         return 0

@@ -1,7 +1,8 @@
 /* batch.c - many runs of one schedule in one call, all positions measured; part of the extension's source.
  *
  * means_v: runs x positions x 3. coefficients: runs x 12, K row by row, then U0. stand: runs x (2 + 3 TUMBLE_MAX_YAWS),
- * alpha1, alpha2, alpha3 by mounting, the seats. A refusal stops at the run that `where` then names.
+ * alpha1, alpha2, alpha3 by mounting, the seats. seen: runs x 4 x TUMBLE_MAX_YAWS, as tumble_inclinations_t has them. A
+ * refusal stops at the run that `where` then names.
  */
 #include <string.h>
 
@@ -47,6 +48,25 @@ tumble_status_t batch_estimate(batch_estimator_t *estimator, const tumble_schedu
             break;
         }
         coefficients = batch_store(&found, sizeof found, coefficients);
+    }
+    return status;
+}
+
+tumble_status_t batch_inclined(const tumble_schedule_t *schedule, size_t runs, const double *means_v,
+                               const double *weights, double *coefficients, double *seen, size_t *where)
+{
+    tumble_means_t means;
+    tumble_status_t status = TUMBLE_OK;
+    for (*where = 0; *where < runs; (*where)++) {
+        tumble_coefficients_t found;
+        tumble_inclinations_t inclinations = {{0.0}, {0.0}, {0.0}, {0.0}};
+        means_v = batch_load(schedule, means_v, &means);
+        status = tumble_inclined_weighted(schedule, &means, weights, &found, &inclinations, NULL);
+        if (status != TUMBLE_OK) {
+            break;
+        }
+        coefficients = batch_store(&found, sizeof found, coefficients);
+        seen = batch_store(&inclinations, sizeof inclinations, seen);
     }
     return status;
 }

@@ -324,6 +324,8 @@ typedef tumble_status_t batch_estimator_t(const tumble_schedule_t *, const tumbl
                                           tumble_refusal_t *);
 tumble_status_t batch_estimate(batch_estimator_t *, const tumble_schedule_t *, size_t runs, const double *means_v,
                                double *coefficients, size_t *where);
+tumble_status_t batch_inclined(const tumble_schedule_t *, size_t runs, const double *means_v, const double *weights,
+                               double *coefficients, double *seen, size_t *where);
 tumble_status_t batch_optimal(const tumble_gain_record_t *, const tumble_schedule_t *, size_t runs,
                               const double *means_v, double *coefficients, double *stand, size_t *where);
 """

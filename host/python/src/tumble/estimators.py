@@ -5,8 +5,12 @@ core.
 """
 
 HARMONIC = ("averaged", "refined")  # closed forms, on circles through two block axes
-LINEAR = ("averaged", "refined", "least_squares", "inclined")  # that need no stand
+LINEAR = ("averaged", "refined", "least_squares")  # in the outputs, of blocks that are bolted on in every mounting
 ESTIMATORS = ("averaged", "refined", "least_squares", "optimal", "inclined")
 OPTIMAL = "optimal"  # weighs by the stand's errors
+INCLINED = "inclined"  # of a block that is bolted on once: finds its inclinations, too
+INCLINATIONS = (  # what it needs
+    "three inclinations or more of one bolting, on both sides of the level, at table angles that divide a turn equally"
+)
 
 COEFFICIENTS = (*(f"K_{i}{j}" for i in "xyz" for j in "xyz"), *(f"U0_{i}" for i in "xyz"))

@@ -30,13 +30,15 @@ class Mounting:
     `number` is 1 to 255. `matrix` is 3 x 3, a proper rotation: its rows are the block axes x, y, z in the table frame
     (h horizontal across the axis, n along the axis, v up at table angle 0). `tilt_deg` is the known tilt of the axis
     out of the horizontal, 0 on a level stand. Mountings of one `bolting` (1 to 255) are inclinations of a block that is
-    bolted on once; None: it is bolted on for itself.
+    bolted on once; None: it is bolted on for itself. `off_deg`: how far an inclination as a run shows it, and the zero
+    of the table angle with it, are from where they were set.
     """
 
     number: int
     matrix: tuple[tuple[float, ...], ...]
     tilt_deg: float = 0.0
     bolting: int | None = None
+    off_deg: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -69,6 +71,19 @@ class Schedule:
         """The mountings that an estimator hears of: those with fit positions."""
         used = {position.mounting for position in self.positions if position.use == FIT}
         return tuple(mounting for mounting in self.mountings if mounting.number in used)
+
+    @property
+    def boltings(self) -> tuple[tuple[int, ...], ...]:
+        """Indices of the mountings that are one bolting of the block, by bolting."""
+        groups: dict[object, list[int]] = {}
+        for index, one in enumerate(self.mountings):
+            groups.setdefault(one.bolting or f"of {index}", []).append(index)
+        return tuple(map(tuple, groups.values()))
+
+    @property
+    def is_inclined(self) -> bool:
+        """Is a block inclined as it is bolted on, in two mountings or more?"""
+        return len(self.boltings) < len(self.mountings)
 
     @property
     def is_laid_by_hand(self) -> bool:

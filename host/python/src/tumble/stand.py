@@ -34,7 +34,8 @@ class Source:
     """A source of error that a stand declares: `attribute` of Stand, `key` of a stand file and of documents, `words`
     for people. `required`: every stand file has it. `returns`: when an error comes back in the next run; None: each run
     has its own. `identifies`: two declarations that differ by it are of two stands. `patterns`: of a run that does not
-    fit, those that it takes upon itself."""
+    fit, those that it takes upon itself. `of_inclinations`: only a block that is bolted on once and inclined feels it;
+    where nothing is declared it may have any size."""
 
     attribute: str
     key: str
@@ -43,6 +44,12 @@ class Source:
     returns: str | None = None
     identifies: bool = False
     patterns: tuple[str, ...] = ()
+    of_inclinations: bool = False
+
+    @property
+    def undeclared(self) -> float:
+        """What a stand has that does not declare it."""
+        return math.inf if self.of_inclinations else 0.0
 
     @property
     def is_angle(self) -> bool:
@@ -63,6 +70,7 @@ SOURCES = {  # by name, as documents have it, in the order in which random numbe
         patterns=("once_per_turn", "twice_per_turn"),
     ),
     "drift": Source("drift", "drift_v", "Drift over a run", patterns=("drift",)),
+    "inclination": Source("inclination", "inclination_rad", "A set inclination", of_inclinations=True),
 }
 PER_CHANNEL = tuple(one.attribute for one in SOURCES.values() if not one.is_angle)
 _LEAST_NOISE = 1e-4  # of the largest: a channel without noise has a weight too, and not one that hides the others
@@ -109,9 +117,10 @@ class Stand:
     all? `seat`: how far each mounting tilts the block against the axis, and adds to the table angle. `platform`: how
     far the platform tilts it against the axis, the same in all mountings and runs. `encoder`: of the table angle, by
     its sine, cosine, and sine and cosine of its double, four numbers of this size for the stand. `drift`: of every
-    channel, from the first fitted position of a run to the last. `rounding`: standard deviation, whatever `limits`
-    says, that a converter leaves in every mean, however many its samples; a plan knows it, a run shows it. 0: not
-    declared.
+    channel, from the first fitted position of a run to the last. `inclination`: of a set inclination, and of the zero
+    of the table angle with it; infinite: nobody knows, and a run finds them. `rounding`: standard deviation, whatever
+    `limits` says, that a converter leaves in every mean, however many its samples; a plan knows it, a run shows it. 0:
+    not declared, but for inclinations.
     """
 
     axis_tilt: float
@@ -127,6 +136,7 @@ class Stand:
     platform: float = 0.0
     encoder: float = 0.0
     drift: PerChannel = 0.0
+    inclination: float = math.inf
     rounding: PerChannel = 0.0
 
     @property

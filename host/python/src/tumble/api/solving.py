@@ -17,6 +17,7 @@ from tumble.defaults import (
     DEFAULT_CONFIDENCE,
     DEFAULT_COVERAGE_FACTOR,
     DEFAULT_ESTIMATOR,
+    DEFAULT_INCLINED,
     DEFAULT_LIMIT_G,
     DEFAULT_SCHEDULE,
     NEEDS_STAND,
@@ -76,13 +77,13 @@ def solved(
     *,
     stand: Any = None,
     schedule: Any = None,
-    estimator: str = DEFAULT_ESTIMATOR,
+    estimator: str | None = None,
     limit_g: float | None = None,
     confidence: float = DEFAULT_CONFIDENCE,
     terms: Terms = (),
 ) -> Solved:
     """Solve a recording; arguments as of `solve`. Raises TumbleError."""
-    if not is_one_of(estimator, ESTIMATORS):
+    if estimator is not None and not is_one_of(estimator, ESTIMATORS):
         raise UsageError(f"estimator: {quoted(estimator)} is not one of {', '.join(ESTIMATORS)}")
     if estimator == OPTIMAL and stand is None:
         raise UsageError(NEEDS_STAND)
@@ -90,7 +91,11 @@ def solved(
     stand_file = None if stand is None else stand_file_of(stand)
     declared_g = None if stand_file is None else stand_file.delta_g_limit_g
     told_g = declared_g if limit_g is None else limit_g
-    run, planned = recording.averaged_on(schedule_of(DEFAULT_SCHEDULE if schedule is None else schedule, estimator))
+    core_schedule = schedule_of(DEFAULT_SCHEDULE if schedule is None else schedule, estimator)
+    if estimator is None:
+        estimator = DEFAULT_INCLINED if core_schedule.data.is_inclined else DEFAULT_ESTIMATOR
+        core_schedule = schedule_of(DEFAULT_SCHEDULE if schedule is None else schedule, estimator)
+    run, planned = recording.averaged_on(core_schedule)
     odd_rows = run_rows.check_rows(run, planned.data, stand_file, recording.name)
     environment = None if stand_file is None else stand_file.environment
     contradiction = contradicted(run, environment)
@@ -117,7 +122,7 @@ def solve(
     *,
     stand: Stand | StandFile | str | os.PathLike[str] | None = None,
     schedule: Schedule | str | os.PathLike[str] | None = None,
-    estimator: str = DEFAULT_ESTIMATOR,
+    estimator: str | None = None,
     limit_g: float | None = None,
     confidence: float = DEFAULT_CONFIDENCE,
     model: str | Iterable[str] = (),
@@ -129,8 +134,9 @@ def solve(
 
     `run`: what `read` gives, or what it takes. `stand`: what is declared of the stand, a path (TOML) or an object; it
     gives the uncertainties. `schedule`: the name of a built-in one ("paper", the default, "three_mountings",
-    "diagonal", "six_faces"), a path (TOML) or an object. `estimator`: "averaged", "refined", "least_squares" or
-    "optimal", which needs a stand. `limit_g`: of the gravity check, g; default: the stand file's, else 3e-4.
+    "diagonal", "six_faces", "inclined"), a path (TOML) or an object. `estimator`: "averaged", "refined",
+    "least_squares", "inclined", or "optimal", which needs a stand; default: "refined", and "inclined" of a block that
+    is bolted on once. `limit_g`: of the gravity check, g; default: the stand file's, else 3e-4.
     `confidence`: at which the run must fit its stand, 0.5 to 0.999999. `model`: further terms, "k2", "k3", "drift", of
     least_squares and optimal.
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
-from tumble.defaults import DEFAULT_CONFIDENCE, DEFAULT_ESTIMATOR, DEFAULT_LIMIT_G
+from tumble.defaults import DEFAULT_CONFIDENCE, DEFAULT_ESTIMATOR, DEFAULT_INCLINED, DEFAULT_LIMIT_G
 from tumble.errors import UsageError, listed, quoted
 from tumble.estimators import ESTIMATORS
 from tumble.messages import on_terminal
@@ -33,6 +33,7 @@ _PROMISING = frozenset(
     " .yaml .yml".split()
 )  # endings that say what is in a file
 
+_BY_SCHEDULE = "by schedule"
 _SHARED: dict[str, dict[str, Any]] = {  # by option, what argparse is told; {}: where a command remarks on it
     "--schedule": {
         "metavar": "NAME",
@@ -40,9 +41,10 @@ _SHARED: dict[str, dict[str, Any]] = {  # by option, what argparse is told; {}: 
     },
     "--estimator": {
         "choices": ESTIMATORS,
-        "default": DEFAULT_ESTIMATOR,
+        "default": _BY_SCHEDULE,
         "metavar": "NAME",
-        "help": f"{listed(ESTIMATORS, 'or')}; default: {DEFAULT_ESTIMATOR}{{}}",
+        "help": f"{listed(ESTIMATORS, 'or')}; default: {DEFAULT_ESTIMATOR}, on inclined schedules"
+        f" {DEFAULT_INCLINED}{{}}",
     },
     "--model": {
         "metavar": "TERM,...",
@@ -81,6 +83,13 @@ def add(parser: Options, *options: str, remark: str = "") -> None:
     for option in options:
         how = _SHARED[option]
         parser.add_argument(option, **{**how, "help": how["help"].format(remark)})
+
+
+def settle(arguments: argparse.Namespace) -> None:
+    """What --estimator is where nobody says."""
+    if getattr(arguments, "estimator", None) == _BY_SCHEDULE:
+        is_inclined = str(getattr(arguments, "schedule", None)).startswith(DEFAULT_INCLINED)
+        arguments.estimator = DEFAULT_INCLINED if is_inclined else DEFAULT_ESTIMATOR
 
 
 def refuse_model(parser: argparse.ArgumentParser, why: str) -> None:

@@ -334,6 +334,21 @@ def _stand_seen(solution: Solution) -> list[str]:
             said = solution.channel_noise.sentence(its_unit)
         line = f"{'' if lines else 'Stand seen:':11} {name:11} {said}"
         lines += textwrap.wrap(line, _COLUMNS, subsequent_indent=" " * 24, break_on_hyphens=False)
+    return lines + _inclinations(solution)
+
+
+def _inclinations(solution: Solution) -> list[str]:
+    """Of a block that is bolted on once, how its axis stood in each mounting."""
+    seen, u = solution.inclinations, solution.u_inclinations
+    if seen is None:
+        return []
+    set_at = {one.number: one.tilt_deg for one in solution.schedule.mountings}
+    lines: list[str] = []
+    for index, (number, beta) in enumerate(zip(seen.numbers, np.rad2deg(seen.beta))):
+        sure = "" if u is None else f" +- {np.rad2deg(u[index]):.4f}"
+        lines.append(
+            f"{'' if lines else 'Inclined:':11} mounting {number:<2} {beta:+9.4f}{sure} deg, set to {set_at[number]:+g}"
+        )
     return lines
 
 

@@ -187,6 +187,14 @@ class CoreSchedule:
         status = lib.tumble_schedule_harmonic(self.struct, self.flags(measured), harmonic_map, bits)
         require_ok(status, missing=self.labels(bits[0]))
 
+    def inclinations(self, measured: Flags | None = None) -> int:
+        """How many the closed form of `inclined` has. Raises CoreRefusal(missing=labels of positions) unless it
+        applies."""
+        of, bits = ffi.new("tumble_inclined_map_t *"), ffi.new("uint64_t *")
+        status = lib.tumble_schedule_inclinations(self.struct, self.flags(measured), of, bits)
+        require_ok(status, missing=self.labels(bits[0]))
+        return int(of.count)
+
     def labels(self, bits: int) -> list[str]:
         """The labels of the positions with these bits, each by its index."""
         return [self.data.positions[index].label for index in _set_bits(bits)]
@@ -256,6 +264,21 @@ def estimate(
     status = LINEAR_ESTIMATORS[estimator](schedule.struct, schedule.means(means, measured), coefficients, refusal)
     require_estimable(schedule, status, refusal)
     return unpack(coefficients)
+
+
+def inclined_runs(schedule: CoreSchedule, means: Floats, weights: Floats) -> tuple[Floats, Floats, Floats]:
+    """Of means (runs, positions, 3), all measured, of a block bolted on once: coefficients (runs, 12), and of every
+    inclination its angle beta and the zero tau of its table angle (runs, inclinations), rad. `weights` (3,) of the
+    channels, best in proportion to 1 / noise. Raises CoreRefusal(run=index) at the first run refused."""
+    means, found, where = _arrays(schedule, means)
+    count = schedule.inclinations()
+    seen = np.empty((len(means), ffi.sizeof("tumble_inclinations_t") // 8))
+    given = np.ascontiguousarray(weights, dtype=float)
+    pointers = [ffi.from_buffer("double[]", array) for array in (means, given, found, seen)]
+    status = lib.batch_inclined(schedule.struct, len(means), *pointers, where)
+    require_ok(status, run=where[0])
+    sine, cosine, turn_sine, turn_cosine = np.moveaxis(seen.reshape(len(means), 4, -1)[..., :count], 1, 0)
+    return found, np.arctan2(sine, cosine), np.arctan2(turn_sine, turn_cosine)
 
 
 def require_estimable(schedule: CoreSchedule, status: int, refusal: CData) -> None:
@@ -468,7 +491,7 @@ def _arrays(schedule: CoreSchedule, means: Floats) -> tuple[Floats, Floats, CDat
 
 def record_of(stand: Stand, least_noise: float = 0.0) -> Any:
     """The declared stand as the core takes it; the noise of a mean never counts as less than `least_noise`."""
-    angles = [source for source in SOURCES.values() if source.is_angle]
+    angles = [source for source in SOURCES.values() if source.is_angle and not source.of_inclinations]
     numbers: dict[str, Any] = {source.key: stand.sigma(source.attribute) for source in angles}
     for source in PER_CHANNEL:
         sigma = per_channel(stand.sigmas(source))
@@ -490,13 +513,16 @@ class _JudgedRun:
         mean_variance: Floats | None = None,
         least_noise: float = 0.0,
         at: tuple[Any, Any] = (ffi.NULL, ffi.NULL),
+        weights: Floats | None = None,
     ):
-        """`at`: an attitude, double[3], and where u(|a|) there is to be written, double *."""
+        """`at`: an attitude, double[3], and where u(|a|) there is to be written, double *; `weights` (3,) of the
+        channels, as `inclined` takes them."""
         averaged_over = stand.averaged_over(samples)
         self._stand = record_of(stand, least_noise)
         self._coefficients = pack(k, np.zeros(3))
         self._samples = ffi.new("uint32_t[]", averaged_over.tolist())
         self._flags = schedule.flags(measured)
+        self._weights = ffi.NULL if weights is None else ffi.new("double[3]", weights.tolist())
         self._excess = ffi.NULL
         if mean_variance is not None:
             declared = np.maximum(stand.mean_variance(samples), least_noise**2)
@@ -512,6 +538,7 @@ class _JudgedRun:
                 "excess_variance_v2": ffi.cast("double (*)[3]", self._excess),
                 "attitude": at[0],
                 "norm_g": at[1],
+                "weights": self._weights,
             },
         )
 
@@ -524,15 +551,17 @@ def uncertainties(
     estimator: str,
     measured: Flags | None = None,
     mean_variance: Floats | None = None,
+    weights: Floats | None = None,
 ) -> tuple[Floats, Floats]:
-    """u_K (3, 3) and u_U0 (3,) of an estimate by a linear estimator of the core.
+    """u_K (3, 3) and u_U0 (3,) of an estimate by an estimator of the core that needs no stand.
 
     `k` (3, 3): the solved K; `samples` (positions,): rows of the run at each position, as Stand.averaged_over takes
     them; `measured` (positions,) bool; `mean_variance` (positions, 3): by the noise as measured, counts
-    where it is larger than the stand's. Raises CoreRefusal(missing=..., unidentified=...).
+    where it is larger than the stand's; `weights` (3,) of the channels for `inclined`, whose schedule has the
+    inclinations that the run shows. Raises CoreRefusal(missing=..., unidentified=...).
     """
-    run, found = _JudgedRun(schedule, k, stand, samples, measured, mean_variance), ffi.new("tumble_uncertainty_t *")
-    refusal = ffi.new("tumble_refusal_t *")
+    run = _JudgedRun(schedule, k, stand, samples, measured, mean_variance, weights=weights)
+    found, refusal = ffi.new("tumble_uncertainty_t *"), ffi.new("tumble_refusal_t *")
     require_estimable(schedule, ESTIMATOR_ROWS[estimator].uncertainty(run.struct, found, refusal), refusal)
     return unpack(found)
 

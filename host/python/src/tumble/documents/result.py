@@ -93,8 +93,9 @@ else:
             ("limits", Literal[LIMIT_KINDS]),
             ("remount", Literal[INDEPENDENT, COMMON]),
             ("samples", AtLeastOne),
-            *((one.key, Size if one.is_angle else ByChannel) for one in SOURCES.values()),
+            *((one.key, Size if one.is_angle else ByChannel) for one in SOURCES.values() if not one.of_inclinations),
             ("step_v", ByChannel | None, None),
+            *((one.key, Size | UnsetType, UNSET) for one in SOURCES.values() if one.of_inclinations),
         ],
         bases=(Document,),
         module=__name__,
@@ -109,6 +110,15 @@ class Mounting(Document):
     matrix: Matrix
     axis_tilt_deg: float
     bolting: PlaceNumber | UnsetType = UNSET
+
+
+class Inclination(Document):
+    """As a run shows it."""
+
+    mounting: PlaceNumber
+    deg: float
+    u_deg: Size | None
+    zero_deg: float
 
 
 class Position(Document):
@@ -658,6 +668,11 @@ class Result(Document, kw_only=True):
         the standard deviation of set angles from the residuals, with `alpha4_freedom`, null where they do not exceed
         the noise; `u_from` where the angles' uncertainties come from ("stand", "run", null), with `u_freedom` for
         Student's t; `augmented` the angles by the sharper fit.
+    inclinations: Of a block that is bolted on once, what the run says of its inclinations, by `mounting`: the angle of
+        the axis, `deg`, with its standard uncertainty `u_deg` (null without a stand file), and `zero_deg`, how far the
+        zero of the table angle is from that at the first one. [How](never-remounted.md)
+    level_rad: The inclination at the first mounting that is set to 0, which is how far the axis is from level; with
+        `u_level_rad`.
     intrinsic: `scale` (lengths of the rows of K), `angle_rad` {xy, xz, yz} between these rows, `bias_g` (U0_i over the
         length of row i): what does not depend on how the block sits.
     si: Coefficients for accelerations in m/s^2, where the environment has `gravity_m_s2`: `K`, `scale` (lengths of its
@@ -715,6 +730,9 @@ class Result(Document, kw_only=True):
     coverage: Coverage | None = None
     verification: Verification
     stand_seen: StandSeen | UnsetType = UNSET
+    inclinations: tuple[Inclination, ...] | UnsetType = UNSET
+    level_rad: Angle | UnsetType = UNSET
+    u_level_rad: Size | UnsetType | None = UNSET
     intrinsic: OfBlock[Sizes, Angle, Vector] | UnsetType = UNSET
     si: Si | None = None
     u_intrinsic: OfBlock[Sizes, Size, Sizes] | None = None

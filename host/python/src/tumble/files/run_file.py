@@ -41,7 +41,7 @@ from tumble.files.run_layout import (
     require_text,
     split,
 )
-from tumble.schedule import CHECK, CLOSED, Schedule
+from tumble.schedule import CLOSED, Schedule
 
 WITHIN_ONE_SIGMA = 0.6827
 _FEW_ROWS = 1 << 14  # as many are kept of what is ordered or follows in time
@@ -333,12 +333,13 @@ def read_measured(
 
 def on_schedule(read: Callable[[Schedule], Rows], schedule: CoreSchedule) -> tuple[Run, CoreSchedule]:
     """A run on a schedule. Where the schedule has a form with closures, the rows are read on that one first, once; it
-    is kept if the run has a row at a closing position."""
+    is kept if the run has a row at a position that this form alone has."""
     if schedule.name not in CLOSED:
         return read(schedule.data).run(), schedule
     closed = CoreSchedule.built_in(CLOSED[schedule.name])
     rows = read(closed.data)
-    if any(rows.store.samples[index] > 0 for index, one in enumerate(closed.data.positions) if one.use == CHECK):
+    further = [index for index, one in enumerate(closed.data.positions) if one not in schedule.data.positions]
+    if any(rows.store.samples[index] > 0 for index in further):
         return rows.run(), closed
     return rows.on(closed.data, schedule.data).run(), schedule
 

@@ -15,7 +15,7 @@ import numpy as np
 from tumble.core import MAX_MOUNTINGS, MAX_POSITIONS, MAX_YAWS, CoreRefusal, CoreSchedule
 from tumble.core.binding import estimate_runs
 from tumble.errors import BadInput, UsageError, quoted
-from tumble.estimators import HARMONIC, OPTIMAL
+from tumble.estimators import HARMONIC, INCLINATIONS, INCLINED, OPTIMAL
 from tumble.files.toml import Table, read_toml
 from tumble.messages import tell
 from tumble.schedule import BUILT_IN, CHECK, FIT, Mounting, Position, Schedule
@@ -75,6 +75,16 @@ def _require_solvable(schedule: CoreSchedule, estimator: str | None, file: str, 
             raise BadInput(f"lacks positions that {estimator} needs; least_squares solves any schedule", file) from None
         if tells:
             _tell_of_left_out(schedule, estimator, file)
+    inclined, of_inclinations = schedule.data.is_inclined, estimator in (INCLINED, OPTIMAL)
+    if inclined and estimator is not None and not of_inclinations:
+        raise BadInput(
+            f"{estimator} takes its inclinations for exact, which nobody measures; inclined finds them", file
+        )
+    if estimator == INCLINED or (inclined and estimator == OPTIMAL):
+        try:
+            schedule.inclinations()
+        except CoreRefusal:
+            raise BadInput(f"lacks what {estimator} needs: {INCLINATIONS}", file) from None
     if estimator == OPTIMAL and (count := len(schedule.data.mountings)) > MAX_YAWS:
         raise BadInput(f"has {count} mountings, optimal takes {MAX_YAWS}; least_squares solves any schedule", file)
 

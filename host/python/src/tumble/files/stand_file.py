@@ -1,7 +1,7 @@
 """Stand files: what a stand, its block and its limits are declared to be (TOML).
 
 [stand]        name, axis_tilt_rad, level_rad, remount_rad, angle_rad, noise_v, samples, limits, remount,
-               seat_rad, platform_rad, encoder_rad, drift_v
+               seat_rad, platform_rad, encoder_rad, drift_v, inclination_rad
 [block]        scale_v_per_g, misalignment_rad, serial, converter_bits, range_v, sample_rate_hz
 [block.true]   K, U0                                               this block's own, for simulation and to recognise it
 [motion]       velocity_deg_per_s, acceleration_deg_per_s2, settling_s
@@ -148,7 +148,7 @@ def _largest(source: Source) -> float:
 
 def _error(table: Table, source: Source) -> PerChannel:
     read = table.number if source.is_angle else table.per_channel
-    return read(source.key, 0.0, _largest(source), **({} if source.required else {"default": 0.0}))
+    return read(source.key, 0.0, _largest(source), **({} if source.required else {"default": source.undeclared}))
 
 
 def require_stand(stand: Stand, name: str) -> None:
@@ -158,6 +158,8 @@ def require_stand(stand: Stand, name: str) -> None:
         attribute, largest = source.attribute, _largest(source)
         value = getattr(stand, attribute)
         several = not source.is_angle and isinstance(value, tuple) and len(value) == 3
+        if source.of_inclinations and value == source.undeclared:
+            continue
         if not all(isinstance(one, Real) and 0.0 <= float(one) <= largest for one in (value if several else [value])):
             raise BadInput(f"{quoted(value)} is not a number from 0 to {largest:g}", name, column=attribute)
     if not isinstance(stand.samples, Integral) or not 1 <= stand.samples <= MAX_SAMPLES:

@@ -52,7 +52,31 @@ ADDED = (
 
 
 def _each(geometry: Geometry) -> Floats:
-    return np.eye(len(geometry.schedule.mountings))
+    """A draw for every bolting of the block, by mounting."""
+    one = np.eye(len(geometry.schedule.mountings))
+    return np.array([one[list(bolting)].sum(axis=0) for bolting in geometry.schedule.boltings])
+
+
+def _inclinations(schedule: Schedule) -> tuple[list[int], list[int]]:
+    """Mountings, by their indices, that each have an inclination of their own, and a zero of the table angle that
+    differs from that of the first one of their bolting."""
+    used = {position.mounting for position in schedule.positions}
+    found = ([one for one in bolting if schedule.mountings[one].number in used] for bolting in schedule.boltings)
+    inclined = [bolting for bolting in found if len(bolting) > 1]
+    return [one for bolting in inclined for one in bolting], [one for bolting in inclined for one in bolting[1:]]
+
+
+def _by_inclination(geometry: Geometry) -> Units:
+    one, (tilted, turned) = np.eye(len(geometry.schedule.mountings)), _inclinations(geometry.schedule)
+    return {"alpha1": one[tilted], "seat_n": one[turned]}
+
+
+def _set_at(schedule: Schedule) -> Floats:
+    """Of every draw of `inclination`, where it would be had all been as it was set, rad."""
+    tilted, turned = _inclinations(schedule)
+    off = np.deg2rad([one.off_deg for one in schedule.mountings])
+    at: Floats = -np.concatenate([off[tilted, 0], off[turned, 1]])
+    return at
 
 
 # By name, as stand.SOURCES: units of a source's draws on a schedule, with one yaw common to all mountings or not.
@@ -66,6 +90,7 @@ EFFECTS: dict[str, Callable[[Geometry, bool], Units]] = {
     "platform": lambda g, common: {"seat_h": np.ones((1, 1))},
     "encoder": lambda g, common: {"delta": encoder_waves(g.schedule)},
     "drift": lambda g, common: {ADDED: course(g.schedule)[:, None] * np.eye(3)[:, None]},
+    "inclination": lambda g, common: _by_inclination(g),
 }
 
 
@@ -73,12 +98,14 @@ EFFECTS: dict[str, Callable[[Geometry, bool], Units]] = {
 class Draws:
     """Independent draws of one kind: `sigma` (draws,) standard deviations, `derivative` (draws, positions, 3) of the
     outputs with respect to each draw, `units` of each draw as Geometry.force takes them; none where the outputs
-    are linear in it, as in noise and drift. `normal`: whatever law the stand declares."""
+    are linear in it, as in noise and drift. `normal`: whatever law the stand declares. `mean` (draws,): None where it
+    is 0. An infinite sigma is that of an unknown of which nothing is known."""
 
     sigma: Floats
     derivative: Floats
     units: Units = field(default_factory=dict)
     normal: bool = False
+    mean: Floats | None = None
 
 
 @dataclass(frozen=True)
@@ -110,9 +137,21 @@ def unit_effect(schedule: Schedule, name: str, common: bool = False) -> UnitEffe
     return UnitEffect(whole, force)
 
 
-def declared(stand: Stand) -> tuple[str, ...]:
-    """Names of the sources that count on a stand, in the order of SOURCES."""
-    return tuple(n for n, one in SOURCES.items() if one.required or by_channel(getattr(stand, one.attribute)).any())
+def _there(stand: Stand, schedule: Schedule) -> dict[str, Floats]:
+    """What a stand declares of every source that counts in a run of a schedule, in the order of SOURCES."""
+    there = {name: one for name, one in SOURCES.items() if schedule.is_inclined or not one.of_inclinations}
+    sizes = {name: by_channel(getattr(stand, one.attribute)) for name, one in there.items()}
+    return {name: size for name, size in sizes.items() if there[name].required or size.any()}
+
+
+def declared(stand: Stand, schedule: Schedule) -> tuple[str, ...]:
+    """Names of the sources that uncertainties count, in the order of SOURCES."""
+    return tuple(name for name, size in _there(stand, schedule).items() if np.isfinite(size).all())
+
+
+def free(stand: Stand, schedule: Schedule) -> tuple[str, ...]:
+    """Names of those that may have any size: unknowns, which an estimator that is good for them is not moved by."""
+    return tuple(name for name, size in _there(stand, schedule).items() if not np.isfinite(size).all())
 
 
 def sources(
@@ -127,7 +166,7 @@ def sources(
     noise = stand.mean_sigma(stand.averaged_over(samples))
     if mean_variance is not None:
         noise = np.maximum(noise, np.sqrt(mean_variance))
-    found = of_stand(schedule, k, stand, declared(stand))
+    found = of_stand(schedule, k, stand, declared(stand, schedule))
     return {
         name: replace(one, sigma=noise.ravel(), normal=True) if name == NOISE else one for name, one in found.items()
     }
@@ -140,7 +179,8 @@ def of_stand(schedule: Schedule, k: Floats, stand: Stand, names: Iterable[str]) 
         of = unit_effect(schedule, name, stand.remounting == COMMON)
         derivative, attribute = of.derivative(k), SOURCES[name].attribute
         sigma = stand.sigmas(attribute) if name in OF_OUTPUTS else np.array([stand.sigma(attribute)])
-        found[name] = Draws(np.resize(sigma, len(derivative)), derivative, of.units)
+        mean = _set_at(schedule) if SOURCES[name].of_inclinations else None
+        found[name] = Draws(np.resize(sigma, len(derivative)), derivative, of.units, mean=mean)
     return found
 
 
@@ -151,11 +191,16 @@ def places(found: Mapping[str, Draws]) -> dict[str, slice]:
 
 
 class Errors:
-    """All draws of some sources side by side: their sizes are `x` (..., draws), in radians or as outputs are."""
+    """All draws of some sources side by side: their sizes are `x` (..., draws), in radians or as outputs are. `sigma`
+    (draws,): of those that are `free` a radian, beside which any of them is small; `mean` (draws,)."""
 
     def __init__(self, schedule: Schedule, found: Mapping[str, Draws]):
         self.geometry, self.of = geometry_of(schedule), places(found)
-        self.sigma = np.concatenate([np.zeros(0), *(source.sigma for source in found.values())])
+        sigma = np.concatenate([np.zeros(0), *(source.sigma for source in found.values())])
+        means = [np.zeros(len(one.sigma)) if one.mean is None else one.mean for one in found.values()]
+        self.free = np.isinf(sigma)
+        self.sigma = np.where(self.free, 1.0, sigma)
+        self.mean = np.where(self.free, 0.0, np.concatenate([np.zeros(0), *means]))
         self._added = {name: source.derivative for name, source in found.items() if not source.units}
         self._units: dict[str, Floats] = {}
         for argument in dict.fromkeys(argument for source in found.values() for argument in source.units):

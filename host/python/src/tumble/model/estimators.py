@@ -14,7 +14,8 @@ import numpy as np
 
 from tumble.arrays import Floats, Integers
 from tumble.errors import UsageError
-from tumble.estimators import COEFFICIENTS, HARMONIC
+from tumble.estimators import COEFFICIENTS, HARMONIC, INCLINED
+from tumble.model import inclined
 from tumble.model.geometry import built_in, ideal_force
 from tumble.schedule import Mounting, Schedule
 from tumble.terms import DRIFT, POWERS, Terms, names
@@ -131,10 +132,16 @@ def by_coefficients(force: Floats) -> Floats:
     return np.concatenate([by_channel[..., :3].reshape(-1, 9), by_channel[..., 3].reshape(-1, 3)], axis=1)
 
 
-def unknowns(schedule: Schedule, means: Floats, estimator: str, terms: Terms = ()) -> Floats:
+def unknowns(
+    schedule: Schedule, means: Floats, estimator: str, terms: Terms = (), weights: Floats = inclined.EQUAL
+) -> Floats:
     """What an estimator that needs no stand finds (..., 12 + 3 x terms), from means (..., positions, 3) of all
-    positions of the schedule. Further terms are for least squares alone."""
+    positions of the schedule. Further terms are for least squares alone, `weights` of the channels (3,) for `inclined`.
+    Raises inclined.NotShown."""
     means = np.asarray(means, dtype=float)
+    if estimator == INCLINED:
+        k, u0, _ = inclined.solve(schedule, means, weights)
+        return np.concatenate([k.reshape(*k.shape[:-2], 9), u0], axis=-1)
     if estimator in HARMONIC:
         k, u0 = _harmonic(schedule, means, estimator)
         return np.concatenate([k.reshape(*k.shape[:-2], 9), u0], axis=-1)
@@ -173,6 +180,16 @@ def linear_gains(schedule: Schedule, estimator: str, terms: Terms = ()) -> Float
     count, fit = len(schedule.positions), schedule.fit_indices
     rows = unknowns(schedule, np.eye(3 * count).reshape(-1, count, 3), estimator, terms).reshape(count, 3, -1)
     return rows[fit].reshape(3 * len(fit), -1).T.copy()
+
+
+def gains_at(
+    schedule: Schedule, k: Floats, estimator: str, terms: Terms = (), weights: Floats = inclined.EQUAL
+) -> Floats:
+    """The same of any such estimator, for a block of sensitivity `k` (3, 3): of one that is not linear in the means,
+    its derivatives there. Arguments as of `unknowns`."""
+    if estimator == INCLINED:
+        return inclined.gains(schedule, k, weights)
+    return linear_gains(schedule, estimator, terms)
 
 
 @lru_cache(_REMEMBERED)

@@ -21,7 +21,7 @@ import numpy as np
 from tumble.arrays import Floats, Integers
 from tumble.distributions import chi_squared_above, chi_squared_log_above
 from tumble.documents.result import Explanation
-from tumble.model.errors import NOISE, OF_OUTPUTS, Errors, declared, of_stand
+from tumble.model.errors import NOISE, OF_OUTPUTS, Errors, declared, free, of_stand
 from tumble.model.estimators import by_coefficients, design, estimate
 from tumble.model.patterns import BY_NAME, PATTERNS, STAND, Columns, Pattern, Scene
 from tumble.model.stand_seen import ANGLES, Estimate, StandSeen
@@ -62,13 +62,14 @@ class WholeModel:
         self.k, self._u0 = estimate(self.schedule, self._outputs, "least_squares")
         by_channel = np.broadcast_to(variance.reshape(len(means), -1), means.shape)[schedule.fit_indices]
         self._noise = np.maximum(np.sqrt(by_channel), _FLOOR_G * np.abs(self.k).max())
-        names = [name for name in declared(stand) if name != NOISE]
+        names = [*(name for name in declared(stand, schedule) if name != NOISE), *free(stand, schedule)]
         self._errors = Errors(self.schedule, of_stand(self.schedule, self.k, stand, names))
         self._sigma = self._errors.sigma
+        self._known = np.flatnonzero(~self._errors.free)  # those that have a prior
         self._largest = np.full(len(self._sigma), LARGEST_ERROR_RAD)
         for name in set(OF_OUTPUTS) & set(names):
             self._largest[self._errors.of[name]] = np.inf
-        self._x = np.zeros(len(self._sigma))  # rad, or as outputs are
+        self._x = np.where(self._sigma > 0.0, 0.0, self._errors.mean)  # rad, or as outputs are
         for _ in range(PASSES):
             self._linearise()
         self.chi_squared, self.freedom = float(self.rest @ self.rest), len(self.rest)
@@ -87,12 +88,12 @@ class WholeModel:
         by_unknown = np.hstack([by_coefficients(force), self._further])
         noise = self._noise.reshape(-1, 1)
         derivatives = self._errors.derivative(self.k, self._x).reshape(len(self._x), -1).T
-        prior = np.eye(len(self._x), by_unknown.shape[1] + len(self._x), by_unknown.shape[1])
+        prior = np.eye(len(self._x), by_unknown.shape[1] + len(self._x), by_unknown.shape[1])[self._known]
         system = np.vstack([np.hstack([by_unknown / noise, derivatives * self._sigma / noise]), prior])
         sigma = np.where(self._sigma > 0.0, self._sigma, 1.0)
         shown = (self._outputs - self._errors.outputs(self.k, self._u0, self._x)).ravel() - self._further @ self._sizes
         left = shown / noise[:, 0]
-        right = np.concatenate([left, -self._x / sigma])
+        right = np.concatenate([left, ((self._errors.mean - self._x) / sigma)[self._known]])
         length = np.sqrt((system**2).sum(axis=0))
         q, r = np.linalg.qr(system / length, mode="complete")
         unknowns = system.shape[1]

@@ -86,11 +86,11 @@ class Geometry:
     ) -> Floats:
         """Specific force (g) on the block axes x, y, z: (positions, 3).
 
-        alpha1, alpha2: scalars; alpha3, seat_h, seat_n: one, or one per mounting; delta: one error, or one per
+        alpha2: scalar; alpha1, alpha3, seat_h, seat_n: one, or one per mounting; delta: one error, or one per
         position. Radians, real or complex. For many runs at once, (..., positions, 3): alpha1 and alpha2 (..., 1),
         those by mounting (..., mountings), delta (..., positions).
         """
-        tilt = self._tilt + alpha1
+        tilt = self._tilt + self._by_mounting(alpha1)
         phi = self.phi + alpha2 + delta + self._by_mounting(seat_n)
         lean, yaw = self._by_mounting(seat_h), self._by_mounting(alpha3)
         h, n, v = np.cos(tilt) * np.sin(phi), np.sin(tilt), np.cos(tilt) * np.cos(phi)

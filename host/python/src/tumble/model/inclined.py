@@ -21,7 +21,7 @@ import numpy as np
 from tumble.arrays import Floats, Integers
 from tumble.errors import UsageError
 from tumble.model.geometry import STEP, Geometry
-from tumble.schedule import Schedule
+from tumble.schedule import Mounting, Position, Schedule
 
 FEWEST = 3
 _SAME = 1e-9
@@ -137,23 +137,36 @@ def _turn(h: Floats, v: Floats, weights: Floats) -> Floats:
 
 def as_seen(schedule: Schedule, found: Inclinations) -> Schedule:
     """The schedule that the run was made on: with its inclinations, and table angles from their own zeros."""
-    tilts = dict(zip(found.numbers, np.rad2deg(found.beta).tolist()))
-    turns = dict(zip(found.numbers, np.rad2deg(found.tau).tolist()))
-    return Schedule(
-        tuple(replace(one, tilt_deg=tilts.get(one.number, one.tilt_deg)) for one in schedule.mountings),
-        tuple(replace(one, angle_deg=one.angle_deg + turns.get(one.mounting, 0.0)) for one in schedule.positions),
-    )
+    seen = {number: one for number, *one in zip(found.numbers, *np.rad2deg([found.beta, found.tau]).tolist())}
+
+    def inclined(one: Mounting) -> Mounting:
+        tilt, turn = seen.get(one.number, (one.tilt_deg, 0.0))
+        return replace(one, tilt_deg=tilt, off_deg=(one.off_deg[0] + tilt - one.tilt_deg, one.off_deg[1] + turn))
+
+    def turned(one: Position) -> Position:
+        return replace(one, angle_deg=one.angle_deg + seen.get(one.mounting, (0.0, 0.0))[1])
+
+    return Schedule(tuple(map(inclined, schedule.mountings)), tuple(map(turned, schedule.positions)))
 
 
-def gains(schedule: Schedule, k: Floats, found: Inclinations | None = None, weights: Floats = EQUAL) -> Floats:
-    """Derivatives (12, 3 x fit positions) of K row by row and U0 by the means, the channel running fastest, at a block
-    of sensitivity `k` on the inclinations that were found; None: on those of the schedule. By complex steps."""
-    seen = schedule if found is None else as_seen(schedule, found)
-    means, fit = Geometry(seen).outputs(k, np.zeros(3)), schedule.fit_indices
+@lru_cache(64)
+def _derivatives(schedule: Schedule, k: bytes, weights: bytes) -> tuple[Floats, Floats]:
+    means, fit = Geometry(schedule).outputs(np.frombuffer(k).reshape(3, 3), np.zeros(3)), schedule.fit_indices
     stepped = np.tile(means.astype(complex), (3 * len(fit), 1, 1))
     for row, (position, channel) in enumerate((position, channel) for position in fit for channel in range(3)):
         stepped[row, position, channel] += 1j * STEP
-    by_k, by_u0, _ = solve(schedule, stepped, weights)
-    columns = np.concatenate([by_k.reshape(len(stepped), 9), by_u0], axis=1)
-    derived: Floats = np.imag(columns).T / STEP
-    return derived
+    by_k, by_u0, found = solve(schedule, stepped, np.frombuffer(weights))
+    coefficients = np.concatenate([by_k.reshape(len(stepped), 9), by_u0], axis=1)
+    inclinations = np.concatenate([found.beta, found.tau], axis=1)
+    return np.imag(coefficients).T / STEP, np.imag(inclinations).T / STEP
+
+
+def gains(schedule: Schedule, k: Floats, weights: Floats = EQUAL) -> Floats:
+    """Derivatives (12, 3 x fit positions) of K row by row and U0 by the means, the channel running fastest, for a block
+    of sensitivity `k` at the inclinations of the schedule. By complex steps."""
+    return _derivatives(schedule, *(np.ascontiguousarray(one, dtype=float).tobytes() for one in (k, weights)))[0]
+
+
+def gains_of_inclinations(schedule: Schedule, k: Floats, weights: Floats = EQUAL) -> Floats:
+    """The same of what a run says of its inclinations: of every beta, then of every tau."""
+    return _derivatives(schedule, *(np.ascontiguousarray(one, dtype=float).tobytes() for one in (k, weights)))[1]

@@ -30,6 +30,7 @@ from tumble.model.errors import (
     by_gains,
     covariance_of,
     declared,
+    free,
     of_stand,
     places,
 )
@@ -80,8 +81,9 @@ def samples_in_a_mean(schedule: Schedule, stand: Stand, samples: Integers) -> fl
 def shared_errors(schedule: Schedule, k: Floats, stand: Stand) -> dict[str, Draws]:
     """The errors that positions share, on a schedule of fit positions: in the order in which records have them, then
     those that no record has."""
-    others = [name for name in declared(stand) if name not in (*_SHARED, "alpha4", NOISE)]
-    return of_stand(schedule, k, stand, [*(name for name in _SHARED if name in declared(stand)), *others])
+    named = declared(stand, schedule)
+    others = [*(name for name in named if name not in (*_SHARED, "alpha4", NOISE)), *free(stand, schedule)]
+    return of_stand(schedule, k, stand, [*(name for name in _SHARED if name in named), *others])
 
 
 @dataclass(frozen=True)
@@ -93,7 +95,7 @@ class OptimalTable:
     platform's in it, then theta_n of each, then the numbers of the encoder, then drifts; `sigma` (4,) of alpha1 to
     alpha4, radians; `sigma_mean`: noise of a mean of the noisiest channel, and of the others over their `weights` (3,);
     `u`: standard deviations of the estimate, which are the Cramer-Rao bound; `floored`: some noise is the floor and not
-    the stand's.
+    the stand's; `expected` (3P,): outputs that the declared means of the errors add, which gains are not for.
     """
 
     k: Floats
@@ -108,6 +110,7 @@ class OptimalTable:
     weights: Floats
     u: Floats
     floored: bool
+    expected: Floats
 
 
 class _Whitened:
@@ -121,6 +124,9 @@ class _Whitened:
         derivative = np.concatenate([source.derivative for source in self.found.values()])
         self.by_error = derivative.reshape(len(derivative), -1).T * self.errors.sigma
         self.model = np.hstack([self.by_error, self.design])
+        self.expected = derivative.reshape(len(derivative), -1).T @ self.errors.mean
+        in_records = [np.full(len(one.sigma), name in (*_SHARED, "alpha4")) for name, one in self.found.items()]
+        self._in_records = np.concatenate(in_records).astype(float)
         self.weights = np.tile(channel_weights(sigma), len(self.design) // 3)
         prior = largest * np.eye(self.by_error.shape[1], self.model.shape[1])
         self.system = np.vstack([self.model * self.weights[:, None], prior])
@@ -147,14 +153,16 @@ class _Whitened:
 
     def solve_exactly(self, measured: Floats) -> tuple[Floats, Floats]:
         """All unknowns (runs, n) on the exact geometry, from `measured` (runs, fit positions, 3); and the outputs
-        (runs, 3 x fit positions) without what this has beyond its linearisation."""
-        corrected = measured = measured.reshape(len(measured), -1)
+        (runs, 3 x fit positions) without what this has beyond its linearisation, and without what the declared means of
+        the errors add. What no record has is small where a run is linearised, and counts by its first order alone."""
+        corrected = measured = measured.reshape(len(measured), -1) - self.expected
         x = self.solve(measured.T).T
         for _ in range(CORRECTIONS):
+            known = x * np.concatenate([self._in_records, np.ones(self.count)])
             found = x[:, -self.count :]
-            exact = self.errors.outputs(found[:, :9].reshape(-1, 3, 3), found[:, 9:12], self.sizes(x))
+            exact = self.errors.outputs(found[:, :9].reshape(-1, 3, 3), found[:, 9:12], self.sizes(known))
             further = found[:, 12:] @ self.design[:, 12:].T
-            corrected = measured - (exact.reshape(measured.shape) + further - x @ self.model.T)
+            corrected = measured - (exact.reshape(measured.shape) + further - known @ self.model.T)
             x = self.solve(corrected.T).T
         return x, corrected
 
@@ -194,23 +202,29 @@ def optimal_table(
         claimed = _deviations(beta, whitened.by_error, sigma)
     if not (np.isfinite(prior).all() and lost < LARGEST_LOSS and (np.abs(claimed - u) < LARGEST_LOSS * u).all()):
         raise UsageError(UNEQUAL)
-    mountings, named = len(schedule.mountings), declared(stand)
-    yaws, seats = 1 if stand.remounting == COMMON else mountings, mountings if stand.declares_seat else 0
+    mountings, named = len(schedule.mountings), declared(stand, schedule)
+    yaws = 1 if stand.remounting == COMMON or len(schedule.boltings) == 1 else mountings
+    seats = mountings if stand.declares_seat else 0
     counts = yaws, seats, 4 if "encoder" in named else 0, 3 if "drift" in named else 0
     nuisance = by_mounting(prior * whitened.errors.sigma[:, None], whitened.found, whitened.schedule, stand)
     sigmas = np.array([stand.sigma(name) for name in ("axis_tilt", "level", "remount", "angle")])
-    return OptimalTable(k, beta, nuisance, *counts, sigmas, float(sigma.max()), channel_weights(sigma), u, floored)
+    return OptimalTable(
+        k, beta, nuisance, *counts, sigmas, float(sigma.max()), channel_weights(sigma), u, floored, whitened.expected
+    )
 
 
 def by_mounting(found: Floats, errors: dict[str, Draws], schedule: Schedule, stand: Stand) -> Floats:
     """Gains (..., rows, 3P) of what positions share, as a table has them: that of the platform is in the seat of each
     mounting. `found` (..., draws, 3P): of `errors`."""
-    of = places(errors)
+    of, boltings = places(errors), schedule.boltings
+    bolted = [next(b for b, one in enumerate(boltings) if m in one) for m in range(len(schedule.mountings))]
     rows = [found[..., of[name], :] for name in ("alpha1", "alpha2", "alpha3")]
+    if rows[2].shape[-2] > 1:
+        rows[2] = rows[2][..., bolted, :]
     if stand.declares_seat:
-        none = np.zeros((*found.shape[:-2], 2 * len(schedule.mountings), found.shape[-1]))
+        none = np.zeros((*found.shape[:-2], 2 * len(boltings), found.shape[-1]))
         seats = found[..., of["seat"], :] if "seat" in of else none
-        leaning, turned = np.split(seats, 2, axis=-2)
+        leaning, turned = (one[..., bolted, :] for one in np.split(seats, 2, axis=-2))
         rows += [leaning + (found[..., of["platform"], :] if "platform" in of else 0.0), turned]
     rows += [found[..., of[name], :] for name in ("encoder", "drift") if name in of]
     return np.concatenate(rows, axis=-2)
@@ -222,7 +236,8 @@ def standard_deviations(
     """Standard deviations (rows,) of an estimate with gains `weights` (rows, 3P), for a block of sensitivity `k` and
     means with noise `sigma_mean`, of each channel or of all."""
     fitted = schedule.fitted
-    found = of_stand(fitted, k, stand, [name for name in declared(stand) if name != NOISE]).values()
+    names = [name for name in declared(stand, schedule) if name != NOISE]
+    found = of_stand(fitted, k, stand, names).values()
     by_error = np.concatenate([one.derivative.reshape(len(one.sigma), -1) * one.sigma[:, None] for one in found]).T
     return _deviations(weights, by_error, by_channel(sigma_mean))
 
@@ -327,6 +342,6 @@ def optimal_covariance(
     noise = np.hypot(np.maximum(one_sample / np.sqrt(averaged), floor), by_channel(stand.rounding))
     if mean_variance is not None:
         noise = np.maximum(noise, np.sqrt(mean_variance))
-    whole = of_stand(schedule, k, stand, declared(stand))
+    whole = of_stand(schedule, k, stand, declared(stand, schedule))
     whole[NOISE] = Draws(noise.ravel(), whole[NOISE].derivative)
     return covariance_of(by_gains(schedule, whitened.gains), whole)

@@ -22,8 +22,9 @@ import numpy as np
 from tumble.arrays import Floats, Integers
 from tumble.documents.result import Shift
 from tumble.estimators import COEFFICIENTS, OPTIMAL
+from tumble.model import inclined
 from tumble.model.errors import Draws, brought, by_gains, covariance_of, exact_outputs, sources
-from tumble.model.estimators import linear_gains
+from tumble.model.estimators import gains_at
 from tumble.model.optimal import OptimalTable, optimal_covariance, optimal_table, samples_in_a_mean
 from tumble.schedule import Schedule
 from tumble.stand import PerChannel, Stand
@@ -45,6 +46,11 @@ class Propagation:
     step: PerChannel = 0.0
     terms: Terms = ()
 
+    @property
+    def weights(self) -> Floats:
+        """Of the channels (3,), where the estimator is not told more of the stand."""
+        return self.stand.weights
+
     @cached_property
     def table(self) -> OptimalTable:
         """The weights of `optimal`, made at `k`."""
@@ -57,7 +63,16 @@ class Propagation:
         positions)."""
         if self.estimator == OPTIMAL:
             return self.table.gains
-        return linear_gains(self.schedule, self.estimator, self.terms)
+        return gains_at(self.schedule, self.k, self.estimator, self.terms, self.weights)
+
+    def u_inclinations(self, variance: Floats | None = None) -> Floats:
+        """Standard uncertainties (inclinations,) of the angles at which the block was inclined, rad, by the closed
+        form: an error of the axis is what they tell."""
+        by_means = inclined.gains_of_inclinations(self.schedule, self.k, self.weights)
+        others = {name: one for name, one in self.errors(variance).items() if name not in ("alpha1", "inclination")}
+        found = brought(by_gains(self.schedule, by_means[: len(by_means) // 2]), others)
+        u: Floats = np.sqrt(sum((draws**2).sum(axis=0) for draws in found.values()))
+        return u
 
     def errors(self, variance: Floats | None = None) -> dict[str, Draws]:
         """Every source of error; `variance` (positions, 3): of the means by the noise as measured, where it counts for
@@ -155,9 +170,13 @@ ManyRuns = Callable[[Floats], Floats]  # from means (runs, positions, 3), all me
 
 
 def second_order(given: Propagation, u: Floats, estimate: ManyRuns) -> SecondOrder:
-    """For an `estimate` as `given`, with claimed standard uncertainties `u` (12,)."""
+    """For an `estimate` as `given`, with claimed standard uncertainties `u` (12,). Where the block is inclined, the
+    schedule has the inclinations of the run: errors of the axis have come out before."""
     schedule, k = given.schedule, given.k
-    errors = {name: source for name, source in given.errors().items() if source.units and source.sigma.any()}
+    followed = ("alpha1", "inclination") if given.estimator == OPTIMAL and schedule.is_inclined else ()
+    errors = {
+        name: one for name, one in given.errors().items() if one.units and one.sigma.any() and name not in followed
+    }
     count = sum(len(source.sigma) for source in errors.values())
 
     def moved(draws: Floats) -> Floats:

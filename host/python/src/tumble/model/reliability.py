@@ -21,7 +21,7 @@ from tumble.arrays import Flags, Floats
 from tumble.distributions import noncentrality
 from tumble.model.coefficients import norm_gradient, spread_attitudes
 from tumble.model.errors import brought, by_gains, declared, of_stand, unit_effect
-from tumble.model.estimators import design, linear_gains
+from tumble.model.estimators import design, gains_at
 from tumble.model.fit import CONFIDENCE, DOUBTS, WholeModel, basis, variance_of_means
 from tumble.model.geometry import ideal_force
 from tumble.model.patterns import BLOCK, BY_NAME, PATTERNS, Columns, Pattern, Scene
@@ -38,9 +38,9 @@ _UNIT_SEAT = Stand(0.0, 0.0, 0.0, 0.0, 0.0, 1, "sigma1", seat=1.0, platform=1.0)
 def seat_is_unseen(schedule: Schedule, k: Floats, terms: Terms = ()) -> bool:
     """Whether the fit positions show nothing of a common tilt of the block against the axis, beside coefficients, all
     other angles that positions share, and further `terms` of the model."""
-    fitted, mountings = schedule.fitted, len(schedule.mountings)
-    angles = [unit_effect(fitted, name).derivative(k) for name in ("alpha1", "alpha2", "alpha3")]
-    angles.append(unit_effect(fitted, "seat").derivative(k)[mountings:])
+    fitted, boltings = schedule.fitted, len(schedule.boltings)
+    angles = [unit_effect(fitted, name).derivative(k) for name in ("alpha1", "alpha2", "alpha3", "inclination")]
+    angles.append(unit_effect(fitted, "seat").derivative(k)[boltings:])
     others = np.concatenate(angles)
     explaining = np.column_stack([design(fitted, terms), others.reshape(len(others), -1).T])
     return _is_hidden(unit_effect(fitted, "platform").derivative(k).reshape(1, -1).T, explaining)
@@ -51,7 +51,7 @@ def moved_by_a_seat(schedule: Schedule, k: Floats, estimator: str) -> dict[str, 
     and a platform of one radian, to first order. `estimator`: one of estimators.LINEAR."""
     fitted = schedule.fitted
     errors = of_stand(fitted, k, _UNIT_SEAT, ("seat", "platform"))
-    moved = brought(by_gains(fitted, linear_gains(fitted, estimator)), errors)
+    moved = brought(by_gains(fitted, gains_at(fitted, k, estimator)), errors)
     return {name: np.linalg.norm(draws, axis=0) for name, draws in moved.items()}
 
 
@@ -59,10 +59,12 @@ def unseen_patterns(schedule: Schedule, k: Floats, estimator: str) -> dict[str, 
     """By name of a pattern of the block that no fit position shows: the elements of K (3, 3) that it moves, where it
     moves any. `estimator`: one of estimators.LINEAR."""
     fitted, found = schedule.fitted, {}
+    inclinations = unit_effect(fitted, "inclination").derivative(k)
+    explaining = np.column_stack([design(fitted), inclinations.reshape(len(inclinations), 3 * len(fitted.positions)).T])
     for pattern in (one for one in PATTERNS if one.whose == BLOCK):
         columns = np.array(list(pattern.columns(Scene(fitted, k))[0].values()))
-        if columns.any() and _is_hidden(columns.reshape(len(columns), -1).T, design(fitted)):
-            moved = np.abs(linear_gains(fitted, estimator)[:9] @ columns.sum(axis=0).ravel()).reshape(3, 3)
+        if columns.any() and _is_hidden(columns.reshape(len(columns), -1).T, explaining):
+            moved = np.abs(gains_at(fitted, k, estimator)[:9] @ columns.sum(axis=0).ravel()).reshape(3, 3)
             if moved.max() > _SEEN * np.abs(columns).max():  # else it is a bias
                 found[pattern.name] = moved > _COUNTS * moved.max()
     return found
@@ -103,7 +105,7 @@ def reliability(given: Propagation, confidence: float = CONFIDENCE, rounding: fl
     means, variance = ideal_force(schedule) @ k.T, variance_of_means(stand, given.samples, rounding)
     model = WholeModel(schedule, means, variance, stand, terms)
     tested = [one for one in PATTERNS if one.name not in terms]
-    taken_up = {*DOUBTS, *(pattern for name in declared(stand) for pattern in SOURCES[name].patterns)}
+    taken_up = {*DOUBTS, *(pattern for name in declared(stand, schedule) for pattern in SOURCES[name].patterns)}
     false_alarms = (1.0 - confidence) / (len(tested) + _BESIDE)
     attitudes = spread_attitudes(_ATTITUDES)  # where |a| counts
     gradient, found = norm_gradient(k, attitudes, terms), []

@@ -84,9 +84,9 @@ class RunSeen:
     that differ: every variance is then of outputs times these.
 
     `_left` is what an ideal stand leaves of the outputs, over max|K|. The outputs of the P fitted positions are linear
-    in everything: `_design` (3P, 14 + mountings) is for coefficients, alpha1, alpha2, alpha3 by mounting,
-    `_by_set_angle` (P, 3P) for each set angle. Of the unknowns behind the coefficients `_combinations` are what is
-    told, by name or, of a yaw change from the third on, by mounting."""
+    in everything: `_design` is for coefficients, alpha1, alpha2, alpha3 by bolting, and inclinations where the block is
+    inclined, `_by_set_angle` (P, 3P) for each set angle. Of the unknowns behind the coefficients `_combinations` are
+    what is told, by name or, of a yaw change from the third on, by mounting."""
 
     def __init__(
         self,
@@ -104,20 +104,21 @@ class RunSeen:
         ideal, outputs = design(self._fitted), self._means.ravel()
         self._left: Floats = outputs - ideal @ np.linalg.lstsq(ideal, outputs, rcond=None)[0]
         self._slots = _paper_slots(self._fitted, whole or schedule)
-        angles = [unit_effect(self._fitted, name).derivative(self._k) for name in ("alpha1", "alpha2", "alpha3")]
-        by_angle = np.concatenate(angles)
+        shared = ("alpha1", "alpha2", "alpha3", "inclination")
+        by_angle = np.concatenate([unit_effect(self._fitted, name).derivative(self._k) for name in shared])
         self._design = np.column_stack([ideal, by_angle.reshape(len(by_angle), -1).T])
         self._by_set_angle = unit_effect(self._fitted, "alpha4").derivative(self._k).reshape(len(self._fit), -1)
-        mountings = len(schedule.mountings)
-        used = [schedule.mountings.index(mounting) for mounting in schedule.fitted_mountings]
-        mean, one = np.zeros(mountings), np.eye(mountings)
+        boltings = [[schedule.mountings[index] for index in bolting] for bolting in schedule.boltings]
+        fitted = schedule.fitted_mountings
+        used = [index for index, them in enumerate(boltings) if any(mounting in fitted for mounting in them)]
+        mean, one = np.zeros(len(boltings)), np.eye(len(boltings))
         mean[used] = 1 / len(used)
         changes: dict[str | int, Floats] = {}
         for other in used[1:]:
-            changes[schedule.mountings[other].number] = np.array([0.0, 0.0, *(one[used[0]] - one[other])])
+            changes[boltings[other][0].number] = np.array([0.0, 0.0, *(one[used[0]] - one[other])])
         second = next(iter(changes), None)
         self._combinations: dict[str | int, Floats | None] = {
-            "alpha1": np.array([1.0, 0.0, *np.zeros(mountings)]),
+            "alpha1": np.array([1.0, 0.0, *np.zeros(len(boltings))]),
             "alpha2_plus_alpha3": np.array([0.0, 1.0, *mean]),
             "alpha3_difference": None if second is None else changes.pop(second),
             **changes,
@@ -172,7 +173,7 @@ class RunSeen:
         for name, combination in self._combinations.items():
             row = np.zeros(unknowns + count)
             if combination is not None:
-                row[12:unknowns] = combination
+                row[12 : 12 + len(combination)] = combination
                 if np.abs(directions[rank:] @ row).max(initial=0.0) < _INESTIMABLE:
                     gains = row @ inverse
                     found[name] = Estimate(float(gains[: len(right)] @ right), float(np.linalg.norm(gains)))

@@ -53,7 +53,7 @@ class Budget:
 
 def sources(case: Case, published: bool) -> tuple[str, ...]:
     """Names of the sources that count; the paper has no seat."""
-    return SOURCES if published else weights.sources_of(case.stand)
+    return SOURCES if published else weights.sources_of(case)
 
 
 def size_keys(names: tuple[str, ...]) -> tuple[str, ...]:

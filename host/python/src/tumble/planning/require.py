@@ -150,7 +150,7 @@ def _by_pattern(case: Case, estimator: str, patterns: Floats) -> Floats:
     for pattern in patterns:
         k = case.nominal_k(pattern)
         gain_rows = weights.estimator_gains(case, estimator, k) if fixed is None else fixed
-        gamma = weights.absolute_weights(schedule, common, k, gain_rows, weights.sources_of(case.stand), case.stand)
+        gamma = weights.absolute_weights(schedule, common, k, gain_rows, weights.sources_of(case), case.stand)
         found.append(_with_noise_row(case, gamma / weights.reference_values(k)[:, None]))
     return np.array(found)
 
@@ -176,7 +176,7 @@ def stand_of(case: Case, sizes: Floats) -> Case:
     of_means, total = size * case.stand.profile("noise"), case.stand.mean_sigma(case.stand.samples)
     part = np.divide(by_channel(case.stand.rounding), total, out=np.zeros(3), where=total > 0.0)
     noise, rounding = (per_channel(of_means * share) for share in (np.sqrt(1.0 - part**2), part))
-    further: Any = dict(zip(weights.sources_of(case.stand)[len(SOURCES) :], rest))
+    further: Any = dict(zip(weights.sources_of(case)[len(SOURCES) :], rest))
     if "drift" in further:
         further["drift"] = per_channel(further["drift"] * case.stand.profile("drift"))
     further |= {"remounting": case.stand.remounting, "rounding": rounding}
@@ -192,7 +192,7 @@ def _optimal_terms(case: Case, sizes: Floats, patterns: Floats) -> Floats:
 
 def _ceilings(case: Case) -> Floats:
     """The largest sizes that are tried (sources,): of angles CEILING_RAD, of outputs 1 g."""
-    return np.array([case.full_scale.get(name, CEILING_RAD) for name in weights.sources_of(case.stand)])
+    return np.array([case.full_scale.get(name, CEILING_RAD) for name in weights.sources_of(case)])
 
 
 def _grown(case: Case, row_limit: float, split: Floats) -> Requirements:

@@ -195,7 +195,9 @@ class NormSpread:
         one_sample = replace(case.stand, samples=1)
         self.noise = mean_sigma(k, one_sample, case.step_v, 1)[0] ** 2
         self.rounding = by_channel(case.stand.rounding) ** 2
-        found = of_stand(schedule, k, one_sample, [name for name in declared(one_sample) if name != NOISE]).values()
+        found = of_stand(
+            schedule, k, one_sample, [name for name in declared(one_sample, schedule) if name != NOISE]
+        ).values()
         errors = np.concatenate([one.derivative * one.sigma[:, None, None] for one in found])
         shared = (np.abs(errors).max(axis=2) > 0.0).sum(axis=1) > 1
         self.shared = np.moveaxis(errors[shared], 0, 2)

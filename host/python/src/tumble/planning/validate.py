@@ -244,7 +244,7 @@ def _stated(case: Case, weights: Floats) -> Callable[[Floats], Floats]:
 
     What an error of the stand brings to a coefficient is linear in K; what noise and drift bring does not depend on it.
     """
-    names = [name for name in declared(case.stand) if name not in OF_OUTPUTS]
+    names = [name for name in declared(case.stand, case.schedule) if name not in OF_OUTPUTS]
     by_error = []
     for one in np.eye(9).reshape(9, 3, 3):
         found = of_stand(case.fitted, one, case.stand, names).values()

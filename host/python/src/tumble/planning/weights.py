@@ -23,7 +23,7 @@ import numpy as np
 from tumble import core
 from tumble.arrays import Floats
 from tumble.errors import UsageError
-from tumble.estimators import ESTIMATORS, HARMONIC, OPTIMAL
+from tumble.estimators import ESTIMATORS, HARMONIC, INCLINED, LINEAR, OPTIMAL
 from tumble.model.errors import NOISE, OF_OUTPUTS, declared, unit_effect
 from tumble.model.estimators import paper_slots
 from tumble.planning.case import Case
@@ -132,14 +132,16 @@ def estimator_gains(case: Case, estimator: str, k: Floats) -> Floats:
 
 
 def estimators_of(case: Case) -> tuple[str, ...]:
-    """Those that find all that the case's model has, in as many mountings as they can."""
-    names = EXTENDABLE if case.terms else ESTIMATORS
-    return tuple(name for name in names if name != OPTIMAL or len(case.schedule.mountings) <= core.MAX_YAWS)
+    """Those that find all that the case's model has, in as many mountings as they can, inclined or not."""
+    names = [name for name in ESTIMATORS if not case.terms or name in EXTENDABLE]
+    too_many = len(case.schedule.mountings) > core.MAX_YAWS
+    of_inclinations = (INCLINED, OPTIMAL) if case.schedule.is_inclined else (*LINEAR, OPTIMAL)
+    return tuple(name for name in names if name in of_inclinations and not (name == OPTIMAL and too_many))
 
 
-def sources_of(stand: Stand) -> tuple[str, ...]:
+def sources_of(case: Case) -> tuple[str, ...]:
     """The columns of derived weights: SOURCES, and all others that the stand declares."""
-    return (*SOURCES, *(name for name in declared(stand) if name not in SOURCES))
+    return (*SOURCES, *(name for name in declared(case.stand, case.schedule) if name not in SOURCES))
 
 
 def absolute_weights(
@@ -182,7 +184,7 @@ def reference_values(k: Floats) -> Floats:
 def derived(case: Case, estimator: str, k: Floats) -> Floats:
     """The weights of an estimator on the exact geometry, to first order, for a block of sensitivity `k`."""
     rows, common = estimator_gains(case, estimator, k), case.stand.remounting == COMMON
-    given = case.fitted, common, k, rows, sources_of(case.stand), case.stand
+    given = case.fitted, common, k, rows, sources_of(case), case.stand
     return absolute_weights(*given) / reference_values(k)[:, None]
 
 

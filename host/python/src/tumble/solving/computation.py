@@ -13,14 +13,15 @@ import numpy as np
 
 from tumble import core
 from tumble.arrays import Flags, Floats
-from tumble.core.binding import GainRecord, estimate_runs as core_runs, optimal_runs
+from tumble.core.binding import GainRecord, estimate_runs as core_runs, inclined_runs, optimal_runs
 from tumble.errors import BadInput, Disagreement, UsageError, listed
-from tumble.estimators import OPTIMAL
+from tumble.estimators import INCLINED, OPTIMAL
 from tumble.model import coefficients, estimators
 from tumble.model.coefficients import NotSolvable, linear_outputs
 from tumble.model.errors import by_gains
 from tumble.model.estimators import columns_at, magnification, unknowns
 from tumble.model.geometry import ideal_force
+from tumble.model.inclined import EQUAL, Inclinations
 from tumble.model.optimal import OptimalEstimate, by_table
 from tumble.model.propagation import ManyRuns, Propagation
 from tumble.schedule import Schedule
@@ -35,7 +36,8 @@ class Computation:
 
     `closure`: by mounting number, for mountings that came back to an attitude. `residual_rms`: None with fewer than
     five fit positions. `sizes` (terms, 3) of further `terms` (tumble.terms); `linear` (positions, 3): the means without
-    them, which is what the gravity check and all others look at.
+    them, which is what the gravity check and all others look at. `inclinations`: as the closed form sees them, of a
+    block that is bolted on once.
     """
 
     estimator: str
@@ -48,6 +50,18 @@ class Computation:
     terms: Terms
     sizes: Floats
     linear: Floats
+    inclinations: Inclinations | None = None
+
+
+def look_at_inclinations(
+    schedule: core.CoreSchedule, means: Floats, measured: Flags, weights: Floats = EQUAL
+) -> tuple[Floats, Inclinations]:
+    """Coefficients (12,) and inclinations by the core's closed form; `weights` (3,) of the channels, best in proportion
+    to 1 / noise. Raises CoreRefusal."""
+    part = schedule.part(measured)
+    found, beta, tau = inclined_runs(part, means[None, measured], weights)
+    numbers = tuple(one.number for one in part.data.fitted_mountings)
+    return found[0], Inclinations(numbers, beta[0], tau[0])
 
 
 def compute(
@@ -58,8 +72,10 @@ def compute(
     limit_g: float,
     weighting: optimal_run.Weighting | None = None,
     terms: Terms = (),
+    inclined: Floats | None = None,
 ) -> Computation:
-    """Let the core estimate and verify. `weighting`: of the optimal estimator, which alone needs it.
+    """Let the core estimate and verify. `weighting`: of the optimal estimator, which alone needs it; `inclined` (12,):
+    what the closed form has found already, with the inclinations that the schedule now has.
 
     Raises CoreRefusal; NotSolvable, also where a channel does not feel gravity.
     """
@@ -72,6 +88,8 @@ def compute(
             table = optimal_run.make_table(schedule, means, measured, weighting, terms)
             found = by_table(table, part.data, weighting.stand, terms, lone).ravel()
         k, u0, sizes = found[:9].reshape(3, 3), found[9:12], found[12:].reshape(-1, 3)
+    elif inclined is not None and weighting is None:
+        k, u0 = inclined[:9].reshape(3, 3), inclined[9:]
     elif weighting is None:
         k, u0 = core.estimate(schedule, means, measured, estimator)
     else:
@@ -115,6 +133,7 @@ _LAST_BITS = 16 * np.finfo(float).eps
 _MAGNIFIED_BITS = 2 * np.finfo(float).eps
 _SINGLE_BIT = 2.0**-24  # the core keeps the second order of table angles, about their square, in single precision
 _DERIVED = 10.0
+_SAME_ANGLE = 1e-12
 
 
 @dataclass(frozen=True)
@@ -133,12 +152,14 @@ def compare(
     linear: Floats,
     delta_g: Floats,
     optimal: OptimalEstimate | None = None,
+    weights: Floats = EQUAL,
 ) -> Comparison:
     """Compute all of it again and compare. Raises Disagreement, naming the quantity that differs.
 
     `schedule`, `means` (positions, 3) and the core's `delta_g` (positions,) hold the measured positions only; `linear`:
     the means without further terms.
-    `optimal`: what the witness of the optimal estimator found, where that is the one in use.
+    `optimal`: what the witness of the optimal estimator found, where that is the one in use. `weights` (3,) of the
+    channels, as `inclined` has them.
 
     Coefficients may differ by 1e-12 of max|K|, or where that is coarser by 16 times the last bit of the largest output
     (offsets of hundreds of g), or by twice that bit as a weak schedule magnifies it; those of the optimal estimator by
@@ -153,7 +174,7 @@ def compare(
         u_of_all = optimal.u_k, optimal.u_u0, optimal.u_sizes
         allowed_k, allowed_u0, allowed_sizes = (np.maximum(OPTIMAL_LIMIT_U * u, bits) for u in u_of_all)
     else:
-        numbers = unknowns(schedule, means, found.estimator, found.terms)
+        numbers = unknowns(schedule, means, found.estimator, found.terms, weights)
         k, u0, sizes = numbers[:9].reshape(3, 3), numbers[9:12], numbers[12:].reshape(-1, 3)
         bits = max(_LAST_BITS, _MAGNIFIED_BITS * magnification(schedule, found.terms)) * float(largest)
         allowed_k = allowed_u0 = np.array(max(RELATIVE_LIMIT * np.abs(k).max(), bits))
@@ -194,6 +215,12 @@ def compare_uncertainties(stated: Floats, by_numpy: Floats, optimal: bool) -> No
     limits = np.maximum((OPTIMAL_LIMIT_U if optimal else UNCERTAINTY_LIMIT) * by_numpy, _ROUNDED_U * by_numpy.max())
     for name, part in (("u_K", slice(9)), ("u_U0", slice(9, 12)), ("u of further terms", slice(12, None))):
         _require(name, stated[part], by_numpy[part], limits[part])
+
+
+def compare_inclinations(found: Inclinations, witness: Inclinations) -> None:
+    """Raise Disagreement where core and numpy see others: angles in rad, 1e-12 of one allowed."""
+    _require("an inclination", found.beta, witness.beta, _SAME_ANGLE)
+    _require("the zero of the table angle at an inclination", found.tau, witness.tau, _SAME_ANGLE)
 
 
 def _require(name: str, core: Floats | float | None, witness: Floats | float | None, limit: Floats | float) -> None:
@@ -252,6 +279,8 @@ def estimator_for(given: Propagation) -> ManyRuns:
     terms). `optimal` has weights made at the `k` given: its second order makes up for those of each run's own K. What
     is returned raises CoreRefusal."""
     schedule, terms = core.CoreSchedule(given.schedule), given.terms
+    if given.estimator == INCLINED:
+        return lambda means: inclined_runs(schedule, means, given.weights)[0]
     if given.estimator != OPTIMAL:
         if terms:
             return lambda means: least_squares(schedule, means, terms)

@@ -58,6 +58,7 @@ ASSUMPTIONS: Mapping[str, Assumption] = {
     "seat": Assumption("a square seat", "no position shows the block's tilt against the axis", "*"),
     "linear": Assumption("linearity", "the positions do not show all higher orders of the block", "^"),
     "order": Assumption("nothing exchanged or reversed", "no [block] says that its axes are such"),
+    "incline": Assumption("inclines to the side told", "no [block] says the sign of the scale that an exchange turns"),
     "unit": Assumption("volts", "the run file names no unit (--unit)"),
     "white_noise": Assumption("white noise", "too few samples at a position to test it"),
     "undithered": Assumption("independent rounding errors", "all samples of a position round alike"),
@@ -90,6 +91,7 @@ def assumed(solution: Solution) -> dict[str, Coefficients]:
         rests_on["linear"] = tuple(COEFFICIENTS[index] for index in np.flatnonzero(moved_k))
     whole = {
         "order": solution.is_out_of_order,
+        "incline": solution.inclinations is not None and not solution.knows_signs,
         "unit": not run.unit_told,
         "white_noise": run.samples.max() < _FEWEST_TO_TEST,
         "undithered": solution.noise.undithered.any(),

@@ -29,6 +29,7 @@ from tumble.model.geometry import built_in, ideal_force
 from tumble.model.optimal import NOISE_FLOOR_G
 from tumble.model.propagation import Propagation
 from tumble.schedule import BUILT_IN, Schedule
+from tumble.solving.result import as_shown
 from tumble.stand import PerChannel, Stand, by_channel, over, rounding_of
 from tumble.terms import KEYS, POWERS, Terms
 from tumble.units import volts_per
@@ -65,9 +66,9 @@ def measured_schedule(result: Result, given: Schedule | None = None) -> Schedule
     the result has the residuals that it states; None where it has them on none. Raises UsageError where the given one
     is not the result's."""
     if given is None:
-        parts = (_part(result, built_in(name)) for name in BUILT_IN)
+        parts = (_part(result, as_shown(built_in(name), result)) for name in BUILT_IN)
         return next((part for part in parts if part is not None and _has_residuals(result, part)), None)
-    part = _part(result, given)
+    part = _part(result, as_shown(given, result))
     if part is None:
         raise UsageError("schedule: not that of the result, whose positions it lacks, or uses otherwise")
     if _has_residuals(result, part) is False:

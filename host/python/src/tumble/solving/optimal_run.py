@@ -233,7 +233,9 @@ def make_table(
 
 def apply_table(table: OptimalTable, schedule: core.CoreSchedule, means: Floats) -> OptimalEstimate:
     """Let the core evaluate a table made for this very schedule, all of it measured. Raises CoreRefusal."""
-    return optimal(to_bytes(record_of(table, schedule.data)), schedule, means)
+    measured = means.copy()
+    measured[schedule.data.fit_indices] -= table.expected.reshape(-1, 3)
+    return optimal(to_bytes(record_of(table, schedule.data)), schedule, measured)
 
 
 def estimate(schedule: core.CoreSchedule, means: Floats, measured: Flags, weighting: Weighting) -> OptimalEstimate:

@@ -174,7 +174,7 @@ def with_order_flag(solution: Solution, stand_file: StandFile | None) -> Solutio
     """This solution, which tells whether its K is out of order for all that is declared of the block."""
     is_declared = stand_file is not None and stand_file.block is not None
     is_odd = not _of_noise(solution) and bool(_structure(solution))
-    return replace(solution, is_out_of_order=not is_declared and is_odd)
+    return replace(solution, is_out_of_order=not is_declared and is_odd, knows_signs=is_declared)
 
 
 def size_of(k: Floats) -> float:

@@ -13,7 +13,7 @@ from datetime import datetime, timezone
 from typing import Any
 
 import numpy as np
-from msgspec import UNSET
+from msgspec import UNSET, UnsetType
 
 from tumble._version import __version__
 from tumble.arrays import Floats
@@ -25,6 +25,7 @@ from tumble.errors import BadInput, UsageError, quoted
 from tumble.estimators import COEFFICIENTS
 from tumble.model import reliability
 from tumble.model.fit import Fit
+from tumble.model.inclined import Inclinations, as_seen
 from tumble.model.propagation import SecondOrder
 from tumble.model.stand_seen import ANGLES, ChannelNoise, Estimate, StandSeen
 from tumble.schedule import BUILT_IN, Mounting, Position, Schedule
@@ -46,7 +47,8 @@ def stand_of(result: Result, name: str) -> Stand | None:
     told = result.stand
     if told is None:
         return None
-    errors = {source.attribute: getattr(told, source.key) for source in SOURCES.values()}
+    said = {source: getattr(told, source.key) for source in SOURCES.values()}
+    errors = {source.attribute: size for source, size in said.items() if size is not UNSET}
     if any((by_channel(size) >= _LARGEST).any() for size in errors.values()):
         raise BadInput("its stand is not as tumble solve writes it", name)
     sizes: dict[str, Any] = {name: per_channel(by_channel(one)) for name, one in errors.items()}
@@ -146,6 +148,7 @@ def document_of(
         coverage=None if solution.coverage is None else coverage_of(solution.coverage),
         verification=_verification(solution),
         stand_seen=stand_seen(solution.stand_seen, volts, solution.channel_noise),
+        **inclinations(solution),
         intrinsic=_of_block(found.intrinsic.scale, found.intrinsic.angles, found.intrinsic.bias),
         si=si_of(found.k, found.u0, solution.covariance, environment, unit),
         u_intrinsic=None if (u := solution.u_intrinsic) is None else _of_block(u.scale, u.angles, u.bias),
@@ -163,9 +166,34 @@ def document_of(
     )
 
 
+def inclinations(solution: Solution) -> dict[str, Any]:
+    """What a run says of them, and of the level of the axis; nothing where the block is not inclined."""
+    seen, u = solution.inclinations, solution.u_inclinations
+    if seen is None:
+        return {}
+    deg, zeros = np.rad2deg([seen.beta, seen.tau]).tolist()
+    u_rad = [None] * len(deg) if u is None else u.tolist()
+    u_deg = [None if one is None else math.degrees(one) for one in u_rad]
+    told: dict[str, Any] = {"inclinations": tuple(map(doc.Inclination, seen.numbers, deg, u_deg, zeros))}
+    set_at = {one.number: one.tilt_deg for one in solution.schedule.mountings}
+    level = next((index for index, number in enumerate(seen.numbers) if set_at[number] == 0.0), None)
+    return told if level is None else {**told, "level_rad": float(seen.beta[level]), "u_level_rad": u_rad[level]}
+
+
+def as_shown(schedule: Schedule, result: Result) -> Schedule:
+    """A schedule at the inclinations that a result on it tells; else as it is."""
+    if isinstance(result.inclinations, UnsetType):
+        return schedule
+    numbers, deg, zeros = zip(*((one.mounting, one.deg, one.zero_deg) for one in result.inclinations))
+    return as_seen(schedule, Inclinations(numbers, np.deg2rad(deg), np.deg2rad(zeros)))
+
+
 def declared_stand(stand: Stand, step_v: Floats) -> doc.DeclaredStand:
     """With the keys and numbers of [stand]. `step_v` (3,): of the converter of its block, 0 where it is unknown."""
-    errors = {source.key: getattr(stand, source.attribute) for source in SOURCES.values()}
+    sizes = {source: getattr(stand, source.attribute) for source in SOURCES.values()}
+    errors: dict[str, Any] = {
+        one.key: UNSET if one.of_inclinations and size == one.undeclared else size for one, size in sizes.items()
+    }
     step = per_channel(step_v) if step_v.any() else None
     labels = stand.name or None, stand.limits, stand.remounting, int(stand.samples)
     return doc.DeclaredStand(*labels, **errors, step_v=step)

@@ -14,8 +14,9 @@ from tumble.arrays import Floats, Integers
 from tumble.defaults import DEFAULT_COVERAGE_FACTOR
 from tumble.documents.result import Truth
 from tumble.errors import BadInput
-from tumble.estimators import OPTIMAL
+from tumble.estimators import INCLINATIONS, INCLINED, OPTIMAL
 from tumble.files.run_file import Run
+from tumble.model import inclined
 from tumble.model.coefficients import (
     IntrinsicUncertainties,
     NotSolvable,
@@ -26,6 +27,7 @@ from tumble.model.coefficients import (
 )
 from tumble.model.fit import CONFIDENCE, Fit, WholeModel, judge, variance_of_means
 from tumble.model.geometry import built_in
+from tumble.model.inclined import Inclinations
 from tumble.model.optimal import OptimalEstimate, optimal_estimate
 from tumble.model.propagation import Propagation, SecondOrder, second_order
 from tumble.model.reliability import Reliability, reliability
@@ -46,8 +48,10 @@ from tumble.solving.computation import (
     Comparison,
     Computation,
     compare,
+    compare_inclinations,
     compute,
     estimator_or_linear,
+    look_at_inclinations,
     require_told_apart,
 )
 from tumble.solving.many_runs import MonteCarlo, simulate
@@ -71,7 +75,9 @@ class Solution:
     that was measured; `step`: of the converter, in the unit of the run, 0: unknown; `monte_carlo`: None where nobody
     asked for it; `further`: terms of the model beside the twelve coefficients, None where nobody asked for any;
     `is_out_of_order`: axes or signs of K are those of an exchange or reversal, and no block is declared to have them;
-    `coverage_factor`: how many u(|a|) must be within the limit.
+    `knows_signs`: a block is declared, with the signs of its scales;
+    `coverage_factor`: how many u(|a|) must be within the limit; `inclinations`: as the run shows them, of a block that
+    is bolted on once.
     """
 
     schedule: Schedule
@@ -91,7 +97,16 @@ class Solution:
     monte_carlo: MonteCarlo | None = None
     further: Further | None = None
     is_out_of_order: bool = False
+    knows_signs: bool = False
     coverage_factor: float = DEFAULT_COVERAGE_FACTOR
+    inclinations: Inclinations | None = None
+
+    @cached_property
+    def u_inclinations(self) -> Floats | None:
+        """Standard uncertainties (inclinations,) of their angles, rad; None where there are none, or no stand."""
+        if self.stand is None or self.inclinations is None:
+            return None
+        return self.propagation.u_inclinations(self.mean_variance)
 
     @property
     def u_k(self) -> Floats | None:
@@ -108,10 +123,10 @@ class Solution:
         """Of K row by row and U0 (12, 12); None without a declared stand."""
         return None if self.stated is None else self.stated.covariance[:12, :12]
 
-    @cached_property
+    @property
     def measured_schedule(self) -> Schedule:
-        """The schedule without the positions that the run does not have."""
-        return self.schedule.part(self.run.measured)
+        """The schedule without the positions that the run does not have, at the inclinations that it shows."""
+        return self.propagation.schedule
 
     @property
     def declared(self) -> Stand:
@@ -222,18 +237,20 @@ def solve(
     step = over(step_v, volts_per(run.unit))
     in_unit = None if stand is None else stand.without(terms).in_unit(run.unit)
     declared = None if in_unit is None else in_unit.with_step(step)  # with the rounding of its converter
-    core_schedule = schedule or core.CoreSchedule.built_in("paper")
-    own = core_schedule.data if core_schedule.name is None else built_in(core_schedule.name)  # of the witness
-    witness_schedule = own.part(run.measured)
-    means, samples, scatter = run.means[run.measured], run.samples[run.measured], run.scatter[run.measured]
+    planned = schedule or core.CoreSchedule.built_in("paper")
+    means, samples = run.means[run.measured], run.samples[run.measured]
     noise = look_at_noise(run, in_unit, step)
     variance = noise.mean_variance[run.measured]
+
+    weights = NO_STAND.weights if declared is None else declared.weights
+    place = _at_inclinations(planned, run, estimator, weights, file)
+    core_schedule, witness_schedule = place.schedule, place.witness_schedule
 
     # The core computes.
     weighting = model = optimal = None
     if estimator == OPTIMAL and declared is not None:
         weighting = optimal_run.Weighting(declared, run.samples, step, known)
-    found = _by_core(core_schedule, witness_schedule, run, estimator, limit_g, weighting, terms, file)
+    found = _by_core(core_schedule, witness_schedule, run, estimator, limit_g, weighting, terms, file, place.closed)
 
     # The witness confirms.
     if declared is not None:
@@ -242,7 +259,7 @@ def solve(
         if weighting is not None:
             optimal = _by_numpy(model, witness_schedule, means, samples, weighting, variance, file)
     linear = found.linear[run.measured]
-    comparison = compare(found, witness_schedule, means, linear, found.gravity.delta_g[run.measured], optimal)
+    comparison = compare(found, witness_schedule, means, linear, found.gravity.delta_g[run.measured], optimal, weights)
 
     # Uncertainties: of the declared stand, or of the scatter alone.
     uncertainties = None
@@ -254,15 +271,11 @@ def solve(
 
     # The stand as the run shows it, and whether it is the declared one.
     alike = None if declared is None else stand_to_look_with(declared, found.k)
-    weights, fit = weights_of(alike), None
-    shown = RunSeen(witness_schedule, linear, found.k, core_schedule.data, weights)
-    seen = look_at_stand(shown, pooled_noise(samples, scatter * weights), samples, alike, True, variance)
-    if terms:
-        seen = without_angles(seen)
+    seen, fit = _stand_seen(place, run, found, linear, alike, variance), None
     if alike is not None and model is not None:
         fit = judge(model, confidence, seen, sampled_patterns(noise, run, seen.noise, alike, step))
     return Solution(
-        schedule=core_schedule.data,
+        schedule=planned.data,
         run=run,
         limit_g=limit_g,
         found=found,
@@ -277,7 +290,53 @@ def solve(
         step=step,
         further=Further(terms, found.k, found.sizes, comparison.sizes, *of_terms) if terms else None,
         coverage_factor=coverage_factor,
+        inclinations=place.inclinations,
     )
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where a run was made: the `schedule` of the core, and of numpy the part that was measured. Of a block that is
+    bolted on once `inclinations` are what the run shows, the schedules are at these, and `closed` (12,) are the
+    coefficients that come with them by the core's closed form; else both are None."""
+
+    schedule: core.CoreSchedule
+    witness_schedule: Schedule
+    closed: Floats | None = None
+    inclinations: Inclinations | None = None
+
+
+def _at_inclinations(planned: core.CoreSchedule, run: Run, estimator: str, weights: Floats, file: str) -> _Place:
+    """The place of a run that was `planned` so. Raises BadInput where it shows no inclinations, or the estimator does
+    not find them; Disagreement where numpy sees others."""
+    own = planned.data if planned.name is None else built_in(planned.name)  # of the witness
+    if estimator != INCLINED and not planned.data.is_inclined:
+        return _Place(planned, own.part(run.measured))
+    if estimator not in (INCLINED, OPTIMAL):
+        raise BadInput(f"{estimator} takes inclinations for exact, which nobody measures; inclined finds them", file)
+    try:
+        closed, seen = look_at_inclinations(planned, run.means, run.measured, weights)
+    except core.CoreRefusal as refusal:
+        raise BadInput(_explained(refusal, estimator), file) from None
+    part = own.part(run.measured)
+    try:
+        of_witness = inclined.solve(part, run.means[run.measured], weights)[2]
+    except inclined.NotShown as error:
+        raise BadInput(str(error), file) from None
+    compare_inclinations(seen, of_witness)
+    at_seen = core.CoreSchedule(inclined.as_seen(planned.data, seen))
+    return _Place(at_seen, inclined.as_seen(part, of_witness), closed, seen)
+
+
+def _stand_seen(
+    place: _Place, run: Run, found: Computation, linear: Floats, alike: Stand | None, variance: Floats
+) -> StandSeen:
+    """By the means `linear` in the force, of those measured, and their `variance`; `alike`: the stand to look with."""
+    weights, samples = weights_of(alike), run.samples[run.measured]
+    shown = RunSeen(place.witness_schedule, linear, found.k, place.schedule.data, weights)
+    noise = pooled_noise(samples, run.scatter[run.measured] * weights)
+    seen = look_at_stand(shown, noise, samples, alike, True, variance)
+    return without_angles(seen) if found.terms else seen
 
 
 def without_angles(seen: StandSeen) -> StandSeen:
@@ -296,6 +355,7 @@ def _by_core(
     weighting: optimal_run.Weighting | None,
     terms: Terms,
     file: str,
+    closed: Floats | None = None,
 ) -> Computation:
     """What the core finds. Raises BadInput where it refuses the run, or a run does not determine its further terms: in
     terms of what the user gave."""
@@ -303,24 +363,32 @@ def _by_core(
         if terms:
             schedule.identify(run.measured)
             require_told_apart(witness_schedule, terms, file)
-        return compute(schedule, run.means, run.measured, estimator, limit_g, weighting, terms)
+        return compute(schedule, run.means, run.measured, estimator, limit_g, weighting, terms, closed)
     except NotSolvable as error:
         raise BadInput(str(error), file) from None
     except core.CoreRefusal as refusal:
-        missing, lost = (", ".join(refusal.details.get(key, ())) for key in ("missing", "unidentified"))
-        explained = {
-            "TUMBLE_E_MISSING_POSITION": f"{estimator} needs every fit position (another schedule: --schedule);"
-            f" missing {missing}",
-            "TUMBLE_E_NOT_HARMONIC": f"the schedule lacks positions that {estimator} needs; least_squares solves any"
-            " schedule",
-            # only for want of room: the record was made for this run
-            "TUMBLE_E_GAIN_RECORD": f"more than {core.MAX_YAWS} mountings, which optimal takes at most; least_squares"
-            " solves any schedule",
-            "TUMBLE_E_RANK": f"these positions cannot identify {lost}",
-            "TUMBLE_E_SINGULAR": f"{refusal}, or the table turned the other way in one mounting, or one attitude was"
-            " measured twice",
-        }
-        raise BadInput(explained.get(refusal.name, str(refusal)), file) from None
+        raise BadInput(_explained(refusal, estimator), file) from None
+
+
+def _explained(refusal: core.CoreRefusal, estimator: str) -> str:
+    """A refusal in terms of what the user gave."""
+    missing, lost = (", ".join(refusal.details.get(key, ())) for key in ("missing", "unidentified"))
+    explained = {
+        "TUMBLE_E_MISSING_POSITION": f"{estimator} needs every fit position (another schedule: --schedule);"
+        f" missing {missing}",
+        "TUMBLE_E_NOT_HARMONIC": f"the schedule lacks positions that {estimator} needs; least_squares solves any"
+        " schedule",
+        # only for want of room: the record was made for this run
+        "TUMBLE_E_GAIN_RECORD": f"more than {core.MAX_YAWS} mountings, which optimal takes at most; least_squares"
+        " solves any schedule",
+        "TUMBLE_E_NOT_INCLINED": f"{estimator} needs {INCLINATIONS}",
+        "TUMBLE_E_ALIKE": f"{refusal}; they must be tens of degrees apart (+-20 deg leave five times the uncertainty"
+        " of +-45 deg)",
+        "TUMBLE_E_RANK": f"these positions cannot identify {lost}",
+        "TUMBLE_E_SINGULAR": f"{refusal}, or the table turned the other way in one mounting, or one attitude was"
+        " measured twice",
+    }
+    return explained.get(refusal.name, str(refusal))
 
 
 def _by_numpy(

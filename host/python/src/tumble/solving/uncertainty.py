@@ -21,7 +21,7 @@ from tumble.arrays import Flags, Floats, Integers
 from tumble.core.binding import uncertainties, uncertainties_of_gains
 from tumble.distributions import student_quantile
 from tumble.errors import BadInput
-from tumble.estimators import OPTIMAL
+from tumble.estimators import INCLINED, OPTIMAL
 from tumble.model.coefficients import WorstNorm, variances, worst_norm
 from tumble.model.optimal import NOISE_FLOOR_G, OptimalEstimate
 from tumble.model.propagation import Propagation
@@ -138,7 +138,8 @@ def standard_uncertainties(
     part, stand = schedule.part(measured), given.stand.with_step(given.step)
     if given.estimator != OPTIMAL and not given.terms:
         run = part, given.k, stand, given.samples, given.estimator
-        u_k, u_u0 = uncertainties(*run, mean_variance=mean_variance)
+        weights = given.weights if given.estimator == INCLINED else None
+        u_k, u_u0 = uncertainties(*run, mean_variance=mean_variance, weights=weights)
         return np.concatenate([u_k.ravel(), u_u0])
     least_noise = NOISE_FLOOR_G * float(np.abs(given.k).max()) if given.estimator == OPTIMAL else 0.0
     found = []

@@ -93,7 +93,9 @@ def _refuse_options_of_bench(arguments: argparse.Namespace) -> None:
     """Raises UsageError for an option that only a simulated run has."""
     usual = argparse.ArgumentParser(add_help=False)
     bench.add_options(usual)
-    for name, value in vars(usual.parse_args([])).items():
+    unasked = usual.parse_args([])
+    options.settle(unasked)
+    for name, value in vars(unasked).items():
         if name != "json" and getattr(arguments, name) != value:
             raise UsageError(f"--{name.replace('_', '-')} is of SOURCE bench alone")
     if arguments.pace is not None:
