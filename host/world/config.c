@@ -10,6 +10,8 @@
 /* With an error budget, unless the configuration says otherwise: the scatter of so few samples is known to a fifth. */
 #define LEAST_SAMPLES 16U
 
+#define LEAST_NOISE 1e-4 /* of the largest, that a channel without noise counts as */
+
 #define OPEN (-1.0) /* not given, of what may be 0 */
 
 /* The flags, by the switches. */
@@ -102,17 +104,22 @@ static void set_unless_given(double *value, double otherwise)
     }
 }
 
-/* The standard deviation that a limit stands for. */
-static double sigma_of(double limit, sim_law_t law)
+static double sigmas_per_limit(sim_law_t law)
 {
     switch (law) {
     case SIM_LAW_SIGMA3:
-        return limit / 3.0;
+        return 3.0;
     case SIM_LAW_UNIFORM:
-        return limit / sqrt(3.0);
+        return sqrt(3.0);
     default:
-        return limit;
+        return 1.0;
     }
+}
+
+/* The standard deviation that a limit stands for. */
+static double sigma_of(double limit, sim_law_t law)
+{
+    return limit / sigmas_per_limit(law);
 }
 
 static bool is_alike(const double by_channel[TUMBLE_CHANNELS])
@@ -219,15 +226,26 @@ static double converter_noise_v(const bench_config_t *config)
     return fabs(config->procedure.v_per_count) / sqrt(12.0);
 }
 
-/* Weights of the channels go as 1 / noise, where the stand declares them unlike. */
+/* Weights of the channels go as 1 / noise, in multiples of the smallest one: bit for bit those by which the result is
+ * checked (tumble/stand.py). */
+static void weigh_channels(bench_config_t *config)
+{
+    const sim_sensor_config_t *const sensor = &config->scenario.block.sensor;
+    const double limit_v = converter_noise_v(config) * sigmas_per_limit(sensor->noise_law);
+    double noise_v[TUMBLE_CHANNELS];
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        noise_v[i] = fmax(sensor->noise_v[i], limit_v);
+    }
+    const double largest_v = largest_of(noise_v);
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        config->weights[i] = largest_v / fmax(noise_v[i], LEAST_NOISE * largest_v);
+    }
+}
+
 static void lend_estimators(bench_config_t *config)
 {
-    const double *noise_v = config->record.channel_noise_v;
-    bool weighted = false;
-    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        weighted = weighted || noise_v[i] > 0.0;
-        config->weights[i] = 1.0 / fmax(noise_v[i], converter_noise_v(config));
-    }
+    const bool weighted = !is_alike(config->scenario.block.sensor.noise_v);
+    weigh_channels(config);
     config->inclined = (tumble_inclined_source_t){weighted ? config->weights : NULL, &config->seen};
     config->lent[0] = (tumble_lent_t){TUMBLE_ESTIMATE_OPTIMAL,    tumble_optimal_check, tumble_optimal_estimate,
                                       tumble_optimal_uncertainty, &config->gains,       &config->lent[1]};

@@ -1,12 +1,16 @@
 """A block that is bolted on once, on a simulated stand that is inclined: against the numpy geometry, and on the bus."""
 
 import math
+import re
 import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from c_compiler import compiled
+from conftest import EXAMPLES
+from documents import valid
 
 from tumble import World
 from tumble.model.geometry import STEP, Geometry, built_in
@@ -119,6 +123,61 @@ def test_the_means_of_a_run_are_what_its_truth_says(name):
     assert np.abs(seen.beta - beta).max() < 1e-4 and np.abs(seen.tau - (tau - tau[0])).max() < 1e-4
     nominal = np.deg2rad([one.tilt_deg for one in schedule.mountings])
     assert np.abs(beta - nominal).max() > 5e-3  # it is no nominal stand
+
+
+PAPER = (EXAMPLES / "paper_stand.toml").read_text()
+STANDS = [  # what the stand file says besides
+    (),
+    ("inclination_rad = 5e-3",),
+    ("inclination_rad = 5e-3", "noise_v = [1e-4, 3.3e-4, 7.7e-4]"),  # weights per channel, to the last bit
+    ("seat_rad = 1e-3", "noise_v = [0.0, 3e-4, 3e-4]", 'limits = "sigma3"'),
+    ("noise_v = [3e-4, 1e-3, 6e-4]", 'limits = "uniform"'),
+]
+
+
+def stand_file(folder, *lines):
+    """The paper's stand with other lines."""
+    text = PAPER
+    for line in lines:
+        key = line.partition(" =")[0]
+        text = re.sub(rf"^{key} = .*", line, text, flags=re.MULTILINE) if f"\n{key} = " in text else text.replace(
+            "[stand]", f"[stand]\n{line}", 1)  # fmt: skip
+    (folder / "stand.toml").write_text(text)
+    return folder / "stand.toml"
+
+
+@pytest.mark.parametrize("lines", STANDS)
+@pytest.mark.parametrize("name", NAMES)
+def test_the_result_of_a_bench_run_is_confirmed_and_says_the_true_inclinations(name, lines, tumble, tmp_path):
+    """Firmware, core and numpy agree on K, U0 and what they state of them; within five uncertainties of the truth."""
+    words = ("--schedule", name, "--estimator", "inclined", "--stand", stand_file(tmp_path, *lines))
+    told = ("--set", "stand.inclination_rad=5e-3") if not any("inclination" in line for line in lines) else ()
+    done = tumble("bench", *words, *told, "--seed", "4", "--limit", "1e-3", "--json", "--out", tmp_path / "run")
+    assert done.returncode in (0, 1), done.stderr
+    result = valid(done.stdout, "result")
+    truth, found = result["truth"], result["inclinations"]
+    beta, tau = np.rad2deg(truth["beta_rad"]), np.rad2deg(truth["tau_rad"])
+    u_deg = np.array([one["u_deg"] for one in found])
+    assert np.abs(beta - [one["deg"] for one in found]).max() < 5 * u_deg.max()
+    assert np.abs(tau - tau[0] - [one["zero_deg"] for one in found]).max() < 5 * u_deg.max()
+    schedule = built_in(name)
+    assert np.abs(beta - [one.tilt_deg for one in schedule.mountings]).max() > 0.02
+    scenario = (tmp_path / "run/inputs/scenario.txt").read_text()
+    assert len(re.findall(r"^mounting = .* 1$", scenario, re.MULTILINE)) == len(schedule.mountings)
+    again = tumble("bench", *words, *told, "--seed", "4", "--limit", "1e-3", "--out", tmp_path / "again",
+                   "--scenario", tmp_path / "run/inputs/scenario.txt")  # fmt: skip
+    assert again.returncode == done.returncode
+    assert (tmp_path / "again/run.csv").read_bytes() == (tmp_path / "run/run.csv").read_bytes()
+
+
+def test_a_person_inclines_the_stand_and_bolts_the_block_on_once(tmp_path):
+    words = ("--schedule", "inclined", "--estimator", "inclined", "--interactive")
+    done = subprocess.run([sys.executable, "-m", "tumble", "bench", *words, "--out", str(tmp_path / "run")], text=True,
+                          input="\n" * 3, capture_output=True, check=False)  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    questions = r"^(?:Mount the block as mounting \d|The block stays bolted on as it is\. Incline)"
+    asked = re.findall(questions, done.stderr, re.MULTILINE)
+    assert asked == ["Mount the block as mounting 1", *["The block stays bolted on as it is. Incline"] * 2]
 
 
 def answered(world, *answers):

@@ -181,6 +181,8 @@ def _stand(stand: Stand) -> Iterator[tuple[str, str]]:
     for key in ("seat", "platform", "encoder"):
         if getattr(stand, key) > 0.0:
             yield f"stand.{key}_rad", _numbers(getattr(stand, key))
+    if 0.0 < stand.inclination < math.inf:
+        yield "stand.inclination_rad", _numbers(stand.inclination)
     if stand.declares_drift:
         yield "stand.drift_v", _per_channel(stand.drift)
     yield "stand.limits", stand.limits
