@@ -131,7 +131,9 @@ void sim_truth_incline(sim_truth_t *truth, const sim_scenario_t *scenario, uint8
     sim_random_t *const stream = &truth->incline[mounting_index];
     if (scenario->schedule.mountings[mounting_index].bolting > 0U) {
         truth->inclination_rad[mounting_index] = sim_law_draw(stand->law, stand->inclination_rad, stream);
-        truth->tau_rad[mounting_index] = sim_law_draw(stand->law, stand->inclination_rad, stream);
+        const double tau_rad = sim_law_draw(stand->law, stand->inclination_rad, stream);
+        const bool is_first = sim_first_of_bolting(&scenario->schedule, mounting_index) == mounting_index;
+        truth->tau_rad[mounting_index] = is_first ? 0.0 : tau_rad; /* the zero there is the table's: alpha2 */
     }
 }
 

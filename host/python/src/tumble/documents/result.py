@@ -731,7 +731,7 @@ class Result(Document, kw_only=True):
     verification: Verification
     stand_seen: StandSeen | UnsetType = UNSET
     inclinations: tuple[Inclination, ...] | UnsetType = UNSET
-    level_rad: Angle | UnsetType = UNSET
+    level_rad: float | UnsetType = UNSET
     u_level_rad: Size | UnsetType | None = UNSET
     intrinsic: OfBlock[Sizes, Angle, Vector] | UnsetType = UNSET
     si: Si | None = None

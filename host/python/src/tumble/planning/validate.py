@@ -17,6 +17,7 @@ from msgspec import UNSET
 
 from tumble import core
 from tumble.arrays import Floats, Integers
+from tumble.defaults import UNDECLARED_RAD
 from tumble.documents.plan import Covered, FigureLimits, Figures, Promise, Shares, Validation
 from tumble.errors import UsageError
 from tumble.estimators import COEFFICIENTS, INCLINED, OPTIMAL
@@ -35,7 +36,6 @@ from tumble.solving.many_runs import Chunk, Sources, chunks, drawn_outputs, stre
 from tumble.terms import POWERS, Terms
 from tumble.workers.over import ALONE, Progress, Result, Team, over
 
-_UNDECLARED_RAD = 5e-3
 U0_V = (0.01, -0.02, 0.03)  # of the simulated block: linear estimators do not care
 
 
@@ -51,7 +51,7 @@ def position_means(case: Case, k: Floats, runs: int, rng: np.random.Generator) -
 def errors_of(case: Case, k: Floats) -> Sources:
     """What is drawn of a case's stand; inclinations that nobody declares err by 5 mrad."""
     undeclared = free(case.stand, case.schedule)
-    stand = case.stand.with_sigma("inclination", _UNDECLARED_RAD) if undeclared else case.stand
+    stand = case.stand.with_sigma("inclination", UNDECLARED_RAD) if undeclared else case.stand
     return sources(case.schedule, k, stand, np.ones(len(case.schedule.positions), dtype=int))
 
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from tumble.core import CoreSchedule, sine_cosine
-from tumble.defaults import DEFAULT_COVERAGE_FACTOR, DEFAULT_ESTIMATOR, DEFAULT_LIMIT_G
+from tumble.defaults import DEFAULT_COVERAGE_FACTOR, DEFAULT_ESTIMATOR, DEFAULT_LIMIT_G, UNDECLARED_RAD
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.files.stand_file import StandFile, converter_step_v
 from tumble.model.optimal import optimal_table
@@ -108,7 +108,9 @@ def scenario_text(setup: Setup, file: str | None = None, given: bytes | None = N
     """The scenario file, in which the lines of another one, `given`, win over those of the setup, and those that are
     `told` one by one over both. Raises BadInput for what can be declared but not simulated, and for lines in whose
     place there is an option; UsageError for one that is told and is none."""
-    pairs = [*_stand(setup.stand), *_block(setup), *_motion(setup), *_procedure(setup), *_schedule(setup.schedule.data)]
+    schedule = setup.schedule.data
+    pairs = [*_stand(setup.stand, schedule.is_inclined), *_block(setup), *_motion(setup), *_procedure(setup)]
+    pairs += _schedule(schedule)
     own = [*(f"{key} = {value}" for key, value in pairs), *_serial(setup.block)]
     lines = own if file is None or given is None else _overridden(own, file, given)
     if told:
@@ -175,14 +177,17 @@ def _per_channel(value: PerChannel) -> str:
     return _numbers(*np.atleast_1d(value).tolist())
 
 
-def _stand(stand: Stand) -> Iterator[tuple[str, str]]:
+def _stand(stand: Stand, is_inclined: bool) -> Iterator[tuple[str, str]]:
     for key in ("axis_tilt", "level", "remount", "angle"):
         yield f"stand.{key}_rad", _numbers(getattr(stand, key))
     for key in ("seat", "platform", "encoder"):
         if getattr(stand, key) > 0.0:
             yield f"stand.{key}_rad", _numbers(getattr(stand, key))
-    if 0.0 < stand.inclination < math.inf:
-        yield "stand.inclination_rad", _numbers(stand.inclination)
+    inclination = stand.inclination
+    if is_inclined and math.isinf(inclination):  # nobody sets it well
+        inclination = UNDECLARED_RAD * stand.limits_over_sigma
+    if 0.0 < inclination < math.inf:
+        yield "stand.inclination_rad", _numbers(inclination)
     if stand.declares_drift:
         yield "stand.drift_v", _per_channel(stand.drift)
     yield "stand.limits", stand.limits
@@ -312,5 +317,9 @@ def _expected_samples(setup: Setup) -> float:
 
 def gain_record(setup: Setup) -> bytes:
     """What goes into the navigation computer's non-volatile memory. Raises UsageError where no weights can be made."""
+    if setup.schedule.data.is_inclined:
+        raise UsageError(
+            "a gain record knows no inclinations: on board take inclined; solve and plan have optimal, too"
+        )
     before, schedule = weights_made_for(setup), setup.schedule.data
     return to_bytes(record_of(optimal_table(schedule, before.k, setup.stand, step_v(setup), before.samples), schedule))
