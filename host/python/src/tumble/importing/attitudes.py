@@ -178,7 +178,10 @@ def fitted(attitudes: Attitudes, at: Integers, means: Floats, weights: Floats | 
     moved, fit = np.zeros((2, len(numbers))), plain
     for _ in range(_ROUNDS):  # by Gauss and Newton
         found = Inclinations(numbers, tilts + moved[0], moved[1])
-        fit, step = _inclined(attitudes.schedule, found, at, means, root)
+        inclined = _inclined(attitudes.schedule, found, at, means, root)
+        if inclined is None:
+            return plain
+        fit, step = inclined
         moved = moved + step
         if np.abs(moved).max() > _ROUGH * attitudes.apart:
             return plain  # as far off as another attitude: none of the schedule's inclinations
@@ -187,12 +190,16 @@ def fitted(attitudes: Attitudes, at: Integers, means: Floats, weights: Floats | 
     return fit
 
 
-def _inclined(schedule: Schedule, found: Inclinations, at: Integers, means: Floats, root: Floats) -> tuple[Fit, Floats]:
-    """The fit on these inclinations, and how far they have to move: (2, inclinations), beta and tau, rad. What the
-    rests do not show stays: the zero of all angles together, which is in K, and inclinations where only two are."""
+def _inclined(
+    schedule: Schedule, found: Inclinations, at: Integers, means: Floats, root: Floats
+) -> tuple[Fit, Floats] | None:
+    """The fit on these inclinations, and how far they have to move: (2, inclinations), beta and tau, rad; None where
+    the rests do not tell K and U0 there. What they do not show stays: the zero of all angles together, which is in K,
+    and inclinations where only two are."""
     stand = Geometry(as_seen(schedule, found))
     fit = _linear(stand.force(), at, means, root)
-    assert fit is not None
+    if fit is None:
+        return None
     of = np.array([[place.mounting == number for number in found.numbers] for place in schedule.positions])
     beta, tau = (stand.force_by(**{error: 1.0})[:, :, None] * of[:, None, :] for error in ("alpha1", "delta"))
     columns = np.concatenate([beta, tau], axis=2)  # (attitudes, 3, unknowns)
