@@ -312,3 +312,32 @@ def test_mountings_of_one_bolting_follow_one_another(tmp_path, tumble):
     done = tumble("plan", "budget", "--schedule", tmp_path / "mine.toml")
     said = "mountings of one bolting must follow one another: a block is bolted on once"
     assert (done.returncode, done.stderr) == (2, f"tumble: {tmp_path / 'mine.toml'}: {said}\n")
+
+
+def ellipsoid_errors(means, outputs):
+    """Errors of |a| at attitudes whose `outputs` (n, 3) are exact, by an ellipsoid through the means (positions, 3) of
+    a run, which uses nothing but the length of gravity: linear least squares with nine unknowns."""
+    x, y, z = means.T
+    squares = np.stack([x * x, y * y, z * z, 2 * x * y, 2 * x * z, 2 * y * z, x, y, z], axis=1)
+    p = np.linalg.lstsq(squares, np.ones(len(means)), rcond=None)[0]
+    form = np.array([[p[0], p[3], p[4]], [p[3], p[1], p[5]], [p[4], p[5], p[2]]])
+    centre = -np.linalg.solve(form, p[6:]) / 2.0
+    away = outputs - centre
+    return np.sqrt(np.einsum("ni,ij,nj->n", away, form / (1.0 + centre @ form @ centre), away)) - 1.0
+
+
+@pytest.mark.parametrize("runs", [400, pytest.param(4000, marks=FULL)])
+@pytest.mark.parametrize("name, expected", [("paper", (17.4, 17.5)), ("angle", (38.3, 12.2)), ("lab", (47.0, 40.7))])
+def test_an_ellipsoid_is_as_good_for_lengths_alone(name, expected, runs):
+    """The figures of docs/never-remounted.md: its closest rival, which is not moved by errors of set angles."""
+    schedule = SCHEDULES["45, 3 x 8"]
+    made = make(schedule, stand_of(name, 24), runs, 77)
+    attitudes = np.random.default_rng(1).standard_normal((400, 3))
+    attitudes /= np.linalg.norm(attitudes, axis=1)[:, None]
+    outputs = attitudes @ NOMINAL_K.T + U0
+    k, u0, _ = solve(schedule, made.means)
+    shown = np.linalg.norm(np.linalg.solve(k, np.swapaxes(outputs[None] - u0[:, None], 1, 2)), axis=1) - 1.0
+    rivals = np.array([ellipsoid_errors(run, outputs) for run in made.means])
+    found = [1e6 * np.sqrt((errors**2).mean(axis=0)).max() for errors in (shown, rivals)]
+    print(f"{name}: inclined {found[0]:.1f} ug, ellipsoid {found[1]:.1f} ug")
+    assert found == pytest.approx(expected, rel=0.03 + 3.0 / (2.0 * runs) ** 0.5)
