@@ -108,7 +108,7 @@ static void find_harmonics(const tumble_inclined_map_t *map, const tumble_means_
 {
     const tumble_schedule_t *schedule = map->schedule;
     for (uint8_t k = 0; k < map->count; k++) {
-        double sums[TUMBLE_HARMONICS][TUMBLE_CHANNELS] = {{0.0}};
+        double sums[TUMBLE_HARMONICS][TUMBLE_CHANNELS] = {0};
         const uint8_t number = schedule->mountings[map->mounting[k]].number;
         for (uint8_t p = 0; p < schedule->position_count; p++) {
             const tumble_position_t *position = &schedule->positions[p];
@@ -348,8 +348,8 @@ static void conclude(const tumble_inclined_map_t *map, const tumble_inclined_t *
 static bool are_weights(const double weights[TUMBLE_CHANNELS])
 {
     bool valid = true;
-    for (int i = 0; (weights != NULL) && (i < TUMBLE_CHANNELS); i++) {
-        valid = valid && tumble_is_positive(weights[i]);
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        valid = valid && ((weights == NULL) || tumble_is_positive(weights[i]));
     }
     return valid;
 }
@@ -467,7 +467,7 @@ static void axial_backwards(const tumble_inclined_map_t *map, const tumble_incli
                             const double seed[4][TUMBLE_CHANNELS], added_t *added, tumble_harmonics_t gains)
 {
     const double scale = 1.0 / (run->slope * run->places_squared);
-    double all = 0.0;
+    double sum = 0.0;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         const double axial = seed[1][i] - (seed[3][i] * run->middle);
         for (uint8_t k = 0; k < map->count; k++) {
@@ -475,10 +475,10 @@ static void axial_backwards(const tumble_inclined_map_t *map, const tumble_incli
             added->place[k] += run->harmonics[k][TUMBLE_LEVEL][i] * (axial * scale);
         }
         added->middle -= seed[3][i] * run->column[1][i];
-        all += axial * run->column[1][i];
+        sum += axial * run->column[1][i];
     }
-    added->slope -= all / run->slope;
-    added->places_squared -= all / run->places_squared;
+    added->slope -= sum / run->slope;
+    added->places_squared -= sum / run->places_squared;
 }
 
 /* Of find_inclinations. */
@@ -519,7 +519,7 @@ static void parabola_backwards(const tumble_inclined_map_t *map, const tumble_in
 static void places_backwards(const tumble_inclined_map_t *map, const tumble_inclined_t *run, const added_t *added,
                              tumble_harmonics_t gains)
 {
-    double along[TUMBLE_CHANNELS] = {0.0};
+    double along[TUMBLE_CHANNELS] = {0};
     double mean = 0.0;
     for (uint8_t k = 0; k < map->count; k++) {
         mean += added->place[k] / (double)map->count;
@@ -545,7 +545,7 @@ static void places_backwards(const tumble_inclined_map_t *map, const tumble_incl
 void tumble_inclined_gains(const tumble_inclined_map_t *map, const tumble_inclined_t *run,
                            const double seed[4][TUMBLE_CHANNELS], tumble_harmonics_t gains)
 {
-    double sine[TUMBLE_MAX_YAWS] = {0.0};
+    double sine[TUMBLE_MAX_YAWS] = {0};
     added_t added = {0};
     (void)memset(gains, 0, sizeof(tumble_harmonics_t));
     transverse_backwards(map, run, seed, sine, gains);

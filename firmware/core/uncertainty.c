@@ -276,8 +276,8 @@ static void add_mounting(tumble_gains_t *gains, const tumble_mounting_t *mountin
     const int last = of_all ? TUMBLE_Z : gains->channel;
     channel_t channels[TUMBLE_CHANNELS];
     size_t fit = 0;
-    const bool hooked = (gains->kind == TUMBLE_GAINS_HOOKED);
-    const tumble_angle_t *tilt = hooked ? gains->hooks->tilt(gains, mounting) : &mounting->tilt;
+    const tumble_gains_hooks_t *hooks = gains->hooks;
+    const tumble_angle_t *tilt = (hooks != NULL) ? hooks->tilt(gains, mounting) : &mounting->tilt;
     for (int i = first; i <= last; i++) {
         open_channel(run->coefficients, mounting, i, &channels[i]);
     }
@@ -287,8 +287,8 @@ static void add_mounting(tumble_gains_t *gains, const tumble_mounting_t *mountin
         double g[TUMBLE_CHANNELS];
         const tumble_angle_t *angle = &position->angle;
         bool counts = used && (position->mounting == mounting->number);
-        if (counts && hooked) {
-            angle = gains->hooks->at(gains, p, g);
+        if (counts && (hooks != NULL)) {
+            angle = hooks->at(gains, p, g);
         } else if (counts) {
             counts = gains_at(gains, p, fit, g);
         } else {
@@ -314,7 +314,7 @@ static double uncertainty_of(tumble_gains_t *gains)
 {
     const tumble_schedule_t *schedule = gains->run->schedule;
     response_t response = {0};
-    if (gains->kind == TUMBLE_GAINS_HOOKED) {
+    if (gains->hooks != NULL) {
         gains->hooks->solve(gains);
     }
     for (uint8_t m = 0; m < schedule->mounting_count; m++) {

@@ -38,7 +38,7 @@ struct tumble_gains {
     const uint8_t *slots; /* with the map: what each position is to it */
     struct tumble_least_squares *least_squares;
     const tumble_gain_table_t *table;
-    const tumble_gains_hooks_t *hooks;
+    const tumble_gains_hooks_t *hooks;  /* null, but for hooked ones */
     void *hooked;                       /* what they work with */
     double by_channel[TUMBLE_CHANNELS]; /* with an attitude n: n K^-1, what |a| changes by an output of each */
 };

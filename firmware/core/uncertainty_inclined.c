@@ -57,7 +57,7 @@ static void solve(const tumble_gains_t *gains)
     const tumble_inclined_map_t *map = &inclined->map;
     const double (*matrix)[3] = map->schedule->mountings[map->mounting[0]].matrix;
     const double *attitude = gains->run->attitude;
-    double seed[TUMBLE_UNKNOWNS][TUMBLE_CHANNELS] = {{0.0}};
+    double seed[TUMBLE_UNKNOWNS][TUMBLE_CHANNELS] = {0};
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         const bool counts = (attitude != NULL) || (i == gains->channel);
         const double weight = !counts ? 0.0 : (attitude != NULL) ? gains->by_channel[i] : 1.0;

@@ -167,6 +167,7 @@ void tumble_navcomp_progress(const tumble_navcomp_t *navcomp, tumble_navcomp_pro
     progress->as_byte.failed_in = (uint8_t)progress->run.failed_in;
     progress->as_byte.status = (uint8_t)progress->run.status;
     progress->as_byte.stand = (uint8_t)progress->stand;
+    progress->as_byte.stays_bolted = (uint8_t)progress->run.stays_bolted;
 }
 
 tumble_status_t tumble_navcomp_result(const tumble_navcomp_t *navcomp, tumble_result_t *result)

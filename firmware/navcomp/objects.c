@@ -51,6 +51,8 @@ TUMBLE_HAS_SIZE("2003h:9", tumble_navcomp_progress_t, run.target_deg, 8U);
 TUMBLE_HAS_SIZE("2003h:10", tumble_navcomp_progress_t, angle_deg, 8U);
 TUMBLE_HAS_SIZE("2003h:11", tumble_navcomp_progress_t, temperature_half_c, 1U);
 TUMBLE_HAS_SIZE("2003h:12", tumble_navcomp_progress_t, as_byte.stand, 1U);
+TUMBLE_FOLLOWS("2003h:13", tumble_navcomp_progress_t, as_byte.stand, as_byte.stays_bolted, 1U);
+TUMBLE_HAS_SIZE("2003h:14", tumble_navcomp_progress_t, run.inclination_deg, 8U);
 TUMBLE_HAS_SIZE("2004h:1", tumble_navcomp_progress_t, as_byte.failed_in, 1U);
 TUMBLE_FOLLOWS("2004h:2", tumble_navcomp_progress_t, as_byte.failed_in, as_byte.status, 1U);
 TUMBLE_HAS_SIZE("2004h:3", tumble_navcomp_progress_t, run.drive_code, 2U);
@@ -248,7 +250,9 @@ static const tumble_entry_t entries[] = {
     {0x2003U, 11U, TUMBLE_TYPE_INTEGER8, TUMBLE_HOME_COMPUTED,
      TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 1U, 0U, 0U, 0U, offsetof(tumble_navcomp_progress_t, temperature_half_c)},
     {0x2003U, 12U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMPUTED,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 1U, 0U, 0U, 0U, offsetof(tumble_navcomp_progress_t, as_byte.stand)},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 1U, 0U, 0U, 1U, offsetof(tumble_navcomp_progress_t, as_byte.stand)},
+    {0x2003U, 14U, TUMBLE_TYPE_REAL64, TUMBLE_HOME_COMPUTED,
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 8U, 0U, 0U, 0U, offsetof(tumble_navcomp_progress_t, run.inclination_deg)},
     /* Failure */
     {0x2004U, 1U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMPUTED,
      TUMBLE_ACCESS_READ, 1U, 0U, 0U, 1U, offsetof(tumble_navcomp_progress_t, as_byte.failed_in)},

@@ -264,8 +264,10 @@ typedef struct {
     uint8_t attempt;  /* 0 at the first, 1 at the first repetition, ... */
     uint32_t samples; /* in the open mean */
     uint32_t samples_wanted;
-    double target_deg;   /* table angle of the position; may be a whole number of turns off the schedule's */
-    uint64_t elapsed_us; /* local clock since the run started; for display only */
+    double target_deg;      /* table angle of the position; may be a whole number of turns off the schedule's */
+    double inclination_deg; /* of the axis in that mounting, as the schedule says, */
+    bool stays_bolted;      /* to which the block is not mounted anew: the stand is inclined */
+    uint64_t elapsed_us;    /* local clock since the run started; for display only */
 } tumble_progress_t;
 
 void tumble_procedure_progress(const tumble_procedure_t *procedure, tumble_progress_t *progress);

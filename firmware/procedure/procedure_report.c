@@ -72,6 +72,9 @@ void tumble_procedure_progress(const tumble_procedure_t *procedure, tumble_progr
     progress->finished = count_finished(procedure);
     progress->position = schedule->positions[procedure->index].number;
     progress->mounting = schedule->positions[procedure->index].mounting;
+    const uint8_t m = tumble_schedule_find_mounting(schedule, progress->mounting);
+    progress->inclination_deg = schedule->mountings[m].tilt.deg;
+    progress->stays_bolted = tumble_schedule_stays_bolted(schedule, m);
     progress->samples = tumble_averaging_samples(&procedure->averaging);
     progress->elapsed_us = procedure->restart_run ? 0U : (procedure->now_us - procedure->started_us);
 }

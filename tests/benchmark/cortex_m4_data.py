@@ -23,6 +23,7 @@ def write_data(path):
         size=(18, 3)
     )
     others = {name: Geometry(core.built_in(name)).outputs(k, np.array([0.01, -0.02, 0.03])) for name in OTHERS}
+    inclined = Geometry(core.built_in("inclined")).outputs(k, np.array([0.01, -0.02, 0.03]))
     sums = {"sums": means, "diagonal_sums": others["diagonal"]}
     sums = {name: np.rint(outputs * (PER_POSITION / V_PER_COUNT)).astype(int) for name, outputs in sums.items()}
     written = optimal_run.record_of(optimal_table(schedule.data, k, PAPER_STAND), schedule.data)
@@ -35,6 +36,7 @@ def write_data(path):
 const tumble_means_t benchmark_means = {{.u_v = {{{rows_of(means)}}},
     .measured = {{{", ".join(["true"] * 18)}}}}};
 {"".join(means_as_c(name, outputs) for name, outputs in others.items())}
+{means_as_c("inclined", inclined)}
 {"".join(sums_as_c(name, counts) for name, counts in sums.items())}
 const tumble_gain_record_t *const benchmark_record = &tumble_optimal_gains.head;
 const tumble_gain_table_t benchmark_table = {{tumble_optimal_gains.gains[0], 18}};
@@ -50,6 +52,9 @@ const tumble_coefficients_t benchmark_coefficients = {{.k_v_per_g = {{{rows_of(k
     once = np.ones(18, dtype=int)
     for name in ("refined", "least_squares"):
         found[f"u {name}"] = binding.uncertainties(schedule, k, PAPER_STAND, once, name)
+    bolted_once, each = core.CoreSchedule.built_in("inclined"), np.ones(len(inclined), dtype=int)
+    found["inclined"] = core.estimate(bolted_once, inclined, None, "inclined")
+    found["u inclined"] = binding.uncertainties(bolted_once, k, PAPER_STAND, each, "inclined")
     for name, outputs in others.items():
         found[name] = core.estimate(core.CoreSchedule.built_in(name), outputs)
     for name, counts in sums.items():

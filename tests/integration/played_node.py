@@ -35,6 +35,7 @@ class PlayedCanNode:
         self.node = self.network.create_node(1, str(data.file("eds/tumble_navcomp.eds")))
         self.mountings, self.fails, self.memory, self.stays = mountings, fails or {}, memory, stays
         self.states, self.run, self.reason, self.mounting = ["IDLE"], 0, "NONE", 0
+        self.bolted_once = False
         self.verdicts, self.counter, self.commands, self.level, self.silent = ["NONE"], 0, [], 0, False
         self.refusal, self.rung = (0, 0, 0, 0), 0  # 2004h:6 to 2004h:10
         self.node.add_read_callback(self.read)
@@ -44,6 +45,8 @@ class PlayedCanNode:
             (0x2001, 0): lambda: REASON[self.reason],
             (0x2003, 4): lambda: self.mounting,
             (0x2003, 12): lambda: HOMING,
+            (0x2003, 13): lambda: self.mounting > 1 and self.bolted_once,
+            (0x2003, 14): lambda: 45.0 * (self.mounting - 1),
             (0x2004, 10): lambda: self.rung,
             (0x2006, 2): lambda: self.level,
             (0x2007, 0): lambda: self.run,

@@ -51,6 +51,25 @@ def test_a_run_from_start_to_accept(played):
     assert theirs.commands == [("START", 0), ("CONFIRM_MOUNTING", 1), ("CONFIRM_MOUNTING", 2), ("ACCEPT", 0)]
 
 
+@pytest.mark.parametrize("bolted_once", [False, True])
+def test_what_the_operator_is_asked_to_do(played, bolted_once):
+    theirs, node = played()
+    theirs.bolted_once, asked = bolted_once, []
+    node.start()
+    while node.wait(until=("WAIT_MOUNTING", "DONE"), timeout=30) == "WAIT_MOUNTING":
+        asked.append((node.mounting, node.inclination))
+        node.confirm()
+    assert asked == [(1, None), (2, 45.0 if bolted_once else None)]
+
+
+def test_a_node_without_inclinations_asks_to_mount(played, monkeypatch):
+    theirs, node = played()
+    theirs.bolted_once, theirs.mounting = True, 2
+    assert node.inclination == 45.0
+    monkeypatch.setattr(node.link, "has", lambda name: name != "Progress: Inclination")
+    assert node.inclination is None
+
+
 def test_what_a_drive_refuses_is_named_in_a_run_and_between_runs(played):
     theirs, node = played(fails={1: "STAND_PROTOCOL"})
     before, theirs.refusal = node.drive_refusal, (0x6084, 0, 0x06020000, 1)

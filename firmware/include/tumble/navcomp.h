@@ -188,6 +188,7 @@ typedef struct {
         uint8_t failed_in;
         uint8_t status;
         uint8_t stand;
+        uint8_t stays_bolted;
     } as_byte;
 } tumble_navcomp_progress_t;
 

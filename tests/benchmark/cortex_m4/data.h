@@ -7,6 +7,7 @@
 extern const tumble_means_t benchmark_means;
 extern const tumble_means_t benchmark_three_mountings;
 extern const tumble_means_t benchmark_diagonal;
+extern const tumble_means_t benchmark_inclined;
 extern const tumble_averaging_t benchmark_sums; /* of the first and the last of these */
 extern const tumble_averaging_t benchmark_diagonal_sums;
 extern const tumble_gain_record_t *const benchmark_record;

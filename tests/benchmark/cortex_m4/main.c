@@ -79,6 +79,10 @@ static const tumble_gain_record_t *record;
 #elif CANDIDATE == 25
 #define BEGIN() (void)tumble_schedule_harmonic(&tumble_schedule_diagonal, NULL, &map, NULL)
 #define ESTIMATE() tumble_refined_of_sums(&map, &benchmark_diagonal_sums, BENCHMARK_V_PER_COUNT, &found)
+#elif CANDIDATE == 26
+#define ESTIMATE() tumble_estimate_inclined(&tumble_schedule_inclined, &benchmark_inclined, &found, NULL)
+#elif CANDIDATE == 27 || CANDIDATE == 28
+#define ESTIMATE() tumble_uncertainty_inclined(&inclined_judged, &uncertainty, NULL)
 #elif CANDIDATE == 15
 #define ESTIMATE() tumble_uncertainty_gains(&benchmark_table, &judged, &uncertainty)
 #endif
@@ -98,12 +102,19 @@ static const tumble_judged_run_t one_judged = {.schedule = &tumble_schedule_pape
                                                .only = 0x200, /* the longest */
                                                .noise = &noise};
 #define FOUND uncertainty
+#elif CANDIDATE == 27 || CANDIDATE == 28
+static tumble_uncertainty_t uncertainty;
+static const tumble_judged_run_t inclined_judged = {.schedule = &tumble_schedule_inclined,
+                                                    .stand = &benchmark_stand,
+                                                    .coefficients = &benchmark_coefficients,
+                                                    .only = (CANDIDATE == 28) ? 0x200 : 0};
+#define FOUND uncertainty
 #else
 static tumble_coefficients_t found;
 #define FOUND found
 #endif
 
-#if CANDIDATE >= 22
+#if CANDIDATE >= 22 && CANDIDATE <= 25
 static tumble_harmonic_map_t map;
 #endif
 

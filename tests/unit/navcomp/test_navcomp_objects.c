@@ -57,6 +57,39 @@ static void test_an_outsider_runs_a_calibration_by_sdo(void)
     TEST_ASSERT_EQUAL_UINT32(1, read_number(0x2022, 6, 1));
 }
 
+/* Whoever asks the operator reads it here: is the block to be mounted, or does it stay and the stand is inclined? */
+static void test_the_wire_tells_whether_to_mount_or_to_incline(void)
+{
+    static tumble_mounting_t mountings[2];
+    static tumble_schedule_t bolted_once;
+    const tumble_angle_t tilt = {1.0, 0.01745240643728351, 0.99984769515639124};
+    memcpy(mountings, tumble_schedule_paper.mountings, sizeof mountings);
+    bolted_once = tumble_schedule_paper;
+    bolted_once.mountings = mountings;
+    mountings[1].tilt = tilt;
+    for (uint8_t bolting = 0; bolting < 2U; bolting++) {
+        mountings[0].bolting = bolting;
+        mountings[1].bolting = bolting;
+        bench.never_confirm = true;
+        power_on_for(1.0);
+        TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2003, 13, 1));
+        TEST_ASSERT_TRUE(read_f64(0x2003, 14) == 0.0);
+        bench.navcomp.procedure_config.schedule = &bolted_once;
+        bench.navcomp.procedure_config.estimate = TUMBLE_ESTIMATE_LEAST_SQUARES;
+        TEST_ASSERT_EQUAL_HEX32(0, command(TUMBLE_COMMAND_START));
+        TEST_ASSERT_EQUAL(TUMBLE_STATE_WAIT_MOUNTING, bench_run(&bench, TUMBLE_STATE_WAIT_MOUNTING, 60.0));
+        TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2003, 13, 1));
+        TEST_ASSERT_TRUE(read_f64(0x2003, 14) == 0.0);
+        TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x2002, 1, &mountings[0].number, 1));
+        TEST_ASSERT_EQUAL_HEX32(0, command(TUMBLE_COMMAND_CONFIRM_MOUNTING));
+        TEST_ASSERT_EQUAL(TUMBLE_STATE_WAIT_MOUNTING, bench_run(&bench, TUMBLE_STATE_WAIT_MOUNTING, 600.0));
+        TEST_ASSERT_EQUAL_UINT32(2, read_number(0x2003, 4, 1));
+        TEST_ASSERT_EQUAL_UINT32(bolting, read_number(0x2003, 13, 1));
+        TEST_ASSERT_TRUE(read_f64(0x2003, 14) == 1.0);
+        bench_begin();
+    }
+}
+
 static void test_commands_are_refused_with_the_right_code(void)
 {
     power_on_for(1.0);

@@ -190,6 +190,42 @@ static void test_without_memory_nothing_is_estimated_or_stated(void)
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_inclined_uncertainty(&source, &run, NULL));
 }
 
+/* Before each mounting: is the block to be mounted, or the stand inclined, and how far? */
+static void test_the_operator_is_asked_to_incline_where_the_block_stays_bolted(void)
+{
+    static const struct {
+        const tumble_schedule_t *schedule;
+        tumble_estimate_t estimate;
+        uint8_t mountings;
+        bool stays[3];
+        double deg[3];
+    } cases[] = {{&schedule, TUMBLE_ESTIMATE_INCLINED, 3, {false, true, true}, {0.0, 45.0, -45.0}},
+                 {&tumble_schedule_paper, TUMBLE_ESTIMATE_REFINED, 2, {false, false}, {0.0, 0.0}},
+                 {&schedule, TUMBLE_ESTIMATE_LEAST_SQUARES, 3, {false, false, true}, {0.0, 45.0, -45.0}}};
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        bench.mounted = 0;
+        bench.config.schedule = cases[i].schedule;
+        bench.config.estimate = cases[i].estimate;
+        bench.block.truth = (cases[i].schedule == &schedule) ? truth : NULL;
+        nominal[0].bolting =
+            (cases[i].estimate == TUMBLE_ESTIMATE_LEAST_SQUARES) ? 0 : 1; /* then two in a row are left */
+        ASSERT_STATUS(TUMBLE_OK, tumble_procedure_init(&bench.procedure, &bench.config, &bench.table));
+        TEST_ASSERT_FALSE(bench_progress(&bench).stays_bolted);
+        ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
+        for (uint8_t m = 0; m < cases[i].mountings; m++) {
+            bench.operator_is_away = true;
+            bench_run_to(&bench, TUMBLE_STATE_WAIT_MOUNTING);
+            const tumble_progress_t progress = bench_progress(&bench);
+            TEST_ASSERT_EQUAL_UINT(m + 1U, progress.mounting);
+            TEST_ASSERT_EQUAL(cases[i].stays[m], progress.stays_bolted);
+            ASSERT_SAME_DOUBLE(cases[i].deg[m], progress.inclination_deg);
+            bench.operator_is_away = false;
+            bench_ticks(&bench, 2);
+        }
+        ASSERT_STATUS(TUMBLE_OK, tumble_procedure_abort(&bench.procedure));
+    }
+}
+
 /* Whoever forgets to incline is told by gravity, as with a wrong mounting, and goes on. */
 static void test_a_stand_that_was_not_inclined_is_noticed(void)
 {

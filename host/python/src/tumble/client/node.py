@@ -209,6 +209,7 @@ _STATUS = (
 
 _REFUSAL = ("Failure: Refused object", "Failure: Refused subindex", "Failure: Abort code", "Failure: Refused in")
 _STOP_RUNG = "Failure: Stop rung"
+_INCLINATION = ("Progress: Stays bolted", "Progress: Inclination")
 
 
 @dataclass(frozen=True)
@@ -298,6 +299,15 @@ class Node:
     def mounting(self) -> int:
         """The one that is asked for, or that is measured in."""
         return self._whole("Progress: Mounting number")
+
+    @property
+    def inclination(self) -> float | None:
+        """How far the stand is to be inclined, degrees, for the mounting that is asked for or measured in, where the
+        block stays bolted on as it is; None: the block is mounted for it."""
+        if not all(map(self.has, _INCLINATION)):  # an older node
+            return None
+        stays_bolted, degrees = self.read_together(*_INCLINATION)
+        return float(number(degrees)) if stays_bolted else None
 
     @property
     def status(self) -> Status:
