@@ -129,7 +129,8 @@ static void test_inclinations_have_errors_of_the_declared_size(void)
     }
     for (int i = 0; i < ERRORS; i++) {
         for (int j = 0; j < ERRORS; j++) {
-            TEST_ASSERT_DOUBLE_WITHIN(4.0 * 25e-6 / sqrt(SEEDS / 2.0), (i == j) ? 25e-6 : 0.0, sum[i][j]);
+            const bool varies = (i == j) && (i != INCLINATIONS); /* the zero at the first one is the table's: alpha2 */
+            TEST_ASSERT_DOUBLE_WITHIN(4.0 * 25e-6 / sqrt(SEEDS / 2.0), varies ? 25e-6 : 0.0, sum[i][j]);
         }
     }
 }
