@@ -20,7 +20,6 @@ bool tumble_stand_record_is_valid(const tumble_stand_record_t *stand)
            is_sigma(stand->angle_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
            is_sigma(stand->seat_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
            is_sigma(stand->platform_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
-           is_sigma(stand->inclination_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
            is_sigma(stand->encoder_rad, TUMBLE_MAX_STAND_SIGMA_RAD) && is_sigma(stand->drift_v, TUMBLE_MAX_MEAN_V) &&
            is_sigma(stand->noise_v, TUMBLE_MAX_MEAN_V) && is_sigma(stand->least_noise_v, TUMBLE_MAX_MEAN_V) &&
            (stand->samples >= 1U);

@@ -29,9 +29,6 @@ typedef struct {
     double alpha3; /* likewise of the present bolting: of all its mountings up to here */
     double theta_h;
     double theta_n;
-    double tilts_squared; /* of inclinations in one bolting, and of their zeros of the table angle but the first */
-    double inclined_squared;
-    uint8_t stays;                       /* mountings in this bolting so far */
     double variance_v2[TUMBLE_CHANNELS]; /* of the noise of a mean */
     uint32_t samples[TUMBLE_CHANNELS];   /* of so many samples: the next one mostly has as many */
     tumble_course_response_t course;
@@ -228,12 +225,8 @@ static void close_mounting(const tumble_angle_t *tilt, const channel_t *channels
     const double turning = tilt->cosine * (sum[0][2] - sum[2][0]);
     const double alpha3 = (tilt->sine * sum[0][1]) - (tilt->cosine * sum[1][0]);
     const double theta_h = (tilt->cosine * sum[1][2]) - (tilt->sine * sum[2][1]);
-    const double alpha1 = (tilt->cosine * sum[1][1]) - (tilt->sine * (sum[0][0] + sum[2][2]));
-    response->alpha1 += alpha1;
+    response->alpha1 += (tilt->cosine * sum[1][1]) - (tilt->sine * (sum[0][0] + sum[2][2]));
     response->alpha2 += turning;
-    response->tilts_squared += tumble_square(alpha1);
-    response->tilts_squared += (response->stays > 0U) ? tumble_square(turning) : 0.0;
-    response->stays++;
     response->alpha3 += alpha3;
     response->theta_h += theta_h;
     response->theta_n += turning;
@@ -246,9 +239,6 @@ static void close_bolting(response_t *response)
     response->yaws_squared += tumble_square(response->alpha3);
     response->lean += response->theta_h;
     response->seats_squared += tumble_square(response->theta_h) + tumble_square(response->theta_n);
-    response->inclined_squared += (response->stays > 1U) ? response->tilts_squared : 0.0;
-    response->tilts_squared = 0.0;
-    response->stays = 0U;
     response->alpha3 = 0.0;
     response->theta_h = 0.0;
     response->theta_n = 0.0;
@@ -263,7 +253,6 @@ static double combined(const tumble_stand_record_t *stand, const response_t *res
         (tumble_square(stand->remount_rad) * yaws_squared) +
         (tumble_square(stand->angle_rad) * response->alpha4_squared) + response->noise_squared +
         (tumble_square(stand->seat_rad) * response->seats_squared) +
-        (tumble_square(stand->inclination_rad) * response->inclined_squared) +
         tumble_square(stand->platform_rad * response->lean) + tumble_course_variance(stand, &response->course));
 }
 

@@ -286,7 +286,6 @@ static void declare_stand(bench_config_t *config)
         .common_yaw = stand->remount == SIM_REMOUNT_COMMON,
         .seat_rad = sigma_of(stand->seat_rad, stand->law),
         .platform_rad = sigma_of(stand->platform_rad, stand->law),
-        .inclination_rad = sigma_of(stand->inclination_rad, stand->law),
         .encoder_rad = sigma_of(stand->encoder_rad, stand->law),
         .drift_v = is_alike(stand->drift_v) ? sigma_of(stand->drift_v[0], stand->law) : 0.0,
     };

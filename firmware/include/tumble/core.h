@@ -627,10 +627,6 @@ typedef struct {
     double drift_v;      /* of each channel, from the first fit position to the last; 0 to TUMBLE_MAX_MEAN_V */
     double channel_noise_v[TUMBLE_CHANNELS]; /* of a channel that differs, in place of noise_v; 0: as noise_v says. */
     double channel_drift_v[TUMBLE_CHANNELS]; /* Likewise of drift_v */
-    double
-        inclination_rad; /* of a set inclination, and of the zero of the table angle with it: one of each for each mounting
-                             * that shares its bolting, but the zero of the first is the table's. Unknown ones: 0, and
-                             * only estimators that find them */
 } tumble_stand_record_t;
 
 #define TUMBLE_WAVES 4 /* numbers of an encoder's errors */

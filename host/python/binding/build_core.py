@@ -218,7 +218,6 @@ typedef struct {
     double drift_v;
     double channel_noise_v[3];
     double channel_drift_v[3];
-    double inclination_rad;
 } tumble_stand_record_t;
 typedef struct {
     double noise_v[3];

@@ -267,7 +267,7 @@ static void test_a_mean_of_no_samples_is_refused(void)
 static void test_a_k_that_is_no_number_or_too_large_is_refused(void)
 {
     static const double bad[] = {NOT_A_NUMBER, INFINITE, -INFINITE, 1e200};
-    const tumble_stand_record_t stand = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1, false, 1.0, 1.0, 1.0, 1.0, {0}, {0}, 0.0};
+    const tumble_stand_record_t stand = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1, false, 1.0, 1.0, 1.0, 1.0, {0}, {0}};
     for (int cell = 0; cell < 9; cell++) {
         for (size_t b = 0; b < COUNT_OF(bad); b++) {
             tumble_coefficients_t block = straight;

@@ -51,7 +51,7 @@ REASONS: tuple[tuple[str, str, str], ...] = (  # by number: name, meaning, what 
     ("MOUNTING_NOT_CONFIRMED", "the operator did not confirm the mounting in time", "Nobody confirmed in time. CONFIRM_MOUNTING goes on."),
     ("WRONG_MOUNTING", "gravity points along the wrong axis: the block sits in another mounting", "Gravity says that the block sits in another mounting: mount it rightly, confirm."),
     ("SWAPPED_CHANNELS", "gravity appears on the wrong channels: channels are swapped or inverted", "Gravity on the wrong channels, or with the wrong sign: wiring, sign of the nominal scale."),
-    ("SINGULAR", "the coefficients found cannot be inverted", "A dead channel or two parallel ones."),
+    ("SINGULAR", "the coefficients found cannot be inverted", "A dead channel or two parallel ones; with inclined: inclinations alike, or all on one side of the level."),
     ("GRAVITY_CHECK", "the result fails the gravity check", "DONE, but the result fails the gravity check; see objection 0."),
     ("BUS", "the CAN controller is off the bus", "The computer's own controller is off the bus: bit rate, termination, short circuit."),
     ("UNCERTAIN", "the noise keeps a mean from its error budget, with all samples allowed", "Too noisy for the error budget of a mean with all samples allowed."),

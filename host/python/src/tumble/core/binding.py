@@ -493,7 +493,6 @@ def record_of(stand: Stand, least_noise: float = 0.0) -> Any:
     """The declared stand as the core takes it; the noise of a mean never counts as less than `least_noise`."""
     angles = [source for source in SOURCES.values() if source.is_angle and not source.of_inclinations]
     numbers: dict[str, Any] = {source.key: stand.sigma(source.attribute) for source in angles}
-    numbers["inclination_rad"] = 0.0 if math.isinf(stand.inclination) else stand.sigma("inclination")
     for source in PER_CHANNEL:
         sigma = per_channel(stand.sigmas(source))
         numbers[f"channel_{source}_v" if isinstance(sigma, tuple) else f"{source}_v"] = sigma

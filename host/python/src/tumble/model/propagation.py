@@ -13,7 +13,7 @@ outputs come from the exact geometry and go through the estimator itself.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -89,6 +89,11 @@ class Propagation:
     def brought(self, variance: Floats | None = None) -> dict[str, Floats]:
         """What one standard deviation of each draw brings to the unknowns: by source, (draws, 12 + 3 x terms)."""
         return brought(by_gains(self.schedule, self.gains), self.errors(variance))
+
+    def covariance_by(self, names: Iterable[str], variance: Floats | None = None) -> Floats:
+        """Of the unknowns, by these sources alone."""
+        errors = self.errors(variance)
+        return covariance_of(by_gains(self.schedule, self.gains), {name: errors[name] for name in names})
 
     def covariance(self, variance: Floats | None = None) -> Floats:
         """Of the unknowns. That of `optimal` needs no table."""
