@@ -129,7 +129,7 @@ static void find_harmonics(const tumble_inclined_map_t *map, const tumble_means_
     }
 }
 
-/* The weights of the channels such that what they weigh is at most 1: no square overflows. */
+/* The weights of the channels such that what turns is at most 1: no square of it overflows, whatever the offsets. */
 static void find_weights(const tumble_inclined_map_t *map, const double weights[TUMBLE_CHANNELS],
                          tumble_inclined_t *run)
 {
@@ -137,7 +137,7 @@ static void find_weights(const tumble_inclined_map_t *map, const double weights[
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         run->weight[i] = (weights == NULL) ? 1.0 : weights[i];
         for (uint8_t k = 0; k < map->count; k++) {
-            for (int part = 0; part < TUMBLE_HARMONICS; part++) {
+            for (int part = 0; part < TUMBLE_LEVEL; part++) {
                 largest = tumble_larger(largest, tumble_abs(run->weight[i] * run->harmonics[k][part][i]));
             }
         }
@@ -145,6 +145,12 @@ static void find_weights(const tumble_inclined_map_t *map, const double weights[
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         run->weight[i] = tumble_is_positive(largest) ? (run->weight[i] / largest) : 0.0;
     }
+}
+
+/* How far a level part has moved since the first inclination: beside an offset of thousands of g little else is left. */
+static double moved(const tumble_inclined_t *run, uint8_t k, int channel)
+{
+    return run->harmonics[k][TUMBLE_LEVEL][channel] - run->harmonics[0][TUMBLE_LEVEL][channel];
 }
 
 /* Where each inclination lies along the line that the level parts lie on: t_k = d . w b_k, less their mean; and how much
@@ -167,7 +173,7 @@ static tumble_status_t find_places(const tumble_inclined_map_t *map, tumble_incl
         double place = 0.0;
         double square = 0.0;
         for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-            place += run->along[i] * (run->weight[i] * run->harmonics[k][TUMBLE_LEVEL][i]);
+            place += run->along[i] * (run->weight[i] * moved(run, k, i));
             square += tumble_square(run->weight[i] * run->harmonics[k][TUMBLE_SINE][i]) +
                       tumble_square(run->weight[i] * run->harmonics[k][TUMBLE_COSINE][i]);
         }
@@ -238,7 +244,7 @@ static void find_axial(const tumble_inclined_map_t *map, tumble_inclined_t *run)
         double sum = 0.0;
         double mean = 0.0;
         for (uint8_t k = 0; k < map->count; k++) {
-            sum += run->place[k] * run->harmonics[k][TUMBLE_LEVEL][i];
+            sum += run->place[k] * moved(run, k, i);
             mean += run->harmonics[k][TUMBLE_LEVEL][i] / (double)map->count;
         }
         run->column[1][i] = sum / (run->slope * run->places_squared);

@@ -77,13 +77,13 @@ def solved(
     *,
     stand: Any = None,
     schedule: Any = None,
-    estimator: str | None = None,
+    estimator: str = DEFAULT_ESTIMATOR,
     limit_g: float | None = None,
     confidence: float = DEFAULT_CONFIDENCE,
     terms: Terms = (),
 ) -> Solved:
     """Solve a recording; arguments as of `solve`. Raises TumbleError."""
-    if estimator is not None and not is_one_of(estimator, ESTIMATORS):
+    if not is_one_of(estimator, ESTIMATORS):
         raise UsageError(f"estimator: {quoted(estimator)} is not one of {', '.join(ESTIMATORS)}")
     if estimator == OPTIMAL and stand is None:
         raise UsageError(NEEDS_STAND)
@@ -91,11 +91,7 @@ def solved(
     stand_file = None if stand is None else stand_file_of(stand)
     declared_g = None if stand_file is None else stand_file.delta_g_limit_g
     told_g = declared_g if limit_g is None else limit_g
-    core_schedule = schedule_of(DEFAULT_SCHEDULE if schedule is None else schedule, estimator)
-    if estimator is None:
-        estimator = DEFAULT_INCLINED if core_schedule.data.is_inclined else DEFAULT_ESTIMATOR
-        core_schedule = schedule_of(DEFAULT_SCHEDULE if schedule is None else schedule, estimator)
-    run, planned = recording.averaged_on(core_schedule)
+    run, planned = recording.averaged_on(schedule_of(DEFAULT_SCHEDULE if schedule is None else schedule, estimator))
     odd_rows = run_rows.check_rows(run, planned.data, stand_file, recording.name)
     environment = None if stand_file is None else stand_file.environment
     contradiction = contradicted(run, environment)
@@ -156,6 +152,9 @@ def solve(
     if not 0.5 <= as_number(confidence) <= 0.999999:
         raise UsageError(f"confidence: {quoted(confidence)} is not a number from 0.5 to 0.999999")
     with told_in_python():
+        if estimator is None:
+            planned = schedule_of(DEFAULT_SCHEDULE if schedule is None else schedule)
+            estimator = DEFAULT_INCLINED if planned.data.is_inclined else DEFAULT_ESTIMATOR
         found = solved(
             recording_of(run),
             stand=stand,
@@ -163,7 +162,7 @@ def solve(
             estimator=estimator,
             limit_g=limit_g,
             confidence=confidence,
-            terms=parse(as_list(model), DEFAULT_ESTIMATOR if estimator is None else estimator),
+            terms=parse(as_list(model), estimator),
         )
         return Result(to_json(found.document), tuple(found.complaints))
 

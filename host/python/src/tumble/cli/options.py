@@ -7,7 +7,7 @@ import math
 import os
 import re
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 from tumble.defaults import DEFAULT_CONFIDENCE, DEFAULT_ESTIMATOR, DEFAULT_INCLINED, DEFAULT_LIMIT_G
@@ -85,11 +85,21 @@ def add(parser: Options, *options: str, remark: str = "") -> None:
         parser.add_argument(option, **{**how, "help": how["help"].format(remark)})
 
 
+def _is_inclined(schedule: str | None) -> bool:
+    """By name, or by a file that says what is bolted; whatever is wrong with one is told where it is read."""
+    if schedule is None or schedule in BUILT_IN or not os.path.isfile(schedule):
+        return schedule in ("inclined", "inclined_closed")
+    with suppress(OSError), open(schedule, "rb") as file:
+        return re.search(rb"^\s*bolting\s*=", file.read(), re.MULTILINE) is not None
+    return False
+
+
 def settle(arguments: argparse.Namespace) -> None:
     """What --estimator is where nobody says."""
     if getattr(arguments, "estimator", None) == _BY_SCHEDULE:
-        is_inclined = str(getattr(arguments, "schedule", None)).startswith(DEFAULT_INCLINED)
-        arguments.estimator = DEFAULT_INCLINED if is_inclined else DEFAULT_ESTIMATOR
+        arguments.estimator = (
+            DEFAULT_INCLINED if _is_inclined(getattr(arguments, "schedule", None)) else DEFAULT_ESTIMATOR
+        )
 
 
 def refuse_model(parser: argparse.ArgumentParser, why: str) -> None:

@@ -148,7 +148,10 @@ def _largest(source: Source) -> float:
 
 def _error(table: Table, source: Source) -> PerChannel:
     read = table.number if source.is_angle else table.per_channel
-    return read(source.key, 0.0, _largest(source), **({} if source.required else {"default": source.undeclared}))
+    size = read(source.key, 0.0, _largest(source), **({} if source.required else {"default": source.undeclared}))
+    if source.of_inclinations and size == 0.0:
+        raise table.refuse("must not be 0: nothing is set exactly; leave it out where nobody knows", source.key)
+    return size
 
 
 def require_stand(stand: Stand, name: str) -> None:
@@ -160,6 +163,8 @@ def require_stand(stand: Stand, name: str) -> None:
         several = not source.is_angle and isinstance(value, tuple) and len(value) == 3
         if source.of_inclinations and value == source.undeclared:
             continue
+        if source.of_inclinations and value == 0.0:
+            raise BadInput("0 is not above 0: nothing is set exactly", name, column=attribute)
         if not all(isinstance(one, Real) and 0.0 <= float(one) <= largest for one in (value if several else [value])):
             raise BadInput(f"{quoted(value)} is not a number from 0 to {largest:g}", name, column=attribute)
     if not isinstance(stand.samples, Integral) or not 1 <= stand.samples <= MAX_SAMPLES:

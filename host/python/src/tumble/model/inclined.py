@@ -64,7 +64,7 @@ def layout(schedule: Schedule) -> Layout | None:
     if len(used) < FEWEST or len(boltings) != 1 or None in boltings:
         return None
     matrices = np.array([one.matrix for one in used], dtype=float)
-    tilts = np.array([one.tilt_deg for one in used])
+    tilts = np.round([one.tilt_deg - one.off_deg[0] for one in used], 9)  # as they were set: others are told by these
     slots = tuple(
         np.array([i for i in schedule.fit_indices if schedule.positions[i].mounting == one.number]) for one in used
     )

@@ -125,8 +125,9 @@ class _Whitened:
         self.by_error = derivative.reshape(len(derivative), -1).T * self.errors.sigma
         self.model = np.hstack([self.by_error, self.design])
         self.expected = derivative.reshape(len(derivative), -1).T @ self.errors.mean
-        in_records = [np.full(len(one.sigma), name in (*_SHARED, "alpha4")) for name, one in self.found.items()]
-        self._in_records = np.concatenate(in_records)
+        unbounded = free(stand, self.schedule)
+        exact = [np.full(len(one.sigma), name not in unbounded) for name, one in self.found.items()]
+        self._exact = np.append(np.concatenate(exact), np.ones(self.count, dtype=bool))
         self.weights = np.tile(channel_weights(sigma), len(self.design) // 3)
         prior = largest * np.eye(self.by_error.shape[1], self.model.shape[1])
         self.system = np.vstack([self.model * self.weights[:, None], prior])
@@ -154,15 +155,15 @@ class _Whitened:
     def solve_exactly(self, measured: Floats) -> tuple[Floats, Floats]:
         """All unknowns (runs, n) on the exact geometry, from `measured` (runs, fit positions, 3); and the outputs
         (runs, 3 x fit positions) without what this has beyond its linearisation, and without what the declared means of
-        the errors add. What no record has is small where a run is linearised, and counts by its first order alone."""
+        the errors add. What is free has been found before, and counts by its first order alone: the core's way."""
         corrected = measured = measured.reshape(len(measured), -1) - self.expected
         x = self.solve(measured.T).T
         for _ in range(CORRECTIONS):
-            known = x * np.concatenate([self._in_records, np.ones(self.count, dtype=bool)])
-            found = x[:, -self.count :]
-            exact = self.errors.outputs(found[:, :9].reshape(-1, 3, 3), found[:, 9:12], self.sizes(known))
+            known, found = x * self._exact, x[:, -self.count :]
+            sizes = self.sizes(known) + self.errors.mean
+            exact = self.errors.outputs(found[:, :9].reshape(-1, 3, 3), found[:, 9:12], sizes)
             further = found[:, 12:] @ self.design[:, 12:].T
-            corrected = measured - (exact.reshape(measured.shape) + further - known @ self.model.T)
+            corrected = measured - (exact.reshape(measured.shape) + further - known @ self.model.T - self.expected)
             x = self.solve(corrected.T).T
         return x, corrected
 

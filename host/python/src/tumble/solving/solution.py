@@ -319,6 +319,9 @@ def _at_inclinations(
     try:
         closed, seen = look_at_inclinations(planned, run.means, run.measured, weights)
     except core.CoreRefusal as refusal:
+        lacking = _missing(planned.data, run)
+        if refusal.name == "TUMBLE_E_NOT_INCLINED" and lacking:
+            raise BadInput(f"{estimator} needs {INCLINATIONS}; missing {lacking}", file) from None
         raise BadInput(_explained(refusal, estimator), file) from None
     part = own.part(run.measured)
     try:
@@ -328,6 +331,11 @@ def _at_inclinations(
     compare_inclinations(seen, of_witness)
     at_seen = core.CoreSchedule(inclined.as_seen(planned.data, seen))
     return _Place(at_seen, inclined.as_seen(part, of_witness), closed, seen)
+
+
+def _missing(schedule: Schedule, run: Run) -> str:
+    """The fit positions that a run lacks, in words."""
+    return ", ".join(schedule.positions[index].label for index in schedule.fit_indices if not run.measured[index])
 
 
 def _stand_seen(
