@@ -256,11 +256,11 @@ static void find_axial(const tumble_inclined_map_t *map, tumble_inclined_t *run)
  * tan tau_k = sum w^2 (v_k h_0 - h_k v_0) / sum w^2 (h_k h_0 + v_k v_0). */
 static tumble_status_t find_transverse(const tumble_inclined_map_t *map, tumble_inclined_t *run)
 {
-    const double (*first)[TUMBLE_CHANNELS] = run->harmonics[0];
+    const double (*first)[TUMBLE_CHANNELS] = (const double (*)[TUMBLE_CHANNELS])run->harmonics[0];
     (void)memset(run->column[0], 0, sizeof run->column[0]);
     (void)memset(run->column[2], 0, sizeof run->column[2]);
     for (uint8_t k = 0; k < map->count; k++) {
-        const double (*harmonic)[TUMBLE_CHANNELS] = run->harmonics[k];
+        const double (*harmonic)[TUMBLE_CHANNELS] = (const double (*)[TUMBLE_CHANNELS])run->harmonics[k];
         double along = 0.0;
         double across = 0.0;
         for (int i = 0; i < TUMBLE_CHANNELS; i++) {

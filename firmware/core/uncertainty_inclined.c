@@ -37,7 +37,7 @@ static const tumble_angle_t *gains_at(const tumble_gains_t *gains, uint8_t p, do
     const tumble_schedule_t *schedule = inclined->map.schedule;
     const tumble_angle_t *angle = &schedule->positions[p].angle;
     const uint8_t k = inclination_of(inclined, tumble_schedule_mounting_of(schedule, p));
-    const double (*of)[TUMBLE_CHANNELS] = inclined->gains[k];
+    const double (*of)[TUMBLE_CHANNELS] = (const double (*)[TUMBLE_CHANNELS])inclined->gains[k];
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         const double waves = (of[TUMBLE_SINE][i] * angle->sine) + (of[TUMBLE_COSINE][i] * angle->cosine);
         g[i] = ((2.0 * waves) + of[TUMBLE_LEVEL][i]) / (double)inclined->map.positions[k];
@@ -69,7 +69,7 @@ static void solve(const tumble_gains_t *gains)
         }
         seed[TUMBLE_BIAS][i] = ((attitude != NULL) || (gains->unknown == TUMBLE_BIAS)) ? weight : 0.0;
     }
-    tumble_inclined_gains(map, &inclined->run, seed, inclined->gains);
+    tumble_inclined_gains(map, &inclined->run, (const double (*)[TUMBLE_CHANNELS])seed, inclined->gains);
 }
 
 tumble_status_t tumble_uncertainty_inclined(const tumble_judged_run_t *run, tumble_uncertainty_t *uncertainty,
