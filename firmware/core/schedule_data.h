@@ -17,7 +17,8 @@
 #define TUMBLE_AT_315 {315.0, -TUMBLE_HALF_SQRT2,  TUMBLE_HALF_SQRT2}
 #define TUMBLE_AT_360 {360.0,                0.0,                1.0}
 
-#define TUMBLE_NINE_POSITIONS(mounting)            \
+/* Of the last one, where the first was, the use: FIT or CHECK. */
+#define TUMBLE_NINE_POSITIONS(mounting, last)       \
     {(mounting), 1, TUMBLE_USE_FIT, TUMBLE_AT_0},   \
     {(mounting), 2, TUMBLE_USE_FIT, TUMBLE_AT_45},  \
     {(mounting), 3, TUMBLE_USE_FIT, TUMBLE_AT_90},  \
@@ -26,7 +27,7 @@
     {(mounting), 6, TUMBLE_USE_FIT, TUMBLE_AT_225}, \
     {(mounting), 7, TUMBLE_USE_FIT, TUMBLE_AT_270}, \
     {(mounting), 8, TUMBLE_USE_FIT, TUMBLE_AT_315}, \
-    {(mounting), 9, TUMBLE_USE_FIT, TUMBLE_AT_360}
+    {(mounting), 9, TUMBLE_USE_##last, TUMBLE_AT_360}
 
 /* x, y, z along: */
 #define TUMBLE_H_N_V {1, {{ 1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}, TUMBLE_AT_0, 0} /* ( h, n, v) */
