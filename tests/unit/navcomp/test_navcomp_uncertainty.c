@@ -132,8 +132,8 @@ static void test_those_of_a_gain_record_are_for_the_k_it_was_made_for(void)
     static gain_bytes_t record;
     static const tumble_coefficients_t made_for = {{{2.0, 0.1, 0.0}, {0.0, 2.1, 0.0}, {0.3, 0.0, 1.9}}, {0}};
     static const tumble_coefficients_t another = {{{5.0, 0.0, 0.0}, {0.0, 5.0, 0.0}, {0.0, 0.0, 5.0}}, {1.0, 1.0, 1.0}};
-    static const tumble_stand_record_t stand = {1e-5, 2e-5, 3e-4, 4e-5, 3e-4, 0.0, 50, false,
-                                                0.0,  0.0,  0.0,  0.0,  {0},  {0}, 0.0};
+    static const tumble_stand_record_t stand = {1e-5,  2e-5, 3e-4, 4e-5, 3e-4, 0.0, 50,
+                                                false, 0.0,  0.0,  0.0,  0.0,  {0}, {0}};
     dice_t dice = {91};
     empty_gains(&tumble_schedule_paper, 2, &record);
     for (unsigned n = 0; n < 9U; n++) {

@@ -146,8 +146,7 @@ static void test_a_tilted_platform(void)
 
 static void test_sources_add_in_quadrature(void)
 {
-    const tumble_stand_record_t stand = {1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 0.0, 1,  false,
-                                         6e-3, 7e-3, 8e-3, 9e-3, {0},  {0}, 0.0};
+    const tumble_stand_record_t stand = {1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 0.0, 1, false, 6e-3, 7e-3, 8e-3, 9e-3, {0}, {0}};
     const tumble_stand_record_t alone[9] = {
         {.axis_tilt_rad = 1e-3, .samples = 1}, {.level_rad = 2e-3, .samples = 1},   {.remount_rad = 3e-3, .samples = 1},
         {.angle_rad = 4e-3, .samples = 1},     {.noise_v = 5e-3, .samples = 1},     {.seat_rad = 6e-3, .samples = 1},
