@@ -42,8 +42,8 @@ def build(folder):
         pytest.skip("libmodbus is not installed (Debian: libmodbus-dev, pkg-config)")
     library = subprocess.run([config, "--cflags", "--libs", "libmodbus"], check=True, capture_output=True, text=True)
     sources = [str(path) for path in sorted((ROOT / "host/gateway").glob("*.c")) if path.name != "main.c"]
-    firmware = ("canopen/sdo_client", "canopen/link", "core/count", "core/status", "navcomp/commands",
-                "procedure/names", "sets/objections")
+    firmware = ("canopen/sdo_client", "canopen/link", "core/count", "core/status", "core/status_sentence",
+                "navcomp/commands", "procedure/names", "sets/objections")
     sources += [f"firmware/{name}.c" for name in firmware]
     board = ("arguments", "event_log", "json", "nowait", "remedies", "run_log", "signals")
     sources += [f"boards/linux/{name}.c" for name in board]
