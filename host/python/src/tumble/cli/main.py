@@ -14,7 +14,7 @@ from typing import Any, NoReturn
 
 from tumble import __version__, interruption
 from tumble.cli.commands import COMMANDS
-from tumble.cli.options import settle
+from tumble.cli.options import choose_estimator
 from tumble.errors import (
     EXIT_BAD_INPUT,
     EXIT_DISAGREEMENT,
@@ -190,7 +190,7 @@ def main(argv: list[str] | None = None, *, interruptible: bool = False) -> int:
         _prepare_output()
         words = sys.argv[1:] if argv is None else argv
         arguments = _parser(words).parse_args(words)
-        settle(arguments)
+        choose_estimator(arguments)
         code: int = arguments.run_command(arguments)
         sys.stdout.flush()
         return code

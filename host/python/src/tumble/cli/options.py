@@ -94,7 +94,7 @@ def _is_inclined(schedule: str | None) -> bool:
     return False
 
 
-def settle(arguments: argparse.Namespace) -> None:
+def choose_estimator(arguments: argparse.Namespace) -> None:
     """What --estimator is where nobody says."""
     if getattr(arguments, "estimator", None) == _BY_SCHEDULE:
         arguments.estimator = (

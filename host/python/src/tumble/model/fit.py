@@ -69,7 +69,7 @@ class WholeModel:
         self._largest = np.full(len(self._sigma), LARGEST_ERROR_RAD)
         for name in set(OF_OUTPUTS) & set(names):
             self._largest[self._errors.of[name]] = np.inf
-        self._x = np.where(self._sigma > 0.0, 0.0, self._errors.mean)  # rad, or as outputs are
+        self._x = np.zeros(len(self._sigma))  # rad, or as outputs are
         for _ in range(PASSES):
             self._linearise()
         self.chi_squared, self.freedom = float(self.rest @ self.rest), len(self.rest)

@@ -257,7 +257,7 @@ def _at_inclinations(case: Case) -> Solver:
             _, seen = look_at_inclinations(fitted, run, measured, stand.weights)
             at = core.CoreSchedule(as_seen(fitted.data, seen))
             table = optimal_run.make_table(at, run, measured, weighting, case.terms)
-            if case.terms:
+            if case.terms or math.isfinite(stand.inclination):  # which no gain record has
                 found.append(by_table(table, at.data, stand, case.terms, run[None])[0])
             else:
                 one = optimal_run.apply_table(table, at, run)

@@ -94,7 +94,7 @@ def _refuse_options_of_bench(arguments: argparse.Namespace) -> None:
     usual = argparse.ArgumentParser(add_help=False)
     bench.add_options(usual)
     unasked = usual.parse_args([])
-    options.settle(unasked)
+    options.choose_estimator(unasked)
     for name, value in vars(unasked).items():
         if name != "json" and getattr(arguments, name) != value:
             raise UsageError(f"--{name.replace('_', '-')} is of SOURCE bench alone")
