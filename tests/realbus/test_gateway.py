@@ -286,7 +286,7 @@ def test_how_many_frames_a_poll_takes(bus, calibrating, serve, tmp_path):
     polls = polls_on(tmp_path / "polls.log")
     print(f"frames of the polls: {polls}")
     # One that is under way when a setting comes begins anew, and then reads the position's group as well.
-    assert 900 < polls[0] < 1600 and min(polls) < 370 and sorted(polls)[-2] < 370 + 450, polls
+    assert 900 < polls[0] < 1600 and min(polls) < 380 and sorted(polls)[-2] < 380 + 450, polls
 
 
 def test_a_gateway_that_may_not_command_cannot(calibrating, serve):
