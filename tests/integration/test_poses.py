@@ -3,6 +3,7 @@ force."""
 
 import io
 import math
+import os
 import re
 import sys
 from dataclasses import replace
@@ -210,7 +211,8 @@ def test_the_prompt_for_a_mounting_draws_it_and_lists_its_positions(monkeypatch,
 
 
 INCLINED = [  # mounting that was measured before, the one that is asked for, what is said
-    (None, 1, "Mount the block as mounting 1 says: x along +h"),
+    (None, 1, "Mount the block as mounting 1 says: x along +h (horizontal, across the axis); y along +n (along the "
+              "axis); z along +v (up at table angle 0). Incline the stand to about 0 deg, lock it, and confirm."),
     (1, 2, "The block stays bolted on as it is. Incline the stand to about +45 deg, the far end of its axis up, lock "
            "it, and confirm."),
     (2, 3, "The block stays bolted on as it is. Incline the stand to about -45 deg, the near end of its axis up, lock "
@@ -239,6 +241,25 @@ def test_a_block_that_is_bolted_on_a_steep_stand_is_mounted_and_then_inclined(mo
         assert "Incline the stand to about +45 deg" in said and "stays" not in said
     said = " ".join(asked(others, monkeypatch, capsys, 2, kind="mounting", mounting=3))
     assert said.startswith("Mount the block as mounting 3 says") and "Incline" not in said  # its tilt is known
+
+
+@pytest.mark.skipif(not hasattr(os, "openpty"), reason="no terminals here")
+def test_what_was_typed_before_a_question_answers_nothing(monkeypatch, capsys):
+    """Somebody may be at the stand when the next question comes, and has not read it."""
+    here, there = os.openpty()
+
+    class Typing(Progress):
+        def say(self, line):
+            super().say(line)
+            if line.startswith("["):
+                os.write(here, b" Repeat  mounting 2\n")
+
+    with os.fdopen(there, encoding="ascii") as terminal:
+        monkeypatch.setattr(sys, "stdin", terminal)
+        os.write(here, b"\n\ndone\n")
+        question = {"event": "question", "kind": "mounting", "mounting": 2}
+        assert Typing(SCHEDULES["paper"], True)(question) == "repeat mounting 2"
+    os.close(here)
 
 
 def test_the_prompt_for_an_angle_draws_the_block_there(monkeypatch, capsys):

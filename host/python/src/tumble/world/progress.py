@@ -6,6 +6,11 @@ import sys
 import textwrap
 from typing import Any
 
+try:
+    import termios
+except ModuleNotFoundError:  # Windows
+    termios = None  # type: ignore[assignment]
+
 import numpy as np
 
 from tumble import poses
@@ -72,6 +77,7 @@ class Progress:
         elif kind == "question" and self._interactive:
             return self.ask(event)
         elif kind == "refused":
+            _forget_what_was_typed()
             self.say(f"not accepted: {event['what']}")
             return self.read_answer()
         return None
@@ -91,15 +97,16 @@ class Progress:
         tell(line)
 
     def ask(self, event: dict[str, Any]) -> str:
-        """Put a question, return the answer as the program takes it."""
+        """Put a question, return the answer as the program takes it. What was typed before it was put is no answer."""
+        _forget_what_was_typed()
         by_number = {mounting.number: mounting for mounting in self._schedule.mountings}
         if event["kind"] == "mounting":
             mounting, on_table = by_number[event["mounting"]], by_number.get(self._on_table)
             is_bolted = on_table is not None and mounting.bolting is not None and on_table.bolting == mounting.bolting
-            is_steep = mounting.bolting is not None and mounting.tilt_deg != 0.0
+            is_inclined = sum(one.bolting == mounting.bolting for one in by_number.values()) > 1
             where = f"Mount the block as mounting {mounting.number} says: {mounting_text(mounting)}."
             todo = [_STAYS] if is_bolted else [where]
-            todo += [inclining_text(mounting)] if is_bolted or is_steep else []
+            todo += [inclining_text(mounting)] if mounting.bolting is not None and is_inclined else []
             turned = ["The table then turns to:", *poses.positions(self._schedule, mounting)]
             self._put(" ".join(todo), [_SEATED, *poses.sketch(mounting, 0.0), *turned], _HELP)
         elif event["kind"] == "angle":
@@ -121,7 +128,14 @@ class Progress:
             line = "" if sys.stdin is None else sys.stdin.readline()
         except (OSError, ValueError):  # a folder, a terminal that is gone, what is not text
             line = ""
-        return "abort" if not line else line.strip() or "done"
+        words = " ".join(line.split()).lower()
+        return "abort" if not line else words or "done"
+
+
+def _forget_what_was_typed() -> None:
+    """Only of a terminal: a script may write all its answers at once."""
+    if termios is not None and sys.stdin is not None and sys.stdin.isatty():
+        termios.tcflush(sys.stdin, termios.TCIFLUSH)
 
 
 def _folded(text: str) -> list[str]:
