@@ -71,6 +71,7 @@ uint32_t tumble_gain_record_schedule_crc(const tumble_schedule_t *schedule)
             crc = crc32_of_double(crc, mounting->matrix[i / 3][i % 3]);
         }
         crc = crc32_of_double(crc, mounting->tilt.deg);
+        crc = tumble_crc32(crc, &mounting->bolting, (mounting->bolting > 0U) ? 1U : 0U);
     }
     for (uint8_t p = 0; p < schedule->position_count; p++) {
         const tumble_position_t *position = &schedule->positions[p];

@@ -1,5 +1,7 @@
 """The core's stand-optimal estimator against the numpy witness, which solves from the data and uses no table."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from blocks import NOMINAL_K, random_block, usable_schedule
@@ -9,7 +11,9 @@ from tumble.core import CoreRefusal, binding
 from tumble.estimators import LINEAR
 from tumble.model import Geometry, estimate, optimal_estimate
 from tumble.model.estimators import unidentified
+from tumble.model.geometry import built_in
 from tumble.model.optimal import CORRECTIONS, _Whitened, mean_sigma, optimal_table, samples_in_a_mean
+from tumble.schedule import BUILT_IN
 from tumble.solving import optimal_run
 from tumble.stand import COMMON, INDEPENDENT, PAPER_STAND, Stand
 
@@ -145,6 +149,15 @@ def test_many_runs_at_once_name_the_run_refused():
         assert (refused.value.name, refused.value.details) == ("TUMBLE_E_NOT_FINITE", {"run": 3})
     with pytest.raises(ValueError, match=r"means must have shape \(runs, 18, 3\), not \(18, 3\)"):
         binding.optimal_runs(opened, means[0])
+
+
+def test_fingerprints_know_boltings_where_there_are_any():
+    for name in BUILT_IN:
+        schedule = core.CoreSchedule.built_in(name)
+        assert binding.schedule_crc(schedule) == optimal_run.fingerprint(schedule.data), name
+    inclined = built_in("inclined")
+    apart = replace(inclined, mountings=tuple(replace(one, bolting=None) for one in inclined.mountings))
+    assert optimal_run.fingerprint(apart) != optimal_run.fingerprint(inclined)
 
 
 def test_writer_and_reader_agree_on_every_number():

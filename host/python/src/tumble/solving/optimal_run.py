@@ -89,6 +89,7 @@ def fingerprint(schedule: Schedule) -> int:
     for mounting in schedule.mountings:
         numbers = [number + 0.0 for row in mounting.matrix for number in row]
         crc = zlib.crc32(struct.pack("<B10d", mounting.number, *numbers, mounting.tilt_deg + 0.0), crc)
+        crc = zlib.crc32(bytes([mounting.bolting]) if mounting.bolting else b"", crc)
     for position in schedule.positions:
         if position.use == FIT:
             place = struct.pack("<BBd", position.mounting, position.number, position.angle_deg + 0.0)
