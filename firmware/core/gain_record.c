@@ -41,12 +41,19 @@ const double *tumble_gain_record_stand_gains(const tumble_gain_record_t *record)
 static size_t rows_of(const tumble_gain_record_t *record)
 {
     return (size_t)TUMBLE_COEFFICIENTS + 2U + record->yaws + (2U * (size_t)record->seats) + (size_t)record->waves +
-           (size_t)record->drifts;
+           (size_t)record->drifts + (2U * (size_t)record->inclinations);
 }
 
 static size_t bytes_before_weights(const tumble_gain_record_t *record)
 {
-    return HEAD_BYTES + (rows_of(record) * row_bytes(record));
+    const size_t sigma_bytes = (record->inclinations > 0U) ? sizeof(double) : 0U;
+    return HEAD_BYTES + (rows_of(record) * row_bytes(record)) + sigma_bytes;
+}
+
+double tumble_gain_record_inclination(const tumble_gain_record_t *record)
+{
+    const double *sigma_rad = at(record, bytes_before_weights(record) - sizeof(double));
+    return (record->inclinations > 0U) ? *sigma_rad : 0.0;
 }
 
 const double *tumble_gain_record_weights(const tumble_gain_record_t *record)
@@ -64,13 +71,15 @@ static uint32_t crc32_of_double(uint32_t crc, double x)
 uint32_t tumble_gain_record_schedule_crc(const tumble_schedule_t *schedule)
 {
     uint32_t crc = 0;
+    const tumble_mounting_t *mounting = schedule->mountings;
     for (uint8_t m = 0; m < schedule->mounting_count; m++) {
-        const tumble_mounting_t *mounting = &schedule->mountings[m];
         crc = tumble_crc32(crc, &mounting->number, 1);
         for (int i = 0; i < (3 * 3); i++) {
             crc = crc32_of_double(crc, mounting->matrix[i / 3][i % 3]);
         }
         crc = crc32_of_double(crc, mounting->tilt.deg);
+        crc = tumble_crc32(crc, &mounting->bolting, (mounting->bolting > 0U) ? 1U : 0U);
+        mounting++;
     }
     for (uint8_t p = 0; p < schedule->position_count; p++) {
         const tumble_position_t *position = &schedule->positions[p];
@@ -98,6 +107,7 @@ static bool is_well_formed(const tumble_gain_record_t *record)
     return ((record->size_bytes == alike) || (record->size_bytes == (alike + WEIGHTS_BYTES))) &&
            (record->mountings <= TUMBLE_MAX_YAWS) && ((record->yaws == 1U) || (record->yaws == record->mountings)) &&
            ((record->seats == 0U) || (record->seats == record->mountings)) &&
+           ((record->inclinations == 0U) || (record->inclinations == record->mountings)) &&
            ((record->waves == 0U) || (record->waves == (uint8_t)TUMBLE_WAVES)) &&
            ((record->drifts == 0U) || (record->drifts == (uint8_t)TUMBLE_CHANNELS)) &&
            (word_at(record, record->size_bytes - TAIL_BYTES) == 0U);
@@ -141,9 +151,11 @@ static bool weights_are_positive(const tumble_gain_record_t *record)
 static bool numbers_are_in_range(const tumble_gain_record_t *record)
 {
     const size_t count = (record->size_bytes - BYTES_BEFORE_NUMBERS - TAIL_BYTES) / sizeof(double);
+    const double inclination_rad = tumble_gain_record_inclination(record);
     return all_within(at(record, BYTES_BEFORE_NUMBERS), count, TUMBLE_MAX_GAIN) &&
            !all_within(record->k_v_per_g[0], (size_t)TUMBLE_CHANNELS * TUMBLE_CHANNELS, 0.0) &&
            all_within(record->sigma_rad, 4, TUMBLE_MAX_SIGMA_RAD) && none_is_negative(record->sigma_rad, 4) &&
+           tumble_within(inclination_rad, TUMBLE_MAX_SIGMA_RAD) && !tumble_is_positive(-inclination_rad) &&
            tumble_is_positive(record->sigma_mean_v) && weights_are_positive(record) &&
            none_is_negative(record->u_k_v_per_g[0], (size_t)TUMBLE_CHANNELS * TUMBLE_CHANNELS) &&
            none_is_negative(record->u_u0_v, TUMBLE_CHANNELS);

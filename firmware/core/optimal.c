@@ -8,14 +8,15 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#define PASSES 3 /* the gains, then twice with what is not linear taken out of the means */
+#define PASSES 3          /* the gains, then twice with what is not linear taken out of the means */
+#define PASSES_INCLINED 5 /* inclinations may be off by more than any other error */
 
 /* Rows of a record: the coefficients, alpha1, alpha2, the yaws, theta_h of each seat, theta_n of each, the numbers of the
- * encoder, drifts. */
+ * encoder, drifts, beta of each inclination, tau of each. */
 #define ALPHA1 TUMBLE_COEFFICIENTS
 #define ALPHA2 (ALPHA1 + 1)
 #define ALPHA3 (ALPHA2 + 1)
-#define MAX_ROWS (ALPHA3 + (3 * TUMBLE_MAX_YAWS) + TUMBLE_WAVES + TUMBLE_CHANNELS)
+#define MAX_ROWS (ALPHA3 + (5 * TUMBLE_MAX_YAWS) + TUMBLE_WAVES + TUMBLE_CHANNELS)
 
 typedef struct {
     const tumble_gain_record_t *record;
@@ -33,9 +34,10 @@ typedef struct {
 typedef struct {
     const tumble_mounting_t *mounting;
     const tumble_angle_t *angle; /* phi */
+    double tilt_rad;             /* alpha1 and beta */
     double yaw_rad;              /* alpha3 */
     double lean_rad;             /* theta_h */
-    double turn_rad;             /* alpha2, theta_n, and the encoder's */
+    double turn_rad;             /* alpha2, theta_n, tau, and the encoder's */
 } pose_t;
 
 static pose_t pose_of(const work_t *work, uint8_t p)
@@ -45,8 +47,12 @@ static pose_t pose_of(const work_t *work, uint8_t p)
     const ptrdiff_t m = mounting - work->schedule->mountings;
     const tumble_angle_t *angle = &work->schedule->positions[p].angle;
     const double encoder_rad = tumble_course_angle_error(angle, stand->encoder_rad);
-    return (pose_t){mounting, angle, stand->alpha3_rad[m], stand->theta_h_rad[m],
-                    stand->alpha2_rad + stand->theta_n_rad[m] + encoder_rad};
+    return (pose_t){.mounting = mounting,
+                    .angle = angle,
+                    .tilt_rad = stand->alpha1_rad + stand->beta_rad[m],
+                    .yaw_rad = stand->alpha3_rad[m],
+                    .lean_rad = stand->theta_h_rad[m],
+                    .turn_rad = stand->alpha2_rad + stand->theta_n_rad[m] + encoder_rad + stand->tau_rad[m]};
 }
 
 static double dot(const double a[3], const double b[3])
@@ -84,15 +90,15 @@ static void turning_force(const pose_t *at, double f_g[3])
     f_g[2] = -at->mounting->tilt.cosine * at->angle->sine;
 }
 
-/* From the ideal force to its linear change by alpha1 and what the pose has. */
-static void linear_change(const pose_t *at, double alpha1_rad, double f_g[3])
+/* From the ideal force to its linear change by what the pose has. */
+static void linear_change(const pose_t *at, double f_g[3])
 {
     const double h = f_g[0];
     const double n = f_g[1];
     const double v = f_g[2];
-    const double tilt = at->mounting->tilt.sine * alpha1_rad;
+    const double tilt = at->mounting->tilt.sine * at->tilt_rad;
     f_g[0] = (v * at->turn_rad) - (tilt * at->angle->sine) + (n * at->yaw_rad);
-    f_g[1] = (at->mounting->tilt.cosine * alpha1_rad) - (h * at->yaw_rad) + (v * at->lean_rad);
+    f_g[1] = (at->mounting->tilt.cosine * at->tilt_rad) - (h * at->yaw_rad) + (v * at->lean_rad);
     f_g[2] = -((h * at->turn_rad) + (tilt * at->angle->cosine) + (n * at->lean_rad));
 }
 
@@ -101,21 +107,21 @@ static bool is_small(double angle_rad)
     return tumble_within(angle_rad, TUMBLE_MAX_STAND_ERROR_RAD);
 }
 
-/* The force on the stand as it is, turned once by alpha1, once by all that adds to the table angle, once by theta_h,
- * once by alpha3. False when one of them is not small. */
-static bool exact_force(const pose_t *at, double alpha1_rad, double delta, double f_g[3])
+/* The force on the stand as it is, turned once by all that adds to the tilt, once by all that adds to the table angle,
+ * once by theta_h, once by alpha3. False when one of them is not small. */
+static bool exact_force(const pose_t *at, double delta, double f_g[3])
 {
     double sine = at->angle->sine;
     f_g[0] = at->mounting->tilt.cosine;
     f_g[1] = at->mounting->tilt.sine;
     f_g[2] = at->angle->cosine;
-    tumble_turn(alpha1_rad, &f_g[1], &f_g[0]);
+    tumble_turn(at->tilt_rad, &f_g[1], &f_g[0]);
     tumble_turn(at->turn_rad + delta, &sine, &f_g[2]);
     f_g[2] *= f_g[0];
     f_g[0] *= sine;
     tumble_turn(at->lean_rad, &f_g[1], &f_g[2]); /* n' = n cos + v sin, v' = v cos - n sin */
     tumble_turn(at->yaw_rad, &f_g[0], &f_g[1]);  /* h' = h cos + n sin, n' = n cos - h sin */
-    return is_small(alpha1_rad) && is_small(at->turn_rad + delta) && is_small(at->lean_rad) && is_small(at->yaw_rad);
+    return is_small(at->tilt_rad) && is_small(at->turn_rad + delta) && is_small(at->lean_rad) && is_small(at->yaw_rad);
 }
 
 /* The best estimate of an error of the table angle, from what its effect d has in common with what is left of the means:
@@ -145,7 +151,7 @@ static bool subtract_curvature(const work_t *work, uint8_t p, size_t fit, double
     add_outputs(work->record->k_v_per_g, &pose, f_g, by_angle);
     ideal_force(&pose, f_g);
     add_outputs(((const tumble_coefficients_t *)work->block)->k_v_per_g, &pose, f_g, beyond);
-    linear_change(&pose, work->stand->alpha1_rad, f_g);
+    linear_change(&pose, f_g);
     add_outputs(work->record->k_v_per_g, &pose, f_g, beyond);
     double weighted[3];
     const double gain = angle_gain(work->record, by_angle, weighted);
@@ -157,7 +163,7 @@ static bool subtract_curvature(const work_t *work, uint8_t p, size_t fit, double
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         beyond[i] = -(beyond[i] + (by_angle[i] * delta));
     }
-    const bool small = exact_force(&pose, work->stand->alpha1_rad, delta, f_g);
+    const bool small = exact_force(&pose, delta, f_g);
     add_outputs(((const tumble_coefficients_t *)work->block)->k_v_per_g, &pose, f_g, beyond);
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         u_v[i] -= beyond[i];
@@ -170,7 +176,8 @@ static bool subtract_curvature(const work_t *work, uint8_t p, size_t fit, double
 
 static int rows_of(const tumble_gain_record_t *record)
 {
-    return ALPHA3 + (int)record->yaws + (2 * (int)record->seats) + (int)record->waves + (int)record->drifts;
+    return ALPHA3 + (int)record->yaws + (2 * (int)record->seats) + (int)record->waves + (int)record->drifts +
+           (2 * (int)record->inclinations);
 }
 
 /* What the means of one position add to the unknowns; `column`: its first one in the record. */
@@ -212,6 +219,11 @@ static bool take_over(const work_t *work)
     }
     for (int i = 0; i < (int)work->record->drifts; i++) {
         work->stand->drift_v[i] = waves[(int)work->record->waves + i];
+    }
+    const double *const betas = &waves[(size_t)work->record->waves + work->record->drifts];
+    for (int m = 0; m < (int)work->record->inclinations; m++) {
+        work->stand->beta_rad[m] = betas[m];
+        work->stand->tau_rad[m] = betas[(int)work->record->inclinations + m];
     }
     return finite;
 }
@@ -271,7 +283,8 @@ tumble_status_t tumble_estimate_optimal(const tumble_gain_record_t *record, cons
                    .block = coefficients,
                    .stand = &optimal->stand,
                    .curvature_rad = optimal->curvature_rad};
-    for (int n = 0; (n < PASSES) && (status == TUMBLE_OK); n++) {
+    const int passes = (record->inclinations > 0U) ? PASSES_INCLINED : PASSES;
+    for (int n = 0; (n < passes) && (status == TUMBLE_OK); n++) {
         status = pass(&work, means, n == 0);
     }
     if (status != TUMBLE_OK) {

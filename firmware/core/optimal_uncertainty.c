@@ -26,6 +26,8 @@ tumble_status_t tumble_optimal_uncertainty(const void *source, const tumble_judg
     }
     tumble_judged_run_t judged = *run;
     judged.coefficients = &made_for;
-    const tumble_gain_table_t table = {tumble_gain_record_gains(record), record->fit_positions};
+    const tumble_gain_table_t table = {.gains = tumble_gain_record_gains(record),
+                                       .fit_positions = record->fit_positions,
+                                       .inclination_rad = tumble_gain_record_inclination(record)};
     return tumble_uncertainty_gains(&table, &judged, uncertainty);
 }

@@ -445,29 +445,3 @@ TUMBLE_ONE_COPY tumble_status_t tumble_uncertainty_least_squares(const tumble_ju
     report(refusal, 0, unidentified);
     return (unidentified == 0U) ? tumble_uncertainty_judge(&gains, uncertainty) : TUMBLE_E_RANK;
 }
-
-static bool every_fit_position_is_measured(const tumble_judged_run_t *run)
-{
-    bool measured = true;
-    for (uint8_t p = 0; (run->measured != NULL) && (p < run->schedule->position_count); p++) {
-        measured = measured && (run->measured[p] || (run->schedule->positions[p].use != TUMBLE_USE_FIT));
-    }
-    return measured;
-}
-
-tumble_status_t tumble_uncertainty_gains(const tumble_gain_table_t *table, const tumble_judged_run_t *run,
-                                         tumble_uncertainty_t *uncertainty)
-{
-    const tumble_status_t status = tumble_uncertainty_check(run, uncertainty);
-    if ((status != TUMBLE_OK) || (table == NULL) || (table->gains == NULL)) {
-        return (status != TUMBLE_OK) ? status : TUMBLE_E_ARGUMENT;
-    }
-    if (table->fit_positions != tumble_means_fit_positions(run->schedule)) {
-        return TUMBLE_E_GAIN_TABLE;
-    }
-    if (!every_fit_position_is_measured(run)) {
-        return TUMBLE_E_MISSING_POSITION;
-    }
-    tumble_gains_t gains = {.run = run, .kind = TUMBLE_GAINS_TABLE, .table = table};
-    return tumble_uncertainty_judge(&gains, uncertainty);
-}

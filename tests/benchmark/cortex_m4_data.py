@@ -39,7 +39,7 @@ const tumble_means_t benchmark_means = {{.u_v = {{{rows_of(means)}}},
 {means_as_c("inclined", inclined)}
 {"".join(sums_as_c(name, counts) for name, counts in sums.items())}
 const tumble_gain_record_t *const benchmark_record = &tumble_optimal_gains.head;
-const tumble_gain_table_t benchmark_table = {{tumble_optimal_gains.gains[0], 18}};
+const tumble_gain_table_t benchmark_table = {{tumble_optimal_gains.gains[0], 18, 0.0}};
 const tumble_stand_record_t benchmark_stand = {{
     {sigmas}, 0.0, {PAPER_STAND.samples}, false, 0.0, 0.0, 0.0, 0.0, {{0.0}}, {{0.0}}}};
 const tumble_coefficients_t benchmark_coefficients = {{.k_v_per_g = {{{rows_of(k)}}}}};

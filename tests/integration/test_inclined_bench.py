@@ -6,6 +6,7 @@ import subprocess
 import sys
 from dataclasses import replace
 
+import gain_record
 import numpy as np
 import pytest
 from c_compiler import compiled
@@ -170,6 +171,37 @@ def test_the_result_of_a_bench_run_is_confirmed_and_says_the_true_inclinations(n
     assert (tmp_path / "again/run.csv").read_bytes() == (tmp_path / "run/run.csv").read_bytes()
 
 
+@pytest.mark.parametrize("lines", [(), ("noise_v = [1e-4, 3.3e-4, 7.7e-4]", "seat_rad = 1e-3", "drift_v = 1e-5")])
+@pytest.mark.parametrize("name", NAMES)
+def test_optimal_takes_a_record_on_board_where_inclinations_are_declared(name, lines, tumble, tmp_path):
+    """Declared to 10 mrad: firmware, core and numpy agree, and a solve of the folder with weights of its own."""
+    stand = stand_file(tmp_path, "inclination_rad = 1e-2", *lines)
+    words = ("--schedule", name, "--estimator", "optimal", "--stand", stand, "--limit", "1e-3", "--json")
+    done = tumble("bench", *words, "--seed", "4", "--out", tmp_path / "run")
+    assert done.returncode in (0, 1), done.stderr
+    result = valid(done.stdout, "result")
+    record = gain_record.from_bytes((tmp_path / "run/inputs/gains.bin").read_bytes())
+    assert (record.inclinations, record.sigma_inclination) == (len(built_in(name).mountings), 1e-2)
+    beta = np.array([one["deg"] for one in result["inclinations"]])
+    nominal = [one.tilt_deg for one in built_in(name).mountings]
+    assert np.abs(beta - np.rad2deg(result["truth"]["beta_rad"])).max() < 0.01
+    assert np.abs(beta - nominal).max() > 0.2
+    again = tumble("solve", tmp_path / "run/run.csv", *words)
+    assert again.returncode == done.returncode, again.stderr
+    solved = valid(again.stdout, "result")
+    apart = np.array(solved["K"]) - result["K"]
+    assert np.abs(apart / result["u_K"]).max() < 0.05
+
+
+@pytest.mark.parametrize("command", [("bench",), ("plan", "optimize")])
+def test_optimal_is_refused_on_board_where_inclinations_are_not_declared(command, tumble, tmp_path):
+    words = ("--schedule", "inclined", "--stand", stand_file(tmp_path))
+    done = tumble(*command, *words, *(("--estimator", "optimal") if command == ("bench",) else ()), cwd=tmp_path)
+    said = ("a gain record needs inclination_rad, how well the stand is inclined: declare it, or take inclined on"
+            " board; solve and plan validate have optimal without")  # fmt: skip
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", f"tumble: {said}\n")
+
+
 def test_a_person_inclines_the_stand_and_bolts_the_block_on_once(tmp_path):
     words = ("--schedule", "inclined", "--estimator", "inclined", "--interactive")
     done = subprocess.run([sys.executable, "-m", "tumble", "bench", *words, "--out", str(tmp_path / "run")], text=True,
@@ -248,6 +280,22 @@ def uncertainties(schedule, means, stand):
     by_noise = (stand.mean_sigma(stand.samples) ** 2 * gains**2).sum(axis=(1, 2))
     by_angles = ((gains * turned).sum(axis=2) ** 2).sum(axis=1) * stand.sigma("angle") ** 2
     return np.sqrt(by_noise + by_angles)
+
+
+@pytest.mark.parametrize("runs", [30, pytest.param(1000, marks=pytest.mark.full)])
+def test_errors_of_optimal_on_board_are_as_large_as_the_firmware_says(runs, tmp_path):
+    """By a record, inclinations off by 10 mrad, in the frame of the block, with all that the stand declares."""
+    stand, z = stand_file(tmp_path, "inclination_rad = 1e-2", "seat_rad = 1e-4", "angle_rad = 2e-4"), []
+    for seed in range(1, runs + 1):
+        world = World(seed, stand=stand, schedule="inclined", **{"procedure.estimator": "optimal"}).run()
+        document, truth = world.document, world.truth
+        assert (world.state, world.reason) == ("DONE", "NONE")
+        u = np.array([*np.ravel(document["u_K"]), *document["u_U0"]])
+        z.append((np.array([*np.ravel(document["K"]), *document["U0"]]) - [*np.ravel(truth["K"]), *truth["U0"]]) / u)
+    z = np.array(z)
+    print(f"z of {runs} runs: rms {np.sqrt((z**2).mean()):.3f}")
+    assert np.sqrt((z**2).mean()) == pytest.approx(1.0, abs=0.12 if runs < 100 else 0.05)
+    assert np.abs(np.sqrt((z**2).mean(axis=0)) - 1.0).max() < 3.9 / math.sqrt(2 * runs)
 
 
 @pytest.mark.parametrize("name", NAMES)

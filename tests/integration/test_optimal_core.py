@@ -1,5 +1,8 @@
 """The core's stand-optimal estimator against the numpy witness, which solves from the data and uses no table."""
 
+from dataclasses import replace
+
+import gain_record
 import numpy as np
 import pytest
 from blocks import NOMINAL_K, random_block, usable_schedule
@@ -8,8 +11,12 @@ from tumble import core
 from tumble.core import CoreRefusal, binding
 from tumble.estimators import LINEAR
 from tumble.model import Geometry, estimate, optimal_estimate
+from tumble.model.coefficients import spread_attitudes
+from tumble.model.errors import by_gains, covariance_of, sources
 from tumble.model.estimators import unidentified
+from tumble.model.geometry import built_in
 from tumble.model.optimal import CORRECTIONS, _Whitened, mean_sigma, optimal_table, samples_in_a_mean
+from tumble.schedule import BUILT_IN, Position, Schedule
 from tumble.solving import optimal_run
 from tumble.stand import COMMON, INDEPENDENT, PAPER_STAND, Stand
 
@@ -37,6 +44,15 @@ def run_on(rng, schedule, k, u0, stand):
         "alpha3": rng.normal(size=yaws) * stand.remount,
         "delta": rng.normal(size=len(schedule.positions)) * stand.angle,
     }
+    if schedule.is_inclined:
+        beta, tau = rng.normal(size=(2, len(schedule.mountings))) * stand.inclination
+        tau[[bolting[0] for bolting in schedule.boltings]] = 0.0
+        alone = [bolting[0] for bolting in schedule.boltings if len(bolting) == 1]
+        beta[alone] = 0.0
+        errors |= {"alpha1": errors["alpha1"] + beta, "seat_n": tau}
+        errors["alpha3"] = np.resize(errors["alpha3"], len(schedule.mountings))
+        for bolting in schedule.boltings:
+            errors["alpha3"][list(bolting)] = errors["alpha3"][bolting[0]]
     means = Geometry(schedule).outputs(k, u0, **errors)
     return means + rng.normal(size=means.shape) * stand.noise / stand.samples**0.5
 
@@ -67,6 +83,8 @@ def difference(rng, schedule):
     and over what is allowed."""
     k, u0 = random_block(rng)
     stand = random_stand(rng, np.abs(k).max())
+    if schedule.data.is_inclined:
+        stand = replace(stand, inclination=10.0 ** rng.uniform(-5, -2))
     if unidentified(schedule.data):  # by a hair: the core judges by pivots, the plan by singular values
         return 0.0, 0.0
     means = run_on(rng, schedule.data, k, u0, stand)
@@ -81,6 +99,8 @@ def difference(rng, schedule):
         return 0.0, 0.0
     # An angle that the positions hardly tell comes out as 0 times a large number: by its declared error, as K by its u.
     for name, declared in (("alpha1", stand.axis_tilt), ("alpha2", stand.level), ("alpha3", stand.remount)):
+        if name == "alpha1" and schedule.data.is_inclined:
+            continue  # the witness has it with the first inclination's own error
         allowed = max(1e-9, LIMIT * declared)
         assert getattr(found, name) == pytest.approx(getattr(witness, name), abs=allowed), name
     apart = np.abs([*(found.k - witness.k).ravel(), *(found.u0 - witness.u0)])
@@ -98,6 +118,80 @@ def worst_difference(rng, cases):
 
 def test_200_random_stands_schedules_and_blocks_agree():
     assert worst_difference(np.random.default_rng(60), 200) <= 1.0
+
+
+def two_boltings():
+    """Of three inclinations and of two, the second time as in the paper's mounting 2, and a mounting for itself."""
+    one, *others = built_in("inclined").mountings
+    turned = replace(PAPER.data.mountings[1], bolting=7)
+    mountings = (one, *others, replace(turned, number=11), replace(turned, number=12, tilt_deg=30.0),
+                 replace(PAPER.data.mountings[0], number=13))  # fmt: skip
+    angles = (0.0, 90.0, 180.0, 270.0)
+    places = [(mounting.number, turn, angle) for mounting in mountings for turn, angle in enumerate(angles, 1)]
+    return core.CoreSchedule(Schedule(mountings, tuple(Position(*place) for place in places)))
+
+
+INCLINED = {name: core.CoreSchedule.built_in(name) for name in ("inclined", "inclined_closed")}
+INCLINED["two boltings"] = two_boltings()
+
+
+@pytest.mark.parametrize("name", INCLINED)
+def test_random_inclined_stands_agree(name):
+    """Inclinations declared to 10 mrad, and off by as much, with all other errors of a stand."""
+    rng = np.random.default_rng(65)
+    found = np.array([difference(rng, INCLINED[name]) for _ in range(30)]).max(axis=0)
+    print(f"{name}: worst difference {found[0]:.1e} u, {found[1]:.2g} of what is allowed")
+    assert found[1] <= 1.0
+
+
+def largest_norm_error(found, k, u0):
+    """Of |a|, g, over attitudes all over the sphere."""
+    felt = np.linalg.solve(found.k, (spread_attitudes(2000) @ k.T + u0 - found.u0).T)
+    return np.abs(np.linalg.norm(felt, axis=0) - 1.0).max()
+
+
+@pytest.mark.parametrize(("off", "left_g"), [(1e-2, 4e-8), (2e-2, 4e-8), (5e-2, 2e-7)])
+def test_inclinations_that_are_off_converge_to_the_exact_geometry(off, left_g):
+    """Without noise. What is left is the pull of the prior; with a pass less it is 1.5 ug at 50 mrad."""
+    schedule, k, u0 = INCLINED["inclined"], NOMINAL_K @ (np.eye(3) + 0.01), np.array([0.05, -0.08, 0.02])
+    stand = replace(PAPER_STAND, inclination=max(off, 1e-2))
+    errors = {"alpha1": off * np.array([1.0, -1.0, 1.0]), "seat_n": off * np.array([0.0, 1.0, -1.0])}
+    means = Geometry(schedule.data).outputs(k, u0, **errors)
+    found = binding.optimal(record_for(schedule.data, NOMINAL_K, stand), schedule, means)
+    assert largest_norm_error(found, k, u0) < left_g
+
+
+def test_an_inclination_of_another_schedule_is_no_error_of_the_stand():
+    schedule = INCLINED["inclined"]
+    record = record_for(schedule.data, NOMINAL_K, replace(PAPER_STAND, inclination=1e-2))
+    means = Geometry(schedule.data).outputs(NOMINAL_K, np.zeros(3), alpha1=np.array([0.0, 0.12, 0.0]))
+    with pytest.raises(CoreRefusal) as refused:
+        binding.optimal(record, schedule, means)
+    assert refused.value.name == "TUMBLE_E_STAND_ERROR"
+    apart = tuple(replace(one, bolting=None) for one in schedule.data.mountings)
+    with pytest.raises(CoreRefusal) as refused:
+        binding.optimal(record, core.CoreSchedule(replace(schedule.data, mountings=apart)), means)
+    assert refused.value.name == "TUMBLE_E_GAIN_TABLE"
+
+
+@pytest.mark.parametrize("name", INCLINED)
+def test_uncertainties_of_any_table_count_declared_inclinations(name):
+    schedule, rng = INCLINED[name], np.random.default_rng(66)
+    fitted, lone = schedule.data.fitted, np.ones(len(schedule), dtype=int)
+    stand = replace(PAPER_STAND, inclination=2e-3, seat=1e-4, limits="uniform")
+    gains, k = rng.normal(size=(12, 3 * len(fitted.positions))), NOMINAL_K + 0.1 * rng.normal(size=(3, 3))
+    found = sources(fitted, k, stand, np.ones(len(fitted.positions), dtype=int))
+    covariance = covariance_of(by_gains(fitted, gains), found)
+    of_core = binding.uncertainties_of_gains(schedule, k, stand, lone, gains)
+    u = np.concatenate([np.ravel(part) for part in of_core])
+    assert u == pytest.approx(np.sqrt(np.diag(covariance)), rel=1e-12)
+    without = covariance - covariance_of(by_gains(fitted, gains), {"inclination": found["inclination"]})
+    assert (u > 1.01 * np.sqrt(np.diag(without))).all()
+    for n in spread_attitudes(5):
+        weights = np.linalg.solve(k.T, n)
+        weights = np.concatenate([np.outer(weights, n).ravel(), weights])
+        u_norm = binding.worst_norm(schedule, k, stand, lone, None, gains, n)
+        assert u_norm == pytest.approx(np.sqrt(weights @ covariance @ weights), rel=1e-12)
 
 
 @pytest.mark.full
@@ -147,6 +241,15 @@ def test_many_runs_at_once_name_the_run_refused():
         binding.optimal_runs(opened, means[0])
 
 
+def test_fingerprints_know_boltings_where_there_are_any():
+    for name in BUILT_IN:
+        schedule = core.CoreSchedule.built_in(name)
+        assert binding.schedule_crc(schedule) == optimal_run.fingerprint(schedule.data), name
+    inclined = built_in("inclined")
+    apart = replace(inclined, mountings=tuple(replace(one, bolting=None) for one in inclined.mountings))
+    assert optimal_run.fingerprint(apart) != optimal_run.fingerprint(inclined)
+
+
 def test_writer_and_reader_agree_on_every_number():
     rng = np.random.default_rng(63)
     for _ in range(50):
@@ -160,6 +263,24 @@ def test_writer_and_reader_agree_on_every_number():
         assert np.array_equal(np.array(list(map(list, opened.struct.k_v_per_g))), NOMINAL_K)
         assert opened.struct.sigma_mean_v == table.sigma_mean
         assert opened.struct.sigma_rad[3] == table.sigma[3]
+
+
+@pytest.mark.parametrize("name", INCLINED)
+def test_a_record_has_rows_for_inclinations_where_they_are_declared(name):
+    schedule = INCLINED[name].data
+    noise = (1e-4, 2e-4, 1e-4)
+    for stand in (PAPER_STAND, replace(PAPER_STAND, seat=1e-4, drift=1e-5, encoder=1e-5, noise=noise)):
+        table = optimal_table(schedule, NOMINAL_K, replace(stand, inclination=3e-3))
+        data = optimal_run.to_bytes(optimal_run.record_of(table, schedule))
+        again, opened = gain_record.from_bytes(data), binding.GainRecord(INCLINED[name], data)
+        mountings = len(schedule.mountings)
+        assert (data[9], again.inclinations, again.sigma_inclination) == (mountings, mountings, 3e-3)
+        assert optimal_run.to_bytes(again) == data
+        assert np.array_equal(opened.stand_gains, table.nuisance_gains)
+        tau = table.nuisance_gains[-mountings:]
+        assert [not row.any() for row in tau] == [m in {b[0] for b in schedule.boltings} for m in range(mountings)]
+        undeclared = optimal_run.to_bytes(optimal_run.record_of(optimal_table(schedule, NOMINAL_K, stand), schedule))
+        assert undeclared[9] == 0 and len(undeclared) == len(data) - 8 - 48 * mountings * len(schedule.fit_indices)
 
 
 @pytest.mark.parametrize("spoil", ["short", "flipped", "foreign"])

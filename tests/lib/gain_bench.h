@@ -59,7 +59,7 @@ static inline size_t put_double(uint8_t *to, double x)
 
 static inline uint32_t fingerprint_of(const tumble_schedule_t *schedule)
 {
-    static uint8_t bytes[TUMBLE_MAX_MOUNTINGS * 81 + TUMBLE_MAX_POSITIONS * 10];
+    static uint8_t bytes[TUMBLE_MAX_MOUNTINGS * 82 + TUMBLE_MAX_POSITIONS * 10];
     size_t at = 0;
     for (unsigned m = 0; m < schedule->mounting_count; m++) {
         bytes[at++] = schedule->mountings[m].number;
@@ -69,6 +69,9 @@ static inline uint32_t fingerprint_of(const tumble_schedule_t *schedule)
             }
         }
         at += put_double(bytes + at, schedule->mountings[m].tilt.deg + 0.0);
+        if (schedule->mountings[m].bolting > 0U) {
+            bytes[at++] = schedule->mountings[m].bolting;
+        }
     }
     for (unsigned p = 0; p < schedule->position_count; p++) {
         const tumble_position_t *position = &schedule->positions[p];

@@ -6,7 +6,7 @@ import numpy as np
 
 from tumble.solving.optimal_run import MAGIC, SCHEMA, Record
 
-_HEAD, _TAIL = struct.Struct("<4sIHBBBBBBII"), struct.Struct("<II")
+_HEAD, _TAIL = struct.Struct("<4sIBBBBBBBBII"), struct.Struct("<II")
 _WEIGHTS_BYTES = 24  # of the channels, behind the gains, if they differ
 _HEAD_DOUBLES = 26  # K, sigma alpha1..4, sigma of a mean, u of K and U0
 
@@ -19,21 +19,24 @@ def from_bytes(data):
     """Read a record again. Raises BadRecord."""
     if len(data) < _HEAD.size + _TAIL.size or data[:4] != MAGIC:
         raise BadRecord("not a gain record")
-    _, size, schema, positions, mountings, yaws, seats, waves, drifts, *crcs = _HEAD.unpack_from(data)
-    alike = size_of(positions, yaws, seats, waves, drifts)
+    _, size, schema, inclinations, positions, mountings, yaws, seats, waves, drifts, *crcs = _HEAD.unpack_from(data)
+    alike = size_of(positions, yaws, seats, waves, drifts, inclinations)
     if schema != SCHEMA or size not in (alike, alike + _WEIGHTS_BYTES) or size > len(data):
         raise BadRecord("a gain record of another schema or size")
     possible = yaws in (1, mountings) and seats in (0, mountings) and waves in (0, 4) and drifts in (0, 3)
-    if positions == 0 or not possible:
+    if positions == 0 or not possible or inclinations not in (0, mountings):
         raise BadRecord(
-            "a gain record without a position, or with an impossible number of yaws, seats, waves or drifts"
+            "a gain record without a position, or with an impossible number of yaws, seats, waves, drifts, inclinations"
         )
     zero, crc = _TAIL.unpack_from(data, size - _TAIL.size)
     if zlib.crc32(data[: size - 4]) != crc or zero != 0:
         raise BadRecord("a gain record whose checksum does not agree")
     numbers = np.frombuffer(data, "<f8", (size - _HEAD.size - _TAIL.size) // 8, _HEAD.size).astype(float)
     head, squares = numbers[:_HEAD_DOUBLES], numbers[(alike - _HEAD.size - _TAIL.size) // 8 :]
-    tables = numbers[_HEAD_DOUBLES : len(numbers) - len(squares)].reshape(-1, 3 * positions)
+    tables, sigma = numbers[_HEAD_DOUBLES : len(numbers) - len(squares)], 0.0
+    if inclinations:
+        tables, sigma = tables[:-1], float(tables[-1])
+    tables = tables.reshape(-1, 3 * positions)
     if not (squares > 0.0).all():
         raise BadRecord("a gain record with a weight that is not above 0")
     return Record(
@@ -47,10 +50,13 @@ def from_bytes(data):
         u=head[14:],
         gains=tables[:12],
         nuisance_gains=tables[12:],
+        inclinations=inclinations,
+        sigma_inclination=sigma,
     )
 
 
-def size_of(fit_positions, yaws, seats=0, waves=0, drifts=0):
+def size_of(fit_positions, yaws, seats=0, waves=0, drifts=0, inclinations=0):
     """Size in bytes of a record for channels that are alike."""
-    rows = 14 + yaws + 2 * seats + waves + drifts
-    return _HEAD.size + 8 * _HEAD_DOUBLES + 8 * 3 * fit_positions * rows + _TAIL.size
+    rows = 14 + yaws + 2 * seats + waves + drifts + 2 * inclinations
+    sigma_bytes = 8 if inclinations else 0
+    return _HEAD.size + 8 * _HEAD_DOUBLES + 8 * 3 * fit_positions * rows + sigma_bytes + _TAIL.size

@@ -117,7 +117,7 @@ static void try_estimators(dice_t *dice)
     hash_result(REFINED, status, &found, sizeof found);
     status = tumble_estimate_least_squares(&any.schedule, &means, &found, NULL);
     hash_result(LEAST_SQUARES, status, &found, sizeof found);
-    const tumble_gain_table_t table = {gains, count_fit_positions(&any.schedule)};
+    const tumble_gain_table_t table = {gains, count_fit_positions(&any.schedule), 0.0};
     for (size_t g = 0; g < COUNT_OF(gains); g++) {
         gains[g] = random_number(dice, 8);
     }

@@ -494,6 +494,7 @@ tumble_status_t tumble_estimate_least_squares(const tumble_schedule_t *schedule,
 typedef struct {
     const double *gains; /* TUMBLE_COEFFICIENTS x (3 x fit_positions) */
     uint8_t fit_positions;
+    double inclination_rad; /* 0 or above: of beta and tau (tumble_gain_record_inclination), for uncertainties alone */
 } tumble_gain_table_t;
 
 /* Any estimator that is linear in the means, from its gain table. All fit positions must be measured.
@@ -700,7 +701,8 @@ tumble_status_t tumble_inclined_estimate(const void *source, const tumble_schedu
 tumble_status_t tumble_inclined_uncertainty(const void *source, const tumble_judged_run_t *run,
                                             tumble_uncertainty_t *uncertainty);
 
-/* Standard uncertainties of an estimate by tumble_estimate_gains, or by the table of a gain record.
+/* Standard uncertainties of an estimate by tumble_estimate_gains, or by the table of a gain record. Errors of inclinations
+ * count as the table says.
  * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_NOT_FINITE, TUMBLE_E_GAIN_TABLE (for another number of fit positions),
  * TUMBLE_E_MISSING_POSITION. */
 tumble_status_t tumble_uncertainty_gains(const tumble_gain_table_t *table, const tumble_judged_run_t *run,
@@ -736,11 +738,13 @@ bool tumble_worst_norm_next(tumble_worst_norm_t *search, double u_g);
 #define TUMBLE_GAIN_RECORD_SCHEMA 1
 #define TUMBLE_MAX_SIGMA_RAD 1.0 /* of a stand's errors */
 
-/* The head of a record. Behind it, up to its last 8 bytes: the gains, then the weights of the channels if they differ. */
+/* The head of a record. Behind it, up to its last 8 bytes: the gains, then the standard deviation of inclinations if they
+ * are declared, then the weights of the channels if they differ. */
 typedef struct {
     uint8_t magic[4]; /* "TGR1" */
     uint32_t size_bytes;
-    uint16_t schema;
+    uint8_t schema;
+    uint8_t inclinations; /* 0: none is declared; else one for each mounting */
     uint8_t fit_positions;
     uint8_t mountings;
     uint8_t yaws;   /* 1: one yaw for all mountings; else one for each */
@@ -774,8 +778,11 @@ tumble_status_t tumble_gain_record_open(const void *memory, size_t size, const t
 const double *tumble_gain_record_gains(const tumble_gain_record_t *record);
 
 /* Gains (rad per V; of drifts, V per V) of the stand's own errors: rows alpha1, alpha2, each yaw, theta_h of each seat,
- * theta_n of each, the numbers of the encoder, drifts; columns as above. */
+ * theta_n of each, the numbers of the encoder, drifts, beta of each inclination, tau of each; columns as above. */
 const double *tumble_gain_record_stand_gains(const tumble_gain_record_t *record);
+
+/* Standard deviation (rad) of beta and tau, the errors of an inclination; 0 where none is declared. */
+double tumble_gain_record_inclination(const tumble_gain_record_t *record);
 
 /* What the square of an output of each channel counts beside that of the noisiest one: sigma_mean_v over the channel's own,
  * squared. Null where the channels are alike. */
@@ -787,10 +794,10 @@ uint32_t tumble_gain_record_schedule_crc(const tumble_schedule_t *schedule);
 /* ---- The stand-optimal estimator: constant gains for one stand, twice corrected to second order.
  *
  * The gains of a record are those of generalised least squares for the stand's declared errors: twelve rows for the
- * coefficients, further rows for the errors that a run shares (axis tilt, level, yaws, seats). The gains are linear; the
+ * coefficients, further rows for the errors that positions share (axis tilt, level, yaws, seats, ...). The gains are linear; the
  * outputs are not, and on a stand with a yaw of 15 mrad a linear estimate of K_xx is off by 16 times its uncertainty.
  * Therefore the difference between the exact geometry and its linearisation is taken out of the means and the gains are
- * applied again, twice: docs/method.md, "Stand-optimal weights".
+ * applied again, twice, with inclinations four times: docs/method.md, "Stand-optimal weights".
  */
 
 /* The series for sine and cosine are exact to a double's last bits up to here. No stand is that bad. */
@@ -805,6 +812,8 @@ typedef struct {
     double theta_n_rad[TUMBLE_MAX_YAWS];
     double encoder_rad[TUMBLE_WAVES]; /* by the sine and cosine of the table angle, and of its double */
     double drift_v[TUMBLE_CHANNELS];  /* from the first fit position to the last */
+    double beta_rad[TUMBLE_MAX_YAWS]; /* of the inclination of a mounting, beside alpha1, */
+    double tau_rad[TUMBLE_MAX_YAWS];  /* and of the zero of its table angle; of the first of a bolting 0 */
 } tumble_stand_errors_t;
 
 /* What the estimator works with beside its stack; the caller owns it. */
@@ -813,8 +822,8 @@ typedef struct {
     float curvature_rad[TUMBLE_MAX_POSITIONS]; /* private */
 } tumble_optimal_t;
 
-static_assert(sizeof(tumble_optimal_t) <= ((4U * TUMBLE_MAX_POSITIONS) + (24U * TUMBLE_MAX_YAWS) + 72U),
-              "with optimal a position costs 4 more, a mounting 24");
+static_assert(sizeof(tumble_optimal_t) <= ((4U * TUMBLE_MAX_POSITIONS) + (40U * TUMBLE_MAX_YAWS) + 72U),
+              "with optimal a position costs 4 more, a mounting 40");
 
 /* Coefficients and the stand's errors from the means of all fit positions. `record` was opened for this very schedule.
  * Outputs are working memory too: on TUMBLE_E_STAND_ERROR, and where a result is not finite, they are left zero.

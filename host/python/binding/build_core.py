@@ -103,7 +103,7 @@ tumble_status_t tumble_averaging_means(const tumble_averaging_t *, double v_per_
 ESTIMATOR = """
 typedef struct { double k_v_per_g[3][3]; double u0_v[3]; } tumble_coefficients_t;
 typedef struct { uint64_t missing; uint8_t unidentified; } tumble_refusal_t;
-typedef struct { const double *gains; uint8_t fit_positions; } tumble_gain_table_t;
+typedef struct { const double *gains; uint8_t fit_positions; double inclination_rad; } tumble_gain_table_t;
 typedef struct { double sine[...]; double cosine[...]; double turn_sine[...]; double turn_cosine[...]; }
     tumble_inclinations_t;
 tumble_status_t tumble_inclined_weighted(const tumble_schedule_t *, const tumble_means_t *, const double *weights,
@@ -153,6 +153,7 @@ tumble_status_t tumble_residual_rms(const tumble_schedule_t *, const tumble_mean
 
 OPTIMAL = """
 typedef struct {
+    uint8_t inclinations;
     uint8_t fit_positions;
     uint8_t mountings;
     uint8_t yaws;

@@ -34,7 +34,7 @@ static void set_up(void)
         }
     }
     memset(gains, 0, sizeof gains);
-    table = (tumble_gain_table_t){gains, FIT_POSITIONS};
+    table = (tumble_gain_table_t){gains, FIT_POSITIONS, 0.0};
 }
 
 static double coefficient(const tumble_coefficients_t *coefficients, unsigned row)

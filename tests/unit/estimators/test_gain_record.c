@@ -84,6 +84,48 @@ static void test_weights_of_channels_follow_the_gains(void)
     assert_paper(TUMBLE_E_NOT_FINITE);
 }
 
+/* Rows of beta and tau behind those of the stand, then their standard deviation, which comes before the weights. */
+static void test_inclinations_are_behind_the_gains(void)
+{
+    static const struct {
+        double sigma_rad;
+        tumble_status_t status;
+    } sigmas[] = {{-1e-300, TUMBLE_E_NOT_FINITE},
+                  {1.0000001, TUMBLE_E_NOT_FINITE},
+                  {NOT_A_NUMBER, TUMBLE_E_NOT_FINITE},
+                  {0.0, TUMBLE_OK},
+                  {1.0, TUMBLE_OK},
+                  {2e-3, TUMBLE_OK}};
+    const tumble_schedule_t *schedule = &tumble_schedule_inclined;
+    const unsigned columns = 3U * count_fit_positions(schedule);
+    empty_gains(schedule, 1, &record);
+    ASSERT_SAME_DOUBLE(0.0, tumble_gain_record_inclination(open_gains(&record, schedule)));
+    record.bytes[9] = schedule->mounting_count;
+    put_word(record.bytes + record.size - 4U, 0); /* the checksum makes room */
+    record.size += 8U * (2U * schedule->mounting_count * columns + 1U);
+    put_word(record.bytes + 4, record.size);
+    for (size_t i = 0; i < COUNT_OF(sigmas); i++) {
+        (void)put_double(record.bytes + record.size - 16U, sigmas[i].sigma_rad);
+        seal(&record);
+        assert_open(sigmas[i].status, record.bytes, record.size, schedule);
+    }
+    const tumble_gain_record_t *opened = open_gains(&record, schedule);
+    ASSERT_SAME_DOUBLE(2e-3, tumble_gain_record_inclination(opened));
+    TEST_ASSERT_NULL(tumble_gain_record_weights(opened));
+    record.bytes[9] = (uint8_t)(schedule->mounting_count - 1U);
+    seal(&record);
+    assert_open(TUMBLE_E_GAIN_RECORD, record.bytes, record.size, schedule);
+    record.bytes[9] = schedule->mounting_count;
+    seal(&record);
+    memcpy(random.mountings, schedule->mountings, schedule->mounting_count * sizeof random.mountings[0]);
+    random.schedule = *schedule;
+    random.schedule.mountings = random.mountings;
+    for (unsigned m = 0; m < schedule->mounting_count; m++) {
+        random.mountings[m].bolting = 0;
+    }
+    assert_open(TUMBLE_E_GAIN_TABLE, record.bytes, record.size, &random.schedule);
+}
+
 static void test_null_and_crooked_pointers_are_refused(void)
 {
     const tumble_gain_record_t *opened;
@@ -294,8 +336,12 @@ static void test_fingerprints_agree(void)
 {
     dice_t dice = {43};
     TEST_ASSERT_EQUAL_HEX32(0x140E4A73U, tumble_gain_record_schedule_crc(&tumble_schedule_paper));
+    TEST_ASSERT_EQUAL_HEX32(0x2E070B7DU, tumble_gain_record_schedule_crc(&tumble_schedule_inclined));
     for (int round = 0; round < 200; round++) {
         random_schedule(&dice, &random);
+        for (unsigned m = 0; m < random.schedule.mounting_count; m++) {
+            random.mountings[m].bolting = (uint8_t)dice_below(&dice, 3);
+        }
         TEST_ASSERT_EQUAL_HEX32(fingerprint_of(&random.schedule), tumble_gain_record_schedule_crc(&random.schedule));
     }
 }

@@ -102,7 +102,7 @@ static void test_a_perfect_stand_leaves_the_gains_alone(void)
     seal(&record);
     random_means_of(&dice, &tumble_schedule_paper);
     const tumble_gain_record_t *opened = open_gains(&record, &tumble_schedule_paper);
-    const tumble_gain_table_t table = {tumble_gain_record_gains(opened), opened->fit_positions};
+    const tumble_gain_table_t table = {tumble_gain_record_gains(opened), opened->fit_positions, 0.0};
     ASSERT_STATUS(TUMBLE_OK, tumble_estimate_gains(&table, &tumble_schedule_paper, &means, &linear));
     ASSERT_STATUS(TUMBLE_OK, tumble_estimate_optimal(opened, &tumble_schedule_paper, &means, &found, &optimal));
     assert_coefficients(&linear, &found, 1e-15);

@@ -145,7 +145,7 @@ static void test_those_of_a_gain_record_are_for_the_k_it_was_made_for(void)
     seal(&record);
     tumble_optimal_t work;
     tumble_optimal_source_t source = {record.bytes, record.size, &work};
-    const tumble_gain_table_t table = {tumble_gain_record_gains(open_gains(&record, &tumble_schedule_paper)), 18};
+    const tumble_gain_table_t table = {tumble_gain_record_gains(open_gains(&record, &tumble_schedule_paper)), 18, 0.0};
     tumble_judged_run_t run = {
         &tumble_schedule_paper, &stand, &made_for, NULL, NULL, 0, NULL, NULL, NULL, NULL, NULL, NULL};
     tumble_uncertainty_t expected;

@@ -190,7 +190,7 @@ static tumble_status_t by_table(const tumble_judged_run_t *run, tumble_uncertain
                                 tumble_refusal_t *refusal)
 {
     static double table[12 * 54];
-    const tumble_gain_table_t gains = {table, 18};
+    const tumble_gain_table_t gains = {table, 18, 0.0};
     for (size_t g = 0; g < COUNT_OF(table); g++) {
         table[g] = 0.01 * (double)(g % 7U);
     }
@@ -220,7 +220,7 @@ static void test_null_pointers_are_refused(void)
         ASSERT_STATUS(TUMBLE_E_ARGUMENT, judges[j](&good, NULL, NULL));
     }
     tumble_uncertainty_t uncertainty;
-    const tumble_gain_table_t empty = {NULL, 18};
+    const tumble_gain_table_t empty = {NULL, 18, 0.0};
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_uncertainty_gains(NULL, &good, &uncertainty));
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_uncertainty_gains(&empty, &good, &uncertainty));
 }

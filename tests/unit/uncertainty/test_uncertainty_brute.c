@@ -254,7 +254,7 @@ static void test_any_gain_table(void)
         const tumble_coefficients_t block = random_block(&dice);
         const tumble_stand_record_t stand = random_stand(&dice);
         const tumble_judged_run_t run = {.schedule = &s.schedule, .stand = &stand, .coefficients = &block};
-        const tumble_gain_table_t gains = {table, count_fit_positions(&s.schedule)};
+        const tumble_gain_table_t gains = {table, count_fit_positions(&s.schedule), 0.0};
         for (size_t g = 0; g < COUNT_OF(table); g++) {
             table[g] = 3.0 * dice_signed_unit(&dice);
         }

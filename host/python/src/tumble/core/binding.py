@@ -398,10 +398,11 @@ class GainRecord:
 
     @property
     def stand_gains(self) -> Floats:
-        """The rows of alpha1, alpha2, the yaws, the seats, the encoder and the drifts: (2 + yaws + 2 seats + waves +
-        drifts, 3 x fit positions)."""
-        rows = 2 + self.struct.yaws + 2 * self.struct.seats + self.struct.waves + self.struct.drifts
-        return self._table(lib.tumble_gain_record_stand_gains(self.struct), rows)
+        """The rows of alpha1, alpha2, the yaws, the seats, the encoder, the drifts and the inclinations: (2 + yaws + 2
+        seats + waves + drifts + 2 inclinations, 3 x fit positions)."""
+        of = self.struct
+        rows = 2 + of.yaws + 2 * of.seats + of.waves + of.drifts + 2 * of.inclinations
+        return self._table(lib.tumble_gain_record_stand_gains(of), rows)
 
     def numbers(self) -> Floats:
         """K, the prior, the noise and the uncertainties (26 numbers), then all gains: in place."""
@@ -470,12 +471,13 @@ def optimal_each(record: GainRecord, means: Floats, tables: Gains) -> Floats:
     stand = np.empty(ffi.sizeof("tumble_stand_errors_t") // 8)
     parts = [tables.gains.reshape(len(means), -1), tables.stand_gains.reshape(len(means), -1)]
     numbers, into = np.concatenate(parts, axis=1), record.numbers()
-    if len(into) > _HEAD + numbers.shape[1]:
-        numbers = np.hstack([numbers, tables.weights**2])
+    gains = slice(_HEAD, _HEAD + numbers.shape[1])
+    of_channels = into[gains.stop + (record.struct.inclinations > 0) :]  # three, or none where they are alike
     pointers = [ffi.from_buffer("double[]", array) for array in (means, found)]
     spare, columns = ffi.from_buffer("double[]", stand), means[0].size
     for run, (k, sigma_mean) in enumerate(zip(tables.k.reshape(-1, 9), tables.sigma_mean)):
-        into[:9], into[_SIGMA_MEAN], into[_HEAD:] = k, sigma_mean, numbers[run]
+        into[:9], into[_SIGMA_MEAN], into[gains] = k, sigma_mean, numbers[run]
+        of_channels[:] = tables.weights[run, : len(of_channels)] ** 2
         here = pointers[0] + run * columns, pointers[1] + run * lib.TUMBLE_COEFFICIENTS
         status = lib.batch_optimal(record.struct, record.schedule.struct, 1, *here, spare, where)
         require_ok(status, run=run)
@@ -566,6 +568,12 @@ def uncertainties(
     return unpack(found)
 
 
+def _gain_table(gains: Floats, stand: Stand) -> Any:
+    """It does not keep the gains."""
+    inclination = 0.0 if math.isinf(stand.inclination) else stand.sigma("inclination")
+    return ffi.new("tumble_gain_table_t *", [ffi.from_buffer("double[]", gains), gains.shape[1] // 3, inclination])
+
+
 def uncertainties_of_gains(
     schedule: CoreSchedule,
     k: Floats,
@@ -583,7 +591,7 @@ def uncertainties_of_gains(
         raise ValueError(f"gains must have shape (12, 3 x fit positions), not {table.shape}")
     run = _JudgedRun(schedule, k, stand, samples, measured, mean_variance, least_noise)
     found = ffi.new("tumble_uncertainty_t *")
-    struct = ffi.new("tumble_gain_table_t *", [ffi.from_buffer("double[]", table), table.shape[1] // 3])
+    struct = _gain_table(table, stand)
     require_ok(lib.tumble_uncertainty_gains(struct, run.struct, found))
     return unpack(found)
 
@@ -607,7 +615,7 @@ def worst_norm(
 
     def judge() -> float:
         if table is not None:
-            struct = ffi.new("tumble_gain_table_t *", [ffi.from_buffer("double[]", table), table.shape[1] // 3])
+            struct = _gain_table(table, stand)
             require_ok(lib.tumble_uncertainty_gains(struct, run.struct, none))
         else:
             assert estimator is not None  # as documented

@@ -83,7 +83,7 @@ def _set_at(schedule: Schedule) -> Floats:
 EFFECTS: dict[str, Callable[[Geometry, bool], Units]] = {
     "alpha1": lambda g, common: {"alpha1": np.ones((1, 1))},
     "alpha2": lambda g, common: {"alpha2": np.ones((1, 1))},
-    "alpha3": lambda g, common: {"alpha3": np.ones((1, len(_each(g)))) if common else _each(g)},
+    "alpha3": lambda g, common: {"alpha3": np.ones((1, len(g.schedule.mountings))) if common else _each(g)},
     "alpha4": lambda g, common: {"delta": np.eye(len(g.phi))},
     NOISE: lambda g, common: {ADDED: np.eye(3 * len(g.phi)).reshape(-1, len(g.phi), 3)},
     "seat": lambda g, common: {"seat_h": _each(g), "seat_n": _each(g)},

@@ -192,6 +192,12 @@ def as_seen(schedule: Schedule, found: Inclinations) -> Schedule:
     return Schedule(tuple(map(inclined, schedule.mountings)), tuple(map(turned, schedule.positions)))
 
 
+def as_set(schedule: Schedule) -> Schedule:
+    """The same, as if the stand had been set to these inclinations: runs that are drawn about them are off from
+    here."""
+    return replace(schedule, mountings=tuple(replace(one, off_deg=(0.0, 0.0)) for one in schedule.mountings))
+
+
 @lru_cache(64)
 def _derivatives(schedule: Schedule, k: bytes, weights: bytes) -> tuple[Floats, Floats]:
     means, fit = Geometry(schedule).outputs(np.frombuffer(k).reshape(3, 3), np.zeros(3)), schedule.fit_indices

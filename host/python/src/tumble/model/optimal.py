@@ -40,12 +40,13 @@ from tumble.stand import COMMON, PerChannel, Stand, by_channel, rounding_of
 from tumble.terms import Terms
 
 CORRECTIONS = 2
+CORRECTIONS_INCLINED = 4  # where inclinations have a prior: they may be off by more than any other error
 NOISE_FLOOR_G = 1e-9  # times the largest element of K: the noise of a mean never counts as less
 UNEQUAL = "no optimal weights: the stand's errors are too large, or too unequal, to compute with"
 LARGEST_LOSS = 1e-5  # of bias and of spread to rounding, before weights are refused
 _LARGEST_SIGMA = 1e100
 _LARGEST_DRIFT = 1e12  # times the noise of a mean: weights let a drift through by some 1e-16 of it, their rounding
-_SHARED = ("alpha1", "alpha2", "alpha3", "platform", "seat", "encoder", "drift")  # by several positions, as records go
+_SHARED = ("alpha1", "alpha2", "alpha3", "platform", "seat", "encoder", "drift", "inclination")  # as records go
 
 
 def mean_sigma(k: Floats, stand: Stand, step: PerChannel, samples: float) -> tuple[Floats, bool]:
@@ -80,10 +81,9 @@ def samples_in_a_mean(schedule: Schedule, stand: Stand, samples: Integers) -> fl
 
 def shared_errors(schedule: Schedule, k: Floats, stand: Stand) -> dict[str, Draws]:
     """The errors that positions share, on a schedule of fit positions: in the order in which records have them, then
-    those that no record has."""
+    those that are free, which no record has."""
     named = declared(stand, schedule)
-    others = [*(name for name in named if name not in (*_SHARED, "alpha4", NOISE)), *free(stand, schedule)]
-    return of_stand(schedule, k, stand, [*(name for name in _SHARED if name in named), *others])
+    return of_stand(schedule, k, stand, [*(name for name in _SHARED if name in named), *free(stand, schedule)])
 
 
 @dataclass(frozen=True)
@@ -91,11 +91,12 @@ class OptimalTable:
     """The optimal estimator of a stand, for a block of sensitivity `k` (3, 3).
 
     `gains` (12, 3P), with further rows if it was made with further terms; `nuisance_gains` (2 + `yaws` + 2 `seats` +
-    `waves` + `drifts`, 3P): alpha1, alpha2, alpha3..., and where seats are declared theta_h of each mounting, the
-    platform's in it, then theta_n of each, then the numbers of the encoder, then drifts; `sigma` (4,) of alpha1 to
-    alpha4, radians; `sigma_mean`: noise of a mean of the noisiest channel, and of the others over their `weights` (3,);
-    `u`: standard deviations of the estimate, which are the Cramer-Rao bound; `floored`: some noise is the floor and not
-    the stand's; `expected` (3P,): outputs that the declared means of the errors add, which gains are not for.
+    `waves` + `drifts` + 2 `inclinations`, 3P): alpha1, alpha2, alpha3..., and where seats are declared theta_h of each
+    mounting, the platform's in it, then theta_n of each, then the numbers of the encoder, then drifts, then where
+    inclinations are declared beta of each mounting and tau of each; `sigma` (4,) of alpha1 to alpha4,
+    `sigma_inclination` of beta and tau, radians; `sigma_mean`: noise of a mean of the noisiest channel, and of the
+    others over their `weights` (3,); `u`: standard deviations of the estimate, which are the Cramer-Rao bound;
+    `floored`: some noise is the floor and not the stand's.
     """
 
     k: Floats
@@ -105,12 +106,13 @@ class OptimalTable:
     seats: int
     waves: int
     drifts: int
+    inclinations: int
     sigma: Floats
+    sigma_inclination: float
     sigma_mean: float
     weights: Floats
     u: Floats
     floored: bool
-    expected: Floats
 
 
 class _Whitened:
@@ -126,6 +128,7 @@ class _Whitened:
         self.model = np.hstack([self.by_error, self.design])
         self.expected = derivative.reshape(len(derivative), -1).T @ self.errors.mean
         unbounded = free(stand, self.schedule)
+        self.corrections = CORRECTIONS_INCLINED if "inclination" in declared(stand, self.schedule) else CORRECTIONS
         exact = [np.full(len(one.sigma), name not in unbounded) for name, one in self.found.items()]
         self._exact = np.append(np.concatenate(exact), np.ones(self.count, dtype=bool))
         self.weights = np.tile(channel_weights(sigma), len(self.design) // 3)
@@ -158,7 +161,7 @@ class _Whitened:
         the errors add. What is free has been found before, and counts by its first order alone: the core's way."""
         corrected = measured = measured.reshape(len(measured), -1) - self.expected
         x = self.solve(measured.T).T
-        for _ in range(CORRECTIONS):
+        for _ in range(self.corrections):
             known, found = x * self._exact, x[:, -self.count :]
             sizes = self.sizes(known) + self.errors.mean
             exact = self.errors.outputs(found[:, :9].reshape(-1, 3, 3), found[:, 9:12], sizes)
@@ -207,10 +210,12 @@ def optimal_table(
     yaws = 1 if stand.remounting == COMMON or len(schedule.boltings) == 1 else mountings
     seats = mountings if stand.declares_seat else 0
     counts = yaws, seats, 4 if "encoder" in named else 0, 3 if "drift" in named else 0
+    inclined = "inclination" in named
     nuisance = by_mounting(prior * whitened.errors.sigma[:, None], whitened.found, whitened.schedule, stand)
     sigmas = np.array([stand.sigma(name) for name in ("axis_tilt", "level", "remount", "angle")])
+    of_inclinations = mountings if inclined else 0, sigmas, stand.sigma("inclination") if inclined else 0.0
     return OptimalTable(
-        k, beta, nuisance, *counts, sigmas, float(sigma.max()), channel_weights(sigma), u, floored, whitened.expected
+        *(k, beta, nuisance, *counts, *of_inclinations), float(sigma.max()), channel_weights(sigma), u, floored
     )
 
 
@@ -228,6 +233,9 @@ def by_mounting(found: Floats, errors: dict[str, Draws], schedule: Schedule, sta
         leaning, turned = (one[..., bolted, :] for one in np.split(seats, 2, axis=-2))
         rows += [leaning + (found[..., of["platform"], :] if "platform" in of else 0.0), turned]
     rows += [found[..., of[name], :] for name in ("encoder", "drift") if name in of]
+    if "inclination" in of and np.isfinite(stand.inclination):
+        units = errors["inclination"].units
+        rows += [units[argument].T @ found[..., of["inclination"], :] for argument in ("alpha1", "seat_n")]
     return np.concatenate(rows, axis=-2)
 
 
@@ -293,11 +301,13 @@ def optimal_estimate(
     known_samples: float | None = None,
     mean_variance: Floats | None = None,
     terms: Terms = (),
+    seen: Schedule | None = None,
 ) -> OptimalEstimate:
     """Solve one run. `means` (positions, 3), `samples` (positions,) as in `errors.sources`; `step` of the
     converter in the outputs' unit, 0 where unknown; `known_k`: linearise there instead of at a first estimate. Weights
     take the noise of all means as equal, with the average of 1/N, or with N = `known_samples`. `mean_variance` as in
-    `errors.sources`: of the uncertainties alone. `terms`: further unknowns."""
+    `errors.sources`: of the uncertainties alone. `terms`: further unknowns. `seen`: the schedule with the inclinations
+    that the run shows, which the uncertainties are for."""
     first = unknowns(schedule, means, "least_squares")[:9].reshape(3, 3) if known_k is None else known_k
     number = samples_in_a_mean(schedule, stand, samples) if known_samples is None else known_samples
     whitened = _Whitened(schedule, first, stand, mean_sigma(first, stand, step, number)[0], terms)
@@ -305,7 +315,7 @@ def optimal_estimate(
     found, angles = x[0, -whitened.count :], whitened.errors.arguments(whitened.sizes(x)[0])
     tilts = [angles[name] for name in ("alpha1", "alpha3", "seat_h", "seat_n") if name in angles]
     k = found[:9].reshape(3, 3)
-    covariance = optimal_covariance(schedule, k, stand, samples, step, mean_variance, terms)
+    covariance = optimal_covariance(seen or schedule, k, stand, samples, step, mean_variance, terms)
     return OptimalEstimate(
         *(k, found[9:12], found[12:].reshape(-1, 3), covariance, float(angles["alpha1"][0])),
         *(float(angles["alpha2"][0]), np.resize(angles["alpha3"], len(schedule.mountings))),

@@ -13,7 +13,7 @@ outputs come from the exact geometry and go through the estimator itself.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -23,7 +23,7 @@ from tumble.arrays import Floats, Integers
 from tumble.documents.result import Shift
 from tumble.estimators import COEFFICIENTS, OPTIMAL
 from tumble.model import inclined
-from tumble.model.errors import Draws, brought, by_gains, covariance_of, exact_outputs, sources
+from tumble.model.errors import Draws, brought, by_gains, covariance_of, exact_outputs, free, sources
 from tumble.model.estimators import gains_at
 from tumble.model.optimal import OptimalTable, optimal_covariance, optimal_table, samples_in_a_mean
 from tumble.schedule import Schedule
@@ -80,20 +80,15 @@ class Propagation:
         return sources(self.schedule, self.k, self.stand.with_step(self.step), self.samples, variance)
 
     def simulated(self, variance: Floats | None = None) -> dict[str, Draws]:
-        """Those that can be drawn for runs on this schedule. `optimal` is linearised at the inclinations that a run
-        shows, so what moves these is no error of a run at them."""
-        follows = self.estimator == OPTIMAL and self.schedule.is_inclined
+        """Those that can be drawn for runs on this schedule. Where inclinations are not declared, `optimal` is
+        linearised at those that a run shows, so what moves these is no error of a run at them."""
+        follows = self.estimator == OPTIMAL and free(self.stand, self.schedule)
         shown = ("alpha1", "inclination") if follows else ()
         return {name: one for name, one in self.errors(variance).items() if name not in shown}
 
     def brought(self, variance: Floats | None = None) -> dict[str, Floats]:
         """What one standard deviation of each draw brings to the unknowns: by source, (draws, 12 + 3 x terms)."""
         return brought(by_gains(self.schedule, self.gains), self.errors(variance))
-
-    def covariance_by(self, names: Iterable[str], variance: Floats | None = None) -> Floats:
-        """Of the unknowns, by these sources alone."""
-        errors = self.errors(variance)
-        return covariance_of(by_gains(self.schedule, self.gains), {name: errors[name] for name in names})
 
     def covariance(self, variance: Floats | None = None) -> Floats:
         """Of the unknowns. That of `optimal` needs no table."""

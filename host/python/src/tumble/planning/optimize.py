@@ -7,7 +7,6 @@ from functools import cached_property
 
 from tumble.arrays import Floats
 from tumble.documents.plan import Optimize, Promise
-from tumble.errors import UsageError
 from tumble.estimators import COEFFICIENTS, OPTIMAL
 from tumble.model.estimators import circles, linear_gains
 from tumble.model.optimal import OptimalTable, optimal_table, standard_deviations
@@ -15,7 +14,7 @@ from tumble.model.propagation import SecondOrder, second_order
 from tumble.planning.case import Case
 from tumble.planning.promise import promise
 from tumble.solving.computation import estimator_or_linear
-from tumble.solving.optimal_run import Record, record_of
+from tumble.solving.optimal_run import Record, record_of, require_declared_inclinations
 from tumble.solving.result import second_order_of
 from tumble.stand import per_channel
 
@@ -47,10 +46,7 @@ class Optimized:
 
 def optimize(case: Case, k: Floats | None = None, serial: str | None = None) -> Optimized:
     """Weights for a block of sensitivity `k` (V/g), the nominal one unless given. Raises UsageError."""
-    if case.schedule.is_inclined:
-        raise UsageError(
-            "a gain record knows no inclinations: on board take inclined; solve and plan have optimal, too"
-        )
+    require_declared_inclinations(case.schedule, case.stand)
     k = case.nominal_k() if k is None else k
     table = optimal_table(case.fitted, k, case.stand, case.step_v)
 

@@ -227,7 +227,7 @@ Solver = Callable[[Floats], tuple[Floats, Floats]]
 def _solver(case: Case, estimator: str, k: Floats, table: str) -> Solver:
     """From means (runs, positions, 3) to coefficients, with the sizes of further terms behind, and stated uncertainties
     (runs, 12), by the core."""
-    if estimator == OPTIMAL and case.schedule.is_inclined and (table == RUN or free(case.stand, case.schedule)):
+    if estimator == OPTIMAL and free(case.stand, case.schedule):
         return _at_inclinations(case)
     if estimator == OPTIMAL and table == RUN and not case.terms:
         fitted, indices = case.fitted, case.schedule.fit_indices
@@ -246,7 +246,7 @@ def _solver(case: Case, estimator: str, k: Floats, table: str) -> Solver:
 
 
 def _at_inclinations(case: Case) -> Solver:
-    """`optimal` of runs that each show other inclinations, as solves of their own."""
+    """`optimal` of runs whose inclinations nobody declares, as solves of their own."""
     fitted, indices, stand = core.CoreSchedule(case.fitted), case.schedule.fit_indices, case.stand
     lone = np.ones(len(fitted), dtype=int)
     weighting, measured = optimal_run.Weighting(stand, lone, case.step_v), lone > 0
@@ -257,7 +257,7 @@ def _at_inclinations(case: Case) -> Solver:
             _, seen = look_at_inclinations(fitted, run, measured, stand.weights)
             at = core.CoreSchedule(as_seen(fitted.data, seen))
             table = optimal_run.make_table(at, run, measured, weighting, case.terms)
-            if case.terms or math.isfinite(stand.inclination):  # which no gain record has
+            if case.terms:  # which no gain record has
                 found.append(by_table(table, at.data, stand, case.terms, run[None])[0])
             else:
                 one = optimal_run.apply_table(table, at, run)

@@ -2,13 +2,12 @@
 numpy model (`compare`): a result that the model does not confirm is not given.
 
 Further terms of the model (tumble.terms), which the core does not know, are found by its least squares
-(`least_squares`), and by `optimal`, as where it declares inclinations, by a table that the core does not evaluate; many
-runs at once by any estimator (`estimator_for`).
+(`least_squares`), and by `optimal` by a table that the core does not evaluate; many runs at once by any estimator
+(`estimator_for`).
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,7 +22,7 @@ from tumble.model.coefficients import NotSolvable, linear_outputs
 from tumble.model.errors import by_gains
 from tumble.model.estimators import columns_at, magnification, unknowns
 from tumble.model.geometry import ideal_force
-from tumble.model.inclined import EQUAL, Inclinations
+from tumble.model.inclined import EQUAL, Inclinations, as_set
 from tumble.model.optimal import OptimalEstimate, by_table
 from tumble.model.propagation import ManyRuns, Propagation
 from tumble.schedule import Schedule
@@ -82,21 +81,21 @@ def compute(
     Raises CoreRefusal; NotSolvable, also where a channel does not feel gravity.
     """
     sizes, linear = np.zeros((0, 3)), means
-    beyond = weighting is not None and math.isfinite(weighting.stand.inclination) and schedule.data.is_inclined
-    if terms or beyond:  # by a table of gains where there are weights, else by the core's least squares
-        part, lone = schedule.part(measured), means[None, measured]
+    weighed = schedule if weighting is None or weighting.schedule is None else weighting.schedule
+    if terms:  # by a table of gains where there are weights, else by the core's least squares
+        lone = means[None, measured]
         if weighting is None:
-            found = least_squares(part, lone, terms).ravel()
+            found = least_squares(schedule.part(measured), lone, terms).ravel()
         else:
-            table = optimal_run.make_table(schedule, means, measured, weighting, terms)
-            found = by_table(table, part.data, weighting.stand, terms, lone).ravel()
+            table = optimal_run.make_table(weighed, means, measured, weighting, terms)
+            found = by_table(table, weighed.data.part(measured), weighting.stand, terms, lone).ravel()
         k, u0, sizes = found[:9].reshape(3, 3), found[9:12], found[12:].reshape(-1, 3)
     elif inclined is not None and weighting is None:
         k, u0 = inclined[:9].reshape(3, 3), inclined[9:]
     elif weighting is None:
         k, u0 = core.estimate(schedule, means, measured, estimator)
     else:
-        one = optimal_run.estimate(schedule, means, measured, weighting)
+        one = optimal_run.estimate(weighed, means, measured, weighting)
         k, u0 = one.k, one.u0
     response, rounding = np.linalg.norm(k, axis=1), _ROUNDING * np.abs(means[measured]).max(axis=0)
     dead = response <= np.maximum(core.MIN_ROW_RATIO * response.max(), rounding)
@@ -289,7 +288,7 @@ def estimator_for(given: Propagation) -> ManyRuns:
             return lambda means: least_squares(schedule, means, terms)
         return lambda means: core_runs(schedule, means, given.estimator)
     if terms:
-        return lambda means: by_table(given.table, given.schedule, given.stand, terms, means)
+        return lambda means: by_table(given.table, as_set(given.schedule), given.stand, terms, means)
     record = GainRecord(schedule, to_bytes(record_of(given.table, given.schedule)))
     return lambda means: optimal_runs(record, means)[0]
 

@@ -17,7 +17,7 @@ from tumble import core
 from tumble.arrays import Flags, Floats, Integers
 from tumble.core.binding import GainRecord, Gains, OptimalEstimate, estimate_runs, optimal, optimal_each
 from tumble.errors import UsageError
-from tumble.model.errors import unit_effect
+from tumble.model.errors import free, places, unit_effect
 from tumble.model.estimators import design
 from tumble.model.optimal import (
     LARGEST_LOSS,
@@ -37,7 +37,7 @@ from tumble.terms import Terms
 
 MAGIC = b"TGR1"
 SCHEMA = 1
-_HEAD = struct.Struct("<4sIHBBBBBBII")
+_HEAD = struct.Struct("<4sIBBBBBBBBII")
 _TAIL = struct.Struct("<II")
 
 
@@ -60,6 +60,8 @@ class Record:
     gains: Floats
     nuisance_gains: Floats
     weights: Floats = field(default_factory=lambda: np.ones(3))
+    inclinations: int = 0
+    sigma_inclination: float = 0.0
 
 
 def record_of(table: OptimalTable, schedule: Schedule, serial: str | None = None) -> Record:
@@ -80,6 +82,8 @@ def record_of(table: OptimalTable, schedule: Schedule, serial: str | None = None
         u=table.u,
         gains=table.gains,
         nuisance_gains=table.nuisance_gains,
+        inclinations=table.inclinations,
+        sigma_inclination=table.sigma_inclination,
     )
 
 
@@ -89,6 +93,7 @@ def fingerprint(schedule: Schedule) -> int:
     for mounting in schedule.mountings:
         numbers = [number + 0.0 for row in mounting.matrix for number in row]
         crc = zlib.crc32(struct.pack("<B10d", mounting.number, *numbers, mounting.tilt_deg + 0.0), crc)
+        crc = zlib.crc32(bytes([mounting.bolting]) if mounting.bolting else b"", crc)
     for position in schedule.positions:
         if position.use == FIT:
             place = struct.pack("<BBd", position.mounting, position.number, position.angle_deg + 0.0)
@@ -99,11 +104,14 @@ def fingerprint(schedule: Schedule) -> int:
 def to_bytes(record: Record) -> bytes:
     """The record, CRC and all."""
     head = np.concatenate([record.k.ravel(), record.sigma, [record.sigma_mean], record.u])
-    values = np.concatenate([head, record.gains.ravel(), record.nuisance_gains.ravel(), _squares(record)])
+    inclination = [record.sigma_inclination] if record.inclinations else []
+    tables = record.gains.ravel(), record.nuisance_gains.ravel()
+    values = np.concatenate([head, *tables, inclination, _squares(record)])
     numbers: bytes = values.astype("<f8").tobytes()
     size = _HEAD.size + len(numbers) + _TAIL.size
     counts = record.fit_positions, record.mountings, record.yaws, record.seats, record.waves, record.drifts
-    body = _HEAD.pack(MAGIC, size, SCHEMA, *counts, record.schedule_crc, record.block_crc) + numbers + bytes(4)
+    kind = MAGIC, size, SCHEMA, record.inclinations
+    body = _HEAD.pack(*kind, *counts, record.schedule_crc, record.block_crc) + numbers + bytes(4)
     return body + struct.pack("<I", zlib.crc32(body))
 
 
@@ -113,6 +121,7 @@ def _squares(record: Record) -> Floats:
     return squares[: 0 if (squares == 1.0).all() else 3]
 
 
+_INCLINATION_FIELD = "    double inclination_rad;\n"
 _WEIGHTS_FIELD = "    double weights[3]; /* of the channels, squared */\n"
 _HEADER = """\
 /* Stand-optimal gains{title}: written by `tumble plan optimize`.
@@ -131,14 +140,14 @@ _HEADER = """\
 static const struct {{
     tumble_gain_record_t head;
     double gains[{gain_rows}][{columns}];       /* K row by row (1/g), then U0 */
-    double stand_gains[{stand_rows}][{columns}]; /* alpha1, alpha2, each yaw, seats, encoder (rad/V), drifts */
-{weights_field}    uint32_t zero;
+    double stand_gains[{stand_rows}][{columns}]; /* alpha1, alpha2, each yaw, seats, encoder (rad/V), drifts{more} */
+{inclination_field}{weights_field}    uint32_t zero;
     uint32_t crc;
 }} tumble_optimal_gains = {{
     .head = {{
         .magic = {{'T', 'G', 'R', '1'}},
         .size_bytes = {size}U,
-        .schema = {schema}U,
+        .schema = {schema}U,{inclinations}
         .fit_positions = {record.fit_positions}U,
         .mountings = {record.mountings}U,
         .yaws = {record.yaws}U,
@@ -154,7 +163,7 @@ static const struct {{
         .u_u0_v = {u_u0},
     }},
     .gains = {gains},
-    .stand_gains = {stand_gains},{weights}
+    .stand_gains = {stand_gains},{inclination}{weights}
     .zero = 0U,
     .crc = 0x{crc:08X}U,
 }};
@@ -167,7 +176,7 @@ static_assert(sizeof tumble_optimal_gains == {size}U, "laid out as docs/gain-rec
 
 def to_c_header(record: Record, title: str = "") -> str:
     """The record as C source. `title`: of the stand, made fit for a comment."""
-    data, squares = to_bytes(record), _squares(record)
+    data, squares, inclined = to_bytes(record), _squares(record), record.inclinations > 0
     words = "".join(sign if sign.isalnum() or sign in " -.,()" else "_" for sign in ascii(title)[1:-1])
     return _HEADER.format(
         title=f" for: {words}" if words else "",
@@ -183,6 +192,10 @@ def to_c_header(record: Record, title: str = "") -> str:
         u_u0=_c_array(record.u[9:]),
         gains=_c_array(record.gains),
         stand_gains=_c_array(record.nuisance_gains),
+        more=", inclinations" if inclined else "",
+        inclinations=f"\n        .inclinations = {record.inclinations}U," if inclined else "",
+        inclination_field=_INCLINATION_FIELD if inclined else "",
+        inclination=f"\n    .inclination_rad = {record.sigma_inclination!r}," if inclined else "",
         weights_field=_WEIGHTS_FIELD if len(squares) else "",
         weights=f"\n    .weights = {_c_array(squares)}," if len(squares) else "",
         crc=_TAIL.unpack_from(data, len(data) - _TAIL.size)[1],
@@ -210,13 +223,23 @@ class Known:
 @dataclass(frozen=True)
 class Weighting:
     """What weights are made from: the declared `stand`, its noise and the converter's `step` (0: unknown) in the unit
-    of the outputs; `samples` (positions,) of the run; `known`: of a table that existed before the run,
-    if one did."""
+    of the outputs; `samples` (positions,) of the run; `known`: of a table that existed before the run, if one did;
+    `schedule`: where inclinations are declared and the run shows others, the one that they are for."""
 
     stand: Stand
     samples: Integers
     step: PerChannel = 0.0
     known: Known | None = None
+    schedule: core.CoreSchedule | None = None
+
+
+def require_declared_inclinations(schedule: Schedule, stand: Stand) -> None:
+    """Raise UsageError where a gain record, which exists before a run, would need the inclinations that it shows."""
+    if free(stand, schedule):
+        raise UsageError(
+            "a gain record needs inclination_rad, how well the stand is inclined: declare it, or take inclined on"
+            " board; solve and plan validate have optimal without"
+        )
 
 
 def make_table(
@@ -233,9 +256,7 @@ def make_table(
 
 def apply_table(table: OptimalTable, schedule: core.CoreSchedule, means: Floats) -> OptimalEstimate:
     """Let the core evaluate a table made for this very schedule, all of it measured. Raises CoreRefusal."""
-    measured = means.copy()
-    measured[schedule.data.fit_indices] -= table.expected.reshape(-1, 3)
-    return optimal(to_bytes(record_of(table, schedule.data)), schedule, measured)
+    return optimal(to_bytes(record_of(table, schedule.data)), schedule, means)
 
 
 def estimate(schedule: core.CoreSchedule, means: Floats, measured: Flags, weighting: Weighting) -> OptimalEstimate:
@@ -328,7 +349,7 @@ class _System:
         self.design = design(schedule).reshape(-1, 3, 12)
         by_shared = np.concatenate([source.derivative for source in self.errors.values()])
         self.by_shared = np.moveaxis(by_shared, 0, 2) * self.shared
-        self.angles = len(self.shared) - (3 if "drift" in self.errors else 0)  # the others do not depend on K
+        self.drift = places(self.errors).get("drift", slice(0))  # which does not depend on K
         self.by_angle = unit_effect(schedule, "alpha4").derivative(np.eye(3)).sum(axis=0) * stand.sigma("angle")
 
     def whiten(self, k: Floats, samples: float) -> _Whitened:
@@ -339,7 +360,7 @@ class _System:
         weights, largest = channel_weights(sigma)[:, None], sigma.max(axis=1)
         by_channel = k @ np.swapaxes(self.by_shared, 0, 1).reshape(3, -1)  # those of `by_shared` are for K = 1
         by_shared = np.swapaxes(by_channel.reshape(runs, 3, positions, shared), 1, 2).copy()
-        by_shared[..., self.angles :] = self.by_shared[..., self.angles :]
+        by_shared[..., self.drift] = self.by_shared[..., self.drift]
         by_angle = self.by_angle @ np.swapaxes(k, 1, 2)
         outputs = np.empty((runs, positions, 3, shared + 12))
         outputs[..., :shared], outputs[..., shared:] = by_shared, self.design

@@ -243,13 +243,14 @@ def solve(
     variance = noise.mean_variance[run.measured]
 
     weights = NO_STAND.weights if declared is None else declared.weights
-    place = _at_inclinations(planned, run, estimator, weights, file, known is not None)
+    place = _at_inclinations(planned, run, estimator, weights, file)
     core_schedule, witness_schedule = place.schedule, place.witness_schedule
 
     # The core computes.
     weighting = model = optimal = None
     if estimator == OPTIMAL and declared is not None:
-        weighting = optimal_run.Weighting(declared, run.samples, step, known)
+        is_set = place.inclinations is not None and math.isfinite(declared.inclination)
+        weighting = optimal_run.Weighting(declared, run.samples, step, known, planned if is_set else None)
     found = _by_core(core_schedule, witness_schedule, run, estimator, limit_g, weighting, terms, file, place.closed)
 
     # The witness confirms.
@@ -257,7 +258,7 @@ def solve(
         of_means = variance_of_means(declared, run.samples, noise.rounding)[run.measured]
         model = WholeModel(witness_schedule, means, of_means, declared, terms)
         if weighting is not None:
-            optimal = _by_numpy(model, witness_schedule, means, samples, weighting, variance, file)
+            optimal = _by_numpy(model, place, means, samples, weighting, variance, file)
     linear = found.linear[run.measured]
     comparison = compare(found, witness_schedule, means, linear, found.gravity.delta_g[run.measured], optimal, weights)
 
@@ -296,24 +297,23 @@ def solve(
 
 @dataclass(frozen=True)
 class _Place:
-    """Where a run was made: the `schedule` of the core, and of numpy the part that was measured. Of a block that is
-    bolted on once `inclinations` are what the run shows, the schedules are at these, and `closed` (12,) are the
-    coefficients that come with them by the core's closed form; else both are None."""
+    """Where a run was made: the `schedule` of the core, and of numpy the part that was measured, also as it was
+    `planned`. Of a block that is bolted on once `inclinations` are what the run shows, the schedules are at these, and
+    `closed` (12,) are the coefficients that come with them by the core's closed form; else both are None."""
 
     schedule: core.CoreSchedule
     witness_schedule: Schedule
+    planned: Schedule
     closed: Floats | None = None
     inclinations: Inclinations | None = None
 
 
-def _at_inclinations(
-    planned: core.CoreSchedule, run: Run, estimator: str, weights: Floats, file: str, has_table: bool
-) -> _Place:
-    """The place of a run that was `planned` so; a table that existed before the run is for that. Raises BadInput where
-    it shows no inclinations, or the estimator does not find them; Disagreement where numpy sees others."""
+def _at_inclinations(planned: core.CoreSchedule, run: Run, estimator: str, weights: Floats, file: str) -> _Place:
+    """The place of a run that was `planned` so. Raises BadInput where it shows no inclinations, or the estimator does
+    not find them; Disagreement where numpy sees others."""
     own = planned.data if planned.name is None else built_in(planned.name)  # of the witness
-    if (estimator != INCLINED and not planned.data.is_inclined) or (estimator == OPTIMAL and has_table):
-        return _Place(planned, own.part(run.measured))
+    if estimator != INCLINED and not planned.data.is_inclined:
+        return _Place(planned, own.part(run.measured), own.part(run.measured))
     if estimator not in (INCLINED, OPTIMAL):
         raise BadInput(f"{estimator} takes inclinations for exact, which nobody measures; inclined finds them", file)
     try:
@@ -330,7 +330,7 @@ def _at_inclinations(
         raise BadInput(str(error), file) from None
     compare_inclinations(seen, of_witness)
     at_seen = core.CoreSchedule(inclined.as_seen(planned.data, seen))
-    return _Place(at_seen, inclined.as_seen(part, of_witness), closed, seen)
+    return _Place(at_seen, inclined.as_seen(part, of_witness), part, closed, seen)
 
 
 def _missing(schedule: Schedule, run: Run) -> str:
@@ -403,18 +403,20 @@ def _explained(refusal: core.CoreRefusal, estimator: str) -> str:
 
 def _by_numpy(
     model: WholeModel,
-    schedule: Schedule,
+    place: _Place,
     means: Floats,
     samples: Integers,
     weighting: optimal_run.Weighting,
     variance: Floats,
     file: str,
 ) -> OptimalEstimate:
-    """The optimal estimator from the data, without a table. Raises BadInput for a run that cannot have come from such a
-    stand: weights made for errors that are not there would mislead."""
+    """The optimal estimator from the data, without a table: on the schedule that `weighting` is for, as it was planned
+    or seen. Raises BadInput for a run that cannot have come from such a stand: weights made for errors that are not
+    there would mislead."""
     misfit = math.sqrt(model.chi_squared / max(1, model.freedom))
     if not misfit <= LARGEST_MISFIT:
         raise BadInput(f"residuals {misfit:.2g} times what the stand declares: no optimal weights for it", file)
     k, of_means = (None, None) if weighting.known is None else (weighting.known.k, weighting.known.samples)
-    given = schedule, means, weighting.stand, samples, weighting.step
-    return optimal_estimate(*given, k, of_means, variance, model.terms)
+    seen = place.witness_schedule
+    given = seen if weighting.schedule is None else place.planned, means, weighting.stand, samples, weighting.step
+    return optimal_estimate(*given, k, of_means, variance, model.terms, seen)

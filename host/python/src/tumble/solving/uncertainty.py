@@ -119,10 +119,7 @@ def confirmed(
     except core.CoreRefusal as refusal:
         raise BadInput(f"no uncertainties from this stand: {refusal}", file) from None
     covariance = given.covariance(mean_variance) if optimal is None else optimal.covariance
-    errors = given.errors(mean_variance)
-    known = errors.keys() - {"inclination"}  # which the core's stand does not have
-    of_core = covariance if len(known) == len(errors) else given.covariance_by(known, mean_variance)
-    compare_uncertainties(u, np.sqrt(np.diag(of_core)), given.estimator == OPTIMAL)
+    compare_uncertainties(u, np.sqrt(np.diag(covariance)), given.estimator == OPTIMAL)
     without = None
     if given.terms:
         alone = confirmed(replace(given, terms=()), schedule, measured, mean_variance, None, file)

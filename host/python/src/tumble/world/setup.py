@@ -21,7 +21,7 @@ from tumble.errors import BadInput, UsageError, quoted
 from tumble.files.stand_file import StandFile, converter_step_v
 from tumble.model.optimal import optimal_table
 from tumble.schedule import Mounting, Position, Schedule
-from tumble.solving.optimal_run import Known, record_of, to_bytes
+from tumble.solving.optimal_run import Known, record_of, require_declared_inclinations, to_bytes
 from tumble.stand import PAPER_STAND, PerChannel, Stand, by_channel, per_channel
 from tumble.terms import Terms
 
@@ -317,9 +317,6 @@ def _expected_samples(setup: Setup) -> float:
 
 def gain_record(setup: Setup) -> bytes:
     """What goes into the navigation computer's non-volatile memory. Raises UsageError where no weights can be made."""
-    if setup.schedule.data.is_inclined:
-        raise UsageError(
-            "a gain record knows no inclinations: on board take inclined; solve and plan have optimal, too"
-        )
+    require_declared_inclinations(setup.schedule.data, setup.stand)
     before, schedule = weights_made_for(setup), setup.schedule.data
     return to_bytes(record_of(optimal_table(schedule, before.k, setup.stand, step_v(setup), before.samples), schedule))
