@@ -71,11 +71,10 @@ static double angle_variance(const tumble_stand_record_t *stand)
     return tumble_square(stand->angle_rad) + (2.0 * tumble_square(stand->encoder_rad));
 }
 
-/* Variance of a mean: its noise, with the rounding of the converter. The second-order effect of an angle's error is
- * added: `by_angle_v` does not contain it, and on a coarse stand it exceeds the noise. So is the mean square of a drift
- * over the run, and what an angle's error adds across `by_angle_v` where the table turns about a zero
- * that is off by the root of `zero_square`. */
-static double variance_of(const tumble_misfit_run_t *run, int i, uint32_t samples, double zero_square)
+/* Variance of a mean: its noise, with the rounding of the converter. What an angle's error adds across `by_angle_v` is
+ * added, which on a coarse stand exceeds the noise: by its second order, or by `across_square`, the square of the angle by
+ * which `by_angle_v` may be turned. So is the mean square of a drift over the run. */
+static double variance_of(const tumble_misfit_run_t *run, int i, uint32_t samples, double across_square)
 {
     const double step_v = tumble_abs(run->v_per_count);
     const double noise_v = tumble_stand_noise_v(run->stand, i);
@@ -87,8 +86,7 @@ static double variance_of(const tumble_misfit_run_t *run, int i, uint32_t sample
     variance = tumble_larger(variance, tumble_square(run->stand->least_noise_v));
     variance = tumble_larger(variance, tumble_square(SMALLEST_NOISE * scale_v));
     variance += tumble_square(tumble_stand_drift_v(run->stand, i)) / 12.0;
-    const double angle_square = angle_variance(run->stand);
-    return variance + ((angle_square + zero_square) * angle_square * tumble_square(scale_v));
+    return variance + (across_square * angle_variance(run->stand) * tumble_square(scale_v));
 }
 
 /* Along the block's axes: a specific force given along h and v of the table. */
@@ -108,7 +106,9 @@ static void look_at(const tumble_misfit_work_t *work, const tumble_misfit_run_t 
     const double sine = mounting->tilt.cosine * angle->sine;
     const double cosine = mounting->tilt.cosine * angle->cosine;
     const bool inclined = mounting->bolting > 0U;
-    const double most = inclined ? 1.0 : mounting->tilt.cosine;
+    const double across_square = inclined ? ZERO_SQUARE : angle_variance(run->stand);
+    const tumble_angle_t tilted = {0.0, sine, cosine};
+    const tumble_angle_t *most = inclined ? angle : &tilted;
     double force[TUMBLE_CHANNELS];
     double by_angle[TUMBLE_CHANNELS];
     double mean_v[TUMBLE_CHANNELS];
@@ -117,12 +117,12 @@ static void look_at(const tumble_misfit_work_t *work, const tumble_misfit_run_t 
     place->basis[1] = angle->sine;
     place->basis[2] = angle->cosine;
     turn_to_block(mounting, sine, cosine, force);
-    turn_to_block(mounting, most * angle->cosine, -(most * angle->sine), by_angle);
+    turn_to_block(mounting, most->cosine, -most->sine, by_angle);
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         const double *k = run->coefficients->k_v_per_g[i];
         place->residual_v[i] = mean_v[i] - run->coefficients->u0_v[i] - tumble_dot(k, force);
         place->by_angle_v[i] = is_in(work, i) ? tumble_dot(k, by_angle) : 0.0;
-        place->variance_v2[i] = variance_of(run, i, run->averaging->averages[p].samples, inclined ? ZERO_SQUARE : 0.0);
+        place->variance_v2[i] = variance_of(run, i, run->averaging->averages[p].samples, across_square);
         place->weighted_v[i] = place->by_angle_v[i] / place->variance_v2[i];
     }
 }
