@@ -221,6 +221,9 @@ static void walk_all(walk_t *walk, zcu102_commissioned_t *all)
     for (uint32_t part = LAST_PART_BEFORE_LISTS + 1U; part <= UINT8_MAX; part++) {
         walk_part(walk, part, all);
     }
+    for (uint8_t m = 0; m < all->schedule.mounting_count; m++) {
+        walk_u8(walk, &all->mountings[m].bolting);
+    }
 }
 
 static void point_within(zcu102_commissioned_t *all)

@@ -11,7 +11,8 @@
 #define BASIS 3             /* 1, sin phi, cos phi */
 #define RANK 1e-9           /* a pivot this small a part of its diagonal element is rounding: too few attitudes */
 #define SMALLEST_NOISE 1e-7 /* of a mean, relative to the largest element of its row of K, so that all have weights */
-#define HALF_STEP 0.5       /* less noise than that, in counts: samples round alike */
+#define ZERO_SQUARE 9e-4 /* (0.03 rad)^2: how far the zero of the table angle moves from one inclination to the next */
+#define HALF_STEP 0.5    /* less noise than that, in counts: samples round alike */
 
 /* A position as the fit sees it. */
 typedef struct {
@@ -70,10 +71,10 @@ static double angle_variance(const tumble_stand_record_t *stand)
     return tumble_square(stand->angle_rad) + (2.0 * tumble_square(stand->encoder_rad));
 }
 
-/* Variance of a mean: its noise, with the rounding of the converter. The second-order effect of an angle's error is
- * added: `by_angle_v` does not contain it, and on a coarse stand it exceeds the noise. So is the mean square of a drift
- * over the run. */
-static double variance_of(const tumble_misfit_run_t *run, int i, uint32_t samples)
+/* Variance of a mean: its noise, with the rounding of the converter. What an angle's error adds across `by_angle_v` is
+ * added, which on a coarse stand exceeds the noise: by its second order, or by `across_square`, the square of the angle by
+ * which `by_angle_v` may be turned. So is the mean square of a drift over the run. */
+static double variance_of(const tumble_misfit_run_t *run, int i, uint32_t samples, double across_square)
 {
     const double step_v = tumble_abs(run->v_per_count);
     const double noise_v = tumble_stand_noise_v(run->stand, i);
@@ -85,7 +86,7 @@ static double variance_of(const tumble_misfit_run_t *run, int i, uint32_t sample
     variance = tumble_larger(variance, tumble_square(run->stand->least_noise_v));
     variance = tumble_larger(variance, tumble_square(SMALLEST_NOISE * scale_v));
     variance += tumble_square(tumble_stand_drift_v(run->stand, i)) / 12.0;
-    return variance + tumble_square(angle_variance(run->stand) * scale_v);
+    return variance + (across_square * angle_variance(run->stand) * tumble_square(scale_v));
 }
 
 /* Along the block's axes: a specific force given along h and v of the table. */
@@ -96,12 +97,18 @@ static void turn_to_block(const tumble_mounting_t *mounting, double h, double v,
     }
 }
 
+/* Where nobody measures the inclination, an error of a set angle counts as on a level axis, where the outputs feel it most,
+ * and somewhat across: the zero of the table angle is not known either. */
 static void look_at(const tumble_misfit_work_t *work, const tumble_misfit_run_t *run, uint8_t p, fitted_t *place)
 {
     const tumble_mounting_t *mounting = &run->schedule->mountings[work->mounting];
     const tumble_angle_t *angle = &run->schedule->positions[p].angle;
     const double sine = mounting->tilt.cosine * angle->sine;
     const double cosine = mounting->tilt.cosine * angle->cosine;
+    const bool inclined = mounting->bolting > 0U;
+    const double across_square = inclined ? ZERO_SQUARE : angle_variance(run->stand);
+    const tumble_angle_t tilted = {0.0, sine, cosine};
+    const tumble_angle_t *most = inclined ? angle : &tilted;
     double force[TUMBLE_CHANNELS];
     double by_angle[TUMBLE_CHANNELS];
     double mean_v[TUMBLE_CHANNELS];
@@ -110,12 +117,12 @@ static void look_at(const tumble_misfit_work_t *work, const tumble_misfit_run_t 
     place->basis[1] = angle->sine;
     place->basis[2] = angle->cosine;
     turn_to_block(mounting, sine, cosine, force);
-    turn_to_block(mounting, cosine, -sine, by_angle);
+    turn_to_block(mounting, most->cosine, -most->sine, by_angle);
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         const double *k = run->coefficients->k_v_per_g[i];
         place->residual_v[i] = mean_v[i] - run->coefficients->u0_v[i] - tumble_dot(k, force);
         place->by_angle_v[i] = is_in(work, i) ? tumble_dot(k, by_angle) : 0.0;
-        place->variance_v2[i] = variance_of(run, i, run->averaging->averages[p].samples);
+        place->variance_v2[i] = variance_of(run, i, run->averaging->averages[p].samples, across_square);
         place->weighted_v[i] = place->by_angle_v[i] / place->variance_v2[i];
     }
 }

@@ -145,6 +145,17 @@ bool tumble_schedule_stays_bolted(const tumble_schedule_t *schedule, uint8_t ind
     return (index > 0U) && (mounting->bolting > 0U) && (mounting->bolting == schedule->mountings[index - 1U].bolting);
 }
 
+uint8_t tumble_schedule_count_bolted(const tumble_schedule_t *schedule)
+{
+    uint8_t count = 0;
+    for (uint8_t m = 0; m < schedule->mounting_count; m++) {
+        if (tumble_schedule_stays_bolted(schedule, m)) {
+            count++;
+        }
+    }
+    return count;
+}
+
 void tumble_schedule_attitude(const tumble_schedule_t *schedule, uint8_t index, double a_g[TUMBLE_CHANNELS])
 {
     const tumble_mounting_t *mounting = tumble_schedule_mounting_of(schedule, index);

@@ -14,9 +14,11 @@
 #include "core/stand_record.h"
 #include "core/vector.h"
 
-#define ROUNDS 4            /* of Gauss and Newton */
-#define TURNS 6             /* rotations of a row in one step, */
-#define LONG_ROW_TURNS 4    /* and of one that has encoder and drift */
+#define ROUNDS 4         /* of Gauss and Newton */
+#define TURNS 6          /* rotations of a row in one step, */
+#define LONG_ROW_TURNS 4 /* and of one that has encoder and drift */
+#define MOST_INCLINED_RAD                                                                                              \
+    0.3 /* how far an inclination may be from its schedule's: no further than tumble_turn is good for */
 #define SMALLEST_NOISE 1e-7 /* of a mean, relative to the largest element of K, so that all have weights */
 
 /* The unknowns: what a mounting has for itself comes first, so that it is eliminated with the mounting. Then the
@@ -149,10 +151,14 @@ static void substitute_back(tumble_whole_work_t *work, int from, int to)
     }
 }
 
+static double held_within(double most, double error)
+{
+    return tumble_within(error, most) ? error : (tumble_exceeds(error, 0.0) ? most : -most);
+}
+
 static double held(double error_rad)
 {
-    const double most = TUMBLE_MAX_STAND_ERROR_RAD;
-    return tumble_within(error_rad, most) ? error_rad : (tumble_exceeds(error_rad, 0.0) ? most : -most);
+    return held_within(TUMBLE_MAX_STAND_ERROR_RAD, error_rad);
 }
 
 /* The best estimate of the error of a set angle, from what this round leaves of the outputs. */
@@ -176,10 +182,12 @@ static double angle_error(const tumble_whole_model_t *model, tumble_whole_work_t
 static void update_mounting(const tumble_whole_model_t *model, tumble_whole_work_t *work)
 {
     tumble_whole_sigmas_t sigmas;
-    tumble_whole_sigmas(model->stand, &sigmas);
+    tumble_whole_sigmas(model, work->mounting, &sigmas);
+    const double most = (model->bolted > 0U) ? MOST_INCLINED_RAD : TUMBLE_MAX_STAND_ERROR_RAD;
     float *own = work->local_rad[work->mounting];
     for (int e = 0; e < TUMBLE_WHOLE_LOCAL; e++) {
-        own[e] = tumble_to_float(held((double)own[e] + (sigmas.local_rad[e] * work->change[e])));
+        const double error = (double)own[e] + (sigmas.local_rad[e] * work->change[e]);
+        own[e] = tumble_to_float(held_within(most, error));
     }
 }
 
@@ -187,7 +195,7 @@ static void update_mounting(const tumble_whole_model_t *model, tumble_whole_work
 static void update_common(const tumble_whole_model_t *model, tumble_whole_work_t *work)
 {
     tumble_whole_sigmas_t sigmas;
-    tumble_whole_sigmas(model->stand, &sigmas);
+    tumble_whole_sigmas(model, work->mounting, &sigmas);
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         const double *change = &work->change[COEFFICIENTS + (TUMBLE_UNKNOWNS * i)];
         for (int j = 0; j < TUMBLE_CHANNELS; j++) {
@@ -240,7 +248,7 @@ static void begin_pass(tumble_whole_work_t *work, int columns)
 static void begin_round(const tumble_whole_model_t *model, tumble_whole_work_t *work)
 {
     tumble_whole_sigmas_t sigmas;
-    tumble_whole_sigmas(model->stand, &sigmas);
+    tumble_whole_sigmas(model, work->mounting, &sigmas);
     const bool has_course = tumble_is_positive(model->stand->encoder_rad) || tumble_stand_drifts(model->stand);
     work->unknowns = (uint8_t)(has_course ? TUMBLE_WHOLE_UNKNOWNS : COURSE);
     begin_pass(work, (int)work->unknowns);
@@ -258,7 +266,7 @@ static void begin_round(const tumble_whole_model_t *model, tumble_whole_work_t *
 static void open_mounting(const tumble_whole_model_t *model, tumble_whole_work_t *work)
 {
     tumble_whole_sigmas_t sigmas;
-    tumble_whole_sigmas(model->stand, &sigmas);
+    tumble_whole_sigmas(model, work->mounting, &sigmas);
     clear_rows(work, 0, TUMBLE_WHOLE_LOCAL);
     for (int e = 0; e < TUMBLE_WHOLE_LOCAL; e++) {
         add_prior(work, e, (double)work->local_rad[work->mounting][e], sigmas.local_rad[e]);
@@ -318,11 +326,13 @@ static void add_row(const tumble_whole_model_t *model, tumble_whole_work_t *work
     }
 }
 
-/* False: that was the last round. */
-static bool solve(tumble_whole_work_t *work)
+/* Each inclination, and each zero of the table angle but the first, takes a square with it. False: that was the last
+ * round. */
+static bool solve(const tumble_whole_model_t *model, tumble_whole_work_t *work)
 {
+    const unsigned inclinations = (model->bolted > 0U) ? ((2U * model->bolted) + 1U) : 0U;
     work->chi_squared = work->residual_square;
-    work->freedom = (uint8_t)(work->means - (uint8_t)TUMBLE_COEFFICIENTS);
+    work->freedom = (uint8_t)(work->means - (uint8_t)TUMBLE_COEFFICIENTS - inclinations);
     work->round++;
     substitute_back(work, TUMBLE_WHOLE_LOCAL, (int)work->unknowns);
     begin_pass(work, TUMBLE_WHOLE_LOCAL);
@@ -358,7 +368,7 @@ bool tumble_whole_go_on(const tumble_whole_model_t *model, const tumble_whole_re
     } else if (work->stage == (uint8_t)ROW) {
         add_row(model, work);
     } else if (work->stage == (uint8_t)SOLVE) {
-        more = solve(work);
+        more = solve(model, work);
     } else {
         find_angle(model, reading, work);
     }

@@ -11,11 +11,11 @@
 
 #include <stdbool.h>
 
-/* Standard deviations of the stand's errors. */
+/* Standard deviations of the stand's errors; 0: there is none. */
 typedef struct {
     double shared_rad[TUMBLE_WHOLE_SHARED];
-    double local_rad[TUMBLE_WHOLE_LOCAL];
-    double course[TUMBLE_WHOLE_COURSE]; /* rad; V */
+    double local_rad[TUMBLE_WHOLE_LOCAL]; /* of a mounting or an inclination */
+    double course[TUMBLE_WHOLE_COURSE];   /* rad; V */
 } tumble_whole_sigmas_t;
 
 /* What a run says of a position. */
@@ -30,10 +30,11 @@ typedef struct {
 typedef struct {
     const tumble_schedule_t *schedule;
     const tumble_stand_record_t *stand;
+    uint8_t bolted; /* tumble_schedule_count_bolted: above 0, the mountings are inclinations */
 } tumble_whole_model_t;
 
-/* Standard deviations of the errors of a stand. */
-void tumble_whole_sigmas(const tumble_stand_record_t *stand, tumble_whole_sigmas_t *sigmas);
+/* Standard deviations of the errors of a stand, at a mounting of the schedule. */
+void tumble_whole_sigmas(const tumble_whole_model_t *model, uint8_t mounting, tumble_whole_sigmas_t *sigmas);
 
 /* Linearise the position work->position of work->mounting where the round before ended, into work->place. */
 void tumble_whole_look(const tumble_whole_model_t *model, const tumble_whole_reading_t *reading,

@@ -30,7 +30,7 @@ tumble_status_t tumble_whole_chi_squared(const tumble_whole_run_t *run, tumble_w
         (chi_squared == NULL) || (freedom == NULL)) {
         return TUMBLE_E_ARGUMENT;
     }
-    const tumble_whole_model_t model = {run->schedule, run->stand};
+    const tumble_whole_model_t model = {run->schedule, run->stand, tumble_schedule_count_bolted(run->schedule)};
     tumble_coefficients_t start;
     const tumble_status_t status = tumble_estimate_least_squares(run->schedule, run->means, &start, NULL);
     if (status != TUMBLE_OK) {
@@ -98,10 +98,14 @@ static void find_verdict(tumble_whole_work_t *work)
 
 bool tumble_whole_step(tumble_whole_work_t *work, const tumble_misfit_run_t *run)
 {
-    const tumble_whole_model_t model = {run->schedule, run->stand};
+    const tumble_whole_model_t model = {run->schedule, run->stand, tumble_schedule_count_bolted(run->schedule)};
     tumble_whole_reading_t reading = {.measured = false};
     if (!work->under_way) {
         tumble_whole_start(work, run->coefficients);
+        if ((model.bolted > 0U) && ((model.bolted + 1U) < run->schedule->mounting_count)) {
+            work->under_way = false;
+            return false; /* several boltings: what they have in common is not among the unknowns */
+        }
     }
     if (work->position < run->schedule->position_count) {
         read_average(run, work->position, &reading);

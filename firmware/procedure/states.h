@@ -9,7 +9,7 @@
     X(TUMBLE_STATE_IDLE, "waiting for a start command")                                                                \
     X(TUMBLE_STATE_PREFLIGHT, "checking schedule, stand and block")                                                    \
     X(TUMBLE_STATE_WARM_UP, "waiting for the block's temperature to hold still")                                       \
-    X(TUMBLE_STATE_WAIT_MOUNTING, "waiting for the operator to mount the block and confirm")                           \
+    X(TUMBLE_STATE_WAIT_MOUNTING, "waiting for the operator to mount the block, or incline the stand, and confirm")    \
     X(TUMBLE_STATE_HOME, "homing the table")                                                                           \
     X(TUMBLE_STATE_MOVE, "turning the table")                                                                          \
     X(TUMBLE_STATE_SETTLE, "waiting for the table and the block to come to rest")                                      \

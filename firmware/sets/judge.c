@@ -131,11 +131,9 @@ void tumble_sets_run_done(tumble_sets_t *sets, const tumble_finished_run_t *run)
 /* What the result is worth, by the declared stand. Uncertainty and fit take a processor without floating point hardware
  * a million instructions and more, so each step does a part. */
 
-/* None where the stand was inclined: the tests know no inclinations but the schedule's, which nobody measures. */
 static unsigned test_of_fit(const tumble_sets_t *sets)
 {
-    const bool is_inclined = (sets->run->schedule->mountings[0].bolting > 0U);
-    return ((sets->run->stand != NULL) && !is_inclined) ? (unsigned)TASK_FIT : (unsigned)TASK_COMPARE_SETS;
+    return (sets->run->stand != NULL) ? (unsigned)TASK_FIT : (unsigned)TASK_COMPARE_SETS;
 }
 
 /* One coefficient. Without all twelve there are none. */

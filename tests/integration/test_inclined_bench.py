@@ -240,6 +240,37 @@ def test_an_inclination_that_is_repeated_is_set_anew_and_the_block_stays_bolted_
     assert np.abs(means - outputs(built_in("inclined"), after)).max() < 0.51 * 20.0 / 2**24
 
 
+@pytest.mark.parametrize("inclination", [1, 2, 3])
+def test_after_a_loss_of_power_the_run_goes_on_at_its_inclination(inclination):
+    """Nobody has touched the stand, and somebody says so: what was measured there is kept, and the rest is measured at
+    the same inclination. The others are asked for once."""
+    keys = {"keeper.serial": "B-17", "stand.inclination_rad": 5e-3, "stand.seat_rad": 1e-3}
+    world = World(5, schedule="inclined", samples=10, memory=True, operator="asked", **QUIET, **keys)
+    answered(world, *["done"] * inclination)
+    for _ in range(4):
+        assert world.advance(until="AVERAGE") and world.advance(until="MOVE")
+    set_up = world.truth
+    world.cut_power()
+    assert world.advance(0.5)
+    world.restore_power()
+    assert world.advance(0.5) and world.state == "IDLE"
+    world.send(0x601, bytes.fromhex("2F02200207000000"))  # RESUME
+    assert world.advance(until="WAIT_MOUNTING") and world.question["mounting"] == inclination
+    world.send(0x601, bytes.fromhex(f"2F022001{inclination:02X}000000"))
+    assert world.advance(0.1)
+    world.send(0x601, bytes.fromhex("2F02200203000000"))  # CONFIRM_MOUNTING
+    assert world.advance(until="AVERAGE")
+    assert answered(world, *["done"] * (3 - inclination)) == list(range(inclination + 1, 4))
+    world.run()
+    before = 9 * (inclination - 1) + 3  # the fourth was not in memory yet
+    assert (world.state, world.reason) == ("DONE", "NONE")
+    assert world.document["counters"]["positions_kept"] == 27 - before
+    assert set_up["theta_h_rad"] == world.truth["theta_h_rad"]
+    assert set_up["beta_rad"][:inclination] == world.truth["beta_rad"][:inclination]
+    means = np.array([mean["u_v"] for mean in world.document["means"]])
+    assert np.abs(means - outputs(built_in("inclined"), world.truth)).max() < 0.51 * 20.0 / 2**24
+
+
 def test_a_plain_schedule_tells_no_inclinations_and_has_none():
     plain = World(3).truth
     assert "beta_rad" not in plain and "tau_rad" not in plain

@@ -7,12 +7,15 @@ import core_whole_model
 import numpy as np
 import pytest
 from blocks import NOMINAL_K
+from core_chi_squared import chi_squared
 from core_whole_model import averages_of
 from test_fixture_check import PAPER, U0, stand_named
 
 from tumble import core, model
 from tumble.distributions import chi_squared_quantile
 from tumble.model.fit import variance_of_means
+from tumble.model.inclined import as_seen, solve
+from tumble.model.patterns import BY_NAME, Scene
 from tumble.solving.computation import LARGEST_MISFIT
 from tumble.stand import SOURCES
 
@@ -59,6 +62,54 @@ def test_in_steps_on_board_it_is_the_witness_s(name, estimator):
         assert verdict.limit == pytest.approx(chi_squared_quantile(0.999, witness.freedom), rel=2.5e-3)
         assert verdict.misfits == (verdict.chi_squared > verdict.limit)
     assert near >= 3
+
+
+@pytest.mark.parametrize("name", ["inclined", "inclined_closed"])
+def test_inclinations_that_nobody_declares_are_unknowns_on_board(name):
+    """Inclinations off by 5 mrad, zeros by 10, the axis out of level by 50: chi-squared and freedom are the witness's.
+    With a hysteresis of the block, both tell of it."""
+    rng = np.random.default_rng(53)
+    data = core.built_in(name)
+    schedule, count, mountings = core.CoreSchedule(data), len(data.positions), len(data.mountings)
+    column = BY_NAME["hysteresis"].columns(Scene(data.fitted, NOMINAL_K))[0]
+    for round_ in range(12):
+        stand = dataclasses.replace(
+            stand_named("paper"), limits="sigma1", remounting=rng.choice(["independent", "common"]), samples=1,
+            noise=10.0 ** rng.uniform(-6, -3), drift=rng.choice([0.0, 1e-4]), inclination=math.inf,
+            **{source: rng.choice([0.0, 1.0]) * 10.0 ** rng.uniform(-5, -3) for source in ANGLES},
+        )
+        means = model.Geometry(data).outputs(
+            NOMINAL_K + 0.02 * rng.normal(size=(3, 3)), 0.02 * rng.normal(size=3),
+            alpha1=0.05 + 5e-3 * rng.normal(size=mountings), seat_n=1e-2 * rng.normal(size=mountings),
+            seat_h=1e-2 * rng.normal(), alpha3=1e-2 * rng.normal(), delta=stand.angle * rng.normal(size=count),
+        )
+        if round_ % 2:
+            means[data.fit_indices] += 1e7 * (stand.noise + 2.0 * stand.angle) * sum(column.values()) / 2.0
+        counts = np.rint((means + stand.noise * rng.normal(size=means.shape)) / V_PER_COUNT)
+        means = counts * V_PER_COUNT
+        k, u0, _ = solve(data, means)
+        variance = variance_of_means(stand, np.ones(count, dtype=int), rounding(stand, V_PER_COUNT))
+        witness = model.WholeModel(data, means, variance, stand)
+        verdict = on_board(schedule, averages_of(counts), k, u0, stand)
+        square, freedom = chi_squared(schedule, means, np.ones(count, dtype=bool), variance, stand)
+        assert verdict.freedom == freedom == witness.freedom == 24 * mountings - 12 - (2 * mountings - 1)
+        assert verdict.chi_squared == pytest.approx(witness.chi_squared, rel=1e-7)
+        assert square == pytest.approx(witness.chi_squared, rel=1e-7)
+        assert verdict.misfits == (verdict.chi_squared > verdict.limit) == bool(round_ % 2)
+
+
+@pytest.mark.parametrize("off", [0.1, 0.2])
+def test_an_inclination_may_be_far_from_its_schedule_s(off):
+    """11 degrees: four rounds of Newton come to 1e-3 of chi-squared from the schedule's."""
+    data, stand = core.built_in("inclined"), dataclasses.replace(stand_named("paper"), limits="sigma1", samples=1)
+    rng, tilts = np.random.default_rng(54), np.array([0.0, off, -off])
+    means = model.Geometry(data).outputs(NOMINAL_K, U0, alpha1=tilts) + stand.noise * rng.normal(size=(27, 3))
+    counts = np.rint(means / V_PER_COUNT)
+    k, u0, found = solve(data, counts * V_PER_COUNT)
+    variance = variance_of_means(stand, np.ones(27, dtype=int), 0.0)
+    witness = model.WholeModel(as_seen(data, found), counts * V_PER_COUNT, variance, stand)
+    verdict = on_board(core.CoreSchedule(data), averages_of(counts), k, u0, stand)
+    assert verdict.chi_squared == pytest.approx(witness.chi_squared, rel=1e-3) and not verdict.misfits
 
 
 def rounding(stand, step):

@@ -100,6 +100,21 @@ static void test_no_field_is_left_out(void)
     SAME(drive.acknowledges_enabling);
 }
 
+/* Else the block would be asked for again at each inclination. Another bolting is another record. */
+static void test_a_block_stays_bolted_on(void)
+{
+    bench.scenario.schedule = tumble_schedule_inclined;
+    TEST_ASSERT_EQUAL(TUMBLE_OK, zcu102_commission(&before, &config));
+    size = zcu102_commissioning_write(&before, record);
+    TEST_ASSERT_EQUAL(TUMBLE_OK, zcu102_commissioning_read(&after, record));
+    TEST_ASSERT_EQUAL_UINT8(2, tumble_schedule_count_bolted(&after.schedule));
+    before.mountings[2].bolting = 2;
+    TEST_ASSERT_EQUAL_size_t(size, zcu102_commissioning_write(&before, again));
+    TEST_ASSERT_TRUE(memcmp(record, again, size) != 0);
+    TEST_ASSERT_EQUAL(TUMBLE_OK, zcu102_commissioning_read(&after, again));
+    TEST_ASSERT_EQUAL_UINT8(1, tumble_schedule_count_bolted(&after.schedule));
+}
+
 static void put_u32(uint8_t *at, uint32_t value)
 {
     for (unsigned i = 0; i < 4U; i++) {

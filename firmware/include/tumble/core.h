@@ -185,6 +185,9 @@ const tumble_mounting_t *tumble_schedule_mounting_of(const tumble_schedule_t *sc
  * Their boltings are one number above 0. `index` below mounting_count. */
 bool tumble_schedule_stays_bolted(const tumble_schedule_t *schedule, uint8_t index);
 
+/* At how many mountings does it stay bolted on? All but the first: it is bolted on once, and the stand is inclined. */
+uint8_t tumble_schedule_count_bolted(const tumble_schedule_t *schedule);
+
 /* Specific force a (g) on the block axes x, y, z at the position at `index`, on the ideal stand. */
 void tumble_schedule_attitude(const tumble_schedule_t *schedule, uint8_t index, double a_g[TUMBLE_CHANNELS]);
 
@@ -1027,7 +1030,10 @@ double tumble_chi_squared_limit(double freedom, double sigmas);
  * fails an honest run in TUMBLE_MISFIT_CHANCE_PER_MILLION cases of a million at most, so that all tests together stay
  * below 1e-3.
  *
- * Mountings are not compared with each other: a step between them, and a tilt of the seat, pass.
+ * Mountings are not compared with each other: a step between them, and a tilt of the seat, pass. So does an inclination
+ * of the stand, whatever it is: an error of a set angle counts there as on a level axis, where it is felt most, and by a
+ * part of 0.03 across, for the zero of the table angle. At 45 degrees the set angles may be worse by a factor of 1.4
+ * before they are found.
  *
  * Every measured position counts, check positions included. A mounting with fewer than four positions cannot be judged,
  * and passes.
@@ -1086,6 +1092,11 @@ double tumble_misfit_limit(int freedom);
  * does not depend on which. The error of a set angle is eliminated position by position, what a mounting has for itself
  * mounting by mounting: the memory does not grow with either. An error of the stand that comes out beyond
  * TUMBLE_MAX_STAND_ERROR_RAD is held there: such a run fits nothing.
+ *
+ * Where the block is bolted on once and the stand is inclined, each inclination is an unknown, and so is the zero of the
+ * table angle at each but the first: nothing is known of them, and each takes a degree of freedom. The errors of the one
+ * bolting turn the block, which the coefficients take up. An inclination may be 0.3 rad from its schedule's. A schedule
+ * with inclinations and several boltings is not for this test: tumble_whole_step ends at once, and nothing is known.
  */
 
 /* The run and its stand. */
@@ -1097,7 +1108,7 @@ typedef struct {
     const double (*channel_variance_v2)[TUMBLE_CHANNELS]; /* of each channel, in place of that; null: all are alike */
 } tumble_whole_run_t;
 
-#define TUMBLE_WHOLE_LOCAL 3  /* errors of a mounting: yaw, seat (theta_h, theta_n) */
+#define TUMBLE_WHOLE_LOCAL 3  /* errors of a mounting: yaw, seat (theta_h, theta_n); of an inclination: tilt, 0, zero */
 #define TUMBLE_WHOLE_SHARED 4 /* errors of all: alpha1, alpha2, platform, a yaw common to all mountings */
 #define TUMBLE_WHOLE_COURSE (TUMBLE_WAVES + TUMBLE_CHANNELS) /* where declared: the encoder's numbers, drifts */
 #define TUMBLE_WHOLE_UNKNOWNS (TUMBLE_WHOLE_LOCAL + TUMBLE_COEFFICIENTS + TUMBLE_WHOLE_SHARED + TUMBLE_WHOLE_COURSE)
@@ -1124,7 +1135,7 @@ typedef struct {
     double chi_squared;
     double limit;    /* tumble_chi_squared_limit */
     double misfit;   /* sqrt(chi_squared / freedom): rms of the residuals over what the stand declares */
-    uint8_t freedom; /* 3 P - 12 */
+    uint8_t freedom; /* 3 P - 12, and less by the inclinations and zeros that nothing is known of */
     bool misfits;    /* beyond the limit, or no number */
     bool known;      /* the test has ended, with numbers */
     bool under_way;

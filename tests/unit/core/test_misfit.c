@@ -35,7 +35,8 @@ static void outputs(uint8_t p, double alpha1, double alpha2, double alpha3, doub
     const tumble_position_t *const position = &schedule->positions[p];
     const tumble_mounting_t *const mounting = tumble_schedule_mounting_of(schedule, p);
     const double phi = position->angle.deg * 3.14159265358979323846 / 180.0 + alpha2;
-    const double f[3] = {cos(alpha1) * sin(phi), sin(alpha1), cos(alpha1) * cos(phi)};
+    const double tilt = atan2(mounting->tilt.sine, mounting->tilt.cosine) + alpha1;
+    const double f[3] = {cos(tilt) * sin(phi), sin(tilt), cos(tilt) * cos(phi)};
     const double turned[3] = {f[0] * cos(alpha3) + f[1] * sin(alpha3), f[1] * cos(alpha3) - f[0] * sin(alpha3), f[2]};
     for (int i = 0; i < 3; i++) {
         u_v[i] = block.u0_v[i];
@@ -259,6 +260,24 @@ static void test_systematic_errors_of_the_stand_are_none_of_its_business(void)
     block.k_v_per_g[2][0] += 0.1;
     TEST_ASSERT_TRUE(fits());
     TEST_ASSERT_TRUE(work.all_square < 1.0);
+}
+
+/* An inclination that is 10 mrad off, on an axis that is out of level by 50, with a zero of its own: all of it is on the
+ * circle. Honest runs fit, by what the schedule says of the inclinations; a mean that is off does not. */
+static void test_inclinations_that_nobody_measured_are_none_either(void)
+{
+    schedule = &tumble_schedule_inclined;
+    draw(0.06, 0.01, 0.01, 0.0);
+    TEST_ASSERT_TRUE(fits());
+    TEST_ASSERT_TRUE(work.all_square < 1e-3);
+    unsigned misfits = 0;
+    for (int runs = 0; runs < 4000; runs++) {
+        draw((runs % 2 == 0) ? 0.06 : -0.06, 0.01, 0.01, 1.0);
+        misfits += fits() ? 0U : 1U;
+    }
+    TEST_ASSERT_LESS_OR_EQUAL_UINT(4U, misfits);
+    averaging.averages[12].sum_counts[1] += (int64_t)llround(5e-3 / V_PER_COUNT * SAMPLES);
+    TEST_ASSERT_FALSE(fits());
 }
 
 /* Each channel and position, in steps that only the noise hides. */

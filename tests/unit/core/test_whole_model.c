@@ -386,6 +386,22 @@ static void test_a_sum_that_is_no_number_misfits(void)
     TEST_ASSERT_TRUE(work.misfits && !work.known);
 }
 
+/* What the inclinations of one bolting have in common, and those of the other do not, is not among the unknowns. */
+static void test_of_inclinations_in_two_boltings_nothing_is_known(void)
+{
+    static tumble_mounting_t mountings[3];
+    memcpy(mountings, tumble_schedule_inclined.mountings, sizeof mountings);
+    mountings[2].bolting = 2;
+    const tumble_schedule_t schedule = {mountings, tumble_schedule_inclined.positions, 3, 27};
+    make_averages();
+    declare();
+    const tumble_misfit_run_t run = {&schedule, &averaging, &block, &stand, V_PER_COUNT};
+    tumble_whole_begin(&work);
+    TEST_ASSERT_FALSE(tumble_whole_step(&work, &run));
+    TEST_ASSERT_FALSE(work.known);
+    TEST_ASSERT_FALSE(work.misfits);
+}
+
 /* Given up in the middle: what was found is forgotten, and the next test knows nothing of it. */
 static void test_a_test_may_begin_anew_at_any_step(void)
 {

@@ -7,7 +7,7 @@ STATES = {  # name: what it does
     "IDLE": "waiting for a start command",
     "PREFLIGHT": "checking schedule, stand and block",
     "WARM_UP": "waiting for the block's temperature to hold still",
-    "WAIT_MOUNTING": "waiting for the operator to mount the block and confirm",
+    "WAIT_MOUNTING": "waiting for the operator to mount the block, or incline the stand, and confirm",
     "HOME": "homing the table",
     "MOVE": "turning the table",
     "SETTLE": "waiting for the table and the block to come to rest",
