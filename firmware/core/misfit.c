@@ -54,16 +54,6 @@ static bool is_in(const tumble_misfit_work_t *work, int channel)
     return channel != ((int)work->test - 1);
 }
 
-/* Of a row of K. */
-static double largest_of(const double k[TUMBLE_CHANNELS])
-{
-    double largest = 0.0;
-    for (int j = 0; j < TUMBLE_CHANNELS; j++) {
-        largest = tumble_larger(tumble_abs(k[j]), largest);
-    }
-    return largest;
-}
-
 /* Variance of an angle's error at one position, the encoder's included, as if it were drawn there anew. The test of the
  * whole model knows better; this one asks less of such a stand. */
 static double angle_variance(const tumble_stand_record_t *stand)
@@ -80,7 +70,7 @@ static double variance_of(const tumble_misfit_run_t *run, int i, uint32_t sample
     const double noise_v = tumble_stand_noise_v(run->stand, i);
     const double rounding_v2 = tumble_square(step_v) / 12.0;
     const double n = (double)samples;
-    const double scale_v = largest_of(run->coefficients->k_v_per_g[i]);
+    const double scale_v = tumble_largest(run->coefficients->k_v_per_g[i]);
     double variance = tumble_exceeds(HALF_STEP * step_v, noise_v) ? ((tumble_square(noise_v) / n) + rounding_v2)
                                                                   : ((tumble_square(noise_v) + rounding_v2) / n);
     variance = tumble_larger(variance, tumble_square(run->stand->least_noise_v));

@@ -19,7 +19,7 @@
 #define LONG_ROW_TURNS 4 /* and of one that has encoder and drift */
 #define MOST_INCLINED_RAD                                                                                              \
     0.3 /* how far an inclination may be from its schedule's: no further than tumble_turn is good for */
-#define SMALLEST_NOISE 1e-7 /* of a mean, relative to the largest element of K, so that all have weights */
+#define SMALLEST_NOISE 1e-7 /* of a mean, relative to the largest element of its row of K, so that all have weights */
 
 /* The unknowns: what a mounting has for itself comes first, so that it is eliminated with the mounting. Then the
  * coefficients channel by channel (K_ix, K_iy, K_iz, U0_i), then what all share, then, where either is declared, encoder
@@ -375,19 +375,11 @@ bool tumble_whole_go_on(const tumble_whole_model_t *model, const tumble_whole_re
     return more;
 }
 
-static double largest_k(const tumble_coefficients_t *coefficients)
-{
-    double largest = 0.0;
-    for (int i = 0; i < (TUMBLE_CHANNELS * TUMBLE_CHANNELS); i++) {
-        largest = tumble_larger(largest, tumble_abs(coefficients->k_v_per_g[i / TUMBLE_CHANNELS][i % TUMBLE_CHANNELS]));
-    }
-    return largest;
-}
-
 void tumble_whole_start(tumble_whole_work_t *work, const tumble_coefficients_t *coefficients)
 {
-    const double least_v = SMALLEST_NOISE * largest_k(coefficients);
     *work = (tumble_whole_work_t){.under_way = true, .stage = ROUND};
     work->coefficients = *coefficients;
-    work->least_v2 = least_v * least_v;
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        work->least_v2[i] = tumble_square(SMALLEST_NOISE * tumble_largest(coefficients->k_v_per_g[i]));
+    }
 }

@@ -106,6 +106,6 @@ void tumble_whole_look(const tumble_whole_model_t *model, const tumble_whole_rea
         const double linear_v = work->coefficients.u0_v[i] + (reading->course * work->course[TUMBLE_WAVES + i]);
         place->residual_v[i] = reading->u_v[i] - linear_v - felt_v + (place->by_angle[i] * angle_rad);
         place->drift_v[i] = reading->course * sigmas.course[TUMBLE_WAVES + i];
-        place->variance_v2[i] = tumble_larger(reading->variance_v2[i], work->least_v2);
+        place->variance_v2[i] = tumble_larger(reading->variance_v2[i], work->least_v2[i]);
     }
 }

@@ -101,6 +101,7 @@ typedef struct {
 /* The person at the stand. */
 typedef struct {
     double mount_s;          /* needed to mount the block and confirm; below 0: never confirms */
+    double incline_s;        /* needed to incline the stand, the block bolted on, and confirm; below 0: never */
     double turn_s;           /* needed to turn a dividing head and confirm */
     uint8_t wrong_mounting;  /* 0: none; else when this mounting is asked for, ... */
     uint8_t mounted_instead; /* ... this one is put on the table the first time */

@@ -120,6 +120,8 @@ const bench_key_t bench_config_keys[] = {
     TUMBLE_AVERAGING_FIELDS(AVERAGING_KEY)
 
     {"operator.mount_s", BENCH_F64, 1, PERSON(mount_s), -1, 1e6, "s to mount and confirm; below 0: never confirms"},
+    {"operator.incline_s", BENCH_F64, 1, PERSON(incline_s), -1, 1e6,
+     "s to incline the stand, the block bolted on, and confirm; below 0: never"},
     {"operator.turn_s", BENCH_F64, 1, PERSON(turn_s), -1, 1e6, "s to turn a dividing head; below 0: never"},
     {"operator.wrong_mounting", BENCH_U8, 1, PERSON(wrong_mounting), 0, 255, "asked for this mounting, ..."},
     {"operator.mounted_instead", BENCH_U8, 1, PERSON(mounted_instead), 0, 255,

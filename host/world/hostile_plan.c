@@ -331,7 +331,8 @@ static void draw_attendant(bench_plan_t *plan, sim_random_t *stream)
         .resumes = bench_chance(stream, 0.6),
         .errs = bench_chance(stream, 0.03),
     };
-    plan->config.scenario.person = (sim_operator_config_t){.mount_s = -1.0, .turn_s = -1.0, .mend_s = -1.0};
+    plan->config.scenario.person =
+        (sim_operator_config_t){.mount_s = -1.0, .incline_s = -1.0, .turn_s = -1.0, .mend_s = -1.0};
 }
 
 static void draw_world(bench_plan_t *plan)

@@ -39,13 +39,24 @@ static bool is_same(const bench_question_t *a, const bench_question_t *b)
     return a->kind == b->kind && a->mounting == b->mounting && a->angle_deg == b->angle_deg && a->reason == b->reason;
 }
 
+static uint8_t mounting_index(const tumble_schedule_t *schedule, uint8_t number)
+{
+    for (uint8_t m = 0; m < schedule->mounting_count; m++) {
+        if (schedule->mountings[m].number == number) {
+            return m;
+        }
+    }
+    return 0;
+}
+
 /* How long the simulated operator takes, below 0: he does nothing. */
 static double time_for(const bench_world_t *world, const bench_question_t *question)
 {
     const sim_operator_config_t *const config = &world->config->scenario.person;
+    const uint8_t index = mounting_index(&world->config->scenario.schedule, question->mounting);
     switch (question->kind) {
     case BENCH_QUESTION_MOUNTING:
-        return config->mount_s;
+        return bench_world_inclines(world, index) ? config->incline_s : config->mount_s;
     case BENCH_QUESTION_ANGLE:
         return config->turn_s;
     case BENCH_QUESTION_FAULT:
@@ -77,16 +88,6 @@ void bench_person_look(bench_world_t *world)
 void bench_person_on_alarm(bench_world_t *world)
 {
     (void)bench_person_answer(world, WORLD_ANSWER_DONE, 0);
-}
-
-static uint8_t mounting_index(const tumble_schedule_t *schedule, uint8_t number)
-{
-    for (uint8_t m = 0; m < schedule->mounting_count; m++) {
-        if (schedule->mountings[m].number == number) {
-            return m;
-        }
-    }
-    return 0;
 }
 
 void bench_person_mount(bench_world_t *world, uint8_t asked)

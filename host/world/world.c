@@ -303,6 +303,11 @@ static bool stays_bolted(const bench_world_t *world, uint8_t index)
     return mountings[index].bolting > 0U && mountings[index].bolting == mountings[world->person.on_table].bolting;
 }
 
+bool bench_world_inclines(const bench_world_t *world, uint8_t index)
+{
+    return stays_bolted(world, index) && was_bolted_on(world, index);
+}
+
 void bench_world_mount(bench_world_t *world, uint8_t index)
 {
     const sim_scenario_t *const scenario = &world->config->scenario;

@@ -137,6 +137,9 @@ bool bench_world_is_at_rest(const bench_world_t *world);
  * Where it stays bolted on, the stand is inclined: with new errors, unless it is there for the first time. */
 void bench_world_mount(bench_world_t *world, uint8_t index);
 
+/* Is the block bolted on for mounting `index` already, so that only the stand is inclined? */
+bool bench_world_inclines(const bench_world_t *world, uint8_t index);
+
 /* Its course. */
 
 /* How the firmware is told what `config` says; all that is pointed at must outlive what it is told. */

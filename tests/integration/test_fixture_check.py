@@ -116,6 +116,59 @@ def test_a_source_that_is_worse_is_found(name, source):
     assert others - related == {source}
 
 
+INCLINED = core.CoreSchedule.built_in("inclined_closed")
+
+
+def set_inclinations(rng, sigma, declared, count, estimator="inclined", k2_per_g=0.0):
+    """The verdict on inclinations that are off by `sigma`, rad, the axis by 10 mrad, in runs on the exact geometry."""
+    schedule, views, spread = INCLINED.data, [], declared.noise / math.sqrt(declared.samples)
+    for _ in range(count):
+        off, zeros = rng.normal(size=4) * sigma, rng.normal(size=4) * sigma * [0.0, 1.0, 1.0, 1.0]
+        force = model.Geometry(schedule).force(alpha1=rng.normal() * 1e-2 + off, seat_n=zeros, alpha2=1e-3,
+                                               delta=rng.normal(size=36) * declared.angle)  # fmt: skip
+        felt = force + k2_per_g * force**2
+        means = felt @ NOMINAL_K.T + U0 + rng.normal(size=(36, 3)) * spread
+        run = Run(np.full(36, declared.samples), means, np.full((36, 3), declared.noise), "V", {})
+        views.append(RunView.of(solve(run, INCLINED, estimator, 1.0, declared, "run.csv")))
+    judge = Judge(views, 0.95, False, ranges=False)
+    return judge, judge.judge(Limits.declared(declared, 4)).get("inclination_rad")
+
+
+@pytest.mark.parametrize("estimator", ["inclined", "optimal"])
+@pytest.mark.parametrize("sigma", [1e-3, 1e-4])
+def test_inclinations_that_are_set_worse_than_declared_are_found(sigma, estimator):
+    """Five times worse, though they look like an error of the block; as declared, or five times better, they are not
+    refused. An axis that is out of level, which moves all of them alike, is no fault of theirs."""
+    rng, declared = np.random.default_rng(95), dataclasses.replace(stand_named("inclined"), inclination=sigma)
+    for factor, verdicts in ((5.0, {Verdict.DOES_NOT_MEET}), (1.0, {Verdict.CANNOT_TELL}), (0.2, {Verdict.MEETS})):
+        judge, found = set_inclinations(rng, factor * sigma, declared, 2, estimator)
+        assert {found.verdict} == verdicts, factor
+        assert found.limit == sigma and found.freedom == 12 and found.u < 3e-5
+        assert 0.5 < found.value / (factor * sigma) < 1.6
+        assert judge.verdict_confidence == pytest.approx(0.95 ** (1 / 6))
+
+
+def test_one_check_of_inclinations_in_twenty_fails():
+    """Each verdict with the sixth root of 95 %, within binomial limits at 99.9 %: by the angles' covariance."""
+    rng, declared = np.random.default_rng(96), dataclasses.replace(stand_named("inclined"), inclination=2e-5)
+    found = [set_inclinations(rng, 2e-5, declared, 1)[1] for _ in range(30)]
+    squares = [one.chi_squared for one in found]
+    assert abs(np.mean(squares) - 6.0) < 3.3 * math.sqrt(12.0 / 30)
+    assert sum(one.verdict is Verdict.DOES_NOT_MEET for one in found) <= 3
+
+
+def test_inclinations_are_not_judged_where_nothing_is_declared_and_not_blamed_for_the_block():
+    rng, stand = np.random.default_rng(97), stand_named("inclined")
+    judge, found = set_inclinations(rng, 1e-3, stand, 1)
+    assert found is None and judge.verdict_confidence == pytest.approx(0.95 ** (1 / 5))
+    declared = dataclasses.replace(stand, inclination=1e-4)
+    judge, found = set_inclinations(rng, 1e-4, declared, 1, k2_per_g=2e-3)
+    assert found.chi_squared > 50.0 and found.verdict is Verdict.CANNOT_TELL
+    paper = dataclasses.replace(stand_named("paper"), inclination=1e-4)
+    level = views_of([simulated(rng, paper)], paper)
+    assert "inclination_rad" not in Judge(level, 0.95, False).judge(Limits.declared(paper, 2))
+
+
 def test_a_source_that_is_better_is_found():
     """Set angles and noise from a few runs; a systematic angle takes many."""
     rng, actual = np.random.default_rng(93), stand_named("lab")

@@ -49,6 +49,23 @@ def test_another_stands_file_does_not(tumble):
     )
 
 
+def test_inclinations_are_judged_where_they_are_declared(tumble, tmp_path):
+    """Those of the example are off by 1 mrad and more, beside its level."""
+    run = ("inclined_stand.csv", "--schedule", "inclined", "--estimator", "inclined")
+    given = (EXAMPLES / "inclined_stand.toml").read_text()
+    assert "inclination_rad" not in check(tumble, "--stand", "inclined_stand.toml", *run, code=0)["sources"]
+    shown = tumble("fixture", "check", "--stand", "inclined_stand.toml", *run, cwd=EXAMPLES).stdout
+    assert "Nothing is declared of inclinations (inclination_rad): no verdict" in shown
+    stand = tmp_path / "stand.toml"
+    for declared, code, verdict in ((2e-4, 1, "does not meet"), (1e-2, 0, "meets")):
+        stand.write_text(given.replace("[stand]", f"[stand]\ninclination_rad = {declared}"))
+        source = check(tumble, "--stand", stand, *run, code=code)["sources"]["inclination_rad"]
+        assert (source["limit"], source["verdict"], source["freedom"]) == (declared, verdict, 4)
+        assert source["needed"] == {"limit": None, "verdict": "meets"}
+    shown = tumble("fixture", "check", "--stand", stand, *run, cwd=EXAMPLES).stdout
+    assert "Inclination: how far those set are off" in shown and max(map(len, shown.splitlines())) <= 80
+
+
 def test_the_limit_of_the_gravity_check_counts(tumble):
     found = check(tumble, "--stand", "lab_stand.toml", "lab_stand.csv", "--limit", "1e-4", code=1)
     assert found["runs"][0]["pass"] is False and found["delta_g_limit_g"] == 1e-4

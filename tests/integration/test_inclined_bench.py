@@ -271,6 +271,21 @@ def test_after_a_loss_of_power_the_run_goes_on_at_its_inclination(inclination):
     assert np.abs(means - outputs(built_in("inclined"), world.truth)).max() < 0.51 * 20.0 / 2**24
 
 
+@pytest.mark.parametrize("name, mounted, inclined", [("inclined", 1, 2), ("inclined_closed", 1, 3), ("paper", 2, 0)])
+def test_a_simulated_operator_takes_the_time_of_what_he_does(name, mounted, inclined):
+    def seconds(**keys):
+        at_once = {"operator.mount_s": 0.0, "operator.incline_s": 0.0}
+        world = World(5, schedule=name, samples=10, **{**QUIET, **at_once, **keys})
+        while world.state != "DONE":
+            world.advance(1.0)
+        return world.now_s
+
+    keys = {"procedure.estimator": "refined"} if name == "paper" else {}
+    at_once = seconds(**keys)
+    assert seconds(**keys, **{"operator.mount_s": 20.0}) == pytest.approx(at_once + 20.0 * mounted, abs=1.0)
+    assert seconds(**keys, **{"operator.incline_s": 20.0}) == pytest.approx(at_once + 20.0 * inclined, abs=1.0)
+
+
 def test_a_plain_schedule_tells_no_inclinations_and_has_none():
     plain = World(3).truth
     assert "beta_rad" not in plain and "tau_rad" not in plain

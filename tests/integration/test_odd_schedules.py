@@ -1,12 +1,16 @@
 """Schedules that are valid and yet lead astray: look-alikes of the paper's positions, and weakly tilted axes."""
 
 import json
+from argparse import Namespace
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from blocks import write_run
+from conftest import EXAMPLES
 
+from tumble.cli import options
+from tumble.files.schedule_file import to_toml
 from tumble.model import Geometry, built_in
 from tumble.schedule import Mounting, Position, Schedule
 
@@ -78,3 +82,26 @@ def test_a_header_far_into_the_file(tumble, tmp_path):
     (tmp_path / "run.csv").write_text("# a comment that goes on\n" * 6000 + text)
     done = tumble("solve", "run.csv", "--json", cwd=tmp_path)
     assert (done.returncode, json.loads(done.stdout)["counters"]["comment_lines"]) == (0, 6000)
+
+
+def by_default(text, tmp_path):
+    """The estimator of a schedule file where nobody says."""
+    file = tmp_path / "own.toml"
+    file.write_text(text)
+    arguments = Namespace(estimator="by schedule", schedule=str(file))
+    options.choose_estimator(arguments)
+    return arguments.estimator
+
+
+def test_the_estimator_goes_by_what_a_schedule_file_says_and_not_by_its_letters(tmp_path, refused):
+    inclined, paper = (to_toml(built_in(name)) for name in ("inclined", "paper"))
+    quoted = inclined.replace("bolting = ", '"bolting" = ')
+    own = paper.replace("number = 1\n", "number = 1\nbolting = 1\n").replace(
+        "number = 2\n", "number = 2\nbolting = 2\n"
+    )
+    assert own.count("bolting") == 2 and quoted != inclined
+    for text, expected in ((inclined, "inclined"), (quoted, "inclined"), (paper, "refined"), (own, "refined")):
+        assert by_default(text, tmp_path) == expected
+    assert by_default(inclined.replace("bolting = 1", "bolting = true"), tmp_path) == "refined"
+    message = refused("solve", EXAMPLES / "inclined_stand.csv", "--schedule", tmp_path / "own.toml")
+    assert "own.toml: row 4: [[mounting]] bolting must be a whole number, not 'True'" in message

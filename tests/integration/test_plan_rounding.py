@@ -176,7 +176,8 @@ def test_a_schedule_that_no_samples_make_good_enough_says_so(tumble, stand_with)
     done = tumble(*limited)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == (
-        "tumble: unreachable: no schedule of at most 2 mountings reaches 1e-05 g here. " + SENTENCE + "\n"
+        "tumble: unreachable: no schedule of at most 2 mountings, or inclined to at most 60 deg,"
+            " reaches 1e-05 g here. " + SENTENCE + "\n"
     )
 
 

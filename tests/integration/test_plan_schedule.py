@@ -1,6 +1,6 @@
 """`tumble plan schedule`: what a schedule is worth and takes; the one found is quick, and does what it claims."""
 
-from dataclasses import replace
+from dataclasses import astuple, replace
 from itertools import combinations
 
 import numpy as np
@@ -9,6 +9,7 @@ from conftest import EXAMPLES
 from documents import document_of, paper_stand, valid
 from test_plan_budget import plan
 
+from tumble.core import CoreSchedule
 from tumble.files.schedule_file import read_schedule, to_toml
 from tumble.files.stand_file import read_stand
 from tumble.model import built_in
@@ -23,12 +24,15 @@ from tumble.planning.schedule_search import (
     _Candidates,
     fewest_samples,
     held_to,
+    inclined_schedules,
     mounting_sets,
     mountings,
     quickest,
+    quickest_inclined,
     worst_norm_of,
 )
 from tumble.schedule import Position, Schedule
+from tumble.terms import EXTENDABLE
 
 pytestmark = pytest.mark.python
 
@@ -77,10 +81,61 @@ def test_a_subset_is_worth_what_its_own_gains_say(name, estimator):
 def test_a_subset_that_cannot_identify_is_far_off():
     whole = built_in("paper")
     one_mounting = np.array([position.mounting == 1 for position in whole.positions])
-    for estimator in schedule_search.ESTIMATORS:
+    for estimator in EXTENDABLE:
         spread = NormSpread(case_of("paper"), whole, estimator)
         assert spread.worst(one_mounting[None], 50)[0] > 1.0
         assert fewest_samples(spread, one_mounting, 1e-3) is None
+
+
+@pytest.mark.parametrize("estimator", ["inclined", "optimal"])
+@pytest.mark.parametrize("declared", [{}, {"inclination": 3e-4}, {"drift": 1e-4, "seat": 1e-3}])
+@pytest.mark.parametrize("name", [*STATED, "inclined"])
+def test_a_schedule_of_one_bolting_is_worth_what_its_own_gains_say(name, declared, estimator):
+    case = case_of(name)
+    case = replace(case, stand=replace(case.stand, **declared))
+    for schedule in list(inclined_schedules(15.0, 60.0, closed=True))[3::29]:
+        CoreSchedule(schedule).inclinations()
+        alone = replace(case, own_schedule=schedule, stand=replace(case.stand, samples=20))
+        exact = NormSpread(case, schedule, estimator).exact(everything(schedule), 20)
+        assert exact == pytest.approx(worst_norm_of(alone, estimator)[0], rel=1e-6)
+
+
+def test_schedules_of_one_bolting_are_those_that_the_closed_form_takes():
+    def told(step_deg, steepest_deg, closed):
+        return [
+            (tuple(m.tilt_deg for m in one.mountings), tuple(p.angle_deg for p in one.positions if p.mounting == 1))
+            for one in inclined_schedules(step_deg, steepest_deg, closed)
+        ]
+
+    fours, eight = [(0.0, 90.0, 180.0, 270.0), (45.0, 135.0, 225.0, 315.0)], tuple(45.0 * n for n in range(8))
+    level = [(0.0, tilt, -tilt) for tilt in (15.0, 30.0)]
+    assert told(45.0, 30.0, False) == [(tilts, angles) for tilts in level for angles in (*fours, eight)]
+    closed = [(*tilts, 0.0) for tilts in level]
+    both = [level[0], closed[0], level[1], closed[1]]
+    assert told(45.0, 30.0, True) == [(tilts, angles) for tilts in both for angles in (*fours, eight)]
+    assert told(45.0, 0.0, True) == []
+    assert {len(angles) for _, angles in told(15.0, 60.0, False)} == {3, 4, 6, 8, 12}
+    for step_deg in (15.0, 22.5, 45.0):
+        for one in inclined_schedules(step_deg, 60.0, closed=True):
+            assert CoreSchedule(one).inclinations() == len(one.mountings)
+
+
+@pytest.mark.parametrize("estimator", ["inclined", "optimal"])
+@pytest.mark.parametrize("name, norm_g", [("paper", 2e-5), ("lab", 5e-5)])
+def test_no_schedule_of_one_bolting_is_quicker(name, norm_g, estimator):
+    """By the gains of each by themselves."""
+    case = case_of(name)
+
+    def worst(schedule, samples):
+        alone = replace(case, own_schedule=schedule, stand=replace(case.stand, samples=samples))
+        return worst_norm_of(alone, estimator)
+
+    found = quickest_inclined(case, estimator, norm_g, PACE, 45.0, 60.0)
+    assert worst(found.schedule, found.samples)[0] <= norm_g < worst(found.schedule, found.samples - 1)[0]
+    for other in inclined_schedules(45.0, 60.0, closed=False):
+        spare = found.duration.total - PACE.duration(other, 0).total
+        samples = int(spare * PACE.rate / len(other.positions) * (1.0 - 1e-9))  # as many as take no longer
+        assert other == found.schedule or samples < 1 or worst(other, samples)[0] > norm_g
 
 
 def test_twelve_mountings_and_the_sets_of_them():
@@ -109,6 +164,12 @@ def test_time_by_hand():
     found = PACE.duration(built_in("paper"), 50)
     assert (found.moving, found.settling, found.averaging, found.remounting) == (20.5, 9.0, 9.0, 300.0)
     assert found.total == 338.5
+    inclined = replace(PACE, inclining=70.0).duration(built_in("inclined_closed"), 50)
+    assert (inclined.moving, inclined.remounting, inclined.inclining) == (45.5, 0.0, 210.0)
+    anew = built_in("inclined").mountings
+    twice = Schedule((*anew, *(replace(one, number=3 + one.number, bolting=2) for one in anew)), ())
+    turned = replace(twice, positions=tuple(Position(one.number, 1, 0.0) for one in twice.mountings))
+    assert astuple(PACE.duration(turned, 100)) == (0.0, 3.0, 6.0, 300.0, 240.0)
     slow = replace(PACE, acceleration=20.0).duration(built_in("diagonal"), 1)
     ways = [2 * (45 / 20) ** 0.5, *[2 * (90 / 20) ** 0.5] * 9, *[2 * (270 / 20) ** 0.5] * 2]
     assert slow.moving == pytest.approx(sum(ways), rel=1e-12)
@@ -183,7 +244,8 @@ def test_a_declared_seat_needs_three_mountings(monkeypatch):
     assert len(found.schedule.mountings) == 3
 
 
-OPTIONS = ("schedule", "--norm", "2e-5", "--angles", "45", "--mountings", "2")
+OPTIONS = ("schedule", "--norm", "2e-5", "--angles", "45", "--mountings", "2", "--inclination", "0")
+INCLINED = (*OPTIONS[:-1], "60")
 
 
 def test_what_is_written_is_what_was_found(tumble, tmp_path):
@@ -196,6 +258,9 @@ def test_what_is_written_is_what_was_found(tumble, tmp_path):
     assert document["goal"] == {"norm_g": 2e-5, "limit_g": None, "probability": None}
     assert document["u_norm_g"]["worst_g"] <= 2e-5 * (1 + 1e-9)
     assert document["schedule"]["seconds"] < document["beside"]["paper"]["seconds"]
+    assert document["schedule"]["boltings"] == 2 and set(document["schedule"]["axis_tilts_deg"]) == {0.0}
+    beside = [document["other"], *(document["beside"][name] for name in ("inclined", "inclined_closed"))]
+    assert beside == [None] * 3  # the stand cannot be inclined
     for name in ("paper", "three_mountings", "diagonal"):
         (tmp_path / "again.toml").write_text(to_toml(built_in(name)))
         assert read_schedule(str(tmp_path / "again.toml")).data == built_in(name)
@@ -223,9 +288,50 @@ def test_bench_and_validate_take_it(tumble, tmp_path):
     assert again == pytest.approx(promised)
 
 
+def test_of_one_bolting_it_is_told_written_read_and_solved(tumble, tmp_path):
+    """Simulated runs on the exact geometry have the accuracy that the plan states, and a solve states the same."""
+    file = tmp_path / "quick.toml"
+    document = plan(tumble, *INCLINED, "--out", file)
+    found, read = document["schedule"], read_schedule(str(file)).data
+    assert (found["estimator"], document["estimator"], found["boltings"]) == ("optimal", "optimal", 1)
+    assert {one.bolting for one in read.mountings} == {1}
+    assert [one.tilt_deg for one in read.mountings] == found["axis_tilts_deg"] == [0.0, 60.0, -60.0]
+    assert found["freedom"] == 3 * found["positions"] - 12 - 5
+    assert (found["remounting_s"], found["inclining_s"]) == (0.0, 120.0)
+    again = plan(tumble, *OPTIONS)
+    assert document["other"] == again["schedule"] and found["seconds"] < again["schedule"]["seconds"]
+    assert document["promise"]["assumes"] == []
+    samples, stand = found["samples"], paper_stand(tmp_path, samples=found["samples"])
+    for name, one in document["beside"].items():
+        assert (one is None) == (name not in again["beside"]), name
+    bench = ("--schedule", file, "--stand", stand, "--samples", samples, "--estimator", "inclined")
+    assert tumble("bench", *bench, "--out", tmp_path / "run").returncode == 0
+    common = ("--schedule", file, "--stand", stand)
+    solved = document_of(tumble("solve", tmp_path / "run/run.csv", "--estimator", "optimal", "--json", *common))
+    assert solved["u_norm_g"]["worst_g"] == pytest.approx(document["u_norm_g"]["worst_g"], rel=0.05)
+    closed = plan(tumble, *INCLINED, "--estimator", "least_squares", "--out", file)
+    assert closed["estimator"] == closed["schedule"]["estimator"] == "inclined" and closed["other"] is None
+    paper_stand(tmp_path, samples=closed["schedule"]["samples"])
+    assert plan(tumble, "validate", "--runs", "4000", "--estimator", "inclined", *common)["pass"]
+
+
+def test_what_a_stand_can_be_inclined_to_and_how_long_it_takes(tumble, tmp_path):
+    found = plan(tumble, *OPTIONS[:-1], "30")
+    assert found["schedule"]["axis_tilts_deg"] == [0.0, 30.0, -30.0] and found["beside"]["inclined"] is None
+    slow = plan(tumble, *INCLINED, "--inclining", "600")
+    assert slow["schedule"]["boltings"] == 2 and slow["other"]["inclining_s"] == 1200.0
+    assert slow["pace"]["inclining_s"] == 600.0
+    drifts = paper_stand(tmp_path)
+    drifts.write_text(drifts.read_text().replace("[stand]", "[stand]\ndrift_v = 1e-4"))
+    closed = plan(tumble, *INCLINED, "--stand", drifts, "--inclining", "0", "--estimator", "least_squares")
+    first, steep, low, last = closed["schedule"]["axis_tilts_deg"]
+    assert (first, last) == (0.0, 0.0) and steep == -low > 0.0
+    assert closed["beside"]["inclined"] is None and closed["schedule"]["inclining_s"] == 0.0
+
+
 @pytest.mark.slow
 def test_a_limit_is_kept_with_the_probability_asked_for(tumble, tmp_path):
-    options = ("--limit", "5e-5", "--probability", "0.9", "--angles", "45", "--mountings", "2")
+    options = ("--limit", "5e-5", "--probability", "0.9", *OPTIONS[3:])
     found = plan(tumble, "schedule", *options, "--out", tmp_path / "quick.toml")
     assert found["goal"] == {"norm_g": None, "limit_g": 5e-5, "probability": 0.9}
     assert found["promise"]["growth"] >= 1.0
@@ -241,10 +347,20 @@ def test_a_limit_is_kept_with_the_probability_asked_for(tumble, tmp_path):
 
 def test_people_get_80_columns(tumble, tmp_path):
     paper_stand(tmp_path).rename(tmp_path / "my stand.toml")
-    shown = tumble("plan", *OPTIONS, "--stand", "my stand.toml", "--out", "quick.toml", cwd=tmp_path).stdout
+    given = ("--stand", "my stand.toml", "--out", "quick.toml")
+    shown = tumble("plan", *OPTIONS, *given, cwd=tmp_path).stdout
     *lines, command = shown.splitlines()
     assert max(map(len, lines)) <= 80 and "three_mountings" in shown
-    assert command.startswith("Run it: tumble bench --schedule quick.toml --stand 'my stand.toml' --samples ")
+    files = "--schedule quick.toml --stand 'my stand.toml'"
+    assert command.startswith(f"Run it: tumble bench {files} --samples ") and command.endswith("--estimator optimal")
+    assert "re-mounted: needs seat, level and axis as good as declared" in shown
+    shown = tumble("plan", *INCLINED, *given, cwd=tmp_path).stdout
+    *lines, command, solving = shown.splitlines()
+    assert max(map(len, lines)) <= 80
+    assert "Found, bolted once: needs a stand that inclines to 60 deg and is locked;" in lines
+    assert "Beside it, re-mounted: needs seat, level and axis as good as declared" in lines
+    assert command.endswith("--estimator inclined --out run")
+    assert solving == f"Solve it: tumble solve run/run.csv {files} --estimator optimal"
     assert max(map(len, tumble("plan", "schedule", "--help", COLUMNS="80").stdout.splitlines())) <= 80
 
 
@@ -254,11 +370,17 @@ BAD = {
     "one mounting": (["--mountings", "1"], "--mountings: '1' is not a whole number from 2 to 6"),
     "angles": (["--angles", "10"], "invalid choice: '10'"),
     "time": (["--remounting", "-1"], "--remounting: '-1' is not a number of seconds from 0"),
+    "time to incline": (["--inclining", "1e7"], "--inclining: '1e7' is not a number of seconds from 0"),
+    "steep": (["--inclination", "90"], "argument --inclination: invalid choice: '90'"),
     "kind": (["--out", "quick.csv"], "--out: 'quick.csv' does not end in .toml"),
     "estimator": (["--estimator", "refined"], "invalid choice: 'refined'"),
     "probability": (["--probability", "1"], "--probability: '1' is not a number from 0.5 to 0.9999"),
     "out of reach": (
         ["--norm", "1e-9", "--angles", "45", "--mountings", "2"],
+        "unreachable: no schedule of at most 2 mountings, or inclined to at most 60 deg, reaches a worst u(|a|) of",
+    ),
+    "out of reach on a stand that does not incline": (
+        ["--norm", "1e-9", "--angles", "45", "--mountings", "2", "--inclination", "0"],
         "unreachable: no schedule of at most 2 mountings reaches a worst u(|a|) of 1e-09 g here",
     ),
 }

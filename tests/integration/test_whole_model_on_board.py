@@ -112,6 +112,26 @@ def test_an_inclination_may_be_far_from_its_schedule_s(off):
     assert verdict.chi_squared == pytest.approx(witness.chi_squared, rel=1e-3) and not verdict.misfits
 
 
+@pytest.mark.parametrize("step_v, misfits", [(0.0, False), (6e-7, True)])
+def test_a_channel_that_is_quiet_counts_by_its_own_scale(step_v, misfits):
+    """In another unit, ten thousand times smaller: it shows a step of 20 of its own standard deviations, which is
+    less than a hundredth of one of the others. On board, by numpy, and by numpy with outputs that are scaled alike."""
+    rng, small = np.random.default_rng(53), np.array([1.0, 1.0, 1e-4])
+    stand = dataclasses.replace(stand_named("paper"), limits="sigma1", noise=(3e-4, 3e-4, 3e-8), samples=1)
+    means = model.Geometry(PAPER.data).outputs(NOMINAL_K, U0, delta=stand.angle * rng.normal(size=18))
+    means = (means + 3e-4 * rng.normal(size=means.shape)) * small
+    means[9:14, 2] += step_v
+    counts = np.rint(means / V_PER_COUNT)
+    means = counts * V_PER_COUNT
+    verdict = on_board(PAPER, averages_of(counts), *core.estimate(PAPER, means, None, "refined"), stand)
+    variance = variance_of_means(stand, np.ones(18, dtype=int), 0.0)
+    witness = model.WholeModel(PAPER.data, means, variance, stand)
+    alike = model.WholeModel(PAPER.data, means / small, variance / small**2, dataclasses.replace(stand, noise=3e-4))
+    assert witness.chi_squared == pytest.approx(alike.chi_squared, rel=1e-6)
+    assert verdict.chi_squared == pytest.approx(witness.chi_squared, rel=1e-6)
+    assert (verdict.freedom, verdict.misfits) == (42, misfits)
+
+
 def rounding(stand, step):
     return step / math.sqrt(12.0) if stand.noise < step / 2.0 else 0.0
 

@@ -1152,7 +1152,7 @@ typedef struct {
     double row[TUMBLE_WHOLE_UNKNOWNS + 1];
     double change[TUMBLE_WHOLE_UNKNOWNS]; /* of the unknowns, in this round; errors in units of their sigma */
     double residual_square;
-    double least_v2; /* no mean has less variance */
+    double least_v2[TUMBLE_CHANNELS]; /* no mean has less variance */
     tumble_whole_place_t place;
     tumble_coefficients_t coefficients;
     double shared_rad[TUMBLE_WHOLE_SHARED];

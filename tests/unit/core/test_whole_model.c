@@ -346,7 +346,7 @@ static void test_rounding_alike_is_not_averaged(void)
     declare();
     stand.noise_v = 0.4 * V_PER_COUNT;
     (void)test_in_steps(&tumble_schedule_paper, &block);
-    const double alike = work.least_v2; /* 1e-7 of K is more than a count here: nothing else is to be seen */
+    const double alike = work.least_v2[0]; /* 1e-7 of K is more than a count here: nothing else is to be seen */
     TEST_ASSERT_TRUE(work.place.variance_v2[0] == alike);
     const tumble_misfit_run_t coarse = {&tumble_schedule_paper, &averaging, &block, &stand, 1e-3};
     stand.noise_v = 4e-4;

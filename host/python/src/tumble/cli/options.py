@@ -11,7 +11,7 @@ from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 from tumble.defaults import DEFAULT_CONFIDENCE, DEFAULT_ESTIMATOR, DEFAULT_INCLINED, DEFAULT_LIMIT_G
-from tumble.errors import UsageError, listed, quoted
+from tumble.errors import BadInput, UsageError, listed, quoted
 from tumble.estimators import ESTIMATORS
 from tumble.messages import on_terminal
 from tumble.schedule import BUILT_IN
@@ -86,11 +86,13 @@ def add(parser: Options, *options: str, remark: str = "") -> None:
 
 
 def _is_inclined(schedule: str | None) -> bool:
-    """By name, or by a file that says what is bolted; whatever is wrong with one is told where it is read."""
+    """By name, or as its file says; whatever is wrong with one is told where it is used."""
     if schedule is None or schedule in BUILT_IN or not os.path.isfile(schedule):
         return schedule in ("inclined", "inclined_closed")
-    with suppress(OSError), open(schedule, "rb") as file:
-        return re.search(rb"^\s*bolting\s*=", file.read(), re.MULTILINE) is not None
+    from tumble.files.schedule_file import parse_schedule
+
+    with suppress(BadInput):
+        return parse_schedule(schedule).is_inclined
     return False
 
 

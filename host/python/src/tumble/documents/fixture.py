@@ -81,11 +81,14 @@ class Source(Judgement):
 
 
 class Sources(Document):
+    """inclination_rad: Of runs on a stand that is inclined, where the stand file declares how well."""
+
     alpha1_rad: Source
     alpha2_plus_alpha3_rad: Source
     alpha3_difference_rad: Source
     alpha4_rad: Source
     noise_v: Source
+    inclination_rad: Source | UnsetType = UNSET
 
 
 class Units(Document):

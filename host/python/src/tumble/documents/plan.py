@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 else:
     Name = Literal[tuple(one.replace("U0", "a0") for one in COEFFICIENTS)]
     Estimator = Literal[ESTIMATORS]
-    ForAnySchedule = Literal["least_squares", "optimal"]
+    ForAnySchedule = Literal["least_squares", "optimal", "inclined"]
     Weights = Literal["published", "derived"]
     RowName = Literal[ROWS]
     Table = Literal["known", "run"]
@@ -365,10 +365,12 @@ class Pace(Document):
     settling_s: Size
     sample_rate_hz: Positive
     remounting_s: Size
+    inclining_s: Size
 
 
 class Timed(Document):
-    """samples: At each position.
+    """mountings: Or inclinations of one bolting.
+    samples: At each position.
     freedom: Of the residuals.
     """
 
@@ -381,29 +383,42 @@ class Timed(Document):
     settling_s: Size
     averaging_s: Size
     remounting_s: Size
+    inclining_s: Size
 
 
 class FoundSchedule(Timed):
-    """matrices: As in a schedule file.
+    """estimator: By which it gets there.
+    boltings: How often the block is bolted on: once, where the stand is inclined.
+    matrices: As in a schedule file.
+    axis_tilts_deg: At which each mounting is inclined, to both sides.
     angles_deg: Of each mounting.
     """
 
+    estimator: ForAnySchedule
+    boltings: AtLeastOne
     matrices: Annotated[tuple[Matrix, ...], Meta(min_length=2)]
+    axis_tilts_deg: Annotated[tuple[float, ...], Meta(min_length=2)]
     angles_deg: Annotated[tuple[Annotated[tuple[float, ...], Meta(min_length=1)], ...], Meta(min_length=2)]
 
 
 class Beside(Document):
-    """What the built-in schedules take for the same; null where they do not get there."""
+    """What the built-in schedules take for the same; null where they do not get there, or the stand does not incline as
+    they ask."""
 
     paper: Timed | None
     three_mountings: Timed | None
     diagonal: Timed | None
+    inclined: Timed | None
+    inclined_closed: Timed | None
 
 
 class Quickest(Plan, kw_only=True):
     """The quickest schedule for an accuracy.
 
+    estimator: By which the schedule gets there.
     angles_deg: Table angles are multiples of it.
+    other: The quickest of the other kind: of one bolting where `schedule` is re-mounted, and the other way round; null
+        where none gets there.
     reliability: As in a result, for the nominal block.
     """
 
@@ -415,6 +430,7 @@ class Quickest(Plan, kw_only=True):
     angles_deg: float
     pace: Pace
     schedule: FoundSchedule
+    other: FoundSchedule | None
     u_norm_g: WorstNorm
     promise: GrowingPromise
     reliability: tuple[Unseen, ...] | None = None

@@ -91,6 +91,12 @@ def _require_solvable(schedule: CoreSchedule, estimator: str | None, file: str, 
         raise BadInput(f"has {count} mountings, optimal takes {MAX_YAWS}; least_squares solves any schedule", file)
 
 
+def parse_schedule(file: str) -> Schedule:
+    """As a schedule file has it, not judged: what it must have depends on what it is for. Raises BadInput."""
+    top = read_toml(file)
+    return Schedule(tuple(map(_mounting, top.tables("mounting"))), tuple(map(_position, top.tables("position"))))
+
+
 def _read(file: str, data: bytes | None) -> CoreSchedule:
     if data is None and not os.path.exists(file):
         import difflib

@@ -30,7 +30,7 @@ from tumble.stand import LARGEST_ERROR_RAD, Stand
 from tumble.terms import Terms
 
 PASSES = 4
-_FLOOR_G = 1e-7
+_FLOOR_G = 1e-7  # times the largest element of its row of K: the noise of a mean never counts as less
 _NULL = 1e-7
 _INESTIMABLE = 1e-6
 _SHOWN = 0.01
@@ -61,7 +61,7 @@ class WholeModel:
         self.schedule, self._outputs = schedule.fitted, means[schedule.fit_indices]
         self.k, self._u0 = estimate(self.schedule, self._outputs, "least_squares")
         by_channel = np.broadcast_to(variance.reshape(len(means), -1), means.shape)[schedule.fit_indices]
-        self._noise = np.maximum(np.sqrt(by_channel), _FLOOR_G * np.abs(self.k).max())
+        self._noise = np.maximum(np.sqrt(by_channel), _FLOOR_G * np.abs(self.k).max(axis=1))
         names = [*(name for name in declared(stand, schedule) if name != NOISE), *free(stand, schedule)]
         self._errors = Errors(self.schedule, of_stand(self.schedule, self.k, stand, names))
         self._sigma = self._errors.sigma

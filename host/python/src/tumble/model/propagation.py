@@ -65,13 +65,17 @@ class Propagation:
             return self.table.gains
         return gains_at(self.schedule, self.k, self.estimator, self.terms, self.weights)
 
-    def u_inclinations(self, variance: Floats | None = None) -> Floats:
-        """Standard uncertainties (inclinations,) of the angles at which the block was inclined, rad, by the closed
+    def covariance_of_inclinations(self, variance: Floats | None = None) -> Floats:
+        """Of the angles at which the block was inclined, then of the zeros of the table angle there, rad, by the closed
         form: an error of the axis is what they tell."""
         by_means = inclined.gains_of_inclinations(self.schedule, self.k, self.weights)
         others = {name: one for name, one in self.errors(variance).items() if name not in ("alpha1", "inclination")}
-        found = brought(by_gains(self.schedule, by_means[: len(by_means) // 2]), others)
-        u: Floats = np.sqrt(sum((draws**2).sum(axis=0) for draws in found.values()))
+        return covariance_of(by_gains(self.schedule, by_means), others)
+
+    def u_inclinations(self, variance: Floats | None = None) -> Floats:
+        """Standard uncertainties (inclinations,) of those angles."""
+        variances = np.diag(self.covariance_of_inclinations(variance))
+        u: Floats = np.sqrt(variances[: len(variances) // 2])
         return u
 
     def errors(self, variance: Floats | None = None) -> dict[str, Draws]:

@@ -214,7 +214,7 @@ def _promise(case: Case, estimator: str, k: Floats) -> tuple[Promise, Law, Law]:
         norm = Law.of(field.unknowns, count, lambda errors: largest_with_terms(errors, k, case.terms))
     else:
         norm = Law.of(field.forms, count, largest_over_attitudes)
-    u_norm_g = worst_norm(k, field.covariance, case.terms).worst
+    u_norm_g, bolted_once = worst_norm(k, field.covariance, case.terms).worst, len(case.fitted.boltings) == 1
     (passes, u_passes), (everywhere, u_everywhere) = check.chance(case.limit_g), norm.chance(case.limit_g)
     found = Promise(
         limit_g=case.limit_g,
@@ -225,7 +225,8 @@ def _promise(case: Case, estimator: str, k: Floats) -> tuple[Promise, Law, Law]:
         u_norm_worst_g=u_norm_g,
         coverage_factor=case.coverage_factor,
         shown=is_shown(case.limit_g, case.coverage_factor, u_norm_g),
-        assumes=("seat",) if rests_on_a_seat(case.fitted, k, case.stand, case.terms) else (),
+        # of one bolting the seat turns all attitudes alike: no length feels it
+        assumes=("seat",) if not bolted_once and rests_on_a_seat(case.fitted, k, case.stand, case.terms) else (),
     )
     return found, check, norm
 

@@ -1,8 +1,9 @@
 """The quickest schedule for a limit or a worst u(|a|), beside what the built-in schedules take for the same.
 
-How long a schedule takes (`Pace`): moves, settling, averaging, and what people need to mount the block anew. The table
-comes to every angle from below, as the play of its gear asks for: it turns up through a mounting's angles and back to
-the lowest of the next. Homing and the first mounting are the same for all schedules, and not counted.
+How long a schedule takes (`Pace`): moves, settling, averaging, and what people need to mount the block anew, or to
+incline the stand. The table comes to every angle from below, as the play of its gear asks for: it turns up through a
+mounting's angles and back to the lowest of the next. Homing and the first mounting are the same for all schedules, and
+not counted.
 
 Ways to mount a block on a table square to its axes (`KINDS`): there are 24 proper rotations. Half a turn about the
 stand's axis is one of the table, so 12 remain. And which of a block's axes bears which name makes no difference to what
@@ -21,6 +22,11 @@ The search (`quickest`): for every set of mountings, the table angle is left out
 and each time the samples are counted that what is left needs. The quickest of all these is then improved by exchanges
 of one angle for another, as long as that saves time. It proves no optimum; it always finds the same.
 
+Of one bolting (`inclined_schedules`) all are tried: the closed form takes three inclinations on both sides of the level
+and angles that divide a turn equally, which leaves few. There the inclinations are unknowns, of no size where the stand
+declares none; `optimal` has them among its own, and where that is not asked for, `inclined` takes the place of
+`least_squares`, which would need them known.
+
 A limit is kept when a run passes, and |a| is within the limit at every attitude, with the probability asked for. That
 is a worst u(|a|) too, another for each schedule; it is found by trying (`reaching`).
 """
@@ -30,10 +36,10 @@ from __future__ import annotations
 import math
 import shlex
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, astuple, dataclass, replace
 from functools import partial
 from itertools import combinations, groupby, pairwise, permutations, product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -43,11 +49,11 @@ from tumble.documents import plan
 from tumble.documents.plan import GrowingPromise, Quickest
 from tumble.documents.result import WorstNorm
 from tumble.errors import UsageError
-from tumble.estimators import OPTIMAL
+from tumble.estimators import INCLINED, OPTIMAL
 from tumble.files.stand_file import StandFile
-from tumble.model import reliability
+from tumble.model import inclined, reliability
 from tumble.model.coefficients import norm_gradient, spread_attitudes, worst_norm
-from tumble.model.errors import NOISE, declared, of_stand
+from tumble.model.errors import NOISE, Errors, declared, free, of_stand
 from tumble.model.estimators import columns_at
 from tumble.model.geometry import built_in, ideal_force
 from tumble.model.optimal import UNEQUAL, mean_sigma
@@ -61,10 +67,13 @@ from tumble.solving.computation import confused
 from tumble.solving.result import unseen
 from tumble.solving.uncertainty import Further
 from tumble.stand import by_channel
-from tumble.terms import EXTENDABLE, Terms
+from tumble.terms import DRIFT, EXTENDABLE, Terms
 from tumble.workers.over import ALONE, Piece, Progress, Result, Team, over
 
-DEFAULT_REMOUNT_S = 300.0
+if TYPE_CHECKING:
+    from rich.console import Console
+
+DEFAULT_REMOUNT_S, DEFAULT_INCLINE_S = 300.0, 60.0
 _MOTION = {"velocity_deg_per_s": 90.0, "acceleration_deg_per_s2": 180.0, "settling_s": 0.5}
 _RATE_HZ = 100.0
 
@@ -77,11 +86,12 @@ class Duration:
     settling: float
     averaging: float
     remounting: float
+    inclining: float
 
     @property
     def total(self) -> float:
         """All of them."""
-        return self.moving + self.settling + self.averaging + self.remounting
+        return self.moving + self.settling + self.averaging + self.remounting + self.inclining
 
 
 @dataclass(frozen=True)
@@ -95,8 +105,10 @@ class Timed:
     duration: Duration
 
     def freedom(self, terms: Terms) -> int:
-        """Of the residuals: what a fit, with further `terms`, leaves to show that the model holds."""
-        return 3 * (len(self.schedule.positions) - len(terms)) - 12
+        """Of the residuals: what a fit, with further `terms`, leaves to show that the model holds. Inclinations and
+        their zeros of the table angle are unknowns, but for the first zero."""
+        of_stand = 2 * len(self.schedule.mountings) - 1 if self.schedule.is_inclined else 0
+        return 3 * (len(self.schedule.fit_indices) - len(terms)) - 12 - of_stand
 
 
 @dataclass(frozen=True)
@@ -108,19 +120,23 @@ class Pace:
     settling: float
     rate: float
     remounting: float
+    inclining: float = DEFAULT_INCLINE_S
 
     @classmethod
-    def of(cls, stand_file: StandFile | None, remount_s: float) -> Pace:
+    def of(cls, stand_file: StandFile | None, remount_s: float, incline_s: float = DEFAULT_INCLINE_S) -> Pace:
         """As a stand file has it, else that of the simulated stand."""
         motion = {**_MOTION, **((stand_file and stand_file.motion) or {})}
         rate = ((stand_file and stand_file.block) or {}).get("sample_rate_hz") or _RATE_HZ
         velocity, acceleration, settling = (motion[key] for key in _MOTION)
-        return cls(velocity, acceleration, settling, rate, remount_s)
+        return cls(velocity, acceleration, settling, rate, remount_s, incline_s)
 
     def duration(self, schedule: Schedule, samples: int) -> Duration:
         """Of a schedule whose positions stand mounting by mounting. Moves are at rest at both ends, with limited speed
         and acceleration."""
         angles = [0.0, *(position.angle_deg for position in schedule.positions)]
+        bolting = {one.number: one.bolting or -one.number for one in schedule.mountings}
+        mounted = [bolting[number] for number, _ in groupby(one.mounting for one in schedule.positions)]
+        remountings = sum(a != b for a, b in pairwise(mounted))
 
         def move(degrees: float) -> float:
             if degrees < self.velocity**2 / self.acceleration:
@@ -131,7 +147,8 @@ class Pace:
             moving=sum(move(abs(b - a)) for a, b in pairwise(angles)),
             settling=self.settling * len(schedule.positions),
             averaging=samples * len(schedule.positions) / self.rate,
-            remounting=self.remounting * (len(list(groupby(one.mounting for one in schedule.positions))) - 1),
+            remounting=self.remounting * remountings,
+            inclining=self.inclining * (len(mounted) - 1 - remountings),
         )
 
     def timed(self, schedule: Schedule, samples: int, norm_g: float) -> Timed:
@@ -178,14 +195,15 @@ def mountings(kinds: tuple[int, ...]) -> tuple[Mounting, ...]:
     )
 
 
-ESTIMATORS = EXTENDABLE
+ESTIMATORS = (*EXTENDABLE, INCLINED)
 _ATTITUDES = 400  # a worst u(|a|) at one of these is short of the true one by a percent or two
 _SENSITIVITY = 1e-3  # g: with less, per square root of the positions, a coefficient is not identified
 _UNKNOWN_G = 1e3  # prior of a coefficient, in parts of max|K|: what a subset cannot identify is this far off
 
 
 class NormSpread:
-    """The candidates are the fit positions of `schedule`, for the case's stand and nominal block."""
+    """The candidates are the fit positions of `schedule`, for the case's stand and nominal block. The closed form
+    `inclined` needs all of them: of subsets it knows nothing."""
 
     def __init__(self, case: Case, schedule: Schedule, estimator: str):
         if estimator not in ESTIMATORS:
@@ -195,10 +213,12 @@ class NormSpread:
         one_sample = replace(case.stand, samples=1)
         self.noise = mean_sigma(k, one_sample, case.step_v, 1)[0] ** 2
         self.rounding = by_channel(case.stand.rounding) ** 2
-        found = of_stand(
-            schedule, k, one_sample, [name for name in declared(one_sample, schedule) if name != NOISE]
-        ).values()
-        errors = np.concatenate([one.derivative * one.sigma[:, None, None] for one in found])
+        names = [name for name in declared(one_sample, schedule) if name != NOISE]
+        if estimator == OPTIMAL:
+            names += free(one_sample, schedule)
+        found = of_stand(schedule, k, one_sample, names)
+        sigmas = Errors(schedule, found).sigma
+        errors = np.concatenate([one.derivative for one in found.values()]) * sigmas[:, None, None]
         shared = (np.abs(errors).max(axis=2) > 0.0).sum(axis=1) > 1
         self.shared = np.moveaxis(errors[shared], 0, 2)
         self.local = np.einsum("dpi,dpj->pij", errors[~shared], errors[~shared])
@@ -208,6 +228,7 @@ class NormSpread:
         self.felt = np.concatenate([np.broadcast_to(force, (3, count, 4)), own], axis=2)
         self.weak = (_UNKNOWN_G * np.abs(k).max()) ** -2
         self.gradient = norm_gradient(k, spread_attitudes(_ATTITUDES), case.terms)
+        self.gains = inclined.gains(schedule, k, case.stand.weights) if estimator == INCLINED else None
 
     def worst(self, chosen: Flags, samples: int) -> Floats:
         """The worst u(|a|), g, of every subset at some attitudes: `chosen` (subsets, candidates), `samples` at each
@@ -223,10 +244,22 @@ class NormSpread:
     def _covariances(self, chosen: Flags, samples: int) -> Floats:
         """Of the unknowns (subsets, n, n): K row by row, U0, sizes by term and channel."""
         noise = self.local + np.diag(self.noise / samples)
+        if self.gains is not None:
+            assert chosen.all()
+            return np.repeat(self._inclined(self.gains, noise)[None], len(chosen), axis=0)
         found = (self._optimal if self.estimator == OPTIMAL else self._least_squares)(chosen, noise)
         rows = np.arange(found.shape[1]).reshape(3, -1)
         order = np.concatenate([rows[:, :3].ravel(), rows[:, 3:].T.ravel()])
         return found[:, order[:, None], order]
+
+    def _inclined(self, gains: Floats, noise: Floats) -> Floats:
+        """Of K row by row, and U0; of all candidates."""
+        by_position = gains.reshape(len(gains), -1, 3)
+        noise = noise + np.diag(self.rounding)
+        by_local = np.einsum("rpi,spj,pij->rs", by_position, by_position, noise, optimize=True)
+        by_shared = gains @ self.shared.reshape(gains.shape[1], -1)
+        found: Floats = by_local + by_shared @ by_shared.T
+        return found
 
     def _optimal(self, chosen: Flags, noise: Floats) -> Floats:
         """Channel by channel: unknowns are those of the model, and the shared errors over their sigma."""
@@ -419,11 +452,45 @@ def quickest(
     return best
 
 
+STEEP_DEG = (15.0, 30.0, 45.0, 60.0)  # of both sides
+_FEWEST_ANGLES = 3  # at every inclination
+
+
+def inclined_schedules(step_deg: float, steepest_deg: float, closed: bool) -> Iterator[Schedule]:
+    """Of one bolting, with the paper's first mounting: level and inclined to both sides, no more than `steepest_deg`,
+    and if `closed` also back to the level. Table angles are multiples of `step_deg` that divide a turn equally."""
+    matrix, steps = mountings(KINDS[:1])[0].matrix, round(360.0 / step_deg)
+    ways = product((tilt for tilt in STEEP_DEG if tilt <= steepest_deg), (False, True) if closed else (False,))
+    for tilt, closes in ways:
+        tilts = (0.0, tilt, -tilt, 0.0) if closes else (0.0, tilt, -tilt)
+        block = tuple(Mounting(number, matrix, one, 1) for number, one in enumerate(tilts, 1))
+        for count in range(_FEWEST_ANGLES, MAX_POSITIONS // len(block) + 1):
+            for first in range(steps // count if steps % count == 0 else 0):
+                angles = [first * step_deg + 360.0 / count * place for place in range(count)]
+                yield Schedule(block, tuple(Position(m.number, n, a) for m in block for n, a in enumerate(angles, 1)))
+
+
+def quickest_inclined(
+    case: Case, estimator: str, norm_g: float, pace: Pace, step_deg: float, steepest_deg: float
+) -> Timed | None:
+    """The quickest of these that reach a worst u(|a|); None if none does."""
+    closed = case.stand.declares_drift or DRIFT in case.terms
+    tried = (held_to(case, estimator, one, norm_g, pace) for one in inclined_schedules(step_deg, steepest_deg, closed))
+    return min(filter(None, tried), key=lambda one: one.duration.total, default=None)
+
+
 def held_to(case: Case, estimator: str, schedule: Schedule, norm_g: float, pace: Pace) -> Timed | None:
     """What a given schedule takes; None if it does not get there."""
-    spread = NormSpread(case, schedule, estimator)
-    samples = fewest_samples(spread, np.ones(len(schedule.positions), dtype=bool), norm_g)
+    if not _can_tell(case, estimator, schedule):
+        return None
+    spread = NormSpread(case, schedule.fitted, estimator)
+    samples = fewest_samples(spread, np.ones(len(schedule.fit_indices), dtype=bool), norm_g)
     return None if samples is None else pace.timed(schedule, samples, norm_g)
+
+
+def _can_tell(case: Case, estimator: str, schedule: Schedule) -> bool:
+    """Whether the case's further terms, if any, are found."""
+    return not case.terms or (estimator in EXTENDABLE and confused(schedule, case.terms) is None)
 
 
 def _measured_with(case: Case, schedule: Schedule, samples: int) -> Case:
@@ -437,7 +504,7 @@ def worst_norm_of(case: Case, estimator: str) -> tuple[float, list[float]]:
     return worst.worst, worst.attitude.tolist()
 
 
-BESIDE = ("paper", "three_mountings", "diagonal")
+BESIDE = ("paper", "three_mountings", "diagonal", "inclined", "inclined_closed")
 _STEPS = 8
 _PARTS = (1.0, 0.99, 0.95)  # of the goal to search with: what is found for it by a few attitudes may just miss it
 
@@ -451,16 +518,32 @@ class Goal:
     probability: float
     estimator: str
 
+    def estimator_on(self, schedule: Schedule) -> str:
+        """`least_squares` takes inclinations for exact; what finds them without the stand is `inclined`."""
+        return INCLINED if schedule.is_inclined and self.estimator != OPTIMAL else self.estimator
+
+
+@dataclass(frozen=True)
+class Reach:
+    """Among which schedules to look: table angles are multiples of `step_deg`, in at most so many mountings, or in one
+    bolting on a stand that can be inclined to `steepest_deg`, 0: not at all."""
+
+    step_deg: float
+    most_mountings: int
+    steepest_deg: float
+
 
 @dataclass(frozen=True)
 class Planned:
-    """`best`, and `beside` it by name; None where a schedule does not get there. Of the best: the worst u(|a|), g, at
-    which attitude, the promise, what its runs will not show, and what further terms of the model cost."""
+    """`best`; `other`: the quickest of the other kind, re-mounted or of one bolting; `beside` them built-in ones by
+    name; None where a schedule does not get there. Of the best: the worst u(|a|), g, at which attitude, the promise,
+    what its runs will not show, and what further terms of the model cost."""
 
     case: Case
     goal: Goal
     pace: Pace
     best: Timed
+    other: Timed | None
     beside: dict[str, Timed | None]
     u_norm_g: float
     attitude: list[float]
@@ -468,57 +551,89 @@ class Planned:
     unseen: Reliability
     further: Further | None = None
 
+    @property
+    def estimator(self) -> str:
+        """For the best."""
+        return self.goal.estimator_on(self.best.schedule)
+
+
+Find = Callable[[float], Timed | None]  # the quickest of a kind that is held to a worst u(|a|), g
+
 
 def plan_schedule(
     case: Case,
     goal: Goal,
     pace: Pace,
-    step_deg: float,
-    most_mountings: int,
+    reach: Reach,
     progress: Callable[..., None],
     team: Team = ALONE,
 ) -> Planned:
     """Whatever the `team`. `progress` as of `quickest`, of which there may be several. Raises UsageError where no
     schedule gets there."""
+    named = {name: built_in(name) for name in BESIDE}
+    steep = {name: max(abs(m.tilt_deg) for m in one.mountings) for name, one in named.items()}
+    beside = {
+        name: reaching(case, goal, one, pace) if steep[name] <= reach.steepest_deg else None
+        for name, one in named.items()
+    }
+
+    def remounted(norm_g: float) -> Timed | None:
+        return quickest(case, goal.estimator, norm_g, pace, reach.step_deg, reach.most_mountings, progress, team)
+
+    def bolted_once(norm_g: float) -> Timed | None:
+        estimator = OPTIMAL if goal.estimator == OPTIMAL else INCLINED
+        return quickest_inclined(case, estimator, norm_g, pace, reach.step_deg, reach.steepest_deg)
+
+    kinds = []
+    for find, inclines in ((remounted, False), (bolted_once, True)):
+        known = [one for one in beside.values() if one is not None and one.schedule.is_inclined == inclines]
+        kinds.append(_of_kind(case, goal, pace, find, known))
+    found = sorted(filter(None, kinds), key=lambda one: one.duration.total)
+    if not found:
+        wanted = f"{case.limit_g:g} g" if goal.norm_g is None else f"a worst u(|a|) of {goal.norm_g:g} g"
+        why = "" if case.rounding_sentence is None else f". {case.rounding_sentence}"
+        tried = f"no schedule of at most {reach.most_mountings} mountings"
+        tried += f", or inclined to at most {reach.steepest_deg:g} deg," if reach.steepest_deg else ""
+        raise UsageError(f"unreachable: {tried} reaches {wanted} here{why}")
+    best, other = found[0], found[1] if len(found) > 1 else None
+    chosen, estimator = _measured_with(case, best.schedule, best.samples), goal.estimator_on(best.schedule)
+    u_norm_g, attitude = worst_norm_of(chosen, estimator)
+    promised = growing_promise(chosen, estimator, goal.probability)
+    unseen, further = chosen.reliability(estimator), model_cost(chosen, estimator)
+    return Planned(case, goal, pace, best, other, beside, u_norm_g, attitude, promised, unseen, further)
+
+
+def _of_kind(case: Case, goal: Goal, pace: Pace, find: Find, known: list[Timed]) -> Timed | None:
+    """The quickest of a kind that reaches the goal, None if there is none. `known`: built-in ones that do."""
 
     def search(norm_g: float) -> Timed | None:
         for part in _PARTS:
-            found = quickest(case, goal.estimator, part * norm_g, pace, step_deg, most_mountings, progress, team)
+            found = find(part * norm_g)
             reached = None if found is None else reaching(case, goal, found.schedule, pace)
             if found is None or reached is not None:
                 return reached
         return None
 
-    beside = {name: reaching(case, goal, built_in(name), pace) for name in BESIDE}
-    first_norm_g = goal.norm_g
-    if first_norm_g is None:  # the strictest that a built-in one is held to: a limit asks for about the same of all
-        first_norm_g = min((one.norm_g for one in beside.values() if one is not None), default=case.limit_g / 3.0)
-    best = search(first_norm_g)
-    if best is not None and goal.norm_g is None:
-        again = search(best.norm_g)
-        best = again if again is not None and again.duration.total < best.duration.total else best
-    if best is None:
-        wanted = f"{case.limit_g:g} g" if goal.norm_g is None else f"a worst u(|a|) of {goal.norm_g:g} g"
-        why = "" if case.rounding_sentence is None else f". {case.rounding_sentence}"
-        raise UsageError(f"unreachable: no schedule of at most {most_mountings} mountings reaches {wanted} here{why}")
-    chosen = _measured_with(case, best.schedule, best.samples)
-    u_norm_g, attitude = worst_norm_of(chosen, goal.estimator)
-    promised = growing_promise(chosen, goal.estimator, goal.probability)
-    unseen, further = chosen.reliability(goal.estimator), model_cost(chosen, goal.estimator)
-    return Planned(case, goal, pace, best, beside, u_norm_g, attitude, promised, unseen, further)
+    if goal.norm_g is not None:
+        return search(goal.norm_g)
+    # the strictest that a built-in one is held to: a limit asks for about the same of all
+    best = search(min((one.norm_g for one in known), default=case.limit_g / 3.0))
+    again = None if best is None else search(best.norm_g)
+    return min(filter(None, (best, again)), key=lambda one: one.duration.total, default=None)
 
 
 def reaching(case: Case, goal: Goal, schedule: Schedule, pace: Pace) -> Timed | None:
     """A schedule with the fewest samples that reach the goal; None if none do, or it does not tell further terms."""
-    if case.terms and confused(schedule, case.terms) is not None:
-        return None
+    estimator = goal.estimator_on(schedule)
     if goal.norm_g is not None:
-        return held_to(case, goal.estimator, schedule, goal.norm_g, pace)
-    spread = NormSpread(case, schedule, goal.estimator)
-    everything = np.ones(len(schedule.positions), dtype=bool)
+        return held_to(case, estimator, schedule, goal.norm_g, pace)
+    if not _can_tell(case, estimator, schedule):
+        return None
+    spread = NormSpread(case, schedule.fitted, estimator)
+    everything = np.ones(len(schedule.fit_indices), dtype=bool)
 
     def growth(samples: int) -> float:
-        found = growing_promise(_measured_with(case, schedule, samples), goal.estimator, goal.probability).growth
+        found = growing_promise(_measured_with(case, schedule, samples), estimator, goal.probability).growth
         return math.inf if found is None else found
 
     samples, room = MAX_SAMPLES, growth(MAX_SAMPLES)
@@ -536,7 +651,7 @@ def reaching(case: Case, goal: Goal, schedule: Schedule, pace: Pace) -> Timed | 
 
 def document(found: Planned, step_deg: float) -> Quickest:
     """The plan for JSON."""
-    goal, case, pace, schedule = found.goal, found.case, found.pace, found.best.schedule
+    goal, case, pace = found.goal, found.case, found.pace
     wanted = plan.Goal(goal.norm_g, None, None)
     if goal.norm_g is None:
         wanted = plan.Goal(None, case.limit_g, goal.probability)
@@ -551,18 +666,26 @@ def document(found: Planned, step_deg: float) -> Quickest:
             **{f"{part}_s": seconds for part, seconds in asdict(one.duration).items()},
         }
 
+    def whole(one: Timed) -> plan.FoundSchedule:
+        schedule = one.schedule
+        return plan.FoundSchedule(
+            **timed(one),
+            estimator=goal.estimator_on(schedule),
+            matrices=tuple(np.array(mounting.matrix) for mounting in schedule.mountings),
+            boltings=len(schedule.boltings),
+            axis_tilts_deg=tuple(mounting.tilt_deg for mounting in schedule.mountings),
+            angles_deg=tuple(_angles(schedule, mounting) for mounting in schedule.mountings),
+        )
+
     return Quickest(
         stand=case.stand.name,
         block=case.block,
-        estimator=goal.estimator,
+        estimator=found.estimator,
         goal=wanted,
         angles_deg=step_deg,
-        pace=plan.Pace(pace.velocity, pace.acceleration, pace.settling, pace.rate, pace.remounting),
-        schedule=plan.FoundSchedule(
-            **timed(found.best),
-            matrices=tuple(np.array(mounting.matrix) for mounting in schedule.mountings),
-            angles_deg=tuple(_angles(schedule, mounting) for mounting in schedule.mountings),
-        ),
+        pace=plan.Pace(*astuple(pace)),
+        schedule=whole(found.best),
+        other=None if found.other is None else whole(found.other),
         u_norm_g=WorstNorm(found.u_norm_g, np.array(found.attitude)),
         promise=found.promise,
         reliability=unseen(found.unseen),
@@ -584,17 +707,26 @@ def show(found: Planned, written: str | None, stand: str | None) -> None:
     wanted = f"a worst u(|a|) of {1e6 * (goal.norm_g or 0.0):.4g} ug"
     if goal.norm_g is None:
         wanted = f"{found.case.limit_g:g} g with {100 * goal.probability:g} %"
-    out.print(tables.heading(f"Quickest schedule found for {wanted}, estimator {goal.estimator}"))
+    out.print(tables.heading(f"Quickest schedule found for {wanted}, estimator {found.estimator}"))
     out.print(f"Stand: {found.case.stand.name or 'without a name'}")
-    rows = [_row("found", best), *(_row(name, timed) for name, timed in found.beside.items())]
+    rows = [_row("found", best)]
+    if found.other is not None:
+        rows.append(_row(_kind_of(found.other), found.other))
+    rows += [_row(name, timed) for name, timed in found.beside.items()]
     headings = ("", "positions", "samples", "moving", "settling", "averaging", "in all, s")
     out.print(tables.table(headings, rows))
-    out.print(f"positions: in so many mountings, {pace.remounting:g} s for each after the first (--remounting)")
+    out.print(f"positions: in so many mountings, {pace.remounting:g} s for each after the first (--remounting);")
+    out.print(f"  or inclinations of one bolting (i), {pace.inclining:g} s likewise (--inclining)")
+    for needing in ((best, "Found"), (found.other, "Beside it")):
+        _show_needs(out, *needing)
     for mounting in best.schedule.mountings:
         along = [max(range(3), key=lambda axis: abs(row[axis])) for row in mounting.matrix]  # of the table's axes
         axes = [f"{name} {'-' if row[n] < 0 else '+'}{'hnv'[n]}" for name, row, n in zip("xyz", mounting.matrix, along)]
         angles = " ".join(f"{angle:g}" for angle in _angles(best.schedule, mounting))
         out.print(f"Mounting {mounting.number}: {', '.join(axes)} (h across, n along the axis, v up at 0);")
+        if best.schedule.is_inclined:
+            tilt = f"{mounting.tilt_deg:+g}" if mounting.tilt_deg else "0"
+            out.print(f"  bolted on once, inclined to about {tilt} deg;")
         out.print(f"  table at {angles} deg")
     freedom = best.freedom(found.case.terms)
     out.print(f"Worst u(|a|): {1e6 * found.u_norm_g:.4g} ug; {freedom} degrees of freedom check the model")
@@ -606,16 +738,37 @@ def show(found: Planned, written: str | None, stand: str | None) -> None:
     for line in reliability.lines(found.unseen):
         out.print(line)
     if written is not None:
-        files = ["--schedule", written, *([] if stand is None else ["--stand", stand])]
-        options = f"{shlex.join(files)} --samples {best.samples} --estimator {goal.estimator}"
-        options += f" --model {','.join(found.case.terms)}" if found.case.terms else ""
-        out.print(f"Run it: tumble bench {options}", soft_wrap=True)
+        files = shlex.join(["--schedule", written, *([] if stand is None else ["--stand", stand])])
+        how = f"--estimator {found.estimator}"
+        how += f" --model {','.join(found.case.terms)}" if found.case.terms else ""
+        solved_after = best.schedule.is_inclined and found.estimator == OPTIMAL  # no gain record knows inclinations
+        on_bench = f"--estimator {INCLINED} --out run" if solved_after else how
+        out.print(f"Run it: tumble bench {files} --samples {best.samples} {on_bench}", soft_wrap=True)
+        if solved_after:
+            out.print(f"Solve it: tumble solve run/run.csv {files} {how}", soft_wrap=True)
+
+
+def _kind_of(timed: Timed) -> str:
+    return "bolted once" if timed.schedule.is_inclined else "re-mounted"
+
+
+def _show_needs(out: Console, timed: Timed | None, which: str) -> None:
+    """What a schedule needs of a stand, beside the errors that are declared."""
+    if timed is None:
+        return
+    if timed.schedule.is_inclined:
+        steepest = max(mounting.tilt_deg for mounting in timed.schedule.mountings)
+        out.print(f"{which}, {_kind_of(timed)}: needs a stand that inclines to {steepest:g} deg and is locked;")
+        out.print("  nobody measures inclinations, and neither level nor seat need be good")
+    else:
+        out.print(f"{which}, {_kind_of(timed)}: needs seat, level and axis as good as declared")
 
 
 def _row(name: str, timed: Timed | None) -> tuple[str, ...]:
     if timed is None:
         return (name, *["-"] * 5, "out of reach")
     time = timed.duration
-    positions = f"{len(timed.schedule.positions)} in {len(timed.schedule.mountings)}"
+    inclines = " i" if timed.schedule.is_inclined else ""
+    positions = f"{len(timed.schedule.positions)} in {len(timed.schedule.mountings)}{inclines}"
     seconds = (time.moving, time.settling, time.averaging, time.total)
     return (name, positions, str(timed.samples), *(f"{part:.1f}" for part in seconds))

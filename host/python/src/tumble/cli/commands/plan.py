@@ -39,6 +39,7 @@ DEFAULT_RUNS = 20_000
 FEWEST_RUNS, MOST_RUNS = 100, 10_000_000
 _FEWEST_MOUNTINGS, _MOST_MOUNTINGS = 2, 6
 _STEPS = ("15", "22.5", "45")
+_STEEP = ("0", "15", "30", "45", "60")
 _LONGEST_S = 1e6
 
 
@@ -353,7 +354,7 @@ def _serial(stand: str | None) -> str | None:
 
 def _describe_schedule(parser: argparse.ArgumentParser) -> None:
     parser.description = (
-        "The mountings, table angles and samples that reach a limit, or a worst standard uncertainty of"
+        "The mountings or inclinations, table angles and samples that reach a limit, or a worst standard uncertainty of"
         " |a|, in the least test time found; and what the built-in schedules take for the same."
     )
     _add_case_options(parser, "--model")
@@ -366,7 +367,7 @@ def _describe_schedule(parser: argparse.ArgumentParser) -> None:
         choices=("least_squares", "optimal"),
         default="optimal",
         metavar="NAME",
-        help="least_squares or optimal; default: optimal",
+        help="least_squares or optimal; default: optimal. least_squares is inclined where the stand is inclined",
     )
     parser.add_argument(
         "--mountings",
@@ -378,6 +379,13 @@ def _describe_schedule(parser: argparse.ArgumentParser) -> None:
         "--angles", choices=_STEPS, default="22.5", help="table angles are multiples of so many degrees; default: 22.5"
     )
     parser.add_argument("--remounting", metavar="SECONDS", help="what it takes to mount the block anew; default: 300")
+    parser.add_argument(
+        "--inclination",
+        choices=_STEEP,
+        default=_STEEP[-1],
+        help="degrees up to which the stand can be inclined to both sides, 0: not at all; default: 60",
+    )
+    parser.add_argument("--inclining", metavar="SECONDS", help="what it takes to incline the stand anew; default: 60")
     parser.add_argument("--out", metavar="FILE.toml", help="also write it as a schedule file")
     options.add(parser, *options.WORKERS)
 
@@ -390,32 +398,49 @@ def _run_schedule(arguments: argparse.Namespace) -> int:
     norm_g = None if arguments.norm is None else _parse_positive(arguments.norm, "--norm")
     probability = _parse_probability(arguments.probability)
     most = options.parse_whole(arguments.mountings, "--mountings", _FEWEST_MOUNTINGS, _MOST_MOUNTINGS)
-    remounting = None
-    if arguments.remounting is not None:
-        seconds = f"a number of seconds from 0 to {_LONGEST_S:g}"
-        remounting = options.parse_number(arguments.remounting, "--remounting", 0.0, _LONGEST_S, seconds)
+    remounting = _parse_seconds(arguments.remounting, "--remounting")
+    inclining = _parse_seconds(arguments.inclining, "--inclining")
 
     from tumble.files.disk import refuse_overwriting, write_text
     from tumble.files.schedule_file import to_toml
     from tumble.files.stand_file import read_stand
     from tumble.planning import schedule_search
-    from tumble.planning.schedule_search import DEFAULT_REMOUNT_S, Goal, Pace, plan_schedule
+    from tumble.planning.schedule_search import (
+        DEFAULT_INCLINE_S,
+        DEFAULT_REMOUNT_S,
+        Goal,
+        Pace,
+        Reach,
+        plan_schedule,
+    )
 
     refuse_overwriting(arguments.out, arguments.stand)
     case = _read_case(arguments)
     stand_file = None if arguments.stand is None else read_stand(arguments.stand)
-    pace = Pace.of(stand_file, DEFAULT_REMOUNT_S if remounting is None else remounting)
-    goal, step_deg = Goal(norm_g, probability, arguments.estimator), float(arguments.angles)
-    depends = {"case": case, "goal": goal, "pace": pace, "step_deg": step_deg}
+    pace = Pace.of(
+        stand_file,
+        DEFAULT_REMOUNT_S if remounting is None else remounting,
+        DEFAULT_INCLINE_S if inclining is None else inclining,
+    )
+    goal = Goal(norm_g, probability, arguments.estimator)
+    reach = Reach(float(arguments.angles), most, float(arguments.inclination))
+    depends = {"case": case, "goal": goal, "pace": pace, "step_deg": reach.step_deg}
     with options.team_of(arguments, "plan schedule", **depends) as team, options.progress_bar("searching") as progress:
-        found = plan_schedule(case, goal, pace, step_deg, most, progress, team)
+        found = plan_schedule(case, goal, pace, reach, progress, team)
     if arguments.out is not None:
         write_text(arguments.out, to_toml(found.best.schedule))
     if arguments.json:
-        _print_json(schedule_search.document(found, step_deg))
+        _print_json(schedule_search.document(found, reach.step_deg))
     else:
         schedule_search.show(found, arguments.out, arguments.stand)
     return EXIT_PASS
+
+
+def _parse_seconds(text: str | None, option: str) -> float | None:
+    """Raises UsageError."""
+    if text is None:
+        return None
+    return options.parse_number(text, option, 0.0, _LONGEST_S, f"a number of seconds from 0 to {_LONGEST_S:g}")
 
 
 def _describe_validate(parser: argparse.ArgumentParser) -> None:
