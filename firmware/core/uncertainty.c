@@ -17,18 +17,16 @@ typedef struct tumble_least_squares {
 } least_squares_t;
 
 /* What one unit of each source does to one coefficient; of the noise, what it does as it is. */
+enum { ALPHA3, THETA_H, THETA_N, OF_BOLTING };
+
 typedef struct {
     double alpha1;
-    double alpha2;
     double alpha4_squared;
     double noise_squared;
-    double yaw; /* of alpha3 and theta_h common to all mountings, and of those of each bolting */
-    double yaws_squared;
-    double lean;
+    double common[OF_BOLTING]; /* were they common to all boltings; THETA_N is alpha2 then */
+    double own[OF_BOLTING];    /* of the present bolting: of all its mountings up to here */
+    double yaws_squared;       /* of those of each bolting */
     double seats_squared;
-    double alpha3; /* likewise of the present bolting: of all its mountings up to here */
-    double theta_h;
-    double theta_n;
     double variance_v2[TUMBLE_CHANNELS]; /* of the noise of a mean */
     uint32_t samples[TUMBLE_CHANNELS];   /* of so many samples: the next one mostly has as many */
     tumble_course_response_t course;
@@ -213,8 +211,8 @@ static double add_mean(const tumble_angle_t *angle, double gain, channel_t *chan
  *     alpha3           ( sin t, -cos t sin p, 0)               the yaw turns h towards n
  *     theta_h          (0, cos t cos p, -sin t)                the tilt turns n towards v
  * What is common to all mountings adds up before it is squared. */
-static void close_mounting(const tumble_angle_t *tilt, const channel_t *channels, int first, int last,
-                           response_t *response)
+TUMBLE_ONE_COPY static void close_mounting(const tumble_angle_t *tilt, const channel_t *channels, int first, int last,
+                                           response_t *response)
 {
     double sum[3][3] = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}; /* of force times moment */
     for (int i = first; i <= last; i++) {
@@ -226,34 +224,33 @@ static void close_mounting(const tumble_angle_t *tilt, const channel_t *channels
     const double alpha3 = (tilt->sine * sum[0][1]) - (tilt->cosine * sum[1][0]);
     const double theta_h = (tilt->cosine * sum[1][2]) - (tilt->sine * sum[2][1]);
     response->alpha1 += (tilt->cosine * sum[1][1]) - (tilt->sine * (sum[0][0] + sum[2][2]));
-    response->alpha2 += turning;
-    response->alpha3 += alpha3;
-    response->theta_h += theta_h;
-    response->theta_n += turning;
+    response->own[ALPHA3] += alpha3;
+    response->own[THETA_H] += theta_h;
+    response->own[THETA_N] += turning;
 }
 
 /* Before a block is bolted on anew, and at the end. */
 static void close_bolting(response_t *response)
 {
-    response->yaw += response->alpha3;
-    response->yaws_squared += tumble_square(response->alpha3);
-    response->lean += response->theta_h;
-    response->seats_squared += tumble_square(response->theta_h) + tumble_square(response->theta_n);
-    response->alpha3 = 0.0;
-    response->theta_h = 0.0;
-    response->theta_n = 0.0;
+    response->yaws_squared += tumble_square(response->own[ALPHA3]);
+    response->seats_squared += tumble_square(response->own[THETA_H]) + tumble_square(response->own[THETA_N]);
+    for (int e = 0; e < OF_BOLTING; e++) {
+        response->common[e] += response->own[e];
+        response->own[e] = 0.0;
+    }
 }
 
 /* All sources in quadrature. */
 static double combined(const tumble_stand_record_t *stand, const response_t *response)
 {
-    const double yaws_squared = stand->common_yaw ? tumble_square(response->yaw) : response->yaws_squared;
-    return tumble_sqrt(
-        tumble_square(stand->axis_tilt_rad * response->alpha1) + tumble_square(stand->level_rad * response->alpha2) +
-        (tumble_square(stand->remount_rad) * yaws_squared) +
-        (tumble_square(stand->angle_rad) * response->alpha4_squared) + response->noise_squared +
-        (tumble_square(stand->seat_rad) * response->seats_squared) +
-        tumble_square(stand->platform_rad * response->lean) + tumble_course_variance(stand, &response->course));
+    const double yaws_squared = stand->common_yaw ? tumble_square(response->common[ALPHA3]) : response->yaws_squared;
+    return tumble_sqrt(tumble_square(stand->axis_tilt_rad * response->alpha1) +
+                       tumble_square(stand->level_rad * response->common[THETA_N]) +
+                       (tumble_square(stand->remount_rad) * yaws_squared) +
+                       (tumble_square(stand->angle_rad) * response->alpha4_squared) + response->noise_squared +
+                       (tumble_square(stand->seat_rad) * response->seats_squared) +
+                       tumble_square(stand->platform_rad * response->common[THETA_H]) +
+                       tumble_course_variance(stand, &response->course));
 }
 
 /* A coefficient is made of the means of its channel, but of all three by a table, as is |a|. */
