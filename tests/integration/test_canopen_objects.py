@@ -325,6 +325,9 @@ MISTAKES = [
     ("keeper.toml", "like = 0x2104", "like = 0x2990", "is like none"),
     ("keeper.toml", "map = [0x2120_02,", "map = [0x2120_01,", "transmit PDO 4: may not map 2120h:1"),
     ("keeper.toml", 'home = "computed"', 'home = "variable"', "an extension has no variables of its own"),
+    ("keeper.toml", 'source = "trend"\n', "", "object 2163h:1: a computed value, and no other, has a source"),
+    ("keeper.toml", 'source = "trend"\n', 'source = "trends"\n', "2163h:1: its source trends is not in [sources]"),
+    ("keeper.toml", 'trend_u = "', 'nothing = "of nobody"\ntrend_u = "', "no value comes from the source nothing"),
     (
         "keeper.toml",
         'low = "TUMBLE_SETS_MIN_PAUSE_S",',
