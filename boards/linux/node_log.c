@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #define NODE 1U
+#define COMMAND_OBJECT 0x2002U
 #define COMMAND 2U
 
 void node_log_ready(const node_options_t *options)
@@ -30,7 +31,7 @@ void node_log_ready(const node_options_t *options)
 
 static bool is_of_command(const tumble_can_frame_t *frame)
 {
-    return tumble_get_u16(&frame->data[1]) == TUMBLE_NAVCOMP_INDEX_COMMAND && frame->data[3] == COMMAND;
+    return tumble_get_u16(&frame->data[1]) == COMMAND_OBJECT && frame->data[3] == COMMAND;
 }
 
 /* A client writes: the value is in the frame itself, or in the segment that follows. */

@@ -1,4 +1,4 @@
-/* Written by tools/objects/generate from docs/operations.md: change it there. */
+/* Written by tools/objects/generate from tools/objects/remedies.toml: change it there. */
 #include "remedies.h"
 
 /* clang-format off */

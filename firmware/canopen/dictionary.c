@@ -52,7 +52,7 @@ tumble_entry_t tumble_dictionary_entry(const tumble_dictionary_t *dictionary, ui
         entry.limit = 0;
         entry.offset = highest;
     } else {
-        entry.offset = (uint16_t)(entry.offset + ((subindex - entry.subindex) * entry.size));
+        entry.offset = (entry.offset + ((uint32_t)(subindex - entry.subindex) * entry.size)) & TUMBLE_MAX_OFFSET;
     }
     if (place >= dictionary->table->count) {
         entry.access |= TUMBLE_ACCESS_EXTENSION;

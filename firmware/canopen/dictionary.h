@@ -51,6 +51,8 @@
 #define TUMBLE_HOME_COMPUTED 4U      /* nowhere: the application's hooks make and take it */
 #define TUMBLE_HOME_COMMUNICATION 5U /* inside canopen (1001h..1BFFh): the node's own hooks make and take it */
 
+#define TUMBLE_MAX_OFFSET 0x7FFU
+
 /* One entry, or in a table a run of them that are alike: subindices one after the other, whose values lie one after the
  * other in their home; objects one after the other of COMMUNICATION. Subindex 0 of an object with further ones needs no
  * entry where it is what CiA 301 wants there: the highest subindex, read only. */
@@ -64,7 +66,8 @@ typedef struct {
     uint8_t limit : 4; /* 0: none; else 1 + place in the table's limits */
     uint8_t more_objects : 4;
     uint8_t more_subindices;
-    uint16_t offset; /* bytes into its home; free for the hooks' use when COMPUTED or COMMUNICATION */
+    uint16_t offset : 11; /* bytes into its home; free for the hooks' use when COMPUTED or COMMUNICATION */
+    uint16_t source : 5;  /* of COMPUTED: what the hooks take it from and give it to, by their own numbers */
 } tumble_entry_t;
 
 static_assert(sizeof(tumble_entry_t) == 10, "the dictionary table is the largest constant of a node");

@@ -11,13 +11,6 @@
 
 #define SIGNATURE_SAVE 0x65766173U /* "save" */
 #define SIGNATURE_LOAD 0x64616F6CU /* "load" */
-#define INDEX_SAVE 0x1010U
-#define INDEX_LOAD 0x1011U
-
-/* Subindices that are no member of a struct. */
-#define HOST_CALENDAR 1U
-#define SELECTOR 1U
-#define HISTORY_ENTRIES 2U
 
 /* The four sets lie one behind the other in each kind of object, in the order of tumble_which_set_t. */
 #define WHICH_BITS 3U
@@ -102,7 +95,7 @@ static tumble_abort_t read_result(const tumble_keeper_t *keeper, const tumble_en
     if (tumble_navcomp_result(keeper->navcomp, &result) != TUMBLE_OK) {
         return TUMBLE_ABORT_NO_DATA;
     }
-    const bool of_fit = (entry->index == TUMBLE_KEEPER_INDEX_FIT);
+    const bool of_fit = (entry->source == (unsigned)TUMBLE_KEEPER_SOURCE_FIT);
     const tumble_abort_t refusal = refusal_of(of_fit ? tumble_sets_whole_model(&keeper->sets, &fit)
                                                      : tumble_sets_uncertainty(&keeper->sets, &uncertainty));
     if (refusal != TUMBLE_ABORT_NONE) {
@@ -172,41 +165,35 @@ static tumble_abort_t read_position(const tumble_keeper_t *keeper, const tumble_
                                     uint8_t *size)
 {
     tumble_position_view_t view;
+    const bool always = (entry->source == (unsigned)TUMBLE_KEEPER_SOURCE_SHOWN_POSITION) ||
+                        (entry->source == (unsigned)TUMBLE_KEEPER_SOURCE_POSITIONS);
     bool there = look_up(keeper, &view);
-    if (entry->index == TUMBLE_KEEPER_INDEX_POSITION) {
-        there = (entry->subindex == SELECTOR) || (there && look_up_mean(keeper, &view));
-    } else {
-        there = there || (entry->offset == offsetof(tumble_position_view_t, count));
+    if (entry->source == (unsigned)TUMBLE_KEEPER_SOURCE_POSITION) {
+        there = there && look_up_mean(keeper, &view);
     }
-    return there ? member(&view, entry, bytes, size) : TUMBLE_ABORT_NO_DATA;
+    return (there || always) ? member(&view, entry, bytes, size) : TUMBLE_ABORT_NO_DATA;
 }
 
-/* The numbers of samples are there to read before there is anything else. */
 static tumble_abort_t read_at_rest(const tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes,
                                    uint8_t *size)
 {
     tumble_at_rest_view_t view;
     const double v_per_count = keeper->navcomp->procedure_config.v_per_count;
     const bool told = (tumble_at_rest_view(&keeper->at_rest, v_per_count, &view) == TUMBLE_OK);
-    return (told || (entry->type == TUMBLE_TYPE_UNSIGNED16)) ? member(&view, entry, bytes, size) : TUMBLE_ABORT_NO_DATA;
+    return (told || (entry->source == (unsigned)TUMBLE_KEEPER_SOURCE_AT_REST_COUNT)) ? member(&view, entry, bytes, size)
+                                                                                     : TUMBLE_ABORT_NO_DATA;
 }
 
 /* What was. */
 
 static tumble_abort_t read_history(tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes, uint8_t *size)
 {
-    tumble_history_t *history = &keeper->sets.history;
-    const uint8_t count = tumble_history_count(history);
     tumble_history_entry_t seen;
-    if ((entry->index == TUMBLE_KEEPER_INDEX_HISTORY) && (entry->subindex <= HISTORY_ENTRIES)) {
-        bytes[0] = (entry->subindex == SELECTOR) ? keeper->shown_entry : count;
-        return TUMBLE_ABORT_NONE;
-    }
-    const tumble_abort_t refusal = refusal_of(tumble_history_read(history, keeper->shown_entry, &seen));
+    const tumble_abort_t refusal = refusal_of(tumble_history_read(&keeper->sets.history, keeper->shown_entry, &seen));
     if (refusal != TUMBLE_ABORT_NONE) {
         return refusal;
     }
-    const bool uncertain = (entry->index == TUMBLE_KEEPER_INDEX_HISTORY_UNCERTAINTIES);
+    const bool uncertain = (entry->source == (unsigned)TUMBLE_KEEPER_SOURCE_HISTORY_U);
     const bool warm = (entry->offset == offsetof(tumble_history_entry_t, temperature_c));
     if ((uncertain && ((seen.flags & TUMBLE_SET_HAS_UNCERTAINTY) == 0U)) ||
         (warm && ((seen.flags & TUMBLE_SET_HAS_TEMPERATURE) == 0U))) {
@@ -221,7 +208,8 @@ static tumble_abort_t read_trend(tumble_keeper_t *keeper, const tumble_entry_t *
     const tumble_abort_t refusal =
         refusal_of(tumble_sets_trend(&keeper->sets, (uint8_t)(entry->subindex - 1U), &trend));
     if (refusal == TUMBLE_ABORT_NONE) {
-        tumble_put_f64(bytes, (entry->index == TUMBLE_KEEPER_INDEX_TREND) ? trend.per_month : trend.u_per_month);
+        tumble_put_f64(bytes,
+                       (entry->source == (unsigned)TUMBLE_KEEPER_SOURCE_TREND) ? trend.per_month : trend.u_per_month);
     }
     return refusal;
 }
@@ -242,61 +230,67 @@ static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *
     tumble_keeper_t *keeper = navcomp->config->keeper;
     tumble_abort_t refusal = TUMBLE_ABORT_NONE;
     tumble_keeper_look(keeper);
-    switch (entry->index) {
-    case INDEX_SAVE:
-    case INDEX_LOAD:
+    switch ((tumble_keeper_source_t)entry->source) {
+    case TUMBLE_KEEPER_SOURCE_SAVE:
+    case TUMBLE_KEEPER_SOURCE_LOAD:
         tumble_put_u32(bytes, tumble_parameters_room(&keeper->parameters) ? 1U : 0U);
         break;
-    case TUMBLE_KEEPER_INDEX_U_K:
-    case TUMBLE_KEEPER_INDEX_U_U0:
-    case TUMBLE_KEEPER_INDEX_FIT:
+    case TUMBLE_KEEPER_SOURCE_UNCERTAINTY:
+    case TUMBLE_KEEPER_SOURCE_FIT:
         refusal = read_result(keeper, entry, bytes, size);
         break;
-    case TUMBLE_KEEPER_INDEX_NOISE:
+    case TUMBLE_KEEPER_SOURCE_NOISE:
         refusal = read_noise(keeper, entry, bytes, size);
         break;
-    case TUMBLE_KEEPER_INDEX_KEEPER:
-    case TUMBLE_KEEPER_INDEX_HOST:
+    case TUMBLE_KEEPER_SOURCE_SET:
+        refusal = read_set(keeper, entry, bytes, size);
+        break;
+    case TUMBLE_KEEPER_SOURCE_STATE:
+    case TUMBLE_KEEPER_SOURCE_CALENDAR:
+    case TUMBLE_KEEPER_SOURCE_INHIBIT:
         refusal = read_state(keeper, entry, bytes, size);
         break;
-    case TUMBLE_KEEPER_INDEX_RECALIBRATION:
-    case TUMBLE_KEEPER_INDEX_COMMIT_RULES:
-    case TUMBLE_KEEPER_INDEX_UNCERTAINTY_LIMITS:
-    case TUMBLE_KEEPER_INDEX_DRIFT_LIMITS_PER_MONTH:
-    case TUMBLE_KEEPER_INDEX_DRIFT_LIMITS_PER_KELVIN:
+    case TUMBLE_KEEPER_SOURCE_SETTINGS:
         refusal = member(tumble_sets_settings(&keeper->sets), entry, bytes, size);
         break;
-    case TUMBLE_KEEPER_INDEX_KEEPER_COUNTERS:
+    case TUMBLE_KEEPER_SOURCE_COUNTERS:
         refusal = member(tumble_sets_counters(&keeper->sets), entry, bytes, size);
         break;
-    case TUMBLE_KEEPER_INDEX_STORE_COUNTERS:
+    case TUMBLE_KEEPER_SOURCE_STORES:
         refusal = member(&keeper->sets, entry, bytes, size);
         break;
-    case TUMBLE_KEEPER_INDEX_STAND_SEEN:
+    case TUMBLE_KEEPER_SOURCE_STAND:
         refusal = read_stand(keeper, entry, bytes, size);
         break;
-    case TUMBLE_KEEPER_INDEX_POSITION:
-    case TUMBLE_KEEPER_INDEX_SCHEDULE:
+    case TUMBLE_KEEPER_SOURCE_SHOWN_POSITION:
+    case TUMBLE_KEEPER_SOURCE_POSITION:
+    case TUMBLE_KEEPER_SOURCE_POSITIONS:
+    case TUMBLE_KEEPER_SOURCE_SCHEDULE:
         refusal = read_position(keeper, entry, bytes, size);
         break;
-    case TUMBLE_KEEPER_INDEX_MEASUREMENT_AT_REST:
+    case TUMBLE_KEEPER_SOURCE_AT_REST_COUNT:
+    case TUMBLE_KEEPER_SOURCE_AT_REST:
         refusal = read_at_rest(keeper, entry, bytes, size);
         break;
-    case TUMBLE_KEEPER_INDEX_HISTORY:
-    case TUMBLE_KEEPER_INDEX_HISTORY_VALUES:
-    case TUMBLE_KEEPER_INDEX_HISTORY_UNCERTAINTIES:
+    case TUMBLE_KEEPER_SOURCE_SHOWN_ENTRY:
+        bytes[0] = keeper->shown_entry;
+        break;
+    case TUMBLE_KEEPER_SOURCE_ENTRIES:
+        bytes[0] = tumble_history_count(&keeper->sets.history);
+        break;
+    case TUMBLE_KEEPER_SOURCE_HISTORY:
+    case TUMBLE_KEEPER_SOURCE_HISTORY_U:
         refusal = read_history(keeper, entry, bytes, size);
         break;
-    case TUMBLE_KEEPER_INDEX_TREND:
-    case TUMBLE_KEEPER_INDEX_TREND_UNCERTAINTIES:
+    case TUMBLE_KEEPER_SOURCE_TREND:
+    case TUMBLE_KEEPER_SOURCE_TREND_U:
         refusal = read_trend(keeper, entry, bytes);
         break;
-    case TUMBLE_KEEPER_INDEX_PARAMETERS:
+    case TUMBLE_KEEPER_SOURCE_PARAMETERS:
         refusal = member(&keeper->parameters.view, entry, bytes, size);
         break;
-    default: /* The sets, 2100h to 2117h. Refuse an object that has come into the table without a case here. */
-        refusal =
-            (entry->index < TUMBLE_KEEPER_INDEX_KEEPER) ? read_set(keeper, entry, bytes, size) : TUMBLE_ABORT_GENERAL;
+    default: /* a source that has come into the table without a case here */
+        refusal = TUMBLE_ABORT_GENERAL;
         break;
     }
     return refusal;
@@ -318,15 +312,9 @@ static tumble_abort_t write_setting(tumble_keeper_t *keeper, const tumble_entry_
     return (status == TUMBLE_OK) ? TUMBLE_ABORT_NONE : TUMBLE_ABORT_VALUE;
 }
 
-static tumble_abort_t write_host(tumble_keeper_t *keeper, uint8_t subindex, const uint8_t *bytes)
+static tumble_abort_t write_calendar(tumble_keeper_t *keeper, uint64_t utc_s)
 {
-    tumble_status_t status = TUMBLE_OK;
-    if (subindex == HOST_CALENDAR) {
-        status = tumble_sets_set_utc(&keeper->sets, tumble_get_u64(bytes));
-    } else {
-        tumble_keeper_inhibit(keeper, tumble_get_u16(bytes));
-    }
-    return (status == TUMBLE_OK) ? TUMBLE_ABORT_NONE : TUMBLE_ABORT_VALUE;
+    return (tumble_sets_set_utc(&keeper->sets, utc_s) == TUMBLE_OK) ? TUMBLE_ABORT_NONE : TUMBLE_ABORT_VALUE;
 }
 
 static tumble_abort_t write_at_rest(tumble_keeper_t *keeper, uint16_t wanted)
@@ -339,7 +327,7 @@ static tumble_abort_t write_at_rest(tumble_keeper_t *keeper, uint16_t wanted)
 
 static tumble_abort_t write_parameters(tumble_keeper_t *keeper, const tumble_entry_t *entry, uint32_t signature)
 {
-    const bool save = (entry->index == INDEX_SAVE);
+    const bool save = (entry->source == (unsigned)TUMBLE_KEEPER_SOURCE_SAVE);
     tumble_abort_t refusal;
     if (signature != (save ? SIGNATURE_SAVE : SIGNATURE_LOAD)) {
         refusal = TUMBLE_ABORT_STORE;
@@ -361,24 +349,27 @@ static tumble_abort_t write(void *context, const tumble_entry_t *entry, const ui
     tumble_keeper_t *keeper = navcomp->config->keeper;
     tumble_abort_t refusal = TUMBLE_ABORT_NONE;
     tumble_keeper_look(keeper);
-    switch (entry->index) {
-    case INDEX_SAVE:
-    case INDEX_LOAD:
+    switch ((tumble_keeper_source_t)entry->source) {
+    case TUMBLE_KEEPER_SOURCE_SAVE:
+    case TUMBLE_KEEPER_SOURCE_LOAD:
         refusal = write_parameters(keeper, entry, tumble_get_u32(bytes));
         break;
-    case TUMBLE_KEEPER_INDEX_HOST:
-        refusal = write_host(keeper, entry->subindex, bytes);
+    case TUMBLE_KEEPER_SOURCE_CALENDAR:
+        refusal = write_calendar(keeper, tumble_get_u64(bytes));
         break;
-    case TUMBLE_KEEPER_INDEX_POSITION:
+    case TUMBLE_KEEPER_SOURCE_INHIBIT:
+        tumble_keeper_inhibit(keeper, tumble_get_u16(bytes));
+        break;
+    case TUMBLE_KEEPER_SOURCE_SHOWN_POSITION:
         keeper->shown_position = bytes[0];
         break;
-    case TUMBLE_KEEPER_INDEX_MEASUREMENT_AT_REST:
+    case TUMBLE_KEEPER_SOURCE_AT_REST_COUNT: /* of these the one wanted */
         refusal = write_at_rest(keeper, tumble_get_u16(bytes));
         break;
-    case TUMBLE_KEEPER_INDEX_HISTORY:
+    case TUMBLE_KEEPER_SOURCE_SHOWN_ENTRY:
         keeper->shown_entry = bytes[0];
         break;
-    default: /* the settings, 2122h to 2126h */
+    default: /* nothing else can be written */
         refusal = write_setting(keeper, entry, bytes, size);
         break;
     }

@@ -4,25 +4,11 @@
 
 #include <stddef.h>
 
-/* Subindices that are more than a member of a struct. */
-#define COMMAND_COMMAND 2U
-#define GRAVITY_LIMIT 3U
-#define SERVICE_LEVEL 2U
-#define CONFIGURATION_ESTIMATE 2U /* an enum, and a byte on the bus */
-#define RUN_OF_RESULT 2U
-#define RUN_OF_MEAN 3U
-
-/* Reading. An entry's offset is the place of its member in the struct that the object stands for. */
+/* Reading. An entry's source tells the struct, its offset the place of the member there. */
 
 static tumble_abort_t member(const void *structure, const tumble_entry_t *entry, uint8_t *bytes, uint8_t *size)
 {
     tumble_dictionary_pack(entry, (const uint8_t *)structure + entry->offset, bytes, size);
-    return TUMBLE_ABORT_NONE;
-}
-
-static tumble_abort_t one_byte(unsigned value, uint8_t *bytes)
-{
-    bytes[0] = (uint8_t)value;
     return TUMBLE_ABORT_NONE;
 }
 
@@ -31,9 +17,7 @@ static tumble_abort_t read_progress(const tumble_navcomp_t *navcomp, const tumbl
 {
     tumble_navcomp_progress_t progress;
     tumble_navcomp_progress(navcomp, &progress);
-    const bool mean =
-        (entry->index == TUMBLE_NAVCOMP_INDEX_RUNNING_MEAN) || (entry->index == TUMBLE_NAVCOMP_INDEX_STANDARD_ERROR);
-    if (mean && !progress.has_mean) {
+    if ((entry->source == (unsigned)TUMBLE_NAVCOMP_SOURCE_MEAN) && !progress.has_mean) {
         return TUMBLE_ABORT_NO_DATA;
     }
     return member(&progress, entry, bytes, size);
@@ -46,20 +30,15 @@ static tumble_abort_t read_result(const tumble_navcomp_t *navcomp, const tumble_
     if (tumble_navcomp_result(navcomp, &result) != TUMBLE_OK) {
         return TUMBLE_ABORT_NO_DATA;
     }
-    if (entry->index != TUMBLE_NAVCOMP_INDEX_GRAVITY_CHECK) {
-        return member(result.coefficients, entry, bytes, size);
+    const void *structure = result.coefficients;
+    if (entry->source == (unsigned)TUMBLE_NAVCOMP_SOURCE_CHECK) {
+        structure = result.check;
+    } else if (entry->source == (unsigned)TUMBLE_NAVCOMP_SOURCE_LIMIT) {
+        structure = &navcomp->procedure_config;
+    } else {
+        /* the coefficients */
     }
-    return (entry->subindex == GRAVITY_LIMIT) ? member(&navcomp->procedure_config, entry, bytes, size)
-                                              : member(result.check, entry, bytes, size);
-}
-
-static tumble_abort_t read_configuration(const tumble_navcomp_t *navcomp, const tumble_entry_t *entry, uint8_t *bytes,
-                                         uint8_t *size)
-{
-    if (entry->subindex == CONFIGURATION_ESTIMATE) {
-        return one_byte((unsigned)navcomp->procedure_config.estimate, bytes);
-    }
-    return member(&navcomp->procedure_config, entry, bytes, size);
+    return member(structure, entry, bytes, size);
 }
 
 static tumble_abort_t read_counters(const tumble_navcomp_t *navcomp, const tumble_entry_t *entry, uint8_t *bytes,
@@ -68,15 +47,6 @@ static tumble_abort_t read_counters(const tumble_navcomp_t *navcomp, const tumbl
     tumble_navcomp_counters_t counters;
     tumble_navcomp_counters(navcomp, &counters);
     return member(&counters, entry, bytes, size);
-}
-
-static tumble_abort_t read_service(const tumble_navcomp_t *navcomp, uint8_t subindex, uint8_t *bytes)
-{
-    if (subindex == SERVICE_LEVEL) {
-        return one_byte(tumble_service_is_open(navcomp) ? 1U : 0U, bytes);
-    }
-    tumble_put_u16(bytes, tumble_service_left_s(navcomp));
-    return TUMBLE_ABORT_NONE;
 }
 
 static bool has_result(const tumble_navcomp_t *navcomp)
@@ -93,12 +63,12 @@ static bool has_mean(const tumble_navcomp_t *navcomp)
 }
 
 /* The same run all the time, but only of what there is. */
-static tumble_abort_t read_run(const tumble_navcomp_t *navcomp, uint8_t subindex, uint8_t *bytes)
+static tumble_abort_t read_run(const tumble_navcomp_t *navcomp, const tumble_entry_t *entry, uint8_t *bytes)
 {
     bool is_there = true;
-    if (subindex == RUN_OF_RESULT) {
+    if (entry->source == (unsigned)TUMBLE_NAVCOMP_SOURCE_RUN_OF_RESULT) {
         is_there = has_result(navcomp);
-    } else if (subindex == RUN_OF_MEAN) {
+    } else if (entry->source == (unsigned)TUMBLE_NAVCOMP_SOURCE_RUN_OF_MEAN) {
         is_there = has_mean(navcomp);
     } else {
         /* there is always a state */
@@ -110,43 +80,40 @@ static tumble_abort_t read_run(const tumble_navcomp_t *navcomp, uint8_t subindex
 static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *bytes, uint8_t *size)
 {
     const tumble_navcomp_t *navcomp = context;
-    tumble_abort_t refusal;
-    switch (entry->index) {
-    case TUMBLE_NAVCOMP_INDEX_STATE:
-    case TUMBLE_NAVCOMP_INDEX_REASON:
-    case TUMBLE_NAVCOMP_INDEX_PROGRESS:
-    case TUMBLE_NAVCOMP_INDEX_FAILURE:
-    case TUMBLE_NAVCOMP_INDEX_RUNNING_MEAN:
-    case TUMBLE_NAVCOMP_INDEX_STANDARD_ERROR:
+    tumble_abort_t refusal = TUMBLE_ABORT_NONE;
+    switch ((tumble_navcomp_source_t)entry->source) {
+    case TUMBLE_NAVCOMP_SOURCE_PROGRESS:
+    case TUMBLE_NAVCOMP_SOURCE_MEAN:
         refusal = read_progress(navcomp, entry, bytes, size);
         break;
-    case TUMBLE_NAVCOMP_INDEX_K:
-    case TUMBLE_NAVCOMP_INDEX_U0:
-    case TUMBLE_NAVCOMP_INDEX_GRAVITY_CHECK:
+    case TUMBLE_NAVCOMP_SOURCE_COEFFICIENTS:
+    case TUMBLE_NAVCOMP_SOURCE_CHECK:
+    case TUMBLE_NAVCOMP_SOURCE_LIMIT:
         refusal = read_result(navcomp, entry, bytes, size);
         break;
-    case TUMBLE_NAVCOMP_INDEX_CONFIGURATION:
-        refusal = read_configuration(navcomp, entry, bytes, size);
+    case TUMBLE_NAVCOMP_SOURCE_CONFIGURATION:
+        refusal = member(&navcomp->procedure_config, entry, bytes, size);
         break;
-    case TUMBLE_NAVCOMP_INDEX_SERVICE_LEVEL:
-        refusal = read_service(navcomp, entry->subindex, bytes);
+    case TUMBLE_NAVCOMP_SOURCE_ESTIMATOR:
+        bytes[0] = (uint8_t)navcomp->procedure_config.estimate;
         break;
-    case TUMBLE_NAVCOMP_INDEX_RUN_NUMBER:
-        tumble_put_u32(bytes, tumble_service_runs(navcomp));
-        refusal = TUMBLE_ABORT_NONE;
-        break;
-    case TUMBLE_NAVCOMP_INDEX_RUN:
-        refusal = read_run(navcomp, entry->subindex, bytes);
-        break;
-    case TUMBLE_NAVCOMP_INDEX_BUS_COUNTERS:
-    case TUMBLE_NAVCOMP_INDEX_NODE_COUNTERS:
-    case TUMBLE_NAVCOMP_INDEX_BLOCK_COUNTERS:
-    case TUMBLE_NAVCOMP_INDEX_AVERAGING_COUNTERS:
-    case TUMBLE_NAVCOMP_INDEX_PROCEDURE_COUNTERS:
-    case TUMBLE_NAVCOMP_INDEX_STOP_COUNTERS:
+    case TUMBLE_NAVCOMP_SOURCE_COUNTERS:
         refusal = read_counters(navcomp, entry, bytes, size);
         break;
-    default: /* Refuse an object that has come into the table without a case here: it is not the counters. */
+    case TUMBLE_NAVCOMP_SOURCE_SERVICE_LEVEL:
+        bytes[0] = tumble_service_is_open(navcomp) ? 1U : 0U;
+        break;
+    case TUMBLE_NAVCOMP_SOURCE_SERVICE_LEFT:
+        tumble_put_u16(bytes, tumble_service_left_s(navcomp));
+        break;
+    case TUMBLE_NAVCOMP_SOURCE_RUN:
+    case TUMBLE_NAVCOMP_SOURCE_RUN_OF_RESULT:
+    case TUMBLE_NAVCOMP_SOURCE_RUN_OF_MEAN:
+        refusal = read_run(navcomp, entry, bytes);
+        break;
+    case TUMBLE_NAVCOMP_SOURCE_COMMAND:
+    case TUMBLE_NAVCOMP_SOURCE_SERVICE_KEY:
+    default: /* written only; or a source that has come into the table without a case here */
         refusal = TUMBLE_ABORT_GENERAL;
         break;
     }
@@ -177,7 +144,7 @@ static tumble_abort_t write_configuration(tumble_navcomp_t *navcomp, const tumbl
     if (tumble_run_is_on(navcomp)) {
         return TUMBLE_ABORT_DEVICE_STATE;
     }
-    if (entry->subindex == CONFIGURATION_ESTIMATE) {
+    if (entry->source == (unsigned)TUMBLE_NAVCOMP_SOURCE_ESTIMATOR) {
         config->estimate = (tumble_estimate_t)bytes[0];
     } else {
         tumble_dictionary_unpack(entry, (uint8_t *)config + entry->offset, bytes, size);
@@ -188,16 +155,22 @@ static tumble_abort_t write_configuration(tumble_navcomp_t *navcomp, const tumbl
 static tumble_abort_t write(void *context, const tumble_entry_t *entry, const uint8_t *bytes, uint8_t size)
 {
     tumble_navcomp_t *navcomp = context;
-    if ((entry->index == TUMBLE_NAVCOMP_INDEX_COMMAND) && (entry->subindex == COMMAND_COMMAND)) {
-        return write_command(navcomp, bytes[0]);
+    if (entry->home != TUMBLE_HOME_COMPUTED) {
+        return TUMBLE_ABORT_NONE; /* variables of the dictionary: the arguments, and what the drive's PDOs write */
     }
-    if (entry->index == TUMBLE_NAVCOMP_INDEX_SERVICE_LEVEL) {
-        return refusal_of(tumble_service_unlock(navcomp, tumble_get_u32(bytes)));
+    tumble_abort_t refusal;
+    switch ((tumble_navcomp_source_t)entry->source) {
+    case TUMBLE_NAVCOMP_SOURCE_COMMAND:
+        refusal = write_command(navcomp, bytes[0]);
+        break;
+    case TUMBLE_NAVCOMP_SOURCE_SERVICE_KEY:
+        refusal = refusal_of(tumble_service_unlock(navcomp, tumble_get_u32(bytes)));
+        break;
+    default: /* nothing else can be written */
+        refusal = write_configuration(navcomp, entry, bytes, size);
+        break;
     }
-    if (entry->index == TUMBLE_NAVCOMP_INDEX_CONFIGURATION) {
-        return write_configuration(navcomp, entry, bytes, size);
-    }
-    return TUMBLE_ABORT_NONE; /* variables of the dictionary: the arguments, and what the drive's PDOs write */
+    return refusal;
 }
 
 const tumble_object_hooks_t tumble_navcomp_object_hooks = {.read = read, .write = write};

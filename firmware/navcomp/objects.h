@@ -12,29 +12,6 @@
 
 #define TUMBLE_NAVCOMP_NODE 1U
 
-/* Indices of the objects of its own. */
-#define TUMBLE_NAVCOMP_INDEX_STATE 0x2000U
-#define TUMBLE_NAVCOMP_INDEX_REASON 0x2001U
-#define TUMBLE_NAVCOMP_INDEX_COMMAND 0x2002U
-#define TUMBLE_NAVCOMP_INDEX_PROGRESS 0x2003U
-#define TUMBLE_NAVCOMP_INDEX_FAILURE 0x2004U
-#define TUMBLE_NAVCOMP_INDEX_SERVICE_LEVEL 0x2006U
-#define TUMBLE_NAVCOMP_INDEX_RUN_NUMBER 0x2007U
-#define TUMBLE_NAVCOMP_INDEX_RUN 0x2008U
-#define TUMBLE_NAVCOMP_INDEX_RUNNING_MEAN 0x2010U
-#define TUMBLE_NAVCOMP_INDEX_STANDARD_ERROR 0x2011U
-#define TUMBLE_NAVCOMP_INDEX_K 0x2020U
-#define TUMBLE_NAVCOMP_INDEX_U0 0x2021U
-#define TUMBLE_NAVCOMP_INDEX_GRAVITY_CHECK 0x2022U
-#define TUMBLE_NAVCOMP_INDEX_BUS_COUNTERS 0x2030U
-#define TUMBLE_NAVCOMP_INDEX_NODE_COUNTERS 0x2031U
-#define TUMBLE_NAVCOMP_INDEX_BLOCK_COUNTERS 0x2032U
-#define TUMBLE_NAVCOMP_INDEX_AVERAGING_COUNTERS 0x2033U
-#define TUMBLE_NAVCOMP_INDEX_PROCEDURE_COUNTERS 0x2034U
-#define TUMBLE_NAVCOMP_INDEX_STOP_COUNTERS 0x2035U
-#define TUMBLE_NAVCOMP_INDEX_DRIVE 0x2040U
-#define TUMBLE_NAVCOMP_INDEX_CONFIGURATION 0x2050U
-
 /* The variables: TUMBLE_HOME_VARIABLES. */
 typedef struct {
     double command_angle; /* 2002h:3, deg */
@@ -44,6 +21,25 @@ typedef struct {
 
 /* Their power-on values. */
 extern const tumble_navcomp_objects_t tumble_navcomp_objects_initial;
+
+/* Where what is computed comes from: tumble_entry_t.source. */
+typedef enum {
+    TUMBLE_NAVCOMP_SOURCE_PROGRESS, /* tumble_navcomp_progress */
+    TUMBLE_NAVCOMP_SOURCE_MEAN, /* of the open position, as progress has it */
+    TUMBLE_NAVCOMP_SOURCE_COEFFICIENTS, /* of the result */
+    TUMBLE_NAVCOMP_SOURCE_CHECK, /* of gravity, with the result */
+    TUMBLE_NAVCOMP_SOURCE_LIMIT, /* of that check */
+    TUMBLE_NAVCOMP_SOURCE_CONFIGURATION, /* procedure_config of the navigation computer */
+    TUMBLE_NAVCOMP_SOURCE_ESTIMATOR, /* of that, a byte on the bus */
+    TUMBLE_NAVCOMP_SOURCE_COUNTERS, /* tumble_navcomp_counters */
+    TUMBLE_NAVCOMP_SOURCE_COMMAND, /* tumble_navcomp_command */
+    TUMBLE_NAVCOMP_SOURCE_SERVICE_KEY, /* tumble_service_unlock */
+    TUMBLE_NAVCOMP_SOURCE_SERVICE_LEVEL, /* tumble_service_is_open */
+    TUMBLE_NAVCOMP_SOURCE_SERVICE_LEFT, /* tumble_service_left_s */
+    TUMBLE_NAVCOMP_SOURCE_RUN, /* tumble_service_runs */
+    TUMBLE_NAVCOMP_SOURCE_RUN_OF_RESULT, /* the same, where there is a result */
+    TUMBLE_NAVCOMP_SOURCE_RUN_OF_MEAN, /* the same, where there is a running mean */
+} tumble_navcomp_source_t;
 
 extern const tumble_object_table_t tumble_navcomp_table;
 extern const tumble_node_defaults_t tumble_navcomp_defaults;

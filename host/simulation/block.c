@@ -19,7 +19,7 @@ static tumble_abort_t check_write(void *context, const tumble_entry_t *entry, co
 {
     sim_block_t *const block = context;
     (void)size;
-    if (entry->index == TUMBLE_BLOCK_INDEX_SAMPLE_RATE) {
+    if ((entry->home == TUMBLE_HOME_VARIABLES) && (entry->offset == offsetof(tumble_block_objects_t, sample_rate))) {
         block->period_us = 1000000U / ((uint32_t)bytes[0] | (uint32_t)bytes[1] << 8); /* the table refuses 0 */
     }
     return TUMBLE_ABORT_NONE;

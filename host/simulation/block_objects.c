@@ -34,65 +34,65 @@ static const tumble_limit_t limits[] = {
 
 static const tumble_entry_t entries[] = {
     /* Device type */
-    {0x1000U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_IMMEDIATE, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, 0U},
+    {0x1000U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_IMMEDIATE, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, 0U, 0U},
     /* Error register */
     {0x1001U, 0U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 1U, 0U, 0U, 0U, 0U},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 1U, 0U, 0U, 0U, 0U, 0U},
     /* Pre-defined error field */
     {0x1003U, 0U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 1U, 0U, 0U, 0U, 0U},
-    {0x1003U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMMUNICATION, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 3U, 0U},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 1U, 0U, 0U, 0U, 0U, 0U},
+    {0x1003U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMMUNICATION, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 3U, 0U, 0U},
     /* COB-ID SYNC message */
-    {0x1005U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_IMMEDIATE, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, 128U},
+    {0x1005U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_IMMEDIATE, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, 128U, 0U},
     /* Manufacturer device name */
     {0x1008U, 0U, TUMBLE_TYPE_VISIBLE_STRING, TUMBLE_HOME_CONSTANT,
-     TUMBLE_ACCESS_READ, 26U, 0U, 0U, 0U, offsetof(constants_t, value_1008_0)},
+     TUMBLE_ACCESS_READ, 26U, 0U, 0U, 0U, offsetof(constants_t, value_1008_0), 0U},
     /* Manufacturer hardware version */
     {0x1009U, 0U, TUMBLE_TYPE_VISIBLE_STRING, TUMBLE_HOME_CONSTANT,
-     TUMBLE_ACCESS_READ, 9U, 0U, 0U, 0U, offsetof(constants_t, value_1009_0)},
+     TUMBLE_ACCESS_READ, 9U, 0U, 0U, 0U, offsetof(constants_t, value_1009_0), 0U},
     /* Manufacturer software version */
     {0x100AU, 0U, TUMBLE_TYPE_VISIBLE_STRING, TUMBLE_HOME_CONSTANT,
-     TUMBLE_ACCESS_READ, 5U, 0U, 0U, 0U, offsetof(constants_t, value_100a_0)},
+     TUMBLE_ACCESS_READ, 5U, 0U, 0U, 0U, offsetof(constants_t, value_100a_0), 0U},
     /* COB-ID EMCY */
-    {0x1014U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMMUNICATION, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, 0U},
+    {0x1014U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMMUNICATION, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, 0U, 0U},
     /* Consumer heartbeat time */
     {0x1016U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 4U, 0U, 0U, 3U, 0U},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 4U, 0U, 0U, 3U, 0U, 0U},
     /* Producer heartbeat time */
     {0x1017U, 0U, TUMBLE_TYPE_UNSIGNED16, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 2U, 0U, 0U, 0U, 0U},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 2U, 0U, 0U, 0U, 0U, 0U},
     /* Identity object */
-    {0x1018U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_IMMEDIATE, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, 0U},
+    {0x1018U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_IMMEDIATE, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, 0U, 0U},
     {0x1018U, 2U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_CONSTANT,
-     TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, offsetof(constants_t, value_1018_2)},
+     TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, offsetof(constants_t, value_1018_2), 0U},
     {0x1018U, 3U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_CONSTANT,
-     TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, offsetof(constants_t, value_1018_3)},
-    {0x1018U, 4U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_IMMEDIATE, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, 3U},
+     TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, offsetof(constants_t, value_1018_3), 0U},
+    {0x1018U, 4U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_IMMEDIATE, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, 3U, 0U},
     /* Error behaviour */
     {0x1029U, 1U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 1U, 1U, 0U, 0U, 0U},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 1U, 1U, 0U, 0U, 0U, 0U},
     /* SDO server parameter */
-    {0x1200U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMMUNICATION, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 1U, 0U},
+    {0x1200U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMMUNICATION, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 1U, 0U, 0U},
     /* Sample rate */
     {0x2000U, 0U, TUMBLE_TYPE_UNSIGNED16, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 2U, 2U, 0U, 0U, offsetof(tumble_block_objects_t, sample_rate)},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 2U, 2U, 0U, 0U, offsetof(tumble_block_objects_t, sample_rate), 0U},
     /* Status */
     {0x2001U, 0U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 1U, 0U, 0U, 0U, offsetof(tumble_block_objects_t, status)},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 1U, 0U, 0U, 0U, offsetof(tumble_block_objects_t, status), 0U},
     /* Temperature */
     {0x2002U, 0U, TUMBLE_TYPE_INTEGER8, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 1U, 0U, 0U, 0U, offsetof(tumble_block_objects_t, temperature)},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 1U, 0U, 0U, 0U, offsetof(tumble_block_objects_t, temperature), 0U},
     /* Samples sent */
     {0x2003U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 4U, 0U, 0U, 0U, offsetof(tumble_block_objects_t, samples_sent)},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 4U, 0U, 0U, 0U, offsetof(tumble_block_objects_t, samples_sent), 0U},
     /* Converter */
     {0x2004U, 1U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ, 1U, 0U, 0U, 0U, offsetof(tumble_block_objects_t, converter_bits)},
+     TUMBLE_ACCESS_READ, 1U, 0U, 0U, 0U, offsetof(tumble_block_objects_t, converter_bits), 0U},
     {0x2004U, 2U, TUMBLE_TYPE_REAL64, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ, 8U, 0U, 0U, 0U, offsetof(tumble_block_objects_t, converter_range)},
+     TUMBLE_ACCESS_READ, 8U, 0U, 0U, 0U, offsetof(tumble_block_objects_t, converter_range), 0U},
     /* Note */
     {0x2005U, 0U, TUMBLE_TYPE_VISIBLE_STRING, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 32U, 0U, 0U, 0U, offsetof(tumble_block_objects_t, note)},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 32U, 0U, 0U, 0U, offsetof(tumble_block_objects_t, note), 0U},
 };
 
 const tumble_object_table_t tumble_block_table = {

@@ -12,14 +12,6 @@
 
 #define TUMBLE_BLOCK_NODE 3U
 
-/* Indices of the objects of its own. */
-#define TUMBLE_BLOCK_INDEX_SAMPLE_RATE 0x2000U
-#define TUMBLE_BLOCK_INDEX_STATUS 0x2001U
-#define TUMBLE_BLOCK_INDEX_TEMPERATURE 0x2002U
-#define TUMBLE_BLOCK_INDEX_SAMPLES_SENT 0x2003U
-#define TUMBLE_BLOCK_INDEX_CONVERTER 0x2004U
-#define TUMBLE_BLOCK_INDEX_NOTE 0x2005U
-
 /* The variables: TUMBLE_HOME_VARIABLES. */
 typedef struct {
     double converter_range; /* 2004h:2, V */

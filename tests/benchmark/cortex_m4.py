@@ -58,13 +58,9 @@ CANDIDATES = {
     "one of `least_squares`, noise above": 20,
     "refined, three mountings": 16,
     "refined, diagonal": 17,
-    "refined, circles known": 22,
-    "refined, from sums": 23,
-    "refined, diagonal, circles known": 24,
-    "refined, diagonal, from sums": 25,
-    "inclined": 26,
-    "uncertainties of `inclined`": 27,
-    "one of `inclined`": 28,
+    "inclined": 22,
+    "uncertainties of `inclined`": 23,
+    "one of `inclined`": 24,
 }
 SAMPLES = 512  # in one loop, as benchmark.h has it
 BUDGETS = "build/{0}/boards/*/budget_*.csv"  # by preset
@@ -73,7 +69,7 @@ SOURCES = ("firmware/**/*.[ch]", "boards/**/*.[chS]", "boards/**/CMakeLists.txt"
 KNOWN = {1: "refined", 2: "least_squares", 3: "linear", 4: "optimal"}
 KNOWN |= dict.fromkeys((6, 7, 12), "least_squares")
 KNOWN |= {13: "u refined", 14: "u least_squares", 15: "u optimal", 16: OTHERS[0], 17: OTHERS[1]}
-KNOWN |= {22: "refined", 23: "sums", 24: OTHERS[1], 25: "diagonal_sums", 26: "inclined", 27: "u inclined"}
+KNOWN |= {22: "inclined", 23: "u inclined"}
 LOOP = "a loop over samples"
 SAMPLE_PATHS = ("a sample, without gates", "a sample, with gates", "a sample in blocks")
 STEPS = {"idle": "an idle step", "sample": "a step with a sample", "other": "any other step"}

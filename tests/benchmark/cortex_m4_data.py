@@ -10,7 +10,6 @@ from tumble.solving import optimal_run
 from tumble.stand import PAPER_STAND
 
 OTHERS = ("three_mountings", "diagonal")  # schedules beside the paper's
-V_PER_COUNT, PER_POSITION = 1e-6, 50  # of the sums
 
 
 def write_data(path):
@@ -24,8 +23,6 @@ def write_data(path):
     )
     others = {name: Geometry(core.built_in(name)).outputs(k, np.array([0.01, -0.02, 0.03])) for name in OTHERS}
     inclined = Geometry(core.built_in("inclined")).outputs(k, np.array([0.01, -0.02, 0.03]))
-    sums = {"sums": means, "diagonal_sums": others["diagonal"]}
-    sums = {name: np.rint(outputs * (PER_POSITION / V_PER_COUNT)).astype(int) for name, outputs in sums.items()}
     written = optimal_run.record_of(optimal_table(schedule.data, k, PAPER_STAND), schedule.data)
     sigmas = ", ".join(
         PAPER_STAND.sigma(source).hex() for source in ("axis_tilt", "level", "remount", "angle", "noise")
@@ -37,7 +34,6 @@ const tumble_means_t benchmark_means = {{.u_v = {{{rows_of(means)}}},
     .measured = {{{", ".join(["true"] * 18)}}}}};
 {"".join(means_as_c(name, outputs) for name, outputs in others.items())}
 {means_as_c("inclined", inclined)}
-{"".join(sums_as_c(name, counts) for name, counts in sums.items())}
 const tumble_gain_record_t *const benchmark_record = &tumble_optimal_gains.head;
 const tumble_gain_table_t benchmark_table = {{tumble_optimal_gains.gains[0], 18, 0.0}};
 const tumble_stand_record_t benchmark_stand = {{
@@ -57,10 +53,6 @@ const tumble_coefficients_t benchmark_coefficients = {{.k_v_per_g = {{{rows_of(k
     found["u inclined"] = binding.uncertainties(bolted_once, k, PAPER_STAND, each, "inclined")
     for name, outputs in others.items():
         found[name] = core.estimate(core.CoreSchedule.built_in(name), outputs)
-    for name, counts in sums.items():
-        of_counts = counts / PER_POSITION * V_PER_COUNT
-        own = core.CoreSchedule.built_in(OTHERS[1]) if name == "diagonal_sums" else schedule
-        found[name] = core.estimate(own, of_counts)
     found["u optimal"] = binding.uncertainties_of_gains(schedule, k, PAPER_STAND, once, written.gains)
     return {name: np.concatenate([k.ravel(), u0]) for name, (k, u0) in found.items()}
 
@@ -68,11 +60,6 @@ const tumble_coefficients_t benchmark_coefficients = {{.k_v_per_g = {{{rows_of(k
 def means_as_c(name, means):
     measured = ", ".join(["true"] * len(means))
     return f"const tumble_means_t benchmark_{name} = {{.u_v = {{{rows_of(means)}}}, .measured = {{{measured}}}}};\n"
-
-
-def sums_as_c(name, sums):
-    rows = ",\n    ".join(f"{{{{{', '.join(map(str, row))}}}, {PER_POSITION}, {{0}}}}" for row in sums)
-    return f"const tumble_averaging_t benchmark_{name} = {{.open.index = UINT8_MAX, .averages = {{{rows}}}}};\n"
 
 
 def rows_of(matrix):

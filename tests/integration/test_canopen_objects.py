@@ -185,26 +185,39 @@ def test_a_missing_product_is_noticed_and_written(tree):
     assert generate("--root", tree).stdout == ""
 
 
-def test_a_change_of_a_remedy_is_noticed_and_goes_into_c(tree):
+def test_a_change_of_a_remedy_is_noticed_and_goes_into_c(tree, tables):
     """Without the marks of the page; what C would take for the end of its text stays within it."""
-    change(tree / "docs/operations.md", "brake, obstacle, current limit.", 'see [b](bus/README.md#x), `k`, "\\r".')
-    done = generate("--check", "--root", tree)
+    change(tables / "remedies.toml", "brake, obstacle, current limit.",
+           'see [b](bus/README.md#x), `k`, \\"\\\\r\\".')
+    done = generate("--check", "--root", tree, "--tables", tables)
     named = re.findall(r"generate: (\S+) is not what the tables say", done.stderr)
     assert done.returncode == 1 and "boards/linux/remedies.c" in named
-    assert generate("--root", tree).returncode == 0
+    assert generate("--root", tree, "--tables", tables).returncode == 0
     written = (tree / "boards/linux/remedies.c").read_text()
     assert '[TUMBLE_REASON_STALL] = "The axis does not follow: see docs/bus/README.md, k, \\"\\\\r\\".",\n' in written
 
 
-def test_a_page_without_remedies_is_one_line_and_exit_2(tree):
-    page = tree / "docs/operations.md"
-    page.write_text(page.read_text().replace("`TUMBLE_REASON_", "`REASON_"))
-    done = generate("--check", "--root", tree)
-    assert (done.returncode, done.stderr) == (2, "generate: docs/operations.md: there is no table of reasons\n")
+REMEDIES = {  # what of remedies.toml or the page is changed, into what, and what is said
+    "none": ("remedies.toml", 'STALL = "', 'STALLS = "',
+             "remedies.toml: does not say what to do: TUMBLE_REASON_STALL"),
+    "empty": ("remedies.toml", 'NO_SAMPLES = "It lives but sends no samples."', 'NO_SAMPLES = ""',
+              "remedies.toml: does not say what to do: TUMBLE_REASON_NO_SAMPLES"),
+    "of no reason": ("remedies.toml", 'STALL = "', 'MOON = "x"\nSTALL = "',
+                     "remedies.toml: [TUMBLE_REASON] is not the list of firmware/procedure/states.h, in its order"),
+    "no marks": ("docs/operations.md", "<!-- TUMBLE_REASON:", "<!-- TUMBLE:",
+                 "docs/operations.md: the marks of the table of TUMBLE_REASON are missing"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("file, old, new, said", REMEDIES.values(), ids=REMEDIES)
+def test_a_reason_without_a_remedy_is_one_line_and_exit_2(tree, tables, file, old, new, said):
+    change((tables if file.endswith(".toml") else tree) / file, old, new)
+    done = generate("--check", "--root", tree, "--tables", tables)
+    assert (done.returncode, done.stderr) == (2, f"generate: {said}\n")
 
 
 def test_a_renumbered_list_makes_the_page_stale(tree):
-    change(tree / "firmware/procedure/states.h", "X(TUMBLE_REASON_NONE", "X(TUMBLE_REASON_NO")
+    change(tree / "firmware/navcomp/commands.h", "X(TUMBLE_COMMAND_NONE", "X(TUMBLE_COMMAND_NO")
     done = generate("--check", "--root", tree)
     assert done.returncode == 1 and "docs/canopen.md" in done.stderr
 
@@ -325,6 +338,9 @@ MISTAKES = [
     ("keeper.toml", "like = 0x2104", "like = 0x2990", "is like none"),
     ("keeper.toml", "map = [0x2120_02,", "map = [0x2120_01,", "transmit PDO 4: may not map 2120h:1"),
     ("keeper.toml", 'home = "computed"', 'home = "variable"', "an extension has no variables of its own"),
+    ("keeper.toml", 'source = "trend"\n', "", "object 2163h:1: a computed value, and no other, has a source"),
+    ("keeper.toml", 'source = "trend"\n', 'source = "trends"\n', "2163h:1: its source trends is not in [sources]"),
+    ("keeper.toml", 'trend_u = "', 'nothing = "of nobody"\ntrend_u = "', "no value comes from the source nothing"),
     (
         "keeper.toml",
         'low = "TUMBLE_SETS_MIN_PAUSE_S",',

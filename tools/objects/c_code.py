@@ -6,6 +6,7 @@ import itertools
 import re
 from dataclasses import replace
 
+from headers import OWN
 from kinds import Entry
 from model import MAX_CONSUMERS, Node, Object, Pdo
 from rules import slug
@@ -13,7 +14,7 @@ from standard import MAX_MAPPED, PDO_INVALID
 
 NOTICE = "Written by tools/objects/generate from tools/objects/{file}: change it there."
 HOMES = {"variable": "VARIABLES", "other": "OTHER", "computed": "COMPUTED", "communication": "COMMUNICATION"}
-LIMIT_OF_U16 = 0xFFFF
+MAX_OFFSET = OWN.value("TUMBLE_MAX_OFFSET")
 COLUMNS = 120
 
 
@@ -30,7 +31,8 @@ def parts(node: Node) -> list[Node]:
                                                  "first_transmit": places[0] if places else 0}
     further = [item for item in node.objects if item.further]
     behind = node.transmit[places[0]:places[-1] + 1] if places else []
-    return [first, replace(node, objects=further, receive=[], transmit=behind, settings=settings)]
+    return [first, replace(node, objects=further, receive=[], transmit=behind, settings=settings,
+                           sources=node.extension["sources"])]
 
 
 def macro(name: str) -> str:
@@ -60,7 +62,7 @@ def literal(entry: Entry) -> str:
 
 
 def is_immediate(entry: Entry) -> bool:
-    return entry.home == "value" and entry.type.is_integer and 0 <= int(entry.value) <= LIMIT_OF_U16
+    return entry.home == "value" and entry.type.is_integer and 0 <= int(entry.value) <= MAX_OFFSET
 
 
 def declaration(entry: Entry, name: str, extra: int = 0) -> str:
@@ -110,11 +112,7 @@ def header(node: Node) -> str:
         "",
         "#include <stdbool.h>",
         "#include <stdint.h>",
-        "",
-        *([] if "title" in node.settings else [f"#define {prefix.upper()}_NODE {node.id}U", ""]),
-        "/* Indices of the objects of its own. */",
-        *(f"#define {prefix.upper()}_INDEX_{macro(item.name)} 0x{item.index:04X}U" for item in node.objects
-          if item.index >= 0x2000),
+        *([] if "title" in node.settings else ["", f"#define {prefix.upper()}_NODE {node.id}U"]),
     ]
     if variables(node):
         lines += [
@@ -126,6 +124,14 @@ def header(node: Node) -> str:
             "",
             "/* Their power-on values. */",
             f"extern const {prefix}_objects_t {prefix}_objects_initial;",
+        ]
+    if node.sources:
+        lines += [
+            "",
+            "/* Where what is computed comes from: tumble_entry_t.source. */",
+            "typedef enum {",
+            *(f"    {source_name(node, name)}, /* {about} */" for name, about in node.sources.items()),
+            f"}} {prefix}_source_t;",
         ]
     saves = node.settings.get("saves", [])
     if saves:
@@ -149,6 +155,10 @@ def header(node: Node) -> str:
                 f"extern const tumble_pdo_setup_t {prefix}_transmit[{size}];"]
     lines += ["", f"extern const tumble_object_table_t {prefix}_table;", *pdos, "", "#endif"]
     return "\n".join(lines) + "\n"
+
+
+def source_name(node: Node, name: str) -> str:
+    return f"{node.prefix.upper()}_SOURCE_{macro(name)}"
 
 
 class Source:
@@ -222,9 +232,10 @@ class Source:
     def row(self, run: list[Entry], more_objects: int) -> str:
         entry = run[0]
         home, offset = self.home(entry)
+        source = source_name(self.node, entry.source) if entry.source else "0U"
         limit = 0 if entry.low is None else 1 + self.limits.index((entry.low, entry.high))
         first = f"    {{0x{entry.index:04X}U, {entry.subindex}U, TUMBLE_TYPE_{entry.type.name}, TUMBLE_HOME_{home},"
-        rest = f"{access(entry)}, {entry.size}U, {limit}U, {more_objects}U, {len(run) - 1}U, {offset}}},"
+        rest = f"{access(entry)}, {entry.size}U, {limit}U, {more_objects}U, {len(run) - 1}U, {offset}, {source}}},"
         return one_line_or_two(first, "     ", rest)
 
     def home(self, entry: Entry) -> tuple[str, str]:
@@ -326,7 +337,7 @@ def continues(item: Object, last: Entry, entry: Entry) -> bool:
 def shape(entry: Entry) -> tuple:
     """What the entries of one row have in common."""
     return (entry.type, entry.access, entry.home, entry.size, entry.map, entry.low, entry.high, entry.struct,
-            entry.level)
+            entry.source, entry.level)
 
 
 def alike_objects(objects: list[Object]) -> list[list[Object]]:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from drawn import text
 from model import Node, read_list
-from remedies import PAGE, remedies
+from remedies import Remedies, plain
 from rules import check
 
 SETS = "firmware/include/tumble/sets.h"
@@ -22,7 +22,7 @@ STEP = re.compile(r'Y\((\d+), (\w+), "(.*?)"\)')
 VERDICT = re.compile(r"TUMBLE_VERDICT_(\w+) = (\d+),?\s*/\* (.*?) \*/")
 HOST = 0x2121  # what the host tells; it is no setting that 1010h saves, but one all the same
 HEAD = '''"""Names that the client library calls things by. Written by tools/objects/generate from firmware lists,
-the object tables and docs/operations.md; not to be edited."""
+the object tables and tools/objects/remedies.toml; not to be edited."""
 
 # ruff: noqa: E501
 # fmt: off
@@ -32,20 +32,17 @@ from __future__ import annotations
 '''
 
 
-def module(root: Path, node: Node) -> str:
+def module(root: Path, node: Node, remedies: Remedies) -> str:
     """tumble/client/tables.py. Raises TableError."""
-    said = remedies((root / PAGE).read_text(encoding="utf-8"))
-    parts = [listed(root, name, said) for name in LISTS]
+    parts = [listed(root, name, remedies.get(f"TUMBLE_{name}", {})) for name in LISTS]
     return HEAD + "\n".join([*parts, verdicts(root), stand_steps(root), settings(node)])
 
 
 def listed(root: Path, name: str, said: dict[str, str]) -> str:
-    """One list of the firmware, in the order of its numbers; with what to do where the page says it."""
-    rows = read_list(root / LISTS[name], f"TUMBLE_{name}")
-    told = any(whole in said for whole, _ in rows)
-    made = [[whole.removeprefix(f"TUMBLE_{name}_"), meaning, *([said.get(whole, "")] if told else [])]
-            for whole, meaning in rows]
-    return table(f"{name}S", f"by number: name, meaning{', what to do' if told else ''}", made)
+    """One list of the firmware, in the order of its numbers; with what to do where that is said."""
+    made = [[whole.removeprefix(f"TUMBLE_{name}_"), meaning, *([plain(said[whole])] if said else [])]
+            for whole, meaning in read_list(root / LISTS[name], f"TUMBLE_{name}")]
+    return table(f"{name}S", f"by number: name, meaning{', what to do' if said else ''}", made)
 
 
 def verdicts(root: Path) -> str:

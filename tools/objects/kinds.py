@@ -72,6 +72,7 @@ class Entry:
     about: str = ""
     struct: str | None = None
     member: str | None = None
+    source: str | None = None  # of a computed value: where it comes from
     apart: bool = False  # does not follow the entry before it in the struct
     level: str | None = None  # at which it can be written from outside; none: at any
 

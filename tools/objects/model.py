@@ -79,6 +79,7 @@ class Node:
     receive: list[Pdo]
     transmit: list[Pdo]
     lists: dict[str, list[tuple[str, str]]] = field(default_factory=dict)
+    sources: dict[str, str] = field(default_factory=dict)  # of computed values: what each is
     extension: dict = field(default_factory=dict)  # settings of the table behind the first; none: no such table
 
     @property
@@ -148,12 +149,13 @@ class NodeReader:
         headers = headers_of(root)
         self.document, self.common, self.further = (
             headers.resolve(read_toml(table)) if table else {} for table in (path, common, extension))
-        check_keys(self.document, {"node", "object", "receive_pdo", "transmit_pdo", "lists"}, path.name)
+        check_keys(self.document, {"node", "object", "receive_pdo", "transmit_pdo", "lists", "sources"}, path.name)
         check_keys(self.common, {"object"}, common.name)
+        self.sources = self.document.get("sources", {})  # of the file whose objects are being read
         self.settings = self.read_settings()
         if extension:
             where = f"{extension.name}: [extension]"
-            check_keys(self.further, {"extension", "object", "transmit_pdo", "lists"}, extension.name)
+            check_keys(self.further, {"extension", "object", "transmit_pdo", "lists", "sources"}, extension.name)
             check_keys(self.further.get("extension"), EXTENSION_KEYS, where)
             missing = sorted(EXTENSION_KEYS - set(self.further["extension"]))
             check(not missing, where, f"lacks {', '.join(missing)}")
@@ -187,6 +189,7 @@ class NodeReader:
         tables += pdo_objects(receive, 0x1400, False) + pdo_objects(transmit, 0x1800, True)
         objects = [self.read_object(table) for table in expanded(tables)]
         self.file = self.further.get("extension", {}).get("table", self.file)
+        self.sources = self.further.get("sources", {})
         for table in expanded(self.further.get("object", [])):
             objects.append(self.read_object(table))
             objects[-1].further = True
@@ -229,8 +232,17 @@ class NodeReader:
         node.receive = self.resolve_pdos(receive, node, "receive", 0x1600)
         node.transmit = self.resolve_pdos(transmit, node, "transmit", 0x1A00)
         lists = self.document.get("lists", {}) | self.further.get("lists", {})
+        node.sources = self.used_sources(node, self.document.get("sources", {}), further=False)
+        node.extension = node.extension and node.extension | {
+            "sources": self.used_sources(node, self.further.get("sources", {}), further=True)}
         node.lists = {name: read_list(self.root / path, name) for name, path in lists.items()}
         return node
+
+    def used_sources(self, node: Node, sources: dict, further: bool) -> dict:
+        used = {entry.source for item in node.objects if item.further == further for entry in item.entries}
+        unused = sorted(set(sources) - used)
+        check(not unused, self.path.name, f"no value comes from the source {', '.join(unused)}")
+        return sources
 
     def read_object(self, table: dict) -> Object:
         index = table.get("index")
@@ -292,9 +304,12 @@ class NodeReader:
             entry.member = slug(item.name if item.is_var else f"{item.name} {entry.name}")
         if entry.access not in ("rw", "wo"):
             entry.level = None  # given for its object: there is nothing to be written here
+        if entry.home != "computed":
+            entry.source = None  # given for its object
         if item.kind != "var" and subindex == 0:
             entry.struct = entry.member = None
         check_entry(entry, where)
+        check(entry.source in (None, *self.sources), where, f"its source {entry.source} is not in [sources]")
         return entry
 
     def resolve(self, value: object, where: str) -> object:

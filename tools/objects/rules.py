@@ -19,9 +19,9 @@ LEVELS = (None, "service")
 KINDS = ("var", "array", "record")
 
 # Keys of [[object]] that its subs inherit, and those that only one of the two may have.
-SHARED_KEYS = {"type", "access", "home", "map", "unit", "low", "high", "struct", "level"}
+SHARED_KEYS = {"type", "access", "home", "map", "unit", "low", "high", "struct", "level", "source"}
 OBJECT_KEYS = {"index", "name", "kind", "about", "subs", "count_access", "values", "runs", "modbus", "like", "saved"}
-OPTIONAL_ENTRY_KEYS = ("map", "low", "high", "unit", "about", "struct", "member", "apart", "level")
+OPTIONAL_ENTRY_KEYS = ("map", "low", "high", "unit", "about", "struct", "member", "source", "apart", "level")
 ENTRY_KEYS = SHARED_KEYS | {"name", "value", "about", "member", "size", "apart"}
 NODE_KEYS = {
     "name", "id", "prefix", "header", "source", "include", "includes", "eds", "about", "device_name",
@@ -38,7 +38,7 @@ KEY_TYPES = {
     "device_type": int, "vendor": int, "product": int, "revision": int, "serial": int, "heartbeat_ms": int,
     "consumers": list, "on_error": int, "dummies": bool, "cob_id": int, "inhibit_100us": int, "event_ms": int,
     "map": (str, list), "type": (str, int), "runs": bool, "apart": bool, "modbus": dict,
-    "like": int, "extension": dict, "number": int, "service": list,
+    "like": int, "extension": dict, "number": int, "service": list, "sources": dict,
 }
 PDO_KEYS = {"about", "cob_id", "type", "inhibit_100us", "event_ms", "map", "level", "number"}
 
@@ -91,6 +91,8 @@ def check_entry(entry: Entry, where: str) -> None:
     check(1 <= entry.size <= MAX_BYTES, where, f"its size is not within 1 to {MAX_BYTES} bytes")
     check(entry.home != "value" or entry.value is not None, where, "home value without a value")
     check(entry.home != "computed" or entry.value is None, where, "a computed value has no power-on value")
+    has_source = entry.source is not None
+    check((entry.home == "computed") == has_source, where, "a computed value, and no other, has a source")
     check(entry.home != "value" or entry.access in ("ro", "const") or entry.index < 0x1000, where,
           "a constant that can be written")
     check(entry.home != "other" or (entry.struct and entry.member), where, "home other needs struct and member")

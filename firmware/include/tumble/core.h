@@ -444,21 +444,6 @@ tumble_status_t tumble_estimate_averaged(const tumble_schedule_t *schedule, cons
 tumble_status_t tumble_estimate_refined(const tumble_schedule_t *schedule, const tumble_means_t *means,
                                         tumble_coefficients_t *coefficients, tumble_refusal_t *refusal);
 
-/* `refined` with circles that were found before (tumble_schedule_harmonic, `measured` null): the same bits for two thirds
- * of the work. Only the means of the map's positions are looked at.
- * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT (null), TUMBLE_E_MISSING_POSITION, TUMBLE_E_NOT_FINITE. */
-tumble_status_t tumble_refined_of_means(const tumble_harmonic_map_t *map, const tumble_means_t *means,
-                                        tumble_coefficients_t *coefficients);
-
-#define TUMBLE_MAX_V_PER_COUNT 1e90
-
-/* The same from the sums of the finished positions, which must have equally many samples: no means are made, one division
- * serves them all. `v_per_count` finite, not 0, at most TUMBLE_MAX_V_PER_COUNT in size.
- * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT (null, `v_per_count`), TUMBLE_E_MISSING_POSITION (one of the map's positions is
- * empty or open), TUMBLE_E_STATE (their numbers of samples differ: take the means). */
-tumble_status_t tumble_refined_of_sums(const tumble_harmonic_map_t *map, const tumble_averaging_t *averaging,
-                                       double v_per_count, tumble_coefficients_t *coefficients);
-
 /* What a run says of its inclinations, as tumble_inclined_map_t has them: each by its sine and cosine, and the zero of its
  * table angle against the first one's. The core has no arc sine. */
 typedef struct {

@@ -8,13 +8,9 @@ extern const tumble_means_t benchmark_means;
 extern const tumble_means_t benchmark_three_mountings;
 extern const tumble_means_t benchmark_diagonal;
 extern const tumble_means_t benchmark_inclined;
-extern const tumble_averaging_t benchmark_sums; /* of the first and the last of these */
-extern const tumble_averaging_t benchmark_diagonal_sums;
 extern const tumble_gain_record_t *const benchmark_record;
 extern const tumble_gain_table_t benchmark_table;
 extern const tumble_stand_record_t benchmark_stand;
 extern const tumble_coefficients_t benchmark_coefficients;
-
-#define BENCHMARK_V_PER_COUNT 1e-6
 
 #endif

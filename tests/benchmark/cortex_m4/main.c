@@ -68,20 +68,8 @@ static const tumble_gain_record_t *record;
 #define BEGIN() samples_begin()
 #define ESTIMATE() samples_in_blocks()
 #elif CANDIDATE == 22
-#define BEGIN() (void)tumble_schedule_harmonic(&tumble_schedule_paper, NULL, &map, NULL)
-#define ESTIMATE() tumble_refined_of_means(&map, &benchmark_means, &found)
-#elif CANDIDATE == 23
-#define BEGIN() (void)tumble_schedule_harmonic(&tumble_schedule_paper, NULL, &map, NULL)
-#define ESTIMATE() tumble_refined_of_sums(&map, &benchmark_sums, BENCHMARK_V_PER_COUNT, &found)
-#elif CANDIDATE == 24
-#define BEGIN() (void)tumble_schedule_harmonic(&tumble_schedule_diagonal, NULL, &map, NULL)
-#define ESTIMATE() tumble_refined_of_means(&map, &benchmark_diagonal, &found)
-#elif CANDIDATE == 25
-#define BEGIN() (void)tumble_schedule_harmonic(&tumble_schedule_diagonal, NULL, &map, NULL)
-#define ESTIMATE() tumble_refined_of_sums(&map, &benchmark_diagonal_sums, BENCHMARK_V_PER_COUNT, &found)
-#elif CANDIDATE == 26
 #define ESTIMATE() tumble_estimate_inclined(&tumble_schedule_inclined, &benchmark_inclined, &found, NULL)
-#elif CANDIDATE == 27 || CANDIDATE == 28
+#elif CANDIDATE == 23 || CANDIDATE == 24
 #define ESTIMATE() tumble_uncertainty_inclined(&inclined_judged, &uncertainty, NULL)
 #elif CANDIDATE == 15
 #define ESTIMATE() tumble_uncertainty_gains(&benchmark_table, &judged, &uncertainty)
@@ -102,20 +90,16 @@ static const tumble_judged_run_t one_judged = {.schedule = &tumble_schedule_pape
                                                .only = 0x200, /* the longest */
                                                .noise = &noise};
 #define FOUND uncertainty
-#elif CANDIDATE == 27 || CANDIDATE == 28
+#elif CANDIDATE == 23 || CANDIDATE == 24
 static tumble_uncertainty_t uncertainty;
 static const tumble_judged_run_t inclined_judged = {.schedule = &tumble_schedule_inclined,
                                                     .stand = &benchmark_stand,
                                                     .coefficients = &benchmark_coefficients,
-                                                    .only = (CANDIDATE == 28) ? 0x200 : 0};
+                                                    .only = (CANDIDATE == 24) ? 0x200 : 0};
 #define FOUND uncertainty
 #else
 static tumble_coefficients_t found;
 #define FOUND found
-#endif
-
-#if CANDIDATE >= 22 && CANDIDATE <= 25
-static tumble_harmonic_map_t map;
 #endif
 
 #ifndef BEGIN

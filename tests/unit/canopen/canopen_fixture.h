@@ -62,9 +62,9 @@ typedef struct {
 #define U16 TUMBLE_TYPE_UNSIGNED16
 #define U32 TUMBLE_TYPE_UNSIGNED32
 #define TEXT TUMBLE_TYPE_VISIBLE_STRING
-#define OWN(index, sub, type, access, size) {index, sub, type, TUMBLE_HOME_COMMUNICATION, access, size, 0, 0, 0, 0}
+#define OWN(index, sub, type, access, size) {index, sub, type, TUMBLE_HOME_COMMUNICATION, access, size, 0, 0, 0, 0, 0}
 #define VAR(index, sub, type, access, size, limit, member)                                                             \
-    {index, sub, type, TUMBLE_HOME_VARIABLES, access, size, limit, 0, 0, offsetof(variables_t, member)}
+    {index, sub, type, TUMBLE_HOME_VARIABLES, access, size, limit, 0, 0, offsetof(variables_t, member), 0}
 #define MAPPING(index)                                                                                                 \
     OWN(index, 0, U8, RW, 1), OWN(index, 1, U32, RW, 4), OWN(index, 2, U32, RW, 4), OWN(index, 3, U32, RW, 4),         \
         OWN(index, 4, U32, RW, 4), OWN(index, 5, U32, RW, 4), OWN(index, 6, U32, RW, 4), OWN(index, 7, U32, RW, 4),    \

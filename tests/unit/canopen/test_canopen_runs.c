@@ -5,12 +5,12 @@
 static void test_a_run_is_as_good_as_its_entries(void)
 {
     static const tumble_entry_t runs[] = {
-        {0x1400, 1, U32, TUMBLE_HOME_COMMUNICATION, RW, 4, 0, 2, 0, 0},
-        {0x1400, 2, U8, TUMBLE_HOME_COMMUNICATION, RW, 1, 0, 2, 0, 0},
-        {0x1600, 0, U8, TUMBLE_HOME_COMMUNICATION, RW, 1, 0, 1, 0, 0},
-        {0x1600, 1, U32, TUMBLE_HOME_COMMUNICATION, RW, 4, 0, 1, 7, 0},
-        {0x2000, 3, TUMBLE_TYPE_REAL64, TUMBLE_HOME_COMPUTED, RO, 8, 0, 0, 4, 16},
-        {0xFFFF, 0, U8, TUMBLE_HOME_IMMEDIATE, RO, 1, 0, 0, 0, 5},
+        {0x1400, 1, U32, TUMBLE_HOME_COMMUNICATION, RW, 4, 0, 2, 0, 0, 0},
+        {0x1400, 2, U8, TUMBLE_HOME_COMMUNICATION, RW, 1, 0, 2, 0, 0, 0},
+        {0x1600, 0, U8, TUMBLE_HOME_COMMUNICATION, RW, 1, 0, 1, 0, 0, 0},
+        {0x1600, 1, U32, TUMBLE_HOME_COMMUNICATION, RW, 4, 0, 1, 7, 0, 0},
+        {0x2000, 3, TUMBLE_TYPE_REAL64, TUMBLE_HOME_COMPUTED, RO, 8, 0, 0, 4, 16, 0},
+        {0xFFFF, 0, U8, TUMBLE_HOME_IMMEDIATE, RO, 1, 0, 0, 0, 5, 0},
     };
     static const tumble_object_table_t table = {.entries = runs, .count = COUNT_OF(runs)};
     static const struct {
@@ -61,7 +61,7 @@ static void test_a_run_is_as_good_as_its_entries(void)
 /* The highest subindex is not the object's last entry: it cannot be written, nor mapped as that can. */
 static void test_the_highest_subindex_is_read_only(void)
 {
-    static const tumble_entry_t one[] = {{0x2000, 1, U8, TUMBLE_HOME_COMPUTED, RW | MAPPED, 1, 0, 0, 2, 0}};
+    static const tumble_entry_t one[] = {{0x2000, 1, U8, TUMBLE_HOME_COMPUTED, RW | MAPPED, 1, 0, 0, 2, 0, 0}};
     static const tumble_object_table_t table = {.entries = one, .count = 1};
 
     uint8_t bytes[TUMBLE_MAX_OBJECT_BYTES] = {0};

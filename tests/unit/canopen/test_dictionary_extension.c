@@ -12,11 +12,11 @@ static const further_constants_t further_constants = {0xCAFE0001U, "abc"};
 static const tumble_limit_t further_limits[] = {{0.0, 7.0}, {-0.5, 0.5}};
 
 #define COMPUTED(index, sub, type, access, size, limit, offset, subs, objects)                                         \
-    {index, sub, type, TUMBLE_HOME_COMPUTED, access, size, limit, objects, subs, offset}
+    {index, sub, type, TUMBLE_HOME_COMPUTED, access, size, limit, objects, subs, offset, 0}
 
 static const tumble_entry_t further_entries[] = {
-    {0x3000, 0, U32, TUMBLE_HOME_CONSTANT, RO, 4, 0, 0, 0, offsetof(further_constants_t, large)},
-    {0x3001, 0, TEXT, TUMBLE_HOME_CONSTANT, RO, 3, 0, 0, 0, offsetof(further_constants_t, text)},
+    {0x3000, 0, U32, TUMBLE_HOME_CONSTANT, RO, 4, 0, 0, 0, offsetof(further_constants_t, large), 0},
+    {0x3001, 0, TEXT, TUMBLE_HOME_CONSTANT, RO, 3, 0, 0, 0, offsetof(further_constants_t, text), 0},
     COMPUTED(0x3002, 1, U8, RW | MAPPED, 1, 1, 40, 5, 0),
     COMPUTED(0x3002, 7, TUMBLE_TYPE_REAL64, RW, 8, 2, 60, 0, 0),
     VAR(0x3003, 0, U8, RW | MAPPED, 1, 0, u8),
@@ -289,7 +289,8 @@ static void test_both_tables_together_have_255_entries_at_most(void)
     const tumble_node_extension_t empty = {.objects = {.table = NULL}};
 
     for (unsigned i = 0; i < COUNT_OF(many); i++) {
-        many[i] = (tumble_entry_t){(uint16_t)(0x4000U + i), 0, U8, TUMBLE_HOME_IMMEDIATE, RO, 1, 0, 0, 0, (uint16_t)i};
+        many[i] =
+            (tumble_entry_t){(uint16_t)(0x4000U + i), 0, U8, TUMBLE_HOME_IMMEDIATE, RO, 1, 0, 0, 0, (uint8_t)i, 0};
     }
     table.count = (uint8_t)(UINT8_MAX - first.count);
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, start_with(&extension));

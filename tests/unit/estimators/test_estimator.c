@@ -137,6 +137,45 @@ static void test_they_find_the_positions_in_any_order(void)
     }
 }
 
+/* A mounting turned about the axis of the stand by any angle takes the general way of its matrix. */
+static void test_a_circle_may_begin_anywhere(void)
+{
+    static const tumble_mounting_t mountings[] = {{1, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, LEVEL, 0},
+                                                  {2, {{0.6, 0, 0.8}, {0.8, 0, -0.6}, {0, 1, 0}}, LEVEL, 0}};
+    const tumble_schedule_t turned = {mountings, tumble_schedule_paper.positions, 2, 18};
+    static tumble_means_t means;
+    dice_t dice = {45};
+    for (int round = 0; round < 200; round++) {
+        const tumble_coefficients_t block = random_block(&dice);
+        model_means(&turned, &block, &means);
+        for (size_t e = 0; e < COUNT_OF(harmonic); e++) {
+            const tumble_coefficients_t estimate = estimate_with(harmonic[e], &turned, &means);
+            assert_coefficients(&block, &estimate, 1e-15);
+        }
+    }
+}
+
+/* A weak channel beside a strong one is as exact as alone. */
+static void test_a_channel_does_not_depend_on_the_others(void)
+{
+    static tumble_means_t means;
+    dice_t dice = {44};
+    const tumble_coefficients_t block = random_block(&dice);
+    model_means(&tumble_schedule_paper, &block, &means);
+    const tumble_coefficients_t alone = estimate_with(tumble_estimate_refined, &tumble_schedule_paper, &means);
+    for (unsigned p = 0; p < 18U; p++) {
+        means.u_v[p][1] *= 1e12;
+        means.u_v[p][2] = 0.0;
+    }
+    const tumble_coefficients_t beside = estimate_with(tumble_estimate_refined, &tumble_schedule_paper, &means);
+    for (int j = 0; j < TUMBLE_CHANNELS; j++) {
+        ASSERT_SAME_DOUBLE(alone.k_v_per_g[0][j], beside.k_v_per_g[0][j]);
+        ASSERT_SAME_DOUBLE(0.0, beside.k_v_per_g[2][j]);
+    }
+    ASSERT_SAME_DOUBLE(alone.u0_v[0], beside.u0_v[0]);
+    ASSERT_SAME_DOUBLE(0.0, beside.u0_v[2]);
+}
+
 static void test_they_name_the_missing_positions(void)
 {
     static tumble_means_t means;

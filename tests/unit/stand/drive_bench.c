@@ -11,7 +11,7 @@ fake_port_t port;
 #define RO TUMBLE_ACCESS_READ
 #define RW (TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE)
 #define DUMMY(index, type, size)                                                                                       \
-    {index, 0, type, TUMBLE_HOME_IMMEDIATE, TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_MAP_RECEIVE, size, 0, 0, 0, 0}
+    {index, 0, type, TUMBLE_HOME_IMMEDIATE, TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_MAP_RECEIVE, size, 0, 0, 0, 0, 0}
 #define MIRROR(sub, type, access, size, member)                                                                        \
     {TUMBLE_DRIVE402_MIRROR,                                                                                           \
      sub,                                                                                                              \
@@ -22,7 +22,8 @@ fake_port_t port;
      0,                                                                                                                \
      0,                                                                                                                \
      0,                                                                                                                \
-     offsetof(tumble_drive_mirror_t, member)}
+     offsetof(tumble_drive_mirror_t, member),                                                                          \
+     0}
 
 static const tumble_entry_t own_entries[] = {
     DUMMY(0x0005, TUMBLE_TYPE_UNSIGNED8, 1),

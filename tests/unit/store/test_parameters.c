@@ -24,7 +24,7 @@ typedef struct {
 
 #define RW (TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE)
 #define VAR(index, sub, type, size, limit, member, more)                                                               \
-    {index, sub, type, TUMBLE_HOME_VARIABLES, RW, size, limit, 0, more, offsetof(variables_t, member)}
+    {index, sub, type, TUMBLE_HOME_VARIABLES, RW, size, limit, 0, more, offsetof(variables_t, member), 0}
 #define U8 TUMBLE_TYPE_UNSIGNED8
 #define U16 TUMBLE_TYPE_UNSIGNED16
 #define U32 TUMBLE_TYPE_UNSIGNED32

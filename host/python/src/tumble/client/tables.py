@@ -1,5 +1,5 @@
 """Names that the client library calls things by. Written by tools/objects/generate from firmware lists,
-the object tables and docs/operations.md; not to be edited."""
+the object tables and tools/objects/remedies.toml; not to be edited."""
 
 # ruff: noqa: E501
 # fmt: off
