@@ -47,7 +47,7 @@
     X(TUMBLE_REASON_NOT_STILL, "the scatter exceeds the declared noise")                                               \
     X(TUMBLE_REASON_WARM_UP, "the temperature did not hold still in time")                                             \
     X(TUMBLE_REASON_MOUNTING_NOT_CONFIRMED, "the operator did not confirm the mounting in time")                       \
-    X(TUMBLE_REASON_WRONG_MOUNTING, "gravity points along the wrong axis: the block sits in another mounting")         \
+    X(TUMBLE_REASON_WRONG_MOUNTING, "gravity points another way: another mounting, or the stand leans otherwise")      \
     X(TUMBLE_REASON_SWAPPED_CHANNELS, "gravity appears on the wrong channels: channels are swapped or inverted")       \
     X(TUMBLE_REASON_SINGULAR, "the coefficients found cannot be inverted")                                             \
     X(TUMBLE_REASON_GRAVITY_CHECK, "the result fails the gravity check")                                               \
