@@ -21,12 +21,12 @@ REJECTED = {
     ("cortex-m4", "budget: cortex-m4 core: "): ANYWHERE | {
         "library": r"library \d+ B exceeds its limit of 4608 B",
         "static_ram": r"static_ram \d+ B exceeds its limit of 1536 B",
-        "stack": r"stack \d+ B exceeds its limit of 608 B",
+        "stack": r"stack \d+ B exceeds its limit of 432 B",
         "heap": r"heap\.c\.obj needs malloc",
     },
     ("cortex-m4", "budget: cortex-m4 navcomp: "): NAVCOMP | {
         "static_ram": r"static_ram \d+ B exceeds its limit of 4096 B",
-        "deep": r"stack \d+ B exceeds its limit of 1024 B",
+        "deep": r"stack \d+ B exceeds its limit of 896 B",
         "floating": r"canary_floating takes floating point: canary_floating > (canary_mean > )?__aeabi_\w+",
         "heap": r"heap\.c\.obj needs malloc",
     },
