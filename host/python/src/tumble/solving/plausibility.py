@@ -91,6 +91,7 @@ _SURELY = 0.999  # the same by residuals, of which there may be few
 UNCHECKED = "no more means than unknowns: nothing checks this run"
 _OTHERWISE_G = 0.1  # between the forces of positions whose means cannot be the same
 _STEPS = 3.0  # of a converter, at least
+_MOSTLY = 0.7  # of an axis along another one
 _AS_WELL = 1.5  # times the rms of the residuals: fits no worse
 
 
@@ -135,6 +136,9 @@ def examine(solution: Solution, stand_file: StandFile | None) -> Plausibility:
         if mistakes:
             said = " or ".join(" and ".join(mistake.words) for mistake in mistakes[:_MOST_NAMED])
             remedy = _remedy(k, nominal, unit) if declared is nominal else ""
+            if len(mistakes) > 1 and solution.inclinations is not None:
+                said += ", which look alike to this run"
+                remedy = remedy.replace("if the block is so", "if the stand was used as told and the block is so")
             # the element that is farthest from the declared one; of several, one that should be small
             is_large = np.abs(declared) > np.abs(declared).max() / 2
             worst = divmod(int((np.abs(k - declared) * np.where(is_large, 0.75, 1.0)).argmax()), 3)
@@ -302,11 +306,20 @@ def _resolved(solution: Solution) -> Iterator[tuple[Mistake, Floats, float]]:
     told = _least_squares(fitted, means)
     assert told is not None  # there is a solution
     rounding = 1e-9 * float(np.abs(means).max())
+    if solution.inclinations is not None:  # it may mirror all along the axis, and nothing else tells: it comes first
+        matrix = np.array(fitted.fitted_mountings[0].matrix)
+        exchange = Mistake(1, (f"inclinations of opposite sign look exchanged ({_sloping(solution)})",))
+        yield exchange, solution.found.k @ (matrix * [1.0, -1.0, 1.0]) @ matrix.T, told[1] + rounding
     yield Mistake(0), solution.found.k, told[1] + rounding
     for mistake, positions in _stand_mistakes(fitted):
         other = _least_squares(Schedule(fitted.mountings, positions), means)
         if other is not None and other[1] <= _AS_WELL * told[1] + rounding:
             yield mistake, other[0], other[1] + rounding
+
+
+def _sloping(solution: Solution) -> str:
+    """The numbers of the inclinations that are set to one side of the level or the other."""
+    return listed([one.number for one in solution.schedule.fitted_mountings if one.tilt_deg])
 
 
 def _least_squares(schedule: Schedule, means: Floats) -> tuple[Floats, float] | None:
@@ -370,4 +383,7 @@ def _structure(solution: Solution) -> tuple[str, ...]:
         return ()
     odd = int(np.flatnonzero(signs == -np.sign(signs.sum()))[0])
     value = f"K_{AXES[odd]}{AXES[odd]} = {k[odd, odd]:.4g} {unit}"
-    return (f"{value} has another sign than the other two: a channel reversed, or the table turned the other way?",)
+    causes = "a channel reversed, or the table turned the other way?"
+    if solution.inclinations is not None and abs(solution.schedule.fitted_mountings[0].matrix[odd][1]) > _MOSTLY:
+        causes = f"inclinations of opposite sign exchanged ({_sloping(solution)}), {causes}"
+    return (f"{value} has another sign than the other two: {causes}",)
