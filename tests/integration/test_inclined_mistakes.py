@@ -1,16 +1,34 @@
 """What people get wrong with a stand that inclines, in the example's run: each is named, by status and message."""
 
+import json
+
 import numpy as np
 import pytest
+from blocks import NOMINAL_K, write_run
 from conftest import EXAMPLES
 
 import tumble as package
+from tumble import core
+from tumble.errors import BadInput
+from tumble.model.geometry import Geometry
+from tumble.model.inclined import Inclinations, as_seen
 
 pytestmark = pytest.mark.python
 INCLINED = "--schedule", "inclined"
 STAND = "--stand", EXAMPLES / "inclined_stand.toml"
 HEADER, *LINES = (EXAMPLES / "inclined_stand.csv").read_text().splitlines()
 ROWS = [(*map(int, line.split(",")[:2]), np.array(line.split(",")[2:], dtype=float)) for line in LINES]
+
+
+U0 = np.array([0.01, -0.02, 0.03])
+
+
+def at(path, degrees, noise=3e-6, seed=4):
+    """A run of `inclined` by the exact geometry, inclined otherwise than it says."""
+    schedule = core.built_in("inclined")
+    seen = as_seen(schedule, Inclinations((1, 2, 3), np.deg2rad(degrees), np.zeros(3)))
+    rough = noise * np.random.default_rng(seed).standard_normal((27, 3))
+    return write_run(path / "run.csv", schedule, Geometry(seen).outputs(NOMINAL_K, U0) + rough)
 
 
 def changed(tmp_path, change):
@@ -52,3 +70,49 @@ def test_what_looks_like_a_reversed_channel_is_named(tmp_path, tumble, mountings
     mirrored = "inclinations of opposite sign exchanged (2 and 3), " if axis == "y" else ""
     causes = f"{mirrored}a channel reversed, or the table turned the other way?"
     assert f"warning: {value} has another sign than the other two: {causes}\n" in tumble(*given).stderr
+
+
+DIFFER = "three must differ by tens of degrees (+-20 deg leave five times the uncertainty of +-45 deg)"
+SIDES = "inclinations 2 and 3, set to either side of the level, lie on one side of it"
+CONTRADICTED = {  # how the stand was inclined, deg
+    "never inclined": ([0.0, 0.0, 0.0], f"inclinations 1, 2 and 3 are alike; {DIFFER}"),
+    "the second not inclined": ([0.5, 0.5, -45.0], f"inclinations 1 and 2 are alike; {DIFFER}"),
+    "hardly inclined": ([0.5, 0.7, -45.0], f"inclinations 1 and 2 are alike; {DIFFER}"),
+    "the third not inclined": ([0.5, 45.0, 0.5], f"inclinations 1 and 3 are alike; {DIFFER}"),
+    "+45 twice": ([0.9, 46.0, 46.0], f"inclinations 2 and 3 are alike; {DIFFER}"),
+    "all alike at +45": ([45.0, 45.0, 45.0], f"inclinations 1, 2 and 3 are alike; {DIFFER}"),
+    "on one side": ([5.7, 45.8, 17.2], f"{SIDES}: 1 at +5.7, 2 at +45.8, 3 at +17.2 deg"),
+    "on one side, nearly alike": ([3.2, 45.0, 44.0], f"{SIDES}: 1 at +3.2, 2 at +45.0, 3 at +44.0 deg"),
+}
+
+
+@pytest.mark.parametrize("degrees, said", CONTRADICTED.values(), ids=CONTRADICTED)
+def test_what_contradicts_the_schedule_is_named(tmp_path, tumble, degrees, said):
+    file = at(tmp_path, degrees)
+    for stand in ((), STAND):
+        done = tumble("solve", file, *INCLINED, *stand)
+        assert (done.returncode, done.stderr) == (2, f"tumble: {file}: {said}\n")
+
+
+FEW = {"0.6 of 45": [0.0, 0.65, -45.0], "1": [0.0, 1.0, -1.0], "0.3": [0.0, 0.3, -0.3], "5 of 45": [-40.0, 3.0, -43.0]}
+
+
+@pytest.mark.parametrize("estimator", ["inclined", "optimal"])
+@pytest.mark.parametrize("degrees", FEW.values(), ids=FEW)
+def test_inclinations_that_hardly_differ_are_solved_with_their_uncertainty(tmp_path, degrees, estimator):
+    """The core and numpy round differently there, and no disagreement is made of it."""
+    for seed in range(2):
+        file = at(tmp_path, degrees, seed=seed)
+        result = package.solve(str(file), stand=str(STAND[1]), schedule="inclined", estimator=estimator)
+        document = json.loads(result.to_json())
+        assert document["pass_reason"] == "uncertainty"
+        off = [(one["deg"] - deg) / one["u_deg"] for one, deg in zip(document["inclinations"], degrees)]
+        assert np.abs(off).max() < 4.0
+
+
+def test_only_the_user_is_told_of_inclinations_alike(tmp_path):
+    """As found: of 12 runs at the level in place of +45 deg none is an internal error, whatever its noise."""
+    for seed in range(12):
+        file = at(tmp_path, [0.53, 0.53, -44.68], 3e-5, seed)
+        with pytest.raises(BadInput, match="inclinations 1 and 2 are alike"):
+            package.solve(str(file), schedule="inclined", stand=str(STAND[1]))
