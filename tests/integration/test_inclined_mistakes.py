@@ -52,9 +52,7 @@ MISUSED = {  # what a run is in truth: what is told of each row, and how the out
 @pytest.mark.parametrize("mountings, positions, signs, axis, said", MISUSED.values(), ids=MISUSED)
 def test_what_looks_like_a_reversed_channel_is_named(tmp_path, tumble, mountings, positions, signs, axis, said):
     """Nothing in such a run tells one from the other: so both are named, and what comes of believing it."""
-    file = changed(
-        tmp_path, lambda one, at, u: (mountings.get(one, one), positions.get(at, at), np.multiply(u, signs))
-    )
+    file = changed(tmp_path, lambda one, at, u: (mountings.get(one, one), positions.get(at, at), np.multiply(u, signs)))
     given = "solve", file, *INCLINED
     done = tumble(*given, *STAND)
     odd = ["x", "y", "z"].index(axis)
@@ -116,3 +114,64 @@ def test_only_the_user_is_told_of_inclinations_alike(tmp_path):
         file = at(tmp_path, [0.53, 0.53, -44.68], 3e-5, seed)
         with pytest.raises(BadInput, match="inclinations 1 and 2 are alike"):
             package.solve(str(file), schedule="inclined", stand=str(STAND[1]))
+
+
+CAUSES = "inclinations exchanged, not all inclined, or axis_tilt_deg in radians?"
+ELSEWHERE = {  # tilts of a schedule file, None: the built-in one; which inclinations are exchanged; what is said
+    "1 and 2 exchanged": (None, {1: 2, 2: 1}, "1 at +45.4 deg, set to 0; 2 at +0.5 deg, set to 45"),
+    "radians": ((0.0, 0.785, -0.785), {}, "2 at +45.4 deg, set to 0.785; 3 at -44.7 deg, set to -0.785"),
+    "14 deg off": ((0.0, 59.0, -58.5), {}, None),
+    "16 deg off": ((0.0, 61.5, -45.0), {}, "2 at +45.4 deg, set to 61.5"),
+    "as set": (None, {}, None),
+}
+
+
+@pytest.mark.parametrize("tilts, order, said", ELSEWHERE.values(), ids=ELSEWHERE)
+def test_inclinations_far_from_those_set_are_a_warning(tmp_path, tumble, tilts, order, said):
+    """They are solved as found, so the verdict stays."""
+    file, schedule = changed(tmp_path, lambda one, place, u: (order.get(one, one), place, u)), INCLINED
+    if tilts is not None:
+        schedule = "--schedule", schedule_file(tmp_path / "mine.toml", tilts)
+    done = tumble("solve", file, *schedule, *STAND)
+    warned = (
+        "" if said is None else f"tumble: warning: inclinations found far from where they were set: {said}: {CAUSES}\n"
+    )
+    assert (done.returncode, done.stderr) == (0, warned)
+
+
+def schedule_file(path, tilts):
+    turned = "matrix = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]"
+    lines = [
+        f"[[mounting]]\nnumber = {n}\n{turned}\naxis_tilt_deg = {tilt}\nbolting = 1" for n, tilt in enumerate(tilts, 1)
+    ]
+    for number in (1, 2, 3):
+        for place in range(1, 10):
+            angle, use = 45.0 * (place - 1), "check" if place == 9 else "fit"
+            lines.append(f'[[position]]\nmounting = {number}\nposition = {place}\nangle_deg = {angle}\nuse = "{use}"')
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def test_what_hardly_inclines_is_told_to_incline_further(tmp_path, tumble):
+    """The cheapest remedy comes first, and it keeps what it promises: the same run at 45 deg is shown."""
+    done = tumble("solve", at(tmp_path, [1.0, 6.0, -4.0]), *INCLINED, *STAND, "--json")
+    document = json.loads(done.stdout)
+    first, *others = document["would_show"]
+    assert (done.returncode, document["pass_reason"]) == (1, "uncertainty")
+    assert (first["change"], first["to"]) == ("inclinations", 45.0) and "stand" in [one["change"] for one in others]
+    steep = package.solve(str(at(tmp_path, [1.0, 45.0, -45.0])), stand=str(STAND[1]), schedule="inclined")
+    kept = json.loads(steep.to_json())["decision"]
+    assert kept["coverage_factor"] * kept["u_norm_worst_g"] == pytest.approx(first["reach_g"], rel=0.05)
+    assert steep.passed
+    told = " ".join(tumble("solve", at(tmp_path, [1.0, 6.0, -4.0]), *INCLINED, *STAND).stdout.split())
+    assert "It would be shown by inclining further, to 45 deg either way (5." in told
+
+
+def test_degrees_in_the_column_of_numbers_are_named(tmp_path, tumble):
+    file = changed(tmp_path, lambda one, place, u: ({1: 0, 2: 45, 3: -45}[one], place, u))
+    done = tumble("solve", file, *INCLINED)
+    assert (done.returncode, done.stderr) == (
+        2,
+        f"tumble: {file}: row 2, column mounting: the schedule has no mounting 0; mountings are 1 to 3, and 4 for the"
+        " first again; the column holds the number of the inclination\n",
+    )

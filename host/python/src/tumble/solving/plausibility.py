@@ -91,6 +91,8 @@ _SURELY = 0.999  # the same by residuals, of which there may be few
 UNCHECKED = "no more means than unknowns: nothing checks this run"
 _OTHERWISE_G = 0.1  # between the forces of positions whose means cannot be the same
 _STEPS = 3.0  # of a converter, at least
+_FAR_DEG = 15.0  # of a found inclination from the one set: a frame or a wedge is nearer
+_OFF_DEG = 3.0  # the same, where another one that was set is nearer
 _MOSTLY = 0.7  # of an axis along another one
 _AS_WELL = 1.5  # times the rms of the residuals: fits no worse
 
@@ -154,7 +156,22 @@ def check_k(solution: Solution, stand_file: StandFile | None, file: str) -> tupl
     refusal = _same_means(solution) or found.refusal
     if refusal is not None:
         raise BadInput(refusal, file)
-    return found.warnings
+    return (*found.warnings, *_inclined_otherwise(solution))
+
+
+def _inclined_otherwise(solution: Solution) -> tuple[str, ...]:
+    """That the run shows inclinations far from where they were set, or nearer to where another was: inclinations that
+    were exchanged, or a schedule in radians. It is solved by those that it shows."""
+    if solution.inclinations is None:
+        return ()
+    set_at = {one.number: one.tilt_deg for one in solution.schedule.fitted_mountings}
+    far = []
+    for number, deg in zip(solution.inclinations.numbers, np.rad2deg(solution.inclinations.beta).tolist()):
+        off = abs(deg - set_at[number])
+        if off > _FAR_DEG or (off > _OFF_DEG and any(abs(deg - other) < off for other in set_at.values())):
+            far.append(f"{number} at {deg:+.1f} deg, set to {set_at[number]:g}")
+    causes = "inclinations exchanged, not all inclined, or axis_tilt_deg in radians?"
+    return (f"inclinations found far from where they were set: {'; '.join(far)}: {causes}",) if far else ()
 
 
 def _same_means(solution: Solution) -> str | None:
