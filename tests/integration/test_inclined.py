@@ -228,26 +228,6 @@ def test_a_prior_of_inclinations_pulls_as_least_squares_says():
     assert np.abs((where_set.k - closed) / where_set.u_k).max() > 0.2
 
 
-ALIKE = (
-    "the run shows no inclinations of the axis; they must be tens of degrees apart (+-20 deg leave five times the"
-    " uncertainty of +-45 deg)"
-)
-CONTRADICTED = {
-    "level": ([0.0, 0.0, 0.0], ALIKE),
-    "on one side": ([0.1, 0.8, 0.3], "the run shows all inclinations on one side of the level"),
-}
-
-
-@pytest.mark.parametrize("beta, said", CONTRADICTED.values(), ids=CONTRADICTED)
-def test_what_contradicts_the_schedule_is_named(tmp_path, tumble, beta, said):
-    schedule = core.built_in("inclined")
-    seen = as_seen(schedule, Inclinations((1, 2, 3), np.array(beta), np.zeros(3)))
-    noise = 1e-6 * np.random.default_rng(4).standard_normal((27, 3))  # or rows would be the same, digit for digit
-    file = write_run(tmp_path / "run.csv", schedule, Geometry(seen).outputs(NOMINAL_K, U0) + noise)
-    done = tumble("solve", file, "--schedule", "inclined")
-    assert (done.returncode, done.stderr) == (2, f"tumble: {file}: {said}\n")
-
-
 TAKES = "takes its inclinations for exact, which nobody measures; inclined finds them"
 LACKS = (
     "lacks what inclined needs: three inclinations or more of one bolting, on both sides of the level, at table angles"

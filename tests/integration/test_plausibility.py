@@ -50,7 +50,7 @@ def examined(stand_file, k, u0=(0.0, 0.0, 0.0), schedule=PAPER, measured=None, u
     found = np.linalg.lstsq(design, means, rcond=None)[0][:3].T
     run = Run(np.ones(len(means), dtype=int), means, np.full_like(means, np.nan), unit, {})
     of_core = SimpleNamespace(k=found, residual_rms=None)
-    unknown = {"u_k": None, "stated": None, "scatter_alone": None}
+    unknown = {"u_k": None, "stated": None, "scatter_alone": None, "inclinations": None}
     solved = SimpleNamespace(run=run, found=of_core, measured_schedule=schedule, **unknown)
     return examine(solved, stand_file)
 

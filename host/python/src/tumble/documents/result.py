@@ -316,13 +316,13 @@ class Decision(Document):
 
 
 class Remedy(Document):
-    """What would show that the limit is met. change: the estimator, samples at each position, mountings; stand or
-    converter: how many times better.
+    """What would show that the limit is met. change: the estimator, samples at each position, mountings;
+    inclinations: the steepest, deg; stand or converter: how many times better.
 
     reach_g: Coverage factor times the worst u(|a|) then.
     """
 
-    change: Literal["estimator", "samples", "mountings", "stand", "converter"]
+    change: Literal["estimator", "samples", "mountings", "inclinations", "stand", "converter"]
     to: str | int | float
     reach_g: Size
 
@@ -631,9 +631,9 @@ class Result(Document, kw_only=True):
     decision: `coverage_factor` (3, or that of `[accept]`) times `u_norm_worst_g` (null without a stand file) must be
         within `limit_g`; `scope` of the statement: "everywhere", without a stand file "measured positions".
     would_show: Of a verdict NOT SHOWN, else null: what would show the limit, as a list of `change` ("estimator",
-        "samples" at each position, "mountings", "stand": how many times better, "converter": the same of the converter
-        too, whose rounding no samples average away), `to`, and `reach_g`, the coverage factor times the worst u(|a|)
-        then.
+        "samples" at each position, "mountings", "inclinations": deg of the steepest, "stand": how many times better,
+        "converter": the same of the converter too, whose rounding no samples average away), `to`, and `reach_g`, the
+        coverage factor times the worst u(|a|) then.
     assumes: Names of what the result rests on that its run cannot test and its stand file does not declare. `seat`:
         that no mounting tilts the block against the axis, where neither `seat_rad` nor `platform_rad` is above 0 and no
         fit position shows such a tilt ([why](method.md#is-the-result-to-be-believed)); it reaches the coefficients

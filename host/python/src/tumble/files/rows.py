@@ -61,6 +61,13 @@ class PositionIndex:
 
     def __init__(self, schedule: Schedule):
         self.mountings = {mounting.number for mounting in schedule.mountings}
+        self.hint = f"mountings are {listed(self.mountings)}"
+        if schedule.is_inclined:
+            first, *_, last = schedule.mountings
+            again = len(schedule.mountings) > 3 and last.tilt_deg == first.tilt_deg
+            numbers = listed(self.mountings - {last.number} if again else self.mountings)
+            self.hint = f"mountings are {numbers}{f', and {last.number} for the first again' if again else ''}"
+            self.hint += "; the column holds the number of the inclination"
         self.table = np.full((NUMBERS, NUMBERS), -1, dtype=np.int32)
         for index, position in enumerate(schedule.positions):
             self.table[position.mounting, position.number] = index
@@ -78,7 +85,7 @@ class PositionIndex:
             if number != math.floor(number):
                 raise Refused(f"{number!r} is not a whole number", column)
         if mounting not in self.mountings:
-            hint = f"mountings are {listed(self.mountings)}"
+            hint = self.hint
             if position in self.mountings and 0 <= mounting < NUMBERS and self.table[int(position), int(mounting)] >= 0:
                 hint = "are mounting and position exchanged? Or is it a run of another schedule (--schedule)?"
             raise Refused(f"the schedule has no mounting {mounting:.15g}; {hint}", "mounting")
@@ -95,6 +102,7 @@ class Anywhere(PositionIndex):
 
     def __init__(self) -> None:
         self.mountings = set(range(NUMBERS))
+        self.hint = f"mountings are {listed(self.mountings)}"
         self.table = np.arange(NUMBERS**2, dtype=np.int32).reshape(NUMBERS, NUMBERS)
 
 

@@ -19,12 +19,14 @@ from functools import lru_cache
 import numpy as np
 
 from tumble.arrays import Floats, Integers
-from tumble.errors import UsageError
+from tumble.errors import UsageError, listed
 from tumble.model.geometry import STEP, Geometry
 from tumble.schedule import Mounting, Position, Schedule
 
 FEWEST = 3
 _SAME = 1e-9
+_ALIKE = 0.01  # of the way between the two inclinations that are farthest apart: nearer ones are one
+_NOT_INCLINED = 1e-3  # of what turns with the table: a way that is shorter is none
 EQUAL = np.ones(3)
 
 
@@ -129,6 +131,23 @@ def solve(schedule: Schedule, means: Floats, weights: Floats = EQUAL) -> tuple[F
     return k, u0, Inclinations(of.numbers, beta, tau)
 
 
+def alike(schedule: Schedule, means: Floats, weights: Floats = EQUAL) -> str | None:
+    """Of one run, which inclinations are alike, where no three are left that differ; None where there are three, or the
+    schedule is of another kind."""
+    of = layout(schedule)
+    if of is None:
+        return None
+    s, c, b = _parts(of, means)
+    apart = np.linalg.norm(weights * (b[:, None] - b), axis=-1)
+    turning = float(np.sqrt((weights**2 * (s**2 + c**2)).sum(axis=-1).max()))
+    near = apart <= max(_ALIKE * float(apart.max()), 0.0 if apart.max() > _NOT_INCLINED * turning else np.inf)
+    groups = {tuple(np.flatnonzero(row).tolist()) for row in near}
+    if len(groups) >= FEWEST:
+        return None
+    told = [listed([of.numbers[index] for index in group]) for group in sorted(groups) if len(group) > 1]
+    return f"inclinations {', and '.join(told)} are alike"
+
+
 def _layout(schedule: Schedule) -> Layout:
     of = layout(schedule)
     if of is None:
@@ -164,7 +183,10 @@ def _inclinations(of: Layout, found: Parabola) -> Floats:
     if not (np.abs(np.real(x)) < 1.0).all():
         raise NotShown("its outputs change more than gravity can: inclinations alike?")
     if not ((np.real(x[..., of.highest]) > 0.0) & (np.real(x[..., of.lowest]) < 0.0)).all():
-        raise NotShown("it shows all inclinations on one side of the level")
+        places = np.rad2deg(np.arcsin(np.real(x).reshape(-1, len(of.numbers))[0]))
+        seen = ", ".join(f"{number} at {deg:+.1f}" for number, deg in zip(of.numbers, places))
+        steepest = listed(sorted(of.numbers[index] for index in (of.highest, of.lowest)))
+        raise NotShown(f"inclinations {steepest}, set to either side of the level, lie on one side of it: {seen} deg")
     beta: Floats = np.arcsin(x)
     return beta
 

@@ -183,7 +183,9 @@ def lines(found: Reliability, limit_g: float | None = None) -> list[str]:
     worst = found[0] if found else None
     if worst is not None and worst.size is not None and worst.norm_g is not None:
         size = f"{worst.pattern.words} ({worst.size:.3g} {worst.pattern.unit})"
-        beyond = ", more than the limit" if limit_g is not None and worst.norm_g > limit_g else ""
+        beyond = ""
+        if limit_g is not None and worst.norm_g > limit_g:
+            beyond = ", more than the limit; the verdict assumes that there is none"
         said.append(f"One run in ten would not show {size}: up to {1e6 * worst.norm_g:.3g} ug of |a|{beyond}")
     if unseen:
         said.append(f"No run would show, at any size: {unseen}")

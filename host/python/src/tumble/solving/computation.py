@@ -22,7 +22,7 @@ from tumble.model.coefficients import NotSolvable, linear_outputs
 from tumble.model.errors import by_gains
 from tumble.model.estimators import columns_at, magnification, unknowns
 from tumble.model.geometry import ideal_force
-from tumble.model.inclined import EQUAL, Inclinations, as_set
+from tumble.model.inclined import EQUAL, Inclinations, as_set, gains, gains_of_inclinations
 from tumble.model.optimal import OptimalEstimate, by_table
 from tumble.model.propagation import ManyRuns, Propagation
 from tumble.schedule import Schedule
@@ -133,6 +133,7 @@ _ROUNDED_U = 1e-13
 LARGEST_MISFIT = 100.0  # of a run on its stand, before optimal weights are refused
 _LAST_BITS = 16 * np.finfo(float).eps
 _MAGNIFIED_BITS = 2 * np.finfo(float).eps
+_SOLVED_BITS = 64 * _MAGNIFIED_BITS  # numpy's normal equations of a parabola square its condition
 _SINGLE_BIT = 2.0**-24  # the core keeps the second order of table angles, about their square, in single precision
 _DERIVED = 10.0
 _SAME_ANGLE = 1e-12
@@ -164,9 +165,10 @@ def compare(
     channels, as `inclined` has them.
 
     Coefficients may differ by 1e-12 of max|K|, or where that is coarser by 16 times the last bit of the largest output
-    (offsets of hundreds of g), or by twice that bit as a weak schedule magnifies it; those of the optimal estimator by
-    1e-6 of their standard uncertainty, or by that bit as its weights magnify it. What follows from the coefficients may
-    differ by ten times that, times the condition of K where K is inverted or its rows are compared.
+    (offsets of hundreds of g), or by twice that bit as a weak schedule magnifies it, and 64 times as inclinations that
+    hardly differ do; those of the optimal estimator by 1e-6 of their standard uncertainty, or by that bit as its
+    weights magnify it. What follows from the coefficients may differ by ten times that, times the condition of K where
+    K is inverted or its rows are compared.
     """
     largest = np.abs(means).max()
     if optimal is not None:
@@ -179,6 +181,8 @@ def compare(
         numbers = unknowns(schedule, means, found.estimator, found.terms, weights)
         k, u0, sizes = numbers[:9].reshape(3, 3), numbers[9:12], numbers[12:].reshape(-1, 3)
         bits = max(_LAST_BITS, _MAGNIFIED_BITS * magnification(schedule, found.terms)) * float(largest)
+        if found.estimator == INCLINED:
+            bits = max(bits, float(_magnified(gains(schedule, k, weights), means).max()))
         allowed_k = allowed_u0 = np.array(max(RELATIVE_LIMIT * np.abs(k).max(), bits))
         allowed_sizes = np.broadcast_to(allowed_k, sizes.shape)
     _require("K", found.k, k, allowed_k)
@@ -219,10 +223,23 @@ def compare_uncertainties(stated: Floats, by_numpy: Floats, optimal: bool) -> No
         _require(name, stated[part], by_numpy[part], limits[part])
 
 
-def compare_inclinations(found: Inclinations, witness: Inclinations) -> None:
-    """Raise Disagreement where core and numpy see others: angles in rad, 1e-12 of one allowed."""
-    _require("an inclination", found.beta, witness.beta, _SAME_ANGLE)
-    _require("the zero of the table angle at an inclination", found.tau, witness.tau, _SAME_ANGLE)
+def magnified_angles(schedule: Schedule, means: Floats, k: Floats, weights: Floats = EQUAL) -> Floats:
+    """By how much the angles of inclinations, every beta, then every tau, may differ for the last bits of the outputs:
+    arguments as of `compare`, the `schedule` at the inclinations that the run shows."""
+    return _magnified(gains_of_inclinations(schedule, k, weights), means)
+
+
+def _magnified(gains: Floats, means: Floats) -> Floats:
+    bits: Floats = _SOLVED_BITS * np.abs(gains).sum(axis=1) * np.abs(means).max()
+    return bits
+
+
+def compare_inclinations(found: Inclinations, witness: Inclinations, magnified: Floats) -> None:
+    """Raise Disagreement where core and numpy see others: angles in rad, 1e-12 of one allowed, or what `magnified`
+    says."""
+    of_beta, of_tau = np.maximum(_SAME_ANGLE, magnified).reshape(2, -1)
+    _require("an inclination", found.beta, witness.beta, of_beta)
+    _require("the zero of the table angle at an inclination", found.tau, witness.tau, of_tau)
 
 
 def _require(name: str, core: Floats | float | None, witness: Floats | float | None, limit: Floats | float) -> None:
@@ -294,15 +311,15 @@ def estimator_for(given: Propagation) -> ManyRuns:
 
 
 def estimator_or_linear(given: Propagation) -> ManyRuns:
-    """The same, of the twelve alone; beyond 0.1 rad, where `optimal` gives no result, its linear part, whose bias says
-    enough."""
+    """The same, of the twelve alone; its linear part, whose bias says enough, where a run has no result: beyond 0.1 rad
+    by `optimal`, and by `inclined` where errors of the axis are as large as the inclinations."""
     estimate = estimator_for(given)
 
     def of(means: Floats) -> Floats:
         try:
             return estimate(means)[:, :12]
         except core.CoreRefusal:
-            if given.estimator != OPTIMAL:
+            if given.estimator not in (INCLINED, OPTIMAL):
                 raise
             return by_gains(given.schedule, given.gains[:12])(means)
 

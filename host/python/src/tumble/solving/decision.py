@@ -247,10 +247,12 @@ def decide(solution: Solution) -> Decision:
 
 
 _THIRD = "three_mountings"
+_STEEP_DEG = 45.0
 _MOST_TIMES = 1000.0  # as many samples: nobody waits longer
 _BISECTIONS = 12
 _ROUNDED = 1.01  # a factor is told with three digits, and rounded up
 _PHRASES = {
+    "inclinations": "inclining further, to {:g} deg either way",
     "estimator": "--estimator {}",
     "samples": "{} samples a position",
     "mountings": f"a third mounting (--schedule {_THIRD})",
@@ -271,6 +273,7 @@ class Question:
     rounding: Floats
     limit_g: float
     coverage_factor: float
+    planned: Schedule | None = None  # of a run of inclinations: with those that were set
 
     def reach_g(self, times: float = 1.0, schedule: Schedule | None = None, estimator: str | None = None) -> float:
         """With so many `times` the samples, other positions that are measured alike, another estimator."""
@@ -293,6 +296,10 @@ class Question:
     def answers(self) -> list[Remedy]:
         """What would show it, the cheapest first; a better stand always does."""
         given, limit_g, found = self.given, self.limit_g, []
+        if self.planned is not None:
+            steeper, deg = _inclined_further(self.planned)
+            if (reach_g := self._tried(schedule=steeper)) <= limit_g:
+                found.append(Remedy("inclinations", deg, reach_g))
         reach_g = np.inf if given.estimator == OPTIMAL else self._tried(estimator=OPTIMAL)
         if reach_g <= limit_g:
             found.append(Remedy("estimator", OPTIMAL, reach_g))
@@ -321,7 +328,16 @@ def would_show(solution: Solution) -> list[Remedy]:
     """Of a solution whose uncertainty is beyond the limit."""
     variance, rounding = solution.mean_variance, solution.noise.rounding**2
     rule = solution.limit_g, solution.coverage_factor
-    return Question(solution.propagation, variance, rounding, *rule).answers()
+    planned = None if solution.inclinations is None else solution.schedule.part(solution.run.measured)
+    return Question(solution.propagation, variance, rounding, *rule, planned).answers()
+
+
+def _inclined_further(planned: Schedule) -> tuple[Schedule, float]:
+    """As `planned`, or further until the steepest inclination is enough for most stands; with its angle, deg."""
+    steepest = max(abs(one.tilt_deg) for one in planned.mountings)
+    times = max(1.0, _STEEP_DEG / steepest)
+    mountings = tuple(replace(one, tilt_deg=times * one.tilt_deg) for one in planned.mountings)
+    return replace(planned, mountings=mountings), round(times * steepest, 1)
 
 
 def in_words(remedies: Sequence[Remedy], limit_g: float) -> str:

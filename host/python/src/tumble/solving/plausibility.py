@@ -91,6 +91,9 @@ _SURELY = 0.999  # the same by residuals, of which there may be few
 UNCHECKED = "no more means than unknowns: nothing checks this run"
 _OTHERWISE_G = 0.1  # between the forces of positions whose means cannot be the same
 _STEPS = 3.0  # of a converter, at least
+_FAR_DEG = 15.0  # of a found inclination from the one set: a frame or a wedge is nearer
+_OFF_DEG = 3.0  # the same, where another one that was set is nearer
+_MOSTLY = 0.7  # of an axis along another one
 _AS_WELL = 1.5  # times the rms of the residuals: fits no worse
 
 
@@ -135,6 +138,9 @@ def examine(solution: Solution, stand_file: StandFile | None) -> Plausibility:
         if mistakes:
             said = " or ".join(" and ".join(mistake.words) for mistake in mistakes[:_MOST_NAMED])
             remedy = _remedy(k, nominal, unit) if declared is nominal else ""
+            if len(mistakes) > 1 and solution.inclinations is not None:
+                said += ", which look alike to this run"
+                remedy = remedy.replace("if the block is so", "if the stand was used as told and the block is so")
             # the element that is farthest from the declared one; of several, one that should be small
             is_large = np.abs(declared) > np.abs(declared).max() / 2
             worst = divmod(int((np.abs(k - declared) * np.where(is_large, 0.75, 1.0)).argmax()), 3)
@@ -150,7 +156,22 @@ def check_k(solution: Solution, stand_file: StandFile | None, file: str) -> tupl
     refusal = _same_means(solution) or found.refusal
     if refusal is not None:
         raise BadInput(refusal, file)
-    return found.warnings
+    return (*found.warnings, *_inclined_otherwise(solution))
+
+
+def _inclined_otherwise(solution: Solution) -> tuple[str, ...]:
+    """That the run shows inclinations far from where they were set, or nearer to where another was: inclinations that
+    were exchanged, or a schedule in radians. It is solved by those that it shows."""
+    if solution.inclinations is None:
+        return ()
+    set_at = {one.number: one.tilt_deg for one in solution.schedule.fitted_mountings}
+    far = []
+    for number, deg in zip(solution.inclinations.numbers, np.rad2deg(solution.inclinations.beta).tolist()):
+        off = abs(deg - set_at[number])
+        if off > _FAR_DEG or (off > _OFF_DEG and any(abs(deg - other) < off for other in set_at.values())):
+            far.append(f"{number} at {deg:+.1f} deg, set to {set_at[number]:g}")
+    causes = "inclinations exchanged, not all inclined, or axis_tilt_deg in radians?"
+    return (f"inclinations found far from where they were set: {'; '.join(far)}: {causes}",) if far else ()
 
 
 def _same_means(solution: Solution) -> str | None:
@@ -302,11 +323,20 @@ def _resolved(solution: Solution) -> Iterator[tuple[Mistake, Floats, float]]:
     told = _least_squares(fitted, means)
     assert told is not None  # there is a solution
     rounding = 1e-9 * float(np.abs(means).max())
+    if solution.inclinations is not None:  # it may mirror all along the axis, and nothing else tells: it comes first
+        matrix = np.array(fitted.fitted_mountings[0].matrix)
+        exchange = Mistake(1, (f"inclinations of opposite sign look exchanged ({_sloping(solution)})",))
+        yield exchange, solution.found.k @ (matrix * [1.0, -1.0, 1.0]) @ matrix.T, told[1] + rounding
     yield Mistake(0), solution.found.k, told[1] + rounding
     for mistake, positions in _stand_mistakes(fitted):
         other = _least_squares(Schedule(fitted.mountings, positions), means)
         if other is not None and other[1] <= _AS_WELL * told[1] + rounding:
             yield mistake, other[0], other[1] + rounding
+
+
+def _sloping(solution: Solution) -> str:
+    """The numbers of the inclinations that are set to one side of the level or the other."""
+    return listed([one.number for one in solution.schedule.fitted_mountings if one.tilt_deg])
 
 
 def _least_squares(schedule: Schedule, means: Floats) -> tuple[Floats, float] | None:
@@ -370,4 +400,7 @@ def _structure(solution: Solution) -> tuple[str, ...]:
         return ()
     odd = int(np.flatnonzero(signs == -np.sign(signs.sum()))[0])
     value = f"K_{AXES[odd]}{AXES[odd]} = {k[odd, odd]:.4g} {unit}"
-    return (f"{value} has another sign than the other two: a channel reversed, or the table turned the other way?",)
+    causes = "a channel reversed, or the table turned the other way?"
+    if solution.inclinations is not None and abs(solution.schedule.fitted_mountings[0].matrix[odd][1]) > _MOSTLY:
+        causes = f"inclinations of opposite sign exchanged ({_sloping(solution)}), {causes}"
+    return (f"{value} has another sign than the other two: {causes}",)

@@ -52,6 +52,7 @@ from tumble.solving.computation import (
     compute,
     estimator_or_linear,
     look_at_inclinations,
+    magnified_angles,
     require_told_apart,
 )
 from tumble.solving.many_runs import MonteCarlo, simulate
@@ -316,21 +317,32 @@ def _at_inclinations(planned: core.CoreSchedule, run: Run, estimator: str, weigh
         return _Place(planned, own.part(run.measured), own.part(run.measured))
     if estimator not in (INCLINED, OPTIMAL):
         raise BadInput(f"{estimator} takes inclinations for exact, which nobody measures; inclined finds them", file)
+    part, means = own.part(run.measured), run.means[run.measured]
+    if (same := inclined.alike(part, means, weights)) is not None:
+        raise BadInput(f"{same}; {_THREE_DIFFER}", file)
     try:
         closed, seen = look_at_inclinations(planned, run.means, run.measured, weights)
     except core.CoreRefusal as refusal:
         lacking = _missing(planned.data, run)
         if refusal.name == "TUMBLE_E_NOT_INCLINED" and lacking:
             raise BadInput(f"{estimator} needs {INCLINATIONS}; missing {lacking}", file) from None
+        if refusal.name == "TUMBLE_E_ONE_SIDE":  # numpy says at which angles
+            _inclinations_by_numpy(part, means, weights, file)
         raise BadInput(_explained(refusal, estimator), file) from None
-    part = own.part(run.measured)
+    k, of_witness = _inclinations_by_numpy(part, means, weights, file)
+    witness_schedule = inclined.as_seen(part, of_witness)
+    compare_inclinations(seen, of_witness, magnified_angles(witness_schedule, means, k, weights))
+    at_seen = core.CoreSchedule(inclined.as_seen(planned.data, seen))
+    return _Place(at_seen, witness_schedule, part, closed, seen)
+
+
+def _inclinations_by_numpy(part: Schedule, means: Floats, weights: Floats, file: str) -> tuple[Floats, Inclinations]:
+    """With K. Raises BadInput where the run contradicts its schedule."""
     try:
-        of_witness = inclined.solve(part, run.means[run.measured], weights)[2]
+        k, _, found = inclined.solve(part, means, weights)
     except inclined.NotShown as error:
         raise BadInput(str(error), file) from None
-    compare_inclinations(seen, of_witness)
-    at_seen = core.CoreSchedule(inclined.as_seen(planned.data, seen))
-    return _Place(at_seen, inclined.as_seen(part, of_witness), part, closed, seen)
+    return k, found
 
 
 def _missing(schedule: Schedule, run: Run) -> str:
@@ -380,6 +392,9 @@ def _by_core(
         raise BadInput(_explained(refusal, estimator), file) from None
 
 
+_THREE_DIFFER = "three must differ by tens of degrees (+-20 deg leave five times the uncertainty of +-45 deg)"
+
+
 def _explained(refusal: core.CoreRefusal, estimator: str) -> str:
     """A refusal in terms of what the user gave."""
     missing, lost = (", ".join(refusal.details.get(key, ())) for key in ("missing", "unidentified"))
@@ -392,8 +407,7 @@ def _explained(refusal: core.CoreRefusal, estimator: str) -> str:
         "TUMBLE_E_GAIN_RECORD": f"more than {core.MAX_YAWS} mountings, which optimal takes at most; least_squares"
         " solves any schedule",
         "TUMBLE_E_NOT_INCLINED": f"{estimator} needs {INCLINATIONS}",
-        "TUMBLE_E_ALIKE": f"{refusal}; they must be tens of degrees apart (+-20 deg leave five times the uncertainty"
-        " of +-45 deg)",
+        "TUMBLE_E_ALIKE": f"{refusal}; {_THREE_DIFFER}",
         "TUMBLE_E_RANK": f"these positions cannot identify {lost}",
         "TUMBLE_E_SINGULAR": f"{refusal}, or the table turned the other way in one mounting, or one attitude was"
         " measured twice",

@@ -164,6 +164,7 @@ def _show_budget(
         rows.append((f"{name}, {millionth}", *cells))
     out.print(tables.table(("", *found.sources, "all"), rows))
     out.print(ALPHAS)
+    out.print("ppm of the element itself: off the diagonal, 1000 ppm of 0.02 rad are 20 urad")
     for note in notes(case):
         out.print(note)
     if promised is not None:
