@@ -30,6 +30,8 @@ from tumble.schedule import Schedule
 from tumble.stand import PerChannel, Stand
 from tumble.terms import Terms
 
+SHOWN = ("alpha1", "inclination")  # sources that a run shows of a block that is inclined as it is bolted on
+
 
 @dataclass(frozen=True)
 class Propagation:
@@ -69,7 +71,7 @@ class Propagation:
         """Standard uncertainties (inclinations,) of the angles at which the block was inclined, rad, by the closed
         form: an error of the axis is what they tell."""
         by_means = inclined.gains_of_inclinations(self.schedule, self.k, self.weights)
-        others = {name: one for name, one in self.errors(variance).items() if name not in ("alpha1", "inclination")}
+        others = {name: one for name, one in self.errors(variance).items() if name not in SHOWN}
         found = brought(by_gains(self.schedule, by_means[: len(by_means) // 2]), others)
         u: Floats = np.sqrt(sum((draws**2).sum(axis=0) for draws in found.values()))
         return u
@@ -83,7 +85,7 @@ class Propagation:
         """Those that can be drawn for runs on this schedule. `optimal` is linearised at the inclinations that a run
         shows, so what moves these is no error of a run at them."""
         follows = self.estimator == OPTIMAL and self.schedule.is_inclined
-        shown = ("alpha1", "inclination") if follows else ()
+        shown = SHOWN if follows else ()
         return {name: one for name, one in self.errors(variance).items() if name not in shown}
 
     def brought(self, variance: Floats | None = None) -> dict[str, Floats]:
