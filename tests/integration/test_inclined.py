@@ -15,6 +15,8 @@ from conftest import EXAMPLES, ROOT
 import tumble as package
 from tumble import core, model
 from tumble.core.binding import inclined_runs, uncertainties
+from tumble.documents.result import parse_result
+from tumble.files.stand_file import read_stand
 from tumble.model.coefficients import worst_norm
 from tumble.model.fit import WholeModel
 from tumble.model.geometry import Geometry
@@ -22,6 +24,7 @@ from tumble.model.inclined import Inclinations, as_seen, gains, solve
 from tumble.model.optimal import optimal_covariance
 from tumble.model.propagation import Propagation
 from tumble.schedule import Mounting, Position, Schedule
+from tumble.solving.expected import expected as stated, measured_schedule, residuals
 from tumble.stand import Stand
 
 EYE = tuple(map(tuple, np.eye(3).tolist()))
@@ -280,6 +283,24 @@ def test_the_example_finds_what_it_was_made_of():
             assert abs(one["deg"] - nominal - np.rad2deg(off)) < 3.5 * one["u_deg"]
         assert document["level_rad"] == pytest.approx(np.deg2rad(seen[0]["deg"]), rel=1e-12)
         assert document["estimator"] == estimator and document["assumes"] == ["linear", "temperature"]
+
+
+def test_a_report_has_the_inclinations_and_a_band_for_residuals_about_them(tmp_path):
+    """No error of the axis is in the band, for the residuals are those at the inclinations found."""
+    pytest.importorskip("jinja2")
+    pytest.importorskip("matplotlib")
+    stand = EXAMPLES / "inclined_stand.toml"
+    result = package.solve(str(EXAMPLES / "inclined_stand.csv"), stand=str(stand), schedule="inclined")
+    document = parse_result(result.to_json().encode(), "result")
+    schedule = measured_schedule(document)
+    ratio = residuals(document, schedule) / stated(document, schedule, read_stand(str(stand)).stand, 0.0).residuals
+    assert 0.8 < np.sqrt((ratio**2).mean()) < 1.2 and np.abs(ratio).max() < 4.0
+    result.report(str(tmp_path / "report.html"))
+    page = (tmp_path / "report.html").read_text()
+    assert page.count("How the stand is inclined, the block bolted on once") >= 1
+    for number, deg, tilt in ((1, "0.53148", 0), (2, "45.39943", 45), (3, "-44.67662", -45)):
+        row = page[page.index(f"Inclination {number}; set to {tilt:g}<") :]
+        assert deg in row[: row.index("</tr>")].replace("\u2212", "-")
 
 
 def test_mountings_of_one_bolting_follow_one_another(tmp_path, tumble):

@@ -30,6 +30,8 @@ from tumble.schedule import Schedule
 from tumble.stand import PerChannel, Stand
 from tumble.terms import Terms
 
+SHOWN = ("alpha1", "inclination")  # sources that a run shows of a block that is inclined as it is bolted on
+
 
 @dataclass(frozen=True)
 class Propagation:
@@ -69,7 +71,7 @@ class Propagation:
         """Of the angles at which the block was inclined, then of the zeros of the table angle there, rad, by the closed
         form: an error of the axis is what they tell."""
         by_means = inclined.gains_of_inclinations(self.schedule, self.k, self.weights)
-        others = {name: one for name, one in self.errors(variance).items() if name not in ("alpha1", "inclination")}
+        others = {name: one for name, one in self.errors(variance).items() if name not in SHOWN}
         return covariance_of(by_gains(self.schedule, by_means), others)
 
     def u_inclinations(self, variance: Floats | None = None) -> Floats:
@@ -87,7 +89,7 @@ class Propagation:
         """Those that can be drawn for runs on this schedule. Where inclinations are not declared, `optimal` is
         linearised at those that a run shows, so what moves these is no error of a run at them."""
         follows = self.estimator == OPTIMAL and free(self.stand, self.schedule)
-        shown = ("alpha1", "inclination") if follows else ()
+        shown = SHOWN if follows else ()
         return {name: one for name, one in self.errors(variance).items() if name not in shown}
 
     def brought(self, variance: Floats | None = None) -> dict[str, Floats]:

@@ -48,6 +48,7 @@ def _called(document: dict[str, Any]) -> Fixed:
 HTML, PDF = "html", "pdf"
 _MOST_MOUNTINGS = 6
 _ON_A_TABLE = "How the block sat in each mounting with the table at angle zero, seen from the front."
+_INCLINED = "How the stand was inclined for each mounting, seen from the right; the block stayed bolted on."
 _BY_HAND = "How the block lay in each mounting, seen from the front."
 _PERHAPS_BY_HAND = (
     "The mountings of the schedule on a rotary table at angle zero, seen from the front. A block that was laid by hand"
@@ -125,6 +126,10 @@ def _mountings(source: Source) -> list[tuple[str, str, str]]:
     schedule = schedule_of(source.solved, source.name)
     if schedule is None or len(schedule.data.mountings) > _MOST_MOUNTINGS:
         return []
+    if schedule.data.is_inclined:
+        from tumble.pictures import inclinations
+
+        return [("inclined", svg(inclinations(schedule.data)), _INCLINED)]
     words = _ON_A_TABLE if source.table("stand") else _PERHAPS_BY_HAND
     words = _BY_HAND if schedule.data.is_laid_by_hand else words
     return [("mountings", svg(mountings(schedule.data)), words)]

@@ -225,6 +225,13 @@ def seen(source: Source) -> Table:
         elif source.at(*at) is not None:
             value, u = source.with_uncertainty(at, ("stand_seen", f"u_{key}"), None)
             rows.append((Fixed(name), value, u, unit))
+    schedule = schedule_of(source.solved, source.name)
+    set_at = {} if schedule is None else {one.number: one.tilt_deg for one in schedule.data.mountings}
+    for i, one in enumerate(source.array("inclinations")):
+        number = one["mounting"]
+        told = f"Inclination {number}" + (f"; set to {set_at[number]:g}" if number in set_at else "")
+        value, u = source.with_uncertainty(("inclinations", i, "deg"), ("inclinations", i, "u_deg"), None)
+        rows.append((Fixed(told), value, u, Fixed("deg")))
     return Table(("As this run shows it", "Value", "u (k = 1)", "Unit"), aligned(rows, 1, 2), left=(3,))
 
 

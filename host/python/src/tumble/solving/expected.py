@@ -27,7 +27,7 @@ from tumble.model.errors import NOISE, by_gains, contributions
 from tumble.model.estimators import by_coefficients, columns_at
 from tumble.model.geometry import built_in, ideal_force
 from tumble.model.optimal import NOISE_FLOOR_G
-from tumble.model.propagation import Propagation
+from tumble.model.propagation import SHOWN, Propagation
 from tumble.schedule import BUILT_IN, Schedule
 from tumble.solving.result import as_shown
 from tumble.stand import PerChannel, Stand, by_channel, over, rounding_of
@@ -101,6 +101,8 @@ def expected(result: Result, schedule: Schedule, declared: Stand, step_v: PerCha
         one = int(wrong.argmax())
         has, leaves = f"the result has {u[one]:.4g}", f"this one leaves {together[one]:.4g}"
         raise UsageError(f"stand: not that of the result: of u({COEFFICIENTS[one]}) {has}, {leaves}")
+    if given.schedule.is_inclined:  # residuals are those at the inclinations that the run shows
+        errors = {name: one for name, one in errors.items() if name not in SHOWN}
     of_residuals, of_delta_g = (
         np.sqrt(sum(one**2 for one in contributions(linear, errors).values())) for linear in (left, gravity)
     )
