@@ -78,7 +78,7 @@ def test_what_the_estimators_cost():
     assert 1.8 * refined < costs["4 unknowns, shared normal matrix"] < costs["least_squares: 4 unknowns"]
     assert costs["least_squares: 4 unknowns"] < 0.6 * costs["12 unknowns, normal equations"]
     assert costs["12 unknowns, normal equations"] < costs["12 unknowns, Householder QR"]
-    assert stacks["optimal: table, 2nd order"] < 832  # its row
+    assert stacks["optimal: table, 2nd order"] < 880  # its row
     assert stacks["12 unknowns, normal equations"] > 1200
     check_steps(steps)
 
@@ -115,7 +115,7 @@ def test_a_table_is_printed_with_ratios():
     assert header.split() == ["instructions", "ratio", "code", "library", "data", "stack"]
     assert first.split()[0] == "refined" and first.split()[2] == "1.00"
     assert len(operations.splitlines()) == 4
-    assert len(rest) == 26 and len(whole.splitlines()) == 4
+    assert len(rest) == 22 and len(whole.splitlines()) == 4
     assert "LEFT OUT" in steps or len(steps.splitlines()) == 4
     assert budget.splitlines()[0].split()[-4:] == ["code", "library", "static_ram", "stack"]
     for target in ("cortex-m4", "cortex-a53"):
