@@ -24,7 +24,8 @@ list(REMOVE_ITEM part_core ${part_optimal} ${part_inclined} ${part_uncertainty} 
   ${part_inclined_uncertainty})
 set(part_keeper ${part_navcomp})
 list(FILTER part_keeper INCLUDE REGEX "/(keeper[a-z_]*|fingerprint|parameters)\\.c$")
-list(REMOVE_ITEM part_navcomp ${part_keeper} ${part_navcomp_uncertainty} navcomp/stand_view.c)
+list(REMOVE_ITEM part_navcomp ${part_keeper} ${part_navcomp_uncertainty} navcomp/stand_view.c
+  navcomp/inclinations_view.c)
 
 # The objects of parts, out of those of the libraries.
 function(tumble_part_objects objects)

@@ -286,6 +286,8 @@ static void add_keeper(bench_world_t *world, node_t *node)
         .norm = tumble_navcomp_norm,
         .stand_view = tumble_stand_view,
         .stand_memory = &node->stand_memory,
+        .inclinations_view = tumble_inclinations_view,
+        .inclinations_memory = &node->inclinations_memory,
     };
     node->keeper.config = &node->keeper_config;
     world->navcomp_config.keeping = &tumble_keeper_calls;

@@ -4,6 +4,7 @@
 
 #include "events.h"
 #include "folder.h"
+#include "navcomp/inclinations_view.h"
 #include "navcomp/keeper.h"
 #include "navcomp/stand_view.h"
 #include "node_log.h"
@@ -24,6 +25,7 @@ typedef struct {
     tumble_keeper_t keeper;
     tumble_keeper_config_t keeper_config;
     tumble_stand_memory_t stand_memory;
+    tumble_inclinations_memory_t inclinations_memory;
     tumble_whole_work_t whole_work;
     events_t events;
     bench_folder_t folder;

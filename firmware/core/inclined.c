@@ -549,10 +549,12 @@ static void places_backwards(const tumble_inclined_map_t *map, const tumble_incl
 }
 
 void tumble_inclined_gains(const tumble_inclined_map_t *map, const tumble_inclined_t *run,
-                           const double seed[4][TUMBLE_CHANNELS], tumble_harmonics_t gains)
+                           const double seed[4][TUMBLE_CHANNELS], const double sine_seed[TUMBLE_MAX_YAWS],
+                           tumble_harmonics_t gains)
 {
-    double sine[TUMBLE_MAX_YAWS] = {0};
+    double sine[TUMBLE_MAX_YAWS];
     added_t added = {0};
+    (void)memcpy(sine, sine_seed, sizeof sine);
     (void)memset(gains, 0, sizeof(tumble_harmonics_t));
     transverse_backwards(map, run, seed, sine, gains);
     axial_backwards(map, run, seed, &added, gains);

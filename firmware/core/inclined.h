@@ -45,9 +45,10 @@ tumble_status_t tumble_inclined_again(const tumble_inclined_map_t *map, const tu
                                       const tumble_inclinations_t *inclinations, const double weights[TUMBLE_CHANNELS],
                                       tumble_inclined_t *run);
 
-/* What one unit of each harmonic adds to a sum of coefficients, weighed by `seed`: of K_ih, K_in, K_iv and the bias. The
- * closed form backwards, step by step. */
+/* What one unit of each harmonic adds to a sum of coefficients, weighed by `seed`: of K_ih, K_in, K_iv and the bias; and of
+ * inclinations, by `sine_seed`: of each sin beta_k. The closed form backwards, step by step. */
 void tumble_inclined_gains(const tumble_inclined_map_t *map, const tumble_inclined_t *run,
-                           const double seed[4][TUMBLE_CHANNELS], tumble_harmonics_t gains);
+                           const double seed[4][TUMBLE_CHANNELS], const double sine_seed[TUMBLE_MAX_YAWS],
+                           tumble_harmonics_t gains);
 
 #endif

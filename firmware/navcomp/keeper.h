@@ -25,6 +25,8 @@
 
 struct tumble_stand_memory;
 struct tumble_stand_view;
+struct tumble_inclinations_memory;
+struct tumble_inclinations_view;
 
 /* The board's, const; must outlive the keeper. */
 typedef struct {
@@ -42,6 +44,11 @@ typedef struct {
     /* tumble_stand_view and its memory (navcomp/stand_view.h); null: the dictionary tells nothing of the stand. */
     const struct tumble_stand_view *(*stand_view)(const tumble_navcomp_t *navcomp, struct tumble_stand_memory *memory);
     struct tumble_stand_memory *stand_memory;
+
+    /* tumble_inclinations_view and its memory (navcomp/inclinations_view.h); null: nothing of its inclinations. */
+    const struct tumble_inclinations_view *(*inclinations_view)(const tumble_navcomp_t *navcomp,
+                                                                struct tumble_inclinations_memory *memory);
+    struct tumble_inclinations_memory *inclinations_memory;
 } tumble_keeper_config_t;
 
 /* The emergency message (1003h) while TUMBLE_DUE_DECAYED is set. Its first four info bytes are the present calibration

@@ -110,6 +110,7 @@ TUMBLE_HAS_SIZE("2131h:8", tumble_sets_t, checkpoint.log.verify, 4U);
 TUMBLE_FOLLOWS("2131h:9", tumble_sets_t, checkpoint.log.verify, checkpoint.log.nv_errors, 4U);
 TUMBLE_FOLLOWS("2131h:10", tumble_sets_t, checkpoint.log.nv_errors, checkpoint.log.torn, 4U);
 TUMBLE_IS_ARRAY("2140h:1", tumble_stand_view_t, number, number[0], 8U, 10U);
+TUMBLE_IS_ARRAY("2141h:1", tumble_inclinations_view_t, number, number[0], 8U, 14U);
 TUMBLE_HAS_SIZE("2150h:1", tumble_position_view_t, index, 1U);
 TUMBLE_HAS_SIZE("2150h:2", tumble_position_view_t, samples, 4U);
 TUMBLE_HAS_SIZE("2150h:3", tumble_position_view_t, mean_v[0], 8U);
@@ -262,6 +263,9 @@ static const tumble_entry_t entries[] = {
     /* Stand seen */
     {0x2140U, 1U, TUMBLE_TYPE_REAL64, TUMBLE_HOME_COMPUTED,
      TUMBLE_ACCESS_READ, 8U, 0U, 0U, 9U, offsetof(tumble_stand_view_t, number[0]), TUMBLE_KEEPER_SOURCE_STAND},
+    /* Inclinations seen */
+    {0x2141U, 1U, TUMBLE_TYPE_REAL64, TUMBLE_HOME_COMPUTED,
+     TUMBLE_ACCESS_READ, 8U, 0U, 0U, 13U, offsetof(tumble_inclinations_view_t, number[0]), TUMBLE_KEEPER_SOURCE_INCLINATIONS},
     /* Position */
     {0x2150U, 1U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMPUTED,
      TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 1U, 3U, 0U, 0U, offsetof(tumble_position_view_t, index), TUMBLE_KEEPER_SOURCE_SHOWN_POSITION},

@@ -25,6 +25,7 @@ typedef enum {
     TUMBLE_KEEPER_SOURCE_COUNTERS, /* tumble_sets_counters */
     TUMBLE_KEEPER_SOURCE_STORES, /* the sets themselves: of each store its own counters */
     TUMBLE_KEEPER_SOURCE_STAND, /* the board's stand_view */
+    TUMBLE_KEEPER_SOURCE_INCLINATIONS, /* the board's inclinations_view */
     TUMBLE_KEEPER_SOURCE_SHOWN_POSITION, /* shown_position of the keeper */
     TUMBLE_KEEPER_SOURCE_POSITION, /* the mean of that position */
     TUMBLE_KEEPER_SOURCE_POSITIONS, /* of the schedule */

@@ -118,16 +118,31 @@ static tumble_abort_t read_noise(const tumble_keeper_t *keeper, const tumble_ent
     return comes ? TUMBLE_ABORT_DEVICE_STATE : TUMBLE_ABORT_NO_DATA;
 }
 
+/* `known`: flags of the pairs of a quantity and its uncertainty; null: of none. */
+static tumble_abort_t member_of_view(const void *view, const bool *known, const tumble_entry_t *entry, uint8_t *bytes,
+                                     uint8_t *size)
+{
+    const bool is_known = (known != NULL) && known[(entry->subindex - 1U) / 2U];
+    return is_known ? member(view, entry, bytes, size) : TUMBLE_ABORT_NO_DATA;
+}
+
 static tumble_abort_t read_stand(const tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes,
                                  uint8_t *size)
 {
     const tumble_keeper_config_t *config = keeper->config;
     const tumble_stand_view_t *view =
         (config->stand_view != NULL) ? config->stand_view(keeper->navcomp, config->stand_memory) : NULL;
-    if ((view == NULL) || !view->known[(entry->subindex - 1U) / 2U]) {
-        return TUMBLE_ABORT_NO_DATA;
-    }
-    return member(view, entry, bytes, size);
+    return member_of_view(view, (view != NULL) ? view->known : NULL, entry, bytes, size);
+}
+
+static tumble_abort_t read_inclinations(const tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes,
+                                        uint8_t *size)
+{
+    const tumble_keeper_config_t *config = keeper->config;
+    const tumble_inclinations_view_t *view =
+        (config->inclinations_view != NULL) ? config->inclinations_view(keeper->navcomp, config->inclinations_memory)
+                                            : NULL;
+    return member_of_view(view, (view != NULL) ? view->known : NULL, entry, bytes, size);
 }
 
 /* False: there is no such position. */
@@ -261,6 +276,9 @@ static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *
         break;
     case TUMBLE_KEEPER_SOURCE_STAND:
         refusal = read_stand(keeper, entry, bytes, size);
+        break;
+    case TUMBLE_KEEPER_SOURCE_INCLINATIONS:
+        refusal = read_inclinations(keeper, entry, bytes, size);
         break;
     case TUMBLE_KEEPER_SOURCE_SHOWN_POSITION:
     case TUMBLE_KEEPER_SOURCE_POSITION:

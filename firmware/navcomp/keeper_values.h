@@ -6,6 +6,7 @@
 #define TUMBLE_NAVCOMP_KEEPER_VALUES_H
 
 #include "canopen/dictionary.h"
+#include "navcomp/inclinations_view.h"
 #include "navcomp/keeper.h"
 #include "navcomp/stand_view.h"
 #include "tumble/core.h"

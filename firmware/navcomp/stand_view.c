@@ -84,10 +84,12 @@ static void look(const tumble_navcomp_t *navcomp, tumble_stand_memory_t *memory,
     find_weights(declared, weight);
     make_alike(weight, &memory->means, &alike);
     const tumble_seen_t noise = look_at_noise(navcomp, weight, memory);
-    (void)tumble_seen_angle_error(config->schedule, &memory->means, &alike, &memory->errors, &memory->work, &alpha4,
-                                  &freedom);
-    memory->errors.angle_rad = (declared != NULL) ? declared->stand->angle_rad : alpha4.value;
-    (void)tumble_seen_fit(config->schedule, &memory->means, &alike, &memory->errors, &memory->work, &angles);
+    if (config->estimate != TUMBLE_ESTIMATE_INCLINED) {
+        (void)tumble_seen_angle_error(config->schedule, &memory->means, &alike, &memory->errors, &memory->work, &alpha4,
+                                      &freedom);
+        memory->errors.angle_rad = (declared != NULL) ? declared->stand->angle_rad : alpha4.value;
+        (void)tumble_seen_fit(config->schedule, &memory->means, &alike, &memory->errors, &memory->work, &angles);
+    }
     show(&memory->view, ALPHA1, &angles.alpha1);
     show(&memory->view, ALPHA2_PLUS_ALPHA3, &angles.alpha2_plus_alpha3);
     show(&memory->view, ALPHA3_DIFFERENCE, &angles.alpha3_difference);

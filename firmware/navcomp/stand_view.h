@@ -33,7 +33,8 @@ typedef struct tumble_stand_memory {
 } tumble_stand_memory_t;
 
 /* The view of the present result; the errors of set angles as declared (navcomp->config->declared), or as the run
- * itself shows them. Null while there is no result. */
+ * itself shows them. Of `inclined` the noise alone: its stand is not inclined as the schedule has it
+ * (navcomp/inclinations_view.h). Null while there is no result. */
 const tumble_stand_view_t *tumble_stand_view(const tumble_navcomp_t *navcomp, tumble_stand_memory_t *memory);
 
 #endif

@@ -25,6 +25,25 @@ static tumble_status_t judge(const tumble_procedure_config_t *config, const tumb
     return status;
 }
 
+tumble_status_t tumble_navcomp_judged_run(const tumble_navcomp_t *navcomp, uint32_t samples[TUMBLE_MAX_POSITIONS],
+                                          tumble_judged_run_t *run)
+{
+    const tumble_noise_t *noise = NULL;
+    if (tumble_navcomp_noise(navcomp, &noise) == TUMBLE_E_DEVIATION) {
+        return TUMBLE_E_DEVIATION;
+    }
+    const tumble_schedule_t *schedule = navcomp->procedure_config.schedule;
+    const tumble_averaging_t *averages = tumble_procedure_averages(&navcomp->procedure);
+    for (uint8_t p = 0; p < schedule->position_count; p++) {
+        samples[p] = averages->averages[p].samples; /* there is no result before every position has a mean */
+    }
+    run->schedule = schedule;
+    run->stand = navcomp->config->declared->stand;
+    run->samples = samples;
+    run->noise = noise;
+    return TUMBLE_OK;
+}
+
 /* `asked`: which coefficients, or at which attitude. */
 static tumble_status_t judge_asked(const tumble_navcomp_t *navcomp, const tumble_judged_run_t *asked,
                                    tumble_uncertainty_t *uncertainty)
@@ -39,26 +58,11 @@ static tumble_status_t judge_asked(const tumble_navcomp_t *navcomp, const tumble
     if (tumble_navcomp_look_at_noise(navcomp)) {
         return TUMBLE_E_PORT_BUSY; /* enough for one step */
     }
-    const tumble_noise_t *noise = NULL;
-    if (tumble_navcomp_noise(navcomp, &noise) == TUMBLE_E_DEVIATION) {
-        return TUMBLE_E_DEVIATION;
-    }
-    const tumble_procedure_config_t *config = &navcomp->procedure_config;
-    const tumble_declared_t *declared = navcomp->config->declared;
-    const tumble_averaging_t *averages = tumble_procedure_averages(&navcomp->procedure);
     uint32_t samples[TUMBLE_MAX_POSITIONS];
-    for (uint8_t p = 0; p < config->schedule->position_count; p++) {
-        samples[p] = averages->averages[p].samples; /* there is no result before every position has a mean */
-    }
-    const tumble_judged_run_t run = {.schedule = config->schedule,
-                                     .stand = declared->stand,
-                                     .coefficients = result.coefficients,
-                                     .samples = samples,
-                                     .only = asked->only,
-                                     .noise = noise,
-                                     .attitude = asked->attitude,
-                                     .norm_g = asked->norm_g};
-    return judge(config, &run, uncertainty);
+    tumble_judged_run_t run = *asked;
+    run.coefficients = result.coefficients;
+    const tumble_status_t status = tumble_navcomp_judged_run(navcomp, samples, &run);
+    return (status == TUMBLE_OK) ? judge(&navcomp->procedure_config, &run, uncertainty) : status;
 }
 
 tumble_status_t tumble_navcomp_uncertainty(const tumble_navcomp_t *navcomp, uint16_t coefficients,

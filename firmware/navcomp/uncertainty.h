@@ -38,6 +38,11 @@ void tumble_navcomp_take_noise(const tumble_navcomp_t *navcomp, tumble_taken_t t
  * done, or there is no memory for it. */
 bool tumble_navcomp_look_at_noise(const tumble_navcomp_t *navcomp);
 
+/* For this room: fill in schedule and stand, and of the present result the numbers of samples, for which `samples` is
+ * memory, and the noise. There is a result, and a stand is declared. Returns TUMBLE_OK, TUMBLE_E_DEVIATION. */
+tumble_status_t tumble_navcomp_judged_run(const tumble_navcomp_t *navcomp, uint32_t samples[TUMBLE_MAX_POSITIONS],
+                                          tumble_judged_run_t *run);
+
 #define TUMBLE_ALL_COEFFICIENTS 0x0FFFU
 
 /* Standard uncertainties of the present result, for the configured estimator. Ask before another estimator is written

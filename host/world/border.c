@@ -1,5 +1,6 @@
 #include "world/border.h"
 
+#include "navcomp/inclinations_view.h"
 #include "navcomp/keeper.h"
 #include "navcomp/stand_view.h"
 #include "navcomp/uncertainty.h"
@@ -203,6 +204,8 @@ static tumble_status_t add_memory(memory_t *memory, bench_world_t *world)
         .norm = tumble_navcomp_norm,
         .stand_view = tumble_stand_view,
         .stand_memory = &memory->stand_memory,
+        .inclinations_view = tumble_inclinations_view,
+        .inclinations_memory = &memory->inclinations_memory,
     };
     memory->keeper.config = &memory->keeper_config;
     world->port.nv = &memory->nv.nv;
@@ -332,6 +335,8 @@ const char *world_set_power(world_t *world, bool on)
     }
     sim_bus_set_down(&own->bus, BENCH_BUS_NAVCOMP, false);
     memset(&world->memory.keeper, 0x5A, sizeof world->memory.keeper);
+    memset(&world->memory.stand_memory, 0, sizeof world->memory.stand_memory);
+    memset(&world->memory.inclinations_memory, 0, sizeof world->memory.inclinations_memory);
     world->memory.keeper.config = &world->memory.keeper_config;
     const tumble_status_t status = tumble_navcomp_init(&own->navcomp, &own->navcomp_config);
     own->mark = BENCH_LOOK_AGAIN;

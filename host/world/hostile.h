@@ -11,6 +11,7 @@
 #define TUMBLE_WORLD_HOSTILE_H
 
 #include "navcomp/commands.h"
+#include "navcomp/inclinations_view.h"
 #include "navcomp/keeper.h"
 #include "navcomp/stand_view.h"
 #include "procedure/states.h"
@@ -266,6 +267,7 @@ typedef struct bench_life {
     tumble_keeper_t keeper;
     tumble_keeper_config_t keeper_config;
     tumble_stand_memory_t stand_memory;
+    tumble_inclinations_memory_t inclinations_memory;
     uint64_t due_us[BENCH_PLAN_EVENTS]; /* SIM_NEVER: over, or waits for its state */
     bool waits[BENCH_PLAN_EVENTS];
     bool waited[BENCH_PLAN_EVENTS];

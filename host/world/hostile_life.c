@@ -714,6 +714,8 @@ static void compose(bench_life_t *life)
         .norm = tumble_navcomp_norm,
         .stand_view = tumble_stand_view,
         .stand_memory = &life->stand_memory,
+        .inclinations_view = tumble_inclinations_view,
+        .inclinations_memory = &life->inclinations_memory,
     };
     prepare_memory(life);
     life->watch.has_set = life->plan->has_set;

@@ -2,6 +2,7 @@
 #ifndef TUMBLE_WORLD_PARTS_H
 #define TUMBLE_WORLD_PARTS_H
 
+#include "navcomp/inclinations_view.h"
 #include "navcomp/keeper.h"
 #include "navcomp/stand_view.h"
 #include "replay/replay.h"
@@ -24,6 +25,7 @@ typedef struct {
     tumble_keeper_t keeper;
     tumble_keeper_config_t keeper_config;
     tumble_stand_memory_t stand_memory;
+    tumble_inclinations_memory_t inclinations_memory;
     tumble_whole_work_t whole_work;
 } memory_t;
 

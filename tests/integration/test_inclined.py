@@ -14,7 +14,7 @@ from conftest import EXAMPLES, ROOT
 
 import tumble as package
 from tumble import core, model
-from tumble.core.binding import inclined_runs, uncertainties
+from tumble.core.binding import inclined_runs, shown_inclinations, uncertainties
 from tumble.documents.result import parse_result
 from tumble.files.stand_file import read_stand
 from tumble.model.coefficients import worst_norm
@@ -203,6 +203,36 @@ def test_nothing_declared_of_level_or_inclination_counts():
         given = Propagation(schedule, NOMINAL_K, stand, lone, "inclined")
         found += [np.append(u_k, u_u0), np.sqrt(np.diag(given.covariance()))]
     assert np.abs(np.array(found) / found[0] - 1.0).max() < 1e-9
+
+
+ERRORS = ("angle", "axis_tilt", "level", "remount", "seat", "platform", "encoder", "drift")
+
+
+@pytest.mark.parametrize("counted", [None, *ERRORS, "all"])
+def test_the_core_says_inclinations_and_their_uncertainties_as_the_model_does(counted):
+    """To 1e-9 of an uncertainty, of every source beside next to no noise and of all; where the stand is in truth."""
+    at = Inclinations((1, 2, 3, 4), np.array([0.05, 0.7, -0.9, 0.3]), np.array([0.0, 0.2, -0.1, 0.02]))
+    schedule = as_seen(inclined([0.0, 45.0, -45.0, 20.0], EIGHT), at)
+    lone = np.full(len(schedule.positions), 4)
+    errors = {name: 1e-3 if counted in (name, "all") else 0.0 for name in ERRORS}
+    stand = Stand(**errors, noise=(1e-9, 4e-9, 2e-9), samples=1, limits="sigma1")
+    variance = np.full((len(lone), 3), 1e-18) * np.arange(1, len(lone) + 1)[:, None]
+    for more in (None, variance):
+        found = shown_inclinations(core.CoreSchedule(schedule), NOMINAL_K, stand, lone, more, stand.weights)
+        expected = np.rad2deg(Propagation(schedule, NOMINAL_K, stand, lone, "inclined").u_inclinations(more))
+        assert found[0] == pytest.approx(np.rad2deg(at.beta), abs=1e-12)
+        assert found[1] == pytest.approx(expected, rel=1e-9)
+        assert found[2] is None  # none is at 0 here
+        assert (found[1].max() > 1e-6) == (counted in ("angle", "encoder", "drift", "all"))
+
+
+def test_the_level_is_the_first_inclination_that_was_to_be_level():
+    schedule, stand = SCHEDULES["30, 3 x 4"], stand_of("paper", 12)
+    lone = np.ones(12, dtype=int)
+    _, u_deg, level = shown_inclinations(core.CoreSchedule(schedule), NOMINAL_K, stand, lone)
+    assert level == pytest.approx((0.0, np.deg2rad(u_deg[0])), rel=1e-12, abs=1e-15)
+    with pytest.raises(core.CoreRefusal, match="no inclinations of one bolting"):
+        shown_inclinations(core.CoreSchedule(core.built_in("paper")), NOMINAL_K, stand, np.ones(18, dtype=int))
 
 
 @pytest.mark.parametrize("weights", [np.ones(3), np.array([1.0, 0.2, 3.0])])

@@ -1,5 +1,6 @@
 """A block that is bolted on once, on a simulated stand that is inclined: against the numpy geometry, and on the bus."""
 
+import json
 import math
 import re
 import subprocess
@@ -13,11 +14,12 @@ from c_compiler import compiled
 from conftest import EXAMPLES
 from documents import valid
 
-from tumble import World
+from tumble import World, client, solve as solve_run
 from tumble.model.geometry import STEP, Geometry, built_in
 from tumble.model.inclined import as_seen, solve
 from tumble.schedule import Schedule
 from tumble.stand import PAPER_STAND
+from tumble.world import in_process
 
 K = np.array([[-2.02, 0.03, -0.01], [0.02, -1.97, 0.04], [-0.03, 0.01, -2.01]])
 U0 = np.array([0.05, -0.08, 0.02])
@@ -169,6 +171,47 @@ def test_the_result_of_a_bench_run_is_confirmed_and_says_the_true_inclinations(n
                    "--scenario", tmp_path / "run/inputs/scenario.txt")  # fmt: skip
     assert again.returncode == done.returncode
     assert (tmp_path / "again/run.csv").read_bytes() == (tmp_path / "run/run.csv").read_bytes()
+
+
+SEEN = [f"Inclinations seen: {name}" for n in range(1, 7) for name in (f"Inclination {n}", f"u_inclination {n}")]
+LEVEL = ["Inclinations seen: level", "Inclinations seen: u_level"]
+ANGLES_SEEN = ("alpha1", "alpha2_plus_alpha3", "alpha3_difference", "alpha4")
+STAND_SEEN = [f"Stand seen: {name}" for name in (*ANGLES_SEEN, "noise")]
+
+
+@pytest.mark.parametrize("name", ["inclined", "inclined_closed", "paper"])
+def test_a_node_says_the_inclinations_of_its_run_as_solve_does(name, tmp_path):
+    """2141h against the run's result on the host; of the angles that 2140h tells of other schedules it tells none."""
+    pytest.importorskip("can", reason="python-can is not installed")
+    pytest.importorskip("canopen", reason="python-canopen is not installed")
+    from tumble.testing.virtual_bus import time_of
+
+    stand = stand_file(tmp_path, "inclination_rad = 5e-3", "axis_tilt_rad = 1e-2")
+    keys = {"keeper.serial": "B-17", "procedure.estimator": "refined" if name == "paper" else "inclined",
+            "procedure.gravity_limit_g": 1e-2, "firmware.starts": False}  # fmt: skip
+    world = World(4, schedule=name, stand=stand, samples=50, memory=True, operator="on-confirm", **keys)
+    with world.bus() as bus, time_of(bus), client.connect(bus) as node:
+        assert node.read(SEEN[0]) is None
+        node.start()
+        while node.wait(until=("WAIT_MOUNTING", "DONE"), timeout=600) != "DONE":
+            node.confirm()
+        node.result()
+        seen = [node.read(one) for one in (*SEEN, *LEVEL)]
+        told = [node.read(one) is not None for one in STAND_SEEN]
+    if name == "paper":
+        assert set(seen) == {None} and told[:3] == [True] * 3
+        return
+    in_process.write(world._border, tmp_path)
+    run = str(tmp_path / "run.csv")
+    result = json.loads(solve_run(run, stand=str(stand), schedule=name, estimator="inclined").to_json())
+    count = len(result["inclinations"])
+    deg, u_deg = ([one[key] for one in result["inclinations"]] for key in ("deg", "u_deg"))
+    assert seen[0 : 2 * count : 2] == pytest.approx(deg, abs=1e-10)
+    assert seen[1 : 2 * count : 2] == pytest.approx(u_deg, rel=1e-6)
+    assert seen[2 * count : 12] == [None] * (12 - 2 * count)
+    assert seen[12] == pytest.approx(result["level_rad"], abs=1e-12)
+    assert seen[13] == pytest.approx(result["u_level_rad"], rel=1e-6)
+    assert told == [False] * 4 + [True]
 
 
 @pytest.mark.parametrize("lines", [(), ("noise_v = [1e-4, 3.3e-4, 7.7e-4]", "seat_rad = 1e-3", "drift_v = 1e-5")])

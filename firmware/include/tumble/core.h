@@ -668,6 +668,25 @@ tumble_status_t tumble_uncertainty_least_squares(const tumble_judged_run_t *run,
 tumble_status_t tumble_uncertainty_inclined(const tumble_judged_run_t *run, tumble_uncertainty_t *uncertainty,
                                             tumble_refusal_t *refusal);
 
+/* What a run says of its inclinations, in the order of tumble_inclined_map_t; beyond `count`: 0. The error of the level
+ * axis is that of the first one that the schedule has at 0. */
+typedef struct {
+    double deg[TUMBLE_MAX_YAWS];
+    double u_deg[TUMBLE_MAX_YAWS]; /* standard uncertainties */
+    double level_rad;
+    double u_level_rad;
+    uint8_t count;
+    bool has_level; /* else both are 0 */
+} tumble_shown_inclinations_t;
+
+/* The inclinations of a run that was estimated by tumble_estimate_inclined, with uncertainties as of its coefficients.
+ * Errors of level and inclination do nothing: they are what it shows. Angles are those of `run->inclinations`, within 0.3
+ * rad of the schedule's, to 1e-15 rad; farther off their series is worse. `run->only` and `attitude` are not read.
+ * docs/never-remounted.md. Returns as tumble_uncertainty_inclined, and writes zeros on a refusal but
+ * TUMBLE_E_ARGUMENT (null). */
+tumble_status_t tumble_uncertainty_inclinations(const tumble_judged_run_t *run, tumble_shown_inclinations_t *shown,
+                                                tumble_refusal_t *refusal);
+
 /* `inclined` for a procedure that knows no inclinations: how the channels weigh, and memory for what the run says of its
  * inclinations, 192 bytes, which the uncertainties need. */
 typedef struct {

@@ -274,6 +274,16 @@ typedef struct { double k_v_per_g[3][3]; double u0_v[3]; } tumble_uncertainty_t;
 
 tumble_status_t tumble_uncertainty_gains(const tumble_gain_table_t *, const tumble_judged_run_t *,
                                          tumble_uncertainty_t *);
+typedef struct {
+    double deg[...];
+    double u_deg[...];
+    double level_rad;
+    double u_level_rad;
+    uint8_t count;
+    bool has_level;
+} tumble_shown_inclinations_t;
+tumble_status_t tumble_uncertainty_inclinations(const tumble_judged_run_t *, tumble_shown_inclinations_t *,
+                                                tumble_refusal_t *);
 """
 
 WHOLE_MODEL = """

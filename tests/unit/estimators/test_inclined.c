@@ -4,6 +4,8 @@
 
 #include <math.h>
 
+#define PI 3.14159265358979323846
+
 /* A schedule of inclinations, and what was done in truth. */
 typedef struct {
     tumble_mounting_t mountings[TUMBLE_MAX_YAWS];
@@ -15,7 +17,7 @@ typedef struct {
 
 static tumble_angle_t angle_at(double deg)
 {
-    const double radians = deg * (3.14159265358979323846 / 180.0);
+    const double radians = deg * (PI / 180.0);
     return (tumble_angle_t){deg, sin(radians), cos(radians)};
 }
 
@@ -33,7 +35,7 @@ static void draw_run(dice_t *dice, inclined_run_t *run, uint8_t inclinations, do
         run->mountings[k] =
             (tumble_mounting_t){.number = (uint8_t)(k + 1U), .tilt = angle_at(nominal[k]), .bolting = 7};
         memcpy(run->mountings[k].matrix, matrix, sizeof matrix);
-        run->beta[k] = nominal[k] * (3.14159265358979323846 / 180.0) + error * dice_signed_unit(dice);
+        run->beta[k] = nominal[k] * (PI / 180.0) + error * dice_signed_unit(dice);
         run->tau[k] = (k == 0U) ? 0.0 : error * dice_signed_unit(dice);
         for (uint8_t l = 0; l < positions; l++) {
             run->positions[count++] = (tumble_position_t){(uint8_t)(k + 1U), (uint8_t)(l + 1U), TUMBLE_USE_FIT,
@@ -49,7 +51,7 @@ static void measure(const inclined_run_t *run, const tumble_coefficients_t *bloc
     for (uint8_t p = 0; p < run->schedule.position_count; p++) {
         const tumble_mounting_t *mounting = tumble_schedule_mounting_of(&run->schedule, p);
         const ptrdiff_t k = mounting - run->mountings;
-        const double phi = run->positions[p].angle.deg * (3.14159265358979323846 / 180.0) + run->tau[k];
+        const double phi = run->positions[p].angle.deg * (PI / 180.0) + run->tau[k];
         const double f[3] = {cos(run->beta[k]) * sin(phi), sin(run->beta[k]), cos(run->beta[k]) * cos(phi)};
         means->measured[p] = true;
         for (int i = 0; i < 3; i++) {
@@ -211,10 +213,14 @@ static void test_a_weight_is_above_0(void)
     }
 }
 
-/* The sum of all coefficients, weighed by `seed`, of a run that has been solved. */
-static double weighed(const double seed[4][3], const tumble_inclined_t *run)
+/* The sum of all coefficients, weighed by `seed`, and of inclinations, of a run that has been solved. */
+static double weighed(const double seed[4][3], const double sine_seed[TUMBLE_MAX_YAWS], const tumble_inclined_t *run,
+                      int inclinations)
 {
     double sum = 0.0;
+    for (int k = 0; k < inclinations; k++) {
+        sum += sine_seed[k] * run->seen.sine[k];
+    }
     for (int n = 0; n < 12; n++) {
         sum += seed[n / 3][n % 3] * ((n < 9) ? run->column[n / 3][n % 3] : run->bias[n % 3]);
     }
@@ -234,8 +240,12 @@ static void test_gains_are_the_derivatives(void)
         const tumble_coefficients_t block = random_block(&dice);
         const double weights[3] = {1.0, 0.5, 2.0};
         double seed[4][3];
+        double sine_seed[TUMBLE_MAX_YAWS];
         draw_run(&dice, &run, (uint8_t)(3U + dice_below(&dice, 4)), 0.05);
         measure(&run, &block, &means);
+        for (int k = 0; k < TUMBLE_MAX_YAWS; k++) {
+            sine_seed[k] = (round % 2 == 0) ? dice_signed_unit(&dice) : 0.0;
+        }
         for (int cell = 0; cell < 3 * run.schedule.position_count; cell++) {
             means.u_v[cell / 3][cell % 3] += 1e-3 * dice_signed_unit(&dice);
         }
@@ -244,7 +254,7 @@ static void test_gains_are_the_derivatives(void)
         }
         ASSERT_STATUS(TUMBLE_OK, tumble_schedule_inclinations(&run.schedule, NULL, &map, NULL));
         ASSERT_STATUS(TUMBLE_OK, tumble_inclined_solve(&map, &means, weights, &solved));
-        tumble_inclined_gains(&map, &solved, (const double (*)[3])seed, gains);
+        tumble_inclined_gains(&map, &solved, (const double (*)[3])seed, sine_seed, gains);
         for (int cell = 0; cell < 3 * run.schedule.position_count; cell++) {
             const int p = cell / 3;
             const int i = cell % 3;
@@ -259,12 +269,71 @@ static void test_gains_are_the_derivatives(void)
             for (int sign = -1; sign <= 1; sign += 2) {
                 means.u_v[p][i] = before + sign * 1e-5;
                 ASSERT_STATUS(TUMBLE_OK, tumble_inclined_solve(&map, &means, weights, &moved));
-                difference += sign * weighed((const double (*)[3])seed, &moved) / 2e-5;
+                difference += sign * weighed((const double (*)[3])seed, sine_seed, &moved, map.count) / 2e-5;
             }
             means.u_v[p][i] = before;
             TEST_ASSERT_DOUBLE_WITHIN(3e-8, difference, gain);
         }
     }
+}
+
+/* Three inclinations, the block square on its axes, n positions at each: of the level tells 3/2 + cot^2 beta / 2 of the
+ * variance of a mean over n and the squared scale, and no error of an angle anything. */
+static void test_the_uncertainty_of_the_level(void)
+{
+    static const tumble_coefficients_t square = {{{2.5, 0.0, 0.0}, {0.0, 2.5, 0.0}, {0.0, 0.0, 2.5}}, {1.0, 2.0, 3.0}};
+    tumble_stand_record_t stand = {.noise_v = 4e-3, .samples = 16};
+    const tumble_judged_run_t run = {.schedule = &tumble_schedule_inclined, .stand = &stand, .coefficients = &square};
+    const double u_rad = (1e-3 / 2.5) * sqrt((1.5 + 0.5) / 8.0); /* at 45 degrees */
+    for (int other = 0; other < 2; other++) {
+        tumble_shown_inclinations_t shown;
+        ASSERT_STATUS(TUMBLE_OK, tumble_uncertainty_inclinations(&run, &shown, NULL));
+        TEST_ASSERT_EQUAL_UINT8(3, shown.count);
+        TEST_ASSERT_TRUE(shown.has_level);
+        ASSERT_SAME_DOUBLE(0.0, shown.level_rad);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-12 * u_rad, u_rad, shown.u_level_rad);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-10 * u_rad, u_rad * 180.0 / PI, shown.u_deg[0]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-12, 45.0, shown.deg[1]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-12, -45.0, shown.deg[2]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-10 * shown.u_deg[1], shown.u_deg[1], shown.u_deg[2]);
+        ASSERT_SAME_DOUBLE(0.0, shown.deg[3]);
+        stand.axis_tilt_rad = stand.level_rad = stand.remount_rad = stand.seat_rad = stand.platform_rad = 1e-3;
+        stand.angle_rad = 1e-3;
+    }
+}
+
+/* Of the sines and cosines that a run shows, the angles, up to 0.3 rad off the schedule's. */
+static void test_the_angles_of_inclinations(void)
+{
+    static inclined_run_t run;
+    static tumble_means_t means;
+    static const tumble_stand_record_t stand = {.noise_v = 1e-4, .samples = 1};
+    dice_t dice = {80};
+    for (int round = 0; round < 300; round++) {
+        tumble_coefficients_t found;
+        tumble_inclinations_t seen;
+        tumble_shown_inclinations_t shown;
+        const tumble_coefficients_t block = random_block(&dice);
+        draw_run(&dice, &run, (uint8_t)(3U + dice_below(&dice, 4)), 0.3);
+        run.mountings[0].tilt = angle_at((round % 2 == 0) ? 0.0 : 1.0);
+        measure(&run, &block, &means);
+        ASSERT_STATUS(TUMBLE_OK, tumble_inclined_weighted(&run.schedule, &means, NULL, &found, &seen, NULL));
+        const tumble_judged_run_t judged = {
+            .schedule = &run.schedule, .stand = &stand, .coefficients = &found, .inclinations = &seen};
+        ASSERT_STATUS(TUMBLE_OK, tumble_uncertainty_inclinations(&judged, &shown, NULL));
+        TEST_ASSERT_EQUAL_UINT8(run.schedule.mounting_count, shown.count);
+        for (int k = 0; k < shown.count; k++) {
+            TEST_ASSERT_DOUBLE_WITHIN(1e-10, run.beta[k] * 180.0 / PI, shown.deg[k]);
+            TEST_ASSERT_DOUBLE_WITHIN(3e-13, asin(seen.sine[k]) * 180.0 / PI, shown.deg[k]);
+        }
+        TEST_ASSERT_EQUAL(round % 2 == 0, shown.has_level);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-12, shown.has_level ? run.beta[0] : 0.0, shown.level_rad);
+    }
+    const tumble_judged_run_t bad = {.schedule = &tumble_schedule_paper, .stand = &stand};
+    tumble_shown_inclinations_t shown = {.count = 3};
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_uncertainty_inclinations(&bad, &shown, NULL));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_uncertainty_inclinations(NULL, &shown, NULL));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_uncertainty_inclinations(&bad, NULL, NULL));
 }
 
 /* What was found makes outputs again of which the same is found. */

@@ -204,6 +204,25 @@ static void test_the_stand_as_it_is_seen(void)
     TEST_ASSERT_NOT_EQUAL(looked_at, stand_memory.looked_at);
 }
 
+/* No inclinations; and of `inclined` nothing but the noise is told of the stand. What a run of it shows:
+ * tests/integration/test_inclined_bench.py. */
+static void test_the_inclinations_of_a_run_of_another_estimator(void)
+{
+    static tumble_inclinations_memory_t inclinations;
+    keeper_config.inclinations_view = tumble_inclinations_view;
+    keeper_config.inclinations_memory = &inclinations;
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2141, 1));
+    (void)run_and_judge();
+    for (uint8_t sub = 1; sub <= 14U; sub++) {
+        TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2141, sub));
+    }
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_SUBINDEX, refusal_of(0x2141, 15));
+    bench.navcomp.procedure_config.estimate = TUMBLE_ESTIMATE_INCLINED; /* for the next run; nobody lends it */
+    TEST_ASSERT_NULL(tumble_inclinations_view(&bench.navcomp, &inclinations));
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2140, 1));
+    TEST_ASSERT_TRUE(read_f64(0x2140, 9) > 0.0);
+}
+
 /* A channel that is declared to be next to silent is as much a part of it as another. */
 static void test_a_channel_without_noise_hides_no_other(void)
 {
@@ -241,6 +260,7 @@ static void test_a_board_that_does_not_look_at_the_stand(void)
     keeper_config.stand_view = NULL;
     (void)run_and_judge();
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2140, 1));
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2141, 1));
 }
 
 static unsigned listen_for_pdo(double seconds, uint8_t last[8])

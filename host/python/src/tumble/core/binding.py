@@ -568,6 +568,23 @@ def uncertainties(
     return unpack(found)
 
 
+def shown_inclinations(
+    schedule: CoreSchedule,
+    k: Floats,
+    stand: Stand,
+    samples: Integers,
+    mean_variance: Floats | None = None,
+    weights: Floats | None = None,
+) -> tuple[Floats, Floats, tuple[float, float] | None]:
+    """Of an estimate by `inclined`, arguments as of `uncertainties`: angles and their standard uncertainties, deg, and
+    the level error with its own, rad, where the schedule has an inclination of 0. Raises CoreRefusal."""
+    run = _JudgedRun(schedule, k, stand, samples, None, mean_variance, weights=weights)
+    found, refusal = ffi.new("tumble_shown_inclinations_t *"), ffi.new("tumble_refusal_t *")
+    require_estimable(schedule, lib.tumble_uncertainty_inclinations(run.struct, found, refusal), refusal)
+    deg, u_deg = (np.array(list(angles)[: found.count]) for angles in (found.deg, found.u_deg))
+    return deg, u_deg, (found.level_rad, found.u_level_rad) if found.has_level else None
+
+
 def _gain_table(gains: Floats, stand: Stand) -> Any:
     """It does not keep the gains."""
     inclination = 0.0 if math.isinf(stand.inclination) else stand.sigma("inclination")
