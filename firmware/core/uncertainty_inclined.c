@@ -154,15 +154,15 @@ tumble_status_t tumble_uncertainty_inclinations(const tumble_judged_run_t *run, 
     tumble_judged_run_t judged;
     tumble_uncertainty_t u = {0};
     inclined_t inclined;
-    tumble_gains_t gains = {.run = &judged, .kind = TUMBLE_GAINS_HOOKED, .hooks = &hooks, .hooked = &inclined};
-    stand = *run->stand;
     judged = *run;
-    judged.stand = &stand;
     judged.only = 1U; /* in the place of K_xx each is judged */
     judged.attitude = NULL;
     tumble_status_t status = prepare(&judged, &u, &inclined, refusal);
     *shown = (tumble_shown_inclinations_t){0};
-    stand.axis_tilt_rad = 0.0;
+    stand = *run->stand;
+    stand.axis_tilt_rad = 0.0; /* the inclinations show it */
+    judged.stand = &stand;
+    tumble_gains_t gains = {.run = &judged, .kind = TUMBLE_GAINS_HOOKED, .hooks = &hooks, .hooked = &inclined};
     inclined.of_inclination = true;
     for (uint8_t k = 0; (status == TUMBLE_OK) && (k < inclined.map.count); k++) {
         const tumble_angle_t *tilt = &run->schedule->mountings[inclined.map.mounting[k]].tilt;
