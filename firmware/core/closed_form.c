@@ -44,7 +44,7 @@ static harmonics_t of_diagonals(const double u[TUMBLE_STEPS])
 
 static harmonics_t harmonics_of(const tumble_circle_t *circle, const tumble_means_t *means, int i)
 {
-    double u[TUMBLE_STEPS] = {0.0};
+    double u[TUMBLE_STEPS] = {0};
     for (uint32_t l = circle->stride - 1U; l < TUMBLE_STEPS; l += circle->stride) {
         u[l] = means->u_v[circle->index[l]][i];
     }

@@ -86,7 +86,7 @@ static double with_inclinations(const tumble_gains_t *gains, const double weight
 static tumble_status_t add_inclinations(const tumble_gains_t *gains, tumble_uncertainty_t *uncertainty)
 {
     const tumble_judged_run_t *run = gains->run;
-    double weight[TUMBLE_COEFFICIENTS] = {0.0};
+    double weight[TUMBLE_COEFFICIENTS] = {0};
     double check = 0.0;
     if (run->attitude != NULL) {
         for (int i = 0; i < TUMBLE_CHANNELS; i++) {
