@@ -446,3 +446,23 @@ def test_nothing_is_set_exactly(tmp_path, tumble):
     row = 1 + text.splitlines().index("inclination_rad = 0")
     said = "inclination_rad must not be 0: nothing is set exactly; leave it out where nobody knows"
     assert (done.returncode, done.stderr) == (2, f"tumble: {tmp_path / 'exact.toml'}: row {row}: [stand] {said}\n")
+
+
+@pytest.mark.parametrize("name", ["inclined", "inclined_closed"])
+@pytest.mark.parametrize("of", ["angle", "lab"])
+def test_optimal_is_confirmed_where_set_angles_are_the_largest_error(of, name, tmp_path):
+    """Inclinations that nobody declares are no errors of set angles, to the core as to numpy."""
+    rng = np.random.default_rng(71)
+    schedule, path = core.built_in(name), str(EXAMPLES / f"{of}_stand.toml")
+    stand, mountings = read_stand(path).stand, len(schedule.mountings)
+    for _ in range(4):
+        force = Geometry(schedule).force(
+            alpha1=np.deg2rad(rng.uniform(-0.3, 0.3, mountings)),
+            seat_n=np.deg2rad(rng.uniform(-0.1, 0.1, mountings)),
+            delta=stand.angle * rng.standard_normal(len(schedule.positions)),
+        )
+        means = force @ (NOMINAL_K * (1.0 + 0.01 * rng.standard_normal((3, 3)))).T
+        noise = stand.noise * rng.standard_normal(means.shape)
+        file = write_run(tmp_path / "run.csv", schedule, means + noise)
+        result = package.solve(str(file), stand=path, schedule=name, estimator="optimal")
+        assert json.loads(result.to_json())["estimator"] == "optimal"

@@ -266,7 +266,7 @@ def test_writer_and_reader_agree_on_every_number():
 
 
 @pytest.mark.parametrize("name", INCLINED)
-def test_a_record_has_rows_for_inclinations_where_they_are_declared(name):
+def test_a_record_has_rows_for_inclinations(name):
     schedule = INCLINED[name].data
     noise = (1e-4, 2e-4, 1e-4)
     for stand in (PAPER_STAND, replace(PAPER_STAND, seat=1e-4, drift=1e-5, encoder=1e-5, noise=noise)):
@@ -280,7 +280,8 @@ def test_a_record_has_rows_for_inclinations_where_they_are_declared(name):
         tau = table.nuisance_gains[-mountings:]
         assert [not row.any() for row in tau] == [m in {b[0] for b in schedule.boltings} for m in range(mountings)]
         undeclared = optimal_run.to_bytes(optimal_run.record_of(optimal_table(schedule, NOMINAL_K, stand), schedule))
-        assert undeclared[9] == 0 and len(undeclared) == len(data) - 8 - 48 * mountings * len(schedule.fit_indices)
+        again = gain_record.from_bytes(undeclared)
+        assert (again.inclinations, again.sigma_inclination) == (mountings, 0.0)  # they may have any size
 
 
 @pytest.mark.parametrize("spoil", ["short", "flipped", "foreign"])

@@ -40,7 +40,7 @@ from tumble.stand import COMMON, PerChannel, Stand, by_channel, rounding_of
 from tumble.terms import Terms
 
 CORRECTIONS = 2
-CORRECTIONS_INCLINED = 4  # where inclinations have a prior: they may be off by more than any other error
+CORRECTIONS_INCLINED = 4  # inclinations may be off by more than any other error
 NOISE_FLOOR_G = 1e-9  # times the largest element of K: the noise of a mean never counts as less
 UNEQUAL = "no optimal weights: the stand's errors are too large, or too unequal, to compute with"
 LARGEST_LOSS = 1e-5  # of bias and of spread to rounding, before weights are refused
@@ -80,10 +80,9 @@ def samples_in_a_mean(schedule: Schedule, stand: Stand, samples: Integers) -> fl
 
 
 def shared_errors(schedule: Schedule, k: Floats, stand: Stand) -> dict[str, Draws]:
-    """The errors that positions share, on a schedule of fit positions: in the order in which records have them, then
-    those that are free, which no record has."""
-    named = declared(stand, schedule)
-    return of_stand(schedule, k, stand, [*(name for name in _SHARED if name in named), *free(stand, schedule)])
+    """The errors that positions share, on a schedule of fit positions: in the order in which records have them."""
+    named = {*declared(stand, schedule), *free(stand, schedule)}
+    return of_stand(schedule, k, stand, [name for name in _SHARED if name in named])
 
 
 @dataclass(frozen=True)
@@ -92,11 +91,11 @@ class OptimalTable:
 
     `gains` (12, 3P), with further rows if it was made with further terms; `nuisance_gains` (2 + `yaws` + 2 `seats` +
     `waves` + `drifts` + 2 `inclinations`, 3P): alpha1, alpha2, alpha3..., and where seats are declared theta_h of each
-    mounting, the platform's in it, then theta_n of each, then the numbers of the encoder, then drifts, then where
-    inclinations are declared beta of each mounting and tau of each; `sigma` (4,) of alpha1 to alpha4,
-    `sigma_inclination` of beta and tau, radians; `sigma_mean`: noise of a mean of the noisiest channel, and of the
-    others over their `weights` (3,); `u`: standard deviations of the estimate, which are the Cramer-Rao bound;
-    `floored`: some noise is the floor and not the stand's.
+    mounting, the platform's in it, then theta_n of each, then the numbers of the encoder, then drifts, then of
+    inclinations beta of each mounting and tau of each; `sigma` (4,) of alpha1 to alpha4, `sigma_inclination` of beta
+    and tau, radians, 0 where they may have any size: then they bring nothing to the coefficients; `sigma_mean`: noise
+    of a mean of the noisiest channel, and of the others over their `weights` (3,); `u`: standard deviations of the
+    estimate, which are the Cramer-Rao bound; `floored`: some noise is the floor and not the stand's.
     """
 
     k: Floats
@@ -127,10 +126,7 @@ class _Whitened:
         self.by_error = derivative.reshape(len(derivative), -1).T * self.errors.sigma
         self.model = np.hstack([self.by_error, self.design])
         self.expected = derivative.reshape(len(derivative), -1).T @ self.errors.mean
-        unbounded = free(stand, self.schedule)
-        self.corrections = CORRECTIONS_INCLINED if "inclination" in declared(stand, self.schedule) else CORRECTIONS
-        exact = [np.full(len(one.sigma), name not in unbounded) for name, one in self.found.items()]
-        self._exact = np.append(np.concatenate(exact), np.ones(self.count, dtype=bool))
+        self.corrections = CORRECTIONS_INCLINED if "inclination" in self.found else CORRECTIONS
         self.weights = np.tile(channel_weights(sigma), len(self.design) // 3)
         prior = largest * np.eye(self.by_error.shape[1], self.model.shape[1])
         self.system = np.vstack([self.model * self.weights[:, None], prior])
@@ -158,15 +154,14 @@ class _Whitened:
     def solve_exactly(self, measured: Floats) -> tuple[Floats, Floats]:
         """All unknowns (runs, n) on the exact geometry, from `measured` (runs, fit positions, 3); and the outputs
         (runs, 3 x fit positions) without what this has beyond its linearisation, and without what the declared means of
-        the errors add. What is free has been found before, and counts by its first order alone: the core's way."""
+        the errors add."""
         corrected = measured = measured.reshape(len(measured), -1) - self.expected
         x = self.solve(measured.T).T
         for _ in range(self.corrections):
-            known, found = x * self._exact, x[:, -self.count :]
-            sizes = self.sizes(known) + self.errors.mean
+            found, sizes = x[:, -self.count :], self.sizes(x) + self.errors.mean
             exact = self.errors.outputs(found[:, :9].reshape(-1, 3, 3), found[:, 9:12], sizes)
             further = found[:, 12:] @ self.design[:, 12:].T
-            corrected = measured - (exact.reshape(measured.shape) + further - known @ self.model.T - self.expected)
+            corrected = measured - (exact.reshape(measured.shape) + further - x @ self.model.T - self.expected)
             x = self.solve(corrected.T).T
         return x, corrected
 
@@ -210,10 +205,10 @@ def optimal_table(
     yaws = 1 if stand.remounting == COMMON or len(schedule.boltings) == 1 else mountings
     seats = mountings if stand.declares_seat else 0
     counts = yaws, seats, 4 if "encoder" in named else 0, 3 if "drift" in named else 0
-    inclined = "inclination" in named
+    inclined, sigma_inclination = "inclination" in whitened.found, stand.sigma("inclination")
     nuisance = by_mounting(prior * whitened.errors.sigma[:, None], whitened.found, whitened.schedule, stand)
     sigmas = np.array([stand.sigma(name) for name in ("axis_tilt", "level", "remount", "angle")])
-    of_inclinations = mountings if inclined else 0, sigmas, stand.sigma("inclination") if inclined else 0.0
+    of_inclinations = mountings if inclined else 0, sigmas, sigma_inclination if "inclination" in named else 0.0
     return OptimalTable(
         *(k, beta, nuisance, *counts, *of_inclinations), float(sigma.max()), channel_weights(sigma), u, floored
     )
@@ -233,7 +228,7 @@ def by_mounting(found: Floats, errors: dict[str, Draws], schedule: Schedule, sta
         leaning, turned = (one[..., bolted, :] for one in np.split(seats, 2, axis=-2))
         rows += [leaning + (found[..., of["platform"], :] if "platform" in of else 0.0), turned]
     rows += [found[..., of[name], :] for name in ("encoder", "drift") if name in of]
-    if "inclination" in of and np.isfinite(stand.inclination):
+    if "inclination" in of:
         units = errors["inclination"].units
         rows += [units[argument].T @ found[..., of["inclination"], :] for argument in ("alpha1", "seat_n")]
     return np.concatenate(rows, axis=-2)
