@@ -122,8 +122,8 @@ static tumble_abort_t read_noise(const tumble_keeper_t *keeper, const tumble_ent
 static tumble_abort_t member_of_view(const void *view, const bool *known, const tumble_entry_t *entry, uint8_t *bytes,
                                      uint8_t *size)
 {
-    const bool is_known = (known != NULL) && known[(entry->subindex - 1U) / 2U];
-    return is_known ? member(view, entry, bytes, size) : TUMBLE_ABORT_NO_DATA;
+    const bool is_there = (known != NULL) && known[(entry->subindex - 1U) / 2U];
+    return is_there ? member(view, entry, bytes, size) : TUMBLE_ABORT_NO_DATA;
 }
 
 static tumble_abort_t read_stand(const tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes,
