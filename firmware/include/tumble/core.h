@@ -751,7 +751,7 @@ typedef struct {
     uint8_t magic[4]; /* "TGR1" */
     uint32_t size_bytes;
     uint8_t schema;
-    uint8_t inclinations; /* 0: none is declared; else one for each mounting */
+    uint8_t inclinations; /* 0: it has no rows for them; else one for each mounting */
     uint8_t fit_positions;
     uint8_t mountings;
     uint8_t yaws;   /* 1: one yaw for all mountings; else one for each */
@@ -788,7 +788,7 @@ const double *tumble_gain_record_gains(const tumble_gain_record_t *record);
  * theta_n of each, the numbers of the encoder, drifts, beta of each inclination, tau of each; columns as above. */
 const double *tumble_gain_record_stand_gains(const tumble_gain_record_t *record);
 
-/* Standard deviation (rad) of beta and tau, the errors of an inclination; 0 where none is declared. */
+/* Standard deviation (rad) of beta and tau, the errors of an inclination; 0 where no size of them is declared. */
 double tumble_gain_record_inclination(const tumble_gain_record_t *record);
 
 /* What the square of an output of each channel counts beside that of the noisiest one: sigma_mean_v over the channel's own,

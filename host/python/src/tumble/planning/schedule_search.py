@@ -741,7 +741,7 @@ def show(found: Planned, written: str | None, stand: str | None) -> None:
         files = shlex.join(["--schedule", written, *([] if stand is None else ["--stand", stand])])
         how = f"--estimator {found.estimator}"
         how += f" --model {','.join(found.case.terms)}" if found.case.terms else ""
-        solved_after = best.schedule.is_inclined and found.estimator == OPTIMAL  # no gain record knows inclinations
+        solved_after = best.schedule.is_inclined and found.estimator == OPTIMAL  # a record needs them declared
         on_bench = f"--estimator {INCLINED} --out run" if solved_after else how
         out.print(f"Run it: tumble bench {files} --samples {best.samples} {on_bench}", soft_wrap=True)
         if solved_after:
