@@ -1,6 +1,7 @@
 """What people get wrong with a stand that inclines, in the example's run: each is named, by status and message."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -8,10 +9,12 @@ from blocks import NOMINAL_K, write_run
 from conftest import EXAMPLES
 
 import tumble as package
-from tumble import core
+from tumble import core, model
 from tumble.errors import BadInput
+from tumble.model.coefficients import worst_norm
 from tumble.model.geometry import Geometry
 from tumble.model.inclined import Inclinations, as_seen
+from tumble.stand import Stand
 
 pytestmark = pytest.mark.python
 INCLINED = "--schedule", "inclined"
@@ -72,24 +75,52 @@ def test_what_looks_like_a_reversed_channel_is_named(tmp_path, tumble, mountings
 
 DIFFER = "three must differ by tens of degrees (+-20 deg leave five times the uncertainty of +-45 deg)"
 SIDES = "inclinations 2 and 3, set to either side of the level, lie on one side of it"
-CONTRADICTED = {  # how the stand was inclined, deg
-    "never inclined": ([0.0, 0.0, 0.0], f"inclinations 1, 2 and 3 are alike; {DIFFER}"),
-    "the second not inclined": ([0.5, 0.5, -45.0], f"inclinations 1 and 2 are alike; {DIFFER}"),
-    "hardly inclined": ([0.5, 0.7, -45.0], f"inclinations 1 and 2 are alike; {DIFFER}"),
-    "the third not inclined": ([0.5, 45.0, 0.5], f"inclinations 1 and 3 are alike; {DIFFER}"),
-    "+45 twice": ([0.9, 46.0, 46.0], f"inclinations 2 and 3 are alike; {DIFFER}"),
-    "all alike at +45": ([45.0, 45.0, 45.0], f"inclinations 1, 2 and 3 are alike; {DIFFER}"),
-    "on one side": ([5.7, 45.8, 17.2], f"{SIDES}: 1 at +5.7, 2 at +45.8, 3 at +17.2 deg"),
-    "on one side, nearly alike": ([3.2, 45.0, 44.0], f"{SIDES}: 1 at +3.2, 2 at +45.0, 3 at +44.0 deg"),
+UNKNOWN = ", which leaves |a| unknown"
+CONTRADICTED = {  # how the stand was inclined, deg; what is said, and, where a stand is declared, of u(|a|)
+    "never inclined": ([0.0, 0.0, 0.0], "inclinations 1, 2 and 3 are alike", UNKNOWN),
+    "the second not inclined": ([0.5, 0.5, -45.0], "inclinations 1 and 2 are alike", UNKNOWN),
+    "hardly inclined": ([0.5, 0.7, -45.0], "inclinations 1 and 2 are alike", ", which leaves u(|a|) of up to 0.0083 g"),
+    "the third not inclined": ([0.5, 45.0, 0.5], "inclinations 1 and 3 are alike", UNKNOWN),
+    "+45 twice": ([0.9, 46.0, 46.0], "inclinations 2 and 3 are alike", UNKNOWN),
+    "all alike at +45": ([45.0, 45.0, 45.0], "inclinations 1, 2 and 3 are alike", UNKNOWN),
+    "on one side": ([5.7, 45.8, 17.2], f"{SIDES}: 1 at +5.7, 2 at +45.8, 3 at +17.2 deg", None),
+    "on one side, nearly alike": ([3.2, 45.0, 44.0], f"{SIDES}: 1 at +3.2, 2 at +45.0, 3 at +44.0 deg", None),
 }
 
 
-@pytest.mark.parametrize("degrees, said", CONTRADICTED.values(), ids=CONTRADICTED)
-def test_what_contradicts_the_schedule_is_named(tmp_path, tumble, degrees, said):
+@pytest.mark.parametrize("degrees, said, left", CONTRADICTED.values(), ids=CONTRADICTED)
+def test_what_contradicts_the_schedule_is_named(tmp_path, tumble, degrees, said, left):
+    """Without a stand nothing is known of the noise of lone rows."""
     file = at(tmp_path, degrees)
-    for stand in ((), STAND):
+    for stand, with_stand in (((), ""), (STAND, left)):
         done = tumble("solve", file, *INCLINED, *stand)
-        assert (done.returncode, done.stderr) == (2, f"tumble: {file}: {said}\n")
+        whole = said if left is None else f"{said}{with_stand}; {DIFFER}"
+        assert (done.returncode, done.stderr) == (2, f"tumble: {file}: {whole}\n")
+
+
+def test_inclinations_lost_in_noise_are_refused_with_what_they_leave(tmp_path):
+    """Whatever the refusal: what it says of |a| is of the size that the true inclinations and the noise leave."""
+    schedule, samples = core.built_in("inclined"), 8
+    seen = as_seen(schedule, Inclinations((1, 2, 3), np.deg2rad([0.0, 0.2, -0.2]), np.zeros(3)))
+    outputs, rough, told = Geometry(seen).outputs(NOMINAL_K, U0), np.random.default_rng(7), []
+    says = r"no inclinations of the axis, which leaves u\(\|a\|\) of up to (\S+) g; three"
+    noisy = Stand(0.0, 0.0, 0.0, 0.0, 5e-5, samples, "sigma1")
+    truth = model.Propagation(seen, NOMINAL_K, noisy, np.full(27, samples), "inclined")
+    true_u = worst_norm(NOMINAL_K, truth.covariance()).worst
+    for _ in range(40):
+        rows = outputs + 5e-5 * rough.standard_normal((samples, 27, 3))
+        lines = [
+            f"{p.mounting},{p.number},{x!r},{y!r},{z!r}"
+            for one in rows.tolist()
+            for p, (x, y, z) in zip(schedule.positions, one)
+        ]
+        (tmp_path / "run.csv").write_text("\n".join([HEADER, *lines]) + "\n")
+        try:
+            package.solve(str(tmp_path / "run.csv"), schedule="inclined")
+        except BadInput as error:
+            told += re.findall(says, str(error))
+    assert len(told) > 3
+    assert 0.5 * true_u < np.median(np.array(told, dtype=float)) < 2.0 * true_u
 
 
 FEW = {"0.6 of 45": [0.0, 0.65, -45.0], "1": [0.0, 1.0, -1.0], "0.3": [0.0, 0.3, -0.3], "5 of 45": [-40.0, 3.0, -43.0]}

@@ -1,5 +1,6 @@
 """`tumble plan schedule`: what a schedule is worth and takes; the one found is quick, and does what it claims."""
 
+import math
 from dataclasses import astuple, replace
 from itertools import combinations
 
@@ -16,17 +17,21 @@ from tumble.model import built_in
 from tumble.model.errors import Draws
 from tumble.planning import schedule_search
 from tumble.planning.case import Case
+from tumble.planning.promise import growing_promise
 from tumble.planning.schedule_search import (
     KINDS,
     ROTATIONS,
+    Goal,
     NormSpread,
     Pace,
+    Reach,
     _Candidates,
     fewest_samples,
     held_to,
     inclined_schedules,
     mounting_sets,
     mountings,
+    plan_schedule,
     quickest,
     quickest_inclined,
     worst_norm_of,
@@ -315,6 +320,39 @@ def test_of_one_bolting_it_is_told_written_read_and_solved(tumble, tmp_path):
     assert plan(tumble, "validate", "--runs", "4000", "--estimator", "inclined", *common)["pass"]
 
 
+@pytest.mark.parametrize(
+    "name, declared, less", [("angle", {}, 3.0), ("paper", {"inclination": 0.01}, 1.719), ("lab", {}, 3.0)]
+)
+def test_of_one_bolting_a_limit_is_kept_by_the_quickest_also_when_less_steep(name, declared, less):
+    """By brute force: what each schedule takes for the limit as it is told, and less steep."""
+    case = case_of(name)
+    case = replace(case, stand=replace(case.stand, **declared))
+    goal, reach = Goal(None, 0.95, "optimal"), Reach(45.0, 2, 45.0)
+    pace = replace(PACE, remounting=1e4, inclining=5.0)
+    found = plan_schedule(case, goal, pace, reach, lambda *done, **of: None)
+    best = found.best
+    assert best.schedule.is_inclined and found.less_steep(best) == pytest.approx(less, abs=1e-3)
+
+    def keeps(schedule, samples):
+        nearer = tuple(
+            replace(one, tilt_deg=one.tilt_deg - math.copysign(less, one.tilt_deg) if one.tilt_deg else 0.0)
+            for one in schedule.mountings
+        )
+        growths = [
+            growing_promise(
+                replace(case, own_schedule=one, stand=replace(case.stand, samples=samples)), "optimal", 0.95
+            ).growth
+            for one in (schedule, replace(schedule, mountings=nearer))
+        ]
+        return min(growths) >= 1.0
+
+    assert keeps(best.schedule, best.samples)
+    for other in inclined_schedules(45.0, 45.0, closed=case.stand.declares_drift):
+        spare = best.duration.total - pace.duration(other, 0).total
+        samples = int(spare * pace.rate / len(other.positions) * (1.0 - 1e-9))  # as many as take no longer
+        assert other == best.schedule or samples < 1 or not keeps(other, samples)
+
+
 def test_what_a_stand_can_be_inclined_to_and_how_long_it_takes(tumble, tmp_path):
     found = plan(tumble, *OPTIONS[:-1], "30")
     assert found["schedule"]["axis_tilts_deg"] == [0.0, 30.0, -30.0] and found["beside"]["inclined"] is None
@@ -361,6 +399,9 @@ def test_people_get_80_columns(tumble, tmp_path):
     assert "Beside it, re-mounted: needs seat, level and axis as good as declared" in lines
     assert command.endswith("--estimator inclined --out run")
     assert solving == f"Solve it: tumble solve run/run.csv {files} --estimator optimal"
+    mine = tmp_path / "my stand.toml"
+    mine.write_text(mine.read_text().replace("[stand]", "[stand]\ninclination_rad = 0.01"))  # a gain record can be made
+    assert tumble("plan", *INCLINED, *given, cwd=tmp_path).stdout.splitlines()[-1].endswith("--estimator optimal")
     assert max(map(len, tumble("plan", "schedule", "--help", COLUMNS="80").stdout.splitlines())) <= 80
 
 

@@ -391,6 +391,7 @@ class FoundSchedule(Timed):
     boltings: How often the block is bolted on: once, where the stand is inclined.
     matrices: As in a schedule file.
     axis_tilts_deg: At which each mounting is inclined, to both sides.
+    less_steep_deg: How much nearer to the level these may be for the limit; 0: they are meant as they stand.
     angles_deg: Of each mounting.
     """
 
@@ -398,6 +399,7 @@ class FoundSchedule(Timed):
     boltings: AtLeastOne
     matrices: Annotated[tuple[Matrix, ...], Meta(min_length=2)]
     axis_tilts_deg: Annotated[tuple[float, ...], Meta(min_length=2)]
+    less_steep_deg: Size
     angles_deg: Annotated[tuple[Annotated[tuple[float, ...], Meta(min_length=1)], ...], Meta(min_length=2)]
 
 

@@ -148,6 +148,19 @@ def alike(schedule: Schedule, means: Floats, weights: Floats = EQUAL) -> str | N
     return f"inclinations {', and '.join(told)} are alike"
 
 
+def supposed(schedule: Schedule, means: Floats) -> tuple[Schedule, Floats]:
+    """Of one run that shows no three inclinations, for figures: where they would be if the block's channels were alike
+    and the first was inclined as it was set, and the sensitivity (3, 3) of such a block."""
+    of = _layout(schedule)
+    s, c, b = _parts(of, means)
+    scale = float(np.sqrt((s**2 + c**2).sum(axis=-1).max() / 2.0))
+    apart = b[of.highest] - b[of.lowest]
+    moved = (b - b[0]) @ apart / (np.linalg.norm(apart) * scale)
+    first = next(one.tilt_deg for one in schedule.mountings if one.number == of.numbers[0])
+    beta = np.arcsin(np.clip(np.sin(np.deg2rad(first)) + moved, -0.999, 0.999))
+    return as_seen(schedule, Inclinations(of.numbers, beta, np.zeros_like(beta))), scale * np.eye(3)
+
+
 def _layout(schedule: Schedule) -> Layout:
     of = layout(schedule)
     if of is None:

@@ -28,7 +28,8 @@ declares none; `optimal` has them among its own, and where that is not asked for
 `least_squares`, which would need them known.
 
 A limit is kept when a run passes, and |a| is within the limit at every attitude, with the probability asked for. That
-is a worst u(|a|) too, another for each schedule; it is found by trying (`reaching`).
+is a worst u(|a|) too, another for each schedule; it is found by trying (`reaching`). Nobody inclines a stand exactly:
+so it is kept at inclinations that are less steep too (`less_steep`).
 """
 
 from __future__ import annotations
@@ -97,7 +98,7 @@ class Duration:
 @dataclass(frozen=True)
 class Timed:
     """A schedule that reaches what was asked for: with so many `samples` at each position, `norm_g` the worst u(|a|)
-    that it was held to."""
+    that it was, or could be, held to."""
 
     schedule: Schedule
     samples: int
@@ -453,6 +454,9 @@ def quickest(
 
 
 STEEP_DEG = (15.0, 30.0, 45.0, 60.0)  # of both sides
+ABOUT_DEG = 3.0  # what people who are told to incline a stand to about so many degrees stay below them
+_COVERED = 3.0  # sigmas of an inclination that is declared
+_WORTH_TELLING_DEG = 0.1
 _FEWEST_ANGLES = 3  # at every inclination
 
 
@@ -477,6 +481,18 @@ def quickest_inclined(
     closed = case.stand.declares_drift or DRIFT in case.terms
     tried = (held_to(case, estimator, one, norm_g, pace) for one in inclined_schedules(step_deg, steepest_deg, closed))
     return min(filter(None, tried), key=lambda one: one.duration.total, default=None)
+
+
+def less_steep(case: Case, schedule: Schedule) -> float:
+    """How many degrees nearer to the level than they should be the inclinations of a limit's schedule may be."""
+    declared_deg = math.degrees(case.stand.sigma("inclination"))
+    return min(ABOUT_DEG, _COVERED * declared_deg) if schedule.is_inclined else 0.0
+
+
+def _inclined_less(schedule: Schedule, degrees: float) -> Schedule:
+    less = degrees * np.sign([one.tilt_deg for one in schedule.mountings])
+    nearer = (replace(one, tilt_deg=one.tilt_deg - each) for one, each in zip(schedule.mountings, less.tolist()))
+    return replace(schedule, mountings=tuple(nearer))
 
 
 def held_to(case: Case, estimator: str, schedule: Schedule, norm_g: float, pace: Pace) -> Timed | None:
@@ -550,6 +566,10 @@ class Planned:
     promise: GrowingPromise
     unseen: Reliability
     further: Further | None = None
+
+    def less_steep(self, one: Timed) -> float:
+        """How many degrees nearer to the level its inclinations may be for the limit, 0 where none is asked for."""
+        return less_steep(self.case, one.schedule) if self.goal.norm_g is None else 0.0
 
     @property
     def estimator(self) -> str:
@@ -629,24 +649,26 @@ def reaching(case: Case, goal: Goal, schedule: Schedule, pace: Pace) -> Timed | 
         return held_to(case, estimator, schedule, goal.norm_g, pace)
     if not _can_tell(case, estimator, schedule):
         return None
-    spread = NormSpread(case, schedule.fitted, estimator)
     everything = np.ones(len(schedule.fit_indices), dtype=bool)
+    about = list(dict.fromkeys((schedule, _inclined_less(schedule, less_steep(case, schedule)))))
+    spreads = [NormSpread(case, one.fitted, estimator) for one in about]
 
     def growth(samples: int) -> float:
-        found = growing_promise(_measured_with(case, schedule, samples), estimator, goal.probability).growth
-        return math.inf if found is None else found
+        promised = (growing_promise(_measured_with(case, one, samples), estimator, goal.probability) for one in about)
+        return min(math.inf if one.growth is None else one.growth for one in promised)
 
     samples, room = MAX_SAMPLES, growth(MAX_SAMPLES)
     for _ in range(_STEPS if room >= 1.0 else 0):  # a worst u(|a|) as much larger as the errors have room to grow
-        before, norm_g = samples, float(spread.worst(everything[None], samples)[0]) * room
-        samples = fewest_at_some(spread, everything, norm_g) or MAX_SAMPLES
+        before = samples
+        norms_g = [float(one.worst(everything[None], samples)[0]) * room for one in spreads]
+        samples = max(fewest_at_some(one, everything, each) or MAX_SAMPLES for one, each in zip(spreads, norms_g))
         room = growth(samples)
         if samples == before:
             break
     while room < 1.0 and samples < MAX_SAMPLES:
         samples = min(MAX_SAMPLES, samples + 1 + samples // 100)
         room = growth(samples)
-    return pace.timed(schedule, samples, spread.exact(everything, samples)) if room >= 1.0 else None
+    return pace.timed(schedule, samples, room * spreads[0].exact(everything, samples)) if room >= 1.0 else None
 
 
 def document(found: Planned, step_deg: float) -> Quickest:
@@ -674,6 +696,7 @@ def document(found: Planned, step_deg: float) -> Quickest:
             matrices=tuple(np.array(mounting.matrix) for mounting in schedule.mountings),
             boltings=len(schedule.boltings),
             axis_tilts_deg=tuple(mounting.tilt_deg for mounting in schedule.mountings),
+            less_steep_deg=found.less_steep(one),
             angles_deg=tuple(_angles(schedule, mounting) for mounting in schedule.mountings),
         )
 
@@ -717,8 +740,9 @@ def show(found: Planned, written: str | None, stand: str | None) -> None:
     out.print(tables.table(headings, rows))
     out.print(f"positions: in so many mountings, {pace.remounting:g} s for each after the first (--remounting);")
     out.print(f"  or inclinations of one bolting (i), {pace.inclining:g} s likewise (--inclining)")
-    for needing in ((best, "Found"), (found.other, "Beside it")):
-        _show_needs(out, *needing)
+    _show_needs(out, found, best, "Found")
+    if found.other is not None:
+        _show_needs(out, found, found.other, "Beside it")
     for mounting in best.schedule.mountings:
         along = [max(range(3), key=lambda axis: abs(row[axis])) for row in mounting.matrix]  # of the table's axes
         axes = [f"{name} {'-' if row[n] < 0 else '+'}{'hnv'[n]}" for name, row, n in zip("xyz", mounting.matrix, along)]
@@ -741,7 +765,8 @@ def show(found: Planned, written: str | None, stand: str | None) -> None:
         files = shlex.join(["--schedule", written, *([] if stand is None else ["--stand", stand])])
         how = f"--estimator {found.estimator}"
         how += f" --model {','.join(found.case.terms)}" if found.case.terms else ""
-        solved_after = best.schedule.is_inclined and found.estimator == OPTIMAL  # a record needs them declared
+        by_record = not best.schedule.is_inclined or math.isfinite(found.case.stand.inclination)
+        solved_after = found.estimator == OPTIMAL and not by_record
         on_bench = f"--estimator {INCLINED} --out run" if solved_after else how
         out.print(f"Run it: tumble bench {files} --samples {best.samples} {on_bench}", soft_wrap=True)
         if solved_after:
@@ -752,14 +777,14 @@ def _kind_of(timed: Timed) -> str:
     return "bolted once" if timed.schedule.is_inclined else "re-mounted"
 
 
-def _show_needs(out: Console, timed: Timed | None, which: str) -> None:
+def _show_needs(out: Console, found: Planned, timed: Timed, which: str) -> None:
     """What a schedule needs of a stand, beside the errors that are declared."""
-    if timed is None:
-        return
     if timed.schedule.is_inclined:
         steepest = max(mounting.tilt_deg for mounting in timed.schedule.mountings)
         out.print(f"{which}, {_kind_of(timed)}: needs a stand that inclines to {steepest:g} deg and is locked;")
         out.print("  nobody measures inclinations, and neither level nor seat need be good")
+        if (less := found.less_steep(timed)) >= _WORTH_TELLING_DEG:
+            out.print(f"  with inclinations up to {less:.2g} deg less steep the limit is kept too")
     else:
         out.print(f"{which}, {_kind_of(timed)}: needs seat, level and axis as good as declared")
 

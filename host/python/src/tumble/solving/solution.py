@@ -243,8 +243,8 @@ def solve(
     noise = look_at_noise(run, in_unit, step)
     variance = noise.mean_variance[run.measured]
 
-    weights = NO_STAND.weights if declared is None else declared.weights
-    place = _at_inclinations(planned, run, estimator, weights, file)
+    noted = declared or NO_STAND
+    place = _at_inclinations(planned, run, estimator, _Left(noted, samples, step, variance), file)
     core_schedule, witness_schedule = place.schedule, place.witness_schedule
 
     # The core computes.
@@ -260,12 +260,12 @@ def solve(
         model = WholeModel(witness_schedule, means, of_means, declared, terms)
         if weighting is not None:
             optimal = _by_numpy(model, place, means, samples, weighting, variance, file)
-    linear = found.linear[run.measured]
-    comparison = compare(found, witness_schedule, means, linear, found.gravity.delta_g[run.measured], optimal, weights)
+    linear, delta_g = found.linear[run.measured], found.gravity.delta_g[run.measured]
+    comparison = compare(found, witness_schedule, means, linear, delta_g, optimal, noted.weights)
 
     # Uncertainties: of the declared stand, or of the scatter alone.
     uncertainties = None
-    propagation = Propagation(witness_schedule, found.k, declared or NO_STAND, samples, estimator, step, terms)
+    propagation = Propagation(witness_schedule, found.k, noted, samples, estimator, step, terms)
     if declared is not None or noise.is_known:
         uncertainties = confirmed(propagation, core_schedule, run.measured, variance, optimal, file)
     stated = None if stand is None else uncertainties
@@ -309,7 +309,30 @@ class _Place:
     inclinations: Inclinations | None = None
 
 
-def _at_inclinations(planned: core.CoreSchedule, run: Run, estimator: str, weights: Floats, file: str) -> _Place:
+@dataclass(frozen=True)
+class _Left:
+    """What inclinations that hardly differ leave of u(|a|), for refusals: the `stand`, NO_STAND where none is declared,
+    in the unit of the run; of the means measured the `samples` (positions,) and the `variance` (positions, 3)."""
+
+    stand: Stand
+    samples: Integers
+    step: PerChannel
+    variance: Floats
+
+    def told(self, part: Schedule, means: Floats) -> str:
+        """Of a run on `part`; nothing where that is not known."""
+        if self.stand is NO_STAND and not (self.variance > 0.0).all():
+            return ""
+        at, k = inclined.supposed(part, means)
+        try:
+            covariance = Propagation(at, k, self.stand, self.samples, INCLINED, self.step).covariance(self.variance)
+            u_norm_g = worst_norm(k, covariance).worst
+        except (inclined.NotShown, np.linalg.LinAlgError):
+            u_norm_g = math.inf
+        return f", which leaves u(|a|) of up to {u_norm_g:.2g} g" if u_norm_g < 1.0 else ", which leaves |a| unknown"
+
+
+def _at_inclinations(planned: core.CoreSchedule, run: Run, estimator: str, left: _Left, file: str) -> _Place:
     """The place of a run that was `planned` so. Raises BadInput where it shows no inclinations, or the estimator does
     not find them; Disagreement where numpy sees others."""
     own = planned.data if planned.name is None else built_in(planned.name)  # of the witness
@@ -317,9 +340,9 @@ def _at_inclinations(planned: core.CoreSchedule, run: Run, estimator: str, weigh
         return _Place(planned, own.part(run.measured), own.part(run.measured))
     if estimator not in (INCLINED, OPTIMAL):
         raise BadInput(f"{estimator} takes inclinations for exact, which nobody measures; inclined finds them", file)
-    part, means = own.part(run.measured), run.means[run.measured]
+    part, means, weights = own.part(run.measured), run.means[run.measured], left.stand.weights
     if (same := inclined.alike(part, means, weights)) is not None:
-        raise BadInput(f"{same}; {_THREE_DIFFER}", file)
+        raise BadInput(f"{same}{left.told(part, means)}; {_THREE_DIFFER}", file)
     try:
         closed, seen = look_at_inclinations(planned, run.means, run.measured, weights)
     except core.CoreRefusal as refusal:
@@ -328,6 +351,8 @@ def _at_inclinations(planned: core.CoreSchedule, run: Run, estimator: str, weigh
             raise BadInput(f"{estimator} needs {INCLINATIONS}; missing {lacking}", file) from None
         if refusal.name == "TUMBLE_E_ONE_SIDE":  # numpy says at which angles
             _inclinations_by_numpy(part, means, weights, file)
+        if refusal.name == "TUMBLE_E_ALIKE":
+            raise BadInput(f"{refusal}{left.told(part, means)}; {_THREE_DIFFER}", file) from None
         raise BadInput(_explained(refusal, estimator), file) from None
     k, of_witness = _inclinations_by_numpy(part, means, weights, file)
     witness_schedule = inclined.as_seen(part, of_witness)
@@ -407,7 +432,6 @@ def _explained(refusal: core.CoreRefusal, estimator: str) -> str:
         "TUMBLE_E_GAIN_RECORD": f"more than {core.MAX_YAWS} mountings, which optimal takes at most; least_squares"
         " solves any schedule",
         "TUMBLE_E_NOT_INCLINED": f"{estimator} needs {INCLINATIONS}",
-        "TUMBLE_E_ALIKE": f"{refusal}; {_THREE_DIFFER}",
         "TUMBLE_E_RANK": f"these positions cannot identify {lost}",
         "TUMBLE_E_SINGULAR": f"{refusal}, or the table turned the other way in one mounting, or one attitude was"
         " measured twice",
