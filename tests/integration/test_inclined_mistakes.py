@@ -147,6 +147,23 @@ def test_only_the_user_is_told_of_inclinations_alike(tmp_path):
             package.solve(str(file), schedule="inclined", stand=str(STAND[1]))
 
 
+@pytest.mark.parametrize("off", [(0.0, 3e-3, 0.0), (0.0, 0.0, -2e-3), (2e-3, 0.0, 0.0)])
+def test_an_inclination_that_is_declared_and_does_not_hold_is_blamed(tmp_path, tumble, off):
+    """The second or third by what it is off from the first; the first by what both others are off from it."""
+    degrees = np.array([0.0, 45.0, -45.0]) + np.rad2deg(off)
+    declared = tmp_path / "stand.toml"
+    declared.write_text(STAND[1].read_text().replace("[stand]", "[stand]\ninclination_rad = 1e-4"))
+    given = "solve", at(tmp_path, degrees), "--stand", declared, *INCLINED, "--estimator", "optimal"
+    shown = tumble(*given)
+    said = r"inclination of [23] - 1 [123]\.\de-03 rad \(declared 1\.0e-04\)"
+    assert shown.returncode == 1 and re.search(said, " ".join(shown.stdout.split()))
+    first = json.loads(tumble(*given, "--json").stdout)["fit"]["explanations"][0]
+    others = {"2 - 1": off[1] - off[0], "3 - 1": off[2] - off[0]}
+    assert first["patterns"][0] == "inclination_rad" and first["unit"] == "rad"
+    assert first["size"] == pytest.approx(others[first["column"]], abs=3.0 * first["u_size"])
+    assert abs(first["size"]) == pytest.approx(max(map(abs, others.values())), rel=0.2)
+
+
 CAUSES = "inclinations exchanged, not all inclined, or axis_tilt_deg in radians?"
 ELSEWHERE = {  # tilts of a schedule file, None: the built-in one; which inclinations are exchanged; what is said
     "1 and 2 exchanged": (None, {1: 2, 2: 1}, "1 at +45.4 deg, set to 0; 2 at +0.5 deg, set to 45"),

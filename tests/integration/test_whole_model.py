@@ -17,7 +17,7 @@ from tumble.distributions import chi_squared_above, chi_squared_quantile
 from tumble.files.run_file import Run
 from tumble.model import Geometry, WholeModel, built_in
 from tumble.model.fit import basis, judge, variance_of_means
-from tumble.model.patterns import BY_NAME, PATTERNS
+from tumble.model.patterns import BY_NAME, INCLINATION, PATTERNS
 from tumble.model.stand_seen import StandSeen
 
 pytestmark = pytest.mark.python
@@ -338,4 +338,4 @@ def test_a_column_that_is_only_rounding_does_not_show():
 
 
 def test_every_pattern_is_known_by_name():
-    assert len(BY_NAME) == len(PATTERNS)
+    assert len(BY_NAME) == len({*PATTERNS, INCLINATION})

@@ -70,7 +70,9 @@ SOURCES = {  # by name, as documents have it, in the order in which random numbe
         patterns=("once_per_turn", "twice_per_turn"),
     ),
     "drift": Source("drift", "drift_v", "Drift over a run", patterns=("drift",)),
-    "inclination": Source("inclination", "inclination_rad", "A set inclination", of_inclinations=True),
+    "inclination": Source(
+        *("inclination", "inclination_rad", "A set inclination"), patterns=("inclination_rad",), of_inclinations=True
+    ),
 }
 PER_CHANNEL = tuple(one.attribute for one in SOURCES.values() if not one.is_angle)
 _LEAST_NOISE = 1e-4  # of the largest: a channel without noise has a weight too, and not one that hides the others

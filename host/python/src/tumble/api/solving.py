@@ -223,7 +223,8 @@ def _explained(solution: Solution, explanation: Explanation) -> str:
     if name in NAMES and solution.stand is not None:
         limits = Limits.declared(solution.stand, len(solution.measured_schedule.fitted_mountings))
         seen = "" if size is None else f" {abs(size):.1e} {unit}"
-        said = f"{NAMES[name]}{seen} (declared {limits.sigma[name]:.1e})"
+        sigma = {**limits.sigma, "inclination_rad": solution.stand.sigma("inclination")}[name]
+        said = f"{named(explanation)}{seen} (declared {sigma:.1e})"
     else:
         said = _placed(name, explanation.column)
         said += "" if size is None else f" {size:.4g} +- {explanation.u_size:.2g} {unit}"

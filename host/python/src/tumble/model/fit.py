@@ -23,7 +23,7 @@ from tumble.distributions import chi_squared_above, chi_squared_log_above
 from tumble.documents.result import Explanation
 from tumble.model.errors import NOISE, OF_OUTPUTS, Errors, declared, free, of_stand
 from tumble.model.estimators import by_coefficients, design, estimate
-from tumble.model.patterns import BY_NAME, PATTERNS, STAND, Columns, Pattern, Scene
+from tumble.model.patterns import BY_NAME, INCLINATION, STAND, Columns, Pattern, Scene, patterns_of
 from tumble.model.stand_seen import ANGLES, Estimate, StandSeen
 from tumble.schedule import Schedule
 from tumble.stand import LARGEST_ERROR_RAD, Stand
@@ -51,8 +51,8 @@ class WholeModel:
     (positions, 3), or (positions,) for channels that are alike, of each mean by its noise. `terms`: unknown too.
 
     `rest`: what no unknown explains, as independent numbers of variance 1; `chi_squared`: the sum of its squares, which
-    is the smallest, and `freedom` its degrees of freedom: every declared error brings a square of its own. `scene`:
-    what patterns are made from."""
+    is the smallest, and `freedom` its degrees of freedom: every declared error brings a square of its own. `patterns`:
+    that it may show instead, and the `scene` that they are made from."""
 
     def __init__(self, schedule: Schedule, means: Floats, variance: Floats, stand: Stand, terms: Terms = ()):
         self._given = schedule, means, variance, stand
@@ -73,7 +73,7 @@ class WholeModel:
         for _ in range(PASSES):
             self._linearise()
         self.chi_squared, self.freedom = float(self.rest @ self.rest), len(self.rest)
-        self.scene = Scene(self.schedule, self.k)
+        self.scene, self.patterns = Scene(self.schedule, self.k), patterns_of(self.schedule, stand)
 
     def again(self, variance: Floats | None = None, angle: float | None = None) -> WholeModel:
         """The same run with other noise, or another standard deviation of set angles, rad."""
@@ -170,6 +170,7 @@ _DIGITS = 9  # of log p: of patterns or places that show as much it is the first
 _RAD = {"rad": 1.0, "urad": 1e-6}  # units of angles
 NOISE_V = "noise_v"
 SYSTEMATIC = tuple(f"{name}_rad" for name in ANGLES)
+_DECLARED = (INCLINATION.name, *SYSTEMATIC)
 DOUBTS = (*SYSTEMATIC, "alpha4_rad", NOISE_V)  # sources of a stand that a misfit may name
 
 
@@ -259,14 +260,14 @@ class _Search:
         self._model, self._seen, self._confidence = model, seen, confidence
         self._sampled = {one.name: one for one in sampled}
         self._known: Columns = {}
-        self._left = [*(pattern.name for pattern in PATTERNS if pattern.name not in model.terms), *self._sampled]
+        self._left = [*(one.name for one in model.patterns if one.name not in model.terms), *self._sampled]
 
     def run(self) -> Iterator[Explanation]:
         """Explanations, in the order in which they are found."""
         while True:
             rest = self._model.given(self._known)[1]
             fits = chi_squared_above(float(rest @ rest), self._model.freedom) >= 1.0 - self._confidence
-            found = {one.pattern.name: one for one in map(self._candidate, PATTERNS) if one is not None}
+            found = {one.pattern.name: one for one in map(self._candidate, self._model.patterns) if one is not None}
             log_p = {name: one.log_p for name, one in found.items() if name in self._left}
             if not fits:  # else samples speak for themselves: uncertainties count their noise, and a warning tells it
                 log_p |= {name: one.log_p for name, one in self._sampled.items() if name in self._left}
@@ -277,7 +278,7 @@ class _Search:
             if corrected > (1.0 - self._confidence if fits else EXPLAINED):
                 return
             alike = [other for other in found if name in found and self._may_be(found[name], found[other])]
-            source = next((one for one in SYSTEMATIC if one in alike), None)
+            source = next((one for one in _DECLARED if one in alike), None)
             if source is not None:  # where either may be, the declared one is the simpler
                 alike = [name, *(other for other in alike if other != source)]
                 name, corrected = source, len(self._left) * math.exp(log_p[source])

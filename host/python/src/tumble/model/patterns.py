@@ -7,6 +7,7 @@ computes no statistics.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -15,6 +16,7 @@ import numpy as np
 from tumble.arrays import Floats
 from tumble.model.geometry import geometry_of, ideal_force
 from tumble.schedule import Schedule
+from tumble.stand import Stand
 
 BLOCK, STAND, RUN = "block", "stand", "run"  # whose fault it is
 _MILLIONTH = 1e-6
@@ -144,6 +146,14 @@ def _yaw_change(scene: Scene) -> list[Columns]:
     return [{f"{names[0]} - {name}": scene.by(alpha3=(first - one) / 2) for name, one in zip(names[1:], others)}]
 
 
+def _inclination(scene: Scene) -> list[Columns]:
+    """Each less the first, which is the tilt of the axis; and likewise the zero of the table angle there."""
+    first, *others = scene.schedule.mountings
+    own = [(f"{one.number} - {first.number}", error) for one, error in zip(others, np.eye(len(others) + 1)[1:])]
+    zeros = {f"{name}, zero": scene.by(seat_n=error) for name, error in own}
+    return [{**{name: scene.by(alpha1=error) for name, error in own}, **zeros}]
+
+
 def _set_angles(scene: Scene) -> list[Columns]:
     positions = scene.schedule.positions
     return [{one.label: scene.by(delta=error) for one, error in zip(positions, np.eye(len(positions)))}]
@@ -186,4 +196,11 @@ PATTERNS = (
     Pattern("alpha3_difference_rad", _yaw_change, "rad", STAND, "a yaw change beyond the declared"),
     Pattern("alpha4_rad", _set_angles, "rad", STAND, "set angles beyond the declared", random=True),
 )
-BY_NAME = {pattern.name: pattern for pattern in PATTERNS}
+INCLINATION = Pattern("inclination_rad", _inclination, "rad", STAND, "an inclination beyond the declared")
+BY_NAME = {pattern.name: pattern for pattern in (*PATTERNS, INCLINATION)}
+
+
+def patterns_of(schedule: Schedule, stand: Stand) -> tuple[Pattern, ...]:
+    """Those that a run on a stand may show: of inclinations only where they are declared."""
+    declares = schedule.is_inclined and math.isfinite(stand.inclination)
+    return (*PATTERNS, INCLINATION) if declares else PATTERNS

@@ -32,6 +32,7 @@ NAMES = {  # of what is seen, for people
     "alpha2_plus_alpha3_rad": "level + yaw",
     "alpha3_difference_rad": "yaw change",
     "alpha4_rad": "set angle",
+    "inclination_rad": "inclination",
     "noise_v": "noise",
 }
 _FARTHEST = 1e5  # rows of K, as their noise makes them alike, from one another
