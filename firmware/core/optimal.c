@@ -4,6 +4,7 @@
 #include "core/course.h"
 #include "core/means.h"
 #include "core/turn.h"
+#include "core/vector.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -53,11 +54,6 @@ static pose_t pose_of(const work_t *work, uint8_t p)
                     .yaw_rad = stand->alpha3_rad[m],
                     .lean_rad = stand->theta_h_rad[m],
                     .turn_rad = stand->alpha2_rad + stand->theta_n_rad[m] + encoder_rad + stand->tau_rad[m]};
-}
-
-static double dot(const double a[3], const double b[3])
-{
-    return (a[0] * b[0]) + (a[1] * b[1]) + (a[2] * b[2]);
 }
 
 /* out += K M f: what a force f (g) of the table frame adds to the outputs (V). */
@@ -134,7 +130,7 @@ static double angle_gain(const tumble_gain_record_t *record, const double by_ang
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         weighted_v[i] = (weights != NULL) ? (weights[i] * by_angle_v[i]) : by_angle_v[i];
     }
-    return variance / (noise + (variance * dot(weighted_v, by_angle_v)));
+    return variance / (noise + (variance * tumble_dot(weighted_v, by_angle_v)));
 }
 
 /* Take out of the means of one position, the fit position number `fit` from 0, what the exact outputs, at the present
@@ -168,7 +164,7 @@ static bool subtract_curvature(const work_t *work, uint8_t p, size_t fit, double
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         u_v[i] -= beyond[i];
     }
-    const double curvature = gain * dot(weighted, beyond);
+    const double curvature = gain * tumble_dot(weighted, beyond);
     const bool fits = is_small(curvature); /* else a float may not hold it */
     *curvature_rad = fits ? tumble_to_float(curvature) : 0.0F;
     return small && fits;
@@ -186,7 +182,7 @@ static void apply_gains(work_t *work, size_t column, const double u_v[3])
     const double *gains = tumble_gain_record_gains(work->record);
     const size_t columns = (size_t)work->record->fit_positions * TUMBLE_CHANNELS;
     for (size_t row = 0; row < (size_t)rows_of(work->record); row++) {
-        work->sum[row] += dot(&gains[(row * columns) + column], u_v);
+        work->sum[row] += tumble_dot(&gains[(row * columns) + column], u_v);
     }
 }
 

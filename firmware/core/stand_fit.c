@@ -2,6 +2,7 @@
 
 #include "core/arith.h"
 #include "core/normal.h"
+#include "core/triangle.h"
 
 #include <stddef.h>
 
@@ -91,29 +92,14 @@ static void look_at(const run_t *run, double scale_v, uint8_t p, place_t *place)
 
 static double *triangle_row(tumble_fit_work_t *work, int j)
 {
-    return &work->r[(j * (work->unknowns + 1)) - ((j * (j - 1)) / 2)];
+    return tumble_triangle_row(work->r, work->unknowns, j);
 }
 
-/* Turn work->row into the triangle by Givens rotations; what is left of its right side is a residual. */
+/* Turn work->row into the triangle; what is left of its right side is a residual. */
 static void add_row(tumble_fit_work_t *work)
 {
-    const int n = work->unknowns;
-    double *row = work->row;
-    for (int j = 0; j < n; j++) {
-        if (tumble_within(row[j], TINY)) {
-            continue;
-        }
-        double *r = triangle_row(work, j);
-        const double length = tumble_sqrt((r[0] * r[0]) + (row[j] * row[j]));
-        const double c = r[0] / length;
-        const double s = row[j] / length;
-        for (int k = j; k <= n; k++) {
-            const double kept = (c * r[k - j]) + (s * row[k]);
-            row[k] = (c * row[k]) - (s * r[k - j]);
-            r[k - j] = kept;
-        }
-    }
-    work->residual_square += row[n] * row[n];
+    tumble_triangle_turn(work->r, work->unknowns, work->row, 0, work->unknowns, TINY);
+    work->residual_square += work->row[work->unknowns] * work->row[work->unknowns];
 }
 
 static void clear_row(tumble_fit_work_t *work)

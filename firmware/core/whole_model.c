@@ -12,6 +12,7 @@
 
 #include "core/arith.h"
 #include "core/stand_record.h"
+#include "core/triangle.h"
 #include "core/vector.h"
 
 #define ROUNDS 4         /* of Gauss and Newton */
@@ -32,7 +33,7 @@ enum { ROUND, OPEN, LOOK, ROW, SOLVE, ANGLE };
 
 static double *triangle_row(tumble_whole_work_t *work, int j)
 {
-    return &work->triangle[(j * ((int)work->unknowns + 1)) - ((j * (j - 1)) / 2)];
+    return tumble_triangle_row(work->triangle, (int)work->unknowns, j);
 }
 
 static void clear_rows(tumble_whole_work_t *work, int from, int to)
@@ -45,24 +46,10 @@ static void clear_rows(tumble_whole_work_t *work, int from, int to)
     }
 }
 
-/* Turn work->row, by Givens rotations, into the rows of the triangle `from` to below `to`. */
+/* Turn work->row into the rows of the triangle `from` to below `to`. */
 static void turn_row(tumble_whole_work_t *work, int from, int to)
 {
-    double *row = work->row;
-    for (int j = from; j < to; j++) {
-        double *r = triangle_row(work, j);
-        if (tumble_within(row[j], 0.0)) {
-            continue;
-        }
-        const double length = tumble_sqrt((r[0] * r[0]) + (row[j] * row[j]));
-        const double c = r[0] / length;
-        const double s = row[j] / length;
-        for (int k = j; k <= (int)work->unknowns; k++) {
-            const double kept = (c * r[k - j]) + (s * row[k]);
-            row[k] = (c * row[k]) - (s * r[k - j]);
-            r[k - j] = kept;
-        }
-    }
+    tumble_triangle_turn(work->triangle, (int)work->unknowns, work->row, from, to, 0.0);
 }
 
 /* What is left of a row's right side is a residual, if the row was turned into all. */
