@@ -160,6 +160,25 @@ install(EXPORT mine FILE mine-targets.cmake NAMESPACE mine:: DESTINATION lib/cma
     assert (tmp_path / "prefix/lib/cmake/tumble/tumble-config.cmake").exists()
 
 
+@needs("arm-none-eabi-gcc", "arm-none-eabi-readelf", "qemu-system-arm")
+def test_a_cortex_m4f_with_a_start_of_its_own(tmp_path):
+    """Hard floats, and the same digits. Where CPACR is forgotten the first instruction of the unit is a fault."""
+    project, forgetful = CONSUMERS / "cortex_m4f", tmp_path / "forgetful"
+    toolchain = f"-DCMAKE_TOOLCHAIN_FILE={project / 'toolchain.cmake'}"
+    built(project, tmp_path / "build", toolchain, "-DCMAKE_BUILD_TYPE=MinSizeRel")
+    image, page = tmp_path / "build/consumer", (ROOT / "docs/embedding.md").read_text(encoding="utf-8")
+    assert "Tag_ABI_VFP_args: VFP registers" in run("arm-none-eabi-readelf", "-A", image)
+    assert run(*QEMU, image) == re.search(r"```text\n(K .*?)```", page, re.DOTALL)[1]
+
+    forgetful.mkdir()
+    for file in project.iterdir():
+        text = file.read_text().replace("../../..", str(ROOT)).replace("(0xF << 20)", "0")
+        (forgetful / file.name).write_text(text)
+    built(forgetful, tmp_path / "without", toolchain, "-DCMAKE_BUILD_TYPE=MinSizeRel")
+    lost = subprocess.run([*QEMU, tmp_path / "without/consumer"], env=ENVIRONMENT, capture_output=True, timeout=60)
+    assert lost.returncode != 0 and b"Lockup" in lost.stderr
+
+
 @needs("arm-none-eabi-gcc")
 @pytest.mark.parametrize("toolchain", TOOLCHAINS)
 def test_bare_metal(toolchain, tmp_path):
