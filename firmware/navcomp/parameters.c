@@ -3,12 +3,9 @@
 #include "core/bytes.h"
 #include "core/one_copy.h"
 #include "navcomp/keeper_objects.h"
-#include "sets/nv_writer.h"
+#include "sets/memory.h"
 #include "sets/record.h"
-#include "sets/slots.h"
 
-#include <assert.h>
-#include <stddef.h>
 #include <string.h>
 
 #define AT_USED 6U
@@ -30,23 +27,20 @@ static const uint8_t mark[MARK_BYTES] = {
 
 static const tumble_record_t record = {.head = head, .head_bytes = sizeof head, .crc_at = AT_CRC};
 
-/* tumble_parameters_t.phase */
-enum { IDLE = 0, READ_FIRST, READ_SECOND, READ_BEST, WRITE };
-
 bool tumble_parameters_busy(const tumble_parameters_t *parameters)
 {
-    return parameters->phase != (uint8_t)IDLE;
+    return tumble_cells_busy(&parameters->cells);
 }
 
 bool tumble_parameters_reading(const tumble_parameters_t *parameters)
 {
-    const bool reads = tumble_parameters_busy(parameters) && (parameters->phase <= (uint8_t)READ_BEST);
+    const bool reads = tumble_parameters_busy(parameters) && parameters->cells.scans;
     return parameters->again || (reads && !parameters->failed);
 }
 
 bool tumble_parameters_room(const tumble_parameters_t *parameters)
 {
-    return parameters->nv != NULL;
+    return parameters->cells.nv != NULL;
 }
 
 static bool has_room(const tumble_nv_t *nv)
@@ -58,11 +52,15 @@ static bool has_room(const tumble_nv_t *nv)
 void tumble_parameters_init(tumble_parameters_t *parameters, const tumble_nv_t *nv, tumble_node_t *node,
                             tumble_store_t *store)
 {
-    static const tumble_slot_kind_t kind = {AT_MARK, TUMBLE_PARAMETERS_BYTES};
-    *parameters = (tumble_parameters_t){.nv = has_room(nv) ? nv : NULL, .node = node, .store = store};
-    parameters->slots.kind = &kind;
-    tumble_nv_writer_init(&parameters->slots.writer, nv);
-    tumble_parameters_restore(parameters);
+    static const tumble_cells_kind_t kind = {.region = TUMBLE_REGION_PARAMETERS,
+                                             .per_sector = 1,
+                                             .count = 2,
+                                             .attempts = 3,
+                                             .bytes = TUMBLE_PARAMETERS_BYTES,
+                                             .record_bytes = AT_MARK,
+                                             .erased_bytes = TUMBLE_PARAMETERS_BYTES};
+    *parameters = (tumble_parameters_t){.node = node, .store = store};
+    (void)tumble_cells_open(&parameters->cells, &kind, has_room(nv) ? nv : NULL);
 }
 
 void tumble_parameters_restore(tumble_parameters_t *parameters)
@@ -70,25 +68,19 @@ void tumble_parameters_restore(tumble_parameters_t *parameters)
     parameters->again = tumble_parameters_busy(parameters);
     if (!parameters->again) {
         parameters->view = (tumble_parameters_view_t){0};
-        parameters->unread = false;
-        parameters->phase = tumble_parameters_room(parameters) ? (uint8_t)READ_FIRST : (uint8_t)IDLE;
+        parameters->looked = 0;
+        tumble_cells_scan(&parameters->cells);
     }
 }
 
 static void rest(tumble_parameters_t *parameters)
 {
-    parameters->phase = (uint8_t)IDLE;
     if (parameters->again) {
         tumble_parameters_restore(parameters);
     }
 }
 
 /* Reading. */
-
-static uint32_t offset_of(const tumble_parameters_t *parameters, uint8_t slot)
-{
-    return (TUMBLE_REGION_PARAMETERS + slot) * parameters->nv->sector_bytes;
-}
 
 /* The sequence of the record in `bytes`; 0: there is none. */
 static uint32_t sequence_of(const uint8_t *bytes)
@@ -149,28 +141,22 @@ static void end_reading(tumble_parameters_t *parameters, bool good)
     rest(parameters);
 }
 
-/* A memory that cannot be read holds nothing; but one that fails once or twice is asked again. */
-static void read_record(tumble_parameters_t *parameters)
+/* A memory that cannot be read holds nothing. */
+static void note_record(tumble_parameters_t *parameters)
 {
-    const uint8_t slot = (parameters->phase == (uint8_t)READ_BEST) ? parameters->slot
-                                                                   : (uint8_t)(parameters->phase - (uint8_t)READ_FIRST);
-    uint32_t errors = 0; /* shown to nobody */
-    const tumble_status_t status =
-        tumble_slots_read(&parameters->slots, offset_of(parameters, slot), parameters->store->bytes, &errors);
-    if (status == TUMBLE_E_PORT_BUSY) {
-        return;
-    }
-    parameters->unread = parameters->unread || (status != TUMBLE_OK);
-    const uint32_t sequence = (status == TUMBLE_OK) ? sequence_of(parameters->store->bytes) : 0U;
-    if (parameters->phase == (uint8_t)READ_BEST) {
+    tumble_cells_t *cells = &parameters->cells;
+    const uint32_t sequence = cells->was_read ? sequence_of(parameters->store->bytes) : 0U;
+    parameters->looked++;
+    if (parameters->looked > cells->kind->count) {
+        tumble_cells_next(cells, cells->kind->count);
         end_reading(parameters, sequence != 0U);
         return;
     }
     if (sequence > parameters->view.sequence) {
         parameters->view.sequence = sequence;
-        parameters->slot = slot;
+        parameters->slot = cells->at;
     }
-    parameters->phase++;
+    tumble_cells_next(cells, (parameters->looked == cells->kind->count) ? parameters->slot : parameters->looked);
 }
 
 /* Writing. */
@@ -195,10 +181,10 @@ static uint32_t gather_object(tumble_parameters_t *parameters, const tumble_save
 
 static tumble_abort_t begin(tumble_parameters_t *parameters, uint8_t objects)
 {
-    static const uint8_t plan[] = {SLOT_ERASE, SLOT_BODY, SLOT_MARK, SLOT_END};
+    static const uint8_t plan[] = {CELL_ERASE, CELL_BODY, CELL_MARK, CELL_END};
     uint8_t *bytes = parameters->store->bytes;
     uint32_t at = AT_VALUES;
-    if (!tumble_parameters_room(parameters) || parameters->unread) {
+    if (!tumble_parameters_room(parameters) || parameters->cells.unread) {
         return TUMBLE_ABORT_HARDWARE;
     }
     if (tumble_parameters_busy(parameters)) {
@@ -213,8 +199,8 @@ static tumble_abort_t begin(tumble_parameters_t *parameters, uint8_t objects)
     tumble_put_u32(&bytes[AT_SEQUENCE], parameters->view.sequence + 1U);
     tumble_record_seal(bytes, AT_CRC, 0);
     (void)memcpy(&bytes[AT_MARK], mark, sizeof mark);
-    tumble_slots_begin(&parameters->slots, plan);
-    parameters->phase = (uint8_t)WRITE;
+    parameters->cells.where[0] = parameters->slot ^ 1U;
+    tumble_cells_begin(&parameters->cells, plan);
     return TUMBLE_ABORT_LATER;
 }
 
@@ -238,23 +224,17 @@ static void end_writing(tumble_parameters_t *parameters)
 
 TUMBLE_ONE_COPY void tumble_parameters_step(tumble_parameters_t *parameters)
 {
-    if (parameters->phase == (uint8_t)IDLE) {
-        return;
-    }
-    if (parameters->phase <= (uint8_t)READ_BEST) {
-        read_record(parameters);
-        return;
-    }
-    const tumble_status_t status =
-        tumble_slots_step(&parameters->slots, offset_of(parameters, parameters->slot ^ 1U), parameters->store->bytes);
-    parameters->store->lent = (status == TUMBLE_E_PORT_BUSY);
-    if (status == TUMBLE_OK) {
+    const tumble_cells_event_t event = tumble_cells_step(&parameters->cells, parameters->store->bytes);
+    if (event == TUMBLE_CELLS_READ) {
+        note_record(parameters);
+    } else if (event == TUMBLE_CELLS_DONE) {
+        parameters->store->lent = false;
         end_writing(parameters);
-    } else if (status != TUMBLE_E_PORT_BUSY) {
+    } else if (event == TUMBLE_CELLS_FAILED) {
+        parameters->store->lent = false;
         parameters->failed = true;
-        parameters->unread = false;
         parameters->view.sequence = 0;
-        parameters->phase = (uint8_t)READ_FIRST;
+        parameters->looked = 0;
     } else {
         /* the memory is at work */
     }

@@ -47,16 +47,14 @@ enum {
 /* Private but for `view` and `event`, which the owner sets back. */
 typedef struct {
     uint8_t event;
-    uint8_t phase;
-    uint8_t slot;          /* 0 or 1: where the record in force is */
-    bool unread;           /* a record could not be read, and may be the one in force: nothing is written beside it */
-    bool failed;           /* a job: it is being looked what that left behind */
-    bool again;            /* to be restored when that is done which is under way */
-    const tumble_nv_t *nv; /* null: there is no room for parameters */
+    uint8_t slot;   /* 0 or 1: where the record in force is */
+    uint8_t looked; /* records read so far: the two, and the better one again */
+    bool failed;    /* a job: it is being looked what that left behind */
+    bool again;     /* to be restored when that is done which is under way */
     tumble_node_t *node;
     tumble_store_t *store; /* its `bytes` hold the record */
     tumble_parameters_view_t view;
-    tumble_slots_t slots;
+    tumble_cells_t cells; /* without a memory: there is no room for parameters */
 } tumble_parameters_t;
 
 /* Get ready and begin to read what was saved. If the memory lacks the two sectors (or is null), nothing can be saved.

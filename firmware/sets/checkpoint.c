@@ -2,13 +2,15 @@
 #include "core/bytes.h"
 #include "core/crc32.h"
 #include "core/one_copy.h"
-#include "sets/log.h"
+#include "sets/memory.h"
 #include "sets/record.h"
 
-#include <stddef.h>
 #include <string.h>
 
-enum { JOB_CLEAR = TUMBLE_LOG_OWN, JOB_ERASE_FIRST, JOB_ERASE_SECOND, JOB_BEGIN, JOB_WRITE };
+/* Places of a job: the two sectors, the first of which begins with the header, and the cell of an entry. */
+#define IN_FIRST 0x00U
+#define IN_SECOND 0x01U
+#define IN_TARGET 0x02U
 
 #define CELLS_PER_SECTOR (TUMBLE_STORE_MIN_SECTOR / TUMBLE_CHECKPOINT_BYTES)
 #define RUN_HEAD_BYTES 8U
@@ -87,20 +89,28 @@ static void forget(tumble_checkpoint_t *checkpoint)
 
 tumble_status_t tumble_checkpoint_init(tumble_checkpoint_t *checkpoint, const tumble_nv_t *nv)
 {
-    static const tumble_log_kind_t kind = {TUMBLE_REGION_CHECKPOINT, CELLS_PER_SECTOR, TUMBLE_CHECKPOINT_BYTES};
+    static const tumble_cells_kind_t kind = {.region = TUMBLE_REGION_CHECKPOINT,
+                                             .per_sector = CELLS_PER_SECTOR,
+                                             .count = TUMBLE_CHECKPOINT_CELLS,
+                                             .attempts = 1,
+                                             .pitch = TUMBLE_CHECKPOINT_BYTES,
+                                             .bytes = TUMBLE_CHECKPOINT_BYTES,
+                                             .record_bytes = TUMBLE_CHECKPOINT_BYTES,
+                                             .erased_bytes = TUMBLE_STORE_MIN_SECTOR};
     if (checkpoint == NULL) {
         return TUMBLE_E_ARGUMENT;
     }
     forget(checkpoint);
     checkpoint->margins = (tumble_margins_t){0, 0};
-    return tumble_log_open(&checkpoint->log, &kind, nv);
+    return tumble_cells_open(&checkpoint->cells, &kind, nv);
 }
 
 bool tumble_checkpoint_busy(const tumble_checkpoint_t *checkpoint)
 {
-    return tumble_log_busy(&checkpoint->log);
+    return tumble_cells_busy(&checkpoint->cells);
 }
 
+/* The first cell was read. */
 static void note_header(tumble_checkpoint_t *checkpoint)
 {
     checkpoint->kept = (tumble_record_check(&run_record, checkpoint->bytes, 0) == TUMBLE_OK);
@@ -109,104 +119,86 @@ static void note_header(tumble_checkpoint_t *checkpoint)
 
 static void note_entry(tumble_checkpoint_t *checkpoint)
 {
-    tumble_log_t *log = &checkpoint->log;
+    tumble_cells_t *cells = &checkpoint->cells;
     tumble_average_t average;
-    if (tumble_log_is_blank(log, checkpoint->bytes)) {
+    if (tumble_cells_is_blank(cells, checkpoint->bytes)) {
         return;
     }
-    const bool valid = log->was_read && (get_entry(checkpoint, &average) == TUMBLE_OK);
-    checkpoint->next = log->at_cell + 1U;
+    const bool valid = cells->was_read && (get_entry(checkpoint, &average) == TUMBLE_OK);
+    checkpoint->next = cells->at + 1U;
     if (valid) {
-        checkpoint->place[checkpoint->bytes[AT_INDEX]] = log->at_cell;
+        checkpoint->place[checkpoint->bytes[AT_INDEX]] = cells->at;
     }
-    tumble_log_note(log, valid);
+    tumble_cells_note(cells, valid);
 }
 
 /* Without its header nothing is kept. */
 static void note_cell(tumble_checkpoint_t *checkpoint)
 {
-    if (checkpoint->log.at_cell > 0U) {
+    tumble_cells_t *cells = &checkpoint->cells;
+    if (cells->at > 0U) {
         note_entry(checkpoint);
-    } else if (checkpoint->log.was_read) {
+    } else if (cells->was_read) {
         note_header(checkpoint);
     } else {
         /* there is none */
     }
-    tumble_log_next(&checkpoint->log, checkpoint->kept);
-}
-
-static void begin_header(tumble_checkpoint_t *checkpoint)
-{
-    uint8_t *bytes = checkpoint->bytes;
-    tumble_record_fill(&run_record, checkpoint, bytes);
-    tumble_record_seal(bytes, AT_CRC, 0);
-    tumble_log_program(&checkpoint->log, 0, bytes, JOB_BEGIN);
-}
-
-/* What has been written is there. The header comes last: before it nothing counts. */
-static void go_on(tumble_checkpoint_t *checkpoint)
-{
-    tumble_log_t *log = &checkpoint->log;
-    switch (log->job) {
-    case JOB_ERASE_FIRST:
-        tumble_log_erase(log, 1, JOB_ERASE_SECOND);
-        return;
-    case JOB_ERASE_SECOND:
-        begin_header(checkpoint);
-        return;
-    case JOB_BEGIN:
-        checkpoint->kept = true;
-        break;
-    case JOB_WRITE:
-        checkpoint->place[checkpoint->bytes[AT_INDEX]] = checkpoint->next;
-        checkpoint->next++;
-        break;
-    default: /* it is cleared */
-        break;
-    }
-    tumble_log_end(log);
+    tumble_cells_next(cells, checkpoint->kept ? (cells->at + 1U) : TUMBLE_CHECKPOINT_CELLS);
 }
 
 TUMBLE_ONE_COPY tumble_status_t tumble_checkpoint_step(tumble_checkpoint_t *checkpoint)
 {
-    const tumble_log_event_t event = tumble_log_step(&checkpoint->log, checkpoint->bytes);
-    if (event == TUMBLE_LOG_CELL) {
+    const tumble_cells_event_t event = tumble_cells_step(&checkpoint->cells, checkpoint->bytes);
+    if (event == TUMBLE_CELLS_READ) {
         note_cell(checkpoint);
-    } else if (event == TUMBLE_LOG_DONE) {
-        go_on(checkpoint);
-    } else if (event == TUMBLE_LOG_FAILED) {
+    } else if (event == TUMBLE_CELLS_FAILED) {
         forget(checkpoint);
     } else {
-        /* it goes on at the next step */
+        /* it goes on at the next step, or is done */
     }
-    return tumble_checkpoint_busy(checkpoint) ? TUMBLE_E_PORT_BUSY : checkpoint->log.outcome;
+    return tumble_checkpoint_busy(checkpoint) ? TUMBLE_E_PORT_BUSY : checkpoint->cells.outcome;
+}
+
+/* What a job writes is noted when it begins: nobody is told of it while busy, and where a job fails, a scan follows. */
+
+/* The header comes last: before it nothing counts. */
+static tumble_status_t erase(tumble_checkpoint_t *checkpoint, const uint8_t *plan)
+{
+    tumble_cells_t *cells = &checkpoint->cells;
+    const tumble_status_t status = tumble_cells_ready(cells);
+    if (status == TUMBLE_OK) {
+        forget(checkpoint);
+        cells->where[IN_FIRST] = 0;
+        cells->where[IN_SECOND] = CELLS_PER_SECTOR;
+        tumble_cells_begin(cells, plan);
+    }
+    return status;
 }
 
 tumble_status_t tumble_checkpoint_begin(tumble_checkpoint_t *checkpoint, uint32_t fingerprint)
 {
-    const tumble_status_t status = tumble_log_ready(&checkpoint->log);
+    static const uint8_t plan[] = {CELL_ERASE | IN_FIRST, CELL_ERASE | IN_SECOND, CELL_BODY | IN_FIRST, CELL_END};
+    const tumble_status_t status = erase(checkpoint, plan);
     if (status == TUMBLE_OK) {
-        forget(checkpoint);
         checkpoint->fingerprint = fingerprint;
-        tumble_log_erase(&checkpoint->log, 0, JOB_ERASE_FIRST);
+        checkpoint->kept = true;
+        tumble_record_fill(&run_record, checkpoint, checkpoint->bytes);
+        tumble_record_seal(checkpoint->bytes, AT_CRC, 0);
     }
     return status;
 }
 
 tumble_status_t tumble_checkpoint_clear(tumble_checkpoint_t *checkpoint)
 {
-    const tumble_status_t status = tumble_log_ready(&checkpoint->log);
-    if (status == TUMBLE_OK) {
-        forget(checkpoint);
-        tumble_log_erase(&checkpoint->log, 0, JOB_CLEAR);
-    }
-    return status;
+    static const uint8_t plan[] = {CELL_ERASE | IN_FIRST, CELL_END};
+    return erase(checkpoint, plan);
 }
 
 tumble_status_t tumble_checkpoint_append(tumble_checkpoint_t *checkpoint, uint8_t index,
                                          const tumble_average_t *average)
 {
-    tumble_status_t status = tumble_log_ready(&checkpoint->log);
+    static const uint8_t plan[] = {CELL_BODY | IN_TARGET, CELL_END};
+    tumble_status_t status = tumble_cells_ready(&checkpoint->cells);
     if (status != TUMBLE_OK) {
         return status;
     }
@@ -224,7 +216,10 @@ tumble_status_t tumble_checkpoint_append(tumble_checkpoint_t *checkpoint, uint8_
         return TUMBLE_E_FULL;
     }
     put_entry(checkpoint, index, average, checkpoint->bytes);
-    tumble_log_program(&checkpoint->log, checkpoint->next, checkpoint->bytes, JOB_WRITE);
+    checkpoint->cells.where[IN_TARGET] = checkpoint->next;
+    tumble_cells_begin(&checkpoint->cells, plan);
+    checkpoint->place[index] = checkpoint->next;
+    checkpoint->next++;
     return TUMBLE_OK;
 }
 
@@ -257,7 +252,7 @@ TUMBLE_ONE_COPY tumble_status_t tumble_checkpoint_read(tumble_checkpoint_t *chec
     if (!tumble_checkpoint_has(checkpoint, index)) {
         return TUMBLE_E_MISSING_POSITION;
     }
-    const tumble_status_t status = tumble_log_read(&checkpoint->log, checkpoint->place[index], checkpoint->bytes);
+    const tumble_status_t status = tumble_cells_read(&checkpoint->cells, checkpoint->place[index], checkpoint->bytes);
     if (status != TUMBLE_OK) {
         return status;
     }

@@ -48,7 +48,7 @@ static void end_job(tumble_sets_t *sets)
 static tumble_status_t accept(tumble_sets_t *sets)
 {
     return (tumble_store_proposal(&sets->store) == sets->accepted)
-               ? tumble_store_accept_as(&sets->store, tumble_sets_rules_flag(sets))
+               ? tumble_store_accept(&sets->store, tumble_sets_rules_flag(sets))
                : TUMBLE_E_STATE;
 }
 

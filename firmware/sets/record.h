@@ -7,13 +7,7 @@
 #ifndef TUMBLE_SETS_RECORD_H
 #define TUMBLE_SETS_RECORD_H
 
-#include "tumble/status.h"
-
-#include <assert.h>
-#include <stdbool.h>
-#include <stdint.h>
-
-static_assert((sizeof(float) == 4U) && (sizeof(double) == 8U), "floating point travels as IEEE 754 single and double");
+#include "tumble/sets.h"
 
 /* `count` elements of `width` bytes each, from `offset` of the struct on. */
 typedef struct {
@@ -45,5 +39,24 @@ tumble_status_t tumble_record_check(const tumble_record_t *record, const uint8_t
 /* The CRC-32 over `size` bytes, going on from `crc_before`, stands behind them. */
 void tumble_record_seal(uint8_t *bytes, uint32_t size, uint32_t crc_before);
 bool tumble_record_is_sealed(const uint8_t *bytes, uint32_t size, uint32_t crc_before);
+
+/* For the store. As tumble_set_encode and _decode, with another stamp; without looking into the fields. A null set is
+ * TUMBLE_E_ARGUMENT. */
+tumble_status_t tumble_set_encode_as(const tumble_set_t *set, const tumble_set_stamp_t *stamp,
+                                     uint8_t bytes[TUMBLE_SET_BYTES]);
+tumble_status_t tumble_set_check(const uint8_t bytes[TUMBLE_SET_BYTES]);
+
+/* Put another stamp on the record of a set, and take it off. */
+void tumble_set_stamp(uint8_t bytes[TUMBLE_SET_BYTES], const tumble_set_stamp_t *stamp);
+void tumble_set_get_stamp(const uint8_t bytes[TUMBLE_SET_BYTES], tumble_set_stamp_t *stamp);
+
+/* Set further flags in it; then it needs its stamp. */
+void tumble_set_add_flags(uint8_t bytes[TUMBLE_SET_BYTES], uint16_t flags);
+
+/* The CRC-32 at its end. */
+uint32_t tumble_set_crc(const uint8_t bytes[TUMBLE_SET_BYTES]);
+
+/* Give an encoded entry of the history another number. */
+void tumble_history_number(uint8_t bytes[TUMBLE_HISTORY_BYTES], uint32_t number);
 
 #endif

@@ -1,11 +1,8 @@
-#include "sets/set_record.h"
-
 #include "core/arith.h"
 #include "core/bytes.h"
 #include "core/one_copy.h"
 #include "sets/record.h"
 
-#include <stdbool.h>
 #include <stddef.h>
 
 /* Places in the bytes; docs/store.md has them all. */

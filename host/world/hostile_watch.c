@@ -501,7 +501,7 @@ static void look_at_sets(bench_life_t *life)
 {
     bench_watch_t *const watch = &life->watch;
     const tumble_store_t *const store = &life->keeper.sets.store;
-    if (!store->booted || tumble_store_busy(store)) {
+    if (!store->cells.booted || tumble_store_busy(store)) {
         return;
     }
     const bool has_set = tumble_store_has(store, TUMBLE_SET_ACTIVE);

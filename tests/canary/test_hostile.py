@@ -25,7 +25,7 @@ STALL = (BOUNDS, "if (stalls(bounds, motion, here, now, margin_ms)) {",
          "if (stalls(bounds, motion, here, now, margin_ms) && false) {")
 PACE = (BOUNDS, "return is_out_of_pace(", "return false && is_out_of_pace(")
 SERVICE = "firmware/navcomp/service.c"
-STORE = "firmware/sets/store_job.c"
+STORE = "firmware/sets/store.c"
 
 # Hole: invariant, what one of its lives has among its events, and the mends taken out: (file, mend, what stands there
 # without it).
@@ -63,8 +63,8 @@ PLANTED = {
         ("firmware/procedure/procedure_average.c", "(taken >= procedure->config->samples)",
          "(taken > procedure->config->samples)")]),
     "proposal": ("proposal", "power off", [
-        (STORE, "store->target = active;\n    if (tumble_store_is_stale(store)) {",
-         "store->target = active;\n    if (store->places[TUMBLE_REGION_PROPOSAL].valid) {")]),
+        (STORE, "aim(store, active);\n    if (is_stale(store)) {",
+         "aim(store, active);\n    if (store->places[PROPOSAL].valid) {")]),
     "mark": ("decayed", "bits flipped", [
         (STORE, " && (tumble_get_u32(&mark[MARK_CRC]) == tumble_set_crc(bytes))", "")]),
     "record": ("decayed", "bits flipped", [

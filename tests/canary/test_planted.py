@@ -16,7 +16,7 @@ PLANTED = {
         "const double u_new = uncertainty_of(candidate, 0);",
         "store/test_commit_rules.c", "test_change_by_the_uncertainty_of_the_same_coefficient"),
     "mark: valid for any record": (
-        "firmware/sets/store_job.c",
+        "firmware/sets/store.c",
         "(tumble_get_u32(&mark[MARK_CRC]) == tumble_set_crc(bytes))",
         "true",
         "store/test_store_marks.c", "test_a_mark_is_of_its_own_record_alone"),
@@ -57,7 +57,7 @@ PLANTED = {
         "TUMBLE_OK",
         "store/test_store.c", "test_what_has_decayed_is_found_out_and_the_next_is_active"),
     "calibration counter: given twice": (
-        "firmware/sets/store_job.c",
+        "firmware/sets/store.c",
         "(sequence > store->highest) ? sequence : store->highest",
         "sequence",
         "store/test_store_marks.c", "test_no_counter_is_given_twice"),
@@ -73,8 +73,8 @@ PLANTED = {
         "averaging/test_averaging.c", "test_the_last_sample_that_fits_is_taken"),
     "power cut: the mark comes before its record": (
         "firmware/sets/store.c",
-        "SLOT_ERASE | IN_PROPOSAL, SLOT_BODY | IN_PROPOSAL, SLOT_MARK | IN_PROPOSAL,",
-        "SLOT_ERASE | IN_PROPOSAL, SLOT_MARK | IN_PROPOSAL, SLOT_BODY | IN_PROPOSAL,",
+        "CELL_ERASE | IN_PROPOSAL, CELL_BODY | IN_PROPOSAL, CELL_MARK | IN_PROPOSAL,",
+        "CELL_ERASE | IN_PROPOSAL, CELL_MARK | IN_PROPOSAL, CELL_BODY | IN_PROPOSAL,",
         "store/test_store_marks.c", "test_a_loss_of_power_before_the_mark_leaves_the_record_alone"),
     # Others, one for each step from a sample to a set in force.
     "block frame: its last byte is outside the CRC": (

@@ -10,19 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-STORE = (
-    "store",
-    "store_job",
-    "slots",
-    "set_record",
-    "record",
-    "nv_writer",
-    "regions",
-    "log",
-    "history",
-    "history_entry",
-    "checkpoint",
-)
+STORE = ("memory", "store", "set_record", "record", "history", "checkpoint")
 FIRMWARE = ROOT / "firmware"
 CAMPAIGN = ("flash", "store_power")
 FLAGS = ["-std=c11", "-O2", "-ffp-contract=off", "-Wall", "-Wextra"]
@@ -32,9 +20,9 @@ BUGS = {
     # The record's own checksum and ranges make up for the wrong order, so they have to go too.
     "marked before it is written, and the mark is believed": (
         "store.c",
-        "SLOT_BODY | IN_TARGET,\n                                   SLOT_MARK | IN_TARGET, SLOT_END",
-        "SLOT_MARK | IN_TARGET,\n                                   SLOT_BODY | IN_TARGET, SLOT_END",
-        "store_job.c",
+        "CELL_BODY | IN_TARGET,\n                                   CELL_MARK | IN_TARGET, CELL_END",
+        "CELL_MARK | IN_TARGET,\n                                   CELL_BODY | IN_TARGET, CELL_END",
+        "store.c",
         "(tumble_get_u32(&mark[MARK_CRC]) == tumble_set_crc(bytes))",
         "(mark[MARK_CRC] != 1U)",
         "set_record.c",
@@ -42,44 +30,44 @@ BUGS = {
         "return (status == TUMBLE_OK) ? status : TUMBLE_OK;",
         "must never be found",
     ),
-    "not read back": ("nv_writer.c", "if (!chunk_is_right(writer, size))", "if (false)", "it is not|forbids"),
-    "blank is not looked for": ("nv_writer.c", "tumble_nv_is_blank(writer->chunk, size)", "true", "forbids"),
+    "not read back": ("memory.c", "if (cells->failed_to_hold) {", "if (false) {", "it is not|forbids"),
+    "blank is not looked for": ("memory.c", "!is_blank(cells->chunk, size)", "false", "forbids"),
     "the active slot is overwritten": (
         "store.c",
-        "return (active == (uint8_t)TUMBLE_REGION_SLOT_A) ?",
-        "return (active != (uint8_t)TUMBLE_REGION_SLOT_A) ?",
+        "aim(store, other_slot(active_region(store)));",
+        "aim(store, (active_region(store) == SLOT_A) ? SLOT_A : SLOT_B);",
         "must never be found",
     ),
     "no checksum": ("record.c", "return tumble_get_u32(&bytes[size]) ==", "return 0U <=", "must never be found"),
     "the oldest set is active": (
-        "store_job.c",
+        "store.c",
         "a->stamp.sequence > b->",
         "a->stamp.sequence < b->",
         "must never be found",
     ),
     "cleared before it is accepted": (
         "store.c",
-        "accept[] = {PLAN_LOAD | IN_PROPOSAL, SLOT_ERASE | IN_TARGET,",
-        "accept[] = {PLAN_LOAD | IN_PROPOSAL, SLOT_ERASE | IN_PROPOSAL, SLOT_ERASE | IN_TARGET,",
+        "accept[] = {CELL_LOAD | IN_PROPOSAL, CELL_ERASE | IN_TARGET,",
+        "accept[] = {CELL_LOAD | IN_PROPOSAL, CELL_ERASE | IN_PROPOSAL, CELL_ERASE | IN_TARGET,",
         "must never be found",
     ),
     "an accepted proposal is held again": (
-        "store_job.c",
-        "return proposal->valid && tumble_store_is_slot(active) &&",
-        "return false && proposal->valid && tumble_store_is_slot(active) &&",
+        "store.c",
+        "return proposal->valid && is_slot(active) &&",
+        "return false && proposal->valid && is_slot(active) &&",
         "must never be found",
     ),
     "a rollback without a copy": (
         "store.c",
-        "PLAN_LOAD | IN_SOURCE, SLOT_ERASE | IN_PROPOSAL, SLOT_BODY | IN_PROPOSAL,\n"
-        "                                   SLOT_MARK | IN_PROPOSAL, PLAN_STAMP,",
-        "PLAN_LOAD | IN_SOURCE, PLAN_STAMP,",
+        "CELL_LOAD | IN_SOURCE, CELL_ERASE | IN_PROPOSAL, CELL_BODY | IN_PROPOSAL,\n"
+        "                                   CELL_MARK | IN_PROPOSAL, STAMP,",
+        "CELL_LOAD | IN_SOURCE, STAMP,",
         "must never be found",
     ),
     "no scan after a job": (
-        "store_job.c",
-        "    tumble_slots_begin(&store->slots, NULL);\n    tumble_store_begin_scan(store);",
-        "    tumble_slots_begin(&store->slots, NULL);",
+        "store.c",
+        "} else if (event != TUMBLE_CELLS_NOTHING) {",
+        "} else if (event == TUMBLE_CELLS_FAILED) {",
         "must never be found",
     ),
     "the history erases the newest": (
@@ -89,15 +77,15 @@ BUGS = {
         "must never be found",
     ),
     "a torn entry is written over": (
-        "log.c",
-        "    log->used[log->at_cell / cells] = ",
-        "    log->used[log->at_cell / cells] = !valid ? log->used[log->at_cell / cells] : ",
+        "history.c",
+        "history->used[sector] = (uint8_t)(within + 1U);",
+        "history->used[sector] = valid ? (uint8_t)(within + 1U) : history->used[sector];",
         "forbids",
     ),
     "a torn position is written over": (
         "checkpoint.c",
-        "    checkpoint->next = log->at_cell + 1U;\n",
-        "    checkpoint->next = valid ? (uint8_t)(log->at_cell + 1U) : checkpoint->next;\n",
+        "    checkpoint->next = cells->at + 1U;\n",
+        "    checkpoint->next = valid ? (uint8_t)(cells->at + 1U) : checkpoint->next;\n",
         "forbids",
     ),
 }
@@ -132,15 +120,16 @@ def linked(objects, program):
 
 def part_of(file):
     """The part of the campaign that has to do with it."""
-    return {"record.c": "checkpoint", "history.c": "history", "log.c": "history", "checkpoint.c": "checkpoint"}.get(
+    return {"record.c": "checkpoint", "history.c": "history", "checkpoint.c": "checkpoint"}.get(
         file, "store"
     )
 
 
 def planted(folder, file, good, bad):
-    """A copy of the firmware's file with the bug in it."""
+    """A copy of the firmware's file with the bug in it, besides those that are there already."""
     wherever_broken = r"\s+".join(map(re.escape, good.split()))
-    text, places = re.subn(wherever_broken, lambda _: bad, (FIRMWARE / "sets" / file).read_text(encoding="utf-8"))
+    source = folder / file if (folder / file).exists() else FIRMWARE / "sets" / file
+    text, places = re.subn(wherever_broken, lambda _: bad, source.read_text(encoding="utf-8"))
     assert places == 1, "the planted bug has lost its place"
     (folder / file).write_text(text, encoding="utf-8")
     return folder / file

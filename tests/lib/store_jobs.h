@@ -83,7 +83,7 @@ static inline tumble_status_t job_factory(void)
 
 static inline tumble_status_t job_accept(void)
 {
-    return ended(tumble_store_accept(&jobs_store));
+    return ended(tumble_store_accept(&jobs_store, 0));
 }
 
 static inline tumble_status_t job_discard(void)

@@ -3,7 +3,7 @@
 #define STORE_SETS_H
 
 #include "flash.h"
-#include "sets/set_record.h"
+#include "sets/record.h"
 
 /* Every field filled in, every one of them by `tag`. */
 static inline tumble_set_t set_of(unsigned tag)

@@ -72,56 +72,41 @@ enum {
  * TUMBLE_STORE_MIN_SECTOR, or a granule that is no power of two up to TUMBLE_NV_MAX_GRANULE). */
 tumble_status_t tumble_regions_check(const tumble_nv_t *nv);
 
-/* One erase or program of the memory, and reading back that it is so. Private, as are all members of the objects here.
- * */
+/* Cells of one size, and what is under way: a scan of all, or a job that writes some. Private, as are all members of the
+ * objects here. Cell n lies in sector n / per_sector, counted from the first region on. */
 #define TUMBLE_NV_CHUNK 64U
 
 typedef struct {
-    const tumble_nv_t *nv;
-    const uint8_t *bytes; /* null: blank */
-    uint32_t offset;
-    uint32_t size;
-    uint32_t checked;    /* bytes read back so far */
-    bool changes;        /* the erase or program is still to be made */
-    bool failed_to_hold; /* the memory said it was done, and it was not */
+    uint8_t region;        /* of the first sector */
+    uint8_t per_sector;    /* cells in a sector */
+    uint8_t count;         /* of all cells */
+    uint8_t attempts;      /* to read one, before it counts as lost */
+    uint16_t pitch;        /* from one to the next in its sector */
+    uint16_t bytes;        /* of a cell: its record, and the mark behind it if there is one */
+    uint16_t record_bytes; /* without the mark */
+    uint16_t erased_bytes; /* of a sector: to be blank after an erase */
+} tumble_cells_kind_t;
+
+typedef struct {
+    uint32_t verify;      /* read back wrong, since init, as all counters here; they stop at UINT32_MAX */
+    uint32_t nv_errors;   /* a call of the memory failed */
+    uint32_t torn;        /* cells that the first scan found neither blank nor valid */
+    uint8_t at;           /* the cell that is looked at */
+    uint8_t failed_reads; /* in a row, of the cell that is read */
+    uint8_t where[5];     /* the cells of the job's places */
+    bool scans;
+    bool booted;             /* the first scan is over */
+    bool was_read;           /* the cell that is looked at */
+    bool unread;             /* the last scan could not read a cell: what is there must not be overwritten */
+    bool changes;            /* the present action's erase or program is still to be made */
+    bool failed_to_hold;     /* the memory said that it was done, and it was not */
+    tumble_status_t outcome; /* of the last job */
+    uint16_t checked;        /* bytes of the action read back so far */
+    const tumble_cells_kind_t *kind;
+    const tumble_nv_t *nv; /* null: init has refused */
+    const uint8_t *plan;   /* the actions that are left of the job; null: no job */
     uint8_t chunk[TUMBLE_NV_CHUNK];
-} tumble_nv_writer_t;
-
-/* Records in sectors of their own, each with a mark behind it. Private as well. */
-typedef struct {
-    uint16_t record_bytes;
-    uint16_t bytes; /* with the mark */
-} tumble_slot_kind_t;
-
-typedef struct {
-    uint8_t failed_reads; /* in a row, of the place that is read */
-    bool begun;           /* the action is */
-    const tumble_slot_kind_t *kind;
-    const uint8_t *plan; /* the actions that are left of the job; null: no job */
-    tumble_nv_writer_t writer;
-} tumble_slots_t;
-
-/* Cells of one size in two sectors, written one behind the other. Private as well. */
-typedef struct {
-    uint8_t region; /* of the first sector */
-    uint8_t cells;  /* in a sector */
-    uint8_t cell_bytes;
-} tumble_log_kind_t;
-
-typedef struct {
-    uint8_t used[2]; /* cells of each sector up to the last that is not blank; the next entry goes there */
-    uint8_t at_cell; /* that is looked at, or written */
-    uint8_t job;
-    bool was_read; /* the cell that is looked at */
-    bool booted;
-    bool unread; /* the last look could not read a cell: what is there must not be overwritten */
-    tumble_status_t outcome;
-    const tumble_log_kind_t *kind;
-    uint32_t verify; /* read back wrong, since init */
-    uint32_t nv_errors;
-    uint32_t torn; /* cells that the first look found neither blank nor valid */
-    tumble_nv_writer_t writer;
-} tumble_log_t;
+} tumble_cells_t;
 
 /* ---- A set: coefficients with all that is known of them, and their bytes.
  *
@@ -225,14 +210,6 @@ typedef enum {
     TUMBLE_SET_PREVIOUS = 3 /* what a rollback would bring back: the other slot's set, or else the factory set */
 } tumble_which_set_t;
 
-/* Since init; they stop at UINT32_MAX instead of wrapping. */
-typedef struct {
-    uint32_t commits;      /* sets that became active: committed, accepted, rolled back */
-    uint32_t verify;       /* what was read back differed from what the memory had confirmed */
-    uint32_t nv_errors;    /* a call of the memory failed, or a record has decayed since it was found */
-    uint32_t torn_at_boot; /* places that the first scan found neither blank nor holding a whole set */
-} tumble_store_counters_t;
-
 /* What the last scan found in a region. Private to the store, as all that follows. */
 typedef struct {
     tumble_set_stamp_t stamp;
@@ -242,24 +219,17 @@ typedef struct {
 } tumble_store_place_t;
 
 typedef struct {
-    uint8_t scanned;       /* places so far */
-    bool unread;           /* the last scan could not read a place: what is there must not be overwritten */
-    uint8_t factory_place; /* where the factory set is, or else where it would go; TUMBLE_FACTORY_PLACES: nowhere */
-    uint8_t target;        /* the slot that is being written */
-    uint8_t source;        /* the region that a rollback copies */
-    bool booted;
-    uint16_t flags; /* further ones for the record that is loaded */
-    tumble_status_t outcome;
-    bool lent;                /* `bytes` are: nothing else may be put there */
-    uint32_t sequence;        /* of the active set */
-    uint32_t highest;         /* that one was known to have: of the active set, or told */
-    tumble_set_stamp_t stamp; /* of the record in `bytes` */
-    tumble_store_counters_t counters;
-    tumble_store_place_t places[4]; /* by region */
-    tumble_slots_t slots;           /* without a memory: init has refused */
-    uint8_t
-        bytes[TUMBLE_SET_PLACE_BYTES]; /* record and mark; lent to the owner for a record of its own, which no job of
-                                            * the store can meet: there is one job at a time on one memory */
+    uint8_t factory; /* the cell where the factory set is, or else where it would go; TUMBLE_FACTORY_PLACES: nowhere */
+    bool lent;       /* `bytes` are: nothing else may be put there */
+    uint16_t flags;  /* further ones for the record that is loaded */
+    uint32_t sequence;                     /* of the active set */
+    uint32_t highest;                      /* that one was known to have: of the active set, or told */
+    tumble_set_stamp_t stamp;              /* of the record in `bytes` */
+    tumble_store_place_t places[4];        /* by region */
+    uint32_t commits;                      /* sets that became active since init: committed, accepted, rolled back */
+    tumble_cells_t cells;                  /* four of TUMBLE_FACTORY_PITCH in a sector */
+    uint8_t bytes[TUMBLE_SET_PLACE_BYTES]; /* record and mark; lent to the owner for a record of its own, which no job
+                                            * of the store can meet: there is one job at a time on one memory */
 } tumble_store_t;
 
 static_assert(sizeof(tumble_store_t) <= 768U, "the store must stay small");
@@ -280,7 +250,6 @@ tumble_status_t tumble_store_step(tumble_store_t *store);
 
 bool tumble_store_busy(const tumble_store_t *store);
 tumble_status_t tumble_store_outcome(const tumble_store_t *store); /* as tumble_store_step, without a step */
-const tumble_store_counters_t *tumble_store_counters(const tumble_store_t *store);
 
 /* Is there such a set? By the last scan; false while busy. */
 bool tumble_store_has(const tumble_store_t *store, tumble_which_set_t which);
@@ -322,11 +291,9 @@ bool tumble_store_has_newer(const tumble_store_t *store);
  * TUMBLE_E_STATE: as tumble_store_commit. */
 tumble_status_t tumble_store_hold(tumble_store_t *store, const tumble_set_t *set);
 
-/* Make the proposal active, then clear it. TUMBLE_E_STATE: there is none, or as tumble_store_commit. */
-tumble_status_t tumble_store_accept(tumble_store_t *store);
-
-/* The same, and the set that becomes active gets these flags (TUMBLE_SET_...) besides those of the proposal. */
-tumble_status_t tumble_store_accept_as(tumble_store_t *store, uint16_t flags);
+/* Make the proposal active, then clear it. The set that becomes active gets these flags (TUMBLE_SET_...) besides those of
+ * the proposal. TUMBLE_E_STATE: there is none, or as tumble_store_commit. */
+tumble_status_t tumble_store_accept(tumble_store_t *store, uint16_t flags);
 
 /* Clear the proposal. TUMBLE_E_STATE: there is none. */
 tumble_status_t tumble_store_discard(tumble_store_t *store);
@@ -369,10 +336,11 @@ typedef struct {
 
 typedef struct {
     uint8_t sector;    /* 0 or 1: where the newest is */
+    uint8_t used[2];   /* cells of each sector up to the last that is not blank; the next entry goes there */
     uint32_t valid[2]; /* one bit a cell */
     uint32_t newest;   /* its number; 0: the log is empty */
     uint32_t sequence; /* of the newest */
-    tumble_log_t log;
+    tumble_cells_t cells;
     uint8_t bytes[TUMBLE_HISTORY_BYTES];
 } tumble_history_t;
 
@@ -470,7 +438,7 @@ typedef struct {
     tumble_margins_t margins;            /* the owner's, {0, 0} from init on: appended with every entry */
     uint32_t fingerprint;                /* of the run that is kept */
     uint8_t place[TUMBLE_MAX_POSITIONS]; /* the cell of the last valid entry of each position; 0: none */
-    tumble_log_t log;                    /* its first cell is the header; `torn` of a run that is kept only */
+    tumble_cells_t cells;                /* the first is the header; `torn` of a run that is kept only */
     uint8_t bytes[TUMBLE_CHECKPOINT_BYTES];
 } tumble_checkpoint_t;
 

@@ -144,10 +144,10 @@ static void test_commands_about_sets_wait_for_the_end_of_a_run(void)
 static void test_the_same_result_is_not_stored_twice(void)
 {
     (void)run_and_judge();
-    const uint32_t before = tumble_store_counters(&keeper.sets.store)->commits;
+    const uint32_t before = keeper.sets.store.commits;
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_REPEATED, run_and_judge());
     TEST_ASSERT_BITS_HIGH(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_REPLAYED), state_of_keeper().objections);
-    TEST_ASSERT_EQUAL_UINT32(before, tumble_store_counters(&keeper.sets.store)->commits);
+    TEST_ASSERT_EQUAL_UINT32(before, keeper.sets.store.commits);
     TEST_ASSERT_FALSE(state_of_keeper().has_proposal);
     TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counter(&keeper.sets));
 }

@@ -235,7 +235,7 @@ static void assert_newer_is_kept(uint32_t at)
     TEST_ASSERT_EQUAL_HEX8(TUMBLE_DUE_NEWER, state_of_keeper().due);
     assert_not_told();
     TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counter(&keeper.sets));
-    TEST_ASSERT_EQUAL_UINT32(0, keeper.sets.store.counters.torn_at_boot);
+    TEST_ASSERT_EQUAL_UINT32(0, keeper.sets.store.cells.torn);
     TEST_ASSERT_EQUAL_UINT8(2, tumble_history_count(&keeper.sets.history));
     assert_verdict_after(1e-5, TUMBLE_VERDICT_HELD);
     TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_NEWER_SET), state_of_keeper().objections);

@@ -46,7 +46,7 @@ static void test_a_life(void)
     assert_sets(FACTORY, 0, 0, FACTORY);
     assert_status(TUMBLE_E_STATE, job_rollback());
     TEST_ASSERT_EQUAL_UINT32(5, tumble_store_sequence(&jobs_store));
-    TEST_ASSERT_EQUAL_UINT32(5, tumble_store_counters(&jobs_store)->commits);
+    TEST_ASSERT_EQUAL_UINT32(5, jobs_store.commits);
     put_hold(THIRD);
     assert_status(TUMBLE_OK, job_discard());
     assert_sets(FACTORY, 0, 0, FACTORY);
@@ -55,7 +55,7 @@ static void test_a_life(void)
     TEST_ASSERT_TRUE(jobs_boot(&memory));
     assert_sets(NEW, FACTORY, 0, FACTORY);
     TEST_ASSERT_EQUAL_UINT32(6, tumble_store_sequence(&jobs_store));
-    TEST_ASSERT_EQUAL_UINT32(0, tumble_store_counters(&jobs_store)->torn_at_boot);
+    TEST_ASSERT_EQUAL_UINT32(0, jobs_store.cells.torn);
 }
 
 static void test_the_store_writes_its_own_fields(void)
@@ -101,7 +101,7 @@ static void test_a_memory_that_does_not_fit_is_refused(void)
     assert_status(TUMBLE_E_STATE, tumble_store_step(&jobs_store));
     assert_status(TUMBLE_E_STATE, tumble_store_commit(&jobs_store, &set));
     assert_status(TUMBLE_E_STATE, tumble_store_hold(&jobs_store, &set));
-    assert_status(TUMBLE_E_STATE, tumble_store_accept(&jobs_store));
+    assert_status(TUMBLE_E_STATE, tumble_store_accept(&jobs_store, 0));
     assert_status(TUMBLE_E_STATE, tumble_store_discard(&jobs_store));
     assert_status(TUMBLE_E_STATE, tumble_store_rollback(&jobs_store));
     assert_status(TUMBLE_E_STATE, tumble_store_write_factory(&jobs_store, &set));
@@ -117,7 +117,7 @@ static void test_one_job_at_a_time(void)
     TEST_ASSERT_TRUE(tumble_store_busy(&jobs_store));
     assert_status(TUMBLE_E_PORT_BUSY, tumble_store_outcome(&jobs_store));
     assert_status(TUMBLE_E_PORT_BUSY, tumble_store_commit(&jobs_store, &set));
-    assert_status(TUMBLE_E_PORT_BUSY, tumble_store_accept(&jobs_store));
+    assert_status(TUMBLE_E_PORT_BUSY, tumble_store_accept(&jobs_store, 0));
     assert_status(TUMBLE_E_PORT_BUSY, tumble_store_read(&jobs_store, TUMBLE_SET_ACTIVE, &read));
     TEST_ASSERT_FALSE(tumble_store_has(&jobs_store, TUMBLE_SET_ACTIVE));
     TEST_ASSERT_TRUE(store_settles(&jobs_store));
@@ -128,7 +128,7 @@ static void test_one_job_at_a_time(void)
 static void test_what_is_not_there_or_wrong_is_refused(void)
 {
     tumble_set_t set = set_of(FIRST);
-    assert_status(TUMBLE_E_STATE, tumble_store_accept(&jobs_store));
+    assert_status(TUMBLE_E_STATE, tumble_store_accept(&jobs_store, 0));
     assert_status(TUMBLE_E_STATE, tumble_store_discard(&jobs_store));
     assert_status(TUMBLE_E_STATE, tumble_store_rollback(&jobs_store));
     assert_status(TUMBLE_E_STATE, tumble_store_read(&jobs_store, TUMBLE_SET_FACTORY, &set));
@@ -146,7 +146,7 @@ static void test_what_is_not_there_or_wrong_is_refused(void)
     put_commit(SECOND);
     put_hold(HELD);
     assert_status(TUMBLE_E_STATE, tumble_store_rollback(&jobs_store)); /* a proposal is held */
-    TEST_ASSERT_EQUAL_UINT32(2, tumble_store_counters(&jobs_store)->commits);
+    TEST_ASSERT_EQUAL_UINT32(2, jobs_store.commits);
 }
 
 static void test_the_factory_set_is_written_once(void)
@@ -155,7 +155,7 @@ static void test_the_factory_set_is_written_once(void)
     memset(memory.bytes, 0, 1);
     memset(&memory.bytes[512], 0, 1);
     TEST_ASSERT_TRUE(jobs_boot(&memory));
-    TEST_ASSERT_EQUAL_UINT32(2, tumble_store_counters(&jobs_store)->torn_at_boot);
+    TEST_ASSERT_EQUAL_UINT32(2, jobs_store.cells.torn);
     assert_status(TUMBLE_OK, ended(tumble_store_write_factory(&jobs_store, &set)));
     assert_sets(FACTORY, 0, 0, FACTORY);
     TEST_ASSERT_EQUAL_HEX8('T', memory.bytes[1024]);
@@ -186,7 +186,7 @@ static void test_the_sequence_does_not_wrap(void)
     TEST_ASSERT_EQUAL_UINT32(TUMBLE_MAX_SEQUENCE, tumble_store_sequence(&jobs_store));
     assert_status(TUMBLE_E_STATE, tumble_store_commit(&jobs_store, &set));
     assert_status(TUMBLE_E_STATE, tumble_store_hold(&jobs_store, &set));
-    assert_status(TUMBLE_E_STATE, tumble_store_accept(&jobs_store));
+    assert_status(TUMBLE_E_STATE, tumble_store_accept(&jobs_store, 0));
     assert_status(TUMBLE_E_STATE, tumble_store_rollback(&jobs_store));
     assert_status(TUMBLE_OK, job_discard()); /* needs none */
     assert_sets(SECOND, FIRST, 0, 0);
@@ -223,7 +223,7 @@ static void test_a_read_that_fails_is_tried_again(void)
     memory.read_fails_at = memory.reads + 4U; /* the slot, at the next scan */
     memory.read_fails = 2;
     TEST_ASSERT_TRUE(jobs_boot(&memory));
-    TEST_ASSERT_EQUAL_UINT32(2, tumble_store_counters(&jobs_store)->nv_errors);
+    TEST_ASSERT_EQUAL_UINT32(2, jobs_store.cells.nv_errors);
     assert_sets(FIRST, 0, 0, 0);
     memory.read_fails_at = memory.reads;
     memory.read_fails = 2U;
@@ -231,20 +231,20 @@ static void test_a_read_that_fails_is_tried_again(void)
     assert_status(TUMBLE_E_PORT_BUSY, tumble_store_read(&jobs_store, TUMBLE_SET_ACTIVE, &set));
     assert_status(TUMBLE_OK, tumble_store_read(&jobs_store, TUMBLE_SET_ACTIVE, &set));
     TEST_ASSERT_FALSE(tumble_store_busy(&jobs_store));
-    TEST_ASSERT_EQUAL_UINT32(4, tumble_store_counters(&jobs_store)->nv_errors);
+    TEST_ASSERT_EQUAL_UINT32(4, jobs_store.cells.nv_errors);
     memory.read_fails_at = memory.reads;
     memory.read_fails = 3U;
     assert_status(TUMBLE_E_PORT_BUSY, tumble_store_read(&jobs_store, TUMBLE_SET_ACTIVE, &set));
     assert_status(TUMBLE_E_PORT_BUSY, tumble_store_read(&jobs_store, TUMBLE_SET_ACTIVE, &set));
     assert_status(TUMBLE_E_NV, tumble_store_read(&jobs_store, TUMBLE_SET_ACTIVE, &set));
-    TEST_ASSERT_EQUAL_UINT32(7, tumble_store_counters(&jobs_store)->nv_errors);
+    TEST_ASSERT_EQUAL_UINT32(7, jobs_store.cells.nv_errors);
     TEST_ASSERT_TRUE(store_settles(&jobs_store));
     assert_sets(FIRST, 0, 0, 0);
     memory.read_fails_at = memory.reads + 4U;
     memory.read_fails = 3;
     TEST_ASSERT_TRUE(jobs_boot(&memory));
     assert_sets(0, 0, 0, 0);
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_store_counters(&jobs_store)->torn_at_boot);
+    TEST_ASSERT_EQUAL_UINT32(1, jobs_store.cells.torn);
     set = set_of(SECOND);
     assert_status(TUMBLE_E_NV, tumble_store_commit(&jobs_store, &set)); /* not over a set that could not be read */
     TEST_ASSERT_TRUE(store_settles(&jobs_store));
@@ -257,19 +257,19 @@ static void test_failures_are_counted_by_their_kind(void)
 {
     nv_arm(&memory, (nv_fault_t){1, DONE_HALF, THEN_SILENT});
     assert_status(TUMBLE_E_NV, job_commit());
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_store_counters(&jobs_store)->verify);
-    TEST_ASSERT_EQUAL_UINT32(0, tumble_store_counters(&jobs_store)->nv_errors);
+    TEST_ASSERT_EQUAL_UINT32(1, jobs_store.cells.verify);
+    TEST_ASSERT_EQUAL_UINT32(0, jobs_store.cells.nv_errors);
     nv_arm(&memory, (nv_fault_t){0, DONE_ALL, THEN_ERROR});
     assert_status(TUMBLE_E_NV, job_commit());
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_store_counters(&jobs_store)->verify);
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_store_counters(&jobs_store)->nv_errors);
-    TEST_ASSERT_EQUAL_UINT32(0, tumble_store_counters(&jobs_store)->commits);
+    TEST_ASSERT_EQUAL_UINT32(1, jobs_store.cells.verify);
+    TEST_ASSERT_EQUAL_UINT32(1, jobs_store.cells.nv_errors);
+    TEST_ASSERT_EQUAL_UINT32(0, jobs_store.commits);
     nv_arm(&memory, nv_no_fault);
     put_hold(HELD);
     memory.read_fails_at = memory.reads;
     memory.read_fails = 1;
     assert_status(TUMBLE_E_NV, job_accept());
-    TEST_ASSERT_EQUAL_UINT32(2, tumble_store_counters(&jobs_store)->nv_errors);
+    TEST_ASSERT_EQUAL_UINT32(2, jobs_store.cells.nv_errors);
     assert_sets(0, 0, HELD, 0);
 }
 

@@ -26,7 +26,7 @@ static void test_every_position_and_its_last_entry(void)
         TEST_ASSERT_EQUAL_INT(STATE_AFTER, look_keep());
     }
     assert_status(TUMBLE_E_FULL, job_keep());
-    TEST_ASSERT_EQUAL_UINT32(0, logs_checkpoint.log.torn);
+    TEST_ASSERT_EQUAL_UINT32(0, logs_checkpoint.cells.torn);
 }
 
 static void test_another_fingerprint_does_not_match(void)
@@ -51,7 +51,7 @@ static void test_entries_of_another_run_do_not_count(void)
     TEST_ASSERT_TRUE(checkpoint_boot(&memory));
     TEST_ASSERT_TRUE(tumble_checkpoint_matches(&logs_checkpoint, OLD_RUN));
     TEST_ASSERT_FALSE(tumble_checkpoint_has(&logs_checkpoint, 0));
-    TEST_ASSERT_EQUAL_UINT32(1, logs_checkpoint.log.torn);
+    TEST_ASSERT_EQUAL_UINT32(1, logs_checkpoint.cells.torn);
 }
 
 static void test_what_is_out_of_range_is_refused(void)
@@ -170,13 +170,13 @@ static void test_failures_and_torn_cells_are_counted(void)
     assert_status(TUMBLE_E_NV, append_average(0));
     nv_arm(&memory, (nv_fault_t){0, DONE_HALF, THEN_ERROR});
     assert_status(TUMBLE_E_NV, append_average(0));
-    TEST_ASSERT_EQUAL_UINT32(1, logs_checkpoint.log.verify);
-    TEST_ASSERT_EQUAL_UINT32(1, logs_checkpoint.log.nv_errors);
+    TEST_ASSERT_EQUAL_UINT32(1, logs_checkpoint.cells.verify);
+    TEST_ASSERT_EQUAL_UINT32(1, logs_checkpoint.cells.nv_errors);
     assert_status(TUMBLE_OK, append_average(0));
     memory.read_fails_at = memory.reads + 3U;
     memory.read_fails = 1;
     TEST_ASSERT_TRUE(checkpoint_boot(&memory));
-    TEST_ASSERT_EQUAL_UINT32(3, logs_checkpoint.log.torn);
+    TEST_ASSERT_EQUAL_UINT32(3, logs_checkpoint.cells.torn);
     TEST_ASSERT_FALSE(tumble_checkpoint_has(&logs_checkpoint, 0));
     memory.read_fails_at = memory.reads;
     TEST_ASSERT_TRUE(checkpoint_boot(&memory));

@@ -1,5 +1,5 @@
 /* The history undisturbed: order, room, bytes, refusals. Disturbed: test_store_power.c. */
-#include "sets/history_entry.h"
+#include "sets/record.h"
 #include "store_logs.h"
 #include "support.h"
 
@@ -32,7 +32,7 @@ static void test_the_last_ones_are_there_newest_first(void)
             TEST_ASSERT_EQUAL_UINT32(n - age, sequence_at(age));
         }
     }
-    TEST_ASSERT_EQUAL_UINT32(0, logs_history.log.torn);
+    TEST_ASSERT_EQUAL_UINT32(0, logs_history.cells.torn);
 }
 
 static void test_the_entry_of_a_set(void)
@@ -117,16 +117,16 @@ static void test_failures_and_torn_cells_are_counted(void)
     assert_status(TUMBLE_E_NV, append_entry(1));
     nv_arm(&memory, (nv_fault_t){0, DONE_HALF, THEN_ERROR});
     assert_status(TUMBLE_E_NV, append_entry(1));
-    TEST_ASSERT_EQUAL_UINT32(1, logs_history.log.verify);
-    TEST_ASSERT_EQUAL_UINT32(1, logs_history.log.nv_errors);
-    TEST_ASSERT_EQUAL_UINT32(0, logs_history.log.torn);
+    TEST_ASSERT_EQUAL_UINT32(1, logs_history.cells.verify);
+    TEST_ASSERT_EQUAL_UINT32(1, logs_history.cells.nv_errors);
+    TEST_ASSERT_EQUAL_UINT32(0, logs_history.cells.torn);
     assert_status(TUMBLE_OK, append_entry(1));
     TEST_ASSERT_EQUAL_UINT8(1, tumble_history_count(&logs_history));
     memory.read_fails_at = memory.reads + 2U;
     memory.read_fails = 1;
     TEST_ASSERT_TRUE(history_boot(&memory));
-    TEST_ASSERT_EQUAL_UINT32(3, logs_history.log.torn);
-    TEST_ASSERT_EQUAL_UINT32(1, logs_history.log.nv_errors);
+    TEST_ASSERT_EQUAL_UINT32(3, logs_history.cells.torn);
+    TEST_ASSERT_EQUAL_UINT32(1, logs_history.cells.nv_errors);
     memory.busy_each = 2;
     TEST_ASSERT_TRUE(history_boot(&memory));
     assert_status(TUMBLE_OK, append_entry(2));

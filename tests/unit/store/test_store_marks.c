@@ -37,7 +37,7 @@ static void test_a_mark_is_of_its_own_record_alone(void)
     TEST_ASSERT_EQUAL_HEX32(tumble_set_crc(slot_a), tumble_get_u32(&slot_b[TUMBLE_SET_BYTES + 4U]));
     TEST_ASSERT_TRUE(jobs_boot(&memory));
     assert_sets(SECOND, 0, 0, 0);
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_store_counters(&jobs_store)->torn_at_boot);
+    TEST_ASSERT_EQUAL_UINT32(1, jobs_store.cells.torn);
     memcpy(&memory.bytes[2U * 4096U + TUMBLE_SET_BYTES], &slot_a[TUMBLE_SET_BYTES], TUMBLE_SET_MARK_BYTES);
     assert_status(TUMBLE_E_FRAME, tumble_store_read(&jobs_store, TUMBLE_SET_ACTIVE, &set));
     TEST_ASSERT_TRUE(store_settles(&jobs_store));
