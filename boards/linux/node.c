@@ -185,7 +185,7 @@ static bool is_storing(const node_t *node)
 {
     tumble_sets_state_t state = {0};
     if (node->options->nv != NULL) {
-        tumble_sets_state(&node->keeper.sets, &state);
+        tumble_keeper_state(&node->keeper, &state);
     }
     return state.busy || state.verdict == TUMBLE_VERDICT_WORKING;
 }
@@ -227,8 +227,7 @@ static void step(node_t *node)
     world->steps++;
     note_refusals(node);
     note_state(node);
-    node_log_look(&node->log, &world->navcomp, (node->options->nv != NULL) ? &node->keeper.sets : NULL,
-                  &node->port.can);
+    node_log_look(&node->log, &world->navcomp, (node->options->nv != NULL) ? &node->keeper : NULL, &node->port.can);
 }
 
 static void go(node_t *node)
@@ -308,7 +307,7 @@ static tumble_status_t init_firmware(bench_world_t *world, node_t *node)
     }
     tumble_status_t status = tumble_navcomp_init(&world->navcomp, &world->navcomp_config);
     if (status == TUMBLE_OK && world->port.nv != NULL) {
-        status = tumble_sets_set_utc(&node->keeper.sets, node->epoch_us / US_PER_S);
+        status = tumble_keeper_set_utc(&node->keeper, node->epoch_us / US_PER_S);
     }
     if (status == TUMBLE_OK && node->options->start) {
         status = tumble_navcomp_command(&world->navcomp, TUMBLE_COMMAND_START, 0);

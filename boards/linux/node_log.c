@@ -112,7 +112,8 @@ static void look_at_stand(node_log_t *log, const tumble_navcomp_t *navcomp)
                    "fault of the stand: %s%s%s", name, (*refused != '\0') ? ": " : "", refused);
 }
 
-void node_log_look(node_log_t *log, const tumble_navcomp_t *navcomp, const tumble_sets_t *sets, const can_socket_t *can)
+void node_log_look(node_log_t *log, const tumble_navcomp_t *navcomp, const tumble_keeper_t *keeper,
+                   const can_socket_t *can)
 {
     tumble_sets_state_t state;
     if (!event_log_is_on()) {
@@ -121,10 +122,10 @@ void node_log_look(node_log_t *log, const tumble_navcomp_t *navcomp, const tumbl
     link_log_look(&log->link, can);
     look_at_level(log, navcomp);
     look_at_stand(log, navcomp);
-    if (sets == NULL) {
+    if (keeper == NULL) {
         return;
     }
-    tumble_sets_state(sets, &state);
+    tumble_keeper_state(keeper, &state);
     run_log_sets(&log->sets, &state);
 }
 

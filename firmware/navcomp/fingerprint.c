@@ -1,11 +1,10 @@
-#include "navcomp/fingerprint.h"
+#include "navcomp/keeper_parts.h"
 
 #include "core/arith.h"
 #include "core/bytes.h"
 #include "core/crc32.h"
 #include "navcomp/fields.h"
 #include "navcomp/uncertainty.h"
-#include "tumble/sets.h"
 
 #include <stddef.h>
 
@@ -93,10 +92,10 @@ static uint32_t add_positions(uint32_t crc, const tumble_schedule_t *schedule)
     return crc;
 }
 
-static uint32_t length_of(const char *serial)
+uint32_t tumble_serial_length(const char *serial)
 {
     uint32_t length = 0;
-    while ((length < TUMBLE_SET_SERIAL_BYTES) && (serial[length] != '\0')) {
+    while ((length <= TUMBLE_SET_SERIAL_BYTES) && (serial[length] != '\0')) {
         length++;
     }
     return length;
@@ -108,6 +107,6 @@ uint32_t tumble_run_fingerprint(const tumble_navcomp_t *navcomp, const char *ser
     const double numbers[] = {(double)tumble_gain_record_schedule_crc(config->schedule),
                               (double)tumble_stand_fingerprint(navcomp), (double)sequence};
     uint32_t crc = ADD(0U, numbers);
-    crc = tumble_crc32(crc, serial, length_of(serial));
+    crc = tumble_crc32(crc, serial, tumble_serial_length(serial));
     return add_positions(add_configuration(crc, config), config->schedule);
 }

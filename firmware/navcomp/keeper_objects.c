@@ -3,7 +3,6 @@
 
 #include "canopen/table_checks.h"
 #include "navcomp/keeper.h"
-#include "navcomp/keeper_values.h"
 #include "sample/at_rest.h"
 
 #include <stddef.h>
@@ -99,16 +98,16 @@ TUMBLE_FOLLOWS("2130h:11", tumble_sets_counters_t, resumed, not_resumed, 4U);
 TUMBLE_FOLLOWS("2130h:12", tumble_sets_counters_t, not_resumed, inhibited, 4U);
 TUMBLE_FOLLOWS("2130h:13", tumble_sets_counters_t, inhibited, self_started, 4U);
 TUMBLE_FOLLOWS("2130h:14", tumble_sets_counters_t, self_started, refused, 4U);
-TUMBLE_HAS_SIZE("2131h:1", tumble_sets_t, store.commits, 4U);
-TUMBLE_FOLLOWS("2131h:2", tumble_sets_t, store.commits, store.cells.verify, 4U);
-TUMBLE_FOLLOWS("2131h:3", tumble_sets_t, store.cells.verify, store.cells.nv_errors, 4U);
-TUMBLE_FOLLOWS("2131h:4", tumble_sets_t, store.cells.nv_errors, store.cells.torn, 4U);
-TUMBLE_HAS_SIZE("2131h:5", tumble_sets_t, history.cells.verify, 4U);
-TUMBLE_FOLLOWS("2131h:6", tumble_sets_t, history.cells.verify, history.cells.nv_errors, 4U);
-TUMBLE_FOLLOWS("2131h:7", tumble_sets_t, history.cells.nv_errors, history.cells.torn, 4U);
-TUMBLE_HAS_SIZE("2131h:8", tumble_sets_t, checkpoint.cells.verify, 4U);
-TUMBLE_FOLLOWS("2131h:9", tumble_sets_t, checkpoint.cells.verify, checkpoint.cells.nv_errors, 4U);
-TUMBLE_FOLLOWS("2131h:10", tumble_sets_t, checkpoint.cells.nv_errors, checkpoint.cells.torn, 4U);
+TUMBLE_HAS_SIZE("2131h:1", tumble_keeper_t, store.commits, 4U);
+TUMBLE_FOLLOWS("2131h:2", tumble_keeper_t, store.commits, store.cells.verify, 4U);
+TUMBLE_FOLLOWS("2131h:3", tumble_keeper_t, store.cells.verify, store.cells.nv_errors, 4U);
+TUMBLE_FOLLOWS("2131h:4", tumble_keeper_t, store.cells.nv_errors, store.cells.torn, 4U);
+TUMBLE_HAS_SIZE("2131h:5", tumble_keeper_t, history.cells.verify, 4U);
+TUMBLE_FOLLOWS("2131h:6", tumble_keeper_t, history.cells.verify, history.cells.nv_errors, 4U);
+TUMBLE_FOLLOWS("2131h:7", tumble_keeper_t, history.cells.nv_errors, history.cells.torn, 4U);
+TUMBLE_HAS_SIZE("2131h:8", tumble_keeper_t, checkpoint.cells.verify, 4U);
+TUMBLE_FOLLOWS("2131h:9", tumble_keeper_t, checkpoint.cells.verify, checkpoint.cells.nv_errors, 4U);
+TUMBLE_FOLLOWS("2131h:10", tumble_keeper_t, checkpoint.cells.nv_errors, checkpoint.cells.torn, 4U);
 TUMBLE_IS_ARRAY("2140h:1", tumble_stand_view_t, number, number[0], 8U, 10U);
 TUMBLE_IS_ARRAY("2141h:1", tumble_inclinations_view_t, number, number[0], 8U, 14U);
 TUMBLE_HAS_SIZE("2150h:1", tumble_position_view_t, index, 1U);
@@ -255,11 +254,11 @@ static const tumble_entry_t entries[] = {
      TUMBLE_ACCESS_READ, 4U, 0U, 0U, 13U, offsetof(tumble_sets_counters_t, judged), TUMBLE_KEEPER_SOURCE_COUNTERS},
     /* Store counters */
     {0x2131U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMPUTED,
-     TUMBLE_ACCESS_READ, 4U, 0U, 0U, 3U, offsetof(tumble_sets_t, store.commits), TUMBLE_KEEPER_SOURCE_STORES},
+     TUMBLE_ACCESS_READ, 4U, 0U, 0U, 3U, offsetof(tumble_keeper_t, store.commits), TUMBLE_KEEPER_SOURCE_STORES},
     {0x2131U, 5U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMPUTED,
-     TUMBLE_ACCESS_READ, 4U, 0U, 0U, 2U, offsetof(tumble_sets_t, history.cells.verify), TUMBLE_KEEPER_SOURCE_STORES},
+     TUMBLE_ACCESS_READ, 4U, 0U, 0U, 2U, offsetof(tumble_keeper_t, history.cells.verify), TUMBLE_KEEPER_SOURCE_STORES},
     {0x2131U, 8U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMPUTED,
-     TUMBLE_ACCESS_READ, 4U, 0U, 0U, 2U, offsetof(tumble_sets_t, checkpoint.cells.verify), TUMBLE_KEEPER_SOURCE_STORES},
+     TUMBLE_ACCESS_READ, 4U, 0U, 0U, 2U, offsetof(tumble_keeper_t, checkpoint.cells.verify), TUMBLE_KEEPER_SOURCE_STORES},
     /* Stand seen */
     {0x2140U, 1U, TUMBLE_TYPE_REAL64, TUMBLE_HOME_COMPUTED,
      TUMBLE_ACCESS_READ, 8U, 0U, 0U, 9U, offsetof(tumble_stand_view_t, number[0]), TUMBLE_KEEPER_SOURCE_STAND},

@@ -14,16 +14,16 @@
 typedef enum {
     TUMBLE_KEEPER_SOURCE_SAVE, /* tumble_parameters_save */
     TUMBLE_KEEPER_SOURCE_LOAD, /* tumble_parameters_forget */
-    TUMBLE_KEEPER_SOURCE_UNCERTAINTY, /* tumble_sets_uncertainty, of the result */
-    TUMBLE_KEEPER_SOURCE_FIT, /* tumble_sets_whole_model, of the result */
+    TUMBLE_KEEPER_SOURCE_UNCERTAINTY, /* tumble_keeper_uncertainty, of the result */
+    TUMBLE_KEEPER_SOURCE_FIT, /* tumble_keeper_whole_model, of the result */
     TUMBLE_KEEPER_SOURCE_NOISE, /* tumble_navcomp_noise */
     TUMBLE_KEEPER_SOURCE_SET, /* tumble_store_read, which one by the index */
-    TUMBLE_KEEPER_SOURCE_STATE, /* tumble_sets_state */
-    TUMBLE_KEEPER_SOURCE_CALENDAR, /* of that, to tumble_sets_set_utc */
+    TUMBLE_KEEPER_SOURCE_STATE, /* tumble_keeper_state */
+    TUMBLE_KEEPER_SOURCE_CALENDAR, /* of that, to tumble_keeper_set_utc */
     TUMBLE_KEEPER_SOURCE_INHIBIT, /* of that, to tumble_keeper_inhibit */
-    TUMBLE_KEEPER_SOURCE_SETTINGS, /* tumble_sets_settings, to tumble_sets_change */
-    TUMBLE_KEEPER_SOURCE_COUNTERS, /* tumble_sets_counters */
-    TUMBLE_KEEPER_SOURCE_STORES, /* the sets themselves: of each store its own counters */
+    TUMBLE_KEEPER_SOURCE_SETTINGS, /* settings of the keeper, to tumble_keeper_change */
+    TUMBLE_KEEPER_SOURCE_COUNTERS, /* counters of the keeper */
+    TUMBLE_KEEPER_SOURCE_STORES, /* the keeper itself: of each store its own counters */
     TUMBLE_KEEPER_SOURCE_STAND, /* the board's stand_view */
     TUMBLE_KEEPER_SOURCE_INCLINATIONS, /* the board's inclinations_view */
     TUMBLE_KEEPER_SOURCE_SHOWN_POSITION, /* shown_position of the keeper */
@@ -36,7 +36,7 @@ typedef enum {
     TUMBLE_KEEPER_SOURCE_ENTRIES, /* tumble_history_count */
     TUMBLE_KEEPER_SOURCE_HISTORY, /* tumble_history_read, that entry */
     TUMBLE_KEEPER_SOURCE_HISTORY_U, /* of that, where it has uncertainties */
-    TUMBLE_KEEPER_SOURCE_TREND, /* tumble_sets_trend, per_month */
+    TUMBLE_KEEPER_SOURCE_TREND, /* tumble_keeper_trend, per_month */
     TUMBLE_KEEPER_SOURCE_TREND_U, /* the same, u_per_month */
     TUMBLE_KEEPER_SOURCE_PARAMETERS, /* view of the parameters */
 } tumble_keeper_source_t;

@@ -1,12 +1,11 @@
-#include "navcomp/keeper_values.h"
+#include "navcomp/keeper_parts.h"
 
 #include "core/arith.h"
 #include "core/bytes.h"
+#include "core/one_copy.h"
 #include "navcomp/keeper_objects.h"
-#include "navcomp/navcomp_internal.h"
 #include "navcomp/uncertainty.h"
 
-#include <assert.h>
 #include <stddef.h>
 
 #define SIGNATURE_SAVE 0x65766173U /* "save" */
@@ -14,6 +13,107 @@
 
 /* The four sets lie one behind the other in each kind of object, in the order of tumble_which_set_t. */
 #define WHICH_BITS 3U
+
+/* The readable side. */
+
+static uint32_t up_to_32_bits(uint64_t value)
+{
+    return (value < UINT32_MAX) ? (uint32_t)value : UINT32_MAX;
+}
+
+static uint16_t inhibit_left_s(const tumble_keeper_t *keeper)
+{
+    const uint64_t left_us = (keeper->inhibit_us > keeper->now_us) ? (keeper->inhibit_us - keeper->now_us) : 0U;
+    const uint64_t left_s = tumble_keeper_whole_s(left_us + (TUMBLE_US_PER_S - 1U));
+    return (uint16_t)((left_s < UINT16_MAX) ? left_s : UINT16_MAX); /* a moment more, if told since the last step */
+}
+
+static uint32_t due_in_s(const tumble_keeper_t *keeper)
+{
+    const uint64_t age_s = tumble_keeper_age_s(keeper);
+    const uint64_t interval_s = keeper->settings.interval_s;
+    return (keeper->has_active && (age_s < interval_s)) ? (uint32_t)(interval_s - age_s) : 0U;
+}
+
+TUMBLE_ONE_COPY void tumble_keeper_state(const tumble_keeper_t *keeper, tumble_sets_state_t *state)
+{
+    state->utc_s = tumble_keeper_utc_s(keeper);
+    state->counter = keeper->sequence;
+    state->age_s = keeper->has_active ? up_to_32_bits(tumble_keeper_age_s(keeper)) : 0U;
+    state->due_in_s = due_in_s(keeper);
+    state->inhibit_s = inhibit_left_s(keeper);
+    state->objections = (uint16_t)keeper->objections;
+    state->more_objections = (uint16_t)(keeper->objections >> TUMBLE_OBJECTION_MORE);
+    state->verdict = keeper->verdict;
+    state->status = keeper->status;
+    state->due = tumble_keeper_due(keeper);
+    state->resumable = tumble_keeper_is_idle(keeper) ? keeper->resumable : 0U;
+    state->inhibited = tumble_keeper_is_inhibited(keeper);
+    state->busy = tumble_keeper_has_work(keeper);
+    state->has_proposal = tumble_store_has(&keeper->store, TUMBLE_SET_PROPOSAL);
+    state->has_factory = tumble_store_has(&keeper->store, TUMBLE_SET_FACTORY);
+}
+
+tumble_status_t tumble_keeper_uncertainty(const tumble_keeper_t *keeper, const tumble_uncertainty_t **uncertainty)
+{
+    if (keeper->run_was_on || (keeper->task == (uint8_t)TASK_UNCERTAINTY)) {
+        return TUMBLE_E_PORT_BUSY;
+    }
+    *uncertainty = &keeper->set.uncertainty;
+    return ((keeper->set.flags & TUMBLE_SET_HAS_UNCERTAINTY) != 0U) ? TUMBLE_OK : TUMBLE_E_STATE;
+}
+
+tumble_status_t tumble_keeper_whole_model(const tumble_keeper_t *keeper, const tumble_whole_work_t **found)
+{
+    if (keeper->run_was_on || tumble_keeper_is_assessing(keeper)) {
+        return TUMBLE_E_PORT_BUSY;
+    }
+    *found = keeper->config->sets.whole_work;
+    return ((*found != NULL) && (*found)->known) ? TUMBLE_OK : TUMBLE_E_STATE;
+}
+
+/* From the newest entry backwards. A set that a rollback brought back is a copy of an older one, and the set before it
+ * was given up. Neither says anything about drift. */
+static bool is_of_the_trend(const tumble_history_entry_t *entry, uint8_t *given_up)
+{
+    if (entry->origin == (uint8_t)TUMBLE_ORIGIN_DECAYED) {
+        return false; /* an event, no set */
+    }
+    const bool was_given_up = (*given_up != 0U);
+    const bool copy = (entry->origin == (uint8_t)TUMBLE_ORIGIN_ROLLED_BACK);
+    *given_up = (uint8_t)(*given_up + (copy ? 1U : 0U) - (was_given_up ? 1U : 0U));
+    return !was_given_up && !copy;
+}
+
+tumble_status_t tumble_keeper_trend(tumble_keeper_t *keeper, uint8_t coefficient, tumble_trend_t *trend)
+{
+    tumble_trend_sums_t sums = {0};
+    if ((trend == NULL) || (coefficient >= TUMBLE_COEFFICIENTS)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    if (tumble_history_busy(&keeper->history)) {
+        return TUMBLE_E_PORT_BUSY;
+    }
+    const uint8_t count = tumble_history_count(&keeper->history);
+    uint8_t given_up = 0;
+    bool other_block = false;
+    for (uint8_t age = 0; (age < count) && !other_block; age++) {
+        tumble_history_entry_t entry;
+        const tumble_status_t status = tumble_history_read(&keeper->history, age, &entry);
+        if (status != TUMBLE_OK) {
+            return status;
+        }
+        const bool counts = is_of_the_trend(&entry, &given_up);
+        other_block = counts && ((entry.flags & TUMBLE_HISTORY_OTHER_BLOCK) != 0U); /* what comes next */
+        if (counts) { /* one without a date or an uncertainty is refused */
+            (void)tumble_trend_add(&sums, entry.date_utc_s, (double)entry.value[coefficient],
+                                   (double)entry.u[coefficient]);
+        }
+    }
+    return tumble_trend_fit(&sums, trend);
+}
+
+/* The objects. */
 
 /* The SDO abort code for what a read of the memory returned. */
 static tumble_abort_t refusal_of(tumble_status_t status)
@@ -77,7 +177,7 @@ static tumble_abort_t read_set(tumble_keeper_t *keeper, const tumble_entry_t *en
 {
     tumble_set_t set;
     const tumble_abort_t refusal =
-        refusal_of(tumble_store_read(&keeper->sets.store, (tumble_which_set_t)(entry->index & WHICH_BITS), &set));
+        refusal_of(tumble_store_read(&keeper->store, (tumble_which_set_t)(entry->index & WHICH_BITS), &set));
     if (refusal != TUMBLE_ABORT_NONE) {
         return refusal;
     }
@@ -96,8 +196,8 @@ static tumble_abort_t read_result(const tumble_keeper_t *keeper, const tumble_en
         return TUMBLE_ABORT_NO_DATA;
     }
     const bool of_fit = (entry->source == (unsigned)TUMBLE_KEEPER_SOURCE_FIT);
-    const tumble_abort_t refusal = refusal_of(of_fit ? tumble_sets_whole_model(&keeper->sets, &fit)
-                                                     : tumble_sets_uncertainty(&keeper->sets, &uncertainty));
+    const tumble_abort_t refusal =
+        refusal_of(of_fit ? tumble_keeper_whole_model(keeper, &fit) : tumble_keeper_uncertainty(keeper, &uncertainty));
     if (refusal != TUMBLE_ABORT_NONE) {
         return refusal;
     }
@@ -114,7 +214,7 @@ static tumble_abort_t read_noise(const tumble_keeper_t *keeper, const tumble_ent
         return member(noise, entry, bytes, size);
     }
     const bool comes =
-        (status == TUMBLE_E_PORT_BUSY) && (tumble_sets_uncertainty(&keeper->sets, &uncertainty) == TUMBLE_E_PORT_BUSY);
+        (status == TUMBLE_E_PORT_BUSY) && (tumble_keeper_uncertainty(keeper, &uncertainty) == TUMBLE_E_PORT_BUSY);
     return comes ? TUMBLE_ABORT_DEVICE_STATE : TUMBLE_ABORT_NO_DATA;
 }
 
@@ -204,7 +304,7 @@ static tumble_abort_t read_at_rest(const tumble_keeper_t *keeper, const tumble_e
 static tumble_abort_t read_history(tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes, uint8_t *size)
 {
     tumble_history_entry_t seen;
-    const tumble_abort_t refusal = refusal_of(tumble_history_read(&keeper->sets.history, keeper->shown_entry, &seen));
+    const tumble_abort_t refusal = refusal_of(tumble_history_read(&keeper->history, keeper->shown_entry, &seen));
     if (refusal != TUMBLE_ABORT_NONE) {
         return refusal;
     }
@@ -220,8 +320,7 @@ static tumble_abort_t read_history(tumble_keeper_t *keeper, const tumble_entry_t
 static tumble_abort_t read_trend(tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes)
 {
     tumble_trend_t trend;
-    const tumble_abort_t refusal =
-        refusal_of(tumble_sets_trend(&keeper->sets, (uint8_t)(entry->subindex - 1U), &trend));
+    const tumble_abort_t refusal = refusal_of(tumble_keeper_trend(keeper, (uint8_t)(entry->subindex - 1U), &trend));
     if (refusal == TUMBLE_ABORT_NONE) {
         tumble_put_f64(bytes,
                        (entry->source == (unsigned)TUMBLE_KEEPER_SOURCE_TREND) ? trend.per_month : trend.u_per_month);
@@ -235,7 +334,7 @@ static tumble_abort_t read_state(const tumble_keeper_t *keeper, const tumble_ent
                                  uint8_t *size)
 {
     tumble_sets_state_t state;
-    tumble_sets_state(&keeper->sets, &state);
+    tumble_keeper_state(keeper, &state);
     return member(&state, entry, bytes, size);
 }
 
@@ -244,7 +343,6 @@ static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *
     const tumble_navcomp_t *navcomp = context;
     tumble_keeper_t *keeper = navcomp->config->keeper;
     tumble_abort_t refusal = TUMBLE_ABORT_NONE;
-    tumble_keeper_look(keeper);
     switch ((tumble_keeper_source_t)entry->source) {
     case TUMBLE_KEEPER_SOURCE_SAVE:
     case TUMBLE_KEEPER_SOURCE_LOAD:
@@ -266,13 +364,13 @@ static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *
         refusal = read_state(keeper, entry, bytes, size);
         break;
     case TUMBLE_KEEPER_SOURCE_SETTINGS:
-        refusal = member(tumble_sets_settings(&keeper->sets), entry, bytes, size);
+        refusal = member(&keeper->settings, entry, bytes, size);
         break;
     case TUMBLE_KEEPER_SOURCE_COUNTERS:
-        refusal = member(tumble_sets_counters(&keeper->sets), entry, bytes, size);
+        refusal = member(&keeper->counters, entry, bytes, size);
         break;
     case TUMBLE_KEEPER_SOURCE_STORES:
-        refusal = member(&keeper->sets, entry, bytes, size);
+        refusal = member(keeper, entry, bytes, size);
         break;
     case TUMBLE_KEEPER_SOURCE_STAND:
         refusal = read_stand(keeper, entry, bytes, size);
@@ -294,7 +392,7 @@ static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *
         bytes[0] = keeper->shown_entry;
         break;
     case TUMBLE_KEEPER_SOURCE_ENTRIES:
-        bytes[0] = tumble_history_count(&keeper->sets.history);
+        bytes[0] = tumble_history_count(&keeper->history);
         break;
     case TUMBLE_KEEPER_SOURCE_HISTORY:
     case TUMBLE_KEEPER_SOURCE_HISTORY_U:
@@ -321,9 +419,9 @@ static tumble_abort_t write_setting(tumble_keeper_t *keeper, const tumble_entry_
                                     uint8_t size)
 {
     tumble_sets_settings_t settings;
-    settings = *tumble_sets_settings(&keeper->sets);
+    settings = keeper->settings;
     tumble_dictionary_unpack(entry, (uint8_t *)&settings + entry->offset, bytes, size);
-    const tumble_status_t status = tumble_sets_change(&keeper->sets, &settings);
+    const tumble_status_t status = tumble_keeper_change(keeper, &settings);
     if (status == TUMBLE_E_STATE) {
         return TUMBLE_ABORT_DEVICE_STATE;
     }
@@ -332,7 +430,7 @@ static tumble_abort_t write_setting(tumble_keeper_t *keeper, const tumble_entry_
 
 static tumble_abort_t write_calendar(tumble_keeper_t *keeper, uint64_t utc_s)
 {
-    return (tumble_sets_set_utc(&keeper->sets, utc_s) == TUMBLE_OK) ? TUMBLE_ABORT_NONE : TUMBLE_ABORT_VALUE;
+    return (tumble_keeper_set_utc(keeper, utc_s) == TUMBLE_OK) ? TUMBLE_ABORT_NONE : TUMBLE_ABORT_VALUE;
 }
 
 static tumble_abort_t write_at_rest(tumble_keeper_t *keeper, uint16_t wanted)
@@ -351,12 +449,11 @@ static tumble_abort_t write_parameters(tumble_keeper_t *keeper, const tumble_ent
         refusal = TUMBLE_ABORT_STORE;
     } else if (!tumble_parameters_room(&keeper->parameters)) {
         refusal = TUMBLE_ABORT_HARDWARE;
-    } else if (tumble_sets_busy(&keeper->sets) || tumble_run_is_on(keeper->navcomp)) {
+    } else if (tumble_keeper_busy(keeper) || tumble_run_is_on(keeper->navcomp)) {
         refusal = TUMBLE_ABORT_DEVICE_STATE;
     } else {
-        tumble_sets_save_rules(&keeper->sets, save);
+        keeper->rules_written = save ? tumble_keeper_rules(keeper) : tumble_keeper_rules_of_board(keeper);
         refusal = save ? tumble_parameters_save(&keeper->parameters) : tumble_parameters_forget(&keeper->parameters);
-        tumble_keeper_look(keeper);
     }
     return refusal;
 }
@@ -366,7 +463,6 @@ static tumble_abort_t write(void *context, const tumble_entry_t *entry, const ui
     const tumble_navcomp_t *navcomp = context;
     tumble_keeper_t *keeper = navcomp->config->keeper;
     tumble_abort_t refusal = TUMBLE_ABORT_NONE;
-    tumble_keeper_look(keeper);
     switch ((tumble_keeper_source_t)entry->source) {
     case TUMBLE_KEEPER_SOURCE_SAVE:
     case TUMBLE_KEEPER_SOURCE_LOAD:

@@ -20,11 +20,9 @@ typedef struct tumble_keeping {
     /* At power-on, when everything else of the computer is ready. tumble_navcomp_init returns what it returns. */
     tumble_status_t (*init)(void *keeper, struct tumble_navcomp *navcomp);
 
-    /* In every step that does more than take samples, at its end. */
-    void (*step)(void *keeper, uint64_t now_us);
-
-    /* When its next step is due if nothing else happens (us); a moment in the past means at once. */
-    uint64_t (*next_us)(const void *keeper);
+    /* In every step that does more than take samples, at its end. Returns when its next step is due if nothing else
+     * happens (us); a moment in the past means at once. */
+    uint64_t (*step)(void *keeper, uint64_t now_us);
 
     /* Every sample of the block, after the procedure has taken it; `averaged`: it went into a mean. */
     void (*sample)(void *keeper, const tumble_block_sample_t *sample, bool averaged);

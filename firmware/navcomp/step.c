@@ -328,19 +328,23 @@ static bool is_bus_off(const tumble_navcomp_t *navcomp)
     return navcomp->node.link.last == TUMBLE_E_PORT_DOWN;
 }
 
-static uint64_t next_due_us(const tumble_navcomp_t *navcomp)
+/* The keeper's step, which may set all others going, and when the next one of all is due. */
+static uint64_t end_step(tumble_navcomp_t *navcomp)
 {
-    const tumble_status_t last = navcomp->node.link.last;
+    const tumble_keeping_t *keeping = navcomp->config->keeping;
     const uint32_t most_ms = (navcomp->config->heartbeat_ms < WATCH_MS) ? navcomp->config->heartbeat_ms : WATCH_MS;
     uint64_t due_us = navcomp->stepped_us + ((uint64_t)most_ms * US_PER_MS);
+    if (keeping != NULL) {
+        due_us = tumble_earlier(due_us, keeping->step(navcomp->config->keeper, navcomp->stepped_us));
+    }
+    const tumble_status_t last = navcomp->node.link.last;
+    tumble_procedure_set_bus_up(&navcomp->procedure, !is_bus_off(navcomp));
+    navcomp->more = navcomp->more || is_bus_off(navcomp);
     due_us = tumble_earlier(due_us, tumble_node_next_us(&navcomp->node));
     due_us = tumble_earlier(due_us, tumble_procedure_next_us(&navcomp->procedure));
     due_us = tumble_earlier(due_us, navcomp->stand.kind->next_us(navcomp->stand.self));
     if (block_waits(navcomp)) {
         due_us = tumble_earlier(due_us, navcomp->block_start_us);
-    }
-    if (navcomp->config->keeping != NULL) {
-        due_us = tumble_earlier(due_us, navcomp->config->keeping->next_us(navcomp->config->keeper));
     }
     if (navcomp->more) {
         due_us = 0;
@@ -370,12 +374,7 @@ void tumble_navcomp_step(tumble_navcomp_t *navcomp)
     }
     keep_operational(navcomp, now_us);
     advance(navcomp, now_us);
-    if (navcomp->config->keeping != NULL) {
-        navcomp->config->keeping->step(navcomp->config->keeper, now_us);
-    }
-    tumble_procedure_set_bus_up(&navcomp->procedure, !is_bus_off(navcomp));
-    navcomp->more = navcomp->more || is_bus_off(navcomp);
-    navcomp->due_us = next_due_us(navcomp);
+    navcomp->due_us = end_step(navcomp);
 }
 
 uint64_t tumble_navcomp_next_deadline_us(const tumble_navcomp_t *navcomp)

@@ -230,6 +230,19 @@ void tumble_checkpoint_narrow(tumble_checkpoint_t *checkpoint, tumble_margins_t 
     margins->warm = (seen.warm < margins->warm) ? seen.warm : margins->warm;
 }
 
+/* At an end of what a sample can tell a block may have been colder or warmer still: then the range is not known. The end
+ * of the cold is two values wide, for a block whose values are as many below 0 as above ends at -63.5 degrees C. */
+void tumble_margins_range(const tumble_margins_t *margins, tumble_set_t *set)
+{
+    const int min_half_c = (int)margins->cold + (int)INT8_MIN;
+    const int max_half_c = (int)INT8_MAX - (int)margins->warm;
+    if ((min_half_c > -(int)INT8_MAX) && (max_half_c < (int)INT8_MAX) && (min_half_c <= max_half_c)) {
+        set->temperature_min_half_c = (int8_t)min_half_c;
+        set->temperature_max_half_c = (int8_t)max_half_c;
+        set->flags |= TUMBLE_SET_HAS_TEMPERATURE_RANGE;
+    }
+}
+
 bool tumble_checkpoint_matches(const tumble_checkpoint_t *checkpoint, uint32_t fingerprint)
 {
     return !tumble_checkpoint_busy(checkpoint) && checkpoint->kept && (checkpoint->fingerprint == fingerprint);

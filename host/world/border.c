@@ -184,8 +184,7 @@ static bool on_question(void *context, const bench_question_t *question)
 static bool is_busy(void *context)
 {
     const world_t *const world = context;
-    const tumble_sets_t *const sets = &world->memory.keeper.sets;
-    return world->has_memory && !world->world.off && (tumble_sets_has_work(sets) || tumble_sets_busy(sets));
+    return world->has_memory && !world->world.off && tumble_keeper_has_work(&world->memory.keeper);
 }
 
 /* Power and time. */

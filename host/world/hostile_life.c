@@ -187,7 +187,7 @@ static void boot(bench_life_t *life)
         return;
     }
     if (life->plan->utc_s != 0U) {
-        (void)tumble_sets_set_utc(&life->keeper.sets, life->plan->utc_s + world->clock.now_us / 1000000U);
+        (void)tumble_keeper_set_utc(&life->keeper, life->plan->utc_s + world->clock.now_us / 1000000U);
     }
     world->mark = BENCH_LOOK_AGAIN;
     sim_clock_set(&world->clock, SIM_ACTOR_NAVCOMP, world->clock.now_us);
@@ -203,7 +203,7 @@ static void cut_power(bench_life_t *life, const bench_event_t *event)
     sim_random_open(&stream, life->plan->seed, SIM_CAUSE_LIFE, BENCH_STREAM_EVENT + event->number);
     const tumble_state_t state = world->progress.state;
     life->run_was_on = state != TUMBLE_STATE_IDLE && state != TUMBLE_STATE_DONE && state != TUMBLE_STATE_ABORT;
-    life->counts.held += tumble_sets_counters(&life->keeper.sets)->held;
+    life->counts.held += life->keeper.counters.held;
     world->off = true;
     sim_bus_set_down(&world->bus, BENCH_BUS_NAVCOMP, true);
     sim_clock_set(&world->clock, SIM_ACTOR_NAVCOMP, SIM_NEVER);
@@ -503,7 +503,7 @@ static void mend(bench_life_t *life, const tumble_progress_t *progress)
 static void go_on(bench_life_t *life)
 {
     tumble_sets_state_t state;
-    tumble_sets_state(&life->keeper.sets, &state);
+    tumble_keeper_state(&life->keeper, &state);
     const bool resumes = life->plan->attendant.resumes && state.resumable > 0U;
     life->run_was_on = false;
     (void)give_command(life, resumes ? TUMBLE_COMMAND_RESUME : TUMBLE_COMMAND_START, 0);
@@ -735,7 +735,7 @@ static void sum_up(bench_life_t *life)
         life->counts.events[BENCH_HOSTILE_FAULT] += times;
     }
     if (!life->world.off) {
-        life->counts.held += tumble_sets_counters(&life->keeper.sets)->held;
+        life->counts.held += life->keeper.counters.held;
         bench_watch_read_all(life);
     }
 }

@@ -398,7 +398,7 @@ static void compare_with_truth(bench_life_t *life, const tumble_set_t *set)
 static void look_at_new(bench_life_t *life)
 {
     tumble_set_t set;
-    if (tumble_store_read(&life->keeper.sets.store, TUMBLE_SET_ACTIVE, &set) != TUMBLE_OK ||
+    if (tumble_store_read(&life->keeper.store, TUMBLE_SET_ACTIVE, &set) != TUMBLE_OK ||
         set.origin != TUMBLE_ORIGIN_COMMITTED) {
         return;
     }
@@ -426,7 +426,7 @@ static void look_whether_told(bench_life_t *life)
         return;
     }
     tumble_sets_state_t state;
-    tumble_sets_state(&life->keeper.sets, &state);
+    tumble_keeper_state(&life->keeper, &state);
     const bool lacks = !watch->has_set && (state.due & TUMBLE_DUE_NO_SET) != 0; /* which says it */
     if (watch->told || lacks || (state.due & TUMBLE_DUE_DECAYED) != 0) {
         watch->told_by_us = SIM_NEVER;
@@ -452,7 +452,7 @@ static bool was_hit(const bench_life_t *life)
 static void look_at_proposal(bench_life_t *life)
 {
     bench_watch_t *const watch = &life->watch;
-    const uint32_t proposal = tumble_store_proposal(&life->keeper.sets.store);
+    const uint32_t proposal = tumble_store_proposal(&life->keeper.store);
     if (proposal == watch->proposal) {
         return;
     }
@@ -477,14 +477,14 @@ void bench_watch_decide(bench_life_t *life, tumble_command_t command, bool refus
 
 static bool counts_as_valid(const bench_life_t *life, uint32_t offset)
 {
-    const tumble_sets_t *const sets = &life->keeper.sets;
+    const tumble_keeper_t *const keeper = &life->keeper;
     const uint32_t region = offset / SIM_NV_SECTOR;
     if (region <= TUMBLE_REGION_PROPOSAL) {
-        return sets->store.places[region].valid;
+        return keeper->store.places[region].valid;
     }
     const uint32_t cell = offset % SIM_NV_SECTOR / TUMBLE_HISTORY_BYTES;
-    return !tumble_history_busy(&sets->history) &&
-           (sets->history.valid[region - TUMBLE_REGION_HISTORY] >> cell & 1U) != 0U;
+    return !tumble_history_busy(&keeper->history) &&
+           (keeper->history.valid[region - TUMBLE_REGION_HISTORY] >> cell & 1U) != 0U;
 }
 
 static void look_at_flipped(bench_life_t *life)
@@ -500,7 +500,7 @@ static void look_at_flipped(bench_life_t *life)
 static void look_at_sets(bench_life_t *life)
 {
     bench_watch_t *const watch = &life->watch;
-    const tumble_store_t *const store = &life->keeper.sets.store;
+    const tumble_store_t *const store = &life->keeper.store;
     if (!store->cells.booted || tumble_store_busy(store)) {
         return;
     }

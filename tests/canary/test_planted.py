@@ -128,9 +128,9 @@ PLANTED = {
         "",
         "navcomp/test_navcomp_service.c", "test_runs_are_numbered"),
     "resume: by a configuration written meanwhile": (
-        "firmware/sets/resume.c",
-        "(sets->fingerprint == tumble_sets_fingerprint(sets)) && !tumble_sets_is_inhibited(sets)",
-        "!tumble_sets_is_inhibited(sets)",
+        "firmware/navcomp/keeper_run.c",
+        "(keeper->fingerprint != fingerprint_of(keeper)) || tumble_keeper_is_inhibited(keeper)",
+        "tumble_keeper_is_inhibited(keeper)",
         "keeper/test_keeper_resume.c", "test_a_configuration_written_meanwhile"),
     "fingerprint: without the calibration counter": (
         "firmware/navcomp/fingerprint.c",

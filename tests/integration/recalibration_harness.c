@@ -11,7 +11,7 @@
  */
 #include "keeper_bench.h"
 
-#include "navcomp/keeper_values.h"
+#include "navcomp/keeper.h"
 
 #include <stdio.h>
 #include <stdlib.h>

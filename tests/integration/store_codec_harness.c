@@ -102,22 +102,10 @@ static int settle(void)
 /* The range that a run with these margins gives its set. */
 static void print_range(tumble_margins_t margins)
 {
-    static const tumble_coefficients_t coefficients;
-    static const tumble_gravity_check_t check;
-    static tumble_averaging_t averaging;
-    static tumble_misfit_work_t misfit;
-    static tumble_sets_t sets;
-    const tumble_sets_run_t run = {.schedule = &tumble_schedule_paper, .averaging = &averaging};
-    const tumble_sets_owner_t owner = {.run = &run, .misfit = &misfit};
-    const tumble_sets_config_t config = {.serial = ""};
-    const tumble_finished_run_t finished = {.coefficients = &coefficients, .check = &check};
-    sets.run = &run;
-    sets.owner = &owner;
-    sets.config = &config;
-    sets.checkpoint.margins = margins;
-    tumble_sets_run_done(&sets, &finished);
-    const double range_c[] = {sets.set.temperature_min_half_c / 2.0, sets.set.temperature_max_half_c / 2.0};
-    print_doubles("temperature_range_c", range_c, ((sets.set.flags & TUMBLE_SET_HAS_TEMPERATURE_RANGE) != 0U) ? 2 : 0);
+    tumble_set_t set = {.flags = 0};
+    tumble_margins_range(&margins, &set);
+    const double range_c[] = {set.temperature_min_half_c / 2.0, set.temperature_max_half_c / 2.0};
+    print_doubles("temperature_range_c", range_c, ((set.flags & TUMBLE_SET_HAS_TEMPERATURE_RANGE) != 0U) ? 2 : 0);
 }
 
 /* Through the memory: begun and appended by the firmware, then the given bytes in their place, read by it. */

@@ -61,7 +61,7 @@ void keeper_power_on(void)
 tumble_sets_state_t state_of_keeper(void)
 {
     tumble_sets_state_t state;
-    tumble_sets_state(&keeper.sets, &state);
+    tumble_keeper_state(&keeper, &state);
     return state;
 }
 
@@ -77,7 +77,7 @@ tumble_status_t tell(tumble_command_t command)
 
 tumble_status_t accept_proposal(void)
 {
-    return tumble_navcomp_accept(&bench.navcomp, tumble_store_proposal(&keeper.sets.store));
+    return tumble_navcomp_accept(&bench.navcomp, tumble_store_proposal(&keeper.store));
 }
 
 void drift(double by_v)
@@ -91,7 +91,7 @@ void settle_memory(void)
 {
     for (int i = 0; i < 2000; i++) {
         bench_event(&bench);
-        if (!state_of_keeper().busy && (keeper.sets.wants == 0U) && (keeper.sets.task == 0U) && !keeper.sets.stale) {
+        if (!state_of_keeper().busy && (keeper.wants == 0U) && (keeper.task == 0U) && !keeper.stale) {
             return;
         }
     }
@@ -127,7 +127,7 @@ void hold_one(void)
 tumble_set_t set_of(tumble_which_set_t which)
 {
     tumble_set_t set;
-    ASSERT_STATUS(TUMBLE_OK, tumble_store_read(&keeper.sets.store, which, &set));
+    ASSERT_STATUS(TUMBLE_OK, tumble_store_read(&keeper.store, which, &set));
     return set;
 }
 

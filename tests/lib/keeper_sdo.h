@@ -4,8 +4,8 @@
 
 #include "keeper_bench.h"
 
+#include "navcomp/keeper.h"
 #include "navcomp/keeper_objects.h"
-#include "navcomp/keeper_values.h"
 #include "navcomp_sdo.h"
 
 #define SAVE 0x65766173U

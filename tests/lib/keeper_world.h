@@ -16,12 +16,12 @@ static inline void kept_world_power_on(uint64_t seed, uint64_t utc_s)
     world.navcomp_config.keeping = &tumble_keeper_calls;
     world.navcomp_config.keeper = &keeper;
     ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_init(&world.navcomp, &world.navcomp_config));
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, utc_s));
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, utc_s));
 }
 
 static inline void world_settle(void)
 {
-    for (int i = 0; (i < 500) || ((i < 5000) && tumble_sets_has_work(&keeper.sets)); i++) {
+    for (int i = 0; (i < 500) || ((i < 5000) && tumble_keeper_has_work(&keeper)); i++) {
         world.clock.now_us += 1000U;
         tumble_navcomp_step(&world.navcomp);
     }

@@ -10,7 +10,7 @@
  *     trend          what the history says of each coefficient's drift
  *     checkpoint     the finished positions of the run under way
  *     rules          may a new set replace the active one by itself?
- *     life           all of it together: from a finished run to a verdict, from the calendar to the next run
+ *     life           settings and state of all of it together: from a finished run to a verdict and the next run
  *
  * The shortest program, for a board that reads the active set from its memory:
  *
@@ -31,7 +31,7 @@
  *
  * Nothing waits: a call begins a job, and each step makes at most one call of the memory. Only one job at a time may
  * run on one memory. Where store, history and checkpoint lie in the same memory, step one of them until it is not busy,
- * then the next; tumble_sets_t does so by itself. The caller owns every object; its members are private unless said
+ * then the next; the keeper of a navigation computer does so by itself. The caller owns every object; its members are private unless said
  * otherwise. Not re-entrant on one object. No pointer may be null unless said otherwise. docs/store.md defines every
  * byte, and says what a loss of power does.
  */
@@ -462,6 +462,9 @@ tumble_status_t tumble_checkpoint_append(tumble_checkpoint_t *checkpoint, uint8_
 /* These temperatures are of the run as well: narrow its margins. */
 void tumble_checkpoint_narrow(tumble_checkpoint_t *checkpoint, tumble_margins_t seen);
 
+/* The temperatures of a set whose run has these margins, with their flag; nothing where they are not known. */
+void tumble_margins_range(const tumble_margins_t *margins, tumble_set_t *set);
+
 /* Forget the run. Returns TUMBLE_OK (begun), TUMBLE_E_PORT_BUSY, TUMBLE_E_STATE (init refused). */
 tumble_status_t tumble_checkpoint_clear(tumble_checkpoint_t *checkpoint);
 
@@ -564,23 +567,8 @@ bool tumble_commit_limits_valid(const tumble_commit_limits_t *limits);
 const char *tumble_objection_name(tumble_objection_t objection);
 const char *tumble_objection_sentence(tumble_objection_t objection);
 
-/* ---- The life: what is done with the results of runs, and when the next one is due.
- *
- * The owner, the navigation computer, reports what happens to the run: it began (tumble_sets_run_began), is done
- * (tumble_sets_run_done, with its result), was given up (tumble_sets_run_given_up) or forgotten
- * (tumble_sets_run_forgotten), goes on (tumble_sets_run_goes_on), has measured a position (tumble_sets_run_measured),
- * received a sample (tumble_sets_sample). In each of its own steps the owner calls tumble_sets_hold_off,
- * tumble_sets_work and tumble_sets_start, and does what they ask for. The sets read everything else about the run in
- * tumble_sets_run_t, which the owner keeps true. They call the two functions of tumble_sets_owner_t, and nothing else
- * of the owner.
- *
- * A finished run becomes a set, is judged by the rules, and committed, or held as the proposal. A result that the store
- * has held before, to the last bit, is not stored again. After every finished position a checkpoint is written, so that
- * a run that lost power can go on. When the memory refuses a job, that is counted, and the active set stays. An entry
- * of the history or of the checkpoint is tried TUMBLE_SETS_TRIES times in all; then the history waits for the next job
- * of the store, the checkpoint for the next mean.
- *
- * A checkpoint ends with its run: when a run is started anew, given up, or done and stored, no checkpoint is left.
+/* ---- The life: what is done with the results of runs, and when the next one is due. The navigation computer leads it
+ * (navcomp/keeper.h); here is what it goes by, and what it tells.
  */
 
 /* tumble_sets_settings_t.flags */
@@ -597,13 +585,13 @@ typedef struct {
     double gravity_m_s2;          /* of the place, recorded with every set; 9.7 to 9.9; 0: not known */
     uint32_t interval_s;          /* a run is due so long after the last set; 0: never by time */
     uint32_t pause_s;             /* no start by itself so long after the last one, the end of any run, and
-                                   * tumble_sets_pause; TUMBLE_SETS_MIN_PAUSE_S or more */
+                                   * tumble_keeper_pause; TUMBLE_SETS_MIN_PAUSE_S or more */
     uint16_t temperature_samples; /* a run is due after so many samples in a row, 1 or more, ... */
     uint8_t temperature_half_c;   /* ... more than this off the active set's temperature, half degrees C; 0: never */
     uint8_t flags;                /* TUMBLE_SETS_... */
 } tumble_sets_settings_t;
 
-/* The board's, const; must outlive the object. */
+/* The board's, const; must outlive the owner. */
 typedef struct {
     const char *serial;                     /* of the block, 1 to TUMBLE_SET_SERIAL_BYTES characters */
     const tumble_sets_settings_t *settings; /* at power-on */
@@ -618,73 +606,6 @@ typedef struct {
     bool (*whole_step)(tumble_whole_work_t *work, const tumble_misfit_run_t *run);
     tumble_whole_work_t *whole_work;
 } tumble_sets_config_t;
-
-/* What the owner keeps true of its run and its stand, before every call. */
-typedef struct {
-    uint8_t estimator;                   /* its number, for the next result */
-    bool on;                             /* a run is on, or could go on */
-    bool idle;                           /* none is, and there is no result */
-    bool waits;                          /* it is on, and waits for somebody to mend a fault: the table rests */
-    bool turning;                        /* the table turns, or is about to */
-    bool to_be_looked_at;                /* somebody should look at the stand before a run begins by itself */
-    bool serviced;                       /* the rules may be changed from outside now */
-    bool memory_taken;                   /* the memory is at work for the owner itself */
-    const tumble_schedule_t *schedule;   /* constant while a run is on */
-    const tumble_averaging_t *averaging; /* the means */
-    const tumble_stand_record_t *stand;  /* as declared; null: it is not */
-    uint64_t measured;                   /* one bit a position of the schedule: it has a mean */
-    double v_per_count;
-    double gravity_limit_g;       /* of the gravity check: as it is in force, */
-    double board_gravity_limit_g; /* and as the board has it */
-} tumble_sets_run_t;
-
-/* Who owns it: const, must outlive the object. */
-typedef struct {
-    const tumble_port_t *port;
-    const tumble_sets_run_t *run;
-    const void *self; /* handed to both questions */
-
-    /* The fingerprint of all that must not change in a run: block, stand, schedule, configuration, and `sequence`, that
-     * of the active set, so that the checkpoint of a run that ended in a commit is not resumed. */
-    uint32_t (*fingerprint)(const void *self, uint32_t sequence);
-
-    /* The standard uncertainties of these coefficients (bits) of the present result; the others are left as they are.
-     * Called for one coefficient in each step. Null: they are never known, and so no set is committed by itself.
-     * Returns TUMBLE_OK, TUMBLE_E_PORT_BUSY (asked again at the next step), or why they are not known. */
-    tumble_status_t (*uncertainty)(const void *self, uint16_t coefficients, tumble_uncertainty_t *uncertainty);
-
-    /* The standard uncertainty of |a| at an attitude, g. Called once in a step, when the coefficients' are known. Null:
-     * nobody asks whether the limit is met at every attitude. Returns likewise. */
-    tumble_status_t (*norm)(const void *self, const double attitude[3], double *norm_g);
-
-    /* Lent from tumble_sets_run_done on, for as long as the means must stay as they are (tumble_sets_allow). */
-    tumble_misfit_work_t *misfit;
-} tumble_sets_owner_t;
-
-/* A finished run. */
-typedef struct {
-    const tumble_coefficients_t *coefficients;
-    const tumble_gravity_check_t *check;
-    double closure_v;   /* the largest difference in magnitude; 0: no mounting comes back to where it began */
-    uint32_t stand_crc; /* fingerprint of the stand; 0: unknown */
-    bool disturbed;     /* its bus was: TUMBLE_OBJECTION_DISTURBED */
-} tumble_finished_run_t;
-
-/* What the owner is asked to do. */
-typedef enum {
-    TUMBLE_SETS_NOTHING = 0,
-    TUMBLE_SETS_GIVE_UP, /* the run, because of the inhibit: then tell that it has ended */
-    TUMBLE_SETS_STOP,    /* the table, because of the inhibit */
-    TUMBLE_SETS_START,   /* a run: then tell that it began */
-    TUMBLE_SETS_RESTORE, /* put the mean of the position `index` back; then call tumble_sets_restored */
-    TUMBLE_SETS_RESUME   /* go on with the run whose means are back; then call tumble_sets_run_goes_on */
-} tumble_sets_wish_t;
-
-typedef struct {
-    tumble_sets_wish_t wish;
-    uint8_t index;         /* with TUMBLE_SETS_RESTORE */
-    tumble_average_t mean; /* likewise */
-} tumble_sets_event_t;
 
 /* A clock that is set back by less than this makes no run due. */
 #define TUMBLE_SETS_CLOCK_SLACK_S 3600U
@@ -731,160 +652,10 @@ typedef struct {
                             * saved is in force */
 } tumble_sets_counters_t;
 
-/* The object. `store` and `history` may be read by their own functions; everything else is private. The small members
- * come first, because a Cortex-M reaches them by shorter instructions. */
-typedef struct {
-    uint8_t task;  /* what goes on over several steps, */
-    uint8_t at;    /* and how far */
-    uint8_t job;   /* what the store is doing for us: the verdict that it will be */
-    uint8_t wants; /* bits: what is to be done when the memory is free */
-    uint8_t verdict;
-    uint8_t status;
-    uint8_t resumable;
-    uint8_t trying;        /* the checkpoint's job: a position + 1, or TRYING_..., */
-    uint8_t tries;         /* begun so often */
-    uint8_t history_tries; /* left for the entry of the active set */
-    bool run_was_on;
-    bool run_resumed;
-    bool has_checkpoint; /* the run's own has been begun; else it is tried again with its next mean */
-    bool was_inhibited;
-    bool stale;        /* the active set may have changed */
-    bool repeated;     /* the result being judged has been seen before */
-    bool looked_again; /* for what it was to be compared with, which could not be read */
-    bool has_utc;
-    bool has_active;
-    bool has_active_half_c;
-    bool decayed; /* the history knows of a later set than the store */
-    uint32_t objections;
-    uint16_t off_temperature; /* samples in a row */
-    int16_t active_half_c;
-    const tumble_sets_run_t *run;
-    const tumble_sets_owner_t *owner;
-    const tumble_sets_config_t *config;
-    uint32_t warm_samples;  /* how many averaged samples of the run */
-    uint32_t fingerprint;   /* of the run that is kept */
-    uint32_t sequence;      /* of the active set, as last seen */
-    uint32_t shown;         /* what tumble_sets_news told last */
-    uint32_t rules;         /* fingerprint of those that are in force after power-on, */
-    uint32_t rules_written; /* and of those that are being saved */
-    uint32_t accepted;      /* the proposal that is to become active */
-    int64_t warmth_half_c;  /* sum over the averaged samples of the run */
-    uint64_t saved;         /* one bit per position whose mean is in the checkpoint, or on its way there */
-    uint64_t lost;          /* of `saved`: those that the memory would not take */
-    uint64_t unfit;         /* one bit per position whose mean is kept and could not be put back */
-    uint64_t now_us;        /* of the last step */
-    uint64_t utc_us;        /* UTC at the port's time 0 */
-    uint64_t active_utc_s;  /* date of the active set; 0: unknown */
-    uint64_t active_us;     /* power-on, or when the active set changed, if later */
-    tumble_worst_norm_t worst_norm;
-    uint64_t inhibit_us; /* the host's inhibit ends here */
-    uint64_t pause_us;   /* no start by itself before */
-    tumble_sets_counters_t counters;
-    tumble_sets_settings_t settings;
-    tumble_set_t set; /* the result; its uncertainties are served until the next one comes */
-    tumble_store_t store;
-    tumble_history_t history;
-    tumble_checkpoint_t checkpoint;
-} tumble_sets_t;
-
-static_assert(sizeof(tumble_sets_t) <= ((sizeof(void *) == 4U) ? 1840U : 2048U), "the sets must stay small");
-
-/* Get ready; `*owner->run` must be true by now. Then step the memory (tumble_sets_step_memory) until it is not busy, or
- * for as long as the owner likes, and call tumble_sets_booted with `opened`, the status that tumble_sets_init returned.
- * If that is TUMBLE_OK and the memory is not busy by then, the active set is known at once. If the memory is still busy,
- * the set is read step by step, and until then there is none. After TUMBLE_E_NV there is none, and nothing is kept.
- * Returns TUMBLE_OK; TUMBLE_E_ARGUMENT (no configuration, a serial number or settings out of range, no memory behind
- * the port); TUMBLE_E_NV (tumble_regions_check). */
-tumble_status_t tumble_sets_init(tumble_sets_t *sets, const tumble_sets_config_t *config,
-                                 const tumble_sets_owner_t *owner);
-void tumble_sets_booted(tumble_sets_t *sets, tumble_status_t opened);
-
-/* As after power-on: the board's settings. The sets stay what they are. */
-void tumble_sets_reset(tumble_sets_t *sets);
-
-/* Are store, history or checkpoint at work? Go on with what they do: one call of the memory. */
-bool tumble_sets_memory_busy(const tumble_sets_t *sets);
-void tumble_sets_step_memory(tumble_sets_t *sets);
-
-/* tumble_sets_busy: as tumble_sets_memory_busy, or the memory is at work for the owner. tumble_sets_has_work: there is
- * something left to do. */
-bool tumble_sets_busy(const tumble_sets_t *sets);
-bool tumble_sets_has_work(const tumble_sets_t *sets);
-
-/* Is the next step one of a thousand of the whole-model test, which need no memory? Then it may follow at once. */
-bool tumble_sets_computes(const tumble_sets_t *sets);
-
-/* The three parts of a step. First: the run that the inhibit ends (TUMBLE_SETS_GIVE_UP), or the table that it stops. */
-tumble_sets_wish_t tumble_sets_hold_off(tumble_sets_t *sets, uint64_t now_us);
-
-/* Second: one call of the memory, one job begun, or a part of a computation. */
-void tumble_sets_work(tumble_sets_t *sets, tumble_sets_event_t *event);
-
-/* Third, when no work is left: should the owner start a run that is due? */
-bool tumble_sets_start(tumble_sets_t *sets);
-
-/* Has what a state message tells changed since this was asked last: counter, verdict, objections, what is due? */
-bool tumble_sets_news(tumble_sets_t *sets);
-
-/* What happens to the run. */
-void tumble_sets_run_began(tumble_sets_t *sets);
-void tumble_sets_run_done(tumble_sets_t *sets, const tumble_finished_run_t *run);
-void tumble_sets_run_given_up(tumble_sets_t *sets);  /* aborted */
-void tumble_sets_run_forgotten(tumble_sets_t *sets); /* the computer was reset */
-void tumble_sets_run_measured(tumble_sets_t *sets);  /* it is on: look which means are new, and which are gone */
-
-/* Answers to TUMBLE_SETS_RESTORE and TUMBLE_SETS_RESUME: was it done? */
-void tumble_sets_restored(tumble_sets_t *sets, uint8_t index, bool done);
-void tumble_sets_run_goes_on(tumble_sets_t *sets, bool done);
-
-/* Every sample of the block, after the procedure has taken it; `averaged`: it went into a mean. */
-void tumble_sets_sample(tumble_sets_t *sets, int8_t temperature_half_c, bool averaged);
-
-/* Commands about sets: allowed while no run is on, nothing is being decided, and there is what they are about. Each
- * returns TUMBLE_OK (it is done as soon as the memory is free), or TUMBLE_E_STATE (not now, or nothing there).
- * `accept`: also TUMBLE_E_ARGUMENT (`named`, the CRC at the end of its record, is not the proposal's). */
-tumble_status_t tumble_sets_accept(tumble_sets_t *sets, uint32_t named);
-tumble_status_t tumble_sets_discard(tumble_sets_t *sets);
-tumble_status_t tumble_sets_rollback(tumble_sets_t *sets);
-
-/* Go on with the run that lost power; it begins within some steps, by events. Block, stand, schedule, configuration and
- * active set must be those with which it began.
- * Returns TUMBLE_OK, TUMBLE_E_STATE (there is no such run). */
-tumble_status_t tumble_sets_resume(tumble_sets_t *sets);
-
-/* May the owner obey this command? `begins`: it begins a run or measures anew, which is refused for some 100 ms after a
- * run is done (with the whole-model test for as long as a thousand steps more take), because its means must stay as they
- * are. `too_early`: it begins a run, and the saved parameters are not in force yet: refused. `moves`: it moves the table
- * or goes on with a run, which is refused while inhibited. False: the command is refused, and has been counted. */
-bool tumble_sets_allow(tumble_sets_t *sets, bool begins, bool too_early, bool moves);
-
-/* No start by itself for some time from now: somebody is at work at the table. */
-void tumble_sets_pause(tumble_sets_t *sets);
-
-/* The uncertainties of the present result.
- * Returns TUMBLE_OK, TUMBLE_E_PORT_BUSY (they are being computed, or a run is on), TUMBLE_E_STATE (not known). */
-tumble_status_t tumble_sets_uncertainty(const tumble_sets_t *sets, const tumble_uncertainty_t **uncertainty);
-
-/* How the present result fits the whole model: the verdict in the first members of tumble_whole_work_t. Returns likewise;
- * TUMBLE_E_STATE also where nobody asked, or there is nothing to judge by. */
-tumble_status_t tumble_sets_whole_model(const tumble_sets_t *sets, const tumble_whole_work_t **found);
-
-/* What happens to the saved rules, which count as the board's own. tumble_sets_save_rules: the rules in force are being
- * saved (`save`), or the saved ones forgotten. tumble_sets_rules_saved: that is done. tumble_sets_rules_applied: the
- * saved rules are in force. */
-void tumble_sets_save_rules(tumble_sets_t *sets, bool save);
-void tumble_sets_rules_saved(tumble_sets_t *sets);
-void tumble_sets_rules_applied(tumble_sets_t *sets);
-
-/* The calibration counter: it grows with every change of the active set, and with nothing else. Only when the active
- * set decays it goes back to that of the set before, and TUMBLE_DUE_DECAYED is set; the next set gets a number that no
- * set had. 0: the factory set, or none. */
-uint32_t tumble_sets_counter(const tumble_sets_t *sets);
-
-/* What else is readable, in one copy. */
+/* What is readable, in one copy. */
 typedef struct {
     uint64_t utc_s;      /* 0: not known */
-    uint32_t counter;    /* tumble_sets_counter */
+    uint32_t counter;    /* tumble_keeper_counter */
     uint32_t age_s;      /* of the active set, by its date, or else since power-on or its change; 0 if there is none */
     uint32_t due_in_s;   /* until the interval is over; 0: it is, or there is no interval */
     uint16_t inhibit_s;  /* left of the host's inhibit, rounded up */
@@ -899,37 +670,6 @@ typedef struct {
     bool has_factory;
     uint16_t more_objections; /* bits from TUMBLE_OBJECTION_MORE on */
 } tumble_sets_state_t;
-
-void tumble_sets_state(const tumble_sets_t *sets, tumble_sets_state_t *state);
-
-const tumble_sets_counters_t *tumble_sets_counters(const tumble_sets_t *sets);
-
-/* Settings. tumble_sets_change and tumble_sets_configure check all of them and take all or none. tumble_sets_change is
- * for those outside. What the board's program sets by tumble_sets_configure becomes the board's rules, unless other
- * rules were in force before. Both return TUMBLE_OK, TUMBLE_E_ARGUMENT (null, or one is out of range), TUMBLE_E_STATE
- * (a run is on). */
-const tumble_sets_settings_t *tumble_sets_settings(const tumble_sets_t *sets);
-tumble_status_t tumble_sets_change(tumble_sets_t *sets, const tumble_sets_settings_t *settings);
-tumble_status_t tumble_sets_configure(tumble_sets_t *sets, const tumble_sets_settings_t *settings);
-
-/* The calendar: seconds since 1970-01-01T00:00:00 UTC, from here on kept by the port's clock; 0: no longer known. At
- * most TUMBLE_SETS_MAX_UTC_S.
- * Returns TUMBLE_OK or TUMBLE_E_ARGUMENT. Without it sets carry no date, and the interval counts from power-on, or from
- * the last change of the active set. */
-#define TUMBLE_SETS_MAX_UTC_S (UINT64_C(1) << 40)
-tumble_status_t tumble_sets_set_utc(tumble_sets_t *sets, uint64_t utc_s);
-
-/* The host's inhibit (say, while navigating): no run may be on for so many seconds from now; 0 ends it. It expires, so
- * that a host that has died does not inhibit for ever; a living host repeats it in time. An inhibit that must hold
- * without the host belongs to the board: config->inhibited. */
-void tumble_sets_inhibit(tumble_sets_t *sets, uint16_t seconds);
-
-/* Drift of a coefficient (0 to 11: K row by row, then U0), in V/g or V per TUMBLE_MONTH_S. It takes the sets of this
- * block in the history that are dated and have uncertainties, without those that a rollback gave up and the copies that
- * it brought back. Each call reads the whole history.
- * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_PORT_BUSY (the memory is at work: ask again), TUMBLE_E_TOO_FEW,
- * TUMBLE_E_NOT_FINITE, or why an entry could not be read: TUMBLE_E_NV, TUMBLE_E_FRAME, TUMBLE_E_CRC. */
-tumble_status_t tumble_sets_trend(tumble_sets_t *sets, uint8_t coefficient, tumble_trend_t *trend);
 
 #ifdef __cplusplus
 }

@@ -5,10 +5,10 @@
 
 static void test_a_good_result_becomes_the_active_set(void)
 {
-    TEST_ASSERT_EQUAL_UINT32(0, tumble_sets_counter(&keeper.sets));
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, 1800000000));
+    TEST_ASSERT_EQUAL_UINT32(0, keeper.sequence);
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, 1800000000));
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counter(&keeper.sets));
+    TEST_ASSERT_EQUAL_UINT32(1, keeper.sequence);
     const tumble_set_t set = set_of(TUMBLE_SET_ACTIVE);
     tumble_result_t result;
     tumble_uncertainty_t u;
@@ -33,12 +33,12 @@ static void test_a_good_result_becomes_the_active_set(void)
     TEST_ASSERT_NOT_EQUAL(0, set.stand_crc);
     const uint64_t elapsed_s = bench.fake.now_us / 1000000U;
     TEST_ASSERT_UINT64_WITHIN(2, 1800000000U + elapsed_s, set.date_utc_s);
-    const tumble_sets_counters_t *counters = tumble_sets_counters(&keeper.sets);
+    const tumble_sets_counters_t *counters = &keeper.counters;
     TEST_ASSERT_EQUAL_UINT32(1, counters->judged);
     TEST_ASSERT_EQUAL_UINT32(1, counters->committed);
     TEST_ASSERT_EQUAL_UINT32(18, counters->checkpoints);
     TEST_ASSERT_EQUAL_UINT32(0, counters->failures);
-    TEST_ASSERT_EQUAL_UINT8(1, tumble_history_count(&keeper.sets.history));
+    TEST_ASSERT_EQUAL_UINT8(1, tumble_history_count(&keeper.history));
 }
 
 /* The last position of the first mounting repeats its first one. */
@@ -59,7 +59,7 @@ static void test_it_is_still_there_after_power_fails(void)
     keeper_power_cycle();
     const tumble_set_t after = set_of(TUMBLE_SET_ACTIVE);
     TEST_ASSERT_EQUAL_MEMORY(&before, &after, sizeof after);
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counter(&keeper.sets));
+    TEST_ASSERT_EQUAL_UINT32(1, keeper.sequence);
     TEST_ASSERT_EQUAL_UINT8(0, state_of_keeper().resumable);
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_NONE, state_of_keeper().verdict);
 }
@@ -80,12 +80,12 @@ static void test_an_implausible_change_waits_for_an_operator(void)
     ASSERT_STATUS(TUMBLE_OK, accept_proposal());
     settle_memory();
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_ACCEPTED, state_of_keeper().verdict);
-    TEST_ASSERT_EQUAL_UINT32(2, tumble_sets_counter(&keeper.sets));
+    TEST_ASSERT_EQUAL_UINT32(2, keeper.sequence);
     const tumble_set_t accepted = set_of(TUMBLE_SET_ACTIVE);
     TEST_ASSERT_EQUAL_MEMORY(&proposal.coefficients, &accepted.coefficients, sizeof accepted.coefficients);
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_ORIGIN_ACCEPTED, accepted.origin);
     TEST_ASSERT_FALSE(state_of_keeper().has_proposal);
-    TEST_ASSERT_EQUAL_UINT8(2, tumble_history_count(&keeper.sets.history));
+    TEST_ASSERT_EQUAL_UINT8(2, tumble_history_count(&keeper.history));
 }
 
 static void test_a_proposal_can_be_discarded(void)
@@ -96,7 +96,7 @@ static void test_a_proposal_can_be_discarded(void)
     settle_memory();
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_DISCARDED, state_of_keeper().verdict);
     TEST_ASSERT_FALSE(state_of_keeper().has_proposal);
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counter(&keeper.sets));
+    TEST_ASSERT_EQUAL_UINT32(1, keeper.sequence);
     ASSERT_STATUS(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_ACCEPT));
 }
 
@@ -111,8 +111,8 @@ static void test_rollback_brings_the_set_before_back(void)
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_ROLLED_BACK, state_of_keeper().verdict);
     const tumble_set_t now = set_of(TUMBLE_SET_ACTIVE);
     TEST_ASSERT_EQUAL_MEMORY(&first.coefficients, &now.coefficients, sizeof now.coefficients);
-    TEST_ASSERT_EQUAL_UINT32(3, tumble_sets_counter(&keeper.sets)); /* it grows, so that consumers notice */
-    TEST_ASSERT_EQUAL_UINT8(3, tumble_history_count(&keeper.sets.history));
+    TEST_ASSERT_EQUAL_UINT32(3, keeper.sequence); /* it grows, so that consumers notice */
+    TEST_ASSERT_EQUAL_UINT8(3, tumble_history_count(&keeper.history));
 }
 
 static void test_rollback_is_refused_while_a_proposal_waits(void)
@@ -121,7 +121,7 @@ static void test_rollback_is_refused_while_a_proposal_waits(void)
     drift(1e-5);
     hold_one();
     ASSERT_STATUS(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_ROLLBACK));
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counters(&keeper.sets)->refused);
+    TEST_ASSERT_EQUAL_UINT32(1, keeper.counters.refused);
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_DISCARD));
     ASSERT_STATUS(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_ROLLBACK)); /* one command at a time */
     settle_memory();
@@ -135,7 +135,7 @@ static void test_commands_about_sets_wait_for_the_end_of_a_run(void)
     ASSERT_STATUS(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_ACCEPT));
     ASSERT_STATUS(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_DISCARD));
     ASSERT_STATUS(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_ROLLBACK));
-    TEST_ASSERT_EQUAL_UINT32(3, tumble_sets_counters(&keeper.sets)->refused);
+    TEST_ASSERT_EQUAL_UINT32(3, keeper.counters.refused);
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_ABORT));
     ASSERT_STATUS(TUMBLE_OK, accept_proposal());
 }
@@ -144,12 +144,12 @@ static void test_commands_about_sets_wait_for_the_end_of_a_run(void)
 static void test_the_same_result_is_not_stored_twice(void)
 {
     (void)run_and_judge();
-    const uint32_t before = keeper.sets.store.commits;
+    const uint32_t before = keeper.store.commits;
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_REPEATED, run_and_judge());
     TEST_ASSERT_BITS_HIGH(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_REPLAYED), state_of_keeper().objections);
-    TEST_ASSERT_EQUAL_UINT32(before, keeper.sets.store.commits);
+    TEST_ASSERT_EQUAL_UINT32(before, keeper.store.commits);
     TEST_ASSERT_FALSE(state_of_keeper().has_proposal);
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counter(&keeper.sets));
+    TEST_ASSERT_EQUAL_UINT32(1, keeper.sequence);
 }
 
 static void test_nor_is_one_of_the_history(void)
@@ -160,7 +160,7 @@ static void test_nor_is_one_of_the_history(void)
     }
     drift(-5e-5); /* as the first, which no slot holds any more */
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_REPEATED, run_and_judge());
-    TEST_ASSERT_EQUAL_UINT32(5, tumble_sets_counter(&keeper.sets));
+    TEST_ASSERT_EQUAL_UINT32(5, keeper.sequence);
 }
 
 static void test_nor_is_a_proposal(void)
@@ -177,10 +177,10 @@ static void test_the_first_set_waits_unless_the_settings_say_otherwise(void)
     keeper_power_cycle();
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
     TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_FIRST), state_of_keeper().objections);
-    ASSERT_STATUS(TUMBLE_E_STATE, tumble_store_read(&keeper.sets.store, TUMBLE_SET_ACTIVE, &(tumble_set_t){0}));
+    ASSERT_STATUS(TUMBLE_E_STATE, tumble_store_read(&keeper.store, TUMBLE_SET_ACTIVE, &(tumble_set_t){0}));
     ASSERT_STATUS(TUMBLE_OK, accept_proposal());
     settle_memory();
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counter(&keeper.sets));
+    TEST_ASSERT_EQUAL_UINT32(1, keeper.sequence);
 }
 
 static void test_without_a_declared_stand_nothing_is_committed(void)
@@ -209,8 +209,8 @@ static void test_a_position_repeated_makes_a_new_result(void)
     TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 60.0));
     settle_memory();
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
-    TEST_ASSERT_EQUAL_UINT32(2, tumble_sets_counters(&keeper.sets)->judged);
-    TEST_ASSERT_EQUAL_UINT32(2, tumble_sets_counter(&keeper.sets));
+    TEST_ASSERT_EQUAL_UINT32(2, keeper.counters.judged);
+    TEST_ASSERT_EQUAL_UINT32(2, keeper.sequence);
 }
 
 /* DONE and a START by SDO in one and the same step: the result is looked at for some steps more, and needs its means. So
@@ -229,13 +229,13 @@ static void test_a_result_overtaken_by_a_start_is_not_lost(void)
     fake_port_give(&bench.fake, &start);
     bench_event(&bench);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, run_state());
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counters(&keeper.sets)->refused);
+    TEST_ASSERT_EQUAL_UINT32(1, keeper.counters.refused);
     ASSERT_STATUS(TUMBLE_E_STATE, bench_command(&bench, TUMBLE_COMMAND_REPEAT_POSITION, 3));
     ASSERT_STATUS(TUMBLE_E_STATE, bench_command(&bench, TUMBLE_COMMAND_REPEAT_MOUNTING, 1));
-    TEST_ASSERT_EQUAL_UINT32(3, tumble_sets_counters(&keeper.sets)->refused);
+    TEST_ASSERT_EQUAL_UINT32(3, keeper.counters.refused);
     settle_memory();
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counters(&keeper.sets)->judged);
+    TEST_ASSERT_EQUAL_UINT32(1, keeper.counters.judged);
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
 }
 
@@ -249,12 +249,12 @@ static void test_a_memory_that_fails_leaves_the_active_set(void)
     nv_refuse(&memory, NV_NEVER); /* from now on */
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_FAILED, run_and_judge());
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_E_NV, state_of_keeper().status);
-    TEST_ASSERT_GREATER_THAN_UINT32(0, tumble_sets_counters(&keeper.sets)->failures);
+    TEST_ASSERT_GREATER_THAN_UINT32(0, keeper.counters.failures);
     const tumble_set_t still = set_of(TUMBLE_SET_ACTIVE);
     TEST_ASSERT_EQUAL_MEMORY(&active, &still, sizeof active);
     nv_arm(&memory, nv_no_fault);
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge()); /* it was never stored: it is no replay */
-    TEST_ASSERT_EQUAL_UINT32(2, tumble_sets_counter(&keeper.sets));
+    TEST_ASSERT_EQUAL_UINT32(2, keeper.sequence);
 }
 
 /* The result that could not be stored is made again from the checkpoint, without the table. */
@@ -264,7 +264,7 @@ static void test_what_could_not_be_stored_is_not_lost(void)
     while (run_state() != TUMBLE_STATE_DONE) {
         bench_event(&bench);
     }
-    while (keeper.sets.job == 0U) { /* until the commit begins */
+    while (keeper.job == 0U) { /* until the commit begins */
         bench_event(&bench);
     }
     nv_refuse(&memory, NV_NEVER);
@@ -292,7 +292,7 @@ static void test_a_memory_that_cannot_be_read_at_the_end(void)
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_FAILED, state_of_keeper().verdict);
     memory.read_fails_at = NV_NEVER;
     keeper_power_cycle();
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counter(&keeper.sets));
+    TEST_ASSERT_EQUAL_UINT32(1, keeper.sequence);
 }
 
 static void test_a_busy_memory_is_waited_for(void)
@@ -302,9 +302,9 @@ static void test_a_busy_memory_is_waited_for(void)
         keeper_power_cycle();
         settle_memory();
         assert_verdict_after(1e-5, TUMBLE_VERDICT_COMMITTED);
-        TEST_ASSERT_EQUAL_UINT32(0, tumble_sets_counters(&keeper.sets)->failures);
-        TEST_ASSERT_EQUAL_UINT32(every - 1U, tumble_sets_counter(&keeper.sets));
-        TEST_ASSERT_EQUAL_UINT8(every - 1U, tumble_history_count(&keeper.sets.history));
+        TEST_ASSERT_EQUAL_UINT32(0, keeper.counters.failures);
+        TEST_ASSERT_EQUAL_UINT32(every - 1U, keeper.sequence);
+        TEST_ASSERT_EQUAL_UINT8(every - 1U, tumble_history_count(&keeper.history));
     }
 }
 
@@ -315,8 +315,8 @@ static void test_a_missing_entry_of_the_history_is_written_at_power_on(void)
     memset(&memory.bytes[MEMORY_SECTOR * TUMBLE_REGION_HISTORY], 0xFF, 2U * MEMORY_SECTOR);
     keeper_power_cycle();
     settle_memory();
-    TEST_ASSERT_EQUAL_UINT8(1, tumble_history_count(&keeper.sets.history));
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_history_sequence(&keeper.sets.history));
+    TEST_ASSERT_EQUAL_UINT8(1, tumble_history_count(&keeper.history));
+    TEST_ASSERT_EQUAL_UINT32(1, tumble_history_sequence(&keeper.history));
 }
 
 static void test_what_init_refuses(void)

@@ -190,7 +190,7 @@ static bool try_once(const attempt_t *attempt, uint64_t seed)
     copy_memory(&memory, &good);
     run(attempt->lines, (attempt->seed != 0U) ? attempt->seed : seed, attempt->utc_s, attempt->prepare);
     tumble_navcomp_progress(&world.navcomp, &progress);
-    tumble_sets_state(&keeper.sets, &state);
+    tumble_keeper_state(&keeper, &state);
     TEST_ASSERT_EQUAL_STRING_MESSAGE(tumble_state_name(attempt->state), tumble_state_name(progress.run.state),
                                      attempt->name);
     TEST_ASSERT_EQUAL_STRING_MESSAGE(tumble_reason_name(attempt->reason), tumble_reason_name(progress.run.reason),
@@ -249,12 +249,12 @@ static void test_a_run_cut_and_gone_on_with_otherwise(void)
     keeper_config.sets.serial = "TB-0002";
     kept_world_power_on(3, NEXT_MONTH);
     tumble_sets_state_t state;
-    tumble_sets_state(&keeper.sets, &state);
+    tumble_keeper_state(&keeper, &state);
     TEST_ASSERT_EQUAL_UINT8(0, state.resumable);
     ASSERT_STATUS(TUMBLE_E_STATE, tumble_navcomp_command(&world.navcomp, TUMBLE_COMMAND_RESUME, 0));
     keeper_config.sets.serial = "TB-0001";
     kept_world_power_on(3, NEXT_MONTH);
-    tumble_sets_state(&keeper.sets, &state);
+    tumble_keeper_state(&keeper, &state);
     TEST_ASSERT_GREATER_OR_EQUAL_UINT8(11, state.resumable);
     TEST_ASSERT_EQUAL_MEMORY(good.bytes, memory.bytes, SLOT_BYTES);
     TEST_MESSAGE("truncated by loss of power, another block:  RESUME refused, slots unchanged");
@@ -267,7 +267,7 @@ static void test_good_runs_do(void)
         copy_memory(&memory, &good);
         run(NULL, seed, NEXT_MONTH, NULL);
         tumble_sets_state_t state;
-        tumble_sets_state(&keeper.sets, &state);
+        tumble_keeper_state(&keeper, &state);
         TEST_ASSERT_EQUAL_HEX16(0, state.objections);
         TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state.verdict);
         TEST_ASSERT_EQUAL_UINT32(2, state.counter);

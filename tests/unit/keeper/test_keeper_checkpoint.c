@@ -6,7 +6,7 @@ static void test_a_full_checkpoint_is_written_anew(void)
 {
     start_to_average(3);
     settle_memory();
-    keeper.sets.checkpoint.next = TUMBLE_CHECKPOINT_CELLS;
+    keeper.checkpoint.next = TUMBLE_CHECKPOINT_CELLS;
     run_to_average(5);
     settle_and_power_cycle();
     TEST_ASSERT_EQUAL_UINT8(5, state_of_keeper().resumable);
@@ -21,7 +21,7 @@ static void test_a_memory_that_fails_costs_the_checkpoint_alone(void)
     nv_arm(&memory, nv_no_fault);
     end_and_settle();
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
-    TEST_ASSERT_GREATER_OR_EQUAL_UINT32(3, tumble_sets_counters(&keeper.sets)->failures);
+    TEST_ASSERT_GREATER_OR_EQUAL_UINT32(3, keeper.counters.failures);
 }
 
 /* One that could not be begun is tried again with every mean that is finished, and then has all of them. */
@@ -29,13 +29,13 @@ static void test_a_checkpoint_that_could_not_be_begun_is_tried_again(void)
 {
     nv_refuse(&memory, NV_NEVER);
     start_to_average(3);
-    TEST_ASSERT_EQUAL_UINT32(4U * TUMBLE_SETS_TRIES, tumble_sets_counters(&keeper.sets)->failures);
+    TEST_ASSERT_EQUAL_UINT32(4U * TUMBLE_SETS_TRIES, keeper.counters.failures);
     TEST_ASSERT_EQUAL_UINT32(4U * TUMBLE_SETS_TRIES, memory.operations);
     nv_arm(&memory, nv_no_fault);
     run_to_average(6);
     settle_memory();
-    TEST_ASSERT_EQUAL_UINT32(4U * TUMBLE_SETS_TRIES, tumble_sets_counters(&keeper.sets)->failures);
-    TEST_ASSERT_EQUAL_UINT32(6, tumble_sets_counters(&keeper.sets)->checkpoints);
+    TEST_ASSERT_EQUAL_UINT32(4U * TUMBLE_SETS_TRIES, keeper.counters.failures);
+    TEST_ASSERT_EQUAL_UINT32(6, keeper.counters.checkpoints);
     assert_goes_on(6);
 }
 
@@ -45,7 +45,7 @@ static void test_a_checkpoint_that_was_lost_is_begun_again(void)
     start_to_average(3);
     memory.read_fails_at = 0;
     run_to_average(6);
-    TEST_ASSERT_EQUAL_UINT32(1U + (2U * TUMBLE_SETS_TRIES), tumble_sets_counters(&keeper.sets)->failures);
+    TEST_ASSERT_EQUAL_UINT32(1U + (2U * TUMBLE_SETS_TRIES), keeper.counters.failures);
     memory.read_fails_at = NV_NEVER;
     run_to_average(7);
     settle_and_power_cycle();
@@ -66,8 +66,8 @@ static void test_the_means_of_two_runs_are_not_mixed(void)
 
 static void write_on_checkpoint(void)
 {
-    while (tumble_checkpoint_busy(&keeper.sets.checkpoint)) {
-        (void)tumble_checkpoint_step(&keeper.sets.checkpoint);
+    while (tumble_checkpoint_busy(&keeper.checkpoint)) {
+        (void)tumble_checkpoint_step(&keeper.checkpoint);
     }
 }
 
@@ -76,15 +76,15 @@ static void turn_means_round(uint8_t count)
 {
     tumble_average_t means[POSITIONS];
     for (uint8_t p = 0; p < count; p++) {
-        ASSERT_STATUS(TUMBLE_OK, tumble_checkpoint_read(&keeper.sets.checkpoint, p, &means[p]));
+        ASSERT_STATUS(TUMBLE_OK, tumble_checkpoint_read(&keeper.checkpoint, p, &means[p]));
         for (int i = 0; i < TUMBLE_CHANNELS; i++) {
             means[p].sum_counts[i] = -means[p].sum_counts[i];
         }
     }
-    ASSERT_STATUS(TUMBLE_OK, tumble_checkpoint_begin(&keeper.sets.checkpoint, keeper.sets.checkpoint.fingerprint));
+    ASSERT_STATUS(TUMBLE_OK, tumble_checkpoint_begin(&keeper.checkpoint, keeper.checkpoint.fingerprint));
     write_on_checkpoint();
     for (uint8_t p = 0; p < count; p++) {
-        ASSERT_STATUS(TUMBLE_OK, tumble_checkpoint_append(&keeper.sets.checkpoint, p, &means[p]));
+        ASSERT_STATUS(TUMBLE_OK, tumble_checkpoint_append(&keeper.checkpoint, p, &means[p]));
         write_on_checkpoint();
     }
 }
@@ -94,7 +94,7 @@ static void assert_not_gone_on_with(uint32_t times)
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_RESUME));
     bench_pass(&bench, 0.2);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_IDLE, run_state());
-    TEST_ASSERT_EQUAL_UINT32(times, tumble_sets_counters(&keeper.sets)->not_resumed);
+    TEST_ASSERT_EQUAL_UINT32(times, keeper.counters.not_resumed);
     TEST_ASSERT_EQUAL_UINT8(0, state_of_keeper().resumable);
 }
 
@@ -106,13 +106,13 @@ static void test_what_cannot_be_put_back_is_no_run_to_go_on_with(void)
     keeper_power_cycle();
     TEST_ASSERT_EQUAL_UINT8(6, state_of_keeper().resumable);
     assert_not_gone_on_with(1);
-    keeper.sets.stale = true; /* as after any job of the store */
+    keeper.stale = true; /* as after any job of the store */
     settle_memory();
     TEST_ASSERT_EQUAL_UINT8(0, state_of_keeper().resumable);
     assert_not_gone_on_with(2);
-    keeper.sets.settings.flags |= TUMBLE_SETS_STARTS;
+    keeper.settings.flags |= TUMBLE_SETS_STARTS;
     bench_pass(&bench, (double)TUMBLE_SETS_MIN_PAUSE_S + 1.0);
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counters(&keeper.sets)->self_started);
+    TEST_ASSERT_EQUAL_UINT32(1, keeper.counters.self_started);
 }
 
 static const around_t around_each = {keeper_power_on, NULL};

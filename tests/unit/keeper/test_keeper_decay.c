@@ -27,8 +27,8 @@ static void commit_one(uint32_t sequence)
 {
     assert_verdict_after(1e-5, TUMBLE_VERDICT_COMMITTED);
     TEST_ASSERT_EQUAL(TUMBLE_ORIGIN_COMMITTED, set_of(TUMBLE_SET_ACTIVE).origin);
-    TEST_ASSERT_EQUAL_UINT32(sequence, tumble_sets_counter(&keeper.sets));
-    TEST_ASSERT_EQUAL_UINT8(sequence + events, tumble_history_count(&keeper.sets.history));
+    TEST_ASSERT_EQUAL_UINT32(sequence, keeper.sequence);
+    TEST_ASSERT_EQUAL_UINT8(sequence + events, tumble_history_count(&keeper.history));
 }
 
 /* Found while its successor is judged: that is judged by the one before. Who looked at the counter only before and
@@ -48,12 +48,12 @@ static void assert_told(uint32_t lost, uint32_t counter)
     tumble_history_entry_t entry;
     settle_memory();
     TEST_ASSERT_BITS_HIGH(TUMBLE_DUE_DECAYED, state_of_keeper().due);
-    TEST_ASSERT_EQUAL_UINT32(counter, tumble_sets_counter(&keeper.sets));
+    TEST_ASSERT_EQUAL_UINT32(counter, keeper.sequence);
     TEST_ASSERT_EQUAL_HEX8(TUMBLE_ERROR_GENERIC | TUMBLE_ERROR_MANUFACTURER, bench.navcomp.node.emcy.error_register);
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_KEEPER_EMCY_DECAYED, bench.navcomp.node.emcy.history[0] & 0xFFFFU);
     TEST_ASSERT_EQUAL_UINT8(1, bench.navcomp.node.emcy.recorded);
     TEST_ASSERT_EQUAL_UINT32(counter & 0xFFFFU, bench.navcomp.node.emcy.history[0] >> 16);
-    ASSERT_STATUS(TUMBLE_OK, tumble_history_read(&keeper.sets.history, 0, &entry));
+    ASSERT_STATUS(TUMBLE_OK, tumble_history_read(&keeper.history, 0, &entry));
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_ORIGIN_DECAYED, entry.origin);
     TEST_ASSERT_EQUAL_UINT32(lost, entry.sequence);
 }
@@ -73,11 +73,11 @@ static void test_while_power_is_off(void)
     for (int cycles = 0; cycles < 3; cycles++) { /* each time it is told, and once it is recorded */
         keeper_power_cycle();
         assert_told(2, 1);
-        TEST_ASSERT_EQUAL_UINT8(3, tumble_history_count(&keeper.sets.history));
+        TEST_ASSERT_EQUAL_UINT8(3, tumble_history_count(&keeper.history));
     }
     const tumble_set_t active = set_of(TUMBLE_SET_ACTIVE);
     tumble_history_entry_t entry;
-    ASSERT_STATUS(TUMBLE_OK, tumble_history_read(&keeper.sets.history, 0, &entry));
+    ASSERT_STATUS(TUMBLE_OK, tumble_history_read(&keeper.history, 0, &entry));
     TEST_ASSERT_TRUE((double)entry.value[0] ==
                      (double)(float)active.coefficients.k_v_per_g[0][0]); /* what counts now */
     events = 1;
@@ -127,8 +127,8 @@ static void test_a_run_is_due(void)
     decay(2);
     keeper_power_cycle();
     bench_pass(&bench, 1.0);
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counters(&keeper.sets)->self_started);
-    TEST_ASSERT_TRUE(tumble_sets_counters(&keeper.sets)->refused == 0U);
+    TEST_ASSERT_EQUAL_UINT32(1, keeper.counters.self_started);
+    TEST_ASSERT_TRUE(keeper.counters.refused == 0U);
 }
 
 /* Unreadable for a while: a result that comes later is judged by what was active, and stored. */
@@ -141,7 +141,7 @@ static void test_not_decayed_but_unreadable_at_power_on(void)
     memory.read_fails_at = NV_NEVER;
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
     TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE), state_of_keeper().objections);
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counter(&keeper.sets));
+    TEST_ASSERT_EQUAL_UINT32(1, keeper.sequence);
     drift(-2e-3);
     memory.read_fails_at = 0;
     keeper_power_cycle();
@@ -159,7 +159,7 @@ static void test_and_unreadable_it_remains(void)
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_FAILED, state_of_keeper().verdict);
     memory.read_fails_at = NV_NEVER;
     keeper_power_cycle();
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counter(&keeper.sets));
+    TEST_ASSERT_EQUAL_UINT32(1, keeper.sequence);
 }
 
 /* A record of sequence 1 beside one of sequence 2 that could not be read would be lost again at the next power-on. */
@@ -234,15 +234,15 @@ static void assert_newer_is_kept(uint32_t at)
     settle_memory();
     TEST_ASSERT_EQUAL_HEX8(TUMBLE_DUE_NEWER, state_of_keeper().due);
     assert_not_told();
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counter(&keeper.sets));
-    TEST_ASSERT_EQUAL_UINT32(0, keeper.sets.store.cells.torn);
-    TEST_ASSERT_EQUAL_UINT8(2, tumble_history_count(&keeper.sets.history));
+    TEST_ASSERT_EQUAL_UINT32(1, keeper.sequence);
+    TEST_ASSERT_EQUAL_UINT32(0, keeper.store.cells.torn);
+    TEST_ASSERT_EQUAL_UINT8(2, tumble_history_count(&keeper.history));
     assert_verdict_after(1e-5, TUMBLE_VERDICT_HELD);
     TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_NEWER_SET), state_of_keeper().objections);
     TEST_ASSERT_EQUAL_HEX8_ARRAY(before, place, sizeof before);
     ASSERT_STATUS(TUMBLE_OK, accept_proposal()); /* whoever wants it so */
     settle_memory();
-    TEST_ASSERT_EQUAL_UINT32(3, tumble_sets_counter(&keeper.sets));
+    TEST_ASSERT_EQUAL_UINT32(3, keeper.sequence);
     TEST_ASSERT_BITS_LOW(TUMBLE_DUE_NEWER, state_of_keeper().due);
 }
 

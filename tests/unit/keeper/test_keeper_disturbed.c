@@ -96,7 +96,7 @@ static uint16_t run(const char *lines)
         (unsigned)counters.block.repeated, (unsigned)counters.procedure.corrupted, (unsigned)counters.stop.implausible);
     TEST_MESSAGE(told);
     TEST_ASSERT_EQUAL_INT(WORLD_DONE, world.end);
-    tumble_sets_state(&keeper.sets, &state);
+    tumble_keeper_state(&keeper, &state);
     TEST_ASSERT_EQUAL_UINT8((state.objections == 0U) ? TUMBLE_VERDICT_COMMITTED : TUMBLE_VERDICT_HELD, state.verdict);
     return state.objections;
 }

@@ -1,6 +1,7 @@
 /* When a run is due, the calendar, settings, the trend. */
 #include "keeper_bench.h"
-#include "sets/parts.h"
+
+uint64_t tumble_keeper_whole_s(uint64_t us); /* private to the keeper */
 
 #define UTC_S 1800000000U
 
@@ -17,8 +18,8 @@ static void test_whole_seconds_are_those_of_a_division(void)
     for (uint64_t us = 1; us < (UINT64_MAX / 4U); us = (us * 3U) + 7U) {
         const uint64_t first_s = us / 1000000U;
         for (uint64_t whole_s = first_s; whole_s < (first_s + 64U); whole_s++) {
-            TEST_ASSERT_EQUAL_UINT64(whole_s, tumble_sets_whole_s(whole_s * 1000000U));
-            TEST_ASSERT_EQUAL_UINT64(whole_s, tumble_sets_whole_s((whole_s * 1000000U) + 999999U));
+            TEST_ASSERT_EQUAL_UINT64(whole_s, tumble_keeper_whole_s(whole_s * 1000000U));
+            TEST_ASSERT_EQUAL_UINT64(whole_s, tumble_keeper_whole_s((whole_s * 1000000U) + 999999U));
         }
     }
 }
@@ -27,16 +28,16 @@ static void test_utc_is_kept_by_the_clock(void)
 {
     TEST_ASSERT_EQUAL_UINT64(0, state_of_keeper().utc_s);
     bench_pass(&bench, 7.0);
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, UTC_S));
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, UTC_S));
     bench_pass(&bench, 100.0);
     TEST_ASSERT_UINT64_WITHIN(1, UTC_S + 100U, state_of_keeper().utc_s);
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, 5)); /* before the power-on of this clock */
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, 5)); /* before the power-on of this clock */
     bench_pass(&bench, 1.0);
     TEST_ASSERT_UINT64_WITHIN(1, 6, state_of_keeper().utc_s);
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, TUMBLE_SETS_MAX_UTC_S));
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, TUMBLE_SETS_MAX_UTC_S));
     TEST_ASSERT_UINT64_WITHIN(1, TUMBLE_SETS_MAX_UTC_S, state_of_keeper().utc_s);
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_sets_set_utc(&keeper.sets, TUMBLE_SETS_MAX_UTC_S + 1U));
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, 0));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_keeper_set_utc(&keeper, TUMBLE_SETS_MAX_UTC_S + 1U));
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, 0));
     TEST_ASSERT_EQUAL_UINT64(0, state_of_keeper().utc_s);
 }
 
@@ -45,12 +46,12 @@ static void test_due_by_date(void)
     settings.interval_s = 86400;
     keeper_power_cycle();
     TEST_ASSERT_EQUAL_HEX8(TUMBLE_DUE_NO_SET, due());
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, UTC_S));
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, UTC_S));
     (void)run_and_judge();
     const uint64_t date_s = set_of(TUMBLE_SET_ACTIVE).date_utc_s;
     TEST_ASSERT_EQUAL_HEX8(0, due());
     keeper_power_cycle();
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, date_s + 86398U));
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, date_s + 86398U));
     TEST_ASSERT_EQUAL_HEX8(0, due());
     TEST_ASSERT_UINT32_WITHIN(1, 2, state_of_keeper().due_in_s);
     bench_pass(&bench, 3.0);
@@ -98,10 +99,10 @@ static void test_due_by_temperature(void)
     bench.block.temperature_half_c = 43;
     bench_pass(&bench, 1.0);
     TEST_ASSERT_EQUAL_HEX8(TUMBLE_DUE_TEMPERATURE, due());
-    keeper.sets.off_temperature = UINT16_MAX; /* after eleven minutes */
+    keeper.off_temperature = UINT16_MAX; /* after eleven minutes */
     bench_pass(&bench, 0.1);
     TEST_ASSERT_EQUAL_HEX8(TUMBLE_DUE_TEMPERATURE, due());
-    keeper.sets.stale = true; /* as after any job of the store: counted anew */
+    keeper.stale = true; /* as after any job of the store: counted anew */
     settle_memory();
     TEST_ASSERT_EQUAL_HEX8(0, due());
     drift(1e-5);
@@ -120,13 +121,13 @@ static void test_it_starts_by_itself_when_told_so(void)
     bench_pass(&bench, 200.0);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, run_state()); /* it was not told */
     settings.flags = TUMBLE_SETS_STARTS;
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_configure(&keeper.sets, &settings));
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_configure(&keeper, &settings));
     drift(1e-5);
     bench_pass(&bench, 0.5);
     TEST_ASSERT_NOT_EQUAL(TUMBLE_STATE_DONE, run_state());
     end_and_settle();
-    TEST_ASSERT_EQUAL_UINT32(2, tumble_sets_counter(&keeper.sets));
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counters(&keeper.sets)->self_started);
+    TEST_ASSERT_EQUAL_UINT32(2, keeper.sequence);
+    TEST_ASSERT_EQUAL_UINT32(1, keeper.counters.self_started);
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
 }
 
@@ -144,7 +145,7 @@ static void test_it_pauses_between_starts_by_itself(void)
     TEST_ASSERT_EQUAL(TUMBLE_STATE_ABORT, run_state());
     bench_pass(&bench, 1.5);
     TEST_ASSERT_NOT_EQUAL(TUMBLE_STATE_ABORT, run_state());
-    TEST_ASSERT_EQUAL_UINT32(2, tumble_sets_counters(&keeper.sets)->self_started);
+    TEST_ASSERT_EQUAL_UINT32(2, keeper.counters.self_started);
     /* One that somebody began and gave up is not begun again at once either. */
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_ABORT));
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
@@ -161,12 +162,12 @@ static void test_a_proposal_or_a_run_to_resume_keeps_it_from_starting(void)
     (void)run_and_judge();
     assert_verdict_after(2e-3, TUMBLE_VERDICT_HELD);
     settings.flags = TUMBLE_SETS_STARTS;
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_configure(&keeper.sets, &settings));
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_configure(&keeper, &settings));
     bench_pass(&bench, 100.0);
-    TEST_ASSERT_EQUAL_UINT32(0, tumble_sets_counters(&keeper.sets)->self_started);
+    TEST_ASSERT_EQUAL_UINT32(0, keeper.counters.self_started);
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_DISCARD));
     bench_pass(&bench, 1.0);
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counters(&keeper.sets)->self_started);
+    TEST_ASSERT_EQUAL_UINT32(1, keeper.counters.self_started);
     run_to_average(4);
     settle_and_power_cycle();
     bench_pass(&bench, 100.0);
@@ -184,7 +185,7 @@ static void test_a_table_that_wants_a_look_keeps_it_from_starting(void)
     keeper_power_cycle();
     for (uint32_t i = 0; i < 2U; i++) {
         bench_pass(&bench, 1.0);
-        TEST_ASSERT_EQUAL_UINT32(i + 1U, tumble_sets_counters(&keeper.sets)->self_started);
+        TEST_ASSERT_EQUAL_UINT32(i + 1U, keeper.counters.self_started);
         ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_ABORT));
         bench_pass(&bench, 3.0);
         fake_port_give(&bench.fake, &foreign);
@@ -192,7 +193,7 @@ static void test_a_table_that_wants_a_look_keeps_it_from_starting(void)
         bench.axis.fault = (uint8_t)faults[i];
         TEST_ASSERT_EQUAL_INT(faults[i], bench_progress(&bench).stand_fault);
         bench_pass(&bench, 200.0);
-        TEST_ASSERT_EQUAL_UINT32(i + 1U, tumble_sets_counters(&keeper.sets)->self_started);
+        TEST_ASSERT_EQUAL_UINT32(i + 1U, keeper.counters.self_started);
         TEST_ASSERT_EQUAL_INT(faults[i], bench_progress(&bench).stand_fault);
         ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_CLEAR_FAULT));
     }
@@ -202,8 +203,8 @@ static void test_a_table_that_wants_a_look_keeps_it_from_starting(void)
 
 static void refuse(tumble_sets_settings_t bad, const char *what)
 {
-    TEST_ASSERT_EQUAL_MESSAGE(TUMBLE_E_ARGUMENT, tumble_sets_configure(&keeper.sets, &bad), what);
-    TEST_ASSERT_EQUAL_MEMORY_MESSAGE(&settings, tumble_sets_settings(&keeper.sets), sizeof settings, what);
+    TEST_ASSERT_EQUAL_MESSAGE(TUMBLE_E_ARGUMENT, tumble_keeper_configure(&keeper, &bad), what);
+    TEST_ASSERT_EQUAL_MEMORY_MESSAGE(&settings, &keeper.settings, sizeof settings, what);
 }
 
 static void test_settings_are_taken_whole_or_not_at_all(void)
@@ -227,13 +228,13 @@ static void test_settings_are_taken_whole_or_not_at_all(void)
     bad = settings;
     bad.limits.coverage = 0.5F;
     refuse(bad, "limits");
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_sets_configure(&keeper.sets, NULL));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_keeper_configure(&keeper, NULL));
     settings.gravity_m_s2 = 0.0;
     settings.interval_s = 7;
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_configure(&keeper.sets, &settings));
-    TEST_ASSERT_EQUAL_UINT32(7, tumble_sets_settings(&keeper.sets)->interval_s);
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_configure(&keeper, &settings));
+    TEST_ASSERT_EQUAL_UINT32(7, keeper.settings.interval_s);
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    ASSERT_STATUS(TUMBLE_E_STATE, tumble_sets_configure(&keeper.sets, &settings));
+    ASSERT_STATUS(TUMBLE_E_STATE, tumble_keeper_configure(&keeper, &settings));
 }
 
 /* The trend. */
@@ -241,33 +242,33 @@ static void test_settings_are_taken_whole_or_not_at_all(void)
 static void test_the_trend_of_a_drifting_bias(void)
 {
     tumble_trend_t trend;
-    ASSERT_STATUS(TUMBLE_E_TOO_FEW, tumble_sets_trend(&keeper.sets, 9, &trend));
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_sets_trend(&keeper.sets, 12, &trend));
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_sets_trend(&keeper.sets, 9, NULL));
+    ASSERT_STATUS(TUMBLE_E_TOO_FEW, tumble_keeper_trend(&keeper, 9, &trend));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_keeper_trend(&keeper, 12, &trend));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_keeper_trend(&keeper, 9, NULL));
     const double month_s = TUMBLE_MONTH_S;
     for (int month = 0; month < 6; month++) {
-        ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, UTC_S + (uint64_t)(month * month_s)));
+        ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, UTC_S + (uint64_t)(month * month_s)));
         TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
         drift(2e-5);
         keeper_power_cycle(); /* it survives */
     }
     for (uint8_t c = 9; c < 12U; c++) {
-        ASSERT_STATUS(TUMBLE_OK, tumble_sets_trend(&keeper.sets, c, &trend));
+        ASSERT_STATUS(TUMBLE_OK, tumble_keeper_trend(&keeper, c, &trend));
         TEST_ASSERT_DOUBLE_WITHIN(1e-7, 2e-5, trend.per_month);
         TEST_ASSERT_EQUAL_UINT32(4, trend.freedom);
         /* u of the slope of six months of equal weight: u / sqrt(17.5) */
         const double u = set_of(TUMBLE_SET_ACTIVE).uncertainty.u0_v[c - 9U];
         TEST_ASSERT_DOUBLE_WITHIN(0.01 * u, u / 4.18330013267, trend.u_per_month);
     }
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_trend(&keeper.sets, 0, &trend));
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_trend(&keeper, 0, &trend));
     TEST_ASSERT_DOUBLE_WITHIN(1e-7, 0.0, trend.per_month);
     memory.read_fails_at = 0;
-    ASSERT_STATUS(TUMBLE_E_NV, tumble_sets_trend(&keeper.sets, 0, &trend));
+    ASSERT_STATUS(TUMBLE_E_NV, tumble_keeper_trend(&keeper, 0, &trend));
     memory.read_fails_at = NV_NEVER;
     tumble_history_entry_t entry;
-    ASSERT_STATUS(TUMBLE_OK, tumble_history_read(&keeper.sets.history, 0, &entry));
-    ASSERT_STATUS(TUMBLE_OK, tumble_history_append(&keeper.sets.history, &entry));
-    ASSERT_STATUS(TUMBLE_E_PORT_BUSY, tumble_sets_trend(&keeper.sets, 0, &trend));
+    ASSERT_STATUS(TUMBLE_OK, tumble_history_read(&keeper.history, 0, &entry));
+    ASSERT_STATUS(TUMBLE_OK, tumble_history_append(&keeper.history, &entry));
+    ASSERT_STATUS(TUMBLE_E_PORT_BUSY, tumble_keeper_trend(&keeper, 0, &trend));
 }
 
 /* A run a month after the one before, in which the biases moved by so much. */
@@ -275,7 +276,7 @@ static tumble_verdict_t run_after_a_month(double moved_v)
 {
     static uint64_t utc_s = UTC_S;
     utc_s += (uint64_t)TUMBLE_MONTH_S;
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, utc_s));
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, utc_s));
     drift(moved_v);
     return run_and_judge();
 }
@@ -289,7 +290,7 @@ static void decide(tumble_command_t command)
 static void assert_trend(double per_month, uint32_t freedom)
 {
     tumble_trend_t trend;
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_trend(&keeper.sets, 9, &trend));
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_trend(&keeper, 9, &trend));
     TEST_ASSERT_DOUBLE_WITHIN(1e-7, per_month, trend.per_month);
     TEST_ASSERT_EQUAL_UINT32(freedom, trend.freedom);
 }
@@ -303,7 +304,7 @@ static void test_what_was_given_up_is_no_drift(void)
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_after_a_month(5e-3));
     decide(TUMBLE_COMMAND_ACCEPT);
     decide(TUMBLE_COMMAND_ROLLBACK);
-    TEST_ASSERT_EQUAL_UINT8(5, tumble_history_count(&keeper.sets.history));
+    TEST_ASSERT_EQUAL_UINT8(5, tumble_history_count(&keeper.history));
     assert_trend(2e-5, 1);
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_after_a_month(-5e-3 + 4e-5));
     assert_trend(2e-5, 2);
@@ -319,7 +320,7 @@ static void test_an_exchange_of_the_block_is_no_drift(void)
     keeper_power_cycle();
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_after_a_month(5e-3));
     decide(TUMBLE_COMMAND_ACCEPT);
-    ASSERT_STATUS(TUMBLE_E_TOO_FEW, tumble_sets_trend(&keeper.sets, 9, &trend));
+    ASSERT_STATUS(TUMBLE_E_TOO_FEW, tumble_keeper_trend(&keeper, 9, &trend));
     for (uint32_t i = 0; i < 3U; i++) {
         TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_after_a_month(-3e-5));
         assert_trend(-3e-5, i);
@@ -331,10 +332,10 @@ static void test_an_exchange_of_the_block_is_no_drift(void)
 static void test_an_active_set_dated_after_the_present_holds_nothing(void)
 {
     const uint64_t ahead_s = 50U * 31557600U;
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, UTC_S + ahead_s));
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, UTC_S + ahead_s));
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
     TEST_ASSERT_EQUAL_HEX8(0, due());
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, UTC_S));
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, UTC_S));
     bench_pass(&bench, 1.0);
     TEST_ASSERT_EQUAL_HEX8(TUMBLE_DUE_DATE, due());
     assert_verdict_after(1e-5, TUMBLE_VERDICT_COMMITTED);
@@ -346,25 +347,25 @@ static void test_an_active_set_dated_after_the_present_holds_nothing(void)
 /* Drift as where no date is known: that of a month. */
 static void test_nor_does_it_excuse_a_change(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, UTC_S + (30U * (uint64_t)TUMBLE_MONTH_S)));
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, UTC_S + (30U * (uint64_t)TUMBLE_MONTH_S)));
     (void)run_and_judge();
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, UTC_S));
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, UTC_S));
     assert_verdict_after(2e-3, TUMBLE_VERDICT_HELD);
     TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE), state_of_keeper().objections);
 }
 
 static void test_a_clock_that_is_corrected_a_little_makes_no_run_due(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, UTC_S));
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, UTC_S));
     (void)run_and_judge();
     const uint64_t date_s = set_of(TUMBLE_SET_ACTIVE).date_utc_s;
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, date_s - TUMBLE_SETS_CLOCK_SLACK_S));
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, date_s - TUMBLE_SETS_CLOCK_SLACK_S));
     bench_pass(&bench, 0.1);
     TEST_ASSERT_EQUAL_HEX8(0, due());
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, date_s - TUMBLE_SETS_CLOCK_SLACK_S - 10U));
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, date_s - TUMBLE_SETS_CLOCK_SLACK_S - 10U));
     bench_pass(&bench, 1.0);
     TEST_ASSERT_EQUAL_HEX8(TUMBLE_DUE_DATE, due());
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, 0));
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, 0));
     TEST_ASSERT_EQUAL_HEX8(0, due());
 }
 

@@ -73,11 +73,11 @@ static double farthest_off(void)
     double farthest = 0.0;
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++) {
-            const double off = fabs(keeper.sets.set.coefficients.k_v_per_g[i][j] - truth->k_v_per_g[i][j]);
-            farthest = fmax(farthest, off / keeper.sets.set.uncertainty.k_v_per_g[i][j]);
+            const double off = fabs(keeper.set.coefficients.k_v_per_g[i][j] - truth->k_v_per_g[i][j]);
+            farthest = fmax(farthest, off / keeper.set.uncertainty.k_v_per_g[i][j]);
         }
-        const double off = fabs(keeper.sets.set.coefficients.u0_v[i] - truth->u0_v[i]);
-        farthest = fmax(farthest, off / keeper.sets.set.uncertainty.u0_v[i]);
+        const double off = fabs(keeper.set.coefficients.u0_v[i] - truth->u0_v[i]);
+        farthest = fmax(farthest, off / keeper.set.uncertainty.u0_v[i]);
     }
     return farthest;
 }
@@ -85,7 +85,7 @@ static double farthest_off(void)
 static void count_run(tally_t *tally)
 {
     tumble_sets_state_t state;
-    tumble_sets_state(&keeper.sets, &state);
+    tumble_keeper_state(&keeper, &state);
     if (state.verdict == TUMBLE_VERDICT_NONE) {
         return; /* another gate has ended the run */
     }

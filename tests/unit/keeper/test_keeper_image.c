@@ -7,7 +7,7 @@
 
 static void live(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, 1800000000));
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, 1800000000));
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
     keeper_power_cycle();
     assert_verdict_after(2e-3, TUMBLE_VERDICT_HELD);

@@ -10,9 +10,9 @@ static void assert_inhibited_everywhere(void)
         TUMBLE_COMMAND_REPEAT_POSITION, TUMBLE_COMMAND_REPEAT_MOUNTING, TUMBLE_COMMAND_HOME_AXIS,
         TUMBLE_COMMAND_TURN_AXIS};
     for (size_t i = 0; i < COUNT_OF(refused); i++) {
-        const uint32_t before = tumble_sets_counters(&keeper.sets)->inhibited;
+        const uint32_t before = keeper.counters.inhibited;
         TEST_ASSERT_EQUAL(TUMBLE_E_STATE, tell(refused[i]));
-        TEST_ASSERT_EQUAL_UINT32(before + 1U, tumble_sets_counters(&keeper.sets)->inhibited);
+        TEST_ASSERT_EQUAL_UINT32(before + 1U, keeper.counters.inhibited);
     }
     TEST_ASSERT_TRUE(state_of_keeper().inhibited);
 }
@@ -63,7 +63,7 @@ static void test_a_run_under_way_is_given_up(void)
         TEST_ASSERT_EQUAL(states[s], progress.run.failed_in);
         TEST_ASSERT_NOT_EQUAL(TUMBLE_STAND_MOVING, progress.stand);
         TEST_ASSERT_NOT_EQUAL(TUMBLE_STAND_HOMING, progress.stand);
-        TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counters(&keeper.sets)->inhibited);
+        TEST_ASSERT_EQUAL_UINT32(1, keeper.counters.inhibited);
     }
 }
 
@@ -113,7 +113,7 @@ static void test_a_run_that_slipped_through_is_given_up(void)
     looks = 0;
     keeper_power_cycle();
     bench_pass(&bench, 600.0);
-    TEST_ASSERT_GREATER_THAN_UINT32(0, tumble_sets_counters(&keeper.sets)->self_started);
+    TEST_ASSERT_GREATER_THAN_UINT32(0, keeper.counters.self_started);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_ABORT, run_state());
     TEST_ASSERT_EQUAL_UINT32(0, bench_counters(&bench).procedure.positions);
 }
@@ -218,7 +218,7 @@ static void test_abort_and_inhibit_stop_it(void)
     ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_turn(&bench.navcomp, 180.0));
     tumble_keeper_inhibit(&keeper, 60);
     wait_for_stand(TUMBLE_STAND_STOPPED);
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counters(&keeper.sets)->inhibited);
+    TEST_ASSERT_EQUAL_UINT32(1, keeper.counters.inhibited);
     ASSERT_STATUS(TUMBLE_E_STATE, tumble_navcomp_turn(&bench.navcomp, 10.0));
 }
 

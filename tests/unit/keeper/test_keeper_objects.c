@@ -56,7 +56,7 @@ static void test_the_sets(void)
     for (uint16_t index = 0x2100; index <= 0x2117U; index++) {
         TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(index, 1));
     }
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, 1800000000));
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, 1800000000));
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
     check_set(TUMBLE_SET_ACTIVE);
     assert_verdict_after(1e-5, TUMBLE_VERDICT_COMMITTED);
@@ -126,7 +126,7 @@ static void test_uncertainties_of_the_result(void)
 
 static void test_the_state_is_the_keepers(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, 1800000000));
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, 1800000000));
     hold_one();
     const tumble_sets_state_t state = state_of_keeper();
     TEST_ASSERT_TRUE(state.utc_s == read_u64(0x2120, 1));
@@ -173,7 +173,7 @@ static void test_what_the_host_tells(void)
 static void test_the_settings(void)
 {
     TEST_ASSERT_EQUAL_HEX32(0, write_f64(0x2122, 1, 9.75));
-    TEST_ASSERT_TRUE(tumble_sets_settings(&keeper.sets)->gravity_m_s2 == 9.75);
+    TEST_ASSERT_TRUE(keeper.settings.gravity_m_s2 == 9.75);
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_VALUE, write_f64(0x2122, 1, 1.62));
     TEST_ASSERT_TRUE(read_f64(0x2122, 1) == 9.75);
     TEST_ASSERT_EQUAL_HEX32(0, write_u32(0x2122, 2, 86400));
@@ -195,7 +195,7 @@ static void test_the_settings(void)
     }
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_TOO_LOW, write_f32(0x2124, 1, 0.0F));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_TOO_HIGH, write_f32(0x2125, 12, 1.5F));
-    const tumble_sets_settings_t *now = tumble_sets_settings(&keeper.sets);
+    const tumble_sets_settings_t *now = &keeper.settings;
     for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
         TEST_ASSERT_TRUE(now->limits.uncertainty[c] == 0.001F * (float)(c + 1));
         TEST_ASSERT_TRUE(now->limits.drift_per_month[c] == 0.002F * (float)(c + 1));

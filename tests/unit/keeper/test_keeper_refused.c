@@ -14,7 +14,7 @@ static uint32_t refused(void)
 
 static uint32_t failures(void)
 {
-    return tumble_sets_counters(&keeper.sets)->failures;
+    return keeper.counters.failures;
 }
 
 /* The checkpoint. */
@@ -41,7 +41,7 @@ static void test_a_mean_that_is_refused_once_or_twice_is_kept(void)
         run_to_rest(6);
         TEST_ASSERT_EQUAL_UINT32(times + 1U, refused()); /* the last one was taken */
         TEST_ASSERT_EQUAL_UINT32(times, failures());
-        TEST_ASSERT_EQUAL_UINT32(6, tumble_sets_counters(&keeper.sets)->checkpoints);
+        TEST_ASSERT_EQUAL_UINT32(6, keeper.counters.checkpoints);
         assert_resumable(6);
         resume_to_end();
         TEST_ASSERT_EQUAL_UINT32(12, bench_counters(&bench).procedure.positions);
@@ -59,10 +59,10 @@ static void test_a_mean_that_is_refused_too_often_waits_for_the_next(void)
     TEST_ASSERT_EQUAL_UINT32(TUMBLE_SETS_TRIES, refused());
     run_to_rest(7);
     TEST_ASSERT_EQUAL_UINT32(2U * TUMBLE_SETS_TRIES, refused());
-    TEST_ASSERT_EQUAL_UINT32(5, tumble_sets_counters(&keeper.sets)->checkpoints);
+    TEST_ASSERT_EQUAL_UINT32(5, keeper.counters.checkpoints);
     run_to_rest(8);
     TEST_ASSERT_EQUAL_UINT32(2U * TUMBLE_SETS_TRIES, failures());
-    TEST_ASSERT_EQUAL_UINT32(8, tumble_sets_counters(&keeper.sets)->checkpoints);
+    TEST_ASSERT_EQUAL_UINT32(8, keeper.counters.checkpoints);
     assert_resumable(8);
 }
 
@@ -163,7 +163,7 @@ static void test_a_run_that_is_given_up_is_not_added_to(void)
 {
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
     run_to_rest(4);
-    while (!tumble_checkpoint_busy(&keeper.sets.checkpoint)) {
+    while (!tumble_checkpoint_busy(&keeper.checkpoint)) {
         bench_event(&bench);
     }
     refuse(1);
@@ -179,17 +179,17 @@ static void test_a_run_that_is_given_up_is_not_added_to(void)
 static void run_to_history(void)
 {
     run_to_done();
-    for (int i = 0; (i < 2000) && !tumble_history_busy(&keeper.sets.history); i++) {
+    for (int i = 0; (i < 2000) && !tumble_history_busy(&keeper.history); i++) {
         bench_event(&bench);
     }
-    TEST_ASSERT_TRUE(tumble_history_busy(&keeper.sets.history));
+    TEST_ASSERT_TRUE(tumble_history_busy(&keeper.history));
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
 }
 
 static void assert_history(uint8_t entries, uint32_t newest)
 {
-    TEST_ASSERT_EQUAL_UINT8(entries, tumble_history_count(&keeper.sets.history));
-    TEST_ASSERT_EQUAL_UINT32(newest, tumble_history_sequence(&keeper.sets.history));
+    TEST_ASSERT_EQUAL_UINT8(entries, tumble_history_count(&keeper.history));
+    TEST_ASSERT_EQUAL_UINT32(newest, tumble_history_sequence(&keeper.history));
 }
 
 static void test_an_entry_of_the_history_that_is_refused_is_written(void)
@@ -201,7 +201,7 @@ static void test_an_entry_of_the_history_that_is_refused_is_written(void)
         settle_memory();
         TEST_ASSERT_EQUAL_UINT32(times, failures());
         TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
-        TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counter(&keeper.sets));
+        TEST_ASSERT_EQUAL_UINT32(1, keeper.sequence);
         assert_history(1, 1);
         keeper_power_cycle();
         assert_history(1, 1);
@@ -265,13 +265,13 @@ static void test_it_comes_to_rest_where_every_so_many_reads_fail(void)
         reads = 0;
         memory.nv.read = read_sometimes;
         for (uint32_t run = 0; run < 3U; run++) {
-            const uint32_t before = tumble_sets_counter(&keeper.sets);
+            const uint32_t before = keeper.sequence;
             drift(1e-5);
             const tumble_verdict_t verdict = run_and_judge();
             const bool committed = (verdict == TUMBLE_VERDICT_COMMITTED);
             TEST_ASSERT_TRUE(committed || (verdict == TUMBLE_VERDICT_FAILED));
-            TEST_ASSERT_GREATER_OR_EQUAL_UINT32(before + (committed ? 1U : 0U), tumble_sets_counter(&keeper.sets));
-            TEST_ASSERT_LESS_OR_EQUAL_UINT32(before + 1U, tumble_sets_counter(&keeper.sets)); /* store.h, _step */
+            TEST_ASSERT_GREATER_OR_EQUAL_UINT32(before + (committed ? 1U : 0U), keeper.sequence);
+            TEST_ASSERT_LESS_OR_EQUAL_UINT32(before + 1U, keeper.sequence); /* store.h, _step */
         }
     }
 }

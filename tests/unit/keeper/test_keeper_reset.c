@@ -30,9 +30,9 @@ static void test_it_starts_by_itself_after_a_reset(void)
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
     reset_application();
     bench_pass(&bench, (double)settings.pause_s - 1.0);
-    TEST_ASSERT_EQUAL_UINT32(0, tumble_sets_counters(&keeper.sets)->self_started);
+    TEST_ASSERT_EQUAL_UINT32(0, keeper.counters.self_started);
     bench_pass(&bench, 3.0);
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counters(&keeper.sets)->self_started);
+    TEST_ASSERT_EQUAL_UINT32(1, keeper.counters.self_started);
     TEST_ASSERT_NOT_EQUAL(TUMBLE_STATE_IDLE, run_state());
 }
 
@@ -78,7 +78,7 @@ static void test_a_reset_ends_going_on(void)
     reset_application();
     bench_pass(&bench, 1.0);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_IDLE, run_state());
-    TEST_ASSERT_EQUAL_UINT32(0, tumble_sets_counters(&keeper.sets)->resumed);
+    TEST_ASSERT_EQUAL_UINT32(0, keeper.counters.resumed);
     TEST_ASSERT_EQUAL_UINT8(6, state_of_keeper().resumable);
     resume_to_end();
     TEST_ASSERT_EQUAL_UINT32(12, bench_counters(&bench).procedure.positions);
@@ -96,7 +96,7 @@ static void test_a_reset_brings_back_what_fits_the_run(void)
     settle_memory();
     TEST_ASSERT_EQUAL_UINT8(6, state_of_keeper().resumable);
     bench_pass(&bench, 300.0);
-    TEST_ASSERT_EQUAL_UINT32(0, tumble_sets_counters(&keeper.sets)->self_started); /* it waits for who looks */
+    TEST_ASSERT_EQUAL_UINT32(0, keeper.counters.self_started); /* it waits for who looks */
     resume_to_end();
 }
 
@@ -110,12 +110,12 @@ static void test_no_start_before_what_was_saved_is_in_force(void)
     TEST_ASSERT_EQUAL_UINT32(BENCH_SAMPLES, bench.navcomp.procedure_config.samples);
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, command(TUMBLE_COMMAND_START));
     TEST_ASSERT_EQUAL(TUMBLE_STATE_IDLE, run_state());
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counters(&keeper.sets)->refused);
+    TEST_ASSERT_EQUAL_UINT32(1, keeper.counters.refused);
     settle_memory();
     TEST_ASSERT_EQUAL_UINT32(34, bench.navcomp.procedure_config.samples);
     TEST_ASSERT_EQUAL_HEX32(0, command(TUMBLE_COMMAND_START));
     TEST_ASSERT_NOT_EQUAL(TUMBLE_STATE_IDLE, run_state());
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counters(&keeper.sets)->refused);
+    TEST_ASSERT_EQUAL_UINT32(1, keeper.counters.refused);
     /* While a run is on it is saved, or read, no more. */
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, write_and_wait(0x1010, SAVE));
 }

@@ -21,7 +21,7 @@ static void test_cut_at_every_position_the_result_is_the_same(void)
         ASSERT_SAME_DOUBLE(whole.closure_v, set.closure_v);
         TEST_ASSERT_EQUAL_HEX16(whole.flags | TUMBLE_SET_RESUMED, set.flags);
         TEST_ASSERT_EQUAL_UINT32(whole.samples, set.samples);
-        TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counters(&keeper.sets)->resumed);
+        TEST_ASSERT_EQUAL_UINT32(1, keeper.counters.resumed);
         TEST_ASSERT_EQUAL_UINT32(POSITIONS - index, bench_counters(&bench).procedure.positions);
         TEST_ASSERT_EQUAL_UINT32((POSITIONS - index) * BENCH_SAMPLES, bench_counters(&bench).procedure.averaged);
     }
@@ -55,12 +55,12 @@ static void test_cut_before_the_result_is_stored(void)
     while (run_state() != TUMBLE_STATE_DONE) {
         bench_event(&bench);
     }
-    for (int i = 0; (i < 100) && ((keeper.sets.saved >> 17U) == 0U); i++) {
+    for (int i = 0; (i < 100) && ((keeper.saved >> 17U) == 0U); i++) {
         bench_event(&bench);
     }
     /* The step that saw DONE took the result; the last mean is on its way into the checkpoint. */
-    while (tumble_checkpoint_busy(&keeper.sets.checkpoint)) {
-        (void)tumble_checkpoint_step(&keeper.sets.checkpoint);
+    while (tumble_checkpoint_busy(&keeper.checkpoint)) {
+        (void)tumble_checkpoint_step(&keeper.checkpoint);
     }
     keeper_power_cycle();
     const uint8_t resumable = state_of_keeper().resumable;
@@ -82,7 +82,7 @@ static void test_a_committed_run_is_not_gone_on_with(void)
     keeper_power_cycle();
     TEST_ASSERT_EQUAL_UINT8(0, state_of_keeper().resumable);
     ASSERT_STATUS(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_RESUME));
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counters(&keeper.sets)->not_resumed);
+    TEST_ASSERT_EQUAL_UINT32(1, keeper.counters.not_resumed);
 }
 
 /* The same with a result that was held: the run can be gone on with, but its result is the proposal already. */
@@ -120,9 +120,9 @@ static void test_it_is_busy_until_all_is_stored(void)
         TEST_ASSERT_EQUAL_UINT8(first ? TUMBLE_VERDICT_COMMITTED : TUMBLE_VERDICT_HELD, state_of_keeper().verdict);
         keeper_power_cycle();
         TEST_ASSERT_EQUAL_UINT8(0, state_of_keeper().resumable);
-        TEST_ASSERT_FALSE(keeper.sets.checkpoint.kept);
-        TEST_ASSERT_EQUAL_UINT8(first ? 1U : 0U, tumble_history_count(&keeper.sets.history));
-        TEST_ASSERT_EQUAL_UINT32(first ? 1U : 0U, keeper.sets.history.newest);
+        TEST_ASSERT_FALSE(keeper.checkpoint.kept);
+        TEST_ASSERT_EQUAL_UINT8(first ? 1U : 0U, tumble_history_count(&keeper.history));
+        TEST_ASSERT_EQUAL_UINT32(first ? 1U : 0U, keeper.history.newest);
     }
 }
 
@@ -150,7 +150,7 @@ static void test_a_run_begun_at_once_keeps_its_checkpoint(void)
 {
     run_to_done();
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_WORKING, state_of_keeper().verdict);
-    while (!tumble_store_busy(&keeper.sets.store)) {
+    while (!tumble_store_busy(&keeper.store)) {
         bench_event(&bench); /* before that a START is refused */
     }
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_WORKING, state_of_keeper().verdict);
@@ -178,7 +178,7 @@ static void assert_not_resumable(const char *what)
     TEST_ASSERT_EQUAL_UINT8_MESSAGE(0, state_of_keeper().resumable, what);
     TEST_ASSERT_EQUAL_MESSAGE(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_RESUME), what);
     TEST_ASSERT_EQUAL_MESSAGE(TUMBLE_STATE_IDLE, run_state(), what);
-    TEST_ASSERT_EQUAL_UINT32_MESSAGE(1, tumble_sets_counters(&keeper.sets)->not_resumed, what);
+    TEST_ASSERT_EQUAL_UINT32_MESSAGE(1, keeper.counters.not_resumed, what);
 }
 
 static void test_block_stand_schedule_and_configuration_must_be_the_same(void)
@@ -230,7 +230,7 @@ static void test_a_configuration_written_meanwhile(void)
     bench.navcomp.procedure_config.samples = BENCH_SAMPLES + 3U; /* while the means are being put back */
     bench_pass(&bench, 0.2);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_IDLE, run_state());
-    TEST_ASSERT_EQUAL_UINT32(0, tumble_sets_counters(&keeper.sets)->resumed);
+    TEST_ASSERT_EQUAL_UINT32(0, keeper.counters.resumed);
 }
 
 static void test_start_overtakes_a_resumption(void)
@@ -241,7 +241,7 @@ static void test_start_overtakes_a_resumption(void)
     bench_event(&bench);
     run_to_done();
     TEST_ASSERT_EQUAL_UINT32(POSITIONS, bench_counters(&bench).procedure.positions);
-    TEST_ASSERT_EQUAL_UINT32(0, tumble_sets_counters(&keeper.sets)->resumed);
+    TEST_ASSERT_EQUAL_UINT32(0, keeper.counters.resumed);
 }
 
 /* A position that is dropped on purpose does not come back after a loss of power. */
@@ -251,7 +251,7 @@ static void test_a_mean_that_was_dropped_stays_dropped(void)
     ASSERT_STATUS(TUMBLE_OK, bench_command(&bench, TUMBLE_COMMAND_REPEAT_POSITION, 2));
     settle_and_power_cycle();
     TEST_ASSERT_EQUAL_UINT8(5, state_of_keeper().resumable);
-    TEST_ASSERT_FALSE(tumble_checkpoint_has(&keeper.sets.checkpoint, 2));
+    TEST_ASSERT_FALSE(tumble_checkpoint_has(&keeper.checkpoint, 2));
 }
 
 static void test_a_mounting_that_was_dropped_stays_dropped(void)

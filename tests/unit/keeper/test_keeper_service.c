@@ -58,7 +58,7 @@ static void test_nobody_voids_the_rules_at_normal_level(void)
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, write_byte(0x2122, 6, 1));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, write_and_wait(0x1010, SAVE));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, write_and_wait(0x1011, LOAD));
-    TEST_ASSERT_EQUAL_MEMORY(&settings, tumble_sets_settings(&keeper.sets), sizeof settings);
+    TEST_ASSERT_EQUAL_MEMORY(&settings, &keeper.settings, sizeof settings);
     TEST_ASSERT_EQUAL_HEX32(0, write_u32(0x2122, 2, 86400)); /* when a run is due, and so on, is nobody's secret */
     TEST_ASSERT_EQUAL_HEX32(0, write_u32(0x2122, 3, 600));
     TEST_ASSERT_EQUAL_HEX32(0, write_byte(0x2122, 5, 20));
@@ -187,13 +187,13 @@ static void test_what_the_board_sets_is_the_boards(void)
 {
     tumble_sets_settings_t own = settings;
     own.limits.coverage = 5.0F;
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_configure(&keeper.sets, &own));
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_configure(&keeper, &own));
     assert_judged(TUMBLE_VERDICT_COMMITTED, 0);
     unlock();
     TEST_ASSERT_EQUAL_HEX32(0, write_f32(0x2123, 1, 6.0F));
-    own = *tumble_sets_settings(&keeper.sets);
+    own = *&keeper.settings;
     own.interval_s++;
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_configure(&keeper.sets, &own)); /* does not make others its own */
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_configure(&keeper, &own)); /* does not make others its own */
     assert_judged(TUMBLE_VERDICT_HELD, OTHER_RULES);
 }
 
@@ -217,7 +217,7 @@ static void test_the_proposal_that_was_read_is_accepted_or_none(void)
     TEST_ASSERT_EQUAL_UINT32(set_of(TUMBLE_SET_PROPOSAL).sequence, 2); /* its sequence would not have told */
     TEST_ASSERT_EQUAL_HEX32(0, name_proposal(read));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_VALUE, command(TUMBLE_COMMAND_ACCEPT));
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counter(&keeper.sets));
+    TEST_ASSERT_EQUAL_UINT32(1, keeper.sequence);
     TEST_ASSERT_TRUE(state_of_keeper().has_proposal);
     TEST_ASSERT_EQUAL_HEX32(0, read_number(0x2002, 4, 4)); /* used up */
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_VALUE, command(TUMBLE_COMMAND_ACCEPT));
@@ -278,7 +278,7 @@ static void test_a_run_by_itself_ends_the_level(void)
     unlock();
     TEST_ASSERT_EQUAL_HEX32(0, write_byte(0x2122, 6, TUMBLE_SETS_STARTS));
     bench_pass(&bench, 1.0);
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counters(&keeper.sets)->self_started);
+    TEST_ASSERT_EQUAL_UINT32(1, keeper.counters.self_started);
     TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2006, 2, 1));
     TEST_ASSERT_EQUAL_UINT32(1, read_number(0x2007, 0, 4));
 }
@@ -300,7 +300,7 @@ static void test_a_run_gone_on_with_ends_the_level(void)
     unlock();
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_RESUME));
     bench_pass(&bench, 0.1);
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counters(&keeper.sets)->resumed);
+    TEST_ASSERT_EQUAL_UINT32(1, keeper.counters.resumed);
     TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2006, 2, 1));
     TEST_ASSERT_EQUAL_UINT32(1, read_number(0x2007, 0, 4));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, give_key(TUMBLE_SERVICE_KEY));

@@ -143,7 +143,7 @@ static void test_it_outlives_power_cut_at_every_position(void)
         dice = (dice_t){100U + index};
         start_to(index);
         cut_and_resume();
-        TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counters(&keeper.sets)->resumed);
+        TEST_ASSERT_EQUAL_UINT32(1, keeper.counters.resumed);
         const tumble_set_t set = end();
         TEST_ASSERT_BITS_HIGH(TUMBLE_SET_RESUMED, set.flags);
         assert_range(in_the_means(), &set);
@@ -205,7 +205,7 @@ static void test_one_entry_that_does_not_know_it_is_enough(void)
     settle_memory();
     uint8_t fingerprint[4];
     uint8_t *const entry = &memory.bytes[CHECKPOINT_AT + (3U * TUMBLE_CHECKPOINT_BYTES)];
-    tumble_put_u32(fingerprint, keeper.sets.checkpoint.fingerprint);
+    tumble_put_u32(fingerprint, keeper.checkpoint.fingerprint);
     TEST_ASSERT_NOT_EQUAL(0, entry[44]);
     memset(&entry[44], 0, 2);
     tumble_record_seal(entry, 60, tumble_crc32(0, fingerprint, sizeof fingerprint));

@@ -203,7 +203,7 @@ static void test_a_seat_that_is_declared_coarse_is_not_shown(void)
 static void test_a_board_that_does_not_ask_has_no_such_objection(void)
 {
     declared_stand.seat_rad = 1.6e-4;
-    keeper.owner.norm = NULL;
+    keeper_config.norm = NULL;
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
 }
 
@@ -213,7 +213,7 @@ static void test_a_reset_meanwhile_loses_nothing(void)
     run_to_done();
     for (int i = 0; i < 200; i++) {
         bench_event(&bench);
-        if (keeper.sets.task == 3U) { /* does it fit? */
+        if (keeper.task == 3U) { /* does it fit? */
             break;
         }
     }
@@ -222,7 +222,7 @@ static void test_a_reset_meanwhile_loses_nothing(void)
     TEST_ASSERT_EQUAL(TUMBLE_STATE_IDLE, run_state());
     settle_memory();
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_NONE, state_of_keeper().verdict);
-    TEST_ASSERT_EQUAL_UINT32(0, tumble_sets_counter(&keeper.sets));
+    TEST_ASSERT_EQUAL_UINT32(0, keeper.sequence);
     TEST_ASSERT_EQUAL_UINT8(POSITIONS, state_of_keeper().resumable);
     resume_to_end();
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);

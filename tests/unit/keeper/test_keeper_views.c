@@ -45,18 +45,18 @@ static void test_a_set_that_is_read_meanwhile_spoils_nothing(void)
     tumble_set_t set;
     (void)run_and_judge();
     change_parameters();
-    ASSERT_STATUS(TUMBLE_OK, tumble_store_read(&keeper.sets.store, TUMBLE_SET_ACTIVE, &set));
+    ASSERT_STATUS(TUMBLE_OK, tumble_store_read(&keeper.store, TUMBLE_SET_ACTIVE, &set));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_LATER, tumble_parameters_save(&keeper.parameters));
     int refused = 0;
     while (tumble_parameters_busy(&keeper.parameters)) {
-        ASSERT_STATUS(TUMBLE_E_PORT_BUSY, tumble_store_read(&keeper.sets.store, TUMBLE_SET_ACTIVE, &set));
-        ASSERT_STATUS(TUMBLE_E_PORT_BUSY, tumble_store_discard(&keeper.sets.store));
+        ASSERT_STATUS(TUMBLE_E_PORT_BUSY, tumble_store_read(&keeper.store, TUMBLE_SET_ACTIVE, &set));
+        ASSERT_STATUS(TUMBLE_E_PORT_BUSY, tumble_store_discard(&keeper.store));
         refused++;
         tumble_navcomp_step(&bench.navcomp);
         bench.fake.now_us += 1000;
     }
     TEST_ASSERT_GREATER_THAN(5, refused);
-    ASSERT_STATUS(TUMBLE_OK, tumble_store_read(&keeper.sets.store, TUMBLE_SET_ACTIVE, &set));
+    ASSERT_STATUS(TUMBLE_OK, tumble_store_read(&keeper.store, TUMBLE_SET_ACTIVE, &set));
     keeper_power_cycle();
     TEST_ASSERT_TRUE(are_changed());
 }
@@ -137,17 +137,17 @@ static void test_the_positions_and_their_means(void)
 
 static void test_history_and_trend(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, 1800000000));
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, 1800000000));
     TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2160, 2, 1));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2160, 3));
     (void)run_and_judge();
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2163, 1));
-    ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, 1802629746)); /* a month later */
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, 1802629746)); /* a month later */
     assert_verdict_after(2e-5, TUMBLE_VERDICT_COMMITTED);
     TEST_ASSERT_EQUAL_UINT32(2, read_number(0x2160, 2, 1));
     for (uint8_t age = 0; age < 2U; age++) {
         tumble_history_entry_t entry;
-        ASSERT_STATUS(TUMBLE_OK, tumble_history_read(&keeper.sets.history, age, &entry));
+        ASSERT_STATUS(TUMBLE_OK, tumble_history_read(&keeper.history, age, &entry));
         TEST_ASSERT_EQUAL_HEX32(0, write_byte(0x2160, 1, age));
         TEST_ASSERT_EQUAL_UINT32(2U - age, read_number(0x2160, 3, 4));
         TEST_ASSERT_TRUE(entry.date_utc_s == read_u64(0x2160, 4));
@@ -161,7 +161,7 @@ static void test_history_and_trend(void)
     }
     for (uint8_t c = 0; c < 12U; c++) {
         tumble_trend_t trend;
-        ASSERT_STATUS(TUMBLE_OK, tumble_sets_trend(&keeper.sets, c, &trend));
+        ASSERT_STATUS(TUMBLE_OK, tumble_keeper_trend(&keeper, c, &trend));
         TEST_ASSERT_TRUE(trend.per_month == read_f64(0x2163, (uint8_t)(c + 1U)));
         TEST_ASSERT_TRUE(trend.u_per_month == read_f64(0x2164, (uint8_t)(c + 1U)));
     }
@@ -175,7 +175,7 @@ static void test_history_and_trend(void)
 static void test_an_entry_of_the_history_without_temperature_or_uncertainty(void)
 {
     static const tumble_history_entry_t bare = {.sequence = 7, .origin = TUMBLE_ORIGIN_COMMITTED};
-    ASSERT_STATUS(TUMBLE_OK, tumble_history_append(&keeper.sets.history, &bare));
+    ASSERT_STATUS(TUMBLE_OK, tumble_history_append(&keeper.history, &bare));
     settle_memory();
     TEST_ASSERT_EQUAL_UINT32(7, read_number(0x2160, 3, 4));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2160, 5));

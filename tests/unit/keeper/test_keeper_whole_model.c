@@ -3,7 +3,7 @@
 #include "keeper_world.h"
 
 #define BEYOND TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_WHOLE_MODEL)
-#define TESTING 4U /* tumble_sets_t.task */
+#define TESTING 4U /* tumble_keeper_t.task */
 #define UTC_S 1800000000U
 #define FIT 0x2025U
 #define CHI_SQUARED 1U
@@ -32,7 +32,7 @@ static void set_up(void)
 static void go_to_the_middle(void)
 {
     for (int i = 0; i < 3000; i++) {
-        if ((keeper.sets.task == TESTING) && whole_work.under_way && (whole_work.round == 2U)) {
+        if ((keeper.task == TESTING) && whole_work.under_way && (whole_work.round == 2U)) {
             return;
         }
         bench_event(&bench);
@@ -91,11 +91,11 @@ static void test_a_run_that_does_not_fit_is_held_unless_forced(void)
     TEST_ASSERT_EQUAL_HEX16(BEYOND, state_of_keeper().objections);
     TEST_ASSERT_EQUAL_HEX16(BEYOND, set_of(TUMBLE_SET_PROPOSAL).reasons);
     TEST_ASSERT_TRUE(read_f64(FIT, CHI_SQUARED) > read_f64(FIT, LIMIT));
-    TEST_ASSERT_EQUAL_UINT32(0, tumble_sets_counter(&keeper.sets));
+    TEST_ASSERT_EQUAL_UINT32(0, keeper.sequence);
     ASSERT_STATUS(TUMBLE_OK, accept_proposal());
     settle_memory();
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_ACCEPTED, state_of_keeper().verdict);
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counter(&keeper.sets));
+    TEST_ASSERT_EQUAL_UINT32(1, keeper.sequence);
     TEST_ASSERT_EQUAL_HEX16(BEYOND, set_of(TUMBLE_SET_ACTIVE).reasons);
 }
 
@@ -216,7 +216,7 @@ static void test_simulated_runs(void)
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         run_simulated(cases[i].lines, 11U);
         tumble_sets_state_t state;
-        tumble_sets_state(&keeper.sets, &state);
+        tumble_keeper_state(&keeper, &state);
         char text[120];
         (void)snprintf(text, sizeof text, "%s: %.1f of %.1f, misfit %.2f, objections %X", cases[i].what,
                        whole_work.chi_squared, whole_work.limit, whole_work.misfit, (unsigned)state.objections);
