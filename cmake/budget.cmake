@@ -14,7 +14,7 @@ set(part_chi_squared core/chi_squared.c)
 set(part_stand_seen core/stand_fit.c core/stand_seen.c core/triangle.c)
 set(part_schedules core/schedule_three_mountings.c core/schedule_diagonal.c core/schedule_six_faces.c
   core/schedule_inclined.c)
-set(part_navcomp_uncertainty navcomp/uncertainty.c navcomp/noise.c)
+set(part_navcomp_uncertainty navcomp/uncertainty.c)
 foreach(room core sets sample canopen stand procedure navcomp)
   set(folder ${PROJECT_SOURCE_DIR}/firmware)
   file(GLOB part_${room} CONFIGURE_DEPENDS RELATIVE ${folder} ${folder}/${room}/*.c ${folder}/${room}/*/*.c)
@@ -24,8 +24,7 @@ list(REMOVE_ITEM part_core ${part_optimal} ${part_inclined} ${part_uncertainty} 
   ${part_inclined_uncertainty})
 set(part_keeper ${part_navcomp})
 list(FILTER part_keeper INCLUDE REGEX "/(keeper[a-z_]*|fingerprint|parameters)\\.c$")
-list(REMOVE_ITEM part_navcomp ${part_keeper} ${part_navcomp_uncertainty} navcomp/stand_view.c
-  navcomp/inclinations_view.c)
+list(REMOVE_ITEM part_navcomp ${part_keeper} ${part_navcomp_uncertainty} navcomp/views.c)
 
 # The objects of parts, out of those of the libraries.
 function(tumble_part_objects objects)

@@ -4,9 +4,7 @@
 
 #include "events.h"
 #include "folder.h"
-#include "navcomp/inclinations_view.h"
 #include "navcomp/keeper.h"
-#include "navcomp/stand_view.h"
 #include "node_log.h"
 #include "node_options.h"
 #include "nv_file.h"

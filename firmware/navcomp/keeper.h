@@ -20,9 +20,8 @@
 #ifndef TUMBLE_NAVCOMP_KEEPER_H
 #define TUMBLE_NAVCOMP_KEEPER_H
 
-#include "navcomp/inclinations_view.h"
 #include "navcomp/parameters.h"
-#include "navcomp/stand_view.h"
+#include "navcomp/views.h"
 #include "sample/at_rest.h"
 #include "tumble/navcomp.h"
 #include "tumble/sets.h"
@@ -40,11 +39,11 @@ typedef struct {
      * once in a step, some 60 times for a result. */
     tumble_status_t (*norm)(const tumble_navcomp_t *navcomp, const double attitude[3], double *norm_g);
 
-    /* tumble_stand_view and its memory (navcomp/stand_view.h); null: the dictionary tells nothing of the stand. */
+    /* tumble_stand_view and its memory (navcomp/views.h); null: the dictionary tells nothing of the stand. */
     const tumble_stand_view_t *(*stand_view)(const tumble_navcomp_t *navcomp, tumble_stand_memory_t *memory);
     tumble_stand_memory_t *stand_memory;
 
-    /* tumble_inclinations_view and its memory (navcomp/inclinations_view.h); null: nothing of its inclinations. */
+    /* tumble_inclinations_view and its memory (likewise); null: nothing of its inclinations. */
     const tumble_inclinations_view_t *(*inclinations_view)(const tumble_navcomp_t *navcomp,
                                                            tumble_inclinations_memory_t *memory);
     tumble_inclinations_memory_t *inclinations_memory;

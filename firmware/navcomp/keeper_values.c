@@ -131,12 +131,6 @@ static tumble_abort_t refusal_of(tumble_status_t status)
     return refusal;
 }
 
-static tumble_abort_t member(const void *structure, const tumble_entry_t *entry, uint8_t *bytes, uint8_t *size)
-{
-    tumble_dictionary_pack(entry, (const uint8_t *)structure + entry->offset, bytes, size);
-    return TUMBLE_ABORT_NONE;
-}
-
 /* The sets. */
 
 static_assert((offsetof(tumble_set_t, temperature_c) < offsetof(tumble_set_t, gravity_m_s2)) &&
@@ -181,7 +175,7 @@ static tumble_abort_t read_set(tumble_keeper_t *keeper, const tumble_entry_t *en
     if (refusal != TUMBLE_ABORT_NONE) {
         return refusal;
     }
-    return is_known(&set, entry->offset) ? member(&set, entry, bytes, size) : TUMBLE_ABORT_NO_DATA;
+    return is_known(&set, entry->offset) ? tumble_show_member(&set, entry, bytes, size) : TUMBLE_ABORT_NO_DATA;
 }
 
 /* The present result. Its uncertainties, and how it fits, were computed once, when the run ended. */
@@ -201,7 +195,7 @@ static tumble_abort_t read_result(const tumble_keeper_t *keeper, const tumble_en
     if (refusal != TUMBLE_ABORT_NONE) {
         return refusal;
     }
-    return of_fit ? member(fit, entry, bytes, size) : member(uncertainty, entry, bytes, size);
+    return of_fit ? tumble_show_member(fit, entry, bytes, size) : tumble_show_member(uncertainty, entry, bytes, size);
 }
 
 static tumble_abort_t read_noise(const tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes,
@@ -211,7 +205,7 @@ static tumble_abort_t read_noise(const tumble_keeper_t *keeper, const tumble_ent
     const tumble_uncertainty_t *uncertainty = NULL;
     const tumble_status_t status = tumble_navcomp_noise(keeper->navcomp, &noise);
     if (status == TUMBLE_OK) {
-        return member(noise, entry, bytes, size);
+        return tumble_show_member(noise, entry, bytes, size);
     }
     const bool comes =
         (status == TUMBLE_E_PORT_BUSY) && (tumble_keeper_uncertainty(keeper, &uncertainty) == TUMBLE_E_PORT_BUSY);
@@ -223,7 +217,7 @@ static tumble_abort_t member_of_view(const void *view, const bool *known, const 
                                      uint8_t *size)
 {
     const bool is_there = (known != NULL) && known[(entry->subindex - 1U) / 2U];
-    return is_there ? member(view, entry, bytes, size) : TUMBLE_ABORT_NO_DATA;
+    return is_there ? tumble_show_member(view, entry, bytes, size) : TUMBLE_ABORT_NO_DATA;
 }
 
 static tumble_abort_t read_stand(const tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes,
@@ -286,7 +280,7 @@ static tumble_abort_t read_position(const tumble_keeper_t *keeper, const tumble_
     if (entry->source == (unsigned)TUMBLE_KEEPER_SOURCE_POSITION) {
         there = there && look_up_mean(keeper, &view);
     }
-    return (there || always) ? member(&view, entry, bytes, size) : TUMBLE_ABORT_NO_DATA;
+    return (there || always) ? tumble_show_member(&view, entry, bytes, size) : TUMBLE_ABORT_NO_DATA;
 }
 
 static tumble_abort_t read_at_rest(const tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes,
@@ -295,8 +289,9 @@ static tumble_abort_t read_at_rest(const tumble_keeper_t *keeper, const tumble_e
     tumble_at_rest_view_t view;
     const double v_per_count = keeper->navcomp->procedure_config.v_per_count;
     const bool told = (tumble_at_rest_view(&keeper->at_rest, v_per_count, &view) == TUMBLE_OK);
-    return (told || (entry->source == (unsigned)TUMBLE_KEEPER_SOURCE_AT_REST_COUNT)) ? member(&view, entry, bytes, size)
-                                                                                     : TUMBLE_ABORT_NO_DATA;
+    return (told || (entry->source == (unsigned)TUMBLE_KEEPER_SOURCE_AT_REST_COUNT))
+               ? tumble_show_member(&view, entry, bytes, size)
+               : TUMBLE_ABORT_NO_DATA;
 }
 
 /* What was. */
@@ -314,7 +309,7 @@ static tumble_abort_t read_history(tumble_keeper_t *keeper, const tumble_entry_t
         (warm && ((seen.flags & TUMBLE_SET_HAS_TEMPERATURE) == 0U))) {
         return TUMBLE_ABORT_NO_DATA;
     }
-    return member(&seen, entry, bytes, size);
+    return tumble_show_member(&seen, entry, bytes, size);
 }
 
 static tumble_abort_t read_trend(tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes)
@@ -335,7 +330,7 @@ static tumble_abort_t read_state(const tumble_keeper_t *keeper, const tumble_ent
 {
     tumble_sets_state_t state;
     tumble_keeper_state(keeper, &state);
-    return member(&state, entry, bytes, size);
+    return tumble_show_member(&state, entry, bytes, size);
 }
 
 static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *bytes, uint8_t *size)
@@ -364,13 +359,13 @@ static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *
         refusal = read_state(keeper, entry, bytes, size);
         break;
     case TUMBLE_KEEPER_SOURCE_SETTINGS:
-        refusal = member(&keeper->settings, entry, bytes, size);
+        refusal = tumble_show_member(&keeper->settings, entry, bytes, size);
         break;
     case TUMBLE_KEEPER_SOURCE_COUNTERS:
-        refusal = member(&keeper->counters, entry, bytes, size);
+        refusal = tumble_show_member(&keeper->counters, entry, bytes, size);
         break;
     case TUMBLE_KEEPER_SOURCE_STORES:
-        refusal = member(keeper, entry, bytes, size);
+        refusal = tumble_show_member(keeper, entry, bytes, size);
         break;
     case TUMBLE_KEEPER_SOURCE_STAND:
         refusal = read_stand(keeper, entry, bytes, size);
@@ -403,7 +398,7 @@ static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *
         refusal = read_trend(keeper, entry, bytes);
         break;
     case TUMBLE_KEEPER_SOURCE_PARAMETERS:
-        refusal = member(&keeper->parameters.view, entry, bytes, size);
+        refusal = tumble_show_member(&keeper->parameters.view, entry, bytes, size);
         break;
     default: /* a source that has come into the table without a case here */
         refusal = TUMBLE_ABORT_GENERAL;

@@ -1,11 +1,10 @@
 /* navcomp_internal.h - what the files of navcomp share (private to it).
  *
  *     step.c             init, the step, deadlines
- *     navcomp_events.c   what the node tells: heartbeats, emergencies, process data, resets
+ *     navcomp_events.c   what the node tells: heartbeats, emergencies, process data, resets; who watches whom
  *     navcomp_objects.c  the object dictionary's values
  *     navcomp_report.c   commands and the readable side
  *     service.c          the service level, and how many runs there were
- *     supervision.c      who watches whom by heartbeats
  */
 #ifndef TUMBLE_NAVCOMP_NAVCOMP_INTERNAL_H
 #define TUMBLE_NAVCOMP_NAVCOMP_INTERNAL_H
@@ -39,6 +38,14 @@ static inline bool tumble_run_is_on(const tumble_navcomp_t *navcomp)
 {
     const tumble_state_t state = tumble_run_state(navcomp);
     return (state != TUMBLE_STATE_IDLE) && (state != TUMBLE_STATE_DONE) && (state != TUMBLE_STATE_ABORT);
+}
+
+/* Read an entry of the dictionary: its source tells the struct, its offset the place of the member there. */
+static inline tumble_abort_t tumble_show_member(const void *structure, const tumble_entry_t *entry, uint8_t *bytes,
+                                                uint8_t *size)
+{
+    tumble_dictionary_pack(entry, (const uint8_t *)structure + entry->offset, bytes, size);
+    return TUMBLE_ABORT_NONE;
 }
 
 /* The arguments of commands as the SDO client that is served now has staged them; else those of the first. */

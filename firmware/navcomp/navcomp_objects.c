@@ -4,13 +4,7 @@
 
 #include <stddef.h>
 
-/* Reading. An entry's source tells the struct, its offset the place of the member there. */
-
-static tumble_abort_t member(const void *structure, const tumble_entry_t *entry, uint8_t *bytes, uint8_t *size)
-{
-    tumble_dictionary_pack(entry, (const uint8_t *)structure + entry->offset, bytes, size);
-    return TUMBLE_ABORT_NONE;
-}
+/* Reading. */
 
 static tumble_abort_t read_progress(const tumble_navcomp_t *navcomp, const tumble_entry_t *entry, uint8_t *bytes,
                                     uint8_t *size)
@@ -20,7 +14,7 @@ static tumble_abort_t read_progress(const tumble_navcomp_t *navcomp, const tumbl
     if ((entry->source == (unsigned)TUMBLE_NAVCOMP_SOURCE_MEAN) && !progress.has_mean) {
         return TUMBLE_ABORT_NO_DATA;
     }
-    return member(&progress, entry, bytes, size);
+    return tumble_show_member(&progress, entry, bytes, size);
 }
 
 static tumble_abort_t read_result(const tumble_navcomp_t *navcomp, const tumble_entry_t *entry, uint8_t *bytes,
@@ -38,7 +32,7 @@ static tumble_abort_t read_result(const tumble_navcomp_t *navcomp, const tumble_
     } else {
         /* the coefficients */
     }
-    return member(structure, entry, bytes, size);
+    return tumble_show_member(structure, entry, bytes, size);
 }
 
 static tumble_abort_t read_counters(const tumble_navcomp_t *navcomp, const tumble_entry_t *entry, uint8_t *bytes,
@@ -46,7 +40,7 @@ static tumble_abort_t read_counters(const tumble_navcomp_t *navcomp, const tumbl
 {
     tumble_navcomp_counters_t counters;
     tumble_navcomp_counters(navcomp, &counters);
-    return member(&counters, entry, bytes, size);
+    return tumble_show_member(&counters, entry, bytes, size);
 }
 
 static bool has_result(const tumble_navcomp_t *navcomp)
@@ -92,7 +86,7 @@ static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *
         refusal = read_result(navcomp, entry, bytes, size);
         break;
     case TUMBLE_NAVCOMP_SOURCE_CONFIGURATION:
-        refusal = member(&navcomp->procedure_config, entry, bytes, size);
+        refusal = tumble_show_member(&navcomp->procedure_config, entry, bytes, size);
         break;
     case TUMBLE_NAVCOMP_SOURCE_ESTIMATOR:
         bytes[0] = (uint8_t)navcomp->procedure_config.estimate;

@@ -1,8 +1,6 @@
 #include "world/border.h"
 
-#include "navcomp/inclinations_view.h"
 #include "navcomp/keeper.h"
-#include "navcomp/stand_view.h"
 #include "navcomp/uncertainty.h"
 #include "world/config_file.h"
 #include "world/readout.h"

@@ -11,9 +11,7 @@
 #define TUMBLE_WORLD_HOSTILE_H
 
 #include "navcomp/commands.h"
-#include "navcomp/inclinations_view.h"
 #include "navcomp/keeper.h"
-#include "navcomp/stand_view.h"
 #include "procedure/states.h"
 #include "simulation/drive.h"
 #include "simulation/nv.h"

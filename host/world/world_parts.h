@@ -2,9 +2,7 @@
 #ifndef TUMBLE_WORLD_PARTS_H
 #define TUMBLE_WORLD_PARTS_H
 
-#include "navcomp/inclinations_view.h"
 #include "navcomp/keeper.h"
-#include "navcomp/stand_view.h"
 #include "replay/replay.h"
 #include "simulation/nv.h"
 #include "world/border.h"

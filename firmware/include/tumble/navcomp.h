@@ -51,12 +51,34 @@ extern "C" { /* for those of the rooms as well */
 #endif
 
 #include "navcomp/commands.h"
-#include "navcomp/keeping.h"
 #include "navcomp/objects.h"
 #include "navcomp/service.h"
 #include "procedure/procedure.h"
 #include "sample/block_frames.h"
 #include "sample/source.h"
+
+struct tumble_navcomp;
+
+/* What a computer with non-volatile memory is led by besides (navcomp/keeper.h); a board without one links nothing of it. */
+typedef struct tumble_keeping {
+    /* At power-on, when everything else of the computer is ready. tumble_navcomp_init returns what it returns. */
+    tumble_status_t (*init)(void *keeper, struct tumble_navcomp *navcomp);
+
+    /* In every step that does more than take samples, at its end. Returns when its next step is due if nothing else
+     * happens (us); a moment in the past means at once. */
+    uint64_t (*step)(void *keeper, uint64_t now_us);
+
+    /* Every sample of the block, after the procedure has taken it; `averaged`: it went into a mean. */
+    void (*sample)(void *keeper, const tumble_block_sample_t *sample, bool averaged);
+
+    /* Every command, instead of tumble_navcomp_obey, which it may call. Returns as tumble_navcomp_command. */
+    tumble_status_t (*command)(void *keeper, tumble_command_t command, uint8_t argument);
+
+    /* An NMT reset of the node has set navcomp's own configuration back to the board's. */
+    void (*reset)(void *keeper);
+
+    const tumble_node_extension_t *objects; /* and PDOs, behind navcomp's own; may be null */
+} tumble_keeping_t;
 
 /* What a bench wants to record; may be null. */
 typedef struct {

@@ -195,13 +195,13 @@ static void test_the_stand_as_it_is_seen(void)
     }
     const tumble_stand_view_t *view = tumble_stand_view(&bench.navcomp, &stand_memory);
     TEST_ASSERT_NOT_NULL(view);
-    const uint32_t looked_at = stand_memory.looked_at;
+    const uint32_t looked_at = stand_memory.mark.looked_at;
     stand_memory.view.number[0] = 123.0; /* not computed again for the same result */
     TEST_ASSERT_TRUE(read_f64(0x2140, 1) == 123.0);
     drift(1e-5);
     (void)run_and_judge();
     TEST_ASSERT_TRUE(read_f64(0x2140, 1) != 123.0);
-    TEST_ASSERT_NOT_EQUAL(looked_at, stand_memory.looked_at);
+    TEST_ASSERT_NOT_EQUAL(looked_at, stand_memory.mark.looked_at);
 }
 
 /* No inclinations; and of `inclined` nothing but the noise is told of the stand. What a run of it shows:
@@ -229,7 +229,7 @@ static void test_a_channel_without_noise_hides_no_other(void)
     (void)run_and_judge();
     const double usual[] = {read_f64(0x2140, 1), read_f64(0x2140, 3), read_f64(0x2140, 5)};
     declared_stand.channel_noise_v[0] = 1e-300;
-    stand_memory.looked_at = 0;
+    stand_memory.mark.looked_at = 0;
     for (uint8_t i = 0; i < 3U; i++) {
         const double value = read_f64(0x2140, (uint8_t)(1U + (2U * i)));
         const double u = read_f64(0x2140, (uint8_t)(2U + (2U * i)));

@@ -1,13 +1,24 @@
-#include "navcomp/stand_view.h"
+#include "navcomp/views.h"
 
 #include "core/stand_record.h"
 #include "navcomp/uncertainty.h"
 
 #include <stddef.h>
 
+/* Is the view that of the present result? From now on it is. */
+static bool is_present(const tumble_navcomp_t *navcomp, tumble_view_mark_t *mark)
+{
+    const uint32_t at_hand = tumble_procedure_counters(&navcomp->procedure)->positions + 1U;
+    const bool present = (mark->looked_at == at_hand) && (mark->run_number == navcomp->run_number);
+    *mark = (tumble_view_mark_t){.run_number = navcomp->run_number, .looked_at = at_hand};
+    return present;
+}
+
+/* The errors of the stand. */
+
 enum { ALPHA1 = 0, ALPHA2_PLUS_ALPHA3, ALPHA3_DIFFERENCE, ALPHA4, NOISE };
 
-static void show(tumble_stand_view_t *view, unsigned quantity, const tumble_seen_t *seen)
+static void show_seen(tumble_stand_view_t *view, unsigned quantity, const tumble_seen_t *seen)
 {
     double *const number = &view->number[(size_t)quantity * 2U];
     view->known[quantity] = seen->known;
@@ -69,8 +80,8 @@ static tumble_seen_t look_at_noise(const tumble_navcomp_t *navcomp, const double
     return noise;
 }
 
-static void look(const tumble_navcomp_t *navcomp, tumble_stand_memory_t *memory,
-                 const tumble_coefficients_t *coefficients)
+static void look_at_stand(const tumble_navcomp_t *navcomp, tumble_stand_memory_t *memory,
+                          const tumble_coefficients_t *coefficients)
 {
     const tumble_procedure_config_t *config = &navcomp->procedure_config;
     const tumble_declared_t *declared = navcomp->config->declared;
@@ -90,24 +101,66 @@ static void look(const tumble_navcomp_t *navcomp, tumble_stand_memory_t *memory,
         memory->errors.angle_rad = (declared != NULL) ? declared->stand->angle_rad : alpha4.value;
         (void)tumble_seen_fit(config->schedule, &memory->means, &alike, &memory->errors, &memory->work, &angles);
     }
-    show(&memory->view, ALPHA1, &angles.alpha1);
-    show(&memory->view, ALPHA2_PLUS_ALPHA3, &angles.alpha2_plus_alpha3);
-    show(&memory->view, ALPHA3_DIFFERENCE, &angles.alpha3_difference);
-    show(&memory->view, ALPHA4, &alpha4);
-    show(&memory->view, NOISE, &noise);
+    show_seen(&memory->view, ALPHA1, &angles.alpha1);
+    show_seen(&memory->view, ALPHA2_PLUS_ALPHA3, &angles.alpha2_plus_alpha3);
+    show_seen(&memory->view, ALPHA3_DIFFERENCE, &angles.alpha3_difference);
+    show_seen(&memory->view, ALPHA4, &alpha4);
+    show_seen(&memory->view, NOISE, &noise);
 }
 
 const tumble_stand_view_t *tumble_stand_view(const tumble_navcomp_t *navcomp, tumble_stand_memory_t *memory)
 {
-    const uint32_t at_hand = tumble_procedure_counters(&navcomp->procedure)->positions + 1U;
     tumble_result_t result;
     if (tumble_navcomp_result(navcomp, &result) != TUMBLE_OK) {
         return NULL;
     }
-    if ((memory->looked_at != at_hand) || (memory->run_number != navcomp->run_number)) {
-        look(navcomp, memory, result.coefficients);
-        memory->looked_at = at_hand;
-        memory->run_number = navcomp->run_number;
+    if (!is_present(navcomp, &memory->mark)) {
+        look_at_stand(navcomp, memory, result.coefficients);
+    }
+    return &memory->view;
+}
+
+/* Its inclinations. */
+
+static void show_inclinations(const tumble_shown_inclinations_t *shown, tumble_inclinations_view_t *view)
+{
+    *view = (tumble_inclinations_view_t){.known = {false}};
+    for (size_t k = 0; k < shown->count; k++) {
+        view->known[k] = true;
+        view->number[2U * k] = shown->deg[k];
+        view->number[(2U * k) + 1U] = shown->u_deg[k];
+    }
+    view->known[TUMBLE_MAX_YAWS] = shown->has_level;
+    view->number[2U * TUMBLE_MAX_YAWS] = shown->level_rad;
+    view->number[(2U * TUMBLE_MAX_YAWS) + 1U] = shown->u_level_rad;
+}
+
+/* Of a result; `source` keeps what its estimator saw. On a refusal nothing is shown. */
+static void look_at_inclinations(const tumble_navcomp_t *navcomp, const tumble_coefficients_t *coefficients,
+                                 const tumble_inclined_source_t *source, tumble_inclinations_view_t *view)
+{
+    tumble_shown_inclinations_t shown = {.count = 0};
+    uint32_t samples[TUMBLE_MAX_POSITIONS];
+    tumble_judged_run_t run = {.coefficients = coefficients, .inclinations = source->seen, .weights = source->weights};
+    (void)tumble_navcomp_look_at_noise(navcomp);
+    if (tumble_navcomp_judged_run(navcomp, samples, &run) == TUMBLE_OK) {
+        (void)tumble_uncertainty_inclinations(&run, &shown, NULL);
+    }
+    show_inclinations(&shown, view);
+}
+
+const tumble_inclinations_view_t *tumble_inclinations_view(const tumble_navcomp_t *navcomp,
+                                                           tumble_inclinations_memory_t *memory)
+{
+    const tumble_procedure_config_t *config = &navcomp->procedure_config;
+    const tumble_lent_t *lent = tumble_procedure_lent(config);
+    tumble_result_t result;
+    if ((tumble_navcomp_result(navcomp, &result) != TUMBLE_OK) || (config->estimate != TUMBLE_ESTIMATE_INCLINED) ||
+        (lent == NULL) || (navcomp->config->declared == NULL)) {
+        return NULL;
+    }
+    if (!is_present(navcomp, &memory->mark)) {
+        look_at_inclinations(navcomp, result.coefficients, lent->source, &memory->view);
     }
     return &memory->view;
 }
