@@ -5,6 +5,7 @@
 #include "core/one_copy.h"
 #include "navcomp/keeper_objects.h"
 #include "navcomp/uncertainty.h"
+#include "sets/record.h"
 
 #include <stddef.h>
 
@@ -133,40 +134,6 @@ static tumble_abort_t refusal_of(tumble_status_t status)
 
 /* The sets. */
 
-static_assert((offsetof(tumble_set_t, temperature_c) < offsetof(tumble_set_t, gravity_m_s2)) &&
-                  (offsetof(tumble_set_t, gravity_m_s2) < offsetof(tumble_set_t, coefficients)) &&
-                  (offsetof(tumble_set_t, uncertainty) < offsetof(tumble_set_t, max_abs_fit_g)) &&
-                  (offsetof(tumble_set_t, max_abs_fit_g) < offsetof(tumble_set_t, closure_v)) &&
-                  (offsetof(tumble_set_t, closure_v) < offsetof(tumble_set_t, samples)) &&
-                  (offsetof(tumble_set_t, temperature_min_half_c) < offsetof(tumble_set_t, temperature_max_half_c)) &&
-                  (offsetof(tumble_set_t, temperature_max_half_c) < offsetof(tumble_set_t, schedule_crc)),
-              "what is known goes by the order of the members");
-
-/* Is the number at this place of the set known? */
-static bool is_known(const tumble_set_t *set, uint16_t offset)
-{
-    static const struct {
-        uint16_t first;
-        uint16_t behind;
-        uint16_t flag;
-    } parts[] = {
-        {offsetof(tumble_set_t, temperature_c), offsetof(tumble_set_t, gravity_m_s2), TUMBLE_SET_HAS_TEMPERATURE},
-        {offsetof(tumble_set_t, gravity_m_s2), offsetof(tumble_set_t, coefficients), TUMBLE_SET_HAS_GRAVITY},
-        {offsetof(tumble_set_t, uncertainty), offsetof(tumble_set_t, max_abs_fit_g), TUMBLE_SET_HAS_UNCERTAINTY},
-        {offsetof(tumble_set_t, max_abs_fit_g), offsetof(tumble_set_t, closure_v), TUMBLE_SET_HAS_CHECK},
-        {offsetof(tumble_set_t, closure_v), offsetof(tumble_set_t, samples), TUMBLE_SET_HAS_CLOSURE},
-        {offsetof(tumble_set_t, temperature_min_half_c), offsetof(tumble_set_t, schedule_crc),
-         TUMBLE_SET_HAS_TEMPERATURE_RANGE},
-    };
-    bool known = true;
-    for (size_t i = 0; i < (sizeof parts / sizeof parts[0]); i++) {
-        if ((offset >= parts[i].first) && (offset < parts[i].behind)) {
-            known = (set->flags & parts[i].flag) != 0U;
-        }
-    }
-    return known;
-}
-
 static tumble_abort_t read_set(tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes, uint8_t *size)
 {
     tumble_set_t set;
@@ -175,7 +142,7 @@ static tumble_abort_t read_set(tumble_keeper_t *keeper, const tumble_entry_t *en
     if (refusal != TUMBLE_ABORT_NONE) {
         return refusal;
     }
-    return is_known(&set, entry->offset) ? tumble_show_member(&set, entry, bytes, size) : TUMBLE_ABORT_NO_DATA;
+    return tumble_set_knows(&set, entry->offset) ? tumble_show_member(&set, entry, bytes, size) : TUMBLE_ABORT_NO_DATA;
 }
 
 /* The present result. Its uncertainties, and how it fits, were computed once, when the run ended. */

@@ -53,6 +53,9 @@ void tumble_set_get_stamp(const uint8_t bytes[TUMBLE_SET_BYTES], tumble_set_stam
 /* Set further flags in it; then it needs its stamp. */
 void tumble_set_add_flags(uint8_t bytes[TUMBLE_SET_BYTES], uint16_t flags);
 
+/* Is the number at this offset of the struct known? */
+bool tumble_set_knows(const tumble_set_t *set, uint16_t offset);
+
 /* The CRC-32 at its end. */
 uint32_t tumble_set_crc(const uint8_t bytes[TUMBLE_SET_BYTES]);
 

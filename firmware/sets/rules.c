@@ -70,19 +70,16 @@ static bool is_finite(const tumble_set_t *set)
     return finite;
 }
 
-static uint16_t judge_alone(const tumble_set_t *candidate)
+static unsigned object_if(bool objects, tumble_objection_t objection)
 {
-    unsigned objections = 0;
-    if (!passes_gravity_check(candidate)) {
-        objections |= TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_GRAVITY_CHECK);
-    }
-    if (!is_finite(candidate)) {
-        objections |= TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_NOT_FINITE);
-    }
-    if ((candidate->flags & TUMBLE_SET_HAS_UNCERTAINTY) == 0U) {
-        objections |= TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_UNCERTAINTY_UNKNOWN);
-    }
-    return (uint16_t)objections;
+    return objects ? TUMBLE_OBJECTION_BIT(objection) : 0U;
+}
+
+static unsigned judge_alone(const tumble_set_t *candidate)
+{
+    return object_if(!passes_gravity_check(candidate), TUMBLE_OBJECTION_GRAVITY_CHECK) |
+           object_if(!is_finite(candidate), TUMBLE_OBJECTION_NOT_FINITE) |
+           object_if((candidate->flags & TUMBLE_SET_HAS_UNCERTAINTY) == 0U, TUMBLE_OBJECTION_UNCERTAINTY_UNKNOWN);
 }
 
 static bool is_certain(const tumble_set_t *candidate, const tumble_commit_limits_t *limits)
@@ -136,30 +133,21 @@ static bool is_plausible(const tumble_set_t *candidate, const tumble_set_t *acti
     return plausible;
 }
 
-static uint16_t compare(const tumble_set_t *candidate, const tumble_set_t *active)
+static unsigned compare(const tumble_set_t *candidate, const tumble_set_t *active)
 {
-    unsigned objections = 0;
-    if (memcmp(candidate->block_serial, active->block_serial, sizeof candidate->block_serial) != 0) {
-        objections |= TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_BLOCK);
-    }
-    if (are_dated(candidate, active) && (candidate->date_utc_s < active->date_utc_s)) {
-        objections |= TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OLDER);
-    }
-    return (uint16_t)objections;
+    const bool same_block =
+        (memcmp(candidate->block_serial, active->block_serial, sizeof candidate->block_serial) == 0);
+    const bool older = are_dated(candidate, active) && (candidate->date_utc_s < active->date_utc_s);
+    return object_if(!same_block, TUMBLE_OBJECTION_OTHER_BLOCK) | object_if(older, TUMBLE_OBJECTION_OLDER);
 }
 
 /* What the limits say of numbers that are numbers. */
-static uint16_t judge_by_limits(const tumble_set_t *candidate, const tumble_set_t *active,
+static unsigned judge_by_limits(const tumble_set_t *candidate, const tumble_set_t *active,
                                 const tumble_commit_limits_t *limits)
 {
-    unsigned objections = 0;
-    if (!is_certain(candidate, limits)) {
-        objections |= TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_UNCERTAIN);
-    }
-    if ((active != NULL) && !is_plausible(candidate, active, limits)) {
-        objections |= TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE);
-    }
-    return (uint16_t)objections;
+    const bool plausible = (active == NULL) || is_plausible(candidate, active, limits);
+    return object_if(!is_certain(candidate, limits), TUMBLE_OBJECTION_UNCERTAIN) |
+           object_if(!plausible, TUMBLE_OBJECTION_CHANGE);
 }
 
 uint16_t tumble_commit_objections(const tumble_set_t *candidate, const tumble_set_t *active,
@@ -170,17 +158,10 @@ uint16_t tumble_commit_objections(const tumble_set_t *candidate, const tumble_se
     if (valid && ((objections & TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_NOT_FINITE)) == 0U)) {
         objections |= judge_by_limits(candidate, active, limits);
     }
-    if (active != NULL) {
-        objections |= compare(candidate, active);
-    } else if ((limits->flags & TUMBLE_COMMIT_FIRST) == 0U) {
-        objections |= TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_FIRST);
-    } else {
-        /* the first may pass */
-    }
-    objections |= replayed ? TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_REPLAYED) : 0U;
-    objections |= valid ? 0U : TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_LIMITS);
-    if ((limits->flags & TUMBLE_COMMIT_BY_ITSELF) == 0U) {
-        objections |= TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_BY_HAND);
-    }
+    objections |= (active != NULL) ? compare(candidate, active)
+                                   : object_if((limits->flags & TUMBLE_COMMIT_FIRST) == 0U, TUMBLE_OBJECTION_FIRST);
+    objections |= object_if(replayed, TUMBLE_OBJECTION_REPLAYED);
+    objections |= object_if(!valid, TUMBLE_OBJECTION_LIMITS);
+    objections |= object_if((limits->flags & TUMBLE_COMMIT_BY_ITSELF) == 0U, TUMBLE_OBJECTION_BY_HAND);
     return (uint16_t)objections;
 }

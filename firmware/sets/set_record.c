@@ -61,27 +61,47 @@ static const tumble_record_t record = {head, fields, AT_CRC, sizeof head, COUNT_
 /* What is known by which flag, and what the doubles in it must be. */
 typedef enum { ANY_SIGN, NOT_NEGATIVE, POSITIVE } range_t;
 typedef struct {
-    uint16_t flag; /* 0: always known */
+    uint16_t flag;   /* 0: always known */
+    uint16_t offset; /* of the first in tumble_set_t, where they lie one behind the other as in the bytes */
     uint16_t at;
     uint8_t bytes; /* fewer than a double has: there is none */
     range_t range;
 } numbers_t;
 
 #define DOUBLES(count) ((count) * sizeof(double))
+#define MEMBER(member) ((uint16_t)offsetof(tumble_set_t, member))
+
+static_assert((sizeof(tumble_coefficients_t) == DOUBLES(12U)) && (sizeof(tumble_uncertainty_t) == DOUBLES(12U)) &&
+                  ((MEMBER(max_abs_fit_g) + DOUBLES(1U)) == MEMBER(max_abs_check_g)) &&
+                  ((MEMBER(max_abs_check_g) + DOUBLES(1U)) == MEMBER(limit_g)) &&
+                  ((MEMBER(temperature_min_half_c) + 1U) == MEMBER(temperature_max_half_c)),
+              "what is known together lies together");
 
 static const numbers_t numbers[] = {
-    {0, AT_K, DOUBLES(12U), ANY_SIGN},
-    {TUMBLE_SET_HAS_UNCERTAINTY, AT_U, DOUBLES(12U), NOT_NEGATIVE},
-    {TUMBLE_SET_HAS_TEMPERATURE, AT_TEMPERATURE, DOUBLES(1U), ANY_SIGN},
-    {TUMBLE_SET_HAS_GRAVITY, AT_GRAVITY, DOUBLES(1U), POSITIVE},
-    {TUMBLE_SET_HAS_CHECK, AT_CHECK, DOUBLES(3U), NOT_NEGATIVE},
-    {TUMBLE_SET_HAS_CLOSURE, AT_CLOSURE, DOUBLES(1U), NOT_NEGATIVE},
-    {TUMBLE_SET_HAS_TEMPERATURE_RANGE, AT_RANGE, 2, ANY_SIGN},
+    {0, MEMBER(coefficients), AT_K, DOUBLES(12U), ANY_SIGN},
+    {TUMBLE_SET_HAS_UNCERTAINTY, MEMBER(uncertainty), AT_U, DOUBLES(12U), NOT_NEGATIVE},
+    {TUMBLE_SET_HAS_TEMPERATURE, MEMBER(temperature_c), AT_TEMPERATURE, DOUBLES(1U), ANY_SIGN},
+    {TUMBLE_SET_HAS_GRAVITY, MEMBER(gravity_m_s2), AT_GRAVITY, DOUBLES(1U), POSITIVE},
+    {TUMBLE_SET_HAS_CHECK, MEMBER(max_abs_fit_g), AT_CHECK, DOUBLES(3U), NOT_NEGATIVE},
+    {TUMBLE_SET_HAS_CLOSURE, MEMBER(closure_v), AT_CLOSURE, DOUBLES(1U), NOT_NEGATIVE},
+    {TUMBLE_SET_HAS_TEMPERATURE_RANGE, MEMBER(temperature_min_half_c), AT_RANGE, 2, ANY_SIGN},
 };
 
 static bool is_known(const numbers_t *row, uint32_t flags)
 {
     return (row->flag == 0U) || ((flags & row->flag) != 0U);
+}
+
+bool tumble_set_knows(const tumble_set_t *set, uint16_t offset)
+{
+    bool known = true;
+    for (uint32_t i = 0; i < COUNT_OF(numbers); i++) {
+        const numbers_t *row = &numbers[i];
+        if ((offset >= row->offset) && (offset < (row->offset + (uint32_t)row->bytes))) {
+            known = is_known(row, set->flags);
+        }
+    }
+    return known;
 }
 
 static bool are_zero(const uint8_t *bytes, uint32_t size)
