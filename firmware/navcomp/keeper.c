@@ -8,15 +8,10 @@
 #define BOOT_CALLS 2048 /* of the memory: more than it takes to look through all that is kept */
 #define RETRY_US 1000U  /* to the next step, which may call the memory */
 
-bool tumble_keeper_memory_busy(const tumble_keeper_t *keeper)
-{
-    return tumble_store_busy(&keeper->store) || tumble_history_busy(&keeper->history) ||
-           tumble_checkpoint_busy(&keeper->checkpoint);
-}
-
 bool tumble_keeper_busy(const tumble_keeper_t *keeper)
 {
-    return tumble_keeper_memory_busy(keeper) || tumble_parameters_busy(&keeper->parameters);
+    return tumble_store_busy(&keeper->store) || tumble_history_busy(&keeper->history) ||
+           tumble_checkpoint_busy(&keeper->checkpoint) || tumble_parameters_busy(&keeper->parameters);
 }
 
 bool tumble_keeper_has_work(const tumble_keeper_t *keeper)

@@ -6,7 +6,7 @@
  *     keeper_run.c      the run under way, its checkpoint, and how it goes on after a loss of power
  *     keeper_due.c      settings, calendar, inhibit, when a run is due, are the rules the board's?
  *
- * A file calls those below it only, and at last keeper.c for a failure, a job, or what is active.
+ * A file calls those below it, and keeper.c to count a failure or to begin a job of the store.
  */
 #ifndef TUMBLE_NAVCOMP_KEEPER_PARTS_H
 #define TUMBLE_NAVCOMP_KEEPER_PARTS_H
@@ -61,7 +61,6 @@ static inline bool tumble_keeper_is_idle(const tumble_keeper_t *keeper)
 }
 
 /* keeper.c */
-bool tumble_keeper_memory_busy(const tumble_keeper_t *keeper);            /* store, history, checkpoint */
 void tumble_keeper_fail(tumble_keeper_t *keeper, tumble_status_t status); /* count a failure of the memory */
 void tumble_keeper_begin_job(tumble_keeper_t *keeper, uint8_t job, tumble_status_t status);
 
