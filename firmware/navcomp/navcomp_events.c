@@ -1,6 +1,7 @@
 #include "navcomp/navcomp_internal.h"
 
 #include "core/bytes.h"
+#include "core/one_copy.h"
 
 #include <stddef.h>
 
@@ -46,7 +47,7 @@ bool tumble_is_supervised(const tumble_navcomp_t *navcomp)
            (nmt->producer_ms == navcomp->config->heartbeat_ms);
 }
 
-void tumble_tell_block_alive(tumble_navcomp_t *navcomp)
+TUMBLE_ONE_COPY void tumble_tell_block_alive(tumble_navcomp_t *navcomp)
 {
     const uint8_t block_node = navcomp->config->block_node;
     const bool alive =

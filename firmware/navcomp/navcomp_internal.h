@@ -41,12 +41,7 @@ static inline bool tumble_run_is_on(const tumble_navcomp_t *navcomp)
 }
 
 /* Read an entry of the dictionary: its source tells the struct, its offset the place of the member there. */
-static inline tumble_abort_t tumble_show_member(const void *structure, const tumble_entry_t *entry, uint8_t *bytes,
-                                                uint8_t *size)
-{
-    tumble_dictionary_pack(entry, (const uint8_t *)structure + entry->offset, bytes, size);
-    return TUMBLE_ABORT_NONE;
-}
+tumble_abort_t tumble_show_member(const void *structure, const tumble_entry_t *entry, uint8_t *bytes, uint8_t *size);
 
 /* The arguments of commands as the SDO client that is served now has staged them; else those of the first. */
 static inline tumble_navcomp_objects_t *tumble_staged(const tumble_navcomp_t *navcomp)

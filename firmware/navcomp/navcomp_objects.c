@@ -6,6 +6,12 @@
 
 /* Reading. */
 
+tumble_abort_t tumble_show_member(const void *structure, const tumble_entry_t *entry, uint8_t *bytes, uint8_t *size)
+{
+    tumble_dictionary_pack(entry, (const uint8_t *)structure + entry->offset, bytes, size);
+    return TUMBLE_ABORT_NONE;
+}
+
 static tumble_abort_t read_progress(const tumble_navcomp_t *navcomp, const tumble_entry_t *entry, uint8_t *bytes,
                                     uint8_t *size)
 {
