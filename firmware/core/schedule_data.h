@@ -35,11 +35,11 @@
 #define TUMBLE_N_V_H {3, {{ 0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}, {1.0, 0.0, 0.0}}, TUMBLE_AT_0, 0} /* ( n, v, h) */
 /* clang-format on */
 
-/* The schedule of a file's `mountings`, and of the positions in an array. */
-#define TUMBLE_SCHEDULE_OF(array)                                                                                      \
-    {.mountings = mountings,                                                                                           \
-     .positions = (array),                                                                                             \
-     .mounting_count = sizeof mountings / sizeof mountings[0],                                                         \
-     .position_count = sizeof(array) / sizeof(array)[0]}
+/* The schedule of these mountings and positions, which are arrays. */
+#define TUMBLE_SCHEDULE_OF(mountings_of, positions_of)                                                                 \
+    {.mountings = (mountings_of),                                                                                      \
+     .positions = (positions_of),                                                                                      \
+     .mounting_count = sizeof(mountings_of) / sizeof(mountings_of)[0],                                                 \
+     .position_count = sizeof(positions_of) / sizeof(positions_of)[0]}
 
 #endif

@@ -1,3 +1,5 @@
+/* status_sentence.c - apart from the names: a target whose compiler keeps the constants of a file together, and which shows
+ * names alone, would hold 2 kB of sentences. */
 #include "tumble/status.h"
 
 const char *tumble_status_sentence(tumble_status_t status)

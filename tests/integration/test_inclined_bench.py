@@ -44,7 +44,7 @@ def simulated(tmp_path_factory):
     parts = ("truth", "geometry", "scenario", "random", "maths")
     program = compiled(tmp_path_factory.mktemp("inclined") / "forces", "-Wall", "-Wextra", "-Werror", "-Ihost",
                        "-Ifirmware/include", "-Ifirmware", "tests/integration/inclined_harness.c",
-                       *(f"host/simulation/{part}.c" for part in parts), "firmware/core/schedule_inclined.c",
+                       *(f"host/simulation/{part}.c" for part in parts), "firmware/core/schedules.c",
                        "firmware/core/schedule_paper.c", "-lm")
 
     def forces(*words):
