@@ -17,6 +17,16 @@
 
 #include <string.h>
 
+#define NONE_OPEN UINT8_MAX
+
+static inline bool tumble_averaging_has_mean(const tumble_averaging_t *averaging, uint8_t index)
+{
+    return (averaging->averages[index].samples != 0U) && (averaging->open.index != index);
+}
+
+/* The mean of three channels, correctly rounded in counts, times `unit`. It has samples. */
+void tumble_average_mean(const tumble_average_t *average, double mean[TUMBLE_CHANNELS], double unit);
+
 enum { FAULT_SATURATED = 1, FAULT_DEVIATING = 2, FAULT_STUCK = 4, HAS_COUNTER = 8 };
 
 /* Where samples go, and where those are counted that a gate refuses. */
@@ -48,41 +58,32 @@ static inline tumble_status_t tumble_gate_counter(tumble_accumulator_t into, uin
     return TUMBLE_OK;
 }
 
-/* How far apart two counts are, whatever they are. */
-static inline uint32_t tumble_gate_distance(int32_t a, int32_t b)
+/* Saturated, far from the first sample, or one value for too long: the last refuses no sample, but the mean. */
+static inline tumble_status_t tumble_gate_counts(tumble_accumulator_t into, const tumble_averaging_config_t *config,
+                                                 const int32_t counts[TUMBLE_CHANNELS])
 {
-    return (a > b) ? ((uint32_t)a - (uint32_t)b) : ((uint32_t)b - (uint32_t)a);
-}
-
-static inline tumble_status_t tumble_gate_range(tumble_accumulator_t into, const tumble_averaging_config_t *config,
-                                                const int32_t counts[TUMBLE_CHANNELS])
-{
+    tumble_open_position_t *open = into.open;
     const uint32_t highest = (uint32_t)config->saturation_counts - 1U;
     uint32_t largest = 0; /* of the counts, where those from -highest to highest are 0 to 2 highest */
     uint32_t farthest = 0;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        const int32_t first = into.open->first[i];
         const uint32_t place = (uint32_t)counts[i] + highest;
-        const uint32_t deviation = tumble_gate_distance(counts[i], into.open->first[i]);
+        const uint32_t deviation =
+            (counts[i] > first) ? ((uint32_t)counts[i] - (uint32_t)first) : ((uint32_t)first - (uint32_t)counts[i]);
         largest = (place > largest) ? place : largest;
         farthest = (deviation > farthest) ? deviation : farthest;
     }
     if (largest > (2U * highest)) {
-        into.open->faults |= FAULT_SATURATED;
+        open->faults |= FAULT_SATURATED;
         tumble_add_up_here(&into.counters->saturated, 1U);
         return TUMBLE_E_SATURATED;
     }
     if (farthest > (uint32_t)TUMBLE_MAX_DEVIATION_COUNTS) {
-        into.open->faults |= FAULT_DEVIATING;
+        open->faults |= FAULT_DEVIATING;
         tumble_add_up_here(&into.counters->deviating, 1U);
         return TUMBLE_E_DEVIATION;
     }
-    return TUMBLE_OK;
-}
-
-/* Refuses no sample: the mean is refused. */
-static inline void tumble_gate_stuck(tumble_open_position_t *open, const tumble_averaging_config_t *config,
-                                     const int32_t counts[TUMBLE_CHANNELS])
-{
     const uint32_t longest = (uint32_t)config->stuck_run - 1U; /* without the gate no run is longer */
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         const uint32_t before = (counts[i] == open->last[i]) ? open->run[i] : 0U;
@@ -92,14 +93,7 @@ static inline void tumble_gate_stuck(tumble_open_position_t *open, const tumble_
             open->faults |= FAULT_STUCK;
         }
     }
-}
-
-/* Deviations are taken from the first sample. */
-static inline void tumble_accumulator_keep_first(tumble_accumulator_t into, const int32_t counts[TUMBLE_CHANNELS])
-{
-    if (into.average->samples == 0U) {
-        (void)memcpy(into.open->first, counts, sizeof into.open->first);
-    }
+    return TUMBLE_OK;
 }
 
 /* A sample that passed, or that the caller vouches for. */
@@ -129,12 +123,13 @@ static inline tumble_status_t tumble_accumulator_take(tumble_accumulator_t into,
     if (status != TUMBLE_OK) {
         return status;
     }
-    tumble_accumulator_keep_first(into, counts);
-    status = tumble_gate_range(into, config, counts);
+    if (into.average->samples == 0U) { /* deviations are taken from the first sample */
+        (void)memcpy(into.open->first, counts, sizeof into.open->first);
+    }
+    status = tumble_gate_counts(into, config, counts);
     if (status != TUMBLE_OK) {
         return status;
     }
-    tumble_gate_stuck(into.open, config, counts);
     tumble_accumulator_add_up(into, counts);
     return TUMBLE_OK;
 }

@@ -2,7 +2,6 @@
 
 #include "core/accumulator.h"
 #include "core/arith.h"
-#include "core/averaging_state.h"
 
 #include <stddef.h>
 
@@ -36,8 +35,8 @@ tumble_status_t tumble_averaging_begin(tumble_averaging_t *averaging, uint8_t in
     if ((averaging == NULL) || (index >= TUMBLE_MAX_POSITIONS)) {
         return TUMBLE_E_ARGUMENT;
     }
-    if (tumble_averaging_is_open(averaging)) {
-        *tumble_averaging_open_average(averaging) = (tumble_average_t){0};
+    if (averaging->open.index != NONE_OPEN) {
+        averaging->averages[averaging->open.index] = (tumble_average_t){0};
     }
     averaging->averages[index] = (tumble_average_t){0};
     averaging->open = (tumble_open_position_t){.index = index};
@@ -101,10 +100,10 @@ static tumble_status_t judge_open(const tumble_averaging_t *averaging, const tum
 
 tumble_status_t tumble_averaging_finish(tumble_averaging_t *averaging, const tumble_averaging_config_t *config)
 {
-    if (!tumble_averaging_is_open(averaging)) {
+    if (averaging->open.index == NONE_OPEN) {
         return TUMBLE_E_NOT_OPEN;
     }
-    tumble_average_t *average = tumble_averaging_open_average(averaging);
+    tumble_average_t *average = &averaging->averages[averaging->open.index];
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         average->scatter_counts[i] = tumble_to_float(scatter_of_open(averaging, i));
     }
@@ -145,7 +144,7 @@ tumble_status_t tumble_averaging_restore(tumble_averaging_t *averaging, const tu
 
 uint32_t tumble_averaging_samples(const tumble_averaging_t *averaging)
 {
-    return tumble_averaging_is_open(averaging) ? averaging->averages[averaging->open.index].samples : 0U;
+    return (averaging->open.index != NONE_OPEN) ? averaging->averages[averaging->open.index].samples : 0U;
 }
 
 /* S / n: both are exact as doubles (core.h), so the division rounds once. */
@@ -163,7 +162,7 @@ tumble_status_t tumble_averaging_running(const tumble_averaging_t *averaging, do
     if ((averaging == NULL) || (mean_counts == NULL) || (standard_error_counts == NULL)) {
         return TUMBLE_E_ARGUMENT;
     }
-    if (!tumble_averaging_is_open(averaging)) {
+    if (averaging->open.index == NONE_OPEN) {
         return TUMBLE_E_NOT_OPEN;
     }
     const tumble_average_t *average = &averaging->averages[averaging->open.index];

@@ -1,7 +1,7 @@
 #include "tumble/core.h"
 
+#include "core/accumulator.h"
 #include "core/arith.h"
-#include "core/averaging_state.h"
 #include "core/stand_record.h"
 
 #include <stddef.h>

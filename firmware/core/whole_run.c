@@ -1,7 +1,7 @@
 #include "core/whole_model.h"
 
+#include "core/accumulator.h"
 #include "core/arith.h"
-#include "core/averaging_state.h"
 #include "core/course.h"
 #include "core/stand_record.h"
 

@@ -30,7 +30,7 @@ static inline bool tumble_has_block(const tumble_navcomp_t *navcomp)
 
 static inline tumble_state_t tumble_run_state(const tumble_navcomp_t *navcomp)
 {
-    return tumble_procedure_state(&navcomp->procedure);
+    return navcomp->procedure.state;
 }
 
 /* A run is on, or could go on: then nobody may change what it depends on. */

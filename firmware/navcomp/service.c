@@ -70,12 +70,3 @@ void tumble_service_run_began(tumble_navcomp_t *navcomp)
     tumble_count(&navcomp->run_number);
     show(navcomp);
 }
-
-bool tumble_service_watch(tumble_navcomp_t *navcomp)
-{
-    const bool over = tumble_service_is_open(navcomp) && (navcomp->stepped_us >= navcomp->service_until_us);
-    if (over) {
-        close(navcomp);
-    }
-    return over;
-}

@@ -35,7 +35,4 @@ uint32_t tumble_service_runs(const struct tumble_navcomp *navcomp);
 /* For navcomp. A run has begun, or goes on out of DONE. */
 void tumble_service_run_began(struct tumble_navcomp *navcomp);
 
-/* At the beginning of a step: end the level when its time is over. True: it did. */
-bool tumble_service_watch(struct tumble_navcomp *navcomp);
-
 #endif

@@ -155,7 +155,7 @@ tumble_status_t tumble_navcomp_init(tumble_navcomp_t *navcomp, const tumble_navc
 static void restart(tumble_navcomp_t *navcomp, uint64_t now_us)
 {
     const bool application = (navcomp->restart == RESTART_APPLICATION);
-    const bool aborted = (tumble_run_state(navcomp) == TUMBLE_STATE_ABORT);
+    const bool aborted = (navcomp->procedure.state == TUMBLE_STATE_ABORT);
     navcomp->restart = RESTART_NONE;
     (void)join_bus(navcomp, now_us); /* as it passed at power-on */
     if (application) {
@@ -239,11 +239,8 @@ static bool has_axis(const tumble_navcomp_t *navcomp)
     return tumble_is_on_bus(navcomp) && navcomp->stand.kind->is_present(navcomp->stand.self);
 }
 
-static void take_frame(tumble_navcomp_t *navcomp, const tumble_can_frame_t *frame, uint64_t now_us)
+static void take_other_frame(tumble_navcomp_t *navcomp, const tumble_can_frame_t *frame, uint64_t now_us)
 {
-    if (tumble_has_block(navcomp) && take_block_frame(navcomp, frame)) {
-        return;
-    }
     navcomp->woken = true;
     navcomp->node.server.held = tumble_run_is_on(navcomp) || has_axis(navcomp);
     navcomp->node.server.service = tumble_service_is_open(navcomp);
@@ -267,8 +264,8 @@ static void drain_bus(tumble_navcomp_t *navcomp, uint64_t now_us)
         if ((status != TUMBLE_OK) && (status != TUMBLE_E_FRAME)) {
             return;
         }
-        if (status == TUMBLE_OK) {
-            take_frame(navcomp, &frame, now_us);
+        if ((status == TUMBLE_OK) && !((navcomp->config->source == NULL) && take_block_frame(navcomp, &frame))) {
+            take_other_frame(navcomp, &frame, now_us);
         }
     }
     navcomp->more = true;
@@ -316,18 +313,6 @@ static void keep_operational(tumble_navcomp_t *navcomp, uint64_t now_us)
     }
 }
 
-static uint64_t later(uint64_t a_us, uint64_t b_us)
-{
-    return (a_us > b_us) ? a_us : b_us;
-}
-
-/* The bus is off when the port says so in receiving, or in sending at the end of a step, where frames that it did not
- * take are offered again. While the bus is off every step takes the long way, until it is back. */
-static bool is_bus_off(const tumble_navcomp_t *navcomp)
-{
-    return navcomp->node.link.last == TUMBLE_E_PORT_DOWN;
-}
-
 /* The keeper's step, which may set all others going, and when the next one of all is due. */
 static uint64_t end_step(tumble_navcomp_t *navcomp)
 {
@@ -338,8 +323,9 @@ static uint64_t end_step(tumble_navcomp_t *navcomp)
         due_us = tumble_earlier(due_us, keeping->step(navcomp->config->keeper, navcomp->stepped_us));
     }
     const tumble_status_t last = navcomp->node.link.last;
-    tumble_procedure_set_bus_up(&navcomp->procedure, !is_bus_off(navcomp));
-    navcomp->more = navcomp->more || is_bus_off(navcomp);
+    const bool is_bus_off = (last == TUMBLE_E_PORT_DOWN); /* now by what was sent as well */
+    tumble_procedure_set_bus_up(&navcomp->procedure, !is_bus_off);
+    navcomp->more = navcomp->more || is_bus_off;
     due_us = tumble_earlier(due_us, tumble_node_next_us(&navcomp->node));
     due_us = tumble_earlier(due_us, tumble_procedure_next_us(&navcomp->procedure));
     due_us = tumble_earlier(due_us, navcomp->stand.kind->next_us(navcomp->stand.self));
@@ -349,27 +335,35 @@ static uint64_t end_step(tumble_navcomp_t *navcomp)
     if (navcomp->more) {
         due_us = 0;
     }
-    const bool refused = (last == TUMBLE_E_PORT_BUSY) || (last == TUMBLE_E_PORT_DOWN);
-    return refused ? later(due_us, navcomp->stepped_us + RETRY_US) : due_us;
+    const bool refused = is_bus_off || (last == TUMBLE_E_PORT_BUSY);
+    const uint64_t retry_us = navcomp->stepped_us + RETRY_US;
+    return (refused && (due_us < retry_us)) ? retry_us : due_us;
 }
 
+/* The bus is off when the port says so in receiving, or in sending at the end of a step, where frames that it did not
+ * take are offered again. While the bus is off every step takes the long way, until it is back. */
 void tumble_navcomp_step(tumble_navcomp_t *navcomp)
 {
     const tumble_port_t *port = navcomp->config->port;
-    const tumble_state_t before = tumble_run_state(navcomp);
-    const uint64_t now_us = later(port->now_us(port->context), navcomp->stepped_us);
+    const tumble_state_t before = navcomp->procedure.state;
+    const uint64_t read_us = port->now_us(port->context);
+    const uint64_t now_us = (read_us > navcomp->stepped_us) ? read_us : navcomp->stepped_us;
     navcomp->stepped_us = now_us;
     navcomp->more = false;
     navcomp->woken = (now_us >= navcomp->due_us);
-    navcomp->woken = tumble_service_watch(navcomp) || navcomp->woken;
+    if ((navcomp->service_until_us != 0U) && (now_us >= navcomp->service_until_us)) {
+        (void)tumble_service_unlock(navcomp, 0);
+        navcomp->woken = true;
+    }
     drain_bus(navcomp, now_us);
-    if (!tumble_has_block(navcomp)) {
+    if (navcomp->config->source != NULL) {
         drain_source(navcomp);
     }
-    if (!navcomp->woken && !navcomp->more && !is_bus_off(navcomp) && (tumble_run_state(navcomp) == before)) {
+    const bool is_bus_off = (navcomp->node.link.last == TUMBLE_E_PORT_DOWN);
+    if (!navcomp->woken && !navcomp->more && !is_bus_off && (navcomp->procedure.state == before)) {
         return; /* nothing but samples, and they changed nothing: so it is with most steps */
     }
-    if (is_bus_off(navcomp)) {
+    if (is_bus_off) {
         tumble_procedure_set_bus_up(&navcomp->procedure, false);
     }
     keep_operational(navcomp, now_us);

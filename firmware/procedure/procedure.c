@@ -15,28 +15,6 @@ TUMBLE_ONE_COPY static const tumble_row_t *row_of(const tumble_procedure_t *proc
     return &tumble_procedure_rows[procedure->state];
 }
 
-static outcome_t act(tumble_procedure_t *procedure, tumble_action_t action)
-{
-    return (action != NULL) ? action(procedure) : OUTCOME_STAY;
-}
-
-static outcome_t enter(tumble_procedure_t *procedure, tumble_state_t state)
-{
-    if (state == TUMBLE_STATE_FAULT) {
-        procedure->failed_in = procedure->state;
-    }
-    procedure->state = state;
-    procedure->restart_timer = true;
-    return act(procedure, row_of(procedure)->enter);
-}
-
-static outcome_t leave(tumble_procedure_t *procedure, outcome_t outcome)
-{
-    const tumble_row_t *row = row_of(procedure);
-    const uint8_t next = (outcome == OUTCOME_DONE) ? row->done : row->other;
-    return enter(procedure, (outcome == OUTCOME_FAULT) ? TUMBLE_STATE_FAULT : (tumble_state_t)next);
-}
-
 /* Is the table, by its own report, off the angle where the position is measured? */
 static bool table_slipped(const tumble_procedure_t *procedure)
 {
@@ -44,19 +22,23 @@ static bool table_slipped(const tumble_procedure_t *procedure)
     return !tumble_within(off_deg, procedure->config->position_tolerance_deg);
 }
 
-static outcome_t watch(tumble_procedure_t *procedure, unsigned watched)
+/* The table's angle changes only with a report of the stand, and a step follows every report. So this check, which
+ * needs floating point, need not run for samples, which come far more often. */
+enum { BETWEEN_REPORTS = WATCH_BUS | WATCH_STAND | WATCH_BLOCK | WATCH_POSITION };
+
+/* Ask the stand, look at what the row watches, then at what the state waits for. */
+static outcome_t look(tumble_procedure_t *procedure, const tumble_row_t *row, unsigned which)
 {
+    const unsigned watched = row->watch & which;
+    procedure->stand_state = (uint8_t)tumble_stand_state(&procedure->stand);
     if (((watched & WATCH_BUS) != 0U) && !procedure->bus_up) {
         return tumble_fail(procedure, TUMBLE_REASON_BUS);
     }
-    if ((watched & WATCH_STAND) != 0U) {
-        const tumble_stand_state_t stand = tumble_stand_state(&procedure->stand);
-        if (stand == TUMBLE_STAND_FAULT) {
-            return tumble_fail(procedure, tumble_stand_reason(procedure));
-        }
-        if (stand == TUMBLE_STAND_OFFLINE) {
-            return tumble_fail(procedure, TUMBLE_REASON_STAND_HEARTBEAT);
-        }
+    if (((watched & WATCH_STAND) != 0U) && (procedure->stand_state == (uint8_t)TUMBLE_STAND_FAULT)) {
+        return tumble_fail(procedure, tumble_stand_reason(procedure));
+    }
+    if (((watched & WATCH_STAND) != 0U) && (procedure->stand_state == (uint8_t)TUMBLE_STAND_OFFLINE)) {
+        return tumble_fail(procedure, TUMBLE_REASON_STAND_HEARTBEAT);
     }
     if (((watched & WATCH_BLOCK) != 0U) && !procedure->block_alive) {
         return tumble_fail(procedure, TUMBLE_REASON_BLOCK_HEARTBEAT);
@@ -66,35 +48,47 @@ static outcome_t watch(tumble_procedure_t *procedure, unsigned watched)
         procedure->homed = false; /* nobody knows whether it is the table or the count that slipped */
         return tumble_fail(procedure, TUMBLE_REASON_SLIP);
     }
-    return OUTCOME_STAY;
-}
-
-/* The table's angle changes only with a report of the stand, and a step follows every report. So this check, which
- * needs floating point, need not run for samples, which come far more often. */
-enum { BETWEEN_REPORTS = WATCH_BUS | WATCH_STAND | WATCH_BLOCK };
-
-static outcome_t look(tumble_procedure_t *procedure, unsigned watched)
-{
-    const outcome_t outcome = watch(procedure, row_of(procedure)->watch & watched);
-    return (outcome == OUTCOME_STAY) ? act(procedure, row_of(procedure)->poll) : outcome;
-}
-
-/* Follow the table until a state waits for something, so that the number of steps between two samples makes no
- * difference. Terminates: every cycle contains a state that waits for a sample or for the stand. */
-static void follow(tumble_procedure_t *procedure, outcome_t outcome)
-{
-    while (outcome != OUTCOME_STAY) {
-        outcome = leave(procedure, outcome);
-        if ((outcome == OUTCOME_STAY) && !row_of(procedure)->pauses) {
-            outcome = look(procedure, WATCH_ALL);
-        }
+    if (((watched & WATCH_POSITION) != 0U) && (procedure->stand_state != (uint8_t)TUMBLE_STAND_IN_POSITION)) {
+        return tumble_refuse_position(procedure, TUMBLE_E_NOT_STILL);
     }
+    if (((watched & WATCH_POSITION) != 0U) && (procedure->corrupted > procedure->config->max_corrupted)) {
+        return tumble_refuse_position(procedure, TUMBLE_E_CRC);
+    }
+    return (row->poll != NULL) ? row->poll(procedure) : OUTCOME_STAY;
 }
 
+static tumble_state_t next_of(const tumble_row_t *row, outcome_t outcome)
+{
+    const uint8_t next = (outcome == OUTCOME_DONE) ? row->done : row->other;
+    return (outcome == OUTCOME_FAULT) ? TUMBLE_STATE_FAULT : (tumble_state_t)next;
+}
+
+/* On to a state, and further by the table until one waits for something, so that the number of steps between two samples
+ * makes no difference. Terminates: every cycle contains a state that waits for a sample or for the stand. */
 static void go_to(tumble_procedure_t *procedure, tumble_state_t state)
 {
-    const outcome_t outcome = enter(procedure, state);
-    follow(procedure, (outcome == OUTCOME_STAY) ? look(procedure, WATCH_ALL) : outcome);
+    tumble_state_t next = state;
+    outcome_t outcome;
+    do {
+        if (next == TUMBLE_STATE_FAULT) {
+            procedure->failed_in = procedure->state;
+        }
+        procedure->state = next;
+        procedure->restart_timer = true;
+        const tumble_row_t *row = row_of(procedure);
+        outcome = (row->enter != NULL) ? row->enter(procedure) : OUTCOME_STAY;
+        if ((outcome == OUTCOME_STAY) && !row->pauses) {
+            outcome = look(procedure, row, WATCH_ALL);
+        }
+        next = next_of(row, outcome);
+    } while (outcome != OUTCOME_STAY);
+}
+
+static void follow(tumble_procedure_t *procedure, outcome_t outcome)
+{
+    if (outcome != OUTCOME_STAY) {
+        go_to(procedure, next_of(row_of(procedure), outcome));
+    }
 }
 
 /* Time. */
@@ -155,7 +149,7 @@ static outcome_t end_late(tumble_procedure_t *procedure)
 
 void tumble_procedure_step(tumble_procedure_t *procedure, uint64_t now_us)
 {
-    follow(procedure, look(procedure, WATCH_ALL));
+    follow(procedure, look(procedure, row_of(procedure), WATCH_ALL));
     read_clock(procedure, now_us);
     follow(procedure, end_late(procedure));
 }
@@ -171,15 +165,20 @@ uint64_t tumble_procedure_next_us(const tumble_procedure_t *procedure)
 bool tumble_procedure_sample(tumble_procedure_t *procedure, const tumble_block_sample_t *sample, tumble_taken_t *taken)
 {
     tumble_taken_t into = {0, 0};
+    const tumble_row_t *row = &tumble_procedure_rows[procedure->state];
     tumble_count(&procedure->counters.samples);
     procedure->heard = true;
-    if (row_of(procedure)->pauses) {
+    if (row->pauses) {
         return false; /* work for a step */
     }
-    follow(procedure, look(procedure, BETWEEN_REPORTS));
-    const tumble_sample_action_t action = row_of(procedure)->sample;
-    if (action != NULL) {
-        follow(procedure, action(procedure, sample, &into));
+    outcome_t outcome = look(procedure, row, BETWEEN_REPORTS);
+    if (outcome != OUTCOME_STAY) {
+        follow(procedure, outcome);
+        row = row_of(procedure);
+    }
+    outcome = (row->sample != NULL) ? row->sample(procedure, sample, &into) : OUTCOME_STAY;
+    if (outcome != OUTCOME_STAY) {
+        follow(procedure, outcome);
     }
     if ((into.ordinal != 0U) && (taken != NULL)) {
         *taken = into;
@@ -189,12 +188,13 @@ bool tumble_procedure_sample(tumble_procedure_t *procedure, const tumble_block_s
 
 void tumble_procedure_sample_faults(tumble_procedure_t *procedure, uint16_t corrupted, uint16_t lost)
 {
-    follow(procedure, look(procedure, BETWEEN_REPORTS)); /* they come after whatever the stand did before */
+    follow(procedure,
+           look(procedure, row_of(procedure), BETWEEN_REPORTS)); /* they come after whatever the stand did before */
     const uint32_t sum = (uint32_t)procedure->corrupted + corrupted;
     tumble_add_up(&procedure->counters.corrupted, corrupted);
     tumble_add_up(&procedure->counters.lost, lost);
     procedure->corrupted = (sum < UINT16_MAX) ? (uint16_t)sum : UINT16_MAX;
-    follow(procedure, look(procedure, BETWEEN_REPORTS));
+    follow(procedure, look(procedure, row_of(procedure), BETWEEN_REPORTS));
 }
 
 void tumble_procedure_set_block_alive(tumble_procedure_t *procedure, bool alive)
@@ -299,7 +299,7 @@ static bool is_about_mounting(tumble_reason_t reason)
            (reason == TUMBLE_REASON_SWAPPED_CHANNELS);
 }
 
-static void forget_mounting(tumble_procedure_t *procedure, uint8_t mounting_index)
+TUMBLE_ONE_COPY static void forget_mounting(tumble_procedure_t *procedure, uint8_t mounting_index)
 {
     const tumble_schedule_t *schedule = procedure->config->schedule;
     for (uint8_t p = 0; p < schedule->position_count; p++) {

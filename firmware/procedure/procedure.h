@@ -8,7 +8,7 @@
  * same bits anywhere. Every state that waits for something has a bounded time; IDLE, DONE, FAULT and ABORT wait for
  * nothing and leave the table at rest.
  *
- * The way of a run is in procedure_table.c. A fault stops the table and keeps what was measured: `resume` goes through
+ * The way of a run is in procedure_states.c. A fault stops the table and keeps what was measured: `resume` goes through
  * PREFLIGHT to NEXT again, which picks the first position without a mean, those of the current mounting first.
  */
 #ifndef TUMBLE_PROCEDURE_PROCEDURE_H
@@ -97,6 +97,7 @@ typedef struct {
 typedef struct {
     int8_t coldest_half_c;
     int8_t warmest_half_c;
+    uint8_t stand_state; /* tumble_stand_state_t, as at the last look at the stand */
     tumble_state_t state;
     tumble_state_t failed_in;
     tumble_reason_t reason;
@@ -198,7 +199,7 @@ void tumble_procedure_set_bus_up(tumble_procedure_t *procedure, bool up);
 void tumble_procedure_set_supervised(tumble_procedure_t *procedure, bool supervised);
 
 /* Commands. Each returns TUMBLE_OK, TUMBLE_E_STATE when the state does not allow it, or TUMBLE_E_ARGUMENT; refusals are
- * counted. Each comment ends with the states that allow the command (procedure_table.c). */
+ * counted. Each comment ends with the states that allow the command (procedure_states.c). */
 
 /* Begin a run; results of the last one are gone. IDLE, DONE, ABORT. */
 tumble_status_t tumble_procedure_start(tumble_procedure_t *procedure);

@@ -1,7 +1,7 @@
 #include "procedure/procedure_internal.h"
 
+#include "core/accumulator.h"
 #include "core/arith.h"
-#include "core/averaging_state.h"
 #include "core/one_copy.h"
 #include "core/vector.h"
 #include "procedure/config_fields.h"

@@ -1,14 +1,9 @@
 /* procedure_internal.h - what the files of the procedure share (private to it).
  *
- *     procedure_table.c       the table: every state, what it does, where it leads, how long it may last
- *     procedure_states.c      what the rows of the table do: entry actions, polls, samples, late endings
- *     procedure_average.c     the same for AVERAGE: taking samples, judging a position
- *     procedure_refusal.c     what goes wrong: reasons of the stand, a slipped table, a position refused
- *     procedure_solve.c       SOLVE, VERIFY, PROPOSE
- *     procedure_checks.c      is the configuration usable, is the block mounted as it should be, did it slip
- *     procedure.c             time, samples and commands; the engine that follows the table
- *     procedure_restore.c     what a run that lost power had measured
- *     procedure_report.c      the readable side
+ *     procedure.c          time, samples and commands; the engine that follows the table of states
+ *     procedure_states.c   the states: what each does, the table, what goes wrong
+ *     procedure_checks.c   is the configuration usable, is the block mounted as it should be, did it slip
+ *     procedure_report.c   the readable side, and what a run that lost power had measured
  */
 #ifndef TUMBLE_PROCEDURE_PROCEDURE_INTERNAL_H
 #define TUMBLE_PROCEDURE_PROCEDURE_INTERNAL_H
@@ -31,10 +26,11 @@ typedef enum {
 enum {
     WATCH_BUS = 1,
     WATCH_STAND = 2,
-    WATCH_BLOCK = 4,   /* its heartbeat */
-    WATCH_SAMPLES = 8, /* and its samples keep coming */
-    WATCH_ANGLE = 16,  /* the table stands where the position is measured */
-    WATCH_ALL = 31
+    WATCH_BLOCK = 4,     /* its heartbeat */
+    WATCH_SAMPLES = 8,   /* and its samples keep coming */
+    WATCH_ANGLE = 16,    /* the table stands where the position is measured */
+    WATCH_POSITION = 32, /* the stand stays in position, and few frames are corrupted: else the position is refused */
+    WATCH_ALL = 63
 };
 
 /* tumble_row_t.commands */
@@ -60,39 +56,6 @@ typedef struct {
 
 extern const tumble_row_t tumble_procedure_rows[TUMBLE_STATE_COUNT];
 
-/* Entry actions, polls, sample actions, late endings, by the states that they belong to. */
-outcome_t tumble_preflight_enter(tumble_procedure_t *procedure);
-outcome_t tumble_preflight_poll(tumble_procedure_t *procedure);
-outcome_t tumble_preflight_sample(tumble_procedure_t *procedure, const tumble_block_sample_t *sample,
-                                  tumble_taken_t *taken);
-outcome_t tumble_preflight_late(tumble_procedure_t *procedure);
-outcome_t tumble_warm_up_enter(tumble_procedure_t *procedure);
-outcome_t tumble_warm_up_sample(tumble_procedure_t *procedure, const tumble_block_sample_t *sample,
-                                tumble_taken_t *taken);
-outcome_t tumble_next_enter(tumble_procedure_t *procedure);
-outcome_t tumble_wait_mounting_poll(tumble_procedure_t *procedure);
-outcome_t tumble_home_enter(tumble_procedure_t *procedure);
-outcome_t tumble_home_poll(tumble_procedure_t *procedure);
-outcome_t tumble_move_enter(tumble_procedure_t *procedure);
-outcome_t tumble_move_poll(tumble_procedure_t *procedure);
-outcome_t tumble_settle_enter(tumble_procedure_t *procedure);
-outcome_t tumble_settle_poll(tumble_procedure_t *procedure);
-outcome_t tumble_settle_sample(tumble_procedure_t *procedure, const tumble_block_sample_t *sample,
-                               tumble_taken_t *taken);
-outcome_t tumble_settle_late(tumble_procedure_t *procedure);
-outcome_t tumble_average_enter(tumble_procedure_t *procedure);
-outcome_t tumble_average_poll(tumble_procedure_t *procedure);
-outcome_t tumble_average_sample(tumble_procedure_t *procedure, const tumble_block_sample_t *sample,
-                                tumble_taken_t *taken);
-outcome_t tumble_average_late(tumble_procedure_t *procedure);
-outcome_t tumble_solve_poll(tumble_procedure_t *procedure);
-outcome_t tumble_verify_poll(tumble_procedure_t *procedure);
-outcome_t tumble_propose_poll(tumble_procedure_t *procedure);
-outcome_t tumble_fault_enter(tumble_procedure_t *procedure);
-outcome_t tumble_fault_poll(tumble_procedure_t *procedure);
-outcome_t tumble_abort_enter(tumble_procedure_t *procedure);
-outcome_t tumble_abort_poll(tumble_procedure_t *procedure);
-
 /* tumble_procedure_validate, with what the estimator lacks. */
 tumble_status_t tumble_examine(const tumble_procedure_config_t *config, tumble_reason_t *reason,
                                tumble_refusal_t *refusal);
@@ -102,6 +65,9 @@ outcome_t tumble_fail(tumble_procedure_t *procedure, tumble_reason_t reason);
 
 /* The reason behind the stand's fault. */
 tumble_reason_t tumble_stand_reason(const tumble_procedure_t *procedure);
+
+/* Before the first position of a run: nothing is measured. Returns as tumble_averaging_init. */
+tumble_status_t tumble_begin_averaging(tumble_procedure_t *procedure);
 
 /* Has the position a mean? */
 bool tumble_is_measured(const tumble_procedure_t *procedure, uint8_t index);

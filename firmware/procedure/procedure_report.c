@@ -1,7 +1,7 @@
 #include "procedure/procedure_internal.h"
 
+#include "core/accumulator.h"
 #include "core/arith.h"
-#include "core/averaging_state.h"
 #include "core/closure.h"
 #include "core/one_copy.h"
 
@@ -27,6 +27,16 @@ uint8_t tumble_first_unmeasured(const tumble_procedure_t *procedure, uint8_t mou
         p++;
     }
     return p;
+}
+
+tumble_status_t tumble_begin_averaging(tumble_procedure_t *procedure)
+{
+    if (procedure->begun) {
+        return TUMBLE_OK;
+    }
+    const tumble_status_t status = tumble_averaging_init(&procedure->averaging, procedure->config->averaging);
+    procedure->begun = (status == TUMBLE_OK);
+    return status;
 }
 
 /* Opening a position forgets what it held, and an open one counts as not measured. */
@@ -145,4 +155,28 @@ tumble_refusal_t tumble_procedure_refusal(const tumble_procedure_t *procedure)
 const tumble_procedure_counters_t *tumble_procedure_counters(const tumble_procedure_t *procedure)
 {
     return &procedure->counters;
+}
+
+tumble_status_t tumble_procedure_restore(tumble_procedure_t *procedure, uint8_t index, const tumble_average_t *average)
+{
+    if (procedure->state != TUMBLE_STATE_IDLE) {
+        return TUMBLE_E_STATE;
+    }
+    if (index >= procedure->config->schedule->position_count) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    tumble_status_t status = tumble_begin_averaging(procedure);
+    if (status == TUMBLE_OK) {
+        status = tumble_averaging_restore(&procedure->averaging, procedure->config->averaging, index, average);
+    }
+    if (status != TUMBLE_OK) {
+        return status;
+    }
+    if ((tumble_check_direction(procedure, index) != TUMBLE_REASON_NONE) ||
+        (tumble_check_closure(procedure, index) != TUMBLE_REASON_NONE)) {
+        tumble_forget_position(procedure, index);
+        return TUMBLE_E_ARGUMENT;
+    }
+    procedure->restored = true;
+    return TUMBLE_OK;
 }

@@ -3,6 +3,8 @@
 #include "core/bytes.h"
 #include "core/count.h"
 
+#include <stddef.h>
+
 /* A sample is two frames. The second carries seven bits of the first one's counter, so halves of different samples do
  * not pair:
  *
@@ -19,65 +21,51 @@ enum { PENDING_XY = 1, PENDING_Z = 2, HAS_COUNTER = 4 };
 
 enum { XY_COUNTER = 6, Z_COUNTER = 3, Z_TIMESTAMP = 4, Z_TEMPERATURE = 6, CRC = 7 };
 
+#define CRC_INIT 0xFFU
+#define CRC_XOR 0xFFU
+
 #if TUMBLE_BLOCK_CRC_BITS == 4
-
-static uint8_t crc_nibble(uint8_t crc, uint8_t nibble)
-{
-    static const uint8_t crc_of_nibble[16] = {0x00U, 0x2FU, 0x5EU, 0x71U, 0xBCU, 0x93U, 0xE2U, 0xCDU,
-                                              0x57U, 0x78U, 0x09U, 0x26U, 0xEBU, 0xC4U, 0xB5U, 0x9AU};
-    return (uint8_t)((unsigned)(crc << 4U) ^ crc_of_nibble[(crc >> 4U) ^ nibble]);
-}
-
-uint8_t tumble_block_crc8(uint8_t crc, const uint8_t *bytes, size_t length)
-{
-    uint8_t result = crc;
-    for (size_t i = 0; i < length; i++) {
-        result = crc_nibble(result, bytes[i] >> 4U);
-        result = crc_nibble(result, bytes[i] & 0x0FU);
-    }
-    return result;
-}
-
+static const uint8_t crc_of_nibble[16] = {0x00U, 0x2FU, 0x5EU, 0x71U, 0xBCU, 0x93U, 0xE2U, 0xCDU,
+                                          0x57U, 0x78U, 0x09U, 0x26U, 0xEBU, 0xC4U, 0xB5U, 0x9AU};
 #elif TUMBLE_BLOCK_CRC_BITS == 8
-
-uint8_t tumble_block_crc8(uint8_t crc, const uint8_t *bytes, size_t length)
-{
-    /* clang-format off */
-    static const uint8_t crc_of_byte[256] = {
-        0x00U, 0x2FU, 0x5EU, 0x71U, 0xBCU, 0x93U, 0xE2U, 0xCDU, 0x57U, 0x78U, 0x09U, 0x26U, 0xEBU, 0xC4U, 0xB5U, 0x9AU,
-        0xAEU, 0x81U, 0xF0U, 0xDFU, 0x12U, 0x3DU, 0x4CU, 0x63U, 0xF9U, 0xD6U, 0xA7U, 0x88U, 0x45U, 0x6AU, 0x1BU, 0x34U,
-        0x73U, 0x5CU, 0x2DU, 0x02U, 0xCFU, 0xE0U, 0x91U, 0xBEU, 0x24U, 0x0BU, 0x7AU, 0x55U, 0x98U, 0xB7U, 0xC6U, 0xE9U,
-        0xDDU, 0xF2U, 0x83U, 0xACU, 0x61U, 0x4EU, 0x3FU, 0x10U, 0x8AU, 0xA5U, 0xD4U, 0xFBU, 0x36U, 0x19U, 0x68U, 0x47U,
-        0xE6U, 0xC9U, 0xB8U, 0x97U, 0x5AU, 0x75U, 0x04U, 0x2BU, 0xB1U, 0x9EU, 0xEFU, 0xC0U, 0x0DU, 0x22U, 0x53U, 0x7CU,
-        0x48U, 0x67U, 0x16U, 0x39U, 0xF4U, 0xDBU, 0xAAU, 0x85U, 0x1FU, 0x30U, 0x41U, 0x6EU, 0xA3U, 0x8CU, 0xFDU, 0xD2U,
-        0x95U, 0xBAU, 0xCBU, 0xE4U, 0x29U, 0x06U, 0x77U, 0x58U, 0xC2U, 0xEDU, 0x9CU, 0xB3U, 0x7EU, 0x51U, 0x20U, 0x0FU,
-        0x3BU, 0x14U, 0x65U, 0x4AU, 0x87U, 0xA8U, 0xD9U, 0xF6U, 0x6CU, 0x43U, 0x32U, 0x1DU, 0xD0U, 0xFFU, 0x8EU, 0xA1U,
-        0xE3U, 0xCCU, 0xBDU, 0x92U, 0x5FU, 0x70U, 0x01U, 0x2EU, 0xB4U, 0x9BU, 0xEAU, 0xC5U, 0x08U, 0x27U, 0x56U, 0x79U,
-        0x4DU, 0x62U, 0x13U, 0x3CU, 0xF1U, 0xDEU, 0xAFU, 0x80U, 0x1AU, 0x35U, 0x44U, 0x6BU, 0xA6U, 0x89U, 0xF8U, 0xD7U,
-        0x90U, 0xBFU, 0xCEU, 0xE1U, 0x2CU, 0x03U, 0x72U, 0x5DU, 0xC7U, 0xE8U, 0x99U, 0xB6U, 0x7BU, 0x54U, 0x25U, 0x0AU,
-        0x3EU, 0x11U, 0x60U, 0x4FU, 0x82U, 0xADU, 0xDCU, 0xF3U, 0x69U, 0x46U, 0x37U, 0x18U, 0xD5U, 0xFAU, 0x8BU, 0xA4U,
-        0x05U, 0x2AU, 0x5BU, 0x74U, 0xB9U, 0x96U, 0xE7U, 0xC8U, 0x52U, 0x7DU, 0x0CU, 0x23U, 0xEEU, 0xC1U, 0xB0U, 0x9FU,
-        0xABU, 0x84U, 0xF5U, 0xDAU, 0x17U, 0x38U, 0x49U, 0x66U, 0xFCU, 0xD3U, 0xA2U, 0x8DU, 0x40U, 0x6FU, 0x1EU, 0x31U,
-        0x76U, 0x59U, 0x28U, 0x07U, 0xCAU, 0xE5U, 0x94U, 0xBBU, 0x21U, 0x0EU, 0x7FU, 0x50U, 0x9DU, 0xB2U, 0xC3U, 0xECU,
-        0xD8U, 0xF7U, 0x86U, 0xA9U, 0x64U, 0x4BU, 0x3AU, 0x15U, 0x8FU, 0xA0U, 0xD1U, 0xFEU, 0x33U, 0x1CU, 0x6DU, 0x42U,
-    };
-    /* clang-format on */
-    uint8_t result = crc;
-    for (size_t i = 0; i < length; i++) {
-        result = crc_of_byte[result ^ bytes[i]];
-    }
-    return result;
-}
-
+/* clang-format off */
+static const uint8_t crc_of_byte[256] = {
+    0x00U, 0x2FU, 0x5EU, 0x71U, 0xBCU, 0x93U, 0xE2U, 0xCDU, 0x57U, 0x78U, 0x09U, 0x26U, 0xEBU, 0xC4U, 0xB5U, 0x9AU,
+    0xAEU, 0x81U, 0xF0U, 0xDFU, 0x12U, 0x3DU, 0x4CU, 0x63U, 0xF9U, 0xD6U, 0xA7U, 0x88U, 0x45U, 0x6AU, 0x1BU, 0x34U,
+    0x73U, 0x5CU, 0x2DU, 0x02U, 0xCFU, 0xE0U, 0x91U, 0xBEU, 0x24U, 0x0BU, 0x7AU, 0x55U, 0x98U, 0xB7U, 0xC6U, 0xE9U,
+    0xDDU, 0xF2U, 0x83U, 0xACU, 0x61U, 0x4EU, 0x3FU, 0x10U, 0x8AU, 0xA5U, 0xD4U, 0xFBU, 0x36U, 0x19U, 0x68U, 0x47U,
+    0xE6U, 0xC9U, 0xB8U, 0x97U, 0x5AU, 0x75U, 0x04U, 0x2BU, 0xB1U, 0x9EU, 0xEFU, 0xC0U, 0x0DU, 0x22U, 0x53U, 0x7CU,
+    0x48U, 0x67U, 0x16U, 0x39U, 0xF4U, 0xDBU, 0xAAU, 0x85U, 0x1FU, 0x30U, 0x41U, 0x6EU, 0xA3U, 0x8CU, 0xFDU, 0xD2U,
+    0x95U, 0xBAU, 0xCBU, 0xE4U, 0x29U, 0x06U, 0x77U, 0x58U, 0xC2U, 0xEDU, 0x9CU, 0xB3U, 0x7EU, 0x51U, 0x20U, 0x0FU,
+    0x3BU, 0x14U, 0x65U, 0x4AU, 0x87U, 0xA8U, 0xD9U, 0xF6U, 0x6CU, 0x43U, 0x32U, 0x1DU, 0xD0U, 0xFFU, 0x8EU, 0xA1U,
+    0xE3U, 0xCCU, 0xBDU, 0x92U, 0x5FU, 0x70U, 0x01U, 0x2EU, 0xB4U, 0x9BU, 0xEAU, 0xC5U, 0x08U, 0x27U, 0x56U, 0x79U,
+    0x4DU, 0x62U, 0x13U, 0x3CU, 0xF1U, 0xDEU, 0xAFU, 0x80U, 0x1AU, 0x35U, 0x44U, 0x6BU, 0xA6U, 0x89U, 0xF8U, 0xD7U,
+    0x90U, 0xBFU, 0xCEU, 0xE1U, 0x2CU, 0x03U, 0x72U, 0x5DU, 0xC7U, 0xE8U, 0x99U, 0xB6U, 0x7BU, 0x54U, 0x25U, 0x0AU,
+    0x3EU, 0x11U, 0x60U, 0x4FU, 0x82U, 0xADU, 0xDCU, 0xF3U, 0x69U, 0x46U, 0x37U, 0x18U, 0xD5U, 0xFAU, 0x8BU, 0xA4U,
+    0x05U, 0x2AU, 0x5BU, 0x74U, 0xB9U, 0x96U, 0xE7U, 0xC8U, 0x52U, 0x7DU, 0x0CU, 0x23U, 0xEEU, 0xC1U, 0xB0U, 0x9FU,
+    0xABU, 0x84U, 0xF5U, 0xDAU, 0x17U, 0x38U, 0x49U, 0x66U, 0xFCU, 0xD3U, 0xA2U, 0x8DU, 0x40U, 0x6FU, 0x1EU, 0x31U,
+    0x76U, 0x59U, 0x28U, 0x07U, 0xCAU, 0xE5U, 0x94U, 0xBBU, 0x21U, 0x0EU, 0x7FU, 0x50U, 0x9DU, 0xB2U, 0xC3U, 0xECU,
+    0xD8U, 0xF7U, 0x86U, 0xA9U, 0x64U, 0x4BU, 0x3AU, 0x15U, 0x8FU, 0xA0U, 0xD1U, 0xFEU, 0x33U, 0x1CU, 0x6DU, 0x42U,
+};
+/* clang-format on */
 #else
 #error "the CRC takes 4 or 8 bits at one time"
 #endif
 
 uint8_t tumble_block_frame_crc(const tumble_can_frame_t *frame)
 {
-    const uint8_t identifier = (uint8_t)(frame->id & 0xFFU);
-    const uint8_t crc = tumble_block_crc8(TUMBLE_BLOCK_CRC_INIT, &identifier, 1);
-    return (uint8_t)(tumble_block_crc8(crc, frame->data, CRC) ^ TUMBLE_BLOCK_CRC_XOR);
+    uint8_t crc = CRC_INIT;
+    uint8_t byte = (uint8_t)(frame->id & 0xFFU);
+    for (size_t i = 0; i <= CRC; i++) {
+#if TUMBLE_BLOCK_CRC_BITS == 4
+        crc = (uint8_t)((unsigned)(crc << 4U) ^ crc_of_nibble[(crc >> 4U) ^ (byte >> 4U)]);
+        crc = (uint8_t)((unsigned)(crc << 4U) ^ crc_of_nibble[(crc >> 4U) ^ (byte & 0x0FU)]);
+#else
+        crc = crc_of_byte[crc ^ byte];
+#endif
+        byte = frame->data[i]; /* the last is the CRC itself */
+    }
+    return crc ^ CRC_XOR;
 }
 
 static int32_t get_int24(const uint8_t bytes[3])
@@ -95,23 +83,6 @@ static uint8_t frame_counter(uint8_t sample_counter)
 void tumble_block_receiver_restart(tumble_block_receiver_t *receiver)
 {
     receiver->flags = 0;
-}
-
-static bool has(const tumble_block_receiver_t *receiver, unsigned flag)
-{
-    return (receiver->flags & flag) != 0U;
-}
-
-/* Replace whatever half is pending (0: by none). */
-static void pend(tumble_block_receiver_t *receiver, unsigned flag, uint8_t counter)
-{
-    receiver->flags = (uint8_t)((receiver->flags & HAS_COUNTER) | flag);
-    receiver->pending_counter = counter;
-}
-
-static uint8_t last_counter(const tumble_block_receiver_t *receiver)
-{
-    return (uint8_t)(receiver->counter & 0xFFU);
 }
 
 static tumble_block_event_t repeated(tumble_block_receiver_t *receiver)
@@ -135,72 +106,72 @@ static tumble_block_event_t corrupted(uint32_t *cause)
 static tumble_block_event_t receive_xy(tumble_block_receiver_t *receiver, const uint8_t *data)
 {
     const uint8_t counter = data[XY_COUNTER];
-    if (has(receiver, HAS_COUNTER) && (counter == last_counter(receiver))) {
+    const unsigned flags = receiver->flags;
+    if (((flags & HAS_COUNTER) != 0U) && (counter == (receiver->counter & 0xFFU))) {
         return repeated(receiver);
     }
-    if (has(receiver, PENDING_XY) && (counter == receiver->pending_counter)) {
+    if (((flags & PENDING_XY) != 0U) && (counter == receiver->pending_counter)) {
         return repeated(receiver);
     }
-    if (has(receiver, PENDING_Z) && (frame_counter(counter) == receiver->pending_counter)) {
-        pend(receiver, 0, 0);
+    if (((flags & PENDING_Z) != 0U) && (frame_counter(counter) == receiver->pending_counter)) {
+        receiver->flags = (uint8_t)(flags & HAS_COUNTER);
         return reordered(receiver);
     }
-    if (has(receiver, PENDING_XY | PENDING_Z)) {
+    if ((flags & (PENDING_XY | PENDING_Z)) != 0U) {
         tumble_count(&receiver->counters.lone_halves);
     }
-    pend(receiver, PENDING_XY, counter);
+    receiver->flags = (uint8_t)((flags & HAS_COUNTER) | PENDING_XY);
+    receiver->pending_counter = counter;
     receiver->x_counts = get_int24(&data[0]);
     receiver->y_counts = get_int24(&data[3]);
     return TUMBLE_BLOCK_HALF;
 }
 
-/* Both halves are there: follow the sample counter. */
-static tumble_block_event_t complete(tumble_block_receiver_t *receiver, const uint8_t *data,
-                                     tumble_block_sample_t *sample)
+/* A second half whose first half is not the pending one. */
+static tumble_block_event_t receive_lone_z(tumble_block_receiver_t *receiver, uint8_t counter)
 {
-    const uint8_t counter = receiver->pending_counter;
-    const uint8_t advance = (uint8_t)(counter - last_counter(receiver));
-    pend(receiver, 0, 0);
-    if (!has(receiver, HAS_COUNTER)) {
-        receiver->counter = counter;
-        receiver->flags = HAS_COUNTER;
-    } else if (advance > (uint8_t)INT8_MAX) {
-        return reordered(receiver);
-    } else {
-        receiver->counter = (uint16_t)(receiver->counter + advance);
-        tumble_add_up(&receiver->counters.lost, (uint32_t)advance - 1U);
+    const unsigned flags = receiver->flags;
+    if (((flags & HAS_COUNTER) != 0U) && (counter == frame_counter((uint8_t)(receiver->counter & 0xFFU)))) {
+        return repeated(receiver);
     }
-    const uint16_t time_and_status = tumble_get_u16(&data[Z_TIMESTAMP]);
-    *sample = (tumble_block_sample_t){
-        .raw = {.counts = {receiver->x_counts, receiver->y_counts, get_int24(&data[0])},
-                .counter = receiver->counter,
-                .status = (uint8_t)(time_and_status >> 12U)},
-        .timestamp_ms = time_and_status & (TUMBLE_TIMESTAMP_PERIOD_MS - 1U),
-        .temperature_half_c = tumble_get_i8(&data[Z_TEMPERATURE]),
-    };
-    tumble_count(&receiver->counters.samples);
-    return TUMBLE_BLOCK_SAMPLE;
+    if (((flags & PENDING_XY) != 0U) || ((counter & 1U) == 0U)) {
+        receiver->flags = (uint8_t)(flags & HAS_COUNTER);
+        return corrupted(&receiver->counters.wrong_pair);
+    }
+    if ((flags & PENDING_Z) != 0U) {
+        tumble_count(&receiver->counters.lone_halves);
+    }
+    receiver->flags = (uint8_t)((flags & HAS_COUNTER) | PENDING_Z);
+    receiver->pending_counter = counter;
+    return TUMBLE_BLOCK_HALF;
 }
 
 static tumble_block_event_t receive_z(tumble_block_receiver_t *receiver, const uint8_t *data,
                                       tumble_block_sample_t *sample)
 {
-    const uint8_t counter = data[Z_COUNTER];
-    if (has(receiver, PENDING_XY) && (counter == frame_counter(receiver->pending_counter))) {
-        return complete(receiver, data, sample);
+    const uint8_t counter = receiver->pending_counter;
+    if (((receiver->flags & PENDING_XY) == 0U) || (data[Z_COUNTER] != frame_counter(counter))) {
+        return receive_lone_z(receiver, data[Z_COUNTER]);
     }
-    if (has(receiver, HAS_COUNTER) && (counter == frame_counter(last_counter(receiver)))) {
-        return repeated(receiver);
+    const bool is_first = ((receiver->flags & HAS_COUNTER) == 0U);
+    const uint8_t advance = is_first ? 0U : (uint8_t)(counter - (receiver->counter & 0xFFU));
+    receiver->flags = HAS_COUNTER;
+    if (advance > (uint8_t)INT8_MAX) {
+        return reordered(receiver);
     }
-    if (has(receiver, PENDING_XY) || ((counter & 1U) == 0U)) {
-        pend(receiver, 0, 0);
-        return corrupted(&receiver->counters.wrong_pair);
+    if (advance > 1U) {
+        tumble_add_up(&receiver->counters.lost, (uint32_t)advance - 1U);
     }
-    if (has(receiver, PENDING_Z)) {
-        tumble_count(&receiver->counters.lone_halves);
-    }
-    pend(receiver, PENDING_Z, counter);
-    return TUMBLE_BLOCK_HALF;
+    receiver->counter = is_first ? counter : (uint16_t)(receiver->counter + advance);
+    *sample = (tumble_block_sample_t){
+        .raw = {.counts = {receiver->x_counts, receiver->y_counts, get_int24(&data[0])},
+                .counter = receiver->counter,
+                .status = (uint8_t)(data[Z_TIMESTAMP + 1] >> 4U)},
+        .timestamp_ms = (uint16_t)(data[Z_TIMESTAMP] | ((data[Z_TIMESTAMP + 1] & 0x0FU) << 8U)),
+        .temperature_half_c = tumble_get_i8(&data[Z_TEMPERATURE]),
+    };
+    tumble_count(&receiver->counters.samples);
+    return TUMBLE_BLOCK_SAMPLE;
 }
 
 tumble_block_event_t tumble_block_receive(tumble_block_receiver_t *receiver, const tumble_can_frame_t *frame,

@@ -21,7 +21,6 @@
 #include "tumble/port.h"
 
 #include <stdbool.h>
-#include <stddef.h>
 #include <stdint.h>
 
 #define TUMBLE_BLOCK_ID_XY 0x683U
@@ -34,12 +33,6 @@
 #ifndef TUMBLE_BLOCK_CRC_BITS
 #define TUMBLE_BLOCK_CRC_BITS 4
 #endif
-
-/* CRC of `length` bytes, continuing from `crc`: start with TUMBLE_BLOCK_CRC_INIT, end by xor with TUMBLE_BLOCK_CRC_XOR.
- */
-#define TUMBLE_BLOCK_CRC_INIT 0xFFU
-#define TUMBLE_BLOCK_CRC_XOR 0xFFU
-uint8_t tumble_block_crc8(uint8_t crc, const uint8_t *bytes, size_t length);
 
 /* The CRC that belongs in byte 7 of this frame: over the low byte of its identifier and bytes 0 to 6. */
 uint8_t tumble_block_frame_crc(const tumble_can_frame_t *frame);

@@ -173,9 +173,9 @@ TUMBLE_ONE_COPY void tumble_stand_step(const tumble_stand_t *stand, uint64_t now
 }
 
 /* A homing that has come to its end has found the position again, also before the next step. */
-static bool is_lost(const tumble_motion_bounds_t *bounds, tumble_stand_state_t state)
+static bool has_homed(const tumble_motion_bounds_t *bounds, tumble_stand_state_t state)
 {
-    return bounds->lost && !(bounds->homes && bounds->moves && (state == TUMBLE_STAND_IN_POSITION));
+    return bounds->homes && bounds->moves && (state == TUMBLE_STAND_IN_POSITION);
 }
 
 void tumble_stand_lose_position(const tumble_stand_t *stand)
@@ -186,7 +186,7 @@ void tumble_stand_lose_position(const tumble_stand_t *stand)
 TUMBLE_ONE_COPY static tumble_status_t begin_motion(const tumble_stand_t *stand, bool homes, double goal_deg)
 {
     tumble_motion_bounds_t *bounds = bounds_of(stand);
-    if ((bounds->fault != 0U) || (!homes && is_lost(bounds, stand->kind->state(stand->self)))) {
+    if ((bounds->fault != 0U) || (!homes && bounds->lost && !has_homed(bounds, stand->kind->state(stand->self)))) {
         return TUMBLE_E_STAND_STATE;
     }
     const tumble_status_t status = homes ? stand->kind->home(stand->self) : stand->kind->move(stand->self, goal_deg);
@@ -249,7 +249,7 @@ TUMBLE_ONE_COPY tumble_stand_state_t tumble_stand_state(const tumble_stand_t *st
         return TUMBLE_STAND_FAULT;
     }
     const bool rests = (state == TUMBLE_STAND_STOPPED) || (state == TUMBLE_STAND_IN_POSITION);
-    return (rests && is_lost(bounds, state)) ? TUMBLE_STAND_READY : state;
+    return (bounds->lost && rests && !has_homed(bounds, state)) ? TUMBLE_STAND_READY : state;
 }
 
 /* That the axis was not seen to rest matters more than why it was told to. */

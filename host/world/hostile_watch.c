@@ -1,7 +1,7 @@
 /* What must hold, held against the simulation's truth: of the table, of the computer's own counts, of the sets. */
 #include "world/hostile.h"
 
-#include "core/averaging_state.h"
+#include "core/accumulator.h"
 #include "core/bytes.h"
 #include "navcomp/service.h"
 #include "simulation/block_encode.h"

@@ -60,8 +60,8 @@ PLANTED = {
         ("firmware/navcomp/navcomp_report.c", "if (!was_on && tumble_run_is_on(navcomp)) {",
          "if (tumble_run_is_on(navcomp)) {")]),
     "samples": ("mean", "", [
-        ("firmware/procedure/procedure_average.c", "(taken >= procedure->config->samples)",
-         "(taken > procedure->config->samples)")]),
+        ("firmware/procedure/procedure_states.c", "(samples >= procedure->config->samples)",
+         "(samples > procedure->config->samples)")]),
     "proposal": ("proposal", "power off", [
         (STORE, "aim(store, active);\n    if (is_stale(store)) {",
          "aim(store, active);\n    if (store->places[PROPOSAL].valid) {")]),

@@ -226,13 +226,13 @@ DRAWN = "host/python/src/tumble/firmware_tables.py"
 
 
 @pytest.mark.parametrize("file, old, new, row", [
-    ("procedure_table.c", ".done = TO(MOVE)", ".done = TO(SETTLE)", '("HOME", "SETTLE", "done", "")'),
-    ("procedure_table.c", "nothing is left to measure", "all is there", '("NEXT", "SOLVE", "other", "all is there")'),
-    ("procedure_table.c", "COMMAND_CONFIRM,", "COMMAND_CONFIRM | COMMAND_START,",
+    ("procedure_states.c", ".done = TO(MOVE)", ".done = TO(SETTLE)", '("HOME", "SETTLE", "done", "")'),
+    ("procedure_states.c", "nothing is left to measure", "all is there", '("NEXT", "SOLVE", "other", "all is there")'),
+    ("procedure_states.c", "COMMAND_CONFIRM,", "COMMAND_CONFIRM | COMMAND_START,",
      '("WAIT_MOUNTING", "PREFLIGHT", "START", "")'),
     ("procedure.c", "? TUMBLE_STATE_PREFLIGHT : TUMBLE_STATE_NEXT", "? TUMBLE_STATE_PREFLIGHT : TUMBLE_STATE_HOME",
      '("WAIT_MOUNTING", "HOME", "CONFIRM", "")'),
-    ("procedure_solve.c", "    procedure->solved = true;", "    (void)fail_to_solve(procedure, TUMBLE_OK);",
+    ("procedure_states.c", "    procedure->solved = true;", "    (void)fail_to_solve(procedure, TUMBLE_OK);",
      '("PROPOSE", "FAULT", "fault", "")'),
     ("states.h", '"homing the table"', '"looking for zero"', '"HOME": "looking for zero"'),
 ])  # fmt: skip
@@ -245,11 +245,11 @@ def test_a_changed_way_of_a_run_is_noticed_and_drawn(tree, file, old, new, row):
 
 @pytest.mark.parametrize("file, old, new, message", [
     ("states.h", "X(TUMBLE_STATE_IDLE", "X(TUMBLE_STATE_ASLEEP",
-     "firmware/procedure/procedure_table.c: its rows are not the states of firmware/procedure/states.h"),
-    ("procedure_table.c", ".other = TO(SETTLE), /* another attempt */", ".other = TO(SETTLE),",
-     "firmware/procedure/procedure_table.c: SETTLE: no comment says when .other is taken"),
-    ("procedure_table.c", "TO(HOME)", "TO(SAFETY)",
-     "firmware/procedure/procedure_table.c: WAIT_MOUNTING leads to SAFETY, which is no state"),
+     "firmware/procedure/procedure_states.c: its rows are not the states of firmware/procedure/states.h"),
+    ("procedure_states.c", ".other = TO(SETTLE), /* another attempt */", ".other = TO(SETTLE),",
+     "firmware/procedure/procedure_states.c: SETTLE: no comment says when .other is taken"),
+    ("procedure_states.c", "TO(HOME)", "TO(SAFETY)",
+     "firmware/procedure/procedure_states.c: WAIT_MOUNTING leads to SAFETY, which is no state"),
     ("procedure.c", "go_to(procedure, TUMBLE_STATE_ABORT);", "go_to(procedure, state);",
      "firmware/procedure/procedure.c: tumble_procedure_give_up goes where this program cannot read"),
     ("procedure.c", "allows(procedure, COMMAND_CONFIRM)", "true",

@@ -332,10 +332,10 @@ def test_the_stand_has_a_mark_at_each_angle_and_its_sense_raises_h(name):
 def ways_of_the_table():
     """(from, to, by) by a plain look at the rows and the commands, another than the generator's."""
     folder = ROOT / "firmware/procedure"
-    table = (folder / "procedure_table.c").read_text().split("tumble_procedure_rows[")[1]
+    table = (folder / "procedure_states.c").read_text().split("tumble_procedure_rows[")[1]
     names = {"IN_MOTION": "COMMAND_ABORT", "AT_REST": "COMMAND_ABORT | COMMAND_REPEAT"}
     for name, meant in names.items():
-        assert re.search(rf"#define {name} \(?{re.escape(meant)}\)?\n", (folder / "procedure_table.c").read_text())
+        assert re.search(rf"#define {name} \(?{re.escape(meant)}\)?\n", (folder / "procedure_states.c").read_text())
     goals = {"START": "PREFLIGHT", "RESUME": "PREFLIGHT", "REPEAT": "PREFLIGHT", "ABORT": "ABORT", "CONFIRM": "NEXT"}
     state = None
     for line in table.splitlines():

@@ -92,9 +92,10 @@ def floating_faults(ci_texts, integer):
         defined |= set(re.findall(r'node: \{ title: "([^"]+)" label: "[^"]*?\\n\d+ bytes', text))
         for caller, callee in re.findall(r'edge: \{ sourcename: "([^"]+)" targetname: "([^"]+)"', text):
             calls.setdefault(caller, set()).add(callee)
-    found = {name: _way_to_floating_point(calls, name, set()) for name in integer}
-    return ([f"no object has a function {name}" for name in integer if name not in defined] +
-            [f"{name} takes floating point: {' > '.join(way)}" for name, way in found.items() if way])
+    names = {title: title.rsplit(":", 1)[-1] for title in sorted(defined)}  # of a static one after its file's
+    ways = [_way_to_floating_point(calls, title, set()) for title, name in names.items() if name in integer]
+    return ([f"no object has a function {name}" for name in integer if name not in names.values()] +
+            [f"{way[0]} takes floating point: {' > '.join(way)}" for way in ways if way])
 
 
 def _way_to_floating_point(calls, name, seen):
