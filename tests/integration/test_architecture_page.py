@@ -1,16 +1,20 @@
 """docs/architecture.md: its list of the package's rooms is the one that tools/rooms.py holds the code to. And packages'
-docstrings: they list the modules that there are."""
+docstrings: they list the modules that there are. And a sample's way: the functions that a run enters."""
 
 import ast
 import re
+import shutil
 import sys
 
 import pytest
 from conftest import ROOT
 
 sys.path.insert(0, str(ROOT / "tools"))
+sys.path.insert(0, str(ROOT / "tests/benchmark"))
 
+import costs_page
 import rooms
+import sample_way
 
 PAGE = (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
 
@@ -44,6 +48,17 @@ def test_the_page_lists_what_the_tool_allows():
 def test_another_list_is_noticed(old, new):
     """The canary."""
     assert PAGE.count(old) == 1 and listed(PAGE.replace(old, new)) != listed(PAGE)
+
+
+@pytest.mark.toolchain
+@pytest.mark.skipif(shutil.which("addr2line") is None, reason="not there: addr2line")
+def test_the_page_lists_the_functions_that_a_sample_enters():
+    functions = sample_way.way()
+    assert costs_page.part_of(PAGE, sample_way.NAME)["shown"].strip() == sample_way.text_of(functions)
+    assert len(functions) <= sample_way.MOST
+    names = [name for _, name, _ in functions]
+    assert names[0] == "tumble_navcomp_step" and names.index("tumble_block_receive") < names.index("average_sample")
+    assert names[-1] == "tumble_accumulator_add_up"
 
 
 # Docstrings of packages.
