@@ -24,8 +24,8 @@ main() {
     -*) fail 2 "no such option: $1 (--help says what there is)" ;;
     esac
     [ $# -le 2 ] || fail 2 "more than INTERFACE and FOLDER"
-    node=$(program tumble-node boards/linux "${TUMBLE_NODE:-}") || exit
-    stand=$(program tumble-stand boards/linux "${TUMBLE_STAND:-}") || exit
+    node=$(program tumble-node host/node "${TUMBLE_NODE:-}") || exit
+    stand=$(program tumble-stand host/stand "${TUMBLE_STAND:-}") || exit
     gateway=$(program tumble-gateway host/gateway "${TUMBLE_GATEWAY:-}") || exit
     command -v mbpoll >/dev/null || fail 77 "mbpoll is not installed: apt install mbpoll"
     prepare "$@"

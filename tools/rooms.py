@@ -26,8 +26,12 @@ FIRMWARE = set(MAY_INCLUDE) - {"boards"}
 PROGRAMS = {
     "host/simulation": ({"core", "port", "sample", "canopen", "nv"}, []),
     "host/world": (FIRMWARE | {"simulation", "replay"}, ["boards/zcu102"]),
-    "host/gateway": ({"core", "port", "canopen"}, ["boards/linux"]),
-    "boards/linux": (FIRMWARE | {"simulation", "world", "nv"}, []),
+    "host/programs": (FIRMWARE | {"world"}, ["boards/linux"]),
+    "host/node": (FIRMWARE | {"world"}, ["host/programs", "boards/linux"]),
+    "host/stand": (FIRMWARE | {"world"}, ["host/programs", "boards/linux"]),
+    "host/gateway": ({"core", "port", "canopen"}, ["host/programs", "boards/linux"]),
+    "host/uml": (set(), []),
+    "boards/linux": (FIRMWARE | {"nv"}, []),
 }
 # A room of the Python package and the rooms that its modules may import. All may import the modules beside the rooms
 # (plain data, errors), which import none; the door is the package's own __init__.py.

@@ -2,8 +2,6 @@
 
 #include "can_socket.h"
 
-#include "arguments.h"
-
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/can/error.h>
@@ -107,13 +105,6 @@ const char *can_socket_sentence(can_socket_status_t status)
     default:
         return "";
     }
-}
-
-int can_socket_refuse(const char *interface, can_socket_status_t status)
-{
-    const int failed = (status == CAN_SOCKET_NO_INTERFACE) ? BENCH_EXIT_USAGE : BENCH_EXIT_FAULT;
-    return arguments_fail(interface, can_socket_sentence(status),
-                          (status == CAN_SOCKET_NO_CAN) ? BENCH_EXIT_SKIPPED : failed);
 }
 
 static can_socket_status_t note_down(can_socket_t *can)

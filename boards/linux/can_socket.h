@@ -63,9 +63,6 @@ uint64_t can_socket_stamp_us(const can_socket_t *can);
 /* What went wrong in opening, for one line to the user. */
 const char *can_socket_sentence(can_socket_status_t status);
 
-/* That line, on standard error, of a program that cannot go on. Returns its exit code. */
-int can_socket_refuse(const char *interface, can_socket_status_t status);
-
 /* The oldest frame: data, remote or extended frames alike. OK, EMPTY or DOWN. After EMPTY wait for the descriptor, or
  * ask again: what has come meanwhile is told by either. */
 can_socket_status_t can_socket_receive(can_socket_t *can, struct can_frame *frame);

@@ -2,8 +2,6 @@
 
 #include "events.h"
 
-#include "signals.h"
-
 #include <signal.h>
 #include <stddef.h>
 #include <sys/epoll.h>
@@ -13,6 +11,22 @@
 
 #define US_PER_S 1000000U
 #define MAX_READY 4
+
+int signals_open(int further)
+{
+    const struct sigaction ignore = {.sa_handler = SIG_IGN};
+    sigset_t set;
+    (void)sigaction(SIGPIPE, &ignore, NULL);
+    (void)sigaction(SIGTTOU, &ignore, NULL);
+    (void)sigemptyset(&set);
+    (void)sigaddset(&set, SIGINT);
+    (void)sigaddset(&set, SIGTERM);
+    if (further != 0) {
+        (void)sigaddset(&set, further);
+    }
+    (void)sigprocmask(SIG_BLOCK, &set, NULL);
+    return signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC);
+}
 
 bool events_watch(const events_t *events, int fd)
 {

@@ -1,9 +1,14 @@
-/* events.h - what a program on the bus waits for: frames, a moment, and being told to end. */
+/* events.h - what a program on the bus waits for: frames, a moment, and being told to end by a signal. */
 #ifndef TUMBLE_LINUX_EVENTS_H
 #define TUMBLE_LINUX_EVENTS_H
 
 #include <stdbool.h>
 #include <stdint.h>
+
+/* From now on SIGINT, SIGTERM and `further` (0: no other) are taken by the descriptor returned alone, a signalfd that
+ * does not block. SIGPIPE is ignored, and so is SIGTTOU: after `stty tostop` the first line of its log would stop a
+ * program in the background, and with it its heartbeat. Negative: errno says why. */
+int signals_open(int further);
 
 typedef struct {
     int epoll;

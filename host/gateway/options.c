@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-const char gateway_options_help[] =
+static const char HELP[] =
     "usage: tumble-gateway --can INTERFACE [options]\n"
     "\n"
     "Serves what the navigation computer on a CAN interface of Linux knows as\n"
@@ -105,7 +105,22 @@ static const argument_t OPTIONS[] = {
     EVENT_LOG_ARGUMENTS,
 };
 
-bool gateway_options_read(gateway_options_t *options, int count, char *arguments[])
+static const arguments_program_t PROGRAM = {"tumble-gateway", HELP, OPTIONS, sizeof OPTIONS / sizeof OPTIONS[0]};
+
+/* What no single option can show. */
+static bool fit(const gateway_options_t *options, const char *operand)
+{
+    if (operand != NULL) {
+        return arguments_refuse(operand, "is no option; see --help");
+    }
+    if (options->can == NULL || *options->can == '\0') {
+        return arguments_refuse("--can", "is missing: the CAN interface");
+    }
+    return options->has_tcp || options->has_serial ||
+           arguments_refuse("--tcp none", "needs --rtu, or there is nothing to serve");
+}
+
+int gateway_options_read(gateway_options_t *options, int count, char *arguments[])
 {
     *options = (gateway_options_t){.settings = {.unit = 1,
                                                 .node = 1,
@@ -113,18 +128,6 @@ bool gateway_options_read(gateway_options_t *options, int count, char *arguments
                                                 .idle_us = 60U * US_PER_S,
                                                 .poll_us = 1000U * US_PER_MS}};
     (void)take_tcp(options, DEFAULT_TCP);
-    if (!arguments_read(count, arguments, OPTIONS, sizeof OPTIONS / sizeof OPTIONS[0], options, &options->asks)) {
-        return false;
-    }
-    if (options->asks != BENCH_ASKS_WORK) {
-        return true;
-    }
-    if (optind != count) {
-        return arguments_refuse(arguments[optind], "is no option; see --help");
-    }
-    if (options->can == NULL || *options->can == '\0') {
-        return arguments_refuse("--can", "is missing: the CAN interface");
-    }
-    return options->has_tcp || options->has_serial ||
-           arguments_refuse("--tcp none", "needs --rtu, or there is nothing to serve");
+    const int code = arguments_read(count, arguments, &PROGRAM, options);
+    return (code == ARGUMENTS_WORK && !fit(options, arguments[optind])) ? BENCH_EXIT_USAGE : code;
 }

@@ -19,12 +19,9 @@ typedef struct {
     char port[GATEWAY_PORT_BYTES];
     bool has_serial;
     gateway_serial_settings_t serial;
-    bench_asks_t asks;
 } gateway_options_t;
 
-extern const char gateway_options_help[];
-
-/* False: one line on standard error has said what does not fit. */
-bool gateway_options_read(gateway_options_t *options, int count, char *arguments[]);
+/* As arguments_read. */
+int gateway_options_read(gateway_options_t *options, int count, char *arguments[]);
 
 #endif

@@ -4,11 +4,11 @@
 
 #include "client.h"
 #include "event_log.h"
+#include "events.h"
 #include "gateway_log.h"
 #include "listener.h"
 #include "notify.h"
 #include "places.h"
-#include "signals.h"
 
 #include <errno.h>
 #include <string.h>

@@ -96,7 +96,7 @@ def start_programs(stack, folder, path, bus, aside):
     with socket.socket(socket.PF_CAN, socket.SOCK_RAW, socket.CAN_RAW) as watching:
         watching.bind((str(bus),))
         watching.settimeout(1.0)
-        program = programs.find("tumble-node", "boards/linux")
+        program = programs.find("tumble-node")
         node = started(stack, program, bus, path, "--start", stdout=subprocess.PIPE, text=True)
         wait_until(lambda: node.poll() is not None or has_samples(watching.recv(16)), timeout=60)
     return node, echo

@@ -48,6 +48,12 @@ DEFECTS = {
         "1: host/gateway may not know navcomp",
     ),
     "a program next door": ("boards/linux/can.h", '\n#include "poll.h"\n', '2: "poll.h" is neither beside the file'),
+    "a board knows the host": (
+        "boards/linux/can.h",
+        '#include "world/world.h"\n',
+        "1: boards/linux may not know world",
+    ),
+    "a stranger next door": ("host/node/a.c", '#include "poll.h"\n', '1: "poll.h" is neither beside the file nor in'),
     "stdio": ("firmware/core/means.c", "#include <stdio.h>\n", "1: <stdio.h> is not among the headers"),
     "math": ("firmware/core/means.c", "#include <math.h>\n", "1: <math.h> is not among the headers"),
     "heap": ("firmware/core/means.c", "int a;\nvoid *b = malloc(4);\n", "2: malloc: heap, libc I/O"),

@@ -45,9 +45,10 @@ def build(folder):
     firmware = ("canopen/sdo_client", "canopen/link", "core/count", "core/status", "core/status_sentence",
                 "navcomp/commands", "procedure/names", "sets/objections")
     sources += [f"firmware/{name}.c" for name in firmware]
-    board = ("arguments", "event_log", "json", "nowait", "remedies", "run_log", "signals")
-    sources += [f"boards/linux/{name}.c" for name in board]
-    return compiled(folder / "tumble-gateway", *FLAGS, "-Ihost", "-Ihost/gateway", "-Iboards/linux",
+    programs = ("arguments", "event_log", "json", "nowait", "remedies", "run_log")
+    sources += [f"host/programs/{name}.c" for name in programs]
+    sources += ["boards/linux/can_socket.c", "boards/linux/events.c"]
+    return compiled(folder / "tumble-gateway", *FLAGS, "-Ihost", "-Ihost/gateway", "-Ihost/programs", "-Iboards/linux",
                     "tests/integration/gateway_harness.c", *sources, *library.stdout.split())
 
 

@@ -316,7 +316,7 @@ int main(int count, char **arguments)
 {
     static const tumble_port_t port = {.now_us = now_us, .can_send = can_send, .can_receive = can_receive};
     gateway_options_t options;
-    if (!gateway_options_read(&options, count, arguments)) {
+    if (gateway_options_read(&options, count, arguments) != ARGUMENTS_WORK) {
         return BENCH_EXIT_USAGE;
     }
     (void)fcntl(STDIN_FILENO, F_SETFL, O_NONBLOCK);

@@ -138,7 +138,7 @@ def test_names_of_buses(refused, arguments, message):
 
 @pytest.mark.parametrize("name", ["tumble-node", "tumble-stand"])
 def test_the_programs_themselves(name):
-    path = programs.find(name, "boards/linux")
+    path = programs.find(name)
 
     def run(*arguments):
         return subprocess.run([path, *arguments], capture_output=True, text=True, timeout=20)

@@ -23,7 +23,7 @@ PRODUCTS = (
     "host/simulation/block_objects.h", "host/simulation/block_objects.c", "docs/eds/tumble_block.eds",
     "docs/bus/tumble.dbc", "docs/canopen.md",
     "host/gateway/register_map.h", "host/gateway/registers.c", "docs/modbus.md", "docs/modbus.csv",
-    "boards/linux/remedies.c", "firmware/include/tumble/version.h", "host/python/src/tumble/_version.py",
+    "host/programs/remedies.c", "firmware/include/tumble/version.h", "host/python/src/tumble/_version.py",
     "host/python/src/tumble/firmware_tables.py", "host/python/src/tumble/client/tables.py",
 )  # fmt: skip
 READ = [path.relative_to(ROOT).as_posix()
@@ -191,9 +191,9 @@ def test_a_change_of_a_remedy_is_noticed_and_goes_into_c(tree, tables):
            'see [b](bus/README.md#x), `k`, \\"\\\\r\\".')
     done = generate("--check", "--root", tree, "--tables", tables)
     named = re.findall(r"generate: (\S+) is not what the tables say", done.stderr)
-    assert done.returncode == 1 and "boards/linux/remedies.c" in named
+    assert done.returncode == 1 and "host/programs/remedies.c" in named
     assert generate("--root", tree, "--tables", tables).returncode == 0
-    written = (tree / "boards/linux/remedies.c").read_text()
+    written = (tree / "host/programs/remedies.c").read_text()
     assert '[TUMBLE_REASON_STALL] = "The axis does not follow: see docs/bus/README.md, k, \\"\\\\r\\".",\n' in written
 
 

@@ -18,7 +18,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.real_time]
 @pytest.fixture
 def gateway(gateway_program):
     """Run the program itself, as it is built; skips without it."""
-    found = built("tumble-gateway", "host/gateway")
+    found = built("tumble-gateway")
 
     def run(*arguments):
         return subprocess.run([found, *map(str, arguments)], capture_output=True, text=True, timeout=20)

@@ -11,7 +11,7 @@ from tumble.world import programs
 PAGE = (ROOT / "docs/own-stand.md").read_text(encoding="utf-8")
 POSITIONER = ROOT / "firmware/stand/positioner"
 SHOWN = [*POSITIONER.glob("*.[ch]"), ROOT / "tests/unit/stand/test_stand_rules.c"]
-FORM = re.search(r'#define FORM "(.*)"', (ROOT / "boards/linux/positioner_option.c").read_text(encoding="utf-8"))[1]
+FORM = re.search(r'#define FORM "(.*)"', (ROOT / "host/node/positioner_option.c").read_text(encoding="utf-8"))[1]
 pytestmark = pytest.mark.python
 
 
@@ -39,14 +39,14 @@ def test_its_registers_are_those_of_the_header():
 
 
 def test_its_defaults_are_those_of_the_option():
-    source = (ROOT / "boards/linux/positioner_option.c").read_text(encoding="utf-8")
+    source = (ROOT / "host/node/positioner_option.c").read_text(encoding="utf-8")
     expected = {name: float(value) for name, value in re.findall(r"^    \.(\w+) = ([0-9.]+),$", source, re.MULTILINE)}
     expected["unit"] = float(re.search(r"static uint8_t unit = (\d+);", source)[1])
     shown = {}
     for names, numbers, _ in rows("| name |", "An order may have to wait")[1:]:
         shown.update(zip(re.findall(r"`(\w+)`", names), map(float, numbers.split(", ")), strict=True))
     assert shown == expected and len(shown) == 10
-    helps = (ROOT / "boards/linux/node_options.c").read_text(encoding="utf-8").replace('\\n"\n    "', " ")
+    helps = (ROOT / "host/node/main.c").read_text(encoding="utf-8").replace('\\n"\n    "', " ")
     told = dict(re.findall(r"(\w+) +\(([0-9.]+)\)", helps[helps.index("--stand"):helps.index("--nv FILE")]))
     assert {name: float(value) for name, value in told.items()} == expected
 
@@ -59,7 +59,7 @@ def test_its_reasons_are_there():
 
 def refused(stand):
     """Exit code and message of tumble-node with such a --stand; it needs no interface to say it."""
-    program = programs.find("tumble-node", "boards/linux")
+    program = programs.find("tumble-node")
     command = [program, "nocan0", EXAMPLES / "none.txt", "--stand", f"modbus:{stand}"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
     if "without libmodbus" in done.stderr:

@@ -21,7 +21,7 @@ from tumble.world.outcome import with_stand
 
 pytestmark = pytest.mark.python
 KINDS = sorted(path.name.split("-")[0].removeprefix("tumble.") for path in SCHEMAS.glob("*.json"))
-SOURCES = ("host/world", "host/gateway", "boards/linux", "host/python/src/tumble")
+SOURCES = ("host/world", "host/node", "host/programs", "host/stand", "host/python/src/tumble")
 
 
 def test_nothing_is_wrong_with_them():

@@ -182,7 +182,7 @@ def test_its_clock_stands_still_while_the_machine_holds_it_up(tmp_path):
 def test_without_that_clock_it_would_be_late(tmp_path, monkeypatch):
     """The test above can fail."""
     preloaded = tmp_path / "without_clock.so"
-    source = ROOT / "boards/linux/uml_ptrace.c"
+    source = ROOT / "host/uml/uml_ptrace.c"
     subprocess.run(["cc", "-shared", "-fPIC", "-o", preloaded, source], check=True)
     monkeypatch.setattr(uml, "built", lambda _: preloaded)
     assert latest_wake_up(tmp_path) >= 0.9

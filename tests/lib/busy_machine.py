@@ -11,7 +11,7 @@ where a thread of its process waited longer than that for a processor in each of
 machine cannot give. One whose process was let run has failed.
 
 Inside user-mode Linux that is the processor in there, which an emulated board may fill, by its own clock: that one
-stands still while the machine outside holds it up (boards/linux/uml_clock.c). `TUMBLE_WATCH` is `no`: nothing is
+stands still while the machine outside holds it up (host/uml/uml_clock.c). `TUMBLE_WATCH` is `no`: nothing is
 watched.
 """
 

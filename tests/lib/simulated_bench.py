@@ -68,10 +68,10 @@ def scenario(folder, name="scenario.txt", **keys):
     return path
 
 
-def built(name, folder):
+def built(name):
     """Where a program is that may not be there; skips without it."""
     try:
-        return programs.find(name, folder)
+        return programs.find(name)
     except BenchFault:
         return pytest.skip(f"{name} is not built" + ": pkg-config finds no libmodbus" * (name == "tumble-gateway"))
 

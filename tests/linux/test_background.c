@@ -2,7 +2,7 @@
 #define _GNU_SOURCE
 
 #include "event_log.h"
-#include "signals.h"
+#include "events.h"
 #include "suite.h"
 
 #include <fcntl.h>

@@ -2,8 +2,8 @@
  * waits is ended by SIGALRM. */
 #define _GNU_SOURCE
 
+#include "events.h"
 #include "outlet.h"
-#include "signals.h"
 #include "suite.h"
 
 #include <fcntl.h>

@@ -1,6 +1,5 @@
 /* What the logs tell of a run and of its result, and that every reason has its remedy. */
 #include "log_pipe.h"
-#include "remedies.h"
 #include "run_log.h"
 #include "suite.h"
 

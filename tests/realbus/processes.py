@@ -80,7 +80,7 @@ def ip(*arguments):
 
 class _Program:
     def __init__(self, name, *arguments):
-        command = [programs.find(name, "boards/linux"), *map(str, arguments)]
+        command = [programs.find(name), *map(str, arguments)]
         pipe = subprocess.PIPE
         self.process = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, text=True)
         self.errors = ""
@@ -109,7 +109,7 @@ class Node(_Program):
     def __init__(self, interface, *arguments, folder):
         self.progress = Path(folder) / f"progress-{time.monotonic_ns()}"
         with open(self.progress, "w") as file:
-            command = [programs.find("tumble-node", "boards/linux"), str(interface), *map(str, arguments)]
+            command = [programs.find("tumble-node"), str(interface), *map(str, arguments)]
             command += ["--progress-fd", str(file.fileno())]
             self.process = subprocess.Popen(
                 command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, pass_fds=(file.fileno(),)

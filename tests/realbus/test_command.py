@@ -26,7 +26,7 @@ def options(bus, tmp_path):
 def wrapper(tmp_path, name, line):
     """A program in the place of tumble-node or tumble-stand; $REAL is the real one."""
     path = tmp_path / name
-    path.write_text(f"#!/bin/sh\nREAL={programs.find(name, 'boards/linux')}\n{line}\n")
+    path.write_text(f"#!/bin/sh\nREAL={programs.find(name)}\n{line}\n")
     path.chmod(0o755)
     return {name.upper().replace("-", "_"): str(path)}
 

@@ -24,8 +24,8 @@ def try_gateway(tmp_path):
     for program in ("mbpoll", "awk"):
         if shutil.which(program) is None:
             pytest.skip(f"{program} is not installed")
-    found = {"TUMBLE_GATEWAY": built("tumble-gateway", "host/gateway")}
-    found |= {f"TUMBLE_{name.upper()}": programs.find(f"tumble-{name}", "boards/linux") for name in ("node", "stand")}
+    found = {"TUMBLE_GATEWAY": built("tumble-gateway")}
+    found |= {f"TUMBLE_{name.upper()}": programs.find(f"tumble-{name}") for name in ("node", "stand")}
     command = tmp_path / "tumble"
     command.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m tumble "$@"\n')
     command.chmod(0o755)

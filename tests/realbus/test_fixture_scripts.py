@@ -136,7 +136,7 @@ def figures(text):
 def served(bus, started):
     """The LINK of a tumble-gateway."""
     pytest.importorskip("pymodbus", reason="pymodbus is not installed")
-    program = built("tumble-gateway", "host/gateway")
+    program = built("tumble-gateway")
     gateway = subprocess.Popen(
         [program, "--can", str(bus), "--tcp", "127.0.0.1:0", "--poll", "200", "--allow-commands"],
         stderr=subprocess.PIPE, text=True,

@@ -29,7 +29,7 @@ class Served:
     """tumble-gateway, and a pymodbus client of it, which may be silent for minutes while others ask."""
 
     def __init__(self, bus, *options):
-        program = built("tumble-gateway", "host/gateway")
+        program = built("tumble-gateway")
         command = [program, "--can", str(bus), "--tcp", "127.0.0.1:0", "--poll", "100", "--idle", "86400", *options]
         self.process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
         self.line = self.process.stderr.readline()
@@ -321,7 +321,7 @@ def test_the_node_and_the_interface_go_and_come_back(bus, started, serve, tmp_pa
 
 
 def test_no_such_interface():
-    program = built("tumble-gateway", "host/gateway")
+    program = built("tumble-gateway")
     done = subprocess.run([program, "--can", "can999"], capture_output=True, text=True, timeout=20)
     assert (done.returncode, done.stderr) == (2, "tumble-gateway: can999: there is no CAN interface of this name\n")
 

@@ -18,7 +18,7 @@ ANSWERS_S = 0.25  # half of what the node gives a server: a drive in Python that
 
 
 class TurningBus(SocketcanBus):
-    """An interface, and the way to the stand's table for a drive that runs elsewhere (boards/linux/stand_bridge.h)."""
+    """An interface, and the way to the stand's table for a drive that runs elsewhere (host/stand/stand_bridge.h)."""
 
     def turn_table(self, angle_deg, speed_deg_s):
         """An extended frame with identifier 0."""

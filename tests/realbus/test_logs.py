@@ -58,11 +58,11 @@ class Log:
 
 @pytest.fixture
 def logged(started, tmp_path):
-    """Start a program of boards/linux with --log json: (process, its log)."""
+    """Start a program with --log json: (process, its log)."""
 
-    def start(name, *arguments, folder="boards/linux"):
+    def start(name, *arguments):
         log = Log(tmp_path / f"{name}-{time.monotonic_ns()}.log")
-        command = [built(name, folder), *map(str, arguments), "--log", "json"]
+        command = [built(name), *map(str, arguments), "--log", "json"]
         process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=log.file,
                                    text=True)
         started.append(process)
@@ -213,7 +213,7 @@ def test_a_log_that_nobody_reads_holds_up_no_run(bus, started, tmp_path):
     os.set_blocking(theirs, True)
     path = scenario(tmp_path, **HASTE, **PATIENCE)
     stand = Stand(bus, path)
-    command = [built("tumble-node", "boards/linux"), str(bus), str(path), "--start", "--log", "json"]
+    command = [built("tumble-node"), str(bus), str(path), "--start", "--log", "json"]
     node = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=theirs, text=True)
     started.extend([stand, node])
     out, _ = node.communicate(timeout=60)
@@ -228,7 +228,7 @@ def test_without_the_option_standard_error_is_as_it_was(bus, started, tmp_path):
     """Of a whole run: the sentence that it is ready."""
     path = scenario(tmp_path, **HASTE)
     stand = Stand(bus, path, "--operator", "start")
-    command = [built("tumble-node", "boards/linux"), str(bus), str(path)]
+    command = [built("tumble-node"), str(bus), str(path)]
     node = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     started.extend([stand, node])
     document = json.loads(node.stdout.readline())

@@ -13,7 +13,7 @@ SIZE = 65536
 def refused(bus, path, tmp_path):
     """What tumble-node says of such a file."""
     named = scenario(tmp_path, "named.txt", keeper__serial="TB-0001")
-    command = [programs.find("tumble-node", "boards/linux"), str(bus), str(named), "--nv", str(path)]
+    command = [programs.find("tumble-node"), str(bus), str(named), "--nv", str(path)]
     ended = subprocess.run(command, capture_output=True, text=True, timeout=20, check=False)
     assert (ended.returncode, ended.stdout) == (2, "") and ended.stderr.count("\n") == 1, ended.stderr
     assert ended.stderr.startswith(f"tumble-node: {path}: ")

@@ -18,8 +18,8 @@ def unprivileged(tmp_path, monkeypatch):
     if shutil.which("setpriv") is None:
         pytest.skip("setpriv is not installed (Debian: util-linux)")
 
-    def wrap(name, folder):
-        real = built(name, folder)
+    def wrap(name):
+        real = built(name)
         wrapper = tmp_path / name
         wrapper.write_text(f'#!/bin/sh\nexec {DROP} "{real}" "$@"\n')
         wrapper.chmod(0o755)
@@ -31,8 +31,8 @@ def unprivileged(tmp_path, monkeypatch):
 
 def test_a_calibration_without_capabilities(bus, started, tmp_path, unprivileged):
     """The receive buffer is what the system's limit allows, and it is told; the run is as good."""
-    program = unprivileged("tumble-node", "boards/linux")
-    unprivileged("tumble-gateway", "host/gateway")
+    program = unprivileged("tumble-node")
+    unprivileged("tumble-gateway")
     path = scenario(tmp_path, **HASTE)
     stand = Stand(bus, path, "--seed", 7)
     node = Node(bus, path, "--start", "--nv", tmp_path / "nv.bin", folder=tmp_path)

@@ -34,7 +34,7 @@ def begin(bus, started, tmp_path):
     def run(stdout, progress_fd):
         path = scenario(tmp_path, **HASTE, **PATIENCE)
         started.append(Stand(bus, path, "--seed", 7))
-        command = [programs.find("tumble-node", "boards/linux"), str(bus), str(path), "--start", "--log", "json"]
+        command = [programs.find("tumble-node"), str(bus), str(path), "--start", "--log", "json"]
         process = subprocess.Popen([*command, "--progress-fd", str(progress_fd)], stdout=stdout, stderr=subprocess.PIPE,
                                    text=True, pass_fds=(progress_fd,))
         started.append(process)

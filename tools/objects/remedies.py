@@ -18,7 +18,7 @@ Remedies = dict[str, dict[str, str]]  # by list and whole name, in Markdown
 BEGIN, END = "<!-- {}: written by tools/objects/generate. -->\n", "<!-- End of the table. -->"
 LINK = re.compile(r"\[[^\]]*\]\(([^)#]*)(?:#[^)]*)?\)")
 HEAD = """/* Written by tools/objects/generate from tools/objects/remedies.toml: change it there. */
-#include "remedies.h"
+#include "run_log.h"
 
 /* clang-format off */
 static const char *const remedies[TUMBLE_REASON_COUNT] = {
@@ -61,7 +61,7 @@ def page(root: Path, remedies: Remedies) -> str:
 
 
 def source(remedies: Remedies) -> str:
-    """boards/linux/remedies.c."""
+    """host/programs/remedies.c."""
     rows = (f'    [{name}] = "{in_c(plain(words))}",\n' for name, words in remedies["TUMBLE_REASON"].items())
     return HEAD + "".join(rows) + TAIL
 

@@ -1,6 +1,7 @@
 """What a run on the bench says of itself: tumble.bench/1 in virtual time; on a real bus tumble.node/1 of the computer
 and tumble.stand/1 of the simulated stand; tumble.replay/1 where a recorded bus goes through the firmware again; and
-tumble.log/1, a line of what the programs log. The last three but replay are written in C (boards/linux, host/gateway).
+tumble.log/1, a line of what the programs log. The last three but replay are written in C (host/node, host/stand
+and host/programs).
 """
 
 from __future__ import annotations

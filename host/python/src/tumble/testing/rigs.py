@@ -36,7 +36,6 @@ FAST = {  # a calibration within seconds of real time
 }
 SERIAL = {"keeper.serial": "SIMULATED"}
 
-_FOLDER = "boards/linux"
 _READY_S, _END_S = 60.0, 60.0
 
 Document = dict[str, Any]
@@ -175,7 +174,7 @@ class _Process:
     def __init__(self, name: str, folder: Path, *words: str):
         self._name, self._log = name, folder / f"{name}.log"
         self._document: Document | None = None
-        command = [programs.find(name, _FOLDER), *words, "--with-parent", "--log", "json"]
+        command = [programs.find(name), *words, "--with-parent", "--log", "json"]
         with open(self._log, "w", encoding="utf-8") as log:
             self._process = subprocess.Popen(
                 command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=log, start_new_session=True, text=True

@@ -17,13 +17,13 @@ def built(path: str) -> Path:
     return Path(_tumble_core.__file__).resolve().parents[1] / path
 
 
-def find(name: str, folder: str) -> str:
-    """Path of the program `name`: as the environment says (TUMBLE_NODE for tumble-node, and so on), in `folder` of
-    the build tree, or installed. Raises BenchFault; Skipped on a system that our programs are not made for."""
+def find(name: str) -> str:
+    """Path of the program `name`: as the environment says (TUMBLE_NODE for tumble-node, and so on), in the build tree
+    (host/node), or installed. Raises BenchFault; Skipped on a system that our programs are not made for."""
     variable = name.upper().replace("-", "_")
     if chosen := os.environ.get(variable):
         return chosen
-    path = built(f"{folder}/{name}")
+    path = built(f"host/{name.removeprefix('tumble-')}/{name}")
     beside = next((str(one) for one in (path, Path(__file__).with_name(name)) if os.access(one, os.X_OK)), None)
     found = beside or shutil.which(name)
     if found is None and sys.platform != "linux":

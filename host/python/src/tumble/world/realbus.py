@@ -39,7 +39,6 @@ from tumble.world import console, emulator, in_process, outcome, programs, repla
 INPROCESS, UML, SOCKETCAN = outcome.INPROCESS, "uml", "socketcan:"
 HOST, BOARD = "host", replay.BOARD
 
-_FOLDER = "boards/linux"
 _IMAGE = "navcomp-emulated"
 _STOP_S = 30.0  # for the node to stop the table and end
 _PATIENCE_S = 1e6  # of the firmware after a fault, for a person
@@ -122,7 +121,7 @@ def run(
             shutil.copy(gains, folder)
         interface = uml.INTERFACE if bus == UML else bus.removeprefix(SOCKETCAN)
         out = folder / "bench" if bus == UML else stage / "bench"
-        stand = [programs.find("tumble-stand", _FOLDER), interface, str(folder / "scenario.txt")]
+        stand = [programs.find("tumble-stand"), interface, str(folder / "scenario.txt")]
         stand += ["--seed", str(seed), "--with-parent", *(["--operator", "ask"] if interactive else [])]
         if firmware == BOARD:
             job = {"board": _board(folder, interface)}
@@ -146,7 +145,7 @@ def run(
 
 def _node(folder: Path, interface: str, out: Path, interactive: bool) -> list[str]:
     """The command of the node, without its progress."""
-    command = [programs.find("tumble-node", _FOLDER), interface, str(folder / "scenario.txt"), "--start"]
+    command = [programs.find("tumble-node"), interface, str(folder / "scenario.txt"), "--start"]
     patience = ["--patience", str(_PATIENCE_S)] if interactive else []
     return [*command, "--with-parent", "--out", str(out), *replay.gain_options(folder / "scenario.txt"), *patience]
 

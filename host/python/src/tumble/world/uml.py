@@ -179,7 +179,7 @@ def _environment(folder: Path, memory_mb: int) -> dict[str, str]:
     memory = Path("/dev/shm")
     roomy = os.access(memory, os.W_OK) and shutil.disk_usage(memory).free > 2 * memory_mb * 2**20
     environment = {**os.environ, "TMPDIR": str(memory if roomy else folder)}
-    shim = built(f"boards/linux/{_SHIM}")
+    shim = built(f"host/uml/{_SHIM}")
     if shim.exists():
         environment["LD_PRELOAD"] = str(shim)
     return environment

@@ -1,0 +1,74 @@
+/* event_log.h - what tumble-node, tumble-stand and tumble-gateway tell of themselves on standard error, a line for each
+ * event.
+ *
+ *     plain (unless told otherwise)   the few sentences that scripts have always read: "tumble-node: ..."
+ *     --log text                      2026-11-23T11:55:01.123Z tumble-node: error: fault at position 1.3 ...
+ *     --log json                      {"schema":"tumble.log/1","time":"...","program":"tumble-node","level":"error",
+ *                                      "event":"fault",...,"message":"fault at position 1.3 ..."}
+ *
+ * Where standard error is the journal of systemd (JOURNAL_STREAM), a line begins with its level as <3> to <7>, and a
+ * text goes without the time and the name, which the journal has.
+ *
+ * A line is written at once and whole, or not at all: nothing here waits for who reads it, be it a terminal that is
+ * stopped, a pipe or a socket that is full. (What a terminal or a socket takes of a line in part is lost, and the next
+ * one begins on a line of its own.) What finds no room is left out and counted; so is what is more than EVENT_LOG_BURST
+ * lines at a time, with EVENT_LOG_RESERVE more for warnings and notices, unless it is an error or the end. The next line
+ * that goes is preceded by one of the event "lost" with that number.
+ *
+ * There is one log in a process, as there is one standard error. Not re-entrant.
+ */
+#ifndef TUMBLE_PROGRAMS_EVENT_LOG_H
+#define TUMBLE_PROGRAMS_EVENT_LOG_H
+
+#include "arguments.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define EVENT_LOG_BURST 200U      /* lines at a time, below errors, ... */
+#define EVENT_LOG_RESERVE 100U    /* ... so many more for what is worse than info, ... */
+#define EVENT_LOG_PER_SECOND 20U  /* ... and so many a second from then on */
+#define EVENT_LOG_TEXT_BYTES 600U /* a text of a field, or the message, is cut off there */
+
+/* Of syslog. */
+typedef enum { EVENT_LOG_ERROR = 3, EVENT_LOG_WARNING = 4, EVENT_LOG_NOTICE = 5, EVENT_LOG_INFO = 6 } event_log_level_t;
+
+/* A member of the line in JSON. A text may be anything: what is no UTF-8, and control characters, become '?'. */
+typedef struct {
+    const char *name; /* null: the end of a list */
+    const char *text; /* null: it is a number */
+    uint64_t whole;
+} event_field_t;
+
+#define EVENT_TEXT(member, value) {.name = (member), .text = (value)}
+#define EVENT_WHOLE(member, value) {.name = (member), .whole = (value)}
+#define EVENT_FIELDS(...) ((const event_field_t[]){__VA_ARGS__, {.name = NULL}})
+
+/* Rows of a program's options. --log-level alone means --log text. */
+#define EVENT_LOG_ARGUMENTS ARGUMENT_TAKE("log", event_log_take_form), ARGUMENT_TAKE("log-level", event_log_take_level)
+bool event_log_take_form(void *options, const char *form);
+bool event_log_take_level(void *options, const char *level);
+
+/* Begin: the name of the program, which must stay, and the descriptor to write to, which is not closed. Before, nothing
+ * is written. */
+void event_log_start(const char *program, int fd);
+
+/* As it was when the process began. For tests. */
+void event_log_reset(void);
+
+/* Does anybody want every event? Else only what event_log_always tells is written, as it ever was. */
+bool event_log_is_on(void);
+
+/* An event, with its members for JSON (EVENT_FIELDS, or null), and its sentence. */
+void event_log_tell(event_log_level_t level, const char *event, const event_field_t *fields, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+
+/* The same for a sentence that is written in plain form, too. */
+void event_log_always(event_log_level_t level, const char *event, const event_field_t *fields, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+
+/* The last event, "end": it goes however many went before. */
+void event_log_end(event_log_level_t level, const event_field_t *fields, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+#endif
