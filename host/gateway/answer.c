@@ -38,18 +38,13 @@ bool gateway_replies_open(gateway_replies_t *replies)
     return true;
 }
 
-static modbus_t *maker(const gateway_replies_t *replies, bool is_serial)
-{
-    return is_serial ? replies->serial : replies->tcp;
-}
-
 static size_t take(const gateway_replies_t *replies, int sent, uint8_t *answer)
 {
     const ssize_t size = (sent > 0) ? recv(replies->ends[1], answer, GATEWAY_MAX_ADU, MSG_DONTWAIT) : 0;
     return (size > 0) ? (size_t)size : 0U;
 }
 
-static size_t reply(const gateway_replies_t *replies, bool is_serial, const uint8_t *frame, size_t size,
+static size_t reply(const gateway_replies_t *replies, modbus_t *maker, const uint8_t *frame, size_t size,
                     const uint16_t *input, const uint16_t *holding, uint8_t *answer)
 {
     uint16_t inputs[GATEWAY_INPUT_END];
@@ -60,13 +55,7 @@ static size_t reply(const gateway_replies_t *replies, bool is_serial, const uint
                                 .tab_registers = holdings};
     memcpy(inputs, input, sizeof inputs);
     memcpy(holdings, holding, sizeof holdings);
-    return take(replies, modbus_reply(maker(replies, is_serial), frame, (int)size, &mapping), answer);
-}
-
-static size_t reply_exception(const gateway_replies_t *replies, bool is_serial, const uint8_t *frame,
-                              gateway_exception_t exception, uint8_t *answer)
-{
-    return take(replies, modbus_reply_exception(maker(replies, is_serial), frame, (unsigned)exception), answer);
+    return take(replies, modbus_reply(maker, frame, (int)size, &mapping), answer);
 }
 
 /* Of a request that writes: what it writes. */
@@ -76,11 +65,6 @@ static void written_words(const gateway_request_t *request, uint16_t *words)
     for (uint16_t i = 0; i < request->count; i++) {
         words[i] = gateway_word(&from[2U * i]);
     }
-}
-
-static bool writes(const gateway_request_t *request)
-{
-    return request->function == GATEWAY_WRITE_ONE || request->function == GATEWAY_WRITE_SEVERAL;
 }
 
 static gateway_exception_t obey(gateway_t *gateway, gateway_session_t *session, const gateway_request_t *request,
@@ -107,14 +91,8 @@ static gateway_exception_t carry_out(gateway_t *gateway, gateway_session_t *sess
         gateway_count(&gateway->counters, counter);
         return wrong;
     }
-    return writes(request) ? obey(gateway, session, request, now_us) : GATEWAY_OK;
-}
-
-static size_t refuse(gateway_t *gateway, const gateway_replies_t *replies, bool is_serial, const uint8_t *frame,
-                     gateway_exception_t exception, uint8_t *answer)
-{
-    gateway_count(&gateway->counters, GATEWAY_COUNT_EXCEPTIONS);
-    return reply_exception(replies, is_serial, frame, exception, answer);
+    const bool writes = request->function == GATEWAY_WRITE_ONE || request->function == GATEWAY_WRITE_SEVERAL;
+    return writes ? obey(gateway, session, request, now_us) : GATEWAY_OK;
 }
 
 size_t gateway_answer(gateway_t *gateway, const gateway_replies_t *replies, gateway_session_t *session, bool is_serial,
@@ -131,8 +109,10 @@ size_t gateway_answer(gateway_t *gateway, const gateway_replies_t *replies, gate
         return 0;
     }
     const gateway_exception_t wrong = is_ours ? carry_out(gateway, session, &request, now_us) : GATEWAY_NO_PATH;
+    modbus_t *const maker = is_serial ? replies->serial : replies->tcp;
     if (wrong != GATEWAY_OK) {
-        return refuse(gateway, replies, is_serial, frame, wrong, answer);
+        gateway_count(&gateway->counters, GATEWAY_COUNT_EXCEPTIONS);
+        return take(replies, modbus_reply_exception(maker, frame, (unsigned)wrong), answer);
     }
     uint16_t holding[GATEWAY_HOLDING_END];
     gateway_session_holding(session, holding, now_us);
@@ -140,5 +120,5 @@ size_t gateway_answer(gateway_t *gateway, const gateway_replies_t *replies, gate
     const uint16_t *const input = (request.function == GATEWAY_READ_INPUT)
                                       ? gateway_session_input(session, gateway, request.at, request.count, now_us)
                                       : session->snapshot.words; /* not looked at */
-    return reply(replies, is_serial, frame, size, input, holding, answer);
+    return reply(replies, maker, frame, size, input, holding, answer);
 }

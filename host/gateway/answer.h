@@ -6,9 +6,7 @@
 #ifndef TUMBLE_GATEWAY_ANSWER_H
 #define TUMBLE_GATEWAY_ANSWER_H
 
-#include "gateway.h"
 #include "request.h"
-#include "session.h"
 
 #include <modbus/modbus.h>
 

@@ -1,12 +1,165 @@
-#define _POSIX_C_SOURCE 200809L
+#define _GNU_SOURCE /* accept4 */
 
 #include "client.h"
 
+#include <arpa/inet.h>
 #include <errno.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/epoll.h>
 #include <sys/socket.h>
 #include <unistd.h>
+
+#define BACKLOG 64
+#define HOST_BYTES 128
+#define PORT_BYTES 16
+#define NONE GATEWAY_MAX_CLIENTS
+
+/* Where they come to. */
+
+static int listen_at(const struct addrinfo *address)
+{
+    const int on = 1;
+    const int fd = socket(address->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    if (fd < 0) {
+        return -1;
+    }
+    (void)setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    if (bind(fd, address->ai_addr, address->ai_addrlen) != 0 || listen(fd, BACKLOG) != 0) {
+        const int reason = errno;
+        (void)close(fd);
+        errno = reason;
+        return -1;
+    }
+    return fd;
+}
+
+int gateway_listen(const char *host, const char *port, const char **what)
+{
+    const struct addrinfo wanted = {.ai_family = AF_UNSPEC, .ai_socktype = SOCK_STREAM, .ai_flags = AI_NUMERICSERV};
+    struct addrinfo *found = NULL;
+    int fd = -1;
+    const int failure = getaddrinfo(host, port, &wanted, &found);
+    if (failure != 0) {
+        *what = gai_strerror(failure);
+        return -1;
+    }
+    for (const struct addrinfo *address = found; address != NULL && fd < 0; address = address->ai_next) {
+        fd = listen_at(address);
+    }
+    *what = strerror(errno);
+    freeaddrinfo(found);
+    return fd;
+}
+
+void gateway_listener_name(int listener, char *name, size_t size)
+{
+    struct sockaddr_storage address;
+    socklen_t length = sizeof address;
+    char host[HOST_BYTES] = "?";
+    char port[PORT_BYTES] = "?";
+    if (getsockname(listener, (struct sockaddr *)&address, &length) == 0) {
+        (void)getnameinfo((const struct sockaddr *)&address, length, host, sizeof host, port, sizeof port,
+                          NI_NUMERICHOST | NI_NUMERICSERV);
+    }
+    (void)snprintf(name, size, (address.ss_family == AF_INET6) ? "[%s]:%s" : "%s:%s", host, port);
+}
+
+static gateway_address_t address_of(const struct sockaddr_storage *from)
+{
+    gateway_address_t address = {.ip.s6_addr = {[10] = 0xFF, [11] = 0xFF}};
+    if (from->ss_family == AF_INET6) {
+        address.ip = ((const struct sockaddr_in6 *)from)->sin6_addr;
+    } else {
+        memcpy(&address.ip.s6_addr[12], &((const struct sockaddr_in *)from)->sin_addr, 4);
+    }
+    const bool is_old = IN6_IS_ADDR_V4MAPPED(&address.ip);
+    (void)inet_ntop(is_old ? AF_INET : AF_INET6, &address.ip.s6_addr[is_old ? 12 : 0], address.text,
+                    sizeof address.text);
+    return address;
+}
+
+int gateway_accept(int listener, gateway_address_t *address, bool *is_short)
+{
+    const int on = 1;
+    struct sockaddr_storage from;
+    socklen_t length = sizeof from;
+    const int fd = accept4(listener, (struct sockaddr *)&from, &length, SOCK_NONBLOCK | SOCK_CLOEXEC);
+    *is_short = fd < 0 && (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM);
+    if (fd >= 0) {
+        (void)setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+        *address = address_of(&from);
+    }
+    return fd;
+}
+
+/* Who gets a place. */
+
+static bool is_same(const gateway_address_t *one, const gateway_address_t *other)
+{
+    return memcmp(&one->ip, &other->ip, sizeof one->ip) == 0;
+}
+
+static uint32_t places_of(const gateway_client_t *clients, const gateway_address_t *address)
+{
+    uint32_t count = 0;
+    for (uint32_t place = 0; place < GATEWAY_MAX_CLIENTS; place++) {
+        count += (clients[place].fd >= 0 && is_same(&clients[place].address, address)) ? 1U : 0U;
+    }
+    return count;
+}
+
+/* Nothing begun, no answer owed, and no request of late. */
+static bool is_idle(const gateway_client_t *client, uint64_t now_us)
+{
+    const bool is_calm = !client->has_asked || now_us - client->asked_us >= GATEWAY_CALM_US;
+    return client->in_count == 0U && client->out_count == 0U && is_calm;
+}
+
+static uint32_t free_place(const gateway_client_t *clients)
+{
+    uint32_t place = 0;
+    while (place < GATEWAY_MAX_CLIENTS && clients[place].fd >= 0) {
+        place++;
+    }
+    return place;
+}
+
+/* It gives way to an address that would still hold fewer places than its own; to one that holds as many, if it is idle. */
+static bool may_give_way(const gateway_client_t *client, uint32_t held, uint32_t own, uint64_t now_us)
+{
+    return held > own + 1U || (held >= own && is_idle(client, now_us));
+}
+
+/* Of those whose address holds most, the client that has been silent for longest. */
+static uint32_t place_to_take(const gateway_client_t *clients, const gateway_address_t *address, uint64_t now_us)
+{
+    const uint32_t own = places_of(clients, address);
+    uint32_t chosen = NONE;
+    uint32_t most = 0;
+    for (uint32_t place = 0; place < GATEWAY_MAX_CLIENTS; place++) {
+        const gateway_client_t *const client = &clients[place];
+        const uint32_t held = places_of(clients, &client->address);
+        const bool is_longer = held > most || (held == most && client->asked_us < clients[chosen].asked_us);
+        if (is_longer && may_give_way(client, held, own, now_us)) {
+            chosen = place;
+            most = held;
+        }
+    }
+    return chosen;
+}
+
+uint32_t gateway_place_for(const gateway_client_t clients[GATEWAY_MAX_CLIENTS], const gateway_address_t *address,
+                           uint64_t now_us)
+{
+    const uint32_t place = free_place(clients);
+    return (place != NONE) ? place : place_to_take(clients, address, now_us);
+}
+
+/* One client. */
 
 void gateway_client_open(gateway_client_t *client, int fd, const gateway_address_t *address, uint64_t now_us)
 {

@@ -1,8 +1,12 @@
-/* client.h - one TCP connection: bytes in, answers out, nothing ever waited for. */
+/* client.h - clients on TCP: where they come to, who gets a place, and each one's bytes in and answers out. Nothing is ever
+ * waited for. */
 #ifndef TUMBLE_GATEWAY_CLIENT_H
 #define TUMBLE_GATEWAY_CLIENT_H
 
 #include "answer.h"
+
+#include <netinet/in.h>
+#include <stddef.h>
 
 #define GATEWAY_INPUT_BYTES (2U * GATEWAY_MAX_ADU)
 #define GATEWAY_OUTPUT_BYTES (8U * GATEWAY_MAX_ADU) /* who does not take its answers is not listened to meanwhile */
@@ -11,9 +15,10 @@
 #define GATEWAY_FIRST_US 10000000U
 #define GATEWAY_PART_US 5000000U
 
-/* Who somebody is: the IPv6 address, or the mapped one of IPv4. */
+/* Who somebody is: the IPv6 address, or the mapped one of IPv4; and the same for people. */
 typedef struct {
-    uint8_t bytes[16];
+    struct in6_addr ip;
+    char text[INET6_ADDRSTRLEN];
 } gateway_address_t;
 
 typedef struct {
@@ -29,6 +34,34 @@ typedef struct {
     uint8_t out[GATEWAY_OUTPUT_BYTES];
     gateway_session_t session;
 } gateway_client_t;
+
+/* Where they come to. */
+
+/* Listen at a host (name or address) and port ("0": any free one). Returns the descriptor, or -1 with `what` saying
+ * why. */
+int gateway_listen(const char *host, const char *port, const char **what);
+
+/* Where it listens, as HOST:PORT. */
+void gateway_listener_name(int listener, char *name, size_t size);
+
+/* The next client, ready for use, and who it is; -1: there is none. Then `is_short` says whether that is for want of
+ * something that the system does not have now, such as descriptors: errno says of what. Clients still wait then, and
+ * the listener stays readable. */
+int gateway_accept(int listener, gateway_address_t *address, bool *is_short);
+
+/* Who gets a place. */
+
+/* Who has asked something is left alone for so long, whether or not it asks more: it may poll once a second. */
+#define GATEWAY_CALM_US 2000000U
+
+/* The place that a newcomer from `address` gets: a free one; else that of the client that has been silent for longest,
+ * of those whose address holds most. An address that holds two places more than the newcomer's gives one up even when
+ * all its clients are busy, so that 32 clients of one address lock out nobody else; to others only an idle client gives
+ * way, and nobody to an address that holds more than its own. GATEWAY_MAX_CLIENTS: there is none. */
+uint32_t gateway_place_for(const gateway_client_t clients[GATEWAY_MAX_CLIENTS], const gateway_address_t *address,
+                           uint64_t now_us);
+
+/* One client. */
 
 void gateway_client_open(gateway_client_t *client, int fd, const gateway_address_t *address, uint64_t now_us);
 

@@ -85,12 +85,7 @@ const gateway_target_t *gateway_target(uint16_t number)
     return (i < GATEWAY_TARGETS) ? &gateway_targets[i] : NULL;
 }
 
-gateway_command_t gateway_setting(const gateway_target_t *target, double value)
-{
-    return gateway_setting_by_key(target, 0, value);
-}
-
-gateway_command_t gateway_setting_by_key(const gateway_target_t *target, uint32_t key, double value)
+gateway_command_t gateway_setting(const gateway_target_t *target, uint32_t key, double value)
 {
     const gateway_target_t *const lock = gateway_target(GATEWAY_SERVICE_KEY);
     gateway_command_t made = {.group = target->group};
@@ -120,7 +115,7 @@ bool gateway_queue_add(gateway_queue_t *queue, gateway_command_t *command)
 void gateway_queue_end_service(gateway_queue_t *queue)
 {
     if (queue->ends_service) {
-        queue->ending = gateway_setting(gateway_target(GATEWAY_SERVICE_KEY), 0.0);
+        queue->ending = gateway_setting(gateway_target(GATEWAY_SERVICE_KEY), 0, 0.0);
         queue->ends_service = !gateway_queue_add(queue, &queue->ending);
     }
 }

@@ -54,11 +54,9 @@ gateway_command_t gateway_command(uint16_t index, uint8_t argument, const double
 /* The object that has the number of a setting, or null. */
 const gateway_target_t *gateway_target(uint16_t number);
 
-/* A setting. With result GATEWAY_RESULT_UNFIT the object cannot hold the value, and nothing is to be sent. */
-gateway_command_t gateway_setting(const gateway_target_t *target, double value);
-
-/* The same, and before it the key to the service level; 0: none. */
-gateway_command_t gateway_setting_by_key(const gateway_target_t *target, uint32_t key, double value);
+/* A setting, and before it the key to the service level; 0: none. With result GATEWAY_RESULT_UNFIT the object cannot hold
+ * the value, and nothing is to be sent. */
+gateway_command_t gateway_setting(const gateway_target_t *target, uint32_t key, double value);
 
 /* What waits to be sent; the first one is being sent. */
 typedef struct {
@@ -68,11 +66,12 @@ typedef struct {
     } items[GATEWAY_MAX_SESSIONS];
     uint16_t count;
     uint32_t ended;           /* how many have been told their result */
-    bool ends_service;        /* the service level is to be ended, as soon as there is room, */
+    bool ends_service;        /* the service level is to be ended, for its owner has gone, as soon as there is room, */
     gateway_command_t ending; /* by this */
 } gateway_queue_t;
 
-/* Behind the others. Its result is PENDING from now on. False: too many wait, and nothing has changed. */
+/* Behind the others. Its result is PENDING from now on; the owner's memory must stay until that has changed, or it is
+ * forgotten. False: too many wait, and nothing has changed. */
 bool gateway_queue_add(gateway_queue_t *queue, gateway_command_t *command);
 
 /* If the service level is to be ended, and there is room: that waits now behind the others. */
@@ -81,7 +80,7 @@ void gateway_queue_end_service(gateway_queue_t *queue);
 /* The first one has ended: tell its owner, and forget it. */
 void gateway_queue_end(gateway_queue_t *queue, gateway_result_t result, uint32_t abort);
 
-/* An owner goes away. */
+/* An owner goes away; what was accepted is sent all the same. */
 void gateway_queue_forget(gateway_queue_t *queue, const gateway_command_t *command);
 
 #endif

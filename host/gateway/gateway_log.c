@@ -1,14 +1,10 @@
-#define _POSIX_C_SOURCE 200809L
-
 #include "gateway_log.h"
 
 #include "event_log.h"
 #include "run_log.h"
 
-#include <arpa/inet.h>
 #include <inttypes.h>
 #include <stdio.h>
-#include <string.h>
 
 #define LINE "the serial line"
 #define COMMAND_SUBINDEX 2U
@@ -16,41 +12,26 @@
 
 /* Clients. */
 
-void gateway_log_who(const gateway_address_t *address, char who[GATEWAY_WHO_BYTES])
-{
-    static const uint8_t mapped[12] = {[10] = 0xFF, [11] = 0xFF};
-    const bool is_old = memcmp(address->bytes, mapped, sizeof mapped) == 0;
-    const void *const bytes = is_old ? &address->bytes[sizeof mapped] : address->bytes;
-    if (inet_ntop(is_old ? AF_INET : AF_INET6, bytes, who, GATEWAY_WHO_BYTES) == NULL) {
-        (void)snprintf(who, GATEWAY_WHO_BYTES, "?");
-    }
-}
-
 void gateway_log_connected(gateway_log_t *log, uint32_t place, const gateway_address_t *address, uint16_t clients)
 {
-    char who[GATEWAY_WHO_BYTES];
     log->sessions[place] = (gateway_session_log_t){0};
-    gateway_log_who(address, who);
     event_log_tell(EVENT_LOG_INFO, "connected",
-                   EVENT_FIELDS(EVENT_TEXT("client", who), EVENT_WHOLE("clients", clients)),
-                   "client %s connected, %u in all", who, (unsigned)clients);
+                   EVENT_FIELDS(EVENT_TEXT("client", address->text), EVENT_WHOLE("clients", clients)),
+                   "client %s connected, %u in all", address->text, (unsigned)clients);
 }
 
 void gateway_log_disconnected(const gateway_address_t *address, const char *why, uint16_t clients)
 {
-    char who[GATEWAY_WHO_BYTES];
-    gateway_log_who(address, who);
-    event_log_tell(EVENT_LOG_INFO, "disconnected",
-                   EVENT_FIELDS(EVENT_TEXT("client", who), EVENT_TEXT("why", why), EVENT_WHOLE("clients", clients)),
-                   "client %s disconnected, %s; %u left", who, why, (unsigned)clients);
+    event_log_tell(
+        EVENT_LOG_INFO, "disconnected",
+        EVENT_FIELDS(EVENT_TEXT("client", address->text), EVENT_TEXT("why", why), EVENT_WHOLE("clients", clients)),
+        "client %s disconnected, %s; %u left", address->text, why, (unsigned)clients);
 }
 
 void gateway_log_turned_away(const gateway_address_t *address)
 {
-    char who[GATEWAY_WHO_BYTES];
-    gateway_log_who(address, who);
-    event_log_tell(EVENT_LOG_WARNING, "turned_away", EVENT_FIELDS(EVENT_TEXT("client", who)),
-                   "client %s is turned away: all places are taken", who);
+    event_log_tell(EVENT_LOG_WARNING, "turned_away", EVENT_FIELDS(EVENT_TEXT("client", address->text)),
+                   "client %s is turned away: all places are taken", address->text);
 }
 
 /* What they write. */
@@ -166,14 +147,9 @@ static void tell_session(gateway_session_log_t *log, const gateway_session_t *se
 void gateway_log_session(gateway_log_t *log, uint32_t place, const gateway_session_t *session,
                          const gateway_address_t *address, uint64_t now_us)
 {
-    char who[GATEWAY_WHO_BYTES] = LINE;
-    if (!event_log_is_on()) {
-        return;
+    if (event_log_is_on()) {
+        tell_session(&log->sessions[place], session, (address != NULL) ? address->text : LINE, now_us);
     }
-    if (address != NULL) {
-        gateway_log_who(address, who);
-    }
-    tell_session(&log->sessions[place], session, who, now_us);
 }
 
 /* The node. Of its run, the objects have neither the first cause nor whether the program waits after a fault. */
@@ -242,22 +218,20 @@ static void look_at_sets(gateway_log_t *log, const gateway_snapshot_t *snapshot)
 
 static void look_at_link(gateway_log_t *log, const gateway_poller_t *poller)
 {
-    static const char *const sentences[] = {
-        [GATEWAY_LINK_UNKNOWN] = "not known",
-        [GATEWAY_LINK_UP] = "the node answers",
-        [GATEWAY_LINK_SILENT] = "the node is silent: its power, its number, the bus",
-        [GATEWAY_LINK_DOWN] = "the interface is down",
-    };
-    static const char *const words[] = {
-        [GATEWAY_LINK_UNKNOWN] = "unknown",
-        [GATEWAY_LINK_UP] = "up",
-        [GATEWAY_LINK_SILENT] = "silent",
-        [GATEWAY_LINK_DOWN] = "down",
+    static const struct {
+        const char *word;
+        const char *sentence;
+    } links[] = {
+        [GATEWAY_LINK_UNKNOWN] = {"unknown", "not known"},
+        [GATEWAY_LINK_UP] = {"up", "the node answers"},
+        [GATEWAY_LINK_SILENT] = {"silent", "the node is silent: its power, its number, the bus"},
+        [GATEWAY_LINK_DOWN] = {"down", "the interface is down"},
     };
     if (poller->link_state != log->link) {
-        event_log_tell((poller->link_state == (uint8_t)GATEWAY_LINK_UP) ? EVENT_LOG_NOTICE : EVENT_LOG_WARNING, "link",
-                       EVENT_FIELDS(EVENT_WHOLE("node", poller->node), EVENT_TEXT("link", words[poller->link_state])),
-                       "node %u: %s", (unsigned)poller->node, sentences[poller->link_state]);
+        event_log_tell(
+            (poller->link_state == (uint8_t)GATEWAY_LINK_UP) ? EVENT_LOG_NOTICE : EVENT_LOG_WARNING, "link",
+            EVENT_FIELDS(EVENT_WHOLE("node", poller->node), EVENT_TEXT("link", links[poller->link_state].word)),
+            "node %u: %s", (unsigned)poller->node, links[poller->link_state].sentence);
     }
     log->link = poller->link_state;
 }

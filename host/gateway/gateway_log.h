@@ -9,8 +9,6 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#define GATEWAY_WHO_BYTES 48U
-
 /* Of a session what was told last. */
 typedef struct {
     uint32_t refusals;
@@ -27,9 +25,6 @@ typedef struct {
     bool has_progress; /* of the node, since the gateway began */
     run_log_sets_t sets;
 } gateway_log_t;
-
-/* A client in words: its address. */
-void gateway_log_who(const gateway_address_t *address, char who[GATEWAY_WHO_BYTES]);
 
 /* A client has come to a place, or goes: `why`. */
 void gateway_log_connected(gateway_log_t *log, uint32_t place, const gateway_address_t *address, uint16_t clients);

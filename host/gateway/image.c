@@ -1,4 +1,4 @@
-#include "image.h"
+#include "registers.h"
 
 #include "canopen/dictionary.h"
 #include "core/bytes.h"

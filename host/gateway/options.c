@@ -1,4 +1,4 @@
-#include "options.h"
+#include "server.h"
 
 #include "event_log.h"
 

@@ -1,7 +1,6 @@
 #include "poller.h"
 
 #include "core/bytes.h"
-#include "image.h"
 
 #include <string.h>
 
@@ -9,6 +8,9 @@ enum { PHASE_REST = 0, PHASE_BEFORE, PHASE_VALUES, PHASE_AFTER, PHASE_SELECTORS 
 enum { DOING_NOTHING = 0, DOING_READ, DOING_WRITE, DOING_LOOK };
 
 #define BOOT_UP_ID 0x700U
+#define SECOND_SERVER 0x1201U
+#define REQUESTS 1U           /* its subindex: their identifier */
+#define PROTOCOL_ERRORS 0x05U /* first byte of their abort codes */
 
 void gateway_poller_init(gateway_poller_t *poller, const tumble_port_t *port, uint8_t node, uint64_t period_us,
                          gateway_counters_t *counters)
@@ -16,9 +18,43 @@ void gateway_poller_init(gateway_poller_t *poller, const tumble_port_t *port, ui
     *poller = (gateway_poller_t){.counters = counters, .period_us = period_us, .node = node};
     tumble_link_init(&poller->link, port);
     tumble_sdo_client_init(&poller->client);
-    gateway_channel_init(&poller->channel, &poller->client);
+    poller->client.below = TUMBLE_SDO_TO_SECOND;
     poller->next_us = port->now_us(port->context);
     poller->must_be_fresh = true;
+}
+
+/* Which of the node's SDO servers. */
+
+/* The one that is used did not answer. */
+static void change_server(gateway_poller_t *poller)
+{
+    poller->has_looked = false;
+    poller->client.below = (poller->client.below == TUMBLE_SDO_TO_FIRST) ? TUMBLE_SDO_TO_SECOND : TUMBLE_SDO_TO_FIRST;
+}
+
+/* The first one has answered. True: a read has begun that asks it for a second. */
+static bool look_for_second(gateway_poller_t *poller)
+{
+    const bool looks = poller->client.below == TUMBLE_SDO_TO_FIRST && !poller->has_looked;
+    if (looks) {
+        poller->has_looked = true;
+        (void)tumble_sdo_client_read(&poller->client, poller->node, SECOND_SERVER, REQUESTS);
+    }
+    return looks;
+}
+
+/* Of a server that is not there the identifier is marked as invalid. */
+static void take_second(gateway_poller_t *poller)
+{
+    if (tumble_sdo_client_u32(&poller->client) == TUMBLE_SDO_SECOND_REQUEST_ID + poller->client.node) {
+        poller->client.below = TUMBLE_SDO_TO_SECOND;
+    }
+}
+
+/* The last transfer was aborted for its own sake, not that of the object: somebody else uses the same server. */
+static bool is_disturbed(const gateway_poller_t *poller)
+{
+    return poller->client.result == TUMBLE_E_SDO_ABORTED && (poller->client.abort >> 24) == PROTOCOL_ERRORS;
 }
 
 /* A poll. */
@@ -200,7 +236,7 @@ static void go_on_with_marks(gateway_poller_t *poller, uint64_t now_us)
 
 static void take_read(gateway_poller_t *poller, uint64_t now_us)
 {
-    if (gateway_channel_is_disturbed(&poller->client)) {
+    if (is_disturbed(poller)) {
         note_torn(poller, now_us);
         return;
     }
@@ -246,8 +282,7 @@ static void take_written(gateway_poller_t *poller, uint64_t now_us)
     const gateway_command_t command = poller->queue.items[0].command;
     poller->part++;
     if (poller->client.result != TUMBLE_OK) {
-        poller->written |=
-            gateway_channel_is_disturbed(&poller->client) ? 1U << command.group : 0U; /* the node may have taken it */
+        poller->written |= is_disturbed(poller) ? 1U << command.group : 0U; /* the node may have taken it */
         end_command(poller, GATEWAY_RESULT_REFUSED, GATEWAY_COUNT_COMMANDS_REFUSED);
     } else if (poller->part == command.count) {
         end_command(poller, GATEWAY_RESULT_ACCEPTED, GATEWAY_COUNT_COMMANDS_SENT);
@@ -294,8 +329,7 @@ static bool is_reads_turn(const gateway_poller_t *poller, uint8_t done, uint64_t
 /* `done`: what the last transfer was for. False: nothing is due. */
 static bool begin_transfer(gateway_poller_t *poller, uint8_t done, uint64_t now_us)
 {
-    if (poller->link_state == GATEWAY_LINK_UP && poller->part == 0U &&
-        gateway_channel_look(&poller->channel, &poller->client, poller->node)) {
+    if (poller->link_state == GATEWAY_LINK_UP && poller->part == 0U && look_for_second(poller)) {
         poller->doing = DOING_LOOK;
         return true;
     }
@@ -321,7 +355,7 @@ static void take_silence(gateway_poller_t *poller, uint64_t now_us)
     if (poller->doing == DOING_WRITE) {
         end_command(poller, GATEWAY_RESULT_UNANSWERED, GATEWAY_COUNT_COMMANDS_UNANSWERED);
     }
-    gateway_channel_silent(&poller->channel, &poller->client);
+    change_server(poller);
     if (poller->phase != PHASE_REST) {
         gateway_count(poller->counters, GATEWAY_COUNT_POLLS_FAILED);
         rest(poller, now_us + poller->period_us);
@@ -340,7 +374,7 @@ static void take_end(gateway_poller_t *poller, uint64_t now_us)
     } else if (poller->doing == DOING_WRITE) {
         take_written(poller, now_us);
     } else {
-        gateway_channel_found(&poller->client);
+        take_second(poller);
     }
 }
 

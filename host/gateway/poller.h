@@ -2,7 +2,8 @@
  * commands, with a read of a poll that is due between two of them. One transfer at a time; never waits. A seam for
  * tests: all it knows of the bus is a port (tumble/port.h).
  *
- * It uses the node's second SDO server if there is one (channel.h).
+ * It uses the node's second SDO server (1201h), so that the first one is left to others. After silence it tries the other
+ * one, for a node may have the first one alone; when that answers, it is asked once whether there is a second.
  *
  * A snapshot is published whole or not at all. Objects named as marks are read before and after all others: when one
  * has changed meanwhile, the results may be a mixture, and all is read again; likewise when a transfer fails because
@@ -18,9 +19,7 @@
 #define TUMBLE_GATEWAY_POLLER_H
 
 #include "canopen/sdo.h"
-#include "channel.h"
 #include "commands.h"
-#include "counters.h"
 #include "registers.h"
 
 #include <assert.h>
@@ -51,7 +50,6 @@ typedef struct {
 typedef struct {
     tumble_link_t link;
     tumble_sdo_client_t client;
-    gateway_channel_t channel;
     gateway_counters_t *counters;
     uint64_t period_us;
     uint64_t next_us; /* of the next poll */
@@ -60,6 +58,7 @@ typedef struct {
     uint8_t doing;
     uint8_t part;
     uint8_t link_state; /* gateway_link_t */
+    bool has_looked;    /* for a second server, since it uses the first */
     uint8_t torn;       /* in a row */
     uint8_t begun_anew; /* because of what was written meanwhile */
     uint16_t place;     /* in the table that the phase walks */
@@ -78,7 +77,7 @@ typedef struct {
     uint8_t bytes[TUMBLE_MAX_OBJECT_BYTES];
     gateway_snapshot_t building;
     gateway_snapshot_t published;
-    gateway_queue_t queue;
+    gateway_queue_t queue; /* what is to be written: commands.h */
 } gateway_poller_t;
 
 static_assert(GATEWAY_GROUPS <= 32U, "groups are bits");
@@ -92,29 +91,5 @@ void gateway_poller_step(gateway_poller_t *poller);
 
 /* When step is due again if nothing comes before; one that is over: at once. Of the port's clock. */
 uint64_t gateway_poller_next_us(const gateway_poller_t *poller);
-
-/* Send a command, behind those that wait. Its result is PENDING from now on; the owner's memory must stay until that
- * has changed, or it is forgotten. False: too many wait. */
-static inline bool gateway_poller_command(gateway_poller_t *poller, gateway_command_t *command)
-{
-    return gateway_queue_add(&poller->queue, command);
-}
-
-/* End the node's service level, whose owner has gone, behind the commands that wait; and leave it, for another has opened
- * it. */
-static inline void gateway_poller_end_service(gateway_poller_t *poller)
-{
-    poller->queue.ends_service = true;
-}
-static inline void gateway_poller_keep_service(gateway_poller_t *poller)
-{
-    poller->queue.ends_service = false;
-}
-
-/* Its owner goes away: what was accepted is sent all the same. */
-static inline void gateway_poller_forget(gateway_poller_t *poller, const gateway_command_t *command)
-{
-    gateway_queue_forget(&poller->queue, command);
-}
 
 #endif

@@ -1,7 +1,9 @@
-/* registers.h - which objects of the node become which Modbus registers; the table is generated (registers.c). */
+/* registers.h - which objects of the node become which Modbus registers (the table is generated: registers.c), how numbers
+ * stand in registers (image.c), and what the gateway counts. */
 #ifndef TUMBLE_GATEWAY_REGISTERS_H
 #define TUMBLE_GATEWAY_REGISTERS_H
 
+#include "canopen/link.h"
 #include "register_map.h"
 
 #include <stdbool.h>
@@ -77,5 +79,26 @@ extern const gateway_object_t gateway_marks[GATEWAY_MARKS];
 /* Indices of the command objects, by the number that Modbus has for them: argument at subindex 1, command at 2, angle
  * at 3, the proposal's name at 4. */
 extern const uint16_t gateway_command_objects[GATEWAY_COMMAND_OBJECTS];
+
+/* Numbers in registers: big-endian, the high word first, packed by shifts. */
+void gateway_put_u32(uint16_t *at, uint32_t value);
+void gateway_put_u64(uint16_t *at, uint64_t value);
+void gateway_put_f32(uint16_t *at, float value);
+
+/* Put the value of an object, `size` little-endian bytes as SDO brings them, into its registers of `words`
+ * (GATEWAY_INPUT_END of them, all 0 before) and set its bit of validity. False: the bytes are not as many as the object
+ * has, or the number is not finite or beyond what its registers can say; nothing is changed then. */
+bool gateway_image_put(uint16_t *words, const gateway_value_t *value, const uint8_t *bytes, uint8_t size);
+
+/* Counters. */
+typedef struct {
+    uint32_t count[GATEWAY_COUNTERS];
+} gateway_counters_t;
+
+/* `which`: GATEWAY_COUNT_... Stops at its largest value. */
+static inline void gateway_count(gateway_counters_t *counters, int which)
+{
+    tumble_count(&counters->count[which]);
+}
 
 #endif

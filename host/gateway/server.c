@@ -6,13 +6,14 @@
 #include "event_log.h"
 #include "events.h"
 #include "gateway_log.h"
-#include "listener.h"
-#include "notify.h"
-#include "places.h"
 
 #include <errno.h>
+#include <stddef.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
+#include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #define US_PER_MS 1000U
@@ -301,6 +302,26 @@ static int open_all(server_t *server, const gateway_options_t *options, int can_
     }
     server->has_serial = options->has_serial;
     return options->has_tcp ? open_tcp(server, options) : BENCH_EXIT_PASS;
+}
+
+/* Send a state such as "READY=1" to the manager of services (systemd, Type=notify), where NOTIFY_SOCKET names one. */
+static void notify_manager(const char *state)
+{
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    const char *const path = getenv("NOTIFY_SOCKET");
+    if (path == NULL || (*path != '/' && *path != '@') || strlen(path) >= sizeof address.sun_path) {
+        return;
+    }
+    memcpy(address.sun_path, path, strlen(path));
+    if (*path == '@') { /* a name without a file */
+        address.sun_path[0] = '\0';
+    }
+    const int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    if (fd >= 0) {
+        const socklen_t size = (socklen_t)(offsetof(struct sockaddr_un, sun_path) + strlen(path));
+        (void)!sendto(fd, state, strlen(state), MSG_NOSIGNAL, (const struct sockaddr *)&address, size);
+        (void)close(fd);
+    }
 }
 
 /* One line, for a person, a journal, and whoever asked for any free port. */

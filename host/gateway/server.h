@@ -1,9 +1,28 @@
-/* server.h - the gateway's loop: one thread that waits for the bus, the clients, the serial line, and being told to
- * end. */
+/* server.h - tumble-gateway: its command line, and its loop: one thread that waits for the bus, the clients, the serial
+ * line, and being told to end. */
 #ifndef TUMBLE_GATEWAY_SERVER_H
 #define TUMBLE_GATEWAY_SERVER_H
 
-#include "options.h"
+#include "arguments.h"
+#include "serial.h"
+
+#include <stdbool.h>
+
+#define GATEWAY_HOST_BYTES 256U
+#define GATEWAY_PORT_BYTES 8U
+
+typedef struct {
+    gateway_settings_t settings;
+    const char *can;
+    bool has_tcp;
+    char host[GATEWAY_HOST_BYTES];
+    char port[GATEWAY_PORT_BYTES];
+    bool has_serial;
+    gateway_serial_settings_t serial;
+} gateway_options_t;
+
+/* As arguments_read. */
+int gateway_options_read(gateway_options_t *options, int count, char *arguments[]);
 
 /* Serve until SIGTERM or SIGINT. `can_fd` becomes readable when the port may have frames. One line on standard error
  * says where it listens, or why it cannot. Returns the exit code. */

@@ -1,7 +1,6 @@
 #include "session.h"
 
 #include "core/bytes.h"
-#include "image.h"
 
 #include <string.h>
 
@@ -114,7 +113,7 @@ static void end_service(const gateway_session_t *session, gateway_t *gateway)
 {
     if (gateway->service == session) {
         gateway->service = NULL;
-        gateway_poller_end_service(&gateway->poller);
+        gateway->poller.queue.ends_service = true;
     }
 }
 
@@ -215,7 +214,7 @@ static void note_key(const gateway_session_t *session, gateway_t *gateway, doubl
     if (key == (double)GATEWAY_SERVICE_NUMBER) {
         gateway->service = session;
         gateway->service_until_us = now_us + GATEWAY_SERVICE_US;
-        gateway_poller_keep_service(&gateway->poller);
+        gateway->poller.queue.ends_service = false;
     } else if (gateway->service == session && key == 0.0) {
         gateway->service = NULL;
     } else {
@@ -225,7 +224,7 @@ static void note_key(const gateway_session_t *session, gateway_t *gateway, doubl
 
 static gateway_exception_t send(gateway_session_t *session, gateway_t *gateway)
 {
-    return gateway_poller_command(&gateway->poller, &session->sent) ? GATEWAY_OK : GATEWAY_BUSY;
+    return gateway_queue_add(&gateway->poller.queue, &session->sent) ? GATEWAY_OK : GATEWAY_BUSY;
 }
 
 /* The node may have refused the key, as in a run: then the level, should it be open, is not this session's. */
@@ -243,7 +242,7 @@ static gateway_exception_t execute_setting(gateway_session_t *session, gateway_t
     const gateway_target_t *const target = gateway_target(session->staged[GATEWAY_HOLDING_SETTING]);
     const uint32_t key = staged_u32(session, GATEWAY_HOLDING_SERVICE_KEY);
     drop_refused_key(session, gateway);
-    session->sent = gateway_setting_by_key(target, key, value_of(session));
+    session->sent = gateway_setting(target, key, value_of(session));
     session->staged[GATEWAY_HOLDING_SETTING] = 0;
     session->staged[GATEWAY_HOLDING_SERVICE_KEY] = 0;
     session->staged[GATEWAY_HOLDING_SERVICE_KEY + 1U] = 0;
@@ -392,7 +391,7 @@ gateway_exception_t gateway_session_write(gateway_session_t *session, gateway_t 
 
 void gateway_session_close(gateway_session_t *session, gateway_t *gateway)
 {
-    gateway_poller_forget(&gateway->poller, &session->sent);
+    gateway_queue_forget(&gateway->poller.queue, &session->sent);
     end_service(session, gateway);
     gateway_session_open(session);
 }

@@ -3,10 +3,30 @@
 #ifndef TUMBLE_GATEWAY_SESSION_H
 #define TUMBLE_GATEWAY_SESSION_H
 
-#include "gateway.h"
-#include "register_map.h"
+#include "poller.h"
 
+#include <stdbool.h>
 #include <stdint.h>
+
+/* What all parts of the gateway share: how it was told to behave, what it counts, its node. */
+
+typedef struct {
+    uint8_t unit; /* Modbus, 1 to 247 */
+    uint8_t node; /* CANopen, 1 to 127 */
+    bool allow_commands;
+    uint64_t unlock_us; /* an unlocked session locks itself so long after its last write */
+    uint64_t idle_us;   /* a TCP client is closed so long after its last request */
+    uint64_t poll_us;
+} gateway_settings_t;
+
+typedef struct {
+    gateway_settings_t settings;
+    gateway_counters_t counters;
+    gateway_poller_t poller;
+    uint16_t clients;                      /* TCP connections now open */
+    const struct gateway_session *service; /* who opened the service level last; null: nobody, or it is over */
+    uint64_t service_until_us;
+} gateway_t;
 
 /* Who never reads the snapshot number sees no state of long ago all the same: a session whose snapshot is older takes
  * the newest one with a request that does not go on upwards from the one before, and much later with any. */

@@ -45,11 +45,41 @@ static bool is_empty(const char *path)
     return empty;
 }
 
-const char *bench_folder_open(bench_folder_t *folder, const char *path)
+static void forget(bench_folder_t *folder)
+{
+    for (int i = 0; i < TUMBLE_MAX_POSITIONS; i++) {
+        free(folder->positions[i].samples);
+        folder->positions[i] = (bench_recorded_t){0};
+    }
+}
+
+/* Leave nothing behind. */
+static void discard(bench_folder_t *folder)
+{
+    if (folder->log != NULL) {
+        (void)fclose(folder->log);
+        folder->log = NULL;
+    }
+    for (size_t i = 0; i < FILE_COUNT; i++) {
+        char path[PATH_MAX];
+        if (name_file(folder, FILES[i], true, path)) {
+            (void)unlink(path);
+        }
+        if (name_file(folder, FILES[i], false, path)) {
+            (void)unlink(path);
+        }
+    }
+    if (folder->created) {
+        (void)rmdir(folder->path);
+    }
+    forget(folder);
+}
+
+const char *bench_folder_open(bench_folder_t *folder, const char *path, const char *interface)
 {
     memset(folder, 0, sizeof *folder);
     folder->path = path;
-    folder->interface = "can0";
+    folder->interface = interface;
     folder->created = mkdir(path, 0777) == 0;
     if (!folder->created && errno != EEXIST) {
         return strerror(errno);
@@ -59,7 +89,7 @@ const char *bench_folder_open(bench_folder_t *folder, const char *path)
     }
     folder->log = begin_file(folder, "bus.log");
     if (folder->log == NULL) {
-        bench_folder_discard(folder);
+        discard(folder);
         return CANNOT_WRITE;
     }
     return NULL;
@@ -149,22 +179,6 @@ static bool finish(FILE *file)
     return fclose(file) == 0 && good;
 }
 
-static bool write_rest(bench_folder_t *folder, const bench_world_t *world)
-{
-    bool good = !folder->failed && finish(folder->log);
-    folder->log = NULL;
-    FILE *const run = begin_file(folder, "run.csv");
-    if (run != NULL) {
-        write_run(folder, world, run);
-    }
-    FILE *const document = begin_file(folder, "bench.json");
-    if (document != NULL) {
-        folder->document(world, document);
-    }
-    good = run != NULL && finish(run) && good;
-    return document != NULL && finish(document) && good;
-}
-
 static bool name_all(const bench_folder_t *folder)
 {
     bool good = true;
@@ -177,41 +191,25 @@ static bool name_all(const bench_folder_t *folder)
     return good;
 }
 
-static void forget(bench_folder_t *folder)
+const char *bench_folder_close(bench_folder_t *folder, const bench_world_t *world,
+                               void (*document)(const void *context, FILE *out), const void *context)
 {
-    for (int i = 0; i < TUMBLE_MAX_POSITIONS; i++) {
-        free(folder->positions[i].samples);
-        folder->positions[i] = (bench_recorded_t){0};
+    bool good = !folder->failed && finish(folder->log);
+    folder->log = NULL;
+    FILE *const run = begin_file(folder, "run.csv");
+    if (run != NULL) {
+        write_run(folder, world, run);
     }
-}
-
-const char *bench_folder_close(bench_folder_t *folder, const bench_world_t *world)
-{
-    if (!write_rest(folder, world) || !name_all(folder)) {
-        bench_folder_discard(folder);
+    FILE *const json = begin_file(folder, "bench.json");
+    if (json != NULL) {
+        document(context, json);
+    }
+    good = run != NULL && finish(run) && good;
+    good = json != NULL && finish(json) && good;
+    if (!good || !name_all(folder)) {
+        discard(folder);
         return CANNOT_WRITE;
     }
     forget(folder);
     return NULL;
-}
-
-void bench_folder_discard(bench_folder_t *folder)
-{
-    if (folder->log != NULL) {
-        (void)fclose(folder->log);
-        folder->log = NULL;
-    }
-    for (size_t i = 0; i < FILE_COUNT; i++) {
-        char path[PATH_MAX];
-        if (name_file(folder, FILES[i], true, path)) {
-            (void)unlink(path);
-        }
-        if (name_file(folder, FILES[i], false, path)) {
-            (void)unlink(path);
-        }
-    }
-    if (folder->created) {
-        (void)rmdir(folder->path);
-    }
-    forget(folder);
 }

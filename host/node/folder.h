@@ -6,8 +6,7 @@
  * run.csv has one row per averaged sample, position by position in the schedule's order:
  * mounting,position,ux,uy,uz (V, 17 digits),cx,cy,cz (raw counts),counter (the block's, 16 bits),timestamp (its ms),
  * temperature (its, deg C), time_s (the timestamp with its wraps counted, from the first averaged sample on)
- * bus.log has one line per frame in the form of candump -L: (seconds.microseconds) can0 ID#DATA, virtual time.
- * Whoever has another bus or document than the bench's sets them after opening.
+ * bus.log has one line per frame in the form of candump -L: (seconds.microseconds) INTERFACE ID#DATA, UTC.
  */
 #ifndef TUMBLE_NODE_FOLDER_H
 #define TUMBLE_NODE_FOLDER_H
@@ -33,8 +32,7 @@ typedef struct {
 
 typedef struct {
     const char *path;
-    const char *interface; /* named in bus.log */
-    void (*document)(const bench_world_t *world, FILE *out);
+    const char *interface;
     FILE *log;
     bool created; /* the folder was not there before */
     bool failed;  /* a write or an allocation failed */
@@ -45,17 +43,16 @@ typedef struct {
 } bench_folder_t;
 
 /* Make the folder, or take an empty one, and begin. Null, or what is wrong. */
-const char *bench_folder_open(bench_folder_t *folder, const char *path);
+const char *bench_folder_open(bench_folder_t *folder, const char *path, const char *interface);
 
-/* The world's watchers. `now_us`: of any clock that runs on; between two samples it may differ from the block's by 2 s. */
+/* What goes into it. `now_us`: of any clock that runs on; between two samples it may differ from the block's by 2 s. */
 void bench_folder_frame(bench_folder_t *folder, uint64_t time_us, const tumble_can_frame_t *frame);
 void bench_folder_sample(bench_folder_t *folder, uint64_t now_us, tumble_taken_t taken,
                          const tumble_block_sample_t *sample);
 
-/* Write the rest, give all files their names. Null, or what is wrong; then nothing is left behind. */
-const char *bench_folder_close(bench_folder_t *folder, const bench_world_t *world);
-
-/* Leave nothing behind. */
-void bench_folder_discard(bench_folder_t *folder);
+/* Write the rest, bench.json by `document`, and give all files their names. Null, or what is wrong; then nothing is left
+ * behind. */
+const char *bench_folder_close(bench_folder_t *folder, const bench_world_t *world,
+                               void (*document)(const void *context, FILE *out), const void *context);
 
 #endif

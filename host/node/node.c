@@ -36,14 +36,10 @@ static void on_sample(void *context, tumble_taken_t taken, const tumble_block_sa
     }
 }
 
-static void put_document(const node_t *node, FILE *out)
+static void put_document(const void *context, FILE *out)
 {
+    const node_t *const node = context;
     node_report(&node->world, &node->computer, &node->fault, out);
-}
-
-static void write_document(const bench_world_t *world, FILE *out)
-{
-    put_document((const node_t *)(const void *)((const char *)world - offsetof(node_t, world)), out);
 }
 
 /* A run as it goes. */
@@ -297,10 +293,7 @@ static const char *open_outputs(node_t *node, const char **subject)
         return NULL;
     }
     *subject = options->out;
-    const char *const wrong = bench_folder_open(&node->folder, options->out);
-    node->folder.interface = node->computer.bus.can.name;
-    node->folder.document = write_document;
-    return wrong;
+    return bench_folder_open(&node->folder, options->out, node->computer.bus.can.name);
 }
 
 /* A result is waited for: whoever reads the documents may be slow, and a signal ends it. */
@@ -315,7 +308,8 @@ static int finish(node_t *node)
 {
     int code = bench_exit_code(&node->world);
     const char *const folder = node->options->out;
-    const char *const wrong = (folder != NULL) ? bench_folder_close(&node->folder, &node->world) : NULL;
+    const char *const wrong =
+        (folder != NULL) ? bench_folder_close(&node->folder, &node->world, put_document, node) : NULL;
     if (wrong != NULL) {
         code = node_log_unwritten(folder, wrong);
     } else if (node->options->start || node->world.end == WORLD_INTERRUPTED) {

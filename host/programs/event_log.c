@@ -3,7 +3,7 @@
 #include "event_log.h"
 
 #include "json.h"
-#include "nowait.h"
+#include "outlet.h"
 
 #include <inttypes.h>
 #include <stdarg.h>

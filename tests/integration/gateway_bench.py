@@ -45,7 +45,7 @@ def build(folder):
     firmware = ("canopen/sdo_client", "canopen/link", "core/count", "core/status", "core/status_sentence",
                 "navcomp/commands", "procedure/names", "sets/objections")
     sources += [f"firmware/{name}.c" for name in firmware]
-    programs = ("arguments", "event_log", "json", "nowait", "remedies", "run_log")
+    programs = ("arguments", "event_log", "json", "outlet", "remedies", "run_log")
     sources += [f"host/programs/{name}.c" for name in programs]
     sources += ["boards/linux/can_socket.c", "boards/linux/events.c"]
     return compiled(folder / "tumble-gateway", *FLAGS, "-Ihost", "-Ihost/gateway", "-Ihost/programs", "-Iboards/linux",

@@ -199,7 +199,7 @@ void settle(void)
 
 void carry_out(gateway_command_t *command)
 {
-    TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, command));
+    TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, command));
     settle();
 }
 

@@ -35,8 +35,8 @@ static void test_commands(void)
     const uint32_t proposal = 0xFEDCBA98U;
     gateway_command_t two = gateway_command(gateway_command_objects[0], 4, &angle_deg, &proposal, 2);
     settle();
-    TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &one));
-    TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &two));
+    TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &one));
+    TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &two));
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_PENDING, one.result);
     TEST_ASSERT_EQUAL_UINT64(0, gateway_poller_next_us(&bench.poller));
     settle();
@@ -80,7 +80,7 @@ static void test_polls_between_commands_without_end(void)
     gateway_command_t command = command_of(1);
     for (int i = 0; i < 20000; i++) {
         if (command.result != GATEWAY_RESULT_PENDING) {
-            TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &command));
+            TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &command));
         }
         exchange(10);
     }
@@ -90,11 +90,11 @@ static void test_polls_between_commands_without_end(void)
 /* Nor do two by turns, of whom one always waits; whether or not they are obeyed. */
 static void test_polls_between_commands_of_two_without_end(void)
 {
-    gateway_command_t commands[] = {command_of(1), gateway_setting(gateway_target(101), 3.0)};
+    gateway_command_t commands[] = {command_of(1), gateway_setting(gateway_target(101), 0, 3.0)};
     for (int i = 0; i < 40000; i++) {
         gateway_command_t *const command = &commands[i % 2];
         if (command->result != GATEWAY_RESULT_PENDING) {
-            TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, command));
+            TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, command));
         }
         bench.refuse = (i < 20000) ? 0U : 0x08000022U;
         exchange(1);
@@ -113,9 +113,9 @@ static void test_a_command_without_an_answer(void)
     gateway_command_t forgotten = command_of(2);
     settle();
     bench.silent = true;
-    TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &command));
-    TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &forgotten));
-    gateway_poller_forget(&bench.poller, &forgotten);
+    TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &command));
+    TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &forgotten));
+    gateway_queue_forget(&bench.poller.queue, &forgotten);
     pass(2U * TUMBLE_SDO_CLIENT_TIMEOUT_US + 10U);
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_UNANSWERED, command.result);
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_PENDING, forgotten.result); /* nobody is told */
@@ -127,7 +127,7 @@ static void test_no_more_commands_than_fit(void)
     static gateway_command_t commands[GATEWAY_MAX_SESSIONS + 1U];
     for (size_t i = 0; i <= GATEWAY_MAX_SESSIONS; i++) {
         commands[i] = command_of(1);
-        TEST_ASSERT_EQUAL_INT(i < GATEWAY_MAX_SESSIONS, gateway_poller_command(&bench.poller, &commands[i]));
+        TEST_ASSERT_EQUAL_INT(i < GATEWAY_MAX_SESSIONS, gateway_queue_add(&bench.poller.queue, &commands[i]));
     }
     settle();
     TEST_ASSERT_EQUAL_UINT32(GATEWAY_MAX_SESSIONS, count(GATEWAY_COUNT_COMMANDS_SENT));
@@ -233,7 +233,7 @@ static void test_every_setting_is_written_as_its_object_is(void)
     for (size_t i = 0; i < GATEWAY_TARGETS; i++) {
         const gateway_target_t *const target = &gateway_targets[i];
         TEST_ASSERT_EQUAL_PTR(target, gateway_target(target->number));
-        gateway_command_t setting = gateway_setting(target, 7.0);
+        gateway_command_t setting = gateway_setting(target, 0, 7.0);
         bench.written = 0;
         carry_out(&setting);
         TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_ACCEPTED, setting.result);
@@ -248,7 +248,7 @@ static void test_every_setting_is_written_as_its_object_is(void)
 static void test_a_setting_behind_its_key(void)
 {
     const uint32_t key = 0x76726573U;
-    gateway_command_t setting = gateway_setting_by_key(gateway_target(5), key, 3e-4);
+    gateway_command_t setting = gateway_setting(gateway_target(5), key, 3e-4);
     settle();
     carry_out(&setting);
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_ACCEPTED, setting.result);
@@ -269,9 +269,9 @@ static void test_the_end_of_the_service_level(void)
     settle();
     for (size_t i = 0; i < GATEWAY_MAX_SESSIONS; i++) {
         commands[i] = command_of(1);
-        TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &commands[i]));
+        TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &commands[i]));
     }
-    gateway_poller_end_service(&bench.poller);
+    bench.poller.queue.ends_service = true;
     TEST_ASSERT_EQUAL_UINT64(0, gateway_poller_next_us(&bench.poller));
     bench.written = 0;
     settle();
@@ -280,8 +280,8 @@ static void test_the_end_of_the_service_level(void)
     TEST_ASSERT_EQUAL_HEX32(0, tumble_get_u32(last_write()->bytes));
     TEST_ASSERT_EQUAL_UINT32(GATEWAY_MAX_SESSIONS + 1U, count(GATEWAY_COUNT_COMMANDS_SENT));
     bench.written = 0;
-    gateway_poller_end_service(&bench.poller);
-    gateway_poller_keep_service(&bench.poller);
+    bench.poller.queue.ends_service = true;
+    bench.poller.queue.ends_service = false;
     settle();
     TEST_ASSERT_EQUAL_UINT(0, bench.written);
 }
@@ -298,14 +298,14 @@ static void test_no_other_number_is_a_setting(void)
 
 static void test_a_setting_that_is_refused_or_not_answered(void)
 {
-    gateway_command_t setting = gateway_setting(gateway_target(11), 1.0);
+    gateway_command_t setting = gateway_setting(gateway_target(11), 0, 1.0);
     settle();
     bench.refuse = 0x06020000U;
     carry_out(&setting);
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_REFUSED, setting.result);
     TEST_ASSERT_EQUAL_HEX32(0x06020000U, setting.abort);
     bench.silent = true;
-    TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &setting));
+    TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &setting));
     pass(TUMBLE_SDO_CLIENT_TIMEOUT_US + 10U);
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_UNANSWERED, setting.result);
     TEST_ASSERT_EQUAL_HEX32(0, setting.abort);
@@ -321,8 +321,8 @@ static void test_a_command_refused_in_its_last_part_leaves_the_next_one_whole(vo
     gateway_command_t one = command_of(1);
     gateway_command_t two = command_of(2);
     settle();
-    TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &one));
-    TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &two));
+    TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &one));
+    TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &two));
     while (bench.written < 1U) {
         exchange(1);
     }

@@ -159,8 +159,8 @@ static void test_a_selection_over_modbus_is_in_the_next_snapshot_and_in_no_mixtu
             exchange(1);
             is_over = gateway_poller_next_us(&bench.poller) == bench.poller.next_us;
         }
-        gateway_command_t command = gateway_setting(gateway_target(SETTING_POSITION), 3.0);
-        TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &command));
+        gateway_command_t command = gateway_setting(gateway_target(SETTING_POSITION), 0, 3.0);
+        TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &command));
         settle_whole();
         TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_ACCEPTED, command.result);
         TEST_ASSERT_EQUAL_UINT16(3, word(REGISTER_INDEX));
@@ -221,8 +221,8 @@ static void test_a_measurement_that_no_poll_has_seen(void)
     give_f64(AT_REST, 3, 0.25);
     give_f64(AT_REST, 5, 0.5);
     settle();
-    gateway_command_t command = gateway_setting(gateway_target(SETTING_AT_REST), 2.0);
-    TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &command));
+    gateway_command_t command = gateway_setting(gateway_target(SETTING_AT_REST), 0, 2.0);
+    TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &command));
     give_f64(AT_REST, 5, 0.75); /* x is as before to the last bit */
     settle();
     TEST_ASSERT_EQUAL_FLOAT(0.75F, real(REGISTER_MEAN_AT_REST_Z));
@@ -234,7 +234,7 @@ static gateway_command_t raise_coverage(void)
     give(LIMITS, 1, 4, 0x40000000U);
     settle();
     give(LIMITS, 1, 4, 0x40400000U);
-    return gateway_setting(gateway_target(SETTING_COVERAGE), 3.0);
+    return gateway_setting(gateway_target(SETTING_COVERAGE), 0, 3.0);
 }
 
 static void test_settings_written_here_are_read_back_and_what_others_write_later(void)
@@ -257,7 +257,7 @@ static void test_a_refused_setting_changes_nothing(void)
 {
     settle();
     const unsigned few = next_poll();
-    gateway_command_t command = gateway_setting(gateway_target(SETTING_COVERAGE), 3.0);
+    gateway_command_t command = gateway_setting(gateway_target(SETTING_COVERAGE), 0, 3.0);
     bench.refuse = 0x08000022U;
     carry_out(&command);
     TEST_ASSERT_EQUAL_UINT(few, next_poll());
@@ -268,7 +268,7 @@ static void test_a_setting_whose_answer_was_disturbed_is_read_back(void)
 {
     gateway_command_t command = raise_coverage();
     bench.refuse = 0x05040001U;
-    TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &command));
+    TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &command));
     (void)next_poll();
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_REFUSED, command.result);
     TEST_ASSERT_EQUAL_HEX16(0x4040U, word(1151));
@@ -277,7 +277,7 @@ static void test_a_setting_whose_answer_was_disturbed_is_read_back(void)
 static void command_in_a_poll(gateway_command_t *command)
 {
     exchange(1);
-    TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, command));
+    TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, command));
     while (command->result == GATEWAY_RESULT_PENDING) {
         exchange(1);
     }
@@ -291,7 +291,7 @@ static void show_position(void)
 /* How often one that was given up has begun anew says nothing of the next one. */
 static void test_a_poll_after_silence_begins_anew_for_a_setting(void)
 {
-    gateway_command_t command = gateway_setting(gateway_target(SETTING_COVERAGE), 3.0);
+    gateway_command_t command = gateway_setting(gateway_target(SETTING_COVERAGE), 0, 3.0);
     for (unsigned i = 0; i < GATEWAY_MAX_ANEW; i++) {
         command_in_a_poll(&command);
     }
@@ -315,7 +315,7 @@ static void test_a_poll_after_silence_begins_anew_for_a_setting(void)
 static void test_what_was_written_is_read_although_a_poll_fails(void)
 {
     gateway_command_t command = raise_coverage();
-    TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &command));
+    TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &command));
     exchange(20);
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_ACCEPTED, command.result);
     bench.abort_next = 0x05040000U; /* torn */

@@ -265,7 +265,7 @@ static void test_what_is_published_after_a_command_has_been_read_after_it(void)
         exchange(n);
         const uint32_t number = bench.poller.published.number;
         bench.refuse = (n % 3U == 0U) ? NO_DATA : 0U;
-        TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &command));
+        TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &command));
         while (command.result == GATEWAY_RESULT_PENDING) {
             TEST_ASSERT_TRUE(bench.poller.published.ended < n);
             exchange(1);
@@ -290,7 +290,7 @@ static void test_a_poll_that_goes_on_does_not_pass_for_a_fresh_one(void)
     bench.fake.now_us += PERIOD_US;
     exchange(3);
     for (uint32_t n = 1; bench.poller.published.number == number; n++) {
-        TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &command));
+        TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &command));
         while (command.result == GATEWAY_RESULT_PENDING && bench.poller.published.number == number) {
             exchange(1);
         }
