@@ -82,7 +82,7 @@ STARTS_COMMANDS = "cli/main.py"  # loads a module of cli/commands by its name, w
 
 MAX_FILE_LINES = 800
 MAX_FUNCTION_LINES = 80
-HOSTED = ("boards", "linux")  # programs of an operating system: held to sizes, not to what firmware may use
+HOSTED = ("boards", "linux")  # a board with an operating system: held to sizes, not to what firmware may use
 SOURCE_FOLDERS = ["firmware", "boards", "host", "tests", "tools", "examples", "cmake"]
 SCRIPTS = {"setup", "site", "test", "tumble", "budget"}  # of tools/, without suffix
 

@@ -32,7 +32,7 @@
  * (POWER), an angle that is not possible (POSITION): beyond the cable while it moves, or changed at rest. Homing that turns
  * the table farther than the cable's span and one turn is a fault, too.
  *
- * The link carries one exchange at a time and never waits; boards/linux/modbus_link.h is one. The caller owns the object.
+ * The link carries one exchange at a time and never waits; host/node/modbus_link.h is one. The caller owns the object.
  * Not re-entrant on one object.
  */
 #ifndef TUMBLE_STAND_POSITIONER_H

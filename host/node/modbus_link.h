@@ -7,8 +7,8 @@
  * An exchange takes `timeout_ms` for a connection that must be made, and for each of its two questions, at most: then it
  * has failed. The thread does nothing by itself: a program that hangs feeds no watchdog.
  */
-#ifndef TUMBLE_LINUX_MODBUS_LINK_H
-#define TUMBLE_LINUX_MODBUS_LINK_H
+#ifndef TUMBLE_NODE_MODBUS_LINK_H
+#define TUMBLE_NODE_MODBUS_LINK_H
 
 #include "stand/positioner/positioner.h"
 
