@@ -26,7 +26,8 @@
 #define REST_US 500000U
 #define WELL_US 60000000U /* it is told again after such a time without */
 
-/* What is ready, as epoll's data; clients from CLIENTS on. */
+/* What is ready, as epoll's data; clients from CLIENTS on. (poll would refuse to wait for more descriptors than the process
+ * may have, and that is when the loop must rest.) */
 enum { SIGNALS = 0, LISTENER, BUS, SERIAL, CLIENTS };
 
 typedef struct {
@@ -179,11 +180,6 @@ static void close_idle(server_t *server)
 
 /* The serial line. */
 
-static void note_line(server_t *server)
-{
-    gateway_log_session(&server->log, GATEWAY_MAX_CLIENTS, &server->serial.session, NULL, clock_us(server));
-}
-
 static void step_serial(server_t *server)
 {
     if (!server->has_serial) {
@@ -191,7 +187,7 @@ static void step_serial(server_t *server)
     }
     gateway_serial_step(&server->serial, &server->gateway, &server->replies, server->line_hung_up, clock_us(server));
     server->line_hung_up = false;
-    note_line(server);
+    gateway_log_session(&server->log, GATEWAY_MAX_CLIENTS, &server->serial.session, NULL, clock_us(server));
     const int fd = server->serial.fd;
     if (fd >= 0) {
         const int operation = (server->watched_line == fd) ? EPOLL_CTL_MOD : EPOLL_CTL_ADD;

@@ -361,8 +361,8 @@ def source(registers: Map) -> str:
         "};",
         "",
         "const gateway_target_t gateway_targets[GATEWAY_TARGETS] = {",
-        *(f"    {{{to.number}U, {object_cells(to.entry)}, {to.group}U, {str(to.entry.level == 'service').lower()}}},"
-          for to in registers.settings),
+        *filled(f"{{{to.number}U, {object_cells(to.entry)}, {to.group}U, {str(to.entry.level == 'service').lower()}}},"
+                for to in registers.settings),
         "};",
         "",
         "const uint16_t gateway_command_objects[GATEWAY_COMMAND_OBJECTS] = {",
