@@ -191,7 +191,7 @@ static void go(uint32_t reads, uint16_t servers)
     script.due_us = world.clock.now_us;
     gateway_poller_init(&poller, &gateway.port, NODE, POLL_US, &counters);
     poller.client.below = servers;
-    poller.channel.has_looked = true;
+    poller.has_looked = true;
     while (script.done < reads) {
         gateway_poller_step(&poller);
         step_script();
