@@ -33,7 +33,7 @@ from tumble.documents.store import STORE, Store
 from tumble.documents.watch import WATCH, Snapshot, Watch
 from tumble.estimators import ESTIMATORS
 from tumble.model.fit import DOUBTS
-from tumble.model.patterns import PATTERNS
+from tumble.model.patterns import BY_NAME
 from tumble.schedule import BUILT_IN
 from tumble.solving.noise import CORRELATED
 from tumble.stand import SOURCES
@@ -77,11 +77,11 @@ _WRITTEN = {  # by type: keys that are always there, though a reader does withou
     "Snapshot": " ".join(Snapshot.__struct_fields__),
     "Verification": "delta_g_g max_abs_delta_g_fit_g max_abs_delta_g_check_g closure residual_rms",
 }
-_PATTERNS = [one.name for one in PATTERNS]
+_PATTERNS = [*BY_NAME]
 _NAMES: dict[tuple[str, str], Iterable[str | None]] = {  # by type and key: the names that this version writes
     ("Explanation", "patterns"): [*_PATTERNS, *DOUBTS, CORRELATED],
     ("Unseen", "pattern"): _PATTERNS,
-    ("Unseen", "unit"): dict.fromkeys(one.unit for one in PATTERNS),
+    ("Unseen", "unit"): dict.fromkeys(one.unit for one in BY_NAME.values()),
     ("Shift", "source"): [name for name, one in SOURCES.items() if one.is_angle],
     ("Schedule", "name"): [*BUILT_IN, None],
     ("Result", "estimator"): ESTIMATORS,
