@@ -1,7 +1,7 @@
 #include "navcomp/uncertainty.h"
 
-#include "core/arith.h"
 #include "core/accumulator.h"
+#include "core/arith.h"
 
 #include <stddef.h>
 

@@ -17,8 +17,9 @@ static void fault(void)
 }
 
 __attribute__((section(".vectors"), used)) static void (*const vectors[16])(void) = {
-    (void (*)(void))stack_top, reset, fault, fault, fault, fault, fault, fault,
-    fault, fault, fault, fault, fault, fault, fault, fault,
+    (void (*)(void))stack_top,
+    reset,
+    [2 ... 15] = fault,
 };
 
 _Noreturn void go_on(void)
@@ -32,12 +33,13 @@ _Noreturn void go_on(void)
 /* Without a prologue, which could use the floating point unit before CPACR has switched it on. */
 __attribute__((naked)) void reset(void)
 {
-    __asm volatile("ldr r0, =0xE000ED88\n"
-                   "ldr r1, [r0]\n"
-                   "orr r1, r1, #(0xF << 20)\n"
-                   "str r1, [r0]\n"
-                   "dsb\n"
-                   "isb\n"
-                   "b go_on\n"
-                   ".ltorg\n");
+    __asm volatile(
+        "ldr r0, =0xE000ED88\n"
+        "ldr r1, [r0]\n"
+        "orr r1, r1, #(0xF << 20)\n"
+        "str r1, [r0]\n"
+        "dsb\n"
+        "isb\n"
+        "b go_on\n"
+        ".ltorg\n");
 }
