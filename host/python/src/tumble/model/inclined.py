@@ -155,7 +155,7 @@ def supposed(schedule: Schedule, means: Floats) -> tuple[Schedule, Floats]:
     s, c, b = _parts(of, means)
     scale = float(np.sqrt((s**2 + c**2).sum(axis=-1).max() / 2.0))
     apart = b[of.highest] - b[of.lowest]
-    moved = (b - b[0]) @ apart / (np.linalg.norm(apart) * scale)
+    moved = (b - b[0]) @ apart / ((np.linalg.norm(apart) or 1.0) * scale)
     first = next(one.tilt_deg for one in schedule.mountings if one.number == of.numbers[0])
     beta = np.arcsin(np.clip(np.sin(np.deg2rad(first)) + moved, -0.999, 0.999))
     return as_seen(schedule, Inclinations(of.numbers, beta, np.zeros_like(beta))), scale * np.eye(3)
