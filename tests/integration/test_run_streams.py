@@ -24,7 +24,7 @@ from tumble.errors import BadInput, NotInstalled
 from tumble.files import run_layout
 from tumble.files.disk import Incoming
 from tumble.files.rows import PositionIndex
-from tumble.files.run_file import Rows, RowStore, RunReader, exact_sum, facts_of, read_measured, read_run, sorted_copy
+from tumble.files.run_file import Rows, RowStore, RunReader, exact_sum, facts_of, read_measured, read_run
 from tumble.files.run_layout import Wishes
 from tumble.files.run_rows import check_rows
 
@@ -137,12 +137,11 @@ def test_ties_are_rounded_to_even():
 
 @settings(max_examples=40)
 @given(st.lists(st.floats(-1e100, 1e100)), st.integers(0, 99))
-def test_sums_and_order_of_many(some, seed):
-    """Against math.fsum and numpy.sort, with thousands of other values around them."""
+def test_sums_of_many(some, seed):
+    """Against math.fsum, with thousands of other values around them."""
     rng = np.random.default_rng(seed)
     values = np.concatenate((some, rng.normal(2.0, 1e-3, 3000) * 10.0 ** rng.integers(-3, 3), [-0.0, 0.0, 5e-324]))
     assert exact_sum(values) == math.fsum(values.tolist())
-    assert sorted_copy(values).tolist() == np.sort(values).tolist()
 
 
 @given(st.lists(st.integers(-5, 5), min_size=1, max_size=80), st.sampled_from([0.5, 1e-3]))

@@ -1,4 +1,4 @@
-/* rows.c - rows of CSV as numbers, and numbers in order; part of the extension's source.
+/* rows.c - rows of CSV as numbers, and what rows say together; part of the extension's source.
  *
  * rows_parse is the inner loop of tumble.files.rows: it takes the lines that are plain (numbers that one division or product makes exact, no quotes, no comments, a
  * position of the schedule) and stops at any other, which RowParser reads and alone may refuse. Rows are ux, uy, uz, the number of the line, then time and temperature.
@@ -10,7 +10,7 @@
 #include <string.h>
 
 enum { ROWS_OUTPUTS = 3, ROWS_MOUNTING = 3, ROWS_POSITION, ROWS_TIME, ROWS_TEMPERATURE, ROWS_WANTED };
-enum { ROWS_LONGEST_NOTE = 4096, ROWS_RADIX = 2048 };
+enum { ROWS_LONGEST_NOTE = 4096 };
 
 /* How lines are laid out. `role` (columns): which of ux, uy, uz, mounting, position, time, temperature (0 to 6) a column
  * is, or negative. `position` (256 x 256): index of a position by the numbers of mounting and position, negative: none;
@@ -304,61 +304,5 @@ void rows_squares(const double (*rows)[4], size_t number, double (*sums)[ROWS_OU
         for (int channel = 0; channel < ROWS_OUTPUTS; channel++) {
             squares[0][channel] = found[channel] / (2.0 * length);
         }
-    }
-}
-
-/* The bits of a double as an integer in the order of the doubles, and back. */
-static uint64_t rows_key(uint64_t bits)
-{
-    return bits ^ ((bits >> 63) != 0U ? UINT64_MAX : UINT64_C(1) << 63);
-}
-
-static uint64_t rows_bits_of(uint64_t key)
-{
-    return key ^ ((key >> 63) != 0U ? UINT64_C(1) << 63 : UINT64_MAX);
-}
-
-/* Counts of a digit to the places where its keys begin; false where all keys share it. */
-static bool rows_places(size_t *counts, size_t number)
-{
-    size_t place = 0;
-    for (int digit = 0; digit < ROWS_RADIX; digit++) {
-        const size_t count = counts[digit];
-        if (count == number) {
-            return false;
-        }
-        counts[digit] = place;
-        place += count;
-    }
-    return true;
-}
-
-/* Sort doubles, none of them a NaN, by digits of 11 bits; `scratch` holds as many. */
-void rows_sort(uint64_t *values, uint64_t *scratch, size_t number)
-{
-    enum { DIGITS = 6, BITS = 11 };
-    size_t counts[DIGITS][ROWS_RADIX];
-    memset(counts, 0, sizeof counts);
-    for (size_t i = 0; i < number; i++) {
-        values[i] = rows_key(values[i]);
-        for (int digit = 0; digit < DIGITS; digit++) {
-            counts[digit][values[i] >> (digit * BITS) & (ROWS_RADIX - 1U)]++;
-        }
-    }
-    uint64_t *from = values;
-    uint64_t *to = scratch;
-    for (int digit = 0; digit < DIGITS; digit++) {
-        if (!rows_places(counts[digit], number)) {
-            continue;
-        }
-        for (size_t i = 0; i < number; i++) {
-            to[counts[digit][from[i] >> (digit * BITS) & (ROWS_RADIX - 1U)]++] = from[i];
-        }
-        uint64_t *const sorted = to;
-        to = from;
-        from = sorted;
-    }
-    for (size_t i = 0; i < number; i++) {
-        values[i] = rows_bits_of(from[i]);
     }
 }

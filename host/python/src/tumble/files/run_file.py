@@ -47,7 +47,6 @@ WITHIN_ONE_SIGMA = 0.6827
 _FEW_ROWS = 1 << 14  # as many are kept of what is ordered or follows in time
 _FEW_SUMMED, _SUMMED_AT_ONCE = 1 << 11, 1 << 16
 _TINY = 1e-250  # units of what is larger are no denormal numbers
-_SORTED_BY_NUMPY = 1 << 11
 ROWS_IN_MEMORY = 1 << 18
 _ROWS_FOR_STEP = 20000
 
@@ -136,7 +135,7 @@ def exact_sum(values: Floats) -> float:
 
 
 def _channel(values: Floats, stride: int) -> Channel:
-    rows, ordered = len(values), sorted_copy(values)
+    rows, ordered = len(values), np.sort(values)
     median = float(ordered[(rows - 1) // 2] + ordered[rows // 2]) / 2
     off = np.abs(ordered - median)
     below = int(np.searchsorted(ordered, median))  # values on either side of it are in order already, and are merged
@@ -158,16 +157,6 @@ def _channel(values: Floats, stride: int) -> Channel:
         changes=np.abs(changes[::stride]),
         resolution=float(steps.min(initial=np.inf, where=steps > 0.0)),
     )
-
-
-def sorted_copy(values: Floats) -> Floats:
-    """In ascending order: by digits where there are many, six times as fast as by comparison."""
-    if len(values) < _SORTED_BY_NUMPY:
-        return np.sort(values)
-    ordered = values.copy()
-    scratch = np.empty_like(ordered)
-    lib.rows_sort(ffi.from_buffer("uint64_t[]", ordered), ffi.from_buffer("uint64_t[]", scratch), len(ordered))
-    return ordered
 
 
 @dataclass(frozen=True)
@@ -197,7 +186,7 @@ def blocks_of(positions: Sequence[PositionFacts]) -> Blocks:
 def smallest_step(values: Floats) -> float:
     """Between two values of a channel: the converter's, where it is coarse, next to nothing where it is not; 0 where
     there is one value alone."""
-    steps = np.diff(sorted_copy(values))
+    steps = np.diff(np.sort(values))
     step = float(steps.min(initial=np.inf, where=steps > 0.0))
     return step if math.isfinite(step) else 0.0
 

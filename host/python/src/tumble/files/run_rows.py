@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from tumble.arrays import Flags, Floats, Integers
 from tumble.errors import BadInput
-from tumble.files.run_file import ROWS_IN_MEMORY, WITHIN_ONE_SIGMA, RowStore, Run, sorted_copy
+from tumble.files.run_file import ROWS_IN_MEMORY, WITHIN_ONE_SIGMA, RowStore, Run
 from tumble.files.stand_file import StandFile
 from tumble.schedule import Schedule
 from tumble.stand import PerChannel, by_channel
@@ -444,7 +444,7 @@ def _mixed(keys: Keys) -> Keys:
 
 def _equal_apart(keys: Keys, length: int) -> tuple[int, int] | None:
     """Indices of two equal keys that are at least so far apart."""
-    ordered = sorted_copy((keys >> np.uint64(2)).view(np.float64)).view(np.uint64)  # so all are finite
+    ordered = np.sort(keys >> np.uint64(2))
     equal = ordered[1:][ordered[1:] == ordered[:-1]]
     if not len(equal):
         return None
