@@ -14,10 +14,9 @@ from gateway_bench import gateway_program, start
 from simulated_bench import wait_until
 from test_gateway_serial import far_end, line, serve
 from validation import report, session
-from validation.errors import StandFault
 from validation.judge import Figure, Verdict
 from validation.limits import CHECKS
-from validation.links import open_link
+from validation.samples import StandFault, open_link
 
 from tumble.client import CommunicationError, Refused
 from tumble.client.link import read_map

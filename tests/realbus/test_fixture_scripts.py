@@ -13,7 +13,7 @@ from fixture_table import limits, read_limits
 from processes import HASTE, Node, Stand, scenario
 from simulated_bench import built
 from validation import session
-from validation.at_rest import MeanByNode
+from validation.samples import MeanByNode
 
 pytest.importorskip("canopen", reason="python-canopen is not installed")
 STAND = {
