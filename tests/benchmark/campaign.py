@@ -117,7 +117,9 @@ def uncertainties(setup: Setup, found: np.ndarray) -> np.ndarray:
     schedule = model.built_in("paper")
     samples = np.full(len(schedule.positions), setup.samples)
     parts = [
-        model.by_coefficient(model.covariance(schedule, row[:9].reshape(3, 3), setup.stand, samples, ESTIMATOR))
+        model.by_coefficient(
+            model.Propagation(schedule, row[:9].reshape(3, 3), setup.stand, samples, ESTIMATOR).covariance()
+        )
         for row in found
     ]
     return np.array([np.concatenate([u_k.ravel(), u_u0]) for u_k, u_u0 in parts])

@@ -1,13 +1,18 @@
 """What the candidates of cortex_m4.py get: a run, its stand and its gains, as C, and what the host makes of them."""
 
+import sys
+from pathlib import Path
+
 import numpy as np
 
 from tumble import core
-from tumble.core import binding
 from tumble.model import Geometry
 from tumble.model.optimal import optimal_table
 from tumble.solving import optimal_run
 from tumble.stand import PAPER_STAND
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "lib"))
+from core_functions import estimate_gains, optimal as optimal_of
 
 OTHERS = ("three_mountings", "diagonal")  # schedules beside the paper's
 
@@ -42,18 +47,18 @@ const tumble_coefficients_t benchmark_coefficients = {{.k_v_per_g = {{{rows_of(k
 """
     )
     data = optimal_run.to_bytes(written)
-    optimal = binding.optimal(data, schedule, means)
+    optimal = optimal_of(data, schedule, means)
     found = {name: core.estimate(schedule, means, None, name) for name in ("refined", "least_squares")}
-    found |= {"linear": core.estimate_gains(schedule, written.gains, means), "optimal": (optimal.k, optimal.u0)}
+    found |= {"linear": estimate_gains(schedule, written.gains, means), "optimal": (optimal.k, optimal.u0)}
     once = np.ones(18, dtype=int)
     for name in ("refined", "least_squares"):
-        found[f"u {name}"] = binding.uncertainties(schedule, k, PAPER_STAND, once, name)
+        found[f"u {name}"] = core.uncertainties(schedule, k, PAPER_STAND, once, name)
     bolted_once, each = core.CoreSchedule.built_in("inclined"), np.ones(len(inclined), dtype=int)
     found["inclined"] = core.estimate(bolted_once, inclined, None, "inclined")
-    found["u inclined"] = binding.uncertainties(bolted_once, k, PAPER_STAND, each, "inclined")
+    found["u inclined"] = core.uncertainties(bolted_once, k, PAPER_STAND, each, "inclined")
     for name, outputs in others.items():
         found[name] = core.estimate(core.CoreSchedule.built_in(name), outputs)
-    found["u optimal"] = binding.uncertainties_of_gains(schedule, k, PAPER_STAND, once, written.gains)
+    found["u optimal"] = core.uncertainties_of_gains(schedule, k, PAPER_STAND, once, written.gains)
     return {name: np.concatenate([k.ravel(), u0]) for name, (k, u0) in found.items()}
 
 

@@ -4,7 +4,9 @@ import numpy as np
 
 from tumble.core import CoreRefusal, CoreSchedule
 from tumble.model import Geometry, Propagation
+from tumble.model.errors import NOISE, by_gains, covariance_of, declared, of_stand
 from tumble.schedule import CHECK, FIT, Mounting, Position, Schedule
+from tumble.stand import by_channel
 
 NOMINAL_K = np.full((3, 3), 0.04) + 1.96 * np.eye(3)  # scale 2 V/g, every misalignment +0.02
 
@@ -86,3 +88,10 @@ def write_run(path, schedule, means, digits=17):
 def gains_of(schedule, estimator, k, stand, step=0.0):
     """Gains (12, 3 x fit positions) of an estimator for means of so many samples as the stand says."""
     return Propagation(schedule, k, stand, np.ones(len(schedule.positions), dtype=int), estimator, step).gains
+
+
+def standard_deviations(schedule, gains, k, stand, sigma_mean):
+    """Of an estimate with `gains` (rows, 3P), for means with noise `sigma_mean`, of each channel or of all."""
+    errors = of_stand(schedule.fitted, k, stand, [name for name in declared(stand, schedule) if name != NOISE])
+    by_noise = (gains**2).reshape(len(gains), -1, 3).sum(axis=1) @ by_channel(sigma_mean) ** 2
+    return np.sqrt(np.diag(covariance_of(by_gains(schedule.fitted, gains), errors)) + by_noise)

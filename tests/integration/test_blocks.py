@@ -9,8 +9,7 @@ from core_averaging import MAX_DEVIATION_COUNTS, Averaging
 from hypothesis import given, strategies as st
 from test_noise import autoregressive
 
-from tumble.core import CoreRefusal
-from tumble.core.binding import require_ok
+from tumble.core import CoreRefusal, require_ok
 from tumble.solving.noise import CHANCE_SIGMAS, chance_limit
 
 V_PER_COUNT = 1e-5

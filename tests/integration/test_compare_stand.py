@@ -10,12 +10,11 @@ from conftest import EXAMPLES
 from documents import paper_stand, valid
 
 from tumble.comparison.verdict import Calibration, Verdict, judge
-from tumble.core import CoreSchedule
-from tumble.core.binding import estimate_runs
+from tumble.core import CoreSchedule, estimate_runs
 from tumble.distributions import chi_squared_quantile
 from tumble.files.stand_file import read_stand
 from tumble.fixture.judge import repeats
-from tumble.model import built_in, covariance, optimal_covariance
+from tumble.model import built_in, optimal_covariance
 from tumble.model.errors import exact_outputs, sources
 from tumble.model.propagation import Propagation
 from tumble.solving.computation import estimator_for
@@ -52,7 +51,7 @@ def test_what_is_shared_is_all_but_what_a_stand_without_it_has(name, estimator):
         bound = optimal_covariance(schedule, k, RICH, ones(schedule), 0.0, np.zeros((len(ones(schedule)), 3)))
         assert total == pytest.approx(bound, rel=1e-6, abs=1e-7 * np.abs(bound).max())
     else:
-        expected = 2.0 * covariance(schedule, k, replace(RICH, **ANEW), ones(schedule), estimator)
+        expected = 2.0 * Propagation(schedule, k, replace(RICH, **ANEW), ones(schedule), estimator).covariance()
     assert left == pytest.approx(np.diag(expected), rel=1e-9)
 
 

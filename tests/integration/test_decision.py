@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from blocks import NOMINAL_K
 from conftest import EXAMPLES
+from core_functions import worst_norm as worst_norm_on_board
 from documents import document_of
 
 import tumble as package
 from tumble import core, model
-from tumble.core.binding import worst_norm as worst_norm_on_board
 from tumble.estimators import LINEAR
 from tumble.files.stand_file import read_stand
 from tumble.model.coefficients import norm_uncertainty, spread_attitudes, worst_norm
@@ -212,13 +212,13 @@ def test_the_firmware_finds_the_same_worst_uncertainty_as_numpy(stand, schedule,
         table = optimal_table(built_in, k, declared, 0.0)
         gains, covariance = table.gains, model.optimal_covariance(built_in, k, declared, samples, 0.0)
     else:
-        covariance = model.covariance(built_in, k, declared, samples, estimator)
+        covariance = model.Propagation(built_in, k, declared, samples, estimator).covariance()
     given = core_schedule, k, declared, samples, None if estimator == "optimal" else estimator, gains
     near = 1e-6 if estimator == "optimal" else 1e-9
     for attitude in spread_attitudes(7):
         expected = norm_uncertainty(k, covariance, attitude)
         assert worst_norm_on_board(*given, attitude=attitude) == pytest.approx(expected, rel=near)
-    worst, found = worst_norm(k, covariance).worst, worst_norm_on_board(*given)
+    worst, found = worst_norm(k, covariance).worst_g, worst_norm_on_board(*given)
     assert 0.99 * worst <= found <= (1.0 + near) * worst
 
 

@@ -8,24 +8,25 @@ import re
 import gain_record
 import numpy as np
 import pytest
-from blocks import NOMINAL_K, gains_of, random_block, usable_schedule
+from blocks import NOMINAL_K, gains_of, random_block, standard_deviations, usable_schedule
 from conftest import EXAMPLES
 from core_chi_squared import chi_squared, compare_fit
+from core_functions import apply_table, stand_gains_of
 from documents import valid
 from test_seat import with_keys
 
 from tumble import core, model
-from tumble.core.binding import GainRecord, estimate_runs, optimal_runs, uncertainties
+from tumble.core import GainRecord, estimate_runs, optimal_runs, uncertainties
 from tumble.estimators import LINEAR
 from tumble.files.run_file import Run
 from tumble.fixture.judge import covariances
 from tumble.model.errors import course, encoder_waves, exact_outputs, sources
 from tumble.model.estimators import design
 from tumble.model.fit import WholeModel
-from tumble.model.optimal import optimal_table, standard_deviations
+from tumble.model.optimal import optimal_table
 from tumble.schedule import CHECK, Schedule
 from tumble.solving import optimal_run
-from tumble.solving.optimal_run import Weighting, apply_table, make_table
+from tumble.solving.optimal_run import Weighting, make_table
 from tumble.solving.solution import solve
 from tumble.stand import Stand
 
@@ -67,7 +68,7 @@ def test_core_and_numpy_state_what_follows_by_hand(estimator, limits):
     schedule = core.CoreSchedule(PAPER)
     for by in (
         lambda stand: uncertainties(schedule, NOMINAL_K, stand, LONE, estimator),
-        lambda stand: model.by_coefficient(model.covariance(PAPER, NOMINAL_K, stand, LONE, estimator)),
+        lambda stand: model.by_coefficient(model.Propagation(PAPER, NOMINAL_K, stand, LONE, estimator).covariance()),
     ):
         with_both, without = (np.concatenate([part.ravel() for part in by(stand)]) for stand in (declared, plain))
         assert with_both**2 - without**2 == pytest.approx(extra, rel=1e-5, abs=1e-16)
@@ -80,7 +81,8 @@ def test_core_and_numpy_agree_on_any_schedule():
         k, _ = random_block(rng)
         declared = random_stand(rng)
         samples = rng.integers(1, 9, len(schedule.data.positions))
-        witness = model.by_coefficient(model.covariance(schedule.data, k, declared, samples, "least_squares"))
+        given = model.Propagation(schedule.data, k, declared, samples, "least_squares")
+        witness = model.by_coefficient(given.covariance())
         found = uncertainties(schedule, k, declared, samples, "least_squares")
         for mine, other in zip(found, witness):
             assert mine == pytest.approx(other, rel=1e-9)
@@ -92,7 +94,7 @@ def test_a_position_that_was_not_measured_takes_no_time():
     measured[[0, 7, 12]] = False
     whole = core.CoreSchedule(PAPER)
     found = uncertainties(whole, NOMINAL_K, BOTH, LONE, "least_squares", measured)
-    part = model.covariance(PAPER.part(measured), NOMINAL_K, BOTH, LONE[:15], "least_squares")
+    part = model.Propagation(PAPER.part(measured), NOMINAL_K, BOTH, LONE[:15], "least_squares").covariance()
     for mine, other in zip(found, model.by_coefficient(part)):
         assert mine == pytest.approx(other, rel=1e-9)
 
@@ -155,8 +157,8 @@ def test_a_gain_record_has_rows_for_what_is_declared(changes):
     table = optimal_table(PAPER, NOMINAL_K, declared)
     data = optimal_run.to_bytes(optimal_run.record_of(table, PAPER))
     opened = GainRecord(core.CoreSchedule(PAPER), data)
-    assert np.array_equal(opened.stand_gains, table.nuisance_gains)
-    assert len(opened.stand_gains) == 4 + (4 if "encoder" in changes else 0) + (3 if "drift" in changes else 0)
+    assert np.array_equal(stand_gains_of(opened), table.nuisance_gains)
+    assert len(stand_gains_of(opened)) == 4 + (4 if "encoder" in changes else 0) + (3 if "drift" in changes else 0)
     assert (data[14], data[15]) == (4 if "encoder" in changes else 0, 3 if "drift" in changes else 0)
     again = gain_record.from_bytes(data)
     assert (again.waves, again.drifts) == (data[14], data[15])
@@ -170,7 +172,7 @@ def test_optimal_finds_the_errors_themselves():
     means = means + drifts * (np.arange(18)[:, None] / 17 - 0.5)
     table = optimal_table(PAPER, NOMINAL_K, declared)
     record = GainRecord(core.CoreSchedule(PAPER), optimal_run.to_bytes(optimal_run.record_of(table, PAPER)))
-    by_gains = record.stand_gains @ means.ravel()
+    by_gains = stand_gains_of(record) @ means.ravel()
     assert by_gains[-3:] == pytest.approx(drifts, abs=2e-5)
     assert by_gains[6:8] == pytest.approx(numbers[2:], abs=2e-4)
 

@@ -68,8 +68,8 @@ def test_what_further_terms_cost(name, terms):
     schedule, stand = core.built_in(name), stand_named("paper")
     samples = np.full(len(schedule.positions), 50)
     found = optimal_estimate(schedule, perfect(schedule, 0 * VALUES), stand, samples, terms=terms)
-    alone = worst_norm(NOMINAL_K, found.covariance[:12, :12]).worst * 1e6
-    applied = worst_norm(NOMINAL_K, found.covariance, terms).worst * 1e6
+    alone = worst_norm(NOMINAL_K, found.covariance[:12, :12]).worst_g * 1e6
+    applied = worst_norm(NOMINAL_K, found.covariance, terms).worst_g * 1e6
     u = np.round(found.u_sizes / 2e-6, 1).tolist()
     print(f"{name} {terms}: {alone:.2f} ug, applied {applied:.2f}; u(U0) {found.u_u0 / 2e-6}, of the terms {u}")
     assert alone == pytest.approx(WORST_UG[name, terms], rel=0.01)

@@ -106,7 +106,7 @@ def test_inclinations_lost_in_noise_are_refused_with_what_they_leave(tmp_path):
     says = r"no inclinations of the axis, which leaves u\(\|a\|\) of up to (\S+) g; three"
     noisy = Stand(0.0, 0.0, 0.0, 0.0, 5e-5, samples, "sigma1")
     truth = model.Propagation(seen, NOMINAL_K, noisy, np.full(27, samples), "inclined")
-    true_u = worst_norm(NOMINAL_K, truth.covariance()).worst
+    true_u = worst_norm(NOMINAL_K, truth.covariance()).worst_g
     for _ in range(40):
         rows = outputs + 5e-5 * rough.standard_normal((samples, 27, 3))
         lines = [

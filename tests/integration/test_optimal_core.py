@@ -2,13 +2,14 @@
 
 from dataclasses import replace
 
+import core_functions
 import gain_record
 import numpy as np
 import pytest
 from blocks import NOMINAL_K, random_block, usable_schedule
 
 from tumble import core
-from tumble.core import CoreRefusal, binding
+from tumble.core import CoreRefusal
 from tumble.estimators import LINEAR
 from tumble.model import Geometry, estimate, optimal_estimate
 from tumble.model.coefficients import spread_attitudes
@@ -92,7 +93,7 @@ def difference(rng, schedule):
     table = record_for(schedule.data, first_k, stand)
     witness = optimal_estimate(schedule.data, means, stand, np.ones(len(schedule)))
     try:
-        found = binding.optimal(table, schedule, means)
+        found = core_functions.optimal(table, schedule, means)
     except CoreRefusal as refusal:  # positions that hardly tell an angle, on a stand of milliradians
         assert refusal.name == "TUMBLE_E_STAND_ERROR"
         assert largest_angle(schedule.data, first_k, stand, means) > LARGE_RAD
@@ -157,7 +158,7 @@ def test_inclinations_that_are_off_converge_to_the_exact_geometry(off, left_g):
     stand = replace(PAPER_STAND, inclination=max(off, 1e-2))
     errors = {"alpha1": off * np.array([1.0, -1.0, 1.0]), "seat_n": off * np.array([0.0, 1.0, -1.0])}
     means = Geometry(schedule.data).outputs(k, u0, **errors)
-    found = binding.optimal(record_for(schedule.data, NOMINAL_K, stand), schedule, means)
+    found = core_functions.optimal(record_for(schedule.data, NOMINAL_K, stand), schedule, means)
     assert largest_norm_error(found, k, u0) < left_g
 
 
@@ -166,11 +167,11 @@ def test_an_inclination_of_another_schedule_is_no_error_of_the_stand():
     record = record_for(schedule.data, NOMINAL_K, replace(PAPER_STAND, inclination=1e-2))
     means = Geometry(schedule.data).outputs(NOMINAL_K, np.zeros(3), alpha1=np.array([0.0, 0.12, 0.0]))
     with pytest.raises(CoreRefusal) as refused:
-        binding.optimal(record, schedule, means)
+        core_functions.optimal(record, schedule, means)
     assert refused.value.name == "TUMBLE_E_STAND_ERROR"
     apart = tuple(replace(one, bolting=None) for one in schedule.data.mountings)
     with pytest.raises(CoreRefusal) as refused:
-        binding.optimal(record, core.CoreSchedule(replace(schedule.data, mountings=apart)), means)
+        core_functions.optimal(record, core.CoreSchedule(replace(schedule.data, mountings=apart)), means)
     assert refused.value.name == "TUMBLE_E_GAIN_TABLE"
 
 
@@ -182,7 +183,7 @@ def test_uncertainties_of_any_table_count_declared_inclinations(name):
     gains, k = rng.normal(size=(12, 3 * len(fitted.positions))), NOMINAL_K + 0.1 * rng.normal(size=(3, 3))
     found = sources(fitted, k, stand, np.ones(len(fitted.positions), dtype=int))
     covariance = covariance_of(by_gains(fitted, gains), found)
-    of_core = binding.uncertainties_of_gains(schedule, k, stand, lone, gains)
+    of_core = core.uncertainties_of_gains(schedule, k, stand, lone, gains)
     u = np.concatenate([np.ravel(part) for part in of_core])
     assert u == pytest.approx(np.sqrt(np.diag(covariance)), rel=1e-12)
     without = covariance - covariance_of(by_gains(fitted, gains), {"inclination": found["inclination"]})
@@ -190,7 +191,7 @@ def test_uncertainties_of_any_table_count_declared_inclinations(name):
     for n in spread_attitudes(5):
         weights = np.linalg.solve(k.T, n)
         weights = np.concatenate([np.outer(weights, n).ravel(), weights])
-        u_norm = binding.worst_norm(schedule, k, stand, lone, None, gains, n)
+        u_norm = core_functions.worst_norm(schedule, k, stand, lone, None, gains, n)
         assert u_norm == pytest.approx(np.sqrt(weights @ covariance @ weights), rel=1e-12)
 
 
@@ -205,8 +206,8 @@ def test_the_limit_would_notice_a_missing_correction():
     stand = Stand(1e-4, 1e-4, 15e-3, 1e-4, 1e-4, 10, "sigma1")
     means = run_on(rng, PAPER.data, NOMINAL_K, np.zeros(3), stand)
     first_k = estimate(PAPER.data, means, "least_squares")[0]
-    opened = binding.GainRecord(PAPER, record_for(PAPER.data, first_k, stand))
-    linear_k, _ = core.estimate_gains(PAPER, opened.gains, means)
+    opened = core.GainRecord(PAPER, record_for(PAPER.data, first_k, stand))
+    linear_k, _ = core_functions.estimate_gains(PAPER, core_functions.gains_of(opened), means)
     witness = optimal_estimate(PAPER.data, means, stand, np.ones(18))
     assert np.abs((linear_k - witness.k) / witness.u_k).max() > 1e4 * LIMIT
 
@@ -215,13 +216,13 @@ def test_many_runs_at_once_are_the_runs_one_by_one():
     rng = np.random.default_rng(62)
     means = np.stack([run_on(rng, PAPER.data, NOMINAL_K, np.zeros(3), PAPER_STAND) for _ in range(20)])
     data = record_for(PAPER.data, NOMINAL_K, PAPER_STAND)
-    found, stand = binding.optimal_runs(binding.GainRecord(PAPER, data), means)
+    found, stand = core.optimal_runs(core.GainRecord(PAPER, data), means)
     for run, of_stand, mean in zip(found, stand, means):
-        one = binding.optimal(data, PAPER, mean)
+        one = core_functions.optimal(data, PAPER, mean)
         assert np.array_equal(run, np.concatenate([one.k.ravel(), one.u0]))
         assert np.array_equal(of_stand, np.concatenate([[one.alpha1, one.alpha2], one.alpha3]))
     for estimator in LINEAR:
-        for run, mean in zip(binding.estimate_runs(PAPER, means, estimator), means):
+        for run, mean in zip(core.estimate_runs(PAPER, means, estimator), means):
             k, u0 = core.estimate(PAPER, mean, None, estimator)
             assert np.array_equal(run, np.concatenate([k.ravel(), u0]))
 
@@ -229,22 +230,22 @@ def test_many_runs_at_once_are_the_runs_one_by_one():
 def test_many_runs_at_once_name_the_run_refused():
     means = np.zeros((5, 18, 3))
     means[3, 7, 1] = np.nan
-    opened = binding.GainRecord(PAPER, record_for(PAPER.data, NOMINAL_K, PAPER_STAND))
+    opened = core.GainRecord(PAPER, record_for(PAPER.data, NOMINAL_K, PAPER_STAND))
     for call in (
-        lambda: binding.optimal_runs(opened, means),
-        lambda: binding.estimate_runs(PAPER, means, "refined"),
+        lambda: core.optimal_runs(opened, means),
+        lambda: core.estimate_runs(PAPER, means, "refined"),
     ):
         with pytest.raises(CoreRefusal) as refused:
             call()
         assert (refused.value.name, refused.value.details) == ("TUMBLE_E_NOT_FINITE", {"run": 3})
     with pytest.raises(ValueError, match=r"means must have shape \(runs, 18, 3\), not \(18, 3\)"):
-        binding.optimal_runs(opened, means[0])
+        core.optimal_runs(opened, means[0])
 
 
 def test_fingerprints_know_boltings_where_there_are_any():
     for name in BUILT_IN:
         schedule = core.CoreSchedule.built_in(name)
-        assert binding.schedule_crc(schedule) == optimal_run.fingerprint(schedule.data), name
+        assert core_functions.schedule_crc(schedule) == optimal_run.fingerprint(schedule.data), name
     inclined = built_in("inclined")
     apart = replace(inclined, mountings=tuple(replace(one, bolting=None) for one in inclined.mountings))
     assert optimal_run.fingerprint(apart) != optimal_run.fingerprint(inclined)
@@ -256,10 +257,10 @@ def test_writer_and_reader_agree_on_every_number():
         schedule = usable_schedule(rng)
         stand = random_stand(rng, 2.0)
         table = optimal_table(schedule.data, NOMINAL_K, stand)
-        opened = binding.GainRecord(schedule, optimal_run.to_bytes(optimal_run.record_of(table, schedule.data)))
-        assert binding.schedule_crc(schedule) == optimal_run.fingerprint(schedule.data)
-        assert np.array_equal(opened.gains, table.gains)
-        assert np.array_equal(opened.stand_gains, table.nuisance_gains)
+        opened = core.GainRecord(schedule, optimal_run.to_bytes(optimal_run.record_of(table, schedule.data)))
+        assert core_functions.schedule_crc(schedule) == optimal_run.fingerprint(schedule.data)
+        assert np.array_equal(core_functions.gains_of(opened), table.gains)
+        assert np.array_equal(core_functions.stand_gains_of(opened), table.nuisance_gains)
         assert np.array_equal(np.array(list(map(list, opened.struct.k_v_per_g))), NOMINAL_K)
         assert opened.struct.sigma_mean_v == table.sigma_mean
         assert opened.struct.sigma_rad[3] == table.sigma[3]
@@ -272,11 +273,11 @@ def test_a_record_has_rows_for_inclinations(name):
     for stand in (PAPER_STAND, replace(PAPER_STAND, seat=1e-4, drift=1e-5, encoder=1e-5, noise=noise)):
         table = optimal_table(schedule, NOMINAL_K, replace(stand, inclination=3e-3))
         data = optimal_run.to_bytes(optimal_run.record_of(table, schedule))
-        again, opened = gain_record.from_bytes(data), binding.GainRecord(INCLINED[name], data)
+        again, opened = gain_record.from_bytes(data), core.GainRecord(INCLINED[name], data)
         mountings = len(schedule.mountings)
         assert (data[9], again.inclinations, again.sigma_inclination) == (mountings, mountings, 3e-3)
         assert optimal_run.to_bytes(again) == data
-        assert np.array_equal(opened.stand_gains, table.nuisance_gains)
+        assert np.array_equal(core_functions.stand_gains_of(opened), table.nuisance_gains)
         tau = table.nuisance_gains[-mountings:]
         assert [not row.any() for row in tau] == [m in {b[0] for b in schedule.boltings} for m in range(mountings)]
         undeclared = optimal_run.to_bytes(optimal_run.record_of(optimal_table(schedule, NOMINAL_K, stand), schedule))
@@ -293,6 +294,6 @@ def test_a_wrong_record_is_an_exception_and_no_result(spoil):
         spoil
     ]
     with pytest.raises(CoreRefusal) as refused:
-        binding.optimal(spoilt, PAPER, np.zeros((18, 3)))
+        core_functions.optimal(spoilt, PAPER, np.zeros((18, 3)))
     expected = {"short": "TUMBLE_E_GAIN_RECORD", "flipped": "TUMBLE_E_CRC", "foreign": "TUMBLE_E_GAIN_TABLE"}
     assert refused.value.name == expected[spoil]

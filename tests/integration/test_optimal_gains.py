@@ -5,7 +5,7 @@ import dataclasses
 import mpmath
 import numpy as np
 import pytest
-from blocks import NOMINAL_K, gains_of, random_block, random_schedule, usable_schedule
+from blocks import NOMINAL_K, gains_of, random_block, random_schedule, standard_deviations, usable_schedule
 from conftest import EXAMPLES
 from hypothesis import given, strategies as st
 
@@ -16,7 +16,7 @@ from tumble.model import Geometry, built_in, estimate
 from tumble.model.errors import unit_effect
 from tumble.model.estimators import design, linear_gains
 from tumble.model.geometry import ideal_force
-from tumble.model.optimal import mean_sigma, optimal_table, standard_deviations
+from tumble.model.optimal import mean_sigma, optimal_table
 from tumble.schedule import Schedule
 from tumble.stand import COMMON, INDEPENDENT, PAPER_STAND, Stand
 

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 from blocks import NOMINAL_K
 from conftest import EXAMPLES, ROOT
+from core_functions import gains_of, stand_gains_of
 from documents import document_of, paper_stand
 
 from tumble import core, model
-from tumble.core import binding
 from tumble.files.schedule_file import to_toml
 from tumble.model.optimal import optimal_table
 from tumble.schedule import Position, Schedule
@@ -78,8 +78,8 @@ def test_the_three_files_hold_the_same_numbers(tumble, tmp_path):
         optimize(tumble, "--stand", EXAMPLES / "lab_stand.toml", "--out", f"table.{kind}", cwd=tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["table.bin", "table.h", "table.json"]
     plan, data = json.loads((tmp_path / "table.json").read_text()), (tmp_path / "table.bin").read_bytes()
-    opened = binding.GainRecord(core.CoreSchedule(core.paper_schedule()), data)
-    assert opened.gains.tolist() == plan["gains"] and opened.stand_gains.tolist() == plan["stand_gains"]
+    opened = core.GainRecord(core.CoreSchedule(core.paper_schedule()), data)
+    assert gains_of(opened).tolist() == plan["gains"] and stand_gains_of(opened).tolist() == plan["stand_gains"]
     read = gain_record.from_bytes(data)
     assert read.gains.tolist() == plan["gains"] and read.k.tolist() == plan["K"]
     assert read.u == pytest.approx(np.concatenate([np.ravel(plan["u_K"]), plan["u_U0"]]), rel=1e-9)
@@ -183,6 +183,11 @@ def test_bad_input_is_one_line_and_leaves_nothing(case, tumble, refused, tmp_pat
     assert message in refused("plan", "optimize", *arguments, cwd=tmp_path)
 
 
+# Of a record for one mounting, and channels that are alike.
+ALIKE = {"mountings": 1, "yaws": 1, "seats": 0, "waves": 0, "drifts": 0, "inclinations": 0}
+ALIKE |= {"sigma_inclination": 0.0, "weights": np.ones(3), "floored": False}
+
+
 def golden():
     """A record written out by hand, of two positions, one mounting, one yaw, and numbers that no estimator made."""
     numbers = [float(n) / 8 for n in range(1, 27 + 6 * 15)]
@@ -195,7 +200,9 @@ def test_the_record_is_laid_out_as_documented():
     numbers, _ = golden()
     tables = np.array(numbers[26:]).reshape(-1, 6)
     made = optimal_run.Record(
-        *(2, 1, 1, 0, 0, 0, 0x01234567, 0x89ABCDEF),
+        **ALIKE,
+        schedule_crc=0x01234567,
+        block_crc=0x89ABCDEF,
         k=np.reshape(numbers[:9], (3, 3)),
         sigma=np.array(numbers[9:13]),
         sigma_mean=numbers[13],
@@ -224,6 +231,7 @@ def test_a_spoilt_record_is_no_record():
 
 def test_a_record_of_no_position_is_no_record():
     parts = {"k": np.eye(3), "sigma": np.ones(4), "sigma_mean": 1.0, "u": np.ones(12), "gains": np.empty((12, 0))}
-    empty = optimal_run.Record(0, 1, 1, 0, 0, 0, 0, 0, **parts, nuisance_gains=np.empty((3, 0)))
+    crcs = {"schedule_crc": 0, "block_crc": 0}
+    empty = optimal_run.Record(**ALIKE, **crcs, **parts, nuisance_gains=np.empty((3, 0)))
     with pytest.raises(gain_record.BadRecord):
         gain_record.from_bytes(optimal_run.to_bytes(empty))

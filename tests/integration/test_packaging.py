@@ -12,6 +12,7 @@ import tarfile
 import zipfile
 from pathlib import Path
 
+import core_functions
 import paced_scripts
 import pytest
 from _tumble_core import ffi, lib
@@ -19,7 +20,7 @@ from conftest import ROOT
 from simulated_bench import built
 from wheels import build, installed_in
 
-from tumble import __version__, core, data
+from tumble import __version__, data
 from tumble.cli import options
 from tumble.estimators import ESTIMATORS, INCLINED, LINEAR, OPTIMAL
 
@@ -94,7 +95,7 @@ def enums(schema):
 
 
 def test_every_status_has_a_name_and_a_sentence():
-    names, sentences = zip(*core.statuses())
+    names, sentences = zip(*core_functions.statuses())
     header = (ROOT / "firmware/include/tumble/status.h").read_text()
     assert list(names) == re.findall(r"X\((TUMBLE_\w+),", header)
     assert all(sentences) and len(set(sentences)) == len(sentences)

@@ -9,7 +9,7 @@ from pictured import CASES, EVERY_ERROR, PAPER, U0, K, force_of, labelled, rows_
 
 import tumble
 from tumble import core, model, pictures
-from tumble.core.binding import estimate_runs
+from tumble.core import estimate_runs
 from tumble.estimators import COEFFICIENTS
 
 pytestmark = [pytest.mark.python, pytest.mark.toolchain]

@@ -49,7 +49,7 @@ def test_a_budget_is_what_a_run_would_state():
     """The document, against the uncertainties that numpy gives a run with this K."""
     for estimator in ("averaged", "refined", "least_squares"):
         found, k = budget(PAPER, "derived", estimator), PAPER.nominal_k()
-        covariance = model.covariance(PAPER.schedule, k, PAPER.stand, np.ones(18, int), estimator)
+        covariance = model.Propagation(PAPER.schedule, k, PAPER.stand, np.ones(18, int), estimator).covariance()
         u_k, u_u0 = model.by_coefficient(covariance)
         assert found.total[:9] == pytest.approx((u_k / np.abs(k)).ravel(), rel=1e-9)
         assert found.total[9:] == pytest.approx(u_u0 / np.abs(np.diag(k)), rel=1e-9)

@@ -76,7 +76,7 @@ def test_a_schedule_is_worth_what_its_own_gains_say(terms, estimator):
     subsets = [np.ones(27, dtype=bool)]
     subsets += [] if "drift" in terms else [rng.permutation(np.arange(27) < 22) for _ in range(2)]
     for subset in subsets:
-        alone = worst_norm_of(replace(case, own_schedule=whole.part(subset), stand=quiet), estimator)[0]
+        alone = worst_norm_of(replace(case, own_schedule=whole.part(subset), stand=quiet), estimator).worst_g
         assert spread.exact(subset, 20) == pytest.approx(alone, rel=1e-5)
         assert alone * 0.95 <= spread.worst(subset[None], 20)[0] <= alone * (1 + 1e-9)
 

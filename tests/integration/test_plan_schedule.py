@@ -58,12 +58,13 @@ def everything(schedule):
 @pytest.mark.parametrize("name", STATED)
 def test_the_worst_norm_is_the_one_stated(name):
     for schedule, stated in zip(("paper", "three_mountings"), STATED[name]):
-        u, attitude = worst_norm_of(case_of(name, built_in(schedule)), "optimal")
-        assert 1e6 * u == pytest.approx(stated, rel=0.01) and np.linalg.norm(attitude) == pytest.approx(1.0)
+        worst = worst_norm_of(case_of(name, built_in(schedule)), "optimal")
+        assert 1e6 * worst.worst_g == pytest.approx(stated, rel=0.01)
+        assert np.linalg.norm(worst.attitude) == pytest.approx(1.0)
 
 
 def test_plain_least_squares_mixes_two_rotations():
-    u, _ = worst_norm_of(case_of("paper", built_in("three_mountings")), "least_squares")
+    u = worst_norm_of(case_of("paper", built_in("three_mountings")), "least_squares").worst_g
     assert 1e6 * u == pytest.approx(138, rel=0.01)
 
 
@@ -78,9 +79,9 @@ def test_a_subset_is_worth_what_its_own_gains_say(name, estimator):
     quiet = replace(case.stand, samples=20)
     for subset, u in zip(chosen, found):
         alone = replace(case, own_schedule=whole.part(subset), stand=quiet)
-        assert u == pytest.approx(worst_norm_of(alone, estimator)[0], rel=0.02)  # at some attitudes
+        assert u == pytest.approx(worst_norm_of(alone, estimator).worst_g, rel=0.02)  # at some attitudes
         exact = NormSpread(case, whole, estimator).exact(subset, 20)
-        assert u <= exact and exact == pytest.approx(worst_norm_of(alone, estimator)[0], rel=1e-5)
+        assert u <= exact and exact == pytest.approx(worst_norm_of(alone, estimator).worst_g, rel=1e-5)
 
 
 def test_a_subset_that_cannot_identify_is_far_off():
@@ -102,7 +103,7 @@ def test_a_schedule_of_one_bolting_is_worth_what_its_own_gains_say(name, declare
         CoreSchedule(schedule).inclinations()
         alone = replace(case, own_schedule=schedule, stand=replace(case.stand, samples=20))
         exact = NormSpread(case, schedule, estimator).exact(everything(schedule), 20)
-        assert exact == pytest.approx(worst_norm_of(alone, estimator)[0], rel=1e-6)
+        assert exact == pytest.approx(worst_norm_of(alone, estimator).worst_g, rel=1e-6)
 
 
 def test_schedules_of_one_bolting_are_those_that_the_closed_form_takes():
@@ -133,14 +134,14 @@ def test_no_schedule_of_one_bolting_is_quicker(name, norm_g, estimator):
 
     def worst(schedule, samples):
         alone = replace(case, own_schedule=schedule, stand=replace(case.stand, samples=samples))
-        return worst_norm_of(alone, estimator)
+        return worst_norm_of(alone, estimator).worst_g
 
     found = quickest_inclined(case, estimator, norm_g, PACE, 45.0, 60.0)
-    assert worst(found.schedule, found.samples)[0] <= norm_g < worst(found.schedule, found.samples - 1)[0]
+    assert worst(found.schedule, found.samples) <= norm_g < worst(found.schedule, found.samples - 1)
     for other in inclined_schedules(45.0, 60.0, closed=False):
         spare = found.duration.total - PACE.duration(other, 0).total
         samples = int(spare * PACE.rate / len(other.positions) * (1.0 - 1e-9))  # as many as take no longer
-        assert other == found.schedule or samples < 1 or worst(other, samples)[0] > norm_g
+        assert other == found.schedule or samples < 1 or worst(other, samples) > norm_g
 
 
 def test_twelve_mountings_and_the_sets_of_them():
@@ -204,14 +205,14 @@ def test_no_subset_of_eight_positions_is_much_quicker():
 @pytest.mark.parametrize("estimator", ["least_squares", "optimal"])
 def test_the_schedule_found_is_quicker_than_the_papers(estimator):
     case = case_of("paper", built_in("paper"))
-    norm_g = worst_norm_of(case, estimator)[0]
+    norm_g = worst_norm_of(case, estimator).worst_g
     found = quickest(case, estimator, norm_g, PACE, 45.0, 2)
     assert found.duration.total < PACE.duration(built_in("paper"), 50).total
     reached = replace(case, own_schedule=found.schedule, stand=replace(case.stand, samples=found.samples))
-    assert worst_norm_of(reached, estimator)[0] <= norm_g * 1.02  # the search looks at some attitudes
+    assert worst_norm_of(reached, estimator).worst_g <= norm_g * 1.02  # the search looks at some attitudes
     held = held_to(case, estimator, found.schedule, norm_g, PACE)
     assert found.samples <= held.samples <= 1.05 * found.samples + 1
-    assert worst_norm_of(replace(reached, stand=replace(case.stand, samples=held.samples)), estimator)[0] <= norm_g
+    assert worst_norm_of(replace(reached, stand=replace(case.stand, samples=held.samples)), estimator).worst_g <= norm_g
     assert found == quickest(case, estimator, norm_g, PACE, 45.0, 2)
 
 

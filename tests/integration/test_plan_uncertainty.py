@@ -11,8 +11,8 @@ from hypothesis import given, settings, strategies as st
 
 from tumble import core, model
 from tumble.cli.main import main
-from tumble.core.binding import uncertainties, uncertainties_of_gains
-from tumble.model.errors import contributions, sources
+from tumble.core import uncertainties, uncertainties_of_gains
+from tumble.model.errors import brought, sources
 from tumble.model.propagation import Propagation
 from tumble.schedule import CHECK, FIT, Position, Schedule
 from tumble.solving import uncertainty
@@ -66,7 +66,7 @@ def test_least_squares_on_any_schedule(seed):
         assert refusal.name == "TUMBLE_E_RANK"
         assert refusal.details["unidentified"]
         return
-    covariance = model.covariance(part, k, stand, samples[measured], "least_squares")
+    covariance = model.Propagation(part, k, stand, samples[measured], "least_squares").covariance()
     assert_agreement(found, model.by_coefficient(covariance))
 
 
@@ -86,7 +86,8 @@ def test_every_estimator_on_the_papers_positions_and_more(seed, estimator):
     schedule, (k, _), stand = extended(rng), random_block(rng), random_stand(rng)
     samples = random_samples(rng, schedule)
     found = uncertainties(core.CoreSchedule(schedule), k, stand, samples, estimator)
-    assert_agreement(found, model.by_coefficient(model.covariance(schedule, k, stand, samples, estimator)))
+    given = model.Propagation(schedule, k, stand, samples, estimator)
+    assert_agreement(found, model.by_coefficient(given.covariance()))
 
 
 @given(seeds)
@@ -100,7 +101,8 @@ def test_any_gain_table(seed):
     def rows(means):
         return means[:, fit].reshape(len(means), -1) @ gains.T
 
-    parts = contributions(rows, sources(schedule.data, k, stand, samples))
+    draws = brought(rows, sources(schedule.data, k, stand, samples))
+    parts = {name: np.linalg.norm(one, axis=0) for name, one in draws.items()}
     total = np.sqrt(sum(part**2 for part in parts.values()))
     assert_agreement(found, (total[:9], total[9:]))
 

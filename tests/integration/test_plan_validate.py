@@ -13,7 +13,6 @@ from documents import document_of, paper_stand
 from test_terminal import on_terminal, without_styles
 
 from tumble import core
-from tumble.core import binding
 from tumble.estimators import COEFFICIENTS, LINEAR, OPTIMAL
 from tumble.files.stand_file import read_stand
 from tumble.model import Geometry
@@ -99,10 +98,10 @@ def test_one_table_serves_blocks_of_any_misalignments(name):
     schedule = core.CoreSchedule(case.fitted)
     for table_k in (case.nominal_k(), 2.0 * np.eye(3)):
         table = optimal_table(case.fitted, table_k, case.stand)
-        opened = binding.GainRecord(schedule, optimal_run.to_bytes(optimal_run.record_of(table, case.fitted)))
+        opened = core.GainRecord(schedule, optimal_run.to_bytes(optimal_run.record_of(table, case.fitted)))
         for signs in (-np.ones((3, 3)), rng.choice([-1.0, 1.0], (3, 3))):
             k = case.nominal_k(signs)
-            found, _ = binding.optimal_runs(opened, position_means(case, k, 20_000, rng))
+            found, _ = core.optimal_runs(opened, position_means(case, k, 20_000, rng))
             bound = optimal_table(case.fitted, k, case.stand).u
             assert (found.std(axis=0) / bound).max() < 1.02
             assert np.abs((found.mean(axis=0) - np.concatenate([k.ravel(), U0_V])) / bound).max() < 0.05

@@ -7,17 +7,26 @@ import gain_record
 import jsonschema
 import numpy as np
 import pytest
-from blocks import NOMINAL_K, gains_of, random_block, random_rotation, usable_schedule, write_run
+from blocks import (
+    NOMINAL_K,
+    gains_of,
+    random_block,
+    random_rotation,
+    standard_deviations,
+    usable_schedule,
+    write_run,
+)
 from conftest import EXAMPLES, ROOT
+from core_functions import estimate_optimal, stand_gains_of
 
 import tumble as package
 from tumble import core, model
-from tumble.core.binding import GainRecord, estimate_runs, optimal_runs, uncertainties
+from tumble.core import GainRecord, estimate_runs, optimal_runs, uncertainties
 from tumble.estimators import COEFFICIENTS, LINEAR
 from tumble.files.stand_file import read_stand
 from tumble.model.errors import sources
 from tumble.model.estimators import design
-from tumble.model.optimal import optimal_table, standard_deviations
+from tumble.model.optimal import optimal_table
 from tumble.schedule import Mounting, Position, Schedule
 from tumble.solving import optimal_run
 from tumble.stand import PAPER_STAND, Stand
@@ -79,7 +88,7 @@ def covariance_of(schedule, declared, estimator):
 @pytest.mark.parametrize(("name", "seat"), REFINED)
 def test_what_a_seat_costs_the_paper_s_schedule(name, seat):
     declared, expected = stand(*STANDS[name], seat=seat), REFINED[name, seat]
-    witness, _ = model.by_coefficient(model.covariance(PAPER, NOMINAL_K, declared, LONE_ROWS, "refined"))
+    witness, _ = model.by_coefficient(model.Propagation(PAPER, NOMINAL_K, declared, LONE_ROWS, "refined").covariance())
     found, _ = uncertainties(core.CoreSchedule(PAPER), NOMINAL_K, declared, LONE_ROWS, "refined")
     for u in (witness, found):
         shown = [u[place] / 2.0 * 1e6 for place in SHOWN]
@@ -96,7 +105,8 @@ def test_core_and_numpy_agree_on_any_schedule():
         seats = dict(zip(("seat", "platform"), rng.uniform(0, 1e-3, 2)))
         declared = Stand(*rng.uniform(0, 1e-3, 5), 5, "sigma1", **seats)
         samples = rng.integers(1, 9, len(schedule.data.positions))
-        witness = model.by_coefficient(model.covariance(schedule.data, k, declared, samples, "least_squares"))
+        given = model.Propagation(schedule.data, k, declared, samples, "least_squares")
+        witness = model.by_coefficient(given.covariance())
         found = uncertainties(schedule, k, declared, samples, "least_squares")
         for mine, other in zip(found, witness):
             assert mine == pytest.approx(other, rel=1e-9)
@@ -146,7 +156,8 @@ def test_what_a_seat_brings_is_what_a_declared_one_does(source, estimator):
     stand = PAPER_STAND.with_sigma(source, 1e-4)
     samples = np.full(18, 50)
     plain, more = (
-        np.diag(model.covariance(PAPER, NOMINAL_K, one, samples, estimator)) for one in (PAPER_STAND, stand)
+        np.diag(model.Propagation(PAPER, NOMINAL_K, one, samples, estimator).covariance())
+        for one in (PAPER_STAND, stand)
     )
     moved = model.moved_by_a_seat(PAPER, NOMINAL_K, estimator)[source]
     assert more - plain == pytest.approx((1e-4 * moved) ** 2, abs=1e-6 * more.max())
@@ -247,7 +258,7 @@ def test_optimal_takes_seats_among_its_unknowns(schedule, seats):
     for _ in range(2):
         means = simulated(rng, schedule, declared, 1)[0]
         witness = model.optimal_estimate(schedule, means, declared, lone)
-        found = optimal_run.estimate(core_schedule, means, all_measured, optimal_run.Weighting(declared, lone))
+        found = estimate_optimal(core_schedule, means, all_measured, optimal_run.Weighting(declared, lone))
         assert (np.abs(found.k - witness.k) < 1e-6 * witness.u_k).all()
         assert (np.abs(found.u0 - witness.u0) < 1e-6 * witness.u_u0).all()
         assert found.alpha3 == pytest.approx(witness.alpha3, abs=1e-9)
@@ -278,7 +289,7 @@ def test_a_record_without_seats_is_as_it_was():
     data = optimal_run.to_bytes(optimal_run.record_of(table, PAPER))
     assert data[13] == 2 and len(data) == len(plain) + 8 * 54 * 4
     opened = GainRecord(core.CoreSchedule(PAPER), data)
-    assert np.array_equal(opened.stand_gains, table.nuisance_gains)
+    assert np.array_equal(stand_gains_of(opened), table.nuisance_gains)
     assert np.array_equal(table.nuisance_gains[4], table.nuisance_gains[5])  # of the platform, in either mounting
     assert not table.nuisance_gains[6:].any()
     again = gain_record.from_bytes(data)

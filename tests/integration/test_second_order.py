@@ -11,7 +11,7 @@ from hypothesis import given, settings, strategies as st
 from test_plan_validate import case_of
 
 from tumble import model
-from tumble.core.binding import estimate_runs
+from tumble.core import estimate_runs
 from tumble.estimators import COEFFICIENTS, LINEAR
 from tumble.model.optimal import optimal_table
 from tumble.model.propagation import Propagation, SecondOrder, second_order

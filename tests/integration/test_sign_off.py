@@ -91,7 +91,7 @@ def decided(cases, runs, seed):
         weights = case.propagation(estimator, k).gains[:12]
         draws = np.concatenate([one.derivative * one.sigma[:, None, None] for one in errors_of(case, k).values()])
         found = draws[:, case.schedule.fit_indices].reshape(len(draws), -1) @ weights.T
-        reach_g = FACTOR * worst_norm(k, found.T @ found).worst
+        reach_g = FACTOR * worst_norm(k, found.T @ found).worst_g
         means = position_means(case, k, runs, rng)
         solved = validate._solver(case, estimator, k, validate.KNOWN)(means)[0]
         gravity, error = validate.largest_gravity_errors(means, solved), validate._everywhere(solved, k, ())

@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 from conftest import EXAMPLES
+from core_functions import apply_table
 
 from tumble import core
 from tumble.errors import UsageError
@@ -46,7 +47,7 @@ def test_each_run_gets_what_it_gets_alone(name):
     weighting = optimal_run.Weighting(case.stand, everything.astype(int), case.step_v)
     for index, run in enumerate(means):
         table = optimal_run.make_table(schedule, run, everything, weighting)
-        alone = optimal_run.apply_table(table, schedule, run)
+        alone = apply_table(table, schedule, run)
         assert np.abs(found[index] - [*alone.k.ravel(), *alone.u0]).max() <= 1e-13 * np.abs(alone.k).max()
         stated = optimal_table(case.fitted, alone.k, case.stand, case.step_v).u
         assert np.abs(u[index] / stated - 1.0).max() <= 1e-12

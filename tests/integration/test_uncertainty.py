@@ -8,7 +8,7 @@ from blocks import NOMINAL_K
 
 from tumble import core, model
 from tumble.estimators import LINEAR
-from tumble.model.errors import contributions, sources
+from tumble.model.errors import brought, sources
 from tumble.model.stand_seen import pooled_noise
 from tumble.stand import COMMON, Stand
 
@@ -38,6 +38,11 @@ WEIGHTS = {
 COLUMNS = {"xx": 0, "yy": 1, "zz": 1, "xy": 2, "xz": 2, "yx": 3, "zx": 3, "yz": 4, "zy": 4}
 
 
+def stated(stand, samples, estimator="refined"):
+    """u_K and u_U0."""
+    return model.by_coefficient(model.Propagation(PAPER, NOMINAL_K, stand, samples, estimator).covariance())
+
+
 def named(values, table):
     """Pairs of what was found for each of the twelve (K row by row, then U0) and the table's value for it."""
     names = [i + j for i in "xyz" for j in "xyz"]
@@ -48,7 +53,7 @@ def named(values, table):
 @pytest.mark.parametrize(("estimator", "remounting"), BUDGET)
 def test_budget_of_the_papers_stand(estimator, remounting):
     stand = dataclasses.replace(STAND, remounting=remounting)
-    u_k, u_u0 = model.by_coefficient(model.covariance(PAPER, NOMINAL_K, stand, LONE_ROWS, estimator))
+    u_k, u_u0 = stated(stand, LONE_ROWS, estimator)
     relative = np.concatenate([(u_k / NOMINAL_K).ravel(), u_u0 / np.diag(NOMINAL_K)]) * 1e6
     found, expected = named(relative, BUDGET[estimator, remounting])
     assert found == pytest.approx(expected, rel=0.01)
@@ -63,7 +68,8 @@ def test_weights_of_set_angles_and_noise(estimator):
         return np.concatenate([k.reshape(-1, 9), u0], axis=1)
 
     unit = dataclasses.replace(STAND, angle=1.0, noise=1.0, samples=1)
-    parts = contributions(coefficients, sources(PAPER, NOMINAL_K, unit, LONE_ROWS))
+    draws = brought(coefficients, sources(PAPER, NOMINAL_K, unit, LONE_ROWS))
+    parts = {name: np.linalg.norm(one, axis=0) for name, one in draws.items()}
     relative = parts["alpha4"] / np.concatenate([NOMINAL_K.ravel(), np.diag(NOMINAL_K)])
     times_misalignment = [misalignment if i + j in ("xy", "xz", "yx", "zx") else 1.0 for i in "xyz" for j in "xyz"]
     found, expected = named(relative * np.array([*times_misalignment, 1.0, 1.0, 1.0]), WEIGHTS[estimator][0])
@@ -74,18 +80,18 @@ def test_weights_of_set_angles_and_noise(estimator):
 
 @pytest.mark.parametrize(("limits", "factor"), [("sigma1", 1.0), ("sigma3", 3.0), ("uniform", 3.0**0.5)])
 def test_limits_say_what_the_numbers_are(limits, factor):
-    u_k, u_u0 = model.by_coefficient(model.covariance(PAPER, NOMINAL_K, STAND, LONE_ROWS, "refined"))
+    u_k, u_u0 = stated(STAND, LONE_ROWS)
     stand = dataclasses.replace(STAND, limits=limits)
-    other_k, other_u0 = model.by_coefficient(model.covariance(PAPER, NOMINAL_K, stand, LONE_ROWS, "refined"))
+    other_k, other_u0 = stated(stand, LONE_ROWS)
     assert other_k * factor == pytest.approx(u_k, rel=1e-13)
     assert other_u0 * factor == pytest.approx(u_u0, rel=1e-13)
 
 
 def test_samples_of_the_run_count_and_a_lone_row_is_a_mean():
     noise_only = dataclasses.replace(STAND, axis_tilt=0.0, level=0.0, remount=0.0, angle=0.0)
-    lone, _ = model.by_coefficient(model.covariance(PAPER, NOMINAL_K, noise_only, LONE_ROWS, "refined"))
-    same, _ = model.by_coefficient(model.covariance(PAPER, NOMINAL_K, noise_only, np.full(18, 50), "refined"))
-    fewer, _ = model.by_coefficient(model.covariance(PAPER, NOMINAL_K, noise_only, np.full(18, 2), "refined"))
+    lone, _ = stated(noise_only, LONE_ROWS)
+    same, _ = stated(noise_only, np.full(18, 50))
+    fewer, _ = stated(noise_only, np.full(18, 2))
     assert lone == pytest.approx(same, rel=1e-13)
     assert fewer == pytest.approx(lone * 5, rel=1e-13)
 
@@ -116,7 +122,7 @@ def test_spread_of_the_core_over_many_runs_is_what_is_stated(remounting):
         found = np.array(
             [np.concatenate([c.ravel() for c in core.estimate(paper, run, None, estimator)]) for run in runs]
         )
-        u_k, u_u0 = model.by_coefficient(model.covariance(PAPER, NOMINAL_K, stand, LONE_ROWS, estimator))
+        u_k, u_u0 = stated(stand, LONE_ROWS, estimator)
         assert found.std(axis=0) == pytest.approx(np.concatenate([u_k.ravel(), u_u0]), rel=0.04)
 
 

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from _tumble_core import ffi, lib
 
-from tumble.core.binding import require_ok
+from tumble.core import require_ok
 
 MAX_DEVIATION_COUNTS: int = lib.TUMBLE_MAX_DEVIATION_COUNTS
 

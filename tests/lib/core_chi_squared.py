@@ -1,9 +1,9 @@
-"""The core's chi-squared of all residuals, beside numpy's. Arrays as in tumble.core.binding."""
+"""The core's chi-squared of all residuals, beside numpy's. Arrays as in tumble.core."""
 
 import numpy as np
 from _tumble_core import ffi, lib
 
-from tumble.core.binding import record_of, require_ok
+from tumble.core import record_of, require_ok
 from tumble.model.estimators import columns_at
 from tumble.model.geometry import ideal_force
 from tumble.solving.computation import LARGEST_MISFIT, _require

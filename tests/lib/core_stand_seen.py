@@ -1,4 +1,4 @@
-"""The core's account of the stand that a run shows, beside numpy's. Arrays as in tumble.core.binding."""
+"""The core's account of the stand that a run shows, beside numpy's. Arrays as in tumble.core."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from _tumble_core import ffi, lib
 
 from tumble import model
 from tumble.arrays import Flags, Floats, Integers
-from tumble.core.binding import (
+from tumble.core import (
     Calibration,
     CoreRefusal,
     CoreSchedule,

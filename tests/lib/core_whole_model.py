@@ -8,7 +8,7 @@ import numpy as np
 from _tumble_core import ffi, lib
 from core_averaging import Averaging
 
-from tumble.core.binding import record_of
+from tumble.core import record_of
 
 
 @dataclass(frozen=True)

@@ -40,7 +40,11 @@ def from_bytes(data):
     if not (squares > 0.0).all():
         raise BadRecord("a gain record with a weight that is not above 0")
     return Record(
-        *(positions, mountings, yaws, seats, waves, drifts),
+        yaws=yaws,
+        seats=seats,
+        waves=waves,
+        drifts=drifts,
+        mountings=mountings,
         schedule_crc=crcs[0],
         block_crc=crcs[1],
         k=head[:9].reshape(3, 3),
@@ -52,6 +56,7 @@ def from_bytes(data):
         nuisance_gains=tables[12:],
         inclinations=inclinations,
         sigma_inclination=sigma,
+        floored=False,
     )
 
 

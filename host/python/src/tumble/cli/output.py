@@ -363,7 +363,7 @@ def _propagated(solution: Solution) -> list[str]:
         rows.append((scale, bias, f"{pair} {found.angles[i]:.6f} +- {u.angles[i]:.1e}"))
     lines = [f"{scale:24}  {bias:21}  {angle}".rstrip() for scale, bias, angle in rows]
     x, y, z = norm.attitude
-    lines.append(f"Worst u(|a|): {norm.worst * 1e6:.3g} ug, at the attitude ({x:+.2f}, {y:+.2f}, {z:+.2f})")
+    lines.append(f"Worst u(|a|): {norm.worst_g * 1e6:.3g} ug, at the attitude ({x:+.2f}, {y:+.2f}, {z:+.2f})")
     lines += [] if solution.further is None else _cost_of_terms(solution.further)
     lines += [] if solution.reliability is None else reliability.lines(solution.reliability, solution.limit_g)
     return lines + ([] if solution.monte_carlo is None else _simulated(solution.monte_carlo))
@@ -374,7 +374,7 @@ def _cost_of_terms(further: Further) -> list[str]:
     without, now = further.without, further.worst_norm
     assert without is not None and now is not None  # of a declared stand they are known
     assert further.covariance is not None
-    before = np.concatenate([without.u_k.ravel(), without.u_u0])
+    before = np.concatenate([without.u_K.ravel(), without.u_U0])
     after = np.sqrt(np.diag(further.covariance)[:12])
     scale = np.abs(np.concatenate([np.repeat(np.diag(further.k), 3), np.diag(further.k)])) * 1e-6
     parts = []
@@ -384,7 +384,7 @@ def _cost_of_terms(further: Further) -> list[str]:
         if after[worst] > _LOSS * before[worst]:
             sizes = f"{before[worst] / scale[worst]:.3g} -> {after[worst] / scale[worst]:.3g}"
             parts.append(f"u({COEFFICIENTS[worst]}) {sizes} {unit}")
-    parts.append(f"worst u(|a|) {without.worst.worst * 1e6:.3g} -> {now.worst * 1e6:.3g} ug")
+    parts.append(f"worst u(|a|) {without.u_norm_g * 1e6:.3g} -> {now.worst_g * 1e6:.3g} ug")
     return textwrap.wrap(f"Because of {listed(further.terms)}: {', '.join(parts)}", _COLUMNS, break_on_hyphens=False)
 
 

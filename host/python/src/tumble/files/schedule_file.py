@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from tumble.core import MAX_MOUNTINGS, MAX_POSITIONS, MAX_YAWS, CoreRefusal, CoreSchedule
-from tumble.core.binding import estimate_runs
+from tumble.core import MAX_MOUNTINGS, MAX_POSITIONS, MAX_YAWS, CoreRefusal, CoreSchedule, estimate_runs
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.estimators import HARMONIC, INCLINATIONS, INCLINED, OPTIMAL
 from tumble.files.toml import Table, read_toml

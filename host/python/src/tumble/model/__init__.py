@@ -22,7 +22,7 @@ from tumble.model.estimators import confused, estimate, magnification
 from tumble.model.fit import WholeModel
 from tumble.model.geometry import Geometry, built_in
 from tumble.model.optimal import OptimalEstimate, optimal_covariance, optimal_estimate
-from tumble.model.propagation import Propagation, covariance
+from tumble.model.propagation import Propagation
 from tumble.model.reliability import moved_by_a_seat, seat_is_unseen, unseen_patterns
 from tumble.model.stand_seen import RunSeen, pooled_noise
 
@@ -36,7 +36,6 @@ __all__ = [
     "by_coefficient",
     "closure",
     "confused",
-    "covariance",
     "estimate",
     "gravity_errors",
     "intrinsic",

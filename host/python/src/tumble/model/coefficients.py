@@ -27,6 +27,7 @@ from functools import partial
 import numpy as np
 
 from tumble.arrays import Flags, Floats
+from tumble.documents.result import WorstNorm
 from tumble.model.estimators import time_of_run
 from tumble.model.geometry import ideal_force
 from tumble.schedule import Schedule
@@ -156,14 +157,6 @@ _LAST_STEP = 1e-9
 
 
 @dataclass(frozen=True)
-class WorstNorm:
-    """The largest standard uncertainty of |a|, in g, and the `attitude` (3,) where it is."""
-
-    worst: float
-    attitude: Floats
-
-
-@dataclass(frozen=True)
 class IntrinsicUncertainties:
     """Standard uncertainties of what core.Intrinsic has: `scale` (3,), `angles` (3,) xy, xz, yz in rad, `bias` (3,)
     in g."""
@@ -193,7 +186,8 @@ def norm_gradient(k: Floats, attitudes: Floats, terms: Terms = ()) -> Floats:
 
 
 def worst_norm(k: Floats, covariance: Floats, terms: Terms = ()) -> WorstNorm:
-    """The attitude at which the length of the shown specific force is least certain; `terms` as of norm_uncertainty.
+    """The attitude at which the length of the shown specific force is least certain, and its standard uncertainty
+    there, g; `terms` as of norm_uncertainty.
 
     The square of that uncertainty is a polynomial of degree four in the attitude (with K3: eight). It is computed at
     many, and climbed from the best of them, around each in eight directions, with steps that are halved where none

@@ -248,11 +248,6 @@ def brought(to_unknowns: ToUnknowns, found: Mapping[str, Draws]) -> dict[str, Fl
     return {name: to_unknowns(source.derivative) * source.sigma[:, None] for name, source in found.items()}
 
 
-def contributions(to_unknowns: ToUnknowns, found: Mapping[str, Draws]) -> dict[str, Floats]:
-    """Standard uncertainty (n,) that each source brings to it."""
-    return {name: np.sqrt((draws**2).sum(axis=0)) for name, draws in brought(to_unknowns, found).items()}
-
-
 def covariance_of(to_unknowns: ToUnknowns, found: Mapping[str, Draws]) -> Floats:
     """Covariance (n, n) that all sources together bring to it: G J diag(sigma^2) (G J)^T."""
     draws = np.concatenate(list(brought(to_unknowns, found).values()))

@@ -23,7 +23,6 @@ import numpy as np
 from tumble.arrays import Floats, Integers
 from tumble.errors import UsageError
 from tumble.model.errors import (
-    NOISE,
     Draws,
     Errors,
     by_coefficient,
@@ -33,10 +32,11 @@ from tumble.model.errors import (
     free,
     of_stand,
     places,
+    sources,
 )
 from tumble.model.estimators import design, require_rank, unknowns
 from tumble.schedule import Schedule
-from tumble.stand import COMMON, PerChannel, Stand, by_channel, rounding_of
+from tumble.stand import COMMON, PerChannel, Stand, rounding_of
 from tumble.terms import Terms
 
 CORRECTIONS = 2
@@ -234,18 +234,6 @@ def by_mounting(found: Floats, errors: dict[str, Draws], schedule: Schedule, sta
     return np.concatenate(rows, axis=-2)
 
 
-def standard_deviations(
-    schedule: Schedule, weights: Floats, k: Floats, stand: Stand, sigma_mean: float | Floats
-) -> Floats:
-    """Standard deviations (rows,) of an estimate with gains `weights` (rows, 3P), for a block of sensitivity `k` and
-    means with noise `sigma_mean`, of each channel or of all."""
-    fitted = schedule.fitted
-    names = [name for name in declared(stand, schedule) if name != NOISE]
-    found = of_stand(fitted, k, stand, names).values()
-    by_error = np.concatenate([one.derivative.reshape(len(one.sigma), -1) * one.sigma[:, None] for one in found]).T
-    return _deviations(weights, by_error, by_channel(sigma_mean))
-
-
 def _deviations(weights: Floats, by_error: Floats, sigma_mean: Floats) -> Floats:
     by_noise = (weights**2).reshape(len(weights), -1, 3).sum(axis=1) @ sigma_mean**2
     deviations: Floats = np.sqrt(((weights @ by_error) ** 2).sum(axis=1) + by_noise)
@@ -343,11 +331,7 @@ def optimal_covariance(
     least."""
     number = samples_in_a_mean(schedule, stand, samples) if known_samples is None else known_samples
     whitened = _Whitened(schedule, k, stand, mean_sigma(k, stand, step, number)[0], terms)
-    one_sample = np.maximum(stand.sigmas("noise"), rounding_of(step))
-    averaged, floor = stand.averaged_over(samples)[:, None], NOISE_FLOOR_G * np.abs(k).max()
-    noise = np.hypot(np.maximum(one_sample / np.sqrt(averaged), floor), by_channel(stand.rounding))
-    if mean_variance is not None:
-        noise = np.maximum(noise, np.sqrt(mean_variance))
-    whole = of_stand(schedule, k, stand, declared(stand, schedule))
-    whole[NOISE] = Draws(noise.ravel(), whole[NOISE].derivative)
-    return covariance_of(by_gains(schedule, whitened.gains), whole)
+    least = (NOISE_FLOOR_G * np.abs(k).max()) ** 2
+    variance = np.maximum(0.0 if mean_variance is None else mean_variance, least)
+    errors = sources(schedule, k, stand.with_step(step), samples, variance)
+    return covariance_of(by_gains(schedule, whitened.gains), errors)

@@ -24,7 +24,8 @@ from tumble.documents.result import Shift
 from tumble.estimators import COEFFICIENTS, OPTIMAL
 from tumble.model import inclined
 from tumble.model.errors import Draws, brought, by_gains, covariance_of, exact_outputs, free, sources
-from tumble.model.estimators import gains_at
+from tumble.model.estimators import columns_at, gains_at
+from tumble.model.geometry import ideal_force
 from tumble.model.optimal import OptimalTable, optimal_covariance, optimal_table, samples_in_a_mean
 from tumble.schedule import Schedule
 from tumble.stand import PerChannel, Stand
@@ -67,6 +68,15 @@ class Propagation:
             return self.table.gains
         return gains_at(self.schedule, self.k, self.estimator, self.terms, self.weights)
 
+    def of_means(self, means: Floats) -> tuple[Floats, Floats, Floats]:
+        """What errors of the means (draws, positions, 3) do, with D the derivatives of the outputs by the unknowns: to
+        the unknowns (draws, 12 + 3 x terms), to the residuals r = dU - D G dU (draws, positions, 3), and to delta_g =
+        a K^-1 r (draws, positions), g."""
+        force, found = ideal_force(self.schedule), by_gains(self.schedule, self.gains)(means)
+        explained = force @ np.swapaxes(found[:, :9].reshape(-1, 3, 3), 1, 2) + found[:, None, 9:12]
+        left = means - explained - np.tensordot(found[:, 12:], columns_at(force, self.terms), axes=1)
+        return found, left, (left * (force @ np.linalg.inv(self.k))).sum(axis=2)
+
     def covariance_of_inclinations(self, variance: Floats | None = None) -> Floats:
         """Of the angles at which the block was inclined, then of the zeros of the table angle there, rad, by the closed
         form: an error of the axis is what they tell."""
@@ -102,19 +112,6 @@ class Propagation:
             given = self.schedule, self.k, self.stand, self.samples
             return optimal_covariance(*given, self.step, variance, self.terms)
         return covariance_of(by_gains(self.schedule, self.gains), self.errors(variance))
-
-
-def covariance(
-    schedule: Schedule,
-    k: Floats,
-    stand: Stand,
-    samples: Integers,
-    estimator: str,
-    mean_variance: Floats | None = None,
-) -> Floats:
-    """Covariance (12, 12) of an estimate, K row by row, then U0, in its units. Arguments as of Propagation; `k` is the
-    solved K, `mean_variance` as of `errors`."""
-    return Propagation(schedule, k, stand, np.asarray(samples), estimator).covariance(mean_variance)
 
 
 SHARE = 0.2  # of a standard uncertainty: a larger bias is no longer covered by it

@@ -10,7 +10,9 @@ from tumble.arrays import Floats
 from tumble.defaults import DEFAULT_COVERAGE_FACTOR, DEFAULT_LIMIT_G
 from tumble.documents.plan import Block
 from tumble.errors import BadInput
+from tumble.estimators import OPTIMAL
 from tumble.files.stand_file import StandFile
+from tumble.model.errors import by_gains, covariance_of
 from tumble.model.geometry import built_in
 from tumble.model.optimal import mean_sigma
 from tumble.model.propagation import Propagation
@@ -87,6 +89,12 @@ class Case:
         by_noise = mean_sigma(k, self.stand, self.step_v, self.stand.samples)[0]
         sigmas: Floats = np.hypot(by_noise, by_channel(self.stand.rounding))
         return sigmas
+
+    def spread(self, gains: Floats, k: Floats) -> Floats:
+        """Standard deviations (rows,) of an estimate with `gains` (rows, 3P), for a block of sensitivity `k`."""
+        errors = self.propagation(OPTIMAL, k, fitted=True).errors(self.mean_sigma(k) ** 2)
+        u: Floats = np.sqrt(np.diag(covariance_of(by_gains(self.fitted, gains), errors)))
+        return u
 
     @property
     def rounding_sentence(self) -> str | None:

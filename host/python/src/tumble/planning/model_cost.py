@@ -10,11 +10,12 @@ from msgspec import UNSET, UnsetType
 
 from tumble.documents import plan
 from tumble.documents.plan import ModelCost
+from tumble.documents.result import Without
 from tumble.estimators import COEFFICIENTS
 from tumble.model.coefficients import worst_norm
 from tumble.planning.case import Case
 from tumble.planning.promise import error_field
-from tumble.solving.uncertainty import Further, Without
+from tumble.solving.uncertainty import Further
 from tumble.terms import DRIFT, KEYS, names
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ def model_cost(case: Case, estimator: str) -> Further | None:
     k = case.nominal_k()
     covariance, twelve = (error_field(one, estimator, k).covariance for one in (case, replace(case, terms=())))
     u = np.sqrt(np.diag(twelve))
-    without, none = Without(u[:9].reshape(3, 3), u[9:], worst_norm(k, twelve)), np.zeros((len(case.terms), 3))
+    without, none = Without(u[:9].reshape(3, 3), u[9:], worst_norm(k, twelve).worst_g), np.zeros((len(case.terms), 3))
     return Further(case.terms, k, none, none, covariance, without)
 
 
@@ -42,19 +43,17 @@ def model_cost_part(found: Further | None) -> ModelCost | UnsetType:
     return ModelCost(
         terms=found.terms,
         **{f"u_{key}": u.get(term) for term, key in KEYS.items()},
-        u_norm_of_K_U0_g=alone.worst,
-        without=plan.Without(without.u_k, without.u_u0, without.worst.worst),
-        u_norm_g=worst.worst,
+        u_norm_of_K_U0_g=alone.worst_g,
+        without=plan.Without(without.u_K, without.u_U0, without.u_norm_g),
+        u_norm_g=worst.worst_g,
     )
 
 
-def sentence(found: Further) -> str:
+def sentence(found: ModelCost) -> str:
     """For people."""
-    worst, alone, without = found.worst_norm, found.worst_norm_of_twelve, found.without
-    assert worst is not None and alone is not None and without is not None
     return (
-        f"Worst u(|a|) with {', '.join(found.terms)} in the model: {1e6 * worst.worst:.3g} ug, by K and U0 alone"
-        f" {1e6 * alone.worst:.3g} ug;\nwithout: {1e6 * without.worst.worst:.3g} ug"
+        f"Worst u(|a|) with {', '.join(found.terms)} in the model: {1e6 * found.u_norm_g:.3g} ug, by K and U0 alone"
+        f" {1e6 * found.u_norm_of_K_U0_g:.3g} ug;\nwithout: {1e6 * found.without.u_norm_g:.3g} ug"
     )
 
 
@@ -62,11 +61,12 @@ def show(out: Console, found: Further | None) -> None:
     """Print what the twelve lose, and how well the terms are found; nothing for None."""
     from tumble.planning import tables
 
-    if found is None:
+    cost = model_cost_part(found)
+    if found is None or cost is UNSET:
         return
     without, covariance, of_values = found.without, found.covariance, found.u
     assert without is not None and covariance is not None and of_values is not None
-    u, alone = np.sqrt(np.diag(covariance)), np.concatenate([without.u_k.ravel(), without.u_u0])
+    u, alone = np.sqrt(np.diag(covariance)), np.concatenate([without.u_K.ravel(), without.u_U0])
     rows = [
         (name, "V/g" if name.startswith("K") else "V", f"{now:.3e}", f"{before:.3e}", f"{now / before:.2f}")
         for name, now, before in zip(COEFFICIENTS, u, alone)
@@ -76,4 +76,4 @@ def show(out: Console, found: Further | None) -> None:
         rows.append((name, units[name.partition("_")[0].lower()], f"{size:.3e}", "", ""))
     out.print(tables.heading(f"With {', '.join(found.terms)} in the model"))
     out.print(tables.table(("", "unit", "u", "u without", "times"), rows, left=(0, 1)))
-    out.print(sentence(found))
+    out.print(sentence(cost))

@@ -9,7 +9,7 @@ from tumble.arrays import Floats
 from tumble.documents.plan import Optimize, Promise
 from tumble.estimators import COEFFICIENTS, OPTIMAL
 from tumble.model.estimators import circles, linear_gains
-from tumble.model.optimal import OptimalTable, optimal_table, standard_deviations
+from tumble.model.optimal import optimal_table
 from tumble.model.propagation import SecondOrder, second_order
 from tumble.planning.case import Case
 from tumble.planning.promise import promise
@@ -25,8 +25,7 @@ class Optimized:
     first None where the schedule has none; `efficiency`: bound over `u`; `promise`: of a run with the table."""
 
     case: Case
-    table: OptimalTable
-    record: Record
+    table: Record
     u: Floats
     u_refined: Floats | None
     u_least_squares: Floats
@@ -49,18 +48,13 @@ def optimize(case: Case, k: Floats | None = None, serial: str | None = None) -> 
     require_declared_inclinations(case.schedule, case.stand)
     k = case.nominal_k() if k is None else k
     table = optimal_table(case.fitted, k, case.stand, case.step_v)
-
-    def spread(weights: Floats) -> Floats:
-        return standard_deviations(case.fitted, weights, k, case.stand, case.mean_sigma(k))
-
     harmonic = circles(case.fitted) is not None
     return Optimized(
         case=case,
-        table=table,
-        record=record_of(table, case.fitted, serial),
-        u=spread(table.gains),
-        u_refined=spread(linear_gains(case.fitted, "refined")) if harmonic else None,
-        u_least_squares=spread(linear_gains(case.fitted, "least_squares")),
+        table=record_of(table, case.fitted, serial),
+        u=case.spread(table.gains, k),
+        u_refined=case.spread(linear_gains(case.fitted, "refined"), k) if harmonic else None,
+        u_least_squares=case.spread(linear_gains(case.fitted, "least_squares"), k),
         promise=promise(case, OPTIMAL, k=k),
     )
 

@@ -32,9 +32,6 @@ from tumble.arrays import Floats
 from tumble.documents.plan import GrowingPromise, Promise
 from tumble.errors import UsageError
 from tumble.model.coefficients import climbed, norm_gradient, spread_attitudes, worst_norm
-from tumble.model.errors import by_gains
-from tumble.model.estimators import columns_at
-from tumble.model.geometry import ideal_force
 from tumble.planning.case import Case
 from tumble.planning.tables import percent
 from tumble.planning.weights import estimators_of
@@ -67,14 +64,10 @@ def error_field(case: Case, estimator: str, k: Floats) -> ErrorField:
     """Of an estimator, for a block of sensitivity `k` (V/g). Raises UsageError where the schedule does not allow it."""
     given = case.propagation(estimator, k)
     outputs = np.concatenate([one.derivative * one.sigma[:, None, None] for one in given.errors().values()])
-    found = by_gains(case.schedule, given.gains)(outputs)
-    found_k, found_u0 = found[:, :9].reshape(-1, 3, 3), found[:, 9:12]
-
-    force, to_g = ideal_force(case.schedule), np.linalg.inv(k)
-    left = outputs - force @ np.swapaxes(found_k, 1, 2) - found_u0[:, None]
-    left = left - np.tensordot(found[:, 12:], columns_at(force, case.terms), axes=1)
-    gravity = np.einsum("dpi,pi->dp", left @ to_g.T, force)
-    return ErrorField(gravity, norm_forms(-to_g @ found_k, -found_u0 @ to_g.T), found)
+    found, _, gravity = given.of_means(outputs)
+    to_g = np.linalg.inv(k)
+    forms = norm_forms(-to_g @ found[:, :9].reshape(-1, 3, 3), -found[:, 9:12] @ to_g.T)
+    return ErrorField(gravity, forms, found)
 
 
 def norm_forms(matrix: Floats, vector: Floats) -> Floats:
@@ -214,7 +207,7 @@ def _promise(case: Case, estimator: str, k: Floats) -> tuple[Promise, Law, Law]:
         norm = Law.of(field.unknowns, count, lambda errors: largest_with_terms(errors, k, case.terms))
     else:
         norm = Law.of(field.forms, count, largest_over_attitudes)
-    u_norm_g, bolted_once = worst_norm(k, field.covariance, case.terms).worst, len(case.fitted.boltings) == 1
+    u_norm_g, bolted_once = worst_norm(k, field.covariance, case.terms).worst_g, len(case.fitted.boltings) == 1
     (passes, u_passes), (everywhere, u_everywhere) = check.chance(case.limit_g), norm.chance(case.limit_g)
     found = Promise(
         limit_g=case.limit_g,

@@ -32,7 +32,6 @@ from tumble.documents.plan import (
     ROWS,
     Enough,
     Equation18,
-    GrowingPromise,
     OfSources,
     Require,
     Row,
@@ -56,11 +55,10 @@ from tumble.planning.budget import (
     unit,
 )
 from tumble.planning.case import Case
-from tumble.planning.model_cost import model_cost_part
-from tumble.planning.promise import ON_A_SEAT, growing_promise
+from tumble.planning.model_cost import model_cost, model_cost_part, sentence
+from tumble.planning.promise import ON_A_SEAT, growing_promise, promises
 from tumble.planning.weights import EQUATION_18, EQUATION_19, NAMES, SOURCES, evaluate, symbols
 from tumble.solving.decision import UNCERTAINTY, Decision, Question, in_words
-from tumble.solving.uncertainty import Further
 from tumble.stand import COMMON, Stand, by_channel, per_channel
 
 CEILING_RAD = 0.01  # beyond it nobody has tried the optimal estimator: what it bears up to here limits nothing
@@ -354,21 +352,15 @@ def printed(case: Case, formulas: dict[str, str], limit_g: float) -> dict[str, f
     return {source: evaluate(formula, values) for source, formula in formulas.items()}
 
 
-def document(
-    found: Requirements,
-    room: Headroom,
-    margins: dict[str, float],
-    just: Enough | None,
-    promised: dict[str, GrowingPromise] | None,
-    case: Case,
-    which: Weights,
-    estimator: str,
-    limit_g: float,
-    split: Floats,
-    probability: float,
-    further: Further | None,
-) -> Require:
-    """The requirements for JSON. `published` has (19) as printed, and beside it what the rule gives."""
+def require(case: Case, which: Weights, estimator: str, split: Floats, probability: float) -> Require:
+    """All that the case's limit asks of its stand. `split` as of `requirements`. `published` has (19) as printed, and
+    beside it what the rule gives. Raises UsageError."""
+    published, limit_g = which == "published", case.limit_g
+    found, room = requirements(case, which, estimator, limit_g, split), headroom(case, which, estimator, limit_g)
+    of_all, just, promised = {estimator: room.margin}, None, None
+    if not published:
+        of_all, just = margins(case, limit_g), enough(case, estimator, found.limits, probability)
+        promised = promises(case, probability)
 
     def finite(value: float) -> float | None:
         """Null where nothing limits."""
@@ -378,7 +370,7 @@ def document(
         values = printed(case, formulas, limit_g)
         return {key: finite(value) for key, value in zip(size_keys(tuple(values)), values.values())}
 
-    names, published = sources(case, which == "published"), which == "published"
+    names = sources(case, published)
     limits, set_by = by_key(case, names, found.limits), OfSources(**dict(zip(names, found.set_by)))
     rule: Rule | UnsetType = UNSET
     equation_18: Equation18 | UnsetType = UNSET
@@ -410,13 +402,13 @@ def document(
         declared=SourceSizes(**by_key(case, names, declared_sizes(case, published))),
         alone=SourceLimits(**by_key(case, names, room.alone)),
         margin=finite(room.margin),
-        margins={name: finite(margin) for name, margin in margins.items()},
+        margins={name: finite(margin) for name, margin in of_all.items()},
         probability=None if promised is None else probability,
         promise=own,
         promises=promised,
         just_enough=just,
         would_show=would_show,
-        extended=model_cost_part(further),
+        extended=model_cost_part(model_cost(case, estimator)),
     )
 
 
@@ -472,6 +464,8 @@ def show(plan: Require, case: Case) -> None:
         _show_margins(out, plan)
     else:
         _show_promises(out, plan, asked)
+    if plan.extended is not UNSET:
+        out.print(sentence(plan.extended))
 
 
 def _most(size: Any) -> float | None:

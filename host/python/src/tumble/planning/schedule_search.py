@@ -43,11 +43,12 @@ from itertools import combinations, groupby, pairwise, permutations, product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from msgspec import UNSET, UnsetType
 
 from tumble.arrays import Flags, Floats
 from tumble.core import MAX_POSITIONS, MAX_SAMPLES
 from tumble.documents import plan
-from tumble.documents.plan import GrowingPromise, Quickest
+from tumble.documents.plan import GrowingPromise, ModelCost, Quickest
 from tumble.documents.result import WorstNorm
 from tumble.errors import UsageError
 from tumble.estimators import INCLINED, OPTIMAL
@@ -66,7 +67,6 @@ from tumble.planning.promise import error_field, growing_promise, sentence
 from tumble.schedule import Mounting, Position, Schedule
 from tumble.solving.computation import confused
 from tumble.solving.result import unseen
-from tumble.solving.uncertainty import Further
 from tumble.stand import by_channel
 from tumble.terms import DRIFT, EXTENDABLE, Terms
 from tumble.workers.over import ALONE, Piece, Progress, Result, Team, over
@@ -240,7 +240,7 @@ class NormSpread:
 
     def exact(self, chosen: Flags, samples: int) -> float:
         """The worst u(|a|), g, of one subset (candidates,) at any attitude."""
-        return worst_norm(self.k, self._covariances(chosen[None], samples)[0], self.terms).worst
+        return worst_norm(self.k, self._covariances(chosen[None], samples)[0], self.terms).worst_g
 
     def _covariances(self, chosen: Flags, samples: int) -> Floats:
         """Of the unknowns (subsets, n, n): K row by row, U0, sizes by term and channel."""
@@ -513,11 +513,10 @@ def _measured_with(case: Case, schedule: Schedule, samples: int) -> Case:
     return replace(case, own_schedule=schedule, stand=replace(case.stand, samples=samples))
 
 
-def worst_norm_of(case: Case, estimator: str) -> tuple[float, list[float]]:
-    """The worst u(|a|) of a case, g, and at which attitude, from the estimator's own gains."""
+def worst_norm_of(case: Case, estimator: str) -> WorstNorm:
+    """The worst u(|a|) of a case, from the estimator's own gains."""
     k = case.nominal_k()
-    worst = worst_norm(k, error_field(case, estimator, k).covariance, case.terms)
-    return worst.worst, worst.attitude.tolist()
+    return worst_norm(k, error_field(case, estimator, k).covariance, case.terms)
 
 
 BESIDE = ("paper", "three_mountings", "diagonal", "inclined", "inclined_closed")
@@ -552,8 +551,8 @@ class Reach:
 @dataclass(frozen=True)
 class Planned:
     """`best`; `other`: the quickest of the other kind, re-mounted or of one bolting; `beside` them built-in ones by
-    name; None where a schedule does not get there. Of the best: the worst u(|a|), g, at which attitude, the promise,
-    what its runs will not show, and what further terms of the model cost."""
+    name; None where a schedule does not get there. Of the best: the worst u(|a|), the promise, what its runs will not
+    show, and what further terms of the model cost."""
 
     case: Case
     goal: Goal
@@ -561,11 +560,10 @@ class Planned:
     best: Timed
     other: Timed | None
     beside: dict[str, Timed | None]
-    u_norm_g: float
-    attitude: list[float]
+    u_norm: WorstNorm
     promise: GrowingPromise
     unseen: Reliability
-    further: Further | None = None
+    further: ModelCost | UnsetType = UNSET
 
     def less_steep(self, one: Timed) -> float:
         """How many degrees nearer to the level its inclinations may be for the limit, 0 where none is asked for."""
@@ -617,10 +615,9 @@ def plan_schedule(
         raise UsageError(f"unreachable: {tried} reaches {wanted} here{why}")
     best, other = found[0], found[1] if len(found) > 1 else None
     chosen, estimator = _measured_with(case, best.schedule, best.samples), goal.estimator_on(best.schedule)
-    u_norm_g, attitude = worst_norm_of(chosen, estimator)
-    promised = growing_promise(chosen, estimator, goal.probability)
-    unseen, further = chosen.reliability(estimator), model_cost(chosen, estimator)
-    return Planned(case, goal, pace, best, other, beside, u_norm_g, attitude, promised, unseen, further)
+    u_norm, promised = worst_norm_of(chosen, estimator), growing_promise(chosen, estimator, goal.probability)
+    unseen, further = chosen.reliability(estimator), model_cost_part(model_cost(chosen, estimator))
+    return Planned(case, goal, pace, best, other, beside, u_norm, promised, unseen, further)
 
 
 def _of_kind(case: Case, goal: Goal, pace: Pace, find: Find, known: list[Timed]) -> Timed | None:
@@ -709,11 +706,11 @@ def document(found: Planned, step_deg: float) -> Quickest:
         pace=plan.Pace(*astuple(pace)),
         schedule=whole(found.best),
         other=None if found.other is None else whole(found.other),
-        u_norm_g=WorstNorm(found.u_norm_g, np.array(found.attitude)),
+        u_norm_g=found.u_norm,
         promise=found.promise,
         reliability=unseen(found.unseen),
         reliability_norm_g=reliability.largest(found.unseen),
-        extended=model_cost_part(found.further),
+        extended=found.further,
         beside=plan.Beside(
             **{name: None if one is None else plan.Timed(**timed(one)) for name, one in found.beside.items()}
         ),
@@ -753,8 +750,8 @@ def show(found: Planned, written: str | None, stand: str | None) -> None:
             out.print(f"  bolted on once, inclined to about {tilt} deg;")
         out.print(f"  table at {angles} deg")
     freedom = best.freedom(found.case.terms)
-    out.print(f"Worst u(|a|): {1e6 * found.u_norm_g:.4g} ug; {freedom} degrees of freedom check the model")
-    if found.further is not None:
+    out.print(f"Worst u(|a|): {1e6 * found.u_norm.worst_g:.4g} ug; {freedom} degrees of freedom check the model")
+    if found.further is not UNSET:
         out.print(cost_sentence(found.further))
     if (note := found.case.rounding_sentence) is not None:
         out.print(note)

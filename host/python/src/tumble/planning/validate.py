@@ -25,7 +25,7 @@ from tumble.model.coefficients import spread_attitudes
 from tumble.model.errors import OF_OUTPUTS, course, declared, free, of_stand, sources
 from tumble.model.estimators import columns_at
 from tumble.model.inclined import as_seen
-from tumble.model.optimal import by_table, optimal_covariance, samples_in_a_mean, standard_deviations
+from tumble.model.optimal import by_table, optimal_covariance, samples_in_a_mean
 from tumble.planning import tables
 from tumble.planning.case import Case
 from tumble.planning.promise import condition, largest_over_attitudes, norm_forms, promise
@@ -149,9 +149,13 @@ def validate(
     for result in over(pieces, _Tallied(case, estimators, table), team, progress):
         for estimator, tally in tallies.items():
             tally.take(result, estimator)
-    bound = _planned(case, OPTIMAL, k)
+
+    def planned(estimator: str) -> Floats:
+        return case.spread(estimator_gains(case, estimator, k), k)
+
+    bound = planned(OPTIMAL)
     return [
-        Validated(estimator, tallies[estimator], _planned(case, estimator, k), bound, promise(case, estimator))
+        Validated(estimator, tallies[estimator], planned(estimator), bound, promise(case, estimator))
         for estimator in estimators
     ]
 
@@ -216,11 +220,6 @@ def _everywhere(found: Floats, k: Floats, terms: Terms) -> Floats:
     return largest_over_attitudes(forms)
 
 
-def _planned(case: Case, estimator: str, k: Floats) -> Floats:
-    weights = estimator_gains(case, estimator, k)
-    return standard_deviations(case.fitted, weights, k, case.stand, case.mean_sigma(k))
-
-
 Solver = Callable[[Floats], tuple[Floats, Floats]]
 
 
@@ -233,10 +232,11 @@ def _solver(case: Case, estimator: str, k: Floats, table: str) -> Solver:
         fitted, indices = case.fitted, case.schedule.fit_indices
         samples = samples_in_a_mean(fitted, case.stand, np.ones(len(fitted.positions), dtype=int))
         return lambda means: optimal_run.solve_each(fitted, means[:, indices], case.stand, case.step_v, samples)
-    estimate, u = estimator_for(case.propagation(estimator, k)), _planned(case, estimator, k)
+    estimate, weights = estimator_for(case.propagation(estimator, k)), estimator_gains(case, estimator, k)
     if estimator == OPTIMAL:
+        u = case.spread(weights, k)
         return lambda means: (estimate(means), np.broadcast_to(u, (len(means), 12)))
-    state = _stated(case, estimator_gains(case, estimator, k), ("alpha1",) if estimator == INCLINED else ())
+    state = _stated(case, weights, ("alpha1",) if estimator == INCLINED else ())
 
     def solved(means: Floats) -> tuple[Floats, Floats]:
         found = estimate(means)
@@ -260,8 +260,7 @@ def _at_inclinations(case: Case) -> Solver:
             if case.terms:  # which no gain record has
                 found.append(by_table(table, at.data, stand, case.terms, run[None])[0])
             else:
-                one = optimal_run.apply_table(table, at, run)
-                found.append(np.concatenate([one.k.ravel(), one.u0]))
+                found.append(optimal_run.apply_table(table, at, run))
             k = found[-1][:9].reshape(3, 3)
             u.append(np.sqrt(np.diag(optimal_covariance(at.data, k, stand, lone, case.step_v))[:12]))
         return np.array(found), np.array(u)

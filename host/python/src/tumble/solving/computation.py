@@ -14,7 +14,7 @@ import numpy as np
 
 from tumble import core
 from tumble.arrays import Flags, Floats
-from tumble.core.binding import GainRecord, estimate_runs as core_runs, inclined_runs, optimal_runs
+from tumble.core import GainRecord, estimate_runs as core_runs, inclined_runs, optimal_runs
 from tumble.errors import BadInput, Disagreement, UsageError, listed
 from tumble.estimators import INCLINED, OPTIMAL
 from tumble.model import coefficients, estimators
@@ -33,7 +33,7 @@ from tumble.terms import Terms
 
 @dataclass(frozen=True)
 class Computation:
-    """Results of the core. Arrays as in tumble.core.binding.
+    """Results of the core. Arrays as in tumble.core.
 
     `closure`: by mounting number, for mountings that came back to an attitude. `residual_rms`: None with fewer than
     five fit positions. `sizes` (terms, 3) of further `terms` (tumble.terms); `linear` (positions, 3): the means without
@@ -80,23 +80,21 @@ def compute(
 
     Raises CoreRefusal; NotSolvable, also where a channel does not feel gravity.
     """
-    sizes, linear = np.zeros((0, 3)), means
-    weighed = schedule if weighting is None or weighting.schedule is None else weighting.schedule
-    if terms:  # by a table of gains where there are weights, else by the core's least squares
-        lone = means[None, measured]
-        if weighting is None:
-            found = least_squares(schedule.part(measured), lone, terms).ravel()
+    linear, lone = means, means[None, measured]
+    if weighting is not None:
+        weighed = schedule if weighting.schedule is None else weighting.schedule
+        table = optimal_run.make_table(weighed, means, measured, weighting, terms)
+        if terms:  # of which the core knows no gains
+            found = by_table(table, weighed.data.part(measured), weighting.stand, terms, lone)[0]
         else:
-            table = optimal_run.make_table(weighed, means, measured, weighting, terms)
-            found = by_table(table, weighed.data.part(measured), weighting.stand, terms, lone).ravel()
-        k, u0, sizes = found[:9].reshape(3, 3), found[9:12], found[12:].reshape(-1, 3)
-    elif inclined is not None and weighting is None:
-        k, u0 = inclined[:9].reshape(3, 3), inclined[9:]
-    elif weighting is None:
-        k, u0 = core.estimate(schedule, means, measured, estimator)
+            found = optimal_run.apply_table(table, weighed.part(measured), lone[0])
+    elif terms:
+        found = least_squares(schedule.part(measured), lone, terms)[0]
+    elif inclined is not None:
+        found = inclined
     else:
-        one = optimal_run.estimate(weighed, means, measured, weighting)
-        k, u0 = one.k, one.u0
+        found = np.concatenate([one.ravel() for one in core.estimate(schedule, means, measured, estimator)])
+    k, u0, sizes = found[:9].reshape(3, 3), found[9:12], found[12:].reshape(-1, 3)
     response, rounding = np.linalg.norm(k, axis=1), _ROUNDING * np.abs(means[measured]).max(axis=0)
     dead = response <= np.maximum(core.MIN_ROW_RATIO * response.max(), rounding)
     if dead.any():

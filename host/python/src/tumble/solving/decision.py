@@ -234,7 +234,7 @@ def is_shown(limit_g: float, coverage_factor: float, u_norm_g: float | None) -> 
 
 def decide(solution: Solution) -> Decision:
     """By the rule."""
-    u_norm_g = None if solution.u_norm is None else solution.u_norm.worst
+    u_norm_g = None if solution.u_norm is None else solution.u_norm.worst_g
     limit_g, factor = solution.limit_g, solution.coverage_factor
     good = {
         GRAVITY: solution.found.gravity.passed,
@@ -291,7 +291,7 @@ class Question:
             estimator=estimator or given.estimator,
         )
         covariance = other.covariance((variance - self.rounding) / times + self.rounding)
-        return self.coverage_factor * worst_norm(given.k, covariance, given.terms).worst
+        return self.coverage_factor * worst_norm(given.k, covariance, given.terms).worst_g
 
     def answers(self) -> list[Remedy]:
         """What would show it, the cheapest first; a better stand always does."""

@@ -2,17 +2,11 @@
 gravity check.
 
 A result carries its stand and its schedule, one of an earlier version neither: who asks tells both, and they are held
-against its residuals and its covariance. Everything is linear. With D the derivatives of the outputs by
-the coefficients at the ideal positions and G the gains of the estimator, errors dU of the means change
-
-    the coefficients by  G dU        the residuals by  r = dU - D G dU        delta_g by  a K^-1 r
-
-with a the specific force of the position, a unit vector.
+against its residuals and its covariance. Everything is linear (model.propagation.Propagation.of_means).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,8 +17,7 @@ from tumble.errors import UsageError
 from tumble.estimators import COEFFICIENTS, OPTIMAL
 from tumble.model import coefficients
 from tumble.model.coefficients import linear_outputs
-from tumble.model.errors import NOISE, by_gains, contributions
-from tumble.model.estimators import by_coefficients, columns_at
+from tumble.model.errors import NOISE
 from tumble.model.geometry import built_in, ideal_force
 from tumble.model.optimal import NOISE_FLOOR_G
 from tumble.model.propagation import SHOWN, Propagation
@@ -89,8 +82,11 @@ def expected(result: Result, schedule: Schedule, declared: Stand, step_v: PerCha
     if estimator == OPTIMAL:  # as its weights have it
         variance = np.maximum(variance, (NOISE_FLOOR_G * np.abs(k).max()) ** 2)
     given = Propagation(schedule, k, stand, samples, estimator, step, terms)
-    errors, (found, left, gravity) = given.errors(variance), _linear(given)
-    coefficients = {name: u[:12] for name, u in contributions(found, errors).items()}
+    brought = {
+        name: [(each.T * one.sigma).T for each in given.of_means(one.derivative)]
+        for name, one in given.errors(variance).items()
+    }
+    coefficients = {name: np.sqrt((found[:, :12] ** 2).sum(axis=0)) for name, (found, *_) in brought.items()}
     stated = np.diag(result.covariance)
     if not is_told:  # the noise is what the other sources leave
         others = sum((u**2 for name, u in coefficients.items() if name != NOISE), np.zeros(12))
@@ -101,38 +97,16 @@ def expected(result: Result, schedule: Schedule, declared: Stand, step_v: PerCha
         one = int(wrong.argmax())
         has, leaves = f"the result has {u[one]:.4g}", f"this one leaves {together[one]:.4g}"
         raise UsageError(f"stand: not that of the result: of u({COEFFICIENTS[one]}) {has}, {leaves}")
-    if given.schedule.is_inclined:  # residuals are those at the inclinations that the run shows
-        errors = {name: one for name, one in errors.items() if name not in SHOWN}
-    of_residuals, of_delta_g = (
-        np.sqrt(sum(one**2 for one in contributions(linear, errors).values())) for linear in (left, gravity)
-    )
-    return Expected(coefficients, of_residuals.reshape(-1, 3), of_delta_g)
+    # residuals of a block that is inclined are those at the inclinations that the run shows
+    shown = SHOWN if given.schedule.is_inclined else ()
+    parts = [one for name, one in brought.items() if name not in shown]
+    of_residuals, of_delta_g = (np.sqrt(sum((part[place] ** 2).sum(axis=0) for part in parts)) for place in (1, 2))
+    return Expected(coefficients, of_residuals, of_delta_g)
 
 
 def terms_of(result: Result) -> Terms:
     """The further terms of a result's model."""
     return () if result.extended is None else result.extended.terms
-
-
-Linear = Callable[[Floats], Floats]
-
-
-def _linear(given: Propagation) -> tuple[Linear, Linear, Linear]:
-    """What errors of the means (draws, positions, 3) do to the coefficients, to the residuals (draws, 3 x positions),
-    to delta_g (draws, positions)."""
-    force, found = ideal_force(given.schedule), by_gains(given.schedule, given.gains)
-    further = columns_at(force, given.terms).reshape(3 * len(given.terms), 3 * len(force)).T
-    by_unknown = np.hstack([by_coefficients(force), further])
-
-    def left(means: Floats) -> Floats:
-        residuals: Floats = means.reshape(len(means), -1) - found(means) @ by_unknown.T
-        return residuals
-
-    def gravity(means: Floats) -> Floats:
-        delta_g: Floats = (left(means).reshape(means.shape) * (force @ np.linalg.inv(given.k))).sum(axis=2)
-        return delta_g
-
-    return found, left, gravity
 
 
 def _part(result: Result, schedule: Schedule) -> Schedule | None:

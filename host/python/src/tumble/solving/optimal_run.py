@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import struct
 import zlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from tumble import core
 from tumble.arrays import Flags, Floats, Integers
-from tumble.core.binding import GainRecord, Gains, OptimalEstimate, estimate_runs, optimal, optimal_each
+from tumble.core import GainRecord, Gains, estimate_runs, optimal_each, optimal_runs
 from tumble.errors import UsageError
 from tumble.model.errors import free, places, unit_effect
 from tumble.model.estimators import design
@@ -42,48 +42,24 @@ _TAIL = struct.Struct("<II")
 
 
 @dataclass(frozen=True)
-class Record:
-    """A record's contents. `fit_positions` to `drifts`: its counts; arrays as in OptimalTable."""
+class Record(OptimalTable):
+    """A table for a schedule with so many `mountings`, and for one block unless `block_crc` is 0."""
 
-    fit_positions: int
     mountings: int
-    yaws: int
-    seats: int
-    waves: int
-    drifts: int
     schedule_crc: int
     block_crc: int
-    k: Floats
-    sigma: Floats
-    sigma_mean: float
-    u: Floats
-    gains: Floats
-    nuisance_gains: Floats
-    weights: Floats = field(default_factory=lambda: np.ones(3))
-    inclinations: int = 0
-    sigma_inclination: float = 0.0
+
+    @property
+    def fit_positions(self) -> int:
+        """That it weighs."""
+        return int(self.gains.shape[1]) // 3
 
 
 def record_of(table: OptimalTable, schedule: Schedule, serial: str | None = None) -> Record:
     """A table as a record, for one block if `serial` names it."""
+    block_crc = 0 if serial is None else zlib.crc32(serial.encode("utf-8"))
     return Record(
-        fit_positions=table.gains.shape[1] // 3,
-        mountings=len(schedule.mountings),
-        yaws=table.yaws,
-        seats=table.seats,
-        waves=table.waves,
-        drifts=table.drifts,
-        schedule_crc=fingerprint(schedule),
-        block_crc=0 if serial is None else zlib.crc32(serial.encode("utf-8")),
-        k=table.k,
-        sigma=table.sigma,
-        sigma_mean=table.sigma_mean,
-        weights=table.weights,
-        u=table.u,
-        gains=table.gains,
-        nuisance_gains=table.nuisance_gains,
-        inclinations=table.inclinations,
-        sigma_inclination=table.sigma_inclination,
+        **vars(table), mountings=len(schedule.mountings), schedule_crc=fingerprint(schedule), block_crc=block_crc
     )
 
 
@@ -254,14 +230,10 @@ def make_table(
     return optimal_table(part, first, weighting.stand, weighting.step, samples, terms)
 
 
-def apply_table(table: OptimalTable, schedule: core.CoreSchedule, means: Floats) -> OptimalEstimate:
-    """Let the core evaluate a table made for this very schedule, all of it measured. Raises CoreRefusal."""
-    return optimal(to_bytes(record_of(table, schedule.data)), schedule, means)
-
-
-def estimate(schedule: core.CoreSchedule, means: Floats, measured: Flags, weighting: Weighting) -> OptimalEstimate:
-    """Coefficients and the stand's errors by the core. Raises CoreRefusal; UsageError where weights cannot be made."""
-    return apply_table(make_table(schedule, means, measured, weighting), schedule.part(measured), means[measured])
+def apply_table(table: OptimalTable, schedule: core.CoreSchedule, means: Floats) -> Floats:
+    """Coefficients (12,) by the core, from a table for this very schedule, all of it measured. Raises CoreRefusal."""
+    found: Floats = optimal_runs(GainRecord(schedule, to_bytes(record_of(table, schedule.data))), means[None])[0][0]
+    return found
 
 
 # Many runs at once, each with weights at its own K: optimal_table in stacks. The system is the one of model.optimal but

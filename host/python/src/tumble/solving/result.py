@@ -110,7 +110,7 @@ def document_of(
     no clock was looked at; `warnings`: sentences that a person is told beside it."""
     unit, rests_on, decision, fit = solution.run.unit, assumed(solution), decide(solution), solution.fit
     volts, temperature, alone = volts_per(unit), solution.run.temperature, solution.scatter_alone
-    found, difference, u_norm = solution.found, solution.comparison, solution.u_norm
+    found, difference = solution.found, solution.comparison
     return Result(
         created=created,
         tumble=__version__,
@@ -127,7 +127,7 @@ def document_of(
         u_K=solution.u_k,
         u_U0=solution.u_u0,
         covariance=solution.covariance,
-        u_norm_g=None if u_norm is None else doc.WorstNorm(u_norm.worst, u_norm.attitude),
+        u_norm_g=solution.u_norm,
         extended=None if solution.further is None else extended(solution.further, volts),
         second_order=None if solution.second_order is None else second_order_of(solution.second_order),
         monte_carlo=None if solution.monte_carlo is None else _monte_carlo(solution.monte_carlo),
@@ -229,15 +229,15 @@ def extended(further: Further, volts_per_unit: float) -> doc.Extended:
     sizes = dict(zip(further.terms, further.values * np.array(scale)[:, None]))
     u = {} if further.u is None else dict(zip(further.terms, further.u * np.array(scale)[:, None]))
     scales = np.concatenate([np.ones(12), np.repeat(scale, 3)])
-    joint, alone, without = further.of_values, further.worst_norm_of_twelve, further.without
+    joint, alone = further.of_values, further.worst_norm_of_twelve
     by_term = {key: found.get(term) for term, own in KEYS.items() for key, found in ((own, sizes), (f"u_{own}", u))}
     return doc.Extended(
         further.terms,
         **by_term,
         names=names(further.terms),
         covariance=None if joint is None else scales[:, None] * joint * scales,
-        u_norm_of_K_U0_g=None if alone is None else alone.worst,
-        without=None if without is None else doc.Without(without.u_k, without.u_u0, without.worst.worst),
+        u_norm_of_K_U0_g=None if alone is None else alone.worst_g,
+        without=further.without,
         max_abs_difference=float(np.abs(further.difference).max()),
     )
 

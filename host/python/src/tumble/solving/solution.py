@@ -12,7 +12,7 @@ import numpy as np
 from tumble import core
 from tumble.arrays import Floats, Integers
 from tumble.defaults import DEFAULT_COVERAGE_FACTOR
-from tumble.documents.result import Truth
+from tumble.documents.result import Truth, WorstNorm
 from tumble.errors import BadInput
 from tumble.estimators import INCLINATIONS, INCLINED, OPTIMAL
 from tumble.files.run_file import Run
@@ -20,7 +20,6 @@ from tumble.model import inclined
 from tumble.model.coefficients import (
     IntrinsicUncertainties,
     NotSolvable,
-    WorstNorm,
     by_intrinsic,
     intrinsic_uncertainties,
     worst_norm,
@@ -326,7 +325,7 @@ class _Left:
         at, k = inclined.supposed(part, means)
         try:
             covariance = Propagation(at, k, self.stand, self.samples, INCLINED, self.step).covariance(self.variance)
-            u_norm_g = worst_norm(k, covariance).worst
+            u_norm_g = worst_norm(k, covariance).worst_g
         except (inclined.NotShown, np.linalg.LinAlgError):
             u_norm_g = math.inf
         return f", which leaves u(|a|) of up to {u_norm_g:.2g} g" if u_norm_g < 1.0 else ", which leaves |a| unknown"

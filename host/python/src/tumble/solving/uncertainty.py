@@ -18,26 +18,17 @@ import numpy as np
 
 from tumble import core
 from tumble.arrays import Flags, Floats, Integers
-from tumble.core.binding import uncertainties, uncertainties_of_gains
+from tumble.core import uncertainties, uncertainties_of_gains
 from tumble.distributions import student_quantile
+from tumble.documents.result import Without, WorstNorm
 from tumble.errors import BadInput
 from tumble.estimators import INCLINED, OPTIMAL
-from tumble.model.coefficients import WorstNorm, variances, worst_norm
+from tumble.model.coefficients import variances, worst_norm
 from tumble.model.optimal import NOISE_FLOOR_G, OptimalEstimate
 from tumble.model.propagation import Propagation
 from tumble.solving.computation import compare_uncertainties
 from tumble.solving.noise import Noise
 from tumble.terms import POWERS, Terms
-
-
-@dataclass(frozen=True)
-class Without:
-    """Standard uncertainties of the same run, stand and estimator without the further terms: `u_k` (3, 3), `u_u0` (3,);
-    `worst`: of |a|."""
-
-    u_k: Floats
-    u_u0: Floats
-    worst: WorstNorm
 
 
 @dataclass(frozen=True)
@@ -123,7 +114,7 @@ def confirmed(
     without = None
     if given.terms:
         alone = confirmed(replace(given, terms=()), schedule, measured, mean_variance, None, file)
-        without = Without(alone.u_k, alone.u_u0, worst_norm(given.k, alone.covariance))
+        without = Without(alone.u_k, alone.u_u0, worst_norm(given.k, alone.covariance).worst_g)
     return Stated(u[:9].reshape(3, 3), u[9:12], covariance, without)
 
 

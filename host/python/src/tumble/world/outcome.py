@@ -22,7 +22,7 @@ from tumble.files.run_layout import Wishes
 from tumble.files.stand_file import StandFile
 from tumble.model.estimators import unknowns
 from tumble.model.optimal import optimal_covariance, optimal_estimate
-from tumble.model.propagation import covariance
+from tumble.model.propagation import Propagation
 from tumble.solving import result
 from tumble.solving.computation import OPTIMAL_LIMIT_U, RELATIVE_LIMIT, compare_uncertainties
 from tumble.solving.noise import look, of_means
@@ -161,7 +161,7 @@ def _require_same_uncertainties(solution: Solution, document: RunWithTruth, setu
         weighed = setup.stand.with_step(step_v(setup))
         noise = np.square(setup.stand.mean_sigma(samples)) if variance is None else variance
         seen = solution.measured_schedule
-        by_numpy = covariance(seen, solution.found.k, weighed, samples, setup.estimator, noise)
+        by_numpy = Propagation(seen, solution.found.k, weighed, samples, setup.estimator).covariance(noise)
     stated = np.concatenate([np.ravel(document.u_K), document.u_U0])
     compare_uncertainties(stated, np.sqrt(np.diag(by_numpy)), setup.estimator == OPTIMAL)
 

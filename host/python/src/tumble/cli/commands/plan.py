@@ -198,28 +198,15 @@ def _describe_require(parser: argparse.ArgumentParser) -> None:
 def _run_require(arguments: argparse.Namespace) -> int:
     probability = _parse_probability(arguments.probability)
     case = _read_case(arguments)
-    limit_g = case.limit_g
     split = _split(arguments.split, case, arguments.weights == "published")
 
-    from tumble.planning import model_cost, tables
-    from tumble.planning.promise import promises
-    from tumble.planning.require import document, enough, headroom, margins, requirements, show
+    from tumble.planning.require import require, show
 
-    found = requirements(case, arguments.weights, arguments.estimator, limit_g, split)
-    room = headroom(case, arguments.weights, arguments.estimator, limit_g)
-    derived = arguments.weights == "derived"
-    of_all = margins(case, limit_g) if derived else {arguments.estimator: room.margin}
-    just = enough(case, arguments.estimator, found.limits, probability) if derived else None
-    promised = promises(case, probability) if derived else None
-    asked = arguments.weights, arguments.estimator, limit_g, split, probability
-    further = model_cost.model_cost(case, arguments.estimator)
-    plan = document(found, room, of_all, just, promised, case, *asked, further)
+    plan = require(case, arguments.weights, arguments.estimator, split, probability)
     if arguments.json:
         _print_json(plan)
     else:
         show(plan, case)
-        if further is not None:
-            tables.console().print(model_cost.sentence(further))
     return EXIT_PASS
 
 
@@ -296,7 +283,7 @@ def _show_optimize(found: Optimized) -> None:
     from tumble.planning.promise import sentence
     from tumble.stand import per_channel
 
-    out, record = tables.console(), found.record
+    out, record = tables.console(), found.table
     other = "least_squares" if found.u_refined is None else "refined"
     u_other = found.u_least_squares if found.u_refined is None else found.u_refined
     noise = ", ".join(f"{sigma:.2g}" for sigma in np.atleast_1d(per_channel(record.sigma_mean / record.weights)))
@@ -323,8 +310,8 @@ def _content(kind: str, found: Optimized, document: Optimize) -> bytes:
     from tumble.solving import optimal_run
 
     if kind == ".bin":
-        return optimal_run.to_bytes(found.record)
-    text = to_json(document) if kind == ".json" else optimal_run.to_c_header(found.record, found.case.stand.name)
+        return optimal_run.to_bytes(found.table)
+    text = to_json(document) if kind == ".json" else optimal_run.to_c_header(found.table, found.case.stand.name)
     return text.encode("utf-8")
 
 
