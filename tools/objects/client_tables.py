@@ -1,4 +1,4 @@
-"""What the client library calls by name: states, reasons with remedies, commands, objections, verdicts, settings."""
+"""What the client library calls by name: reasons with remedies, commands, objections, verdicts, settings."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from rules import check
 
 SETS = "firmware/include/tumble/sets.h"
 LISTS = {
-    "STATE": "firmware/procedure/states.h",
     "REASON": "firmware/procedure/states.h",
     "COMMAND": "firmware/navcomp/commands.h",
     "OBJECTION": SETS,

@@ -1,10 +1,8 @@
 """One interface to the node, whatever the link: objects are read and written by name, commands are given.
 
-A name is that of the EDS file and of docs/modbus.csv: "State", "Progress: Actual angle", "Active set: K: K_xx".
-
-What goes wrong between a client and a node. All are `tumble.errors.TumbleError`, and their text is one line.
-
-The register map of docs/modbus.csv: where values stand, how they are packed, and how fine they are.
+A name is that of the EDS file and of docs/modbus.csv: "State", "Progress: Actual angle", "Active set: K: K_xx". All
+that goes wrong is a `tumble.errors.TumbleError`, and its text is one line. At the end the register map of
+docs/modbus.csv: where values stand, how they are packed, and how fine they are.
 """
 
 from __future__ import annotations

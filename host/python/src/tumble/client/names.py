@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from tumble.client.tables import COMMANDS, OBJECTIONS, REASONS, STAND_STEPS, STATES, VERDICTS
+from tumble.client.tables import COMMANDS, OBJECTIONS, REASONS, STAND_STEPS, VERDICTS
+from tumble.firmware_tables import STATES
 
 COMMAND = {row[0]: number for number, row in enumerate(COMMANDS)}
-STATE_NAMES = tuple(row[0] for row in STATES)
+STATE_NAMES = tuple(STATES)
 STAND_STATES = ("offline", "not homed", "homing", "moving", "in position", "stopped", "in fault")  # 2003h:12
 
 

@@ -1,9 +1,4 @@
-"""A navigation computer as a script sees it: commands, state, result, settings; the same over CAN and Modbus.
-
-What can be set on a node, as a mapping by name.
-
-What a run has found, and what became of it.
-"""
+"""A navigation computer as a script sees it: commands, state, result, settings; the same over CAN and Modbus."""
 
 from __future__ import annotations
 
@@ -11,7 +6,6 @@ import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from types import TracebackType
 
 import numpy as np
 
@@ -244,9 +238,7 @@ class Node:
     def __enter__(self) -> Node:
         return self
 
-    def __exit__(
-        self, _kind: type[BaseException] | None, _error: BaseException | None, _at: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def close(self) -> None:

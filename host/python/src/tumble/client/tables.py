@@ -6,24 +6,6 @@ the object tables and tools/objects/remedies.toml; not to be edited."""
 
 from __future__ import annotations
 
-STATES: tuple[tuple[str, str], ...] = (  # by number: name, meaning
-    ("IDLE", "waiting for a start command"),
-    ("PREFLIGHT", "checking schedule, stand and block"),
-    ("WARM_UP", "waiting for the block's temperature to hold still"),
-    ("WAIT_MOUNTING", "waiting for the operator to mount the block, or incline the stand, and confirm"),
-    ("HOME", "homing the table"),
-    ("MOVE", "turning the table"),
-    ("SETTLE", "waiting for the table and the block to come to rest"),
-    ("AVERAGE", "averaging samples"),
-    ("NEXT", "choosing the next position"),
-    ("SOLVE", "computing the coefficients"),
-    ("VERIFY", "checking the result against gravity"),
-    ("PROPOSE", "offering the result"),
-    ("DONE", "finished"),
-    ("FAULT", "stopped by a fault, can be mended and resumed"),
-    ("ABORT", "given up, table stopped"),
-)
-
 REASONS: tuple[tuple[str, str, str], ...] = (  # by number: name, meaning, what to do
     ("NONE", "nothing is wrong", "Nothing is wrong."),
     ("COMMAND", "aborted by command", "Somebody gave ABORT, or the node was reset."),

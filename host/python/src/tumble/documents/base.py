@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from collections.abc import Callable
 from inspect import cleandoc
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, TypeVar
 
@@ -124,17 +125,16 @@ def described(kind: type[Document]) -> tuple[str, dict[str, str]]:
     return " ".join(lead).strip(), named
 
 
-def written(document: Document | dict[str, Any]) -> dict[str, Any]:
-    """As JSON has it: dicts, lists, texts and numbers."""
-    found: dict[str, Any] = _with_lists(msgspec.to_builtins(document, enc_hook=lambda one: one.tolist()))
+def written(document: Document | dict[str, Any], leaf: Callable[[Any], Any] = lambda one: one) -> dict[str, Any]:
+    """As JSON has it: dicts, lists, texts and numbers; of these last two what `leaf` makes of them."""
+
+    def plain(value: Any) -> Any:  # lists in place of tuples
+        if isinstance(value, dict):
+            return {name: plain(one) for name, one in value.items()}
+        return [plain(one) for one in value] if isinstance(value, (tuple, list)) else leaf(value)
+
+    found: dict[str, Any] = plain(msgspec.to_builtins(document, enc_hook=lambda one: one.tolist()))
     return found
-
-
-def _with_lists(value: Any) -> Any:
-    """In place of tuples."""
-    if isinstance(value, dict):
-        return {name: _with_lists(one) for name, one in value.items()}
-    return [_with_lists(one) for one in value] if isinstance(value, (tuple, list)) else value
 
 
 def to_json(document: Document | dict[str, Any]) -> str:

@@ -311,18 +311,12 @@ RunWithTruth: TypeAlias = Bench | NodeWithStand
 _WHOLE = 1e17  # below it a whole number is written without a point
 
 
-def written(document: Document) -> dict[str, Any]:
+def written(document: Document | dict[str, Any]) -> dict[str, Any]:
     """As the programs in C write theirs: unknown is null, a whole number has no point."""
-    told: dict[str, Any] = plain(base.written(document))
-    return told
+    return base.written(document, _as_in_c)
 
 
-def plain(value: Any) -> Any:
-    """The same of anything that JSON can hold."""
-    if isinstance(value, dict):
-        return {name: plain(one) for name, one in value.items()}
-    if isinstance(value, list):
-        return [plain(one) for one in value]
+def _as_in_c(value: Any) -> Any:
     if isinstance(value, float):
         if not math.isfinite(value):
             return None

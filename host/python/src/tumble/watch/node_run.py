@@ -6,7 +6,7 @@ from __future__ import annotations
 import contextlib
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from msgspec.structs import replace
 
@@ -15,11 +15,7 @@ from tumble.client.can_link import CanLink
 from tumble.client.link import CommunicationError, Link, Value
 from tumble.documents.watch import Gravity, Matrix, Mean, Snapshot, Vector
 from tumble.errors import TumbleError
-from tumble.watch import snapshot
-from tumble.watch.snapshot import IDENTIFIERS, Heard, Lost, Status
-
-if TYPE_CHECKING:
-    import can
+from tumble.watch.snapshot import ANGLE_KNOWN, IDENTIFIERS, STANDS, Heard, Lost, Status
 
 _AXES = "xyz"
 _STATUS = ("State", "Reason", "Progress: Position index", "Progress: Positions finished", "Progress: Samples taken")
@@ -80,7 +76,8 @@ class NodeRun:
         """What has changed since the last time, and that alone; and what shows next time whether place and result
         have."""
         status, run = self._status(link)
-        state = snapshot.state(status.state)
+        told = status.told
+        state = told["state"]
         key: Any = (status.state, status.index, status.finished, run)
         now = self._last
         if key != self._key:
@@ -90,11 +87,7 @@ class NodeRun:
         result: Any = (run, state if state in _WITH_RESULT else None)
         if result != self._result:
             now = replace(now, **_found_twice(link))
-        now = replace(
-            now, state=state, reason=snapshot.reason(status.reason), run=run, finished=status.finished,
-            samples=status.samples if state == "AVERAGE" else None,
-            emergencies={} if self._heard is None else self._heard.emergencies(),
-        )  # fmt: skip
+        now = replace(now, run=run, emergencies={} if self._heard is None else self._heard.emergencies(), **told)
         grown = key != self._key or now.samples != self._last.samples
         if grown and now.samples is not None and now.samples >= _FEWEST:
             now = replace(now, mean=_mean(link, now))
@@ -123,24 +116,11 @@ def _failures() -> tuple[type[Exception], ...]:
 
 def _listening(link: CanLink) -> Heard:
     """What comes by itself, from now on. Of all else on the bus only answers to what is asked reach this process."""
-    import can
-
-    class Patient(can.Listener):
-        """A bus that has gone shows in answers that do not come."""
-
-        def on_message_received(self, msg: can.Message) -> None:
-            pass
-
-        def on_error(self, exc: Exception) -> None:
-            pass
-
     heard = Heard()
     network = link.network
     for identifier in IDENTIFIERS:
         network.subscribe(identifier, lambda number, data, _: heard.frame(number, bytes(data)))
-    assert network.notifier is not None
     assert network.bus is not None  # it is connected
-    network.notifier.add_listener(Patient())
     wanted = (*IDENTIFIERS, *network.subscribers)
     network.bus.set_filters([{"can_id": one, "can_mask": 0x7FF, "extended": False} for one in sorted(set(wanted))])
     return heard
@@ -164,10 +144,11 @@ def _place(link: Link) -> dict[str, Any]:
 
 def _table(link: Link) -> dict[str, Any]:
     stand, angle, temperature = _asked(link, *(f"Progress: {one}" for one in _TABLE))
-    name = snapshot.stand(_whole(stand))
+    number = _whole(stand)
+    name = STANDS[number] if number < len(STANDS) else f"STAND_{number}"
     return {
         "stand": name,
-        "angle_rad": _radians(angle) if name in snapshot.ANGLE_KNOWN else None,
+        "angle_rad": _radians(angle) if name in ANGLE_KNOWN else None,
         "temperature_c": None if temperature is None else _number(temperature) / _HALF_DEGREES_C,
     }
 

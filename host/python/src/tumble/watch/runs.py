@@ -1,8 +1,7 @@
 """Asks a source again and again, in a thread of its own, and keeps what it has found for all who look on.
 
-A run of the bench as a source: what its events have told, and its document at the end.
-
-The folder of a run as a source: finished, or as the bench is still writing it.
+And two sources: a run of the bench, by its events and its document at the end; the folder of a run, finished or as the
+bench is still writing it.
 """
 
 from __future__ import annotations
@@ -22,7 +21,6 @@ from tumble.documents.bench import BENCH, NODE, Bench, Deviation, FirmwareRun, N
 from tumble.documents.result import RESULT, DeltaG, Result
 from tumble.documents.watch import Gravity, Matrix, Mean, Snapshot, Vector
 from tumble.errors import BadInput
-from tumble.watch import snapshot
 from tumble.watch.snapshot import Heard, Lost, Source, View, without_prefix
 
 
@@ -194,20 +192,12 @@ def _gravity(rows: Iterable[Deviation | DeltaG], limit_g: float, passed: bool) -
 
 def vector(numbers: Iterable[float] | None) -> Vector | None:
     """A list from a document; None stays."""
-    return None if numbers is None else _three(numbers)
+    return None if numbers is None else tuple(map(float, numbers))
 
 
 def matrix(rows: Iterable[Iterable[float]] | None) -> Matrix | None:
     """A list of lists from a document; None stays."""
-    if rows is None:
-        return None
-    x, y, z = map(_three, rows)
-    return x, y, z
-
-
-def _three(numbers: Iterable[float]) -> Vector:
-    x, y, z = map(float, numbers)
-    return x, y, z
+    return None if rows is None else tuple(tuple(map(float, row)) for row in rows)
 
 
 _DOCUMENTS = ("result.json", "fault.json", "bench.json")  # the last is the world's own
@@ -288,16 +278,8 @@ class FolderRun:
         status = self._heard.status()
         if status is None:
             return Snapshot(virtual_s=self._last_s)
-        state = snapshot.state(status.state)
-        return Snapshot(
-            state=state,
-            reason=snapshot.reason(status.reason),
-            run=self._heard.run(),
-            finished=status.finished,
-            samples=status.samples if state == "AVERAGE" else None,
-            emergencies=self._heard.emergencies(),
-            virtual_s=self._last_s,
-        )
+        emergencies = self._heard.emergencies()
+        return Snapshot(run=self._heard.run(), emergencies=emergencies, virtual_s=self._last_s, **status.told)
 
 
 def _checked(told: Any, file: str) -> FirmwareRun | Result:

@@ -1,10 +1,5 @@
-"""What is known of a run at one moment, in numbers and words, and what a listener hears of it.
-
-States and reasons of the firmware in words: what goes on, what is wrong, what to do.
-
-What is known of a run at one moment. Unknown is None; every number has its unit in its name.
-
-What a listener hears of a navigation computer on CAN: its process data, the drive's, emergencies. It sends nothing.
+"""What is known of a run at one moment, in numbers and words; unknown is None. And what a listener hears of it on CAN:
+the computer's process data, the drive's, emergencies. It sends nothing.
 
 Identifiers are those at power-on (docs/bus/README.md). Where they were changed, nothing is heard, and a reader has to
 ask.
@@ -23,44 +18,20 @@ import msgspec
 from msgspec.structs import replace
 
 from tumble.client import names
-from tumble.client.tables import REASONS, STATES
+from tumble.client.tables import REASONS
 from tumble.documents.base import written
 from tumble.documents.watch import Outage, Snapshot, Watch
+from tumble.firmware_tables import STATES
 
 STANDS = ("OFFLINE", "READY", "HOMING", "MOVING", "IN_POSITION", "STOPPED", "FAULT")  # tumble_stand_state_t
 ANGLE_KNOWN = ("MOVING", "IN_POSITION", "STOPPED")
-_MEANINGS = dict(STATES)
 _REASONS = {name: (meaning, remedy) for name, meaning, remedy in REASONS}
 
 
-def state(number: int) -> str:
-    """Of 2000h."""
-    return names.state(number)
-
-
-def reason(number: int) -> str | None:
-    """Of 2001h; None where nothing is wrong."""
-    return names.reason(number).name if number else None
-
-
-def stand(number: int) -> str:
-    """Of 2003h:12."""
-    return STANDS[number] if number < len(STANDS) else f"STAND_{number}"
-
-
-def meaning(state: str | None) -> str | None:
-    """What is done in a state; None where that is not known."""
-    return _MEANINGS.get(state or "")
-
-
-def sentence(reason: str | None) -> str | None:
-    """What is wrong."""
-    return _REASONS.get(reason or "", (None, None))[0]
-
-
-def remedy(reason: str | None) -> str | None:
-    """What to do about it."""
-    return _REASONS.get(reason or "", (None, None))[1]
+def in_words(now: Snapshot) -> Snapshot:
+    """With what is done in its state, what is wrong, and what to do about that, as far as it is known."""
+    sentence, remedy = _REASONS.get(now.reason or "", (None, None))
+    return replace(now, meaning=STATES.get(now.state or ""), sentence=sentence, remedy=remedy)
 
 
 class Lost(Exception):
@@ -94,21 +65,11 @@ class View(msgspec.Struct, frozen=True):
 def document(view: View) -> dict[str, Any]:
     """A view as JSON has it. What is not finite is unknown."""
     lost = None if view.lost_since is None else Outage(view.lost_since, view.why or "")
-    shown = None if view.snapshot is None else _in_words(view.snapshot)
-    found: dict[str, Any] = _known(written(Watch(source=view.name, time_unix_s=view.time, lost=lost, snapshot=shown)))
-    return found
-
-
-def _in_words(now: Snapshot) -> Snapshot:
-    return replace(now, meaning=meaning(now.state), sentence=sentence(now.reason), remedy=remedy(now.reason))
-
-
-def _known(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _known(one) for key, one in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_known(one) for one in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    shown = None if view.snapshot is None else in_words(view.snapshot)
+    return written(
+        Watch(source=view.name, time_unix_s=view.time, lost=lost, snapshot=shown),
+        lambda value: None if isinstance(value, float) and not math.isfinite(value) else value,
+    )
 
 
 def without_prefix(name: str) -> str:
@@ -133,6 +94,14 @@ class Status:
     index: int
     finished: int
     samples: int
+
+    @property
+    def told(self) -> dict[str, Any]:
+        """As a Snapshot has it."""
+        state = names.state(self.state)
+        reason = names.reason(self.reason).name if self.reason else None
+        samples = self.samples if state == "AVERAGE" else None
+        return {"state": state, "reason": reason, "finished": self.finished, "samples": samples}
 
 
 class Heard:

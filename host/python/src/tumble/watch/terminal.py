@@ -16,8 +16,7 @@ from rich.table import Table
 from rich.text import Text
 
 from tumble.documents.watch import Gravity, Matrix, Snapshot, Vector
-from tumble.watch import snapshot
-from tumble.watch.snapshot import View
+from tumble.watch.snapshot import View, in_words
 
 _WIDTH = 80
 _UPDATES_PER_SECOND = 4
@@ -57,26 +56,22 @@ class Lines:
 
 def drawn(view: View) -> RenderableType:
     """A view as rich draws it."""
-    now = view.snapshot or Snapshot()
+    now = in_words(view.snapshot or Snapshot())
     parts: list[RenderableType] = [_state(now), *_trouble(now), *_lost(view)]
     parts += [Text(), _place(now), _samples(now), _angle(now), Text(), _means(now), Text()]
     parts += [_coefficients(now), Text(), _gravity(now.gravity)]
     title = Text(f" tumble watch {view.name} ", overflow="ellipsis")
-    return Panel(Group(*parts), title=title, subtitle=_when(view), width=_WIDTH, box=box.ROUNDED)
+    when = _clock(view.time) + ("" if now.virtual_s is None else f", {now.virtual_s:.1f} s of virtual time")
+    return Panel(Group(*parts), title=title, subtitle=when, width=_WIDTH, box=box.ROUNDED)
 
 
 def line(view: View) -> str:
     """State, place and connection, in one line."""
-    now = view.snapshot or Snapshot()
+    now = in_words(view.snapshot or Snapshot())
     if view.lost_since is not None:
         return f"connection lost: {view.why}"
-    reason = "" if now.reason is None else f" {now.reason}: {snapshot.sentence(now.reason)}"
+    reason = "" if now.reason is None else f" {now.reason}: {now.sentence}"
     return f"{now.state or 'state unknown'}{reason}, {_where(now)}"
-
-
-def _when(view: View) -> str:
-    virtual = None if view.snapshot is None else view.snapshot.virtual_s
-    return _clock(view.time) + ("" if virtual is None else f", {virtual:.1f} s of virtual time")
 
 
 def _clock(seconds: float) -> str:
@@ -86,15 +81,14 @@ def _clock(seconds: float) -> str:
 def _state(now: Snapshot) -> Text:
     style = {"DONE": _GOOD, "FAULT": _BAD, "ABORT": _BAD}.get(now.state or "", "bold")
     text = Text((now.state or "state unknown").replace("_", " "), style=style)
-    said = snapshot.meaning(now.state)
-    text.append("" if said is None else f"  {said}", style="not bold")
+    text.append("" if now.meaning is None else f"  {now.meaning}", style="not bold")
     return text.append("" if now.run is None else f"  (run {now.run})", style="not bold dim")
 
 
 def _trouble(now: Snapshot) -> Iterator[Text]:
     if now.reason is not None:
-        yield Text(f"! {now.reason}: {snapshot.sentence(now.reason) or 'an unknown reason'}", style=_BAD)
-        yield Text(f"  {snapshot.remedy(now.reason) or ''}")
+        yield Text(f"! {now.reason}: {now.sentence or 'an unknown reason'}", style=_BAD)
+        yield Text(f"  {now.remedy or ''}")
     if now.emergencies:
         yield Text(
             "! emergency " + ", ".join(f"{code}h of {node}" for node, code in now.emergencies.items()), style=_BAD

@@ -17,7 +17,7 @@ from tumble.documents.bench import (
     NoiseOnBoard,
     Refusal,
     Truth,
-    plain,
+    written,
 )
 from tumble.documents.result import Table
 from tumble.errors import EXIT_DISAGREEMENT, EXIT_LIMITS_FAILED, EXIT_PASS, Interrupted
@@ -135,7 +135,7 @@ def table(report: Any) -> Table:
 
 
 def _told(report: Any, name: str, own: Event) -> Event:
-    event: Event = plain({"event": name, "virtual_s": report.now_us * _MICROSECOND, **own})
+    event: Event = written({"event": name, "virtual_s": report.now_us * _MICROSECOND, **own})
     return event
 
 
