@@ -7,7 +7,10 @@
 Each file is one record: what C and Python must both read as the numbers of store.json, and both write.
 """
 import json
+import math
+import struct
 import sys
+import zlib
 from pathlib import Path
 
 from tumble.store import codec
@@ -21,11 +24,20 @@ def encode(case):
     if kind == "set":
         return codec.encode_set(codec.CoefficientSet(**numbers))
     if kind == "entry":
-        return codec.encode_entry(codec.HistoryEntry(**numbers))
+        date, *behind = (numbers[name] for name in ("date_utc_s", "temperature_c", "values", "u"))
+        named = (numbers[name] for name in ("number", "sequence", "origin", "estimator", "flags"))
+        return sealed(codec._ENTRY.pack(b"THS1", *named, date or 0, behind[0], *behind[1], *behind[2]))
+    fingerprint = struct.pack("<I", numbers["fingerprint"])
     if kind == "run":
-        return codec.encode_run(**numbers)
-    fingerprint = numbers.pop("fingerprint")
-    return codec.encode_position(codec.Position(**numbers), fingerprint)
+        return sealed((codec._RUN_HEAD + fingerprint).ljust(60, b"\0"))
+    low_c, high_c = numbers["temperature_range_c"] or [codec.COLDEST_C, codec.WARMEST_C]
+    margins = math.floor(2 * low_c) + 128, 127 - math.ceil(2 * high_c)  # half degrees from either end
+    counts = (numbers["index"], numbers["samples"], *numbers["sums"], *numbers["scatter"])
+    return sealed(codec._POSITION.pack(b"TP", *counts, *margins), zlib.crc32(fingerprint))
+
+
+def sealed(record, before=0):
+    return record + struct.pack("<I", zlib.crc32(record, before))
 
 
 def exact(value):

@@ -99,7 +99,7 @@ def test_unknown_is_null_in_the_document(tumble, tmp_path):
     put(image, 0, place(codec.CoefficientSet(**numbers_of("set_bare") | {"origin": 1})))
     entry = numbers_of("history_entry") | {"flags": 0, "origin": 6, "date_utc_s": None}
     entry["values"] = [float("nan"), *entry["values"][1:]]
-    put(image, 4 * 4096, codec.encode_entry(codec.HistoryEntry(**entry)))
+    put(image, 4 * 4096, golden.encode({"kind": "entry", "numbers": entry}))
     blank.write_bytes(image)
     found = document_of(tumble("store", "dump", blank, "--json"), "store")
     unknown = {"date_utc_s", "temperature_c", "temperature", "gravity_m_s2", "u_K", "u_U0", "check", "closure_v",
@@ -116,7 +116,7 @@ def test_a_set_of_a_newer_version_is_not_torn(at, said, tumble, tmp_path):
     image = an_image()
     record = bytearray(image[2 * 4096 : 2 * 4096 + 316])
     record[at] = 2
-    sealed = codec._sealed(bytes(record))
+    sealed = golden.sealed(bytes(record))
     put(image, 2 * 4096, sealed + codec.mark_of(sealed))
     (tmp_path / "nv").write_bytes(image)
     found = read_image(bytes(image))

@@ -1,4 +1,5 @@
-"""The records of the store as bytes, with struct: sets, entries of the history, positions of a run."""
+"""The records of the store as bytes, with struct: sets, entries of the history, positions of a run. Sets alone are
+written here, for who makes a factory set (docs/store.md); the others the firmware alone writes."""
 
 from __future__ import annotations
 
@@ -91,10 +92,6 @@ class Position:
     temperature_range_c: list[float] | None = None  # of the run so far; None also where it touches an end
 
 
-def _sealed(bytes_: bytes, before: int = 0) -> bytes:
-    return bytes_ + struct.pack("<I", zlib.crc32(bytes_, before))
-
-
 def _check_seal(bytes_: bytes, before: int = 0) -> None:
     if struct.pack("<I", zlib.crc32(bytes_[:-4], before)) != bytes_[-4:]:
         raise NotARecord("its checksum does not agree")
@@ -123,34 +120,14 @@ def encode_set(s: CoefficientSet) -> bytes:
     serial = s.serial.encode()
     if len(serial) > 24 or b"\0" in serial:
         raise ValueError("a serial has at most 24 bytes of UTF-8, none of them zero")
-    return _sealed(
-        _SET.pack(
-            _SET_HEAD,
-            s.sequence,
-            s.origin,
-            s.estimator,
-            flags,
-            serial,
-            s.date_utc_s or 0,
-            s.temperature_c or 0.0,
-            s.gravity_m_s2 or 0.0,
-            *s.k,
-            *s.u0,
-            *(s.u_k or [0.0] * 9),
-            *(s.u_u0 or [0.0] * 3),
-            *(s.check or [0.0] * 3),
-            s.closure_v or 0.0,
-            s.samples,
-            s.fit_positions,
-            s.check_positions,
-            *_half_degrees(s.temperature_range_c or [0.0, 0.0]),
-            s.schedule_crc,
-            s.stand_crc,
-            s.reasons,
-            s.restores,
-            s.from_crc,
-        )
+    record = _SET.pack(
+        *(_SET_HEAD, s.sequence, s.origin, s.estimator, flags, serial, s.date_utc_s or 0),
+        *(s.temperature_c or 0.0, s.gravity_m_s2 or 0.0, *s.k, *s.u0),
+        *(*(s.u_k or [0.0] * 9), *(s.u_u0 or [0.0] * 3), *(s.check or [0.0] * 3), s.closure_v or 0.0),
+        *(s.samples, s.fit_positions, s.check_positions, *_half_degrees(s.temperature_range_c or [0.0, 0.0])),
+        *(s.schedule_crc, s.stand_crc, s.reasons, s.restores, s.from_crc),
     )
+    return record + struct.pack("<I", zlib.crc32(record))
 
 
 def decode_set(bytes_: bytes) -> CoefficientSet:
@@ -221,24 +198,6 @@ def _require_known(record: bytes) -> None:
         raise NewerVersion(f"a set of a newer version (schema {schema}, flags {flags:#x})")
 
 
-def encode_entry(e: HistoryEntry) -> bytes:
-    """The 128 bytes of an entry of the history."""
-    return _sealed(
-        _ENTRY.pack(
-            b"THS1",
-            e.number,
-            e.sequence,
-            e.origin,
-            e.estimator,
-            e.flags,
-            e.date_utc_s or 0,
-            e.temperature_c,
-            *e.values,
-            *e.u,
-        )
-    )
-
-
 def decode_entry(bytes_: bytes) -> HistoryEntry:
     """The entry in 128 bytes. Raises NotARecord."""
     if bytes_[:4] != b"THS1":
@@ -250,11 +209,6 @@ def decode_entry(bytes_: bytes) -> HistoryEntry:
     )
 
 
-def encode_run(fingerprint: int) -> bytes:
-    """The 64 bytes that begin the checkpoint of a run."""
-    return _sealed((_RUN_HEAD + struct.pack("<I", fingerprint)).ljust(CELL_BYTES - 4, b"\0"))
-
-
 def decode_run(bytes_: bytes) -> int:
     """The fingerprint of the run that is kept. Raises NotARecord."""
     if bytes_[:8] != _RUN_HEAD:
@@ -262,13 +216,6 @@ def decode_run(bytes_: bytes) -> int:
     _check_seal(bytes_)
     fingerprint: int = struct.unpack_from("<I", bytes_, 8)[0]
     return fingerprint
-
-
-def encode_position(p: Position, fingerprint: int) -> bytes:
-    """The 64 bytes of a finished position of that run."""
-    low, high = _half_degrees(p.temperature_range_c or [COLDEST_C, WARMEST_C])
-    margins = int(low - 2 * COLDEST_C), int(2 * WARMEST_C - high)
-    return _sealed(_POSITION.pack(b"TP", p.index, p.samples, *p.sums, *p.scatter, *margins), _seed(fingerprint))
 
 
 def decode_position(bytes_: bytes, fingerprint: int) -> Position:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from tumble.documents.base import DocumentT
 from tumble.documents.store import Check, Checkpoint, Entry, KeptPosition, Range, Set, Slots, Store
 from tumble.store.codec import HAS_TEMPERATURE, HAS_UNCERTAINTY, ORIGINS, CoefficientSet, HistoryEntry, Position
 from tumble.store.image import Image
@@ -31,43 +32,32 @@ def document(found: Image) -> Store:
 def _set(found: CoefficientSet | None) -> Set | None:
     if found is None:
         return None
-    return Set(
-        sequence=found.sequence,
+    return _made(
+        Set,
+        found,
         origin=ORIGINS[found.origin],
-        estimator=found.estimator,
-        serial=found.serial,
-        date_utc_s=found.date_utc_s,
-        temperature_c=found.temperature_c,
         temperature=_range(found.temperature_range_c),
-        gravity_m_s2=found.gravity_m_s2,
-        **_coefficients(found.k + found.u0, None if found.u_k is None else found.u_k + (found.u_u0 or [])),
         check=None if found.check is None else Check(*found.check),
-        closure_v=found.closure_v,
-        samples=found.samples or None,
-        fit_positions=found.fit_positions,
-        check_positions=found.check_positions,
-        schedule_crc=found.schedule_crc or None,
-        stand_crc=found.stand_crc or None,
-        reasons=found.reasons,
-        restores=found.restores,
-        from_crc=found.from_crc,
-        resumed=found.resumed,
-        other_rules=found.other_rules,
+        **_coefficients(found.k + found.u0, None if found.u_k is None else found.u_k + (found.u_u0 or [])),
+        **{key: getattr(found, key) or None for key in ("samples", "schedule_crc", "stand_crc")},
     )
 
 
 def _entry(entry: HistoryEntry) -> Entry:
     """A number that is none, under a right checksum, is null."""
-    return Entry(
-        number=entry.number,
-        sequence=entry.sequence,
+    return _made(
+        Entry,
+        entry,
         origin=(ORIGINS | _DECAYED).get(entry.origin),
-        estimator=entry.estimator,
-        flags=entry.flags,
-        date_utc_s=entry.date_utc_s,
         temperature_c=_finite([entry.temperature_c])[0] if entry.flags & HAS_TEMPERATURE else None,
         **_coefficients(_finite(entry.values), _finite(entry.u) if entry.flags & HAS_UNCERTAINTY else None),
     )
+
+
+def _made(kind: type[DocumentT], found: object, **own: Any) -> DocumentT:
+    """What a record says under the keys of a document, but for the document's `own`."""
+    told = vars(found) | own
+    return kind(**{key: told[key] for key in kind.__struct_fields__})
 
 
 def _coefficients(values: Sequence[float | None], u: Sequence[float | None] | None) -> dict[str, Any]:

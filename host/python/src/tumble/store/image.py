@@ -10,22 +10,7 @@ from typing import TypeVar
 
 from tumble.errors import BadInput
 from tumble.files.rows import range_text
-from tumble.store.codec import (
-    CELL_BYTES,
-    ENTRY_BYTES,
-    ORIGINS,
-    PLACE_BYTES,
-    SET_BYTES,
-    CoefficientSet,
-    HistoryEntry,
-    NewerVersion,
-    NotARecord,
-    Position,
-    decode_entry,
-    decode_place,
-    decode_position,
-    decode_run,
-)
+from tumble.store import codec
 
 SECTORS = 8
 MIN_SECTOR = 4096
@@ -39,12 +24,12 @@ class Image:
     """What an image holds. `torn`: places that are neither blank nor valid, in words; `newer`: those of sets that a
     newer version wrote, which nothing is wrong with."""
 
-    factory: CoefficientSet | None = None
-    slots: dict[str, CoefficientSet] = field(default_factory=dict)
-    proposal: CoefficientSet | None = None
-    history: list[HistoryEntry] = field(default_factory=list)  # newest first
+    factory: codec.CoefficientSet | None = None
+    slots: dict[str, codec.CoefficientSet] = field(default_factory=dict)
+    proposal: codec.CoefficientSet | None = None
+    history: list[codec.HistoryEntry] = field(default_factory=list)  # newest first
     run: int | None = None  # fingerprint
-    positions: dict[int, Position] = field(default_factory=dict)
+    positions: dict[int, codec.Position] = field(default_factory=dict)
     torn: list[str] = field(default_factory=list)
     newer: list[str] = field(default_factory=list)
 
@@ -53,7 +38,7 @@ class Image:
         return max(self.slots, key=lambda name: self.slots[name].sequence, default=None)
 
     @property
-    def active(self) -> CoefficientSet | None:
+    def active(self) -> codec.CoefficientSet | None:
         slot = self.active_slot
         return self.factory if slot is None else self.slots[slot]
 
@@ -66,7 +51,9 @@ def read_image(image: bytes, sector: int = MIN_SECTOR, name: str = "image") -> I
         raise BadInput(f"{len(image)} bytes are not whole sectors of {sector} bytes, {SECTORS} at least", name)
     found = Image()
     _read_sets(image, sector, found)
-    _drop_stale(found, image[3 * sector : 3 * sector + SET_BYTES])
+    active, proposal = found.active, image[3 * sector : 3 * sector + codec.SET_BYTES]
+    if found.slots and active and active.from_crc == int.from_bytes(proposal[-4:], "little"):
+        found.proposal = None  # it has become active, and only has not been cleared
     _read_history(image, sector, found)
     _read_run(image, sector, found)
     return found
@@ -78,16 +65,16 @@ def _read(decode: Callable[[bytes], _T], bytes_: bytes, where: str, found: Image
         return None
     try:
         return decode(bytes_)
-    except NewerVersion as reason:
+    except codec.NewerVersion as reason:
         found.newer.append(f"{where}: {reason}")
-    except NotARecord as reason:
+    except codec.NotARecord as reason:
         found.torn.append(f"{where}: {reason}")
     return None
 
 
 def _read_sets(image: bytes, sector: int, found: Image) -> None:
-    def place(offset: int, where: str) -> CoefficientSet | None:
-        return _read(decode_place, image[offset : offset + PLACE_BYTES], where, found)
+    def place(offset: int, where: str) -> codec.CoefficientSet | None:
+        return _read(codec.decode_place, image[offset : offset + codec.PLACE_BYTES], where, found)
 
     for number in range(FACTORY_PLACES):
         found.factory = found.factory or place(number * FACTORY_PITCH, f"factory place {number + 1}")
@@ -97,34 +84,29 @@ def _read_sets(image: bytes, sector: int, found: Image) -> None:
     found.proposal = place(3 * sector, "proposal")
 
 
-def _drop_stale(found: Image, proposal: bytes) -> None:
-    """A proposal that has become active, and only has not been cleared, is none."""
-    active = found.active
-    if found.slots and found.proposal and active and active.from_crc == int.from_bytes(proposal[-4:], "little"):
-        found.proposal = None
-
-
 def _read_history(image: bytes, sector: int, found: Image) -> None:
     for number in (4, 5):
-        for cell in range(MIN_SECTOR // ENTRY_BYTES):
-            offset = number * sector + cell * ENTRY_BYTES
+        for cell in range(MIN_SECTOR // codec.ENTRY_BYTES):
+            offset = number * sector + cell * codec.ENTRY_BYTES
             where = f"history, sector {number}, entry {cell + 1}"
-            if (entry := _read(decode_entry, image[offset : offset + ENTRY_BYTES], where, found)) is not None:
+            if (
+                entry := _read(codec.decode_entry, image[offset : offset + codec.ENTRY_BYTES], where, found)
+            ) is not None:
                 found.history.append(entry)
     found.history.sort(key=lambda entry: -entry.number)
 
 
 def _read_run(image: bytes, sector: int, found: Image) -> None:
     cells = [
-        image[start : start + CELL_BYTES]
+        image[start : start + codec.CELL_BYTES]
         for base in (6 * sector, 7 * sector)
-        for start in range(base, base + MIN_SECTOR, CELL_BYTES)
+        for start in range(base, base + MIN_SECTOR, codec.CELL_BYTES)
     ]
-    found.run = _read(decode_run, cells[0], "checkpoint", found)
+    found.run = _read(codec.decode_run, cells[0], "checkpoint", found)
     for number, cell in enumerate(cells[1:], 1):
         if (run := found.run) is not None:
             where = f"checkpoint, position entry {number}"
-            decode = functools.partial(decode_position, fingerprint=run)
+            decode = functools.partial(codec.decode_position, fingerprint=run)
             if (position := _read(decode, cell, where, found)) is not None:
                 found.positions[position.index] = position
 
@@ -138,13 +120,13 @@ def _date(date_utc_s: int | None) -> str:
         return f"{date_utc_s} s UTC"
 
 
-def _set_line(name: str, found: CoefficientSet | None) -> str:
+def _set_line(name: str, found: codec.CoefficientSet | None) -> str:
     if found is None:
         return f"{name}: none"
     diagonal = ", ".join(f"{found.k[i]:.9g}" for i in (0, 4, 8))
     parts = [
         f"sequence {found.sequence}",
-        ORIGINS[found.origin],
+        codec.ORIGINS[found.origin],
         f"block {found.serial!a}",
         _date(found.date_utc_s),
         f"K_xx, K_yy, K_zz {diagonal} V/g",
@@ -157,25 +139,15 @@ def _set_line(name: str, found: CoefficientSet | None) -> str:
     return f"{name}: {', '.join(parts)}"
 
 
-def _history_line(history: list[HistoryEntry]) -> str:
-    if not history:
-        return "history: empty"
-    return f"history: {len(history)}, the newest of {_date(history[0].date_utc_s)} with sequence {history[0].sequence}"
-
-
 def describe(found: Image) -> list[str]:
     """What is in an image, in a few lines."""
-    where = (
-        f"active (slot {found.active_slot})"
-        if found.slots
-        else "active (the factory set)"
-        if found.factory
-        else "active"
-    )
-    lines = [_set_line(where, found.active), _set_line("factory", found.factory)]
+    where = f" (slot {found.active_slot})" if found.slots else " (the factory set)" if found.factory else ""
+    lines = [_set_line(f"active{where}", found.active), _set_line("factory", found.factory)]
     lines += [_set_line(f"slot {name}", found.slots[name]) for name in found.slots if name != found.active_slot]
     lines += [_set_line("proposal", found.proposal)]
-    lines += [_history_line(found.history)]
+    newest = found.history[0] if found.history else None
+    since = newest and f"{len(found.history)}, the newest of {_date(newest.date_utc_s)} with sequence {newest.sequence}"
+    lines += [f"history: {since or 'empty'}"]
     kept = f"run {found.run:#010x}, {len(found.positions)} positions" if found.run is not None else "no run is kept"
     lines += [f"checkpoint: {kept}", *(f"newer: {place}, which this one cannot read" for place in found.newer)]
     return [*lines, *(f"torn: {place}" for place in found.torn)]
