@@ -1,4 +1,4 @@
-/* rows.c - rows of CSV as numbers, and what rows say together; part of the extension's source.
+/* rows.c - rows of CSV as numbers; part of the extension's source.
  *
  * rows_parse is the inner loop of tumble.files.rows: it takes the lines that are plain (numbers that one division or product makes exact, no quotes, no comments, a
  * position of the schedule) and stops at any other, which RowParser reads and alone may refuse. Rows are ux, uy, uz, the number of the line, then time and temperature.

@@ -24,29 +24,13 @@ from _tumble_core import ffi, lib
 from tumble.arrays import Flags, Floats, Integers
 from tumble.core import CoreSchedule
 from tumble.errors import BadInput
-from tumble.files import can_log
+from tumble.files import can_log, run_layout
 from tumble.files.disk import MIB, Held, Incoming, in_words, pieces, reason
 from tumble.files.rows import NotANumber, Part, PositionIndex, Refused, RowParser, Temperatures, listed
-from tumble.files.run_layout import (
-    COLUMNS,
-    NO_WISHES,
-    NUMBER,
-    Wishes,
-    as_text,
-    body_of,
-    detect,
-    detect_in_head,
-    is_long_enough,
-    is_number,
-    require_text,
-    split,
-)
 from tumble.schedule import CLOSED, Schedule
 
 WITHIN_ONE_SIGMA = 0.6827
 _FEW_ROWS = 1 << 14  # as many are kept of what is ordered or follows in time
-_FEW_SUMMED, _SUMMED_AT_ONCE = 1 << 11, 1 << 16
-_TINY = 1e-250  # units of what is larger are no denormal numbers
 ROWS_IN_MEMORY = 1 << 18
 _ROWS_FOR_STEP = 20000
 
@@ -106,7 +90,7 @@ def facts_of(rows: Floats) -> PositionFacts:
         lib.rows_squares(given, samples, *(ffi.from_buffer("double[][3]", one) for one in (sums, squares)))
     return PositionFacts(
         samples=samples,
-        means=np.array([exact_sum(values) for values in outputs]) / samples,
+        means=np.array([math.fsum(values.tolist()) for values in outputs]) / samples,
         scatter=scatter,
         squares=squares,
         channels=channels,
@@ -116,30 +100,10 @@ def facts_of(rows: Floats) -> PositionFacts:
     )
 
 
-def exact_sum(values: Floats) -> float:
-    """The sum, rounded once, as math.fsum has it. The upper bits of up to 2^16 values are multiples of one unit, small
-    enough for their sum to be exact; what they leave is summed in the same way."""
-    if len(values) < _FEW_SUMMED:
-        return math.fsum(values.tolist())
-    parts: list[float] = []
-    for begin in range(0, len(values), _SUMMED_AT_ONCE):
-        rest = values[begin : begin + _SUMMED_AT_ONCE]
-        while (largest := float(np.abs(rest).max())) > _TINY:
-            unit = math.ldexp(1.0, math.frexp(largest)[1] - 36)
-            upper = np.rint(rest / unit) * unit
-            parts.append(float(upper.sum()))
-            rest = rest - upper
-        if largest > 0.0:
-            parts += rest.tolist()
-    return math.fsum(parts)
-
-
 def _channel(values: Floats, stride: int) -> Channel:
     rows, ordered = len(values), np.sort(values)
     median = float(ordered[(rows - 1) // 2] + ordered[rows // 2]) / 2
-    off = np.abs(ordered - median)
-    below = int(np.searchsorted(ordered, median))  # values on either side of it are in order already, and are merged
-    off = np.sort(np.concatenate((off[:below][::-1], off[below:])), kind="stable")
+    off = np.sort(np.abs(ordered - median))
     within = math.floor((rows - 1) * WITHIN_ONE_SIGMA)
     ends = float(ordered[0]), float(ordered[-1])
     first_largest = int(np.searchsorted(ordered, ends[1], "left"))
@@ -314,7 +278,7 @@ class Run:
 
 
 def read_measured(
-    source: str | Incoming | Held, schedule: CoreSchedule, wishes: Wishes = NO_WISHES
+    source: str | Incoming | Held, schedule: CoreSchedule, wishes: run_layout.Wishes = run_layout.NO_WISHES
 ) -> tuple[Run, CoreSchedule]:
     """Read a run file as `read_run` does, on a schedule as `on_schedule` takes it. Raises BadInput."""
     return on_schedule(lambda planned: read_rows(source, planned, wishes), schedule)
@@ -333,7 +297,7 @@ def on_schedule(read: Callable[[Schedule], Rows], schedule: CoreSchedule) -> tup
     return rows.on(closed.data, schedule.data).run(), schedule
 
 
-def read_run(file: str, schedule: Schedule, wishes: Wishes = NO_WISHES) -> Run:
+def read_run(file: str, schedule: Schedule, wishes: run_layout.Wishes = run_layout.NO_WISHES) -> Run:
     """Read a run file (CSV), or standard input ("-"), compressed or not. Raises BadInput, NotInstalled."""
     return read_rows(file, schedule, wishes).run()
 
@@ -381,7 +345,9 @@ class Rows:
         )
 
 
-def read_rows(source: str | Incoming | Held, schedule: Schedule, wishes: Wishes = NO_WISHES) -> Rows:
+def read_rows(
+    source: str | Incoming | Held, schedule: Schedule, wishes: run_layout.Wishes = run_layout.NO_WISHES
+) -> Rows:
     """The rows of a run file, as read_run takes it, each one parsed and placed, none averaged. Raises BadInput,
     NotInstalled."""
     incoming = Incoming(source) if isinstance(source, str) else source
@@ -394,7 +360,7 @@ def read_rows(source: str | Incoming | Held, schedule: Schedule, wishes: Wishes 
     counters = {
         "blank_lines": layout.blanks + parser.blanks,
         "comment_lines": layout.comments + parser.comments,
-        "columns_ignored": layout.width - len(COLUMNS) - (temperature is not None),
+        "columns_ignored": layout.width - len(run_layout.COLUMNS) - (temperature is not None),
     }
     return Rows(store, layout.unit, layout.unit_told, counters, incoming.sha256, temperature, passed_over)
 
@@ -409,24 +375,26 @@ class RunReader:
     Raises BadInput with row and column; a zero byte anywhere comes before other complaints.
     """
 
-    def __init__(self, blocks: Iterable[bytes], positions: PositionIndex, wishes: Wishes, file: str, fast: bool = True):
+    def __init__(
+        self, blocks: Iterable[bytes], positions: PositionIndex, wishes: run_layout.Wishes, file: str, fast: bool = True
+    ):
         self._positions, self._file = positions, file
         following = iter(blocks)
         start = self._grown(b"", following)
         try:
-            require_text(start, file)
+            run_layout.require_text(start, file)
             self._blocks = self._without_zeros(following, start.count(b"\n"))
             with _to_its_end(self._blocks):
-                layout = detect_in_head(start, wishes, file)
+                layout = run_layout.detect_in_head(start, wishes, file)
                 if layout is None:
                     start = self._grown(start, self._blocks, to_its_end=True)
-                    layout = detect(start, wishes, file)
+                    layout = run_layout.detect(start, wishes, file)
         except BadInput:
             can_log.refuse(start, file)
             raise
         self.layout = layout
-        self.parser = RowParser(layout, COLUMNS, positions, fast=fast)
-        self._pieces = pieces(itertools.chain((body_of(start, layout.header_row),), self._blocks), file)
+        self.parser = RowParser(layout, run_layout.COLUMNS, positions, fast=fast)
+        self._pieces = pieces(itertools.chain((run_layout.body_of(start, layout.header_row),), self._blocks), file)
 
     def __iter__(self) -> Iterator[Part]:
         with _to_its_end(self._blocks):
@@ -451,7 +419,7 @@ class RunReader:
         grown = bytearray(start)
         for block in blocks:
             grown += block
-            if not to_its_end and is_long_enough(grown):
+            if not to_its_end and run_layout.is_long_enough(grown):
                 break
             if len(grown) > LONGEST_HEAD:
                 raise BadInput(f"no header line within {in_words(LONGEST_HEAD)}", self._file)
@@ -469,16 +437,16 @@ class RunReader:
     def _hint(self, refused: NotANumber) -> str:
         """What to do about it. Another option is advised only where all rows can be read with it: else one piece of
         advice would lead to the next."""
-        line = as_text(refused.rest.splitlines()[0])
-        if not self.parser.rows and not any(map(is_number, split(line, self.layout.delimiter))):
+        line = run_layout.as_text(refused.rest.splitlines()[0])
+        if not self.parser.rows and not any(map(run_layout.is_number, run_layout.split(line, self.layout.delimiter))):
             return " (a row of units? Delete it, or begin it with #; --unit says the unit)"
         if refused.column == "mounting":
             return f"; mountings are {listed(self._positions.mountings)}"
-        if not NUMBER.fullmatch(re.sub(r"[.,\s']", "", refused.text)):
+        if not run_layout.NUMBER.fullmatch(re.sub(r"[.,\s']", "", refused.text)):
             return ""
         other = "." if self.layout.decimal == "," else ","
         if other in refused.text and not self.parser.is_marked:
-            parser = RowParser(replace(self.layout, decimal=other), COLUMNS)
+            parser = RowParser(replace(self.layout, decimal=other), run_layout.COLUMNS)
             if all(map(parser.can_read, itertools.chain((refused.rest,), self._pieces))):
                 return f" (its decimal mark? see --decimal {other})"
         return " (write all numbers with the same decimal mark, and without thousands separators)"
