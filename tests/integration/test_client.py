@@ -11,7 +11,7 @@ from simulated_bench import wait_until
 from tumble import client
 from tumble.client import can_link
 from tumble.client.link import read_map
-from tumble.client.tables import SETTINGS
+from tumble.client.node import kinds_of_settings
 from tumble.errors import TumbleError, UsageError
 
 can = pytest.importorskip("can", reason="python-can is not installed")
@@ -157,7 +157,7 @@ def test_what_the_state_does_not_allow_is_refused(played):
 def test_settings_by_name_with_their_units(played):
     theirs, node = played()
     settings = node.settings
-    assert set(settings) == set(SETTINGS) and len(settings) == len(SETTINGS)
+    assert set(settings) == set(kinds_of_settings()) and len(settings) == len(kinds_of_settings())
     assert settings.unit("Configuration: Settling time") == "ms" and not settings.needs_unlock("Host: Inhibit")
     settings["Configuration: Settling time"] = 70
     assert settings["Configuration: Settling time"] == 70
@@ -402,7 +402,7 @@ def test_both_links_call_an_object_by_the_same_name(played):
     names = [name for name, rows in register_map.input.items() if rows[0].valid is not None]
     assert own == 0 and len(names) > 200
     assert [name for name in names if not node.has(name)] == []
-    assert [name for name in SETTINGS if name not in register_map.settings or not node.has(name)] == []
+    assert [name for name in kinds_of_settings() if name not in register_map.settings or not node.has(name)] == []
 
 
 def test_the_page_lists_every_setting_with_its_unit():
@@ -416,4 +416,4 @@ def test_the_page_lists_every_setting_with_its_unit():
             entries = [f"{entries[0][:-len(end)]}{one}" for end in [re.search("x+$", entries[0])[0]]
                        for one in (("xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz") if end == "xx" else "xyz")]
         listed |= {f"{record}: {entry}": (unit, bool(unlock)) for entry in entries}
-    assert listed == {name: (unit, level) for name, (unit, _, level) in SETTINGS.items()}
+    assert listed == {name: (unit, level) for name, (unit, _, level) in kinds_of_settings().items()}

@@ -66,9 +66,11 @@ def table(name: str, about: str, rows: list[list[str]]) -> str:
 
 def settings(node: Node) -> str:
     """What the host tells, and what 1010h saves."""
-    rows = [f"    {text(f'{item.name}: {entry.name}')}: ({text(entry.unit)}, {text(entry.type.key)},"
-            f" {entry.level == 'service'}),\n"
-            for item in node.objects if item.saved or item.index == HOST
-            for entry in item.entries if entry.subindex and entry.access == "rw"]
-    head = "SETTINGS: dict[str, tuple[str, str, bool]] = {  # name: unit, type, whether it needs the service level\n"
+    rows = []
+    for item in node.objects:
+        own = [entry for entry in item.entries if entry.subindex and entry.access == "rw"]
+        if own and (item.saved or item.index == HOST):
+            at_service_level = "".join(f"{text(entry.name)}, " for entry in own if entry.level == "service")
+            rows.append(f"    {text(item.name)}: ({at_service_level.strip()}),\n")
+    head = "SETTINGS: dict[str, tuple[str, ...]] = {  # by object: which of them need the service level\n"
     return head + "".join(rows) + "}\n"

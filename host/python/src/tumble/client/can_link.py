@@ -13,23 +13,7 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any, TypeGuard, TypeVar
 
 from tumble import data
-from tumble.client import names
-from tumble.client.link import (
-    DEVICE_STATE,
-    NO_DATA,
-    NO_SUCH_OBJECT,
-    NO_SUCH_SUBINDEX,
-    OUT_OF_RANGE,
-    RUN,
-    TIMES_READ,
-    CommunicationError,
-    Link,
-    Refused,
-    Value,
-    keep_quiet,
-    require_number,
-    whole,
-)
+from tumble.client import link as links, names
 from tumble.errors import NotInstalled, Skipped, UsageError
 
 if TYPE_CHECKING:
@@ -39,7 +23,7 @@ T = TypeVar("T")
 EXTRA = "client"
 SERVERS = {1: (0x600, 0x580), 2: (0x400, 0x380)}  # identifiers of request and response, to which the node is added
 NEWS_S = 0.05  # between two looks at the node: a status takes 22 frames, so 440 a second, a tenth of 500 kbit/s
-NO_VALUE = (NO_DATA, DEVICE_STATE, NO_SUCH_OBJECT, NO_SUCH_SUBINDEX)
+NO_VALUE = (links.NO_DATA, links.DEVICE_STATE, links.NO_SUCH_OBJECT, links.NO_SUCH_SUBINDEX)
 _SIGNS_OF_ANOTHER = ("Unexpected response", "Node returned a value", "Toggle bit mismatch")  # python-canopen's words
 _ASKED_AGAIN, _PAUSE_S = 20, 0.05
 _TIMES_SILENT = 3  # before a node counts as silent: an answer may be lost where machines are busy
@@ -54,7 +38,7 @@ def open_bus(where: str) -> can.BusABC:
         import can
     except ModuleNotFoundError:
         raise NotInstalled("a node on CAN", "python-can", extra=EXTRA) from None
-    keep_quiet("can")
+    links.keep_quiet("can")
     kind, at, channel = where.rpartition("@")
     if not channel or (at and kind not in ("tumble", *can.VALID_INTERFACES)):
         raise UsageError(f"can:{where} is neither can:INTERFACE nor can:KIND@CHANNEL with a kind that python-can knows")
@@ -81,15 +65,15 @@ def is_bus(link: object) -> TypeGuard[can.BusABC]:
     return can is not None and isinstance(link, can.BusABC)
 
 
-class _Disturbed(CommunicationError):
+class _Disturbed(links.CommunicationError):
     """The answer was to a question of somebody else's."""
 
 
-class _Unanswered(CommunicationError):
+class _Unanswered(links.CommunicationError):
     """No answer came in time."""
 
 
-class CanLink(Link):
+class CanLink(links.Link):
     """A node by SDO. `bus`: is left open in the end if `owned` is False; `server`: which of the node's SDO servers."""
 
     def __init__(self, bus: can.BusABC, node: int = 1, server: int = 1, answer_s: float = 2.0, owned: bool = True):
@@ -102,7 +86,7 @@ class CanLink(Link):
         self._abort, self._silence = canopen.SdoAbortedError, canopen.SdoCommunicationError
         self._real = canopen.objectdictionary.datatypes.FLOAT_TYPES
         self._misfit = (struct.error, ValueError, canopen.ObjectDictionaryError)
-        keep_quiet("can", "canopen")
+        links.keep_quiet("can", "canopen")
         self._owned, self._answer_s = owned, answer_s
         self.network = canopen.Network(bus)
         self.network.NOTIFIER_CYCLE = 0.01
@@ -125,30 +109,30 @@ class CanLink(Link):
     def has(self, name: str) -> bool:
         return _has(self._sdo, name)
 
-    def read_together(self, *names: str) -> list[Value]:
+    def read_together(self, *names: str) -> list[links.Value]:
         """Between two readings of the run number that are equal. Raises Refused, CommunicationError."""
         if len(names) == 1:
             return [self.ask(self._sdo, names[0])]
-        others = [name for name in names if name != RUN]
-        run = self.ask(self._sdo, RUN)
-        for _ in range(TIMES_READ):
-            found = {RUN: run, **{name: self.ask(self._sdo, name) for name in others}}
-            run = self.ask(self._sdo, RUN)
-            if run == found[RUN]:
+        others = [name for name in names if name != links.RUN]
+        run = self.ask(self._sdo, links.RUN)
+        for _ in range(links.TIMES_READ):
+            found = {links.RUN: run, **{name: self.ask(self._sdo, name) for name in others}}
+            run = self.ask(self._sdo, links.RUN)
+            if run == found[links.RUN]:
                 return [found[name] for name in names]
-        raise CommunicationError("runs begin faster than the node can be read")
+        raise links.CommunicationError("runs begin faster than the node can be read")
 
-    def ask(self, sdo: Any, name: str) -> Value:
+    def ask(self, sdo: Any, name: str) -> links.Value:
         """Of a node's object."""
         return _repeated(lambda: self._ask_once(sdo, name))
 
-    def _ask_once(self, sdo: Any, name: str) -> Value:
+    def _ask_once(self, sdo: Any, name: str) -> links.Value:
         what = f"reading {name}"
         try:
             with self._transfer(sdo, what):
-                value: Value = _entry(sdo, name, what).raw
+                value: links.Value = _entry(sdo, name, what).raw
                 return value
-        except Refused as refusal:
+        except links.Refused as refusal:
             if _has(sdo, name) and refusal.code in NO_VALUE:
                 return None
             raise
@@ -165,12 +149,12 @@ class CanLink(Link):
         self._tell("Command: Command", number, names.command(number))
 
     def _tell(self, name: str, value: float, what: str) -> None:
-        require_number(what, value)
+        links.require_number(what, value)
         entry = _entry(self._sdo, name, what)
         try:
-            data = entry.od.encode_raw(value if entry.od.data_type in self._real else whole(value))
+            data = entry.od.encode_raw(value if entry.od.data_type in self._real else links.whole(value))
         except (struct.error, ValueError, OverflowError):
-            raise Refused(what, OUT_OF_RANGE) from None
+            raise links.Refused(what, links.OUT_OF_RANGE) from None
         with self._transfer(self._sdo, what):
             entry.data = data
 
@@ -185,13 +169,13 @@ class CanLink(Link):
         except self._abort as error:
             if error.code in _ANSWERED_IN_VAIN:
                 raise _silent(sdo, error) from None
-            raise Refused(what, error.code) from None
+            raise links.Refused(what, error.code) from None
         except self._silence as error:
             raise _silent(sdo, error) from None
         except (CanError, OSError) as error:
-            raise CommunicationError(f"the bus takes no question: {error}") from None
+            raise links.CommunicationError(f"the bus takes no question: {error}") from None
         except self._misfit as error:
-            raise CommunicationError(f"node {sdo.rx_cobid & 0x7F}, {what}: {error}") from None
+            raise links.CommunicationError(f"node {sdo.rx_cobid & 0x7F}, {what}: {error}") from None
 
     def wait_for_news(self) -> None:
         time.sleep(NEWS_S)
@@ -240,7 +224,7 @@ def _has(sdo: Any, name: str) -> bool:
 
 def _entry(sdo: Any, name: str, what: str) -> Any:
     if not _has(sdo, name):
-        raise Refused(what, NO_SUCH_OBJECT)
+        raise links.Refused(what, links.NO_SUCH_OBJECT)
     parent, child = _split(name)
     return sdo[parent][child] if child else sdo[parent]
 
@@ -261,7 +245,7 @@ def _patience(notifier: can.Notifier) -> can.Listener:
     return Patience()
 
 
-def _silent(sdo: Any, error: Exception) -> CommunicationError:
+def _silent(sdo: Any, error: Exception) -> links.CommunicationError:
     number = sdo.rx_cobid & 0x7F
     if any(sign in str(error) for sign in _SIGNS_OF_ANOTHER):
         return _Disturbed(f"node {number} answers another SDO client as well, say a gateway: {error}")

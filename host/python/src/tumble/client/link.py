@@ -218,17 +218,18 @@ class Register:
 @dataclass(frozen=True)
 class RegisterMap:
     """By name: `input`: the registers of a value, which may be there in floating point and scaled; `holding`; numbers
-    of `settings`."""
+    of `settings`, and their `kinds`: unit and type."""
 
     input: dict[str, list[Register]]
     holding: dict[str, Register]
     settings: dict[str, int]
+    kinds: dict[str, tuple[str, str]]
 
 
 @functools.cache
 def read_map(file: Path | None = None) -> RegisterMap:
     """`file`: None: the one that comes with the package. Raises BadInput."""
-    found, objects = RegisterMap({}, {}, {}), dict[tuple[str, str], str]()
+    found, objects = RegisterMap({}, {}, {}, {}), dict[tuple[str, str], str]()
     path = file or data.file("docs/modbus.csv")
     try:
         with open(path, encoding="utf-8", newline="") as lines:
@@ -243,7 +244,7 @@ def _take(found: RegisterMap, objects: dict[tuple[str, str], str], row: Mapping[
     """Registers of one object go by the name of the first of them."""
     name, at = row["name"], int(row["register"])
     if row["table"] == "setting":
-        found.settings[name] = at
+        found.settings[name], found.kinds[name] = at, (row["unit"], row["type"])
         return
     valid = (int(row["valid_register"]), int(row["valid_bit"])) if row["valid_register"] else None
     scale = float(row["scale"]) if row["scale"] else None

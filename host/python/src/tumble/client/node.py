@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -10,21 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.client import names
-from tumble.client.link import (
-    DEVICE_STATE,
-    OUT_OF_RANGE,
-    CommunicationError,
-    Link,
-    NoResult,
-    Refused,
-    RunFailed,
-    RunGone,
-    TimedOut,
-    Value,
-    number,
-    require_number,
-)
+from tumble.client import link as links, names
 from tumble.client.names import COMMAND, Objection, Reason, objections, verdict
 from tumble.client.tables import SETTINGS
 from tumble.errors import TumbleError, UsageError, quoted
@@ -34,6 +21,13 @@ _HINT = "; no run may be on, and the service level must be open: unlock() opens 
 _SHOWN_BY = {"Host: Calendar": "Keeper: Calendar", "Host: Inhibit": "Keeper: Inhibit left"}  # where they are read
 
 
+@functools.cache
+def kinds_of_settings() -> dict[str, tuple[str, str, bool]]:
+    """Of each by name: its unit, its type, and whether it needs the service level."""
+    parts = ((name.rpartition(": "), kind) for name, kind in links.read_map().kinds.items())
+    return {f"{of}: {name}": (*kind, name in SETTINGS[of]) for (of, _, name), kind in parts if of in SETTINGS}
+
+
 class Settings(Mapping[str, float | None]):
     """Names and units are those of docs/client.md; None where the node has no such setting, or does not know it now.
 
@@ -41,44 +35,47 @@ class Settings(Mapping[str, float | None]):
     An unknown name is a KeyError in reading, as of any mapping, and a UsageError in writing.
     """
 
-    def __init__(self, link: Link):
+    def __init__(self, link: links.Link):
         self._link = link
 
     def __getitem__(self, name: str) -> float | None:
-        if name not in SETTINGS:
+        if name not in self:
             raise KeyError(name)
         value = self._link.read(_SHOWN_BY.get(name, name))
-        return None if value is None else number(value)
+        return None if value is None else links.number(value)
 
     def __setitem__(self, name: str, value: float) -> None:
-        if name not in SETTINGS:
+        if name not in self:
             raise UsageError(f"there is no setting {quoted(name)}; see docs/client.md")
-        require_number(f"writing {name}", value)
-        whole = SETTINGS[name][1] not in ("f32", "f64")
+        links.require_number(f"writing {name}", value)
+        whole = kinds_of_settings()[name][1] not in ("f32", "f64")
         if whole and not float(value).is_integer():
-            raise Refused(f"writing {name}", OUT_OF_RANGE, "; it is a whole number")
+            raise links.Refused(f"writing {name}", links.OUT_OF_RANGE, "; it is a whole number")
         try:
             self._link.write(name, int(value) if whole else value)
-        except Refused as refusal:
-            if refusal.code == DEVICE_STATE and SETTINGS[name][2]:
-                raise Refused(f"writing {name}", refusal.code, _HINT) from None
+        except links.Refused as refusal:
+            if refusal.code == links.DEVICE_STATE and self.needs_unlock(name):
+                raise links.Refused(f"writing {name}", refusal.code, _HINT) from None
             raise
 
+    def __contains__(self, name: object) -> bool:
+        return name in kinds_of_settings()
+
     def __iter__(self) -> Iterator[str]:
-        return iter(SETTINGS)
+        return iter(kinds_of_settings())
 
     def __len__(self) -> int:
-        return len(SETTINGS)
+        return len(kinds_of_settings())
 
     @staticmethod
     def unit(name: str) -> str:
         """Of a setting; "": it has none. Raises KeyError."""
-        return SETTINGS[name][0]
+        return kinds_of_settings()[name][0]
 
     @staticmethod
     def needs_unlock(name: str) -> bool:
         """Whether it can be written at service level only. Raises KeyError."""
-        return SETTINGS[name][2]
+        return kinds_of_settings()[name][2]
 
     def save(self) -> None:
         """Keep what was written beyond the next power-on (1010h). Needs `unlock()`. Raises Refused."""
@@ -137,7 +134,7 @@ class Result:
     calibration_counter: int | None
 
 
-def read(link: Link) -> Result | None:
+def read(link: links.Link) -> Result | None:
     """None: there is no result."""
     values = link.read_together(*NAMES)
     k, u0, u_k, u_u0 = values[:9], values[9:12], values[12:21], values[21:24]
@@ -146,14 +143,14 @@ def read(link: Link) -> Result | None:
         return None
     said = verdict(_whole(verdict_number))
     return Result(
-        int(number(run)),
+        int(links.number(run)),
         np.reshape(_floats(k), (3, 3)),
         _floats(u0),
         None if None in u_k else np.reshape(_floats(u_k), (3, 3)),
         None if None in u_u0 else _floats(u_u0),
         bool(passed),
-        max(float(number(fit)), float(number(check))),
-        float(number(limit)),
+        max(float(links.number(fit)), float(links.number(check))),
+        float(links.number(limit)),
         said,
         all_objections(link, said, _whole(bits) or 0),
         _whole(crc) if said == "HELD" else None,
@@ -161,21 +158,21 @@ def read(link: Link) -> Result | None:
     )
 
 
-def all_objections(link: Link, verdict: str | None, bits: int) -> tuple[Objection, ...]:
+def all_objections(link: links.Link, verdict: str | None, bits: int) -> tuple[Objection, ...]:
     """With those from 16 on, which an older node does not have; `bits`: those below it, of 2120h:6."""
     more = None
     if verdict == "HELD" and link.has(_MORE):
-        with suppress(Refused):
+        with suppress(links.Refused):
             more = link.read(_MORE)
     return objections(bits | (_whole(more) or 0) << 16)
 
 
-def _floats(values: list[Value]) -> Floats:
-    return np.array([number(value) for value in values], dtype=float)
+def _floats(values: list[links.Value]) -> Floats:
+    return np.array([links.number(value) for value in values], dtype=float)
 
 
-def _whole(value: Value) -> int | None:
-    return None if value is None else int(number(value))
+def _whole(value: links.Value) -> int | None:
+    return None if value is None else int(links.number(value))
 
 
 SERVICE_KEY = 0x76726573  # "serv"
@@ -230,7 +227,7 @@ class Node:
     says.
     """
 
-    def __init__(self, link: Link):
+    def __init__(self, link: links.Link):
         self.link = link
         self.settings = Settings(link)
         self._run: int | None = None  # the one that is waited for
@@ -251,11 +248,11 @@ class Node:
         """Whether the link offers an object of this name."""
         return self.link.has(name)
 
-    def read(self, name: str) -> Value:
+    def read(self, name: str) -> links.Value:
         """An object, such as "Progress: Actual angle"; None where the node has no value now. Raises Refused."""
         return self.link.read(name)
 
-    def read_together(self, *wanted: str) -> list[Value]:
+    def read_together(self, *wanted: str) -> list[links.Value]:
         """Several, in this order: all of one run, over Modbus of one moment. Raises Refused."""
         return self.link.read_together(*wanted)
 
@@ -280,7 +277,7 @@ class Node:
         """What the drive refused, or did not do in time: object, abort code, and in what; "" for nothing. At this
         moment, also between runs."""
         told = self.read_together(*_REFUSAL) if all(map(self.has, _REFUSAL)) else [None]
-        return "" if None in told else names.drive_refusal(*map(int, map(number, told)))  # None: an older node
+        return "" if None in told else names.drive_refusal(*map(int, map(links.number, told)))  # None: an older node
 
     @property
     def run(self) -> int:
@@ -299,25 +296,25 @@ class Node:
         if not all(map(self.has, _INCLINATION)):  # an older node
             return None
         stays_bolted, degrees = self.read_together(*_INCLINATION)
-        return float(number(degrees)) if stays_bolted else None
+        return float(links.number(degrees)) if stays_bolted else None
 
     @property
     def status(self) -> Status:
         """All of it."""
-        run, state, reason, *progress, verdict, bits, counter = self.link.read_together(*_STATUS)
-        mounting, position, finished, count = (int(number(one)) for one in progress)
-        said = names.verdict(None if verdict is None else int(number(verdict)))
+        run, state, reason, *progress, judged, bits, counter = self.link.read_together(*_STATUS)
+        mounting, position, finished, count = (int(links.number(one)) for one in progress)
+        said = verdict(_whole(judged))
         return Status(
-            int(number(run)),
-            names.state(int(number(state))),
-            names.reason(int(number(reason))),
+            int(links.number(run)),
+            names.state(int(links.number(state))),
+            names.reason(int(links.number(reason))),
             mounting,
             position,
             finished,
             count,
             said,
-            all_objections(self.link, said, int(number(bits))),
-            int(number(counter)),
+            all_objections(self.link, said, int(links.number(bits))),
+            int(links.number(counter)),
         )
 
     def events(self, timeout: float | None = None) -> Iterator[Status]:
@@ -347,31 +344,29 @@ class Node:
         while (look := self._look())[0] not in wanted:
             state, reason = look
             if state in ENDED:
-                raise RunFailed(state, reason, self.drive_refusal)
+                raise links.RunFailed(state, reason, self.drive_refusal)
             if time.monotonic() >= end:
-                raise TimedOut(" or ".join(wanted), timeout or 0.0, state)
+                raise links.TimedOut(" or ".join(wanted), timeout or 0.0, state)
             self.link.wait_for_news()
         return look[0]
 
     def _look(self) -> tuple[str, Reason]:
         """State and reason, as long as they are of the run that is waited for. Raises RunGone."""
-        run, state_number, reason_number = (int(number(one)) for one in self._all("Run number", "State", "Reason"))
+        run, state_number, reason_number = (
+            int(links.number(one)) for one in self._all("Run number", "State", "Reason")
+        )
         state, reason = names.state(state_number), names.reason(reason_number)
         before, self._run = self._run, None if state in AT_REST else run
         if before not in (None, run):
-            raise RunGone(before, run, state, reason)
+            raise links.RunGone(before, run, state, reason)
         return state, reason
 
     def result(self, timeout: float | None = 60.0) -> Result:
         """Of the last run, if it is finished, once it is judged and stored. Raises NoResult, TimedOut."""
-        end = _end(timeout)
-        while self._verdict() == WORKING:
-            if time.monotonic() >= end:
-                raise TimedOut("the verdict", timeout or 0.0, self.state)
-            self.link.wait_for_news()
+        self._judged(timeout)
         found = read(self.link)
         if found is None:
-            raise NoResult(f"the node has no result; its state is {self.state}")
+            raise links.NoResult(f"the node has no result; its state is {self.state}")
         return found
 
     # Commands. All raise Refused where the state does not allow them.
@@ -390,10 +385,10 @@ class Node:
         try:
             self.link.command(COMMAND[name], argument, angle_deg, proposal)
             self._run = None if name in OTHER_RUN else self._run
-        except Refused as refusal:
-            if refusal.code != DEVICE_STATE:
+        except links.Refused as refusal:
+            if refusal.code != links.DEVICE_STATE:
                 raise
-            raise Refused(refusal.what, refusal.code, f"; it is {self.state}{self._stand(name)}") from None
+            raise links.Refused(refusal.what, refusal.code, f"; it is {self.state}{self._stand(name)}") from None
 
     def _stand(self, command: str) -> str:
         """For a message: the stand's state where the command is one to the table, which the node's own state alone
@@ -411,7 +406,7 @@ class Node:
         self._give("START")
         while (run := self.run) <= before:
             if time.monotonic() >= end:
-                raise CommunicationError("the node has taken START and shows no new run")
+                raise links.CommunicationError("the node has taken START and shows no new run")
             self.link.wait_for_news()
         self._run = run
         return self.state
@@ -434,12 +429,12 @@ class Node:
         if result.proposal is None:
             raise UsageError(f"the result is not held: its verdict is {result.verdict}")
         self._give("ACCEPT", proposal=result.proposal)
-        return self._decided()
+        return self._judged(STEP_S) or ""
 
     def discard(self) -> str:
         """Drop what is held; the verdict that came of it."""
         self._give("DISCARD")
-        return self._decided()
+        return self._judged(STEP_S) or ""
 
     @contextmanager
     def unlock(self) -> Iterator[None]:
@@ -453,26 +448,23 @@ class Node:
             raise
         self.link.write("Service level: Key", 0)
 
-    def _decided(self) -> str:
-        end = time.monotonic() + STEP_S
-        while (verdict := self._verdict()) == WORKING:
+    def _judged(self, timeout: float | None) -> str | None:
+        """The verdict, once there is one. Raises TimedOut."""
+        end = _end(timeout)
+        while (said := verdict(_whole(self.link.read("Keeper: Verdict")))) == WORKING:
             if time.monotonic() >= end:
-                raise TimedOut("the verdict", STEP_S, self.state)
+                raise links.TimedOut("the verdict", timeout or 0.0, self.state)
             self.link.wait_for_news()
-        return verdict or ""
-
-    def _verdict(self) -> str | None:
-        value = self.link.read("Keeper: Verdict")
-        return names.verdict(None if value is None else int(number(value)))
+        return said
 
     def _whole(self, name: str) -> int:
         [value] = self._all(name)
-        return int(number(value))
+        return int(links.number(value))
 
-    def _all(self, *wanted: str) -> list[Value]:
+    def _all(self, *wanted: str) -> list[links.Value]:
         found = self.link.read_together(*wanted)
         if None in found:
-            raise CommunicationError(f"the node does not tell its {wanted[found.index(None)]}")
+            raise links.CommunicationError(f"the node does not tell its {wanted[found.index(None)]}")
         return found
 
 
