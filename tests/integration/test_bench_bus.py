@@ -80,7 +80,7 @@ import os, signal
 from tumble import interruption
 interruption.watch()
 called = []
-with interruption.Instead(lambda: called.append(1)):
+with interruption.instead(lambda: called.append(1)):
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGINT):
         os.kill(os.getpid(), number)
 print(called, interruption.exit_code())

@@ -122,5 +122,3 @@ class Interrupted(TumbleError):
 
 class Disagreement(BenchFault):
     """The firmware core and the numpy witness do not agree: one of them is wrong, so neither result is given."""
-
-    exit_code = EXIT_DISAGREEMENT

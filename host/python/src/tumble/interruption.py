@@ -8,7 +8,8 @@ from __future__ import annotations
 import os
 import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from types import FrameType
 
 _SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
@@ -56,33 +57,27 @@ def has_come() -> bool:
     return bool(_received)
 
 
-class Postponed:
-    """`with Postponed():` what is in there is finished first; the KeyboardInterrupt comes at its end."""
-
-    def __enter__(self) -> None:
-        global _postponed
-        _postponed = True
-        self._before = len(_received)
-
-    def __exit__(self, *_: object) -> None:
-        global _postponed
+@contextmanager
+def postponed() -> Iterator[None]:
+    """What is done meanwhile is finished first; the KeyboardInterrupt comes at its end."""
+    global _postponed
+    _postponed, before = True, len(_received)
+    try:
+        yield
+    finally:
         _postponed = False
-        if len(_received) > self._before:
+        if len(_received) > before:
             raise KeyboardInterrupt
 
 
-class Instead:
-    """`with Instead(call):` the first signal calls this, whatever is being done at that moment, and does not raise."""
-
-    def __init__(self, call: Callable[[], None]):
-        self._call = call
-
-    def __enter__(self) -> None:
-        global _instead
-        _instead = self._call
-
-    def __exit__(self, *_: object) -> None:
-        global _instead
+@contextmanager
+def instead(call: Callable[[], None]) -> Iterator[None]:
+    """The first signal calls this, whatever is being done at that moment, and does not raise."""
+    global _instead
+    _instead = call
+    try:
+        yield
+    finally:
         _instead = None
 
 

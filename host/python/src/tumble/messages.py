@@ -10,7 +10,11 @@ import codecs
 import io
 import re
 import sys
+from collections.abc import Iterable
+from contextlib import suppress
 from typing import TextIO
+
+from tumble.errors import file_name
 
 _PLUS_MINUS = re.compile(r"(?<![^\s(])\+-(?= ?\d)")
 _MICRO = re.compile(r"(?<=\d )u(?=(?:g|V|rad)\b)|^u(?=(?:g|V|rad)(?:/g(?:\^\d)?)?$)")
@@ -33,16 +37,10 @@ def signed(text: str) -> str:
 
 def signed_for(text: str, stream: TextIO | None) -> str:
     """The same for a terminal of UTF-8; all else, such as a pipe or a file, gets the text as it is."""
-    return signed(text) if _has_signs(stream) else text
-
-
-def _has_signs(stream: TextIO | None) -> bool:
-    if stream is None or not stream.isatty():
-        return False
-    try:
-        return codecs.lookup(stream.encoding or "ascii").name == "utf-8"
-    except LookupError:
-        return False
+    with suppress(LookupError):
+        if stream is not None and stream.isatty() and codecs.lookup(stream.encoding or "ascii").name == "utf-8":
+            return signed(text)
+    return text
 
 
 def tell(line: str) -> None:
@@ -51,6 +49,12 @@ def tell(line: str) -> None:
         print(signed_for(line, sys.stderr), file=sys.stderr or io.StringIO(), flush=True)
     except (OSError, ValueError):  # full, gone, or closed
         sys.stderr = None
+
+
+def warn(sentences: Iterable[str], about: str = "") -> None:
+    """A line for each. `about`: the file that they are on, if any."""
+    for sentence in sentences:
+        tell(f"tumble: warning: {about and file_name(about) + ': '}{sentence}")
 
 
 def on_terminal() -> bool:

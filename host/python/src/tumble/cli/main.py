@@ -12,20 +12,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from importlib import import_module
 from typing import Any, NoReturn
 
-from tumble import __version__, interruption
+from tumble import __version__, errors, interruption
 from tumble.cli.commands import COMMANDS
 from tumble.cli.options import choose_estimator
-from tumble.errors import (
-    EXIT_BAD_INPUT,
-    EXIT_DISAGREEMENT,
-    EXIT_PASS,
-    BadInput,
-    Interrupted,
-    NotInstalled,
-    TumbleError,
-    UsageError,
-    listed,
-)
 from tumble.messages import tell
 
 ANSWERED = 10  # of `parse`: it was --help or --version
@@ -71,7 +60,7 @@ class _Parser(argparse.ArgumentParser):
         if message.startswith(_UNKNOWN):
             options = [word.partition("=")[0] for word in message[len(_UNKNOWN) :].split() if word.startswith("--")]
             message += "".join(_guess(one, self._option_string_actions) for one in options[:1])
-        raise UsageError(f"{message} (see {self.prog} --help)")
+        raise errors.UsageError(f"{message} (see {self.prog} --help)")
 
 
 def _guess(word: str, known: Iterable[str]) -> str:
@@ -91,7 +80,7 @@ class _PrintCompletion(argparse.Action):
         try:
             import shtab
         except ImportError:
-            raise NotInstalled("--print-completion", "shtab", extra="completion") from None
+            raise errors.NotInstalled("--print-completion", "shtab", extra="completion") from None
         for action in _actions(parser):
             if action.choices is None and str(action.metavar).startswith(_FILES):
                 action.complete = shtab.FILE  # type: ignore[attr-defined] # where shtab looks for it
@@ -121,7 +110,7 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
         action=_PrintCompletion,
         choices=SHELLS,
         metavar="SHELL",
-        help=f"print what makes {listed(SHELLS, 'or')} complete commands and options, and exit",
+        help=f"print what makes {errors.listed(SHELLS, 'or')} complete commands and options, and exit",
     )
     all_of_them = words is None or any(word.startswith("--print-completion") for word in words)
     names = {name for one, command in COMMANDS.items() for name in (one, *command.aliases)}
@@ -139,7 +128,7 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
 def _help(parser: argparse.ArgumentParser) -> int:
     """What `tumble` alone says."""
     parser.print_help()
-    return EXIT_PASS
+    return errors.EXIT_PASS
 
 
 def _complain(message: str) -> None:
@@ -156,7 +145,7 @@ def _prepare_output() -> None:
         except OSError:
             os.open(os.devnull, os.O_RDWR)
     if sys.stdout is None:
-        raise UsageError("standard output is closed")
+        raise errors.UsageError("standard output is closed")
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")
 
@@ -171,12 +160,12 @@ def parse(words: list[str]) -> int:
         _parser(words).parse_args(words)
     except SystemExit:
         return ANSWERED
-    except UsageError as error:
+    except errors.UsageError as error:
         _complain(str(error))
         return error.exit_code
-    except TumbleError:
+    except errors.TumbleError:
         pass  # it wants what only a set-up brings
-    return EXIT_PASS
+    return errors.EXIT_PASS
 
 
 def main(argv: list[str] | None = None, *, interruptible: bool = False) -> int:
@@ -194,40 +183,31 @@ def main(argv: list[str] | None = None, *, interruptible: bool = False) -> int:
         code: int = arguments.run_command(arguments)
         sys.stdout.flush()
         return code
-    except Interrupted as error:
+    except errors.Interrupted as error:
         _complain(str(error))
         return interruption.exit_code()
-    except TumbleError as error:
+    except errors.TumbleError as error:
         _complain(str(error))
-        if isinstance(error, BadInput) and error.assumed:
+        if isinstance(error, errors.BadInput) and error.assumed:
             tell("assumed:")
             for fact in error.assumed:
-                tell(
-                    textwrap.fill(
-                        fact,
-                        80,
-                        break_on_hyphens=False,
-                        break_long_words=False,
-                        initial_indent="- ",
-                        subsequent_indent="  ",
-                    )
-                )
+                tell("- " + "\n  ".join(textwrap.wrap(fact, 78, break_on_hyphens=False, break_long_words=False)))
         return error.exit_code
     except KeyboardInterrupt:
         _complain("interrupted")
         return interruption.exit_code()
     except BrokenPipeError:
         _discard_output()
-        return EXIT_BAD_INPUT
+        return errors.EXIT_BAD_INPUT
     except OSError as error:
         from tumble.files.disk import reason
 
         _discard_output()
         _complain(f"standard output cannot be written: {reason(error)}")
-        return EXIT_BAD_INPUT
+        return errors.EXIT_BAD_INPUT
     except MemoryError:
         _complain("not enough memory for this input")
-        return EXIT_BAD_INPUT
+        return errors.EXIT_BAD_INPUT
     except Exception as error:
         if interruption.has_come() and _is_of_an_interrupt(error):
             _complain("interrupted")
@@ -237,7 +217,7 @@ def main(argv: list[str] | None = None, *, interruptible: bool = False) -> int:
 
             traceback.print_exc()
         _complain(f"fault in tumble itself: {error!r} (TUMBLE_TRACEBACK=1 shows where)")
-        return EXIT_DISAGREEMENT
+        return errors.EXIT_DISAGREEMENT
 
 
 def _is_of_an_interrupt(error: Exception) -> bool:

@@ -1,4 +1,4 @@
-"""What a command says of a solution: warnings on stderr, and the solution as JSON, as plain ASCII, or on a terminal.
+"""What a command says of a solution: as JSON, as plain ASCII, or on a terminal.
 
 `page` makes the one page for people: lines, each of pieces of text with the style that a terminal shows them in, and
 the table of coefficients. Plain text leaves the styles away; rich draws them.
@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 import sys
 import textwrap
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +19,7 @@ from tumble.errors import listed
 from tumble.estimators import COEFFICIENTS, HARMONIC
 from tumble.files.rows import OF_ENVIRONMENT, OF_RUN_FILE
 from tumble.fixture.judge import Limits
-from tumble.messages import signed_for, tell
+from tumble.messages import signed_for
 from tumble.model import reliability
 from tumble.model.fit import SYSTEMATIC
 from tumble.model.stand_seen import NAMES, Estimate
@@ -57,12 +56,6 @@ class Table:
 
     headings: tuple[str, ...]
     rows: list[tuple[str, ...]]
-
-
-def warn(sentences: Sequence[str]) -> None:
-    """A line on stderr for each of `sentences`."""
-    for sentence in sentences:
-        tell(f"tumble: warning: {sentence}")
 
 
 def print_solution(solution: Solution, json_text: str | None, title: str) -> None:

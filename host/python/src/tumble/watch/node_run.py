@@ -6,16 +6,18 @@ from __future__ import annotations
 import contextlib
 import math
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from msgspec.structs import replace
 
 from tumble.client import open_link
 from tumble.client.can_link import CanLink
-from tumble.client.link import CommunicationError, Link, Value
+from tumble.client.link import CommunicationError, Link, Value, keep_quiet
 from tumble.documents.watch import Gravity, Matrix, Mean, Snapshot, Vector
-from tumble.errors import TumbleError
-from tumble.watch.snapshot import ANGLE_KNOWN, IDENTIFIERS, STANDS, Heard, Lost, Status
+from tumble.errors import TumbleError, UsageError, quoted
+from tumble.watch.runs import FolderRun
+from tumble.watch.snapshot import ANGLE_KNOWN, IDENTIFIERS, STANDS, Heard, Lost, Source, Status
 
 _AXES = "xyz"
 _STATUS = ("State", "Reason", "Progress: Position index", "Progress: Positions finished", "Progress: Samples taken")
@@ -29,6 +31,21 @@ _WITH_RESULT = ("VERIFY", "PROPOSE", "DONE", "FAULT", "ABORT", "IDLE")
 _FEWEST = 2  # samples that make a mean and its error
 _HALF_DEGREES_C = 2.0
 _TIMES_ASKED = 5  # where others ask as well
+
+
+KINDS = "bench, can:INTERFACE, modbus:HOST:PORT, modbus-rtu:DEVICE or the folder of a run"
+
+
+def opened(name: str) -> Source:
+    """From what the user calls a source to the source. Raises UsageError; NotInstalled, Skipped where this machine
+    lacks something."""
+    if name.startswith(("can:", "modbus:", "modbus-rtu:")):
+        keep_quiet("can", "canopen", "pymodbus")  # what they have to say comes as an exception as well
+        return NodeRun(name)
+    folder = FolderRun(Path(name))
+    if folder.is_there():
+        return folder
+    raise UsageError(f"{quoted(name)} is neither {KINDS}")
 
 
 class NodeRun:

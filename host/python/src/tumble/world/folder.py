@@ -68,7 +68,7 @@ class RunFolder:
 
     def __enter__(self) -> RunFolder:
         try:
-            with interruption.Postponed():
+            with interruption.postponed():
                 self._make()
             return self
         except FileExistsError:
@@ -89,7 +89,7 @@ class RunFolder:
         self._made = True
 
     def __exit__(self, *_: object) -> None:
-        with interruption.Postponed():
+        with interruption.postponed():
             if self._made:
                 shutil.rmtree(self.stage, ignore_errors=True)
             self._remove_made_parent()

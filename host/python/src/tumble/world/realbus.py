@@ -130,7 +130,7 @@ def run(
             job = {"node": _node(folder, interface, out, interactive)}
             progress = _Progress(folder, on_event)
         (folder / "job.json").write_text(json.dumps({"interface": interface, "stand": stand, **job}))
-        with interruption.Instead(progress.stop):
+        with interruption.instead(progress.stop):
             (_in_uml if bus == UML else _here)(folder, progress, firmware)
         if bus == UML and out.exists():
             shutil.copytree(out, stage / "bench")

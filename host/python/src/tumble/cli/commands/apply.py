@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from tumble.cli import options
 from tumble.errors import EXIT_PASS, BadInput, UsageError, file_name, quoted
-from tumble.messages import tell
+from tumble.messages import tell, warn
 from tumble.units import SI, force_unit
 
 if TYPE_CHECKING:
@@ -21,7 +21,6 @@ _IN_MEMORY = 1 << 24  # bytes of output, before they go to a temporary file
 
 
 def describe(parser: argparse.ArgumentParser) -> None:
-    """Describe the command to argparse."""
     parser.description = (
         "Write measured data again with the acceleration in its last three columns, x, y, z: by K and U0 of"
         " a result, and by its K2 and K3. Other columns are kept. CSV; Parquet where pyarrow or polars is installed."
@@ -90,8 +89,7 @@ def run(arguments: argparse.Namespace) -> int:
         for target in dict.fromkeys(filter(None, targets)):
             with them.written(target) as out:
                 _calibrate([file for file, its in zip(arguments.data, targets) if its == target], out, demand, known_c)
-    for warning in complaints_of_result(result.checked):
-        tell(f"tumble: warning: {file_name(arguments.result)}: {warning}")
+    warn(complaints_of_result(result.checked), arguments.result)
     if result.assumes:
         tell(f"tumble: notice: {file_name(arguments.result)}: {phrase(result.assumes).removeprefix(', ')}")
     return EXIT_PASS
@@ -146,8 +144,7 @@ def _tell_of_doubts(seen: Seen, known_c: Temperature | None, demand: Demand, fil
     if not seen.unit_told:
         taken = f"{demand.unit}, as in the result{'' if demand.unit_told else ', whose run names none either'}"
         tell(f"tumble: notice: {file_name(file)}: no unit in its header (as ux [V]): outputs taken for {taken}")
-    for odd in doubts(seen, known_c, demand):
-        tell(f"tumble: warning: {file_name(file)}: {odd}")
+    warn(doubts(seen, known_c, demand), file)
 
 
 def _tell_of_names(renamed: dict[str, str], file: str) -> None:

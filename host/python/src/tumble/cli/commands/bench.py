@@ -10,20 +10,10 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
+from tumble import errors
 from tumble.cli import options
-from tumble.errors import (
-    EXIT_LIMITS_FAILED,
-    EXIT_PASS,
-    BadInput,
-    BenchFault,
-    Interrupted,
-    NotInstalled,
-    TumbleError,
-    UsageError,
-    file_name,
-)
 from tumble.estimators import OPTIMAL
-from tumble.messages import on_terminal, tell
+from tumble.messages import on_terminal, tell, warn
 from tumble.schedule import file_of
 from tumble.terms import parse
 
@@ -40,7 +30,6 @@ _NO_REPORT = "TUMBLE_NO_REPORT"
 
 
 def describe(parser: argparse.ArgumentParser) -> None:
-    """Describe the command to argparse."""
     parser.description = "Let the firmware calibrate a block on a simulated stand over CAN, and confirm what it finds."
     parser.epilog = (
         "Leaves a run folder: run.csv, bus.log (candump -L), result.json, report.html, inputs/. After a fault:"
@@ -128,21 +117,25 @@ class Onlooker(Protocol):
 def run(arguments: argparse.Namespace, onlooker: Onlooker | None = None) -> int:
     """Simulate, confirm, print. Returns the exit code; raises TumbleError."""
     from tumble.api.solving import complaints
-    from tumble.cli.output import print_solution, warn
+    from tumble.cli.output import print_solution
+    from tumble.files.disk import read_bytes
     from tumble.solving.decision import decide
     from tumble.world import border, folder, outcome, realbus, setup
 
     if arguments.keys:
         print(border.scenario_help(), end="")
-        return EXIT_PASS
+        return errors.EXIT_PASS
     bus = realbus.require_bus(arguments.bus)
     _require_one_way(arguments)
     with_report = arguments.runs is None and _wants_report(arguments)
     if arguments.firmware == realbus.BOARD and arguments.interactive:
-        raise UsageError(f"--interactive: not with --firmware {realbus.BOARD}")
+        raise errors.UsageError(f"--interactive: not with --firmware {realbus.BOARD}")
     if arguments.firmware == realbus.BOARD:
         realbus.require_there(bus, realbus.BOARD)
-    given = _read_files(arguments)
+    files = (arguments.stand, arguments.block, file_of(arguments.schedule), arguments.scenario)
+    given = {
+        file: read_bytes(file) for file in dict.fromkeys(files) if file is not None
+    }  # each is read once: it may be a pipe
     wanted, stand_file = _read_setup(arguments, given)
     extra = None if arguments.scenario is None else given[arguments.scenario]
     scenario = setup.scenario_text(wanted, arguments.scenario, extra, arguments.set)
@@ -156,30 +149,30 @@ def run(arguments: argparse.Namespace, onlooker: Onlooker | None = None) -> int:
         try:
             outcome.require_done(document)
             solution = outcome.confirm(document, made.stage, wanted)
-        except BenchFault:
+        except errors.BenchFault:
             made.keep(outcome.DOCUMENT, renamed="fault.json")
-            tell(f"run folder: {file_name(path)}")
+            tell(f"run folder: {errors.file_name(path)}")
             raise
         text = outcome.result_text(solution, wanted, stand_file, document, arguments.bus, arguments.firmware)
         if with_report:
             _add_report(made, text, arguments.report)
         made.keep(outcome.DOCUMENT, result=text)
-    tell(f"run folder: {file_name(path)}")
+    tell(f"run folder: {errors.file_name(path)}")
     warn(complaints(solution))
     print_solution(solution, text if arguments.json else None, f"seed {wanted.seed}")
-    return EXIT_PASS if decide(solution).passed else EXIT_LIMITS_FAILED
+    return errors.EXIT_PASS if decide(solution).passed else errors.EXIT_LIMITS_FAILED
 
 
 def _require_one_way(arguments: argparse.Namespace) -> None:
     """Raise UsageError for what is of one run alone, or of many."""
     if arguments.runs is None and arguments.jobs is not None:
-        raise UsageError("--jobs: needs --runs")
+        raise errors.UsageError("--jobs: needs --runs")
     if arguments.runs is not None and (
         arguments.out is not None or arguments.interactive or arguments.report or arguments.model
     ):
-        raise UsageError("--runs: takes no --out, --interactive, --report or --model")
+        raise errors.UsageError("--runs: takes no --out, --interactive, --report or --model")
     if arguments.runs is not None and arguments.bus != "inprocess":
-        raise UsageError("--runs: runs inprocess alone, not on a real bus")
+        raise errors.UsageError("--runs: runs inprocess alone, not on a real bus")
 
 
 def _run_many(arguments: argparse.Namespace, scenario: str, gain_record: bytes | None) -> int:
@@ -203,14 +196,6 @@ def _wants_report(arguments: argparse.Namespace) -> bool:
 
     require_installed(HTML)
     return True
-
-
-def _read_files(arguments: argparse.Namespace) -> dict[str, bytes]:
-    """The given files and what is in them. Each is read once, as it may be a pipe. Raises BadInput."""
-    from tumble.files.disk import read_bytes
-
-    given = (arguments.stand, arguments.block, file_of(arguments.schedule), arguments.scenario)
-    return {file: read_bytes(file) for file in dict.fromkeys(given) if file is not None}
 
 
 def _read_setup(arguments: argparse.Namespace, given: dict[str, bytes]) -> tuple[Setup, StandFile | None]:
@@ -271,7 +256,8 @@ def _simulate(
     with seen as progress:
         if arguments.bus == realbus.INPROCESS:
             pace = 0.0 if onlooker is None else onlooker.pace
-            document = _inside(arguments, wanted, scenario, gain_record, made, progress, pace)
+            border = _world(arguments, wanted.seed, scenario, gain_record)
+            document = _inside(border, made, progress, pace)
         else:
             document = _outside(arguments, wanted, scenario_path, made, progress)
     if onlooker is not None:
@@ -279,25 +265,16 @@ def _simulate(
     return document
 
 
-def _inside(
-    arguments: argparse.Namespace,
-    wanted: Setup,
-    scenario: str,
-    gain_record: bytes | None,
-    made: RunFolder,
-    progress: OnEvent,
-    pace: float,
-) -> RunWithTruth:
+def _inside(border: Border, made: RunFolder, progress: OnEvent, pace: float) -> RunWithTruth:
     """In a world within this process."""
     from tumble.files.disk import reason
     from tumble.world import in_process
 
-    border = _world(arguments, wanted.seed, scenario, gain_record)
     interrupted = in_process.Run(border, progress, pace).to_its_end()
     try:
         document = in_process.write(border, made.stage)
     except OSError as error:
-        raise BadInput(f"cannot be written: {reason(error)}", made.path) from None
+        raise errors.BadInput(f"cannot be written: {reason(error)}", made.path) from None
     if interrupted:
         raise _interrupted(document.table.at_rest)
     return document
@@ -313,11 +290,11 @@ def _world(arguments: argparse.Namespace, seed: int, scenario: str, gain_record:
     except Refused as refused:
         is_told = refused.line > len(lines) - len(arguments.set)
         where = f"--set: {refused}" if is_told else refused.where(arguments.scenario or "scenario")
-        raise UsageError(f"this cannot be simulated: {where}") from None
+        raise errors.UsageError(f"this cannot be simulated: {where}") from None
 
 
-def _interrupted(at_rest: bool) -> Interrupted:
-    return Interrupted("interrupted; " + ("the table is at rest" if at_rest else "THE TABLE MAY STILL TURN"))
+def _interrupted(at_rest: bool) -> errors.Interrupted:
+    return errors.Interrupted("interrupted; " + ("the table is at rest" if at_rest else "THE TABLE MAY STILL TURN"))
 
 
 def _outside(
@@ -328,18 +305,18 @@ def _outside(
 
     given = arguments.bus, arguments.firmware, scenario_path, wanted.seed, made.stage
     ended, document = realbus.run(*given, progress, wanted.schedule.data, arguments.interactive)
-    if ended.interrupted or ended.code == Interrupted.exit_code:
+    if ended.interrupted or ended.code == errors.Interrupted.exit_code:
         never_began = ended.code == -signal.SIGTERM  # it did not get so far as to listen to signals
         raise _interrupted(never_began or (document is not None and document.table.at_rest))
     _, _, said = ended.complaint.partition(": ")
     at_fault, _, why = said.partition(f"{made.stage / 'bench'}: ")
-    if ended.code == BadInput.exit_code and why and not at_fault:  # the program could not write what it had to
-        raise BadInput(why, made.path)
+    if ended.code == errors.BadInput.exit_code and why and not at_fault:  # the program could not write what it had to
+        raise errors.BadInput(why, made.path)
     complaint = ended.complaint.replace(str(scenario_path), arguments.scenario or "scenario")
-    if ended.code == BadInput.exit_code:
-        raise UsageError(f"this cannot be simulated: {complaint}")
+    if ended.code == errors.BadInput.exit_code:
+        raise errors.UsageError(f"this cannot be simulated: {complaint}")
     if document is None:
-        raise BenchFault(f"the run failed ({ended.code}): {complaint or 'it says nothing'}")
+        raise errors.BenchFault(f"the run failed ({ended.code}): {complaint or 'it says nothing'}")
     for file in (made.stage / "bench").iterdir():
         file.rename(made.stage / file.name)
     (made.stage / "bench").rmdir()
@@ -356,9 +333,9 @@ def _add_report(made: RunFolder, result: str, is_asked_for: bool) -> None:
 
         run = recording_of(made.stage / "run.csv", Wishes(unit="V"))
         made.add("report.html", Result(result).reported(HTML, run))
-    except NotInstalled as error:
+    except errors.NotInstalled as error:
         tell(f"tumble: the run is made without a report: {error}; --no-report leaves this line out")
-    except TumbleError as error:
+    except errors.TumbleError as error:
         if is_asked_for:
             raise
         tell(f"tumble: no report is left: {error}")

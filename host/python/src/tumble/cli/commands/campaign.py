@@ -18,7 +18,6 @@ _DEFAULT = "1000"
 
 
 def describe(parser: argparse.ArgumentParser) -> None:
-    """Describe the command and its subjects to argparse."""
     subjects = parser.add_subparsers(metavar="SUBJECT", required=True)
     runs = subjects.add_parser(
         "runs",

@@ -8,11 +8,11 @@ import sys
 from tumble.cli import options
 from tumble.defaults import ANEW, DEFAULT_CONFIDENCE, LEVELLED
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
+from tumble.messages import warn
 from tumble.schedule import file_of
 
 
 def describe(parser: argparse.ArgumentParser) -> None:
-    """Describe the command to argparse."""
     parser.description = (
         "Hold two calibrations of one block against each other: the differences in units of their combined"
         " uncertainty, and whether the block has changed, only the way it sits, or neither."
@@ -62,7 +62,6 @@ def run(arguments: argparse.Namespace) -> int:
         raise UsageError("--two-stands: nothing is shared then, which --stand and --levelled speak of")
 
     from tumble.api.comparing import compared
-    from tumble.cli.output import warn
     from tumble.comparison import report
     from tumble.documents.base import to_json
     from tumble.files.disk import refuse_overwriting, write_bytes

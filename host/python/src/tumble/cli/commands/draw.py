@@ -22,7 +22,6 @@ _OF_A_SCHEDULE = ("stand", "mountings", "inclinations", "angles")
 
 
 def describe(parser: argparse.ArgumentParser) -> None:
-    """Describe the command and its subjects to argparse."""
     parser.description = (
         "Draw, as SVG, at most 170 mm wide. Exit codes: 0 done, 2 bad input, 77 matplotlib is not there, 130"
         " interrupted."

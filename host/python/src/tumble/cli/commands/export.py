@@ -24,8 +24,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tumble.cli import options
-from tumble.errors import EXIT_PASS, BadInput, UsageError, file_name
-from tumble.messages import tell
+from tumble.errors import EXIT_PASS, BadInput, UsageError
+from tumble.messages import warn
 from tumble.units import SI, force_unit
 
 if TYPE_CHECKING:
@@ -57,7 +57,6 @@ _CONDITIONS = ("gravity_m_s2", "u_gravity_m_s2", "temperature_c", "pressure_hpa"
 
 
 def describe(parser: argparse.ArgumentParser) -> None:
-    """Describe the command to argparse."""
     parser.description = "Write the coefficients of a result, each with its unit and its standard uncertainty."
     parser.epilog = "Exit codes: 0 done, 2 bad input, 130 interrupted."
     parser.add_argument("result", metavar="RESULT.json", help="a result of tumble solve")
@@ -110,8 +109,7 @@ def run(arguments: argparse.Namespace) -> int:
     except ValueError as error:
         raise BadInput(str(error), arguments.result) from None
     text = _filled(arguments.format, _FLOAT if arguments.number == _FLOAT else _DOUBLE, {**names, "fixed": fixed})
-    for warning in warnings:
-        tell(f"tumble: warning: {file_name(arguments.result)}: {warning}")
+    warn(warnings, arguments.result)
     if arguments.out is None:
         sys.stdout.write(text)
     else:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from tumble.cli import options
 from tumble.defaults import ANEW, DEFAULT_LIMIT_G, LEVELLED, ONCE
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BadInput, UsageError, file_name, quoted
+from tumble.messages import warn
 
 if TYPE_CHECKING:
     from tumble.core import CoreSchedule
@@ -24,7 +25,6 @@ DEFAULT_CONFIDENCE = 0.95
 
 
 def describe(parser: argparse.ArgumentParser) -> None:
-    """Describe the command to argparse."""
     subjects = parser.add_subparsers(metavar="SUBJECT", required=True)
     subject = subjects.add_parser(
         "check",
@@ -68,7 +68,6 @@ def check(arguments: argparse.Namespace) -> int:
             raise UsageError(f"the run {quoted(run)} is given twice")
         seen.add(path)
 
-    from tumble.cli.output import warn
     from tumble.core import CoreSchedule, paper_schedule
     from tumble.documents.base import to_json
     from tumble.files.schedule_file import read_schedule

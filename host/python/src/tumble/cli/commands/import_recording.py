@@ -8,7 +8,7 @@ import os
 import shlex
 import sys
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from tumble.cli import options
 from tumble.defaults import DEFAULT_SCHEDULE
@@ -16,16 +16,19 @@ from tumble.errors import EXIT_PASS, UsageError, quoted
 from tumble.schedule import file_of
 
 if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
     from tumble.importing.attitudes import Signs
     from tumble.importing.pipeline import Imported, Settings
     from tumble.importing.rests import Thresholds
+
+SettingsT = TypeVar("SettingsT", bound="DataclassInstance")
 
 _REPEATS = ("first", "last", "longest")
 _WIDTH = 80
 
 
 def describe(parser: argparse.ArgumentParser) -> None:
-    """Describe the command to argparse."""
     parser.description = (
         "Find the rests in time-stamped recordings, match them to the positions of a schedule by the"
         " direction of gravity, and write a run file. What was taken for granted is told, what fits two ways refused."
@@ -117,47 +120,41 @@ def _settings(arguments: argparse.Namespace, replayed: bool, signs: Signs | None
     from tumble.files.stand_file import read_stand
     from tumble.importing import report
     from tumble.importing.pipeline import Settings
-    from tumble.importing.recording import COLUMNS, Timing
+    from tumble.importing.recording import COLUMNS
 
     base = report.read_recipe(arguments.recipe) if replayed else Settings()
     told = options.wishes(arguments, COLUMNS)
-    wishes = replace(
-        base.wishes,
-        columns=base.wishes.columns | told.columns,
-        delimiter=told.delimiter or base.wishes.delimiter,
-        decimal=told.decimal or base.wishes.decimal,
-        unit=told.unit or base.wishes.unit,
-    )
-    rate = base.timing.rate_hz if arguments.rate is None else _positive(arguments.rate, "--rate")
-    mountings = base.mountings if arguments.mountings is None else _parse_mountings(arguments.mountings)
+    layout = {"delimiter": told.delimiter, "decimal": told.decimal, "unit": told.unit}
+    wishes = _with(base.wishes, columns=base.wishes.columns | told.columns, **layout)
+    rate_hz = None if arguments.rate is None else _positive(arguments.rate, "--rate")
+    mountings = None if arguments.mountings is None else _parse_mountings(arguments.mountings)
     thresholds = _thresholds(arguments, base.thresholds)
-    tolerance = base.claims.tolerance
-    if arguments.tolerance is not None:
-        tolerance = math.radians(_positive(arguments.tolerance, "--tolerance", 45.0))
-    claims = replace(
+    degrees = None if arguments.tolerance is None else _positive(arguments.tolerance, "--tolerance", 45.0)
+    claims = _with(
         base.claims,
-        signs=signs or base.claims.signs,
-        order=arguments.order or base.claims.order,
-        tolerance=tolerance,
-        repeats=arguments.repeats or base.claims.repeats,
+        signs=signs,
+        order=arguments.order,
+        tolerance=degrees and math.radians(degrees),
+        repeats=arguments.repeats,
         leave_out=_parse_rests(arguments.leave_out, "--leave-out"),
         take=_parse_rests(arguments.take, "--take"),
     )
-    identifier = base.bus.identifier
+    identifier = None
     if arguments.can_id is not None:
         try:
             identifier = int(arguments.can_id, 0)
         except ValueError:
             raise UsageError(f"--can-id: {quoted(arguments.can_id)} is not an identifier such as 0x683") from None
-    bus = replace(
-        base.bus,
-        dbc=arguments.dbc or base.bus.dbc,
-        identifier=identifier,
-        channel=arguments.can_channel or base.bus.channel,
-        v_per_count=base.bus.v_per_count if arguments.stand is None else read_stand(arguments.stand).step_v,
-    )
-    timing = Timing(rate, arguments.time_unit or base.timing.unit)
-    return Settings(arguments.schedule or base.schedule, wishes, timing, thresholds, claims, mountings, bus)
+    step_v = None if arguments.stand is None else read_stand(arguments.stand).step_v
+    where = {"dbc": arguments.dbc, "identifier": identifier, "channel": arguments.can_channel}
+    bus, timing = _with(base.bus, **where, v_per_count=step_v), _with(base.timing, rate_hz=rate_hz)
+    parts = {"wishes": wishes, "timing": _with(timing, unit=arguments.time_unit), "bus": bus, "claims": claims}
+    return _with(base, schedule=arguments.schedule, thresholds=thresholds, mountings=mountings, **parts)
+
+
+def _with(base: SettingsT, **said: Any) -> SettingsT:
+    """With what is said; None: nothing is."""
+    return replace(base, **{name: value for name, value in said.items() if value is not None})
 
 
 def _thresholds(arguments: argparse.Namespace, base: Thresholds) -> Thresholds:

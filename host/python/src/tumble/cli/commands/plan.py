@@ -16,6 +16,7 @@ import argparse
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from tumble.cli import options
@@ -44,7 +45,6 @@ _LONGEST_S = 1e6
 
 
 def describe(parser: argparse.ArgumentParser) -> None:
-    """Describe the command and its subjects to argparse."""
     parser.description = "What a stand is worth, before anything is measured on it."
     subjects = parser.add_subparsers(metavar="SUBJECT", required=True)
     for name, (about, describe_subject, run) in _SUBJECTS.items():
@@ -112,10 +112,15 @@ def _parse_positive(text: str, option: str) -> float:
     return options.parse_number(text, option, options.ABOVE_0, sys.float_info.max, "a number above 0")
 
 
-def _print_json(plan: Plan) -> None:
+def _told(arguments: argparse.Namespace, plan: Callable[[], Plan], show: Callable[[], None]) -> int:
+    """As JSON, or for people. Returns the exit code."""
     from tumble.documents.base import to_json
 
-    sys.stdout.write(to_json(plan))
+    if arguments.json:
+        sys.stdout.write(to_json(plan()))
+    else:
+        show()
+    return EXIT_PASS
 
 
 def _describe_budget(parser: argparse.ArgumentParser) -> None:
@@ -134,12 +139,8 @@ def _run_budget(arguments: argparse.Namespace) -> int:
     promised = unseen = None
     if arguments.weights == "derived":
         promised, unseen = promise(case, arguments.estimator), case.reliability(arguments.estimator)
-    further = model_cost.model_cost(case, arguments.estimator)
-    if arguments.json:
-        _print_json(document(found, case, promised, unseen, further))
-    else:
-        _show_budget(found, case, promised, unseen, further)
-    return EXIT_PASS
+    told = found, case, promised, unseen, model_cost.model_cost(case, arguments.estimator)
+    return _told(arguments, lambda: document(*told), lambda: _show_budget(*told))
 
 
 def _show_budget(
@@ -203,11 +204,7 @@ def _run_require(arguments: argparse.Namespace) -> int:
     from tumble.planning.require import require, show
 
     plan = require(case, arguments.weights, arguments.estimator, split, probability)
-    if arguments.json:
-        _print_json(plan)
-    else:
-        show(plan, case)
-    return EXIT_PASS
+    return _told(arguments, lambda: plan, lambda: show(plan, case))
 
 
 def _split(text: str | None, case: Case, published: bool) -> Floats:
@@ -260,20 +257,18 @@ def _run_optimize(arguments: argparse.Namespace) -> int:
         raise UsageError(f"--out: {quoted(arguments.out)} ends in none of .json, .h, .bin")
 
     from tumble.files.disk import refuse_overwriting, write_bytes
+    from tumble.files.stand_file import read_stand
     from tumble.planning import optimize
 
     refuse_overwriting(arguments.out, arguments.stand, file_of(arguments.schedule), arguments.result)
     case = _read_case(arguments)
     k = None if arguments.result is None else _last_known_k(arguments.result)
-    found = optimize.optimize(case, k, _serial(arguments.stand))
+    block = None if arguments.stand is None else read_stand(arguments.stand).block
+    found = optimize.optimize(case, k, None if block is None else block["serial"])  # the record is for this block only
     document = optimize.document(found)
     if kind is not None:
         write_bytes(arguments.out, _content(kind, found, document))
-    if arguments.json:
-        _print_json(document)
-    else:
-        _show_optimize(found)
-    return EXIT_PASS
+    return _told(arguments, lambda: document, lambda: _show_optimize(found))
 
 
 def _show_optimize(found: Optimized) -> None:
@@ -326,18 +321,6 @@ def _last_known_k(file: str) -> Floats:
     if noise_unit(result.unit) != "V":
         raise BadInput(f"K is in {quoted(result.unit)} per g; a gain table needs volts", file)
     return result.K * volts_per(result.unit)
-
-
-def _serial(stand: str | None) -> str | None:
-    """The block's serial that a stand file states: the record is then for this block only."""
-    if stand is None:
-        return None
-    from tumble.files.stand_file import read_stand
-
-    block = read_stand(stand).block
-    assert block is not None  # _read_case has asked for it
-    serial: str | None = block["serial"]
-    return serial
 
 
 def _describe_schedule(parser: argparse.ArgumentParser) -> None:
@@ -417,11 +400,8 @@ def _run_schedule(arguments: argparse.Namespace) -> int:
         found = plan_schedule(case, goal, pace, reach, progress, team)
     if arguments.out is not None:
         write_text(arguments.out, to_toml(found.best.schedule))
-    if arguments.json:
-        _print_json(schedule_search.document(found, reach.step_deg))
-    else:
-        schedule_search.show(found, arguments.out, arguments.stand)
-    return EXIT_PASS
+    show = partial(schedule_search.show, found, arguments.out, arguments.stand)
+    return _told(arguments, lambda: schedule_search.document(found, reach.step_deg), show)
 
 
 def _parse_seconds(text: str | None, option: str) -> float | None:
@@ -487,10 +467,7 @@ def _run_validate(arguments: argparse.Namespace) -> int:
     plan = document(case, {one.estimator: judge(one) for one in found}, runs, seed, arguments.table)
     if arguments.plot is not None:
         write_text(arguments.plot, svg(histograms(found, f"{case.stand.name}: error over stated u, {runs} runs")))
-    if arguments.json:
-        _print_json(plan)
-    else:
-        show(plan)
+    _told(arguments, lambda: plan, lambda: show(plan))
     return EXIT_PASS if plan.passed else EXIT_LIMITS_FAILED
 
 
@@ -513,11 +490,7 @@ def _describe_paper(parser: argparse.ArgumentParser) -> None:
 def _run_paper(arguments: argparse.Namespace) -> int:
     from tumble.planning.paper import document, show
 
-    if arguments.json:
-        _print_json(document())
-    else:
-        show()
-    return EXIT_PASS
+    return _told(arguments, document, show)
 
 
 _SUBJECTS: dict[str, tuple[str, Callable[[argparse.ArgumentParser], None], Callable[[argparse.Namespace], int]]] = {

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 
 
 def describe(parser: argparse.ArgumentParser) -> None:
-    """Describe the command to argparse."""
     parser.description = (
         "Feed a recorded bus log, in order and at its recorded times, to the firmware of node 1 and ignore"
         " what it sends: the coefficients come out with the same bits as in the run, on every processor."

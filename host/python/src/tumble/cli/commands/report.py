@@ -11,7 +11,6 @@ from tumble.errors import EXIT_PASS, UsageError
 
 
 def describe(parser: argparse.ArgumentParser) -> None:
-    """Describe the command to argparse."""
     parser.description = (
         "Write a calibration report on a result, with what ISO/IEC 17025 asks of one: one HTML file that"
         " needs no other, or the same as PDF."
@@ -57,8 +56,8 @@ def run(arguments: argparse.Namespace) -> int:
     recorded = None
     if arguments.run is not None:
         recorded = recording_of(arguments.run, wishes if wishes.unit else replace(wishes, unit=result.unit))
-    more = arguments.template, arguments.logo, arguments.number, arguments.since, arguments.issued
-    text = result.reported(kind, recorded, *more)
+    given = {name: getattr(arguments, name) for name in ("template", "logo", "number", "since", "issued")}
+    text = result.reported(kind, recorded, **given)
     if arguments.out is None:
         sys.stdout.buffer.write(text)
         sys.stdout.buffer.flush()

@@ -11,6 +11,7 @@ from tumble.cli import options
 from tumble.defaults import NEEDS_STAND
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
 from tumble.estimators import OPTIMAL
+from tumble.messages import warn
 from tumble.schedule import file_of
 from tumble.terms import parse
 
@@ -21,7 +22,6 @@ FEWEST_SIMULATED, MOST_SIMULATED = 1000, 1_000_000
 
 
 def describe(parser: argparse.ArgumentParser) -> None:
-    """Describe the command to argparse."""
     parser.description = (
         "Solve a recorded run: the firmware's code computes, an independent numpy computation confirms."
     )
@@ -60,7 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     from tumble.api.recording import recording_of
     from tumble.api.solving import solved
-    from tumble.cli.output import print_solution, warn
+    from tumble.cli.output import print_solution
     from tumble.documents.base import to_json
     from tumble.files.disk import refuse_overwriting, write_text
     from tumble.files.run_layout import COLUMNS, TEMPERATURE

@@ -12,7 +12,6 @@ _LARGEST_SECTOR = 1 << 24
 
 
 def describe(parser: argparse.ArgumentParser) -> None:
-    """Describe the command to argparse."""
     subjects = parser.add_subparsers(metavar="SUBJECT", required=True)
     subject = subjects.add_parser(
         "dump",

@@ -6,7 +6,6 @@ import argparse
 
 
 def describe(parser: argparse.ArgumentParser) -> None:
-    """Describe the command to argparse."""
     parser.usage = "%(prog)s [-h] [-- COMMAND ...]"
     parser.description = (
         "Run a command inside user-mode Linux, a kernel as an ordinary process, where vcan0 is up. It may"

@@ -26,7 +26,6 @@ _LOOK_S = 0.1
 
 
 def describe(parser: argparse.ArgumentParser) -> None:
-    """Describe the command to argparse."""
     parser.usage = (
         "%(prog)s [-h] SOURCE [--http [HOST:PORT]] [--every S] [--json]\n"
         "       %(prog)s [-h] bench [--http [HOST:PORT]] [--pace X] [bench options]"
@@ -73,7 +72,7 @@ def run(arguments: argparse.Namespace) -> int:
         return _bench(arguments, address)
     _refuse_options_of_bench(arguments)
 
-    from tumble.watch.sources import opened
+    from tumble.watch.node_run import opened
 
     source = opened(arguments.source)
     if arguments.json:
@@ -163,7 +162,7 @@ def _pace(arguments: argparse.Namespace) -> float:
 def _until_interrupted() -> None:
     """The run is over, so the first signal ends this in good order. No lock is waited for: a signal
     comes within any call of this thread, and a lock that it holds then would never be free."""
-    with interruption.Instead(lambda: None):
+    with interruption.instead(lambda: None):
         interruption.heed_again()
         tell("tumble: the run is over; the page stays until Ctrl-C")
         while not interruption.has_come():
