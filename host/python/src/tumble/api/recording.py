@@ -14,7 +14,7 @@ from tumble.arrays import Floats, Integers
 from tumble.core import MAX_MEAN, CoreSchedule
 from tumble.errors import BadInput, UsageError
 from tumble.files import can_log, frames, run_file
-from tumble.files.disk import RUN_FILE, STANDARD_INPUT, Held, held, name_of, read_head, require_no_folder_of
+from tumble.files.disk import RUN_FILE, STANDARD_INPUT, Held, blocks_of, held, name_of, opened, require_no_folder_of
 from tumble.files.frames import SUFFIXES, read_table_file, suffix_of
 from tumble.files.rows import NUMBERS, Anywhere, PositionIndex, Refused, Temperatures, temperatures_of_table
 from tumble.files.run_file import Rows, RowStore, Run, RunReader
@@ -237,7 +237,8 @@ def _can_log(source: Any, dbc: str | None, schedule: str | None, v_per_count: fl
     is_log = False
     if file is not None and file != STANDARD_INPUT and suffix_of(file) not in SUFFIXES:
         require_no_folder_of(file, RUN_FILE)
-        is_log = can_log.kind_of(read_head(file, can_log.HEAD)) is not None
+        with opened(file) as stream:
+            is_log = can_log.kind_of(next(blocks_of(stream, file, can_log.HEAD), b"")) is not None
     if file is None or not is_log:
         said = {"dbc": dbc, "schedule": schedule, "v_per_count": v_per_count}
         for name, value in said.items():

@@ -9,7 +9,7 @@ import math
 import os
 import warnings
 from collections.abc import Mapping
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar, overload
 
 import numpy as np
@@ -346,21 +346,21 @@ class Result:
 
         with told_in_python():
             name = path_of(file)
-            its_template, its_logo = (None if one is None else path_of(one) for one in (template, logo))
-            more = its_template, its_logo, number, since, issued
-            write_bytes(name, self.reported(kind_of(name, "file"), run, *more))
+            given = {"template": template, "logo": logo}
+            files = {key: None if one is None else path_of(one) for key, one in given.items()}
+            kind = kind_of(name, "file")
+            write_bytes(name, self.reported(kind, run, since=since, issued=issued, number=number, **files))
 
     def reported(
         self,
         kind: str,
         run: Any = None,
-        template: str | None = None,
-        logo: str | None = None,
-        number: str | None = None,
+        *,
         since: Result | str | os.PathLike[str] | None = None,
         issued: str | None = None,
+        **given: str | None,
     ) -> bytes:
-        """What `report` writes; `kind`: "html" or "pdf"."""
+        """What `report` writes; `kind`: "html" or "pdf"; `given`: template, logo, number."""
         from tumble.comparison import pair, report as comparison
         from tumble.report.make import made
         from tumble.report.pages import require_date
@@ -376,8 +376,8 @@ class Result:
             first = pair.Side.of("the earlier result", before._told, complaints_of_result(before._told))
             second = pair.Side.of("this result", self._told, complaints_of_result(self._told))
             earlier = before.document, comparison.document(pair.compare(first, second, None, DEFAULT_CONFIDENCE))
-        more: dict[str, Any] = {"template": template, "logo": logo, "number": number, "earlier": earlier}
-        more["issued"] = require_date((created() or "")[:10] if issued is None else issued)
+        day = require_date((created() or "")[:10] if issued is None else issued)
+        more: dict[str, Any] = {**given, "earlier": earlier, "issued": day}
         return made(self.document, self._name, kind, run=recording, attached=self._text, **more)
 
 
@@ -415,14 +415,8 @@ def demand_of(
 ) -> Demand:
     """What is to be done with a table, or with a file, of outputs; `unit`: of the result's, `unit_told` or assumed;
     `of_force`: the unit of the acceleration."""
-    return Demand(
-        lambda outputs: values_of(force, outputs, with_uncertainty),
-        unit,
-        with_uncertainty,
-        wishes,
-        unit_told,
-        per_g_of(of_force),
-    )
+    calibrate = partial(values_of, force, with_uncertainty=with_uncertainty)
+    return Demand(calibrate, unit, with_uncertainty, wishes, unit_told, per_g_of(of_force))
 
 
 def _of_array(force: Force, data: Any, unit: str, with_uncertainty: bool, outputs_unit: str | None) -> Floats:

@@ -10,18 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from tumble import defaults
 from tumble.api.arguments import as_list, as_number, is_one_of, told_in_python
 from tumble.api.recording import Recording, recording_of
 from tumble.api.result import Result
-from tumble.defaults import (
-    DEFAULT_CONFIDENCE,
-    DEFAULT_COVERAGE_FACTOR,
-    DEFAULT_ESTIMATOR,
-    DEFAULT_INCLINED,
-    DEFAULT_LIMIT_G,
-    DEFAULT_SCHEDULE,
-    NEEDS_STAND,
-)
 from tumble.documents.base import to_json
 from tumble.documents.result import Explanation, Result as ResultDocument
 from tumble.errors import UsageError, quoted
@@ -77,21 +69,23 @@ def solved(
     *,
     stand: Any = None,
     schedule: Any = None,
-    estimator: str = DEFAULT_ESTIMATOR,
+    estimator: str = defaults.DEFAULT_ESTIMATOR,
     limit_g: float | None = None,
-    confidence: float = DEFAULT_CONFIDENCE,
+    confidence: float = defaults.DEFAULT_CONFIDENCE,
     terms: Terms = (),
 ) -> Solved:
     """Solve a recording; arguments as of `solve`. Raises TumbleError."""
     if not is_one_of(estimator, ESTIMATORS):
         raise UsageError(f"estimator: {quoted(estimator)} is not one of {', '.join(ESTIMATORS)}")
     if estimator == OPTIMAL and stand is None:
-        raise UsageError(NEEDS_STAND)
+        raise UsageError(defaults.NEEDS_STAND)
     now = created()
     stand_file = None if stand is None else stand_file_of(stand)
     declared_g = None if stand_file is None else stand_file.delta_g_limit_g
     told_g = declared_g if limit_g is None else limit_g
-    run, planned = recording.averaged_on(schedule_of(DEFAULT_SCHEDULE if schedule is None else schedule, estimator))
+    run, planned = recording.averaged_on(
+        schedule_of(defaults.DEFAULT_SCHEDULE if schedule is None else schedule, estimator)
+    )
     odd_rows = run_rows.check_rows(run, planned.data, stand_file, recording.name)
     environment = None if stand_file is None else stand_file.environment
     contradiction = contradicted(run, environment)
@@ -99,13 +93,13 @@ def solved(
         in_environment(run, environment),
         planned,
         estimator,
-        DEFAULT_LIMIT_G if told_g is None else told_g,
+        defaults.DEFAULT_LIMIT_G if told_g is None else told_g,
         None if stand_file is None else stand_file.stand,
         recording.name,
         0.0 if stand_file is None else stand_file.step_v,
         confidence=confidence,
         terms=terms,
-        coverage_factor=DEFAULT_COVERAGE_FACTOR if stand_file is None else stand_file.decided_by,
+        coverage_factor=defaults.DEFAULT_COVERAGE_FACTOR if stand_file is None else stand_file.decided_by,
     )
     solution = plausibility.with_order_flag(solution, stand_file)
     odd = (*odd_rows, *plausibility.check_k(solution, stand_file, recording.name))
@@ -120,7 +114,7 @@ def solve(
     schedule: Schedule | str | os.PathLike[str] | None = None,
     estimator: str | None = None,
     limit_g: float | None = None,
-    confidence: float = DEFAULT_CONFIDENCE,
+    confidence: float = defaults.DEFAULT_CONFIDENCE,
     model: str | Iterable[str] = (),
 ) -> Result:
     """Solve a run: the twelve coefficients of U = U0 + K a, with their uncertainties and a verdict.
@@ -153,8 +147,8 @@ def solve(
         raise UsageError(f"confidence: {quoted(confidence)} is not a number from 0.5 to 0.999999")
     with told_in_python():
         if estimator is None:
-            planned = schedule_of(DEFAULT_SCHEDULE if schedule is None else schedule)
-            estimator = DEFAULT_INCLINED if planned.data.is_inclined else DEFAULT_ESTIMATOR
+            planned = schedule_of(defaults.DEFAULT_SCHEDULE if schedule is None else schedule)
+            estimator = defaults.DEFAULT_INCLINED if planned.data.is_inclined else defaults.DEFAULT_ESTIMATOR
         found = solved(
             recording_of(run),
             stand=stand,

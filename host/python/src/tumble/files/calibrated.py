@@ -19,7 +19,7 @@ import numpy as np
 from tumble.arrays import Floats
 from tumble.errors import BadInput, file_name, quoted
 from tumble.files import frames
-from tumble.files.disk import bounded, pieces, reason
+from tumble.files.disk import blocks_of, bounded, pieces, reason
 from tumble.files.rows import LINE, OUTPUTS as PLACES, Refused, RowParser, Temperatures, temperatures_of_table
 from tumble.files.run_layout import Wishes, detect, find_all, require_text, split, unit_of
 from tumble.units import looks_as_applied, noise_unit, volts_per
@@ -128,7 +128,7 @@ class CsvData:
 
     def __init__(self, stream: BinaryIO, file: str, demand: Demand):
         self._demand, self._file = demand, file
-        self._pieces = pieces(_blocks(stream, file), file)
+        self._pieces = pieces(blocks_of(stream, file, _PIECE), file)
         self._first = next(self._pieces, b"")
         require_text(self._first, file)
         self._layout = detect(self._first, demand.wishes, file)
@@ -196,14 +196,6 @@ class CsvData:
             text = [one if math.isfinite(number) else "" for one, number in zip(text, numbers)]
         own = line[: len(line) - len(end)] if end else line
         return self._layout.delimiter.join([own, *text]) + (end or self._end)
-
-
-def _blocks(stream: BinaryIO, file: str) -> Iterator[bytes]:
-    try:
-        while block := stream.read(_PIECE):
-            yield block
-    except OSError as error:
-        raise BadInput(reason(error), file) from None
 
 
 def _lines(data: bytes) -> Iterator[str]:

@@ -101,20 +101,18 @@ def read_bytes(
     if within is not None:
         require_no_folder_of(file, within)
     with opened(file) as stream:
-        try:
-            look(first := stream.read(_BLOCK))
-            return joined(itertools.chain((first,), iter(lambda: stream.read(_BLOCK), b"")), file, most)
-        except OSError as error:
-            raise BadInput(reason(error), file) from None
+        blocks = blocks_of(stream, file)
+        look(first := next(blocks, b""))
+        return joined(itertools.chain((first,), blocks), file, most)
 
 
-def read_head(file: str, size: int) -> bytes:
-    """How a file begins, `size` bytes at most. Raises BadInput."""
-    with opened(file) as stream:
-        try:
-            return stream.read(size)
-        except OSError as error:
-            raise BadInput(reason(error), file) from None
+def blocks_of(stream: BinaryIO, file: str, size: int = _BLOCK) -> Iterator[bytes]:
+    """What is left to be read. Raises BadInput."""
+    try:
+        while block := stream.read(size):
+            yield block
+    except OSError as error:
+        raise BadInput(reason(error), file) from None
 
 
 def joined(blocks: Iterable[bytes], name: str, most: int) -> bytes:

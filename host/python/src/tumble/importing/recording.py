@@ -20,7 +20,7 @@ import numpy as np
 
 from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput, quoted
-from tumble.files import can_log
+from tumble.files import can_log, run_layout
 from tumble.files.disk import MOST_OF_RECORDING, read_bytes
 from tumble.files.frames import SUFFIXES, suffix_of
 from tumble.files.rows import (
@@ -34,28 +34,12 @@ from tumble.files.rows import (
     Refused,
     RowParser,
 )
-from tumble.files.run_layout import (
-    DEFAULT_UNIT,
-    NUMBER,
-    TEMPERATURE,
-    Layout,
-    Wishes,
-    as_text,
-    body_of,
-    detect,
-    find_column,
-    is_number,
-    lines_of,
-    require_text,
-    split,
-    unit_of,
-)
 from tumble.importing import can_bus
 from tumble.importing.can_bus import NO_BUS, OUTPUTS, Bus
 from tumble.importing.labels import LABELS
 
 OPTIONAL = ("time", *LABELS)
-COLUMNS = (*OUTPUTS, *OPTIONAL, TEMPERATURE)  # that a user may name
+COLUMNS = (*OUTPUTS, *OPTIONAL, run_layout.TEMPERATURE)  # that a user may name
 UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}  # of a clock
 CONTRADICTED = "clock: --rate says"
 _ROWS_OF_CLOCK = 5000  # that tell its rate well enough
@@ -101,7 +85,7 @@ class Timing:
     unit: str | None = None
 
 
-def read(file: str, wishes: Wishes, timing: Timing, bus: Bus = NO_BUS) -> Recording:
+def read(file: str, wishes: run_layout.Wishes, timing: Timing, bus: Bus = NO_BUS) -> Recording:
     """Read one file. Raises BadInput with file, row and column; UsageError; NotInstalled."""
     if suffix_of(file) in SUFFIXES:
         raise BadInput(
@@ -111,30 +95,31 @@ def read(file: str, wishes: Wishes, timing: Timing, bus: Bus = NO_BUS) -> Record
     if (kind := can_log.kind_of(data)) is not None:
         log = can_bus.read(data, file, kind, wishes, bus)
         clock = _clock_of(log.seconds, "time s", replace(timing, unit=None), file)
-        unit, notes = log.unit or DEFAULT_UNIT, (*log.notes, *clock.notes)
+        unit, notes = log.unit or run_layout.DEFAULT_UNIT, (*log.notes, *clock.notes)
         told = log.unit is not None
         return Recording(file, data, log.outputs, log.lines, unit, told, clock, notes, temperature=log.temperature)
     bus.require_log()
-    require_text(data, file)
-    return _read_rawimu(file, data, wishes, timing) if is_rawimu(data) else _read_table(file, data, wishes, timing)
+    run_layout.require_text(data, file)
+    is_rawimu = _START.search(data[:_BEGINNING]) is not None
+    return (_read_rawimu if is_rawimu else _read_table)(file, data, wishes, timing)
 
 
 def _require_kind(file: str, beginning: bytes) -> None:
     """It is text, if it is no CAN log. Raises BadInput."""
     if beginning.strip() and can_log.kind_of(beginning) is None:
-        require_text(beginning, file)
+        run_layout.require_text(beginning, file)
 
 
 # Tables.
 
 
-def _read_table(file: str, data: bytes, wishes: Wishes, timing: Timing) -> Recording:
+def _read_table(file: str, data: bytes, wishes: run_layout.Wishes, timing: Timing) -> Recording:
     own = data
     if wishes.delimiter == " ":
         data = b"\n".join(b" ".join(line.split()) for line in data.splitlines())
     wishes = replace(wishes, wanted=OUTPUTS, has_preamble=True)
-    layout = detect(data, wishes, file)
-    names = split(lines_of(data)[layout.header_row - 1], layout.delimiter)
+    layout = run_layout.detect(data, wishes, file)
+    names = run_layout.split(run_layout.lines_of(data)[layout.header_row - 1], layout.delimiter)
     columns = _optional_columns(names, wishes, file, layout.header_row)
     notes = []
     if layout.header_row - layout.comments - layout.blanks > 1:
@@ -173,12 +158,12 @@ def _read_table(file: str, data: bytes, wishes: Wishes, timing: Timing) -> Recor
     )
 
 
-def _optional_columns(names: list[str], wishes: Wishes, file: str, row: int) -> dict[str, int]:
+def _optional_columns(names: list[str], wishes: run_layout.Wishes, file: str, row: int) -> dict[str, int]:
     """Where the columns of OPTIONAL are that are there. Raises BadInput for one that the user names and is not."""
     found = {}
     for wanted in OPTIONAL:
         try:
-            index = find_column(wanted, names, wishes.columns)
+            index = run_layout.find_column(wanted, names, wishes.columns)
         except ValueError as error:
             raise BadInput(str(error), file, row) from None
         if index is None and wanted in wishes.columns:
@@ -189,17 +174,19 @@ def _optional_columns(names: list[str], wishes: Wishes, file: str, row: int) -> 
     return found
 
 
-def _below_units(data: bytes, layout: Layout, names: list[str], wishes: Wishes, file: str) -> tuple[Layout, list[str]]:
+def _below_units(
+    data: bytes, layout: run_layout.Layout, names: list[str], wishes: run_layout.Wishes, file: str
+) -> tuple[run_layout.Layout, list[str]]:
     """The layout with a row of units taken for a part of the header, if there is one."""
     row, line = next(_lines(data, layout), (0, ""))
     try:
-        fields = split(line, layout.delimiter)
+        fields = run_layout.split(line, layout.delimiter)
     except csv.Error:
         return layout, []
-    if any(map(is_number, fields)) or len(fields) < len(names) or all(f.lower() in NO_VALUE for f in fields):
+    if any(map(run_layout.is_number, fields)) or len(fields) < len(names) or all(f.lower() in NO_VALUE for f in fields):
         return layout, []
     units = [f"[{fields[index].strip('[]()')}]" for index in layout.indices]
-    unit = unit_of(wishes, units, file, row)
+    unit = run_layout.unit_of(wishes, units, file, row)
     felt = layout.temperature
     if felt is not None and not felt.unit and fields[felt.index].lower() not in NO_VALUE:
         felt = replace(felt, unit=fields[felt.index].strip("[]()"))
@@ -208,7 +195,9 @@ def _below_units(data: bytes, layout: Layout, names: list[str], wishes: Wishes, 
     return layout, [f"row {row} is taken for units" + (f": {unit}" if unit else "")]
 
 
-def _parse(data: bytes, layout: Layout, columns: dict[str, int], timing: Timing, file: str) -> tuple[RowParser, Floats]:
+def _parse(
+    data: bytes, layout: run_layout.Layout, columns: dict[str, int], timing: Timing, file: str
+) -> tuple[RowParser, Floats]:
     """All rows, and the parser that knows the rest of them; a clock that is no number is one of its texts. Raises
     BadInput."""
     texts = {name: place for name, place in columns.items() if name != "time"}
@@ -216,7 +205,7 @@ def _parse(data: bytes, layout: Layout, columns: dict[str, int], timing: Timing,
 
     def parsed(time: int | None, texts: dict[str, int]) -> tuple[RowParser, Floats]:
         parser = RowParser(layout, OUTPUTS, recorded=True, time=time, texts=texts)
-        return parser, parser.parse(body_of(data, layout.header_row))[1]
+        return parser, parser.parse(run_layout.body_of(data, layout.header_row))[1]
 
     try:
         try:
@@ -237,9 +226,9 @@ def _parse(data: bytes, layout: Layout, columns: dict[str, int], timing: Timing,
     return parser, rows
 
 
-def _lines(data: bytes, layout: Layout) -> Iterator[tuple[int, str]]:
+def _lines(data: bytes, layout: run_layout.Layout) -> Iterator[tuple[int, str]]:
     """What follows the header, without comments and blank lines: numbers of lines and their text."""
-    body = as_text(body_of(data, layout.header_row))
+    body = run_layout.as_text(run_layout.body_of(data, layout.header_row))
     for row, line in enumerate(io.StringIO(body, newline=None), start=layout.header_row + 1):
         if line.strip() and not line.startswith("#"):
             yield row, line
@@ -284,7 +273,7 @@ def _clock_of(values: Floats, name: str, timing: Timing, file: str) -> Clock:
 
 
 def _rate_doubt(
-    data: bytes, layout: Layout, name: str | None, columns: dict[str, int], timing: Timing, file: str
+    data: bytes, layout: run_layout.Layout, name: str | None, columns: dict[str, int], timing: Timing, file: str
 ) -> list[str]:
     """That a clock at the beginning of the file contradicts the rate that the user says; a clock that cannot be read
     may be why it is said."""
@@ -294,11 +283,11 @@ def _rate_doubt(
         lines, texts = [], []
         for row, line in itertools.islice(_lines(data, layout), _ROWS_OF_CLOCK):
             lines.append(row)
-            texts.append(split(line, layout.delimiter)[columns["time"]])
+            texts.append(run_layout.split(line, layout.delimiter)[columns["time"]])
         pointed = [text.replace(",", ".") if layout.decimal == "," else text for text in texts]
         own = (
             _of_numbers(np.array(list(map(float, pointed))), name, timing.unit, file)
-            if all(map(NUMBER.fullmatch, pointed))
+            if all(map(run_layout.NUMBER.fullmatch, pointed))
             else _of_texts(texts, file, np.array(lines))
         )
     except (csv.Error, IndexError, BadInput):
@@ -392,16 +381,12 @@ def _with_gaps(seconds: Floats, notes: list[str], file: str) -> Clock:
 # first sign and the asterisk.
 
 _LINE = re.compile(rb"[#%](RAWIMU(S?)(X?)A,[^;*#%]*;([^*#%]*))\*([0-9a-fA-F]{8})")
+_BEGINNING = 1 << 16  # bytes that show what a log is
 _START = re.compile(rb"[#%]RAWIMUS?X?A,")
 _WEEK_S = 604800.0
 
 
-def is_rawimu(data: bytes) -> bool:
-    """Does this begin like such a log?"""
-    return _START.search(data[: 1 << 16]) is not None
-
-
-def _read_rawimu(file: str, data: bytes, wishes: Wishes, timing: Timing) -> Recording:
+def _read_rawimu(file: str, data: bytes, wishes: run_layout.Wishes, timing: Timing) -> Recording:
     rows, lines = [], []
     damaged = others = 0
     for number, line in enumerate(data.split(b"\n"), start=1):

@@ -32,33 +32,21 @@ from tumble.documents import importing as doc
 from tumble.errors import BadInput, quoted
 from tumble.files.run_layout import TEMPERATURE, Wishes
 from tumble.files.toml import Table, read_toml
+from tumble.importing import match
 from tumble.importing.attitudes import Signs
 from tumble.importing.can_bus import Bus
-from tumble.importing.match import (
-    ANY,
-    JOINED,
-    LEFT_OUT,
-    NONE,
-    NOWHERE,
-    OFF,
-    REPEATED,
-    REPEATS,
-    SCHEDULE,
-    TAKEN,
-    Claims,
-)
 from tumble.importing.pipeline import Imported, Settings
 from tumble.importing.recording import COLUMNS, UNITS, Timing
 from tumble.importing.rests import Thresholds
 
 WIDTH = 80
 _REMARKS = {
-    TAKEN: "",
-    JOINED: "joined to the next",
-    REPEATED: "left out: comes again",
-    OFF: "left out: is off",
-    NOWHERE: "left out: nowhere",
-    LEFT_OUT: "left out as told",
+    match.TAKEN: "",
+    match.JOINED: "joined to the next",
+    match.REPEATED: "left out: comes again",
+    match.OFF: "left out: is off",
+    match.NOWHERE: "left out: nowhere",
+    match.LEFT_OUT: "left out as told",
 }
 
 
@@ -150,7 +138,7 @@ def document(done: Imported) -> doc.Import:
 def _rest(done: Imported, index: int) -> doc.Rest:
     begin, end = int(done.rests.begin[index]), int(done.rests.end[index])
     position, seconds = int(done.matched.positions[index]), done.seconds
-    place = None if position == NONE else done.schedule.positions[position]
+    place = None if position == match.NONE else done.schedule.positions[position]
     return doc.Rest(
         file=int(done.file_of_row[begin]) + 1,
         first_row=done.line(begin),
@@ -184,7 +172,7 @@ def run_csv(done: Imported) -> str:
         ",".join(["mounting", "position", *(name for name, *_ in columns)]),
     ]
     for begin, end, position in zip(done.rests.begin, done.rests.end, done.matched.positions):
-        if position == NONE:
+        if position == match.NONE:
             continue
         place, rows = done.schedule.positions[position], slice(begin, end)
         fields = [map(written, values[rows].tolist()) for _, values, written in columns]
@@ -208,10 +196,10 @@ def read_recipe(file: str) -> Settings:
     tolerance, signs = main.number("tolerance_deg", 0.01, 45.0, default=None), main.text("signs", default=None)
     if signs is not None and parse_signs(signs) is None:
         raise BadInput(f"signs {quoted(signs)} are not three of + and -, of x, y and z", file)
-    claims = Claims(
+    claims = match.Claims(
         signs=None if signs is None else parse_signs(signs),
-        order=main.choice("order", (SCHEDULE, ANY), default=SCHEDULE),
-        repeats=main.choice("repeats", REPEATS, default=None),
+        order=main.choice("order", (match.SCHEDULE, match.ANY), default=match.SCHEDULE),
+        repeats=main.choice("repeats", match.REPEATS, default=None),
     )
     return Settings(
         schedule=main.text("schedule", default=None),

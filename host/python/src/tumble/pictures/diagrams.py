@@ -5,23 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from tumble.firmware_tables import CONSUMER_MS, HEARTBEAT_MS, NODES, PROCESS_DATA, SAMPLES, STATES, WAYS
-from tumble.pictures.canvas import (
-    BLACK,
-    LARGE_PT,
-    LINE,
-    MARGIN,
-    PLATE,
-    RED,
-    SOFT,
-    WIDTH_MM,
-    arrow,
-    box,
-    cut,
-    paragraph,
-    picture,
-    sheet,
-    wrapped,
-)
+from tumble.pictures import canvas
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -53,30 +37,30 @@ _ROUND: dict[tuple[str, str], tuple[str, tuple[float, float], str]] = {  # way r
 }
 
 
-@picture
+@canvas.picture
 def states() -> Figure:
     """The state diagram of a run. Arrows: where it goes by itself; letters: commands, and faults."""
     about = [f"{name}: {sentence}." for name, sentence in STATES.items()]
     about += [f"{begin} to {end} by {by}{f' ({note})' if note else ''}." for begin, end, by, note in WAYS]
-    page = sheet("states", "The states of a run", " ".join(about))
+    page = canvas.sheet("states", "The states of a run", " ".join(about))
     for begin, end, by, note in WAYS:
         if by in _RUNS_ON or (begin, by) == _FIRST:
             path, (x, y), side = _ROUND.get((begin, end), (_straight(begin, end), (0.0, 0.0), "left"))
             places = [[float(one) for one in place.split(",")] for place in path.split()]
             style: Any = "-" if by in _RUNS_ON else (0.0, (2.4, 1.8))
-            arrow(page, places, linestyle=style, label=f"{begin} {end} {by}")
-            for index, line in enumerate(wrapped(note, 34.0)):
+            canvas.arrow(page, places, linestyle=style, label=f"{begin} {end} {by}")
+            for index, line in enumerate(canvas.wrapped(note, 34.0)):
                 page.text(x, y + 3.6 * index, line, ha=side)
     for name, sentence in STATES.items():
         x, y = _PLACES[name]
-        box(page, x, y, _WIDE, _HIGH, facecolor=PLATE if name in _AT_REST else "white", label=name)
+        canvas.box(page, x, y, _WIDE, _HIGH, facecolor=canvas.PLATE if name in _AT_REST else "white", label=name)
         page.text(x + _WIDE / 2, y + 4.2, name, **_BOLD)
-        for index, line in enumerate(wrapped(sentence, _WIDE - 1.5)):
-            page.text(x + _WIDE / 2, y + 8.4 + 3.6 * index, line, color=SOFT, **_MIDDLE)
+        for index, line in enumerate(canvas.wrapped(sentence, _WIDE - 1.5)):
+            page.text(x + _WIDE / 2, y + 8.4 + 3.6 * index, line, color=canvas.SOFT, **_MIDDLE)
         leaving = [(end, by) for begin, end, by, _ in WAYS if begin == name and by not in _RUNS_ON]
         for index, (end, by) in enumerate(leaving):
             _sign(page, x + 3.2 + 5.2 * index, y + _HIGH - 2.9, by, f"{name} {end} {by}")
-    return cut(page, _legend(page, _ROWS[3] + _HIGH + 8.0))
+    return canvas.cut(page, _legend(page, _ROWS[3] + _HIGH + 8.0))
 
 
 def _straight(begin: str, end: str) -> str:
@@ -90,8 +74,12 @@ def _straight(begin: str, end: str) -> str:
 
 def _sign(page: Axes, x: float, y: float, by: str, label: str) -> None:
     """A letter in a circle; that of a fault is dark."""
-    fill, ink = (RED, "white") if by == "fault" else ("white", BLACK)
-    circle = {"boxstyle": "circle,pad=0.16", "facecolor": fill, "edgecolor": RED if by == "fault" else BLACK}
+    fill, ink = (canvas.RED, "white") if by == "fault" else ("white", canvas.BLACK)
+    circle = {
+        "boxstyle": "circle,pad=0.16",
+        "facecolor": fill,
+        "edgecolor": canvas.RED if by == "fault" else canvas.BLACK,
+    }
     bbox: dict[str, Any] = {**circle, "linewidth": 0.85}
     page.text(x, y, _SIGNS[by][0], va="center_baseline", bbox=bbox, color=ink, label=label, **_BOLD)
 
@@ -100,12 +88,12 @@ def _legend(page: Axes, y: float) -> float:
     said = "Arrows: where a run goes by itself (dashed: when it is started). Letters: what else leaves a state."
     page.text(_COLUMNS[0], y, said, fontweight="bold")
     for by, (_, name) in _SIGNS.items():
-        y += LINE + 1.2
+        y += canvas.LINE + 1.2
         _sign(page, _COLUMNS[0] + 2.4, y - 1.0, by, "")
         page.text(_COLUMNS[0] + 7.0, y, f"{name}: {_goals(by)}")
     at_rest = "Grey: no run is on, or it waits to be mended; the table is at rest."
-    page.text(_COLUMNS[0], y + LINE + 2.0, at_rest, color=SOFT)
-    return y + 2 * LINE + 2.0
+    page.text(_COLUMNS[0], y + canvas.LINE + 2.0, at_rest, color=canvas.SOFT)
+    return y + 2 * canvas.LINE + 2.0
 
 
 def _goals(by: str) -> str:
@@ -131,31 +119,31 @@ _CALLED = {  # by the node's name in its table: what it is called, and what it i
 }
 
 
-@picture
+@canvas.picture
 def wiring() -> Figure:
     """The line with its two ends, the three nodes, gateway and host."""
     line = f"One line, CAN_H and CAN_L, {_KBIT_S} kbit/s, with {_TERMINATOR_OHM} ohm at each end and nowhere else."
     nodes = [f"Node {one}: {_CALLED[name][0]}, {', '.join(_identifiers(one, *rest))}." for one, name, *rest in NODES]
     about = [line, *nodes, "A gateway to Modbus, or a host, may listen on the line and ask node 1."]
-    page = sheet("wiring", "The bus: three nodes, a gateway, a host", " ".join(about), "On the bus")
+    page = canvas.sheet("wiring", "The bus: three nodes, a gateway, a host", " ".join(about), "On the bus")
     _line(page)
     for x, name, does in ((54.0, "gateway", "asks node 1 by SDO"), (118.0, "host", "listens; asks node 1")):
         _stub(page, x, 36.0)
-        box(page, x - 23.0, 22.0, 46.0, 14.0, label=name)
-        page.text(x, 28.0, name, fontsize=LARGE_PT, **_BOLD)
-        page.text(x, 33.0, does, color=SOFT, **_MIDDLE)
-    page.plot([54.0, 54.0], [22.0, 16.0], color=BLACK, linewidth=1.1, linestyle=(0.0, (4.0, 2.7)))
-    page.text(54.0, 14.0, "Modbus, TCP or serial: PLC, scripts", color=SOFT, **_MIDDLE)
-    page.text(118.0, 19.5, "a laptop, a logger", color=SOFT, **_MIDDLE)
+        canvas.box(page, x - 23.0, 22.0, 46.0, 14.0, label=name)
+        page.text(x, 28.0, name, fontsize=canvas.LARGE_PT, **_BOLD)
+        page.text(x, 33.0, does, color=canvas.SOFT, **_MIDDLE)
+    page.plot([54.0, 54.0], [22.0, 16.0], color=canvas.BLACK, linewidth=1.1, linestyle=(0.0, (4.0, 2.7)))
+    page.text(54.0, 14.0, "Modbus, TCP or serial: PLC, scripts", color=canvas.SOFT, **_MIDDLE)
+    page.text(118.0, 19.5, "a laptop, a logger", color=canvas.SOFT, **_MIDDLE)
     for number, name, *services in NODES:
         x, (called, does) = _CENTRES[number], _CALLED[name]
         _stub(page, x, _TOP)
-        box(page, x - _BROAD / 2, _TOP, _BROAD, _TALL, facecolor=PLATE, label=f"node {number}")
-        page.text(x, _TOP + 5.0, f"node {number}", fontsize=LARGE_PT, **_BOLD)
+        canvas.box(page, x - _BROAD / 2, _TOP, _BROAD, _TALL, facecolor=canvas.PLATE, label=f"node {number}")
+        page.text(x, _TOP + 5.0, f"node {number}", fontsize=canvas.LARGE_PT, **_BOLD)
         page.text(x, _TOP + 10.0, called, **_BOLD)
-        page.text(x, _TOP + 14.5, does, color=SOFT, **_MIDDLE)
+        page.text(x, _TOP + 14.5, does, color=canvas.SOFT, **_MIDDLE)
         for index, said in enumerate(_identifiers(number, *services)):
-            page.text(x - _BROAD / 2 + 2.5, _TOP + 21.0 + index * LINE, said)
+            page.text(x - _BROAD / 2 + 2.5, _TOP + 21.0 + index * canvas.LINE, said)
     y = _TOP + _TALL + 7.0
     for text in (
         f"{_KBIT_S} kbit/s, one line, short stubs, a common ground. {_TERMINATOR_OHM} Ω at the two ends of the line and"
@@ -165,8 +153,8 @@ def wiring() -> Figure:
         " not use this bus.",
         "The drive's process data are those of its profile; the usual ones are shown.",
     ):
-        y = paragraph(page, MARGIN, y, text, WIDTH_MM - 2 * MARGIN) + 0.8
-    return cut(page, y)
+        y = canvas.paragraph(page, canvas.MARGIN, y, text, canvas.WIDTH_MM - 2 * canvas.MARGIN) + 0.8
+    return canvas.cut(page, y)
 
 
 def _identifiers(number: int, emergency: int, answer: int, request: int, heartbeat: int) -> list[str]:
@@ -181,14 +169,16 @@ def _identifiers(number: int, emergency: int, answer: int, request: int, heartbe
 def _line(page: Axes) -> None:
     """CAN_H and CAN_L, with a resistor between them at both ends."""
     for y, name, below in ((_CAN_H, "CAN_H", -1.4), (_CAN_L, "CAN_L", 4.0)):
-        page.plot([_LEFT - 5.0, _RIGHT + 5.0], [y, y], color=BLACK, linewidth=1.7)
+        page.plot([_LEFT - 5.0, _RIGHT + 5.0], [y, y], color=canvas.BLACK, linewidth=1.7)
         page.text(_LEFT + 4.0, y + below, name)
     for x, to_word in ((_LEFT - 5.0, 1.0), (_RIGHT + 5.0, -1.0)):
-        box(page, x - 1.3, _CAN_H - 0.8, 2.6, _CAN_L - _CAN_H + 1.6)
+        canvas.box(page, x - 1.3, _CAN_H - 0.8, 2.6, _CAN_L - _CAN_H + 1.6)
         page.text(x + to_word, _CAN_L + 9.0, f"{_TERMINATOR_OHM} Ω", label="terminator", **_BOLD)
 
 
 def _stub(page: Axes, x: float, y: float) -> None:
     """Two wires from the line to a box above or below it."""
     for place, wire in ((x - 1.2, _CAN_H), (x + 1.2, _CAN_L)):
-        page.plot([place, place], [wire, y], color=BLACK, linewidth=1.1, marker="o", markersize=3.6, markevery=[0])
+        page.plot(
+            [place, place], [wire, y], color=canvas.BLACK, linewidth=1.1, marker="o", markersize=3.6, markevery=[0]
+        )

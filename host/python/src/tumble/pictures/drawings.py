@@ -208,7 +208,8 @@ def inclinations(schedule: Schedule) -> Figure:
     for index, one in enumerate(bolted):
         if index % columns == 0:
             row = bolted[index : index + columns]
-            floor += _SIDE_MM * max(_top(other) - _bottom(other) for other in row) + 9.0
+            tops = [max(REACH + 0.4, float(_corners(other)[:, poses.UP].max())) for other in row]
+            floor += _SIDE_MM * max(top - _bottom(other) for top, other in zip(tops, row)) + 9.0
         middle = MARGIN + (index % columns + 0.5) * width
         page.plot([middle - 0.46 * width, middle + 0.46 * width], [floor, floor], color=SOFT, linewidth=0.85)
         _inclined(View(page, SIDE, (middle - 0.8 * _SIDE_MM, floor + _bottom(one) * _SIDE_MM), _SIDE_MM), one)
@@ -231,10 +232,6 @@ def _corners(mounting: Mounting) -> Floats:
 def _bottom(mounting: Mounting) -> float:
     """Where the floor is: below the stand, and below the block on its near end."""
     return min(-REACH - 0.5, float(_corners(mounting)[:, poses.UP].min()))
-
-
-def _top(mounting: Mounting) -> float:
-    return max(REACH + 0.4, float(_corners(mounting)[:, poses.UP].max()))
 
 
 def _inclined(room: View, mounting: Mounting) -> None:

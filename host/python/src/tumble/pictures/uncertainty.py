@@ -8,20 +8,6 @@ import numpy as np
 
 from tumble.estimators import COEFFICIENTS
 from tumble.pictures import canvas
-from tumble.pictures.canvas import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    MICRO,
-    MINUS,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILLION,
-    YELLOW,
-    picture,
-)
 from tumble.pictures.result import Facts
 from tumble.solving.coefficients import Coefficients
 from tumble.units import per_g
@@ -30,15 +16,15 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SOURCES = {  # of solving.expected: name for people, colour, hatch of lines (dots make large files)
-    "alpha1": ("axis tilt α₁", SKY, ""),
-    "alpha2": ("level α₂", YELLOW, "----"),
-    "alpha3": ("yaw α₃", BLUE, "////"),
-    "alpha4": ("set angles α₄", ORANGE, "\\\\\\\\"),
+    "alpha1": ("axis tilt α₁", canvas.SKY, ""),
+    "alpha2": ("level α₂", canvas.YELLOW, "----"),
+    "alpha3": ("yaw α₃", canvas.BLUE, "////"),
+    "alpha4": ("set angles α₄", canvas.ORANGE, "\\\\\\\\"),
     "noise": ("noise", "#FFFFFF", ""),
-    "seat": ("seat", GREEN, "xxxx"),
-    "platform": ("platform", PURPLE, "++++"),
-    "encoder": ("encoder", VERMILLION, "||||"),
-    "drift": ("drift", GREY, "/"),
+    "seat": ("seat", canvas.GREEN, "xxxx"),
+    "platform": ("platform", canvas.PURPLE, "++++"),
+    "encoder": ("encoder", canvas.VERMILLION, "||||"),
+    "drift": ("drift", canvas.GREY, "/"),
 }
 _TO_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # WCAG 2.2
 _EVEN = 0.179  # luminance on which black and white stand out alike
@@ -50,7 +36,7 @@ _FLAT = 1e-9  # of the largest
 _MARGIN_DEG = np.array([15.0, 5.0])  # half a label, at most
 
 
-@picture
+@canvas.picture
 def budget(facts: Facts) -> Figure:
     """Shares of the variance u^2 of every coefficient, percent: the squares of what each source of the declared stand
     brings (solving.expected), over their sum, which is the diagonal of the result's covariance. On the right u."""
@@ -63,9 +49,9 @@ def budget(facts: Facts) -> Figure:
     for name, variance in variances.items():
         if not variance.any():  # a source of size 0
             continue
-        title, colour, hatch = SOURCES.get(name, (name, GREY, ".."))
+        title, colour, hatch = SOURCES.get(name, (name, canvas.GREY, ".."))
         share = 100.0 * np.divide(variance, total, out=np.zeros(len(total)), where=total > 0.0)
-        look: dict[str, Any] = {"color": colour, "hatch": hatch, "edgecolor": BLACK, "linewidth": 0.5}
+        look: dict[str, Any] = {"color": colour, "hatch": hatch, "edgecolor": canvas.BLACK, "linewidth": 0.5}
         axes.barh(places, share, 0.72, left, label=title, **look)
         left = left + share
     factor, unit = canvas.small(facts.unit, np.sqrt(total))
@@ -81,7 +67,7 @@ def budget(facts: Facts) -> Figure:
     return figure
 
 
-@picture
+@canvas.picture
 def correlation(facts: Facts) -> Figure:
     """C_ij / (u_i u_j) of the result's covariance C (12, 12), in figures and in colour."""
     import matplotlib
@@ -99,7 +85,7 @@ def correlation(facts: Facts) -> Figure:
     for (i, j), value in np.ndenumerate(found):
         ink = "white" if luminance[i, j] < _EVEN else "black"
         sign = "?" if np.isnan(value) else f"{value:+.2f}"  # for the colour may not be seen
-        sign = {"+1.00": "1", "-0.00": "0", "+0.00": "0"}.get(sign, sign).replace("-", MINUS)
+        sign = {"+1.00": "1", "-0.00": "0", "+0.00": "0"}.get(sign, sign).replace("-", canvas.MINUS)
         axes.text(j + 0.5, i + 0.5, sign, ha="center", va="center", color=ink)
     places = np.arange(len(found)) + 0.5
     axes.set_xticks(places, COEFFICIENTS)
@@ -114,7 +100,7 @@ def correlation(facts: Facts) -> Figure:
     return figure
 
 
-@picture
+@canvas.picture
 def attitude(facts: Facts) -> Figure:
     """u(|a|), ug, over all directions of the specific force on the block's axes: u^2 = g^T C g with C the covariance of
     the result and g the derivatives of |a| by the coefficients. The worst is that of `u_norm_g`."""
@@ -124,7 +110,7 @@ def attitude(facts: Facts) -> Figure:
     azimuth, elevation = np.meshgrid(np.deg2rad(_AZIMUTH_DEG), np.deg2rad(_ELEVATION_DEG))
     level = np.cos(elevation)
     along = np.stack([level * np.cos(azimuth), level * np.sin(azimuth), np.sin(elevation)], axis=-1).reshape(-1, 3)
-    u = MICRO * Coefficients.of(facts.result).force.uncertainty(along)[:, 3].reshape(level.shape)
+    u = canvas.MICRO * Coefficients.of(facts.result).force.uncertainty(along)[:, 3].reshape(level.shape)
     worst = facts.result.u_norm_g
     assert worst is not None  # as the caller has seen to
     figure = canvas.blank("attitude", 100.0, "Uncertainty of the length of the specific force by attitude")
@@ -134,15 +120,17 @@ def attitude(facts: Facts) -> Figure:
         squares = u**2  # a polynomial, which straight lines between the points come closer to
         levels = np.square(MaxNLocator(8).tick_values(u.min(), u.max()))
         axes.contourf(_AZIMUTH_DEG, _ELEVATION_DEG, squares, levels, cmap=ramp)
-        lines = axes.contour(_AZIMUTH_DEG, _ELEVATION_DEG, squares, levels, colors=BLACK, linewidths=0.6)
+        lines = axes.contour(_AZIMUTH_DEG, _ELEVATION_DEG, squares, levels, colors=canvas.BLACK, linewidths=0.6)
         _without_the_cut(axes.clabel(lines, fmt=lambda square: f"{square**0.5:.9g}", inline_spacing=2))
     x, y, z = worst.attitude
     place = np.rad2deg([np.arctan2(y, x), np.arctan2(z, np.hypot(x, y))])
-    label = f"worst: {canvas.three_figures(MICRO * worst.worst_g)} µg"
-    star: dict[str, Any] = {"markersize": 13, "markeredgecolor": BLACK, "markeredgewidth": 0.8, "clip_on": False}
-    axes.plot(*place[:, None], "*", color=VERMILLION, label=label, linestyle="none", **star)
+    label = f"worst: {canvas.three_figures(canvas.MICRO * worst.worst_g)} µg"
+    star: dict[str, Any] = {"markersize": 13, "markeredgecolor": canvas.BLACK, "markeredgewidth": 0.8, "clip_on": False}
+    axes.plot(*place[:, None], "*", color=canvas.VERMILLION, label=label, linestyle="none", **star)
     for face, middle in _FACES.items():
-        axes.annotate(face.replace("-", MINUS), middle, ha="center", va="center", bbox=_PLATE, annotation_clip=False)
+        axes.annotate(
+            face.replace("-", canvas.MINUS), middle, ha="center", va="center", bbox=_PLATE, annotation_clip=False
+        )
     axes.set_xticks(range(-180, 181, 45))
     axes.set_yticks(range(-90, 91, 30))
     axes.set_xlabel("azimuth of the specific force, from x to y / deg")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from typing import Any
 
 from tumble.comparison import report
@@ -135,6 +136,13 @@ def _mountings(source: Source) -> list[tuple[str, str, str]]:
     return [("mountings", svg(mountings(schedule.data)), words)]
 
 
+_OF_THE_SOURCE: tuple[Callable[[Source], Any], ...] = (  # what a template has under the names of these
+    *(sections.verdict, sections.findings, sections.rule, sections.positions, sections.about_positions),
+    *(sections.explanations, sections.unseen, sections.assumptions, sections.method, sections.environment),
+    *(sections.declared, sections.seen, sections.further, sections.worst_norm, sections.item),
+)
+
+
 def context(source: Source, number: str, logo: str | None, issued: str | None = None) -> dict[str, Any]:
     """What a template may say, but for `figures` and `since`. docs/report.md lists it."""
     from markupsafe import Markup
@@ -147,35 +155,21 @@ def context(source: Source, number: str, logo: str | None, issued: str | None = 
         "style": Markup(pages.own(pages.STYLE).replace("NUMBER", pages.css_string(number))),
         "created": source.at("created") or "",
         "document": source.document,
-        "verdict": sections.verdict(source),
+        **{one.__name__: one(source) for one in _OF_THE_SOURCE},
         "simulated": line("seed ", source.told("seed")) if "seed" in source.document else None,
-        "findings": sections.findings(source),
-        "rule": sections.rule(source),
-        "positions": sections.positions(source),
-        "about_positions": sections.about_positions(source),
-        "explanations": sections.explanations(source),
-        "unseen": sections.unseen(source),
-        "assumptions": sections.assumptions(source),
         "warnings": None if source.at("warnings") is None else source.each("warnings"),
         "parties": sections.facts(source, sections.PARTIES),
-        "item": sections.item(source),
         "issued": date,
         "dates": sections.dates(source, date),
         "issue": sections.issue(source, date),
         "labels": sections.further_labels(source),
         "traceability": sections.facts(source, sections.TRACEABILITY),
         "deviations": sections.facts(source, sections.DEVIATIONS),
-        "method": sections.method(source),
-        "environment": sections.environment(source),
-        "declared": sections.declared(source),
-        "seen": sections.seen(source),
         "uncertainties": given.about,
         "coefficients": sections.coefficients(source, given),
         "in_si": bool(source.table("si")),
         "marks": sections.legend(source),
-        "further": sections.further(source),
         "intrinsic": sections.intrinsic(source, given),
-        "worst_norm": sections.worst_norm(source),
         "data": [
             (Fixed("Run file"), source.told("run_file")),
             (Fixed("SHA-256 of the run file"), source.told("run_sha256")),

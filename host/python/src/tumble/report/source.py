@@ -3,14 +3,10 @@
 A path is that of RFC 6901 (JSON pointer), such as /K/0/1. It goes into the HTML with what it led to, so that every
 number of a report can be held against the document.
 
-Numbers as a report prints them, in exact decimal arithmetic.
-
 A number of a result is the decimal that its JSON has: the shortest one that reads back as the same double. It is
 computed with exactly, and rounded once, half to even (ISO 80000-1, B.3, rule A). An expanded uncertainty has two
 significant digits, and its value ends at the same place (JCGM 100:2008, 7.2.6). Two digits never lose 5 % or more of an
 uncertainty, so that it need not be rounded up (EA-4/02 M:2022, 6.3).
-
-What a report says, as HTML: texts escaped, numbers each with the path that it came from.
 
 Whatever has `__html__` goes into a template as it is; all else is escaped there.
 """
