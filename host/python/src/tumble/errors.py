@@ -7,7 +7,8 @@ needs is not there   130 interrupted
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -104,6 +105,16 @@ class NotInstalled(Skipped, ImportError):
         else:
             remedy = f"{file_name(_shorter(_CHECKOUT / '.venv/bin/pip'))} install {_ON_PYPI.get(extra, packages[0])}"
         super().__init__(f"{needed_for} needs {listed}: {remedy}")
+
+
+@contextmanager
+def needing(needed_for: str, *packages: str, extra: str) -> Iterator[None]:
+    """What is imported within has to be there. Raises NotInstalled; without `packages` it names the one that is
+    missing."""
+    try:
+        yield
+    except ImportError as error:
+        raise NotInstalled(needed_for, *(packages or (error.name or "a package",)), extra=extra) from None
 
 
 def _shorter(path: Path) -> str:

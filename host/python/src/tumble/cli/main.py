@@ -77,10 +77,8 @@ class _PrintCompletion(argparse.Action):
     def __call__(
         self, parser: argparse.ArgumentParser, _namespace: Any, shell: str | Sequence[Any] | None, *_: Any
     ) -> None:
-        try:
+        with errors.needing("--print-completion", "shtab", extra="completion"):
             import shtab
-        except ImportError:
-            raise errors.NotInstalled("--print-completion", "shtab", extra="completion") from None
         for action in _actions(parser):
             if action.choices is None and str(action.metavar).startswith(_FILES):
                 action.complete = shtab.FILE  # type: ignore[attr-defined] # where shtab looks for it

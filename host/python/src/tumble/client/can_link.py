@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeGuard, TypeVar
 
 from tumble import data
 from tumble.client import link as links, names
-from tumble.errors import NotInstalled, Skipped, UsageError
+from tumble.errors import NotInstalled, Skipped, UsageError, needing
 
 if TYPE_CHECKING:
     import can
@@ -34,10 +34,8 @@ def open_bus(where: str) -> can.BusABC:
     """A bus of python-can: an interface of Linux, KIND@CHANNEL for any other that python-can knows, or tumble@SCENARIO
     for a simulated world, whose time is the calling thread's until it is closed. Raises NotInstalled, Skipped where the
     kernel has no CAN or a driver is missing, UsageError."""
-    try:
+    with needing("a node on CAN", "python-can", extra=EXTRA):
         import can
-    except ModuleNotFoundError:
-        raise NotInstalled("a node on CAN", "python-can", extra=EXTRA) from None
     links.keep_quiet("can")
     kind, at, channel = where.rpartition("@")
     if not channel or (at and kind not in ("tumble", *can.VALID_INTERFACES)):

@@ -14,7 +14,7 @@ import traceback
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-from tumble.errors import BadInput, NotInstalled, file_name, quoted
+from tumble.errors import BadInput, NotInstalled, file_name, needing, quoted
 from tumble.files.disk import bounded
 from tumble.files.run_layout import decoded
 
@@ -160,18 +160,14 @@ class _Lines(io.StringIO):
 
 def _reader_of(file: str, kind: str) -> Any:
     """The class of python-can that reads such logs. Raises NotInstalled."""
-    try:
+    with needing(f"{file_name(file)}: a CAN log", "python-can", extra="can"):
         import can
-    except ImportError:
-        raise NotInstalled(f"{file_name(file)}: a CAN log", "python-can", extra="can") from None
     reader = _KINDS[kind][1]
     if not hasattr(can, reader):
         raise NotInstalled(f"{file_name(file)}: a CAN log in {kind}", "a newer python-can", extra="can")
     if kind == MF4:
-        try:
+        with needing(f"{file_name(file)}: a CAN log in MF4", "asammdf", extra="mf4"):
             import asammdf  # noqa: F401
-        except ImportError:
-            raise NotInstalled(f"{file_name(file)}: a CAN log in MF4", "asammdf", extra="mf4") from None
     import logging
 
     for library in ("can", "asammdf"):  # else their remarks would stand among ours

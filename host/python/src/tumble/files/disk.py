@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext, suppress
 from typing import Any, BinaryIO
 
-from tumble.errors import BadInput, NotInstalled, TumbleError, UsageError, file_name, quoted
+from tumble.errors import BadInput, TumbleError, UsageError, file_name, needing, quoted
 
 _HEAD_BYTES = 1 << 12
 _MAGIC = {b"PK\x03\x04": "a ZIP or NPZ file", b"\x89PNG": "a PNG picture", b"%PDF": "a PDF file", b"PAR1": "Parquet"}
@@ -207,10 +207,8 @@ class Incoming:
         try:
             from compression import zstd  # of Python 3.14
         except ImportError:
-            try:
+            with needing(f"{file_name(self.name)}: zstd", "backports.zstd", extra="zstd"):
                 from backports import zstd
-            except ImportError:
-                raise NotInstalled(f"{file_name(self.name)}: zstd", "backports.zstd", extra="zstd") from None
         return zstd.ZstdFile(stream)
 
 

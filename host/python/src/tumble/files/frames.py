@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.errors import BadInput, NotInstalled, file_name, quoted
+from tumble.errors import BadInput, NotInstalled, file_name, needing, quoted
 from tumble.files.disk import bounded, reason
 
 PANDAS, POLARS, ARROW = "pandas", "polars", "pyarrow"
@@ -144,10 +144,8 @@ def _read_parquet(file: str) -> Any:
 
 def load_polars(file: str) -> Any:
     """Where there is no pyarrow. Raises NotInstalled."""
-    try:
+    with needing(f"{file_name(file)}: Parquet", "pyarrow", "polars", extra="parquet"):
         import polars
-    except ImportError:
-        raise NotInstalled(f"{file_name(file)}: Parquet", "pyarrow", "polars", extra="parquet") from None
     return polars
 
 
@@ -162,10 +160,8 @@ def _read_npz(file: str) -> dict[str, Any]:
 
 
 def _read_mat(file: str) -> dict[str, Any]:
-    try:
+    with needing(f"{file_name(file)}: MAT", "scipy", extra="mat"):
         from scipy.io import loadmat
-    except ImportError:
-        raise NotInstalled(f"{file_name(file)}: MAT", "scipy", extra="mat") from None
     with open(file, "rb"):
         pass
     try:

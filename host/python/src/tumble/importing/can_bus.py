@@ -21,7 +21,7 @@ import numpy as np
 
 from tumble import data
 from tumble.arrays import Flags, Floats, Integers
-from tumble.errors import BadInput, NotInstalled, UsageError, file_name, quoted
+from tumble.errors import BadInput, UsageError, file_name, needing, quoted
 from tumble.files.can_log import CanLog, Frame
 from tumble.files.disk import read_bytes
 from tumble.files.frames import suffix_of
@@ -73,10 +73,8 @@ def read(data: bytes, file: str, kind: str, wishes: Wishes, bus: Bus) -> Found:
     if others:
         raise UsageError(f"--columns {others[0]}=: of a CAN log ux, uy and uz can be named")
     log = CanLog(data, file, kind)
-    try:
+    with needing(f"{file_name(file)}: a CAN log", "cantools", extra="can"):
         import cantools  # noqa: F401
-    except ImportError:
-        raise NotInstalled(f"{file_name(file)}: a CAN log", "cantools", extra="can") from None
     frames = _of_channel(log, file, bus.channel)
     found = _of_block(log, frames, file, wishes, bus) if bus.dbc is None else _of_dbc(log, frames, file, wishes, bus)
     notes = [f"CAN log ({kind}): {log.frames} frames", *found.notes]

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec
 import numpy as np
 
 from tumble.arrays import Floats, Integers
-from tumble.errors import NotInstalled, UsageError, listed, quoted
+from tumble.errors import UsageError, listed, needing, quoted
 from tumble.units import volts_per
 
 if TYPE_CHECKING:
@@ -71,10 +71,8 @@ _SETTINGS: dict[str, Any] = {
 
 def require(needed_for: str) -> None:
     """Raises NotInstalled where matplotlib is not there; says what it is `needed_for`."""
-    try:
+    with needing(needed_for, "matplotlib", extra="plot"):
         import matplotlib  # noqa: F401
-    except ImportError:
-        raise NotInstalled(needed_for, "matplotlib", extra="plot") from None
 
 
 def require_format(file: str, option: str) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 from tumble.comparison import report
 from tumble.documents.comparison import Comparison
-from tumble.errors import NotInstalled, UsageError, quoted
+from tumble.errors import UsageError, needing, quoted
 from tumble.report import pages, sections
 from tumble.report.pages import number_of, require_number
 from tumble.report.source import MISSING, Fixed, Source, Table, line, readable
@@ -68,11 +68,9 @@ def kind_of(file: str, option: str = "--out") -> str:
 
 def require_installed(kind: str) -> None:
     """Raises NotInstalled where a package is missing."""
-    try:
+    with needing("a report", extra=pages.EXTRA):
         import jinja2  # noqa: F401
         import matplotlib  # type: ignore[import-not-found, unused-ignore] # noqa: F401
-    except ImportError as error:
-        raise NotInstalled("a report", error.name or "a package", extra=pages.EXTRA) from None
     if kind == PDF:
         pages.require_pdf()
 

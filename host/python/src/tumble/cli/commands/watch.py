@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TextIO
 from tumble import interruption
 from tumble.cli import options
 from tumble.cli.commands import bench
-from tumble.errors import EXIT_PASS, BenchFault, NotInstalled, UsageError, quoted
+from tumble.errors import EXIT_PASS, BenchFault, UsageError, needing, quoted
 from tumble.messages import tell
 
 if TYPE_CHECKING:
@@ -63,11 +63,9 @@ def run(arguments: argparse.Namespace) -> int:
     every_s = options.parse_number(arguments.every, "--every", _FASTEST_S, _SLOWEST_S)
     address = None if arguments.http is None else _address(arguments.http)
     if address is not None:
-        try:
+        with needing("--http", extra="watch"):
             import starlette  # noqa: F401
             import uvicorn  # noqa: F401
-        except ImportError as error:
-            raise NotInstalled("--http", error.name or "a package", extra="watch") from None
     if arguments.source == _BENCH:
         return _bench(arguments, address)
     _refuse_options_of_bench(arguments)
