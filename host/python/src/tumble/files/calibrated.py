@@ -19,7 +19,7 @@ import numpy as np
 from tumble.arrays import Floats
 from tumble.errors import BadInput, file_name, quoted
 from tumble.files import frames
-from tumble.files.disk import blocks_of, bounded, pieces, reason
+from tumble.files.disk import blocks_of, bounded, opened, pieces
 from tumble.files.rows import LINE, OUTPUTS as PLACES, Refused, RowParser, Temperatures, temperatures_of_table
 from tumble.files.run_layout import Wishes, detect, find_all, require_text, split, unit_of
 from tumble.units import looks_as_applied, noise_unit, volts_per
@@ -225,11 +225,7 @@ def calibrate_parquet(file: str, out: BinaryIO, demand: Demand) -> Seen:
     NotInstalled."""
     seen = Seen()
     with bounded(file):
-        try:
-            with open(file, "rb"):
-                pass
-        except OSError as error:
-            raise BadInput(reason(error), file) from None
+        opened(file).close()  # the system's own complaint, whatever the library's is
         try:
             from pyarrow import Table, parquet
         except ImportError:

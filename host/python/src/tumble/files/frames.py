@@ -13,7 +13,7 @@ import numpy as np
 
 from tumble.arrays import Floats
 from tumble.errors import BadInput, NotInstalled, file_name, needing, quoted
-from tumble.files.disk import bounded, reason
+from tumble.files.disk import bounded, opened, reason
 
 PANDAS, POLARS, ARROW = "pandas", "polars", "pyarrow"
 
@@ -133,8 +133,7 @@ def read_table_file(file: str) -> Any:
 
 
 def _read_parquet(file: str) -> Any:
-    with open(file, "rb"):
-        pass  # the system's own complaint, whatever the library's is
+    opened(file).close()  # the system's own complaint, whatever the library's is
     try:
         from pyarrow import parquet
     except ImportError:
@@ -162,8 +161,7 @@ def _read_npz(file: str) -> dict[str, Any]:
 def _read_mat(file: str) -> dict[str, Any]:
     with needing(f"{file_name(file)}: MAT", "scipy", extra="mat"):
         from scipy.io import loadmat
-    with open(file, "rb"):
-        pass
+    opened(file).close()
     try:
         found = loadmat(file)
     except NotImplementedError:

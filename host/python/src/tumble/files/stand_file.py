@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 import os
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from numbers import Integral, Real
 from typing import Any
 
@@ -48,12 +48,12 @@ class StandFile:
     `environment` as they go into the result. Whatever the file does not have is None."""
 
     stand: Stand
-    block: dict[str, Any] | None
-    truth: dict[str, Any] | None
-    motion: dict[str, float] | None
-    item: dict[str, Any] | None
-    environment: dict[str, Any] | None
-    delta_g_limit_g: float | None
+    block: dict[str, Any] | None = None
+    truth: dict[str, Any] | None = None
+    motion: dict[str, float] | None = None
+    item: dict[str, Any] | None = None
+    environment: dict[str, Any] | None = None
+    delta_g_limit_g: float | None = None
     coverage_factor: float | None = None
 
     @property
@@ -102,8 +102,7 @@ def stand_file_of(stand: Any) -> StandFile:
         return stand
     if isinstance(stand, Stand):
         require_stand(stand, "stand")
-        nothing: dict[str, Any] = dict.fromkeys(field.name for field in fields(StandFile))
-        return StandFile(**{**nothing, "stand": stand})
+        return StandFile(stand)
     if isinstance(stand, (str, os.PathLike)):
         return read_stand(os.fspath(stand))
     raise UsageError(f"stand: a {type(stand).__name__} is neither the path of a stand file nor a tumble.Stand")

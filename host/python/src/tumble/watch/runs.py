@@ -101,32 +101,27 @@ class BenchRun:
     def __init__(self, pace: float = 1.0) -> None:
         self.pace = pace
         self.when_over: Callable[[], object] = lambda: None
-        self._lock = threading.Lock()
-        self._snapshot = Snapshot()
+        self._snapshot = Snapshot()  # is only ever replaced as a whole
 
     def snapshot(self) -> Snapshot:
         """What has been told so far."""
-        with self._lock:
-            return self._snapshot
+        return self._snapshot
 
     def close(self) -> None:
         """There is nothing to close."""
 
     def __call__(self, event: dict[str, Any]) -> None:
         """Take an event."""
-        with self._lock:
-            self._snapshot = after_event(self._snapshot, event)
+        self._snapshot = after_event(self._snapshot, event)
 
     def ended(self, document: FirmwareRun) -> None:
         """Take the run's document: nothing more will be told."""
-        with self._lock:
-            self._snapshot = replace(after_document(self._snapshot, document), over=True)
+        self._snapshot = replace(after_document(self._snapshot, document), over=True)
         self.when_over()
 
     def failed(self, why: str) -> None:
         """It has ended without a document."""
-        with self._lock:
-            self._snapshot = replace(self._snapshot, over=True, trouble=why)
+        self._snapshot = replace(self._snapshot, over=True, trouble=why)
         self.when_over()
 
 
