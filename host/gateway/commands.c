@@ -76,23 +76,28 @@ gateway_command_t gateway_command(uint16_t index, uint8_t argument, const double
     return made;
 }
 
-const gateway_target_t *gateway_target(uint16_t number)
+gateway_target_t gateway_target(uint16_t number)
 {
-    size_t i = 0;
-    while (i < GATEWAY_TARGETS && gateway_targets[i].number != number) {
-        i++;
+    for (size_t i = 0; i < GATEWAY_TARGET_RUNS; i++) {
+        gateway_target_t target = gateway_target_runs[i].first;
+        const uint16_t ahead = (uint16_t)(number - target.number);
+        if (ahead < gateway_target_runs[i].count) {
+            target.number = number;
+            target.subindex = (uint8_t)(target.subindex + ahead);
+            return target;
+        }
     }
-    return (i < GATEWAY_TARGETS) ? &gateway_targets[i] : NULL;
+    return (gateway_target_t){0};
 }
 
-gateway_command_t gateway_setting(const gateway_target_t *target, uint32_t key, double value)
+gateway_command_t gateway_setting(gateway_target_t target, uint32_t key, double value)
 {
-    const gateway_target_t *const lock = gateway_target(GATEWAY_SERVICE_KEY);
-    gateway_command_t made = {.group = target->group};
+    const gateway_target_t lock = gateway_target(GATEWAY_SERVICE_KEY);
+    gateway_command_t made = {.group = target.group};
     if (key != 0U) {
-        append(&made, lock->index, lock->subindex, lock->type, (double)key);
+        append(&made, lock.index, lock.subindex, lock.type, (double)key);
     }
-    append(&made, target->index, target->subindex, target->type, value);
+    append(&made, target.index, target.subindex, target.type, value);
     made.result = (uint8_t)((made.writes[made.count - 1U].size == 0U) ? GATEWAY_RESULT_UNFIT : GATEWAY_RESULT_NONE);
     return made;
 }

@@ -51,12 +51,12 @@ uint8_t gateway_number_bytes(uint8_t type, double number, uint8_t *bytes);
 gateway_command_t gateway_command(uint16_t index, uint8_t argument, const double *angle_deg, const uint32_t *proposal,
                                   uint8_t command);
 
-/* The object that has the number of a setting, or null. */
-const gateway_target_t *gateway_target(uint16_t number);
+/* The object that has the number of a setting; number 0: there is none. */
+gateway_target_t gateway_target(uint16_t number);
 
 /* A setting, and before it the key to the service level; 0: none. With result GATEWAY_RESULT_UNFIT the object cannot hold
  * the value, and nothing is to be sent. */
-gateway_command_t gateway_setting(const gateway_target_t *target, uint32_t key, double value);
+gateway_command_t gateway_setting(gateway_target_t target, uint32_t key, double value);
 
 /* What waits to be sent; the first one is being sent. */
 typedef struct {

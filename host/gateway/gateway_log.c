@@ -158,11 +158,11 @@ void gateway_log_session(gateway_log_t *log, uint32_t place, const gateway_sessi
 static bool value_of(const gateway_snapshot_t *snapshot, uint16_t index, uint8_t subindex, uint32_t *number)
 {
     for (size_t i = 0; i < GATEWAY_VALUES; i++) {
-        const gateway_value_t *const value = &gateway_values[i];
-        const bool is_valid = (snapshot->words[value->validity] & (1U << value->bit)) != 0U;
-        if (value->index == index && value->subindex == subindex && is_valid && value->words <= 2U) {
-            const uint32_t high = snapshot->words[value->at];
-            *number = (value->words == 1U) ? high : high << 16 | snapshot->words[value->at + 1U];
+        const gateway_value_t value = gateway_value(i);
+        const bool is_valid = (snapshot->words[value.validity] & (1U << value.bit)) != 0U;
+        if (value.index == index && value.subindex == subindex && is_valid && value.size <= 4U) {
+            const uint32_t high = snapshot->words[value.at];
+            *number = (value.size <= 2U) ? high : high << 16 | snapshot->words[value.at + 1U];
             return true;
         }
     }

@@ -12,12 +12,6 @@ void gateway_put_u32(uint16_t *at, uint32_t value)
     at[1] = (uint16_t)(value & 0xFFFFU);
 }
 
-void gateway_put_u64(uint16_t *at, uint64_t value)
-{
-    gateway_put_u32(at, (uint32_t)(value >> 32));
-    gateway_put_u32(at + 2, (uint32_t)(value & 0xFFFFFFFFU));
-}
-
 void gateway_put_f32(uint16_t *at, float value)
 {
     uint8_t bytes[4];
@@ -25,75 +19,68 @@ void gateway_put_f32(uint16_t *at, float value)
     gateway_put_u32(at, tumble_get_u32(bytes));
 }
 
-static uint16_t word_of(const gateway_value_t *value, const uint8_t *bytes)
+gateway_value_t gateway_value(size_t place)
 {
-    if (value->type == TUMBLE_TYPE_INTEGER8) {
-        return (uint16_t)tumble_get_i8(bytes);
+    const gateway_value_run_t *run = gateway_value_runs;
+    size_t ahead = place;
+    while (ahead >= run->count) {
+        ahead -= run->count;
+        run++;
     }
-    return (value->size == 1U) ? bytes[0] : tumble_get_u16(bytes);
+    gateway_value_t value = run->first;
+    value.at = (uint16_t)(value.at + ahead * gateway_words_of(&value));
+    value.bit = (uint8_t)(value.bit + ahead);
+    value.subindex = (uint8_t)(value.subindex + ahead);
+    value.scaled_at = (uint16_t)((value.scaled_at > 0U) ? value.scaled_at + 2U * ahead : 0U);
+    return value;
 }
 
-static double number_of(const gateway_value_t *value, const uint8_t *bytes)
+uint8_t gateway_words_of(const gateway_value_t *value)
 {
-    return (value->type == TUMBLE_TYPE_REAL32) ? (double)tumble_get_f32(bytes) : tumble_get_f64(bytes);
+    return (uint8_t)((value->type == TUMBLE_TYPE_REAL64) ? 2U : (value->size + 1U) / 2U);
 }
 
-static bool put_float(uint16_t *at, double number)
+static void put_real(uint16_t *words, const gateway_value_t *value, double number)
 {
-    if (!(fabs(number) <= (double)FLT_MAX)) {
-        return false;
+    const uint16_t valid = (uint16_t)(1U << value->bit);
+    if (fabs(number) <= (double)FLT_MAX) {
+        gateway_put_f32(&words[value->at], (float)number);
+        words[value->validity] |= valid;
     }
-    gateway_put_f32(at, (float)number);
-    return true;
-}
-
-static bool put_scaled(uint16_t *at, double number, double scale)
-{
-    const double units = nearbyint(number / scale);
-    if (!(units >= (double)INT32_MIN && units <= (double)INT32_MAX)) {
-        return false;
-    }
-    gateway_put_u32(at, (uint32_t)(int32_t)units);
-    return true;
-}
-
-static void put_text(uint16_t *at, const uint8_t *bytes, uint8_t size)
-{
-    for (uint8_t i = 0; i < size; i++) {
-        at[i / 2U] = (uint16_t)(at[i / 2U] | (unsigned)bytes[i] << ((i % 2U == 0U) ? 8 : 0));
+    const double units = (value->scaled_at > 0U) ? nearbyint(number / value->scale) : (double)NAN;
+    if (units >= (double)INT32_MIN && units <= (double)INT32_MAX) {
+        gateway_put_u32(&words[value->scaled_at], (uint32_t)(int32_t)units);
+        words[value->scaled_validity] |= valid;
     }
 }
 
-static bool put(uint16_t *at, const gateway_value_t *value, const uint8_t *bytes, uint8_t size)
+/* What is no number of floating point. */
+static void put_words(uint16_t *at, const gateway_value_t *value, const uint8_t *bytes, uint8_t size)
 {
-    switch ((gateway_form_t)value->form) {
-    case GATEWAY_FORM_WORD:
-        at[0] = word_of(value, bytes);
-        return true;
-    case GATEWAY_FORM_LONG:
-        gateway_put_u32(at, tumble_get_u32(bytes));
-        return true;
-    case GATEWAY_FORM_QUAD:
-        gateway_put_u64(at, tumble_get_u64(bytes));
-        return true;
-    case GATEWAY_FORM_FLOAT:
-        return put_float(at, number_of(value, bytes));
-    case GATEWAY_FORM_SCALED:
-        return put_scaled(at, number_of(value, bytes), value->scale);
-    case GATEWAY_FORM_TEXT:
-        put_text(at, bytes, size);
-        return true;
-    default:
-        return false;
+    if (value->type == TUMBLE_TYPE_VISIBLE_STRING) {
+        for (uint8_t i = 0; i < size; i++) {
+            at[i / 2U] = (uint16_t)(at[i / 2U] | (unsigned)bytes[i] << ((i % 2U == 0U) ? 8 : 0));
+        }
+    } else if (size == 1U) {
+        *at = (value->type == TUMBLE_TYPE_INTEGER8) ? (uint16_t)tumble_get_i8(bytes) : bytes[0];
+    } else {
+        for (uint8_t word = 0; word < size / 2U; word++) {
+            at[size / 2U - 1U - word] = tumble_get_u16(&bytes[2U * word]);
+        }
     }
 }
 
-bool gateway_image_put(uint16_t *words, const gateway_value_t *value, const uint8_t *bytes, uint8_t size)
+void gateway_image_put(uint16_t *words, const gateway_value_t *value, const uint8_t *bytes, uint8_t size)
 {
-    const bool fits = (value->form == GATEWAY_FORM_TEXT) ? (size <= value->size) : (size == value->size);
-    if (!fits || !put(&words[value->at], value, bytes, size)) {
-        return false;
+    if ((value->type == TUMBLE_TYPE_VISIBLE_STRING) ? size > value->size : size != value->size) {
+        return;
     }
-    words[value->validity] = (uint16_t)(words[value->validity] | 1U << value->bit);
-    return true;
+    if (value->type == TUMBLE_TYPE_REAL64) {
+        put_real(words, value, tumble_get_f64(bytes));
+    } else if (value->type == TUMBLE_TYPE_REAL32) {
+        put_real(words, value, (double)tumble_get_f32(bytes));
+    } else {
+        put_words(&words[value->at], value, bytes, size);
+        words[value->validity] |= (uint16_t)(1U << value->bit);
+    }
 }

@@ -133,13 +133,20 @@ static bool marks_are_as_published(const gateway_poller_t *poller)
     return same;
 }
 
+static void keep_words(gateway_poller_t *poller, uint16_t at, uint8_t words, uint16_t validity, uint8_t bit)
+{
+    const uint16_t *const from = poller->published.words;
+    uint16_t *const to = poller->building.words;
+    to[validity] |= (uint16_t)(from[validity] & 1U << bit);
+    memcpy(&to[at], &from[at], words * sizeof from[0]);
+}
+
 static void keep(gateway_poller_t *poller, const gateway_value_t *value)
 {
-    const uint16_t valid = (uint16_t)(poller->published.words[value->validity] & 1U << value->bit);
-    uint16_t *const validity = &poller->building.words[value->validity];
-    *validity = (uint16_t)(*validity | valid);
-    memcpy(&poller->building.words[value->at], &poller->published.words[value->at],
-           value->words * sizeof poller->building.words[0]);
+    keep_words(poller, value->at, gateway_words_of(value), value->validity, value->bit);
+    if (value->scaled_at > 0U) {
+        keep_words(poller, value->scaled_at, 2, value->scaled_validity, value->bit);
+    }
 }
 
 static bool is_due(const gateway_poller_t *poller, const gateway_value_t *value)
@@ -151,14 +158,15 @@ static bool is_due(const gateway_poller_t *poller, const gateway_value_t *value)
 /* On to the next value that is to be read, or past all. */
 static void skip_kept(gateway_poller_t *poller)
 {
-    while (poller->place < GATEWAY_VALUES && !is_due(poller, &gateway_values[poller->place])) {
-        keep(poller, &gateway_values[poller->place]);
-        poller->place++;
+    for (; poller->place < GATEWAY_VALUES; poller->place++) {
+        const gateway_value_t value = gateway_value(poller->place);
+        if (is_due(poller, &value)) {
+            return;
+        }
+        keep(poller, &value);
     }
-    if (poller->place == GATEWAY_VALUES) {
-        poller->phase = PHASE_AFTER;
-        poller->place = 0;
-    }
+    poller->phase = PHASE_AFTER;
+    poller->place = 0;
 }
 
 static void begin_values(gateway_poller_t *poller)
@@ -183,22 +191,19 @@ static void take_key(gateway_poller_t *poller, const gateway_value_t *value)
 /* One object has been read, or refused: into all the registers that are its. */
 static void take_value(gateway_poller_t *poller)
 {
-    const gateway_value_t *const first = &gateway_values[poller->place];
+    const gateway_value_t value = gateway_value(poller->place);
     uint8_t size;
     const uint8_t *const bytes = tumble_sdo_client_data(&poller->client, &size);
-    if (poller->client.result != TUMBLE_OK) {
+    if (value.key < GATEWAY_KEYS) {
+        take_key(poller, &value);
+    }
+    if (poller->client.result == TUMBLE_OK) {
+        gateway_image_put(poller->building.words, &value, bytes, size);
+    } else {
         gateway_count(poller->counters, GATEWAY_COUNT_VALUES_REFUSED);
         poller->is_partial = poller->is_partial || poller->client.abort == (uint32_t)TUMBLE_ABORT_DEVICE_STATE;
     }
-    if (first->key < GATEWAY_KEYS) {
-        take_key(poller, first);
-    }
-    while (poller->place < GATEWAY_VALUES && gateway_is_same_object(first, &gateway_values[poller->place])) {
-        if (poller->client.result == TUMBLE_OK) {
-            (void)gateway_image_put(poller->building.words, &gateway_values[poller->place], bytes, size);
-        }
-        poller->place++;
-    }
+    poller->place++;
 }
 
 /* The mark, or the selector, that the phase is at, as it was read before. */
@@ -302,7 +307,8 @@ static void read_object(gateway_poller_t *poller, uint16_t index, uint8_t subind
 static void begin_read(gateway_poller_t *poller)
 {
     if (poller->phase == PHASE_VALUES) {
-        read_object(poller, gateway_values[poller->place].index, gateway_values[poller->place].subindex);
+        const gateway_value_t value = gateway_value(poller->place);
+        read_object(poller, value.index, value.subindex);
     } else if (poller->phase == PHASE_SELECTORS) {
         const gateway_object_t *const key = &gateway_keys[gateway_selectors[poller->place]];
         read_object(poller, key->index, key->subindex);

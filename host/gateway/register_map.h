@@ -70,11 +70,12 @@ enum {
     GATEWAY_COUNTERS
 };
 
-#define GATEWAY_VALUES 464U
+#define GATEWAY_VALUES 413U
 #define GATEWAY_MARKS 7U
 #define GATEWAY_KEYS 10U
 #define GATEWAY_GROUPS 7U
 #define GATEWAY_TARGETS 57U
+#define GATEWAY_TARGET_RUNS 23U
 #define GATEWAY_COMMAND_OBJECTS 1U
 
 /* The setting that opens the service level. */

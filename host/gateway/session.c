@@ -156,7 +156,7 @@ static bool fits(uint16_t at, uint16_t value)
     case GATEWAY_HOLDING_EXECUTE:
         return value != 0U;
     case GATEWAY_HOLDING_SETTING:
-        return value == 0U || gateway_target(value) != NULL;
+        return value == 0U || gateway_target(value).number != 0U;
     default:
         return value == 0U || is_writable(at);
     }
@@ -239,7 +239,7 @@ static void drop_refused_key(gateway_session_t *session, gateway_t *gateway)
 /* Nothing is sent of what does not fit, or needs a level that this session has not. */
 static gateway_exception_t execute_setting(gateway_session_t *session, gateway_t *gateway, uint64_t now_us)
 {
-    const gateway_target_t *const target = gateway_target(session->staged[GATEWAY_HOLDING_SETTING]);
+    const gateway_target_t target = gateway_target(session->staged[GATEWAY_HOLDING_SETTING]);
     const uint32_t key = staged_u32(session, GATEWAY_HOLDING_SERVICE_KEY);
     drop_refused_key(session, gateway);
     session->sent = gateway_setting(target, key, value_of(session));
@@ -250,7 +250,7 @@ static gateway_exception_t execute_setting(gateway_session_t *session, gateway_t
         gateway_count(&gateway->counters, GATEWAY_COUNT_VALUES_UNFIT);
         return GATEWAY_OK;
     }
-    if (target->service && key == 0U && !has_service(session, gateway, now_us)) {
+    if (target.service && key == 0U && !has_service(session, gateway, now_us)) {
         session->sent.result = (uint8_t)GATEWAY_RESULT_NO_SERVICE;
         return GATEWAY_OK;
     }
@@ -258,7 +258,7 @@ static gateway_exception_t execute_setting(gateway_session_t *session, gateway_t
     if (wrong == GATEWAY_OK && key != 0U) {
         note_key(session, gateway, (double)key, now_us);
     }
-    if (wrong == GATEWAY_OK && target->number == GATEWAY_SERVICE_KEY) {
+    if (wrong == GATEWAY_OK && target.number == GATEWAY_SERVICE_KEY) {
         session->sent_key = true;
         note_key(session, gateway, value_of(session), now_us);
     }

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from kinds import Entry
 from model import Node, Object, read_toml
@@ -290,11 +291,12 @@ def header(registers: Map) -> str:
         "    GATEWAY_COUNTERS",
         "};",
         "",
-        f"#define GATEWAY_VALUES {len(registers.values)}U",
+        f"#define GATEWAY_VALUES {len({one.entry.key for one in registers.values})}U",
         f"#define GATEWAY_MARKS {len(registers.marks)}U",
         f"#define GATEWAY_KEYS {len(registers.keys)}U",
         f"#define GATEWAY_GROUPS {registers.groups}U",
         f"#define GATEWAY_TARGETS {len(registers.settings)}U",
+        f"#define GATEWAY_TARGET_RUNS {len(in_rows(registers.settings, setting_row))}U",
         f"#define GATEWAY_COMMAND_OBJECTS {len(registers.commands)}U",
         "",
         "/* The setting that opens the service level. */",
@@ -305,20 +307,53 @@ def header(registers: Map) -> str:
     return "\n".join(lines) + "\n"
 
 
-VALUE_MACROS = [
-    "/* V(register, form, register and bit of its validity, index, subindex, type, bytes, group, key, scale) */",
-    "#define V(at, form, validity, bit, index, subindex, type, size, group, key, scale) \\",
-    "    {at, WORDS_##form(size), GATEWAY_FORM_##form, validity, bit, index, subindex, TUMBLE_TYPE_##type, size, \\",
-    "     group, key, scale}",
-    *(f"#define WORDS_{form}(size) {words}" for form, words in WORDS.items()),
-    f"#define WORDS_{TEXT}(size) (((size) + 1) / 2)",
+RUN_MACROS = [
+    "/* Values in a row: V(how many, register, register and bit of their validity, index, subindex, type, bytes,",
+    " * group, key); S(..., register scaled, that of their validity, scale) are there as scaled integers, too.",
+    " * Settings in a row: T(how many, number, index, subindex, type, bytes, group, at service level only). */",
+    "#define V(count, at, validity, bit, index, subindex, type, size, group, key) \\",
+    "    {count, {at, validity, bit, index, subindex, TUMBLE_TYPE_##type, size, group, key, 0, 0, 0.0}}",
+    "#define S(count, at, validity, bit, index, subindex, type, size, group, key, scaled_at, scaled_validity, unit) \\",
+    "    {count, {at, validity, bit, index, subindex, TUMBLE_TYPE_##type, size, group, key, scaled_at, \\",
+    "             scaled_validity, unit}}",
+    "#define T(count, number, index, subindex, type, size, group, service) \\",
+    "    {count, {number, index, subindex, TUMBLE_TYPE_##type, size, group, service}}",
 ]
 
 
-def value_cells(register: Register, key: int) -> str:
-    entry = register.entry
-    return (f"V({register.at}, {register.form}, {register.validity}, {register.bit}, 0x{entry.index:04X}, "
-            f"{entry.subindex}, {entry.type.name}, {entry.size}, {register.group}, {key}, {register.scale or 0!r}),")
+def in_rows(items: list, row: Callable[[Any, int], tuple[str, list]]) -> list[str]:
+    """Those that follow from the one before in one row each; `row`: the macro and cells of the row whose nth item is
+    this."""
+    runs: list[list] = []
+    for item in items:
+        if runs and row(item, len(runs[-1])) == row(runs[-1][0], 0):
+            runs[-1].append(item)
+        else:
+            runs.append([item])
+    return [f"{name}({', '.join(map(str, [len(run), *cells]))}),"
+            for run in runs for name, cells in [row(run[0], 0)]]
+
+
+def value_rows(registers: Map) -> list[str]:
+    """Each is one subindex, one bit and its own words further than the one before."""
+    places = {entry.key: place for place, entry in enumerate(registers.keys)}
+    scaled = {one.entry.key: one for one in registers.values if one.form == SCALED}
+
+    def row(one: Register, n: int) -> tuple[str, list]:
+        also = scaled.get(one.entry.key)
+        cells = [one.at - n * one.words, one.validity, one.bit - n, *row_cells(one.entry, n), one.group,
+                 places.get(one.entry.key, len(places))]
+        return ("S", [*cells, also.at - n * also.words, also.validity, also.scale]) if also else ("V", cells)
+
+    return in_rows([one for one in registers.values if one.form != SCALED], row)
+
+
+def setting_row(to: Setting, n: int) -> tuple[str, list]:
+    return "T", [to.number - n, *row_cells(to.entry, n), to.group, str(to.entry.level == "service").lower()]
+
+
+def row_cells(entry: Entry, n: int) -> list:
+    return [f"0x{entry.index:04X}", entry.subindex - n, entry.type.name, entry.size]
 
 
 def filled(cells: Iterable[str]) -> list[str]:
@@ -334,7 +369,6 @@ def filled(cells: Iterable[str]) -> list[str]:
 
 def source(registers: Map) -> str:
     places = {entry.key: place for place, entry in enumerate(registers.keys)}
-    rows = filled(value_cells(one, places.get(one.entry.key, len(places))) for one in registers.values)
     selectors = [registers.selector(number) for number in range(registers.groups)]
     parts = [
         f"/* {NOTICE} */",
@@ -342,10 +376,10 @@ def source(registers: Map) -> str:
         "",
         '#include "canopen/dictionary.h"',
         "",
-        *VALUE_MACROS,
+        *RUN_MACROS,
         "",
-        "const gateway_value_t gateway_values[GATEWAY_VALUES] = {",
-        *rows,
+        "const gateway_value_run_t gateway_value_runs[] = {",
+        *filled(value_rows(registers)),
         "};",
         "",
         "const gateway_object_t gateway_marks[GATEWAY_MARKS] = {",
@@ -360,9 +394,8 @@ def source(registers: Map) -> str:
         "    " + ", ".join(f"{places[entry.key] if entry else len(places)}U" for entry in selectors) + ",",
         "};",
         "",
-        "const gateway_target_t gateway_targets[GATEWAY_TARGETS] = {",
-        *filled(f"{{{to.number}U, {object_cells(to.entry)}, {to.group}U, {str(to.entry.level == 'service').lower()}}},"
-                for to in registers.settings),
+        "const gateway_target_run_t gateway_target_runs[GATEWAY_TARGET_RUNS] = {",
+        *filled(in_rows(registers.settings, setting_row)),
         "};",
         "",
         "const uint16_t gateway_command_objects[GATEWAY_COMMAND_OBJECTS] = {",
