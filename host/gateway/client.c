@@ -18,6 +18,47 @@
 #define PORT_BYTES 16
 #define NONE GATEWAY_MAX_CLIENTS
 
+/* Bytes. */
+
+static bool is_passing(int error)
+{
+    return error == EAGAIN || error == EWOULDBLOCK || error == EINTR;
+}
+
+int gateway_stream_receive(gateway_stream_t *stream)
+{
+    const size_t room = sizeof stream->in - stream->in_count;
+    if (room == 0U) {
+        return 1;
+    }
+    const ssize_t got = read(stream->fd, &stream->in[stream->in_count], room);
+    if (got < 0) {
+        return is_passing(errno) ? 1 : -1;
+    }
+    stream->in_count += (size_t)got;
+    return (int)got;
+}
+
+void gateway_stream_drop(gateway_stream_t *stream, size_t size)
+{
+    stream->in_count -= size;
+    memmove(stream->in, &stream->in[size], stream->in_count);
+}
+
+bool gateway_stream_send(gateway_stream_t *stream)
+{
+    if (stream->out_count == 0U) {
+        return true;
+    }
+    const ssize_t sent = write(stream->fd, stream->out, stream->out_count); /* SIGPIPE is ignored */
+    if (sent <= 0) {
+        return sent < 0 && is_passing(errno);
+    }
+    stream->out_count -= (size_t)sent;
+    memmove(stream->out, &stream->out[sent], stream->out_count);
+    return true;
+}
+
 /* Where they come to. */
 
 static int listen_at(const struct addrinfo *address)
@@ -107,7 +148,7 @@ static uint32_t places_of(const gateway_client_t *clients, const gateway_address
 {
     uint32_t count = 0;
     for (uint32_t place = 0; place < GATEWAY_MAX_CLIENTS; place++) {
-        count += (clients[place].fd >= 0 && is_same(&clients[place].address, address)) ? 1U : 0U;
+        count += (clients[place].stream.fd >= 0 && is_same(&clients[place].address, address)) ? 1U : 0U;
     }
     return count;
 }
@@ -116,13 +157,13 @@ static uint32_t places_of(const gateway_client_t *clients, const gateway_address
 static bool is_idle(const gateway_client_t *client, uint64_t now_us)
 {
     const bool is_calm = !client->has_asked || now_us - client->asked_us >= GATEWAY_CALM_US;
-    return client->in_count == 0U && client->out_count == 0U && is_calm;
+    return client->stream.in_count == 0U && client->stream.out_count == 0U && is_calm;
 }
 
 static uint32_t free_place(const gateway_client_t *clients)
 {
     uint32_t place = 0;
-    while (place < GATEWAY_MAX_CLIENTS && clients[place].fd >= 0) {
+    while (place < GATEWAY_MAX_CLIENTS && clients[place].stream.fd >= 0) {
         place++;
     }
     return place;
@@ -163,55 +204,26 @@ uint32_t gateway_place_for(const gateway_client_t clients[GATEWAY_MAX_CLIENTS], 
 
 void gateway_client_open(gateway_client_t *client, int fd, const gateway_address_t *address, uint64_t now_us)
 {
-    client->fd = fd;
-    client->address = *address;
-    client->has_asked = false;
-    client->has_ended = false;
-    client->asked_us = now_us;
-    client->begun_us = now_us;
-    client->in_count = 0;
-    client->out_count = 0;
-    gateway_session_open(&client->session);
+    *client = (gateway_client_t){.stream = {.fd = fd}, .address = *address, .asked_us = now_us, .begun_us = now_us};
 }
 
 static bool has_room(const gateway_client_t *client)
 {
-    return GATEWAY_OUTPUT_BYTES - client->out_count >= GATEWAY_MAX_ADU;
+    return GATEWAY_OUTPUT_BYTES - client->stream.out_count >= GATEWAY_MAX_ADU;
 }
 
 /* False: the connection is broken. */
 static bool receive(gateway_client_t *client, uint64_t now_us)
 {
-    const size_t room = GATEWAY_INPUT_BYTES - client->in_count;
-    if (room == 0U || client->has_ended) {
-        return true;
-    }
-    const ssize_t got = recv(client->fd, &client->in[client->in_count], room, MSG_DONTWAIT);
-    if (got <= 0) {
-        client->has_ended = got == 0;
-        return got == 0 || errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR;
-    }
-    client->begun_us = (client->in_count == 0U) ? now_us : client->begun_us;
-    client->in_count += (size_t)got;
-    return true;
+    const size_t before = client->stream.in_count;
+    const int got = client->has_ended ? 1 : gateway_stream_receive(&client->stream);
+    client->has_ended = client->has_ended || got == 0;
+    client->begun_us = (before == 0U && client->stream.in_count > 0U) ? now_us : client->begun_us;
+    return got >= 0;
 }
 
-static bool send_out(gateway_client_t *client)
-{
-    if (client->out_count == 0U) {
-        return true;
-    }
-    const ssize_t sent = send(client->fd, client->out, client->out_count, MSG_DONTWAIT | MSG_NOSIGNAL);
-    if (sent < 0) {
-        return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR;
-    }
-    client->out_count -= (size_t)sent;
-    memmove(client->out, &client->out[sent], client->out_count);
-    return true;
-}
-
-static void take_frame(gateway_client_t *client, gateway_t *gateway, const gateway_replies_t *replies,
-                       gateway_frame_t frame, const uint8_t *bytes, size_t size, uint64_t now_us)
+static void take_frame(gateway_client_t *client, gateway_t *gateway, gateway_frame_t frame, const uint8_t *bytes,
+                       size_t size, uint64_t now_us)
 {
     if (frame == GATEWAY_FRAME_PROTOCOL) {
         gateway_count(&gateway->counters, GATEWAY_COUNT_WRONG_PROTOCOL);
@@ -220,27 +232,26 @@ static void take_frame(gateway_client_t *client, gateway_t *gateway, const gatew
     } else {
         client->has_asked = true;
         client->asked_us = now_us;
-        client->out_count += gateway_answer(gateway, replies, &client->session, false, bytes, size, now_us,
-                                            &client->out[client->out_count]);
+        client->stream.out_count += gateway_answer(gateway, &client->stream.session, false, bytes, size, now_us,
+                                                   &client->stream.out[client->stream.out_count]);
     }
 }
 
 /* All whole frames for whose answers there is room. False: what follows cannot be read. */
-static bool take_frames(gateway_client_t *client, gateway_t *gateway, const gateway_replies_t *replies, uint64_t now_us)
+static bool take_frames(gateway_client_t *client, gateway_t *gateway, uint64_t now_us)
 {
     size_t done = 0;
     gateway_frame_t frame = GATEWAY_FRAME_WHOLE;
     while (has_room(client)) {
         size_t size = 0;
-        frame = gateway_tcp_frame(&client->in[done], client->in_count - done, &size);
+        frame = gateway_tcp_frame(&client->stream.in[done], client->stream.in_count - done, &size);
         if (frame == GATEWAY_FRAME_PART || frame == GATEWAY_FRAME_LOST) {
             break;
         }
-        take_frame(client, gateway, replies, frame, &client->in[done], size, now_us);
+        take_frame(client, gateway, frame, &client->stream.in[done], size, now_us);
         done += size;
     }
-    client->in_count -= done;
-    memmove(client->in, &client->in[done], client->in_count);
+    gateway_stream_drop(&client->stream, done);
     client->begun_us = (done > 0U) ? now_us : client->begun_us;
     if (frame == GATEWAY_FRAME_LOST) {
         gateway_count(&gateway->counters, GATEWAY_COUNT_WRONG_LENGTH);
@@ -248,10 +259,9 @@ static bool take_frames(gateway_client_t *client, gateway_t *gateway, const gate
     return frame != GATEWAY_FRAME_LOST;
 }
 
-bool gateway_client_step(gateway_client_t *client, gateway_t *gateway, const gateway_replies_t *replies,
-                         uint64_t now_us)
+bool gateway_client_step(gateway_client_t *client, gateway_t *gateway, uint64_t now_us)
 {
-    if (!send_out(client)) {
+    if (!gateway_stream_send(&client->stream)) {
         return false;
     }
     if (has_room(client) && !receive(client, now_us)) {
@@ -260,19 +270,19 @@ bool gateway_client_step(gateway_client_t *client, gateway_t *gateway, const gat
     bool is_readable = true;
     bool is_full = true; /* of answers: frames may wait that no event will tell of */
     while (is_full && is_readable && has_room(client)) {
-        is_readable = take_frames(client, gateway, replies, now_us);
+        is_readable = take_frames(client, gateway, now_us);
         is_full = !has_room(client);
-        if (!send_out(client)) {
+        if (!gateway_stream_send(&client->stream)) {
             return false;
         }
     }
-    return is_readable && (!client->has_ended || client->out_count > 0U);
+    return is_readable && (!client->has_ended || client->stream.out_count > 0U);
 }
 
 uint32_t gateway_client_events(const gateway_client_t *client)
 {
     const bool is_wanted = has_room(client) && !client->has_ended;
-    return (is_wanted ? (uint32_t)EPOLLIN : 0U) | ((client->out_count > 0U) ? (uint32_t)EPOLLOUT : 0U);
+    return (is_wanted ? (uint32_t)EPOLLIN : 0U) | ((client->stream.out_count > 0U) ? (uint32_t)EPOLLOUT : 0U);
 }
 
 uint64_t gateway_client_deadline_us(const gateway_client_t *client, const gateway_settings_t *settings)
@@ -280,12 +290,12 @@ uint64_t gateway_client_deadline_us(const gateway_client_t *client, const gatewa
     const uint64_t first_us = (settings->idle_us < GATEWAY_FIRST_US) ? settings->idle_us : GATEWAY_FIRST_US;
     const uint64_t idle_us = client->asked_us + (client->has_asked ? settings->idle_us : first_us);
     const uint64_t part_us = client->begun_us + GATEWAY_PART_US;
-    return (client->in_count > 0U && part_us < idle_us) ? part_us : idle_us;
+    return (client->stream.in_count > 0U && part_us < idle_us) ? part_us : idle_us;
 }
 
 void gateway_client_close(gateway_client_t *client, gateway_t *gateway)
 {
-    gateway_session_close(&client->session, gateway);
-    (void)close(client->fd);
-    client->fd = -1;
+    gateway_session_close(&client->stream.session, gateway);
+    (void)close(client->stream.fd);
+    client->stream.fd = -1;
 }

@@ -1,9 +1,9 @@
-/* client.h - clients on TCP: where they come to, who gets a place, and each one's bytes in and answers out. Nothing is ever
- * waited for. */
+/* client.h - clients on TCP: where they come to, who gets a place, and each one's bytes in and answers out (the latter as
+ * on the serial line). Nothing is ever waited for. */
 #ifndef TUMBLE_GATEWAY_CLIENT_H
 #define TUMBLE_GATEWAY_CLIENT_H
 
-#include "answer.h"
+#include "request.h"
 
 #include <netinet/in.h>
 #include <stddef.h>
@@ -21,18 +21,43 @@ typedef struct {
     char text[INET6_ADDRSTRLEN];
 } gateway_address_t;
 
+/* Of a session what was logged last. */
 typedef struct {
-    int fd; /* -1: this place is free */
-    gateway_address_t address;
-    bool has_asked;
-    bool has_ended;    /* it sends no more; what it has asked is answered */
-    uint64_t asked_us; /* when it came, or the last whole frame did */
-    uint64_t begun_us; /* when the first byte of a frame came that is not whole */
+    uint32_t refusals;
+    uint16_t executed;
+    uint8_t result;
+    bool is_unlocked;
+} gateway_told_t;
+
+/* A session at the end of a connection, or of the serial line. */
+typedef struct {
+    int fd;           /* that does not block; -1: none */
+    uint32_t watched; /* EPOLL... bits that are waited for; 0: epoll does not know it yet */
     size_t in_count;
     size_t out_count;
     uint8_t in[GATEWAY_INPUT_BYTES];
     uint8_t out[GATEWAY_OUTPUT_BYTES];
     gateway_session_t session;
+    gateway_told_t told;
+} gateway_stream_t;
+
+/* Take what has come, as far as there is room. 0: the other end sends no more (or, on a serial line, nothing has come);
+ * negative: it is broken. */
+int gateway_stream_receive(gateway_stream_t *stream);
+
+/* Forget the first bytes that have come. */
+void gateway_stream_drop(gateway_stream_t *stream, size_t size);
+
+/* Send what goes. False: it is broken. */
+bool gateway_stream_send(gateway_stream_t *stream);
+
+typedef struct {
+    gateway_stream_t stream; /* without a descriptor: this place is free */
+    gateway_address_t address;
+    bool has_asked;
+    bool has_ended;    /* it sends no more; what it has asked is answered */
+    uint64_t asked_us; /* when it came, or the last whole frame did */
+    uint64_t begun_us; /* when the first byte of a frame came that is not whole */
 } gateway_client_t;
 
 /* Where they come to. */
@@ -66,8 +91,7 @@ uint32_t gateway_place_for(const gateway_client_t clients[GATEWAY_MAX_CLIENTS], 
 void gateway_client_open(gateway_client_t *client, int fd, const gateway_address_t *address, uint64_t now_us);
 
 /* Take what has come, answer, send what goes. False: it is to be closed. */
-bool gateway_client_step(gateway_client_t *client, gateway_t *gateway, const gateway_replies_t *replies,
-                         uint64_t now_us);
+bool gateway_client_step(gateway_client_t *client, gateway_t *gateway, uint64_t now_us);
 
 /* EPOLL... bits to wait for. */
 uint32_t gateway_client_events(const gateway_client_t *client);

@@ -6,15 +6,13 @@
 #include <inttypes.h>
 #include <stdio.h>
 
-#define LINE "the serial line"
 #define COMMAND_SUBINDEX 2U
 #define WHAT_BYTES 60U
 
 /* Clients. */
 
-void gateway_log_connected(gateway_log_t *log, uint32_t place, const gateway_address_t *address, uint16_t clients)
+void gateway_log_connected(const gateway_address_t *address, uint16_t clients)
 {
-    log->sessions[place] = (gateway_session_log_t){0};
     event_log_tell(EVENT_LOG_INFO, "connected",
                    EVENT_FIELDS(EVENT_TEXT("client", address->text), EVENT_WHOLE("clients", clients)),
                    "client %s connected, %u in all", address->text, (unsigned)clients);
@@ -123,32 +121,25 @@ static void tell_result(const gateway_command_t *sent, const char *who)
                    "%s: %s %s%s", who, what, outcome, code);
 }
 
-static void tell_session(gateway_session_log_t *log, const gateway_session_t *session, const char *who, uint64_t now_us)
+void gateway_log_session(gateway_stream_t *stream, const char *who, uint64_t now_us)
 {
-    const bool is_unlocked = now_us < session->unlocked_until_us;
-    const uint16_t executed = session->staged[GATEWAY_HOLDING_EXECUTE];
-    const uint8_t result = session->sent.result;
-    const uint32_t refusals = session->refusal.number;
-    if (refusals != log->refusals && refusals != 0U) {
+    const gateway_session_t *const session = &stream->session;
+    const gateway_told_t told = stream->told;
+    const gateway_told_t now = {.refusals = session->refusal.number,
+                                .executed = session->staged[GATEWAY_HOLDING_EXECUTE],
+                                .result = session->sent.result,
+                                .is_unlocked = now_us < session->unlocked_until_us};
+    stream->told = now;
+    if (now.refusals != told.refusals && now.refusals != 0U) {
         tell_refusal(&session->refusal, who);
     }
-    if (is_unlocked != log->is_unlocked) {
-        event_log_tell(is_unlocked ? EVENT_LOG_NOTICE : EVENT_LOG_INFO, is_unlocked ? "unlock" : "lock",
+    if (now.is_unlocked != told.is_unlocked) {
+        event_log_tell(now.is_unlocked ? EVENT_LOG_NOTICE : EVENT_LOG_INFO, now.is_unlocked ? "unlock" : "lock",
                        EVENT_FIELDS(EVENT_TEXT("client", who)), "%s: the session is %s", who,
-                       is_unlocked ? "unlocked" : "locked");
+                       now.is_unlocked ? "unlocked" : "locked");
     }
-    if ((result != log->result || executed != log->executed) && result > (uint8_t)GATEWAY_RESULT_PENDING) {
+    if ((now.result != told.result || now.executed != told.executed) && now.result > (uint8_t)GATEWAY_RESULT_PENDING) {
         tell_result(&session->sent, who);
-    }
-    *log = (gateway_session_log_t){
-        .refusals = refusals, .executed = executed, .result = result, .is_unlocked = is_unlocked};
-}
-
-void gateway_log_session(gateway_log_t *log, uint32_t place, const gateway_session_t *session,
-                         const gateway_address_t *address, uint64_t now_us)
-{
-    if (event_log_is_on()) {
-        tell_session(&log->sessions[place], session, (address != NULL) ? address->text : LINE, now_us);
     }
 }
 

@@ -9,33 +9,23 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Of a session what was told last. */
 typedef struct {
-    uint32_t refusals;
-    uint16_t executed;
-    uint8_t result;
-    bool is_unlocked;
-} gateway_session_log_t;
-
-typedef struct {
-    gateway_session_log_t sessions[GATEWAY_MAX_SESSIONS]; /* of each place, that of the serial line last */
-    uint32_t snapshot;                                    /* its number */
+    uint32_t snapshot; /* its number */
     uint8_t link;
     tumble_progress_t progress;
     bool has_progress; /* of the node, since the gateway began */
     run_log_sets_t sets;
 } gateway_log_t;
 
-/* A client has come to a place, or goes: `why`. */
-void gateway_log_connected(gateway_log_t *log, uint32_t place, const gateway_address_t *address, uint16_t clients);
+/* A client has come, or goes: `why`. */
+void gateway_log_connected(const gateway_address_t *address, uint16_t clients);
 void gateway_log_disconnected(const gateway_address_t *address, const char *why, uint16_t clients);
 
 /* No place for a client. */
 void gateway_log_turned_away(const gateway_address_t *address);
 
-/* A session may have written, or have got its result: before it is another's turn. `address` null: the serial line. */
-void gateway_log_session(gateway_log_t *log, uint32_t place, const gateway_session_t *session,
-                         const gateway_address_t *address, uint64_t now_us);
+/* The session of somebody may have written, or have got its result: before it is another's turn. */
+void gateway_log_session(gateway_stream_t *stream, const char *who, uint64_t now_us);
 
 /* The poller has been stepped. */
 void gateway_log_node(gateway_log_t *log, const gateway_poller_t *poller);

@@ -1,4 +1,5 @@
-/* request.h - Modbus requests as bytes: where one ends, and whether it is one that is served. Pure functions. */
+/* request.h - Modbus requests as bytes: where one ends, whether it is one that is served, and its answer. (libmodbus could
+ * make the answer, but waits, and throws away input, where a count is out of range.) */
 #ifndef TUMBLE_GATEWAY_REQUEST_H
 #define TUMBLE_GATEWAY_REQUEST_H
 
@@ -17,6 +18,9 @@
 #define GATEWAY_WRITE_ONE 0x06U
 #define GATEWAY_WRITE_SEVERAL 0x10U
 #define GATEWAY_EXCEPTION_BIT 0x80U
+
+/* On TCP the unit may be this as well: "the device at this address". */
+#define GATEWAY_ANY_UNIT 0xFFU
 
 /* A request without its framing. */
 typedef struct {
@@ -39,10 +43,6 @@ typedef enum {
 
 gateway_frame_t gateway_tcp_frame(const uint8_t *bytes, size_t count, size_t *size);
 
-/* The request in a whole frame of TCP or of the serial line. */
-gateway_request_t gateway_tcp_request(const uint8_t *frame, size_t size);
-gateway_request_t gateway_serial_request(const uint8_t *frame, size_t size);
-
 /* Bytes of a frame that stands whole, with a right CRC, at the beginning of what a serial line brought: a request, or
  * what another unit than `own` may answer. 0: none, or not whole yet. */
 size_t gateway_serial_frame(const uint8_t *bytes, size_t count, uint8_t own);
@@ -54,10 +54,9 @@ bool gateway_serial_is_whole(const uint8_t *bytes, size_t count);
  * exception `counter` is the counter that it belongs to. */
 gateway_exception_t gateway_request_check(gateway_request_t *request, int *counter);
 
-/* A 16-bit number as Modbus has it. */
-static inline uint16_t gateway_word(const uint8_t *bytes)
-{
-    return (uint16_t)((unsigned)bytes[0] << 8 | bytes[1]);
-}
+/* Answer a whole frame (on the serial line with a right CRC) of a session into `answer` (GATEWAY_MAX_ADU). Returns its
+ * bytes; 0: silence. */
+size_t gateway_answer(gateway_t *gateway, gateway_session_t *session, bool is_serial, const uint8_t *frame, size_t size,
+                      uint64_t now_us, uint8_t *answer);
 
 #endif

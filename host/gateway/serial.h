@@ -5,7 +5,9 @@
 #ifndef TUMBLE_GATEWAY_SERIAL_H
 #define TUMBLE_GATEWAY_SERIAL_H
 
-#include "answer.h"
+#include "client.h"
+
+#include <modbus/modbus.h>
 
 #define GATEWAY_DEVICE_BYTES 256U
 
@@ -17,15 +19,10 @@ typedef struct {
 
 typedef struct {
     modbus_t *line;
-    int fd;             /* -1: not open */
     uint64_t gap_us;    /* silence that ends whatever has come */
     uint64_t heard_us;  /* the last byte */
     uint64_t reopen_us; /* after a fault */
-    size_t in_count;
-    size_t out_count;
-    uint8_t in[2U * GATEWAY_MAX_SERIAL];
-    uint8_t out[GATEWAY_MAX_ADU];
-    gateway_session_t session;
+    gateway_stream_t stream;
 } gateway_serial_t;
 
 /* False: errno says why; nothing stays open. */
@@ -33,8 +30,7 @@ bool gateway_serial_open(gateway_serial_t *serial, const gateway_serial_settings
 
 /* Take what has come, answer, send what goes; open a device anew that went away. `hung_up`: the system says that it has
  * gone. */
-void gateway_serial_step(gateway_serial_t *serial, gateway_t *gateway, const gateway_replies_t *replies, bool hung_up,
-                         uint64_t now_us);
+void gateway_serial_step(gateway_serial_t *serial, gateway_t *gateway, bool hung_up, uint64_t now_us);
 
 uint32_t gateway_serial_events(const gateway_serial_t *serial);
 

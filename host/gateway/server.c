@@ -32,7 +32,6 @@ enum { SIGNALS = 0, LISTENER, BUS, SERIAL, CLIENTS };
 
 typedef struct {
     gateway_t gateway;
-    gateway_replies_t replies;
     const tumble_port_t *port;
     int epoll;
     int signals;
@@ -43,10 +42,8 @@ typedef struct {
     bool has_serial;
     bool has_ended;
     bool line_hung_up;
-    int watched_line; /* the serial line's descriptor as epoll knows it; -1: it does not */
     gateway_serial_t serial;
     gateway_client_t clients[GATEWAY_MAX_CLIENTS];
-    uint32_t watched[GATEWAY_MAX_CLIENTS]; /* EPOLL... bits asked for */
     gateway_log_t log;
 } server_t;
 
@@ -61,13 +58,22 @@ static bool watch(const server_t *server, int operation, int fd, uint32_t tag, u
     return epoll_ctl(server->epoll, operation, fd, &event) == 0;
 }
 
+/* Wait for these of a client or of the serial line. */
+static bool watch_stream(const server_t *server, gateway_stream_t *stream, uint32_t tag, uint32_t events)
+{
+    const int operation = (stream->watched == 0U) ? EPOLL_CTL_ADD : EPOLL_CTL_MOD;
+    const bool is_done = stream->watched == events || watch(server, operation, stream->fd, tag, events);
+    stream->watched = events;
+    return is_done;
+}
+
 /* Clients. */
 
 /* What has happened to a session, to the log. */
 static void note_client(server_t *server, uint32_t place)
 {
-    const gateway_client_t *const client = &server->clients[place];
-    gateway_log_session(&server->log, place, &client->session, &client->address, clock_us(server));
+    gateway_client_t *const client = &server->clients[place];
+    gateway_log_session(&client->stream, client->address.text, clock_us(server));
 }
 
 static void close_client(server_t *server, uint32_t place, const char *why)
@@ -82,19 +88,15 @@ static void close_client(server_t *server, uint32_t place, const char *why)
 static void step_client(server_t *server, uint32_t place)
 {
     gateway_client_t *const client = &server->clients[place];
-    if (client->fd < 0) {
+    if (client->stream.fd < 0) {
         return;
     }
-    if (!gateway_client_step(client, &server->gateway, &server->replies, clock_us(server))) {
+    if (!gateway_client_step(client, &server->gateway, clock_us(server))) {
         close_client(server, place, client->has_ended ? "by itself" : "broken off, or it speaks no Modbus");
         return;
     }
     note_client(server, place);
-    const uint32_t events = gateway_client_events(client);
-    if (events != server->watched[place]) {
-        server->watched[place] = events;
-        (void)watch(server, EPOLL_CTL_MOD, client->fd, CLIENTS + place, events);
-    }
+    (void)watch_stream(server, &client->stream, CLIENTS + place, gateway_client_events(client));
 }
 
 /* When all places are taken, hear everybody first: a request or an end may have come that no event has told of yet. */
@@ -104,7 +106,7 @@ static uint32_t make_place(server_t *server, const gateway_address_t *address)
         step_client(server, place);
     }
     const uint32_t place = gateway_place_for(server->clients, address, clock_us(server));
-    if (place < GATEWAY_MAX_CLIENTS && server->clients[place].fd >= 0) {
+    if (place < GATEWAY_MAX_CLIENTS && server->clients[place].stream.fd >= 0) {
         gateway_count(&server->gateway.counters, GATEWAY_COUNT_CONNECTIONS_DISPLACED);
         close_client(server, place, "its place was wanted");
     }
@@ -122,9 +124,9 @@ static void admit(server_t *server, int fd, const gateway_address_t *address)
     }
     gateway_count(&server->gateway.counters, GATEWAY_COUNT_CONNECTIONS);
     gateway_client_open(&server->clients[place], fd, address, clock_us(server));
-    server->watched[place] = EPOLLIN;
+    server->clients[place].stream.watched = EPOLLIN;
     server->gateway.clients++;
-    gateway_log_connected(&server->log, place, address, server->gateway.clients);
+    gateway_log_connected(address, server->gateway.clients);
 }
 
 static void watch_listener(server_t *server, bool rests)
@@ -171,7 +173,7 @@ static void close_idle(server_t *server)
     const uint64_t now_us = clock_us(server);
     for (uint32_t place = 0; place < GATEWAY_MAX_CLIENTS; place++) {
         const gateway_client_t *const client = &server->clients[place];
-        if (client->fd >= 0 && now_us >= gateway_client_deadline_us(client, &server->gateway.settings)) {
+        if (client->stream.fd >= 0 && now_us >= gateway_client_deadline_us(client, &server->gateway.settings)) {
             gateway_count(&server->gateway.counters, GATEWAY_COUNT_CONNECTIONS_IDLE);
             close_client(server, place, "silent for too long");
         }
@@ -185,15 +187,12 @@ static void step_serial(server_t *server)
     if (!server->has_serial) {
         return;
     }
-    gateway_serial_step(&server->serial, &server->gateway, &server->replies, server->line_hung_up, clock_us(server));
+    gateway_serial_step(&server->serial, &server->gateway, server->line_hung_up, clock_us(server));
     server->line_hung_up = false;
-    gateway_log_session(&server->log, GATEWAY_MAX_CLIENTS, &server->serial.session, NULL, clock_us(server));
-    const int fd = server->serial.fd;
-    if (fd >= 0) {
-        const int operation = (server->watched_line == fd) ? EPOLL_CTL_MOD : EPOLL_CTL_ADD;
-        (void)watch(server, operation, fd, SERIAL, gateway_serial_events(&server->serial));
+    gateway_log_session(&server->serial.stream, "the serial line", clock_us(server));
+    if (server->serial.stream.fd >= 0) {
+        (void)watch_stream(server, &server->serial.stream, SERIAL, gateway_serial_events(&server->serial));
     }
-    server->watched_line = fd;
 }
 
 /* The loop. */
@@ -225,7 +224,7 @@ static uint64_t next_us(const server_t *server)
     next = (line_us < next) ? line_us : next;
     next = (server->rests && server->rests_until_us < next) ? server->rests_until_us : next;
     for (uint32_t place = 0; place < GATEWAY_MAX_CLIENTS; place++) {
-        if (server->clients[place].fd >= 0) {
+        if (server->clients[place].stream.fd >= 0) {
             const uint64_t at = gateway_client_deadline_us(&server->clients[place], &server->gateway.settings);
             next = (at < next) ? at : next;
         }
@@ -246,7 +245,7 @@ static void note_results(server_t *server)
 {
     gateway_log_node(&server->log, &server->gateway.poller);
     for (uint32_t place = 0; event_log_is_on() && place < GATEWAY_MAX_CLIENTS; place++) {
-        if (server->clients[place].fd >= 0) {
+        if (server->clients[place].stream.fd >= 0) {
             note_client(server, place);
         }
     }
@@ -275,7 +274,7 @@ static bool open_events(server_t *server, int can_fd)
     server->epoll = epoll_create1(EPOLL_CLOEXEC);
     server->signals = signals_open(0);
     return server->epoll >= 0 && watch(server, EPOLL_CTL_ADD, server->signals, SIGNALS, EPOLLIN) &&
-           watch(server, EPOLL_CTL_ADD, can_fd, BUS, EPOLLIN) && gateway_replies_open(&server->replies);
+           watch(server, EPOLL_CTL_ADD, can_fd, BUS, EPOLLIN);
 }
 
 static int open_tcp(server_t *server, const gateway_options_t *options)
@@ -343,7 +342,7 @@ static void announce(const server_t *server, const gateway_options_t *options)
 static void close_all(server_t *server)
 {
     for (uint32_t place = 0; place < GATEWAY_MAX_CLIENTS; place++) {
-        if (server->clients[place].fd >= 0) {
+        if (server->clients[place].stream.fd >= 0) {
             close_client(server, place, "the gateway ends");
         }
     }
@@ -353,7 +352,6 @@ static void close_all(server_t *server)
     if (server->listener >= 0) {
         (void)close(server->listener);
     }
-    gateway_replies_close(&server->replies);
     (void)close(server->signals);
     (void)close(server->epoll);
 }
@@ -361,9 +359,9 @@ static void close_all(server_t *server)
 int gateway_serve(const gateway_options_t *options, const tumble_port_t *port, int can_fd)
 {
     static server_t server;
-    server = (server_t){.port = port, .listener = -1, .watched_line = -1, .gateway = {.settings = options->settings}};
+    server = (server_t){.port = port, .listener = -1, .gateway = {.settings = options->settings}};
     for (uint32_t place = 0; place < GATEWAY_MAX_CLIENTS; place++) {
-        server.clients[place].fd = -1;
+        server.clients[place].stream.fd = -1;
     }
     gateway_poller_init(&server.gateway.poller, port, options->settings.node, options->settings.poll_us,
                         &server.gateway.counters);
