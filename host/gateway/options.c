@@ -47,24 +47,16 @@ static bool take_tcp(void *to, const char *text)
 {
     gateway_options_t *const options = to;
     uint64_t port = 0;
-    const char *const colon = strrchr(text, ':');
     options->has_tcp = strcmp(text, "none") != 0;
     if (!options->has_tcp) {
         return true;
     }
-    const bool in_brackets = *text == '[' && colon != NULL && colon > text + 1 && colon[-1] == ']';
-    const char *const host = text + (in_brackets ? 1 : 0);
-    const size_t size = (colon != NULL) ? (size_t)(colon - host) - (in_brackets ? 1U : 0U) : 0U;
-    if (size == 0U || size >= sizeof options->host || (!in_brackets && memchr(host, ':', size) != NULL)) {
+    const bool fits = strlen(text) < sizeof options->tcp;
+    (void)snprintf(options->tcp, sizeof options->tcp, "%s", text);
+    if (!fits || !arguments_cut_address(options->tcp, &options->host, &options->port)) {
         return arguments_refuse("--tcp", "must be HOST:PORT, [ADDRESS]:PORT or none");
     }
-    if (!arguments_whole("--tcp: port", colon + 1, 0, 65535, &port)) {
-        return false;
-    }
-    memcpy(options->host, host, size);
-    options->host[size] = '\0';
-    (void)snprintf(options->port, sizeof options->port, "%u", (unsigned)port);
-    return true;
+    return arguments_whole("--tcp: port", options->port, 0, 65535, &port);
 }
 
 /* DEVICE,BAUD,PARITY */

@@ -8,15 +8,15 @@
 
 #include <stdbool.h>
 
-#define GATEWAY_HOST_BYTES 256U
-#define GATEWAY_PORT_BYTES 8U
+#define GATEWAY_TCP_BYTES 263U /* a name of 255, a colon, a port */
 
 typedef struct {
     gateway_settings_t settings;
     const char *can;
     bool has_tcp;
-    char host[GATEWAY_HOST_BYTES];
-    char port[GATEWAY_PORT_BYTES];
+    char tcp[GATEWAY_TCP_BYTES]; /* into which the next two point */
+    const char *host;
+    const char *port;
     bool has_serial;
     gateway_serial_settings_t serial;
 } gateway_options_t;

@@ -1,3 +1,5 @@
+#define _DEFAULT_SOURCE /* strsep */
+
 #include "positioner_option.h"
 
 #include "arguments.h"
@@ -53,47 +55,15 @@ static bool is_port(const char *digits)
     return length > 0U && length <= 5U && digits[length] == '\0' && number > 0U && number <= UINT16_MAX;
 }
 
-/* Cut HOST:PORT in two. An address with colons of its own stands in brackets, or its last part might be the port. */
-static bool take_address(char *address)
-{
-    char *const colon = strrchr(address, ':');
-    if (colon == NULL || colon == address || !is_port(colon + 1)) {
-        return arguments_refuse(OPTION, FORM);
-    }
-    *colon = '\0';
-    const bool in_brackets = address[0] == '[' && colon[-1] == ']';
-    if (in_brackets ? colon - address < 3 : strpbrk(address, "[]:") != NULL) {
-        return arguments_refuse(OPTION, FORM);
-    }
-    if (in_brackets) {
-        colon[-1] = '\0';
-    }
-    port = colon + 1;
-    host = address + (in_brackets ? 1 : 0);
-    return true;
-}
-
 static bool put(const number_t *number, double value)
 {
     const uint32_t whole = (value > 0.0) ? (uint32_t)value : 0U;
-    if (number->size != sizeof(double) && (double)whole != value) {
-        return false;
-    }
-    switch (number->size) {
-    case sizeof(uint8_t):
-        *(uint8_t *)number->at = (uint8_t)whole;
-        break;
-    case sizeof(uint16_t):
-        *(uint16_t *)number->at = (uint16_t)whole;
-        break;
-    case sizeof(uint32_t):
-        *(uint32_t *)number->at = whole;
-        break;
-    default:
+    if (number->size == sizeof(double)) {
         *(double *)number->at = value;
-        break;
+        return true;
     }
-    return true;
+    arguments_store(whole, number->size, number->at);
+    return (double)whole == value;
 }
 
 static bool take_number(const char *name, const char *digits)
@@ -117,19 +87,14 @@ static bool take_number(const char *name, const char *digits)
 
 static bool take_numbers(char *list)
 {
-    char *rest = list;
-    while (rest != NULL) {
-        char *const name = rest;
-        rest = strchr(name, ',');
-        if (rest != NULL) {
-            *rest++ = '\0';
-        }
-        char *const equals = strchr(name, '=');
-        if (equals == NULL) {
+    char *name;
+    while ((name = strsep(&list, ",")) != NULL) {
+        char *digits = name;
+        (void)strsep(&digits, "=");
+        if (digits == NULL) {
             return arguments_refuse(OPTION, FORM);
         }
-        *equals = '\0';
-        if (!take_number(name, equals + 1)) {
+        if (!take_number(name, digits)) {
             return false;
         }
     }
@@ -157,11 +122,12 @@ bool positioner_option_take(void *options, const char *value)
         return arguments_refuse(OPTION, FORM);
     }
     (void)strcpy(text, value + strlen(SCHEME));
-    char *const list = strchr(text, ',');
-    if (list != NULL) {
-        *list = '\0';
+    char *list = text;
+    char *const address = strsep(&list, ",");
+    if (!arguments_cut_address(address, &host, &port) || !is_port(port)) {
+        return arguments_refuse(OPTION, FORM);
     }
-    return take_address(text) && (list == NULL || take_numbers(list + 1)) && fits();
+    return take_numbers(list) && fits();
 }
 
 #ifdef TUMBLE_HAS_MODBUS

@@ -180,17 +180,13 @@ static void put_interface(const computer_t *computer, bench_json_t *json)
 {
     const can_socket_t *const can = &computer->bus.can;
     bench_json_whole(json, "frames_foreign", computer->bus.foreign);
-    bench_json_whole(json, "kernel_received", can->counters.received);
-    bench_json_whole(json, "kernel_sent", can->counters.sent);
-    bench_json_whole(json, "kernel_dropped", can->counters.dropped);
-    bench_json_whole(json, "kernel_busy", can->counters.busy);
-    bench_json_whole(json, "error_frames", can->counters.errors);
-    bench_json_whole(json, "bus_offs", can->counters.bus_offs);
-    bench_json_whole(json, "interface_downs", can->counters.downs);
+    bench_json_interface(json, &can->counters);
     bench_json_whole(json, "receive_buffer_bytes", can->receive_buffer);
     bench_json_whole(json, "latest_step_us", computer->latest_us);
 }
 
+/* The run's first fault, whatever followed from it (the reason of a run that was aborted in FAULT is the command); null
+ * where there was none, or the run got over it. */
 static void put_cause(const tumble_progress_t *fault, bench_json_t *json)
 {
     if (fault->reason == TUMBLE_REASON_NONE) {
@@ -221,9 +217,7 @@ void node_report(const bench_world_t *world, const computer_t *computer, const t
     put_interface(computer, &json);
     bench_json_close(&json, '}');
     bench_json_number(&json, "virtual_s", (double)world->clock.now_us * 1e-6);
-    bench_json_close(&json, '}');
-    (void)fputc('\n', out);
-    (void)fflush(out);
+    bench_json_end(&json);
 }
 
 /* As it goes. */
@@ -234,14 +228,6 @@ static bench_json_t begin(const char *event, FILE *out)
     bench_json_open(&json, NULL, '{');
     bench_json_text(&json, "event", event);
     return json;
-}
-
-/* A line is for somebody who waits for it. */
-static void end(bench_json_t *json)
-{
-    bench_json_close(json, '}');
-    (void)fputc('\n', json->out);
-    (void)fflush(json->out);
 }
 
 static void put_time(bench_json_t *json, const bench_world_t *world)
@@ -280,7 +266,7 @@ void bench_progress_state(const bench_world_t *world, const tumble_progress_t *p
     put_time(&json, world);
     put_place(&json, progress);
     put_angle(&json, world);
-    end(&json);
+    bench_json_end(&json);
 }
 
 void bench_progress_average(const bench_world_t *world, tumble_taken_t taken, FILE *out)
@@ -305,7 +291,7 @@ void bench_progress_average(const bench_world_t *world, tumble_taken_t taken, FI
         bench_json_null(&json, "mean_v");
         bench_json_null(&json, "standard_error_v");
     }
-    end(&json);
+    bench_json_end(&json);
 }
 
 void bench_progress_question(const bench_world_t *world, const bench_question_t *question, FILE *out)
@@ -321,14 +307,14 @@ void bench_progress_question(const bench_world_t *world, const bench_question_t 
         bench_json_text(&json, "reason", tumble_reason_name(question->reason));
         bench_json_text(&json, "sentence", tumble_reason_sentence(question->reason));
     }
-    end(&json);
+    bench_json_end(&json);
 }
 
 void bench_progress_refused(const char *what, FILE *out)
 {
     bench_json_t json = begin("refused", out);
     bench_json_text(&json, "what", what);
-    end(&json);
+    bench_json_end(&json);
 }
 
 void bench_progress_end(const bench_world_t *world, FILE *out)
@@ -337,5 +323,5 @@ void bench_progress_end(const bench_world_t *world, FILE *out)
     put_time(&json, world);
     bench_json_text(&json, "end", bench_end_name(world->end));
     bench_json_whole(&json, "exit", (uint64_t)bench_exit_code(world));
-    end(&json);
+    bench_json_end(&json);
 }

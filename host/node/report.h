@@ -1,28 +1,7 @@
 /* report.h - what a run has found, and how it goes, as JSON.
  *
- * The document of a run, schema "tumble.node/1", on one line: what a simulated run has in tumble.bench/1 as well, without
- * what only a simulation knows.
- *     seed: of the run
- *     end: "done" | "fault" | "interrupted" | "too long" | "left"
- *     exit: the exit code that a program with this run has
- *     state, failed_in, reason, status: names of the firmware's lists
- *     reason_number, reason_sentence: the reason once more
- *     drive_code: the drive's own error code, or 0
- *     drive_refusal: {index, subindex, abort, step, sentence} or null
- *     estimator: its name in TUMBLE_ESTIMATOR_LIST
- *     K, U0: 3 x 3 in V/g, 3 in V; null without a result
- *     u_K, u_U0: their standard uncertainties; null where none can be stated
- *     noise: {block_samples, noise_v (3), declared_v, above_declared (channels)}; null where nobody looked
- *     verification: {delta_g_g: list of {mounting, position, use, delta_g_g}, max_abs_delta_g_g, max_abs_fit_g,
- *         max_abs_check_g, limit_g, pass}; null without a result
- *     closure_g: by mounting; null without a result
- *     means: list of {mounting, position, samples, u_v (3), standard_error_v (3)} of the positions finished
- *     counters: {name: integer}: the firmware's, and of the interface: frames_foreign, kernel_received, kernel_sent,
- *         kernel_dropped, kernel_busy, error_frames, bus_offs, interface_downs; receive_buffer_bytes; latest_step_us
- *     cause: {failed_in, reason, reason_number, reason_sentence, drive_code}: of the run's first fault, whatever followed
- *         from it; the reason of a run that was aborted in FAULT is the command. null where there was none or the run got
- *         over it
- *     virtual_s: when it ended
+ * The document of a run, on one line, has the schema docs/schemas/tumble.node-1.schema.json: what a simulated run has in
+ * tumble.bench/1 as well, without what only a simulation knows. docs/real-bus.md lists the counters of the interface.
  *
  * A run as it goes: one JSON line per event, for whoever shows it to people.
  *

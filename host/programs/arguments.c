@@ -81,11 +81,32 @@ bool arguments_operands(int count, char *const operands[], const char **interfac
     return true;
 }
 
-static void store(const argument_t *option, uint64_t value, void *member)
+bool arguments_cut_address(char *text, const char **host, const char **port)
 {
-    if (option->size == sizeof(uint8_t)) {
+    char *const colon = strrchr(text, ':');
+    if (colon == NULL || colon == text) {
+        return false;
+    }
+    *colon = '\0';
+    const bool in_brackets = text[0] == '[' && colon[-1] == ']';
+    if (in_brackets ? colon - text < 3 : strpbrk(text, "[]:") != NULL) {
+        return false;
+    }
+    if (in_brackets) {
+        colon[-1] = '\0';
+    }
+    *host = text + (in_brackets ? 1 : 0);
+    *port = colon + 1;
+    return true;
+}
+
+void arguments_store(uint64_t value, size_t size, void *member)
+{
+    if (size == sizeof(uint8_t)) {
         *(uint8_t *)member = (uint8_t)value;
-    } else if (option->size == sizeof(uint32_t)) {
+    } else if (size == sizeof(uint16_t)) {
+        *(uint16_t *)member = (uint16_t)value;
+    } else if (size == sizeof(uint32_t)) {
         *(uint32_t *)member = (uint32_t)value;
     } else {
         *(uint64_t *)member = value;
@@ -100,13 +121,13 @@ static bool take(const argument_t *option, void *options)
     (void)snprintf(name, sizeof name, "--%s", option->name);
     switch (option->kind) {
     case ARGUMENT_IS_CONSTANT:
-        store(option, option->low, member);
+        arguments_store(option->low, option->size, member);
         return true;
     case ARGUMENT_IS_WHOLE:
         if (!arguments_whole(name, optarg, option->low, option->high, &value)) {
             return false;
         }
-        store(option, value * option->unit, member);
+        arguments_store(value * option->unit, option->size, member);
         return true;
     case ARGUMENT_IS_TEXT:
         *(const char **)(void *)member = optarg;

@@ -35,7 +35,7 @@ enum {
 
 typedef enum {
     ARGUMENT_IS_CONSTANT, /* has no value: the member becomes `low`, a bool true */
-    ARGUMENT_IS_WHOLE,    /* a whole number from `low` to `high`, times `unit`, into 1, 4 or 8 bytes */
+    ARGUMENT_IS_WHOLE,    /* a whole number from `low` to `high`, times `unit`, into 1 to 8 bytes */
     ARGUMENT_IS_TEXT,     /* a text of at least `low` characters, 0 or 1 */
     ARGUMENT_IS_TAKEN,    /* by `take` */
     ARGUMENT_IS_CALL      /* has no value: `take` gets null */
@@ -90,6 +90,13 @@ int arguments_read(int count, char *arguments[], const arguments_program_t *prog
 
 /* A whole number from `low` to `high`, in decimal digits. */
 bool arguments_whole(const char *option, const char *text, uint64_t low, uint64_t high, uint64_t *value);
+
+/* Cut HOST:PORT in two. An address with colons of its own stands in brackets, which are cut off. False: it has another
+ * form, and nothing is said; the port is whatever stands behind the last colon. */
+bool arguments_cut_address(char *text, const char **host, const char **port);
+
+/* Put a whole number into a member of 1, 2, 4 or 8 bytes. */
+void arguments_store(uint64_t value, size_t size, void *member);
 
 /* The operands: the interface, and at most one scenario file. */
 bool arguments_operands(int count, char *const operands[], const char **interface, const char **scenario);

@@ -1,13 +1,7 @@
 /* event_log.h - what tumble-node, tumble-stand and tumble-gateway tell of themselves on standard error, a line for each
  * event.
  *
- *     plain (unless told otherwise)   the few sentences that scripts have always read: "tumble-node: ..."
- *     --log text                      2026-11-23T11:55:01.123Z tumble-node: error: fault at position 1.3 ...
- *     --log json                      {"schema":"tumble.log/1","time":"...","program":"tumble-node","level":"error",
- *                                      "event":"fault",...,"message":"fault at position 1.3 ..."}
- *
- * Where standard error is the journal of systemd (JOURNAL_STREAM), a line begins with its level as <3> to <7>, and a
- * text goes without the time and the name, which the journal has.
+ * Its forms, and what they are where standard error is the journal of systemd (JOURNAL_STREAM), are those of docs/logs.md.
  *
  * A line is written at once and whole, or not at all: nothing here waits for who reads it, be it a terminal that is
  * stopped, a pipe or a socket that is full. (What a terminal or a socket takes of a line in part is lost, and the next
@@ -48,6 +42,17 @@ typedef struct {
 #define EVENT_LOG_ARGUMENTS ARGUMENT_TAKE("log", event_log_take_form), ARGUMENT_TAKE("log-level", event_log_take_level)
 bool event_log_take_form(void *options, const char *form);
 bool event_log_take_level(void *options, const char *level);
+
+/* What --help says of these, and of the last options of every program on a CAN interface. */
+#define EVENT_LOG_AND_PARENT_HELP                                                                                      \
+    "  --log FORM       tell every event on standard error, a line for each: text or\n"                                \
+    "                   json (docs/logs.md)\n"                                                                         \
+    "  --log-level WHAT error, warning, notice or info: this and what is worse;\n"                                     \
+    "                   default: info\n"                                                                               \
+    "  --with-parent    end, as by SIGTERM, when the process that started this one\n"                                  \
+    "                   has ended\n"                                                                                   \
+    "  --version        print the version\n"                                                                           \
+    "  -h, --help       print this\n"
 
 /* Begin: the name of the program, which must stay, and the descriptor to write to, which is not closed. Before, nothing
  * is written. */

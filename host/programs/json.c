@@ -125,3 +125,21 @@ void bench_json_matrix(bench_json_t *json, const char *name, const double matrix
     }
     bench_json_close(json, ']');
 }
+
+void bench_json_interface(bench_json_t *json, const can_socket_counters_t *counters)
+{
+    bench_json_whole(json, "kernel_received", counters->received);
+    bench_json_whole(json, "kernel_sent", counters->sent);
+    bench_json_whole(json, "kernel_dropped", counters->dropped);
+    bench_json_whole(json, "kernel_busy", counters->busy);
+    bench_json_whole(json, "error_frames", counters->errors);
+    bench_json_whole(json, "bus_offs", counters->bus_offs);
+    bench_json_whole(json, "interface_downs", counters->downs);
+}
+
+void bench_json_end(bench_json_t *json)
+{
+    bench_json_close(json, '}');
+    (void)fputc('\n', json->out);
+    (void)fflush(json->out);
+}

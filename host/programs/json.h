@@ -7,6 +7,8 @@
 #ifndef TUMBLE_PROGRAMS_JSON_H
 #define TUMBLE_PROGRAMS_JSON_H
 
+#include "can_socket.h"
+
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -28,6 +30,12 @@ void bench_json_null(bench_json_t *json, const char *name);
 /* A list of numbers; a 3 x 3 matrix as a list of its rows. */
 void bench_json_vector(bench_json_t *json, const char *name, const double *values, uint32_t count);
 void bench_json_matrix(bench_json_t *json, const char *name, const double matrix[3][3]);
+
+/* The counters of an interface, as members. */
+void bench_json_interface(bench_json_t *json, const can_socket_counters_t *counters);
+
+/* The end of a document that is one object: a line for somebody who waits for it. */
+void bench_json_end(bench_json_t *json);
 
 /* Bytes of the character of UTF-8 that a text begins with, 1 to 4; 0: it begins with none (RFC 3629, section 4). The
  * text is not empty. */

@@ -32,15 +32,7 @@ static const char HELP[] =
     "                   hands: puts it on at once, and tells node 1 nothing;\n"
     "                   start: as by-itself, and gives the command to start, once;\n"
     "                   ask: does what standard input says, a line for each: done,\n"
-    "                   abort, repeat position INDEX, repeat mounting NUMBER\n"
-    "  --log FORM       tell every event on standard error, a line for each: text or\n"
-    "                   json (docs/logs.md)\n"
-    "  --log-level WHAT error, warning, notice or info: this and what is worse;\n"
-    "                   default: info\n"
-    "  --with-parent    end, as by SIGTERM, when the process that started this one\n"
-    "                   has ended\n"
-    "  --version        print the version\n"
-    "  -h, --help       print this\n"
+    "                   abort, repeat position INDEX, repeat mounting NUMBER\n" EVENT_LOG_AND_PARENT_HELP
     "\n"
     "Exit codes: 0 told to end; 2 bad input, or no such interface; 3 fault; 77 this\n"
     "kernel has no CAN.\n";

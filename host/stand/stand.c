@@ -5,6 +5,7 @@
 #include "arguments.h"
 #include "event_log.h"
 #include "events.h"
+#include "json.h"
 #include "outlet.h"
 #include "port_linux.h"
 #include "stand_bridge.h"
@@ -241,11 +242,13 @@ static void report(const stand_t *stand, FILE *out)
     bench_json_close(&json, '}');
     bench_json_open(&json, "counters", '{');
     put_bus_counters(&stand->world.bus, &json);
-    stand_bridge_report(&stand->bridge, &json);
+    bench_json_interface(&json, &stand->bridge.can.counters);
+    bench_json_whole(&json, "frames_foreign", stand->bridge.foreign);
+    bench_json_whole(&json, "frames_unsent", stand->bridge.unsent);
+    bench_json_whole(&json, "queue_overflow", stand->bridge.in.overflow + stand->bridge.out.overflow);
     bench_json_whole(&json, "latest_step_us", stand->latest_us);
     bench_json_close(&json, '}');
-    bench_json_close(&json, '}');
-    (void)fputc('\n', out);
+    bench_json_end(&json);
 }
 
 int stand_run(const bench_config_t *config, const stand_options_t *options)

@@ -96,17 +96,3 @@ bool stand_bridge_flush(stand_bridge_t *bridge)
     }
     return bridge->out.count > 0U;
 }
-
-void stand_bridge_report(const stand_bridge_t *bridge, bench_json_t *json)
-{
-    bench_json_whole(json, "kernel_received", bridge->can.counters.received);
-    bench_json_whole(json, "kernel_sent", bridge->can.counters.sent);
-    bench_json_whole(json, "kernel_dropped", bridge->can.counters.dropped);
-    bench_json_whole(json, "kernel_busy", bridge->can.counters.busy);
-    bench_json_whole(json, "error_frames", bridge->can.counters.errors);
-    bench_json_whole(json, "bus_offs", bridge->can.counters.bus_offs);
-    bench_json_whole(json, "interface_downs", bridge->can.counters.downs);
-    bench_json_whole(json, "frames_foreign", bridge->foreign);
-    bench_json_whole(json, "frames_unsent", bridge->unsent);
-    bench_json_whole(json, "queue_overflow", bridge->in.overflow + bridge->out.overflow);
-}

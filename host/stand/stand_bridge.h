@@ -12,7 +12,6 @@
 #define TUMBLE_STAND_STAND_BRIDGE_H
 
 #include "can_socket.h"
-#include "json.h"
 #include "world/world.h"
 
 #include <stdint.h>
@@ -54,8 +53,5 @@ void stand_bridge_tell(stand_bridge_t *bridge, uint8_t sender, const tumble_can_
 
 /* Offer again what the interface had no room for. True: some of it still waits. */
 bool stand_bridge_flush(stand_bridge_t *bridge);
-
-/* Members of a document's counters. */
-void stand_bridge_report(const stand_bridge_t *bridge, bench_json_t *json);
 
 #endif
