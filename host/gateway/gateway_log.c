@@ -6,6 +6,7 @@
 #include <inttypes.h>
 #include <stdio.h>
 
+#define COMMAND_OBJECT 0x2002U
 #define COMMAND_SUBINDEX 2U
 #define WHAT_BYTES 60U
 
@@ -77,20 +78,11 @@ static void tell_refusal(const gateway_refusal_t *refusal, const char *who)
     }
 }
 
-static bool is_command_object(uint16_t index)
-{
-    bool found = false;
-    for (size_t i = 0; i < GATEWAY_COMMAND_OBJECTS; i++) {
-        found = found || gateway_command_objects[i] == index;
-    }
-    return found;
-}
-
 /* The last thing that is written is what was meant. */
 static void describe(const gateway_command_t *sent, char what[WHAT_BYTES])
 {
     const gateway_write_t *const one = &sent->writes[(sent->count > 0U) ? sent->count - 1U : 0U];
-    if (is_command_object(one->index) && one->subindex == COMMAND_SUBINDEX) {
+    if (one->index == COMMAND_OBJECT && one->subindex == COMMAND_SUBINDEX) {
         (void)snprintf(what, WHAT_BYTES, "%s (%u)", tumble_command_name((tumble_command_t)one->bytes[0]),
                        (unsigned)one->bytes[0]);
     } else {

@@ -17,11 +17,6 @@
 #define ACCESS_ALLOWED 1U
 #define ACCESS_UNLOCKED 2U
 
-void gateway_session_open(gateway_session_t *session)
-{
-    *session = (gateway_session_t){0};
-}
-
 static bool is_unlocked(const gateway_session_t *session, uint64_t now_us)
 {
     return now_us < session->unlocked_until_us;
@@ -393,5 +388,5 @@ void gateway_session_close(gateway_session_t *session, gateway_t *gateway)
 {
     gateway_queue_forget(&gateway->poller.queue, &session->sent);
     end_service(session, gateway);
-    gateway_session_open(session);
+    *session = (gateway_session_t){0};
 }

@@ -61,6 +61,7 @@ typedef struct {
     uint16_t command; /* that it was to execute; 0: none, or a setting */
 } gateway_refusal_t;
 
+/* A new one is all zero. */
 typedef struct gateway_session {
     gateway_snapshot_t snapshot;
     uint64_t renewed_us;
@@ -74,8 +75,6 @@ typedef struct gateway_session {
     bool sent_key; /* it is the service level's */
     gateway_refusal_t refusal;
 } gateway_session_t;
-
-void gateway_session_open(gateway_session_t *session);
 
 /* The input registers as a request for `count` of them from `at` on gets them: GATEWAY_INPUT_END words, until the next
  * call. May renew the snapshot. */

@@ -17,7 +17,7 @@ import loaded  # noqa: E402
 
 EXAMPLES = ROOT / "examples"
 os.environ["TUMBLE_NO_REPORT"] = "1"  # of every bench, for the time it takes: where one is tested, it is asked for
-pytest_plugins = ["busy_machine", "hang_guards", "heeding_interrupts"]
+pytest_plugins = ["busy_machine", "hang_guards", "heeding_interrupts", "gateway_bench"]
 
 hypothesis.settings.register_profile("fixed", max_examples=300, derandomize=True, deadline=None, database=None)
 hypothesis.settings.register_profile("full", max_examples=2000, deadline=None, database=None, print_blob=True)

@@ -1,11 +1,13 @@
 """What the tests of tumble-gateway share: the gateway, instrumented, with a node that the test plays; raw frames."""
 
+import contextlib
 import csv
 import functools
 import json
 import os
 import queue
 import re
+import select
 import shutil
 import signal
 import socket
@@ -14,6 +16,7 @@ import subprocess
 import sys
 import threading
 import time
+import tty
 from pathlib import Path
 
 import pytest
@@ -31,6 +34,7 @@ MOST_CLIENTS = 32
 PIPE_BYTES = 65536
 GOOD = struct.pack(">BHH", READ_INPUT, 0, 2)
 GOOD_ANSWER = b"\4\4\x54\x55\x4d\x42"
+GAP_S = 0.05  # longer than the gateway's on a serial line
 
 
 @functools.cache
@@ -47,9 +51,9 @@ def build(folder):
     sources += [f"firmware/{name}.c" for name in firmware]
     programs = ("arguments", "event_log", "json", "outlet", "remedies", "run_log")
     sources += [f"host/programs/{name}.c" for name in programs]
-    sources += ["boards/linux/can_socket.c", "boards/linux/events.c"]
+    sources += ["boards/linux/can_socket.c", "boards/linux/events.c", "tests/lib/played_sdo.c"]
     return compiled(folder / "tumble-gateway", *FLAGS, "-Ihost", "-Ihost/gateway", "-Ihost/programs", "-Iboards/linux",
-                    "tests/integration/gateway_harness.c", *sources, *library.stdout.split())
+                    "-Itests/lib", "tests/integration/gateway_harness.c", *sources, *library.stdout.split())
 
 
 @functools.cache
@@ -81,7 +85,7 @@ class Gateway:
     """The gateway in a process of its own, and the node behind it."""
 
     def __init__(self, program, *options, tcp="127.0.0.1:0"):
-        command = [program, "--can", "played", "--tcp", tcp, *map(str, options)]
+        command = [program, "--can", "played", *(["--tcp", tcp] if tcp else []), *map(str, options)]
         environment = {key: value for key, value in os.environ.items() if key != "LD_PRELOAD"}
         environment |= {"ASAN_OPTIONS": "detect_leaks=1", "UBSAN_OPTIONS": "print_stacktrace=1"}
         self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
@@ -243,18 +247,114 @@ def gateway_program(tmp_path_factory):
 
 
 @pytest.fixture
-def start(gateway_program):
+def launch(gateway_program):
+    """Launch gateways. In the end none of them is left, whatever the test has found."""
+    launched = []
+
+    def launch_one(*options, **keys):
+        launched.append(Gateway(gateway_program, *options, **keys))
+        return launched[-1]
+
+    yield launch_one
+    for gateway in launched:
+        gateway.process.kill()
+        gateway.process.wait()
+
+
+@pytest.fixture
+def start(launch):
     """Start gateways. In the end each must end well, and no sanitizer may have spoken."""
     started = []
 
     def start_one(*options, **keys):
-        started.append(Gateway(gateway_program, "--poll", 50, *options, **keys))
+        started.append(launch("--poll", 50, *options, **keys))
         assert started[-1].line, started[-1].process.stderr.read()
         return started[-1]
 
     yield start_one
     ends = [gateway.end() for gateway in started]
     assert all(end == (0, "") for end in ends), ends
+
+
+def crc(data):
+    """Of Modbus, bit by bit, from its definition."""
+    value = 0xFFFF
+    for byte in data:
+        value ^= byte
+        for _ in range(8):
+            value = value >> 1 ^ (0xA001 if value & 1 else 0)
+    return struct.pack("<H", value)
+
+
+def whole(data):
+    return data + crc(data)
+
+
+class Line:
+    """A pseudo terminal: the gateway opens `name`; we are its master."""
+
+    def __init__(self):
+        self.master, self.slave = os.openpty()
+        tty.setraw(self.slave)
+        self.name = os.ttyname(self.slave)
+
+    def send(self, data):
+        os.write(self.master, data)
+
+    def receive(self, timeout=2.0):
+        """What comes until the line is silent for a while."""
+        data = b""
+        while select.select([self.master], [], [], GAP_S if data else timeout)[0]:
+            data += os.read(self.master, 1000)
+        return data
+
+    def ask(self, data):
+        self.send(whole(data))
+        return self.receive()
+
+    def close(self):
+        for fd in (self.master, self.slave):
+            with contextlib.suppress(OSError):
+                os.close(fd)
+
+
+@pytest.fixture
+def line():
+    made = Line()
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def far_end(line):
+    """The name of a second pseudo terminal whose bytes are those of the first."""
+    other, done = Line(), threading.Event()
+
+    def pump():
+        ends = {line.master: other.master, other.master: line.master}
+        while not done.is_set():
+            for fd in select.select(list(ends), [], [], 0.05)[0]:
+                os.write(ends[fd], os.read(fd, 1000))
+
+    thread = threading.Thread(target=pump)
+    thread.start()
+    yield other.name
+    done.set()
+    thread.join()
+    other.close()
+
+
+@pytest.fixture
+def serve(start, line):
+    """Start a gateway on the line, beside TCP."""
+
+    def run(*options, parity="E"):
+        gateway = start("--rtu", f"{line.name},19200,{parity}", *options)
+        assert f" and {line.name}" in gateway.line
+        gateway.wait_fresh()
+        return gateway
+
+    return run
 
 
 class Bystander:

@@ -19,7 +19,7 @@
 #include "server.h"
 
 #include "canopen/sdo_frame.h"
-#include "core/bytes.h"
+#include "played_sdo.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -33,156 +33,66 @@
 #include <unistd.h>
 
 #define NODE 1U
-#define MAX_VALUES 512
-#define MAX_BYTES 64
 #define INBOX 256U
 #define TORN 0x2020U
 
 typedef struct {
-    unsigned index;
-    unsigned sub;
-    unsigned size;
-    uint8_t bytes[MAX_BYTES];
-} value_t;
-
-typedef struct {
     int wake; /* readable while frames wait */
-    value_t values[MAX_VALUES];
-    unsigned count;
+    played_sdo_t sdo;
     unsigned refuse;
     unsigned silent;
     unsigned single;
-    bool is_second; /* the server that was asked last */
     unsigned hold;
     unsigned play;
     unsigned down;
     unsigned tear;
     unsigned noise;
-    value_t upload; /* under way */
-    value_t download;
-    unsigned sent;
     tumble_can_frame_t inbox[INBOX];
     unsigned put;
     unsigned taken;
     tumble_can_frame_t held;
-    uint8_t owed[8];
     char line[1024];
     size_t length;
 } node_t;
 
 static node_t node;
 
-static void offer(const uint8_t *bytes)
+static void offer(const tumble_can_frame_t *frame)
 {
-    const unsigned id = (node.is_second ? TUMBLE_SDO_SECOND_RESPONSE_ID : TUMBLE_SDO_RESPONSE_ID) + NODE;
-    tumble_can_frame_t frame = {.id = (uint16_t)id, .length = 8};
     for (unsigned i = 0; i < node.noise; i++) {
         node.inbox[node.put++ % INBOX] = (tumble_can_frame_t){.id = (uint16_t)(0x181U + i), .length = 3};
     }
-    memcpy(frame.data, bytes, sizeof frame.data);
-    node.inbox[node.put++ % INBOX] = frame;
+    node.inbox[node.put++ % INBOX] = *frame;
     (void)eventfd_write(node.wake, 1);
 }
 
-static void offer_abort(const uint8_t *request, unsigned code)
+static uint32_t may_read(uint16_t index, uint8_t sub)
 {
-    uint8_t answer[8] = {TUMBLE_SDO_ABORT, request[1], request[2], request[3]};
-    tumble_put_u32(&answer[4], code);
-    offer(answer);
-}
-
-static value_t *find(unsigned index, unsigned sub)
-{
-    for (unsigned i = 0; i < node.count; i++) {
-        if (node.values[i].index == index && node.values[i].sub == sub && node.values[i].size > 0U) {
-            return &node.values[i];
-        }
-    }
-    return NULL;
-}
-
-static void tear(unsigned index, unsigned sub)
-{
-    value_t *const first = find(TORN, 1);
+    played_object_t *const first = played_sdo_find(&node.sdo, TORN, 1);
     if (node.tear > 0U && index == TORN && sub == 5U && first != NULL) {
         node.tear--;
         first->bytes[0] ^= 1U;
     }
+    return 0;
 }
 
-static void upload(const uint8_t *request)
+static uint32_t may_write(uint16_t index, uint8_t sub)
 {
-    const value_t *const value = find(tumble_get_u16(&request[1]), request[3]);
-    uint8_t answer[8] = {TUMBLE_SDO_UPLOAD_ANSWER | TUMBLE_SDO_S, request[1], request[2], request[3]};
-    tear(tumble_get_u16(&request[1]), request[3]);
-    if (value == NULL) {
-        offer_abort(request, 0x08000024U);
-        return;
-    }
-    node.upload = *value;
-    node.sent = 0;
-    if (value->size <= 4U) {
-        answer[0] = tumble_sdo_expedited(TUMBLE_SDO_UPLOAD_ANSWER, (uint8_t)value->size);
-        memcpy(&answer[4], value->bytes, value->size);
-    } else {
-        tumble_put_u32(&answer[4], value->size);
-    }
-    offer(answer);
+    (void)index;
+    (void)sub;
+    return node.refuse;
 }
 
-static void upload_segment(const uint8_t *request)
+static bool on_write(void)
 {
-    const unsigned left = node.upload.size - node.sent;
-    const unsigned now = (left > 7U) ? 7U : left;
-    uint8_t answer[8] = {0};
-    answer[0] = (uint8_t)((request[0] & TUMBLE_SDO_TOGGLE) | (7U - now) << 1 | ((now == left) ? TUMBLE_SDO_C : 0U));
-    memcpy(&answer[1], &node.upload.bytes[node.sent], now);
-    node.sent += now;
-    offer(answer);
-}
-
-static void take_write(const uint8_t *answer)
-{
-    printf("write %04X %u ", node.download.index, node.download.sub);
-    for (unsigned i = 0; i < node.download.size; i++) {
-        printf("%02X", node.download.bytes[i]);
+    const played_object_t *const written = &node.sdo.written;
+    printf("write %04X %u ", written->index, written->subindex);
+    for (unsigned i = 0; i < written->size; i++) {
+        printf("%02X", written->bytes[i]);
     }
     printf("\n");
     (void)fflush(stdout);
-    memcpy(node.owed, answer, sizeof node.owed);
-    if (node.play == 0U) {
-        offer(answer);
-    }
-}
-
-static void download(const uint8_t *request)
-{
-    const uint8_t answer[8] = {TUMBLE_SDO_DOWNLOAD_ANSWER, request[1], request[2], request[3]};
-    node.download = (value_t){.index = tumble_get_u16(&request[1]), .sub = request[3]};
-    if (node.refuse != 0U) {
-        offer_abort(request, node.refuse);
-        return;
-    }
-    if ((request[0] & TUMBLE_SDO_E) != 0U) {
-        node.download.size = 4U - ((request[0] >> 2) & 3U);
-        memcpy(node.download.bytes, &request[4], node.download.size);
-        take_write(answer);
-    } else {
-        offer(answer);
-    }
-}
-
-static void download_segment(const uint8_t *request)
-{
-    const uint8_t answer[8] = {(uint8_t)(TUMBLE_SDO_DOWNLOAD_SEGMENT_ANSWER | (request[0] & TUMBLE_SDO_TOGGLE))};
-    const unsigned size = 7U - ((request[0] >> 1) & 7U);
-    memcpy(&node.download.bytes[node.download.size], &request[1], size);
-    node.download.size += size;
-    if ((request[0] & TUMBLE_SDO_C) != 0U) {
-        take_write(answer);
-    } else {
-        offer(answer);
-    }
+    return node.play == 0U;
 }
 
 static tumble_status_t can_send(void *context, const tumble_can_frame_t *frame)
@@ -191,64 +101,43 @@ static tumble_status_t can_send(void *context, const tumble_can_frame_t *frame)
     if (node.down != 0U) {
         return TUMBLE_E_PORT_DOWN;
     }
-    const bool is_second = frame->id == TUMBLE_SDO_SECOND_REQUEST_ID + NODE;
-    if (node.silent != 0U || (!is_second && frame->id != TUMBLE_SDO_REQUEST_ID + NODE) ||
-        (is_second && node.single != 0U)) {
-        return TUMBLE_OK;
-    }
-    node.is_second = is_second;
-    switch (frame->data[0] & TUMBLE_SDO_COMMAND_MASK) {
-    case TUMBLE_SDO_UPLOAD_REQUEST:
-        upload(frame->data);
-        break;
-    case TUMBLE_SDO_UPLOAD_SEGMENT_REQUEST:
-        upload_segment(frame->data);
-        break;
-    case TUMBLE_SDO_DOWNLOAD_REQUEST:
+    node.sdo.silent = node.silent != 0U;
+    node.sdo.has_one_server = node.single != 0U;
+    if (node.hold != 0U && node.silent == 0U &&
+        (frame->data[0] & TUMBLE_SDO_COMMAND_MASK) == TUMBLE_SDO_DOWNLOAD_REQUEST) {
         node.held = *frame;
-        if (node.hold == 0U) {
-            download(frame->data);
-        }
-        break;
-    case TUMBLE_SDO_DOWNLOAD_SEGMENT_REQUEST:
-        download_segment(frame->data);
-        break;
-    default:
-        break;
+    } else {
+        (void)played_sdo_receive(&node.sdo, frame);
     }
     return TUMBLE_OK;
 }
 
 static void set(unsigned index, unsigned sub, const char *text)
 {
-    value_t *value = find(index, sub);
+    uint8_t bytes[PLAYED_BYTES];
+    uint8_t size = 0;
     unsigned byte;
-    if (value == NULL && node.count < MAX_VALUES) {
-        value = &node.values[node.count++];
+    while (size < sizeof bytes && sscanf(&text[2U * size], "%2x", &byte) == 1) {
+        bytes[size++] = (uint8_t)byte;
     }
-    if (value != NULL) {
-        *value = (value_t){.index = index, .sub = sub};
-        while (value->size < MAX_BYTES && sscanf(&text[2U * value->size], "%2x", &byte) == 1) {
-            value->bytes[value->size++] = (uint8_t)byte;
-        }
-    }
+    played_sdo_give(&node.sdo, (uint16_t)index, (uint8_t)sub, bytes, size);
 }
 
 static void take_line(const char *line)
 {
     unsigned a;
     unsigned b;
-    char text[2 * MAX_BYTES + 1] = "";
+    char text[2 * PLAYED_BYTES + 1] = "";
     if (sscanf(line, "set %x %u %128s", &a, &b, text) >= 2) {
         set(a, b, text);
     } else if (sscanf(line, "unset %x %u", &a, &b) == 2) {
         set(a, b, "");
     } else if (sscanf(line, "hold %u", &node.hold) == 1) {
         if (node.hold == 0U) {
-            download(node.held.data);
+            (void)played_sdo_receive(&node.sdo, &node.held);
         }
     } else if (strcmp(line, "played") == 0) {
-        offer(node.owed);
+        played_sdo_acknowledge(&node.sdo);
     } else if (strcmp(line, "boot") == 0) {
         node.inbox[node.put++ % INBOX] = (tumble_can_frame_t){.id = 0x700U + NODE, .length = 1};
         (void)eventfd_write(node.wake, 1);
@@ -321,5 +210,7 @@ int main(int count, char **arguments)
     }
     (void)fcntl(STDIN_FILENO, F_SETFL, O_NONBLOCK);
     node.wake = eventfd(0, EFD_NONBLOCK);
+    node.sdo =
+        (played_sdo_t){.node = NODE, .send = offer, .may_read = may_read, .may_write = may_write, .on_write = on_write};
     return gateway_serve(&options, &port, watch_both(STDIN_FILENO, node.wake));
 }

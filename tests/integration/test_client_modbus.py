@@ -6,7 +6,6 @@ import threading
 
 import pytest
 from false_gateway import FalseGateway
-from gateway_bench import gateway_program, start
 from played_behind_gateway import PlayedBehindGateway
 from simulated_bench import wait_until
 
@@ -14,7 +13,6 @@ from tumble import client
 from tumble.client.names import COMMAND, STATE_NAMES
 
 pytest.importorskip("pymodbus", reason="pymodbus is not installed")
-assert gateway_program and start
 pytestmark = [pytest.mark.slow, pytest.mark.python, pytest.mark.real_time]
 STATE = {name: number for number, name in enumerate(STATE_NAMES)}
 K = [[-2.00000001, 0.01, 0.02], [0.03, -2.01, 0.04], [0.05, 0.06, -2.02]]

@@ -10,9 +10,7 @@ import pytest
 from conftest import EXAMPLES, ROOT
 from fixture_node import PlayedNode
 from fixture_table import LIMITS, PlayedTable, limits, read_limits
-from gateway_bench import gateway_program, start
 from simulated_bench import wait_until
-from test_gateway_serial import far_end, line, serve
 from validation import report, session
 from validation.judge import Figure, Verdict
 from validation.limits import CHECKS
@@ -24,7 +22,6 @@ from tumble.core import CoreSchedule, paper_schedule
 from tumble.files.run_file import read_run
 
 pytest.importorskip("pymodbus", reason="pymodbus is not installed")
-assert gateway_program and start and line and far_end and serve
 pytestmark = [pytest.mark.slow, pytest.mark.python, pytest.mark.real_time]
 HOME, TURN, ABORT = 12, 13, 2
 QUICK = {"table__samples": 40, "table__homings": 4, "table__backlash_angles": 3, "table__approach_deg": 5}

@@ -20,16 +20,12 @@ from gateway_bench import (
     VALUE,
     WRITE_ONE,
     WRITE_SEVERAL,
-    abused,
     counter,
     end_of,
     frame,
-    gateway_program,
-    start,
     wait_until,
 )  # fmt: skip
 
-assert gateway_program and start and abused
 # Instrumented in any case: no need to run it with everything else once more.
 pytestmark = [pytest.mark.slow, pytest.mark.real_time]
 

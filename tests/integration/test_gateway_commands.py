@@ -16,14 +16,11 @@ from gateway_bench import (
     VALUE,
     WRITE_ONE,
     end_of,
-    gateway_program,
     register,
-    start,
     wait_until,
 )  # fmt: skip
 from test_gateway_registers import mbpoll
 
-assert gateway_program and start
 # Instrumented in any case: no need to run it with everything else once more.
 pytestmark = [pytest.mark.slow, pytest.mark.real_time]
 OBJECT, ARGUMENT, ANGLE, COMMAND, EXECUTE = (

@@ -15,15 +15,11 @@ from gateway_bench import (
     MOST_CLIENTS,
     READ_INPUT,
     VALUE,
-    abused,
     counter,
     frame,
-    gateway_program,
-    start,
     wait_until,
 )  # fmt: skip
 
-assert gateway_program and start and abused
 # Instrumented in any case: no need to run it with everything else once more.
 pytestmark = [pytest.mark.slow, pytest.mark.real_time]
 

@@ -20,17 +20,13 @@ from gateway_bench import (
     TARGET,
     VALUE,
     WRITE_SEVERAL,
-    Gateway,
     Raw,
     frame,
-    gateway_program,
     register,
 )  # fmt: skip
 from simulated_bench import wait_until
 from test_gateway_commands import ACCEPTED, REFUSED, UNANSWERED, result, unlocked
-from test_gateway_serial import line
 
-assert gateway_program and line
 # Instrumented in any case: no need to run it with everything else once more.
 pytestmark = [pytest.mark.slow, pytest.mark.real_time]
 COMMAND, SETTING, EXECUTE = (register(name, "holding")["register"] for name in ("Command", "Setting", "Execute"))
@@ -39,17 +35,9 @@ PAGE = (ROOT / "docs/operations.md").read_text(encoding="utf-8")
 
 
 @pytest.fixture
-def logged(gateway_program):
-    """Start a gateway with a log: (gateway, its lines so far or in the end)."""
-    started = []
-
-    def start(*options, form="json"):
-        started.append(Gateway(gateway_program, "--poll", 50, "--log", form, *options))
-        return started[-1]
-
-    yield start
-    for gateway in started:
-        gateway.end()
+def logged(launch):
+    """Start a gateway with a log; its lines are to be read in the end."""
+    return lambda *options, form="json": launch("--poll", 50, "--log", form, *options)
 
 
 def lines(gateway):
@@ -327,11 +315,11 @@ def test_the_journal_is_told_the_level(gateway_program, form):
     first = []
     for inode in (status.st_ino, status.st_ino + 1):
         environment["JOURNAL_STREAM"] = f"{status.st_dev}:{inode}"
-        process = subprocess.Popen([gateway_program, "--can", "played", "--tcp", "127.0.0.1:0", *form],
-                                   stdin=subprocess.PIPE, stderr=theirs, env=environment)
-        first.append(os.read(ours, 4096).decode().splitlines()[0])
-        process.terminate()
-        assert process.wait(timeout=20) == 0
+        with killed(subprocess.Popen([gateway_program, "--can", "played", "--tcp", "127.0.0.1:0", *form],
+                                     stdin=subprocess.PIPE, stderr=theirs, env=environment)) as process:
+            first.append(os.read(ours, 4096).decode().splitlines()[0])
+            process.terminate()
+            assert process.wait(timeout=20) == 0
         os.set_blocking(ours, False)
         while True:
             try:

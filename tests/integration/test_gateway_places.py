@@ -10,13 +10,9 @@ from gateway_bench import (
     GOOD,
     GOOD_ANSWER,
     MOST_CLIENTS,
-    Gateway,
     frame,
-    gateway_program,
-    start,
 )  # fmt: skip
 
-assert start and gateway_program
 # Instrumented in any case: no need to run it with everything else once more.
 pytestmark = [pytest.mark.slow, pytest.mark.real_time]
 CALM_S = 2.0  # GATEWAY_CALM_US
@@ -143,9 +139,9 @@ def measured(gateway, seconds=3.0):
     return processor_s(gateway) - before
 
 
-def test_out_of_descriptors_it_rests_and_says_so_once(gateway_program):
+def test_out_of_descriptors_it_rests_and_says_so_once(launch):
     """And serves again when there are some, whether because a client has gone or from elsewhere."""
-    gateway = Gateway(gateway_program, "--poll", 1000)
+    gateway = launch("--poll", 1000)
     limits = resource.prlimit(gateway.process.pid, resource.RLIMIT_NOFILE)
     first = [gateway.connect() for _ in range(2)]
     assert all(map(served_at_once, first))

@@ -7,16 +7,14 @@ import socket
 import subprocess
 
 import pytest
-from gateway_bench import Gateway, gateway_program, start
 from simulated_bench import built
 
-assert start and gateway_program
 # Instrumented in any case: no need to run it with everything else once more.
 pytestmark = [pytest.mark.slow, pytest.mark.real_time]
 
 
 @pytest.fixture
-def gateway(gateway_program):
+def gateway():
     """Run the program itself, as it is built; skips without it."""
     found = built("tumble-gateway")
 
@@ -87,55 +85,50 @@ def test_an_interface_that_is_not_there(gateway):
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_a_signal_ends_it(gateway_program, number):
-    made = Gateway(gateway_program)
+def test_a_signal_ends_it(launch, number):
+    made = launch()
     assert re.fullmatch(r"tumble-gateway: node 1 on played, unit 1 at 127\.0\.0\.1:\d+, read only\n", made.line)
     client = made.connect()
     assert made.end(number) == (0, "")
     assert client.receive() == b""
 
 
-def test_a_port_that_is_taken(gateway_program):
+def test_a_port_that_is_taken(launch):
     with socket.create_server(("127.0.0.1", 0)) as taken:
-        made = Gateway(gateway_program, tcp=f"127.0.0.1:{taken.getsockname()[1]}")
+        made = launch(tcp=f"127.0.0.1:{taken.getsockname()[1]}")
         assert made.line == "tumble-gateway: 127.0.0.1: Address already in use\n"
         assert made.end() == (3, "")
 
 
-def test_a_host_that_is_none(gateway_program):
-    made = Gateway(gateway_program, tcp="256.1.1.1:1502")
+def test_a_host_that_is_none(launch):
+    made = launch(tcp="256.1.1.1:1502")
     assert made.line.startswith("tumble-gateway: 256.1.1.1: ")
     assert made.end() == (3, "")
 
 
-def test_a_serial_line_that_is_none(gateway_program, tmp_path):
-    made = Gateway(gateway_program, "--rtu", f"{tmp_path}/tty,9600,N")
+def test_a_serial_line_that_is_none(launch, tmp_path):
+    made = launch("--rtu", f"{tmp_path}/tty,9600,N")
     assert made.line == f"tumble-gateway: {tmp_path}/tty: No such file or directory\n"
     assert made.end() == (3, "")
 
 
-def test_it_listens_on_this_machine_alone(gateway_program):
+def test_it_listens_on_this_machine_alone(launch):
     """Unless told otherwise: the default of the program, looked at from the kernel's side."""
-    made = Gateway(gateway_program, tcp="0.0.0.0:0")
+    made = launch(tcp="0.0.0.0:0")
     assert " at 0.0.0.0:" in made.line
     assert made.end() == (0, "")
-    environment = {key: value for key, value in os.environ.items() if key != "LD_PRELOAD"}
-    process = subprocess.Popen([gateway_program, "--can", "played"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                               stderr=subprocess.PIPE, text=True, env=environment)
-    line = process.stderr.readline()
-    process.terminate()
-    process.wait(timeout=20)
+    line = launch(tcp=None).line
     assert " at 127.0.0.1:1502, read only" in line or line == "tumble-gateway: 127.0.0.1: Address already in use\n"
 
 
 @pytest.mark.parametrize("abstract", [False, True])
-def test_its_manager_is_told(gateway_program, tmp_path, monkeypatch, abstract):
+def test_its_manager_is_told(launch, tmp_path, monkeypatch, abstract):
     name = f"@tumble-{os.getpid()}" if abstract else str(tmp_path / "notify")
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as manager:
         manager.bind(name.replace("@", "\0"))
         manager.settimeout(10)
         monkeypatch.setenv("NOTIFY_SOCKET", name)
-        made = Gateway(gateway_program)
+        made = launch()
         assert manager.recv(100) == b"READY=1"
         assert made.end() == (0, "")
         assert manager.recv(100) == b"STOPPING=1"

@@ -15,14 +15,11 @@ from gateway_bench import (
     ROOT,
     decode,
     end_of,
-    gateway_program,
     register,
     registers,
-    start,
     wait_until,
 )  # fmt: skip
 
-assert gateway_program and start
 # Instrumented in any case: no need to run it with everything else once more.
 pytestmark = [pytest.mark.slow, pytest.mark.real_time]
 NODE = [row for row in registers() if row["table"] == "input" and row["index"] is not None]

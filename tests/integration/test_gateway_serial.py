@@ -1,108 +1,20 @@
 """tumble-gateway on a serial line: pseudo terminals, with mbpoll, pymodbus and raw bytes as the line's master."""
 
-import contextlib
-import os
 import random
-import select
 import shutil
 import struct
 import subprocess
-import threading
 import time
-import tty
 
 import pytest
-from gateway_bench import KEYS, READ_INPUT, WRITE_SEVERAL, gateway_program, register, start
+from gateway_bench import KEYS, READ_INPUT, WRITE_SEVERAL, Line, register, whole
 from simulated_bench import wait_until
 
-assert gateway_program and start
 # Instrumented in any case: no need to run it with everything else once more.
 pytestmark = [pytest.mark.slow, pytest.mark.real_time]
-GAP_S = 0.05  # longer than the gateway's
 PAUSE_S = 0.25  # longer than a busy machine lets the gateway wait, by and large
 GOOD = struct.pack(">BBHH", 1, READ_INPUT, 0, 2)
 ANSWER = b"\1\4\4\x54\x55\x4d\x42"
-
-
-def crc(data):
-    """Of Modbus, bit by bit, from its definition."""
-    value = 0xFFFF
-    for byte in data:
-        value ^= byte
-        for _ in range(8):
-            value = value >> 1 ^ (0xA001 if value & 1 else 0)
-    return struct.pack("<H", value)
-
-
-def whole(data):
-    return data + crc(data)
-
-
-class Line:
-    """A pseudo terminal: the gateway opens `name`; we are its master."""
-
-    def __init__(self):
-        self.master, self.slave = os.openpty()
-        tty.setraw(self.slave)
-        self.name = os.ttyname(self.slave)
-
-    def send(self, data):
-        os.write(self.master, data)
-
-    def receive(self, timeout=2.0):
-        """What comes until the line is silent for a while."""
-        data = b""
-        while select.select([self.master], [], [], GAP_S if data else timeout)[0]:
-            data += os.read(self.master, 1000)
-        return data
-
-    def ask(self, data):
-        self.send(whole(data))
-        return self.receive()
-
-    def close(self):
-        for fd in (self.master, self.slave):
-            with contextlib.suppress(OSError):
-                os.close(fd)
-
-
-@pytest.fixture
-def line():
-    made = Line()
-    yield made
-    made.close()
-
-
-@pytest.fixture
-def far_end(line):
-    """The name of a second pseudo terminal whose bytes are those of the first."""
-    other, done = Line(), threading.Event()
-
-    def pump():
-        ends = {line.master: other.master, other.master: line.master}
-        while not done.is_set():
-            for fd in select.select(list(ends), [], [], 0.05)[0]:
-                os.write(ends[fd], os.read(fd, 1000))
-
-    thread = threading.Thread(target=pump)
-    thread.start()
-    yield other.name
-    done.set()
-    thread.join()
-    other.close()
-
-
-@pytest.fixture
-def serve(start, line):
-    """Start a gateway on the line, beside TCP."""
-
-    def run(*options, parity="E"):
-        gateway = start("--rtu", f"{line.name},19200,{parity}", *options)
-        assert f" and {line.name}" in gateway.line
-        gateway.wait_fresh()
-        return gateway
-
-    return run
 
 
 def test_a_request_is_answered(serve, line):

@@ -14,10 +14,8 @@ from gateway_bench import (
     READ_HOLDING,
     ROOT,
     VALUE,
-    gateway_program,
     register,
     registers,
-    start,
     wait_until,
 )  # fmt: skip
 from test_gateway_commands import (
@@ -37,7 +35,6 @@ from test_gateway_commands import (
 )  # fmt: skip
 from test_gateway_registers import DICTIONARY, example, variable
 
-assert gateway_program and start
 # Instrumented in any case: no need to run it with everything else once more.
 pytestmark = [pytest.mark.slow, pytest.mark.real_time]
 SETTING, VALUE_AT = (register(name, "holding")["register"] for name in ("Setting", "Value"))

@@ -7,10 +7,7 @@ import struct
 
 import pytest
 from canopen_bridge import ROOT, program, start  # noqa: F401
-from gateway_bench import (
-    gateway_program,  # noqa: F401
-    start as start_gateway,
-)
+from gateway_bench import start as start_gateway
 from test_canopen_recalibration import bench  # noqa: F401
 from test_gateway_commands import mbpoll_write, written
 

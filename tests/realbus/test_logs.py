@@ -2,6 +2,7 @@
 
 import json
 import os
+import select
 import shutil
 import signal
 import subprocess
@@ -231,6 +232,7 @@ def test_without_the_option_standard_error_is_as_it_was(bus, started, tmp_path):
     command = [built("tumble-node"), str(bus), str(path)]
     node = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     started.extend([stand, node])
+    assert select.select([node.stdout], [], [], 60)[0], "no document within a minute"
     document = json.loads(node.stdout.readline())
     node.terminate()
     assert (document["end"], node.communicate(timeout=20)[1]) == (

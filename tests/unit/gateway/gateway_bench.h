@@ -6,10 +6,10 @@
 #ifndef TUMBLE_TESTS_GATEWAY_BENCH_H
 #define TUMBLE_TESTS_GATEWAY_BENCH_H
 
-#include "canopen/sdo_frame.h"
 #include "core/bytes.h"
 #include "fake_port.h"
-#include "poller.h"
+#include "played_sdo.h"
+#include "session.h"
 #include "support.h"
 
 #include <string.h>
@@ -21,33 +21,19 @@
 #define STEPS_OF_A_POLL 100000
 
 typedef struct {
-    uint16_t index;
-    uint8_t subindex;
-    uint8_t size;
-    uint8_t bytes[8];
-} bench_object_t;
-
-typedef struct {
     fake_port_t fake;
-    gateway_counters_t counters;
-    gateway_poller_t poller;
-    double k_xx; /* what 2020h:1 reads as; 0: refused */
-    bool silent;
-    bool has_one_server; /* the second one does not answer, and 1201h is refused */
-    bool is_second;      /* the one that was asked last */
-    unsigned looks;      /* reads of 1201h:1 */
+    gateway_t gateway; /* which allows commands; to tests that have no sessions only its poller matters */
+    played_sdo_t sdo;  /* with one server 1201h is refused */
+    double k_xx;       /* what 2020h:1 reads as; 0: refused */
+    unsigned looks;    /* reads of 1201h:1 */
     unsigned reads;
     unsigned busy_at;    /* this read of 2020h:1, from 1 on, is refused: its memory is at work; 0: none */
     unsigned tear_at;    /* so many reads from now on k_xx changes; 0: never */
     uint32_t refuse;     /* of writes */
     uint32_t abort_next; /* of the next read */
-    bench_object_t writes[64];
+    played_object_t writes[64];
     unsigned written;
-    bench_object_t objects[32]; /* given by the test */
-    unsigned objects_given;
-    const bench_object_t *upload; /* under way in segments; null: k_xx */
-    unsigned reads_of[32];        /* of the objects given */
-    unsigned event_at;            /* so many reads from now on `event` happens, before the answer; 0: never */
+    unsigned event_at; /* so many reads from now on `event` happens, before the answer; 0: never */
     void (*event)(void);
     void (*on_write)(void); /* null: nothing; `last_write` is what was written */
 } bench_t;
@@ -61,7 +47,7 @@ void bench_tear_down(void);
 void give(uint16_t index, uint8_t subindex, uint8_t size, uint64_t bits);
 
 void give_f64(uint16_t index, uint8_t subindex, double number);
-bench_object_t *last_write(void);
+played_object_t *last_write(void);
 
 /* The node answers one frame. False: there was none. */
 bool serve(void);
@@ -71,6 +57,11 @@ void exchange(unsigned times);
 
 /* Until nothing more is to be done now. */
 void settle(void);
+
+void until_there_is_a_snapshot(void);
+
+/* With the keys. */
+void unlock(gateway_session_t *session);
 
 void carry_out(gateway_command_t *command); /* it is taken, and settled */
 

@@ -14,7 +14,7 @@ static gateway_command_t command_of(uint8_t number)
 
 static void assert_written(unsigned place, uint16_t index, uint8_t subindex, uint8_t size, uint64_t bits)
 {
-    const bench_object_t *const one = &bench.writes[place];
+    const played_object_t *const one = &bench.writes[place];
     TEST_ASSERT_EQUAL_HEX16(index, one->index);
     TEST_ASSERT_EQUAL_UINT8(subindex, one->subindex);
     TEST_ASSERT_EQUAL_UINT8(size, one->size);
@@ -35,10 +35,10 @@ static void test_commands(void)
     const uint32_t proposal = 0xFEDCBA98U;
     gateway_command_t two = gateway_command(gateway_command_objects[0], 4, &angle_deg, &proposal, 2);
     settle();
-    TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &one));
-    TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &two));
+    TEST_ASSERT_TRUE(gateway_queue_add(&bench.gateway.poller.queue, &one));
+    TEST_ASSERT_TRUE(gateway_queue_add(&bench.gateway.poller.queue, &two));
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_PENDING, one.result);
-    TEST_ASSERT_EQUAL_UINT64(0, gateway_poller_next_us(&bench.poller));
+    TEST_ASSERT_EQUAL_UINT64(0, gateway_poller_next_us(&bench.gateway.poller));
     settle();
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_ACCEPTED, one.result);
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_ACCEPTED, two.result);
@@ -49,7 +49,7 @@ static void test_commands(void)
     assert_written(3, 0x2002U, 3, 8, bits_of(angle_deg));
     assert_written(4, 0x2002U, 4, 4, proposal);
     assert_written(5, 0x2002U, 2, 1, 2);
-    TEST_ASSERT_EQUAL_UINT32(2, bench.poller.published.number); /* what they changed is read at once */
+    TEST_ASSERT_EQUAL_UINT32(2, bench.gateway.poller.published.number); /* what they changed is read at once */
 }
 
 static void test_a_refused_argument_ends_the_command(void)
@@ -70,7 +70,7 @@ static void test_a_command_in_the_middle_of_a_poll(void)
     exchange(40);
     carry_out(&command);
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_ACCEPTED, command.result);
-    TEST_ASSERT_EQUAL_UINT32(1, bench.poller.published.number); /* begun anew */
+    TEST_ASSERT_EQUAL_UINT32(1, bench.gateway.poller.published.number); /* begun anew */
     TEST_ASSERT_EQUAL_UINT32(0, count(GATEWAY_COUNT_POLLS_TORN));
 }
 
@@ -80,11 +80,11 @@ static void test_polls_between_commands_without_end(void)
     gateway_command_t command = command_of(1);
     for (int i = 0; i < 20000; i++) {
         if (command.result != GATEWAY_RESULT_PENDING) {
-            TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &command));
+            TEST_ASSERT_TRUE(gateway_queue_add(&bench.gateway.poller.queue, &command));
         }
         exchange(10);
     }
-    TEST_ASSERT_GREATER_THAN_UINT32(20, bench.poller.published.number);
+    TEST_ASSERT_GREATER_THAN_UINT32(20, bench.gateway.poller.published.number);
 }
 
 /* Nor do two by turns, of whom one always waits; whether or not they are obeyed. */
@@ -94,17 +94,17 @@ static void test_polls_between_commands_of_two_without_end(void)
     for (int i = 0; i < 40000; i++) {
         gateway_command_t *const command = &commands[i % 2];
         if (command->result != GATEWAY_RESULT_PENDING) {
-            TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, command));
+            TEST_ASSERT_TRUE(gateway_queue_add(&bench.gateway.poller.queue, command));
         }
         bench.refuse = (i < 20000) ? 0U : 0x08000022U;
         exchange(1);
         if (i == 20000) {
-            TEST_ASSERT_GREATER_THAN_UINT32(5, bench.poller.published.number);
-            bench.poller.published.number = 0;
+            TEST_ASSERT_GREATER_THAN_UINT32(5, bench.gateway.poller.published.number);
+            bench.gateway.poller.published.number = 0;
         }
         bench.fake.now_us += 1000U;
     }
-    TEST_ASSERT_GREATER_THAN_UINT32(5, bench.poller.published.number);
+    TEST_ASSERT_GREATER_THAN_UINT32(5, bench.gateway.poller.published.number);
 }
 
 static void test_a_command_without_an_answer(void)
@@ -112,10 +112,10 @@ static void test_a_command_without_an_answer(void)
     gateway_command_t command = command_of(1);
     gateway_command_t forgotten = command_of(2);
     settle();
-    bench.silent = true;
-    TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &command));
-    TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &forgotten));
-    gateway_queue_forget(&bench.poller.queue, &forgotten);
+    bench.sdo.silent = true;
+    TEST_ASSERT_TRUE(gateway_queue_add(&bench.gateway.poller.queue, &command));
+    TEST_ASSERT_TRUE(gateway_queue_add(&bench.gateway.poller.queue, &forgotten));
+    gateway_queue_forget(&bench.gateway.poller.queue, &forgotten);
     pass(2U * TUMBLE_SDO_CLIENT_TIMEOUT_US + 10U);
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_UNANSWERED, command.result);
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_PENDING, forgotten.result); /* nobody is told */
@@ -127,7 +127,7 @@ static void test_no_more_commands_than_fit(void)
     static gateway_command_t commands[GATEWAY_MAX_SESSIONS + 1U];
     for (size_t i = 0; i <= GATEWAY_MAX_SESSIONS; i++) {
         commands[i] = command_of(1);
-        TEST_ASSERT_EQUAL_INT(i < GATEWAY_MAX_SESSIONS, gateway_queue_add(&bench.poller.queue, &commands[i]));
+        TEST_ASSERT_EQUAL_INT(i < GATEWAY_MAX_SESSIONS, gateway_queue_add(&bench.gateway.poller.queue, &commands[i]));
     }
     settle();
     TEST_ASSERT_EQUAL_UINT32(GATEWAY_MAX_SESSIONS, count(GATEWAY_COUNT_COMMANDS_SENT));
@@ -272,10 +272,10 @@ static void test_the_end_of_the_service_level(void)
     settle();
     for (size_t i = 0; i < GATEWAY_MAX_SESSIONS; i++) {
         commands[i] = command_of(1);
-        TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &commands[i]));
+        TEST_ASSERT_TRUE(gateway_queue_add(&bench.gateway.poller.queue, &commands[i]));
     }
-    bench.poller.queue.ends_service = true;
-    TEST_ASSERT_EQUAL_UINT64(0, gateway_poller_next_us(&bench.poller));
+    bench.gateway.poller.queue.ends_service = true;
+    TEST_ASSERT_EQUAL_UINT64(0, gateway_poller_next_us(&bench.gateway.poller));
     bench.written = 0;
     settle();
     TEST_ASSERT_EQUAL_UINT(2U * GATEWAY_MAX_SESSIONS + 1U, bench.written);
@@ -283,8 +283,8 @@ static void test_the_end_of_the_service_level(void)
     TEST_ASSERT_EQUAL_HEX32(0, tumble_get_u32(last_write()->bytes));
     TEST_ASSERT_EQUAL_UINT32(GATEWAY_MAX_SESSIONS + 1U, count(GATEWAY_COUNT_COMMANDS_SENT));
     bench.written = 0;
-    bench.poller.queue.ends_service = true;
-    bench.poller.queue.ends_service = false;
+    bench.gateway.poller.queue.ends_service = true;
+    bench.gateway.poller.queue.ends_service = false;
     settle();
     TEST_ASSERT_EQUAL_UINT(0, bench.written);
 }
@@ -297,12 +297,12 @@ static void test_a_setting_that_is_refused_or_not_answered(void)
     carry_out(&setting);
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_REFUSED, setting.result);
     TEST_ASSERT_EQUAL_HEX32(0x06020000U, setting.abort);
-    bench.silent = true;
-    TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &setting));
+    bench.sdo.silent = true;
+    TEST_ASSERT_TRUE(gateway_queue_add(&bench.gateway.poller.queue, &setting));
     pass(TUMBLE_SDO_CLIENT_TIMEOUT_US + 10U);
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_UNANSWERED, setting.result);
     TEST_ASSERT_EQUAL_HEX32(0, setting.abort);
-    bench.silent = false;
+    bench.sdo.silent = false;
     bench.refuse = 0;
     carry_out(&setting);
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_ACCEPTED, setting.result);
@@ -314,14 +314,14 @@ static void test_a_command_refused_in_its_last_part_leaves_the_next_one_whole(vo
     gateway_command_t one = command_of(1);
     gateway_command_t two = command_of(2);
     settle();
-    TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &one));
-    TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &two));
+    TEST_ASSERT_TRUE(gateway_queue_add(&bench.gateway.poller.queue, &one));
+    TEST_ASSERT_TRUE(gateway_queue_add(&bench.gateway.poller.queue, &two));
     while (bench.written < 1U) {
         exchange(1);
     }
     bench.refuse = 0x08000022U;
     while (one.result == GATEWAY_RESULT_PENDING) {
-        gateway_poller_step(&bench.poller);
+        gateway_poller_step(&bench.gateway.poller);
         bench.refuse = (one.result == GATEWAY_RESULT_PENDING) ? bench.refuse : 0U;
         (void)serve();
     }

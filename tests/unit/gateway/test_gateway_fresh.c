@@ -1,34 +1,23 @@
 /* What a session is told of its snapshot: whether it is newer than the command that the session executed last. */
 #include "gateway_bench.h"
 
-#include "session.h"
-
 #define STATE 111U /* register of 2000h */
 
-static gateway_t gateway;
 static gateway_session_t session;
 static gateway_session_t other;
 
 static void set_up(void)
 {
     bench_set_up();
-    gateway = (gateway_t){.settings = {.allow_commands = true, .unlock_us = UINT64_C(1000000000)}};
-    gateway_poller_init(&gateway.poller, &bench.fake.port, NODE, PERIOD_US, &gateway.counters);
-    gateway_session_open(&session);
-    gateway_session_open(&other);
+    session = (gateway_session_t){0};
+    other = (gateway_session_t){0};
     bench.k_xx = 2.0;
     give(0x2000, 0, 1, 0);
 }
 
-static void step(void)
-{
-    gateway_poller_step(&gateway.poller);
-    (void)serve();
-}
-
 static uint16_t input(gateway_session_t *of, uint16_t at)
 {
-    return gateway_session_input(of, &gateway, at, 1, bench.fake.now_us)[at];
+    return gateway_session_input(of, &bench.gateway, at, 1, bench.fake.now_us)[at];
 }
 
 /* Take the newest snapshot; what it says of itself. */
@@ -38,20 +27,12 @@ static bool is_fresh(gateway_session_t *of)
     return input(of, GATEWAY_INPUT_FRESH) == 1U;
 }
 
-static void until_there_is_a_snapshot(void)
-{
-    while (gateway.poller.published.number == 0U) {
-        step();
-    }
-}
-
 static void execute(uint16_t command, uint16_t number)
 {
-    const uint16_t keys[2] = {GATEWAY_KEY_1, GATEWAY_KEY_2};
     const uint16_t words[2] = {command, number};
-    TEST_ASSERT_EQUAL(GATEWAY_OK, gateway_session_write(&session, &gateway, 0, 2, keys, bench.fake.now_us));
-    TEST_ASSERT_EQUAL(GATEWAY_OK,
-                      gateway_session_write(&session, &gateway, GATEWAY_HOLDING_COMMAND, 2, words, bench.fake.now_us));
+    unlock(&session);
+    TEST_ASSERT_EQUAL(GATEWAY_OK, gateway_session_write(&session, &bench.gateway, GATEWAY_HOLDING_COMMAND, 2, words,
+                                                        bench.fake.now_us));
 }
 
 static void test_without_a_snapshot_nothing_is_fresh(void)
@@ -79,13 +60,13 @@ static void test_a_fresh_snapshot_knows_what_the_command_did(void)
         unsigned steps = 0;
         bench.fake.now_us += PERIOD_US;
         for (unsigned i = 0; i < made; i++) {
-            step();
+            exchange(1);
         }
         execute(1, made);
         TEST_ASSERT_FALSE(is_fresh(&session));
         TEST_ASSERT_TRUE(is_fresh(&other)); /* it has executed nothing */
         while (!is_fresh(&session)) {
-            step();
+            exchange(1);
             bench.fake.now_us += 100U;
             TEST_ASSERT_LESS_THAN_UINT(STEPS_OF_A_POLL, ++steps);
         }
@@ -99,13 +80,13 @@ static void test_a_refused_command_has_one_too(void)
     until_there_is_a_snapshot();
     bench.refuse = BUSY_NOW;
     execute(1, 7);
-    const uint32_t number = gateway.poller.published.number;
+    const uint32_t number = bench.gateway.poller.published.number;
     while (!is_fresh(&session)) {
-        step();
+        exchange(1);
         bench.fake.now_us += 100U;
     }
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_REFUSED, session.sent.result);
-    TEST_ASSERT_GREATER_THAN_UINT32(number, gateway.poller.published.number);
+    TEST_ASSERT_GREATER_THAN_UINT32(number, bench.gateway.poller.published.number);
 }
 
 static const around_t around_each = {set_up, bench_tear_down};

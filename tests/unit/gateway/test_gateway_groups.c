@@ -49,7 +49,7 @@ static void set_up(void)
 
 static uint16_t word(uint16_t at)
 {
-    return bench.poller.published.words[at];
+    return bench.gateway.poller.published.words[at];
 }
 
 static float real(uint16_t at)
@@ -62,7 +62,7 @@ static float real(uint16_t at)
 /* Of the position that is selected, or of none. */
 static void assert_whole(void)
 {
-    if (bench.poller.published.number > 0U) {
+    if (bench.gateway.poller.published.number > 0U) {
         TEST_ASSERT_EQUAL_FLOAT((float)word(REGISTER_INDEX), real(REGISTER_MEAN_Y));
         TEST_ASSERT_EQUAL_UINT16(word(REGISTER_INDEX), word(REGISTER_MOUNTING));
     }
@@ -71,7 +71,7 @@ static void assert_whole(void)
 static void settle_whole(void)
 {
     do {
-        gateway_poller_step(&bench.poller);
+        gateway_poller_step(&bench.gateway.poller);
         assert_whole();
     } while (serve());
     assert_whole();
@@ -156,10 +156,10 @@ static void test_a_selection_over_modbus_is_in_the_next_snapshot_and_in_no_mixtu
         bool is_over = false;
         for (unsigned i = 0; i < steps && !is_over; i++) {
             exchange(1);
-            is_over = gateway_poller_next_us(&bench.poller) == bench.poller.next_us;
+            is_over = gateway_poller_next_us(&bench.gateway.poller) == bench.gateway.poller.next_us;
         }
         gateway_command_t command = gateway_setting(gateway_target(SETTING_POSITION), 0, 3.0);
-        TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &command));
+        TEST_ASSERT_TRUE(gateway_queue_add(&bench.gateway.poller.queue, &command));
         settle_whole();
         TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_ACCEPTED, command.result);
         TEST_ASSERT_EQUAL_UINT16(3, word(REGISTER_INDEX));
@@ -221,7 +221,7 @@ static void test_a_measurement_that_no_poll_has_seen(void)
     give_f64(AT_REST, 5, 0.5);
     settle();
     gateway_command_t command = gateway_setting(gateway_target(SETTING_AT_REST), 0, 2.0);
-    TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &command));
+    TEST_ASSERT_TRUE(gateway_queue_add(&bench.gateway.poller.queue, &command));
     give_f64(AT_REST, 5, 0.75); /* x is as before to the last bit */
     settle();
     TEST_ASSERT_EQUAL_FLOAT(0.75F, real(REGISTER_MEAN_AT_REST_Z));
@@ -267,7 +267,7 @@ static void test_a_setting_whose_answer_was_disturbed_is_read_back(void)
 {
     gateway_command_t command = raise_coverage();
     bench.refuse = 0x05040001U;
-    TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &command));
+    TEST_ASSERT_TRUE(gateway_queue_add(&bench.gateway.poller.queue, &command));
     (void)next_poll();
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_REFUSED, command.result);
     TEST_ASSERT_EQUAL_HEX16(0x4040U, word(1151));
@@ -276,7 +276,7 @@ static void test_a_setting_whose_answer_was_disturbed_is_read_back(void)
 static void command_in_a_poll(gateway_command_t *command)
 {
     exchange(1);
-    TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, command));
+    TEST_ASSERT_TRUE(gateway_queue_add(&bench.gateway.poller.queue, command));
     while (command->result == GATEWAY_RESULT_PENDING) {
         exchange(1);
     }
@@ -294,17 +294,17 @@ static void test_a_poll_after_silence_begins_anew_for_a_setting(void)
     for (unsigned i = 0; i < GATEWAY_MAX_ANEW; i++) {
         command_in_a_poll(&command);
     }
-    bench.silent = true;
+    bench.sdo.silent = true;
     pass(TUMBLE_SDO_CLIENT_TIMEOUT_US + 10U);
     TEST_ASSERT_EQUAL_UINT32(1, count(GATEWAY_COUNT_POLLS_FAILED));
-    bench.silent = false;
-    bench.fake.now_us = bench.poller.next_us;
+    bench.sdo.silent = false;
+    bench.fake.now_us = bench.gateway.poller.next_us;
     for (const unsigned before = bench.reads; bench.reads < before + 100U;) {
         exchange(1);
     }
     bench.on_write = show_position;
     command_in_a_poll(&command);
-    while (bench.poller.published.number == 0U) {
+    while (bench.gateway.poller.published.number == 0U) {
         exchange(1);
     }
     TEST_ASSERT_EQUAL_UINT16(7, word(REGISTER_PROGRESS));
@@ -314,7 +314,7 @@ static void test_a_poll_after_silence_begins_anew_for_a_setting(void)
 static void test_what_was_written_is_read_although_a_poll_fails(void)
 {
     gateway_command_t command = raise_coverage();
-    TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &command));
+    TEST_ASSERT_TRUE(gateway_queue_add(&bench.gateway.poller.queue, &command));
     exchange(20);
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_ACCEPTED, command.result);
     bench.abort_next = 0x05040000U; /* torn */

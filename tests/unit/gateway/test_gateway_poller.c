@@ -4,16 +4,16 @@
 static void test_a_poll_in_each_period(void)
 {
     bench.k_xx = 2.0;
-    TEST_ASSERT_EQUAL_UINT8(GATEWAY_LINK_UNKNOWN, bench.poller.link_state);
+    TEST_ASSERT_EQUAL_UINT8(GATEWAY_LINK_UNKNOWN, bench.gateway.poller.link_state);
     settle();
-    TEST_ASSERT_EQUAL_UINT8(GATEWAY_LINK_UP, bench.poller.link_state);
-    TEST_ASSERT_EQUAL_UINT32(1, bench.poller.published.number);
+    TEST_ASSERT_EQUAL_UINT8(GATEWAY_LINK_UP, bench.gateway.poller.link_state);
+    TEST_ASSERT_EQUAL_UINT32(1, bench.gateway.poller.published.number);
     for (uint32_t polls = 2; polls < 12U; polls++) {
         pass(PERIOD_US);
-        TEST_ASSERT_EQUAL_UINT32(polls, bench.poller.published.number);
+        TEST_ASSERT_EQUAL_UINT32(polls, bench.gateway.poller.published.number);
         TEST_ASSERT_EQUAL_UINT32(polls, count(GATEWAY_COUNT_POLLS));
     }
-    TEST_ASSERT_EQUAL_UINT64(bench.fake.now_us, bench.poller.published.taken_us);
+    TEST_ASSERT_EQUAL_UINT64(bench.fake.now_us, bench.gateway.poller.published.taken_us);
 }
 
 static unsigned selectors(void)
@@ -42,8 +42,8 @@ static void test_no_object_is_read_twice_in_a_row(void)
 static unsigned reads_of_next_poll(void)
 {
     const unsigned before = bench.reads;
-    const uint32_t number = bench.poller.published.number;
-    while (bench.poller.published.number == number) {
+    const uint32_t number = bench.gateway.poller.published.number;
+    while (bench.gateway.poller.published.number == number) {
         pass(PERIOD_US / 10U);
     }
     return bench.reads - before;
@@ -68,21 +68,21 @@ static void test_what_is_kept_is_read_when_it_may_have_changed(void)
     TEST_ASSERT_LESS_THAN_UINT(all, few);
     for (unsigned i = 0; i < GATEWAY_KEPT_POLLS; i++) {
         TEST_ASSERT_EQUAL_UINT(few, reads_of_next_poll());
-        TEST_ASSERT_EQUAL_HEX16(0x4000U, bench.poller.published.words[161]);
-        TEST_ASSERT_EQUAL_HEX16(1U, bench.poller.published.words[160]);
+        TEST_ASSERT_EQUAL_HEX16(0x4000U, bench.gateway.poller.published.words[161]);
+        TEST_ASSERT_EQUAL_HEX16(1U, bench.gateway.poller.published.words[160]);
     }
     TEST_ASSERT_EQUAL_UINT(all, reads_of_next_poll());
     TEST_ASSERT_EQUAL_UINT(few, reads_of_next_poll());
     bench.k_xx = 3.0;
     TEST_ASSERT_EQUAL_UINT(all, reads_of_next_poll());
-    TEST_ASSERT_EQUAL_HEX16(0x4040U, bench.poller.published.words[161]);
+    TEST_ASSERT_EQUAL_HEX16(0x4040U, bench.gateway.poller.published.words[161]);
     TEST_ASSERT_EQUAL_UINT(few, reads_of_next_poll());
     fake_port_give(&bench.fake, &boot_up);
     TEST_ASSERT_EQUAL_UINT(all, reads_of_next_poll());
     TEST_ASSERT_EQUAL_UINT(few, reads_of_next_poll());
-    bench.silent = true;
+    bench.sdo.silent = true;
     pass(2U * PERIOD_US);
-    bench.silent = false;
+    bench.sdo.silent = false;
     TEST_ASSERT_EQUAL_UINT(all, reads_of_next_poll());
 }
 
@@ -93,10 +93,10 @@ static void test_a_node_that_boots_within_a_poll_tears_it(void)
     for (int steps = 1; steps < 400; steps++) {
         bench_set_up();
         bench.k_xx = 2.0;
-        for (int i = 0; i < steps && bench.poller.published.number == 0U; i++) {
+        for (int i = 0; i < steps && bench.gateway.poller.published.number == 0U; i++) {
             exchange(1);
         }
-        const bool is_over = bench.poller.published.number != 0U;
+        const bool is_over = bench.gateway.poller.published.number != 0U;
         fake_port_give(&bench.fake, &boot_up);
         settle();
         TEST_ASSERT_EQUAL_UINT32(is_over ? 0U : 1U, count(GATEWAY_COUNT_POLLS_TORN));
@@ -146,12 +146,12 @@ static void test_torn_without_end_waits_for_the_next_period(void)
         }
         settle();
         TEST_ASSERT_EQUAL_UINT32(period * GATEWAY_MAX_TORN, count(GATEWAY_COUNT_POLLS_TORN));
-        TEST_ASSERT_EQUAL_UINT32(0, bench.poller.published.number);
-        TEST_ASSERT_GREATER_THAN_UINT64(bench.fake.now_us, gateway_poller_next_us(&bench.poller));
-        bench.fake.now_us = gateway_poller_next_us(&bench.poller);
+        TEST_ASSERT_EQUAL_UINT32(0, bench.gateway.poller.published.number);
+        TEST_ASSERT_GREATER_THAN_UINT64(bench.fake.now_us, gateway_poller_next_us(&bench.gateway.poller));
+        bench.fake.now_us = gateway_poller_next_us(&bench.gateway.poller);
     }
     settle();
-    TEST_ASSERT_EQUAL_UINT32(1, bench.poller.published.number);
+    TEST_ASSERT_EQUAL_UINT32(1, bench.gateway.poller.published.number);
 }
 
 static void test_a_disturbed_transfer_is_no_refusal(void)
@@ -162,7 +162,7 @@ static void test_a_disturbed_transfer_is_no_refusal(void)
         bench.abort_next = codes[i];
         pass(PERIOD_US);
         TEST_ASSERT_EQUAL_UINT32(i + 1U, count(GATEWAY_COUNT_POLLS_TORN));
-        TEST_ASSERT_EQUAL_UINT16(1, bench.poller.published.words[160] & 1U);
+        TEST_ASSERT_EQUAL_UINT16(1, bench.gateway.poller.published.words[160] & 1U);
     }
 }
 
@@ -173,11 +173,11 @@ static void test_a_value_that_cannot_be_read_now_is_read_soon(void)
     bench.busy_at = 2; /* as a mark, as a value, as a mark */
     const unsigned all = reads_of_next_poll();
     TEST_ASSERT_EQUAL_UINT(0, bench.busy_at);
-    TEST_ASSERT_EQUAL_UINT16(0, bench.poller.published.words[160] & 1U);
+    TEST_ASSERT_EQUAL_UINT16(0, bench.gateway.poller.published.words[160] & 1U);
     TEST_ASSERT_EQUAL_UINT(all, reads_of_next_poll());
-    TEST_ASSERT_EQUAL_UINT16(1, bench.poller.published.words[160] & 1U);
+    TEST_ASSERT_EQUAL_UINT16(1, bench.gateway.poller.published.words[160] & 1U);
     TEST_ASSERT_LESS_THAN_UINT(all, reads_of_next_poll());
-    TEST_ASSERT_EQUAL_UINT16(1, bench.poller.published.words[160] & 1U);
+    TEST_ASSERT_EQUAL_UINT16(1, bench.gateway.poller.published.words[160] & 1U);
 }
 
 /* A result that is held changes the proposal only when it is written, long after it was judged. */
@@ -193,18 +193,18 @@ static void test_the_verdict_is_a_mark(void)
 static void test_silence(void)
 {
     settle();
-    bench.silent = true;
+    bench.sdo.silent = true;
     pass(PERIOD_US);
     pass(TUMBLE_SDO_CLIENT_TIMEOUT_US + 1U);
-    TEST_ASSERT_EQUAL_UINT8(GATEWAY_LINK_SILENT, bench.poller.link_state);
-    TEST_ASSERT_EQUAL_UINT32(1, bench.poller.published.number);
+    TEST_ASSERT_EQUAL_UINT8(GATEWAY_LINK_SILENT, bench.gateway.poller.link_state);
+    TEST_ASSERT_EQUAL_UINT32(1, bench.gateway.poller.published.number);
     TEST_ASSERT_EQUAL_UINT32(1, count(GATEWAY_COUNT_POLLS_FAILED));
     pass(10U * PERIOD_US);
     TEST_ASSERT_UINT32_WITHIN(1, 7, count(GATEWAY_COUNT_POLLS_FAILED)); /* one each period and an answer's time */
-    bench.silent = false;
+    bench.sdo.silent = false;
     pass(2U * PERIOD_US);
-    TEST_ASSERT_EQUAL_UINT8(GATEWAY_LINK_UP, bench.poller.link_state);
-    TEST_ASSERT_GREATER_THAN_UINT32(1, bench.poller.published.number);
+    TEST_ASSERT_EQUAL_UINT8(GATEWAY_LINK_UP, bench.gateway.poller.link_state);
+    TEST_ASSERT_GREATER_THAN_UINT32(1, bench.gateway.poller.published.number);
 }
 
 /* It leaves the first server to others, and asks it nothing, as long as the second one answers. */
@@ -213,7 +213,7 @@ static void test_it_uses_the_second_server(void)
     bench.k_xx = 2.0;
     for (int polls = 0; polls < 3; polls++) {
         pass(PERIOD_US);
-        TEST_ASSERT_TRUE(bench.is_second);
+        TEST_ASSERT_TRUE(bench.sdo.is_second);
     }
     TEST_ASSERT_EQUAL_UINT(0, bench.looks);
 }
@@ -221,13 +221,13 @@ static void test_it_uses_the_second_server(void)
 static void test_a_node_with_one_server(void)
 {
     gateway_command_t command = gateway_command(0x2002, 0, NULL, NULL, 1);
-    bench.has_one_server = true;
+    bench.sdo.has_one_server = true;
     bench.k_xx = 2.0;
     pass(TUMBLE_SDO_CLIENT_TIMEOUT_US + PERIOD_US);
     TEST_ASSERT_EQUAL_UINT32(1, count(GATEWAY_COUNT_POLLS_FAILED));
     pass(3U * PERIOD_US);
-    TEST_ASSERT_EQUAL_UINT8(GATEWAY_LINK_UP, bench.poller.link_state);
-    TEST_ASSERT_GREATER_OR_EQUAL_UINT32(3, bench.poller.published.number);
+    TEST_ASSERT_EQUAL_UINT8(GATEWAY_LINK_UP, bench.gateway.poller.link_state);
+    TEST_ASSERT_GREATER_OR_EQUAL_UINT32(3, bench.gateway.poller.published.number);
     TEST_ASSERT_EQUAL_UINT32(1, count(GATEWAY_COUNT_POLLS_FAILED));
     TEST_ASSERT_EQUAL_UINT(1, bench.looks); /* once, not with every poll */
     carry_out(&command);
@@ -238,12 +238,12 @@ static void test_a_node_with_one_server(void)
 static void test_after_silence_it_finds_the_second_server(void)
 {
     for (uint64_t silent_us = 0; silent_us < 5U * PERIOD_US; silent_us += PERIOD_US / 4U) {
-        bench.silent = true;
+        bench.sdo.silent = true;
         pass(silent_us);
-        bench.silent = false;
+        bench.sdo.silent = false;
         pass(3U * PERIOD_US);
-        TEST_ASSERT_EQUAL_UINT8(GATEWAY_LINK_UP, bench.poller.link_state);
-        TEST_ASSERT_TRUE(bench.is_second);
+        TEST_ASSERT_EQUAL_UINT8(GATEWAY_LINK_UP, bench.gateway.poller.link_state);
+        TEST_ASSERT_TRUE(bench.sdo.is_second);
     }
     TEST_ASSERT_GREATER_THAN_UINT(0, bench.looks);
 }
@@ -255,24 +255,24 @@ static void test_what_is_published_after_a_command_has_been_read_after_it(void)
     gateway_command_t command = gateway_command(0x2002, 0, NULL, NULL, 1);
     bench.k_xx = 2.0;
     settle();
-    TEST_ASSERT_EQUAL_UINT32(0, bench.poller.published.ended);
+    TEST_ASSERT_EQUAL_UINT32(0, bench.gateway.poller.published.ended);
     for (uint32_t n = 1; n < 200U; n++) { /* at every place of a poll */
         pass(PERIOD_US);
         bench.fake.now_us += PERIOD_US;
         exchange(n);
-        const uint32_t number = bench.poller.published.number;
+        const uint32_t number = bench.gateway.poller.published.number;
         bench.refuse = (n % 3U == 0U) ? NO_DATA : 0U;
-        TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &command));
+        TEST_ASSERT_TRUE(gateway_queue_add(&bench.gateway.poller.queue, &command));
         while (command.result == GATEWAY_RESULT_PENDING) {
-            TEST_ASSERT_TRUE(bench.poller.published.ended < n);
+            TEST_ASSERT_TRUE(bench.gateway.poller.published.ended < n);
             exchange(1);
         }
         TEST_ASSERT_EQUAL_UINT32(n, command.ended);
         const unsigned reads = bench.reads;
-        while (bench.poller.published.ended != n) {
+        while (bench.gateway.poller.published.ended != n) {
             pass(PERIOD_US / 10U);
         }
-        TEST_ASSERT_GREATER_THAN_UINT32(number, bench.poller.published.number);
+        TEST_ASSERT_GREATER_THAN_UINT32(number, bench.gateway.poller.published.number);
         TEST_ASSERT_GREATER_THAN_UINT(reads + 2U * GATEWAY_MARKS, bench.reads);
     }
 }
@@ -283,20 +283,20 @@ static void test_a_poll_that_goes_on_does_not_pass_for_a_fresh_one(void)
     gateway_command_t command = gateway_command(0x2002, 0, NULL, NULL, 1);
     bench.k_xx = 2.0;
     settle();
-    const uint32_t number = bench.poller.published.number;
+    const uint32_t number = bench.gateway.poller.published.number;
     bench.fake.now_us += PERIOD_US;
     exchange(3);
-    for (uint32_t n = 1; bench.poller.published.number == number; n++) {
-        TEST_ASSERT_TRUE(gateway_queue_add(&bench.poller.queue, &command));
-        while (command.result == GATEWAY_RESULT_PENDING && bench.poller.published.number == number) {
+    for (uint32_t n = 1; bench.gateway.poller.published.number == number; n++) {
+        TEST_ASSERT_TRUE(gateway_queue_add(&bench.gateway.poller.queue, &command));
+        while (command.result == GATEWAY_RESULT_PENDING && bench.gateway.poller.published.number == number) {
             exchange(1);
         }
         TEST_ASSERT_TRUE(n < 5000U);
     }
-    TEST_ASSERT_TRUE(bench.poller.published.ended < command.ended || command.result == GATEWAY_RESULT_PENDING);
-    TEST_ASSERT_GREATER_OR_EQUAL_UINT32(GATEWAY_MAX_ANEW, bench.poller.published.ended);
+    TEST_ASSERT_TRUE(bench.gateway.poller.published.ended < command.ended || command.result == GATEWAY_RESULT_PENDING);
+    TEST_ASSERT_GREATER_OR_EQUAL_UINT32(GATEWAY_MAX_ANEW, bench.gateway.poller.published.ended);
     settle();
-    TEST_ASSERT_EQUAL_UINT32(command.ended, bench.poller.published.ended);
+    TEST_ASSERT_EQUAL_UINT32(command.ended, bench.gateway.poller.published.ended);
 }
 
 /* A run that begins while a poll is under way: what is published is of one run. */
@@ -317,7 +317,7 @@ static void test_a_snapshot_is_of_one_run(void)
         bench.event = begin_a_run;
         const uint32_t torn = count(GATEWAY_COUNT_POLLS_TORN);
         pass(PERIOD_US);
-        TEST_ASSERT_EQUAL_UINT16(8, bench.poller.published.words[149]);
+        TEST_ASSERT_EQUAL_UINT16(8, bench.gateway.poller.published.words[149]);
         TEST_ASSERT_TRUE(count(GATEWAY_COUNT_POLLS_TORN) - torn <= 1U);
     }
     TEST_ASSERT_GREATER_THAN_UINT32(40, count(GATEWAY_COUNT_POLLS_TORN));
@@ -328,21 +328,21 @@ static void test_a_bus_that_is_down(void)
     bench.fake.send_status = TUMBLE_E_PORT_DOWN;
     bench.fake.receive_status = TUMBLE_E_PORT_DOWN;
     pass(2U * PERIOD_US);
-    TEST_ASSERT_EQUAL_UINT8(GATEWAY_LINK_DOWN, bench.poller.link_state);
+    TEST_ASSERT_EQUAL_UINT8(GATEWAY_LINK_DOWN, bench.gateway.poller.link_state);
     bench.fake.send_status = TUMBLE_OK;
     bench.fake.receive_status = TUMBLE_OK;
     pass(2U * PERIOD_US);
-    TEST_ASSERT_EQUAL_UINT8(GATEWAY_LINK_UP, bench.poller.link_state);
+    TEST_ASSERT_EQUAL_UINT8(GATEWAY_LINK_UP, bench.gateway.poller.link_state);
 }
 
 static void test_a_port_without_room_is_asked_again(void)
 {
     bench.fake.send_room = 0;
-    gateway_poller_step(&bench.poller);
-    TEST_ASSERT_LESS_THAN_UINT64(bench.fake.now_us + 10000U, gateway_poller_next_us(&bench.poller));
+    gateway_poller_step(&bench.gateway.poller);
+    TEST_ASSERT_LESS_THAN_UINT64(bench.fake.now_us + 10000U, gateway_poller_next_us(&bench.gateway.poller));
     bench.fake.send_room = SIZE_MAX;
     pass(10000);
-    TEST_ASSERT_EQUAL_UINT32(1, bench.poller.published.number);
+    TEST_ASSERT_EQUAL_UINT32(1, bench.gateway.poller.published.number);
 }
 
 static const around_t around_each = {bench_set_up, bench_tear_down};

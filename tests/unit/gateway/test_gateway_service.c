@@ -1,39 +1,23 @@
 /* Whose the service level is: a setting of that level goes to the node only for the session that opened it last. */
 #include "gateway_bench.h"
 
-#include "session.h"
-
 #define SETTING_LIMIT 5U   /* 2050h:5, which needs the level */
 #define SETTING_SAMPLES 1U /* 2050h:1, which does not */
 
-static gateway_t gateway;
 static gateway_session_t one;
 static gateway_session_t other;
 
 static void open_session(gateway_session_t *session)
 {
-    const uint16_t keys[2] = {GATEWAY_KEY_1, GATEWAY_KEY_2};
-    gateway_session_open(session);
-    TEST_ASSERT_EQUAL(GATEWAY_OK, gateway_session_write(session, &gateway, 0, 2, keys, bench.fake.now_us));
-}
-
-static void step(unsigned times)
-{
-    for (unsigned i = 0; i < times; i++) {
-        gateway_poller_step(&gateway.poller);
-        (void)serve();
-    }
+    *session = (gateway_session_t){0};
+    unlock(session);
 }
 
 static void set_up(void)
 {
     bench_set_up();
-    gateway = (gateway_t){.settings = {.allow_commands = true, .unlock_us = UINT64_C(1000000000)}};
-    gateway_poller_init(&gateway.poller, &bench.fake.port, NODE, PERIOD_US, &gateway.counters);
     bench.k_xx = 2.0;
-    while (gateway.poller.published.number == 0U) {
-        step(1);
-    }
+    until_there_is_a_snapshot();
     open_session(&one);
     open_session(&other);
 }
@@ -49,12 +33,12 @@ static gateway_result_t write_setting(gateway_session_t *session, uint16_t numbe
         words[1U + i] = tumble_get_u16(&bytes[6U - (2U * i)]);
     }
     bench.written = 0;
-    TEST_ASSERT_EQUAL(GATEWAY_OK,
-                      gateway_session_write(session, &gateway, GATEWAY_HOLDING_SETTING, 5, words, bench.fake.now_us));
-    TEST_ASSERT_EQUAL(GATEWAY_OK,
-                      gateway_session_write(session, &gateway, GATEWAY_HOLDING_EXECUTE, 1, &token, bench.fake.now_us));
+    TEST_ASSERT_EQUAL(GATEWAY_OK, gateway_session_write(session, &bench.gateway, GATEWAY_HOLDING_SETTING, 5, words,
+                                                        bench.fake.now_us));
+    TEST_ASSERT_EQUAL(GATEWAY_OK, gateway_session_write(session, &bench.gateway, GATEWAY_HOLDING_EXECUTE, 1, &token,
+                                                        bench.fake.now_us));
     for (unsigned i = 0; i < 20U && session->sent.result == GATEWAY_RESULT_PENDING; i++) {
-        step(1);
+        exchange(1);
     }
     return (gateway_result_t)session->sent.result;
 }
@@ -107,13 +91,13 @@ static void test_it_ends_with_its_session(void)
     open_service(&one);
     open_service(&other);
     bench.written = 0;
-    gateway_session_close(&one, &gateway);
-    step(20);
+    gateway_session_close(&one, &bench.gateway);
+    exchange(20);
     TEST_ASSERT_EQUAL_UINT(0, bench.written);
     assert_sent(&other);
     bench.written = 0;
-    gateway_session_close(&other, &gateway);
-    step(20);
+    gateway_session_close(&other, &bench.gateway);
+    exchange(20);
     TEST_ASSERT_EQUAL_UINT(1, bench.written);
     TEST_ASSERT_EQUAL_HEX16(0x2006, last_write()->index);
     TEST_ASSERT_EQUAL_HEX32(0, tumble_get_u32(last_write()->bytes));
