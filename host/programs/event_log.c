@@ -271,49 +271,22 @@ static bool tell_lost(void)
     return tell(EVENT_LOG_WARNING, "lost", EVENT_FIELDS(EVENT_WHOLE("lines", the_log.lost)), message);
 }
 
-/* `is_last`: nothing follows that it could be in the way of. */
-static void tell_or_count(event_log_level_t level, const char *event, const event_field_t *fields, bool is_last,
-                          const char *format, va_list values)
+void event_log_write(event_log_when_t when, event_log_level_t level, const char *event, const event_field_t *fields,
+                     const char *format, ...)
 {
     char message[EVENT_LOG_TEXT_BYTES];
-    if (the_log.program == NULL || (event_log_is_on() && level > the_log.level)) {
+    va_list values;
+    const bool is_wanted = event_log_is_on() ? level <= the_log.level : when == EVENT_LOG_ALWAYS;
+    if (the_log.program == NULL || !is_wanted) {
         return;
     }
+    va_start(values, format);
     (void)vsnprintf(message, sizeof message, format, values);
+    va_end(values);
     clean(message);
-    const bool may = (has_room(level) || is_last) && (the_log.lost == 0U || tell_lost());
+    const bool may = (has_room(level) || when == EVENT_LOG_LAST) && (the_log.lost == 0U || tell_lost());
     the_log.lost = may ? 0U : the_log.lost;
     if (!may || !tell(level, event, fields, message)) {
         the_log.lost += (the_log.lost < UINT32_MAX) ? 1U : 0U;
     }
-}
-
-void event_log_tell(event_log_level_t level, const char *event, const event_field_t *fields, const char *format, ...)
-{
-    va_list values;
-    if (!event_log_is_on()) {
-        return;
-    }
-    va_start(values, format);
-    tell_or_count(level, event, fields, false, format, values);
-    va_end(values);
-}
-
-void event_log_always(event_log_level_t level, const char *event, const event_field_t *fields, const char *format, ...)
-{
-    va_list values;
-    va_start(values, format);
-    tell_or_count(level, event, fields, false, format, values);
-    va_end(values);
-}
-
-void event_log_end(event_log_level_t level, const event_field_t *fields, const char *format, ...)
-{
-    va_list values;
-    if (!event_log_is_on()) {
-        return;
-    }
-    va_start(values, format);
-    tell_or_count(level, "end", fields, true, format, values);
-    va_end(values);
 }

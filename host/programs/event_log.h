@@ -64,16 +64,18 @@ void event_log_reset(void);
 /* Does anybody want every event? Else only what event_log_always tells is written, as it ever was. */
 bool event_log_is_on(void);
 
+typedef enum {
+    EVENT_LOG_ASKED_FOR, /* by --log */
+    EVENT_LOG_ALWAYS,    /* written in plain form, too */
+    EVENT_LOG_LAST       /* as asked for, however many went before */
+} event_log_when_t;
+
 /* An event, with its members for JSON (EVENT_FIELDS, or null), and its sentence. */
-void event_log_tell(event_log_level_t level, const char *event, const event_field_t *fields, const char *format, ...)
-    __attribute__((format(printf, 4, 5)));
+void event_log_write(event_log_when_t when, event_log_level_t level, const char *event, const event_field_t *fields,
+                     const char *format, ...) __attribute__((format(printf, 5, 6)));
 
-/* The same for a sentence that is written in plain form, too. */
-void event_log_always(event_log_level_t level, const char *event, const event_field_t *fields, const char *format, ...)
-    __attribute__((format(printf, 4, 5)));
-
-/* The last event, "end": it goes however many went before. */
-void event_log_end(event_log_level_t level, const event_field_t *fields, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
+#define event_log_tell(...) event_log_write(EVENT_LOG_ASKED_FOR, __VA_ARGS__)
+#define event_log_always(...) event_log_write(EVENT_LOG_ALWAYS, __VA_ARGS__)
+#define event_log_end(level, ...) event_log_write(EVENT_LOG_LAST, level, "end", __VA_ARGS__)
 
 #endif
