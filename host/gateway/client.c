@@ -16,7 +16,6 @@
 #define BACKLOG 64
 #define HOST_BYTES 128
 #define PORT_BYTES 16
-#define NONE GATEWAY_MAX_CLIENTS
 
 /* Bytes. */
 
@@ -160,30 +159,24 @@ static bool is_idle(const gateway_client_t *client, uint64_t now_us)
     return client->stream.in_count == 0U && client->stream.out_count == 0U && is_calm;
 }
 
-static uint32_t free_place(const gateway_client_t *clients)
-{
-    uint32_t place = 0;
-    while (place < GATEWAY_MAX_CLIENTS && clients[place].stream.fd >= 0) {
-        place++;
-    }
-    return place;
-}
-
 /* It gives way to an address that would still hold fewer places than its own; to one that holds as many, if it is idle. */
 static bool may_give_way(const gateway_client_t *client, uint32_t held, uint32_t own, uint64_t now_us)
 {
     return held > own + 1U || (held >= own && is_idle(client, now_us));
 }
 
-/* Of those whose address holds most, the client that has been silent for longest. */
-static uint32_t place_to_take(const gateway_client_t *clients, const gateway_address_t *address, uint64_t now_us)
+uint32_t gateway_place_for(const gateway_client_t clients[GATEWAY_MAX_CLIENTS], const gateway_address_t *address,
+                           uint64_t now_us)
 {
     const uint32_t own = places_of(clients, address);
-    uint32_t chosen = NONE;
+    uint32_t chosen = GATEWAY_MAX_CLIENTS;
     uint32_t most = 0;
     for (uint32_t place = 0; place < GATEWAY_MAX_CLIENTS; place++) {
         const gateway_client_t *const client = &clients[place];
         const uint32_t held = places_of(clients, &client->address);
+        if (client->stream.fd < 0) {
+            return place;
+        }
         const bool is_longer = held > most || (held == most && client->asked_us < clients[chosen].asked_us);
         if (is_longer && may_give_way(client, held, own, now_us)) {
             chosen = place;
@@ -191,13 +184,6 @@ static uint32_t place_to_take(const gateway_client_t *clients, const gateway_add
         }
     }
     return chosen;
-}
-
-uint32_t gateway_place_for(const gateway_client_t clients[GATEWAY_MAX_CLIENTS], const gateway_address_t *address,
-                           uint64_t now_us)
-{
-    const uint32_t place = free_place(clients);
-    return (place != NONE) ? place : place_to_take(clients, address, now_us);
 }
 
 /* One client. */

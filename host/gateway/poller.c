@@ -88,7 +88,6 @@ static void publish(gateway_poller_t *poller, uint64_t now_us)
     poller->building.taken_us = now_us;
     poller->published = poller->building;
     memcpy(poller->published_marks, poller->marks, sizeof poller->marks);
-    memcpy(poller->published_keys, poller->keys, sizeof poller->keys);
     poller->stale = 0;
     poller->must_be_fresh = poller->is_partial || (poller->must_be_fresh && !poller->is_fresh);
     poller->kept = poller->is_fresh ? 0U : (uint16_t)(poller->kept + 1U);
@@ -182,8 +181,9 @@ static void begin_values(gateway_poller_t *poller)
 /* Another than that of the last snapshot: its group is read anew, which is behind it. */
 static void take_key(gateway_poller_t *poller, const gateway_value_t *value)
 {
-    poller->keys[value->key] = mark_read(poller);
-    if (!is_same(&poller->keys[value->key], &poller->published_keys[value->key])) {
+    const size_t at = GATEWAY_MARKS + (size_t)value->key;
+    poller->marks[at] = mark_read(poller);
+    if (!is_same(&poller->marks[at], &poller->published_marks[at])) {
         poller->dirty |= 1U << value->group;
     }
 }
@@ -206,11 +206,11 @@ static void take_value(gateway_poller_t *poller)
     poller->place++;
 }
 
-/* The mark, or the selector, that the phase is at, as it was read before. */
-static const gateway_mark_t *mark_before(const gateway_poller_t *poller)
+/* Of the mark, or the selector, that the phase is at: its place among gateway_tells. */
+static size_t mark_at(const gateway_poller_t *poller)
 {
-    return (poller->phase == PHASE_SELECTORS) ? &poller->keys[gateway_selectors[poller->place]]
-                                              : &poller->marks[poller->place];
+    return (poller->phase == PHASE_SELECTORS) ? GATEWAY_MARKS + (size_t)gateway_selectors[poller->place]
+                                              : poller->place;
 }
 
 /* On to the selector of a group that was read anew; past all the poll is done. */
@@ -251,13 +251,13 @@ static void take_read(gateway_poller_t *poller, uint64_t now_us)
         return;
     }
     const gateway_mark_t mark = mark_read(poller);
-    const bool is_other = poller->phase != PHASE_BEFORE && !is_same(&mark, mark_before(poller));
+    const bool is_other = poller->phase != PHASE_BEFORE && !is_same(&mark, &poller->marks[mark_at(poller)]);
     if (is_other || poller->has_booted) {
         note_torn(poller, now_us);
         return;
     }
     if (poller->phase == PHASE_BEFORE) {
-        poller->marks[poller->place] = mark;
+        poller->marks[mark_at(poller)] = mark;
     }
     go_on_with_marks(poller, now_us);
 }
@@ -309,11 +309,9 @@ static void begin_read(gateway_poller_t *poller)
     if (poller->phase == PHASE_VALUES) {
         const gateway_value_t value = gateway_value(poller->place);
         read_object(poller, value.index, value.subindex);
-    } else if (poller->phase == PHASE_SELECTORS) {
-        const gateway_object_t *const key = &gateway_keys[gateway_selectors[poller->place]];
-        read_object(poller, key->index, key->subindex);
     } else {
-        read_object(poller, gateway_marks[poller->place].index, gateway_marks[poller->place].subindex);
+        const gateway_object_t *const one = &gateway_tells[mark_at(poller)];
+        read_object(poller, one->index, one->subindex);
     }
 }
 

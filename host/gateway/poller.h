@@ -67,10 +67,8 @@ typedef struct {
     bool must_be_fresh; /* the next one does: the node may be another since */
     bool has_booted;    /* since this poll began */
     uint16_t kept;      /* polls since one did */
-    gateway_mark_t marks[GATEWAY_MARKS];
-    gateway_mark_t published_marks[GATEWAY_MARKS];
-    gateway_mark_t keys[GATEWAY_KEYS];
-    gateway_mark_t published_keys[GATEWAY_KEYS];
+    gateway_mark_t marks[GATEWAY_MARKS + GATEWAY_KEYS]; /* of gateway_tells */
+    gateway_mark_t published_marks[GATEWAY_MARKS + GATEWAY_KEYS];
     uint32_t dirty;   /* groups, as bits, that this poll reads anew */
     uint32_t written; /* groups whose settings have been written since the poll began; `stale`: before */
     uint32_t stale;

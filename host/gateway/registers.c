@@ -79,7 +79,7 @@ const gateway_value_run_t gateway_value_runs[] = {
     V(1, 1251, 1250, 0, 0x2170, 1, UNSIGNED32, 4, 6, 9), V(2, 1253, 1250, 1, 0x2170, 2, UNSIGNED32, 4, 6, 10),
 };
 
-const gateway_object_t gateway_marks[GATEWAY_MARKS] = {
+const gateway_object_t gateway_tells[GATEWAY_MARKS + GATEWAY_KEYS] = {
     {0x2007U, 0U, TUMBLE_TYPE_UNSIGNED32, 4U},
     {0x2020U, 1U, TUMBLE_TYPE_REAL64, 8U},
     {0x2021U, 3U, TUMBLE_TYPE_REAL64, 8U},
@@ -87,9 +87,6 @@ const gateway_object_t gateway_marks[GATEWAY_MARKS] = {
     {0x2120U, 7U, TUMBLE_TYPE_UNSIGNED8, 1U},
     {0x2130U, 1U, TUMBLE_TYPE_UNSIGNED32, 4U},
     {0x2130U, 6U, TUMBLE_TYPE_UNSIGNED32, 4U},
-};
-
-const gateway_object_t gateway_keys[GATEWAY_KEYS] = {
     {0x2150U, 1U, TUMBLE_TYPE_UNSIGNED8, 1U},
     {0x2150U, 2U, TUMBLE_TYPE_UNSIGNED32, 4U},
     {0x2150U, 3U, TUMBLE_TYPE_REAL64, 8U},

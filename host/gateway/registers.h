@@ -70,17 +70,15 @@ gateway_value_t gateway_value(size_t place);
 /* Registers of a value that is not scaled. */
 uint8_t gateway_words_of(const gateway_value_t *value);
 
-/* In the order in which they are read. */
-extern const gateway_object_t gateway_keys[GATEWAY_KEYS];
+/* Objects that tell of others by a change: the marks, that the results, and all that is kept, are others; and the keys,
+ * in the order in which they are read. */
+extern const gateway_object_t gateway_tells[GATEWAY_MARKS + GATEWAY_KEYS];
 
 /* Of each group the place of its key that selects what the others are of; GATEWAY_KEYS: it has none. */
 extern const uint8_t gateway_selectors[GATEWAY_GROUPS];
 
 /* In the order of their numbers. */
 extern const gateway_target_run_t gateway_target_runs[GATEWAY_TARGET_RUNS];
-
-/* Objects whose change tells that the results, and all that is kept, are others. */
-extern const gateway_object_t gateway_marks[GATEWAY_MARKS];
 
 /* Indices of the command objects, by the number that Modbus has for them: argument at subindex 1, command at 2, angle
  * at 3, the proposal's name at 4. */

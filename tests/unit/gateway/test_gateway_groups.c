@@ -110,7 +110,7 @@ static void test_every_key_has_its_group_read_anew_and_no_other(void)
     settle();
     const unsigned few = next_poll();
     for (size_t i = 0; i < GATEWAY_KEYS; i++) {
-        const gateway_object_t *const key = &gateway_keys[i];
+        const gateway_object_t *const key = &gateway_tells[GATEWAY_MARKS + i];
         give(key->index, key->subindex, key->size, 0x3FF1000000000000U + i);
         TEST_ASSERT_EQUAL_UINT(few + rest_of(group_of(i)), next_poll());
         TEST_ASSERT_EQUAL_UINT(few, next_poll());

@@ -108,7 +108,7 @@ static void test_a_node_that_boots_within_a_poll_tears_it(void)
 static unsigned place_of_k(void)
 {
     unsigned place = 0;
-    while (gateway_marks[place].index != 0x2020U) {
+    while (gateway_tells[place].index != 0x2020U) {
         place++;
     }
     return place;
@@ -185,7 +185,7 @@ static void test_the_verdict_is_a_mark(void)
 {
     bool is_mark = false;
     for (size_t i = 0; i < GATEWAY_MARKS; i++) {
-        is_mark = is_mark || (gateway_marks[i].index == 0x2120U && gateway_marks[i].subindex == 7U);
+        is_mark = is_mark || (gateway_tells[i].index == 0x2120U && gateway_tells[i].subindex == 7U);
     }
     TEST_ASSERT_TRUE(is_mark);
 }
