@@ -131,15 +131,16 @@ bool positioner_option_take(void *options, const char *value)
 }
 
 #ifdef TUMBLE_HAS_MODBUS
-
 static modbus_link_t modbus_link;
 static tumble_positioner_t positioner;
+#endif
 
 bool positioner_option_use(tumble_navcomp_config_t *config)
 {
     if (host == NULL) {
         return true;
     }
+#ifdef TUMBLE_HAS_MODBUS
     profile.link = &modbus_link.link;
     config->stand = &tumble_positioner_kind;
     config->stand_profile = &profile;
@@ -147,23 +148,17 @@ bool positioner_option_use(tumble_navcomp_config_t *config)
     config->stand_bytes = sizeof positioner;
     config->stand_node = 0;
     return modbus_link_open(&modbus_link, host, port, unit, (uint16_t)(profile.silence_ms / PARTS_OF_SILENCE));
+#else
+    (void)config;
+    return false;
+#endif
 }
 
 void positioner_option_close(void)
 {
+#ifdef TUMBLE_HAS_MODBUS
     if (host != NULL) {
         modbus_link_close(&modbus_link);
     }
-}
-
-#else
-
-bool positioner_option_use(tumble_navcomp_config_t *config)
-{
-    (void)config;
-    return true;
-}
-
-void positioner_option_close(void) {}
-
 #endif
+}
