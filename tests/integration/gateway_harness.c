@@ -10,7 +10,6 @@
  *     play 0|1                it answers a write that was taken when told "played", so that objects may follow from it
  *     down 0|1                the bus is down
  *     boot                    it says that it has booted
- *     tear N                  N times from now on, 2020h:1 changes when 2020h:5 is read
  *     noise FRAMES            so many frames that mean nothing come before each answer
  * A write that was taken is a line "write INDEX SUB BYTES" on standard output. Ends with its input.
  */
@@ -34,7 +33,6 @@
 
 #define NODE 1U
 #define INBOX 256U
-#define TORN 0x2020U
 
 typedef struct {
     int wake; /* readable while frames wait */
@@ -45,7 +43,6 @@ typedef struct {
     unsigned hold;
     unsigned play;
     unsigned down;
-    unsigned tear;
     unsigned noise;
     tumble_can_frame_t inbox[INBOX];
     unsigned put;
@@ -64,16 +61,6 @@ static void offer(const tumble_can_frame_t *frame)
     }
     node.inbox[node.put++ % INBOX] = *frame;
     (void)eventfd_write(node.wake, 1);
-}
-
-static uint32_t may_read(uint16_t index, uint8_t sub)
-{
-    played_object_t *const first = played_sdo_find(&node.sdo, TORN, 1);
-    if (node.tear > 0U && index == TORN && sub == 5U && first != NULL) {
-        node.tear--;
-        first->bytes[0] ^= 1U;
-    }
-    return 0;
 }
 
 static uint32_t may_write(uint16_t index, uint8_t sub)
@@ -143,8 +130,7 @@ static void take_line(const char *line)
         (void)eventfd_write(node.wake, 1);
     } else if (sscanf(line, "refuse %x", &node.refuse) != 1 && sscanf(line, "silent %u", &node.silent) != 1 &&
                sscanf(line, "single %u", &node.single) != 1 && sscanf(line, "down %u", &node.down) != 1 &&
-               sscanf(line, "tear %u", &node.tear) != 1 && sscanf(line, "noise %u", &node.noise) != 1 &&
-               sscanf(line, "play %u", &node.play) != 1) {
+               sscanf(line, "noise %u", &node.noise) != 1 && sscanf(line, "play %u", &node.play) != 1) {
         fprintf(stderr, "gateway_harness: %s?\n", line);
         exit(1);
     }
@@ -210,7 +196,6 @@ int main(int count, char **arguments)
     }
     (void)fcntl(STDIN_FILENO, F_SETFL, O_NONBLOCK);
     node.wake = eventfd(0, EFD_NONBLOCK);
-    node.sdo =
-        (played_sdo_t){.node = NODE, .send = offer, .may_read = may_read, .may_write = may_write, .on_write = on_write};
+    node.sdo = (played_sdo_t){.node = NODE, .send = offer, .may_write = may_write, .on_write = on_write};
     return gateway_serve(&options, &port, watch_both(STDIN_FILENO, node.wake));
 }

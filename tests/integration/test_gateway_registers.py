@@ -155,41 +155,6 @@ def test_one_pass_over_all_registers_is_one_snapshot(start, step):
     assert len(seen) > 6 and gateway.process.poll() is None
 
 
-def test_a_snapshot_is_torn_when_its_marks_change(start):
-    gateway = start()
-    client = gateway.connect()
-    gateway.set(0x2020, 1, struct.pack("<d", 1.0))
-    gateway.wait_fresh(client)
-    before = client.number("Polls torn")
-    gateway.tell("tear 2")
-    wait_until(lambda: client.number("Polls torn") >= before + 2)
-    gateway.wait_fresh(client)
-    assert client.number("Polls torn") == before + 2
-    gateway.tell("tear 1000000")
-    wait_until(lambda: client.number("Polls torn") > before + 10)
-    held = client.snapshot()
-    wait_until(lambda: client.number("Polls torn") > before + 20)
-    assert client.snapshot() == held  # nothing torn is ever given away
-    gateway.tell("tear 0")
-    gateway.wait_fresh(client)
-
-
-def test_what_is_kept_is_read_anew_when_a_mark_changes(start):
-    gateway = start()
-    client = gateway.connect()
-    for sub, number in ((1, 1.0), (2, 2.0)):
-        gateway.set(0x2020, sub, struct.pack("<d", number))
-    gateway.wait_fresh(client)
-    gateway.set(0x2020, 2, struct.pack("<d", 3.0), boot=False)
-    gateway.wait_fresh(client)
-    assert client.number("K: K_xy") == 2.0  # nothing told of it
-    gateway.set(0x2020, 1, struct.pack("<d", 1.5), boot=False)
-    gateway.wait_fresh(client)
-    assert (client.number("K: K_xx"), client.number("K: K_xy")) == (1.5, 3.0)
-    gateway.set(0x2020, 2, struct.pack("<d", 4.0), boot=False)
-    wait_until(lambda: client.snapshot() and client.number("K: K_xy") == 4.0)  # after a while in any case
-
-
 def test_a_session_keeps_its_snapshot_until_it_asks(start):
     gateway = start()
     one, other = gateway.connect(), gateway.connect()

@@ -316,26 +316,6 @@ def test_the_examples_of_the_page(start):
     assert example(gateway, 1) == (0, "result 3\n", "")
 
 
-def test_the_service_level_is_the_sessions_own(start):
-    gateway = start("--allow-commands")
-    one, other = unlocked(gateway), unlocked(gateway)
-    limit, data = NUMBER["Configuration: Gravity limit"], struct.pack("<d", 1e-3).hex().upper()
-    assert tell(one, limit, 1e-3) == (NO_SERVICE, 0) and gateway.written.empty()
-    open_service(gateway, one)
-    assert tell(other, limit, 1e-3) == (NO_SERVICE, 0) and gateway.written.empty()
-    assert tell(one, limit, 1e-3) == (ACCEPTED, 0) and written(gateway, 1) == [f"write 2050 5 {data}"]
-    assert tell(other, INHIBIT, 60) == (ACCEPTED, 0) and written(gateway, 1)  # the others are free
-    open_service(gateway, other)  # who gives the key last has it
-    assert tell(one, limit, 1e-3) == (NO_SERVICE, 0) and tell(other, limit, 1e-3) == (ACCEPTED, 0)
-    assert written(gateway, 1) == [f"write 2050 5 {data}"]
-    one.close()
-    time.sleep(0.2)
-    assert gateway.written.empty()
-    other.close()
-    assert written(gateway, 1) == ["write 2006 1 00000000"]
-    assert tell(unlocked(gateway), limit, 1e-3) == (NO_SERVICE, 0)
-
-
 def test_the_service_level_ends_with_the_lock_and_by_the_key_0(start):
     gateway = start("--allow-commands")
     client, limit = unlocked(gateway), NUMBER["Commit rules: Flags"]
@@ -349,16 +329,6 @@ def test_the_service_level_ends_with_the_lock_and_by_the_key_0(start):
     assert tell(client, limit, 1) == (NO_SERVICE, 0)
     gateway.tell("refuse 06090030")
     assert tell(client, KEY_OF_SERVICE, SERV + 1) == (REFUSED, 0x06090030)  # the node's to say
-    gateway.tell("refuse 0")
-    assert tell(client, limit, 1) == (NO_SERVICE, 0) and gateway.written.empty()
-
-
-def test_a_key_that_the_node_refuses_opens_nothing(start):
-    """As while a run is on: should somebody open the level over CAN, it is not this session's."""
-    gateway = start("--allow-commands")
-    client, limit = unlocked(gateway), NUMBER["Commit rules: Flags"]
-    gateway.tell("refuse 08000022")
-    assert tell(client, KEY_OF_SERVICE, SERV) == (REFUSED, 0x08000022)
     gateway.tell("refuse 0")
     assert tell(client, limit, 1) == (NO_SERVICE, 0) and gateway.written.empty()
 

@@ -47,7 +47,7 @@ void played_sdo_give(played_sdo_t *self, uint16_t index, uint8_t subindex, const
 
 static void upload(played_sdo_t *self, const uint8_t *request)
 {
-    const uint32_t refusal = self->may_read(tumble_get_u16(&request[1]), request[3]);
+    const uint32_t refusal = (self->may_read != NULL) ? self->may_read(tumble_get_u16(&request[1]), request[3]) : 0U;
     const played_object_t *const object = played_sdo_find(self, tumble_get_u16(&request[1]), request[3]);
     if (refusal != 0U || object == NULL || object->size == 0U) {
         answer(self, TUMBLE_SDO_ABORT, request, (refusal != 0U) ? refusal : NO_DATA);

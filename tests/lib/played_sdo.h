@@ -21,7 +21,7 @@ typedef struct {
 typedef struct {
     uint8_t node;
     void (*send)(const tumble_can_frame_t *frame);
-    /* Before an object is read or written: the abort code of a refusal, or 0. */
+    /* Before an object is read (may be null) or written: the abort code of a refusal, or 0. */
     uint32_t (*may_read)(uint16_t index, uint8_t subindex);
     uint32_t (*may_write)(uint16_t index, uint8_t subindex);
     /* It is `written` now. False: the answer goes with played_sdo_acknowledge. */
