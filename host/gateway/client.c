@@ -212,9 +212,9 @@ static void take_frame(gateway_client_t *client, gateway_t *gateway, gateway_fra
                        size_t size, uint64_t now_us)
 {
     if (frame == GATEWAY_FRAME_PROTOCOL) {
-        gateway_count(&gateway->counters, GATEWAY_COUNT_WRONG_PROTOCOL);
+        tumble_count(&gateway->counters[GATEWAY_COUNT_WRONG_PROTOCOL]);
     } else if (frame == GATEWAY_FRAME_SHORT) {
-        gateway_count(&gateway->counters, GATEWAY_COUNT_WRONG_LENGTH);
+        tumble_count(&gateway->counters[GATEWAY_COUNT_WRONG_LENGTH]);
     } else {
         client->has_asked = true;
         client->asked_us = now_us;
@@ -240,7 +240,7 @@ static bool take_frames(gateway_client_t *client, gateway_t *gateway, uint64_t n
     gateway_stream_drop(&client->stream, done);
     client->begun_us = (done > 0U) ? now_us : client->begun_us;
     if (frame == GATEWAY_FRAME_LOST) {
-        gateway_count(&gateway->counters, GATEWAY_COUNT_WRONG_LENGTH);
+        tumble_count(&gateway->counters[GATEWAY_COUNT_WRONG_LENGTH]);
     }
     return frame != GATEWAY_FRAME_LOST;
 }

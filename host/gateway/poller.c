@@ -13,7 +13,7 @@ enum { DOING_NOTHING = 0, DOING_READ, DOING_WRITE, DOING_LOOK };
 #define PROTOCOL_ERRORS 0x05U /* first byte of their abort codes */
 
 void gateway_poller_init(gateway_poller_t *poller, const tumble_port_t *port, uint8_t node, uint64_t period_us,
-                         gateway_counters_t *counters)
+                         uint32_t *counters)
 {
     *poller = (gateway_poller_t){.counters = counters, .period_us = period_us, .node = node};
     tumble_link_init(&poller->link, port);
@@ -83,7 +83,7 @@ static void begin_poll(gateway_poller_t *poller, uint64_t now_us)
 static void publish(gateway_poller_t *poller, uint64_t now_us)
 {
     const uint32_t number = poller->published.number + 1U;
-    gateway_count(poller->counters, GATEWAY_COUNT_POLLS);
+    tumble_count(&poller->counters[GATEWAY_COUNT_POLLS]);
     poller->building.number = (number != 0U) ? number : 1U;
     poller->building.taken_us = now_us;
     poller->published = poller->building;
@@ -97,7 +97,7 @@ static void publish(gateway_poller_t *poller, uint64_t now_us)
 
 static void note_torn(gateway_poller_t *poller, uint64_t now_us)
 {
-    gateway_count(poller->counters, GATEWAY_COUNT_POLLS_TORN);
+    tumble_count(&poller->counters[GATEWAY_COUNT_POLLS_TORN]);
     poller->torn++;
     if (poller->torn < GATEWAY_MAX_TORN) {
         begin_poll(poller, now_us);
@@ -200,7 +200,7 @@ static void take_value(gateway_poller_t *poller)
     if (poller->client.result == TUMBLE_OK) {
         gateway_image_put(poller->building.words, &value, bytes, size);
     } else {
-        gateway_count(poller->counters, GATEWAY_COUNT_VALUES_REFUSED);
+        tumble_count(&poller->counters[GATEWAY_COUNT_VALUES_REFUSED]);
         poller->is_partial = poller->is_partial || poller->client.abort == (uint32_t)TUMBLE_ABORT_DEVICE_STATE;
     }
     poller->place++;
@@ -266,7 +266,7 @@ static void take_read(gateway_poller_t *poller, uint64_t now_us)
 
 static void end_command(gateway_poller_t *poller, gateway_result_t result, int counter)
 {
-    gateway_count(poller->counters, counter);
+    tumble_count(&poller->counters[counter]);
     gateway_queue_end(&poller->queue, result, (result == GATEWAY_RESULT_REFUSED) ? poller->client.abort : 0U);
     poller->part = 0;
 }
@@ -361,7 +361,7 @@ static void take_silence(gateway_poller_t *poller, uint64_t now_us)
     }
     change_server(poller);
     if (poller->phase != PHASE_REST) {
-        gateway_count(poller->counters, GATEWAY_COUNT_POLLS_FAILED);
+        tumble_count(&poller->counters[GATEWAY_COUNT_POLLS_FAILED]);
         rest(poller, now_us + poller->period_us);
     }
 }

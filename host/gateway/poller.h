@@ -50,7 +50,7 @@ typedef struct {
 typedef struct {
     tumble_link_t link;
     tumble_sdo_client_t client;
-    gateway_counters_t *counters;
+    uint32_t *counters; /* GATEWAY_COUNTERS of them */
     uint64_t period_us;
     uint64_t next_us; /* of the next poll */
     uint8_t node;
@@ -82,7 +82,7 @@ static_assert(GATEWAY_GROUPS <= 32U, "groups are bits");
 
 /* `period_us` from the beginning of a poll to that of the next. All pointers must outlive the poller. */
 void gateway_poller_init(gateway_poller_t *poller, const tumble_port_t *port, uint8_t node, uint64_t period_us,
-                         gateway_counters_t *counters);
+                         uint32_t *counters);
 
 /* Take what has come, send what is due. */
 void gateway_poller_step(gateway_poller_t *poller);

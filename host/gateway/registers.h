@@ -93,15 +93,4 @@ void gateway_put_f32(uint16_t *at, float value);
  * object has, or the number is not finite or beyond what the registers can say. */
 void gateway_image_put(uint16_t *words, const gateway_value_t *value, const uint8_t *bytes, uint8_t size);
 
-/* Counters. */
-typedef struct {
-    uint32_t count[GATEWAY_COUNTERS];
-} gateway_counters_t;
-
-/* `which`: GATEWAY_COUNT_... Stops at its largest value. */
-static inline void gateway_count(gateway_counters_t *counters, int which)
-{
-    tumble_count(&counters->count[which]);
-}
-
 #endif

@@ -168,9 +168,9 @@ static gateway_exception_t obey(gateway_t *gateway, gateway_session_t *session, 
     const gateway_exception_t wrong =
         gateway_session_write(session, gateway, request->at, request->count, words, now_us);
     if (wrong == GATEWAY_ILLEGAL_ADDRESS) {
-        gateway_count(&gateway->counters, GATEWAY_COUNT_WRONG_ADDRESS);
+        tumble_count(&gateway->counters[GATEWAY_COUNT_WRONG_ADDRESS]);
     } else if (wrong == GATEWAY_ILLEGAL_VALUE) {
-        gateway_count(&gateway->counters, GATEWAY_COUNT_WRONG_VALUE);
+        tumble_count(&gateway->counters[GATEWAY_COUNT_WRONG_VALUE]);
     }
     return wrong;
 }
@@ -186,7 +186,7 @@ static gateway_exception_t carry_out(gateway_t *gateway, gateway_session_t *sess
     int counter = 0;
     const gateway_exception_t wrong = gateway_request_check(request, &counter);
     if (wrong != GATEWAY_OK) {
-        gateway_count(&gateway->counters, counter);
+        tumble_count(&gateway->counters[counter]);
         return wrong;
     }
     return writes(request) ? obey(gateway, session, request, now_us) : GATEWAY_OK;
@@ -222,23 +222,23 @@ size_t gateway_answer(gateway_t *gateway, gateway_session_t *session, bool is_se
     gateway_request_t request = {
         .unit = frame[head - 1U], .function = frame[head], .data = &frame[head + 1U], .size = size - head - 1U - tail};
     const bool is_ours = request.unit == gateway->settings.unit || (!is_serial && request.unit == GATEWAY_ANY_UNIT);
-    gateway_count(&gateway->counters, is_ours ? GATEWAY_COUNT_REQUESTS : GATEWAY_COUNT_WRONG_UNIT);
+    tumble_count(&gateway->counters[is_ours ? GATEWAY_COUNT_REQUESTS : GATEWAY_COUNT_WRONG_UNIT]);
     if (!is_ours && is_serial) {
         return 0;
     }
     if ((request.function & GATEWAY_EXCEPTION_BIT) != 0U) { /* what only an answer may have */
-        gateway_count(&gateway->counters, GATEWAY_COUNT_WRONG_FUNCTION);
+        tumble_count(&gateway->counters[GATEWAY_COUNT_WRONG_FUNCTION]);
         return 0;
     }
     const gateway_exception_t wrong = is_ours ? carry_out(gateway, session, &request, now_us) : GATEWAY_NO_PATH;
     size_t end = head + 1U;
     memcpy(answer, frame, end);
     if (wrong != GATEWAY_OK) {
-        gateway_count(&gateway->counters, GATEWAY_COUNT_EXCEPTIONS);
+        tumble_count(&gateway->counters[GATEWAY_COUNT_EXCEPTIONS]);
         answer[head] |= GATEWAY_EXCEPTION_BIT;
         answer[end++] = (uint8_t)wrong;
     } else {
-        gateway_count(&gateway->counters, GATEWAY_COUNT_ANSWERS);
+        tumble_count(&gateway->counters[GATEWAY_COUNT_ANSWERS]);
         end += put_answer(gateway, session, &request, now_us, &answer[end]);
     }
     if (is_serial) {

@@ -45,7 +45,7 @@ bool gateway_serial_open(gateway_serial_t *serial, const gateway_serial_settings
 
 static void lose_line(gateway_serial_t *serial, gateway_t *gateway, uint64_t now_us)
 {
-    gateway_count(&gateway->counters, GATEWAY_COUNT_SERIAL_FAULTS);
+    tumble_count(&gateway->counters[GATEWAY_COUNT_SERIAL_FAULTS]);
     gateway_session_close(&serial->stream.session, gateway);
     modbus_close(serial->line);
     serial->stream.fd = -1;
@@ -78,7 +78,7 @@ static void take_frames(gateway_serial_t *serial, gateway_t *gateway, uint64_t n
         gateway_serial_is_whole(serial->stream.in, serial->stream.in_count)) {
         answer(serial, gateway, serial->stream.in_count, now_us);
     } else {
-        gateway_count(&gateway->counters, GATEWAY_COUNT_SERIAL_CRC);
+        tumble_count(&gateway->counters[GATEWAY_COUNT_SERIAL_CRC]);
         gateway_stream_drop(&serial->stream, serial->stream.in_count);
     }
 }

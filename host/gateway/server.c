@@ -107,7 +107,7 @@ static uint32_t make_place(server_t *server, const gateway_address_t *address)
     }
     const uint32_t place = gateway_place_for(server->clients, address, clock_us(server));
     if (place < GATEWAY_MAX_CLIENTS && server->clients[place].stream.fd >= 0) {
-        gateway_count(&server->gateway.counters, GATEWAY_COUNT_CONNECTIONS_DISPLACED);
+        tumble_count(&server->gateway.counters[GATEWAY_COUNT_CONNECTIONS_DISPLACED]);
         close_client(server, place, "its place was wanted");
     }
     return place;
@@ -117,12 +117,12 @@ static void admit(server_t *server, int fd, const gateway_address_t *address)
 {
     const uint32_t place = make_place(server, address);
     if (place == GATEWAY_MAX_CLIENTS || !watch(server, EPOLL_CTL_ADD, fd, CLIENTS + place, EPOLLIN)) {
-        gateway_count(&server->gateway.counters, GATEWAY_COUNT_CONNECTIONS_REFUSED);
+        tumble_count(&server->gateway.counters[GATEWAY_COUNT_CONNECTIONS_REFUSED]);
         gateway_log_turned_away(address);
         (void)close(fd);
         return;
     }
-    gateway_count(&server->gateway.counters, GATEWAY_COUNT_CONNECTIONS);
+    tumble_count(&server->gateway.counters[GATEWAY_COUNT_CONNECTIONS]);
     gateway_client_open(&server->clients[place], fd, address, clock_us(server));
     server->clients[place].stream.watched = EPOLLIN;
     server->gateway.clients++;
@@ -138,7 +138,7 @@ static void watch_listener(server_t *server, bool rests)
 static void rest(server_t *server, const char *what)
 {
     const uint64_t now_us = clock_us(server);
-    gateway_count(&server->gateway.counters, GATEWAY_COUNT_CONNECTIONS_PUT_OFF);
+    tumble_count(&server->gateway.counters[GATEWAY_COUNT_CONNECTIONS_PUT_OFF]);
     if (now_us >= server->told_until_us) {
         event_log_always(EVENT_LOG_WARNING, "put_off", EVENT_FIELDS(EVENT_TEXT("why", what)),
                          "cannot accept connections: %s; trying again", what);
@@ -174,7 +174,7 @@ static void close_idle(server_t *server)
     for (uint32_t place = 0; place < GATEWAY_MAX_CLIENTS; place++) {
         const gateway_client_t *const client = &server->clients[place];
         if (client->stream.fd >= 0 && now_us >= gateway_client_deadline_us(client, &server->gateway.settings)) {
-            gateway_count(&server->gateway.counters, GATEWAY_COUNT_CONNECTIONS_IDLE);
+            tumble_count(&server->gateway.counters[GATEWAY_COUNT_CONNECTIONS_IDLE]);
             close_client(server, place, "silent for too long");
         }
     }
@@ -364,7 +364,7 @@ int gateway_serve(const gateway_options_t *options, const tumble_port_t *port, i
         server.clients[place].stream.fd = -1;
     }
     gateway_poller_init(&server.gateway.poller, port, options->settings.node, options->settings.poll_us,
-                        &server.gateway.counters);
+                        server.gateway.counters);
     const int code = open_all(&server, options, can_fd);
     if (code == BENCH_EXIT_PASS) {
         announce(&server, options);

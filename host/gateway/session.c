@@ -55,7 +55,7 @@ static void put_own(gateway_session_t *session, const gateway_t *gateway, uint64
     words[GATEWAY_INPUT_CLIENTS] = gateway->clients;
     words[GATEWAY_INPUT_FRESH] = is_fresh(session) ? 1U : 0U;
     for (size_t i = 0; i < GATEWAY_COUNTERS; i++) {
-        gateway_put_u32(&words[GATEWAY_INPUT_COUNTERS + 2U * i], gateway->counters.count[i]);
+        gateway_put_u32(&words[GATEWAY_INPUT_COUNTERS + 2U * i], gateway->counters[i]);
     }
 }
 
@@ -120,7 +120,7 @@ static bool are_keys(const uint16_t *words)
 static gateway_exception_t unlock(gateway_session_t *session, gateway_t *gateway, const uint16_t *keys, uint64_t now_us)
 {
     if (!are_keys(keys)) {
-        gateway_count(&gateway->counters, GATEWAY_COUNT_WRONG_KEYS);
+        tumble_count(&gateway->counters[GATEWAY_COUNT_WRONG_KEYS]);
         session->unlocked_until_us = 0;
         end_service(session, gateway);
         return GATEWAY_ILLEGAL_VALUE;
@@ -242,7 +242,7 @@ static gateway_exception_t execute_setting(gateway_session_t *session, gateway_t
     session->staged[GATEWAY_HOLDING_SERVICE_KEY] = 0;
     session->staged[GATEWAY_HOLDING_SERVICE_KEY + 1U] = 0;
     if (session->sent.result == GATEWAY_RESULT_UNFIT) {
-        gateway_count(&gateway->counters, GATEWAY_COUNT_VALUES_UNFIT);
+        tumble_count(&gateway->counters[GATEWAY_COUNT_VALUES_UNFIT]);
         return GATEWAY_OK;
     }
     if (target.service && key == 0U && !has_service(session, gateway, now_us)) {
@@ -307,7 +307,7 @@ static gateway_exception_t write_staged(gateway_session_t *session, gateway_t *g
         return GATEWAY_ILLEGAL_ADDRESS;
     }
     if (!is_unlocked(session, now_us)) {
-        gateway_count(&gateway->counters, GATEWAY_COUNT_LOCKED);
+        tumble_count(&gateway->counters[GATEWAY_COUNT_LOCKED]);
         return GATEWAY_ILLEGAL_FUNCTION;
     }
     if (session->sent.result == GATEWAY_RESULT_PENDING) {
@@ -343,7 +343,7 @@ static gateway_exception_t write_any(gateway_session_t *session, gateway_t *gate
                                      const uint16_t *words, uint64_t now_us)
 {
     if (!gateway->settings.allow_commands) {
-        gateway_count(&gateway->counters, GATEWAY_COUNT_LOCKED);
+        tumble_count(&gateway->counters[GATEWAY_COUNT_LOCKED]);
         return GATEWAY_ILLEGAL_FUNCTION;
     }
     if (at == GATEWAY_HOLDING_UNLOCK_KEY_1 && (count == KEYS || count > KEYS + 1U)) {

@@ -21,7 +21,7 @@ typedef struct {
 
 typedef struct {
     gateway_settings_t settings;
-    gateway_counters_t counters;
+    uint32_t counters[GATEWAY_COUNTERS]; /* each stops at its largest value */
     gateway_poller_t poller;
     uint16_t clients;                      /* TCP connections now open */
     const struct gateway_session *service; /* who opened the service level last; null: nobody, or it is over */

@@ -90,22 +90,6 @@ def test_every_length(abused, function):
                         "wrong); above 254: closed")
 
 
-def test_write_several_whose_numbers_contradict_each_other(start):
-    client = start("--allow-commands").connect()
-    client.unlock()
-    for count in (0, 1, 2, 123, 124, 65535):
-        for announced in (0, 1, 2, 4, 246, 247, 248, 255):
-            for given in (0, 1, 2, 3, 4, 246, 247):
-                answer = client.ask(struct.pack(">BHHB", WRITE_SEVERAL, 4, count, announced) + bytes(given))
-                good = announced == given == 2 * count and count in range(1, 124)
-                fits = good and 4 + count <= end_of("holding")
-                wanted = ADDRESS if good and not fits else VALUE
-                if fits and count <= 4:
-                    assert answer == struct.pack(">BHH", WRITE_SEVERAL, 4, count)
-                else:
-                    assert answer == refusal(WRITE_SEVERAL, wanted), (count, announced, given)
-
-
 @pytest.mark.parametrize("function, table", [(READ_INPUT, "input"), (READ_HOLDING, "holding")])
 def test_counts(abused, function, table):
     client, end = abused.connect(), end_of(table)

@@ -11,7 +11,6 @@ import time
 import pytest
 from gateway_bench import (
     READ_HOLDING,
-    READ_INPUT,
     ROOT,
     decode,
     end_of,
@@ -303,10 +302,3 @@ def test_mbpoll_reads_numbers(start):
     assert mbpoll(gateway, "-t", "3:float", "-B", "-r", 3, "-c", 1) == {3: "123456"}
     assert mbpoll(gateway, "-t", "3:float", "-B", "-r", register("U0: U0_y")["register"], "-c", 1) == {183: "0.03125"}
     assert mbpoll(gateway, "-t", "3:int", "-B", "-r", 223, "-c", 1) == {223: "3125000"}
-
-
-def test_reading_beyond_the_end_is_refused(start):
-    client, end = start().connect(), end_of("input")
-    assert len(client.read(end - 125, 125)) == 125
-    assert client.ask(struct.pack(">BHH", READ_INPUT, end - 1, 2)) == b"\x84\2"
-    assert client.ask(struct.pack(">BHH", READ_INPUT, 65535, 125)) == b"\x84\2"

@@ -80,7 +80,7 @@ void bench_set_up(void)
     give(0x2000, 0, 1, 5);
     fake_port_init(&bench.fake);
     bench.gateway.settings = (gateway_settings_t){.allow_commands = true, .unlock_us = UINT64_C(1000000000)};
-    gateway_poller_init(&bench.gateway.poller, &bench.fake.port, NODE, PERIOD_US, &bench.gateway.counters);
+    gateway_poller_init(&bench.gateway.poller, &bench.fake.port, NODE, PERIOD_US, bench.gateway.counters);
 }
 
 bool serve(void)
@@ -143,5 +143,5 @@ void pass(uint64_t us)
 
 uint32_t count(int which)
 {
-    return bench.gateway.counters.count[which];
+    return bench.gateway.counters[which];
 }
