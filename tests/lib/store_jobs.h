@@ -109,78 +109,39 @@ static inline void put_hold(unsigned tag)
     (void)ended(tumble_store_hold(&jobs_store, &set));
 }
 
-static inline void prepare(nv_memory_t *memory, bool factory, unsigned commits, bool held, unsigned rollbacks)
+static inline void prepare_sets(nv_memory_t *memory, const start_t *start)
 {
     const tumble_set_t set = set_of(FACTORY);
     (void)jobs_boot(memory);
-    if (factory) {
+    if (start->factory != 0U) {
         (void)ended(tumble_store_write_factory(&jobs_store, &set));
     }
-    for (unsigned i = 0; i < commits; i++) {
+    for (unsigned i = 0; i < start->commits; i++) {
         put_commit(FIRST + i);
     }
-    for (unsigned i = 0; i < rollbacks; i++) {
+    for (unsigned i = 0; i < start->rollbacks; i++) {
         (void)job_rollback();
     }
-    if (held) {
+    if (start->held != 0U) {
         put_hold(HELD);
     }
     jobs_before = jobs_sets();
 }
 
-/* clang-format off: a line each */
-static inline void with_nothing(nv_memory_t *memory)
+/* With an accepted proposal that has not been cleared. */
+static inline void prepare_stale(nv_memory_t *memory, const start_t *start)
 {
-    prepare(memory, false, 0, false, 0);
-}
-static inline void with_factory(nv_memory_t *memory)
-{
-    prepare(memory, true, 0, false, 0);
-}
-static inline void with_one(nv_memory_t *memory)
-{
-    prepare(memory, true, 1, false, 0);
-}
-static inline void with_two(nv_memory_t *memory)
-{
-    prepare(memory, true, 2, false, 0);
-}
-static inline void with_two_alone(nv_memory_t *memory)
-{
-    prepare(memory, false, 2, false, 0);
-}
-static inline void with_three(nv_memory_t *memory)
-{
-    prepare(memory, true, 3, false, 0);
-}
-static inline void with_held(nv_memory_t *memory)
-{
-    prepare(memory, true, 2, true, 0);
-}
-static inline void with_held_first(nv_memory_t *memory)
-{
-    prepare(memory, false, 0, true, 0);
-}
-static inline void with_rolled_back(nv_memory_t *memory)
-{
-    prepare(memory, true, 2, false, 1);
-}
-/* clang-format on */
-
-/* An accepted proposal that has not been cleared. */
-static inline void with_stale(nv_memory_t *memory)
-{
-    prepare(memory, true, 2, true, 0);
+    prepare_sets(memory, start);
     nv_arm(memory, (nv_fault_t){3, DONE_NOTHING, THEN_CUT});
     (void)job_accept();
     nv_arm(memory, nv_no_fault);
     jobs_before = (sets_t){HELD, THIRD - 1, 0, FACTORY, TUMBLE_ORIGIN_ACCEPTED, 0};
 }
 
-static inline void with_torn_factory(nv_memory_t *memory)
+static inline void prepare_torn_factory(nv_memory_t *memory, const start_t *start)
 {
     memset(memory->bytes, 0x5A, 200);
-    prepare(memory, false, 1, false, 0);
+    prepare_sets(memory, start);
 }
 
 /* Where neither slot has a valid set, or the other slot has been given up, the factory set is all there is to go to. */
@@ -278,28 +239,38 @@ static inline state_t look_factory(void)
     return (now.factory == NEW) ? STATE_AFTER : (now.factory == 0U) ? STATE_BEFORE : STATE_BAD;
 }
 
+/* Prepared so, and a job that begins with these sets. */
+#define FROM(prepare, name, job, ...)                                                                                  \
+    {                                                                                                                  \
+        name, prepare, jobs_boot, job_##job, look_##job,                                                               \
+        {                                                                                                              \
+            __VA_ARGS__                                                                                                \
+        }                                                                                                              \
+    }
+#define SETS(name, job, ...) FROM(prepare_sets, name, job, __VA_ARGS__)
+
 static const scenario_t store_scenarios[] = {
-    {"the first commit", with_factory, jobs_boot, job_commit, look_commit},
-    {"the first commit, no factory set", with_nothing, jobs_boot, job_commit, look_commit},
-    {"the second commit", with_one, jobs_boot, job_commit, look_commit},
-    {"a commit over an older set", with_two, jobs_boot, job_commit, look_commit},
-    {"a commit, no factory set", with_two_alone, jobs_boot, job_commit, look_commit},
-    {"a commit beside a proposal", with_held, jobs_boot, job_commit, look_commit},
-    {"a commit after an accept cut short", with_stale, jobs_boot, job_commit, look_commit},
-    {"a commit after a rollback", with_rolled_back, jobs_boot, job_commit, look_commit},
-    {"a hold", with_two, jobs_boot, job_hold, look_hold},
-    {"a hold in place of another", with_held, jobs_boot, job_hold, look_hold},
-    {"a hold after an accept cut short", with_stale, jobs_boot, job_hold, look_hold},
-    {"an accept", with_held, jobs_boot, job_accept, look_accept},
-    {"an accept of the first set", with_held_first, jobs_boot, job_accept, look_accept},
-    {"a discard", with_held, jobs_boot, job_discard, look_discard},
-    {"a rollback", with_two, jobs_boot, job_rollback, look_rollback},
-    {"a rollback with three behind it", with_three, jobs_boot, job_rollback, look_rollback},
-    {"a rollback to the factory set", with_one, jobs_boot, job_rollback, look_rollback},
-    {"a second rollback", with_rolled_back, jobs_boot, job_rollback, look_rollback},
-    {"the factory set", with_nothing, jobs_boot, job_factory, look_factory},
-    {"the factory set, written late", with_two_alone, jobs_boot, job_factory, look_factory},
-    {"the factory set behind a torn one", with_torn_factory, jobs_boot, job_factory, look_factory},
+    SETS("the first commit", commit, .factory = 1),
+    SETS("the first commit, no factory set", commit, .factory = 0),
+    SETS("the second commit", commit, .factory = 1, .commits = 1),
+    SETS("a commit over an older set", commit, .factory = 1, .commits = 2),
+    SETS("a commit, no factory set", commit, .commits = 2),
+    SETS("a commit beside a proposal", commit, .factory = 1, .commits = 2, .held = 1),
+    FROM(prepare_stale, "a commit after an accept cut short", commit, .factory = 1, .commits = 2, .held = 1),
+    SETS("a commit after a rollback", commit, .factory = 1, .commits = 2, .rollbacks = 1),
+    SETS("a hold", hold, .factory = 1, .commits = 2),
+    SETS("a hold in place of another", hold, .factory = 1, .commits = 2, .held = 1),
+    FROM(prepare_stale, "a hold after an accept cut short", hold, .factory = 1, .commits = 2, .held = 1),
+    SETS("an accept", accept, .factory = 1, .commits = 2, .held = 1),
+    SETS("an accept of the first set", accept, .held = 1),
+    SETS("a discard", discard, .factory = 1, .commits = 2, .held = 1),
+    SETS("a rollback", rollback, .factory = 1, .commits = 2),
+    SETS("a rollback with three behind it", rollback, .factory = 1, .commits = 3),
+    SETS("a rollback to the factory set", rollback, .factory = 1, .commits = 1),
+    SETS("a second rollback", rollback, .factory = 1, .commits = 2, .rollbacks = 1),
+    SETS("the factory set", factory, .factory = 0),
+    SETS("the factory set, written late", factory, .commits = 2),
+    FROM(prepare_torn_factory, "the factory set behind a torn one", factory, .commits = 1),
 };
 
 #endif

@@ -87,41 +87,18 @@ static inline state_t look_append(void)
     return (news > 0U) ? STATE_AFTER : STATE_BEFORE;
 }
 
-static inline void prepare_history(nv_memory_t *memory, uint32_t entries)
+static inline void prepare_history(nv_memory_t *memory, const start_t *start)
 {
     (void)history_boot(memory);
-    for (logs_entries = 0; logs_entries < entries; logs_entries++) {
+    for (logs_entries = 0; logs_entries < start->entries; logs_entries++) {
         (void)append_entry(logs_entries + 1U);
     }
 }
 
-/* clang-format off: a line each */
-static inline void with_no_history(nv_memory_t *memory)
+/* And every second entry torn in the sector before the change. */
+static inline void prepare_torn_entries(nv_memory_t *memory, const start_t *start)
 {
-    prepare_history(memory, 0);
-}
-static inline void with_five(nv_memory_t *memory)
-{
-    prepare_history(memory, 5);
-}
-static inline void with_full_sector(nv_memory_t *memory)
-{
-    prepare_history(memory, 32);
-}
-static inline void with_second_sector(nv_memory_t *memory)
-{
-    prepare_history(memory, 40);
-}
-static inline void with_both_full(nv_memory_t *memory)
-{
-    prepare_history(memory, 64);
-}
-/* clang-format on */
-
-/* Every second entry torn in the sector before the change. */
-static inline void with_torn_entries(nv_memory_t *memory)
-{
-    prepare_history(memory, 32);
+    prepare_history(memory, start);
     for (uint32_t i = 0; i < 16U; i++) {
         nv_arm(memory, (nv_fault_t){(i == 0U) ? 1U : 0U, DONE_HALF, THEN_CUT}); /* the first one erases */
         (void)append_entry(logs_entries + 1U);
@@ -132,12 +109,17 @@ static inline void with_torn_entries(nv_memory_t *memory)
 }
 
 static const scenario_t history_scenarios[] = {
-    {"the first entry of the history", with_no_history, history_boot, job_append, look_append},
-    {"an entry of the history", with_five, history_boot, job_append, look_append},
-    {"the first change of sector", with_full_sector, history_boot, job_append, look_append},
-    {"an entry in the second sector", with_second_sector, history_boot, job_append, look_append},
-    {"a change of sector over the oldest", with_both_full, history_boot, job_append, look_append},
-    {"an entry of the history among torn ones", with_torn_entries, history_boot, job_append, look_append},
+    {"the first entry of the history", prepare_history, history_boot, job_append, look_append, {.entries = 0}},
+    {"an entry of the history", prepare_history, history_boot, job_append, look_append, {.entries = 5}},
+    {"the first change of sector", prepare_history, history_boot, job_append, look_append, {.entries = 32}},
+    {"an entry in the second sector", prepare_history, history_boot, job_append, look_append, {.entries = 40}},
+    {"a change of sector over the oldest", prepare_history, history_boot, job_append, look_append, {.entries = 64}},
+    {"an entry of the history among torn ones",
+     prepare_torn_entries,
+     history_boot,
+     job_append,
+     look_append,
+     {.entries = 32}},
 };
 
 static tumble_checkpoint_t logs_checkpoint;
@@ -279,52 +261,34 @@ static inline state_t look_clear(void)
     return nothing_is_kept() ? STATE_AFTER : STATE_BAD;
 }
 
-static inline void prepare_run(nv_memory_t *memory, uint32_t fingerprint, uint32_t entries)
+static inline void prepare_run(nv_memory_t *memory, const start_t *start)
 {
     (void)checkpoint_boot(memory);
-    (void)checkpoint_ended(tumble_checkpoint_begin(&logs_checkpoint, fingerprint));
-    for (logs_kept = 0; logs_kept < entries; logs_kept++) {
+    (void)checkpoint_ended(tumble_checkpoint_begin(&logs_checkpoint, start->run));
+    for (logs_kept = 0; logs_kept < start->entries; logs_kept++) {
         (void)append_average(logs_kept);
     }
 }
 
-static inline void with_no_run(nv_memory_t *memory)
+static inline void prepare_no_run(nv_memory_t *memory, const start_t *start)
 {
-    logs_kept = 0;
+    logs_kept = start->entries;
     (void)checkpoint_boot(memory);
 }
 
-/* clang-format off: a line each */
-static inline void with_old_run(nv_memory_t *memory)
-{
-    prepare_run(memory, OLD_RUN, 80);
-}
-static inline void with_new_run(nv_memory_t *memory)
-{
-    prepare_run(memory, NEW_RUN, 0);
-}
-static inline void with_some_kept(nv_memory_t *memory)
-{
-    prepare_run(memory, NEW_RUN, 17);
-}
-static inline void with_one_again(nv_memory_t *memory)
-{
-    prepare_run(memory, NEW_RUN, 36);
-}
-static inline void with_sector_kept(nv_memory_t *memory)
-{
-    prepare_run(memory, NEW_RUN, 63);
-}
-/* clang-format on */
-
 static const scenario_t checkpoint_scenarios[] = {
-    {"the first run", with_no_run, checkpoint_boot, job_begin, look_begin},
-    {"a run in place of another", with_old_run, checkpoint_boot, job_begin, look_begin},
-    {"a run forgotten", with_old_run, checkpoint_boot, job_clear, look_clear},
-    {"the first position", with_new_run, checkpoint_boot, job_keep, look_keep},
-    {"a position", with_some_kept, checkpoint_boot, job_keep, look_keep},
-    {"a position measured again", with_one_again, checkpoint_boot, job_keep, look_keep},
-    {"a position in the second sector", with_sector_kept, checkpoint_boot, job_keep, look_keep},
+    {"the first run", prepare_no_run, checkpoint_boot, job_begin, look_begin, {.entries = 0}},
+    {"a run in place of another", prepare_run, checkpoint_boot, job_begin, look_begin, {.run = OLD_RUN, .entries = 80}},
+    {"a run forgotten", prepare_run, checkpoint_boot, job_clear, look_clear, {.run = OLD_RUN, .entries = 80}},
+    {"the first position", prepare_run, checkpoint_boot, job_keep, look_keep, {.run = NEW_RUN}},
+    {"a position", prepare_run, checkpoint_boot, job_keep, look_keep, {.run = NEW_RUN, .entries = 17}},
+    {"a position measured again", prepare_run, checkpoint_boot, job_keep, look_keep, {.run = NEW_RUN, .entries = 36}},
+    {"a position in the second sector",
+     prepare_run,
+     checkpoint_boot,
+     job_keep,
+     look_keep,
+     {.run = NEW_RUN, .entries = 63}},
 };
 
 #endif

@@ -105,7 +105,7 @@ void power_scenario(campaign_t *campaign, const scenario_t *scenario, const faul
     bool hits[NV_FAULTS] = {true, true};
     nv_fault_t *first = &campaign->faults[0];
     nv_make(&power_memory, campaign->sectors, campaign->granule, campaign->sector);
-    scenario->prepare(&power_memory);
+    scenario->prepare(&power_memory, &scenario->start);
     memcpy(power_image, power_memory.bytes, sizeof power_image);
     campaign->scenario = scenario->name;
     for (first->at = 0; hits[0] && campaign->bad == 0U; first->at++) {

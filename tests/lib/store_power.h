@@ -11,12 +11,23 @@
 
 typedef enum { STATE_BAD, STATE_BEFORE, STATE_BETWEEN, STATE_AFTER } state_t;
 
+/* What a memory holds before the job, as far as the preparation knows of it. */
+typedef struct {
+    unsigned factory; /* sets: of the factory, committed, rolled back, held */
+    unsigned commits;
+    unsigned rollbacks;
+    unsigned held;
+    uint32_t entries; /* of a log */
+    uint32_t run;     /* whose log it is */
+} start_t;
+
 typedef struct {
     const char *name;
-    void (*prepare)(nv_memory_t *memory); /* on an erased memory */
-    bool (*boot)(nv_memory_t *memory);    /* a new object; false: it never ends */
-    tumble_status_t (*job)(void);         /* begin, and step to the end */
-    state_t (*look)(void);                /* by what the object answers */
+    void (*prepare)(nv_memory_t *memory, const start_t *start); /* on an erased memory */
+    bool (*boot)(nv_memory_t *memory);                          /* a new object; false: it never ends */
+    tumble_status_t (*job)(void);                               /* begin, and step to the end */
+    state_t (*look)(void);                                      /* by what the object answers */
+    start_t start;
 } scenario_t;
 
 typedef struct {

@@ -322,8 +322,9 @@ static void test_a_memory_that_cannot_be_read_holds_nothing(void)
 
 /* The campaign: pattern 1 is saved, pattern 2 is to be. */
 
-static void prepare(nv_memory_t *prepared)
+static void prepare(nv_memory_t *prepared, const start_t *start)
 {
+    (void)start;
     (void)boot(prepared);
     variables = pattern(1);
     (void)answer_to(tumble_parameters_save(&parameters));
@@ -345,7 +346,7 @@ static state_t look(void)
     return after ? STATE_AFTER : STATE_BEFORE;
 }
 
-static const scenario_t saving = {"save", prepare, boot, job, look};
+static const scenario_t saving = {"save", prepare, boot, job, look, {0}};
 static const done_t all_kinds[] = {DONE_NOTHING,     DONE_ALL,       DONE_QUARTER,    DONE_HALF,      DONE_BUT_LAST,
                                    DONE_SECOND_HALF, DONE_SOME_BITS, DONE_SOME_BYTES, DONE_ANY_VALUES};
 static const fault_list_t all_faults = {all_kinds, sizeof all_kinds / sizeof all_kinds[0]};
@@ -389,7 +390,7 @@ static bool boot_marked(nv_memory_t *marked)
 
 static void test_the_campaign_finds_a_mixed_record(void)
 {
-    static const scenario_t marked = {"mark first", prepare, boot_marked, job, look};
+    static const scenario_t marked = {"mark first", prepare, boot_marked, job, look, {0}};
     campaign_t campaign = {.granule = 8, .sector = TUMBLE_STORE_MIN_SECTOR, .sectors = NV_MAX_SECTORS};
     power_scenario(&campaign, &marked, &all_faults, false);
     TEST_ASSERT_TRUE(campaign.bad > 0U);

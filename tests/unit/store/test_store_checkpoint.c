@@ -8,7 +8,7 @@ static nv_memory_t memory;
 static void set_up(void)
 {
     nv_make(&memory, TUMBLE_REGION_COUNT, 8, 4096);
-    with_new_run(&memory);
+    prepare_run(&memory, &(start_t){.run = NEW_RUN});
 }
 
 static void tear_down(void)
