@@ -257,5 +257,3 @@ static void test_every_defect_is_found(void)
         TEST_ASSERT_NOT_NULL_MESSAGE(strstr(failed, CANARIES[i].finds), CANARIES[i].defect);
     }
 }
-
-static const around_t around_each = {set_up, NULL};

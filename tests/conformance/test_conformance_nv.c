@@ -326,5 +326,3 @@ static void test_granules_of_a_byte(void)
     TEST_ASSERT_EQUAL_UINT32(0, conformance_run_nv(&bench));
     TEST_ASSERT_EQUAL_UINT32(1, skips);
 }
-
-static const around_t around_each = {set_up, NULL};

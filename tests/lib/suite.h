@@ -1,9 +1,9 @@
 /* suite.h - a file of Unity tests as a suite of a program, which runs the suites of all its files (suite.cmake).
  *
- * Every function test_...(void) of test_NAME.c is a case; the build lists them (suite_cases.cmake), in their order. What
- * is to be done around each case, the file says with
+ * Every function test_...(void) of test_NAME.c is a case; the build lists them (suite_cases.cmake), in their order. Around
+ * each case its set_up(void) and tear_down(void) are called, as far as it has them; or what several files share:
  *
- *     static const around_t around_each = {set_up, NULL};
+ *     static const around_t around_each = {keeper_power_on, NULL};
  */
 #ifndef TUMBLE_TESTS_SUITE_H
 #define TUMBLE_TESTS_SUITE_H

@@ -368,5 +368,3 @@ static void test_the_port_hands_on_classic_data_frames_alone(void)
     TEST_ASSERT_EQUAL(TUMBLE_E_PORT_DOWN, port.can_send(port.context, &frame));
     TEST_ASSERT_NULL(port.nv);
 }
-
-static const around_t around_each = {set_up, NULL};

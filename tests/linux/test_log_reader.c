@@ -70,7 +70,7 @@ static int slave;
 static char text[1 << 20]; /* that has come out of it so far */
 static size_t text_size;
 
-static void before_each(void)
+static void set_up(void)
 {
     may_open = true;
     filled_meanwhile = -1;
@@ -82,15 +82,13 @@ static void before_each(void)
     (void)alarm(PATIENCE_S);
 }
 
-static void after_each(void)
+static void tear_down(void)
 {
     (void)alarm(0);
     log_pipe_close();
     (void)close(master);
     (void)close(slave);
 }
-
-static const around_t around_each = {before_each, after_each};
 
 static void open_terminal(void)
 {

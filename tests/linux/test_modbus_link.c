@@ -203,5 +203,3 @@ static void test_closing_waits_for_the_exchange_under_way(void)
     ASSERT_STATUS(TUMBLE_OK, begin(5, 16));
     modbus_link_close(&link_);
 }
-
-static const around_t around_each = {set_up, tear_down};

@@ -103,5 +103,3 @@ static void test_killed_while_the_file_is_made(void)
         close_it();
     }
 }
-
-static const around_t around_each = {set_up, tear_down};

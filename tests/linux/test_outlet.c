@@ -22,7 +22,7 @@ static int signals;
 static char text[1 << 20]; /* that has come out of the pipe so far */
 static size_t text_size;
 
-static void before_each(void)
+static void set_up(void)
 {
     (void)alarm(PATIENCE_S);
     signals = signals_open(0); /* SIGPIPE is ignored, SIGTERM waits */
@@ -32,7 +32,7 @@ static void before_each(void)
     text[0] = '\0';
 }
 
-static void after_each(void)
+static void tear_down(void)
 {
     struct timespec at_once = {0};
     sigset_t set;
@@ -45,8 +45,6 @@ static void after_each(void)
     (void)close(signals);
     (void)alarm(0);
 }
-
-static const around_t around_each = {before_each, after_each};
 
 /* Lines "000...N\n" from `first` on, each flushed. */
 static void put_lines(unsigned first, unsigned count)

@@ -256,5 +256,3 @@ static void test_what_is_refused(void)
     config.clock_hz = 1000000;
     TEST_ASSERT_EQUAL(TUMBLE_E_ARGUMENT, zcu102_can_init(&can, &config));
 }
-
-static const around_t around_each = {set_up, tear_down};

@@ -192,5 +192,3 @@ static void test_filters_open_for_a_drive_with_other_process_data(void)
     config.stand_profile = &before.drive;
     TEST_ASSERT_NULL(zcu102_can_for(&config).filters);
 }
-
-static const around_t around_each = {set_up, NULL};

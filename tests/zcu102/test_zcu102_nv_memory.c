@@ -55,5 +55,3 @@ static void test_memory_that_was_loaded_is_kept(void)
         TEST_ASSERT_EQUAL_HEX8(0, memory[(PLACES[i] + 1U) % sizeof memory]);
     }
 }
-
-static const around_t around_each = {set_up, NULL};

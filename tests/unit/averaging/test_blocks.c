@@ -182,5 +182,3 @@ static void test_refusals(void)
     take(0, 0, 1, 1);
     ASSERT_STATUS(TUMBLE_E_TOO_FEW, look());
 }
-
-static const around_t around_each = {set_up, NULL};

@@ -391,5 +391,3 @@ static void test_each_channel_is_judged_by_its_own_noise(void)
     TEST_ASSERT_TRUE(fabs(work.all_square - before) <
                      1e-4 * before); /* second order is the row's, rounding the count's */
 }
-
-static const around_t around_each = {set_up, NULL};

@@ -317,5 +317,3 @@ static void test_bad_arguments(void)
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_seen_angle_chi_squared(s, NULL, &block, &errors, &work, &number, &count));
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_seen_angle_chi_squared(s, &means, &block, &errors, &work, NULL, &count));
 }
-
-static const around_t around_each = {set_up, NULL};

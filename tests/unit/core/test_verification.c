@@ -211,5 +211,3 @@ static void test_what_is_not_finite_is_refused_and_does_not_pass(void)
     calibration.u0_v[2] = INFINITE;
     assert_gravity_check_is_not_finite();
 }
-
-static const around_t around_each = {set_up, NULL};

@@ -178,5 +178,3 @@ static void test_the_root_mean_square_refuses_null(void)
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_residual_rms(&tumble_schedule_paper, &means, NULL, rms));
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_residual_rms(&tumble_schedule_paper, &means, &block, NULL));
 }
-
-static const around_t around_each = {set_up, NULL};

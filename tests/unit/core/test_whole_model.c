@@ -420,5 +420,3 @@ static void test_a_test_may_begin_anew_at_any_step(void)
         TEST_ASSERT_EQUAL_DOUBLE(before, work.chi_squared);
     }
 }
-
-static const around_t around_each = {set_up, NULL};

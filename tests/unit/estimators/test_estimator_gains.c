@@ -210,5 +210,3 @@ static void test_every_gain_must_be_a_number_in_range(void)
         TEST_ASSERT_DOUBLE_IS_DETERMINATE(coefficient(&estimate, row));
     }
 }
-
-static const around_t around_each = {set_up, NULL};

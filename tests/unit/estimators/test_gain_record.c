@@ -345,5 +345,3 @@ static void test_fingerprints_agree(void)
         TEST_ASSERT_EQUAL_HEX32(fingerprint_of(&random.schedule), tumble_gain_record_schedule_crc(&random.schedule));
     }
 }
-
-static const around_t around_each = {set_up, NULL};

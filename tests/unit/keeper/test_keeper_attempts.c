@@ -274,5 +274,3 @@ static void test_good_runs_do(void)
         TEST_ASSERT_TRUE(memcmp(memory.bytes, good.bytes, SLOT_BYTES) != 0);
     }
 }
-
-static const around_t around_each = {set_up, NULL};

@@ -255,5 +255,3 @@ static void test_newer_flags_are_kept_and_told(void)
 {
     assert_newer_is_kept(15);
 }
-
-static const around_t around_each = {set_up, NULL};

@@ -101,7 +101,7 @@ static uint16_t run(const char *lines)
     return state.objections;
 }
 
-static void before_each(void)
+static void set_up(void)
 {
     memset(&stranger, 0, sizeof stranger);
 }
@@ -147,5 +147,3 @@ static void test_one_sample_in_twenty_is_one(void)
     TEST_ASSERT_EQUAL_HEX16(0,
                             run("fault = frame_duplicate id=0x683 mask=0x7FF time=0 probability=0.04 count=1000000\n"));
 }
-
-static const around_t around_each = {before_each, NULL};

@@ -235,5 +235,3 @@ static void test_steps_do_not(void)
         TEST_ASSERT_GREATER_THAN_UINT32(runs() / 50U, tally.far_before);
     }
 }
-
-static const around_t around_each = {set_up, NULL};

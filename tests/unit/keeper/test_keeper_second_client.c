@@ -118,5 +118,3 @@ static void test_an_nmt_reset_forgets_what_was_staged(void)
     bench_pass(&bench, 1.0);
     TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2002, ARGUMENT, 1));
 }
-
-static const around_t around_each = {set_up, tear_down};

@@ -258,5 +258,3 @@ static void test_one_sample_at_an_end(void)
         assert_unknown(&set);
     }
 }
-
-static const around_t around_each = {set_up, NULL};

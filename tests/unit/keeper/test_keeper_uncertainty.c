@@ -227,5 +227,3 @@ static void test_a_reset_meanwhile_loses_nothing(void)
     resume_to_end();
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
 }
-
-static const around_t around_each = {set_up, NULL};

@@ -225,5 +225,3 @@ static void test_simulated_runs(void)
         TEST_ASSERT_EQUAL_HEX16_MESSAGE(cases[i].objections, state.objections, text);
     }
 }
-
-static const around_t around_each = {set_up, NULL};

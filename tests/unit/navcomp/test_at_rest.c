@@ -349,5 +349,3 @@ static void test_the_count_of_spoilt_samples_stops_at_its_end(void)
     take_with(1, 1, 1, 1, 0);
     assert_numbers(100, 4, UINT16_MAX);
 }
-
-static const around_t around_each = {set_up, NULL};

@@ -134,5 +134,3 @@ static void test_a_table_that_nothing_stops_is_told(void)
     }
     TEST_ASSERT_EQUAL_STRING("TUMBLE_REASON_STOP_NOT_CONFIRMED", tumble_reason_name(bench_progress(&bench).run.reason));
 }
-
-static const around_t around_each = {set_up, tear_down};

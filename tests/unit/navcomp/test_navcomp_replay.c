@@ -163,5 +163,3 @@ static void test_a_changed_sample_is_noticed(void)
     }
     TEST_ASSERT_TRUE(changed);
 }
-
-static const around_t around_each = {set_up, NULL};

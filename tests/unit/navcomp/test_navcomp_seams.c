@@ -249,5 +249,3 @@ static void test_a_kind_of_stand_of_ones_own(void)
     bench.config.stand_node = 2;
     TEST_ASSERT_EQUAL(TUMBLE_E_ARGUMENT, tumble_navcomp_init(&bench.navcomp, &bench.config)); /* it is on no bus */
 }
-
-static const around_t around_each = {set_up, NULL};

@@ -350,5 +350,3 @@ static void test_writes_from_inside_go_on(void)
     ASSERT_STATUS(TUMBLE_E_STATE, tumble_service_unlock(&bench.navcomp, KEY));
     TEST_ASSERT_EQUAL_UINT32(1, tumble_service_runs(&bench.navcomp));
 }
-
-static const around_t around_each = {set_up, NULL};

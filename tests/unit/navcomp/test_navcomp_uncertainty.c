@@ -167,5 +167,3 @@ static void test_those_of_a_gain_record_are_for_the_k_it_was_made_for(void)
     run.only = 2; /* the record has passed with the first one */
     ASSERT_STATUS(TUMBLE_OK, tumble_optimal_uncertainty(&source, &run, &stated));
 }
-
-static const around_t around_each = {set_up, NULL};

@@ -151,5 +151,3 @@ static void test_a_budget_must_be_a_size(void)
         TEST_ASSERT_EQUAL(TUMBLE_REASON_CONFIGURATION, reason);
     }
 }
-
-static const around_t around_each = {set_up, NULL};

@@ -264,5 +264,3 @@ static void test_a_run_that_shows_no_inclinations_ends_in_a_fault(void)
         ASSERT_STATUS(TUMBLE_E_STATE, tumble_procedure_result(&bench.procedure, &result));
     }
 }
-
-static const around_t around_each = {set_up, NULL};

@@ -125,5 +125,3 @@ static void test_a_record_that_is_damaged_on_the_way_gives_no_result(void)
     tumble_result_t result;
     ASSERT_STATUS(TUMBLE_E_STATE, tumble_procedure_result(&bench.procedure, &result));
 }
-
-static const around_t around_each = {set_up, NULL};

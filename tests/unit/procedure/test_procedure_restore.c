@@ -279,5 +279,3 @@ static void test_giving_up_for_another_reason(void)
     TEST_ASSERT_EQUAL_UINT(1, cut.stand.stops);
     TEST_ASSERT_EQUAL_UINT32(0, tumble_procedure_counters(&cut.procedure)->commands_refused);
 }
-
-static const around_t around_each = {set_up, NULL};

@@ -134,5 +134,3 @@ static void test_the_first_angle_at_fault_is_named(void)
     TEST_ASSERT_EQUAL_UINT8(0, where);
     ASSERT_STATUS(TUMBLE_E_SCHEDULE_ANGLE, tumble_schedule_validate(&schedule, NULL));
 }
-
-static const around_t around_each = {set_up, NULL};

@@ -291,5 +291,3 @@ static void test_a_repeated_position_may_stand_in(void)
     measured[18] = false;
     assert_refused(TUMBLE_E_MISSING_POSITION, measured, UINT64_C(1) << 18);
 }
-
-static const around_t around_each = {set_up, NULL};

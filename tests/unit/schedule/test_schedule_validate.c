@@ -227,5 +227,3 @@ static void test_a_position_is_for_the_fit_or_for_the_check(void)
     positions[1].use = (tumble_use_t)2;
     assert_refused(TUMBLE_E_ARGUMENT, 1);
 }
-
-static const around_t around_each = {set_up, NULL};

@@ -217,5 +217,3 @@ static void test_backlash_is_the_way_lost_at_every_reversal(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, -8.7, sim_axis_actual_deg(&axis, sim_axis_end_us(&axis)));
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, -9.0, sim_axis_encoder_deg(&axis, sim_axis_end_us(&axis)));
 }
-
-static const around_t around_each = {set_up, NULL};

@@ -302,5 +302,3 @@ static void test_the_sample_rate_can_be_written(void)
     run_until(1255000);
     TEST_ASSERT_UINT32_WITHIN(2, before + 400U, heard_count);
 }
-
-static const around_t around_each = {set_up, NULL};

@@ -229,5 +229,3 @@ static void test_alarms_of_one_moment_go_off_in_the_actors_order(void)
     TEST_ASSERT_TRUE(sim_clock_next(&virtual_clock, 60, &actor));
     TEST_ASSERT_EQUAL_UINT64(50, virtual_clock.now_us);
 }
-
-static const around_t around_each = {set_up, NULL};

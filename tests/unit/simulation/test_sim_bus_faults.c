@@ -192,5 +192,3 @@ static void test_probability_picks_its_share_and_repeats(void)
     TEST_ASSERT_UINT32_WITHIN(38, 900, received[0]);
     TEST_ASSERT_EQUAL_UINT32(received[0], received[1]);
 }
-
-static const around_t around_each = {set_up, NULL};

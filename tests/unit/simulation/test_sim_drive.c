@@ -254,5 +254,3 @@ static void test_target_reached_waits_for_the_end_of_a_quick_stop(void)
         TEST_ASSERT_GREATER_THAN_UINT64(1000000, sim_axis_end_us(&drive.axis) - drive.axis.start_us);
     }
 }
-
-static const around_t around_each = {set_up, NULL};

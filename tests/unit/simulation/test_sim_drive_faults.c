@@ -276,5 +276,3 @@ static void test_it_reports_while_it_moves(void)
     target_for(1500, 90 * COUNTS_PER_DEG);
     TEST_ASSERT_UINT32_WITHIN(15, before + 75U, heard.position_frames);
 }
-
-static const around_t around_each = {set_up, NULL};

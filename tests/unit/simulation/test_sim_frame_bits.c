@@ -110,5 +110,3 @@ static void test_the_all_zero_frame(void)
     assert_as_written_out(&frame);
     TEST_ASSERT_EQUAL_UINT32(6, sim_frame_stuff_bits(&wire, &frame));
 }
-
-static const around_t around_each = {set_up, NULL};

@@ -195,5 +195,3 @@ static void test_a_stuck_channel_repeats_and_swapped_ones_change_places(void)
         }
     }
 }
-
-static const around_t around_each = {set_up, NULL};

@@ -144,5 +144,3 @@ static void test_carelessly_opened_streams_are_rejected(void)
         TEST_ASSERT_FALSE(are_sound(CARELESS[i]));
     }
 }
-
-static const around_t around_each = {set_up, NULL};

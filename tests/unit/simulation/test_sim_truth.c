@@ -223,5 +223,3 @@ static void test_the_block_sags_by_the_torque_of_its_weight(void)
         }
     }
 }
-
-static const around_t around_each = {set_up, NULL};

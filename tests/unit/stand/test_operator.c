@@ -128,5 +128,3 @@ static void test_bad_configurations(void)
     infinite.tolerance_deg = (double)INFINITY;
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, init(&infinite));
 }
-
-static const around_t around_each = {set_up, NULL};

@@ -283,5 +283,3 @@ static void test_each_rule_can_be_broken(void)
     ASSERT_BREAKS(clear_fault, clears_nothing, "a fault can be cleared, in seconds at most");
     ASSERT_BREAKS(next_us, always_at_once, "at rest its next step is not due at once");
 }
-
-static const around_t around_each = {NULL, NULL};

@@ -372,5 +372,3 @@ static void test_numbers_names_and_sentences(void)
     TEST_ASSERT_EQUAL_STRING("TUMBLE_OBJECTION_UNKNOWN", tumble_objection_name(TUMBLE_OBJECTION_COUNT));
     TEST_ASSERT_EQUAL_STRING("this objection is not in the list", tumble_objection_sentence((tumble_objection_t)99));
 }
-
-static const around_t around_each = {set_up, NULL};

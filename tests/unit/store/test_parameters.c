@@ -395,5 +395,3 @@ static void test_the_campaign_finds_a_mixed_record(void)
     power_scenario(&campaign, &marked, &all_faults, false);
     TEST_ASSERT_TRUE(campaign.bad > 0U);
 }
-
-static const around_t around_each = {set_up, tear_down};

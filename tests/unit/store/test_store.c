@@ -403,5 +403,3 @@ static void test_no_counter_is_given_twice(void)
     put_commit(THIRD);
     TEST_ASSERT_EQUAL_UINT32(3, tumble_store_sequence(&jobs_store));
 }
-
-static const around_t around_each = {set_up, tear_down};

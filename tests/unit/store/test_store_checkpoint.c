@@ -186,5 +186,3 @@ static void test_failures_and_torn_cells_are_counted(void)
     TEST_ASSERT_TRUE(tumble_checkpoint_has(&logs_checkpoint, 0));
     assert_status(TUMBLE_OK, append_average(1));
 }
-
-static const around_t around_each = {set_up, tear_down};

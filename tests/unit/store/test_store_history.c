@@ -156,5 +156,3 @@ static void test_nothing_is_written_beside_what_could_not_be_read(void)
         TEST_ASSERT_EQUAL_UINT32(33, sequence_at(32));
     }
 }
-
-static const around_t around_each = {set_up, tear_down};

@@ -189,5 +189,3 @@ static void test_what_is_wrong_under_a_right_crc_is_refused(void)
     tumble_record_seal(bytes, 316, 0);
     assert_decodes(TUMBLE_E_NOT_FINITE);
 }
-
-static const around_t around_each = {set_up, NULL};

@@ -104,5 +104,3 @@ static void test_an_overflow_is_no_trend(void)
     assert_status(TUMBLE_OK, tumble_trend_add(&sums, 9999999, 1e100, 1e-100));
     assert_status(TUMBLE_E_NOT_FINITE, tumble_trend_fit(&sums, &trend));
 }
-
-static const around_t around_each = {set_up, NULL};
