@@ -19,7 +19,7 @@ PLANTED = {
         "firmware/sets/store.c",
         "(tumble_get_u32(&mark[MARK_CRC]) == tumble_set_crc(bytes))",
         "true",
-        "store/test_store_marks.c", "test_a_mark_is_of_its_own_record_alone"),
+        "store/test_store.c", "test_a_mark_is_of_its_own_record_alone"),
     "service level: holds for another session": (
         "host/gateway/session.c",
         "return gateway->service == session && now_us <",
@@ -60,7 +60,7 @@ PLANTED = {
         "firmware/sets/store.c",
         "(sequence > store->highest) ? sequence : store->highest",
         "sequence",
-        "store/test_store_marks.c", "test_no_counter_is_given_twice"),
+        "store/test_store.c", "test_no_counter_is_given_twice"),
     "objection OLDER: to what is newer": (
         "firmware/sets/rules.c",
         "are_dated(candidate, active) && (candidate->date_utc_s < active->date_utc_s)",
@@ -75,7 +75,7 @@ PLANTED = {
         "firmware/sets/store.c",
         "CELL_ERASE | IN_PROPOSAL, CELL_BODY | IN_PROPOSAL, CELL_MARK | IN_PROPOSAL,",
         "CELL_ERASE | IN_PROPOSAL, CELL_MARK | IN_PROPOSAL, CELL_BODY | IN_PROPOSAL,",
-        "store/test_store_marks.c", "test_a_loss_of_power_before_the_mark_leaves_the_record_alone"),
+        "store/test_store.c", "test_a_loss_of_power_before_the_mark_leaves_the_record_alone"),
     # Others, one for each step from a sample to a set in force.
     "block frame: its last byte is outside the CRC": (
         "firmware/sample/block_frames.c",

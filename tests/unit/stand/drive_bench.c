@@ -96,12 +96,18 @@ tumble_stand_state_t stand_state(void)
     return bench.stand.kind->state(bench.stand.self);
 }
 
+void assert_state_after(unsigned ms, tumble_stand_state_t state)
+{
+    run_ms(ms);
+    TEST_ASSERT_EQUAL_INT(state, stand_state());
+}
+
 void run_to(tumble_stand_state_t state, unsigned most_ms)
 {
     for (unsigned i = 0; (i < most_ms) && (stand_state() != state); i++) {
         run_ms(1);
     }
-    TEST_ASSERT_EQUAL_INT(state, stand_state());
+    assert_state_after(0, state);
 }
 
 tumble_status_t drive_init(const tumble_drive_profile_t *profile, uint8_t drive_node)
@@ -115,32 +121,32 @@ tumble_status_t drive_init(const tumble_drive_profile_t *profile, uint8_t drive_
     return tumble_drive402_kind.init(&bench.drive, &setup);
 }
 
-void bench_setup(const tumble_drive_profile_t *profile)
+static void start_computer(const tumble_drive_profile_t *profile)
 {
     memset(&bench, 0, sizeof bench);
-    played = (scripted_drive_t){.dead = true, .fake = &port};
-    fake_port_init(&port);
     const tumble_node_binding_t binding = {.port = &port.port, .other = &bench.mirror, .context = &bench};
     ASSERT_STATUS(TUMBLE_OK, tumble_node_init(&bench.node, &own_config, &binding));
     ASSERT_STATUS(TUMBLE_OK, drive_init(profile, SCRIPTED_DRIVE_NODE));
     bench.stand = (tumble_stand_t){&tumble_drive402_kind, &bench.drive};
     tumble_node_set_state(&bench.node, TUMBLE_NMT_OPERATIONAL);
+}
+
+void bench_setup(const tumble_drive_profile_t *profile)
+{
+    played = (scripted_drive_t){.dead = true, .fake = &port};
+    fake_port_init(&port);
+    start_computer(profile);
     run_ms(5);
 }
 
 void restart_computer(void)
 {
-    memset(&bench, 0, sizeof bench);
-    const tumble_node_binding_t binding = {.port = &port.port, .other = &bench.mirror, .context = &bench};
-    ASSERT_STATUS(TUMBLE_OK, tumble_node_init(&bench.node, &own_config, &binding));
-    ASSERT_STATUS(TUMBLE_OK, drive_init(&common, SCRIPTED_DRIVE_NODE));
-    bench.stand = (tumble_stand_t){&tumble_drive402_kind, &bench.drive};
-    tumble_node_set_state(&bench.node, TUMBLE_NMT_OPERATIONAL);
+    start_computer(&common);
 }
 
 void boot_drive(void)
 {
-    scripted_drive_boot(&played, &port);
+    drive_boots(0);
     run_to(TUMBLE_STAND_READY, 500);
 }
 
@@ -152,7 +158,7 @@ void bring_up(const tumble_drive_profile_t *profile)
 
 void go_home(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
+    home_for(0);
     run_to(TUMBLE_STAND_IN_POSITION, 500);
 }
 
@@ -168,23 +174,52 @@ void assert_fault(tumble_stand_fault_t fault)
     TEST_ASSERT_EQUAL_INT(fault, bench.stand.kind->fault(bench.stand.self));
 }
 
+void assert_fault_after(unsigned ms, tumble_stand_fault_t fault)
+{
+    run_ms(ms);
+    assert_fault(fault);
+}
+
+void run_to_fault(tumble_stand_fault_t fault, unsigned most_ms)
+{
+    run_to(TUMBLE_STAND_FAULT, most_ms);
+    assert_fault(fault);
+}
+
 void assert_angle(double expected_deg)
 {
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, expected_deg, bench.stand.kind->angle_deg(bench.stand.self));
 }
 
-void move_to(double angle_deg)
+void move_for(unsigned ms, double angle_deg)
 {
     ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, angle_deg));
+    run_ms(ms);
+}
+
+void home_for(unsigned ms)
+{
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
+    run_ms(ms);
+}
+
+void stop_for(unsigned ms)
+{
+    bench.stand.kind->stop(bench.stand.self);
+    run_ms(ms);
+}
+
+void move_to(double angle_deg)
+{
+    move_for(0, angle_deg);
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, stand_state());
-    run_to(TUMBLE_STAND_IN_POSITION, 1500);
+    run_to(TUMBLE_STAND_IN_POSITION, 3000);
 }
 
 void start_move(const tumble_drive_profile_t *profile)
 {
     bring_home(profile);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
-    run_ms(20);
+    move_for(20, 90.0);
     TEST_ASSERT_TRUE(played.moving);
 }
 
@@ -218,10 +253,40 @@ void report_now(void)
     run_ms(2);
 }
 
-void assert_moves_again(void)
+void drive_boots(unsigned ms)
 {
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 30.0));
-    run_to(TUMBLE_STAND_IN_POSITION, 1000);
+    scripted_drive_boot(&played, &port);
+    run_ms(ms);
+}
+
+void drive_fails(uint16_t code, unsigned ms)
+{
+    scripted_drive_fail(&played, &port, code);
+    run_ms(ms);
+}
+
+void assert_refused(uint16_t index, uint8_t subindex, tumble_stand_step_t step, uint32_t abort)
+{
+    const tumble_stand_refusal_t refusal = bench.drive.report.refusal;
+    assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
+    TEST_ASSERT_EQUAL_HEX16(index, refusal.index);
+    TEST_ASSERT_EQUAL_UINT8(subindex, refusal.subindex);
+    TEST_ASSERT_EQUAL_UINT8(step, refusal.step);
+    TEST_ASSERT_EQUAL_HEX32(abort, refusal.abort);
+}
+
+tumble_drive_profile_t halting(void)
+{
+    tumble_drive_profile_t profile = common;
+    profile.stop = TUMBLE_STOP_BY_HALT;
+    return profile;
+}
+
+tumble_drive_profile_t wrapping(void)
+{
+    tumble_drive_profile_t profile = common;
+    profile.wrap_counts = 36000;
+    return profile;
 }
 
 const tumble_drive_pdo_t common_receive[] = {

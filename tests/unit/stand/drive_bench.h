@@ -41,9 +41,24 @@ void bring_home(const tumble_drive_profile_t *profile);
 /* Our computer begins anew, with the common profile, and the drive has not noticed. */
 void restart_computer(void);
 
+void assert_state_after(unsigned ms, tumble_stand_state_t state);
 void assert_fault(tumble_stand_fault_t fault);
+void assert_fault_after(unsigned ms, tumble_stand_fault_t fault);
+void run_to_fault(tumble_stand_fault_t fault, unsigned most_ms);
 void assert_angle(double expected_deg);
+
+/* What the drive refused to be brought to: a fault of the protocol. */
+void assert_refused(uint16_t index, uint8_t subindex, tumble_stand_step_t step, uint32_t abort);
+
+/* An order that is taken, and then so many milliseconds; a move until it is there. */
+void move_for(unsigned ms, double angle_deg);
+void home_for(unsigned ms);
+void stop_for(unsigned ms);
 void move_to(double angle_deg);
+
+/* What the drive does, and then so many milliseconds. */
+void drive_boots(unsigned ms);
+void drive_fails(uint16_t code, unsigned ms);
 
 /* Homed, and on its way to 90 degrees. */
 void start_move(const tumble_drive_profile_t *profile);
@@ -54,11 +69,14 @@ void recover(tumble_stand_state_t state); /* and get into this one */
 
 void stop_at_rest(void);
 void report_now(void); /* the drive reports, and is heard */
-void assert_moves_again(void);
 
 /* The common drive: 36,000 counts a turn, one PDO each way. */
 extern const tumble_drive_pdo_t common_receive[];
 extern const tumble_drive_pdo_t common_transmit[];
 extern const tumble_drive_profile_t common;
+
+/* The common drive, stopped by Halt; and one whose position counts modulo a turn. */
+tumble_drive_profile_t halting(void);
+tumble_drive_profile_t wrapping(void);
 
 #endif

@@ -4,12 +4,11 @@
 static void test_absent_until_it_is_heard(void)
 {
     bench_setup(&common);
-    run_ms(1000);
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_OFFLINE, stand_state());
+    assert_state_after(1000, TUMBLE_STAND_OFFLINE);
     ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->home(bench.stand.self));
     ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->move(bench.stand.self, 0.0));
     ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->clear_fault(bench.stand.self));
-    bench.stand.kind->stop(bench.stand.self);
+    stop_for(0);
     TEST_ASSERT_EQUAL_UINT(0, played.write_count);
     boot_drive();
 }
@@ -34,7 +33,7 @@ static void test_a_drive_found_running_is_taken_down_first(void)
     static const unsigned lost[] = {0, 3};
     for (size_t i = 0; i < COUNT_OF(states) * COUNT_OF(lost); i++) {
         bench_setup(&common);
-        scripted_drive_boot(&played, &port);
+        drive_boots(0);
         played.state = states[i / COUNT_OF(lost)];
         played.moving = ((played.state == IS_ENABLED) || (played.state == IS_QUICK_STOP));
         played.goal = 100000;
@@ -63,8 +62,8 @@ static void test_homing(void)
     bring_up(&common);
     played.actual = 12345;
     ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->move(bench.stand.self, 10.0)); /* not homed */
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_HOMING, stand_state());
+    home_for(0);
+    assert_state_after(0, TUMBLE_STAND_HOMING);
     ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->home(bench.stand.self));
     run_to(TUMBLE_STAND_IN_POSITION, 500);
     assert_angle(0.0);
@@ -120,9 +119,8 @@ static void test_a_lingering_target_reached_is_not_believed(void)
     bring_home(&common);
     played.bits |= 0x0400U;
     played.reached_lingers = true;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
-    run_ms(60);
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, stand_state());
+    move_for(60, 90.0);
+    assert_state_after(0, TUMBLE_STAND_MOVING);
     run_to(TUMBLE_STAND_IN_POSITION, 100);
     TEST_ASSERT_DOUBLE_WITHIN(0.1, 90.0, bench.stand.kind->angle_deg(bench.stand.self));
 }
@@ -132,11 +130,9 @@ static void test_a_drive_that_slips_off_its_target_is_not_in_position(void)
     bring_home(&common);
     move_to(45.0);
     played.bits &= (uint16_t)~0x0400U;
-    run_ms(15);
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, stand_state());
+    assert_state_after(15, TUMBLE_STAND_MOVING);
     played.bits |= 0x0400U;
-    run_ms(15);
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_IN_POSITION, stand_state());
+    assert_state_after(15, TUMBLE_STAND_IN_POSITION);
 }
 
 /* Target reached has no meaning after homing before the first set-point. */
@@ -144,14 +140,13 @@ static void test_at_home_without_target_reached(void)
 {
     bring_home(&common);
     played.bits = 0;
-    run_ms(50);
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_IN_POSITION, stand_state());
+    assert_state_after(50, TUMBLE_STAND_IN_POSITION);
 }
 
 static void test_a_busy_port_delays_and_breaks_nothing(void)
 {
     bring_home(&common);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 45.0));
+    move_for(0, 45.0);
     port.send_room = 0;
     run_ms(50);
     const unsigned before = played.control_count;
@@ -168,15 +163,13 @@ static void test_stop_by_quick_stop_then_on_from_there(void)
     for (size_t i = 0; i < COUNT_OF(stays); i++) {
         bring_home(&common);
         played.quick_stop_stays = stays[i];
-        ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
-        run_ms(40);
+        move_for(40, 90.0);
         stop_at_rest();
         TEST_ASSERT_FALSE(played.moving);
         TEST_ASSERT_EQUAL_HEX16(0x0002, played.control);
         const double here_deg = bench.stand.kind->angle_deg(bench.stand.self);
         TEST_ASSERT_TRUE((here_deg > 1.0) && (here_deg < 89.0));
-        run_ms(200);
-        TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_STOPPED, stand_state());
+        assert_state_after(200, TUMBLE_STAND_STOPPED);
         move_to(45.0);
         assert_angle(45.0);
     }
@@ -184,11 +177,9 @@ static void test_stop_by_quick_stop_then_on_from_there(void)
 
 static void test_stop_by_halt_leaves_no_old_set_point(void)
 {
-    tumble_drive_profile_t profile = common;
-    profile.stop = TUMBLE_STOP_BY_HALT;
+    tumble_drive_profile_t profile = halting();
     bring_home(&profile);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
-    run_ms(40);
+    move_for(40, 90.0);
     stop_at_rest();
     TEST_ASSERT_EQUAL_HEX16(0x010F, played.control);
     const unsigned before = played.control_count;
@@ -199,10 +190,9 @@ static void test_stop_by_halt_leaves_no_old_set_point(void)
 static void test_stop_while_homing(void)
 {
     bring_up(&common);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-    run_ms(15);
+    home_for(15);
     TEST_ASSERT_TRUE(played.homing);
-    bench.stand.kind->stop(bench.stand.self);
+    stop_for(0);
     run_to(TUMBLE_STAND_READY, 200); /* at rest, and not homed */
     TEST_ASSERT_FALSE(played.homing);
     go_home();
@@ -211,10 +201,10 @@ static void test_stop_while_homing(void)
 static void test_stop_in_the_middle_of_a_mode_change(void)
 {
     bring_up(&common);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
+    home_for(0);
     played.sdo_is_deaf = true;
     run_ms(3);
-    bench.stand.kind->stop(bench.stand.self);
+    stop_for(0);
     run_to(TUMBLE_STAND_READY, 200);
     played.sdo_is_deaf = false;
     go_home();
@@ -227,7 +217,7 @@ static void test_next_deadline_is_never_forgotten(void)
     boot_drive();
     run_ms(5);
     TEST_ASSERT_EQUAL_UINT64(TUMBLE_NEVER, tumble_drive402_kind.next_us(&bench.drive));
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
+    home_for(0);
     TEST_ASSERT_EQUAL_UINT64(0, tumble_drive402_kind.next_us(&bench.drive)); /* its time must begin */
     run_ms(20);
     const uint64_t deadline_us = tumble_drive402_kind.next_us(&bench.drive);
@@ -239,7 +229,7 @@ static void test_next_deadline_is_never_forgotten(void)
 static void test_steps_when_due_are_enough(void)
 {
     bring_home(&common);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 45.0));
+    move_for(0, 45.0);
     played.event_only = true;
     for (unsigned i = 0; (i < 2000U) && (stand_state() != TUMBLE_STAND_IN_POSITION); i++) {
         const uint64_t drive_us = tumble_drive402_kind.next_us(&bench.drive);

@@ -1,13 +1,6 @@
 /* The CiA 402 master at its limits: standstill, faults at every moment, two PDOs each way, exact times. */
 #include "drive_bench.h"
 
-static tumble_drive_profile_t by_halt(void)
-{
-    tumble_drive_profile_t profile = common;
-    profile.stop = TUMBLE_STOP_BY_HALT;
-    return profile;
-}
-
 /* Status and position apart, and as many receive PDOs. */
 static const tumble_drive_pdo_t apart_receive[] = {
     {0, {.cob_id = 0x202, .type = 255, .count = 1, .map = {0x60400010}}},
@@ -35,19 +28,18 @@ static void expect_stop(const tumble_drive_profile_t *profile, bool hides_stands
     played.quick_stop_stays = true;
     played.brakes_for_ms = 45;
     played.hides_standstill = hides_standstill;
-    bench.stand.kind->stop(bench.stand.self);
+    stop_for(0);
     for (unsigned ms = 0; ms < most_ms; ms++) {
         run_ms(1);
         TEST_ASSERT_TRUE((stand_state() == TUMBLE_STAND_MOVING) || !played.moving);
     }
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_STOPPED, stand_state());
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 45.0));
-    run_to(TUMBLE_STAND_IN_POSITION, 1000);
+    assert_state_after(0, TUMBLE_STAND_STOPPED);
+    move_to(45.0);
 }
 
 static void test_stopped_means_at_rest(void)
 {
-    const tumble_drive_profile_t halt = by_halt();
+    const tumble_drive_profile_t halt = halting();
     const tumble_drive_profile_t two = apart();
     expect_stop(&common, false, 60);
     expect_stop(&common, true, 100);
@@ -60,7 +52,7 @@ static void test_stopped_means_at_rest(void)
 /* The frame with the stop is lost, and the next ones too. */
 static void test_a_stop_is_repeated_until_it_acts(void)
 {
-    const tumble_drive_profile_t halt = by_halt();
+    const tumble_drive_profile_t halt = halting();
     const tumble_drive_profile_t *const profiles[] = {&common, &halt};
     for (size_t i = 0; i < COUNT_OF(profiles); i++) {
         for (unsigned lost = 0; lost < 5U; lost++) {
@@ -79,9 +71,8 @@ static void test_two_process_data_each_way(void)
     bring_home(&profile);
     static const double angles_deg[] = {45.0, 0.0, 400.0};
     for (size_t i = 0; i < COUNT_OF(angles_deg); i++) {
-        ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, angles_deg[i]));
-        run_to(TUMBLE_STAND_IN_POSITION, 1500);
-        TEST_ASSERT_DOUBLE_WITHIN(1e-9, angles_deg[i], bench.stand.kind->angle_deg(bench.stand.self));
+        move_to(angles_deg[i]);
+        assert_angle(angles_deg[i]);
     }
 }
 
@@ -94,7 +85,7 @@ static void test_old_attained_bits_with_the_position_apart(void)
     played.old_reports = 2;
     played.actual = 12345;
     go_home();
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, bench.stand.kind->angle_deg(bench.stand.self));
+    assert_angle(0.0);
 }
 
 static void test_one_start_command_is_enough(void)
@@ -109,14 +100,12 @@ static void test_power_lost_at_every_moment(void)
 {
     for (unsigned ms = 0; ms < 70U; ms++) {
         bring_up(&common);
-        ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-        run_ms(ms);
+        home_for(ms);
         played.state = IS_DISABLED;
         report_now();
         assert_fault(TUMBLE_STAND_FAULT_POWER);
         bring_home(&common);
-        ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 50.0));
-        run_ms(ms);
+        move_for(ms, 50.0);
         played.state = IS_READY;
         report_now();
         assert_fault(TUMBLE_STAND_FAULT_POWER);
@@ -127,8 +116,7 @@ static void test_following_error_at_every_moment_of_a_move(void)
 {
     for (unsigned ms = 0; ms < 50U; ms++) {
         bring_home(&common);
-        ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 50.0));
-        run_ms(ms);
+        move_for(ms, 50.0);
         played.bits |= 0x2000U;
         report_now();
         run_ms(20); /* what the motion depends on is being read back */
@@ -150,23 +138,19 @@ static void test_a_failure_on_arrival(void)
         played.bits = bits[i];
         played.state = states[i];
         scripted_drive_report(&played);
-        run_ms(20);
-        assert_fault(faults[i]);
+        assert_fault_after(20, faults[i]);
     }
 }
 
 static void test_homing_again_after_a_move(void)
 {
     bring_home(&common);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 20.0));
-    run_to(TUMBLE_STAND_IN_POSITION, 500);
+    move_to(20.0);
     go_home();
     played.bits = 0; /* target reached has no meaning now */
-    run_ms(20);
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_IN_POSITION, stand_state());
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-    run_ms(10);
-    bench.stand.kind->stop(bench.stand.self);
+    assert_state_after(20, TUMBLE_STAND_IN_POSITION);
+    home_for(10);
+    stop_for(0);
     run_to(TUMBLE_STAND_READY, 200); /* the old home is gone with the new one half done */
 }
 
@@ -174,14 +158,14 @@ static void test_stop_on_the_way_back_to_power(void)
 {
     start_move(&common);
     stop_at_rest();
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 10.0));
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, stand_state());
+    move_for(0, 10.0);
+    assert_state_after(0, TUMBLE_STAND_MOVING);
     run_ms(2);
-    bench.stand.kind->stop(bench.stand.self); /* nothing moves yet, and nothing will */
+    stop_for(0); /* nothing moves yet, and nothing will */
     const int32_t here = played.actual;
     run_ms(300);
     TEST_ASSERT_EQUAL_INT32(here, played.actual);
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_STOPPED, stand_state());
+    assert_state_after(0, TUMBLE_STAND_STOPPED);
 }
 
 static void test_stopping_again_and_again_gains_no_time(void)
@@ -190,8 +174,7 @@ static void test_stopping_again_and_again_gains_no_time(void)
     played.ignores_stop = true;
     played.never_reaches = true;
     for (unsigned ms = 0; ms < 1010U; ms++) {
-        bench.stand.kind->stop(bench.stand.self);
-        run_ms(1);
+        stop_for(1);
     }
     assert_fault(TUMBLE_STAND_FAULT_STOP);
 }
@@ -205,7 +188,7 @@ static void test_times_are_over_to_the_microsecond(void)
     const uint64_t deadline_us = tumble_drive402_kind.next_us(&bench.drive);
     TEST_ASSERT_TRUE(deadline_us > port.now_us);
     tumble_drive402_kind.step(&bench.drive, deadline_us - 1U);
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, stand_state());
+    assert_state_after(0, TUMBLE_STAND_MOVING);
     tumble_drive402_kind.step(&bench.drive, deadline_us);
     assert_fault(TUMBLE_STAND_FAULT_TIMEOUT);
 }
@@ -213,7 +196,7 @@ static void test_times_are_over_to_the_microsecond(void)
 static void test_an_answer_is_followed_up_at_once(void)
 {
     bench_setup(&common);
-    scripted_drive_boot(&played, &port);
+    drive_boots(0);
     tumble_can_frame_t frame;
     bool answered = false;
     for (unsigned ms = 0; (ms < 20U) && !answered; ms++) {
@@ -237,8 +220,7 @@ static void test_nothing_is_written_after_a_refusal(void)
 {
     bench_setup(&common);
     played.refuse_index = 0x6083;
-    scripted_drive_boot(&played, &port);
-    run_ms(100);
+    drive_boots(100);
     TEST_ASSERT_EQUAL_UINT(5, played.write_count); /* what comes before it */
     TEST_ASSERT_EQUAL_UINT(1, played.refusals);
 }
@@ -247,12 +229,11 @@ static void test_nothing_is_written_after_a_refusal(void)
 static void test_a_restart_with_a_question_open(void)
 {
     bench_setup(&common);
-    scripted_drive_boot(&played, &port);
-    run_ms(3);
+    drive_boots(3);
     played.sdo_is_deaf = true;
     run_ms(3);
     played.sdo_is_deaf = false;
-    scripted_drive_boot(&played, &port);
+    drive_boots(0);
     run_to(TUMBLE_STAND_READY, 100);
 }
 
@@ -265,12 +246,10 @@ static void test_a_later_fault_is_not_reset_unasked(void)
     played.dead = false;
     run_ms(200);
     recover(TUMBLE_STAND_STOPPED);
-    bench.stand.kind->stop(bench.stand.self);
-    run_ms(20);
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_STOPPED, stand_state());
+    stop_for(20);
+    assert_state_after(0, TUMBLE_STAND_STOPPED);
     played.state = IS_FAULT;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 10.0));
-    run_ms(20);
+    move_for(20, 10.0);
     assert_fault(TUMBLE_STAND_FAULT_DRIVE);
     TEST_ASSERT_EQUAL_HEX16(IS_FAULT, played.state);
 }
@@ -283,7 +262,7 @@ static void test_without_a_window_target_reached_is_enough(void)
     played.moving = false; /* a thousand counts short of it */
     played.bits |= 0x0400U;
     report_now();
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_IN_POSITION, stand_state());
+    assert_state_after(0, TUMBLE_STAND_IN_POSITION);
 }
 
 static void test_profiles_at_the_end_of_their_range(void)

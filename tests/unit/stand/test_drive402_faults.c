@@ -4,8 +4,7 @@
 static void test_a_fault_of_the_drive(void)
 {
     start_move(&common);
-    scripted_drive_fail(&played, &port, 0x3210);
-    run_ms(2);
+    drive_fails(0x3210, 2);
     assert_fault(TUMBLE_STAND_FAULT_DRIVE);
     TEST_ASSERT_EQUAL_HEX16(0x3210, bench.drive.report.fault_code);
     TEST_ASSERT_EQUAL_HEX16(0x0002, played.control);
@@ -16,7 +15,7 @@ static void test_a_fault_of_the_drive(void)
     TEST_ASSERT_EQUAL_HEX16(0x0000, played.controls[before].control); /* the edge of bit 7 */
     TEST_ASSERT_EQUAL_HEX16(0x0080, played.controls[before + 1U].control);
     TEST_ASSERT_EQUAL_HEX16(0x0006, played.controls[before + 2U].control);
-    assert_moves_again();
+    move_to(30.0);
 }
 
 static void test_a_fault_reaction_is_a_fault_already(void)
@@ -30,20 +29,17 @@ static void test_a_fault_reaction_is_a_fault_already(void)
 static void test_stall_by_emergency_message(void)
 {
     start_move(&common);
-    scripted_drive_fail(&played, &port, 0x8611);
-    run_ms(2);
+    drive_fails(0x8611, 2);
     assert_fault(TUMBLE_STAND_FAULT_STALL);
 }
 
 static void test_stall_by_a_late_emergency_message(void)
 {
     start_move(&common);
-    scripted_drive_fail(&played, &port, 0);
-    run_ms(2);
+    drive_fails(0, 2);
     assert_fault(TUMBLE_STAND_FAULT_DRIVE);
     scripted_drive_emergency(&played, 0x8611);
-    run_ms(2);
-    assert_fault(TUMBLE_STAND_FAULT_STALL);
+    assert_fault_after(2, TUMBLE_STAND_FAULT_STALL);
     scripted_drive_emergency(&played, 0x0000); /* "no error" does not hide it */
     run_ms(2);
     TEST_ASSERT_EQUAL_HEX16(0x8611, bench.drive.report.fault_code);
@@ -53,8 +49,7 @@ static void test_stall_by_bit_13_in_fault(void)
 {
     start_move(&common);
     played.bits |= 0x2000U;
-    scripted_drive_fail(&played, &port, 0);
-    run_ms(2);
+    drive_fails(0, 2);
     assert_fault(TUMBLE_STAND_FAULT_STALL);
 }
 
@@ -63,12 +58,11 @@ static void test_stall_by_bit_13_without_fault(void)
     start_move(&common);
     played.bits |= 0x2000U;
     scripted_drive_report(&played);
-    run_ms(3);
-    assert_fault(TUMBLE_STAND_FAULT_STALL);
+    assert_fault_after(3, TUMBLE_STAND_FAULT_STALL);
     TEST_ASSERT_FALSE(played.moving); /* it has been stopped */
     played.bits = 0;
     recover(TUMBLE_STAND_STOPPED);
-    assert_moves_again();
+    move_to(30.0);
 }
 
 /* Whatever else the same report says. */
@@ -86,16 +80,14 @@ static void test_silence(void)
 {
     start_move(&common);
     played.dead = true;
-    run_ms(390);
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, stand_state());
-    run_ms(200);
-    assert_fault(TUMBLE_STAND_FAULT_HEARTBEAT);
+    assert_state_after(390, TUMBLE_STAND_MOVING);
+    assert_fault_after(200, TUMBLE_STAND_FAULT_HEARTBEAT);
     clear_fault();
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_OFFLINE, stand_state());
+    assert_state_after(0, TUMBLE_STAND_OFFLINE);
     run_ms(100);
     played.dead = false; /* the cable is back; it has never lost its power */
     run_to(TUMBLE_STAND_STOPPED, 500);
-    assert_moves_again();
+    move_to(30.0);
 }
 
 static void test_silence_that_ends_before_it_is_cleared(void)
@@ -104,10 +96,9 @@ static void test_silence_that_ends_before_it_is_cleared(void)
     played.dead = true;
     run_ms(600);
     played.dead = false;
-    run_ms(200);
-    assert_fault(TUMBLE_STAND_FAULT_HEARTBEAT);
+    assert_fault_after(200, TUMBLE_STAND_FAULT_HEARTBEAT);
     recover(TUMBLE_STAND_STOPPED);
-    assert_moves_again();
+    move_to(30.0);
 }
 
 static void test_power_lost(void)
@@ -130,19 +121,16 @@ static void test_power_lost_at_rest(void)
 {
     bring_home(&common);
     played.state = IS_DISABLED;
-    run_ms(15);
-    assert_fault(TUMBLE_STAND_FAULT_POWER);
+    assert_fault_after(15, TUMBLE_STAND_FAULT_POWER);
 }
 
 static void test_a_restart_of_the_drive(void)
 {
     start_move(&common);
     played.write_count = 0;
-    scripted_drive_boot(&played, &port);
-    run_ms(2);
+    drive_boots(2);
     assert_fault(TUMBLE_STAND_FAULT_POWER);
-    run_ms(500);
-    assert_fault(TUMBLE_STAND_FAULT_POWER);
+    assert_fault_after(500, TUMBLE_STAND_FAULT_POWER);
     TEST_ASSERT_EQUAL_UINT(0, played.write_count); /* nothing by itself */
     recover(TUMBLE_STAND_READY);
     TEST_ASSERT_EQUAL_UINT(24, played.write_count);
@@ -151,8 +139,7 @@ static void test_a_restart_of_the_drive(void)
 static void test_a_restart_while_it_is_configured_starts_again(void)
 {
     bench_setup(&common);
-    scripted_drive_boot(&played, &port);
-    run_ms(6);
+    drive_boots(6);
     TEST_ASSERT_TRUE((played.write_count > 0U) && (played.write_count < 24U));
     played.write_count = 0;
     boot_drive();
@@ -162,10 +149,8 @@ static void test_a_restart_while_it_is_configured_starts_again(void)
 static void test_a_restart_after_a_fault(void)
 {
     start_move(&common);
-    scripted_drive_fail(&played, &port, 0x1000);
-    run_ms(5);
-    scripted_drive_boot(&played, &port);
-    run_ms(5);
+    drive_fails(0x1000, 5);
+    drive_boots(5);
     assert_fault(TUMBLE_STAND_FAULT_DRIVE);
     recover(TUMBLE_STAND_READY);
 }
@@ -178,15 +163,14 @@ static void test_a_restart_that_nobody_heard(void)
         start_move(&common);
         played.dead = true;
         run_ms(silent_ms[i]);
-        scripted_drive_boot(&played, &port);
+        drive_boots(0);
         played.actual = 0; /* where it stands is its zero */
         port.to_firmware.count = 0;
-        run_ms(200);
-        TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_FAULT, stand_state());
+        assert_state_after(200, TUMBLE_STAND_FAULT);
         recover(TUMBLE_STAND_READY);
         ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->move(bench.stand.self, 30.0));
         go_home();
-        assert_moves_again();
+        move_to(30.0);
     }
 }
 
@@ -195,8 +179,7 @@ static void test_somebody_stops_the_node(void)
     start_move(&common);
     played.operational = false;
     scripted_drive_beat(&played, 127);
-    run_ms(2);
-    assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
+    assert_fault_after(2, TUMBLE_STAND_FAULT_PROTOCOL);
     played.moving = false;
     recover(TUMBLE_STAND_READY); /* for all we know it has booted, so it must be homed again */
 }
@@ -205,8 +188,7 @@ static void test_a_refused_configuration(void)
 {
     bench_setup(&common);
     played.refuse_index = 0x6083;
-    scripted_drive_boot(&played, &port);
-    run_ms(50);
+    drive_boots(50);
     assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
     const tumble_stand_refusal_t refusal = bench.drive.report.refusal;
     TEST_ASSERT_EQUAL_HEX16(0x6083, refusal.index);
@@ -221,10 +203,9 @@ static void test_a_refused_configuration(void)
 static void test_a_drive_found_in_fault_is_not_reset_unasked(void)
 {
     bench_setup(&common);
-    scripted_drive_boot(&played, &port);
+    drive_boots(0);
     played.state = IS_FAULT;
-    run_ms(100);
-    assert_fault(TUMBLE_STAND_FAULT_DRIVE);
+    assert_fault_after(100, TUMBLE_STAND_FAULT_DRIVE);
     recover(TUMBLE_STAND_READY);
 }
 
@@ -232,14 +213,12 @@ static void test_a_drive_found_in_fault_is_not_reset_unasked(void)
 static void test_a_fault_that_comes_back_at_once(void)
 {
     start_move(&common);
-    scripted_drive_fail(&played, &port, 0x4210);
-    run_ms(5);
+    drive_fails(0x4210, 5);
     clear_fault();
     while (played.state != IS_READY) {
         run_ms(1);
     }
-    scripted_drive_fail(&played, &port, 0x4211);
-    run_ms(5);
+    drive_fails(0x4211, 5);
     assert_fault(TUMBLE_STAND_FAULT_DRIVE);
     TEST_ASSERT_EQUAL_HEX16(0x4211, bench.drive.report.fault_code);
 }
@@ -248,8 +227,7 @@ static void test_homing_that_fails(void)
 {
     bring_up(&common);
     played.homing_fails = true;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-    run_ms(60);
+    home_for(60);
     assert_fault(TUMBLE_STAND_FAULT_HOMING);
     played.homing_fails = false;
     recover(TUMBLE_STAND_READY);
@@ -259,11 +237,9 @@ static void test_homing_that_fails(void)
 static void test_a_fault_while_homing_is_no_stall(void)
 {
     bring_up(&common);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-    run_ms(20);
+    home_for(20);
     played.bits |= 0x2000U; /* in this mode: homing error */
-    scripted_drive_fail(&played, &port, 0x7300);
-    run_ms(2);
+    drive_fails(0x7300, 2);
     assert_fault(TUMBLE_STAND_FAULT_DRIVE);
 }
 
@@ -271,8 +247,7 @@ static void test_a_mode_that_is_refused(void)
 {
     bring_up(&common);
     played.refuse_index = 0x6060;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-    run_ms(15);
+    home_for(15);
     assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
     TEST_ASSERT_EQUAL_HEX16(0x6060, bench.drive.report.refusal.index);
 }
@@ -281,21 +256,17 @@ static void test_a_fault_while_stopping(void)
 {
     start_move(&common);
     played.ignores_stop = true;
-    bench.stand.kind->stop(bench.stand.self);
-    run_ms(5);
-    scripted_drive_fail(&played, &port, 0x2220);
-    run_ms(2);
+    stop_for(5);
+    drive_fails(0x2220, 2);
     assert_fault(TUMBLE_STAND_FAULT_DRIVE);
 }
 
 static void test_stop_in_fault_is_sent_all_the_same(void)
 {
     start_move(&common);
-    scripted_drive_fail(&played, &port, 0x2220);
-    run_ms(5);
+    drive_fails(0x2220, 5);
     const unsigned before = played.control_count;
-    bench.stand.kind->stop(bench.stand.self);
-    run_ms(2);
+    stop_for(2);
     TEST_ASSERT_EQUAL_UINT(before + 1U, played.control_count);
     TEST_ASSERT_EQUAL_HEX16(0x0002, played.control);
     assert_fault(TUMBLE_STAND_FAULT_DRIVE);
@@ -309,8 +280,7 @@ static void test_a_stop_is_repeated_in_fault(void)
         played.never_reaches = true;
         played.misses = lost;
         played.bits |= 0x2000U;
-        run_ms(70);
-        assert_fault(TUMBLE_STAND_FAULT_STALL);
+        assert_fault_after(70, TUMBLE_STAND_FAULT_STALL);
         TEST_ASSERT_FALSE(played.moving);
         const unsigned told = played.control_count;
         run_ms(100);
@@ -324,8 +294,7 @@ static void test_a_drive_that_comes_back_is_told_to_stop(void)
     start_move(&common);
     played.never_reaches = true;
     played.dead = true;
-    run_ms(600);
-    assert_fault(TUMBLE_STAND_FAULT_HEARTBEAT);
+    assert_fault_after(600, TUMBLE_STAND_FAULT_HEARTBEAT);
     TEST_ASSERT_TRUE(played.moving);
     played.event_only = true;
     played.dead = false;

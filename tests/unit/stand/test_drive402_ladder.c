@@ -19,8 +19,7 @@ static void start_endless_homing(const tumble_drive_profile_t *profile, int32_t 
     bring_up(profile);
     played.homing_never_ends = true;
     played.homing_turns = counts_per_ms;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-    run_ms(200);
+    home_for(200);
     TEST_ASSERT_TRUE(played.homing);
     played.write_count = 0;
 }
@@ -59,8 +58,7 @@ static void test_a_bring_up_that_fails_stops_a_turning_axis(void)
         played.misses = UINT32_MAX;
         run_to(TUMBLE_STAND_FAULT, 500);
         TEST_ASSERT_FALSE(played.homing); /* it was told by SDO before anything else */
-        run_ms(2400);
-        assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
+        assert_fault_after(2400, TUMBLE_STAND_FAULT_PROTOCOL);
         TEST_ASSERT_EQUAL_UINT32(0, climbed(TUMBLE_RUNG_NMT));
     }
 }
@@ -89,8 +87,7 @@ static void test_a_forged_boot_up_does_not_end_the_ladder(void)
         start_endless_homing(&common, 10);
         played.misses = UINT32_MAX;
         if (after_ms[i] != 0U) {
-            bench.stand.kind->stop(bench.stand.self);
-            run_ms(after_ms[i]);
+            stop_for(after_ms[i]);
         }
         scripted_drive_send(&played, 0x702, 1, &boot_up);
         run_ms(500);
@@ -104,8 +101,7 @@ static void test_a_forged_boot_up_does_not_end_the_ladder(void)
 static void test_an_axis_that_is_set_going_in_fault_is_stopped(void)
 {
     start_move(&common);
-    scripted_drive_fail(&played, &port, 0x1234);
-    run_ms(3000);
+    drive_fails(0x1234, 3000);
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_RUNG_NONE, bench.drive.rung);
     played.state = IS_ENABLED;
     played.moving = true;
@@ -126,15 +122,13 @@ static void test_a_second_stop_climbs_again(void)
     played.misses = UINT32_MAX;
     played.sdo_is_deaf = true;
     played.ignores_nmt = true;
-    bench.stand.kind->stop(bench.stand.self);
-    run_ms(5000);
+    stop_for(5000);
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_RUNG_UNCONFIRMED, bench.drive.rung);
     TEST_ASSERT_TRUE(played.homing);
     played.sdo_is_deaf = false;
     played.operational = true; /* somebody has started it again */
     played.stopped = false;
-    bench.stand.kind->stop(bench.stand.self);
-    run_ms(450);
+    stop_for(450);
     TEST_ASSERT_FALSE(played.homing);
     assert_fault(TUMBLE_STAND_FAULT_STOP);
     TEST_ASSERT_EQUAL_UINT32(2, climbed(TUMBLE_RUNG_SDO));
@@ -149,8 +143,7 @@ static void test_a_stray_statusword_does_not_rush_the_ladder(void)
     start_endless_move(&slow);
     played.quick_stop_stays = true;
     played.brakes_for_ms = 3500;
-    bench.stand.kind->stop(bench.stand.self);
-    run_ms(3000);
+    stop_for(3000);
     const uint16_t braking = played.state;
     played.state = IS_ENABLED;
     scripted_drive_report(&played);
@@ -164,21 +157,13 @@ static void test_a_stray_statusword_does_not_rush_the_ladder(void)
 
 /* Halt. */
 
-static tumble_drive_profile_t halting(void)
-{
-    tumble_drive_profile_t profile = common;
-    profile.stop = TUMBLE_STOP_BY_HALT;
-    return profile;
-}
-
 /* A drive that did not hear the Halt looks like one that obeys it: the second way is not waited for. */
 static void test_halt_is_told_by_sdo_at_once(void)
 {
     const tumble_drive_profile_t profile = halting();
     start_endless_move(&profile);
     played.misses = UINT32_MAX;
-    bench.stand.kind->stop(bench.stand.self);
-    run_ms(5);
+    stop_for(5);
     TEST_ASSERT_FALSE(played.moving);
     TEST_ASSERT_EQUAL_UINT(1, played.write_count);
     TEST_ASSERT_EQUAL_HEX16(0x6040, played.writes[0].index);
@@ -194,17 +179,15 @@ static void test_a_halt_that_nobody_hears_is_no_rest(void)
     const tumble_drive_profile_t profile = halting();
     bring_home(&profile);
     played.reached_lingers = true;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 300.0));
-    run_ms(30);
+    move_for(30, 300.0);
     TEST_ASSERT_TRUE(played.moving);
     played.goal = FAR;
     played.never_reaches = true;
     played.misses = UINT32_MAX;
     played.sdo_is_deaf = true;
-    bench.stand.kind->stop(bench.stand.self);
-    run_ms(590);
+    stop_for(590);
     TEST_ASSERT_TRUE(played.moving);
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, stand_state());
+    assert_state_after(0, TUMBLE_STAND_MOVING);
     run_ms(830); /* 0.4 s for the brake, 1 s for the ladder */
     TEST_ASSERT_FALSE(played.moving);
     assert_fault(TUMBLE_STAND_FAULT_STOP);
@@ -248,8 +231,7 @@ static void test_a_fast_homing_is_bounded_by_rare_reports(void)
 /* At rest such a drive tells nothing for as long as it likes, and has not turned round meanwhile. */
 static void test_a_wrapping_drive_without_timer_keeps_its_position_at_rest(void)
 {
-    tumble_drive_profile_t profile = common;
-    profile.wrap_counts = 36000;
+    tumble_drive_profile_t profile = wrapping();
     profile.transmit = untimed;
     bring_up(&profile);
     played.wrap = 36000;
@@ -263,7 +245,7 @@ static void test_a_wrapping_drive_without_timer_keeps_its_position_at_rest(void)
         scripted_drive_report(&played);
         run_ms(20);
     }
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_IN_POSITION, stand_state());
+    assert_state_after(0, TUMBLE_STAND_IN_POSITION);
     TEST_ASSERT_EQUAL_UINT32(0, bench.drive.report.stop.implausible);
     assert_angle(30.0);
 }

@@ -17,16 +17,6 @@ static tumble_drive_profile_t two_pdos(uint32_t window_counts)
     return profile;
 }
 
-static void assert_refused(uint16_t index, uint8_t subindex, tumble_stand_step_t step, uint32_t abort)
-{
-    const tumble_stand_refusal_t refusal = bench.drive.report.refusal;
-    assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
-    TEST_ASSERT_EQUAL_HEX16(index, refusal.index);
-    TEST_ASSERT_EQUAL_UINT8(subindex, refusal.subindex);
-    TEST_ASSERT_EQUAL_UINT8(step, refusal.step);
-    TEST_ASSERT_EQUAL_HEX32(abort, refusal.abort);
-}
-
 /* The statusword comes first. In position is the table where it stands, not where it was reported last. */
 static void test_a_position_that_comes_later_is_waited_for(void)
 {
@@ -56,7 +46,7 @@ static void test_a_position_that_never_comes_is_asked_for(void)
     move_to(170.0);
     assert_angle(170.0);
     played.refuse_index = 0x6064;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 0.0));
+    move_for(0, 0.0);
     run_to(TUMBLE_STAND_FAULT, 500);
     assert_refused(0x6064, 0, TUMBLE_STAND_STEP_MOTION, 0x06020000);
 }
@@ -69,7 +59,7 @@ static void test_what_is_refused_is_named(void)
         profile.deceleration_deg_s2 = 100.0;
         profile.homing_acceleration_deg_s2 = 100.0;
         bench_setup(&profile);
-        scripted_drive_boot(&played, &port);
+        drive_boots(0);
         played.refuse_index = objects[i];
         run_to(TUMBLE_STAND_FAULT, 500);
         assert_refused(objects[i], (objects[i] == 0x1016) ? 1U : 0U, TUMBLE_STAND_STEP_CONFIGURATION, 0x06020000);
@@ -83,17 +73,17 @@ static void test_which_handshake_broke_is_named(void)
 {
     bring_up(&common);
     played.mode_sticks = true;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
+    home_for(0);
     run_to(TUMBLE_STAND_FAULT, 500);
     assert_refused(0x6061, 0, TUMBLE_STAND_STEP_HOMING_MODE, TUMBLE_ABORT_TIMEOUT);
     bring_home(&common);
     played.never_acknowledges = true;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 10.0));
+    move_for(0, 10.0);
     run_to(TUMBLE_STAND_FAULT, 500);
     assert_refused(0x6041, 0, TUMBLE_STAND_STEP_SET_POINT, TUMBLE_ABORT_TIMEOUT);
     bring_home(&common);
     played.keeps_acknowledging = true;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 10.0));
+    move_for(0, 10.0);
     run_to(TUMBLE_STAND_FAULT, 500);
     assert_refused(0x6041, 0, TUMBLE_STAND_STEP_RELEASE, TUMBLE_ABORT_TIMEOUT);
 }
@@ -127,7 +117,7 @@ static void begin_fixed(const tumble_drive_profile_t *profile, uint32_t mapped)
     played.fixed_pdos = true;
     played.receive[0] = (scripted_pdo_t){0x202, 2, {0x60400010, 0x607A0020}};
     played.transmit[0] = (scripted_pdo_t){0x182, 2, {0x60410010, mapped}};
-    scripted_drive_boot(&played, &port);
+    drive_boots(0);
 }
 
 static void test_pdos_that_are_kept_must_be_as_the_profile_has_them(void)
@@ -176,7 +166,7 @@ static void test_no_word_goes_out_before_the_mapping(void)
 static void test_an_old_emergency_is_not_the_code_of_a_later_fault(void)
 {
     bench_setup(&common);
-    scripted_drive_boot(&played, &port);
+    drive_boots(0);
     scripted_drive_emergency(&played, 0x8220);
     run_to(TUMBLE_STAND_READY, 500);
     TEST_ASSERT_EQUAL_HEX16(0, bench.drive.report.fault_code);
@@ -195,8 +185,7 @@ static void test_how_far_a_stop_has_gone_is_told(void)
 {
     start_move(&common);
     played.ignores_stop = true;
-    bench.stand.kind->stop(bench.stand.self);
-    run_ms(500);
+    stop_for(500);
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_RUNG_SDO, bench.drive.report.rung);
     run_ms(600);
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_RUNG_NMT, bench.drive.report.rung);
@@ -210,7 +199,7 @@ static void test_a_homing_that_takes_no_time(void)
     played.homes_at_once = true;
     boot_drive();
     go_home();
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self)); /* again: it may have slipped meanwhile */
+    home_for(0); /* again: it may have slipped meanwhile */
     run_to(TUMBLE_STAND_IN_POSITION, 500);
     move_to(45.0);
 }
@@ -221,7 +210,7 @@ static void test_a_start_of_homing_that_got_lost_is_given_again(void)
     bring_up(&common);
     played.homes_at_once = true;
     played.actual = 777;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
+    home_for(0);
     while (bench.drive.phase != (uint8_t)PHASE_HOMING) {
         run_ms(1);
     }
@@ -240,7 +229,7 @@ static void test_bit_12_may_be_set_from_operation_enabled_on(void)
         played.acknowledges_enabling = true;
         boot_drive();
         go_home();
-        ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 30.0));
+        move_for(0, 30.0);
         run_to((known != 0U) ? TUMBLE_STAND_IN_POSITION : TUMBLE_STAND_FAULT, 1000);
     }
     assert_angle(30.0);

@@ -24,23 +24,6 @@ static tumble_drive_profile_t slow(void)
     return profile;
 }
 
-static tumble_drive_profile_t wrapping(void)
-{
-    tumble_drive_profile_t profile = common;
-    profile.wrap_counts = 36000;
-    return profile;
-}
-
-static void assert_refused(uint16_t index, uint8_t subindex, uint8_t step, uint32_t abort_code)
-{
-    const tumble_stand_refusal_t refusal = bench.drive.report.refusal;
-    assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
-    TEST_ASSERT_EQUAL_HEX16(index, refusal.index);
-    TEST_ASSERT_EQUAL_HEX8(subindex, refusal.subindex);
-    TEST_ASSERT_EQUAL_UINT8(step, refusal.step);
-    TEST_ASSERT_EQUAL_HEX32(abort_code, refusal.abort);
-}
-
 static void assert_lost(void)
 {
     assert_fault(TUMBLE_STAND_FAULT_POSITION);
@@ -61,8 +44,8 @@ static void test_one_garbled_report_changes_nothing(void)
     }
     assert_angle(0.0);
     TEST_ASSERT_EQUAL_UINT32(20, bench.drive.report.stop.implausible);
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_IN_POSITION, stand_state());
-    assert_moves_again();
+    assert_state_after(0, TUMBLE_STAND_IN_POSITION);
+    move_to(30.0);
 }
 
 static void test_nor_does_one_in_a_move(void)
@@ -134,8 +117,7 @@ static void test_a_turn_is_not_guessed_after_silence(void)
     start_move(&profile);
     played.wrap = 36000;
     played.dead = true;
-    run_ms(3000);
-    assert_fault(TUMBLE_STAND_FAULT_HEARTBEAT);
+    assert_fault_after(3000, TUMBLE_STAND_FAULT_HEARTBEAT);
     played.dead = false;
     run_ms(300);
     clear_fault();
@@ -152,7 +134,7 @@ static void test_an_axis_that_creeps_at_rest(void)
         played.actual++;
         run_ms(10);
     }
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_IN_POSITION, stand_state());
+    assert_state_after(0, TUMBLE_STAND_IN_POSITION);
     for (int i = 0; i < 20; i++) {
         played.actual++;
         run_ms(10);
@@ -175,27 +157,23 @@ static void test_before_homing_the_axis_may_be_turned(void)
 {
     bring_up(&common);
     played.homing_never_ends = true;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-    run_ms(50);
-    bench.stand.kind->stop(bench.stand.self);
+    home_for(50);
+    stop_for(0);
     run_to(TUMBLE_STAND_READY, 100);
     run_ms(100);
     played.actual += 5000;
-    run_ms(100);
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_READY, stand_state());
+    assert_state_after(100, TUMBLE_STAND_READY);
     TEST_ASSERT_EQUAL_UINT32(0, bench.drive.report.stop.implausible);
 }
 
 /* Somebody else turns it, by a way that we do not see: it was told to rest. */
 static void test_an_axis_that_is_not_homed_and_held_must_rest(void)
 {
-    tumble_drive_profile_t profile = common;
-    profile.stop = TUMBLE_STOP_BY_HALT;
+    tumble_drive_profile_t profile = halting();
     bring_up(&profile);
     played.homing_never_ends = true;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-    run_ms(50);
-    bench.stand.kind->stop(bench.stand.self);
+    home_for(50);
+    stop_for(0);
     run_to(TUMBLE_STAND_READY, 100);
     played.homing = false;
     run_ms(100);
@@ -203,8 +181,7 @@ static void test_an_axis_that_is_not_homed_and_held_must_rest(void)
     played.goal = 100000;
     played.mode = 1;
     played.moving = true;
-    run_ms(60);
-    assert_fault(TUMBLE_STAND_FAULT_POSITION);
+    assert_fault_after(60, TUMBLE_STAND_FAULT_POSITION);
     run_ms(30);
     TEST_ASSERT_FALSE(played.moving);
 }
@@ -220,11 +197,9 @@ static void test_a_homing_that_never_began(void)
     played.attained_from_before = true;
     played.old_reports = UINT32_MAX;
     played.homing_never_ends = true;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-    run_ms(450);
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_HOMING, stand_state());
-    run_ms(100);
-    assert_fault(TUMBLE_STAND_FAULT_HOMING);
+    home_for(450);
+    assert_state_after(0, TUMBLE_STAND_HOMING);
+    assert_fault_after(100, TUMBLE_STAND_FAULT_HOMING);
 }
 
 /* A method that homes where the axis stands shows nothing else. */
@@ -244,7 +219,7 @@ static void home_without_end(const tumble_drive_profile_t *profile, int32_t coun
     played.homing_never_ends = true;
     played.homing_turns = counts_per_ms;
     played.wrap = (int32_t)profile->wrap_counts;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
+    home_for(0);
 }
 
 static void assert_bounded(const tumble_drive_profile_t *profile, double most_deg)
@@ -253,8 +228,7 @@ static void assert_bounded(const tumble_drive_profile_t *profile, double most_de
     for (size_t i = 0; i < COUNT_OF(ways); i++) {
         home_without_end(profile, ways[i]);
         const int32_t from = played.actual;
-        run_to(TUMBLE_STAND_FAULT, 10000);
-        assert_fault(TUMBLE_STAND_FAULT_HOMING);
+        run_to_fault(TUMBLE_STAND_FAULT_HOMING, 10000);
         run_ms(50);
         const double turned_deg = (double)abs(played.actual - from) / PER_DEG;
         TEST_ASSERT_TRUE(turned_deg > most_deg - 1.0);
@@ -327,7 +301,7 @@ static void test_near_zero_nobody_asks_for_the_home_offset(void)
     bring_up(&common);
     played.refuse_index = 0x607C;
     played.home = 510;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
+    home_for(0);
     run_to(TUMBLE_STAND_FAULT, 1000);
     assert_refused(0x607C, 0, TUMBLE_STAND_STEP_POSITION_MODE, 0x06020000);
 }
@@ -340,9 +314,8 @@ static void test_a_homing_that_leaves_the_position_elsewhere(void)
         bring_up(&common);
         played.frozen = true;
         played.shown = shown[i];
-        ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-        run_to(TUMBLE_STAND_FAULT, 1000);
-        assert_fault(TUMBLE_STAND_FAULT_HOMING);
+        home_for(0);
+        run_to_fault(TUMBLE_STAND_FAULT_HOMING, 1000);
         recover(TUMBLE_STAND_READY);
         ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->move(bench.stand.self, 0.0));
         played.frozen = false;
@@ -364,9 +337,8 @@ static void test_homing_that_turned_too_far_unseen(void)
     bring_up(&profile);
     played.second_ms = 1000;
     played.home = 9000;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-    run_to(TUMBLE_STAND_FAULT, 500);
-    assert_fault(TUMBLE_STAND_FAULT_HOMING);
+    home_for(0);
+    run_to_fault(TUMBLE_STAND_FAULT_HOMING, 500);
 }
 
 /* An axis that turns and is not seen is stopped. */
@@ -378,10 +350,8 @@ static void test_homing_that_nobody_sees(void)
     run_ms(100);
     TEST_ASSERT_EQUAL_UINT64(bench.drive.reported_us + 1200000U, tumble_drive_blind_us(&bench.drive));
     played.transmit[0].cob_id |= 0x80000000U; /* somebody has switched its process data off */
-    run_ms(1100);
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_HOMING, stand_state());
-    run_ms(130);
-    assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
+    assert_state_after(1100, TUMBLE_STAND_HOMING);
+    assert_fault_after(130, TUMBLE_STAND_FAULT_PROTOCOL);
 }
 
 /* Limits of the drive's own. */
@@ -406,7 +376,7 @@ static void test_a_drive_that_does_not_keep_them_does_not_run(void)
     profile.software_limits = true;
     bench_setup(&profile);
     played.keeps_no_limits = true;
-    scripted_drive_boot(&played, &port);
+    drive_boots(0);
     run_to(TUMBLE_STAND_FAULT, 500);
     assert_refused(0x607D, 1, TUMBLE_STAND_STEP_CONFIGURATION, TUMBLE_ABORT_VALUE);
     TEST_ASSERT_FALSE(bench.drive.report.limited);
@@ -433,8 +403,7 @@ static void test_a_foreign_command_stops_the_axis(void)
     for (size_t i = 0; i < COUNT_OF(moves); i++) {
         bring_home(&common);
         if (moves[i]) {
-            ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
-            run_ms(20);
+            move_for(20, 90.0);
         }
         TEST_ASSERT_FALSE(tumble_drive402_kind.foreign(&bench.drive, 0x302, false));
         TEST_ASSERT_TRUE(tumble_drive402_kind.foreign(&bench.drive, 0x202, false));

@@ -78,8 +78,7 @@ static void test_another_maker(void)
     TEST_ASSERT_EQUAL_HEX16(0x1802, played.writes[0].index);
     TEST_ASSERT_EQUAL_HEX16(0x6007, played.writes[1].index);
     TEST_ASSERT_EQUAL_HEX16(0x1016, played.writes[2].index); /* the profile's own first, then all that any drive gets */
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 10.0));
-    run_to(TUMBLE_STAND_IN_POSITION, 3000);
+    move_to(10.0);
     TEST_ASSERT_EQUAL_INT32(-13467, played.target); /* -10 / 360 * 484,800 = -13,466.67 */
     TEST_ASSERT_DOUBLE_WITHIN(0.5 * 360.0 / 484800.0, 10.0, bench.stand.kind->angle_deg(bench.stand.self));
     bool found = false;
@@ -97,22 +96,19 @@ static void test_a_mode_in_the_process_data_is_kept(void)
     profile.transmit_count = 1;
     bring_home(&profile);
     TEST_ASSERT_EQUAL_INT8(1, played.mode);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 10.0));
-    run_to(TUMBLE_STAND_IN_POSITION, 3000);
+    move_to(10.0);
     TEST_ASSERT_EQUAL_INT8(1, played.mode);
 }
 
 static void test_a_wrapping_drive_goes_long_ways_in_quarters(void)
 {
     static const double angles_deg[] = {45.0, 360.0, -5.0, 0.0, 315.0, 405.0, -180.0};
-    tumble_drive_profile_t profile = common;
-    profile.wrap_counts = 36000;
+    tumble_drive_profile_t profile = wrapping();
     bring_up(&profile);
     played.wrap = 36000;
     go_home();
     for (size_t i = 0; i < COUNT_OF(angles_deg); i++) {
-        ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, angles_deg[i]));
-        run_to(TUMBLE_STAND_IN_POSITION, 3000);
+        move_to(angles_deg[i]);
         assert_angle(angles_deg[i]);
         TEST_ASSERT_TRUE((played.target >= 0) && (played.target < 36000));
     }
@@ -123,8 +119,7 @@ static void test_a_wrapping_drive_is_at_home_on_either_side(void)
 {
     static const int32_t homes[] = {35999, 35990, 0, 1, 17999, 18001};
     static const double angles_deg[] = {-0.01, -0.1, 0.0, 0.01, 179.99, -179.99};
-    tumble_drive_profile_t profile = common;
-    profile.wrap_counts = 36000;
+    tumble_drive_profile_t profile = wrapping();
     for (size_t i = 0; i < COUNT_OF(homes); i++) {
         bring_up(&profile);
         played.wrap = 36000;
@@ -138,8 +133,7 @@ static void test_a_wrapping_drive_is_at_home_on_either_side(void)
 
 static void test_a_short_way_from_beside_home_is_short(void)
 {
-    tumble_drive_profile_t profile = common;
-    profile.wrap_counts = 36000;
+    tumble_drive_profile_t profile = wrapping();
     bring_up(&profile);
     played.wrap = 36000;
     played.home = 35999;
@@ -157,7 +151,7 @@ static void test_angles_beyond_the_drive(void)
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, bench.stand.kind->move(bench.stand.self, 2.2e7));
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, bench.stand.kind->move(bench.stand.self, -2.2e7));
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, bench.stand.kind->move(bench.stand.self, (double)NAN));
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_IN_POSITION, stand_state());
+    assert_state_after(0, TUMBLE_STAND_IN_POSITION);
 }
 
 /* Half a count goes away from zero, as people round. */

@@ -10,8 +10,7 @@ static void brake(void)
     played.hides_standstill = true;
     played.brakes_for_ms = 100000;
     played.goal = 10000000;
-    bench.stand.kind->stop(bench.stand.self);
-    run_ms(20);
+    stop_for(20);
     played.moving = false; /* the test moves it */
     played.event_only = true;
 }
@@ -23,11 +22,11 @@ static void test_reports_of_rest_must_follow_each_other(void)
         played.actual++;
         report_now();
         report_now();
-        TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, stand_state());
+        assert_state_after(0, TUMBLE_STAND_MOVING);
     }
     report_now();
     report_now();
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_STOPPED, stand_state());
+    assert_state_after(0, TUMBLE_STAND_STOPPED);
 }
 
 /* Process data may be lost: the same once more before any other way, also where no report asks for it. */
@@ -39,8 +38,7 @@ static void test_the_first_way_is_process_data_again(void)
     played.misses = 1;
     played.report_ms = 10000;
     played.counts_per_ms = 1;
-    bench.stand.kind->stop(bench.stand.self);
-    run_ms(195);
+    stop_for(195);
     TEST_ASSERT_TRUE(played.moving);
     run_ms(10);
     TEST_ASSERT_FALSE(played.moving);
@@ -62,7 +60,7 @@ static void test_an_axis_at_rest_may_stray_to_the_last_count(void)
     report_now();
     report_now();
     TEST_ASSERT_EQUAL_UINT32(0, bench.drive.report.stop.implausible);
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_IN_POSITION, stand_state());
+    assert_state_after(0, TUMBLE_STAND_IN_POSITION);
     played.actual += 1;
     report_now();
     report_now();

@@ -10,7 +10,7 @@ static void stop_a_move(const tumble_drive_profile_t *profile)
     played.write_count = 0;
     played.nmt_stops = 0;
     played.silent_ms = 0;
-    bench.stand.kind->stop(bench.stand.self);
+    stop_for(0);
 }
 
 static void assert_counters(uint32_t again, uint32_t by_sdo, uint32_t by_nmt, uint32_t by_silence, uint32_t unconfirmed)
@@ -60,7 +60,7 @@ static void test_the_second_way_is_sdo(void)
     TEST_ASSERT_EQUAL_UINT8(0, bench.node.emcy.error_register); /* it rests */
     played.misses = 0;
     played.never_reaches = false;
-    assert_moves_again();
+    move_to(30.0);
 }
 
 /* Nor does SDO: it is taken out of operation. From then on nothing tells of the axis. */
@@ -71,7 +71,7 @@ static void test_the_third_way_is_nmt(void)
     played.sdo_is_deaf = true;
     run_ms(995);
     TEST_ASSERT_TRUE(played.moving);
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, stand_state());
+    assert_state_after(0, TUMBLE_STAND_MOVING);
     run_ms(10);
     TEST_ASSERT_FALSE(played.moving);
     TEST_ASSERT_EQUAL_UINT(1, played.nmt_stops);
@@ -118,8 +118,7 @@ static void test_a_fault_climbs_too(void)
     played.never_reaches = true;
     played.misses = UINT32_MAX;
     played.bits |= 0x2000U;
-    run_ms(405);
-    assert_fault(TUMBLE_STAND_FAULT_STALL);
+    assert_fault_after(405, TUMBLE_STAND_FAULT_STALL);
     run_ms(50);
     TEST_ASSERT_FALSE(played.moving);
     assert_counters(1, 1, 0, 0, 0);
@@ -146,13 +145,13 @@ static void test_one_that_brakes_for_ever(void)
 static void test_a_coasting_axis_is_not_at_rest(void)
 {
     start_move(&common);
-    bench.stand.kind->stop(bench.stand.self);
+    stop_for(0);
     played.state = IS_DISABLED;
     played.ignores_stop = true;
     played.never_reaches = true;
     run_ms(100);
     TEST_ASSERT_TRUE(played.moving);
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, stand_state());
+    assert_state_after(0, TUMBLE_STAND_MOVING);
     played.moving = false;
     run_to(TUMBLE_STAND_STOPPED, 60);
 }
@@ -162,8 +161,7 @@ static void test_a_drive_that_boots_has_let_go(void)
     stop_a_move(&common);
     played.misses = UINT32_MAX;
     run_ms(300);
-    scripted_drive_boot(&played, &port);
-    run_ms(3000);
+    drive_boots(3000);
     assert_counters(1, 0, 0, 0, 0);
     assert_fault(TUMBLE_STAND_FAULT_POWER);
 }

@@ -66,8 +66,7 @@ static void test_a_drive_may_round_its_quantities(void)
     run_to(TUMBLE_STAND_IN_POSITION, 500);
     TEST_ASSERT_EQUAL_UINT(writes, played.write_count);
     scripted_drive_change(&played, 0x6081, 0, 100000U - (100000U / 64U) - 2U);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 0.0));
-    run_to(TUMBLE_STAND_IN_POSITION, 500);
+    move_to(0.0);
     TEST_ASSERT_EQUAL_UINT(writes + 1U, played.write_count);
 }
 
@@ -98,12 +97,10 @@ static void test_meanwhile_the_stand_is_on_its_way(void)
     bring_home(&common);
     played.sdo_is_deaf = true;
     ASSERT_STATUS(TUMBLE_OK, begin_motion(false));
-    run_ms(20);
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, stand_state());
+    assert_state_after(20, TUMBLE_STAND_MOVING);
     stop_at_rest();
     played.sdo_is_deaf = false;
     ASSERT_STATUS(TUMBLE_OK, begin_motion(true));
-    run_ms(1);
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_HOMING, stand_state());
+    assert_state_after(1, TUMBLE_STAND_HOMING);
     run_to(TUMBLE_STAND_IN_POSITION, 500);
 }

@@ -5,8 +5,7 @@ static void test_an_unanswered_configuration(void)
 {
     bench_setup(&common);
     played.sdo_is_deaf = true;
-    scripted_drive_boot(&played, &port);
-    run_ms(600);
+    drive_boots(600);
     assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
     TEST_ASSERT_EQUAL_HEX32(0x05040000, bench.drive.report.refusal.abort);
     TEST_ASSERT_EQUAL_HEX16(0x1016, bench.drive.report.refusal.index);
@@ -40,15 +39,13 @@ static void test_a_drive_that_refuses_a_heartbeat_does_not_run(void)
 {
     find_mute_drive();
     played.refuse_index = 0x1017;
-    run_ms(3000);
-    assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
+    assert_fault_after(3000, TUMBLE_STAND_FAULT_PROTOCOL);
     TEST_ASSERT_EQUAL_HEX16(0x1017, bench.drive.report.refusal.index);
     TEST_ASSERT_EQUAL_HEX32(0x06020000, bench.drive.report.refusal.abort);
     TEST_ASSERT_EQUAL_UINT32(1, played.refusals);
     TEST_ASSERT_EQUAL_UINT32(0, played.nmt_starts);
     clear_fault();
-    run_ms(1000);
-    assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
+    assert_fault_after(1000, TUMBLE_STAND_FAULT_PROTOCOL);
     TEST_ASSERT_EQUAL_UINT32(2, played.refusals);
     played.refuse_index = 0;
     clear_fault();
@@ -59,8 +56,7 @@ static void test_a_drive_that_promises_a_heartbeat_and_sends_none_stays_absent(v
 {
     find_mute_drive();
     played.stays_mute = true;
-    run_ms(3000);
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_OFFLINE, stand_state());
+    assert_state_after(3000, TUMBLE_STAND_OFFLINE);
     TEST_ASSERT_EQUAL_UINT32(1, played.write_count);
     TEST_ASSERT_EQUAL_UINT32(0, played.nmt_starts);
     TEST_ASSERT_TRUE(tumble_drive402_kind.next_us(&bench.drive) > port.now_us); /* nothing keeps the computer busy */
@@ -71,8 +67,7 @@ static void test_nobody_is_asked_again_and_again(void)
 {
     bench_setup(&common);
     const uint32_t before = bench.node.link.counters.sent;
-    run_ms(3000);
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_OFFLINE, stand_state());
+    assert_state_after(3000, TUMBLE_STAND_OFFLINE);
     TEST_ASSERT_UINT32_WITHIN(8, 30U + 12U, bench.node.link.counters.sent - before); /* heartbeats; asked, given up */
     boot_drive();
 }
@@ -82,15 +77,14 @@ static void expect_late(tumble_stand_fault_t fault, unsigned least_ms, unsigned 
 {
     run_ms(least_ms);
     TEST_ASSERT_NOT_EQUAL(TUMBLE_STAND_FAULT, stand_state());
-    run_ms(most_ms - least_ms);
-    assert_fault(fault);
+    assert_fault_after(most_ms - least_ms, fault);
 }
 
 static void test_no_process_data_after_the_start(void)
 {
     bench_setup(&common);
     played.event_only = true;
-    scripted_drive_boot(&played, &port);
+    drive_boots(0);
     while (played.write_count < 24U) {
         run_ms(1);
     }
@@ -102,21 +96,18 @@ static void test_power_that_does_not_come_up(void)
 {
     bench_setup(&common);
     played.stays_in_switched_on = true;
-    scripted_drive_boot(&played, &port);
-    run_ms(40);
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_OFFLINE, stand_state());
+    drive_boots(40);
+    assert_state_after(0, TUMBLE_STAND_OFFLINE);
     expect_late(TUMBLE_STAND_FAULT_POWER, 200, 320);
 }
 
 static void test_a_fault_that_stays(void)
 {
     start_move(&common);
-    scripted_drive_fail(&played, &port, 0x4210);
-    run_ms(5);
+    drive_fails(0x4210, 5);
     played.resets_nothing = true;
     clear_fault();
-    run_ms(400);
-    assert_fault(TUMBLE_STAND_FAULT_DRIVE);
+    assert_fault_after(400, TUMBLE_STAND_FAULT_DRIVE);
     TEST_ASSERT_EQUAL_HEX16(IS_FAULT, played.state);
 }
 
@@ -124,7 +115,7 @@ static void test_a_set_point_never_acknowledged(void)
 {
     bring_home(&common);
     played.never_acknowledges = true;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
+    move_for(0, 90.0);
     expect_late(TUMBLE_STAND_FAULT_PROTOCOL, 140, 170);
 }
 
@@ -132,7 +123,7 @@ static void test_an_acknowledgement_that_stays(void)
 {
     bring_home(&common);
     played.keeps_acknowledging = true;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
+    move_for(0, 90.0);
     expect_late(TUMBLE_STAND_FAULT_PROTOCOL, 140, 170);
     TEST_ASSERT_FALSE(played.moving);
 }
@@ -143,7 +134,7 @@ static void test_an_acknowledgement_left_over(void)
     played.bits |= 0x1000U;
     played.keeps_acknowledging = true;
     run_ms(15);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
+    move_for(0, 90.0);
     const unsigned before = played.control_count;
     expect_late(TUMBLE_STAND_FAULT_PROTOCOL, 140, 170);
     for (unsigned i = before; i < played.control_count; i++) {
@@ -155,12 +146,12 @@ static void test_a_target_never_reached(void)
 {
     bring_home(&common);
     played.never_reaches = true;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
+    move_for(0, 90.0);
     expect_late(TUMBLE_STAND_FAULT_TIMEOUT, 1490, 1530);
     TEST_ASSERT_FALSE(played.moving);
     played.never_reaches = false;
     recover(TUMBLE_STAND_STOPPED);
-    assert_moves_again();
+    move_to(30.0);
 }
 
 static void test_target_reached_somewhere_else(void)
@@ -169,18 +160,16 @@ static void test_target_reached_somewhere_else(void)
     played.reached_lingers = true;
     played.never_reaches = true;
     played.bits |= 0x0400U;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
-    run_ms(20);
+    move_for(20, 90.0);
     played.moving = false; /* stands still a few degrees on and says that it is there */
-    run_ms(1520);
-    assert_fault(TUMBLE_STAND_FAULT_TIMEOUT);
+    assert_fault_after(1520, TUMBLE_STAND_FAULT_TIMEOUT);
 }
 
 static void test_homing_that_never_ends(void)
 {
     bring_up(&common);
     played.homing_never_ends = true;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
+    home_for(0);
     expect_late(TUMBLE_STAND_FAULT_HOMING, 1990, 2050);
     TEST_ASSERT_FALSE(played.homing);
 }
@@ -190,7 +179,7 @@ static void test_a_mode_that_does_not_change(void)
     bring_up(&common);
     played.mode_sticks = true;
     played.event_only = true;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
+    home_for(0);
     expect_late(TUMBLE_STAND_FAULT_PROTOCOL, 140, 170);
     TEST_ASSERT_FALSE(played.homing);
 }
@@ -216,7 +205,7 @@ static void test_nonsense_from_the_bus(void)
             (void)bench.stand.kind->move(bench.stand.self, 100.0 * dice_signed_unit(&dice));
             break;
         case 2:
-            bench.stand.kind->stop(bench.stand.self);
+            stop_for(0);
             break;
         case 3:
             (void)bench.stand.kind->clear_fault(bench.stand.self);
@@ -238,8 +227,7 @@ static void test_a_target_that_gets_lost_is_sent_again(void)
     for (unsigned misses = 1; misses <= 3U; misses++) {
         bring_home(&common);
         played.misses = misses;
-        ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
-        run_to(TUMBLE_STAND_IN_POSITION, 1000);
+        move_to(90.0);
         TEST_ASSERT_EQUAL_UINT(0, played.misses);
         TEST_ASSERT_DOUBLE_WITHIN(0.01, 90.0, bench.stand.kind->angle_deg(bench.stand.self));
     }
@@ -249,7 +237,7 @@ static void test_targets_that_all_get_lost_are_a_broken_handshake(void)
 {
     bring_home(&common);
     played.misses = UINT32_MAX;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
+    move_for(0, 90.0);
     expect_late(TUMBLE_STAND_FAULT_PROTOCOL, 80, 320);
     TEST_ASSERT_FALSE(played.moving);
 }
@@ -258,8 +246,7 @@ static void test_a_target_that_cannot_be_read_back_is_a_broken_handshake(void)
 {
     bring_home(&common);
     played.refuse_index = 0x607A;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
-    run_ms(20);
+    move_for(20, 90.0);
     assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
     TEST_ASSERT_EQUAL_HEX16(0x607A, bench.drive.report.refusal.index);
     TEST_ASSERT_FALSE(played.moving);
@@ -269,10 +256,9 @@ static void test_a_stop_gives_up_reading_the_target(void)
 {
     bring_home(&common);
     played.sdo_is_deaf = true;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
-    run_ms(20);
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, stand_state());
+    move_for(20, 90.0);
+    assert_state_after(0, TUMBLE_STAND_MOVING);
     stop_at_rest();
     played.sdo_is_deaf = false;
-    assert_moves_again();
+    move_to(30.0);
 }
