@@ -87,6 +87,69 @@ void drift(double by_v)
     }
 }
 
+void assert_verdict(tumble_verdict_t verdict)
+{
+    TEST_ASSERT_EQUAL_UINT8(verdict, state_of_keeper().verdict);
+}
+
+void settle_to(tumble_verdict_t verdict)
+{
+    settle_memory();
+    assert_verdict(verdict);
+}
+
+void assert_objects(uint16_t objections)
+{
+    TEST_ASSERT_EQUAL_HEX16(objections, state_of_keeper().objections);
+}
+
+void obey_for(double seconds, tumble_command_t command)
+{
+    ASSERT_STATUS(TUMBLE_OK, tell(command));
+    bench_pass(&bench, seconds);
+}
+
+void decide(tumble_command_t command)
+{
+    ASSERT_STATUS(TUMBLE_OK, (command == TUMBLE_COMMAND_ACCEPT) ? accept_proposal() : tell(command));
+    settle_memory();
+}
+
+void assert_state_after(double seconds, tumble_state_t state)
+{
+    bench_pass(&bench, seconds);
+    TEST_ASSERT_EQUAL(state, run_state());
+}
+
+void assert_starts_after(double seconds, uint32_t self_started)
+{
+    bench_pass(&bench, seconds);
+    TEST_ASSERT_EQUAL_UINT32(self_started, keeper.counters.self_started);
+}
+
+void assert_resumable(uint8_t positions)
+{
+    TEST_ASSERT_EQUAL_UINT8(positions, state_of_keeper().resumable);
+}
+
+void assert_resumable_after_power(uint8_t positions)
+{
+    keeper_power_cycle();
+    assert_resumable(positions);
+}
+
+void keeper_power_cycle_for(double seconds)
+{
+    keeper_power_cycle();
+    bench_pass(&bench, seconds);
+}
+
+void resume_to_commit(void)
+{
+    resume_to_end();
+    assert_verdict(TUMBLE_VERDICT_COMMITTED);
+}
+
 void settle_memory(void)
 {
     for (int i = 0; i < 2000; i++) {
@@ -171,16 +234,13 @@ void end_and_settle(void)
 
 void resume_to_end(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_RESUME));
-    bench_pass(&bench, 0.1);
+    obey_for(0.1, TUMBLE_COMMAND_RESUME);
     end_and_settle();
 }
 
 void assert_goes_on(uint8_t kept)
 {
-    keeper_power_cycle();
-    TEST_ASSERT_EQUAL_UINT8(kept, state_of_keeper().resumable);
-    resume_to_end();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
+    assert_resumable_after_power(kept);
+    resume_to_commit();
     TEST_ASSERT_EQUAL_UINT32(POSITIONS - kept, bench_counters(&bench).procedure.positions);
 }

@@ -36,6 +36,19 @@ void drift(double by_v);
 /* Until the memory is at rest. */
 void settle_memory(void);
 void settle_and_power_cycle(void);
+void settle_to(tumble_verdict_t verdict);
+void assert_verdict(tumble_verdict_t verdict); /* as it is now */
+void assert_objects(uint16_t objections);
+
+/* A command that is taken, and then so many seconds, or until the memory is at rest. */
+void obey_for(double seconds, tumble_command_t command);
+void decide(tumble_command_t command);
+
+void assert_state_after(double seconds, tumble_state_t state);
+void assert_starts_after(double seconds, uint32_t self_started); /* runs that it has begun by itself */
+void assert_resumable(uint8_t positions);
+void assert_resumable_after_power(uint8_t positions);
+void keeper_power_cycle_for(double seconds);
 
 /* A whole run; and what becomes of it. */
 void run_to_done(void);
@@ -56,6 +69,7 @@ void start_and_cut(uint8_t index);
 void end_and_settle(void);
 
 void resume_to_end(void);
+void resume_to_commit(void);
 
 /* After a loss of power so many positions are there, the others are measured, and the result is committed. */
 void assert_goes_on(uint8_t kept);

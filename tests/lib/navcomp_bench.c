@@ -175,10 +175,11 @@ void power_on_for(double seconds)
     bench_pass(&bench, seconds);
 }
 
-void reset_by_nmt(uint8_t command)
+void reset_by_nmt(uint8_t command, double seconds)
 {
     const tumble_can_frame_t reset = {.id = TUMBLE_NMT_ID, .length = 2, .data = {command, 1}};
     fake_port_give(&bench.fake, &reset);
+    bench_pass(&bench, seconds);
 }
 
 void bench_start(bench_t *b)

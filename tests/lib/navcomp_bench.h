@@ -53,8 +53,8 @@ void bench_init(bench_t *b);
 void bench_begin(void); /* with `bench`, before each case */
 
 void bench_power_on(bench_t *b);
-void power_on_for(double seconds);  /* `bench` */
-void reset_by_nmt(uint8_t command); /* `bench`, which hears it in its next step */
+void power_on_for(double seconds);                  /* `bench` */
+void reset_by_nmt(uint8_t command, double seconds); /* `bench`; 0: it hears it in its next step */
 tumble_navcomp_progress_t bench_progress(const bench_t *b);
 tumble_navcomp_counters_t bench_counters(const bench_t *b);
 

@@ -17,6 +17,13 @@ static inline void expect_request(const char *text)
     expect_nothing();
 }
 
+/* What the client asks next, and the server's answer. */
+static inline void serve(const char *request, const char *answer)
+{
+    expect_request(request);
+    give(0x582, answer);
+}
+
 static inline void expect_end(tumble_status_t status, uint32_t abort)
 {
     expect_no_next();

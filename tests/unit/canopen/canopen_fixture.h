@@ -136,11 +136,28 @@ void expect_at(uint16_t id, const char *text, int line);
         expect_nothing();                                                                                              \
     } while (0)
 
+#define expect_after(us, id, text)                                                                                     \
+    do {                                                                                                               \
+        pass(us);                                                                                                      \
+        expect(id, text);                                                                                              \
+    } while (0)
+#define expect_nothing_for(us)                                                                                         \
+    do {                                                                                                               \
+        pass(us);                                                                                                      \
+        expect_nothing();                                                                                              \
+    } while (0)
+
+/* A frame, and the first one that comes of it. */
+#define trade(id, text, sent_id, sent)                                                                                 \
+    do {                                                                                                               \
+        give(id, text);                                                                                                \
+        expect(sent_id, sent);                                                                                         \
+    } while (0)
+
 /* One exchange with the SDO server. */
 #define ask(request, answer)                                                                                           \
     do {                                                                                                               \
-        give(0x605, request);                                                                                          \
-        expect(0x585, answer);                                                                                         \
+        trade(0x605, request, 0x585, answer);                                                                          \
         expect_nothing();                                                                                              \
     } while (0)
 

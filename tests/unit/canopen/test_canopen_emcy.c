@@ -84,11 +84,9 @@ static void test_nothing_is_sent_while_stopped(void)
 {
     give(0x000, "02 05");
     raise_code(0x1000, 0);
-    pass(1000 * MS);
-    expect_nothing();
+    expect_nothing_for(1000 * MS);
     TEST_ASSERT_EQUAL_UINT64(TUMBLE_NEVER, tumble_node_next_us(&at.node));
-    give(0x000, "80 05");
-    expect(0x085, "00 10 01 00 00 00 00 00");
+    trade(0x000, "80 05", 0x085, "00 10 01 00 00 00 00 00");
 }
 
 static void test_emergencies_of_others(void)

@@ -18,33 +18,24 @@ static void test_boot_up_and_then_heartbeats(void)
     TEST_ASSERT_EQUAL_UINT(1, at.state_changes);
     TEST_ASSERT_EQUAL_UINT64(at.fake.now_us + (100 * MS), tumble_node_next_us(&at.node));
     for (int i = 0; i < 5; i++) {
-        pass((100 * MS) - 1);
-        expect_nothing();
-        pass(1);
-        expect(0x705, "7F");
+        expect_nothing_for((100 * MS) - 1);
+        expect_after(1, 0x705, "7F");
     }
     give(0x000, "01 05");
-    pass(100 * MS);
-    expect(0x705, "05");
+    expect_after(100 * MS, 0x705, "05");
     give(0x000, "02 00");
-    pass(100 * MS);
-    expect(0x705, "04");
+    expect_after(100 * MS, 0x705, "04");
 }
 
 static void test_a_late_step_sends_one_heartbeat_and_keeps_the_period(void)
 {
     boot();
-    pass(130 * MS);
-    expect(0x705, "7F");
-    pass(70 * MS);
-    expect(0x705, "7F"); /* at 200, not at 230 */
-    pass(1000 * MS);
-    expect(0x705, "7F"); /* ten are missed: one is sent, and the period starts anew */
+    expect_after(130 * MS, 0x705, "7F");
+    expect_after(70 * MS, 0x705, "7F");   /* at 200, not at 230 */
+    expect_after(1000 * MS, 0x705, "7F"); /* ten are missed: one is sent, and the period starts anew */
     expect_nothing();
-    pass(99 * MS);
-    expect_nothing();
-    pass(1 * MS);
-    expect(0x705, "7F");
+    expect_nothing_for(99 * MS);
+    expect_after(1 * MS, 0x705, "7F");
     pass(200 * MS); /* one is missed */
     expect(0x705, "7F");
     expect_no_next();
@@ -124,14 +115,12 @@ static void test_a_loss_raises_an_emergency_and_its_end_clears_it(void)
     pass(400 * MS);
     give(0x703, "05");
     drain();
-    pass(100 * MS);
-    expect(0x705, "7F");
+    expect_after(100 * MS, 0x705, "7F");
     expect(0x085, "30 81 11 02 00 00 00 00");
     expect_nothing();
     give(0x703, "05");
     expect_nothing();
-    give(0x702, "7F");
-    expect(0x085, "00 00 00 00 00 00 00 00");
+    trade(0x702, "7F", 0x085, "00 00 00 00 00 00 00 00");
     expect_nothing();
 }
 
@@ -144,8 +133,7 @@ static void test_the_error_stays_while_another_node_is_silent(void)
     drain();
     give(0x702, "05"); /* node 3 is still silent */
     expect_nothing();
-    give(0x703, "05");
-    expect(0x085, "00 00 00 00 00 00 00 00");
+    trade(0x703, "05", 0x085, "00 00 00 00 00 00 00 00");
 }
 
 static void test_what_a_loss_does_to_an_operational_node(void)
@@ -218,8 +206,7 @@ static void test_no_longer_watching_a_silent_node_ends_its_error(void)
     give(0x702, "05");
     pass(500 * MS);
     drain();
-    give(0x605, "23 16 10 01 00 00 00 00");
-    expect(0x085, "00 00 00 00 00 00 00 00");
+    trade(0x605, "23 16 10 01 00 00 00 00", 0x085, "00 00 00 00 00 00 00 00");
     expect(0x585, "60 16 10 01 00 00 00 00");
 }
 
@@ -233,13 +220,10 @@ static void test_producer_time_by_sdo(void)
     ask("2B 17 10 00 64 00 00 00", "60 17 10 00 00 00 00 00");
     ask("40 17 10 00 00 00 00 00", "4B 17 10 00 64 00 00 00");
     ask("2B 17 10 00 14 00 00 00", "60 17 10 00 00 00 00 00");
-    pass(20 * MS);
-    expect(0x705, "7F");
-    pass(20 * MS);
-    expect(0x705, "7F");
+    expect_after(20 * MS, 0x705, "7F");
+    expect_after(20 * MS, 0x705, "7F");
     ask("2B 17 10 00 00 00 00 00", "60 17 10 00 00 00 00 00");
-    pass(5000 * MS);
-    expect_nothing();
+    expect_nothing_for(5000 * MS);
     TEST_ASSERT_EQUAL_UINT64(TUMBLE_NEVER, tumble_node_next_us(&at.node));
 }
 

@@ -128,8 +128,7 @@ static void test_a_port_with_room_for_one_takes_one_a_step(void)
     (void)tumble_nmt_command(&at.node.nmt, 2, TUMBLE_NMT_START);
     (void)tumble_nmt_command(&at.node.nmt, 3, TUMBLE_NMT_START);
     at.fake.send_room = 1;
-    pass(100 * MS);
-    expect(0x000, "01 02");
+    expect_after(100 * MS, 0x000, "01 02");
     expect_nothing();
     at.fake.send_room = 2;
     expect_next(0x000, "01 03");

@@ -59,10 +59,8 @@ static void test_a_short_pdo_writes_nothing_and_raises_one_emergency(void)
     TEST_ASSERT_EQUAL_UINT16(0, at.variables.u16);
     TEST_ASSERT_EQUAL_UINT(0, at.pdos[0]);
     TEST_ASSERT_EQUAL_UINT16(3, at.node.pdos.too_short);
-    give(0x205, "34 12 FE FF FF FF");
-    expect(0x085, "00 00 00 00 00 00 00 00"); /* over */
-    give(0x205, "");
-    expect(0x085, "10 82 11 00 00 00 00 00");
+    trade(0x205, "34 12 FE FF FF FF", 0x085, "00 00 00 00 00 00 00 00"); /* over */
+    trade(0x205, "", 0x085, "10 82 11 00 00 00 00 00");
     give(0x605, "23 00 14 01 05 02 00 80"); /* disabling it ends the fault as well */
     expect(0x085, "00 00 00 00 00 00 00 00");
 }
@@ -89,8 +87,7 @@ static void test_a_trigger_sends_the_values_of_the_moment(void)
     at.variables.u16 = 0x1234;
     at.variables.i32 = -2;
     expect_next(0x185, "34 12 FE FF FF FF");
-    pass(5000 * MS);
-    expect_nothing();
+    expect_nothing_for(5000 * MS);
     TEST_ASSERT_EQUAL_UINT64(TUMBLE_NEVER, tumble_node_next_us(&at.node));
 }
 
@@ -101,10 +98,8 @@ static void test_entering_operational_sends_once(void)
     at.fake.from_firmware.count = 0;
     give(0x000, "80 05");
     tumble_pdo_trigger(&at.node.pdos, 0);
-    pass(1000 * MS);
-    expect_nothing();
-    give(0x000, "01 05");
-    expect(0x185, "00 00 00 00 00 00");
+    expect_nothing_for(1000 * MS);
+    trade(0x000, "01 05", 0x185, "00 00 00 00 00 00");
     give(0x000, "01 05"); /* is Operational already */
     expect_nothing();
 }
@@ -114,20 +109,15 @@ static void test_the_event_timer_counts_from_the_last_sending(void)
     map_transmit(0, 100);
     expect_next(0x185, "00 00 00 00 00 00");
     TEST_ASSERT_EQUAL_UINT64(at.fake.now_us + (100 * MS), tumble_node_next_us(&at.node));
-    pass((100 * MS) - 1);
-    expect_nothing();
-    pass(1);
-    expect(0x185, "00 00 00 00 00 00");
+    expect_nothing_for((100 * MS) - 1);
+    expect_after(1, 0x185, "00 00 00 00 00 00");
     pass(60 * MS);
     tumble_pdo_trigger(&at.node.pdos, 0);
     expect_next(0x185, "00 00 00 00 00 00");
-    pass(60 * MS);
-    expect_nothing();
-    pass(40 * MS);
-    expect(0x185, "00 00 00 00 00 00");
+    expect_nothing_for(60 * MS);
+    expect_after(40 * MS, 0x185, "00 00 00 00 00 00");
     accepted(0x1800, 5, 0);
-    pass(500 * MS);
-    expect_nothing();
+    expect_nothing_for(500 * MS);
 }
 
 static void test_the_inhibit_time_holds_back_but_loses_nothing(void)
@@ -140,12 +130,9 @@ static void test_the_inhibit_time_holds_back_but_loses_nothing(void)
     TEST_ASSERT_EQUAL_UINT64(at.fake.now_us + (50 * MS), tumble_node_next_us(&at.node));
     at.variables.u16 = 2;
     tumble_pdo_trigger(&at.node.pdos, 0);
-    pass((50 * MS) - 1);
-    expect_nothing();
-    pass(1);
-    expect(0x185, "02 00 00 00 00 00"); /* two events, one frame, the latest values */
-    pass(50 * MS);
-    expect_nothing();
+    expect_nothing_for((50 * MS) - 1);
+    expect_after(1, 0x185, "02 00 00 00 00 00"); /* two events, one frame, the latest values */
+    expect_nothing_for(50 * MS);
 }
 
 static void test_the_inhibit_time_bounds_the_event_timer(void)
@@ -153,10 +140,8 @@ static void test_the_inhibit_time_bounds_the_event_timer(void)
     map_transmit(2000, 50); /* 200 ms, 50 ms */
     expect_next(0x185, "00 00 00 00 00 00");
     TEST_ASSERT_EQUAL_UINT64(at.fake.now_us + (200 * MS), tumble_node_next_us(&at.node));
-    pass(199 * MS);
-    expect_nothing();
-    pass(1 * MS);
-    expect(0x185, "00 00 00 00 00 00");
+    expect_nothing_for(199 * MS);
+    expect_after(1 * MS, 0x185, "00 00 00 00 00 00");
 }
 
 static void test_a_busy_port_delays_and_loses_nothing(void)
@@ -184,8 +169,7 @@ static void test_a_value_that_nobody_has_goes_as_zeros(void)
     accepted(0x1A01, 0, 1);
     accepted(0x1801, 1, 0x40000285U);
     expect_next(0x285, "00 00 00 00 00 00 00 00");
-    pass(1000 * MS);
-    expect_nothing(); /* no event timer was asked for */
+    expect_nothing_for(1000 * MS); /* no event timer was asked for */
 }
 
 /* What holds for the first PDO holds for the others. */
@@ -196,11 +180,9 @@ static void test_the_last_pdos_of_each_direction(void)
     accepted(0x1A02, 1, 0x20040008U);
     accepted(0x1A02, 0, 1);
     accepted(0x1802, 1, 0x40000285U);
-    give(0x000, "01 05");
-    expect(0x285, "00");
+    trade(0x000, "01 05", 0x285, "00");
     give(0x000, "80 05");
-    give(0x000, "01 05");
-    expect(0x285, "00"); /* due on entering, though not enabled anew */
+    trade(0x000, "01 05", 0x285, "00"); /* due on entering, though not enabled anew */
     accepted(0x1802, 5, 20);
     expect_next(0x285, "00");
     TEST_ASSERT_EQUAL_UINT64(at.fake.now_us + (20 * MS), tumble_node_next_us(&at.node));
@@ -208,8 +190,7 @@ static void test_the_last_pdos_of_each_direction(void)
     accepted(0x1601, 1, 0x20050010U);
     accepted(0x1601, 0, 1);
     accepted(0x1401, 1, 0x305);
-    give(0x305, "11");
-    expect(0x085, "10 82 11 01 00 00 00 00");
+    trade(0x305, "11", 0x085, "10 82 11 01 00 00 00 00");
     map_receive();
     give(0x205, "34 12 FE FF FF FF"); /* the first is well, the second still short */
     expect_nothing();

@@ -5,16 +5,13 @@ static void test_expedited_write(void)
 {
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_write(client, 2, 0x6060, 0, 1, 1));
     TEST_ASSERT_EQUAL_INT(TUMBLE_E_SDO_BUSY, result());
-    expect_request("2F 60 60 00 01 00 00 00");
-    give(0x582, "60 60 60 00 00 00 00 00");
+    serve("2F 60 60 00 01 00 00 00", "60 60 60 00 00 00 00 00");
     expect_end(TUMBLE_OK, 0);
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_write(client, 2, 0x6040, 0, 0x0106, 2));
-    expect_request("2B 40 60 00 06 01 00 00");
-    give(0x582, "60 40 60 00 00 00 00 00");
+    serve("2B 40 60 00 06 01 00 00", "60 40 60 00 00 00 00 00");
     expect_end(TUMBLE_OK, 0);
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_write(client, 2, 0x607A, 3, (uint32_t)-2, 4));
-    expect_request("23 7A 60 03 FE FF FF FF");
-    give(0x582, "60 7A 60 03 00 00 00 00");
+    serve("23 7A 60 03 FE FF FF FF", "60 7A 60 03 00 00 00 00");
     expect_end(TUMBLE_OK, 0);
 }
 
@@ -31,8 +28,7 @@ static void test_expedited_read(void)
 
         TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_read(client, 2, 0x6041, 0));
         TEST_ASSERT_EQUAL_UINT32(0, tumble_sdo_client_u32(client)); /* not yet */
-        expect_request("40 41 60 00 00 00 00 00");
-        give(0x582, answers[i]);
+        serve("40 41 60 00 00 00 00 00", answers[i]);
         expect_end(TUMBLE_OK, 0);
         TEST_ASSERT_EQUAL_HEX32(values[i], tumble_sdo_client_u32(client));
         (void)tumble_sdo_client_data(client, &size);
@@ -46,14 +42,10 @@ static void test_segmented_read(void)
     uint8_t size;
 
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_read_into(client, 2, 0x1008, 0, text, 16));
-    expect_request("40 08 10 00 00 00 00 00");
-    give(0x582, "41 08 10 00 10 00 00 00");
-    expect(0x602, "60 00 00 00 00 00 00 00");
-    give(0x582, "00 54 75 6D 62 6C 65 20");
-    expect(0x602, "70 00 00 00 00 00 00 00");
-    give(0x582, "10 74 65 73 74 20 6E 6F");
-    expect(0x602, "60 00 00 00 00 00 00 00");
-    give(0x582, "0B 64 65 00 00 00 00 00");
+    serve("40 08 10 00 00 00 00 00", "41 08 10 00 10 00 00 00");
+    serve("60 00 00 00 00 00 00 00", "00 54 75 6D 62 6C 65 20");
+    serve("70 00 00 00 00 00 00 00", "10 74 65 73 74 20 6E 6F");
+    serve("60 00 00 00 00 00 00 00", "0B 64 65 00 00 00 00 00");
     expect_end(TUMBLE_OK, 0);
     TEST_ASSERT_EQUAL_PTR(text, tumble_sdo_client_data(client, &size));
     TEST_ASSERT_EQUAL_UINT8(16, size);
@@ -64,17 +56,13 @@ static void test_segmented_read(void)
 static void test_segmented_read_of_an_unannounced_and_of_no_size(void)
 {
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_read(client, 2, 0x2008, 0));
-    expect_request("40 08 20 00 00 00 00 00");
-    give(0x582, "40 08 20 00 FF FF FF FF"); /* the bytes of the size mean nothing */
-    expect(0x602, "60 00 00 00 00 00 00 00");
-    give(0x582, "09 01 02 03 00 00 00 00"); /* three bytes, last */
+    serve("40 08 20 00 00 00 00 00", "40 08 20 00 FF FF FF FF"); /* the bytes of the size mean nothing */
+    serve("60 00 00 00 00 00 00 00", "09 01 02 03 00 00 00 00"); /* three bytes, last */
     expect_end(TUMBLE_OK, 0);
     TEST_ASSERT_EQUAL_HEX32(0x030201, tumble_sdo_client_u32(client));
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_read(client, 2, 0x2008, 0));
-    expect_request("40 08 20 00 00 00 00 00");
-    give(0x582, "41 08 20 00 00 00 00 00");
-    expect(0x602, "60 00 00 00 00 00 00 00");
-    give(0x582, "0F 00 00 00 00 00 00 00"); /* empty */
+    serve("40 08 20 00 00 00 00 00", "41 08 20 00 00 00 00 00");
+    serve("60 00 00 00 00 00 00 00", "0F 00 00 00 00 00 00 00"); /* empty */
     expect_end(TUMBLE_OK, 0);
     TEST_ASSERT_EQUAL_UINT32(0, tumble_sdo_client_u32(client));
 }
@@ -83,12 +71,9 @@ static void test_segmented_write(void)
 {
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK,
                           tumble_sdo_client_write_from(client, 2, 0x200B, 0, (const uint8_t *)"ABCDEFGHIJKLMNOP", 16));
-    expect_request("21 0B 20 00 10 00 00 00");
-    give(0x582, "60 0B 20 00 00 00 00 00");
-    expect(0x602, "00 41 42 43 44 45 46 47");
-    give(0x582, "20 00 00 00 00 00 00 00");
-    expect(0x602, "10 48 49 4A 4B 4C 4D 4E");
-    give(0x582, "30 00 00 00 00 00 00 00");
+    serve("21 0B 20 00 10 00 00 00", "60 0B 20 00 00 00 00 00");
+    serve("00 41 42 43 44 45 46 47", "20 00 00 00 00 00 00 00");
+    serve("10 48 49 4A 4B 4C 4D 4E", "30 00 00 00 00 00 00 00");
     expect(0x602, "0B 4F 50 00 00 00 00 00");
     TEST_ASSERT_EQUAL_INT(TUMBLE_E_SDO_BUSY, result());
     give(0x582, "20 00 00 00 00 00 00 00");
@@ -98,10 +83,8 @@ static void test_segmented_write(void)
 static void test_a_write_of_seven_bytes_is_one_segment(void)
 {
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_write_from(client, 2, 0x200B, 0, (const uint8_t *)"ABCDEFG", 7));
-    expect_request("21 0B 20 00 07 00 00 00");
-    give(0x582, "60 0B 20 00 00 00 00 00");
-    expect(0x602, "01 41 42 43 44 45 46 47");
-    give(0x582, "20 00 00 00 00 00 00 00");
+    serve("21 0B 20 00 07 00 00 00", "60 0B 20 00 00 00 00 00");
+    serve("01 41 42 43 44 45 46 47", "20 00 00 00 00 00 00 00");
     expect_end(TUMBLE_OK, 0);
 }
 
@@ -124,12 +107,10 @@ static void test_the_callers_memory_is_let_go(void)
     expect_end(TUMBLE_OK, 0);
     TEST_ASSERT_EQUAL_HEX8(0x27, room[0]);
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_read(client, 2, 0x6041, 0));
-    expect_request("40 41 60 00 00 00 00 00");
-    give(0x582, "4B 41 60 00 99 99 00 00");
+    serve("40 41 60 00 00 00 00 00", "4B 41 60 00 99 99 00 00");
     TEST_ASSERT_EQUAL_HEX8(0x27, room[0]);
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_write_from(client, 2, 0x6060, 0, room, 1));
-    expect_request("2F 60 60 00 27 00 00 00");
-    give(0x582, "80 60 60 00 30 00 09 06");
+    serve("2F 60 60 00 27 00 00 00", "80 60 60 00 30 00 09 06");
     expect_end(TUMBLE_E_SDO_ABORTED, 0x06090030U);
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_write(client, 2, 0x6060, 0, 6, 1));
     TEST_ASSERT_EQUAL_HEX32(0, client->abort);
@@ -154,15 +135,13 @@ static void test_arguments(void)
 static void test_the_servers_abort_is_the_result(void)
 {
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_write(client, 2, 0x6060, 0, 3, 1));
-    expect_request("2F 60 60 00 03 00 00 00");
-    give(0x582, "80 60 60 00 30 00 09 06");
+    serve("2F 60 60 00 03 00 00 00", "80 60 60 00 30 00 09 06");
     expect_end(TUMBLE_E_SDO_ABORTED, 0x06090030U);
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_read(client, 2, 0x1008, 0));
     expect_request("40 08 10 00 00 00 00 00");
     TEST_ASSERT_EQUAL_HEX32(0, client->abort);
     give(0x582, "41 08 10 00 08 00 00 00");
-    expect(0x602, "60 00 00 00 00 00 00 00");
-    give(0x582, "80 00 00 00 00 00 00 08"); /* within segments an abort need not name the object */
+    serve("60 00 00 00 00 00 00 00", "80 00 00 00 00 00 00 08"); /* within segments an abort need not name the object */
     expect_end(TUMBLE_E_SDO_ABORTED, 0x08000000U);
 }
 

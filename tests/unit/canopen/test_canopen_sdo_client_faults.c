@@ -50,10 +50,8 @@ static void test_a_server_that_breaks_the_protocol_is_told(void)
         uint8_t room[20];
 
         TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_read_into(client, 2, 0x1008, 0, room, 20));
-        expect_request("40 08 10 00 00 00 00 00");
-        give(0x582, "41 08 10 00 08 00 00 00");
-        expect(0x602, "60 00 00 00 00 00 00 00");
-        give(0x582, cases[i].answer);
+        serve("40 08 10 00 00 00 00 00", "41 08 10 00 08 00 00 00");
+        serve("60 00 00 00 00 00 00 00", cases[i].answer);
         expect(0x602, cases[i].abort);
         expect_end(TUMBLE_E_SDO_ABORTED, cases[i].code);
     }
@@ -64,12 +62,9 @@ static void test_more_than_announced_is_refused(void)
     uint8_t room[20];
 
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_read_into(client, 2, 0x1008, 0, room, 20));
-    expect_request("40 08 10 00 00 00 00 00");
-    give(0x582, "41 08 10 00 08 00 00 00");
-    expect(0x602, "60 00 00 00 00 00 00 00");
-    give(0x582, "00 61 62 63 64 65 66 67");
-    expect(0x602, "70 00 00 00 00 00 00 00");
-    give(0x582, "1B 61 62 00 00 00 00 00");
+    serve("40 08 10 00 00 00 00 00", "41 08 10 00 08 00 00 00");
+    serve("60 00 00 00 00 00 00 00", "00 61 62 63 64 65 66 67");
+    serve("70 00 00 00 00 00 00 00", "1B 61 62 00 00 00 00 00");
     expect(0x602, "80 08 10 00 10 00 07 06");
     expect_end(TUMBLE_E_SDO_ABORTED, 0x06070010U);
 }
@@ -79,22 +74,17 @@ static void test_a_value_that_does_not_fit_is_refused(void)
     uint8_t room[10] = {0, 0, 0, 0, 0, 0, 0, 0, 0xA5, 0xA5};
 
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_read_into(client, 2, 0x1008, 0, room, 8));
-    expect_request("40 08 10 00 00 00 00 00");
-    give(0x582, "41 08 10 00 09 00 00 00"); /* announced */
+    serve("40 08 10 00 00 00 00 00", "41 08 10 00 09 00 00 00"); /* announced */
     expect(0x602, "80 08 10 00 05 00 04 05");
     expect_end(TUMBLE_E_SDO_ABORTED, 0x05040005U);
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_read_into(client, 2, 0x1008, 0, room, 8));
-    expect_request("40 08 10 00 00 00 00 00");
-    give(0x582, "40 08 10 00 00 00 00 00"); /* not announced */
-    expect(0x602, "60 00 00 00 00 00 00 00");
-    give(0x582, "00 61 62 63 64 65 66 67");
-    expect(0x602, "70 00 00 00 00 00 00 00");
-    give(0x582, "1B 61 62 00 00 00 00 00");
+    serve("40 08 10 00 00 00 00 00", "40 08 10 00 00 00 00 00"); /* not announced */
+    serve("60 00 00 00 00 00 00 00", "00 61 62 63 64 65 66 67");
+    serve("70 00 00 00 00 00 00 00", "1B 61 62 00 00 00 00 00");
     expect(0x602, "80 08 10 00 05 00 04 05");
     expect_end(TUMBLE_E_SDO_ABORTED, 0x05040005U);
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_read_into(client, 2, 0x1008, 0, room, 2));
-    expect_request("40 08 10 00 00 00 00 00");
-    give(0x582, "43 08 10 00 61 62 63 64"); /* expedited */
+    serve("40 08 10 00 00 00 00 00", "43 08 10 00 61 62 63 64"); /* expedited */
     expect(0x602, "80 08 10 00 05 00 04 05");
     expect_end(TUMBLE_E_SDO_ABORTED, 0x05040005U);
     TEST_ASSERT_EQUAL_HEX8(0xA5, room[8]);
@@ -104,10 +94,8 @@ static void test_a_wrong_toggle_of_a_write_is_refused(void)
 {
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK,
                           tumble_sdo_client_write_from(client, 2, 0x200B, 0, (const uint8_t *)"ABCDEFGHI", 9));
-    expect_request("21 0B 20 00 09 00 00 00");
-    give(0x582, "60 0B 20 00 00 00 00 00");
-    expect(0x602, "00 41 42 43 44 45 46 47");
-    give(0x582, "30 00 00 00 00 00 00 00");
+    serve("21 0B 20 00 09 00 00 00", "60 0B 20 00 00 00 00 00");
+    serve("00 41 42 43 44 45 46 47", "30 00 00 00 00 00 00 00");
     expect(0x602, "80 0B 20 00 00 00 03 05");
     expect_end(TUMBLE_E_SDO_ABORTED, 0x05030000U);
 }
@@ -121,11 +109,9 @@ static void test_a_silent_server_is_a_timeout_and_is_told(void)
     pass((500 * MS) - 1);
     TEST_ASSERT_EQUAL_INT(TUMBLE_E_SDO_BUSY, result());
     expect_nothing();
-    pass(1);
-    expect(0x602, "80 41 60 00 00 00 04 05");
+    expect_after(1, 0x602, "80 41 60 00 00 00 04 05");
     expect_end(TUMBLE_E_SDO_TIMEOUT, 0x05040000U);
-    pass(5000 * MS);
-    expect_nothing();
+    expect_nothing_for(5000 * MS);
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_read(client, 2, 0x6041, 0)); /* and can be used again */
     expect_request("40 41 60 00 00 00 00 00");
 }
@@ -162,8 +148,7 @@ static void test_a_transfer_ends_when_the_node_is_stopped_or_reset(void)
     give(0x000, "80 05");
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_read(client, 2, 0x6041, 0));
     expect_request("40 41 60 00 00 00 00 00");
-    give(0x000, "82 05");
-    expect(0x705, "00");
+    trade(0x000, "82 05", 0x705, "00");
     expect_end(TUMBLE_E_SDO_ABORTED, 0x08000022U);
 }
 

@@ -80,8 +80,7 @@ static void test_nobody_is_answered_who_gave_up(void)
 static void test_a_segment_meanwhile_ends_it(void)
 {
     BEGIN();
-    give(0x605, "60 00 00 00 00 00 00 00");
-    expect(0x585, "80 10 20 00 01 00 04 05");
+    trade(0x605, "60 00 00 00 00 00 00 00", 0x585, "80 10 20 00 01 00 04 05");
     answer(TUMBLE_ABORT_NONE);
     expect_nothing();
 }
@@ -89,8 +88,7 @@ static void test_a_segment_meanwhile_ends_it(void)
 static void test_a_reset_forgets_it(void)
 {
     BEGIN();
-    give(0x000, "82 05");
-    expect(0x705, "00");
+    trade(0x000, "82 05", 0x705, "00");
     answer(TUMBLE_ABORT_NONE);
     expect_nothing();
 }

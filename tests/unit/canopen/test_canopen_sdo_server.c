@@ -80,8 +80,8 @@ static void test_a_string_of_full_length_and_not_one_byte_more(void)
 {
     ask("21 0B 20 00 20 00 00 00", "60 0B 20 00 00 00 00 00");
     for (int i = 0; i < 4; i++) {
-        give(0x605, (i % 2 == 0) ? "00 61 61 61 61 61 61 61" : "10 61 61 61 61 61 61 61");
-        expect(0x585, (i % 2 == 0) ? "20 00 00 00 00 00 00 00" : "30 00 00 00 00 00 00 00");
+        trade(0x605, (i % 2 == 0) ? "00 61 61 61 61 61 61 61" : "10 61 61 61 61 61 61 61", 0x585,
+              (i % 2 == 0) ? "20 00 00 00 00 00 00 00" : "30 00 00 00 00 00 00 00");
     }
     ask("05 62 62 62 62 62 00 00", "80 0B 20 00 12 00 07 06"); /* 28 + 5 */
     TEST_ASSERT_EQUAL_STRING("", at.variables.text);
@@ -183,10 +183,8 @@ static void test_a_silent_client_is_told_after_one_second(void)
 {
     ask("40 08 10 00 00 00 00 00", "41 08 10 00 10 00 00 00");
     TEST_ASSERT_EQUAL_UINT64(at.fake.now_us + (1000 * MS), tumble_node_next_us(&at.node));
-    pass((1000 * MS) - 1);
-    expect_nothing();
-    pass(1);
-    expect(0x585, "80 08 10 00 00 00 04 05");
+    expect_nothing_for((1000 * MS) - 1);
+    expect_after(1, 0x585, "80 08 10 00 00 00 04 05");
     TEST_ASSERT_EQUAL_UINT64(TUMBLE_NEVER, tumble_node_next_us(&at.node));
     ask("60 00 00 00 00 00 00 00", "80 00 00 00 01 00 04 05");
 }
@@ -237,8 +235,7 @@ static void test_init_clears_whatever_the_memory_held(void)
 {
     memset(&at.node.server, 0xA5, sizeof at.node.server);
     tumble_sdo_server_init(&at.node.server, TUMBLE_SDO_RESPONSE_ID + NODE);
-    pass(5000 * MS);
-    expect_nothing();
+    expect_nothing_for(5000 * MS);
     TEST_ASSERT_EQUAL_UINT16(0, at.node.server.aborted);
     ask("60 00 00 00 00 00 00 00", "80 00 00 00 01 00 04 05");
 }
@@ -260,12 +257,10 @@ static void test_sdo_is_silent_when_stopped_and_before_boot_up(void)
     ask("40 08 10 00 00 00 00 00", "41 08 10 00 10 00 00 00");
     give(0x000, "02 05");
     TEST_ASSERT_FALSE(hand(0x605, "40 00 10 00 00 00 00 00"));
-    pass(2000 * MS);
-    expect_nothing();
+    expect_nothing_for(2000 * MS);
     give(0x000, "80 05");
     ask("60 00 00 00 00 00 00 00", "80 00 00 00 01 00 04 05");
-    give(0x000, "82 05");
-    expect(0x705, "00");
+    trade(0x000, "82 05", 0x705, "00");
     ask("40 04 20 00 00 00 00 00", "4F 04 20 00 00 00 00 00");
 }
 

@@ -139,8 +139,7 @@ static void test_a_silent_client_is_given_up(void)
 {
     ask_second("40 08 10 00 00 00 00 00", "41 08 10 00 10 00 00 00");
     TEST_ASSERT_EQUAL_UINT64(at.fake.now_us + TUMBLE_SDO_SERVER_TIMEOUT_US, tumble_node_next_us(&at.node));
-    pass(TUMBLE_SDO_SERVER_TIMEOUT_US);
-    expect(0x385, "80 08 10 00 00 00 04 05");
+    expect_after(TUMBLE_SDO_SERVER_TIMEOUT_US, 0x385, "80 08 10 00 00 00 04 05");
     expect_nothing();
     TEST_ASSERT_EQUAL_UINT64(TUMBLE_NEVER, tumble_node_next_us(&at.node));
 }
@@ -158,8 +157,7 @@ static void test_it_is_silent_where_there_is_no_sdo(void)
 static void test_a_reset_begins_both_anew(void)
 {
     ask_second("40 08 10 00 00 00 00 00", "41 08 10 00 10 00 00 00");
-    give(0x000, "82 05");
-    expect(0x705, "00");
+    trade(0x000, "82 05", 0x705, "00");
     ask_second("60 00 00 00 00 00 00 00", "80 00 00 00 01 00 04 05");
     ask_second("40 00 10 00 00 00 00 00", "43 00 10 00 92 01 02 00");
     ask("40 00 10 00 00 00 00 00", "43 00 10 00 92 01 02 00");

@@ -60,8 +60,8 @@ static void test_it_is_still_there_after_power_fails(void)
     const tumble_set_t after = set_of(TUMBLE_SET_ACTIVE);
     TEST_ASSERT_EQUAL_MEMORY(&before, &after, sizeof after);
     TEST_ASSERT_EQUAL_UINT32(1, keeper.sequence);
-    TEST_ASSERT_EQUAL_UINT8(0, state_of_keeper().resumable);
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_NONE, state_of_keeper().verdict);
+    assert_resumable(0);
+    assert_verdict(TUMBLE_VERDICT_NONE);
 }
 
 static void test_an_implausible_change_waits_for_an_operator(void)
@@ -70,16 +70,15 @@ static void test_an_implausible_change_waits_for_an_operator(void)
     const tumble_set_t active = set_of(TUMBLE_SET_ACTIVE);
     drift(2e-3); /* 1e-3 g, ten times what a month may do */
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
-    TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE), state_of_keeper().objections);
+    assert_objects(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE));
     const tumble_set_t still = set_of(TUMBLE_SET_ACTIVE);
     TEST_ASSERT_EQUAL_MEMORY(&active, &still, sizeof active);
     const tumble_set_t proposal = set_of(TUMBLE_SET_PROPOSAL);
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE), proposal.reasons);
     TEST_ASSERT_TRUE(state_of_keeper().has_proposal);
 
-    ASSERT_STATUS(TUMBLE_OK, accept_proposal());
-    settle_memory();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_ACCEPTED, state_of_keeper().verdict);
+    decide(TUMBLE_COMMAND_ACCEPT);
+    assert_verdict(TUMBLE_VERDICT_ACCEPTED);
     TEST_ASSERT_EQUAL_UINT32(2, keeper.sequence);
     const tumble_set_t accepted = set_of(TUMBLE_SET_ACTIVE);
     TEST_ASSERT_EQUAL_MEMORY(&proposal.coefficients, &accepted.coefficients, sizeof accepted.coefficients);
@@ -92,9 +91,8 @@ static void test_a_proposal_can_be_discarded(void)
 {
     hold_one();
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_DISCARD));
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_WORKING, state_of_keeper().verdict);
-    settle_memory();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_DISCARDED, state_of_keeper().verdict);
+    assert_verdict(TUMBLE_VERDICT_WORKING);
+    settle_to(TUMBLE_VERDICT_DISCARDED);
     TEST_ASSERT_FALSE(state_of_keeper().has_proposal);
     TEST_ASSERT_EQUAL_UINT32(1, keeper.sequence);
     ASSERT_STATUS(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_ACCEPT));
@@ -106,9 +104,8 @@ static void test_rollback_brings_the_set_before_back(void)
     const tumble_set_t first = set_of(TUMBLE_SET_ACTIVE);
     ASSERT_STATUS(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_ROLLBACK)); /* to what? */
     assert_verdict_after(1e-5, TUMBLE_VERDICT_COMMITTED);
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_ROLLBACK));
-    settle_memory();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_ROLLED_BACK, state_of_keeper().verdict);
+    decide(TUMBLE_COMMAND_ROLLBACK);
+    assert_verdict(TUMBLE_VERDICT_ROLLED_BACK);
     const tumble_set_t now = set_of(TUMBLE_SET_ACTIVE);
     TEST_ASSERT_EQUAL_MEMORY(&first.coefficients, &now.coefficients, sizeof now.coefficients);
     TEST_ASSERT_EQUAL_UINT32(3, keeper.sequence); /* it grows, so that consumers notice */
@@ -176,10 +173,9 @@ static void test_the_first_set_waits_unless_the_settings_say_otherwise(void)
     settings.limits.flags = TUMBLE_COMMIT_BY_ITSELF;
     keeper_power_cycle();
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
-    TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_FIRST), state_of_keeper().objections);
+    assert_objects(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_FIRST));
     ASSERT_STATUS(TUMBLE_E_STATE, tumble_store_read(&keeper.store, TUMBLE_SET_ACTIVE, &(tumble_set_t){0}));
-    ASSERT_STATUS(TUMBLE_OK, accept_proposal());
-    settle_memory();
+    decide(TUMBLE_COMMAND_ACCEPT);
     TEST_ASSERT_EQUAL_UINT32(1, keeper.sequence);
 }
 
@@ -188,7 +184,7 @@ static void test_without_a_declared_stand_nothing_is_committed(void)
     keeper_config.uncertainty = NULL;
     keeper_power_cycle();
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
-    TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_UNCERTAINTY_UNKNOWN), state_of_keeper().objections);
+    assert_objects(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_UNCERTAINTY_UNKNOWN));
 }
 
 static void test_another_block_is_held(void)
@@ -197,7 +193,7 @@ static void test_another_block_is_held(void)
     keeper_config.sets.serial = "TB-0002";
     keeper_power_cycle();
     assert_verdict_after(1e-6, TUMBLE_VERDICT_HELD);
-    TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_BLOCK), state_of_keeper().objections);
+    assert_objects(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_BLOCK));
 }
 
 /* A position measured again in DONE makes a new result of the run. */
@@ -206,9 +202,8 @@ static void test_a_position_repeated_makes_a_new_result(void)
     (void)run_and_judge();
     drift(1e-5);
     ASSERT_STATUS(TUMBLE_OK, bench_command(&bench, TUMBLE_COMMAND_REPEAT_POSITION, 12));
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 60.0));
-    settle_memory();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
+    end_and_settle();
+    assert_verdict(TUMBLE_VERDICT_COMMITTED);
     TEST_ASSERT_EQUAL_UINT32(2, keeper.counters.judged);
     TEST_ASSERT_EQUAL_UINT32(2, keeper.sequence);
 }
@@ -236,7 +231,7 @@ static void test_a_result_overtaken_by_a_start_is_not_lost(void)
     settle_memory();
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
     TEST_ASSERT_EQUAL_UINT32(1, keeper.counters.judged);
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
+    assert_verdict(TUMBLE_VERDICT_COMMITTED);
 }
 
 /* The memory. */
@@ -268,16 +263,12 @@ static void test_what_could_not_be_stored_is_not_lost(void)
         bench_event(&bench);
     }
     nv_refuse(&memory, NV_NEVER);
-    settle_memory();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_FAILED, state_of_keeper().verdict);
+    settle_to(TUMBLE_VERDICT_FAILED);
     nv_arm(&memory, nv_no_fault);
-    keeper_power_cycle();
-    TEST_ASSERT_EQUAL_UINT8(18, state_of_keeper().resumable);
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_RESUME));
-    bench_pass(&bench, 0.1);
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 60.0));
-    settle_memory();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
+    assert_resumable_after_power(18);
+    obey_for(0.1, TUMBLE_COMMAND_RESUME);
+    end_and_settle();
+    assert_verdict(TUMBLE_VERDICT_COMMITTED);
     TEST_ASSERT_EQUAL_UINT32(0, bench_counters(&bench).procedure.moves);
 }
 
@@ -287,9 +278,8 @@ static void test_a_memory_that_cannot_be_read_at_the_end(void)
     drift(1e-5);
     start_to_average(17);
     memory.read_fails_at = 0;
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 60.0));
-    settle_memory();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_FAILED, state_of_keeper().verdict);
+    end_and_settle();
+    assert_verdict(TUMBLE_VERDICT_FAILED);
     memory.read_fails_at = NV_NEVER;
     keeper_power_cycle();
     TEST_ASSERT_EQUAL_UINT32(1, keeper.sequence);

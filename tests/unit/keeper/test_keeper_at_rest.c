@@ -97,8 +97,7 @@ static void test_a_run_that_is_gone_on_with_ends_it(void)
     TEST_ASSERT_EQUAL_HEX32(0, want(2));
     bench_pass(&bench, 0.1);
     assert_numbers(2, 2, 0);
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_RESUME));
-    bench_pass(&bench, 0.1);
+    obey_for(0.1, TUMBLE_COMMAND_RESUME);
     TEST_ASSERT_EQUAL_UINT32(1, keeper.counters.resumed);
     assert_ended();
 }
@@ -109,8 +108,7 @@ static void test_a_run_by_itself_ends_it(void)
     bench_pass(&bench, 0.1);
     unlock();
     TEST_ASSERT_EQUAL_HEX32(0, write_byte(0x2122, 6, TUMBLE_SETS_STARTS));
-    bench_pass(&bench, 1.0);
-    TEST_ASSERT_EQUAL_UINT32(1, keeper.counters.self_started);
+    assert_starts_after(1.0, 1);
     assert_ended();
 }
 
@@ -118,8 +116,7 @@ static void test_a_reset_of_the_node_ends_it(void)
 {
     TEST_ASSERT_EQUAL_HEX32(0, want(2));
     bench_pass(&bench, 0.1);
-    reset_by_nmt(TUMBLE_NMT_RESET_NODE);
-    bench_pass(&bench, 1.0);
+    reset_by_nmt(TUMBLE_NMT_RESET_NODE, 1.0);
     assert_ended();
 }
 

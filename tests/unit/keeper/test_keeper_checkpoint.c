@@ -9,7 +9,7 @@ static void test_a_full_checkpoint_is_written_anew(void)
     keeper.checkpoint.next = TUMBLE_CHECKPOINT_CELLS;
     run_to_average(5);
     settle_and_power_cycle();
-    TEST_ASSERT_EQUAL_UINT8(5, state_of_keeper().resumable);
+    assert_resumable(5);
 }
 
 /* The memory fails while the run goes on: the run does not mind. */
@@ -20,7 +20,7 @@ static void test_a_memory_that_fails_costs_the_checkpoint_alone(void)
     run_to_average(9);
     nv_arm(&memory, nv_no_fault);
     end_and_settle();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
+    assert_verdict(TUMBLE_VERDICT_COMMITTED);
     TEST_ASSERT_GREATER_OR_EQUAL_UINT32(3, keeper.counters.failures);
 }
 
@@ -49,7 +49,7 @@ static void test_a_checkpoint_that_was_lost_is_begun_again(void)
     memory.read_fails_at = NV_NEVER;
     run_to_average(7);
     settle_and_power_cycle();
-    TEST_ASSERT_EQUAL_UINT8(7, state_of_keeper().resumable);
+    assert_resumable(7);
 }
 
 /* Where the one of the run before could not be erased, nothing of this run is added to it. */
@@ -61,7 +61,7 @@ static void test_the_means_of_two_runs_are_not_mixed(void)
     nv_arm(&memory, nv_no_fault);
     run_to_average(3);
     settle_and_power_cycle();
-    TEST_ASSERT_EQUAL_UINT8(3, state_of_keeper().resumable);
+    assert_resumable(3);
 }
 
 static void write_on_checkpoint(void)
@@ -91,11 +91,10 @@ static void turn_means_round(uint8_t count)
 
 static void assert_not_gone_on_with(uint32_t times)
 {
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_RESUME));
-    bench_pass(&bench, 0.2);
+    obey_for(0.2, TUMBLE_COMMAND_RESUME);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_IDLE, run_state());
     TEST_ASSERT_EQUAL_UINT32(times, keeper.counters.not_resumed);
-    TEST_ASSERT_EQUAL_UINT8(0, state_of_keeper().resumable);
+    assert_resumable(0);
 }
 
 /* Means that fail their check when they are put back are no run that waits for somebody. Who asks again is heard. */
@@ -103,16 +102,14 @@ static void test_what_cannot_be_put_back_is_no_run_to_go_on_with(void)
 {
     start_and_cut(6);
     turn_means_round(6);
-    keeper_power_cycle();
-    TEST_ASSERT_EQUAL_UINT8(6, state_of_keeper().resumable);
+    assert_resumable_after_power(6);
     assert_not_gone_on_with(1);
     keeper.stale = true; /* as after any job of the store */
     settle_memory();
-    TEST_ASSERT_EQUAL_UINT8(0, state_of_keeper().resumable);
+    assert_resumable(0);
     assert_not_gone_on_with(2);
     keeper.settings.flags |= TUMBLE_SETS_STARTS;
-    bench_pass(&bench, (double)TUMBLE_SETS_MIN_PAUSE_S + 1.0);
-    TEST_ASSERT_EQUAL_UINT32(1, keeper.counters.self_started);
+    assert_starts_after((double)TUMBLE_SETS_MIN_PAUSE_S + 1.0, 1);
 }
 
 static const around_t around_each = {keeper_power_on, NULL};

@@ -111,8 +111,7 @@ static void test_it_is_told_again_after_a_reset(void)
     decay(2);
     keeper_power_cycle();
     for (size_t i = 0; i < (sizeof commands / sizeof commands[0]); i++) {
-        reset_by_nmt(commands[i]);
-        bench_pass(&bench, 0.5);
+        reset_by_nmt(commands[i], 0.5);
         assert_told(2, 1);
     }
 }
@@ -126,8 +125,7 @@ static void test_a_run_is_due(void)
     commit_one(2);
     decay(2);
     keeper_power_cycle();
-    bench_pass(&bench, 1.0);
-    TEST_ASSERT_EQUAL_UINT32(1, keeper.counters.self_started);
+    assert_starts_after(1.0, 1);
     TEST_ASSERT_TRUE(keeper.counters.refused == 0U);
 }
 
@@ -140,7 +138,7 @@ static void test_not_decayed_but_unreadable_at_power_on(void)
     keeper_power_cycle();
     memory.read_fails_at = NV_NEVER;
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
-    TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE), state_of_keeper().objections);
+    assert_objects(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE));
     TEST_ASSERT_EQUAL_UINT32(1, keeper.sequence);
     drift(-2e-3);
     memory.read_fails_at = 0;
@@ -156,7 +154,7 @@ static void test_and_unreadable_it_remains(void)
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
     memory.read_fails_at = 0;
     end_and_settle();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_FAILED, state_of_keeper().verdict);
+    assert_verdict(TUMBLE_VERDICT_FAILED);
     memory.read_fails_at = NV_NEVER;
     keeper_power_cycle();
     TEST_ASSERT_EQUAL_UINT32(1, keeper.sequence);
@@ -238,7 +236,7 @@ static void assert_newer_is_kept(uint32_t at)
     TEST_ASSERT_EQUAL_UINT32(0, keeper.store.cells.torn);
     TEST_ASSERT_EQUAL_UINT8(2, tumble_history_count(&keeper.history));
     assert_verdict_after(1e-5, TUMBLE_VERDICT_HELD);
-    TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_NEWER_SET), state_of_keeper().objections);
+    assert_objects(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_NEWER_SET));
     TEST_ASSERT_EQUAL_HEX8_ARRAY(before, place, sizeof before);
     ASSERT_STATUS(TUMBLE_OK, accept_proposal()); /* whoever wants it so */
     settle_memory();

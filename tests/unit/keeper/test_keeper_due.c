@@ -128,7 +128,7 @@ static void test_it_starts_by_itself_when_told_so(void)
     end_and_settle();
     TEST_ASSERT_EQUAL_UINT32(2, keeper.sequence);
     TEST_ASSERT_EQUAL_UINT32(1, keeper.counters.self_started);
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
+    assert_verdict(TUMBLE_VERDICT_COMMITTED);
 }
 
 /* A run that is refused or given up is not begun again before the pause is over. */
@@ -136,22 +136,18 @@ static void test_it_pauses_between_starts_by_itself(void)
 {
     settings.flags = TUMBLE_SETS_STARTS;
     settings.pause_s = 120;
-    keeper_power_cycle();
-    bench_pass(&bench, 1.0);
+    keeper_power_cycle_for(1.0);
     TEST_ASSERT_NOT_EQUAL(TUMBLE_STATE_IDLE, run_state());
     bench_pass(&bench, 2.0);
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_ABORT));
-    bench_pass(&bench, 119.0);
+    obey_for(119.0, TUMBLE_COMMAND_ABORT);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_ABORT, run_state());
     bench_pass(&bench, 1.5);
     TEST_ASSERT_NOT_EQUAL(TUMBLE_STATE_ABORT, run_state());
     TEST_ASSERT_EQUAL_UINT32(2, keeper.counters.self_started);
     /* One that somebody began and gave up is not begun again at once either. */
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_ABORT));
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    bench_pass(&bench, 5.0);
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_ABORT));
-    bench_pass(&bench, 119.0);
+    obey_for(5.0, TUMBLE_COMMAND_START);
+    obey_for(119.0, TUMBLE_COMMAND_ABORT);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_ABORT, run_state());
 }
 
@@ -163,16 +159,13 @@ static void test_a_proposal_or_a_run_to_resume_keeps_it_from_starting(void)
     assert_verdict_after(2e-3, TUMBLE_VERDICT_HELD);
     settings.flags = TUMBLE_SETS_STARTS;
     ASSERT_STATUS(TUMBLE_OK, tumble_keeper_configure(&keeper, &settings));
-    bench_pass(&bench, 100.0);
-    TEST_ASSERT_EQUAL_UINT32(0, keeper.counters.self_started);
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_DISCARD));
-    bench_pass(&bench, 1.0);
+    assert_starts_after(100.0, 0);
+    obey_for(1.0, TUMBLE_COMMAND_DISCARD);
     TEST_ASSERT_EQUAL_UINT32(1, keeper.counters.self_started);
     run_to_average(4);
     settle_and_power_cycle();
-    bench_pass(&bench, 100.0);
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_IDLE, run_state());
-    TEST_ASSERT_EQUAL_UINT8(4, state_of_keeper().resumable);
+    assert_state_after(100.0, TUMBLE_STATE_IDLE);
+    assert_resumable(4);
 }
 
 /* Somebody must look at the table first: it was not seen to stop, or somebody else turns it. */
@@ -184,16 +177,13 @@ static void test_a_table_that_wants_a_look_keeps_it_from_starting(void)
     settings.pause_s = 60;
     keeper_power_cycle();
     for (uint32_t i = 0; i < 2U; i++) {
-        bench_pass(&bench, 1.0);
-        TEST_ASSERT_EQUAL_UINT32(i + 1U, keeper.counters.self_started);
-        ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_ABORT));
-        bench_pass(&bench, 3.0);
+        assert_starts_after(1.0, i + 1U);
+        obey_for(3.0, TUMBLE_COMMAND_ABORT);
         fake_port_give(&bench.fake, &foreign);
         bench_pass(&bench, 1.0);
         bench.axis.fault = (uint8_t)faults[i];
         TEST_ASSERT_EQUAL_INT(faults[i], bench_progress(&bench).stand_fault);
-        bench_pass(&bench, 200.0);
-        TEST_ASSERT_EQUAL_UINT32(i + 1U, keeper.counters.self_started);
+        assert_starts_after(200.0, i + 1U);
         TEST_ASSERT_EQUAL_INT(faults[i], bench_progress(&bench).stand_fault);
         ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_CLEAR_FAULT));
     }
@@ -281,12 +271,6 @@ static tumble_verdict_t run_after_a_month(double moved_v)
     return run_and_judge();
 }
 
-static void decide(tumble_command_t command)
-{
-    ASSERT_STATUS(TUMBLE_OK, (command == TUMBLE_COMMAND_ACCEPT) ? accept_proposal() : tell(command));
-    settle_memory();
-}
-
 static void assert_trend(double per_month, uint32_t freedom)
 {
     tumble_trend_t trend;
@@ -339,7 +323,7 @@ static void test_an_active_set_dated_after_the_present_holds_nothing(void)
     bench_pass(&bench, 1.0);
     TEST_ASSERT_EQUAL_HEX8(TUMBLE_DUE_DATE, due());
     assert_verdict_after(1e-5, TUMBLE_VERDICT_COMMITTED);
-    TEST_ASSERT_EQUAL_HEX16(0, state_of_keeper().objections);
+    assert_objects(0);
     TEST_ASSERT_EQUAL_HEX8(0, due());
     TEST_ASSERT_UINT64_WITHIN(1000, UTC_S, set_of(TUMBLE_SET_ACTIVE).date_utc_s);
 }
@@ -351,7 +335,7 @@ static void test_nor_does_it_excuse_a_change(void)
     (void)run_and_judge();
     ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, UTC_S));
     assert_verdict_after(2e-3, TUMBLE_VERDICT_HELD);
-    TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE), state_of_keeper().objections);
+    assert_objects(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE));
 }
 
 static void test_a_clock_that_is_corrected_a_little_makes_no_run_due(void)

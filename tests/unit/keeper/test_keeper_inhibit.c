@@ -72,8 +72,7 @@ static void test_the_board_ends_a_run(void)
 {
     start_to_average(3);
     board_inhibits = true;
-    bench_pass(&bench, 0.11);
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_ABORT, run_state());
+    assert_state_after(0.11, TUMBLE_STATE_ABORT);
     TEST_ASSERT_EQUAL(TUMBLE_REASON_INHIBITED, bench_progress(&bench).run.reason);
 }
 
@@ -111,8 +110,7 @@ static void test_a_run_that_slipped_through_is_given_up(void)
     settings.flags = TUMBLE_SETS_STARTS;
     keeper_config.sets.inhibited = bounce;
     looks = 0;
-    keeper_power_cycle();
-    bench_pass(&bench, 600.0);
+    keeper_power_cycle_for(600.0);
     TEST_ASSERT_GREATER_THAN_UINT32(0, keeper.counters.self_started);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_ABORT, run_state());
     TEST_ASSERT_EQUAL_UINT32(0, bench_counters(&bench).procedure.positions);
@@ -124,8 +122,7 @@ static void test_a_fault_waits_until_the_inhibit_is_over(void)
     bench.block.dead = true;
     TEST_ASSERT_EQUAL(TUMBLE_STATE_FAULT, bench_run(&bench, TUMBLE_STATE_DONE, 60.0));
     tumble_keeper_inhibit(&keeper, 60);
-    bench_pass(&bench, 30.0);
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_FAULT, run_state());
+    assert_state_after(30.0, TUMBLE_STATE_FAULT);
     ASSERT_STATUS(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_RESUME));
     bench.block.dead = false;
     bench_pass(&bench, 31.0);
@@ -138,8 +135,7 @@ static void test_inhibited_it_does_not_start_by_itself(void)
     settings.flags = TUMBLE_SETS_STARTS;
     board_inhibits = true;
     keeper_power_cycle();
-    bench_pass(&bench, 100.0);
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_IDLE, run_state());
+    assert_state_after(100.0, TUMBLE_STATE_IDLE);
     TEST_ASSERT_EQUAL_HEX8(TUMBLE_DUE_NO_SET, state_of_keeper().due);
     board_inhibits = false;
     bench_pass(&bench, 1.0);
@@ -152,8 +148,7 @@ static void test_nor_goes_on_after_a_loss_of_power(void)
     settle_and_power_cycle();
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_RESUME));
     tumble_keeper_inhibit(&keeper, 60); /* while the means are put back */
-    bench_pass(&bench, 1.0);
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_IDLE, run_state());
+    assert_state_after(1.0, TUMBLE_STATE_IDLE);
     bench_pass(&bench, 60.0);
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_RESUME)); /* nothing was lost */
     TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, (bench_pass(&bench, 0.2), bench_run(&bench, TUMBLE_STATE_DONE, 600.0)));
@@ -229,8 +224,7 @@ static void test_a_validator_is_not_interrupted_at_once(void)
     keeper_power_cycle();
     wait_for_stand(TUMBLE_STAND_READY);
     board_inhibits = false;
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_HOME_AXIS));
-    bench_pass(&bench, 59.0);
+    obey_for(59.0, TUMBLE_COMMAND_HOME_AXIS);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_IDLE, run_state());
     bench_pass(&bench, 2.0);
     TEST_ASSERT_NOT_EQUAL(TUMBLE_STATE_IDLE, run_state());

@@ -79,8 +79,7 @@ static void test_what_a_set_does_not_know_is_refused(void)
     keeper_config.uncertainty = NULL;
     settings.gravity_m_s2 = 0.0;
     bench.block.temperature_half_c = INT8_MAX; /* as warm as can be told, or warmer */
-    keeper_power_cycle();
-    bench_pass(&bench, 1.0);
+    keeper_power_cycle_for(1.0);
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
     TEST_ASSERT_EQUAL_HEX32(0, refusal_of(0x2102, 8));
     TEST_ASSERT_EQUAL_HEX32(0, refusal_of(0x2102, 14));

@@ -25,12 +25,6 @@ static void run_to_rest(uint8_t index)
     settle_memory();
 }
 
-static void assert_resumable(uint8_t positions)
-{
-    keeper_power_cycle();
-    TEST_ASSERT_EQUAL_UINT8(positions, state_of_keeper().resumable);
-}
-
 static void test_a_mean_that_is_refused_once_or_twice_is_kept(void)
 {
     for (uint32_t times = 1; times < TUMBLE_SETS_TRIES; times++) {
@@ -42,10 +36,10 @@ static void test_a_mean_that_is_refused_once_or_twice_is_kept(void)
         TEST_ASSERT_EQUAL_UINT32(times + 1U, refused()); /* the last one was taken */
         TEST_ASSERT_EQUAL_UINT32(times, failures());
         TEST_ASSERT_EQUAL_UINT32(6, keeper.counters.checkpoints);
-        assert_resumable(6);
+        assert_resumable_after_power(6);
         resume_to_end();
         TEST_ASSERT_EQUAL_UINT32(12, bench_counters(&bench).procedure.positions);
-        TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
+        assert_verdict(TUMBLE_VERDICT_COMMITTED);
     }
 }
 
@@ -63,7 +57,7 @@ static void test_a_mean_that_is_refused_too_often_waits_for_the_next(void)
     run_to_rest(8);
     TEST_ASSERT_EQUAL_UINT32(2U * TUMBLE_SETS_TRIES, failures());
     TEST_ASSERT_EQUAL_UINT32(8, keeper.counters.checkpoints);
-    assert_resumable(8);
+    assert_resumable_after_power(8);
 }
 
 static void test_a_memory_that_refuses_for_ever_is_asked_so_often_a_mean(void)
@@ -74,7 +68,7 @@ static void test_a_memory_that_refuses_for_ever_is_asked_so_often_a_mean(void)
     run_to_rest(9);
     TEST_ASSERT_EQUAL_UINT32(4U * TUMBLE_SETS_TRIES, refused());
     TEST_ASSERT_EQUAL_UINT32(4U * TUMBLE_SETS_TRIES, failures());
-    assert_resumable(5);
+    assert_resumable_after_power(5);
 }
 
 /* What was measured again while its first mean was refused is kept as it is now. */
@@ -87,7 +81,7 @@ static void test_a_mean_that_goes_while_it_is_tried_does_not_come_back(void)
     ASSERT_STATUS(TUMBLE_OK, bench_command(&bench, TUMBLE_COMMAND_REPEAT_POSITION, 5));
     bench_pass(&bench, 0.5);
     settle_memory();
-    assert_resumable(5);
+    assert_resumable_after_power(5);
 }
 
 static void test_a_run_that_is_given_up_leaves_none(void)
@@ -98,11 +92,10 @@ static void test_a_run_that_is_given_up_leaves_none(void)
         ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
         run_to_rest(4);
         refuse(times);
-        ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_ABORT));
-        settle_memory();
+        decide(TUMBLE_COMMAND_ABORT);
         TEST_ASSERT_EQUAL_UINT32(times + (taken ? 1U : 0U), refused());
         TEST_ASSERT_EQUAL_UINT32(times, failures());
-        assert_resumable(taken ? 0U : 4U);
+        assert_resumable_after_power(taken ? 0U : 4U);
     }
 }
 
@@ -111,13 +104,11 @@ static void test_a_run_that_is_given_up_leaves_none_of_another(void)
 {
     start_and_cut(6);
     refuse(1);
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    settle_memory();
+    decide(TUMBLE_COMMAND_START);
     refuse(1);
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_ABORT));
-    settle_memory();
+    decide(TUMBLE_COMMAND_ABORT);
     TEST_ASSERT_EQUAL_UINT32(2, failures());
-    assert_resumable(0);
+    assert_resumable_after_power(0);
 }
 
 /* Nor does one that has begun, however long its first position takes. */
@@ -127,10 +118,9 @@ static void test_a_run_that_begins_leaves_none_of_another(void)
         keeper_power_on();
         start_and_cut(6);
         refuse(times);
-        ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-        settle_memory();
+        decide(TUMBLE_COMMAND_START);
         TEST_ASSERT_EQUAL_UINT32(times, failures());
-        assert_resumable(0);
+        assert_resumable_after_power(0);
     }
 }
 
@@ -152,10 +142,9 @@ static void test_a_run_that_is_given_up_leaves_none_unread(void)
     blind = true;
     memory.nv.read = read_after_all;
     refuse(1);
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_ABORT));
-    settle_memory();
+    decide(TUMBLE_COMMAND_ABORT);
     TEST_ASSERT_FALSE(blind);
-    assert_resumable(0);
+    assert_resumable_after_power(0);
 }
 
 /* The mean that is refused as the run is given up is not wanted any more. */
@@ -167,10 +156,9 @@ static void test_a_run_that_is_given_up_is_not_added_to(void)
         bench_event(&bench);
     }
     refuse(1);
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_ABORT));
-    settle_memory();
+    decide(TUMBLE_COMMAND_ABORT);
     TEST_ASSERT_EQUAL_UINT32(1, failures());
-    assert_resumable(0);
+    assert_resumable_after_power(0);
 }
 
 /* The history. */
@@ -183,7 +171,7 @@ static void run_to_history(void)
         bench_event(&bench);
     }
     TEST_ASSERT_TRUE(tumble_history_busy(&keeper.history));
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
+    assert_verdict(TUMBLE_VERDICT_COMMITTED);
 }
 
 static void assert_history(uint8_t entries, uint32_t newest)
@@ -200,7 +188,7 @@ static void test_an_entry_of_the_history_that_is_refused_is_written(void)
         refuse(times);
         settle_memory();
         TEST_ASSERT_EQUAL_UINT32(times, failures());
-        TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
+        assert_verdict(TUMBLE_VERDICT_COMMITTED);
         TEST_ASSERT_EQUAL_UINT32(1, keeper.sequence);
         assert_history(1, 1);
         keeper_power_cycle();

@@ -3,7 +3,7 @@
 
 static void reset_application(void)
 {
-    reset_by_nmt(TUMBLE_NMT_RESET_NODE);
+    reset_by_nmt(TUMBLE_NMT_RESET_NODE, 0.0);
     bench_event(&bench);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_IDLE, run_state());
 }
@@ -12,14 +12,13 @@ static void reset_application(void)
 static void test_a_run_reset_as_it_begins_leaves_none_to_go_on_with(void)
 {
     start_and_cut(6);
-    TEST_ASSERT_EQUAL_UINT8(6, state_of_keeper().resumable);
+    assert_resumable(6);
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
     reset_application();
     settle_memory();
-    TEST_ASSERT_EQUAL_UINT8(0, state_of_keeper().resumable);
+    assert_resumable(0);
     ASSERT_STATUS(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_RESUME));
-    keeper_power_cycle();
-    TEST_ASSERT_EQUAL_UINT8(0, state_of_keeper().resumable);
+    assert_resumable_after_power(0);
 }
 
 /* Nor does it keep the next from starting by itself. */
@@ -29,10 +28,8 @@ static void test_it_starts_by_itself_after_a_reset(void)
     start_and_cut(6);
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
     reset_application();
-    bench_pass(&bench, (double)settings.pause_s - 1.0);
-    TEST_ASSERT_EQUAL_UINT32(0, keeper.counters.self_started);
-    bench_pass(&bench, 3.0);
-    TEST_ASSERT_EQUAL_UINT32(1, keeper.counters.self_started);
+    assert_starts_after((double)settings.pause_s - 1.0, 0);
+    assert_starts_after(3.0, 1);
     TEST_ASSERT_NOT_EQUAL(TUMBLE_STATE_IDLE, run_state());
 }
 
@@ -44,13 +41,13 @@ static void test_what_is_about_to_go_cannot_be_resumed(void)
     reset_application();
     memory.busy_every = 1;
     for (int i = 0; i < 100; i++) {
-        TEST_ASSERT_EQUAL_UINT8(0, state_of_keeper().resumable);
+        assert_resumable(0);
         ASSERT_STATUS(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_RESUME));
         bench_event(&bench);
     }
     memory.busy_every = 0;
     while (state_of_keeper().busy) {
-        TEST_ASSERT_EQUAL_UINT8(0, state_of_keeper().resumable);
+        assert_resumable(0);
         ASSERT_STATUS(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_RESUME));
         bench_event(&bench);
     }
@@ -63,9 +60,8 @@ static void test_a_run_reset_later_can_be_gone_on_with(void)
     settle_memory();
     reset_application();
     bench_pass(&bench, 1.0);
-    TEST_ASSERT_EQUAL_UINT8(6, state_of_keeper().resumable);
-    resume_to_end();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
+    assert_resumable(6);
+    resume_to_commit();
 }
 
 /* What was being put back is forgotten with the rest, and can be asked for again. */
@@ -76,10 +72,9 @@ static void test_a_reset_ends_going_on(void)
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_RESUME));
     bench_event(&bench);
     reset_application();
-    bench_pass(&bench, 1.0);
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_IDLE, run_state());
+    assert_state_after(1.0, TUMBLE_STATE_IDLE);
     TEST_ASSERT_EQUAL_UINT32(0, keeper.counters.resumed);
-    TEST_ASSERT_EQUAL_UINT8(6, state_of_keeper().resumable);
+    assert_resumable(6);
     resume_to_end();
     TEST_ASSERT_EQUAL_UINT32(12, bench_counters(&bench).procedure.positions);
 }
@@ -91,10 +86,10 @@ static void test_a_reset_brings_back_what_fits_the_run(void)
     start_and_cut(6);
     TEST_ASSERT_EQUAL_HEX32(0, write_u32(0x2050, 1, 34));
     ASSERT_STATUS(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_RESUME));
-    TEST_ASSERT_EQUAL_UINT8(0, state_of_keeper().resumable);
+    assert_resumable(0);
     reset_application();
     settle_memory();
-    TEST_ASSERT_EQUAL_UINT8(6, state_of_keeper().resumable);
+    assert_resumable(6);
     bench_pass(&bench, 300.0);
     TEST_ASSERT_EQUAL_UINT32(0, keeper.counters.self_started); /* it waits for who looks */
     resume_to_end();
@@ -127,8 +122,7 @@ static void test_no_start_while_a_busy_memory_is_waited_for(void)
     unlock();
     TEST_ASSERT_EQUAL_HEX32(0, write_and_wait(0x1010, SAVE));
     memory.busy_every = 1;
-    keeper_power_cycle();
-    bench_pass(&bench, 5.0);
+    keeper_power_cycle_for(5.0);
     ASSERT_STATUS(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_START));
     memory.busy_every = 0;
     settle_memory();

@@ -11,7 +11,7 @@ static void test_cut_at_every_position_the_result_is_the_same(void)
     for (uint8_t index = 1; index < POSITIONS; index++) {
         keeper_power_on();
         start_and_cut(index);
-        TEST_ASSERT_EQUAL_UINT8(index, state_of_keeper().resumable);
+        assert_resumable(index);
         TEST_ASSERT_EQUAL(TUMBLE_STATE_IDLE, run_state());
         resume_to_end();
         const tumble_set_t set = set_of(TUMBLE_SET_ACTIVE);
@@ -33,8 +33,7 @@ static void test_a_busy_memory_is_waited_for(void)
         keeper_power_on();
         start_and_cut(7);
         memory.busy_every = every;
-        resume_to_end();
-        TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
+        resume_to_commit();
         TEST_ASSERT_EQUAL_UINT32(11, bench_counters(&bench).procedure.positions);
     }
 }
@@ -65,8 +64,7 @@ static void test_cut_before_the_result_is_stored(void)
     keeper_power_cycle();
     const uint8_t resumable = state_of_keeper().resumable;
     TEST_ASSERT_GREATER_OR_EQUAL_UINT8(17, resumable);
-    resume_to_end();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
+    resume_to_commit();
 }
 
 /* The run is in the store and its checkpoint is still there: it is no run to go on with. */
@@ -76,11 +74,9 @@ static void test_a_committed_run_is_not_gone_on_with(void)
     start_to_average(17);
     settle_memory();
     memcpy(kept, &memory.bytes[CHECKPOINT_AT], sizeof kept);
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 60.0));
-    settle_memory();
+    end_and_settle();
     memcpy(&memory.bytes[CHECKPOINT_AT], kept, sizeof kept);
-    keeper_power_cycle();
-    TEST_ASSERT_EQUAL_UINT8(0, state_of_keeper().resumable);
+    assert_resumable_after_power(0);
     ASSERT_STATUS(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_RESUME));
     TEST_ASSERT_EQUAL_UINT32(1, keeper.counters.not_resumed);
 }
@@ -94,14 +90,12 @@ static void test_a_held_run_gives_no_second_proposal(void)
     start_to_average(17);
     settle_memory();
     memcpy(kept, &memory.bytes[CHECKPOINT_AT], sizeof kept);
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 60.0));
-    settle_memory();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_HELD, state_of_keeper().verdict);
+    end_and_settle();
+    assert_verdict(TUMBLE_VERDICT_HELD);
     memcpy(&memory.bytes[CHECKPOINT_AT], kept, sizeof kept);
-    keeper_power_cycle();
-    TEST_ASSERT_EQUAL_UINT8(17, state_of_keeper().resumable);
+    assert_resumable_after_power(17);
     resume_to_end();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_REPEATED, state_of_keeper().verdict);
+    assert_verdict(TUMBLE_VERDICT_REPEATED);
 }
 
 /* Who wants to end waits for this, and then nothing is left to do: neither an entry of the history nor a checkpoint. */
@@ -118,8 +112,7 @@ static void test_it_is_busy_until_all_is_stored(void)
         }
         const bool first = (flags[i] & TUMBLE_COMMIT_FIRST) != 0U;
         TEST_ASSERT_EQUAL_UINT8(first ? TUMBLE_VERDICT_COMMITTED : TUMBLE_VERDICT_HELD, state_of_keeper().verdict);
-        keeper_power_cycle();
-        TEST_ASSERT_EQUAL_UINT8(0, state_of_keeper().resumable);
+        assert_resumable_after_power(0);
         TEST_ASSERT_FALSE(keeper.checkpoint.kept);
         TEST_ASSERT_EQUAL_UINT8(first ? 1U : 0U, tumble_history_count(&keeper.history));
         TEST_ASSERT_EQUAL_UINT32(first ? 1U : 0U, keeper.history.newest);
@@ -131,33 +124,31 @@ static void test_start_abort_and_done_leave_nothing_to_go_on_with(void)
     start_and_cut(6);
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
     settle_memory(); /* the old checkpoint goes as the run begins, not with its first position */
-    keeper_power_cycle();
-    TEST_ASSERT_EQUAL_UINT8(0, state_of_keeper().resumable);
+    assert_resumable_after_power(0);
     ASSERT_STATUS(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_RESUME));
 
     start_to_average(6);
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_ABORT));
     settle_and_power_cycle();
-    TEST_ASSERT_EQUAL_UINT8(0, state_of_keeper().resumable);
+    assert_resumable(0);
 
     (void)run_and_judge();
-    keeper_power_cycle();
-    TEST_ASSERT_EQUAL_UINT8(0, state_of_keeper().resumable);
+    assert_resumable_after_power(0);
 }
 
 /* A run that is begun while the result of the one before is still being stored keeps its own checkpoint. */
 static void test_a_run_begun_at_once_keeps_its_checkpoint(void)
 {
     run_to_done();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_WORKING, state_of_keeper().verdict);
+    assert_verdict(TUMBLE_VERDICT_WORKING);
     while (!tumble_store_busy(&keeper.store)) {
         bench_event(&bench); /* before that a START is refused */
     }
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_WORKING, state_of_keeper().verdict);
+    assert_verdict(TUMBLE_VERDICT_WORKING);
     start_to_average(5);
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
+    assert_verdict(TUMBLE_VERDICT_COMMITTED);
     settle_and_power_cycle();
-    TEST_ASSERT_EQUAL_UINT8(5, state_of_keeper().resumable);
+    assert_resumable(5);
 }
 
 /* FAULT keeps it: what was measured before a fault and then a loss of power is not lost. */
@@ -167,7 +158,7 @@ static void test_a_fault_keeps_it(void)
     bench.block.dead = true;
     TEST_ASSERT_EQUAL(TUMBLE_STATE_FAULT, bench_run(&bench, TUMBLE_STATE_DONE, 60.0));
     settle_and_power_cycle();
-    TEST_ASSERT_EQUAL_UINT8(6, state_of_keeper().resumable);
+    assert_resumable(6);
 }
 
 /* What must be as it was. */
@@ -228,8 +219,7 @@ static void test_a_configuration_written_meanwhile(void)
     bench.navcomp.procedure_config.samples = BENCH_SAMPLES;
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_RESUME));
     bench.navcomp.procedure_config.samples = BENCH_SAMPLES + 3U; /* while the means are being put back */
-    bench_pass(&bench, 0.2);
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_IDLE, run_state());
+    assert_state_after(0.2, TUMBLE_STATE_IDLE);
     TEST_ASSERT_EQUAL_UINT32(0, keeper.counters.resumed);
 }
 
@@ -250,7 +240,7 @@ static void test_a_mean_that_was_dropped_stays_dropped(void)
     start_to_average(6);
     ASSERT_STATUS(TUMBLE_OK, bench_command(&bench, TUMBLE_COMMAND_REPEAT_POSITION, 2));
     settle_and_power_cycle();
-    TEST_ASSERT_EQUAL_UINT8(5, state_of_keeper().resumable);
+    assert_resumable(5);
     TEST_ASSERT_FALSE(tumble_checkpoint_has(&keeper.checkpoint, 2));
 }
 
@@ -259,7 +249,7 @@ static void test_a_mounting_that_was_dropped_stays_dropped(void)
     start_to_average(12);
     ASSERT_STATUS(TUMBLE_OK, bench_command(&bench, TUMBLE_COMMAND_REPEAT_MOUNTING, 1));
     settle_and_power_cycle();
-    TEST_ASSERT_EQUAL_UINT8(3, state_of_keeper().resumable);
+    assert_resumable(3);
 }
 
 /* A damaged entry is a position that is measured again. */
@@ -275,12 +265,10 @@ static void test_after_an_nmt_reset_the_run_can_be_gone_on_with(void)
 {
     start_to_average(6);
     settle_memory();
-    reset_by_nmt(TUMBLE_NMT_RESET_NODE);
-    bench_pass(&bench, 0.5);
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_IDLE, run_state());
-    TEST_ASSERT_EQUAL_UINT8(6, state_of_keeper().resumable);
-    resume_to_end();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
+    reset_by_nmt(TUMBLE_NMT_RESET_NODE, 0.0);
+    assert_state_after(0.5, TUMBLE_STATE_IDLE);
+    assert_resumable(6);
+    resume_to_commit();
 }
 
 /* It is the same run: the set tells that it was interrupted, and the temperature of all of it. */
@@ -291,8 +279,7 @@ static void test_a_position_of_a_resumed_run_is_repeated(void)
     bench.block.temperature_half_c = 62;
     drift(1e-5);
     ASSERT_STATUS(TUMBLE_OK, bench_command(&bench, TUMBLE_COMMAND_REPEAT_POSITION, POSITIONS - 1U));
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 60.0));
-    settle_memory();
+    end_and_settle();
     const tumble_set_t set = set_of(TUMBLE_SET_ACTIVE);
     TEST_ASSERT_EQUAL_UINT32(2, set.sequence);
     TEST_ASSERT_BITS_HIGH(TUMBLE_SET_RESUMED, set.flags);

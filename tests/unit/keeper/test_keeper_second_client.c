@@ -111,10 +111,8 @@ static void test_what_is_saved_is_answered_to_who_asked(void)
 static void test_an_nmt_reset_forgets_what_was_staged(void)
 {
     stage(TUMBLE_SDO_TO_SECOND, ARGUMENT, 7);
-    reset_by_nmt(TUMBLE_NMT_RESET_COMMUNICATION);
-    bench_pass(&bench, 1.0);
+    reset_by_nmt(TUMBLE_NMT_RESET_COMMUNICATION, 1.0);
     TEST_ASSERT_EQUAL_UINT32(7, read_number(0x2002, ARGUMENT, 1)); /* that is no business of the application */
-    reset_by_nmt(TUMBLE_NMT_RESET_NODE);
-    bench_pass(&bench, 1.0);
+    reset_by_nmt(TUMBLE_NMT_RESET_NODE, 1.0);
     TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2002, ARGUMENT, 1));
 }

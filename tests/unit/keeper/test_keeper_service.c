@@ -74,7 +74,7 @@ static void test_a_disturbed_run_under_voided_rules_is_held(void)
     TEST_ASSERT_EQUAL_HEX16(0, good.flags & TUMBLE_SET_OTHER_RULES);
     void_the_rules();
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, disturbed_run(4, 0.3));
-    TEST_ASSERT_EQUAL_HEX16(OTHER_RULES | DOES_NOT_FIT, state_of_keeper().objections); /* no limit has seen it */
+    assert_objects(OTHER_RULES | DOES_NOT_FIT); /* no limit has seen it */
     const tumble_set_t still = set_of(TUMBLE_SET_ACTIVE);
     const tumble_set_t proposal = set_of(TUMBLE_SET_PROPOSAL);
     TEST_ASSERT_EQUAL_MEMORY(&good, &still, sizeof good);
@@ -82,8 +82,7 @@ static void test_a_disturbed_run_under_voided_rules_is_held(void)
     TEST_ASSERT_EQUAL_HEX16(TUMBLE_SET_OTHER_RULES, proposal.flags & TUMBLE_SET_OTHER_RULES);
     TEST_ASSERT_TRUE(largest_change(&proposal.coefficients, &good.coefficients) > 1e-2);
     /* By the rules of the board the same run does not pass. */
-    keeper_power_cycle();
-    bench_pass(&bench, 1.0);
+    keeper_power_cycle_for(1.0);
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, disturbed_run(4, 0.301));
     TEST_ASSERT_EQUAL_HEX16(0, state_of_keeper().objections & OTHER_RULES);
     TEST_ASSERT_NOT_EQUAL(0, state_of_keeper().objections);
@@ -93,7 +92,7 @@ static void assert_judged(tumble_verdict_t verdict, uint16_t objections)
 {
     drift(1e-6);
     TEST_ASSERT_EQUAL(verdict, run_and_judge());
-    TEST_ASSERT_EQUAL_HEX16(objections, state_of_keeper().objections);
+    assert_objects(objections);
 }
 
 /* Each by itself, a good run; and as it was before, no objection. */
@@ -131,12 +130,11 @@ static void test_rules_that_come_back_in_time_excuse_nothing(void)
     TEST_ASSERT_EQUAL_HEX32(0, write_f64(0x2050, 5, 1.0));
     bench.logged = 0;
     run_to_done();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_WORKING, state_of_keeper().verdict);
+    assert_verdict(TUMBLE_VERDICT_WORKING);
     ASSERT_STATUS(TUMBLE_OK, tumble_service_unlock(&bench.navcomp, TUMBLE_SERVICE_KEY));
     bench.navcomp.procedure_config.gravity_limit_g = 3e-4; /* as quickly as can be */
-    settle_memory();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_HELD, state_of_keeper().verdict);
-    TEST_ASSERT_EQUAL_HEX16(OTHER_RULES, state_of_keeper().objections);
+    settle_to(TUMBLE_VERDICT_HELD);
+    assert_objects(OTHER_RULES);
 }
 
 /* What is saved at service level is in force after the next power-on: the board's from then on. */
@@ -147,14 +145,12 @@ static void test_saved_rules_are_the_boards(void)
     TEST_ASSERT_EQUAL_HEX32(0, write_f32(0x2123, 1, 4.0F));
     TEST_ASSERT_EQUAL_HEX32(0, write_and_wait(0x1010, SAVE));
     assert_judged(TUMBLE_VERDICT_COMMITTED, 0);
-    keeper_power_cycle();
-    bench_pass(&bench, 1.0);
+    keeper_power_cycle_for(1.0);
     assert_judged(TUMBLE_VERDICT_COMMITTED, 0);
     unlock(); /* forgotten, but in force: after the next power-on they are others */
     TEST_ASSERT_EQUAL_HEX32(0, write_and_wait(0x1011, LOAD));
     assert_judged(TUMBLE_VERDICT_HELD, OTHER_RULES);
-    keeper_power_cycle();
-    bench_pass(&bench, 1.0);
+    keeper_power_cycle_for(1.0);
     assert_judged(TUMBLE_VERDICT_COMMITTED, 0);
 }
 
@@ -176,8 +172,7 @@ static void test_what_was_saved_is_the_boards_after_a_reset_too(void)
     TEST_ASSERT_EQUAL_HEX32(0, write_f64(0x2050, 5, 2e-4));
     TEST_ASSERT_EQUAL_HEX32(0, write_and_wait(0x1010, SAVE));
     TEST_ASSERT_EQUAL_HEX32(0, write_f64(0x2050, 5, 1.0));
-    reset_by_nmt(TUMBLE_NMT_RESET_NODE);
-    bench_pass(&bench, 1.0);
+    reset_by_nmt(TUMBLE_NMT_RESET_NODE, 1.0);
     TEST_ASSERT_TRUE(bench.navcomp.procedure_config.gravity_limit_g == 2e-4);
     assert_judged(TUMBLE_VERDICT_COMMITTED, 0);
 }
@@ -223,8 +218,7 @@ static void test_the_proposal_that_was_read_is_accepted_or_none(void)
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_VALUE, command(TUMBLE_COMMAND_ACCEPT));
     TEST_ASSERT_EQUAL_HEX32(0, name_proposal(other));
     TEST_ASSERT_EQUAL_HEX32(0, command(TUMBLE_COMMAND_ACCEPT));
-    settle_memory();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_ACCEPTED, state_of_keeper().verdict);
+    settle_to(TUMBLE_VERDICT_ACCEPTED);
     const tumble_set_t active = set_of(TUMBLE_SET_ACTIVE);
     TEST_ASSERT_EQUAL_HEX32(other, active.from_crc);
     TEST_ASSERT_EQUAL_HEX16(0, active.flags & TUMBLE_SET_OTHER_RULES);
@@ -240,8 +234,7 @@ static void test_the_board_names_it_as_well(void)
     const uint32_t proposal = set_of(TUMBLE_SET_PROPOSAL).record_crc;
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_navcomp_accept(&bench.navcomp, proposal ^ 1U));
     ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_accept(&bench.navcomp, proposal));
-    settle_memory();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_ACCEPTED, state_of_keeper().verdict);
+    settle_to(TUMBLE_VERDICT_ACCEPTED);
 }
 
 /* Finding: a repeated ACCEPT, which had no name any more, took the name from the one that waited. */
@@ -251,8 +244,7 @@ static void test_an_accept_that_is_refused_leaves_the_one_that_waits(void)
     assert_verdict_after(2e-3, TUMBLE_VERDICT_HELD);
     ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_accept(&bench.navcomp, set_of(TUMBLE_SET_PROPOSAL).record_crc));
     ASSERT_STATUS(TUMBLE_E_STATE, tumble_navcomp_accept(&bench.navcomp, 0));
-    settle_memory();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_ACCEPTED, state_of_keeper().verdict);
+    settle_to(TUMBLE_VERDICT_ACCEPTED);
     TEST_ASSERT_FALSE(state_of_keeper().has_proposal);
 }
 
@@ -261,8 +253,7 @@ static void test_what_is_accepted_at_service_level_says_so(void)
 {
     hold_one();
     unlock();
-    ASSERT_STATUS(TUMBLE_OK, accept_proposal());
-    settle_memory();
+    decide(TUMBLE_COMMAND_ACCEPT);
     const tumble_set_t active = set_of(TUMBLE_SET_ACTIVE);
     TEST_ASSERT_EQUAL_HEX16(TUMBLE_SET_OTHER_RULES, active.flags & TUMBLE_SET_OTHER_RULES);
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE), active.reasons);
@@ -277,8 +268,7 @@ static void test_a_run_by_itself_ends_the_level(void)
 {
     unlock();
     TEST_ASSERT_EQUAL_HEX32(0, write_byte(0x2122, 6, TUMBLE_SETS_STARTS));
-    bench_pass(&bench, 1.0);
-    TEST_ASSERT_EQUAL_UINT32(1, keeper.counters.self_started);
+    assert_starts_after(1.0, 1);
     TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2006, 2, 1));
     TEST_ASSERT_EQUAL_UINT32(1, read_number(0x2007, 0, 4));
 }
@@ -298,8 +288,7 @@ static void test_a_run_gone_on_with_ends_the_level(void)
     bench_pass(&bench, 1.0);
     TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2007, 0, 4));
     unlock();
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_RESUME));
-    bench_pass(&bench, 0.1);
+    obey_for(0.1, TUMBLE_COMMAND_RESUME);
     TEST_ASSERT_EQUAL_UINT32(1, keeper.counters.resumed);
     TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2006, 2, 1));
     TEST_ASSERT_EQUAL_UINT32(1, read_number(0x2007, 0, 4));

@@ -83,16 +83,14 @@ static void cut_and_resume(void)
 {
     settle_and_power_cycle();
     bench.block.temperature_half_c = draw();
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_RESUME));
-    bench_pass(&bench, 0.1);
+    obey_for(0.1, TUMBLE_COMMAND_RESUME);
 }
 
 /* The active set: how the run ended. */
 static tumble_set_t end(void)
 {
     go_on_to(POSITIONS);
-    settle_memory();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
+    settle_to(TUMBLE_VERDICT_COMMITTED);
     return set_of(TUMBLE_SET_ACTIVE);
 }
 
@@ -165,10 +163,8 @@ static void test_after_an_nmt_reset(void)
 {
     start_to(6);
     settle_memory();
-    reset_by_nmt(TUMBLE_NMT_RESET_NODE);
-    bench_pass(&bench, 0.5);
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_RESUME));
-    bench_pass(&bench, 0.1);
+    reset_by_nmt(TUMBLE_NMT_RESET_NODE, 0.5);
+    obey_for(0.1, TUMBLE_COMMAND_RESUME);
     const tumble_set_t set = end();
     assert_range(in_the_means(), &set);
 }

@@ -109,12 +109,12 @@ static void test_until_they_are_ready_reading_is_refused(void)
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, refusal_of(0x2023, 1));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, refusal_of(0x2024, 3));
     TEST_ASSERT_LESS_THAN_UINT32(TUMBLE_COEFFICIENTS, calls);
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_WORKING, state_of_keeper().verdict);
+    assert_verdict(TUMBLE_VERDICT_WORKING);
     TEST_ASSERT_TRUE(state_of_keeper().busy);
     const uint64_t done_us = bench.fake.now_us;
     settle_memory();
     TEST_ASSERT_EQUAL_HEX32(0, refusal_of(0x2023, 1));
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
+    assert_verdict(TUMBLE_VERDICT_COMMITTED);
     TEST_ASSERT_TRUE((bench.fake.now_us - done_us) < 500000U);
 }
 
@@ -123,7 +123,7 @@ static void test_one_that_fails_leaves_none(void)
     fails_at = 5;
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
     TEST_ASSERT_EQUAL_UINT32(5, calls);
-    TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_UNCERTAINTY_UNKNOWN), state_of_keeper().objections);
+    assert_objects(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_UNCERTAINTY_UNKNOWN));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2023, 1));
 }
 
@@ -132,9 +132,8 @@ static void test_of_another_estimator_there_are_none(void)
 {
     run_to_done();
     bench.navcomp.procedure_config.estimate = TUMBLE_ESTIMATE_AVERAGED;
-    settle_memory();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_HELD, state_of_keeper().verdict);
-    TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_UNCERTAINTY_UNKNOWN), state_of_keeper().objections);
+    settle_to(TUMBLE_VERDICT_HELD);
+    assert_objects(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_UNCERTAINTY_UNKNOWN));
 }
 
 /* Three u(|a|) at the worst attitude, against the limit of the gravity check. */
@@ -162,7 +161,7 @@ static tumble_verdict_t judged_with(double norm_g)
 
 static void assert_not_shown(void)
 {
-    TEST_ASSERT_EQUAL_HEX16(0, state_of_keeper().objections);
+    assert_objects(0);
     TEST_ASSERT_EQUAL_HEX16(1, state_of_keeper().more_objections);
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_NOT_SHOWN), set_of(TUMBLE_SET_PROPOSAL).reasons);
     TEST_ASSERT_EQUAL_HEX16(0, read_number(0x2120, 6, 2));
@@ -181,9 +180,8 @@ static void test_beyond_the_limit_it_is_held(void)
 {
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, judged_with(1.001e-4));
     assert_not_shown();
-    ASSERT_STATUS(TUMBLE_OK, accept_proposal());
-    settle_memory();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_ACCEPTED, state_of_keeper().verdict);
+    decide(TUMBLE_COMMAND_ACCEPT);
+    assert_verdict(TUMBLE_VERDICT_ACCEPTED);
 }
 
 static void test_what_cannot_be_judged_is_not_shown(void)
@@ -217,13 +215,11 @@ static void test_a_reset_meanwhile_loses_nothing(void)
             break;
         }
     }
-    reset_by_nmt(TUMBLE_NMT_RESET_NODE);
+    reset_by_nmt(TUMBLE_NMT_RESET_NODE, 0.0);
     bench_event(&bench);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_IDLE, run_state());
-    settle_memory();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_NONE, state_of_keeper().verdict);
+    settle_to(TUMBLE_VERDICT_NONE);
     TEST_ASSERT_EQUAL_UINT32(0, keeper.sequence);
-    TEST_ASSERT_EQUAL_UINT8(POSITIONS, state_of_keeper().resumable);
-    resume_to_end();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
+    assert_resumable(POSITIONS);
+    resume_to_commit();
 }

@@ -67,13 +67,11 @@ static void test_a_reset_of_the_node_is_as_good_as_power_off(void)
     TEST_ASSERT_EQUAL_HEX32(0, write_and_wait(0x1010, SAVE));
     TEST_ASSERT_EQUAL_HEX32(0, write_u32(0x2050, 1, 5));
     TEST_ASSERT_EQUAL_HEX32(0, write_u32(0x2122, 2, 5));
-    reset_by_nmt(TUMBLE_NMT_RESET_NODE);
-    bench_pass(&bench, 1.0);
+    reset_by_nmt(TUMBLE_NMT_RESET_NODE, 1.0);
     TEST_ASSERT_TRUE(are_changed());
     unlock();
     TEST_ASSERT_EQUAL_HEX32(0, write_and_wait(0x1011, LOAD));
-    reset_by_nmt(TUMBLE_NMT_RESET_NODE);
-    bench_pass(&bench, 1.0);
+    reset_by_nmt(TUMBLE_NMT_RESET_NODE, 1.0);
     TEST_ASSERT_FALSE(are_changed());
 }
 
@@ -246,8 +244,7 @@ static void test_the_stand_of_a_run_after_a_reset(void)
     TEST_ASSERT_EQUAL_UINT32(1, number);
     (void)read_f64(0x2140, 1);
     stand_memory.view.number[0] = 123.0;
-    reset_by_nmt(TUMBLE_NMT_RESET_NODE);
-    bench_pass(&bench, 1.0);
+    reset_by_nmt(TUMBLE_NMT_RESET_NODE, 1.0);
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2140, 1));
     drift(1e-5);
     (void)run_and_judge();

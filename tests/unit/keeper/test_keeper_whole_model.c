@@ -54,11 +54,10 @@ static void test_a_run_that_fits_is_committed(void)
 {
     run_to_done();
     const uint32_t before = bench.events;
-    settle_memory();
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
+    settle_to(TUMBLE_VERDICT_COMMITTED);
     TEST_ASSERT_TRUE((steps > 1000U) && (steps < 1300U));
     TEST_ASSERT_TRUE((bench.events - before) > steps); /* one in a step of the computer */
-    TEST_ASSERT_EQUAL_HEX16(0, state_of_keeper().objections);
+    assert_objects(0);
     const double chi_squared = read_f64(FIT, CHI_SQUARED);
     TEST_ASSERT_EQUAL_DOUBLE(whole_work.chi_squared, chi_squared);
     TEST_ASSERT_TRUE(chi_squared < read_f64(FIT, LIMIT));
@@ -75,7 +74,7 @@ static void test_until_it_is_known_reading_is_refused(void)
     go_to_the_middle();
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, refusal_of(FIT, FREEDOM));
     ASSERT_STATUS(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_START)); /* the means must stay */
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_WORKING, state_of_keeper().verdict);
+    assert_verdict(TUMBLE_VERDICT_WORKING);
     settle_memory();
     TEST_ASSERT_EQUAL_HEX32(0, refusal_of(FIT, FREEDOM));
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
@@ -86,15 +85,13 @@ static void test_until_it_is_known_reading_is_refused(void)
 static void test_a_run_that_does_not_fit_is_held_unless_forced(void)
 {
     run_and_move(3e-4);
-    settle_memory();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_HELD, state_of_keeper().verdict);
-    TEST_ASSERT_EQUAL_HEX16(BEYOND, state_of_keeper().objections);
+    settle_to(TUMBLE_VERDICT_HELD);
+    assert_objects(BEYOND);
     TEST_ASSERT_EQUAL_HEX16(BEYOND, set_of(TUMBLE_SET_PROPOSAL).reasons);
     TEST_ASSERT_TRUE(read_f64(FIT, CHI_SQUARED) > read_f64(FIT, LIMIT));
     TEST_ASSERT_EQUAL_UINT32(0, keeper.sequence);
-    ASSERT_STATUS(TUMBLE_OK, accept_proposal());
-    settle_memory();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_ACCEPTED, state_of_keeper().verdict);
+    decide(TUMBLE_COMMAND_ACCEPT);
+    assert_verdict(TUMBLE_VERDICT_ACCEPTED);
     TEST_ASSERT_EQUAL_UINT32(1, keeper.sequence);
     TEST_ASSERT_EQUAL_HEX16(BEYOND, set_of(TUMBLE_SET_ACTIVE).reasons);
 }
@@ -103,7 +100,7 @@ static void test_the_next_run_is_judged_by_itself(void)
 {
     run_and_move(3e-4);
     settle_memory();
-    TEST_ASSERT_EQUAL_HEX16(BEYOND, state_of_keeper().objections);
+    assert_objects(BEYOND);
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
     TEST_ASSERT_TRUE(read_f64(FIT, CHI_SQUARED) < read_f64(FIT, LIMIT));
 }
@@ -114,27 +111,24 @@ static void test_a_loss_of_power_in_the_middle_loses_nothing(void)
     run_and_move(3e-4);
     go_to_the_middle();
     memset(&whole_work, 0x5A, sizeof whole_work);
-    keeper_power_cycle();
-    bench_pass(&bench, 1.0);
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_NONE, state_of_keeper().verdict);
-    TEST_ASSERT_EQUAL_UINT8(POSITIONS, state_of_keeper().resumable);
+    keeper_power_cycle_for(1.0);
+    assert_verdict(TUMBLE_VERDICT_NONE);
+    assert_resumable(POSITIONS);
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(FIT, CHI_SQUARED));
     resume_to_end();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_HELD, state_of_keeper().verdict);
-    TEST_ASSERT_EQUAL_HEX16(BEYOND, state_of_keeper().objections);
+    assert_verdict(TUMBLE_VERDICT_HELD);
+    assert_objects(BEYOND);
 }
 
 static void test_a_reset_in_the_middle_loses_nothing(void)
 {
     run_to_done();
     go_to_the_middle();
-    reset_by_nmt(TUMBLE_NMT_RESET_NODE);
+    reset_by_nmt(TUMBLE_NMT_RESET_NODE, 0.0);
     bench_event(&bench);
-    settle_memory();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_NONE, state_of_keeper().verdict);
+    settle_to(TUMBLE_VERDICT_NONE);
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(FIT, CHI_SQUARED));
-    resume_to_end();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
+    resume_to_commit();
     TEST_ASSERT_TRUE(read_f64(FIT, CHI_SQUARED) < read_f64(FIT, LIMIT));
 }
 
@@ -145,9 +139,8 @@ static void test_an_inhibit_in_the_middle_changes_nothing(void)
     go_to_the_middle();
     tumble_keeper_inhibit(&keeper, 60);
     (void)tell(TUMBLE_COMMAND_ABORT);
-    settle_memory();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_HELD, state_of_keeper().verdict);
-    TEST_ASSERT_EQUAL_HEX16(BEYOND, state_of_keeper().objections);
+    settle_to(TUMBLE_VERDICT_HELD);
+    assert_objects(BEYOND);
 }
 
 static void test_without_a_declared_stand_nobody_asks(void)
@@ -169,8 +162,7 @@ static void test_a_board_without_the_test_holds_nothing(void)
     keeper_config.sets.whole_step = NULL;
     keeper_config.sets.whole_work = NULL;
     run_and_move(3e-4);
-    settle_memory();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
+    settle_to(TUMBLE_VERDICT_COMMITTED);
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(FIT, CHI_SQUARED));
 }
 

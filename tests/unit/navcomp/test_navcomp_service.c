@@ -105,8 +105,7 @@ static void test_state_result_and_mean_say_which_run_they_are_of(void)
     TEST_ASSERT_EQUAL_HEX32(0, command(TUMBLE_COMMAND_ABORT));
     bench_pass(&bench, 5.0);
     assert_runs(2, UINT32_MAX, 2); /* it can still be read */
-    reset_by_nmt(TUMBLE_NMT_RESET_NODE);
-    bench_pass(&bench, 5.0);
+    reset_by_nmt(TUMBLE_NMT_RESET_NODE, 5.0);
     assert_runs(2, UINT32_MAX, UINT32_MAX);
     TEST_ASSERT_EQUAL_HEX32(0, command(TUMBLE_COMMAND_START));
     assert_runs(3, UINT32_MAX, UINT32_MAX);
@@ -220,8 +219,7 @@ static void test_a_reset_ends_it(void)
     for (uint8_t reset = 0x81; reset <= 0x82U; reset++) {
         unlock();
         TEST_ASSERT_EQUAL_HEX8(0x81, read_number(0x1001, 0, 1));
-        reset_by_nmt(reset);
-        bench_pass(&bench, 1.0);
+        reset_by_nmt(reset, 1.0);
         TEST_ASSERT_EQUAL_UINT32(0, level());
         TEST_ASSERT_EQUAL_HEX8(0, read_number(0x1001, 0, 1));
         TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, write_limit(1e-3));
@@ -272,8 +270,7 @@ static void test_runs_are_numbered(void)
     ASSERT_STATUS(TUMBLE_OK, bench_command(&bench, TUMBLE_COMMAND_ABORT, 0));
     ASSERT_STATUS(TUMBLE_OK, bench_command(&bench, TUMBLE_COMMAND_START, 0));
     TEST_ASSERT_EQUAL_UINT32(3, run_number());
-    reset_by_nmt(TUMBLE_NMT_RESET_NODE);
-    bench_pass(&bench, 1.0);
+    reset_by_nmt(TUMBLE_NMT_RESET_NODE, 1.0);
     TEST_ASSERT_EQUAL_UINT32(3, run_number());
     power_on_for(1.0);
     TEST_ASSERT_EQUAL_UINT32(0, run_number());

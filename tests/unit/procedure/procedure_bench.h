@@ -119,4 +119,11 @@ const tumble_procedure_counters_t *counters(void); /* of `bench` */
         TEST_ASSERT_EQUAL_STRING(tumble_state_name(expected_state), tumble_state_name(bench_state_of(bench)));         \
     } while (0)
 
+/* Run, and see how it ends. */
+#define ASSERT_ENDS(bench, expected_state, expected_reason)                                                            \
+    do {                                                                                                               \
+        bench_run(bench);                                                                                              \
+        ASSERT_ENDED(bench, expected_state, expected_reason);                                                          \
+    } while (0)
+
 #endif

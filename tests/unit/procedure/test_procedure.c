@@ -303,8 +303,7 @@ static void test_abort_stops_the_table_in_every_state(void)
         ASSERT_STATUS(TUMBLE_OK, tumble_procedure_abort(&bench.procedure));
         ASSERT_ENDED(&bench, TUMBLE_STATE_ABORT, TUMBLE_REASON_COMMAND);
         TEST_ASSERT_EQUAL_UINT(1, bench.stand.stops);
-        const tumble_progress_t progress = bench_progress(&bench);
-        TEST_ASSERT_EQUAL(states[s], progress.failed_in);
+        TEST_ASSERT_EQUAL(states[s], bench_progress(&bench).failed_in);
         tumble_result_t result;
         ASSERT_STATUS((states[s] == TUMBLE_STATE_COUNT) ? TUMBLE_OK : TUMBLE_E_STATE,
                       tumble_procedure_result(&bench.procedure, &result));

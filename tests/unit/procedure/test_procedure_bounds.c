@@ -105,15 +105,13 @@ static void test_counts_that_go_down(void)
     bench.config.v_per_count = -V_PER_COUNT;
     bench.config.nominal_scale_v_per_g = 2.0;
     bench_start_to_done(&bench);
-    const tumble_result_t result = bench_result(&bench);
-    TEST_ASSERT_DOUBLE_WITHIN(2e-5, 2.0, result.coefficients->k_v_per_g[0][0]);
+    TEST_ASSERT_DOUBLE_WITHIN(2e-5, 2.0, bench_result(&bench).coefficients->k_v_per_g[0][0]);
 }
 
 static void test_a_wrong_mounting_counts_as_refused(void)
 {
     bench.operator_mounts = 1;
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_WRONG_MOUNTING);
+    ASSERT_ENDS(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_WRONG_MOUNTING);
     TEST_ASSERT_EQUAL_UINT32(1, counters()->refused);
     TEST_ASSERT_EQUAL_UINT32(0, counters()->positions);
 }
@@ -123,13 +121,11 @@ static void test_saturated_and_stuck_are_not_tried_again(void)
 {
     bench.block.dead[1] = true;
     bench.averaging.stuck_run = 15;
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_STUCK);
+    ASSERT_ENDS(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_STUCK);
     TEST_ASSERT_EQUAL_UINT32(0, counters()->retries);
     bench_start(&bench);
     bench.block.u0_v[2] = -12.0;
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_SATURATED);
+    ASSERT_ENDS(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_SATURATED);
     TEST_ASSERT_EQUAL_UINT32(0, counters()->retries);
 }
 
@@ -138,16 +134,13 @@ static void test_every_preflight_has_its_own_reason(void)
 {
     bench.block.status = TUMBLE_SAMPLE_SELF_TEST;
     tumble_procedure_sample_faults(&bench.procedure, 100, 0);
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_BLOCK_STATUS);
+    ASSERT_ENDS(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_BLOCK_STATUS);
     bench.block.silent = true;
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_resume(&bench.procedure));
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_NO_SAMPLES);
+    ASSERT_ENDS(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_NO_SAMPLES);
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_resume(&bench.procedure));
     tumble_procedure_sample_faults(&bench.procedure, 3, 0); /* as many as are allowed */
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_NO_SAMPLES);
+    ASSERT_ENDS(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_NO_SAMPLES);
 }
 
 /* A block that fell silent is missed before the table moves again. */
@@ -160,8 +153,7 @@ static void test_every_preflight_wants_samples_of_its_own(void)
     bench.block.silent = true;
     const unsigned moves = bench.stand.moves;
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_resume(&bench.procedure));
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_NO_SAMPLES);
+    ASSERT_ENDS(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_NO_SAMPLES);
     TEST_ASSERT_EQUAL_UINT(moves, bench.stand.moves);
 }
 

@@ -38,8 +38,7 @@ static void run(void)
 
 static void test_a_quiet_block_takes_the_fewest_samples(void)
 {
-    run();
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_start_to_done(&bench);
     for (uint8_t p = 0; p < 18U; p++) {
         TEST_ASSERT_EQUAL_UINT32(bench.averaging.min_samples, average_of(p)->samples);
     }
@@ -50,8 +49,7 @@ static void test_without_a_budget_all_are_taken(void)
 {
     bench.config.error_budget_v = 0.0;
     bench.config.samples = 50;
-    run();
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_start_to_done(&bench);
     for (uint8_t p = 0; p < 18U; p++) {
         TEST_ASSERT_EQUAL_UINT32(50, average_of(p)->samples);
     }
@@ -78,8 +76,7 @@ static void test_a_noisy_position_takes_as_many_as_it_needs(void)
 static void test_the_worst_channel_decides(void)
 {
     bench.block.add_counts = 300; /* on x, every other sample: a scatter of 150 counts */
-    run();
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_start_to_done(&bench);
     TEST_ASSERT_DOUBLE_WITHIN(40.0, 228.0, (double)average_of(3)->samples);
 }
 
@@ -94,8 +91,7 @@ static void test_the_number_of_steps_makes_no_difference(void)
     set_up();
     bench.block.noise_counts = 150;
     bench.step_us = 0;
-    run();
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_start_to_done(&bench);
     for (uint8_t p = 0; p < 18U; p++) {
         TEST_ASSERT_EQUAL_UINT32(taken[p], average_of(p)->samples);
     }
@@ -130,8 +126,7 @@ static void test_the_last_sample_counts(void)
     bench.block.noise_counts = 61; /* a standard error of about 10 uV at 13 samples: some pass, some do not */
     bench.config.retries = 200;
     bench.config.schedule = &tumble_schedule_paper;
-    run();
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_start_to_done(&bench);
     unsigned at_the_last = 0;
     for (uint8_t p = 0; p < 18U; p++) {
         at_the_last += (average_of(p)->samples == 13U) ? 1U : 0U;

@@ -142,8 +142,7 @@ static void assert_never_begins(tumble_status_t expected, tumble_reason_t why)
     TEST_ASSERT_EQUAL_STRING(tumble_reason_name(why), tumble_reason_name(reason));
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_init(&bench.procedure, &bench.config, &bench.table));
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, why);
+    ASSERT_ENDS(&bench, TUMBLE_STATE_FAULT, why);
     ASSERT_STATUS(expected, bench_progress(&bench).status);
     TEST_ASSERT_EQUAL_UINT(0, bench.stand.moves);
 }
@@ -232,8 +231,7 @@ static void test_a_stand_that_was_not_inclined_is_noticed(void)
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_init(&bench.procedure, &bench.config, &bench.table));
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
     bench.operator_mounts = 0;
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_WRONG_MOUNTING);
+    ASSERT_ENDS(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_WRONG_MOUNTING);
     TEST_ASSERT_EQUAL_UINT(2, bench_progress(&bench).mounting);
     bench.operator_mounts = UINT8_MAX;
     bench.mounted = 1;
@@ -258,8 +256,7 @@ static void test_a_run_that_shows_no_inclinations_ends_in_a_fault(void)
         incline(says_deg, cases[i].is_deg);
         ASSERT_STATUS(TUMBLE_OK, tumble_procedure_init(&bench.procedure, &bench.config, &bench.table));
         ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
-        bench_run(&bench);
-        ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_SINGULAR);
+        ASSERT_ENDS(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_SINGULAR);
         ASSERT_STATUS(cases[i].status, bench_progress(&bench).status);
         ASSERT_STATUS(TUMBLE_E_STATE, tumble_procedure_result(&bench.procedure, &result));
     }

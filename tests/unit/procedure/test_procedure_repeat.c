@@ -3,8 +3,7 @@
 
 static uint8_t finished(void)
 {
-    const tumble_progress_t progress = bench_progress(&bench);
-    return progress.finished;
+    return bench_progress(&bench).finished;
 }
 
 static void assert_done(void)
@@ -61,8 +60,7 @@ static void test_no_repetition_when_none_is_allowed(void)
     bench.config.retries = 0;
     bench_run_to_position(&bench, 3, TUMBLE_STATE_MOVE);
     bench.block.noise_counts = 300;
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_NOT_STILL);
+    ASSERT_ENDS(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_NOT_STILL);
     TEST_ASSERT_EQUAL_UINT32(0, counters()->retries);
 }
 
@@ -103,8 +101,7 @@ static void test_resume_homes_again_after_a_failed_homing(void)
 {
     bench_run_to(&bench, TUMBLE_STATE_HOME);
     bench.stand.never_arrives = true;
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_HOMING);
+    ASSERT_ENDS(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_HOMING);
     bench.stand.never_arrives = false;
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_resume(&bench.procedure));
     assert_done();
@@ -117,8 +114,7 @@ static void test_resume_fails_again_while_nothing_is_mended(void)
     tumble_procedure_set_block_alive(&bench.procedure, false);
     bench_run(&bench);
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_resume(&bench.procedure));
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_BLOCK_HEARTBEAT);
+    ASSERT_ENDS(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_BLOCK_HEARTBEAT);
     tumble_procedure_set_block_alive(&bench.procedure, true);
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_resume(&bench.procedure));
     assert_done();
@@ -131,8 +127,7 @@ static void test_resume_from_every_position_ends_in_the_same_place(void)
         bench_start(&bench);
         bench_run_to_position(&bench, p, TUMBLE_STATE_AVERAGE);
         bench.stand.error_deg = 1.0;
-        bench_run(&bench);
-        ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_SLIP);
+        ASSERT_ENDS(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_SLIP);
         bench.stand.error_deg = 0.0;
         ASSERT_STATUS(TUMBLE_OK, tumble_procedure_resume(&bench.procedure));
         assert_done();
@@ -143,8 +138,7 @@ static void test_resume_from_every_position_ends_in_the_same_place(void)
 static void test_the_operator_mends_a_mounting_that_nobody_confirmed(void)
 {
     bench.operator_is_away = true;
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_MOUNTING_NOT_CONFIRMED);
+    ASSERT_ENDS(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_MOUNTING_NOT_CONFIRMED);
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_procedure_confirm_mounting(&bench.procedure, 2));
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_confirm_mounting(&bench.procedure, 1));
     bench.operator_is_away = false;
@@ -155,8 +149,7 @@ static void test_the_operator_mends_a_wrong_mounting(void)
 {
     bench_run_to_position(&bench, 8, TUMBLE_STATE_AVERAGE);
     bench.operator_mounts = 0; /* forgets to turn the block */
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_WRONG_MOUNTING);
+    ASSERT_ENDS(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_WRONG_MOUNTING);
     TEST_ASSERT_EQUAL_UINT8(9, finished());
     bench.mounted = 1;
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_confirm_mounting(&bench.procedure, 2));
@@ -168,8 +161,7 @@ static void test_after_a_wrong_mounting_resume_asks_for_it_again(void)
 {
     bench_run_to_position(&bench, 8, TUMBLE_STATE_AVERAGE);
     bench.operator_mounts = 0;
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_WRONG_MOUNTING);
+    ASSERT_ENDS(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_WRONG_MOUNTING);
     bench.operator_mounts = UINT8_MAX;
     const unsigned confirmations = bench.confirmations;
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_resume(&bench.procedure));
@@ -182,8 +174,7 @@ static void test_swapped_channels_are_mended_without_starting_over(void)
 {
     bench.block.channel[0] = 1;
     bench.block.channel[1] = 0;
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_SWAPPED_CHANNELS);
+    ASSERT_ENDS(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_SWAPPED_CHANNELS);
     TEST_ASSERT_EQUAL_UINT8(1, finished());
     bench.block.channel[0] = 0;
     bench.block.channel[1] = 1;
@@ -249,8 +240,7 @@ static void test_a_closure_that_fails_can_be_measured_again(void)
 {
     bench_run_to_position(&bench, 8, TUMBLE_STATE_MOVE);
     bench.block.drift_v = 0.01;
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_SLIP);
+    ASSERT_ENDS(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_SLIP);
     TEST_ASSERT_EQUAL_UINT8(8, finished());
     ASSERT_SAME_DOUBLE(0.0, tumble_procedure_closure_g(&bench.procedure, 0)); /* the position is forgotten */
     bench.block.drift_v = 0.0;

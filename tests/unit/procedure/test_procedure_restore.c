@@ -256,16 +256,14 @@ static void test_a_block_moved_meanwhile_is_noticed(void)
     resumed.block.slip_deg = 30.0; /* somebody turned it on the table, and confirmed all the same */
     restore_all(&resumed);
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_resume(&resumed.procedure));
-    bench_run(&resumed);
-    ASSERT_ENDED(&resumed, TUMBLE_STATE_FAULT, TUMBLE_REASON_SLIP);
+    ASSERT_ENDS(&resumed, TUMBLE_STATE_FAULT, TUMBLE_REASON_SLIP);
     set_up();
     start_to_cut(&cut, 5, 3);
     bench_init(&resumed);
     resumed.block.slip_deg = 0.1; /* less than that the direction does not tell; the closure does */
     restore_all(&resumed);
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_resume(&resumed.procedure));
-    bench_run(&resumed);
-    ASSERT_ENDED(&resumed, TUMBLE_STATE_FAULT, TUMBLE_REASON_SLIP);
+    ASSERT_ENDS(&resumed, TUMBLE_STATE_FAULT, TUMBLE_REASON_SLIP);
 }
 
 static void test_giving_up_for_another_reason(void)

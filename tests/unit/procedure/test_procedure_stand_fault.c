@@ -6,8 +6,7 @@ static void break_and_resume(void)
 {
     bench_run_to_position(&bench, 3, TUMBLE_STATE_MOVE);
     bench_break_stand(&bench, TUMBLE_STAND_FAULT_STALL, 0);
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_STALL);
+    ASSERT_ENDS(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_STALL);
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_resume(&bench.procedure));
 }
 

@@ -5,6 +5,7 @@
 drive_bench_t bench;
 scripted_drive_t played;
 fake_port_t port;
+tumble_drive_profile_t made;
 
 /* Our node: nothing but the mirror and the dummies. */
 

@@ -16,6 +16,11 @@ typedef struct {
 extern drive_bench_t bench;
 extern scripted_drive_t played;
 extern fake_port_t port;
+extern tumble_drive_profile_t made; /* one that a case has made */
+
+/* Its address: that profile, and what is changed in it. */
+#define MADE(profile) (made = (profile), &made)
+#define CHANGED(base, ...) (made = (base), __VA_ARGS__, &made)
 extern const tumble_node_config_t own_config; /* of the node */
 
 /* A millisecond of both. */

@@ -177,8 +177,7 @@ static void test_stop_by_quick_stop_then_on_from_there(void)
 
 static void test_stop_by_halt_leaves_no_old_set_point(void)
 {
-    tumble_drive_profile_t profile = halting();
-    bring_home(&profile);
+    bring_home(MADE(halting()));
     move_for(40, 90.0);
     stop_at_rest();
     TEST_ASSERT_EQUAL_HEX16(0x010F, played.control);

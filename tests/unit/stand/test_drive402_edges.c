@@ -67,8 +67,7 @@ static void test_a_stop_is_repeated_until_it_acts(void)
 
 static void test_two_process_data_each_way(void)
 {
-    const tumble_drive_profile_t profile = apart();
-    bring_home(&profile);
+    bring_home(MADE(apart()));
     static const double angles_deg[] = {45.0, 0.0, 400.0};
     for (size_t i = 0; i < COUNT_OF(angles_deg); i++) {
         move_to(angles_deg[i]);
@@ -79,8 +78,7 @@ static void test_two_process_data_each_way(void)
 /* The position alone says nothing about homing. */
 static void test_old_attained_bits_with_the_position_apart(void)
 {
-    const tumble_drive_profile_t profile = apart();
-    bring_up(&profile);
+    bring_up(MADE(apart()));
     played.attained_from_before = true;
     played.old_reports = 2;
     played.actual = 12345;
@@ -181,9 +179,7 @@ static void test_stopping_again_and_again_gains_no_time(void)
 
 static void test_times_are_over_to_the_microsecond(void)
 {
-    tumble_drive_profile_t profile = common;
-    profile.move_timeout_ms = 700; /* before the axis would be unseen for too long */
-    start_move(&profile);
+    start_move(CHANGED(common, made.move_timeout_ms = 700)); /* before the axis would be unseen for too long */
     played.never_reaches = true;
     const uint64_t deadline_us = tumble_drive402_kind.next_us(&bench.drive);
     TEST_ASSERT_TRUE(deadline_us > port.now_us);
@@ -256,9 +252,7 @@ static void test_a_later_fault_is_not_reset_unasked(void)
 
 static void test_without_a_window_target_reached_is_enough(void)
 {
-    tumble_drive_profile_t profile = common;
-    profile.window_counts = 0;
-    start_move(&profile);
+    start_move(CHANGED(common, made.window_counts = 0));
     played.moving = false; /* a thousand counts short of it */
     played.bits |= 0x0400U;
     report_now();
@@ -292,9 +286,7 @@ static void test_profiles_at_the_end_of_their_range(void)
 
 static void test_our_heartbeat_need_not_be_watched(void)
 {
-    tumble_drive_profile_t profile = common;
-    profile.heartbeat_timeout_ms = 0;
-    bring_up(&profile);
+    bring_up(CHANGED(common, made.heartbeat_timeout_ms = 0));
     TEST_ASSERT_EQUAL_HEX16(0x1017, played.writes[0].index);
     TEST_ASSERT_EQUAL_UINT(23, played.write_count);
 }

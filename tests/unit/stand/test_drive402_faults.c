@@ -68,10 +68,8 @@ static void test_stall_by_bit_13_without_fault(void)
 /* Whatever else the same report says. */
 static void test_a_stall_is_no_arrival(void)
 {
-    tumble_drive_profile_t profile = common;
-    profile.window_counts = 0; /* the drive's own word is enough */
-    start_move(&profile);
-    played.bits |= 0x2400U; /* following error, and target reached */
+    start_move(CHANGED(common, made.window_counts = 0)); /* the drive's own word is enough */
+    played.bits |= 0x2400U;                              /* following error, and target reached */
     report_now();
     assert_fault(TUMBLE_STAND_FAULT_STALL);
 }

@@ -160,8 +160,7 @@ static void test_a_stray_statusword_does_not_rush_the_ladder(void)
 /* A drive that did not hear the Halt looks like one that obeys it: the second way is not waited for. */
 static void test_halt_is_told_by_sdo_at_once(void)
 {
-    const tumble_drive_profile_t profile = halting();
-    start_endless_move(&profile);
+    start_endless_move(MADE(halting()));
     played.misses = UINT32_MAX;
     stop_for(5);
     TEST_ASSERT_FALSE(played.moving);
@@ -176,8 +175,7 @@ static void test_halt_is_told_by_sdo_at_once(void)
 /* Bit 10 of the target before is no standstill: the position tells. */
 static void test_a_halt_that_nobody_hears_is_no_rest(void)
 {
-    const tumble_drive_profile_t profile = halting();
-    bring_home(&profile);
+    bring_home(MADE(halting()));
     played.reached_lingers = true;
     move_for(30, 300.0);
     TEST_ASSERT_TRUE(played.moving);
@@ -231,9 +229,7 @@ static void test_a_fast_homing_is_bounded_by_rare_reports(void)
 /* At rest such a drive tells nothing for as long as it likes, and has not turned round meanwhile. */
 static void test_a_wrapping_drive_without_timer_keeps_its_position_at_rest(void)
 {
-    tumble_drive_profile_t profile = wrapping();
-    profile.transmit = untimed;
-    bring_up(&profile);
+    bring_up(CHANGED(wrapping(), made.transmit = untimed));
     played.wrap = 36000;
     played.event_only = true;
     scripted_drive_report(&played);

@@ -38,8 +38,7 @@ static void test_a_position_that_comes_later_is_waited_for(void)
 /* And if no report comes any more, because nothing changes, it is asked for. */
 static void test_a_position_that_never_comes_is_asked_for(void)
 {
-    const tumble_drive_profile_t profile = two_pdos(0);
-    bench_setup(&profile);
+    bench_setup(MADE(two_pdos(0)));
     played.second_ms = 100000;
     boot_drive();
     go_home();
@@ -98,11 +97,7 @@ static void assert_not_written(uint16_t first, uint16_t last)
 /* 0 in the profile: it is not there, or right as it is. */
 static void test_what_the_drive_does_not_have_is_left_out(void)
 {
-    tumble_drive_profile_t profile = common;
-    profile.heartbeat_ms = 0;
-    profile.homing_method = 0;
-    profile.quick_stop_deg_s2 = 0.0;
-    bring_home(&profile);
+    bring_home(CHANGED(common, made.heartbeat_ms = 0, made.homing_method = 0, made.quick_stop_deg_s2 = 0.0));
     assert_not_written(0x1017, 0x1017);
     assert_not_written(0x6084, 0x6085);
     assert_not_written(0x6098, 0x6098);
@@ -122,15 +117,13 @@ static void begin_fixed(const tumble_drive_profile_t *profile, uint32_t mapped)
 
 static void test_pdos_that_are_kept_must_be_as_the_profile_has_them(void)
 {
-    tumble_drive_profile_t profile = common;
-    profile.keeps_pdos = true;
-    begin_fixed(&profile, 0x60640020);
+    begin_fixed(CHANGED(common, made.keeps_pdos = true), 0x60640020);
     run_to(TUMBLE_STAND_READY, 500);
     TEST_ASSERT_EQUAL_UINT(0, played.refusals);
     go_home();
     move_to(45.0);
     assert_angle(45.0);
-    begin_fixed(&profile, 0x606C0020); /* the velocity, and it would be taken for the position */
+    begin_fixed(&made, 0x606C0020); /* the velocity, and it would be taken for the position */
     run_to(TUMBLE_STAND_FAULT, 500);
     assert_refused(0x1A00, 2, TUMBLE_STAND_STEP_CONFIGURATION, TUMBLE_ABORT_VALUE);
     begin_fixed(&common, 0x60640020);

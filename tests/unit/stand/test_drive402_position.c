@@ -35,8 +35,7 @@ static void assert_lost(void)
 
 static void test_one_garbled_report_changes_nothing(void)
 {
-    const tumble_drive_profile_t profile = slow();
-    bring_home(&profile);
+    bring_home(MADE(slow()));
     run_ms(SCRIPTED_REPORT_MS); /* the first report after the new zero is what the next is compared with */
     for (int i = 0; i < 20; i++) {
         forge((i & 1) ? 12000 : -30000);
@@ -113,8 +112,7 @@ static void test_forged_reports_between_two_true_ones_turn_no_count(void)
 /* Whoever was away for longer than half a turn takes does not know which one it is in. */
 static void test_a_turn_is_not_guessed_after_silence(void)
 {
-    const tumble_drive_profile_t profile = wrapping();
-    start_move(&profile);
+    start_move(MADE(wrapping()));
     played.wrap = 36000;
     played.dead = true;
     assert_fault_after(3000, TUMBLE_STAND_FAULT_HEARTBEAT);
@@ -169,8 +167,7 @@ static void test_before_homing_the_axis_may_be_turned(void)
 /* Somebody else turns it, by a way that we do not see: it was told to rest. */
 static void test_an_axis_that_is_not_homed_and_held_must_rest(void)
 {
-    tumble_drive_profile_t profile = halting();
-    bring_up(&profile);
+    bring_up(MADE(halting()));
     played.homing_never_ends = true;
     home_for(50);
     stop_for(0);
@@ -191,9 +188,7 @@ static void test_an_axis_that_is_not_homed_and_held_must_rest(void)
 /* The start got lost, and the drive still tells of the homing before: that is none. */
 static void test_a_homing_that_never_began(void)
 {
-    tumble_drive_profile_t profile = common;
-    profile.home_timeout_ms = 500;
-    bring_up(&profile);
+    bring_up(CHANGED(common, made.home_timeout_ms = 500));
     played.attained_from_before = true;
     played.old_reports = UINT32_MAX;
     played.homing_never_ends = true;
@@ -205,9 +200,7 @@ static void test_a_homing_that_never_began(void)
 /* A method that homes where the axis stands shows nothing else. */
 static void test_a_homing_on_the_spot(void)
 {
-    tumble_drive_profile_t profile = common;
-    profile.homing_method = 37;
-    bring_up(&profile);
+    bring_up(CHANGED(common, made.homing_method = 37));
     played.attained_from_before = true;
     played.old_reports = UINT32_MAX;
     go_home();
@@ -238,18 +231,14 @@ static void assert_bounded(const tumble_drive_profile_t *profile, double most_de
 
 static void test_homing_turns_no_further_than_the_cable_and_a_turn(void)
 {
-    tumble_drive_profile_t profile = common;
-    profile.home_timeout_ms = 60000;
-    assert_bounded(&profile, 790.0);
-    profile.homing_travel_deg = 100.0;
-    assert_bounded(&profile, 100.0);
+    assert_bounded(CHANGED(common, made.home_timeout_ms = 60000), 790.0);
+    made.homing_travel_deg = 100.0;
+    assert_bounded(&made, 100.0);
 }
 
 static void test_nor_on_a_drive_that_wraps(void)
 {
-    tumble_drive_profile_t profile = wrapping();
-    profile.home_timeout_ms = 60000;
-    assert_bounded(&profile, 790.0); /* the played drive's own count goes on */
+    assert_bounded(CHANGED(wrapping(), made.home_timeout_ms = 60000), 790.0); /* the played drive's own count goes on */
 }
 
 /* There and back is added up; the zero that homing sets is no way. */
@@ -280,8 +269,7 @@ static void test_homing_ends_at_the_home_offset(void)
 /* 35990 counts of 36000 are 10 below zero, also as an offset. */
 static void test_nor_is_there_a_circle_between_them(void)
 {
-    tumble_drive_profile_t profile = wrapping();
-    bring_up(&profile);
+    bring_up(MADE(wrapping()));
     played.home = 35000;
     go_home();
     assert_angle(-10.0);
@@ -330,11 +318,8 @@ static void test_homing_that_turned_too_far_unseen(void)
         {0, {.cob_id = 0x182, .type = 255, .count = 1, .event_ms = 10, .map = {0x60410010}}},
         {1, {.cob_id = 0x282, .type = 255, .count = 1, .event_ms = 1000, .map = {0x60640020}}},
     };
-    tumble_drive_profile_t profile = common;
-    profile.transmit = apart;
-    profile.transmit_count = COUNT_OF(apart);
-    profile.homing_travel_deg = 80.0;
-    bring_up(&profile);
+    bring_up(
+        CHANGED(common, made.transmit = apart, made.transmit_count = COUNT_OF(apart), made.homing_travel_deg = 80.0));
     played.second_ms = 1000;
     played.home = 9000;
     home_for(0);
@@ -344,9 +329,7 @@ static void test_homing_that_turned_too_far_unseen(void)
 /* An axis that turns and is not seen is stopped. */
 static void test_homing_that_nobody_sees(void)
 {
-    tumble_drive_profile_t profile = common;
-    profile.home_timeout_ms = 60000;
-    home_without_end(&profile, -1);
+    home_without_end(CHANGED(common, made.home_timeout_ms = 60000), -1);
     run_ms(100);
     TEST_ASSERT_EQUAL_UINT64(bench.drive.reported_us + 1200000U, tumble_drive_blind_us(&bench.drive));
     played.transmit[0].cob_id |= 0x80000000U; /* somebody has switched its process data off */
@@ -358,10 +341,7 @@ static void test_homing_that_nobody_sees(void)
 
 static void test_the_cables_limits_are_written_and_read_back(void)
 {
-    tumble_drive_profile_t profile = common;
-    profile.software_limits = true;
-    profile.sign = -1;
-    bench_setup(&profile);
+    bench_setup(CHANGED(common, made.software_limits = true, made.sign = -1));
     TEST_ASSERT_FALSE(bench.drive.report.limited); /* nobody has asked the drive yet */
     boot_drive();
     TEST_ASSERT_TRUE(bench.drive.report.limited);
@@ -372,9 +352,7 @@ static void test_the_cables_limits_are_written_and_read_back(void)
 
 static void test_a_drive_that_does_not_keep_them_does_not_run(void)
 {
-    tumble_drive_profile_t profile = common;
-    profile.software_limits = true;
-    bench_setup(&profile);
+    bench_setup(CHANGED(common, made.software_limits = true));
     played.keeps_no_limits = true;
     drive_boots(0);
     run_to(TUMBLE_STAND_FAULT, 500);
@@ -384,9 +362,8 @@ static void test_a_drive_that_does_not_keep_them_does_not_run(void)
 
 static void test_a_drive_without_them_is_said_to_be_so(void)
 {
-    tumble_drive_profile_t profile = wrapping();
-    profile.software_limits = true; /* in a circle there is no end */
-    const tumble_drive_profile_t *const profiles[] = {&common, &profile};
+    const tumble_drive_profile_t *const profiles[] = {
+        &common, CHANGED(wrapping(), made.software_limits = true)}; /* in a circle there is no end */
     for (size_t i = 0; i < COUNT_OF(profiles); i++) {
         bench_setup(profiles[i]);
         TEST_ASSERT_FALSE(bench.drive.report.limited);

@@ -56,16 +56,10 @@ static void test_all_quantities(void)
         {0x6081, 0, 4, 100}, {0x6083, 0, 4, 400}, {0x6084, 0, 4, 600},  {0x6085, 0, 4, 800},
         {0x6099, 1, 4, 500}, {0x6099, 2, 4, 600}, {0x609A, 0, 4, 1400},
     };
-    tumble_drive_profile_t profile = common;
-    profile.acceleration_units_per_deg_s2 = 200.0;
-    profile.velocity_deg_s = 1.0;
-    profile.acceleration_deg_s2 = 2.0;
-    profile.deceleration_deg_s2 = 3.0;
-    profile.quick_stop_deg_s2 = 4.0;
-    profile.homing_fast_deg_s = 5.0;
-    profile.homing_slow_deg_s = 6.0;
-    profile.homing_acceleration_deg_s2 = 7.0;
-    bring_up(&profile);
+    bring_up(CHANGED(common, made.acceleration_units_per_deg_s2 = 200.0, made.velocity_deg_s = 1.0,
+                     made.acceleration_deg_s2 = 2.0, made.deceleration_deg_s2 = 3.0, made.quick_stop_deg_s2 = 4.0,
+                     made.homing_fast_deg_s = 5.0, made.homing_slow_deg_s = 6.0,
+                     made.homing_acceleration_deg_s2 = 7.0));
     for (size_t i = 0; i < COUNT_OF(expected); i++) {
         TEST_ASSERT_EQUAL_MEMORY(&expected[i], &played.writes[4U + i], sizeof expected[i]);
     }
@@ -73,8 +67,7 @@ static void test_all_quantities(void)
 
 static void test_another_maker(void)
 {
-    const tumble_drive_profile_t profile = other_profile();
-    bring_home(&profile);
+    bring_home(MADE(other_profile()));
     TEST_ASSERT_EQUAL_HEX16(0x1802, played.writes[0].index);
     TEST_ASSERT_EQUAL_HEX16(0x6007, played.writes[1].index);
     TEST_ASSERT_EQUAL_HEX16(0x1016, played.writes[2].index); /* the profile's own first, then all that any drive gets */
@@ -91,10 +84,7 @@ static void test_another_maker(void)
 /* The mode travels with the controlword, so the process data must say what the SDO says. */
 static void test_a_mode_in_the_process_data_is_kept(void)
 {
-    tumble_drive_profile_t profile = other_profile();
-    profile.transmit = common_transmit;
-    profile.transmit_count = 1;
-    bring_home(&profile);
+    bring_home(CHANGED(other_profile(), made.transmit = common_transmit, made.transmit_count = 1));
     TEST_ASSERT_EQUAL_INT8(1, played.mode);
     move_to(10.0);
     TEST_ASSERT_EQUAL_INT8(1, played.mode);
@@ -103,8 +93,7 @@ static void test_a_mode_in_the_process_data_is_kept(void)
 static void test_a_wrapping_drive_goes_long_ways_in_quarters(void)
 {
     static const double angles_deg[] = {45.0, 360.0, -5.0, 0.0, 315.0, 405.0, -180.0};
-    tumble_drive_profile_t profile = wrapping();
-    bring_up(&profile);
+    bring_up(MADE(wrapping()));
     played.wrap = 36000;
     go_home();
     for (size_t i = 0; i < COUNT_OF(angles_deg); i++) {
@@ -133,8 +122,7 @@ static void test_a_wrapping_drive_is_at_home_on_either_side(void)
 
 static void test_a_short_way_from_beside_home_is_short(void)
 {
-    tumble_drive_profile_t profile = wrapping();
-    bring_up(&profile);
+    bring_up(MADE(wrapping()));
     played.wrap = 36000;
     played.home = 35999;
     go_home();
@@ -259,12 +247,10 @@ static void test_identifiers_that_are_wanted_twice(void)
 static void test_further_writes_of_a_wrong_size(void)
 {
     tumble_object_write_t odd = {0x6007, 0, 2, 1};
-    tumble_drive_profile_t profile = common;
-    profile.writes = &odd;
-    profile.write_count = 1;
-    ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(&profile, SCRIPTED_MASTER_NODE));
+    ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(CHANGED(common, made.writes = &odd, made.write_count = 1),
+                                                      SCRIPTED_MASTER_NODE));
     odd.size = 3;
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_validate(&profile, SCRIPTED_MASTER_NODE));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_validate(&made, SCRIPTED_MASTER_NODE));
 }
 
 static void test_init_refuses_what_the_node_cannot_carry(void)
@@ -276,14 +262,12 @@ static void test_init_refuses_what_the_node_cannot_carry(void)
     static const tumble_drive_pdo_t reserved[] = {
         {0, {.cob_id = 0x000, .type = 255, .count = 2, .map = {0x60400010, 0x607A0020}}}};
     bench_setup(&common);
-    tumble_drive_profile_t profile = common;
-    profile.transmit = odd_bits;
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, drive_init(&profile, 2));
-    profile = common;
-    profile.receive = unknown;
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, drive_init(&profile, 2));
-    profile.receive = reserved;
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, drive_init(&profile, 2));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, drive_init(CHANGED(common, made.transmit = odd_bits), 2));
+    made = common;
+    made.receive = unknown;
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, drive_init(&made, 2));
+    made.receive = reserved;
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, drive_init(&made, 2));
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, drive_init(NULL, 2));
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, drive_init(&common, 0));
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, drive_init(&common, 128));

@@ -45,9 +45,7 @@ static void test_what_differs_is_written_again_before_the_axis_turns(void)
 
 static void test_widened_limits_are_narrowed_again(void)
 {
-    tumble_drive_profile_t profile = common;
-    profile.software_limits = true;
-    bring_home(&profile);
+    bring_home(CHANGED(common, made.software_limits = true));
     played.limits[0] = -36000000;
     played.limits[1]++; /* one count is one too many */
     ASSERT_STATUS(TUMBLE_OK, begin_motion(false));
