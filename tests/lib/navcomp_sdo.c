@@ -82,6 +82,16 @@ uint32_t read_number(uint16_t index, uint8_t subindex, uint8_t expected_size)
     return tumble_get_u32(bytes);
 }
 
+void assert_reads(const object_value_t *rows, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        char which[20];
+        (void)snprintf(which, sizeof which, "%04Xh:%u", rows[i].index, rows[i].subindex);
+        const uint32_t value = read_number(rows[i].index, rows[i].subindex, rows[i].size);
+        TEST_ASSERT_EQUAL_HEX32_MESSAGE(rows[i].value, value, which);
+    }
+}
+
 uint32_t refusal_of(uint16_t index, uint8_t subindex)
 {
     uint8_t bytes[64];

@@ -28,6 +28,20 @@ double read_f64(uint16_t index, uint8_t subindex);
 uint64_t read_u64(uint16_t index, uint8_t subindex);
 uint32_t read_number(uint16_t index, uint8_t subindex, uint8_t expected_size);
 
+typedef struct {
+    uint16_t index;
+    uint8_t subindex;
+    uint8_t size;
+    uint32_t value;
+} object_value_t;
+
+/* Objects that have these sizes and values. */
+void assert_reads(const object_value_t *rows, size_t count);
+
+#define ASSERT_READS(...)                                                                                              \
+    assert_reads((const object_value_t[]){__VA_ARGS__},                                                                \
+                 sizeof((const object_value_t[]){__VA_ARGS__}) / sizeof(object_value_t))
+
 /* How many of a table's objects can be read. They are of their size, and the others say why not. */
 unsigned count_answers(const tumble_object_table_t *table);
 

@@ -24,57 +24,30 @@ static void test_init_refuses_null(void)
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_averaging_init(&averaging, NULL));
 }
 
-static void test_init_refuses_a_saturation_below_one(void)
-{
-    config.saturation_counts = 0;
-    assert_config_refused();
-    config.saturation_counts = INT32_MIN;
-    assert_config_refused();
-    config.saturation_counts = 1;
-    assert_config_accepted();
-}
+#define REFUSED(change) ((change), assert_config_refused())
+#define ACCEPTED(change) ((change), assert_config_accepted())
 
-static void test_init_refuses_a_least_number_of_samples_out_of_range(void)
+/* The saturation, the least number of samples, the stuck run, noise and stillness: out of range and at its ends. */
+static void test_init_refuses_what_is_out_of_range(void)
 {
-    config.min_samples = 0;
-    assert_config_refused();
-    config.min_samples = MOST_SAMPLES + 1U;
-    assert_config_refused();
-    config.min_samples = UINT32_MAX;
-    assert_config_refused();
-    config.min_samples = MOST_SAMPLES;
-    assert_config_accepted();
-}
-
-static void test_init_refuses_a_stuck_run_of_one(void)
-{
-    config.stuck_run = 1;
-    assert_config_refused();
-    config.stuck_run = 2;
-    assert_config_accepted();
-    config.stuck_run = UINT16_MAX;
-    assert_config_accepted();
-}
-
-static void test_init_refuses_noise_and_stillness_out_of_range(void)
-{
-    config.noise_counts = -1.0F;
-    assert_config_refused();
-    config.noise_counts = NAN;
-    assert_config_refused();
-    config.noise_counts = INFINITY;
-    assert_config_refused();
-    config.stillness_ratio = INFINITY;
-    assert_config_refused();
-    config.stillness_ratio = 0.0F;
-    assert_config_refused();
-    config.stillness_ratio = -3.0F;
-    assert_config_refused();
-    config.stillness_ratio = NAN;
-    assert_config_refused();
-    config.noise_counts = 12.5F;
-    config.stillness_ratio = 1e-3F;
-    assert_config_accepted();
+    REFUSED(config.saturation_counts = 0);
+    REFUSED(config.saturation_counts = INT32_MIN);
+    ACCEPTED(config.saturation_counts = 1);
+    REFUSED(config.min_samples = 0);
+    REFUSED(config.min_samples = MOST_SAMPLES + 1U);
+    REFUSED(config.min_samples = UINT32_MAX);
+    ACCEPTED(config.min_samples = MOST_SAMPLES);
+    REFUSED(config.stuck_run = 1);
+    ACCEPTED(config.stuck_run = 2);
+    ACCEPTED(config.stuck_run = UINT16_MAX);
+    REFUSED(config.noise_counts = -1.0F);
+    REFUSED(config.noise_counts = NAN);
+    REFUSED(config.noise_counts = INFINITY);
+    REFUSED(config.stillness_ratio = INFINITY);
+    REFUSED(config.stillness_ratio = 0.0F);
+    REFUSED(config.stillness_ratio = -3.0F);
+    REFUSED(config.stillness_ratio = NAN);
+    ACCEPTED((config.noise_counts = 12.5F, config.stillness_ratio = 1e-3F));
 }
 
 static void test_init_empties_everything(void)

@@ -17,9 +17,7 @@ static uint32_t want(uint16_t samples)
 
 static void assert_numbers(uint32_t wanted, uint32_t taken, uint32_t spoilt)
 {
-    TEST_ASSERT_EQUAL_UINT32(wanted, read_number(AT_REST, WANTED, 2));
-    TEST_ASSERT_EQUAL_UINT32(taken, read_number(AT_REST, TAKEN, 2));
-    TEST_ASSERT_EQUAL_UINT32(spoilt, read_number(AT_REST, SPOILT, 2));
+    ASSERT_READS({AT_REST, WANTED, 2, wanted}, {AT_REST, TAKEN, 2, taken}, {AT_REST, SPOILT, 2, spoilt});
 }
 
 static void assert_nothing_told(void)

@@ -23,23 +23,19 @@ static void check_set(tumble_which_set_t which)
     const uint16_t at = (uint16_t)which;
     uint8_t bytes[64] = {0};
     uint8_t size = 0;
-    TEST_ASSERT_EQUAL_UINT32(set.sequence, read_number((uint16_t)(0x2100U + at), 1, 4));
-    TEST_ASSERT_EQUAL_UINT32(set.restores, read_number((uint16_t)(0x2100U + at), 2, 4));
-    TEST_ASSERT_EQUAL_UINT32(set.origin, read_number((uint16_t)(0x2100U + at), 3, 1));
-    TEST_ASSERT_EQUAL_UINT32(set.estimator, read_number((uint16_t)(0x2100U + at), 4, 1));
-    TEST_ASSERT_EQUAL_UINT32(set.flags, read_number((uint16_t)(0x2100U + at), 5, 2));
+    ASSERT_READS({(uint16_t)(0x2100U + at), 1, 4, set.sequence}, {(uint16_t)(0x2100U + at), 2, 4, set.restores},
+                 {(uint16_t)(0x2100U + at), 3, 1, set.origin}, {(uint16_t)(0x2100U + at), 4, 1, set.estimator},
+                 {(uint16_t)(0x2100U + at), 5, 2, set.flags});
     TEST_ASSERT_EQUAL_HEX32(0, sdo_read((uint16_t)(0x2100U + at), 6, bytes, &size));
     TEST_ASSERT_EQUAL_UINT8(7, size);
     TEST_ASSERT_EQUAL_MEMORY("TB-0001", bytes, 7);
     TEST_ASSERT_TRUE(set.date_utc_s == read_u64((uint16_t)(0x2100U + at), 7));
     TEST_ASSERT_TRUE(set.temperature_c == read_f64((uint16_t)(0x2100U + at), 8));
     TEST_ASSERT_TRUE(set.gravity_m_s2 == read_f64((uint16_t)(0x2100U + at), 9));
-    TEST_ASSERT_EQUAL_UINT32(set.samples, read_number((uint16_t)(0x2100U + at), 10, 4));
-    TEST_ASSERT_EQUAL_HEX32(set.schedule_crc, read_number((uint16_t)(0x2100U + at), 11, 4));
-    TEST_ASSERT_EQUAL_HEX32(set.stand_crc, read_number((uint16_t)(0x2100U + at), 12, 4));
-    TEST_ASSERT_EQUAL_HEX32(set.reasons, read_number((uint16_t)(0x2100U + at), 13, 4));
-    TEST_ASSERT_EQUAL_HEX8((uint8_t)set.temperature_min_half_c, read_number((uint16_t)(0x2100U + at), 15, 1));
-    TEST_ASSERT_EQUAL_HEX8((uint8_t)set.temperature_max_half_c, read_number((uint16_t)(0x2100U + at), 16, 1));
+    ASSERT_READS({(uint16_t)(0x2100U + at), 10, 4, set.samples}, {(uint16_t)(0x2100U + at), 11, 4, set.schedule_crc},
+                 {(uint16_t)(0x2100U + at), 12, 4, set.stand_crc}, {(uint16_t)(0x2100U + at), 13, 4, set.reasons},
+                 {(uint16_t)(0x2100U + at), 15, 1, (uint8_t)set.temperature_min_half_c},
+                 {(uint16_t)(0x2100U + at), 16, 1, (uint8_t)set.temperature_max_half_c});
     assert_told(set.coefficients.k_v_per_g, set.coefficients.u0_v, (uint16_t)(0x2104U + at), (uint16_t)(0x2108U + at));
     assert_told(set.uncertainty.k_v_per_g, set.uncertainty.u0_v, (uint16_t)(0x210CU + at), (uint16_t)(0x2110U + at));
     TEST_ASSERT_TRUE(set.max_abs_fit_g == read_f64((uint16_t)(0x2114U + at), 1));
@@ -64,9 +60,7 @@ static void test_the_sets(void)
     check_set(TUMBLE_SET_ACTIVE);
     check_set(TUMBLE_SET_PROPOSAL);
     check_set(TUMBLE_SET_PREVIOUS);
-    TEST_ASSERT_EQUAL_UINT32(2, read_number(0x2100, 1, 4));
-    TEST_ASSERT_EQUAL_UINT32(3, read_number(0x2102, 1, 4));
-    TEST_ASSERT_EQUAL_UINT32(1, read_number(0x2103, 1, 4));
+    ASSERT_READS({0x2100, 1, 4, 2}, {0x2102, 1, 4, 3}, {0x2103, 1, 4, 1});
     for (uint16_t index = 0x2101; index <= 0x2117U; index = (uint16_t)(index + 4U)) {
         TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(index, 1)); /* no factory set */
     }
@@ -129,24 +123,11 @@ static void test_the_state_is_the_keepers(void)
     hold_one();
     const tumble_sets_state_t state = state_of_keeper();
     TEST_ASSERT_TRUE(state.utc_s == read_u64(0x2120, 1));
-    TEST_ASSERT_EQUAL_UINT32(1, read_number(0x2120, 2, 4));
-    TEST_ASSERT_EQUAL_UINT32(state.age_s, read_number(0x2120, 3, 4));
-    TEST_ASSERT_EQUAL_UINT32(state.due_in_s, read_number(0x2120, 4, 4));
-    TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2120, 5, 2));
-    TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE), read_number(0x2120, 6, 2));
-    TEST_ASSERT_EQUAL_UINT32(TUMBLE_VERDICT_HELD, read_number(0x2120, 7, 1));
-    TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2120, 8, 1));
-    TEST_ASSERT_EQUAL_UINT32(state.due, read_number(0x2120, 9, 1));
-    TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2120, 11, 1));
-    TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2120, 12, 1));
-    TEST_ASSERT_EQUAL_UINT32(1, read_number(0x2120, 13, 1));
-    TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2120, 14, 1));
-    TEST_ASSERT_EQUAL_UINT32(2, read_number(0x2130, 1, 4));
-    TEST_ASSERT_EQUAL_UINT32(1, read_number(0x2130, 2, 4));
-    TEST_ASSERT_EQUAL_UINT32(1, read_number(0x2130, 3, 4));
-    TEST_ASSERT_EQUAL_UINT32(36, read_number(0x2130, 9, 4));
-    TEST_ASSERT_EQUAL_UINT32(1, read_number(0x2131, 1, 4));
-    TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2131, 10, 4));
+    ASSERT_READS({0x2120, 2, 4, 1}, {0x2120, 3, 4, state.age_s}, {0x2120, 4, 4, state.due_in_s}, {0x2120, 5, 2, 0},
+                 {0x2120, 6, 2, TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE)}, {0x2120, 7, 1, TUMBLE_VERDICT_HELD},
+                 {0x2120, 8, 1, 0}, {0x2120, 9, 1, state.due}, {0x2120, 11, 1, 0}, {0x2120, 12, 1, 0},
+                 {0x2120, 13, 1, 1}, {0x2120, 14, 1, 0}, {0x2130, 1, 4, 2}, {0x2130, 2, 4, 1}, {0x2130, 3, 4, 1},
+                 {0x2130, 9, 4, 36}, {0x2131, 1, 4, 1}, {0x2131, 10, 4, 0});
 }
 
 static void test_what_the_host_tells(void)

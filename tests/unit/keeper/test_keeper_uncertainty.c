@@ -164,9 +164,7 @@ static void assert_not_shown(void)
     assert_objects(0);
     TEST_ASSERT_EQUAL_HEX16(1, state_of_keeper().more_objections);
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_NOT_SHOWN), set_of(TUMBLE_SET_PROPOSAL).reasons);
-    TEST_ASSERT_EQUAL_HEX16(0, read_number(0x2120, 6, 2));
-    TEST_ASSERT_EQUAL_HEX16(1, read_number(0x2120, 15, 2));
-    TEST_ASSERT_EQUAL_HEX32(0x10000, read_number(0x2102, 13, 4));
+    ASSERT_READS({0x2120, 6, 2, 0}, {0x2120, 15, 2, 1}, {0x2102, 13, 4, 0x10000});
 }
 
 static void test_within_the_limit_it_is_committed(void)

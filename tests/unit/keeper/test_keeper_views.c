@@ -28,9 +28,7 @@ static void test_parameters_outlast_power_when_they_are_saved(void)
     TEST_ASSERT_EQUAL_HEX32(0, write_and_wait(0x1010, SAVE));
     keeper_power_cycle();
     TEST_ASSERT_TRUE(are_changed());
-    TEST_ASSERT_EQUAL_UINT32(1, read_number(0x2170, 1, 4));
-    TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2170, 2, 4));
-    TEST_ASSERT_EQUAL_UINT32(49, read_number(0x2170, 3, 4));
+    ASSERT_READS({0x2170, 1, 4, 1}, {0x2170, 2, 4, 0}, {0x2170, 3, 4, 49});
     unlock();
     TEST_ASSERT_EQUAL_HEX32(0, write_and_wait(0x1011, LOAD));
     TEST_ASSERT_TRUE(are_changed()); /* until the reset */
@@ -121,10 +119,8 @@ static void test_the_positions_and_their_means(void)
             TEST_ASSERT_TRUE(mean[c] * 1e-6 == read_f64(0x2150, (uint8_t)(3U + c)));
             TEST_ASSERT_TRUE(error[c] * 1e-6 == read_f64(0x2150, (uint8_t)(6U + c)));
         }
-        TEST_ASSERT_EQUAL_UINT32(18, read_number(0x2151, 1, 1));
-        TEST_ASSERT_EQUAL_UINT32(tumble_schedule_paper.positions[p].mounting, read_number(0x2151, 2, 1));
-        TEST_ASSERT_EQUAL_UINT32(tumble_schedule_paper.positions[p].number, read_number(0x2151, 3, 1));
-        TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2151, 4, 1));
+        ASSERT_READS({0x2151, 1, 1, 18}, {0x2151, 2, 1, tumble_schedule_paper.positions[p].mounting},
+                     {0x2151, 3, 1, tumble_schedule_paper.positions[p].number}, {0x2151, 4, 1, 0});
         TEST_ASSERT_TRUE(tumble_schedule_paper.positions[p].angle.deg == read_f64(0x2151, 5));
     }
     TEST_ASSERT_EQUAL_HEX32(0, write_byte(0x2150, 1, 18));

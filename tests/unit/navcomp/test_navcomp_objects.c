@@ -24,9 +24,7 @@ static void test_heartbeat_times_show_the_configuration(void)
     bench.config.heartbeat_ms = 70;
     bench.config.heartbeat_timeout_ms = 333;
     bench_power_on(&bench);
-    TEST_ASSERT_EQUAL_UINT32(70, read_number(0x1017, 0, 2));
-    TEST_ASSERT_EQUAL_HEX32(0x0002014D, read_number(0x1016, 1, 4));
-    TEST_ASSERT_EQUAL_HEX32(0x0003014D, read_number(0x1016, 2, 4));
+    ASSERT_READS({0x1017, 0, 2, 70}, {0x1016, 1, 4, 0x0002014D}, {0x1016, 2, 4, 0x0003014D});
 }
 
 static void test_an_outsider_runs_a_calibration_by_sdo(void)
@@ -52,9 +50,7 @@ static void test_an_outsider_runs_a_calibration_by_sdo(void)
     TEST_ASSERT_TRUE(result.check->max_abs_fit_g == read_f64(0x2022, 1));
     TEST_ASSERT_TRUE(read_f64(0x2022, 2) == 0.0);
     TEST_ASSERT_TRUE(read_f64(0x2022, 3) == 3e-4);
-    TEST_ASSERT_EQUAL_UINT32(18, read_number(0x2022, 4, 1));
-    TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2022, 5, 1));
-    TEST_ASSERT_EQUAL_UINT32(1, read_number(0x2022, 6, 1));
+    ASSERT_READS({0x2022, 4, 1, 18}, {0x2022, 5, 1, 0}, {0x2022, 6, 1, 1});
 }
 
 /* Whoever asks the operator reads it here: is the block to be mounted, or does it stay and the stand is inclined? */
@@ -119,16 +115,9 @@ static void test_progress_and_the_running_mean(void)
         bench_event(&bench);
     }
     const tumble_navcomp_progress_t progress = bench_progress(&bench);
-    TEST_ASSERT_EQUAL_UINT32(TUMBLE_STATE_AVERAGE, read_number(0x2000, 0, 1));
-    TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2001, 0, 1));
-    TEST_ASSERT_EQUAL_UINT32(7, read_number(0x2003, 1, 1));
-    TEST_ASSERT_EQUAL_UINT32(18, read_number(0x2003, 2, 1));
-    TEST_ASSERT_EQUAL_UINT32(7, read_number(0x2003, 3, 1));
-    TEST_ASSERT_EQUAL_UINT32(1, read_number(0x2003, 4, 1));
-    TEST_ASSERT_EQUAL_UINT32(8, read_number(0x2003, 5, 1));
-    TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2003, 6, 1));
-    TEST_ASSERT_EQUAL_UINT32(5, read_number(0x2003, 7, 4));
-    TEST_ASSERT_EQUAL_UINT32(BENCH_SAMPLES, read_number(0x2003, 8, 4));
+    ASSERT_READS({0x2000, 0, 1, TUMBLE_STATE_AVERAGE}, {0x2001, 0, 1, 0}, {0x2003, 1, 1, 7}, {0x2003, 2, 1, 18},
+                 {0x2003, 3, 1, 7}, {0x2003, 4, 1, 1}, {0x2003, 5, 1, 8}, {0x2003, 6, 1, 0}, {0x2003, 7, 4, 5},
+                 {0x2003, 8, 4, BENCH_SAMPLES});
     TEST_ASSERT_TRUE(read_f64(0x2003, 9) == 315.0);
     TEST_ASSERT_TRUE(read_f64(0x2003, 10) == progress.angle_deg);
     TEST_ASSERT_EQUAL_UINT32(50, read_number(0x2003, 11, 1));
@@ -145,11 +134,8 @@ static void test_a_failure_shows_state_reason_and_code(void)
     TEST_ASSERT_EQUAL(TUMBLE_STATE_MOVE, bench_run(&bench, TUMBLE_STATE_MOVE, 60.0));
     scripted_drive_fail(&bench.drive, &bench.fake, 0x7121);
     bench_pass(&bench, 0.1);
-    TEST_ASSERT_EQUAL_UINT32(TUMBLE_STATE_FAULT, read_number(0x2000, 0, 1));
-    TEST_ASSERT_EQUAL_UINT32(TUMBLE_REASON_DRIVE_FAULT, read_number(0x2001, 0, 1));
-    TEST_ASSERT_EQUAL_UINT32(TUMBLE_STATE_MOVE, read_number(0x2004, 1, 1));
-    TEST_ASSERT_EQUAL_UINT32(run_of(&bench)->status, read_number(0x2004, 2, 1));
-    TEST_ASSERT_EQUAL_HEX32(0x7121, read_number(0x2004, 3, 2));
+    ASSERT_READS({0x2000, 0, 1, TUMBLE_STATE_FAULT}, {0x2001, 0, 1, TUMBLE_REASON_DRIVE_FAULT},
+                 {0x2004, 1, 1, TUMBLE_STATE_MOVE}, {0x2004, 2, 1, run_of(&bench)->status}, {0x2004, 3, 2, 0x7121});
 }
 
 static void test_counters(void)
@@ -161,20 +147,16 @@ static void test_counters(void)
     TEST_ASSERT_TRUE(read_number(0x2030, 2, 4) >= counters.link.received);
     TEST_ASSERT_EQUAL_UINT32(2, read_number(0x2031, 6, 4)); /* boot-ups */
     TEST_ASSERT_EQUAL_UINT32(1, read_number(0x2031, 7, 4)); /* starts */
-    TEST_ASSERT_EQUAL_UINT32(counters.block.samples, read_number(0x2032, 1, 4));
-    TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2033, 5, 4));
-    TEST_ASSERT_EQUAL_UINT32(18U * BENCH_SAMPLES, read_number(0x2034, 4, 4));
-    TEST_ASSERT_EQUAL_UINT32(18, read_number(0x2034, 5, 4));
+    ASSERT_READS({0x2032, 1, 4, counters.block.samples}, {0x2033, 5, 4, 0}, {0x2034, 4, 4, 18U * BENCH_SAMPLES},
+                 {0x2034, 5, 4, 18});
 }
 
 /* Written between runs only, and then in force. */
 static void test_the_configuration_can_be_written_between_runs(void)
 {
     power_on_for(1.0);
-    TEST_ASSERT_EQUAL_UINT32(BENCH_SAMPLES, read_number(0x2050, 1, 4));
-    TEST_ASSERT_EQUAL_UINT32(TUMBLE_ESTIMATE_REFINED, read_number(0x2050, 2, 1));
-    TEST_ASSERT_EQUAL_UINT32(100, read_number(0x2050, 3, 2));
-    TEST_ASSERT_EQUAL_UINT32(1, read_number(0x2050, 4, 1));
+    ASSERT_READS({0x2050, 1, 4, BENCH_SAMPLES}, {0x2050, 2, 1, TUMBLE_ESTIMATE_REFINED}, {0x2050, 3, 2, 100},
+                 {0x2050, 4, 1, 1});
     TEST_ASSERT_TRUE(read_f64(0x2050, 5) == 3e-4);
     TEST_ASSERT_EQUAL_HEX32(0, write_u32(0x2050, 1, 7));
     TEST_ASSERT_EQUAL_HEX32(0, write_byte(0x2050, 2, TUMBLE_ESTIMATE_LEAST_SQUARES));
@@ -191,9 +173,7 @@ static void test_the_configuration_can_be_written_between_runs(void)
     }
     TEST_ASSERT_TRUE(read_f64(0x2022, 3) == 1e-3);
     TEST_ASSERT_TRUE(read_f64(0x2050, 5) == 1e-3);
-    TEST_ASSERT_EQUAL_UINT32(TUMBLE_ESTIMATE_LEAST_SQUARES, read_number(0x2050, 2, 1));
-    TEST_ASSERT_EQUAL_UINT32(60, read_number(0x2050, 3, 2));
-    TEST_ASSERT_EQUAL_UINT32(5, read_number(0x2050, 4, 1));
+    ASSERT_READS({0x2050, 2, 1, TUMBLE_ESTIMATE_LEAST_SQUARES}, {0x2050, 3, 2, 60}, {0x2050, 4, 1, 5});
     TEST_ASSERT_TRUE(bench.procedure.samples == BENCH_SAMPLES); /* the caller's own is const */
 }
 
