@@ -19,12 +19,39 @@ static inline void kept_world_power_on(uint64_t seed, uint64_t utc_s)
     ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, utc_s));
 }
 
+/* Read these lines; the keeper as it usually is. */
+static inline void kept_world_prepare(const char *lines)
+{
+    const char *const wrong = read_lines(lines);
+    TEST_ASSERT_NULL_MESSAGE(wrong, wrong);
+    settings = usual_settings();
+    keeper_config = (tumble_keeper_config_t){.sets = {.serial = "TB-0001", .settings = &settings},
+                                             .uncertainty = tumble_navcomp_uncertainty};
+}
+
 static inline void world_settle(void)
 {
     for (int i = 0; (i < 500) || ((i < 5000) && tumble_keeper_has_work(&keeper)); i++) {
         world.clock.now_us += 1000U;
         tumble_navcomp_step(&world.navcomp);
     }
+}
+
+static inline void kept_world_start(uint64_t seed, uint64_t utc_s)
+{
+    kept_world_power_on(seed, utc_s);
+    ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_command(&world.navcomp, TUMBLE_COMMAND_START, 0));
+}
+
+/* A whole run, and what the memory does after it. */
+static inline tumble_sets_state_t kept_world_run(uint64_t seed, uint64_t utc_s)
+{
+    tumble_sets_state_t state;
+    kept_world_start(seed, utc_s);
+    bench_world_run(&world);
+    world_settle();
+    tumble_keeper_state(&keeper, &state);
+    return state;
 }
 
 #endif

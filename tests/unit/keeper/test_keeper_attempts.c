@@ -41,23 +41,16 @@ static void read_scenario(const char *lines)
             end += snprintf(&text[end], sizeof text - (size_t)end, "%s", BLOCK[i]);
         }
     }
-    const char *const wrong = read_lines(text);
-    TEST_ASSERT_NULL_MESSAGE(wrong, wrong);
+    kept_world_prepare(text);
 }
 
-static void run(const char *lines, uint64_t seed, uint64_t utc_s, void (*prepare)(uint64_t seed))
+static tumble_sets_state_t run(const char *lines, uint64_t seed, uint64_t utc_s, void (*prepare)(uint64_t seed))
 {
     read_scenario((lines != NULL) ? lines : "");
-    settings = usual_settings();
-    keeper_config = (tumble_keeper_config_t){.sets = {.serial = "TB-0001", .settings = &settings},
-                                             .uncertainty = tumble_navcomp_uncertainty};
     if (prepare != NULL) {
         prepare(seed);
     }
-    kept_world_power_on(seed, utc_s);
-    ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_command(&world.navcomp, TUMBLE_COMMAND_START, 0));
-    bench_world_run(&world);
-    world_settle();
+    return kept_world_run(seed, utc_s);
 }
 
 static void copy_memory(nv_memory_t *to, const nv_memory_t *from)
@@ -69,7 +62,7 @@ static void set_up(void)
 {
     memory_init(&memory);
     memory_init(&good);
-    run(NULL, 1, UTC_S, NULL);
+    (void)run(NULL, 1, UTC_S, NULL);
     copy_memory(&good, &memory);
 }
 
@@ -186,11 +179,10 @@ static void describe(const attempt_t *attempt, uint32_t tried, bool same)
 static bool try_once(const attempt_t *attempt, uint64_t seed)
 {
     tumble_navcomp_progress_t progress;
-    tumble_sets_state_t state;
     copy_memory(&memory, &good);
-    run(attempt->lines, (attempt->seed != 0U) ? attempt->seed : seed, attempt->utc_s, attempt->prepare);
+    const tumble_sets_state_t state =
+        run(attempt->lines, (attempt->seed != 0U) ? attempt->seed : seed, attempt->utc_s, attempt->prepare);
     tumble_navcomp_progress(&world.navcomp, &progress);
-    tumble_keeper_state(&keeper, &state);
     TEST_ASSERT_EQUAL_STRING_MESSAGE(tumble_state_name(attempt->state), tumble_state_name(progress.run.state),
                                      attempt->name);
     TEST_ASSERT_EQUAL_STRING_MESSAGE(tumble_reason_name(attempt->reason), tumble_reason_name(progress.run.reason),
@@ -242,8 +234,7 @@ static void test_a_run_cut_and_gone_on_with_otherwise(void)
 {
     copy_memory(&memory, &good);
     read_scenario("");
-    kept_world_power_on(3, NEXT_MONTH);
-    ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_command(&world.navcomp, TUMBLE_COMMAND_START, 0));
+    kept_world_start(3, NEXT_MONTH);
     while ((world.progress.index < 12U) && bench_world_advance(&world)) {
     }
     keeper_config.sets.serial = "TB-0002";
@@ -265,9 +256,7 @@ static void test_good_runs_do(void)
 {
     for (uint64_t seed = 2; seed < (SEEDS + 2U); seed++) {
         copy_memory(&memory, &good);
-        run(NULL, seed, NEXT_MONTH, NULL);
-        tumble_sets_state_t state;
-        tumble_keeper_state(&keeper, &state);
+        const tumble_sets_state_t state = run(NULL, seed, NEXT_MONTH, NULL);
         TEST_ASSERT_EQUAL_HEX16(0, state.objections);
         TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state.verdict);
         TEST_ASSERT_EQUAL_UINT32(2, state.counter);

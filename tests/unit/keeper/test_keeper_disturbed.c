@@ -79,14 +79,10 @@ static uint16_t run(const char *lines)
     tumble_navcomp_counters_t counters;
     char told[120];
     (void)snprintf(text, sizeof text, "stand.limits = sigma1\noperator.mend_s = -1\n%s", lines);
-    TEST_ASSERT_NULL(read_lines(text));
     memory_init(&memory);
-    settings = usual_settings();
-    keeper_config = (tumble_keeper_config_t){.sets = {.serial = "TB-0001", .settings = &settings},
-                                             .uncertainty = tumble_navcomp_uncertainty};
-    kept_world_power_on(7, UTC_S);
+    kept_world_prepare(text);
+    kept_world_start(7, UTC_S);
     world.bus.tap = hear;
-    ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_command(&world.navcomp, TUMBLE_COMMAND_START, 0));
     advance_to_the_end();
     world_settle();
     tumble_navcomp_counters(&world.navcomp, &counters);

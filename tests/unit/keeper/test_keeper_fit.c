@@ -110,19 +110,11 @@ static void run(const stand_t *stand, const char *more, uint64_t seed, tally_t *
     static char text[4096];
     (void)snprintf(text, sizeof text, "stand.limits = sigma1\noperator.mend_s = -1\nblock.scale_v_per_g = 2\n%s%s",
                    stand->lines, more);
-    const char *const wrong = read_lines(text);
-    TEST_ASSERT_NULL_MESSAGE(wrong, wrong);
     memory_init(&memory);
-    settings = usual_settings();
-    keeper_config = (tumble_keeper_config_t){.sets = {.serial = "TB-0001",
-                                                      .settings = &settings,
-                                                      .whole_step = asks_whole ? tumble_whole_step : NULL,
-                                                      .whole_work = asks_whole ? &whole_work : NULL},
-                                             .uncertainty = tumble_navcomp_uncertainty};
-    kept_world_power_on(seed, UTC_S);
-    ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_command(&world.navcomp, TUMBLE_COMMAND_START, 0));
-    bench_world_run(&world);
-    world_settle();
+    kept_world_prepare(text);
+    keeper_config.sets.whole_step = asks_whole ? tumble_whole_step : NULL;
+    keeper_config.sets.whole_work = asks_whole ? &whole_work : NULL;
+    (void)kept_world_run(seed, UTC_S);
     count_run(tally);
 }
 

@@ -172,23 +172,15 @@ static void test_a_board_without_the_test_holds_nothing(void)
     "stand.limits = sigma1\noperator.mend_s = -1\nblock.scale_v_per_g = 2\nstand.axis_tilt_rad = 2e-5\n"               \
     "stand.level_rad = 2e-5\nstand.remount_rad = 4e-4\nstand.angle_rad = 4e-5\nblock.noise_v = 3e-4 3e-4 3e-4\n"
 
-static void run_simulated(const char *more, uint64_t seed)
+static tumble_sets_state_t run_simulated(const char *more, uint64_t seed)
 {
     static char text[2048];
     (void)snprintf(text, sizeof text, PAPER "%s", more);
-    const char *const wrong = read_lines(text);
-    TEST_ASSERT_NULL_MESSAGE(wrong, wrong);
     memory_init(&memory);
-    settings = usual_settings();
-    keeper_config = (tumble_keeper_config_t){.sets = {.serial = "TB-0001",
-                                                      .settings = &settings,
-                                                      .whole_step = tumble_whole_step,
-                                                      .whole_work = &whole_work},
-                                             .uncertainty = tumble_navcomp_uncertainty};
-    kept_world_power_on(seed, UTC_S);
-    ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_command(&world.navcomp, TUMBLE_COMMAND_START, 0));
-    bench_world_run(&world);
-    world_settle();
+    kept_world_prepare(text);
+    keeper_config.sets.whole_step = tumble_whole_step;
+    keeper_config.sets.whole_work = &whole_work;
+    return kept_world_run(seed, UTC_S);
 }
 
 static void test_simulated_runs(void)
@@ -206,9 +198,7 @@ static void test_simulated_runs(void)
         {"drift", "block.drift_v_per_h = 1.5e-2 1.5e-2 1.5e-2\n", TUMBLE_VERDICT_HELD, BEYOND},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
-        run_simulated(cases[i].lines, 11U);
-        tumble_sets_state_t state;
-        tumble_keeper_state(&keeper, &state);
+        const tumble_sets_state_t state = run_simulated(cases[i].lines, 11U);
         char text[120];
         (void)snprintf(text, sizeof text, "%s: %.1f of %.1f, misfit %.2f, objections %X", cases[i].what,
                        whole_work.chi_squared, whole_work.limit, whole_work.misfit, (unsigned)state.objections);

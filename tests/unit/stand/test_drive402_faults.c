@@ -18,19 +18,32 @@ static void test_a_fault_of_the_drive(void)
     move_to(30.0);
 }
 
-static void test_a_fault_reaction_is_a_fault_already(void)
-{
-    start_move(&common);
-    played.state = IS_FAULT_REACTION;
-    report_now();
-    assert_fault(TUMBLE_STAND_FAULT_DRIVE);
-}
+/* From a beginning something happens, and so many milliseconds later it is this fault. */
+#define EXPECT_FAULT(what, begin, happens, ms, expected)                                                               \
+    do {                                                                                                               \
+        begin;                                                                                                         \
+        happens;                                                                                                       \
+        run_ms(ms);                                                                                                    \
+        TEST_ASSERT_EQUAL_INT_MESSAGE(TUMBLE_STAND_FAULT, stand_state(), what);                                        \
+        TEST_ASSERT_EQUAL_INT_MESSAGE(expected, bench.stand.kind->fault(bench.stand.self), what);                      \
+    } while (0)
 
-static void test_stall_by_emergency_message(void)
+static void test_what_is_which_fault(void)
 {
-    start_move(&common);
-    drive_fails(0x8611, 2);
-    assert_fault(TUMBLE_STAND_FAULT_STALL);
+    EXPECT_FAULT("a fault reaction is a fault already", start_move(&common),
+                 (played.state = IS_FAULT_REACTION, report_now()), 0, TUMBLE_STAND_FAULT_DRIVE);
+    EXPECT_FAULT("a stall by its emergency message", start_move(&common), drive_fails(0x8611, 0), 2,
+                 TUMBLE_STAND_FAULT_STALL);
+    EXPECT_FAULT("a stall by bit 13 in fault", start_move(&common), (played.bits |= 0x2000U, drive_fails(0, 0)), 2,
+                 TUMBLE_STAND_FAULT_STALL);
+    EXPECT_FAULT("a stall is no arrival, whatever else the same report says",
+                 start_move(CHANGED(common, made.window_counts = 0)), (played.bits |= 0x2400U, report_now()), 0,
+                 TUMBLE_STAND_FAULT_STALL);
+    EXPECT_FAULT("power lost at rest", bring_home(&common), played.state = IS_DISABLED, 15, TUMBLE_STAND_FAULT_POWER);
+    EXPECT_FAULT("a fault while homing is no stall, bit 13 or not", (bring_up(&common), home_for(20)),
+                 (played.bits |= 0x2000U, drive_fails(0x7300, 0)), 2, TUMBLE_STAND_FAULT_DRIVE);
+    EXPECT_FAULT("a fault while stopping", (start_move(&common), played.ignores_stop = true, stop_for(5)),
+                 drive_fails(0x2220, 0), 2, TUMBLE_STAND_FAULT_DRIVE);
 }
 
 static void test_stall_by_a_late_emergency_message(void)
@@ -45,14 +58,6 @@ static void test_stall_by_a_late_emergency_message(void)
     TEST_ASSERT_EQUAL_HEX16(0x8611, bench.drive.report.fault_code);
 }
 
-static void test_stall_by_bit_13_in_fault(void)
-{
-    start_move(&common);
-    played.bits |= 0x2000U;
-    drive_fails(0, 2);
-    assert_fault(TUMBLE_STAND_FAULT_STALL);
-}
-
 static void test_stall_by_bit_13_without_fault(void)
 {
     start_move(&common);
@@ -63,15 +68,6 @@ static void test_stall_by_bit_13_without_fault(void)
     played.bits = 0;
     recover(TUMBLE_STAND_STOPPED);
     move_to(30.0);
-}
-
-/* Whatever else the same report says. */
-static void test_a_stall_is_no_arrival(void)
-{
-    start_move(CHANGED(common, made.window_counts = 0)); /* the drive's own word is enough */
-    played.bits |= 0x2400U;                              /* following error, and target reached */
-    report_now();
-    assert_fault(TUMBLE_STAND_FAULT_STALL);
 }
 
 static void test_silence(void)
@@ -113,13 +109,6 @@ static void test_power_lost(void)
         ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->move(bench.stand.self, 1.0));
         go_home();
     }
-}
-
-static void test_power_lost_at_rest(void)
-{
-    bring_home(&common);
-    played.state = IS_DISABLED;
-    assert_fault_after(15, TUMBLE_STAND_FAULT_POWER);
 }
 
 static void test_a_restart_of_the_drive(void)
@@ -232,15 +221,6 @@ static void test_homing_that_fails(void)
     go_home();
 }
 
-static void test_a_fault_while_homing_is_no_stall(void)
-{
-    bring_up(&common);
-    home_for(20);
-    played.bits |= 0x2000U; /* in this mode: homing error */
-    drive_fails(0x7300, 2);
-    assert_fault(TUMBLE_STAND_FAULT_DRIVE);
-}
-
 static void test_a_mode_that_is_refused(void)
 {
     bring_up(&common);
@@ -248,15 +228,6 @@ static void test_a_mode_that_is_refused(void)
     home_for(15);
     assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
     TEST_ASSERT_EQUAL_HEX16(0x6060, bench.drive.report.refusal.index);
-}
-
-static void test_a_fault_while_stopping(void)
-{
-    start_move(&common);
-    played.ignores_stop = true;
-    stop_for(5);
-    drive_fails(0x2220, 2);
-    assert_fault(TUMBLE_STAND_FAULT_DRIVE);
 }
 
 static void test_stop_in_fault_is_sent_all_the_same(void)

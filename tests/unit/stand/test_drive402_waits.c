@@ -80,6 +80,29 @@ static void expect_late(tumble_stand_fault_t fault, unsigned least_ms, unsigned 
     assert_fault_after(most_ms - least_ms, fault);
 }
 
+/* The same of an axis that does not turn then. */
+#define EXPECT_LATE(begin, habit, order, fault, least_ms, most_ms)                                                     \
+    do {                                                                                                               \
+        begin;                                                                                                         \
+        habit;                                                                                                         \
+        order;                                                                                                         \
+        expect_late(fault, least_ms, most_ms);                                                                         \
+        TEST_ASSERT_FALSE(scripted_drive_moves(&played));                                                              \
+    } while (0)
+
+static void test_a_wait_in_vain_ends(void)
+{
+    EXPECT_LATE(bring_home(&common), played.never_acknowledges = true, move_for(0, 90.0), TUMBLE_STAND_FAULT_PROTOCOL,
+                140, 170);
+    EXPECT_LATE(bring_home(&common), played.keeps_acknowledging = true, move_for(0, 90.0), TUMBLE_STAND_FAULT_PROTOCOL,
+                140, 170);
+    EXPECT_LATE(bring_home(&common), played.misses = UINT32_MAX, move_for(0, 90.0), TUMBLE_STAND_FAULT_PROTOCOL, 80,
+                320); /* targets that all get lost */
+    EXPECT_LATE(bring_up(&common), played.homing_never_ends = true, home_for(0), TUMBLE_STAND_FAULT_HOMING, 1990, 2050);
+    EXPECT_LATE(bring_up(&common), (played.mode_sticks = true, played.event_only = true), home_for(0),
+                TUMBLE_STAND_FAULT_PROTOCOL, 140, 170);
+}
+
 static void test_no_process_data_after_the_start(void)
 {
     bench_setup(&common);
@@ -109,23 +132,6 @@ static void test_a_fault_that_stays(void)
     clear_fault();
     assert_fault_after(400, TUMBLE_STAND_FAULT_DRIVE);
     TEST_ASSERT_EQUAL_HEX16(IS_FAULT, played.state);
-}
-
-static void test_a_set_point_never_acknowledged(void)
-{
-    bring_home(&common);
-    played.never_acknowledges = true;
-    move_for(0, 90.0);
-    expect_late(TUMBLE_STAND_FAULT_PROTOCOL, 140, 170);
-}
-
-static void test_an_acknowledgement_that_stays(void)
-{
-    bring_home(&common);
-    played.keeps_acknowledging = true;
-    move_for(0, 90.0);
-    expect_late(TUMBLE_STAND_FAULT_PROTOCOL, 140, 170);
-    TEST_ASSERT_FALSE(played.moving);
 }
 
 static void test_an_acknowledgement_left_over(void)
@@ -163,25 +169,6 @@ static void test_target_reached_somewhere_else(void)
     move_for(20, 90.0);
     played.moving = false; /* stands still a few degrees on and says that it is there */
     assert_fault_after(1520, TUMBLE_STAND_FAULT_TIMEOUT);
-}
-
-static void test_homing_that_never_ends(void)
-{
-    bring_up(&common);
-    played.homing_never_ends = true;
-    home_for(0);
-    expect_late(TUMBLE_STAND_FAULT_HOMING, 1990, 2050);
-    TEST_ASSERT_FALSE(played.homing);
-}
-
-static void test_a_mode_that_does_not_change(void)
-{
-    bring_up(&common);
-    played.mode_sticks = true;
-    played.event_only = true;
-    home_for(0);
-    expect_late(TUMBLE_STAND_FAULT_PROTOCOL, 140, 170);
-    TEST_ASSERT_FALSE(played.homing);
 }
 
 /* Whatever comes from the bus, no wait is without an end: where it waits by itself, it says until when. */
@@ -231,15 +218,6 @@ static void test_a_target_that_gets_lost_is_sent_again(void)
         TEST_ASSERT_EQUAL_UINT(0, played.misses);
         TEST_ASSERT_DOUBLE_WITHIN(0.01, 90.0, bench.stand.kind->angle_deg(bench.stand.self));
     }
-}
-
-static void test_targets_that_all_get_lost_are_a_broken_handshake(void)
-{
-    bring_home(&common);
-    played.misses = UINT32_MAX;
-    move_for(0, 90.0);
-    expect_late(TUMBLE_STAND_FAULT_PROTOCOL, 80, 320);
-    TEST_ASSERT_FALSE(played.moving);
 }
 
 static void test_a_target_that_cannot_be_read_back_is_a_broken_handshake(void)
