@@ -15,5 +15,5 @@ FetchContent_MakeAvailable(unity)
 find_path(TUMBLE_UNITY_DIR unity.c PATHS ${unity_SOURCE_DIR} PATH_SUFFIXES src NO_DEFAULT_PATH REQUIRED)
 add_library(unity STATIC ${TUMBLE_UNITY_DIR}/unity.c)
 target_include_directories(unity SYSTEM PUBLIC ${TUMBLE_UNITY_DIR})
-target_compile_definitions(unity PUBLIC UNITY_INCLUDE_DOUBLE)
+target_compile_definitions(unity PUBLIC UNITY_INCLUDE_DOUBLE PRIVATE UNITY_DETAIL1_NAME="row") # see ROW
 target_link_libraries(unity PUBLIC tumble_sanitizers)

@@ -20,7 +20,7 @@ def build(folder):
     includes = ["-Itests/integration/plain_unity", "-Ihost", "-Itests/lib", "-DUNITY_INCLUDE_DOUBLE"]
     own = ["tests/integration/recalibration_harness.c", "host/simulation/block_encode.c"]
     own += [f"tests/lib/{name}.c" for name in ("keeper_bench", "keeper_memory", "navcomp_bench", "flash",
-                                               "scripted_axis", "scripted_block", "scripted_config", "scripted_drive")]
+                                               "scripted_block", "scripted_config", "scripted_drive")]
     return compiled(folder / "recalibration_harness", *FLAGS, *includes, *own, *firmware_sources())
 
 

@@ -159,12 +159,4 @@ void scripted_drive_emergency(scripted_drive_t *d, uint16_t code);
 /* A stranger writes anew what the master has written of its motions, 6081h to 609Ah. */
 void scripted_drive_change(scripted_drive_t *d, uint16_t index, uint8_t subindex, uint32_t value);
 
-/* Its axis: power state machine, modes, motion (scripted_axis.c). */
-void scripted_drive_stop(scripted_drive_t *d, uint16_t state);
-void scripted_drive_power(scripted_drive_t *d, uint16_t before);
-void scripted_drive_position_mode(scripted_drive_t *d, uint16_t before);
-void scripted_drive_homing_mode(scripted_drive_t *d, uint16_t before);
-void scripted_drive_move(scripted_drive_t *d);
-void scripted_drive_home(scripted_drive_t *d);
-
 #endif

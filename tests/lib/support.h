@@ -20,6 +20,9 @@
 #define NOT_A_NUMBER ((double)NAN)
 #define INFINITE ((double)INFINITY)
 
+/* The row of a table that an assertion below is of: a failure tells it. */
+#define ROW(what) (Unity.CurrentDetail1 = (what))
+
 #define COUNT_OF(array) (sizeof(array) / sizeof((array)[0]))
 
 /* A status, by its name. */

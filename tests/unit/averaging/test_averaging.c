@@ -24,8 +24,8 @@ static void test_init_refuses_null(void)
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_averaging_init(&averaging, NULL));
 }
 
-#define REFUSED(change) ((change), assert_config_refused())
-#define ACCEPTED(change) ((change), assert_config_accepted())
+#define REFUSED(change) (ROW(#change), (change), assert_config_refused())
+#define ACCEPTED(change) (ROW(#change), (change), assert_config_accepted())
 
 /* The saturation, the least number of samples, the stuck run, noise and stillness: out of range and at its ends. */
 static void test_init_refuses_what_is_out_of_range(void)

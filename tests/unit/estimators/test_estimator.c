@@ -2,11 +2,12 @@
 #include "estimator_bench.h"
 #include "six_faces.h"
 
+static tumble_means_t means;
+
 static estimator_t *const harmonic[] = {tumble_estimate_averaged, tumble_estimate_refined};
 
 static void test_they_are_exact_on_an_ideal_stand(void)
 {
-    static tumble_means_t means;
     dice_t dice = {11};
     for (int round = 0; round < 2000; round++) {
         const tumble_coefficients_t block = random_block(&dice);
@@ -25,7 +26,7 @@ typedef struct {
     double b;
 } harmonics_t;
 
-static harmonics_t harmonics_of(const tumble_means_t *means, unsigned mounting, int channel)
+static harmonics_t harmonics_of(const tumble_means_t *them, unsigned mounting, int channel)
 {
     static const double c[9][2] = {{1, 0}, {0, 1}, {0, 0}, {0, -1}, {-2, 0}, {0, -1}, {0, 0}, {0, 1}, {1, 0}};
     static const double s[9][2] = {{0, 0}, {0, 1}, {2, 0}, {0, 1}, {0, 0}, {0, -1}, {-2, 0}, {0, -1}, {0, 0}};
@@ -33,7 +34,7 @@ static harmonics_t harmonics_of(const tumble_means_t *means, unsigned mounting, 
     const dd_t sqrt2 = {1.4142135623730951, -9.6672933134529135e-17};
     dd_t sums[3] = {{0, 0}, {0, 0}, {0, 0}};
     for (unsigned l = 0; l < 9U; l++) {
-        const dd_t u = dd_of(means->u_v[9U * mounting + l][channel]);
+        const dd_t u = dd_of(them->u_v[9U * mounting + l][channel]);
         const dd_t weights[3] = {dd_add(dd_of(c[l][0]), dd_multiply(sqrt2, dd_of(c[l][1]))),
                                  dd_add(dd_of(s[l][0]), dd_multiply(sqrt2, dd_of(s[l][1]))), dd_of(b[l])};
         for (int k = 0; k < 3; k++) {
@@ -45,7 +46,6 @@ static harmonics_t harmonics_of(const tumble_means_t *means, unsigned mounting, 
 
 static void test_they_are_the_published_functionals_on_any_data(void)
 {
-    static tumble_means_t means;
     dice_t dice = {12};
     for (int round = 0; round < 500; round++) {
         tumble_coefficients_t expected;
@@ -74,9 +74,9 @@ static void test_they_are_the_published_functionals_on_any_data(void)
 
 /* The block stands turned by a yaw about the vertical of the platform, another in each mounting. */
 static void means_with_yaw(const tumble_coefficients_t *block, const double sine[2], const double cosine[2],
-                           tumble_means_t *means)
+                           tumble_means_t *them)
 {
-    memset(means, 0, sizeof *means);
+    memset(them, 0, sizeof *them);
     for (unsigned p = 0; p < 18U; p++) {
         const unsigned m = p / 9U;
         const tumble_angle_t *table = &tumble_schedule_paper.positions[p].angle;
@@ -85,9 +85,9 @@ static void means_with_yaw(const tumble_coefficients_t *block, const double sine
         const dd_t v = dd_of(table->cosine);
         const dd_t a[3] = {(m == 0U) ? h : dd_negate(h), (m == 0U) ? n : v, (m == 0U) ? v : n};
         for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-            means->u_v[p][i] = dd_round(model_output(block, i, a));
+            them->u_v[p][i] = dd_round(model_output(block, i, a));
         }
-        means->measured[p] = true;
+        them->measured[p] = true;
     }
 }
 
@@ -96,7 +96,6 @@ static void test_refined_keeps_the_yaw_out_of_two_coefficients(void)
 {
     static const double sine[2] = {0.02 / 1.0001, -0.034 / 1.000289}; /* 2t / (1 + t^2) of t = 0.01, -0.017 */
     static const double cosine[2] = {0.9999 / 1.0001, 0.999711 / 1.000289};
-    static tumble_means_t means;
     dice_t dice = {13};
     for (int round = 0; round < 200; round++) {
         const tumble_coefficients_t block = random_block(&dice);
@@ -122,7 +121,6 @@ static void test_refined_keeps_the_yaw_out_of_two_coefficients(void)
 static void test_they_find_the_positions_in_any_order(void)
 {
     static tumble_position_t positions[18];
-    static tumble_means_t means;
     dice_t dice = {14};
     for (unsigned p = 0; p < 18U; p++) {
         positions[(5U * p + 2U) % 18U] = tumble_schedule_paper.positions[p];
@@ -143,7 +141,6 @@ static void test_a_circle_may_begin_anywhere(void)
     static const tumble_mounting_t mountings[] = {{1, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, LEVEL, 0},
                                                   {2, {{0.6, 0, 0.8}, {0.8, 0, -0.6}, {0, 1, 0}}, LEVEL, 0}};
     const tumble_schedule_t turned = {mountings, tumble_schedule_paper.positions, 2, 18};
-    static tumble_means_t means;
     dice_t dice = {45};
     for (int round = 0; round < 200; round++) {
         const tumble_coefficients_t block = random_block(&dice);
@@ -158,7 +155,6 @@ static void test_a_circle_may_begin_anywhere(void)
 /* A weak channel beside a strong one is as exact as alone. */
 static void test_a_channel_does_not_depend_on_the_others(void)
 {
-    static tumble_means_t means;
     dice_t dice = {44};
     const tumble_coefficients_t block = random_block(&dice);
     model_means(&tumble_schedule_paper, &block, &means);
@@ -178,7 +174,6 @@ static void test_a_channel_does_not_depend_on_the_others(void)
 
 static void test_they_name_the_missing_positions(void)
 {
-    static tumble_means_t means;
     dice_t dice = {15};
     const tumble_coefficients_t block = random_block(&dice);
     model_means(&tumble_schedule_paper, &block, &means);
@@ -197,7 +192,6 @@ static void test_they_name_the_missing_positions(void)
 
 static void test_they_refuse_a_schedule_without_circles(void)
 {
-    static tumble_means_t means;
     dice_t dice = {16};
     const tumble_coefficients_t block = random_block(&dice);
     model_means(&six_faces, &block, &means);

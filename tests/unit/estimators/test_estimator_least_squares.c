@@ -4,6 +4,8 @@
 #include "random_schedule.h"
 #include "six_faces.h"
 
+static tumble_means_t means;
+
 #define N TUMBLE_COEFFICIENTS
 
 /* [A | b] with partial pivoting; the solution is left in the last column. */
@@ -32,17 +34,17 @@ static void solve_dense(dd_t system[N][N + 1])
 }
 
 /* One row of the design for every measured fit position and channel, all twelve unknowns at once. */
-static tumble_coefficients_t dense_least_squares(const tumble_schedule_t *schedule, const tumble_means_t *means)
+static tumble_coefficients_t dense_least_squares(const tumble_schedule_t *schedule, const tumble_means_t *them)
 {
     static dd_t system[N][N + 1];
     memset(system, 0, sizeof system);
     for (unsigned p = 0; p < schedule->position_count; p++) {
         for (int i = 0; i < TUMBLE_CHANNELS; i++) {
             dd_t row[N + 1] = {{0, 0}};
-            if (schedule->positions[p].use == TUMBLE_USE_FIT && means->measured[p]) {
+            if (schedule->positions[p].use == TUMBLE_USE_FIT && them->measured[p]) {
                 model_attitude(schedule, p, &row[3 * i]);
                 row[9 + i] = dd_of(1.0);
-                row[N] = dd_of(means->u_v[p][i]);
+                row[N] = dd_of(them->u_v[p][i]);
             }
             for (int r = 0; r < N; r++) {
                 for (int c = 0; c <= N && row[r].high != 0.0; c++) {
@@ -64,7 +66,6 @@ static tumble_coefficients_t dense_least_squares(const tumble_schedule_t *schedu
 
 static void test_it_is_exact_on_an_ideal_stand(void)
 {
-    static tumble_means_t means;
     dice_t dice = {17};
     for (int round = 0; round < 2000; round++) {
         const tumble_coefficients_t block = random_block(&dice);
@@ -77,7 +78,6 @@ static void test_it_is_exact_on_an_ideal_stand(void)
 
 static void test_it_minimises_the_squares_on_the_papers_schedule(void)
 {
-    static tumble_means_t means;
     dice_t dice = {18};
     for (int round = 0; round < 50; round++) {
         for (unsigned cell = 0; cell < 54U; cell++) {
@@ -96,7 +96,6 @@ static void test_it_minimises_the_squares_on_the_papers_schedule(void)
 static void test_random_schedules_against_the_dense_solution(void)
 {
     static random_schedule_t random;
-    static tumble_means_t means;
     dice_t dice = {19};
     int solved = 0;
     for (int round = 0; round < 400; round++) {
@@ -134,7 +133,6 @@ static void test_a_weak_schedule_loses_digits_with_its_condition_only(void)
         {1, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {20.0, 0.34202014332566871, 0.93969262078590843}, 0},
         {2, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {20.2, 0.34529819899853464, 0.93849302275955593}, 0},
     };
-    static tumble_means_t means;
     static tumble_position_t positions[24];
     dice_t dice = {20};
     for (uint8_t p = 0; p < 24U; p++) {
@@ -153,7 +151,6 @@ static void test_a_weak_schedule_loses_digits_with_its_condition_only(void)
 
 static void test_it_names_what_cannot_be_identified(void)
 {
-    static tumble_means_t means;
     dice_t dice = {21};
     const tumble_coefficients_t block = random_block(&dice);
     model_means(&tumble_schedule_paper, &block, &means);
@@ -169,7 +166,6 @@ static void test_it_names_what_cannot_be_identified(void)
 
 static void test_any_measured_positions_of_full_rank_will_do(void)
 {
-    static tumble_means_t means;
     dice_t dice = {22};
     const tumble_coefficients_t block = random_block(&dice);
     model_means(&tumble_schedule_paper, &block, &means);

@@ -15,6 +15,9 @@ typedef struct {
     double tau[TUMBLE_MAX_YAWS];
 } inclined_run_t;
 
+static inclined_run_t run;
+static tumble_means_t means;
+
 static tumble_angle_t angle_at(double deg)
 {
     const double radians = deg * (PI / 180.0);
@@ -22,7 +25,7 @@ static tumble_angle_t angle_at(double deg)
 }
 
 /* Inclinations 0, 40, -40, then others anywhere; each off by up to `error` rad, as is the zero of its table angle. */
-static void draw_run(dice_t *dice, inclined_run_t *run, uint8_t inclinations, double error)
+static void draw_run(dice_t *dice, inclined_run_t *done, uint8_t inclinations, double error)
 {
     static const double nominal[TUMBLE_MAX_YAWS] = {0.0, 40.0, -40.0, 20.0, -30.0, 5.0};
     static const uint8_t numbers[] = {3, 4, 5, 6};
@@ -32,32 +35,32 @@ static void draw_run(dice_t *dice, inclined_run_t *run, uint8_t inclinations, do
     for (uint8_t k = 0; k < inclinations; k++) {
         const uint8_t positions = numbers[dice_below(dice, COUNT_OF(numbers))];
         const double first_deg = 30.0 * dice_signed_unit(dice);
-        run->mountings[k] =
+        done->mountings[k] =
             (tumble_mounting_t){.number = (uint8_t)(k + 1U), .tilt = angle_at(nominal[k]), .bolting = 7};
-        memcpy(run->mountings[k].matrix, matrix, sizeof matrix);
-        run->beta[k] = nominal[k] * (PI / 180.0) + error * dice_signed_unit(dice);
-        run->tau[k] = (k == 0U) ? 0.0 : error * dice_signed_unit(dice);
+        memcpy(done->mountings[k].matrix, matrix, sizeof matrix);
+        done->beta[k] = nominal[k] * (PI / 180.0) + error * dice_signed_unit(dice);
+        done->tau[k] = (k == 0U) ? 0.0 : error * dice_signed_unit(dice);
         for (uint8_t l = 0; l < positions; l++) {
-            run->positions[count++] = (tumble_position_t){(uint8_t)(k + 1U), (uint8_t)(l + 1U), TUMBLE_USE_FIT,
-                                                          angle_at(first_deg + 360.0 * l / positions)};
+            done->positions[count++] = (tumble_position_t){(uint8_t)(k + 1U), (uint8_t)(l + 1U), TUMBLE_USE_FIT,
+                                                           angle_at(first_deg + 360.0 * l / positions)};
         }
     }
-    run->schedule = (tumble_schedule_t){run->mountings, run->positions, inclinations, count};
-    ASSERT_STATUS(TUMBLE_OK, tumble_schedule_validate(&run->schedule, NULL));
+    done->schedule = (tumble_schedule_t){done->mountings, done->positions, inclinations, count};
+    ASSERT_STATUS(TUMBLE_OK, tumble_schedule_validate(&done->schedule, NULL));
 }
 
-static void measure(const inclined_run_t *run, const tumble_coefficients_t *block, tumble_means_t *means)
+static void measure(const inclined_run_t *done, const tumble_coefficients_t *block, tumble_means_t *them)
 {
-    for (uint8_t p = 0; p < run->schedule.position_count; p++) {
-        const tumble_mounting_t *mounting = tumble_schedule_mounting_of(&run->schedule, p);
-        const ptrdiff_t k = mounting - run->mountings;
-        const double phi = run->positions[p].angle.deg * (PI / 180.0) + run->tau[k];
-        const double f[3] = {cos(run->beta[k]) * sin(phi), sin(run->beta[k]), cos(run->beta[k]) * cos(phi)};
-        means->measured[p] = true;
+    for (uint8_t p = 0; p < done->schedule.position_count; p++) {
+        const tumble_mounting_t *mounting = tumble_schedule_mounting_of(&done->schedule, p);
+        const ptrdiff_t k = mounting - done->mountings;
+        const double phi = done->positions[p].angle.deg * (PI / 180.0) + done->tau[k];
+        const double f[3] = {cos(done->beta[k]) * sin(phi), sin(done->beta[k]), cos(done->beta[k]) * cos(phi)};
+        them->measured[p] = true;
         for (int i = 0; i < 3; i++) {
-            means->u_v[p][i] = block->u0_v[i];
+            them->u_v[p][i] = block->u0_v[i];
             for (int n = 0; n < 9; n++) {
-                means->u_v[p][i] += block->k_v_per_g[i][n / 3] * mounting->matrix[n / 3][n % 3] * f[n % 3];
+                them->u_v[p][i] += block->k_v_per_g[i][n / 3] * mounting->matrix[n / 3][n % 3] * f[n % 3];
             }
         }
     }
@@ -65,8 +68,6 @@ static void measure(const inclined_run_t *run, const tumble_coefficients_t *bloc
 
 static void test_unknown_inclinations_do_not_matter(void)
 {
-    static inclined_run_t run;
-    static tumble_means_t means;
     dice_t dice = {71};
     for (int round = 0; round < 500; round++) {
         const tumble_coefficients_t block = random_block(&dice);
@@ -92,8 +93,6 @@ static void test_unknown_inclinations_do_not_matter(void)
 /* Any size of outputs: nothing overflows, and a power of two changes no bit. */
 static void test_outputs_of_any_size(void)
 {
-    static inclined_run_t run;
-    static tumble_means_t means;
     dice_t dice = {72};
     const tumble_coefficients_t block = random_block(&dice);
     draw_run(&dice, &run, 3, 0.01);
@@ -120,8 +119,6 @@ static void test_outputs_of_any_size(void)
 /* + and - exchanged: nothing in the run shows it, and K along the axis has the other sign. */
 static void test_the_sign_is_that_of_the_schedule(void)
 {
-    static inclined_run_t run;
-    static tumble_means_t means;
     dice_t dice = {73};
     tumble_coefficients_t block = random_block(&dice);
     draw_run(&dice, &run, 3, 0.01);
@@ -143,8 +140,6 @@ static const tumble_refusal_t none = {0, 0};
 
 static void test_schedules_that_do_not_offer_it(void)
 {
-    static inclined_run_t run;
-    static tumble_means_t means;
     static const tumble_schedule_t *const others[] = {&tumble_schedule_paper, &tumble_schedule_three_mountings,
                                                       &tumble_schedule_diagonal, &tumble_schedule_six_faces};
     dice_t dice = {74};
@@ -175,8 +170,6 @@ static void test_schedules_that_do_not_offer_it(void)
 
 static void test_runs_that_contradict_their_schedule(void)
 {
-    static inclined_run_t run;
-    static tumble_means_t means;
     dice_t dice = {75};
     const tumble_coefficients_t block = random_block(&dice);
     draw_run(&dice, &run, 3, 0.0);
@@ -199,8 +192,6 @@ static void test_runs_that_contradict_their_schedule(void)
 
 static void test_a_weight_is_above_0(void)
 {
-    static inclined_run_t run;
-    static tumble_means_t means;
     static const double bad[] = {0.0, -1.0, INFINITE, NOT_A_NUMBER};
     dice_t dice = {76};
     tumble_coefficients_t block = random_block(&dice);
@@ -214,23 +205,21 @@ static void test_a_weight_is_above_0(void)
 }
 
 /* The sum of all coefficients, weighed by `seed`, and of inclinations, of a run that has been solved. */
-static double weighed(const double seed[4][3], const double sine_seed[TUMBLE_MAX_YAWS], const tumble_inclined_t *run,
+static double weighed(const double seed[4][3], const double sine_seed[TUMBLE_MAX_YAWS], const tumble_inclined_t *done,
                       int inclinations)
 {
     double sum = 0.0;
     for (int k = 0; k < inclinations; k++) {
-        sum += sine_seed[k] * run->seen.sine[k];
+        sum += sine_seed[k] * done->seen.sine[k];
     }
     for (int n = 0; n < 12; n++) {
-        sum += seed[n / 3][n % 3] * ((n < 9) ? run->column[n / 3][n % 3] : run->bias[n % 3]);
+        sum += seed[n / 3][n % 3] * ((n < 9) ? done->column[n / 3][n % 3] : done->bias[n % 3]);
     }
     return sum;
 }
 
 static void test_gains_are_the_derivatives(void)
 {
-    static inclined_run_t run;
-    static tumble_means_t means;
     static tumble_inclined_map_t map;
     static tumble_inclined_t solved;
     static tumble_inclined_t moved;
@@ -283,11 +272,11 @@ static void test_the_uncertainty_of_the_level(void)
 {
     static const tumble_coefficients_t square = {{{2.5, 0.0, 0.0}, {0.0, 2.5, 0.0}, {0.0, 0.0, 2.5}}, {1.0, 2.0, 3.0}};
     tumble_stand_record_t stand = {.noise_v = 4e-3, .samples = 16};
-    const tumble_judged_run_t run = {.schedule = &tumble_schedule_inclined, .stand = &stand, .coefficients = &square};
+    const tumble_judged_run_t level = {.schedule = &tumble_schedule_inclined, .stand = &stand, .coefficients = &square};
     const double u_rad = (1e-3 / 2.5) * sqrt((1.5 + 0.5) / 8.0); /* at 45 degrees */
     for (int other = 0; other < 2; other++) {
         tumble_shown_inclinations_t shown;
-        ASSERT_STATUS(TUMBLE_OK, tumble_uncertainty_inclinations(&run, &shown, NULL));
+        ASSERT_STATUS(TUMBLE_OK, tumble_uncertainty_inclinations(&level, &shown, NULL));
         TEST_ASSERT_EQUAL_UINT8(3, shown.count);
         TEST_ASSERT_TRUE(shown.has_level);
         ASSERT_SAME_DOUBLE(0.0, shown.level_rad);
@@ -305,8 +294,6 @@ static void test_the_uncertainty_of_the_level(void)
 /* Of the sines and cosines that a run shows, the angles, up to 0.3 rad off the schedule's. */
 static void test_the_angles_of_inclinations(void)
 {
-    static inclined_run_t run;
-    static tumble_means_t means;
     static const tumble_stand_record_t stand = {.noise_v = 1e-4, .samples = 1};
     dice_t dice = {80};
     for (int round = 0; round < 300; round++) {
@@ -339,8 +326,6 @@ static void test_the_angles_of_inclinations(void)
 /* What was found makes outputs again of which the same is found. */
 static void test_a_run_made_again_of_its_coefficients(void)
 {
-    static inclined_run_t run;
-    static tumble_means_t means;
     static tumble_inclined_map_t map;
     static tumble_inclined_t again;
     dice_t dice = {78};
@@ -362,7 +347,6 @@ static void test_a_run_made_again_of_its_coefficients(void)
 
 static void test_built_in_schedules(void)
 {
-    static tumble_means_t means;
     dice_t dice = {79};
     const tumble_schedule_t *const schedules[] = {&tumble_schedule_inclined, &tumble_schedule_inclined_closed};
     for (int s = 0; s < 2; s++) {

@@ -97,49 +97,35 @@ static uint16_t run(const char *lines)
     return state.objections;
 }
 
-static void set_up(void)
+/* A second block, whose counter is so far off; reports garbled behind every one_in-th true one: from a twentieth of the
+ * samples on it is an objection. That a block is off the bus for a moment when it is put on anew, and counts on, is none. */
+static void test_who_disturbs_is_an_objection(void)
 {
-    memset(&stranger, 0, sizeof stranger);
-}
-
-static void test_an_undisturbed_run_is_committed(void)
-{
-    TEST_ASSERT_EQUAL_HEX16(0, run(""));
-}
-
-static void test_a_second_block_is_an_objection(void)
-{
-    stranger.counter_off = 128;
-    TEST_ASSERT_EQUAL_HEX16(DISTURBED, run(""));
-    stranger.counter_off = 200;
-    TEST_ASSERT_EQUAL_HEX16(DISTURBED, run(""));
-}
-
-static void test_garbled_reports_are_one(void)
-{
-    stranger.garbled_deg = 360.0;
-    stranger.one_in = 1;
-    TEST_ASSERT_EQUAL_HEX16(DISTURBED, run(""));
-}
-
-static void test_a_few_of_either_are_none(void)
-{
-    stranger.garbled_deg = 360.0;
-    stranger.one_in = 50;
-    TEST_ASSERT_EQUAL_HEX16(0,
-                            run("fault = lost_samples time=20 count=3\nfault = repeated_samples time=40 count=20\n"));
-}
-
-/* The block is off the bus for a moment when it is put on anew, and counts on meanwhile. */
-static void test_a_block_that_is_handled_is_none(void)
-{
-    TEST_ASSERT_EQUAL_HEX16(0, run("fault = block_silent at=2.1 phase=mount duration=0.4\n"));
-}
-
-static void test_one_sample_in_twenty_is_one(void)
-{
-    TEST_ASSERT_EQUAL_HEX16(DISTURBED,
-                            run("fault = frame_duplicate id=0x683 mask=0x7FF time=0 probability=0.06 count=1000000\n"));
-    TEST_ASSERT_EQUAL_HEX16(0,
-                            run("fault = frame_duplicate id=0x683 mask=0x7FF time=0 probability=0.04 count=1000000\n"));
+    static const struct {
+        const char *what;
+        uint8_t counter_off;
+        double garbled_deg;
+        uint32_t one_in;
+        uint16_t objections;
+        const char *lines;
+    } cases[] = {
+        {"nobody", 0, 0.0, 0, 0, ""},
+        {"a second block", 128, 0.0, 0, DISTURBED, ""},
+        {"a second block", 200, 0.0, 0, DISTURBED, ""},
+        {"garbled reports", 0, 360.0, 1, DISTURBED, ""},
+        {"a few of either", 0, 360.0, 50, 0,
+         "fault = lost_samples time=20 count=3\nfault = repeated_samples time=40 count=20\n"},
+        {"a block that is handled", 0, 0.0, 0, 0, "fault = block_silent at=2.1 phase=mount duration=0.4\n"},
+        {"more than one sample in twenty", 0, 0.0, 0, DISTURBED,
+         "fault = frame_duplicate id=0x683 mask=0x7FF time=0 probability=0.06 count=1000000\n"},
+        {"less than that", 0, 0.0, 0, 0,
+         "fault = frame_duplicate id=0x683 mask=0x7FF time=0 probability=0.04 count=1000000\n"},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        memset(&stranger, 0, sizeof stranger);
+        stranger.counter_off = cases[i].counter_off;
+        stranger.garbled_deg = cases[i].garbled_deg;
+        stranger.one_in = cases[i].one_in;
+        TEST_ASSERT_EQUAL_HEX16_MESSAGE(cases[i].objections, run(cases[i].lines), cases[i].what);
+    }
 }

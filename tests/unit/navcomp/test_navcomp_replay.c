@@ -1,5 +1,6 @@
 /* A recorded run gives the same bits again, whatever the clock does meanwhile. */
 #include "navcomp_bench.h"
+#include "support.h"
 
 static bench_t replay; /* the one that hears the record */
 
@@ -31,6 +32,7 @@ static void set_up(void)
 }
 
 typedef struct {
+    const char *what;
     uint64_t offset_us;
     uint32_t percent;     /* of the recorded time that passes */
     uint32_t extra_steps; /* between two entries */
@@ -109,41 +111,37 @@ static void assert_same_counters(void)
     TEST_ASSERT_EQUAL_MEMORY(&before.procedure, &after.procedure, sizeof before.procedure);
 }
 
-static void play_and_compare(pace_t pace)
+static void test_the_same_bits_at_any_pace(void)
 {
-    play(&pace);
-    assert_same_bits();
-    assert_same_counters();
-}
-
-static void test_the_same_clock(void)
-{
-    play_and_compare((pace_t){.percent = 100, .in_batches = true});
-}
-
-static void test_frames_one_by_one(void)
-{
-    play_and_compare((pace_t){.percent = 100});
-}
-
-static void test_another_epoch(void)
-{
-    play_and_compare((pace_t){.percent = 100, .offset_us = UINT64_C(1) << 50, .in_batches = true});
-}
-
-static void test_slower_and_faster_clocks(void)
-{
-    const uint32_t percents[] = {1, 10, 50, 99, 101, 150, 250, 400};
-    for (size_t i = 0; i < (sizeof percents / sizeof percents[0]); i++) {
-        play_and_compare((pace_t){.percent = percents[i]});
-        play_and_compare((pace_t){.percent = percents[i], .in_batches = true});
+    static const pace_t paces[] = {
+        {"the same clock", .percent = 100, .in_batches = true},
+        {"frames one by one", .percent = 100},
+        {"another epoch", .percent = 100, .offset_us = UINT64_C(1) << 50, .in_batches = true},
+        {"many steps between the frames", .percent = 100, .extra_steps = 5},
+        {"many steps, a faster clock", .percent = 130, .extra_steps = 1, .in_batches = true},
+        {"1 percent", .percent = 1},
+        {"10 percent", .percent = 10},
+        {"50 percent", .percent = 50},
+        {"99 percent", .percent = 99},
+        {"101 percent", .percent = 101},
+        {"150 percent", .percent = 150},
+        {"250 percent", .percent = 250},
+        {"400 percent", .percent = 400},
+        {"1 percent", .percent = 1, .in_batches = true},
+        {"10 percent", .percent = 10, .in_batches = true},
+        {"50 percent", .percent = 50, .in_batches = true},
+        {"99 percent", .percent = 99, .in_batches = true},
+        {"101 percent", .percent = 101, .in_batches = true},
+        {"150 percent", .percent = 150, .in_batches = true},
+        {"250 percent", .percent = 250, .in_batches = true},
+        {"400 percent", .percent = 400, .in_batches = true},
+    };
+    for (size_t i = 0; i < sizeof paces / sizeof paces[0]; i++) {
+        ROW(paces[i].what);
+        play(&paces[i]);
+        assert_same_bits();
+        assert_same_counters();
     }
-}
-
-static void test_many_steps_between_the_frames(void)
-{
-    play_and_compare((pace_t){.percent = 100, .extra_steps = 5});
-    play_and_compare((pace_t){.percent = 130, .extra_steps = 1, .in_batches = true});
 }
 
 /* Canary: one count more in one averaged sample is not the same bits. */

@@ -4,15 +4,14 @@
 #include "support.h"
 
 enum { NAVCOMP = 0, DRIVE = 1, BLOCK = 2 };
-#define MAX_HEARD 64
+#define MAX_HEARD 128
 
 static sim_clock_t virtual_clock;
 static sim_bus_t bus;
 static sim_wire_t wire;
 static struct {
     uint64_t at_us;
-    uint16_t id;
-    uint8_t sender;
+    tumble_can_frame_t frame;
 } heard[MAX_HEARD];
 static uint32_t heard_count;
 
@@ -20,10 +19,9 @@ static void tap(void *context, uint64_t time_us, uint8_t sender, const tumble_ca
 {
     TEST_ASSERT_EQUAL_PTR(&heard_count, context);
     TEST_ASSERT_TRUE(heard_count < MAX_HEARD);
+    (void)sender;
     heard[heard_count].at_us = time_us;
-    heard[heard_count].id = frame->id;
-    heard[heard_count].sender = sender;
-    heard_count++;
+    heard[heard_count++].frame = *frame;
 }
 
 static void set_up(void)
@@ -77,7 +75,7 @@ static void test_lowest_identifier_wins_among_frames_of_one_moment(void)
     static const uint16_t EXPECTED[] = {0x182, 0x202, 0x080, 0x683};
     TEST_ASSERT_EQUAL_UINT32(4, heard_count);
     for (size_t i = 0; i < 4; i++) {
-        TEST_ASSERT_EQUAL_HEX16(EXPECTED[i], heard[i].id);
+        TEST_ASSERT_EQUAL_HEX16(EXPECTED[i], heard[i].frame.id);
     }
 }
 
@@ -91,9 +89,9 @@ static void test_a_frame_on_the_wire_is_not_interrupted(void)
     send(DRIVE, 0x182, 0);
     send(NAVCOMP, 0x000, 0);
     (void)run();
-    TEST_ASSERT_EQUAL_HEX16(0x683, heard[0].id);
-    TEST_ASSERT_EQUAL_HEX16(0x000, heard[1].id);
-    TEST_ASSERT_EQUAL_HEX16(0x182, heard[2].id);
+    TEST_ASSERT_EQUAL_HEX16(0x683, heard[0].frame.id);
+    TEST_ASSERT_EQUAL_HEX16(0x000, heard[1].frame.id);
+    TEST_ASSERT_EQUAL_HEX16(0x182, heard[2].frame.id);
 }
 
 /* 500 kbit/s: 2 us a bit. A frame is received 3 bits before the next may begin. */
@@ -129,7 +127,7 @@ static void test_interframe_space_separates_frames(void)
     send(NAVCOMP, 0x202, 0); /* at once */
     send(BLOCK, 0x181, 0);
     (void)run();
-    TEST_ASSERT_EQUAL_HEX16(0x181, heard[1].id); /* both were there when the space was over */
+    TEST_ASSERT_EQUAL_HEX16(0x181, heard[1].frame.id); /* both were there when the space was over */
     const tumble_can_frame_t other = frame_of(0x181, 0);
     TEST_ASSERT_EQUAL_UINT64(received_us + 6U + 2U * (sim_frame_bits(&wire, &other) - 3U), heard[1].at_us);
     TEST_ASSERT_EQUAL_UINT64(heard[1].at_us + 6U + 2U * (sim_frame_bits(&wire, &answer) - 3U), heard[2].at_us);
@@ -193,7 +191,7 @@ static void test_a_node_that_is_down_neither_sends_nor_hears(void)
     send(NAVCOMP, 0x202, 2);
     (void)run();
     TEST_ASSERT_EQUAL_UINT32(1, heard_count);
-    TEST_ASSERT_EQUAL_HEX16(0x202, heard[0].id);
+    TEST_ASSERT_EQUAL_HEX16(0x202, heard[0].frame.id);
     sim_bus_set_down(&bus, DRIVE, false);
     ASSERT_STATUS(TUMBLE_E_PORT_EMPTY, sim_bus_receive(&bus, DRIVE, &frame));
     ASSERT_STATUS(TUMBLE_OK, sim_bus_send(&bus, DRIVE, &frame));
@@ -228,4 +226,157 @@ static void test_alarms_of_one_moment_go_off_in_the_actors_order(void)
     sim_clock_set(&virtual_clock, SIM_ACTOR_BUS, 10); /* the past is now */
     TEST_ASSERT_TRUE(sim_clock_next(&virtual_clock, 60, &actor));
     TEST_ASSERT_EQUAL_UINT64(50, virtual_clock.now_us);
+}
+
+/* What goes wrong with frames: every kind does what it says, to the frames that it says, and is seen by everybody. */
+
+static sim_bus_fault_t fault_of(sim_frame_fault_t kind, uint32_t count)
+{
+    sim_bus_fault_t fault = {.kind = kind, .match = 0x683, .mask = 0x7FF, .count = count, .probability = 1.0};
+    sim_random_open(&fault.random, 3, SIM_CAUSE_BUS_FAULT, 0);
+    return fault;
+}
+
+/* Frames 0, 1, ... with their number in the first byte, each sent when the bus is quiet again. */
+static void send_numbered(uint16_t id, uint8_t first, uint8_t count)
+{
+    for (uint8_t n = first; n < first + count; n++) {
+        const tumble_can_frame_t frame = {.id = id, .length = 8, .data = {n, 1, 2, 3, 4, 5, 6, 7}};
+        ASSERT_STATUS(TUMBLE_OK, sim_bus_send(&bus, BLOCK, &frame));
+        (void)run();
+    }
+}
+
+static void assert_order(const uint8_t *numbers, uint32_t count)
+{
+    TEST_ASSERT_EQUAL_UINT32(count, heard_count);
+    for (uint32_t i = 0; i < count; i++) {
+        TEST_ASSERT_EQUAL_UINT8(numbers[i], heard[i].frame.data[0]);
+    }
+    TEST_ASSERT_EQUAL_UINT32(count, bus.nodes[NAVCOMP].counters.received);
+}
+
+static sim_bus_fault_t begin_fault(sim_frame_fault_t kind, uint32_t count)
+{
+    const sim_bus_fault_t fault = fault_of(kind, count);
+    sim_bus_begin_fault(&bus, 0, &fault);
+    return fault;
+}
+
+static void test_dropped_frames_are_gone(void)
+{
+    sim_bus_fault_t fault = fault_of(SIM_FRAME_DROP, 2);
+    fault.skip = 1;
+    sim_bus_begin_fault(&bus, 0, &fault);
+    send_numbered(0x683, 0, 5);
+    static const uint8_t LEFT[] = {0, 3, 4};
+    assert_order(LEFT, 3);
+}
+
+static void test_other_identifiers_are_spared(void)
+{
+    sim_bus_fault_t fault = begin_fault(SIM_FRAME_DROP, UINT32_MAX);
+    send_numbered(0x693, 0, 3);
+    TEST_ASSERT_EQUAL_UINT32(3, heard_count);
+    fault.mask = 0x7EF; /* both halves of a sample */
+    sim_bus_begin_fault(&bus, 0, &fault);
+    send_numbered(0x693, 0, 3);
+    send_numbered(0x683, 0, 3);
+    TEST_ASSERT_EQUAL_UINT32(3, heard_count);
+    sim_bus_end_fault(&bus, 0);
+    send_numbered(0x683, 0, 3);
+    TEST_ASSERT_EQUAL_UINT32(6, heard_count);
+}
+
+static void test_a_corrupted_frame_has_one_wrong_bit(void)
+{
+    (void)begin_fault(SIM_FRAME_CORRUPT, UINT32_MAX);
+    send_numbered(0x683, 0, 100);
+    uint8_t touched = 0;
+    for (uint32_t i = 0; i < 100; i++) {
+        int wrong = 0;
+        for (uint8_t b = 0; b < 8; b++) {
+            const uint8_t sent = (b == 0U) ? (uint8_t)i : b;
+            wrong += __builtin_popcount((unsigned)(heard[i].frame.data[b] ^ sent));
+            touched = (uint8_t)(touched | ((heard[i].frame.data[b] != sent) ? 1U << b : 0U));
+        }
+        TEST_ASSERT_EQUAL_INT(1, wrong);
+        TEST_ASSERT_EQUAL_UINT8(8, heard[i].frame.length);
+    }
+    TEST_ASSERT_EQUAL_HEX8(0xFF, touched); /* sooner or later every byte */
+}
+
+static void test_a_truncated_frame_lacks_its_last_byte(void)
+{
+    (void)begin_fault(SIM_FRAME_TRUNCATE, 1);
+    send_numbered(0x683, 0, 2);
+    TEST_ASSERT_EQUAL_UINT8(7, heard[0].frame.length);
+    TEST_ASSERT_EQUAL_UINT8(8, heard[1].frame.length);
+}
+
+static void test_a_delayed_frame_comes_later(void)
+{
+    sim_bus_fault_t fault = fault_of(SIM_FRAME_DELAY, 1);
+    fault.delay_us = 5000;
+    sim_bus_begin_fault(&bus, 0, &fault);
+    for (uint8_t n = 0; n < 3; n++) {
+        const tumble_can_frame_t frame = {.id = 0x683, .length = 1, .data = {n}};
+        ASSERT_STATUS(TUMBLE_OK, sim_bus_send(&bus, BLOCK, &frame));
+    }
+    (void)run();
+    static const uint8_t ORDER[] = {1, 2, 0};
+    assert_order(ORDER, 3);
+    TEST_ASSERT_TRUE(heard[2].at_us > 5000U && heard[2].at_us < 5200U);
+}
+
+static void test_a_duplicated_frame_comes_twice(void)
+{
+    (void)begin_fault(SIM_FRAME_DUPLICATE, 1);
+    send_numbered(0x683, 0, 2);
+    static const uint8_t ORDER[] = {0, 0, 1};
+    assert_order(ORDER, 3);
+}
+
+static void test_a_reordered_frame_comes_behind_the_next_that_matches(void)
+{
+    (void)begin_fault(SIM_FRAME_REORDER, 1);
+    send_numbered(0x683, 0, 1);
+    TEST_ASSERT_EQUAL_UINT32(0, heard_count);
+    send_numbered(0x693, 10, 1); /* does not match: passes */
+    send_numbered(0x683, 1, 2);
+    static const uint8_t ORDER[] = {10, 1, 0, 2};
+    assert_order(ORDER, 4);
+}
+
+static void test_a_fault_that_ends_lets_go_what_it_holds(void)
+{
+    sim_bus_fault_t fault = fault_of(SIM_FRAME_REORDER, 1);
+    sim_bus_begin_fault(&bus, 2, &fault);
+    send_numbered(0x683, 0, 1);
+    sim_bus_end_fault(&bus, 2);
+    (void)run();
+    static const uint8_t ORDER[] = {0};
+    assert_order(ORDER, 1);
+}
+
+/* A tenth of 1000 frames: 100 within four standard deviations of 9.5; the same seed picks the same ones. */
+static void test_probability_picks_its_share_and_repeats(void)
+{
+    uint32_t received[2];
+    for (int round = 0; round < 2; round++) {
+        set_up();
+        bus.tap = NULL;
+        sim_bus_fault_t fault = fault_of(SIM_FRAME_DROP, UINT32_MAX);
+        fault.probability = 0.1;
+        sim_bus_begin_fault(&bus, 0, &fault);
+        for (int n = 0; n < 100; n++) {
+            send_numbered(0x683, 0, 10);
+            tumble_can_frame_t frame;
+            while (sim_bus_receive(&bus, NAVCOMP, &frame) == TUMBLE_OK) {
+            }
+        }
+        received[round] = bus.nodes[NAVCOMP].counters.received;
+    }
+    TEST_ASSERT_UINT32_WITHIN(38, 900, received[0]);
+    TEST_ASSERT_EQUAL_UINT32(received[0], received[1]);
 }

@@ -83,6 +83,7 @@ static void expect_late(tumble_stand_fault_t fault, unsigned least_ms, unsigned 
 /* The same of an axis that does not turn then. */
 #define EXPECT_LATE(begin, habit, order, fault, least_ms, most_ms)                                                     \
     do {                                                                                                               \
+        ROW(#habit ", " #order);                                                                                       \
         begin;                                                                                                         \
         habit;                                                                                                         \
         order;                                                                                                         \
