@@ -195,3 +195,5 @@ static void test_signals_are_not_taken_by_the_thread(void)
     (void)signal(SIGUSR1, SIG_IGN);
     (void)sigprocmask(SIG_UNBLOCK, &only, NULL);
 }
+
+static const around_t around_each = {set_up, tear_down};

@@ -103,3 +103,5 @@ static void test_killed_while_the_file_is_made(void)
         close_it();
     }
 }
+
+static const around_t around_each = {set_up, tear_down};
