@@ -187,11 +187,11 @@ static bool is_busy(void *context)
 
 /* Power and time. */
 
-/* To the firmware of a world that has just been powered on, which begins anew. */
-static tumble_status_t add_memory(memory_t *memory, bench_world_t *world)
+void world_add_memory(world_t *world)
 {
-    const bench_keeping_t *const keeping = &world->config->keeping;
-    sim_nv_init(&memory->nv, &world->clock);
+    memory_t *const memory = &world->memory;
+    const bench_keeping_t *const keeping = &world->config.keeping;
+    sim_nv_init(&memory->nv, &world->world.clock);
     memory->keeper_config = (tumble_keeper_config_t){
         .sets = {.serial = keeping->serial,
                  .settings = &keeping->settings,
@@ -204,11 +204,35 @@ static tumble_status_t add_memory(memory_t *memory, bench_world_t *world)
         .inclinations_view = tumble_inclinations_view,
         .inclinations_memory = &memory->inclinations_memory,
     };
-    memory->keeper.config = &memory->keeper_config;
-    world->port.nv = &memory->nv.nv;
-    world->navcomp_config.keeping = &tumble_keeper_calls;
-    world->navcomp_config.keeper = &memory->keeper;
-    return tumble_navcomp_init(&world->navcomp, &world->navcomp_config);
+    world->world.port.nv = &memory->nv.nv;
+    world->world.navcomp_config.keeping = &tumble_keeper_calls;
+    world->world.navcomp_config.keeper = &memory->keeper;
+}
+
+void world_set_off(world_t *world, bool off)
+{
+    bench_world_t *const own = &world->world;
+    own->off = off;
+    sim_bus_set_down(&own->bus, BENCH_BUS_NAVCOMP, true); /* with it goes what had come for nobody */
+    if (off) {
+        sim_clock_set(&own->clock, SIM_ACTOR_NAVCOMP, SIM_NEVER);
+        world->memory.nv.size = 0;
+    } else {
+        sim_bus_set_down(&own->bus, BENCH_BUS_NAVCOMP, false);
+    }
+}
+
+tumble_status_t world_boot(world_t *world)
+{
+    bench_world_t *const own = &world->world;
+    memset(&world->memory.keeper, 0x5A, sizeof world->memory.keeper);
+    memset(&world->memory.stand_memory, 0, sizeof world->memory.stand_memory);
+    memset(&world->memory.inclinations_memory, 0, sizeof world->memory.inclinations_memory);
+    world->memory.keeper.config = &world->memory.keeper_config;
+    if (world->config.present.navcomp) {
+        sim_clock_set(&own->clock, SIM_ACTOR_NAVCOMP, own->clock.now_us);
+    }
+    return tumble_navcomp_init(&own->navcomp, &own->navcomp_config);
 }
 
 const char *world_check(world_t *world)
@@ -244,7 +268,8 @@ const char *world_power_on(world_t *world, uint64_t seed, world_operator_t opera
     }
     tumble_status_t status = bench_world_init(&world->world, config, seed, &world->watcher);
     if (status == TUMBLE_OK && memory) {
-        status = add_memory(&world->memory, &world->world); /* begins anew, and the start is forgotten */
+        world_add_memory(world);
+        status = world_boot(world); /* the start is forgotten */
     }
     if (status == TUMBLE_OK && memory && config->starts && config->present.navcomp) {
         status = tumble_navcomp_command(&world->world.navcomp, TUMBLE_COMMAND_START, 0);
@@ -323,25 +348,16 @@ const char *world_set_power(world_t *world, bool on)
     if (own->off != on) {
         return NULL;
     }
-    own->off = !on;
-    sim_bus_set_down(&own->bus, BENCH_BUS_NAVCOMP, true);
+    world_set_off(world, !on);
     if (!on) {
-        sim_clock_set(&own->clock, SIM_ACTOR_NAVCOMP, SIM_NEVER);
-        world->memory.nv.size = 0;
         return NULL;
     }
-    sim_bus_set_down(&own->bus, BENCH_BUS_NAVCOMP, false);
-    memset(&world->memory.keeper, 0x5A, sizeof world->memory.keeper);
-    memset(&world->memory.stand_memory, 0, sizeof world->memory.stand_memory);
-    memset(&world->memory.inclinations_memory, 0, sizeof world->memory.inclinations_memory);
-    world->memory.keeper.config = &world->memory.keeper_config;
-    const tumble_status_t status = tumble_navcomp_init(&own->navcomp, &own->navcomp_config);
+    const tumble_status_t status = world_boot(world);
     own->mark = BENCH_LOOK_AGAIN;
     own->started = false; /* whatever had ended: there is another run to come */
     own->wanted_end = WORLD_RUNNING;
     own->end = WORLD_RUNNING;
     own->ending_us = SIM_NEVER;
-    sim_clock_set(&own->clock, SIM_ACTOR_NAVCOMP, own->clock.now_us);
     return (status == TUMBLE_OK) ? NULL : tumble_status_sentence(status);
 }
 

@@ -5,7 +5,9 @@
 #include "core/bytes.h"
 #include "simulation/block_encode.h"
 #include "tumble/sets.h"
+#include "world/readout.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #define SET_POINT_ID 0x202U
@@ -16,6 +18,23 @@
 #define NEAR_US 300U     /* as near as the bus allows */
 #define SEGMENT_US 4000U /* from one of a transfer to the next: the server has answered by then */
 #define SPOILS 0x55U
+#define STREAM_EVENT 1000U /* and its number: the stream of an event, an index of SIM_CAUSE_LIFE */
+
+_Static_assert(LIFE_FAULTS == SIM_FAULT_KINDS && LIFE_EVENTS == LIFE_EVENT_ANY_FRAME + 1 &&
+                   LIFE_STATES == TUMBLE_STATE_COUNT && LIFE_REASONS == TUMBLE_REASON_COUNT,
+               "all of the closed lists is counted");
+
+/* A whole number from 0 to count - 1; true with this probability. */
+
+static uint32_t pick(sim_random_t *stream, uint32_t count)
+{
+    return (uint32_t)((sim_random_u64(stream) >> 32) * (uint64_t)count >> 32);
+}
+
+static bool chance(sim_random_t *stream, double probability)
+{
+    return sim_random_unit(stream) < probability;
+}
 
 /* The memory: what it begins with, and what a loss of power leaves in it. */
 
@@ -29,11 +48,11 @@ static void settle(tumble_store_t *store)
 static void write_set(bench_life_t *life)
 {
     static tumble_store_t store;
-    const bench_plan_t *const plan = life->plan;
-    tumble_set_t set = {.estimator = (uint8_t)plan->config.procedure.estimate,
+    const life_plan_t *const plan = life->plan;
+    tumble_set_t set = {.estimator = (uint8_t)life->config->procedure.estimate,
                         .flags = TUMBLE_SET_HAS_UNCERTAINTY,
-                        .coefficients = life->world.truth.block};
-    memcpy(set.block_serial, plan->config.keeping.serial, strlen(plan->config.keeping.serial));
+                        .coefficients = life->world->truth.block};
+    memcpy(set.block_serial, life->config->keeping.serial, strlen(life->config->keeping.serial));
     set.date_utc_s = (plan->utc_s != 0U) ? plan->utc_s - 86400U : 0U;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         for (int j = 0; j < TUMBLE_CHANNELS; j++) {
@@ -41,7 +60,7 @@ static void write_set(bench_life_t *life)
         }
         set.uncertainty.u0_v[i] = RELATIVE_U;
     }
-    (void)tumble_store_init(&store, &life->nv.nv);
+    (void)tumble_store_init(&store, &life->memory->nv.nv);
     settle(&store);
     (void)tumble_store_commit(&store, &set);
     settle(&store);
@@ -49,31 +68,30 @@ static void write_set(bench_life_t *life)
 
 static void prepare_memory(bench_life_t *life)
 {
-    sim_nv_init(&life->nv, &life->world.clock);
     if (life->plan->has_set) {
         write_set(life);
     }
-    life->nv.erase_us = life->plan->erase_us;
-    life->nv.program_us = life->plan->program_us;
+    life->memory->nv.erase_us = life->plan->erase_us;
+    life->memory->nv.program_us = life->plan->program_us;
 }
 
 /* Each granule is as it was to be, or holds anything: half programmed bits, or nothing that makes sense. */
 static void tear_memory(bench_life_t *life, sim_random_t *stream)
 {
-    sim_nv_t *const nv = &life->nv;
-    if (nv->size == 0U || life->world.clock.now_us >= nv->until_us) {
+    sim_nv_t *const nv = &life->memory->nv;
+    if (nv->size == 0U || life->world->clock.now_us >= nv->until_us) {
         return;
     }
     const double share = sim_random_unit(stream);
     for (uint32_t i = 0; i < nv->size; i += SIM_NV_GRANULE) {
-        if (!bench_chance(stream, share)) {
+        if (!chance(stream, share)) {
             continue;
         }
         const uint64_t garbage = sim_random_u64(stream);
         for (uint32_t b = 0; b < SIM_NV_GRANULE; b++) {
             nv->bytes[nv->offset + i + b] |= (uint8_t)(garbage >> 8 * b);
         }
-        if (bench_chance(stream, 0.5)) {
+        if (chance(stream, 0.5)) {
             memcpy(&nv->bytes[nv->offset + i], &garbage, SIM_NV_GRANULE);
         }
     }
@@ -91,7 +109,7 @@ static uint64_t hash(const uint8_t *bytes, uint32_t size)
 
 bool bench_life_is_flipped(const bench_life_t *life, const bench_flipped_t *flipped)
 {
-    return hash(&life->nv.bytes[flipped->offset], flipped->size) == flipped->hash;
+    return hash(&life->memory->nv.bytes[flipped->offset], flipped->size) == flipped->hash;
 }
 
 /* The set with its mark, or the entry of the history, that this byte belongs to: as it is before the flip. */
@@ -105,7 +123,7 @@ static void note_flip(bench_life_t *life, uint32_t first, uint32_t at)
     if (!of_history && !(of_set && at < offset + size)) {
         return;
     }
-    bench_flipped_t flipped = {.offset = offset, .size = size, .sound = hash(&life->nv.bytes[offset], size)};
+    bench_flipped_t flipped = {.offset = offset, .size = size, .sound = hash(&life->memory->nv.bytes[offset], size)};
     for (uint32_t i = 0; i < life->flipped_count; i++) {
         if (life->flipped[i].offset == offset && i >= first) {
             return;
@@ -125,7 +143,7 @@ static void take_flipped(bench_life_t *life, uint32_t first)
     uint32_t kept = first;
     for (uint32_t i = first; i < life->flipped_count; i++) {
         bench_flipped_t flipped = life->flipped[i];
-        flipped.hash = hash(&life->nv.bytes[flipped.offset], flipped.size);
+        flipped.hash = hash(&life->memory->nv.bytes[flipped.offset], flipped.size);
         life->flipped[kept] = flipped;
         kept += (flipped.hash != flipped.sound) ? 1U : 0U;
     }
@@ -135,9 +153,9 @@ static void take_flipped(bench_life_t *life, uint32_t first)
 /* Anywhere, or as often in a mark, which is small and decides. */
 static uint32_t draw_place(sim_random_t *stream)
 {
-    const uint32_t region = TUMBLE_REGION_SLOT_A + bench_pick(stream, 3);
-    return bench_chance(stream, 0.5) ? bench_pick(stream, SIM_NV_BYTES)
-                                     : region * SIM_NV_SECTOR + TUMBLE_SET_BYTES + bench_pick(stream, 8);
+    const uint32_t region = TUMBLE_REGION_SLOT_A + pick(stream, 3);
+    return chance(stream, 0.5) ? pick(stream, SIM_NV_BYTES)
+                               : region * SIM_NV_SECTOR + TUMBLE_SET_BYTES + pick(stream, 8);
 }
 
 /* Where something is written: an erased byte means nothing to anyone. */
@@ -146,10 +164,10 @@ static void flip_bits(bench_life_t *life, sim_random_t *stream, uint32_t count)
     const uint32_t first = life->flipped_count;
     for (uint32_t flipped = 0, tries = 0; flipped < count && tries < 20000U; tries++) {
         const uint32_t at = draw_place(stream);
-        if (life->nv.bytes[at] != 0xFFU) {
+        if (life->memory->nv.bytes[at] != 0xFFU) {
             note_flip(life, first, at);
-            life->nv.bytes[at] ^= (uint8_t)(1U << bench_pick(stream, 8));
-            life->counts.flips++;
+            life->memory->nv.bytes[at] ^= (uint8_t)(1U << pick(stream, 8));
+            life->found->flipped_bits++;
             flipped++;
         }
     }
@@ -160,57 +178,50 @@ static void flip_bits(bench_life_t *life, sim_random_t *stream, uint32_t count)
 
 static tumble_status_t give_command(bench_life_t *life, tumble_command_t command, uint8_t argument)
 {
-    if (life->world.off) {
+    if (life->world->off) {
         return TUMBLE_E_STATE;
     }
     if (command != TUMBLE_COMMAND_ABORT) {
         bench_watch_commanded(life);
     }
-    const tumble_status_t status = tumble_navcomp_command(&life->world.navcomp, command, argument);
+    const tumble_status_t status = tumble_navcomp_command(&life->world->navcomp, command, argument);
     if (status == TUMBLE_OK) {
         bench_watch_decide(life, command, false);
     }
     if (command == TUMBLE_COMMAND_ABORT) {
         bench_watch_ended(life);
     }
-    sim_clock_set(&life->world.clock, SIM_ACTOR_NAVCOMP, life->world.clock.now_us);
+    sim_clock_set(&life->world->clock, SIM_ACTOR_NAVCOMP, life->world->clock.now_us);
     return status;
 }
 
+/* The firmware begins anew. */
 static void boot(bench_life_t *life)
 {
-    bench_world_t *const world = &life->world;
-    memset(&life->keeper, 0x5A, sizeof life->keeper);
-    life->keeper.config = &life->keeper_config;
-    if (tumble_navcomp_init(&world->navcomp, &world->navcomp_config) != TUMBLE_OK) {
-        bench_watch_break(life, BENCH_BROKEN_BENCH, 0.0, 0);
-        return;
+    life->world->mark = BENCH_LOOK_AGAIN;
+    if (world_boot(life->own) != TUMBLE_OK) {
+        bench_watch_break(life, LIFE_BROKEN_BENCH, 0.0, 0);
+    } else if (life->plan->utc_s != 0U) {
+        const uint64_t now_s = life->world->clock.now_us / 1000000U;
+        (void)tumble_keeper_set_utc(&life->memory->keeper, life->plan->utc_s + now_s);
     }
-    if (life->plan->utc_s != 0U) {
-        (void)tumble_keeper_set_utc(&life->keeper, life->plan->utc_s + world->clock.now_us / 1000000U);
-    }
-    world->mark = BENCH_LOOK_AGAIN;
-    sim_clock_set(&world->clock, SIM_ACTOR_NAVCOMP, world->clock.now_us);
 }
 
-static void cut_power(bench_life_t *life, const bench_event_t *event)
+static void cut_power(bench_life_t *life, const life_event_t *event)
 {
     sim_random_t stream;
-    bench_world_t *const world = &life->world;
+    bench_world_t *const world = life->world;
     if (world->off) {
         return;
     }
-    sim_random_open(&stream, life->plan->seed, SIM_CAUSE_LIFE, BENCH_STREAM_EVENT + event->number);
+    sim_random_open(&stream, world->seed, SIM_CAUSE_LIFE, STREAM_EVENT + event->number);
     const tumble_state_t state = world->progress.state;
     life->run_was_on = state != TUMBLE_STATE_IDLE && state != TUMBLE_STATE_DONE && state != TUMBLE_STATE_ABORT;
-    life->counts.held += life->keeper.counters.held;
-    world->off = true;
-    sim_bus_set_down(&world->bus, BENCH_BUS_NAVCOMP, true);
-    sim_clock_set(&world->clock, SIM_ACTOR_NAVCOMP, SIM_NEVER);
+    life->found->held += life->memory->keeper.counters.held;
     tear_memory(life, &stream);
-    life->nv.size = 0;
+    world_set_off(life->own, true);
     if (event->count > 0U) {
-        bench_watch_excuse(life, BENCH_EXCUSE_FLIPPED);
+        bench_watch_excuse(life, LIFE_EXCUSE_FLIPPED);
         flip_bits(life, &stream, event->count);
     }
     bench_watch_ended(life);
@@ -221,14 +232,11 @@ static void cut_power(bench_life_t *life, const bench_event_t *event)
 
 static void power_on(bench_life_t *life)
 {
-    bench_world_t *const world = &life->world;
     life->power_us = SIM_NEVER;
-    world->off = false;
-    sim_bus_set_down(&world->bus, BENCH_BUS_NAVCOMP, true); /* what had come for nobody */
-    sim_bus_set_down(&world->bus, BENCH_BUS_NAVCOMP, false);
+    world_set_off(life->own, false);
     bench_watch_power_on(life);
     boot(life);
-    life->attend_us = life->run_was_on ? world->clock.now_us + 1500000U : SIM_NEVER;
+    life->attend_us = life->run_was_on ? life->world->clock.now_us + 1500000U : SIM_NEVER;
 }
 
 /* What an event does when its moment has come. */
@@ -237,10 +245,21 @@ static void power_on(bench_life_t *life)
 static void send_frame(bench_life_t *life, const tumble_can_frame_t *frame, uint32_t after_us)
 {
     if (after_us == 0U) {
-        (void)sim_bus_send(&life->world.bus, BENCH_BUS_GUEST, frame);
+        (void)sim_bus_send(&life->world->bus, BENCH_BUS_GUEST, frame);
     } else if (life->queued < BENCH_LIFE_QUEUE) {
-        life->queue[life->queued++] = (bench_follower_t){life->world.clock.now_us + after_us, *frame};
+        life->queue[life->queued++] = (bench_follower_t){life->world->clock.now_us + after_us, *frame};
     }
+}
+
+/* An SDO write of up to four bytes to the server of `node`. */
+static tumble_can_frame_t frame_write(uint8_t node, uint16_t index, uint8_t subindex, uint8_t size, uint32_t value)
+{
+    tumble_can_frame_t frame = {.id = (uint16_t)(0x600U + node), .length = 8};
+    frame.data[0] = (uint8_t)(0x23U | (4U - size) << 2);
+    tumble_put_u16(&frame.data[1], index);
+    frame.data[3] = subindex;
+    tumble_put_u32(&frame.data[4], value);
+    return frame;
 }
 
 /* Commands over CAN: argument or angle, then the command. */
@@ -261,30 +280,30 @@ static uint32_t send_angle(bench_life_t *life, double angle_deg)
     return 3U * SEGMENT_US;
 }
 
-static void send_command(bench_life_t *life, const bench_event_t *event)
+static void send_command(bench_life_t *life, const life_event_t *event)
 {
     tumble_can_frame_t frame;
     uint32_t after_us = 0;
     if (event->command == TUMBLE_COMMAND_TURN_AXIS) {
         after_us = send_angle(life, event->angle_deg);
     } else if (event->argument != 0U) {
-        bench_frame_write(&frame, 1, 0x2002, 1, 1, event->argument);
+        frame = frame_write(1, 0x2002, 1, 1, event->argument);
         send_frame(life, &frame, 0);
         after_us = SEGMENT_US;
     }
-    bench_frame_write(&frame, 1, 0x2002, 2, 1, (uint32_t)event->command);
+    frame = frame_write(1, 0x2002, 2, 1, event->command);
     send_frame(life, &frame, after_us);
 }
 
-static void command(bench_life_t *life, const bench_event_t *event)
+static void command(bench_life_t *life, const life_event_t *event)
 {
     if (!event->by_host) {
         send_command(life, event);
     } else if (event->command != TUMBLE_COMMAND_TURN_AXIS) {
-        (void)give_command(life, event->command, event->argument);
-    } else if (!life->world.off) {
+        (void)give_command(life, (tumble_command_t)event->command, event->argument);
+    } else if (!life->world->off) {
         bench_watch_commanded(life);
-        (void)tumble_navcomp_turn(&life->world.navcomp, event->angle_deg);
+        (void)tumble_navcomp_turn(&life->world->navcomp, event->angle_deg);
     }
 }
 
@@ -292,46 +311,46 @@ static void command(bench_life_t *life, const bench_event_t *event)
 
 static int32_t counts_of(const bench_life_t *life, double angle_deg)
 {
-    const sim_drive_config_t *const drive = &life->plan->config.scenario.drive;
+    const sim_drive_config_t *const drive = &life->config->scenario.drive;
     return (int32_t)(angle_deg * (double)drive->sign * (double)drive->counts_per_turn / 360.0);
 }
 
 static int32_t wrapped(const bench_life_t *life, int32_t counts)
 {
-    const int32_t wrap = (int32_t)life->plan->config.scenario.drive.wrap_counts;
+    const int32_t wrap = (int32_t)life->config->scenario.drive.wrap_counts;
     const int32_t within = (wrap > 0) ? counts % wrap : counts;
     return (within < 0 && wrap > 0) ? within + wrap : within;
 }
 
 /* Reports with the drive's own statusword, each this much further than the one before. */
-static void forge_positions(bench_life_t *life, const bench_event_t *event)
+static void forge_positions(bench_life_t *life, const life_event_t *event)
 {
-    const tumble_drive_objects_t *const objects = &life->world.drive.objects;
+    const tumble_drive_objects_t *const objects = &life->world->drive.objects;
     int32_t counts = objects->position_actual_value;
     for (uint32_t i = 0; i < event->count; i++) {
         tumble_can_frame_t frame = {.id = 0x182, .length = 6};
         counts = wrapped(life, counts + counts_of(life, event->angle_deg));
         tumble_put_u16(&frame.data[0], objects->statusword);
         tumble_put_i32(&frame.data[2], counts);
-        send_frame(life, &frame, i * ((event->kind == BENCH_HOSTILE_NEAR_POSITION) ? NEAR_US : NEXT_US));
+        send_frame(life, &frame, i * ((event->kind == LIFE_EVENT_NEAR_POSITION) ? NEAR_US : NEXT_US));
     }
 }
 
 /* The target, and then the edge: as process data, or by SDO. */
-static void forge_set_point(bench_life_t *life, const bench_event_t *event)
+static void forge_set_point(bench_life_t *life, const life_event_t *event)
 {
     static const uint16_t CONTROLS[] = {0x000F, 0x003F, 0x000F};
-    const double from_deg = event->relative ? life->world.drive.target_deg : 0.0;
+    const double from_deg = event->relative ? life->world->drive.target_deg : 0.0;
     const int32_t target = wrapped(life, counts_of(life, from_deg + event->angle_deg));
     tumble_can_frame_t frame = {.id = 0x202, .length = 6};
     tumble_put_i32(&frame.data[2], target);
-    if (event->kind == BENCH_HOSTILE_SDO_SET_POINT) {
-        bench_frame_write(&frame, 2, TUMBLE_402_TARGET_POSITION, 0, 4, (uint32_t)target);
+    if (event->kind == LIFE_EVENT_SDO_SET_POINT) {
+        frame = frame_write(2, TUMBLE_402_TARGET_POSITION, 0, 4, (uint32_t)target);
         send_frame(life, &frame, 0);
     }
     for (uint32_t i = 0; i < 3U; i++) {
-        if (event->kind == BENCH_HOSTILE_SDO_SET_POINT) {
-            bench_frame_write(&frame, 2, TUMBLE_402_CONTROLWORD, 0, 2, CONTROLS[i]);
+        if (event->kind == LIFE_EVENT_SDO_SET_POINT) {
+            frame = frame_write(2, TUMBLE_402_CONTROLWORD, 0, 2, CONTROLS[i]);
             send_frame(life, &frame, (i + 1U) * SEGMENT_US);
             continue;
         }
@@ -340,124 +359,101 @@ static void forge_set_point(bench_life_t *life, const bench_event_t *event)
     }
 }
 
-static void forge_sample(bench_life_t *life, const bench_event_t *event)
+static void forge_sample(bench_life_t *life, const life_event_t *event)
 {
-    const sim_block_t *const block = &life->world.block;
+    const sim_block_t *const block = &life->world->block;
     sim_block_frames_t frames;
     tumble_block_sample_t sample = {.raw.counter = (uint16_t)block->counter,
                                     .timestamp_ms =
-                                        (uint16_t)((life->world.clock.now_us - block->powered_us) / 1000U % 4096U),
+                                        (uint16_t)((life->world->clock.now_us - block->powered_us) / 1000U % 4096U),
                                     .temperature_half_c = 50};
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         sample.raw.counts[i] = block->sensor.last[i] + event->counts;
     }
     sim_block_encode(&sample, &frames);
-    if (event->kind == BENCH_HOSTILE_SPOILT_SAMPLE) {
+    if (event->kind == LIFE_EVENT_SPOILT_SAMPLE) {
         frames.z.data[7] ^= SPOILS;
     } else {
-        bench_watch_excuse(life, BENCH_EXCUSE_SAMPLE);
+        bench_watch_excuse(life, LIFE_EXCUSE_SAMPLE);
     }
     send_frame(life, &frames.xy, 0);
     send_frame(life, &frames.z, 0);
 }
 
-static bool is_download(const tumble_can_frame_t *frame)
-{
-    return frame->id == DRIVE_SDO_ID && frame->length > 0U && (frame->data[0] & 0xE0U) <= 0x20U;
-}
-
-static bool is_of_motion(const tumble_can_frame_t *frame)
-{
-    const uint16_t index = (uint16_t)(frame->data[1] | frame->data[2] << 8);
-    return index == TUMBLE_402_CONTROLWORD || index == TUMBLE_402_TARGET_POSITION;
-}
-
-/* What the navigation computer reads back before a motion. */
-static bool is_read_back(const tumble_can_frame_t *frame)
-{
-    const uint16_t index = (uint16_t)(frame->data[1] | frame->data[2] << 8);
-    return index == TUMBLE_402_PROFILE_VELOCITY || index == TUMBLE_402_PROFILE_ACCELERATION ||
-           index == TUMBLE_402_SOFTWARE_LIMIT;
-}
+/* What an event excuses. */
 
 static bool hits(const sim_fault_t *fault, uint16_t id)
 {
     return (id & fault->mask) == (fault->id & fault->mask);
 }
 
-static bool rewrites_drive(const bench_event_t *event)
-{
-    if (event->kind == BENCH_HOSTILE_FAULT) {
-        return event->fault.kind == SIM_FAULT_FRAME_CORRUPT && hits(&event->fault, DRIVE_SDO_ID);
-    }
-    const bool is_frame = event->kind >= BENCH_HOSTILE_SDO_NAVCOMP;
-    return is_frame && is_download(&event->frame) &&
-           !((event->frame.data[0] & 0xE0U) == 0x20U && (is_of_motion(&event->frame) || is_read_back(&event->frame)));
-}
-
-static bool commands_drive(const bench_event_t *event)
-{
-    const sim_fault_kind_t kind = event->fault.kind;
-    if (event->kind == BENCH_HOSTILE_FAULT) {
-        return (kind == SIM_FAULT_FRAME_CORRUPT || kind == SIM_FAULT_FRAME_DELAY || kind == SIM_FAULT_FRAME_REORDER) &&
-               hits(&event->fault, SET_POINT_ID);
-    }
-    return event->kind == BENCH_HOSTILE_SET_POINT || event->kind == BENCH_HOSTILE_SDO_SET_POINT ||
-           (event->kind >= BENCH_HOSTILE_SDO_NAVCOMP &&
-            (event->frame.id == SET_POINT_ID || (is_download(&event->frame) && is_of_motion(&event->frame))));
-}
-
-static void note_excuses(bench_life_t *life, const bench_event_t *event)
-{
-    if (commands_drive(event)) {
-        bench_watch_excuse(life, BENCH_EXCUSE_COMMANDED);
-    }
-    if (rewrites_drive(event)) {
-        bench_watch_excuse(life, BENCH_EXCUSE_REWRITTEN);
-    }
-}
-
+/* A fault in force. */
 static void excuse_fault(bench_life_t *life, const sim_fault_t *fault)
 {
-    const bench_event_t event = {.kind = BENCH_HOSTILE_FAULT, .fault = *fault};
-    note_excuses(life, &event);
-    if (fault->kind == SIM_FAULT_STEP) {
-        bench_watch_excuse(life, BENCH_EXCUSE_STEP);
+    const bool corrupts = fault->kind == SIM_FAULT_FRAME_CORRUPT;
+    if ((corrupts || fault->kind == SIM_FAULT_FRAME_DELAY || fault->kind == SIM_FAULT_FRAME_REORDER) &&
+        hits(fault, SET_POINT_ID)) {
+        bench_watch_excuse(life, LIFE_EXCUSE_COMMANDED);
+    }
+    if (corrupts && hits(fault, DRIVE_SDO_ID)) {
+        bench_watch_excuse(life, LIFE_EXCUSE_REWRITTEN);
+    } else if (fault->kind == SIM_FAULT_STEP) {
+        bench_watch_excuse(life, LIFE_EXCUSE_STEP);
     } else if (fault->kind == SIM_FAULT_SLIP) {
-        bench_watch_excuse(life, BENCH_EXCUSE_SLIP);
+        bench_watch_excuse(life, LIFE_EXCUSE_SLIP);
     } else if (fault->kind == SIM_FAULT_SWAPPED || fault->kind == SIM_FAULT_INVERTED) {
-        bench_watch_excuse(life, BENCH_EXCUSE_CHANNEL);
+        bench_watch_excuse(life, LIFE_EXCUSE_CHANNEL);
     } else if (fault->kind == SIM_FAULT_NEVER_REACHED &&
-               fault->value < life->plan->config.procedure.position_tolerance_deg) {
-        bench_watch_excuse(life, BENCH_EXCUSE_SHORT);
+               fault->value < life->config->procedure.position_tolerance_deg) {
+        bench_watch_excuse(life, LIFE_EXCUSE_SHORT);
     }
 }
 
-static void act_on_event(bench_life_t *life, const bench_event_t *event)
+/* A frame that may command the drive, or write to it. Speed, acceleration and limits are what the navigation computer
+ * reads back before a motion. */
+static void excuse_frame(bench_life_t *life, const life_event_t *event)
 {
-    life->counts.events[event->kind]++;
-    note_excuses(life, event);
+    const bool download = event->id == DRIVE_SDO_ID && event->length > 0U && (event->data[0] & 0xE0U) <= 0x20U;
+    const uint16_t index = tumble_get_u16(&event->data[1]);
+    const bool of_motion = index == TUMBLE_402_CONTROLWORD || index == TUMBLE_402_TARGET_POSITION;
+    const bool is_read_back = index == TUMBLE_402_PROFILE_VELOCITY || index == TUMBLE_402_PROFILE_ACCELERATION ||
+                              index == TUMBLE_402_SOFTWARE_LIMIT;
+    if (event->kind == LIFE_EVENT_SET_POINT || event->kind == LIFE_EVENT_SDO_SET_POINT || event->id == SET_POINT_ID ||
+        (download && of_motion)) {
+        bench_watch_excuse(life, LIFE_EXCUSE_COMMANDED);
+    }
+    if (download && !((event->data[0] & 0xE0U) == 0x20U && (of_motion || is_read_back))) {
+        bench_watch_excuse(life, LIFE_EXCUSE_REWRITTEN);
+    }
+}
+
+static void act_on_event(bench_life_t *life, const life_event_t *event)
+{
+    tumble_can_frame_t frame = {.id = event->id, .length = event->length};
+    life->found->events[event->kind]++;
+    excuse_frame(life, event);
     switch (event->kind) {
-    case BENCH_HOSTILE_COMMAND:
+    case LIFE_EVENT_COMMAND:
         command(life, event);
         break;
-    case BENCH_HOSTILE_CUT:
+    case LIFE_EVENT_POWER_CUT:
         cut_power(life, event);
         break;
-    case BENCH_HOSTILE_SET_POINT:
-    case BENCH_HOSTILE_SDO_SET_POINT:
+    case LIFE_EVENT_SET_POINT:
+    case LIFE_EVENT_SDO_SET_POINT:
         forge_set_point(life, event);
         break;
-    case BENCH_HOSTILE_POSITION:
-    case BENCH_HOSTILE_NEAR_POSITION:
+    case LIFE_EVENT_POSITION:
+    case LIFE_EVENT_NEAR_POSITION:
         forge_positions(life, event);
         break;
-    case BENCH_HOSTILE_SAMPLE:
-    case BENCH_HOSTILE_SPOILT_SAMPLE:
+    case LIFE_EVENT_SAMPLE:
+    case LIFE_EVENT_SPOILT_SAMPLE:
         forge_sample(life, event);
         break;
     default:
-        send_frame(life, &event->frame, 0);
+        memcpy(frame.data, event->data, sizeof frame.data);
+        send_frame(life, &frame, 0);
         break;
     }
 }
@@ -466,24 +462,24 @@ static void act_on_event(bench_life_t *life, const bench_event_t *event)
 
 static void attend_to(bench_life_t *life, const tumble_progress_t *progress)
 {
-    const bench_attendant_t *const attendant = &life->plan->attendant;
+    const life_plan_t *const attendant = life->plan;
     double after_s = -1.0;
     if (progress->state == TUMBLE_STATE_WAIT_MOUNTING) {
         after_s = attendant->mount_s;
     } else if (progress->state == TUMBLE_STATE_FAULT && life->mended < attendant->mends) {
         after_s = attendant->mend_s;
     }
-    life->attend_us = (after_s >= 0.0) ? life->world.clock.now_us + (uint64_t)(after_s * US_PER_S) : SIM_NEVER;
+    life->attend_us = (after_s >= 0.0) ? life->world->clock.now_us + (uint64_t)(after_s * US_PER_S) : SIM_NEVER;
 }
 
 static void mount(bench_life_t *life, uint8_t asked)
 {
-    const bool errs = life->plan->attendant.errs && !life->erred && asked == 2U;
+    const bool errs = life->plan->errs && !life->erred && asked == 2U;
     life->erred = life->erred || errs;
     const uint8_t number = errs ? 1U : asked;
     if (life->lies != number) {
         life->lies = number;
-        bench_world_mount(&life->world, (uint8_t)(number - 1U));
+        bench_world_mount(life->world, (uint8_t)(number - 1U));
     }
     (void)give_command(life, TUMBLE_COMMAND_CONFIRM_MOUNTING, asked);
 }
@@ -491,7 +487,7 @@ static void mount(bench_life_t *life, uint8_t asked)
 static void mend(bench_life_t *life, const tumble_progress_t *progress)
 {
     life->mended++;
-    bench_fault_script_mend(&life->world);
+    bench_fault_script_mend(life->world);
     if (bench_person_must_mount(progress->reason)) {
         mount(life, progress->mounting);
     } else {
@@ -503,17 +499,17 @@ static void mend(bench_life_t *life, const tumble_progress_t *progress)
 static void go_on(bench_life_t *life)
 {
     tumble_sets_state_t state;
-    tumble_keeper_state(&life->keeper, &state);
-    const bool resumes = life->plan->attendant.resumes && state.resumable > 0U;
+    tumble_keeper_state(&life->memory->keeper, &state);
+    const bool resumes = life->plan->resumes && state.resumable > 0U;
     life->run_was_on = false;
     (void)give_command(life, resumes ? TUMBLE_COMMAND_RESUME : TUMBLE_COMMAND_START, 0);
 }
 
 static void attend(bench_life_t *life)
 {
-    const tumble_progress_t progress = life->world.progress;
+    const tumble_progress_t progress = life->world->progress;
     life->attend_us = SIM_NEVER;
-    if (life->world.off) {
+    if (life->world->off) {
         return;
     }
     if (progress.state == TUMBLE_STATE_WAIT_MOUNTING) {
@@ -528,21 +524,21 @@ static void attend(bench_life_t *life)
 
 /* What the world tells. */
 
-static bool is_reached(const bench_life_t *life, const bench_moment_t *moment)
+static bool is_reached(const bench_life_t *life, const life_event_t *event)
 {
-    const bool in_state = moment->states == 0U || (moment->states >> life->watch.state & 1U) != 0U;
-    return in_state && (!moment->writing || life->nv.size != 0U);
+    const bool in_state = event->states == 0U || (event->states >> life->watch.state & 1U) != 0U;
+    return in_state && (!event->writing || life->memory->nv.size != 0U);
 }
 
-static bool has_condition(const bench_moment_t *moment)
+static bool has_condition(const life_event_t *event)
 {
-    return moment->states != 0U || moment->writing;
+    return event->states != 0U || event->writing;
 }
 
 static void find_next(bench_life_t *life)
 {
     life->next_us = SIM_NEVER;
-    for (uint32_t i = 0; i < life->plan->count; i++) {
+    for (size_t i = 0; i < life->event_count; i++) {
         life->next_us = (life->due_us[i] < life->next_us) ? life->due_us[i] : life->next_us;
     }
 }
@@ -550,12 +546,12 @@ static void find_next(bench_life_t *life)
 /* Events that wait for a state, or for the memory to be at work, may come now. */
 static void look_at_waiting(bench_life_t *life)
 {
-    for (uint32_t i = 0; i < life->plan->count; i++) {
-        const bench_moment_t *const moment = &life->plan->events[i].moment;
-        if (life->waits[i] && is_reached(life, moment)) {
+    for (size_t i = 0; i < life->event_count; i++) {
+        const life_event_t *const event = &life->events[i];
+        if (life->waits[i] && is_reached(life, event)) {
             life->waits[i] = false;
-            life->waiting_for_writing -= moment->writing ? 1U : 0U;
-            life->due_us[i] = life->world.clock.now_us + moment->delay_us;
+            life->waiting_for_writing -= event->writing ? 1U : 0U;
+            life->due_us[i] = life->world->clock.now_us + event->delay_us;
         }
     }
     find_next(life);
@@ -587,8 +583,8 @@ static void send_followers(bench_life_t *life)
 {
     uint32_t kept = 0;
     for (uint32_t i = 0; i < life->queued; i++) {
-        if (life->queue[i].due_us <= life->world.clock.now_us) {
-            (void)sim_bus_send(&life->world.bus, BENCH_BUS_GUEST, &life->queue[i].frame);
+        if (life->queue[i].due_us <= life->world->clock.now_us) {
+            (void)sim_bus_send(&life->world->bus, BENCH_BUS_GUEST, &life->queue[i].frame);
         } else {
             life->queue[kept++] = life->queue[i];
         }
@@ -599,16 +595,16 @@ static void send_followers(bench_life_t *life)
 /* Its time has come: it happens, or begins to wait for what it waits for. */
 static void act_on_due(bench_life_t *life)
 {
-    for (uint32_t i = 0; i < life->plan->count; i++) {
-        const bench_event_t *const event = &life->plan->events[i];
-        if (life->due_us[i] > life->world.clock.now_us) {
+    for (size_t i = 0; i < life->event_count; i++) {
+        const life_event_t *const event = &life->events[i];
+        if (life->due_us[i] > life->world->clock.now_us) {
             continue;
         }
         life->due_us[i] = SIM_NEVER;
-        if (has_condition(&event->moment) && !life->waited[i]) {
+        if (has_condition(event) && !life->waited[i]) {
             life->waited[i] = true;
             life->waits[i] = true;
-            life->waiting_for_writing += event->moment.writing ? 1U : 0U;
+            life->waiting_for_writing += event->writing ? 1U : 0U;
         } else {
             act_on_event(life, event);
         }
@@ -628,7 +624,7 @@ static uint64_t earliest(const bench_life_t *life)
 
 static void act(bench_life_t *life)
 {
-    const uint64_t now_us = life->world.clock.now_us;
+    const uint64_t now_us = life->world->clock.now_us;
     if (life->power_us <= now_us) {
         power_on(life);
     }
@@ -644,9 +640,9 @@ static void act(bench_life_t *life)
 /* Faults that have come to pass, for what they excuse, as long as they are in force. */
 static void note_faults(bench_life_t *life)
 {
-    for (uint32_t i = 0; i < life->plan->config.scenario.fault_count; i++) {
-        if (life->world.script.states[i].in_force) {
-            excuse_fault(life, &life->plan->config.scenario.faults[i]);
+    for (uint32_t i = 0; i < life->config->scenario.fault_count; i++) {
+        if (life->world->script.states[i].in_force) {
+            excuse_fault(life, &life->config->scenario.faults[i]);
         }
     }
 }
@@ -654,7 +650,7 @@ static void note_faults(bench_life_t *life)
 /* False: the life is over. */
 static bool advance(bench_life_t *life)
 {
-    bench_world_t *const world = &life->world;
+    bench_world_t *const world = life->world;
     const uint64_t mine_us = earliest(life);
     const uint64_t worlds_us = bench_world_next_us(world);
     if (mine_us > life->plan->lasts_us && worlds_us > life->plan->lasts_us) {
@@ -666,89 +662,113 @@ static bool advance(bench_life_t *life)
     } else if (!bench_world_advance(world)) {
         return false;
     }
-    if (life->waiting_for_writing > 0U && life->nv.size != 0U) {
+    if (life->waiting_for_writing > 0U && life->memory->nv.size != 0U) {
         look_at_waiting(life);
     }
     note_faults(life);
     bench_watch_look(life);
-    return life->watch.violation.kind == BENCH_HOLDS;
+    return life->found->kind == LIFE_BROKEN_NONE;
 }
 
-/* The faults of the plan are the scenario's. */
-static void take_faults(bench_plan_t *plan)
+static void begin(bench_life_t *life)
 {
-    sim_scenario_t *const scenario = &plan->config.scenario;
-    scenario->fault_count = 0;
-    for (uint32_t i = 0; i < plan->count && scenario->fault_count < SIM_MAX_FAULTS; i++) {
-        if (plan->events[i].kind == BENCH_HOSTILE_FAULT) {
-            scenario->faults[scenario->fault_count++] = plan->events[i].fault;
-        }
-    }
-}
-
-static void begin(bench_life_t *life, bench_plan_t *plan)
-{
-    memset(life, 0, sizeof *life);
-    take_faults(plan);
-    life->plan = plan;
     life->lies = 1;
     life->attend_us = SIM_NEVER;
     life->power_us = SIM_NEVER;
-    for (uint32_t i = 0; i < plan->count; i++) {
-        const bool is_fault = plan->events[i].kind == BENCH_HOSTILE_FAULT; /* its script has it */
-        life->due_us[i] = is_fault ? SIM_NEVER : plan->events[i].moment.at_us;
+    for (size_t i = 0; i < life->event_count; i++) {
+        life->due_us[i] = life->events[i].at_us;
     }
     find_next(life);
     bench_watch_init(life);
-    life->watcher =
-        (bench_watcher_t){.context = life, .on_change = on_change, .on_sample = on_sample, .on_frame = on_frame};
-}
-
-static void compose(bench_life_t *life)
-{
-    const bench_config_t *const config = &life->plan->config;
-    bench_world_t *const world = &life->world;
-    life->keeper_config = (tumble_keeper_config_t){
-        .sets = {.serial = config->keeping.serial, .settings = &config->keeping.settings},
-        .uncertainty = tumble_navcomp_uncertainty,
-        .norm = tumble_navcomp_norm,
-        .stand_view = tumble_stand_view,
-        .stand_memory = &life->stand_memory,
-        .inclinations_view = tumble_inclinations_view,
-        .inclinations_memory = &life->inclinations_memory,
-    };
-    prepare_memory(life);
     life->watch.has_set = life->plan->has_set;
     life->watch.counter = life->plan->has_set ? 1U : 0U;
-    world->port.nv = &life->nv.nv;
-    world->navcomp_config.keeping = &tumble_keeper_calls;
-    world->navcomp_config.keeper = &life->keeper;
+    world_add_memory(life->own);
+    life->memory->keeper_config.sets.whole_step = NULL; /* what is judged in time is enough */
+    prepare_memory(life);
     boot(life);
 }
 
 /* What came to pass of the faults; and what there was at the end. */
 static void sum_up(bench_life_t *life)
 {
-    for (uint32_t i = 0; i < life->plan->config.scenario.fault_count; i++) {
-        const uint32_t times = life->world.script.states[i].times;
-        life->counts.faults[life->plan->config.scenario.faults[i].kind] += times;
-        life->counts.events[BENCH_HOSTILE_FAULT] += times;
+    life_found_t *const found = life->found;
+    const bench_world_t *const world = life->world;
+    for (uint32_t i = 0; i < life->config->scenario.fault_count; i++) {
+        const uint32_t times = world->script.states[i].times;
+        found->faults[life->config->scenario.faults[i].kind] += times;
+        found->events[LIFE_EVENT_FAULT] += times;
     }
-    if (!life->world.off) {
-        life->counts.held += life->keeper.counters.held;
+    if (!world->off) {
+        found->held += life->memory->keeper.counters.held;
         bench_watch_read_all(life);
     }
+    const bench_travel_t travel = bench_travel(world);
+    found->virtual_us = world->clock.now_us;
+    found->frames = world->bus.load.frames;
+    found->steps = world->steps;
+    found->at_rest = travel.at_rest;
+    found->lowest_deg = travel.lowest_deg;
+    found->highest_deg = travel.highest_deg;
 }
 
-void bench_life_run(bench_life_t *life, bench_plan_t *plan)
+const char *lives_live(world_t *world, uint64_t seed, const life_plan_t *plan, const life_event_t *events, size_t count,
+                       life_found_t *found)
 {
-    begin(life, plan);
-    if (bench_world_init(&life->world, &plan->config, plan->seed, &life->watcher) != TUMBLE_OK) {
-        bench_watch_break(life, BENCH_BROKEN_BENCH, 0.0, 0);
-        return;
+    world->config.profile.velocity_deg_s = plan->velocity_deg_s;
+    const char *const wrong = world_check(world);
+    bench_life_t *const life = (wrong == NULL) ? calloc(1, sizeof *life) : NULL;
+    if (life == NULL) {
+        return (wrong != NULL) ? wrong : "no memory";
     }
-    compose(life);
-    while (advance(life)) {
+    *life = (bench_life_t){.plan = plan,
+                           .events = events,
+                           .event_count = (count < LIFE_MOST_EVENTS) ? count : LIFE_MOST_EVENTS,
+                           .found = found,
+                           .own = world,
+                           .config = &world->config,
+                           .world = &world->world,
+                           .memory = &world->memory,
+                           .watcher = {life, on_change, on_sample, on_frame, NULL, NULL}};
+    memset(found, 0, sizeof *found);
+    const tumble_status_t status = bench_world_init(life->world, life->config, seed, &life->watcher);
+    if (status == TUMBLE_OK) {
+        begin(life);
+        while (advance(life)) {
+        }
+        sum_up(life);
     }
-    sum_up(life);
+    free(life);
+    return (status == TUMBLE_OK) ? NULL : tumble_status_sentence(status);
+}
+
+/* For who draws plans and tells of lives. */
+
+void lives_open(life_stream_t *stream, uint64_t seed, uint32_t index)
+{
+    sim_random_t random;
+    sim_random_open(&random, seed, SIM_CAUSE_LIFE, index);
+    memcpy(stream->s, random.s, sizeof stream->s);
+}
+
+uint64_t lives_random(life_stream_t *stream)
+{
+    sim_random_t random;
+    memcpy(random.s, stream->s, sizeof random.s);
+    const uint64_t found = sim_random_u64(&random);
+    memcpy(stream->s, random.s, sizeof stream->s);
+    return found;
+}
+
+const char *lives_name(life_names_t of, uint32_t number)
+{
+    switch (of) {
+    case LIFE_NAMES_OF_FAULTS:
+        return (number < SIM_FAULT_KINDS) ? sim_fault_word((sim_fault_kind_t)number) : NULL;
+    case LIFE_NAMES_OF_STATES:
+        return (number < TUMBLE_STATE_COUNT) ? tumble_state_name((tumble_state_t)number) : NULL;
+    case LIFE_NAMES_OF_REASONS:
+        return (number < TUMBLE_REASON_COUNT) ? tumble_reason_name((tumble_reason_t)number) : NULL;
+    default:
+        return (number < TUMBLE_COMMAND_COUNT) ? tumble_command_name((tumble_command_t)number) : NULL;
+    }
 }

@@ -32,10 +32,14 @@
 
 /* What is noted for all invariants. */
 
-void bench_watch_break(bench_life_t *life, bench_broken_t kind, double value, uint32_t what)
+void bench_watch_break(bench_life_t *life, life_broken_t kind, double value, uint32_t what)
 {
-    if (life->watch.violation.kind == BENCH_HOLDS) {
-        life->watch.violation = (bench_violation_t){kind, life->world.clock.now_us, value, what};
+    life_found_t *const found = life->found;
+    if (found->kind == LIFE_BROKEN_NONE) {
+        found->kind = kind;
+        found->at_us = life->world->clock.now_us;
+        found->value = value;
+        found->what = what;
     }
 }
 
@@ -50,17 +54,17 @@ void bench_watch_init(bench_life_t *life)
                                   .state = TUMBLE_STATE_IDLE};
 }
 
-void bench_watch_excuse(bench_life_t *life, bench_excuse_t excuse)
+void bench_watch_excuse(bench_life_t *life, life_excuse_t excuse)
 {
-    life->watch.excuses |= 1U << excuse;
-    if (excuse == BENCH_EXCUSE_COMMANDED) {
-        life->watch.commanded_us = life->world.clock.now_us;
+    life->found->excuses |= 1U << excuse;
+    if (excuse == LIFE_EXCUSE_COMMANDED) {
+        life->watch.commanded_us = life->world->clock.now_us;
     }
 }
 
-static bool has_excuse(const bench_life_t *life, bench_excuse_t excuse)
+static bool has_excuse(const bench_life_t *life, life_excuse_t excuse)
 {
-    return (life->watch.excuses >> excuse & 1U) != 0U;
+    return (life->found->excuses >> excuse & 1U) != 0U;
 }
 
 void bench_watch_commanded(bench_life_t *life)
@@ -74,7 +78,7 @@ void bench_watch_commanded(bench_life_t *life)
 void bench_watch_ended(bench_life_t *life)
 {
     if (life->watch.rest_us == SIM_NEVER && !life->watch.peace) {
-        life->watch.rest_us = life->world.clock.now_us + REST_US;
+        life->watch.rest_us = life->world->clock.now_us + REST_US;
         life->watch.still_us = SIM_NEVER; /* what is on its way to the drive may still set it in motion */
     }
 }
@@ -89,12 +93,12 @@ static double braking_deg(const sim_drive_config_t *drive)
 static bool is_excusable(const bench_life_t *life)
 {
     const bench_watch_t *const watch = &life->watch;
-    return has_excuse(life, BENCH_EXCUSE_COMMANDED) && life->world.clock.now_us < watch->commanded_us + NOTICE_US;
+    return has_excuse(life, LIFE_EXCUSE_COMMANDED) && life->world->clock.now_us < watch->commanded_us + NOTICE_US;
 }
 
-static bench_broken_t blamed(const bench_life_t *life, bench_broken_t otherwise)
+static life_broken_t blamed(const bench_life_t *life, life_broken_t otherwise)
 {
-    return has_excuse(life, BENCH_EXCUSE_COMMANDED) ? BENCH_BROKEN_FOREIGN : otherwise;
+    return has_excuse(life, LIFE_EXCUSE_COMMANDED) ? LIFE_BROKEN_FOREIGN : otherwise;
 }
 
 /* A table that stands for a moment, say between the search for the mark and the way back to it, does not rest. */
@@ -110,22 +114,22 @@ static void look_for_peace(bench_watch_t *watch, uint64_t now_us, bool moves)
 static void look_at_rest(bench_life_t *life, bool moves, double deg)
 {
     bench_watch_t *const watch = &life->watch;
-    const uint64_t now_us = life->world.clock.now_us;
+    const uint64_t now_us = life->world->clock.now_us;
     look_for_peace(watch, now_us, moves);
     if (!moves || is_excusable(life)) {
         return;
     }
     if (watch->rest_us != SIM_NEVER && now_us >= watch->rest_us) {
-        bench_watch_break(life, blamed(life, BENCH_BROKEN_REST), deg, (uint32_t)watch->state);
+        bench_watch_break(life, blamed(life, LIFE_BROKEN_REST), deg, (uint32_t)watch->state);
     } else if (watch->peace) {
-        bench_watch_break(life, blamed(life, BENCH_BROKEN_STAYS), deg, (uint32_t)watch->state);
+        bench_watch_break(life, blamed(life, LIFE_BROKEN_STAYS), deg, (uint32_t)watch->state);
     }
 }
 
 /* On the way back it may be beyond: after a stranger has taken it there. */
 static void look_at_cable(bench_life_t *life, bool moves, double deg)
 {
-    const bench_config_t *const config = &life->plan->config;
+    const bench_config_t *const config = life->config;
     const sim_drive_config_t *const drive = &config->scenario.drive;
     const double unseen_deg = drive->speed_deg_s * 1e-6 * drive->report_us; /* between two reports */
     const double tolerance_deg = CABLE_TOLERANCE_DEG + unseen_deg + braking_deg(drive);
@@ -133,7 +137,7 @@ static void look_at_cable(bench_life_t *life, bool moves, double deg)
     const bool below = deg < config->procedure.cable_min_deg - tolerance_deg && deg < last_deg;
     const bool above = deg > config->procedure.cable_max_deg + tolerance_deg && deg > last_deg;
     if (moves && (below || above) && !is_excusable(life)) {
-        bench_watch_break(life, blamed(life, BENCH_BROKEN_CABLE), deg, (uint32_t)life->watch.state);
+        bench_watch_break(life, blamed(life, LIFE_BROKEN_CABLE), deg, (uint32_t)life->watch.state);
     }
 }
 
@@ -146,17 +150,17 @@ static bool is_under_way(sim_homing_t homing)
 static void look_at_homing(bench_life_t *life, bool moves, double deg)
 {
     bench_watch_t *const watch = &life->watch;
-    const sim_homing_t homing = life->world.drive.homing;
+    const sim_homing_t homing = life->world->drive.homing;
     if (is_under_way(homing) && !is_under_way(watch->homing)) {
         watch->searches = true;
         watch->from_deg = deg;
-        life->counts.homings++;
+        life->found->homings++;
     } else if (!is_under_way(homing) && (!moves || homing == SIM_HOMING_ATTAINED)) {
         watch->searches = false;
     }
     watch->homing = homing;
     if (watch->searches && fabs(deg - watch->from_deg) > HOMING_DEG) {
-        bench_watch_break(life, BENCH_BROKEN_HOMING, deg - watch->from_deg, (uint32_t)watch->state);
+        bench_watch_break(life, LIFE_BROKEN_HOMING, deg - watch->from_deg, (uint32_t)watch->state);
     }
 }
 
@@ -164,25 +168,25 @@ static void look_at_homing(bench_life_t *life, bool moves, double deg)
 static void look_at_speed(bench_life_t *life, double velocity_deg_s, double deg)
 {
     bench_watch_t *const watch = &life->watch;
-    const uint64_t now_us = life->world.clock.now_us;
-    const tumble_drive_profile_t *const profile = &life->plan->config.profile;
+    const uint64_t now_us = life->world->clock.now_us;
+    const tumble_drive_profile_t *const profile = &life->config->profile;
     const double told_deg_s = is_under_way(watch->homing) ? profile->homing_fast_deg_s : profile->velocity_deg_s;
     if (fabs(velocity_deg_s) <= told_deg_s * SPEED_EXCESS) {
         watch->fast_us = SIM_NEVER;
     } else if (watch->fast_us == SIM_NEVER) {
         watch->fast_us = now_us;
     } else if (now_us - watch->fast_us > NOTICE_US) {
-        bench_watch_break(life, BENCH_BROKEN_SPEED, deg, (uint32_t)watch->state);
+        bench_watch_break(life, LIFE_BROKEN_SPEED, deg, (uint32_t)watch->state);
     }
 }
 
 static void look_at_table(bench_life_t *life)
 {
-    const bench_world_t *const world = &life->world;
+    const bench_world_t *const world = life->world;
     const uint64_t now_us = world->clock.now_us;
     const bool moves = now_us < sim_axis_end_us(world->axis);
     double velocity_deg_s;
-    if (has_excuse(life, BENCH_EXCUSE_REWRITTEN)) {
+    if (has_excuse(life, LIFE_EXCUSE_REWRITTEN)) {
         return;
     }
     const double deg = sim_axis_commanded_deg(world->axis, now_us, &velocity_deg_s);
@@ -214,7 +218,7 @@ static bool is_protected(uint16_t index, uint8_t subindex)
 static void note_request(bench_life_t *life, const tumble_can_frame_t *frame)
 {
     bench_watch_t *const watch = &life->watch;
-    const uint64_t now_us = life->world.clock.now_us;
+    const uint64_t now_us = life->world->clock.now_us;
     const bool is_write = frame->length == 8U && (frame->data[0] & 0xE2U) == 0x22U; /* in this one frame */
     if (is_write && tumble_get_u16(&frame->data[1]) == KEY_OBJECT && frame->data[3] == 1U) {
         const uint32_t key = tumble_get_u32(&frame->data[4]);
@@ -228,20 +232,20 @@ static void note_request(bench_life_t *life, const tumble_can_frame_t *frame)
 static void note_written(bench_life_t *life, uint16_t index, uint8_t subindex)
 {
     if (life->watch.locked && is_protected(index, subindex)) {
-        bench_watch_break(life, BENCH_BROKEN_LEVEL, 0.0, (uint32_t)index << 8 | subindex);
+        bench_watch_break(life, LIFE_BROKEN_LEVEL, 0.0, (uint32_t)index << 8 | subindex);
     }
 }
 
 static void look_at_level(bench_life_t *life)
 {
     bench_watch_t *const watch = &life->watch;
-    const uint64_t now_us = life->world.clock.now_us;
-    if (!tumble_service_is_open(&life->world.navcomp) || now_us <= watch->level_until_us) {
+    const uint64_t now_us = life->world->clock.now_us;
+    if (!tumble_service_is_open(&life->world->navcomp) || now_us <= watch->level_until_us) {
         watch->open_us = SIM_NEVER;
     } else if (watch->open_us == SIM_NEVER) {
         watch->open_us = now_us;
     } else if (now_us - watch->open_us > LATE_US) {
-        bench_watch_break(life, BENCH_BROKEN_LEVEL, 0.0, (uint32_t)KEY_OBJECT << 8 | 2U);
+        bench_watch_break(life, LIFE_BROKEN_LEVEL, 0.0, (uint32_t)KEY_OBJECT << 8 | 2U);
     }
 }
 
@@ -249,20 +253,20 @@ static void look_at_level(bench_life_t *life)
 
 static void look_at_number(bench_life_t *life)
 {
-    const uint32_t runs = tumble_service_runs(&life->world.navcomp);
+    const uint32_t runs = tumble_service_runs(&life->world->navcomp);
     if (runs < life->watch.runs || runs > life->watch.runs + 1U) {
-        bench_watch_break(life, BENCH_BROKEN_RUN, (double)runs, life->watch.runs);
+        bench_watch_break(life, LIFE_BROKEN_RUN, (double)runs, life->watch.runs);
     }
 }
 
 static void count_run(bench_life_t *life, bool begins, bool may_begin)
 {
     bench_watch_t *const watch = &life->watch;
-    const uint32_t runs = tumble_service_runs(&life->world.navcomp);
+    const uint32_t runs = tumble_service_runs(&life->world->navcomp);
     const uint32_t least = begins ? 1U : 0U;
     const uint32_t most = (begins || may_begin) ? 1U : 0U;
     if (runs < watch->runs + least || runs > watch->runs + most) {
-        bench_watch_break(life, BENCH_BROKEN_RUN, (double)runs, watch->runs);
+        bench_watch_break(life, LIFE_BROKEN_RUN, (double)runs, watch->runs);
     }
     watch->runs = runs;
 }
@@ -293,11 +297,11 @@ static bool is_new(const bench_collected_t *collected, uint16_t counter)
 /* Of the true table; a slip, and a stop too short to be refused, are excused. */
 static bool is_there(const bench_life_t *life, uint8_t index)
 {
-    static const uint32_t EXCUSES = 1U << BENCH_EXCUSE_REWRITTEN | 1U << BENCH_EXCUSE_SLIP | 1U << BENCH_EXCUSE_SHORT;
-    const bench_config_t *const config = &life->plan->config;
+    static const uint32_t EXCUSES = 1U << LIFE_EXCUSE_REWRITTEN | 1U << LIFE_EXCUSE_SLIP | 1U << LIFE_EXCUSE_SHORT;
+    const bench_config_t *const config = life->config;
     const double wanted_deg = config->scenario.schedule.positions[index].angle.deg;
-    const double deg = sim_axis_actual_deg(life->world.axis, life->world.clock.now_us);
-    return (life->watch.excuses & EXCUSES) != 0U ||
+    const double deg = sim_axis_actual_deg(life->world->axis, life->world->clock.now_us);
+    return (life->found->excuses & EXCUSES) != 0U ||
            fabs(remainder(deg - wanted_deg, 360.0)) <= config->procedure.position_tolerance_deg + PLACE_DEG;
 }
 
@@ -315,7 +319,7 @@ void bench_watch_sample(bench_life_t *life, tumble_taken_t taken, const tumble_b
                       is_new(collected, sample->raw.counter) && has_come(collected, &frames.xy) &&
                       has_come(collected, &frames.z) && is_there(life, taken.index);
     if (!good) {
-        bench_watch_break(life, BENCH_BROKEN_MEAN, (double)taken.ordinal, taken.index);
+        bench_watch_break(life, LIFE_BROKEN_MEAN, (double)taken.ordinal, taken.index);
     }
     collected->counters[collected->count % BENCH_COUNTERS] = sample->raw.counter;
     collected->count++;
@@ -328,7 +332,7 @@ static bool is_collected(const bench_life_t *life, uint8_t index, const tumble_a
 {
     const bench_collected_t *const collected = &life->watch.collected;
     return collected->index == index && collected->count == average->samples &&
-           (average->samples == life->plan->config.procedure.samples || has_excuse(life, BENCH_EXCUSE_RULES)) &&
+           (average->samples == life->config->procedure.samples || has_excuse(life, LIFE_EXCUSE_RULES)) &&
            memcmp(collected->sum, average->sum_counts, sizeof collected->sum) == 0;
 }
 
@@ -345,7 +349,7 @@ static void look_at_mean(bench_life_t *life, uint8_t index, const tumble_average
         }
     }
     if (!is_collected(life, index, average)) {
-        bench_watch_break(life, BENCH_BROKEN_MEAN, (double)average->samples, index);
+        bench_watch_break(life, LIFE_BROKEN_MEAN, (double)average->samples, index);
         return;
     }
     known->means[known->next++ % BENCH_KNOWN] = *average;
@@ -354,8 +358,8 @@ static void look_at_mean(bench_life_t *life, uint8_t index, const tumble_average
 static void look_at_means(bench_life_t *life)
 {
     const tumble_averaging_t *const averages =
-        tumble_procedure_averages(tumble_navcomp_procedure(&life->world.navcomp));
-    for (uint8_t i = 0; i < life->plan->config.scenario.schedule.position_count; i++) {
+        tumble_procedure_averages(tumble_navcomp_procedure(&life->world->navcomp));
+    for (uint8_t i = 0; i < life->config->scenario.schedule.position_count; i++) {
         if (tumble_averaging_has_mean(averages, i)) {
             look_at_mean(life, i, &averages->averages[i]);
         }
@@ -367,15 +371,15 @@ static void look_at_means(bench_life_t *life)
 /* What excuses coefficients that are off. */
 static bool is_excused(const bench_life_t *life)
 {
-    static const uint32_t EXCUSES = 1U << BENCH_EXCUSE_REWRITTEN | 1U << BENCH_EXCUSE_STEP | 1U << BENCH_EXCUSE_SLIP |
-                                    1U << BENCH_EXCUSE_SHORT | 1U << BENCH_EXCUSE_CHANNEL | 1U << BENCH_EXCUSE_SAMPLE |
-                                    1U << BENCH_EXCUSE_RULES;
-    return (life->watch.excuses & EXCUSES) != 0U;
+    static const uint32_t EXCUSES = 1U << LIFE_EXCUSE_REWRITTEN | 1U << LIFE_EXCUSE_STEP | 1U << LIFE_EXCUSE_SLIP |
+                                    1U << LIFE_EXCUSE_SHORT | 1U << LIFE_EXCUSE_CHANNEL | 1U << LIFE_EXCUSE_SAMPLE |
+                                    1U << LIFE_EXCUSE_RULES;
+    return (life->found->excuses & EXCUSES) != 0U;
 }
 
 static void compare_with_truth(bench_life_t *life, const tumble_set_t *set)
 {
-    const tumble_coefficients_t *const truth = &life->world.truth.block;
+    const tumble_coefficients_t *const truth = &life->world->truth.block;
     double worst = 0.0;
     uint32_t where = 0;
     for (uint32_t c = 0; c < TUMBLE_COEFFICIENTS; c++) {
@@ -390,7 +394,7 @@ static void compare_with_truth(bench_life_t *life, const tumble_set_t *set)
         }
     }
     if (!(worst <= TRUTH_COVERAGE)) {
-        bench_watch_break(life, BENCH_BROKEN_TRUTH, worst, where);
+        bench_watch_break(life, LIFE_BROKEN_TRUTH, worst, where);
     }
 }
 
@@ -398,24 +402,24 @@ static void compare_with_truth(bench_life_t *life, const tumble_set_t *set)
 static void look_at_new(bench_life_t *life)
 {
     tumble_set_t set;
-    if (tumble_store_read(&life->keeper.store, TUMBLE_SET_ACTIVE, &set) != TUMBLE_OK ||
+    if (tumble_store_read(&life->memory->keeper.store, TUMBLE_SET_ACTIVE, &set) != TUMBLE_OK ||
         set.origin != TUMBLE_ORIGIN_COMMITTED) {
         return;
     }
-    life->counts.committed++;
+    life->found->committed++;
     if (!is_excused(life)) {
-        life->counts.judged++;
+        life->found->judged++;
         compare_with_truth(life, &set);
     }
 }
 
 /* A flipped bit may have hit it. */
-static void bear_decay(bench_life_t *life, bench_broken_t kind, double value)
+static void bear_decay(bench_life_t *life, life_broken_t kind, double value)
 {
-    if (!has_excuse(life, BENCH_EXCUSE_FLIPPED)) {
+    if (!has_excuse(life, LIFE_EXCUSE_FLIPPED)) {
         bench_watch_break(life, kind, value, life->watch.counter);
     } else if (life->watch.told_by_us == SIM_NEVER) {
-        life->watch.told_by_us = life->world.clock.now_us + TOLD_US;
+        life->watch.told_by_us = life->world->clock.now_us + TOLD_US;
     }
 }
 
@@ -426,14 +430,14 @@ static void look_whether_told(bench_life_t *life)
         return;
     }
     tumble_sets_state_t state;
-    tumble_keeper_state(&life->keeper, &state);
+    tumble_keeper_state(&life->memory->keeper, &state);
     const bool lacks = !watch->has_set && (state.due & TUMBLE_DUE_NO_SET) != 0; /* which says it */
     if (watch->told || lacks || (state.due & TUMBLE_DUE_DECAYED) != 0) {
         watch->told_by_us = SIM_NEVER;
-    } else if (life->world.clock.now_us >= watch->told_by_us) {
+    } else if (life->world->clock.now_us >= watch->told_by_us) {
         watch->told_by_us = SIM_NEVER;
-        if (life->counts.flips == 1U) {
-            bench_watch_break(life, BENCH_BROKEN_COUNTER, (double)watch->counter, watch->counter);
+        if (life->found->flipped_bits == 1U) {
+            bench_watch_break(life, LIFE_BROKEN_COUNTER, (double)watch->counter, watch->counter);
         }
     }
 }
@@ -452,12 +456,12 @@ static bool was_hit(const bench_life_t *life)
 static void look_at_proposal(bench_life_t *life)
 {
     bench_watch_t *const watch = &life->watch;
-    const uint32_t proposal = tumble_store_proposal(&life->keeper.store);
+    const uint32_t proposal = tumble_store_proposal(&life->memory->keeper.store);
     if (proposal == watch->proposal) {
         return;
     }
-    if (watch->proposal != 0U && life->world.clock.now_us > watch->decided_us && !was_hit(life)) {
-        bench_watch_break(life, BENCH_BROKEN_PROPOSAL, (double)proposal, watch->proposal);
+    if (watch->proposal != 0U && life->world->clock.now_us > watch->decided_us && !was_hit(life)) {
+        bench_watch_break(life, LIFE_BROKEN_PROPOSAL, (double)proposal, watch->proposal);
     }
     watch->proposal = proposal;
     watch->decided_us = 0;
@@ -465,7 +469,7 @@ static void look_at_proposal(bench_life_t *life)
 
 static void may_go(bench_life_t *life, bool may)
 {
-    life->watch.decided_us = may ? life->world.clock.now_us + DECIDED_US : 0U;
+    life->watch.decided_us = may ? life->world->clock.now_us + DECIDED_US : 0U;
 }
 
 void bench_watch_decide(bench_life_t *life, tumble_command_t command, bool refused)
@@ -477,7 +481,7 @@ void bench_watch_decide(bench_life_t *life, tumble_command_t command, bool refus
 
 static bool counts_as_valid(const bench_life_t *life, uint32_t offset)
 {
-    const tumble_keeper_t *const keeper = &life->keeper;
+    const tumble_keeper_t *const keeper = &life->memory->keeper;
     const uint32_t region = offset / SIM_NV_SECTOR;
     if (region <= TUMBLE_REGION_PROPOSAL) {
         return keeper->store.places[region].valid;
@@ -492,7 +496,7 @@ static void look_at_flipped(bench_life_t *life)
     for (uint32_t i = 0; i < life->flipped_count; i++) {
         const bench_flipped_t *const flipped = &life->flipped[i];
         if (counts_as_valid(life, flipped->offset) && bench_life_is_flipped(life, flipped)) {
-            bench_watch_break(life, BENCH_BROKEN_DECAYED, 0.0, flipped->offset);
+            bench_watch_break(life, LIFE_BROKEN_DECAYED, 0.0, flipped->offset);
         }
     }
 }
@@ -500,16 +504,16 @@ static void look_at_flipped(bench_life_t *life)
 static void look_at_sets(bench_life_t *life)
 {
     bench_watch_t *const watch = &life->watch;
-    const tumble_store_t *const store = &life->keeper.store;
+    const tumble_store_t *const store = &life->memory->keeper.store;
     if (!store->cells.booted || tumble_store_busy(store)) {
         return;
     }
     const bool has_set = tumble_store_has(store, TUMBLE_SET_ACTIVE);
     const uint32_t counter = tumble_store_sequence(store);
     if (watch->has_set && !has_set) {
-        bear_decay(life, BENCH_BROKEN_LOST, 0.0);
+        bear_decay(life, LIFE_BROKEN_LOST, 0.0);
     } else if (counter < watch->counter) {
-        bear_decay(life, BENCH_BROKEN_COUNTER, (double)counter);
+        bear_decay(life, LIFE_BROKEN_COUNTER, (double)counter);
     } else if (counter > watch->counter) {
         look_at_new(life);
     }
@@ -538,7 +542,7 @@ static bool is_finite(const tumble_entry_t *entry, const uint8_t *bytes)
 
 static void read_row(bench_life_t *life, const tumble_entry_t *row)
 {
-    tumble_node_t *const node = &life->world.navcomp.node;
+    tumble_node_t *const node = &life->world->navcomp.node;
     for (uint32_t object = 0; object <= row->more_objects; object++) {
         for (uint32_t sub = 0; sub <= row->more_subindices; sub++) {
             uint8_t bytes[TUMBLE_MAX_OBJECT_BYTES];
@@ -546,7 +550,7 @@ static void read_row(bench_life_t *life, const tumble_entry_t *row)
             const uint16_t index = (uint16_t)(row->index + object);
             const uint8_t subindex = (uint8_t)(row->subindex + sub);
             if (tumble_node_read(node, index, subindex, bytes, &size) == TUMBLE_ABORT_NONE && !is_finite(row, bytes)) {
-                bench_watch_break(life, BENCH_BROKEN_FINITE, 0.0, (uint32_t)index << 8 | subindex);
+                bench_watch_break(life, LIFE_BROKEN_FINITE, 0.0, (uint32_t)index << 8 | subindex);
             }
         }
     }
@@ -565,7 +569,7 @@ static void read_table(bench_life_t *life, const tumble_object_table_t *table)
 
 void bench_watch_read_all(bench_life_t *life)
 {
-    const tumble_dictionary_t *const dictionary = &life->world.navcomp.node.dictionary;
+    const tumble_dictionary_t *const dictionary = &life->world->navcomp.node.dictionary;
     read_table(life, dictionary->table);
     if (dictionary->extension != NULL) {
         read_table(life, dictionary->extension->table);
@@ -595,11 +599,11 @@ void bench_watch_change(bench_life_t *life, const tumble_progress_t *progress)
         may_go(life, true); /* the new result takes its place */
     }
     if ((state == TUMBLE_STATE_FAULT || state == TUMBLE_STATE_ABORT) && progress->reason == TUMBLE_REASON_NONE) {
-        bench_watch_break(life, BENCH_BROKEN_REASON, 0.0, (uint32_t)state);
+        bench_watch_break(life, LIFE_BROKEN_REASON, 0.0, (uint32_t)state);
     }
     if (changed && !is_of_a_run(state) && (was_on || state != TUMBLE_STATE_IDLE)) {
         bench_watch_ended(life);
-        life->counts.ends[state][progress->reason]++;
+        life->found->ends[state][progress->reason]++;
     }
     look_at_means(life);
     if (state == TUMBLE_STATE_DONE) {
@@ -633,7 +637,7 @@ static void note_answer(bench_life_t *life, const tumble_can_frame_t *frame)
         note_written(life, index, frame->data[3]);
     }
     if (taken && (index == 0x2050U || (index >= 0x2122U && index <= 0x2126U))) {
-        bench_watch_excuse(life, BENCH_EXCUSE_RULES);
+        bench_watch_excuse(life, LIFE_EXCUSE_RULES);
     }
 }
 
@@ -665,7 +669,7 @@ void bench_watch_frame(bench_life_t *life, uint8_t sender, const tumble_can_fram
 void bench_watch_look(bench_life_t *life)
 {
     look_at_table(life);
-    if (!life->world.off) {
+    if (!life->world->off) {
         look_at_level(life);
         look_at_number(life);
         look_at_sets(life);

@@ -50,4 +50,13 @@ struct world {
     uint8_t *recording;
 };
 
+/* Give a world that has been powered on an empty memory, and a keeper of coefficients on it; then boot it. */
+void world_add_memory(world_t *world);
+
+/* Without power the navigation computer's memory alone lasts. */
+void world_set_off(world_t *world, bool off);
+
+/* The firmware begins anew. */
+tumble_status_t world_boot(world_t *world);
+
 #endif

@@ -75,7 +75,7 @@ PLANTED = {
 
 HUNT = """
 import json, sys
-from tumble.world.campaigns import Lives
+from tumble.world.lives import Lives
 lives, (kind, opens) = Lives(), sys.argv[2:]
 for seed in range(1, int(sys.argv[1]) + 1):
     found = lives.live(seed)["violated"] and lives.shrunk(seed)
@@ -102,7 +102,7 @@ def link(objects, folder):
     """The world as a module of Python's, in whose place the package takes it. Returns its folder."""
     library = folder / "world.so"
     subprocess.run(["cc", "-shared", *sorted(objects.glob("*.o")), "-lm", "-o", library], check=True)
-    header = declarations((ROOT / "host/world/lives.h").read_text())
+    header = "".join(declarations((ROOT / "host/world" / name).read_text()) for name in ("border.h", "lives.h"))
     module = f"import cffi\nffi = cffi.FFI()\nffi.cdef({header!r})\nlib = ffi.dlopen({str(library)!r})\n"
     (folder / "_tumble_world.py").write_text(module)
     return folder

@@ -9,7 +9,7 @@ from conftest import EXAMPLES
 from documents import document_of
 
 from tumble.world import campaigns
-from tumble.world.campaigns import Lives
+from tumble.world.lives import Lives
 
 pytestmark = pytest.mark.python
 EXPECTED_SHARE = 0.2  # of the lives, at least, commit a set by themselves

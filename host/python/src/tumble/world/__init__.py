@@ -6,7 +6,7 @@ found is confirmed by numpy, and becomes a result.
     border            the world in C
     in_process        a run in a world, to its end, and what it leaves
     document          what is to be said of it
-    campaigns         thousands of runs, or of hostile lives
+    campaigns, lives  thousands of runs, or of hostile lives; what happens in a life
     virtual_bus       a world as a bus of python-can
     progress          what a person is told while it goes on
     outcome, folder   what it found, confirmed; the run folder
