@@ -2,7 +2,7 @@
 
 #include "folder.h"
 
-#include "world/readout.h"
+#include "world/report.h"
 
 #include <dirent.h>
 #include <errno.h>

@@ -8,6 +8,7 @@
 #include "outlet.h"
 #include "positioner_option.h"
 #include "report.h"
+#include "world/report.h"
 
 #include <errno.h>
 #include <signal.h>
@@ -54,8 +55,8 @@ static void on_sample(void *context, tumble_taken_t taken, const tumble_block_sa
     if (node->options->out != NULL) {
         bench_folder_sample(&node->folder, node->world.clock.now_us, taken, sample);
     }
-    if (node->progress.stream != NULL) {
-        bench_progress_average(&node->world, taken, node->progress.stream);
+    if (node->progress.stream != NULL && bench_is_tenth(&node->world, taken.ordinal)) {
+        bench_progress_average(&node->world, taken.ordinal, &(bench_json_t){.out = node->progress.stream});
     }
 }
 
@@ -77,7 +78,7 @@ static void ask(const node_t *node, const tumble_progress_t *progress)
 {
     const bench_question_t question = bench_person_question(progress);
     if (question.kind != BENCH_QUESTION_NONE) {
-        bench_progress_question(&node->world, &question, node->progress.stream);
+        bench_progress_question(&node->world, &question, &(bench_json_t){.out = node->progress.stream});
     }
 }
 
@@ -120,7 +121,7 @@ static void note_state(node_t *node)
         node->reported = false;
     }
     if (node->progress.stream != NULL) {
-        bench_progress_state(world, now, node->progress.stream);
+        bench_progress_state(world, &(bench_json_t){.out = node->progress.stream});
         ask(node, now);
     }
 }
@@ -139,7 +140,8 @@ static void note_refusals(node_t *node)
     if (refused != node->refused) {
         node_log_refused(&node->log, &node->world.progress, tumble_stand_report(&node->world.navcomp.stand)->rung);
         if (node->progress.stream != NULL) {
-            bench_progress_refused("the navigation computer does not take this command now", node->progress.stream);
+            bench_progress_refused("the navigation computer does not take this command now",
+                                   &(bench_json_t){.out = node->progress.stream});
         }
     }
     node->refused = refused;
@@ -265,7 +267,7 @@ static void go(node_t *node)
         take_signal(node, computer_wait(&node->computer));
     } while (!has_ended(node));
     if (node->progress.stream != NULL) {
-        bench_progress_end(&node->world, node->progress.stream);
+        bench_progress_end(&node->world, &(bench_json_t){.out = node->progress.stream});
     }
 }
 

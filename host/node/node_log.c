@@ -5,7 +5,7 @@
 #include "canopen/sdo_frame.h"
 #include "core/bytes.h"
 #include "event_log.h"
-#include "world/readout.h"
+#include "world/report.h"
 
 #include <unistd.h>
 

@@ -2,8 +2,8 @@
 
 #include "event_log.h"
 
-#include "json.h"
 #include "outlet.h"
+#include "world/json.h"
 
 #include <inttypes.h>
 #include <stdarg.h>

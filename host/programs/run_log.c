@@ -216,3 +216,14 @@ void link_log_look(link_log_t *told, const can_socket_t *can)
         told->is_down = false;
     }
 }
+
+void link_report(bench_json_t *json, const can_socket_counters_t *counters)
+{
+    bench_json_whole(json, "kernel_received", counters->received);
+    bench_json_whole(json, "kernel_sent", counters->sent);
+    bench_json_whole(json, "kernel_dropped", counters->dropped);
+    bench_json_whole(json, "kernel_busy", counters->busy);
+    bench_json_whole(json, "error_frames", counters->errors);
+    bench_json_whole(json, "bus_offs", counters->bus_offs);
+    bench_json_whole(json, "interface_downs", counters->downs);
+}

@@ -6,6 +6,7 @@
 #include "can_socket.h"
 #include "tumble/navcomp.h"
 #include "tumble/sets.h"
+#include "world/json.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -44,5 +45,8 @@ typedef struct {
 /* The event "link", after every step, and only while the log is on: the interface goes, and comes back. One that went and
  * is back by now is told as both. */
 void link_log_look(link_log_t *told, const can_socket_t *can);
+
+/* The counters of the interface, as members of a document. */
+void link_report(bench_json_t *json, const can_socket_counters_t *counters);
 
 #endif

@@ -5,11 +5,11 @@
 #include "arguments.h"
 #include "event_log.h"
 #include "events.h"
-#include "json.h"
 #include "outlet.h"
 #include "port_linux.h"
+#include "run_log.h"
 #include "stand_bridge.h"
-#include "world/readout.h"
+#include "world/report.h"
 
 #include <errno.h>
 #include <poll.h>
@@ -159,71 +159,6 @@ static void listen_to_person(stand_t *stand)
 
 /* The document. */
 
-static void put_inclinations(const bench_world_t *world, bench_json_t *json)
-{
-    const tumble_schedule_t *const schedule = &world->config->scenario.schedule;
-    double beta_rad[TUMBLE_MAX_MOUNTINGS];
-    if (!bench_inclines(schedule)) {
-        return;
-    }
-    for (uint8_t m = 0; m < schedule->mounting_count; m++) {
-        beta_rad[m] = sim_truth_beta_rad(&world->truth, schedule, m);
-    }
-    bench_json_vector(json, "beta_rad", beta_rad, schedule->mounting_count);
-    bench_json_vector(json, "tau_rad", world->truth.tau_rad, schedule->mounting_count);
-}
-
-static void put_truth(const bench_world_t *world, bench_json_t *json)
-{
-    const sim_truth_t *const truth = &world->truth;
-    const tumble_schedule_t *const schedule = &world->config->scenario.schedule;
-    bench_json_open(json, "truth", '{');
-    bench_json_matrix(json, "K", truth->block.k_v_per_g);
-    bench_json_vector(json, "U0", truth->block.u0_v, TUMBLE_CHANNELS);
-    bench_json_number(json, "alpha1_rad", truth->alpha1_rad);
-    bench_json_number(json, "alpha2_rad", truth->alpha2_rad);
-    bench_json_vector(json, "alpha3_rad", truth->alpha3_rad, schedule->mounting_count);
-    bench_json_vector(json, "alpha4_rad", truth->alpha4_rad, schedule->position_count);
-    bench_json_vector(json, "theta_h_rad", truth->theta_h_rad, schedule->mounting_count);
-    bench_json_vector(json, "theta_n_rad", truth->theta_n_rad, schedule->mounting_count);
-    put_inclinations(world, json);
-    bench_json_vector(json, "encoder_rad", truth->encoder_rad, TUMBLE_WAVES);
-    bench_json_vector(json, "drift_v", truth->drift_v, TUMBLE_CHANNELS);
-    bench_json_close(json, '}');
-}
-
-/* Which faults have come, and how often: one that never did was set up wrongly. */
-static void put_faults(const bench_world_t *world, bench_json_t *json)
-{
-    bench_json_open(json, "faults", '[');
-    for (uint32_t i = 0; i < world->config->scenario.fault_count; i++) {
-        bench_json_open(json, NULL, '{');
-        bench_json_text(json, "kind", sim_fault_word(world->config->scenario.faults[i].kind));
-        bench_json_whole(json, "times", world->script.states[i].times);
-        bench_json_close(json, '}');
-    }
-    bench_json_close(json, ']');
-}
-
-static void put_table(const bench_world_t *world, bench_json_t *json)
-{
-    const bench_travel_t travel = bench_travel(world);
-    bench_json_open(json, "table", '{');
-    bench_json_flag(json, "at_rest", travel.at_rest);
-    bench_json_number(json, "lowest_deg", travel.lowest_deg);
-    bench_json_number(json, "highest_deg", travel.highest_deg);
-    bench_json_close(json, '}');
-}
-
-static void put_bus_counters(const sim_bus_t *bus, bench_json_t *json)
-{
-    uint64_t value = 0;
-    const char *name;
-    for (size_t row = 0; (name = bench_bus_counter(bus, row, &value)) != NULL; row++) {
-        bench_json_whole(json, name, value);
-    }
-}
-
 static void report(const stand_t *stand, FILE *out)
 {
     bench_json_t json = {.out = out};
@@ -231,18 +166,17 @@ static void report(const stand_t *stand, FILE *out)
     bench_json_text(&json, "schema", "tumble.stand/1");
     bench_json_text(&json, "interface", stand->bridge.can.name);
     bench_json_whole(&json, "seed", stand->world.seed);
-    put_truth(&stand->world, &json);
-    put_faults(&stand->world, &json);
+    bench_report_truth(&stand->world, &json);
     bench_json_number(&json, "virtual_s", (double)stand->world.clock.now_us * 1e-6);
-    put_table(&stand->world, &json);
+    bench_report_table(&stand->world, &json);
     bench_json_number(&json, "angle_deg", sim_axis_actual_deg(stand->world.axis, stand->world.clock.now_us));
     bench_json_open(&json, "operator", '{');
     bench_json_whole(&json, "answers", stand->operator.answers);
     bench_json_whole(&json, "refusals", stand->operator.refusals);
     bench_json_close(&json, '}');
     bench_json_open(&json, "counters", '{');
-    put_bus_counters(&stand->world.bus, &json);
-    bench_json_interface(&json, &stand->bridge.can.counters);
+    bench_report_bus_counters(&stand->world, &json);
+    link_report(&json, &stand->bridge.can.counters);
     bench_json_whole(&json, "frames_foreign", stand->bridge.foreign);
     bench_json_whole(&json, "frames_unsent", stand->bridge.unsent);
     bench_json_whole(&json, "queue_overflow", stand->bridge.in.overflow + stand->bridge.out.overflow);

@@ -3,7 +3,7 @@
 #include "navcomp/keeper.h"
 #include "navcomp/uncertainty.h"
 #include "world/config_file.h"
-#include "world/readout.h"
+#include "world/report.h"
 #include "world/world_parts.h"
 
 #include <math.h>
@@ -12,9 +12,6 @@
 #include <string.h>
 
 #define MAX_LINE 1024
-
-_Static_assert(WORLD_POSITIONS == TUMBLE_MAX_POSITIONS && WORLD_MOUNTINGS == TUMBLE_MAX_MOUNTINGS,
-               "all of a schedule fits");
 
 /* The next element; null: no memory. */
 static void *append(world_t *world, array_t *array, size_t size)
@@ -135,7 +132,6 @@ static uint64_t unwrapped_ms(const world_t *world, uint16_t timestamp_ms)
 static void on_sample(void *context, tumble_taken_t taken, const tumble_block_sample_t *sample)
 {
     world_t *const world = context;
-    const uint32_t wanted = world->config.procedure.samples;
     array_t *const of_position = &world->taken[taken.index];
     world->block_ms = unwrapped_ms(world, sample->timestamp_ms);
     world->heard_us = world->world.clock.now_us;
@@ -154,7 +150,7 @@ static void on_sample(void *context, tumble_taken_t taken, const tumble_block_sa
             .temperature_half_c = sample->temperature_half_c,
         };
     }
-    if (taken.ordinal % ((wanted < 10U) ? 1U : wanted / 10U) == 0U) {
+    if (bench_is_tenth(&world->world, taken.ordinal)) {
         world->happened |= WORLD_AVERAGED;
     }
 }
@@ -401,178 +397,60 @@ const world_sample_t *world_samples(world_t *world, size_t *count)
     return world->samples.memory;
 }
 
+double world_step_v(const world_t *world)
+{
+    return world->config.procedure.v_per_count;
+}
+
+bool world_position(const world_t *world, size_t index, uint8_t *mounting, uint8_t *number)
+{
+    const tumble_schedule_t *const schedule = &world->config.scenario.schedule;
+    if (index >= schedule->position_count) {
+        return false;
+    }
+    *mounting = schedule->positions[index].mounting;
+    *number = schedule->positions[index].number;
+    return true;
+}
+
 /* How it stands. */
 
-static void report_procedure(world_t *world, world_report_t *report)
+const char *world_document(world_t *world)
 {
+    const bench_world_t *const own = &world->world;
+    bench_json_t json = {.text = world->text, .room = sizeof world->text};
+    bench_json_open(&json, NULL, '{');
+    bench_json_text(&json, "schema", "tumble.bench/1");
+    bench_report_run(own, &json);
+    bench_json_open(&json, "counters", '{');
+    bench_report_counters(own, &json);
+    bench_report_bus_counters(own, &json);
+    bench_json_close(&json, '}');
+    bench_report_truth(own, &json);
+    bench_json_number(&json, "virtual_s", (double)own->clock.now_us * 1e-6);
+    bench_report_table(own, &json);
+    bench_json_close(&json, '}');
+    return world->text;
+}
+
+const char *world_event(world_t *world, unsigned happened)
+{
+    const bench_world_t *const own = &world->world;
+    const bench_question_t *const question = &own->person.question;
+    bench_json_t json = {.text = world->text, .room = sizeof world->text};
     tumble_navcomp_progress_t progress;
-    tumble_navcomp_progress(&world->world.navcomp, &progress);
-    const tumble_progress_t *const run = &world->world.progress;
-    report->state = tumble_state_name(run->state);
-    report->failed_in = tumble_state_name(run->failed_in);
-    report->reason = tumble_reason_name(run->reason);
-    report->reason_sentence = tumble_reason_sentence(run->reason);
-    report->status = tumble_status_name(run->status);
-    report->reason_number = (uint32_t)run->reason;
-    report->drive_code = run->drive_code;
-    report->mounting = run->mounting;
-    report->position = run->position;
-    report->index = run->index;
-    report->count = run->count;
-    report->finished = progress.run.finished;
-    report->attempt = run->attempt;
-    report->samples = progress.run.samples;
-    report->wanted = world->config.procedure.samples;
-    report->has_mean = progress.has_mean;
-    memcpy(report->mean_v, progress.mean_v, sizeof report->mean_v);
-    memcpy(report->standard_error_v, progress.standard_error_v, sizeof report->standard_error_v);
-    report->moving = progress.stand == TUMBLE_STAND_MOVING;
-    report->has_angle =
-        report->moving || progress.stand == TUMBLE_STAND_IN_POSITION || progress.stand == TUMBLE_STAND_STOPPED;
-    report->angle_deg = report->has_angle ? progress.angle_deg : 0.0;
-}
-
-static void report_question(const bench_question_t *question, world_report_t *report)
-{
-    static const char *const KINDS[] = {NULL, "mounting", "angle", "fault"};
-    report->question = KINDS[question->kind];
-    report->question_mounting = question->mounting;
-    report->question_deg = question->angle_deg;
-    report->question_reason = tumble_reason_name(question->reason);
-    report->question_sentence = tumble_reason_sentence(question->reason);
-}
-
-static void report_refusal(const world_t *world, world_report_t *report)
-{
-    const tumble_stand_refusal_t refusal = tumble_navcomp_drive_refusal(&world->world.navcomp);
-    report->refused_index = refusal.index;
-    report->refused_subindex = refusal.subindex;
-    report->refused_abort = refusal.abort;
-    report->refused_step = bench_step_name(refusal.step);
-    bench_refusal_sentence(&refusal, report->refused_sentence, sizeof report->refused_sentence);
-}
-
-static void report_result(const world_t *world, world_report_t *report)
-{
-#define NAME(number, name, ...) #name,
-    static const char *const ESTIMATORS[TUMBLE_ESTIMATE_COUNT] = {TUMBLE_ESTIMATOR_LIST(NAME, NAME)};
-#undef NAME
-    const tumble_navcomp_t *const navcomp = &world->world.navcomp;
-    tumble_result_t result;
-    report->estimator = ESTIMATORS[world->config.procedure.estimate];
-    report->limit_g = world->config.procedure.gravity_limit_g;
-    report->v_per_count = world->config.procedure.v_per_count;
-    report->has_result = tumble_navcomp_result(navcomp, &result) == TUMBLE_OK;
-    if (!report->has_result) {
-        return;
+    switch (happened) {
+    case WORLD_CHANGE:
+        bench_progress_state(own, &json);
+        return world->text;
+    case WORLD_AVERAGED:
+        tumble_navcomp_progress(&own->navcomp, &progress);
+        bench_progress_average(own, progress.run.samples, &json);
+        return world->text;
+    case WORLD_QUESTION:
+        bench_progress_question(own, question, &json);
+        return (question->kind != BENCH_QUESTION_NONE) ? world->text : NULL;
+    default:
+        return bench_progress_angle(own, &json) ? world->text : NULL;
     }
-    report->pass = result.pass;
-    memcpy(report->k_v_per_g, result.coefficients->k_v_per_g, sizeof report->k_v_per_g);
-    memcpy(report->u0_v, result.coefficients->u0_v, sizeof report->u0_v);
-    report->max_abs_fit_g = result.check->max_abs_fit_g;
-    report->max_abs_check_g = result.check->max_abs_check_g;
-    for (uint8_t i = 0; i < report->position_count; i++) {
-        report->positions[i].delta_g_g = result.check->delta_g_g[i];
-    }
-    for (uint8_t m = 0; m < report->mounting_count; m++) {
-        report->closure_g[m] = tumble_procedure_closure_g(tumble_navcomp_procedure(navcomp), m);
-    }
-}
-
-/* As the firmware states them, for the noise that it looks at first. */
-static void report_uncertainty(const world_t *world, world_report_t *report)
-{
-    const tumble_navcomp_t *const navcomp = &world->world.navcomp;
-    const tumble_noise_t *noise = NULL;
-    tumble_uncertainty_t u;
-    tumble_status_t status = tumble_navcomp_uncertainty(navcomp, TUMBLE_ALL_COEFFICIENTS, &u);
-    if (status == TUMBLE_E_PORT_BUSY) { /* the noise has been looked at */
-        status = tumble_navcomp_uncertainty(navcomp, TUMBLE_ALL_COEFFICIENTS, &u);
-    }
-    report->has_uncertainty = status == TUMBLE_OK;
-    if (report->has_uncertainty) {
-        memcpy(report->u_k_v_per_g, u.k_v_per_g, sizeof report->u_k_v_per_g);
-        memcpy(report->u_u0_v, u.u0_v, sizeof report->u_u0_v);
-    }
-    report->has_noise = tumble_navcomp_noise(navcomp, &noise) == TUMBLE_OK;
-    if (report->has_noise) {
-        report->block_samples = world->config.noise.blocks.block_samples;
-        memcpy(report->noise_v, noise->noise_v, sizeof report->noise_v);
-        report->declared_v = noise->declared_v;
-        report->above = noise->above;
-    }
-}
-
-static void report_positions(const world_t *world, world_report_t *report)
-{
-    const tumble_schedule_t *const schedule = &world->config.scenario.schedule;
-    const tumble_averaging_t *const averages =
-        tumble_procedure_averages(tumble_navcomp_procedure(&world->world.navcomp));
-    report->mounting_count = schedule->mounting_count;
-    report->position_count = schedule->position_count;
-    for (uint8_t i = 0; i < schedule->position_count; i++) {
-        world_position_t *const position = &report->positions[i];
-        position->mounting = schedule->positions[i].mounting;
-        position->number = schedule->positions[i].number;
-        position->fit = schedule->positions[i].use == TUMBLE_USE_FIT;
-        position->measured = bench_mean(&world->world, i, position->u_v, position->standard_error_v);
-        position->samples = position->measured ? averages->averages[i].samples : 0U;
-        position->alpha4_rad = world->world.truth.alpha4_rad[i];
-    }
-}
-
-static void report_inclinations(const world_t *world, world_report_t *report)
-{
-    const sim_truth_t *const truth = &world->world.truth;
-    const tumble_schedule_t *const schedule = &world->config.scenario.schedule;
-    report->inclines = bench_inclines(schedule);
-    for (uint8_t m = 0; m < schedule->mounting_count; m++) {
-        report->beta_rad[m] = sim_truth_beta_rad(truth, schedule, m);
-        report->tau_rad[m] = truth->tau_rad[m];
-    }
-}
-
-static void report_truth(const world_t *world, world_report_t *report)
-{
-    const sim_truth_t *const truth = &world->world.truth;
-    memcpy(report->true_k_v_per_g, truth->block.k_v_per_g, sizeof report->true_k_v_per_g);
-    memcpy(report->true_u0_v, truth->block.u0_v, sizeof report->true_u0_v);
-    report->alpha1_rad = truth->alpha1_rad;
-    report->alpha2_rad = truth->alpha2_rad;
-    memcpy(report->alpha3_rad, truth->alpha3_rad, sizeof report->alpha3_rad);
-    memcpy(report->theta_h_rad, truth->theta_h_rad, sizeof report->theta_h_rad);
-    memcpy(report->theta_n_rad, truth->theta_n_rad, sizeof report->theta_n_rad);
-    report_inclinations(world, report);
-    memcpy(report->encoder_rad, truth->encoder_rad, sizeof report->encoder_rad);
-    memcpy(report->drift_v, truth->drift_v, sizeof report->drift_v);
-    report->fault_count = world->config.scenario.fault_count;
-    for (uint32_t i = 0; i < report->fault_count; i++) {
-        report->faults[i] =
-            (world_fault_t){sim_fault_word(world->config.scenario.faults[i].kind), world->world.script.states[i].times};
-    }
-}
-
-void world_report(world_t *world, world_report_t *report)
-{
-    const bench_travel_t travel = bench_travel(&world->world);
-    memset(report, 0, sizeof *report);
-    report->seed = world->world.seed;
-    report->now_us = world->world.clock.now_us;
-    report->frames = world->world.bus.load.frames;
-    report->end = world->world.end;
-    report->at_rest = travel.at_rest;
-    report->lowest_deg = travel.lowest_deg;
-    report->highest_deg = travel.highest_deg;
-    report_procedure(world, report);
-    report_question(&world->world.person.question, report);
-    report_refusal(world, report);
-    report_positions(world, report);
-    report_result(world, report);
-    report_uncertainty(world, report);
-    report_truth(world, report);
-}
-
-const char *world_counter(const world_t *world, size_t row, uint64_t *value)
-{
-    return bench_counter(&world->world, row, value);
 }

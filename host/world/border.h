@@ -3,7 +3,7 @@
  *     world_t *world = world_new();
  *     world_set(world, "procedure.samples = 50", &line);
  *     world_power_on(world, seed, WORLD_BY_ITSELF, false);
- *     while (world_advance(world, WORLD_FOREVER, WORLD_CHANGE) != WORLD_ENDED) { world_report(world, &report); }
+ *     while (world_advance(world, WORLD_FOREVER, WORLD_CHANGE) != WORLD_ENDED) { printf("%s\n", world_event(world, WORLD_CHANGE)); }
  *
  * Seed and keys determine all that happens, to the last bit. Virtual time goes on within world_advance alone, up to a
  * moment or to one of the events that the caller waits for. What has gone over the bus, and what went into the means, is
@@ -151,114 +151,19 @@ typedef struct {
 const world_frame_t *world_frames(const world_t *world, size_t *count);
 const world_sample_t *world_samples(world_t *world, size_t *count);
 
-/* How it stands. */
+/* Volts of a count. */
+double world_step_v(const world_t *world);
 
-#define WORLD_POSITIONS 36
-#define WORLD_MOUNTINGS 36
+/* Mounting and number of the position at an index of the schedule. False: there is none. */
+bool world_position(const world_t *world, size_t index, uint8_t *mounting, uint8_t *number);
 
-typedef struct {
-    uint8_t mounting;
-    uint8_t number;
-    bool fit;      /* else check */
-    bool measured; /* its mean is kept; else the next three are 0 */
-    uint32_t samples;
-    double u_v[3];
-    double standard_error_v[3];
-    double delta_g_g; /* with a result */
-    double alpha4_rad;
-} world_position_t;
+/* How it stands, as JSON. It lasts until the next call. */
 
-typedef struct {
-    const char *kind;
-    uint32_t times; /* how often it has come */
-} world_fault_t;
+/* What was found by now: tumble.bench/1. */
+const char *world_document(world_t *world);
 
-typedef struct {
-    uint64_t seed;
-    uint64_t now_us;
-    uint64_t frames; /* that went over the bus */
-    world_end_t end;
-    /* the table's true travel since power-on */
-    bool at_rest;
-    double lowest_deg;
-    double highest_deg;
-    /* the procedure */
-    const char *state;
-    const char *failed_in;
-    const char *reason;
-    const char *reason_sentence;
-    const char *status;
-    uint32_t reason_number;
-    uint16_t drive_code;
-    uint8_t mounting;
-    uint8_t position;
-    uint8_t index;
-    uint8_t count;
-    uint8_t finished;
-    uint8_t attempt;
-    uint32_t samples; /* of the open position */
-    uint32_t wanted;
-    bool has_mean;
-    double mean_v[3];
-    double standard_error_v[3];
-    bool moving;
-    bool has_angle; /* it is known where the table stands */
-    double angle_deg;
-    /* an open question */
-    const char *question; /* mounting, angle, fault; null: none */
-    uint8_t question_mounting;
-    double question_deg;
-    const char *question_reason;
-    const char *question_sentence;
-    /* what the drive has refused; index 0: nothing */
-    uint16_t refused_index;
-    uint8_t refused_subindex;
-    uint32_t refused_abort;
-    const char *refused_step;
-    char refused_sentence[200];
-    /* the result */
-    const char *estimator;
-    bool has_result;
-    bool pass;
-    double k_v_per_g[9];
-    double u0_v[3];
-    double max_abs_fit_g;
-    double max_abs_check_g;
-    double limit_g;
-    double v_per_count;
-    uint8_t mounting_count;
-    uint8_t position_count;
-    double closure_g[WORLD_MOUNTINGS];
-    world_position_t positions[WORLD_POSITIONS];
-    bool has_uncertainty;
-    double u_k_v_per_g[9];
-    double u_u0_v[3];
-    bool has_noise;
-    uint32_t block_samples;
-    double noise_v[3];
-    double declared_v;
-    uint8_t above; /* a bit for each channel with more than was declared */
-    /* the truth */
-    double true_k_v_per_g[9];
-    double true_u0_v[3];
-    double alpha1_rad;
-    double alpha2_rad;
-    double alpha3_rad[WORLD_MOUNTINGS];
-    double theta_h_rad[WORLD_MOUNTINGS];
-    double theta_n_rad[WORLD_MOUNTINGS];
-    bool inclines; /* a bolting has several inclinations: the errors of setting them are in the next two */
-    double beta_rad[WORLD_MOUNTINGS];
-    double tau_rad[WORLD_MOUNTINGS];
-    double encoder_rad[4];
-    double drift_v[3];
-    /* the faults of the keys */
-    uint32_t fault_count;
-    world_fault_t faults[16];
-} world_report_t;
-
-void world_report(world_t *world, world_report_t *report);
-
-/* A counter of firmware or bus: its name, null where there is no such row; and its value. */
-const char *world_counter(const world_t *world, size_t row, uint64_t *value);
+/* The event of tumble-node's progress (report.h) for a bit of what has happened, CHANGE, AVERAGED or QUESTION; of 0: the
+ * table's angle. Null: there is no question; the table does not turn. */
+const char *world_event(world_t *world, unsigned happened);
 
 #endif

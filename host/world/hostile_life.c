@@ -5,7 +5,7 @@
 #include "core/bytes.h"
 #include "simulation/block_encode.h"
 #include "tumble/sets.h"
-#include "world/readout.h"
+#include "world/report.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -48,6 +48,7 @@ struct world {
     replay_t replay; /* instead of the simulated bus; see replay.h */
     tumble_navcomp_hooks_t replay_hooks;
     uint8_t *recording;
+    char text[65536]; /* what was told last: the largest document has half of it */
 };
 
 /* Give a world that has been powered on an empty memory, and a keeper of coefficients on it; then boot it. */

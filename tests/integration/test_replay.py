@@ -7,7 +7,7 @@ import pytest
 from simulated_bench import scenario
 
 from tumble.documents.bench import written
-from tumble.world import document, in_process, replay
+from tumble.world import in_process, replay
 from tumble.world.border import Border
 
 MENDED = {"operator__mend_s": 2, "operator__mends": 3}
@@ -48,7 +48,7 @@ def played(log, path):
 
 def replayed(log, path):
     """What it has found then."""
-    return written(document.document(played(log, path)))
+    return written(played(log, path).document())
 
 
 @pytest.mark.parametrize("run", RUNS)

@@ -27,7 +27,6 @@ from tumble.watch import snapshot
 from tumble.watch.runs import BenchRun, Follower
 from tumble.watch.snapshot import Lost, View, document
 from tumble.watch.terminal import Lines, drawn
-from tumble.world import document as bench_document
 from tumble.world.border import Border
 
 pytestmark = pytest.mark.python
@@ -80,7 +79,7 @@ def test_the_document_of_a_run_ends_it():
     run.when_over = lambda: calls.append(run.snapshot().over)
     rows = Deviation(1, 1, "fit", -2e-5), Deviation(1, 2, "fit", 1e-5), Deviation(1, 9, "check", 4e-4)
     run.ended(replace(
-        bench_document.document(Border(1, [], None)), state="TUMBLE_STATE_DONE", reason="TUMBLE_REASON_GRAVITY_CHECK",
+        Border(1, [], None).document(), state="TUMBLE_STATE_DONE", reason="TUMBLE_REASON_GRAVITY_CHECK",
         K=np.array(K), U0=np.array(U0), verification=GravityCheck(rows, 4e-4, 2e-5, 4e-4, 3e-4, False),
     ))  # fmt: skip
     assert calls == [True]

@@ -5,7 +5,7 @@
 #include "support.h"
 #include "world/config.h"
 #include "world/config_file.h"
-#include "world/readout.h"
+#include "world/report.h"
 #include "world/world.h"
 
 extern bench_config_t config;

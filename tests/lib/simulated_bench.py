@@ -12,7 +12,7 @@ import pytest
 from tumble.documents.bench import written
 from tumble.errors import BenchFault
 from tumble.workers.over import ALONE
-from tumble.world import campaigns, document, in_process, programs
+from tumble.world import campaigns, in_process, programs
 from tumble.world.border import Border
 
 HASTY_STAND = """
@@ -42,7 +42,7 @@ def bench(keys=(), seed=1, gains=None, out=None):
     border = Border(seed, lines_of(keys), gains)
     in_process.Run(border, lambda event: None, events=0).to_its_end()
     if out is None:
-        return written(document.document(border))
+        return written(border.document())
     out.mkdir()
     return written(in_process.write(border, out))
 

@@ -1,8 +1,8 @@
 /* Texts in JSON: escaped, and UTF-8 whatever they were. */
 #define _POSIX_C_SOURCE 200809L
 
-#include "json.h"
 #include "suite.h"
+#include "world/json.h"
 
 #include <string.h>
 

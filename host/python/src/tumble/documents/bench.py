@@ -167,7 +167,7 @@ class FirmwareRun(Document, kw_only=True):
 class Bench(FirmwareRun, kw_only=True):
     """A simulated run: World.document, and fault.json of a run folder.
 
-    counters: Of firmware, bus and simulation; host/world/readout.c lists them.
+    counters: Of firmware, bus and simulation; host/world/report.c lists them.
     truth: What the simulation was made of.
     faults: Those of the scenario, and how often each has come.
     virtual_s: When it ended.

@@ -5,7 +5,6 @@ found is confirmed by numpy, and becomes a result.
     setup             what a run is to be: the scenario, and the gain record of the optimal estimator
     border            the world in C
     in_process        a run in a world, to its end, and what it leaves
-    document          what is to be said of it
     campaigns, lives  thousands of runs, or of hostile lives; what happens in a life
     virtual_bus       a world as a bus of python-can
     progress          what a person is told while it goes on

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import json
+import re
 from collections.abc import Iterable
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from tumble.documents import base
+from tumble.documents.bench import BENCH, Bench
 from tumble.errors import BenchFault
 
 try:
@@ -16,10 +20,13 @@ except ImportError:
 else:
     _IS_BUILT = True
 
+Event: TypeAlias = "dict[str, Any]"
+
 FOREVER_US = 2**64 - 1
 _MOST_ID, _MOST_BYTES = 0x7FF, 8
 FRAME, CHANGE, AVERAGED, QUESTION, ENDED = 1, 2, 4, 8, 16  # bits of what has happened
 _NO_MEMORY = 32
+_NEGATIVE_ZERO = re.compile(rb"(?<=[\[:,])-0(?=[\],}])")  # which is no whole number, and keeps its sign
 OPERATORS = ("by-itself", "on-confirm", "never", "asked")  # who acts when the firmware waits for a person
 ENDS = ("running", "done", "fault", "interrupted", "too long", "left")
 ANSWERS = ("done", "abort", "repeat position", "repeat mounting", "leave")
@@ -220,16 +227,26 @@ class Border:
             return np.empty(0, kind)
         return np.frombuffer(ffi.buffer(all_of_it + first, count * kind.itemsize), kind).copy()
 
-    def report(self) -> Any:
-        """How it stands, as world_report_t."""
-        report = ffi.new("world_report_t *")
-        lib.world_report(self._world, report)
-        return report
+    @property
+    def step_v(self) -> float:
+        """Volts of a count."""
+        return float(lib.world_step_v(self._world))
 
-    def counters(self) -> dict[str, int]:
-        """Of firmware and bus."""
-        found: dict[str, int] = {}
-        value = ffi.new("uint64_t *")
-        while (name := lib.world_counter(self._world, len(found), value)) != ffi.NULL:
-            found[text(name)] = int(value[0])
+    def positions(self) -> list[tuple[int, int]]:
+        """Mounting and number of each, in the order of the schedule."""
+        found: list[tuple[int, int]] = []
+        place = ffi.new("uint8_t[2]")
+        while lib.world_position(self._world, len(found), place, place + 1):
+            found.append((place[0], place[1]))
         return found
+
+    def document(self) -> Bench:
+        """What was found by now."""
+        told = _NEGATIVE_ZERO.sub(b"-0.0", ffi.string(lib.world_document(self._world)))
+        return base.read(Bench, BENCH, told, "the world")
+
+    def event(self, happened: int) -> Event | None:
+        """What a person at a terminal, or a page that shows the run, is told of CHANGE, AVERAGED or QUESTION; 0: of the
+        angle while the table turns."""
+        told = lib.world_event(self._world, happened)
+        return None if told == ffi.NULL else json.loads(ffi.string(told))

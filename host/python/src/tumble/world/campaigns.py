@@ -12,12 +12,11 @@ from typing import Any
 import numpy as np
 
 from tumble.documents import base
-from tumble.documents.campaign import Campaign, ErrorsOfK, ErrorsOfU0, Exits, Hostile, Sets, Speed, Violation
+from tumble.documents.campaign import HOSTILE, Campaign, ErrorsOfK, ErrorsOfU0, Exits, Hostile
 from tumble.documents.result import Table
 from tumble.errors import EXIT_DISAGREEMENT, EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
 from tumble.workers.over import ALONE, Job, Piece, Progress, Result, Team, over
-from tumble.world import document
-from tumble.world.border import ENDED, FOREVER_US, Border, Refused, text
+from tumble.world.border import ENDED, FOREVER_US, Border, Refused
 from tumble.world.lives import Lives
 
 _SEEDS = 100  # in a piece
@@ -65,25 +64,25 @@ class Runs:
             raise UsageError(f"this cannot be simulated: {refused.where(self.file)}{hint}") from None
         while not border.advance(FOREVER_US, 0) & ENDED:
             pass
-        report = border.report()
-        known = report.has_result
+        found = border.document()
+        check = found.verification
         line = {
             "seed": seed,
-            "exit": document.exit_code(report),
-            "state": text(report.state),
-            "reason": text(report.reason),
-            "pass": getattr(report, "pass"),
-            "K": list(report.k_v_per_g) if known else None,
-            "U0": list(report.u0_v) if known else None,
-            "max_abs_delta_g_g": max(report.max_abs_fit_g, report.max_abs_check_g) if known else None,
-            "truth": {"K": list(report.true_k_v_per_g), "U0": list(report.true_u0_v)},
-            "virtual_s": report.now_us * _MICROSECOND,
-            "frames": report.frames,
-            "table": base.written(document.table(report)),
+            "exit": found.exit,
+            "state": found.state,
+            "reason": found.reason,
+            "pass": check is not None and check.passed,
+            "K": None if found.K is None else found.K.ravel().tolist(),
+            "U0": None if found.U0 is None else found.U0.tolist(),
+            "max_abs_delta_g_g": None if check is None else check.max_abs_delta_g_g,
+            "truth": {"K": found.truth.K.ravel().tolist(), "U0": found.truth.U0.tolist()},
+            "virtual_s": found.virtual_s,
+            "frames": found.counters["bus_frames"],
+            "table": base.written(found.table),
         }
         if self.with_means:
-            positions = (report.positions[i] for i in range(report.position_count))
-            line["means"] = [volt if one.measured else None for one in positions for volt in one.u_v]
+            means = {(one.mounting, one.position): one.u_v.tolist() for one in found.means}
+            line["means"] = [volt for one in border.positions() for volt in means.get(one, (None, None, None))]
         return line
 
 
@@ -228,16 +227,10 @@ def merged(first_seed: int, documents: list[str]) -> Hostile:
     """The document of all lives, tumble.hostile/1, from those of their pieces, in order; `speed` is that of one
     process."""
     found = _total([json.loads(one) for one in documents])
-    speed, virtual_us, runs = found.pop("speed"), found.pop("virtual_us"), found.pop("runs")
-    ends = {state: {reason: n for reason, n in reasons.items() if n} for state, reasons in found["ends"].items()}
-    parts: dict[str, Any] = {
-        "first": tuple(Violation(**one) for one in found.pop("first")),
-        "sets": Sets(**found.pop("sets")),
-        "table": Table(**found.pop("table")),
-        "speed": Speed(**speed, jobs=1, ms_per_life=1e3 * speed["cpu_s"] / runs),
-    }
-    found["ends"] = ends
-    return Hostile(runs=runs, first_seed=first_seed, virtual_s=virtual_us * _MICROSECOND, **found, **parts)
+    found |= {"schema": HOSTILE, "first_seed": first_seed, "virtual_s": found["virtual_us"] * _MICROSECOND}
+    found["speed"] |= {"jobs": 1, "ms_per_life": 1e3 * found["speed"]["cpu_s"] / found["runs"]}
+    found["ends"] = {state: {name: n for name, n in reasons.items() if n} for state, reasons in found["ends"].items()}
+    return base.checked(Hostile, HOSTILE, found, "the lives")
 
 
 def _total(parts: list[dict[str, Any]]) -> dict[str, Any]:

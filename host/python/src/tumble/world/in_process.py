@@ -11,10 +11,8 @@ from typing import Any
 from tumble.documents import bench
 from tumble.documents.base import to_json
 from tumble.documents.bench import Bench
-from tumble.world import document
-from tumble.world.border import AVERAGED, CHANGE, ENDED, FOREVER_US, QUESTION, Border, Refused
+from tumble.world.border import AVERAGED, CHANGE, ENDED, FOREVER_US, QUESTION, Border, Event, Refused
 
-Event = dict[str, Any]
 OnEvent = Callable[[Event], "str | None"]
 
 _SLICE_US = 60_000_000  # of virtual time, until a signal is looked for
@@ -52,25 +50,22 @@ class Run:
             if self.pace > 0.0:
                 until_us = began_us + int((time.monotonic() - began_s) * self.pace * 1e6)
             happened = self.border.advance(until_us, self.events)
-            report = self.border.report() if happened or self.pace > 0.0 else None
-            now_us = until_us if report is None else report.now_us
-            if report is not None:
-                self._tell(report, happened)
+            now_us = self.border.now_us
+            self._tell(happened)
             if happened & QUESTION:
                 began_s, began_us = time.monotonic(), now_us  # a person takes his time
             elif self.pace > 0.0 and not happened:
-                if report is not None and report.moving and now_us >= told_us + _ANGLE_US:
+                if now_us >= told_us + _ANGLE_US and (angle := self.border.event(0)) is not None:
                     told_us = now_us
-                    self.on_event(document.angle(report))
+                    self.on_event(angle)
                 time.sleep(_NAP_S)
 
-    def _tell(self, report: Any, happened: int) -> None:
-        if happened & CHANGE:
-            self.on_event(document.state(report))
-        if happened & AVERAGED:
-            self.on_event(document.average(report))
-        if happened & QUESTION:
-            self._answer(self.on_event(document.question(report)))
+    def _tell(self, happened: int) -> None:
+        for one in (CHANGE, AVERAGED, QUESTION):
+            if happened & one and (event := self.border.event(one)) is not None:
+                answer = self.on_event(event)
+                if one == QUESTION:
+                    self._answer(answer)
 
     def _answer(self, words: str | None) -> None:
         """What is not accepted is asked for again."""
@@ -84,7 +79,7 @@ class Run:
 
 def write(border: Border, folder: Path) -> Bench:
     """run.csv, bus.log and the document into a folder. Returns the document. Raises OSError."""
-    found = document.document(border)
+    found = border.document()
     _write(folder / "run.csv", _run_rows(border))
     _write(folder / "bus.log", _bus_lines(border.frames()))
     _write(folder / "bench.json", [to_json(bench.written(found))])
@@ -98,9 +93,7 @@ def _write(path: Path, lines: Iterable[str]) -> None:
 
 def _run_rows(border: Border) -> Iterator[str]:
     """run.csv: volts with 17 digits, raw counts, and what else a sample tells; of the means that were kept."""
-    report = border.report()
-    step = report.v_per_count
-    places = [(one.mounting, one.number) for one in (report.positions[i] for i in range(report.position_count))]
+    step, places = border.step_v, border.positions()
     yield _HEADER
     for block_ms, counts, _, counter, timestamp, index, half_c in border.samples().tolist():
         x, y, z = counts

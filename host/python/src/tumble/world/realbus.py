@@ -35,6 +35,7 @@ from tumble.errors import BadInput, BenchFault, Disagreement, Skipped, UsageErro
 from tumble.firmware_tables import STATES
 from tumble.schedule import Schedule
 from tumble.world import console, emulator, in_process, outcome, programs, replay, uml
+from tumble.world.border import Event
 
 INPROCESS, UML, SOCKETCAN = outcome.INPROCESS, "uml", "socketcan:"
 HOST, BOARD = "host", replay.BOARD
@@ -49,7 +50,7 @@ _ANSWERS = "done, abort, leave, repeat position INDEX or repeat mounting NUMBER"
 _ANSWER = re.compile(r"done|abort|leave|repeat (position|mounting) [0-9]{1,3}", re.ASCII)
 _INTERFACE = re.compile(r"[A-Za-z0-9._-]{1,15}", re.ASCII)
 
-OnEvent = Callable[[in_process.Event], "str | None"]
+OnEvent = Callable[[Event], "str | None"]
 _Judged: TypeAlias = "tuple[Ended, RunWithTruth | None]"
 
 
@@ -216,7 +217,7 @@ class _Progress:
         if self._handing_on:
             raise KeyboardInterrupt  # nobody waits for an answer any more
 
-    def _hand_on(self, event: in_process.Event) -> str | None:
+    def _hand_on(self, event: Event) -> str | None:
         """Returns what a person says to it, if it is something that can be said."""
         if self.interrupted:
             return None
@@ -240,7 +241,7 @@ class _Progress:
             part.rename(self._folder / f"answer.{self._answers}")
 
 
-def _state(told: dict[str, Any], schedule: Schedule) -> in_process.Event:
+def _state(told: dict[str, Any], schedule: Schedule) -> Event:
     """A state PDO of the board, in the form of tumble-node's progress."""
     position = schedule.positions[min(told["index"], len(schedule.positions) - 1)]
     return {

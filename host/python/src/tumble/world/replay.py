@@ -12,14 +12,15 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from msgspec import structs
 
 from tumble.arrays import Floats
-from tumble.documents.bench import Replay, ReplayCounters
+from tumble.documents.bench import Bench, Replay, ReplayCounters
 from tumble.errors import BadInput, BenchFault, Skipped, UsageError, file_name
 from tumble.files import can_log
 from tumble.files.can_log import CANDUMP, CanLog
 from tumble.files.disk import MIB, MOST_OF_RECORDING, joined
-from tumble.world import document, emulator, folder
+from tumble.world import emulator, folder
 from tumble.world.border import FRAMES, Border, Refused, require_good
 
 with contextlib.suppress(ImportError):  # which Border tells of
@@ -110,10 +111,11 @@ class Firmware(Border):
         """Those of the log, node 1's included."""
         return self._played[first:]
 
-    def counters(self) -> dict[str, int]:
-        """Of the firmware: there was no bus."""
-        own = {name: value for name, value in super().counters().items() if not name.startswith("bus_")}
-        return {**own, _REFUSED: self.commands_refused}
+    def document(self) -> Bench:
+        """Counters are those of the firmware: there was no bus."""
+        found = super().document()
+        own = {name: value for name, value in found.counters.items() if not name.startswith("bus_")}
+        return structs.replace(found, counters={**own, _REFUSED: self.commands_refused})
 
     def recording(self, frames: Any) -> bytes:
         """The log, for the board. Raises Refused."""
@@ -231,7 +233,7 @@ class _Found(NamedTuple):
 
 
 def _on_host(log: Log, scenario: str | None) -> _Found:
-    found = document.document(played(log, scenario))
+    found = played(log, scenario).document()
     return _Found(
         found.state,
         found.reason,

@@ -30,7 +30,7 @@ import can
 from tumble.documents import bench
 from tumble.documents.bench import Bench
 from tumble.files.disk import read_bytes
-from tumble.world import document, in_process
+from tumble.world import in_process
 from tumble.world.border import ENDED, FOREVER_US, FRAME, Border, Refused
 
 _ANSWER_US = 5_000_000  # of virtual time, for an answer to an SDO request
@@ -251,7 +251,7 @@ class VirtualBus(can.BusABC):
         if not self._held:
             self._border.end("left")
             self._border.advance(FOREVER_US, 0)
-        self._document = document.document(self._border)
+        self._document = self._border.document()
         if self._out is not None:
             self._out.mkdir(exist_ok=True)
             in_process.write(self._border, self._out)

@@ -17,8 +17,20 @@ from tumble.estimators import ESTIMATORS, OPTIMAL
 from tumble.files.schedule_file import schedule_of
 from tumble.files.stand_file import stand_file_of
 from tumble.firmware_tables import STATES
-from tumble.world import document, in_process, outcome
-from tumble.world.border import CHANGE, ENDED, ENDS, FOREVER_US, OPERATORS, SENDERS, Border, Key, Refused, keys, text
+from tumble.world import in_process, outcome
+from tumble.world.border import (
+    CHANGE,
+    ENDED,
+    FOREVER_US,
+    OPERATORS,
+    QUESTION,
+    SENDERS,
+    Border,
+    Event,
+    Key,
+    Refused,
+    keys,
+)
 from tumble.world.setup import BY_OPTION, Setup, gain_record, scenario_text, setup_of
 
 if TYPE_CHECKING:
@@ -181,8 +193,10 @@ class World:
 
     # How it stands.
 
-    def _report(self) -> Any:
-        return self._border.report()
+    def _state(self) -> Event:
+        event = self._border.event(CHANGE)
+        assert event is not None  # it can always be told
+        return event
 
     @property
     def now_s(self) -> float:
@@ -192,47 +206,44 @@ class World:
     @property
     def end(self) -> str:
         """running, done, fault, interrupted, too long or left."""
-        return ENDS[self._report().end]
+        return self._border.document().end
 
     @property
     def state(self) -> str:
         """Of the procedure, such as AVERAGE or DONE."""
-        return text(self._report().state).removeprefix(_STATE)
+        return str(self._state()["state"]).removeprefix(_STATE)
 
     @property
     def reason(self) -> str:
         """Of a fault or a refusal, by its name; NONE."""
-        return text(self._report().reason).removeprefix("TUMBLE_REASON_")
+        return str(self._state()["reason"]).removeprefix("TUMBLE_REASON_")
 
     @property
     def question(self) -> dict[str, Any] | None:
         """What a person is asked for: kind (mounting, angle, fault) and what it needs; None: nothing."""
-        report = self._report()
-        if not report.question:
-            return None
-        asked = document.question(report)
-        return {key: value for key, value in asked.items() if key not in ("event", "virtual_s")}
+        asked = self._border.event(QUESTION)
+        return asked and {key: value for key, value in asked.items() if key not in ("event", "virtual_s")}
 
     @property
     def angle_deg(self) -> float | None:
         """Of the table, as its drive reports it; None: unknown."""
-        report = self._report()
-        return float(report.angle_deg) if report.has_angle else None
+        angle_deg = self._state()["angle_deg"]
+        return None if angle_deg is None else float(angle_deg)
 
     @property
     def table(self) -> dict[str, Any]:
         """Its true travel since power-on: lowest_deg, highest_deg, at_rest."""
-        return base.written(document.table(self._report()))
+        return base.written(self._border.document().table)
 
     @property
     def truth(self) -> dict[str, Any]:
         """What was simulated: K (V/g, rows), U0 (V), alpha1_rad and the other errors of the stand."""
-        return base.written(document.truth(self._report()))
+        return base.written(self._border.document().truth)
 
     @property
     def counters(self) -> dict[str, int]:
         """Of firmware and bus, by name."""
-        return self._border.counters()
+        return self._border.document().counters
 
     @property
     def memory(self) -> bytes:
@@ -242,7 +253,7 @@ class World:
     @property
     def document(self) -> dict[str, Any]:
         """All of it, schema tumble.bench/1."""
-        return bench.written(document.document(self._border))
+        return bench.written(self._border.document())
 
     def frames(self) -> Iterator[Frame]:
         """Every frame since power-on, in order."""
@@ -253,7 +264,7 @@ class World:
     def result(self) -> Result:
         """The firmware's calibration, confirmed by numpy, as `tumble.solve` gives it. Raises BenchFault where the run
         has not come to a result, Disagreement."""
-        found = document.document(self._border)
+        found = self._border.document()
         outcome.require_done(found)
         with tempfile.TemporaryDirectory() as folder:
             in_process.write(self._border, Path(folder))

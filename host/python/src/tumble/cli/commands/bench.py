@@ -108,7 +108,7 @@ class Onlooker(Protocol):
     pace: float
 
     def __call__(self, event: dict[str, Any]) -> None:
-        """Take an event (host/node/report.h)."""
+        """Take an event (host/world/report.h)."""
 
     def ended(self, document: RunWithTruth) -> None:
         """Take what the run says of itself at the end."""

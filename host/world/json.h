@@ -1,20 +1,22 @@
-/* json.h - writes one JSON document to a stream, on one line.
+/* json.h - writes one JSON document to a stream or into memory, on one line.
  *
  * Numbers get 17 digits, so that a reader has the same double; what is not finite becomes null. Names are the program's
  * own; texts are escaped, and bytes in them that are no UTF-8, as a file name may have, become U+FFFD. The writer knows
  * only whether a comma is due.
  */
-#ifndef TUMBLE_PROGRAMS_JSON_H
-#define TUMBLE_PROGRAMS_JSON_H
-
-#include "can_socket.h"
+#ifndef TUMBLE_WORLD_JSON_H
+#define TUMBLE_WORLD_JSON_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 
 typedef struct {
-    FILE *out;
+    FILE *out;  /* null: */
+    char *text; /* into this, as much as there is room for, with a zero behind it */
+    size_t room;
+    size_t used;
     bool comma;
 } bench_json_t;
 
@@ -31,10 +33,7 @@ void bench_json_null(bench_json_t *json, const char *name);
 void bench_json_vector(bench_json_t *json, const char *name, const double *values, uint32_t count);
 void bench_json_matrix(bench_json_t *json, const char *name, const double matrix[3][3]);
 
-/* The counters of an interface, as members. */
-void bench_json_interface(bench_json_t *json, const can_socket_counters_t *counters);
-
-/* The end of a document that is one object: a line for somebody who waits for it. */
+/* The end of a document that is one object; in a stream, a line for somebody who waits for it. */
 void bench_json_end(bench_json_t *json);
 
 /* Bytes of the character of UTF-8 that a text begins with, 1 to 4; 0: it begins with none (RFC 3629, section 4). The

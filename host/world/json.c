@@ -1,15 +1,28 @@
-#include "json.h"
+#include "world/json.h"
 
 #include <inttypes.h>
 #include <math.h>
+#include <stdarg.h>
+
+static void put(bench_json_t *json, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    if (json->out != NULL) {
+        (void)vfprintf(json->out, format, arguments);
+    } else {
+        const int size = vsnprintf(&json->text[json->used], json->room - json->used, format, arguments);
+        const size_t left = json->room - json->used - 1U;
+        json->used += ((size_t)size < left) ? (size_t)size : left;
+    }
+    va_end(arguments);
+}
 
 static void begin(bench_json_t *json, const char *name)
 {
-    if (json->comma) {
-        (void)fputc(',', json->out);
-    }
+    put(json, "%s", json->comma ? "," : "");
     if (name != NULL) {
-        (void)fprintf(json->out, "\"%s\":", name);
+        put(json, "\"%s\":", name);
     }
     json->comma = true;
 }
@@ -17,20 +30,20 @@ static void begin(bench_json_t *json, const char *name)
 void bench_json_open(bench_json_t *json, const char *name, char bracket)
 {
     begin(json, name);
-    (void)fputc(bracket, json->out);
+    put(json, "%c", bracket);
     json->comma = false;
 }
 
 void bench_json_close(bench_json_t *json, char bracket)
 {
-    (void)fputc(bracket, json->out);
+    put(json, "%c", bracket);
     json->comma = true;
 }
 
 void bench_json_null(bench_json_t *json, const char *name)
 {
     begin(json, name);
-    (void)fputs("null", json->out);
+    put(json, "null");
 }
 
 void bench_json_number(bench_json_t *json, const char *name, double value)
@@ -40,19 +53,19 @@ void bench_json_number(bench_json_t *json, const char *name, double value)
         return;
     }
     begin(json, name);
-    (void)fprintf(json->out, "%.17g", value);
+    put(json, "%.17g", value);
 }
 
 void bench_json_whole(bench_json_t *json, const char *name, uint64_t value)
 {
     begin(json, name);
-    (void)fprintf(json->out, "%" PRIu64, value);
+    put(json, "%" PRIu64, value);
 }
 
 void bench_json_flag(bench_json_t *json, const char *name, bool value)
 {
     begin(json, name);
-    (void)fputs(value ? "true" : "false", json->out);
+    put(json, "%s", value ? "true" : "false");
 }
 
 /* By the first byte, how many follow and between which limits the second is: so nothing is longer than need be, no half
@@ -91,21 +104,21 @@ size_t bench_json_character(const char *text)
 void bench_json_text(bench_json_t *json, const char *name, const char *value)
 {
     begin(json, name);
-    (void)fputc('"', json->out);
+    put(json, "\"");
     for (const char *c = value; *c != '\0';) {
         const size_t size = bench_json_character(c);
         if (size == 0U) {
-            (void)fputs("\\ufffd", json->out);
+            put(json, "\\ufffd");
         } else if (*c == '"' || *c == '\\') {
-            (void)fprintf(json->out, "\\%c", *c);
+            put(json, "\\%c", *c);
         } else if ((unsigned char)*c < 0x20U) {
-            (void)fprintf(json->out, "\\u%04x", (unsigned)(unsigned char)*c);
+            put(json, "\\u%04x", (unsigned)(unsigned char)*c);
         } else {
-            (void)fwrite(c, 1, size, json->out);
+            put(json, "%.*s", (int)size, c);
         }
         c += (size > 0U) ? size : 1U;
     }
-    (void)fputc('"', json->out);
+    put(json, "\"");
 }
 
 void bench_json_vector(bench_json_t *json, const char *name, const double *values, uint32_t count)
@@ -126,20 +139,11 @@ void bench_json_matrix(bench_json_t *json, const char *name, const double matrix
     bench_json_close(json, ']');
 }
 
-void bench_json_interface(bench_json_t *json, const can_socket_counters_t *counters)
-{
-    bench_json_whole(json, "kernel_received", counters->received);
-    bench_json_whole(json, "kernel_sent", counters->sent);
-    bench_json_whole(json, "kernel_dropped", counters->dropped);
-    bench_json_whole(json, "kernel_busy", counters->busy);
-    bench_json_whole(json, "error_frames", counters->errors);
-    bench_json_whole(json, "bus_offs", counters->bus_offs);
-    bench_json_whole(json, "interface_downs", counters->downs);
-}
-
 void bench_json_end(bench_json_t *json)
 {
     bench_json_close(json, '}');
-    (void)fputc('\n', json->out);
-    (void)fflush(json->out);
+    if (json->out != NULL) {
+        (void)fputc('\n', json->out);
+        (void)fflush(json->out);
+    }
 }
