@@ -20,9 +20,11 @@ static void put(bench_json_t *json, const char *format, ...)
 
 static void begin(bench_json_t *json, const char *name)
 {
-    put(json, "%s", json->comma ? "," : "");
+    const char *const comma = json->comma ? "," : "";
     if (name != NULL) {
-        put(json, "\"%s\":", name);
+        put(json, "%s\"%s\":", comma, name);
+    } else {
+        put(json, "%s", comma);
     }
     json->comma = true;
 }
@@ -53,7 +55,8 @@ void bench_json_number(bench_json_t *json, const char *name, double value)
         return;
     }
     begin(json, name);
-    put(json, "%.17g", value);
+    /* Programs that read what is in memory take -0 for a whole number, which has no sign. */
+    put(json, (json->out == NULL && value == 0.0 && signbit(value)) ? "%.1f" : "%.17g", value);
 }
 
 void bench_json_whole(bench_json_t *json, const char *name, uint64_t value)

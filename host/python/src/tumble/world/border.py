@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import json
-import re
 from collections.abc import Iterable
 from typing import Any, NamedTuple, TypeAlias
 
+import msgspec
 import numpy as np
 
 from tumble.documents import base
-from tumble.documents.bench import BENCH, Bench
+from tumble.documents.bench import Bench
 from tumble.errors import BenchFault
 
 try:
@@ -26,7 +25,6 @@ FOREVER_US = 2**64 - 1
 _MOST_ID, _MOST_BYTES = 0x7FF, 8
 FRAME, CHANGE, AVERAGED, QUESTION, ENDED = 1, 2, 4, 8, 16  # bits of what has happened
 _NO_MEMORY = 32
-_NEGATIVE_ZERO = re.compile(rb"(?<=[\[:,])-0(?=[\],}])")  # which is no whole number, and keeps its sign
 OPERATORS = ("by-itself", "on-confirm", "never", "asked")  # who acts when the firmware waits for a person
 ENDS = ("running", "done", "fault", "interrupted", "too long", "left")
 ANSWERS = ("done", "abort", "repeat position", "repeat mounting", "leave")
@@ -242,11 +240,16 @@ class Border:
 
     def document(self) -> Bench:
         """What was found by now."""
-        told = _NEGATIVE_ZERO.sub(b"-0.0", ffi.string(lib.world_document(self._world)))
-        return base.read(Bench, BENCH, told, "the world")
+        told = ffi.string(lib.world_document(self._world))
+        return msgspec.json.decode(told, type=Bench, dec_hook=base.array_of)
+
+    def told(self) -> dict[str, Any]:
+        """The same as it is in JSON, which takes a third of the time."""
+        told: dict[str, Any] = msgspec.json.decode(ffi.string(lib.world_document(self._world)))
+        return told
 
     def event(self, happened: int) -> Event | None:
         """What a person at a terminal, or a page that shows the run, is told of CHANGE, AVERAGED or QUESTION; 0: of the
         angle while the table turns."""
         told = lib.world_event(self._world, happened)
-        return None if told == ffi.NULL else json.loads(ffi.string(told))
+        return None if told == ffi.NULL else msgspec.json.decode(ffi.string(told))
