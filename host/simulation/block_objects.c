@@ -1,6 +1,8 @@
 /* Written by tools/objects/generate from tools/objects/block.toml: change it there. */
 #include "simulation/block_objects.h"
 
+#include "canopen/table.h"
+
 #include <assert.h>
 #include <stddef.h>
 
@@ -33,66 +35,30 @@ static const tumble_limit_t limits[] = {
 };
 
 static const tumble_entry_t entries[] = {
-    /* Device type */
-    {0x1000U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_IMMEDIATE, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, 0U, 0U},
-    /* Error register */
-    {0x1001U, 0U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 1U, 0U, 0U, 0U, 0U, 0U},
-    /* Pre-defined error field */
-    {0x1003U, 0U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 1U, 0U, 0U, 0U, 0U, 0U},
-    {0x1003U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMMUNICATION, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 3U, 0U, 0U},
-    /* COB-ID SYNC message */
-    {0x1005U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_IMMEDIATE, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, 128U, 0U},
-    /* Manufacturer device name */
-    {0x1008U, 0U, TUMBLE_TYPE_VISIBLE_STRING, TUMBLE_HOME_CONSTANT,
-     TUMBLE_ACCESS_READ, 26U, 0U, 0U, 0U, offsetof(constants_t, value_1008_0), 0U},
-    /* Manufacturer hardware version */
-    {0x1009U, 0U, TUMBLE_TYPE_VISIBLE_STRING, TUMBLE_HOME_CONSTANT,
-     TUMBLE_ACCESS_READ, 9U, 0U, 0U, 0U, offsetof(constants_t, value_1009_0), 0U},
-    /* Manufacturer software version */
-    {0x100AU, 0U, TUMBLE_TYPE_VISIBLE_STRING, TUMBLE_HOME_CONSTANT,
-     TUMBLE_ACCESS_READ, 5U, 0U, 0U, 0U, offsetof(constants_t, value_100a_0), 0U},
-    /* COB-ID EMCY */
-    {0x1014U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMMUNICATION, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, 0U, 0U},
-    /* Consumer heartbeat time */
-    {0x1016U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 4U, 0U, 0U, 3U, 0U, 0U},
-    /* Producer heartbeat time */
-    {0x1017U, 0U, TUMBLE_TYPE_UNSIGNED16, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 2U, 0U, 0U, 0U, 0U, 0U},
-    /* Identity object */
-    {0x1018U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_IMMEDIATE, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, 0U, 0U},
-    {0x1018U, 2U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_CONSTANT,
-     TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, offsetof(constants_t, value_1018_2), 0U},
-    {0x1018U, 3U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_CONSTANT,
-     TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, offsetof(constants_t, value_1018_3), 0U},
-    {0x1018U, 4U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_IMMEDIATE, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, 3U, 0U},
-    /* Error behaviour */
-    {0x1029U, 1U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 1U, 1U, 0U, 0U, 0U, 0U},
-    /* SDO server parameter */
-    {0x1200U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMMUNICATION, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 1U, 0U, 0U},
-    /* Sample rate */
-    {0x2000U, 0U, TUMBLE_TYPE_UNSIGNED16, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 2U, 2U, 0U, 0U, offsetof(tumble_block_objects_t, sample_rate), 0U},
-    /* Status */
-    {0x2001U, 0U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 1U, 0U, 0U, 0U, offsetof(tumble_block_objects_t, status), 0U},
-    /* Temperature */
-    {0x2002U, 0U, TUMBLE_TYPE_INTEGER8, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 1U, 0U, 0U, 0U, offsetof(tumble_block_objects_t, temperature), 0U},
-    /* Samples sent */
-    {0x2003U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 4U, 0U, 0U, 0U, offsetof(tumble_block_objects_t, samples_sent), 0U},
-    /* Converter */
-    {0x2004U, 1U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ, 1U, 0U, 0U, 0U, offsetof(tumble_block_objects_t, converter_bits), 0U},
-    {0x2004U, 2U, TUMBLE_TYPE_REAL64, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ, 8U, 0U, 0U, 0U, offsetof(tumble_block_objects_t, converter_range), 0U},
-    /* Note */
-    {0x2005U, 0U, TUMBLE_TYPE_VISIBLE_STRING, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 32U, 0U, 0U, 0U, offsetof(tumble_block_objects_t, note), 0U},
+    TUMBLE_ROW(0x1000, 0, UNSIGNED32, IMMEDIATE, RO, 4, 0, 0, 0, 0, 0), /* Device type */
+    TUMBLE_ROW(0x1001, 0, UNSIGNED8, COMMUNICATION, RO | TPDO, 1, 0, 0, 0, 0, 0), /* Error register */
+    TUMBLE_ROW(0x1003, 0, UNSIGNED8, COMMUNICATION, RW, 1, 0, 0, 0, 0, 0), /* Pre-defined error field */
+    TUMBLE_ROW(0x1003, 1, UNSIGNED32, COMMUNICATION, RO, 4, 0, 0, 3, 0, 0),
+    TUMBLE_ROW(0x1005, 0, UNSIGNED32, IMMEDIATE, RO, 4, 0, 0, 0, 128, 0), /* COB-ID SYNC message */
+    TUMBLE_ROW(0x1008, 0, VISIBLE_STRING, CONSTANT, RO, 26, 0, 0, 0, offsetof(constants_t, value_1008_0), 0), /* Manufacturer device name */
+    TUMBLE_ROW(0x1009, 0, VISIBLE_STRING, CONSTANT, RO, 9, 0, 0, 0, offsetof(constants_t, value_1009_0), 0), /* Manufacturer hardware version */
+    TUMBLE_ROW(0x100A, 0, VISIBLE_STRING, CONSTANT, RO, 5, 0, 0, 0, offsetof(constants_t, value_100a_0), 0), /* Manufacturer software version */
+    TUMBLE_ROW(0x1014, 0, UNSIGNED32, COMMUNICATION, RO, 4, 0, 0, 0, 0, 0), /* COB-ID EMCY */
+    TUMBLE_ROW(0x1016, 1, UNSIGNED32, COMMUNICATION, RW, 4, 0, 0, 3, 0, 0), /* Consumer heartbeat time */
+    TUMBLE_ROW(0x1017, 0, UNSIGNED16, COMMUNICATION, RW, 2, 0, 0, 0, 0, 0), /* Producer heartbeat time */
+    TUMBLE_ROW(0x1018, 1, UNSIGNED32, IMMEDIATE, RO, 4, 0, 0, 0, 0, 0), /* Identity object */
+    TUMBLE_ROW(0x1018, 2, UNSIGNED32, CONSTANT, RO, 4, 0, 0, 0, offsetof(constants_t, value_1018_2), 0),
+    TUMBLE_ROW(0x1018, 3, UNSIGNED32, CONSTANT, RO, 4, 0, 0, 0, offsetof(constants_t, value_1018_3), 0),
+    TUMBLE_ROW(0x1018, 4, UNSIGNED32, IMMEDIATE, RO, 4, 0, 0, 0, 3, 0),
+    TUMBLE_ROW(0x1029, 1, UNSIGNED8, COMMUNICATION, RW, 1, 1, 0, 0, 0, 0), /* Error behaviour */
+    TUMBLE_ROW(0x1200, 1, UNSIGNED32, COMMUNICATION, RO, 4, 0, 0, 1, 0, 0), /* SDO server parameter */
+    TUMBLE_ROW(0x2000, 0, UNSIGNED16, VARIABLES, RW, 2, 2, 0, 0, offsetof(tumble_block_objects_t, sample_rate), 0), /* Sample rate */
+    TUMBLE_ROW(0x2001, 0, UNSIGNED8, VARIABLES, RO | TPDO, 1, 0, 0, 0, offsetof(tumble_block_objects_t, status), 0), /* Status */
+    TUMBLE_ROW(0x2002, 0, INTEGER8, VARIABLES, RO | TPDO, 1, 0, 0, 0, offsetof(tumble_block_objects_t, temperature), 0), /* Temperature */
+    TUMBLE_ROW(0x2003, 0, UNSIGNED32, VARIABLES, RO | TPDO, 4, 0, 0, 0, offsetof(tumble_block_objects_t, samples_sent), 0), /* Samples sent */
+    TUMBLE_ROW(0x2004, 1, UNSIGNED8, VARIABLES, RO, 1, 0, 0, 0, offsetof(tumble_block_objects_t, converter_bits), 0), /* Converter */
+    TUMBLE_ROW(0x2004, 2, REAL64, VARIABLES, RO, 8, 0, 0, 0, offsetof(tumble_block_objects_t, converter_range), 0),
+    TUMBLE_ROW(0x2005, 0, VISIBLE_STRING, VARIABLES, RW, 32, 0, 0, 0, offsetof(tumble_block_objects_t, note), 0), /* Note */
 };
 
 const tumble_object_table_t tumble_block_table = {

@@ -1,6 +1,8 @@
 /* Written by tools/objects/generate from tools/objects/drive.toml: change it there. */
 #include "simulation/drive_objects.h"
 
+#include "canopen/table.h"
+
 #include <assert.h>
 #include <stddef.h>
 
@@ -51,151 +53,61 @@ static const tumble_limit_t limits[] = {
 };
 
 static const tumble_entry_t entries[] = {
-    /* Device type */
-    {0x1000U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_CONSTANT,
-     TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, offsetof(constants_t, value_1000_0), 0U},
-    /* Error register */
-    {0x1001U, 0U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 1U, 0U, 0U, 0U, 0U, 0U},
-    /* Pre-defined error field */
-    {0x1003U, 0U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 1U, 0U, 0U, 0U, 0U, 0U},
-    {0x1003U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMMUNICATION, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 3U, 0U, 0U},
-    /* COB-ID SYNC message */
-    {0x1005U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_IMMEDIATE, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, 128U, 0U},
-    /* Manufacturer device name */
-    {0x1008U, 0U, TUMBLE_TYPE_VISIBLE_STRING, TUMBLE_HOME_CONSTANT,
-     TUMBLE_ACCESS_READ, 22U, 0U, 0U, 0U, offsetof(constants_t, value_1008_0), 0U},
-    /* Manufacturer hardware version */
-    {0x1009U, 0U, TUMBLE_TYPE_VISIBLE_STRING, TUMBLE_HOME_CONSTANT,
-     TUMBLE_ACCESS_READ, 9U, 0U, 0U, 0U, offsetof(constants_t, value_1009_0), 0U},
-    /* Manufacturer software version */
-    {0x100AU, 0U, TUMBLE_TYPE_VISIBLE_STRING, TUMBLE_HOME_CONSTANT,
-     TUMBLE_ACCESS_READ, 5U, 0U, 0U, 0U, offsetof(constants_t, value_100a_0), 0U},
-    /* COB-ID EMCY */
-    {0x1014U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMMUNICATION, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, 0U, 0U},
-    /* Consumer heartbeat time */
-    {0x1016U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 4U, 0U, 0U, 3U, 0U, 0U},
-    /* Producer heartbeat time */
-    {0x1017U, 0U, TUMBLE_TYPE_UNSIGNED16, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 2U, 0U, 0U, 0U, 0U, 0U},
-    /* Identity object */
-    {0x1018U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_IMMEDIATE, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, 0U, 0U},
-    {0x1018U, 2U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_CONSTANT,
-     TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, offsetof(constants_t, value_1018_2), 0U},
-    {0x1018U, 3U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_CONSTANT,
-     TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, offsetof(constants_t, value_1018_3), 0U},
-    {0x1018U, 4U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_IMMEDIATE, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, 2U, 0U},
-    /* Error behaviour */
-    {0x1029U, 1U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 1U, 1U, 0U, 0U, 0U, 0U},
-    /* SDO server parameter */
-    {0x1200U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMMUNICATION, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 1U, 0U, 0U},
-    /* Receive PDO 1 parameter */
-    {0x1400U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 4U, 0U, 0U, 0U, 0U, 0U},
-    {0x1400U, 2U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 1U, 0U, 0U, 0U, 0U, 0U},
-    /* Receive PDO 1 mapping */
-    {0x1600U, 0U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 1U, 0U, 0U, 0U, 0U, 0U},
-    {0x1600U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 4U, 0U, 0U, 7U, 0U, 0U},
-    /* Transmit PDO 1 parameter, and 1 more */
-    {0x1800U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 4U, 0U, 1U, 0U, 0U, 0U},
-    {0x1800U, 2U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 1U, 0U, 1U, 0U, 0U, 0U},
-    {0x1800U, 3U, TUMBLE_TYPE_UNSIGNED16, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 2U, 0U, 1U, 0U, 0U, 0U},
-    {0x1800U, 5U, TUMBLE_TYPE_UNSIGNED16, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 2U, 0U, 1U, 0U, 0U, 0U},
-    /* Transmit PDO 1 mapping, and 1 more */
-    {0x1A00U, 0U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 1U, 0U, 1U, 0U, 0U, 0U},
-    {0x1A00U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMMUNICATION,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 4U, 0U, 1U, 7U, 0U, 0U},
-    /* Abort connection option code */
-    {0x6007U, 0U, TUMBLE_TYPE_INTEGER16, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 2U, 2U, 0U, 0U, offsetof(tumble_drive_objects_t, abort_connection_option_code), 0U},
-    /* Error code */
-    {0x603FU, 0U, TUMBLE_TYPE_UNSIGNED16, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 2U, 0U, 0U, 0U, offsetof(tumble_drive_objects_t, error_code), 0U},
-    /* Controlword */
-    {0x6040U, 0U, TUMBLE_TYPE_UNSIGNED16, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_MAP_RECEIVE, 2U, 0U, 0U, 0U, offsetof(tumble_drive_objects_t, controlword), 0U},
-    /* Statusword */
-    {0x6041U, 0U, TUMBLE_TYPE_UNSIGNED16, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 2U, 0U, 0U, 0U, offsetof(tumble_drive_objects_t, statusword), 0U},
-    /* Quick stop option code */
-    {0x605AU, 0U, TUMBLE_TYPE_INTEGER16, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 2U, 3U, 0U, 0U, offsetof(tumble_drive_objects_t, quick_stop_option_code), 0U},
-    /* Modes of operation */
-    {0x6060U, 0U, TUMBLE_TYPE_INTEGER8, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_MAP_RECEIVE, 1U, 0U, 0U, 0U, offsetof(tumble_drive_objects_t, modes_of_operation), 0U},
-    /* Modes of operation display */
-    {0x6061U, 0U, TUMBLE_TYPE_INTEGER8, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 1U, 0U, 0U, 0U, offsetof(tumble_drive_objects_t, modes_of_operation_display), 0U},
-    /* Position actual value */
-    {0x6064U, 0U, TUMBLE_TYPE_INTEGER32, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 4U, 0U, 0U, 0U, offsetof(tumble_drive_objects_t, position_actual_value), 0U},
-    /* Following error window */
-    {0x6065U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 4U, 0U, 0U, 0U, offsetof(tumble_drive_objects_t, following_error_window), 0U},
-    /* Following error time out */
-    {0x6066U, 0U, TUMBLE_TYPE_UNSIGNED16, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 2U, 0U, 0U, 0U, offsetof(tumble_drive_objects_t, following_error_time_out), 0U},
-    /* Position window */
-    {0x6067U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 4U, 0U, 0U, 0U, offsetof(tumble_drive_objects_t, position_window), 0U},
-    /* Position window time */
-    {0x6068U, 0U, TUMBLE_TYPE_UNSIGNED16, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 2U, 0U, 0U, 0U, offsetof(tumble_drive_objects_t, position_window_time), 0U},
-    /* Velocity actual value */
-    {0x606CU, 0U, TUMBLE_TYPE_INTEGER32, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 4U, 0U, 0U, 0U, offsetof(tumble_drive_objects_t, velocity_actual_value), 0U},
-    /* Target position */
-    {0x607AU, 0U, TUMBLE_TYPE_INTEGER32, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_MAP_RECEIVE, 4U, 0U, 0U, 0U, offsetof(tumble_drive_objects_t, target_position), 0U},
-    /* Home offset */
-    {0x607CU, 0U, TUMBLE_TYPE_INTEGER32, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 4U, 0U, 0U, 0U, offsetof(tumble_drive_objects_t, home_offset), 0U},
-    /* Software position limit */
-    {0x607DU, 1U, TUMBLE_TYPE_INTEGER32, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 4U, 0U, 0U, 0U, offsetof(tumble_drive_objects_t, software_position_limit_min_position_limit), 0U},
-    {0x607DU, 2U, TUMBLE_TYPE_INTEGER32, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 4U, 0U, 0U, 0U, offsetof(tumble_drive_objects_t, software_position_limit_max_position_limit), 0U},
-    /* Profile velocity */
-    {0x6081U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_MAP_RECEIVE, 4U, 4U, 0U, 0U, offsetof(tumble_drive_objects_t, profile_velocity), 0U},
-    /* Profile acceleration */
-    {0x6083U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 4U, 4U, 0U, 0U, offsetof(tumble_drive_objects_t, profile_acceleration), 0U},
-    /* Profile deceleration */
-    {0x6084U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 4U, 4U, 0U, 0U, offsetof(tumble_drive_objects_t, profile_deceleration), 0U},
-    /* Quick stop deceleration */
-    {0x6085U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 4U, 4U, 0U, 0U, offsetof(tumble_drive_objects_t, quick_stop_deceleration), 0U},
-    /* Position encoder resolution */
-    {0x608FU, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, offsetof(tumble_drive_objects_t, position_encoder_resolution_encoder_increments), 0U},
-    {0x608FU, 2U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, offsetof(tumble_drive_objects_t, position_encoder_resolution_motor_revolutions), 0U},
-    /* Homing method */
-    {0x6098U, 0U, TUMBLE_TYPE_INTEGER8, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 1U, 0U, 0U, 0U, offsetof(tumble_drive_objects_t, homing_method), 0U},
-    /* Homing speeds */
-    {0x6099U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 4U, 4U, 0U, 0U, offsetof(tumble_drive_objects_t, homing_speeds_speed_during_search_for_switch), 0U},
-    {0x6099U, 2U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 4U, 4U, 0U, 0U, offsetof(tumble_drive_objects_t, homing_speeds_speed_during_search_for_zero), 0U},
-    /* Homing acceleration */
-    {0x609AU, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_VARIABLES,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 4U, 4U, 0U, 0U, offsetof(tumble_drive_objects_t, homing_acceleration), 0U},
-    /* Supported drive modes */
-    {0x6502U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_IMMEDIATE, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 0U, 33U, 0U},
+    TUMBLE_ROW(0x1000, 0, UNSIGNED32, CONSTANT, RO, 4, 0, 0, 0, offsetof(constants_t, value_1000_0), 0), /* Device type */
+    TUMBLE_ROW(0x1001, 0, UNSIGNED8, COMMUNICATION, RO | TPDO, 1, 0, 0, 0, 0, 0), /* Error register */
+    TUMBLE_ROW(0x1003, 0, UNSIGNED8, COMMUNICATION, RW, 1, 0, 0, 0, 0, 0), /* Pre-defined error field */
+    TUMBLE_ROW(0x1003, 1, UNSIGNED32, COMMUNICATION, RO, 4, 0, 0, 3, 0, 0),
+    TUMBLE_ROW(0x1005, 0, UNSIGNED32, IMMEDIATE, RO, 4, 0, 0, 0, 128, 0), /* COB-ID SYNC message */
+    TUMBLE_ROW(0x1008, 0, VISIBLE_STRING, CONSTANT, RO, 22, 0, 0, 0, offsetof(constants_t, value_1008_0), 0), /* Manufacturer device name */
+    TUMBLE_ROW(0x1009, 0, VISIBLE_STRING, CONSTANT, RO, 9, 0, 0, 0, offsetof(constants_t, value_1009_0), 0), /* Manufacturer hardware version */
+    TUMBLE_ROW(0x100A, 0, VISIBLE_STRING, CONSTANT, RO, 5, 0, 0, 0, offsetof(constants_t, value_100a_0), 0), /* Manufacturer software version */
+    TUMBLE_ROW(0x1014, 0, UNSIGNED32, COMMUNICATION, RO, 4, 0, 0, 0, 0, 0), /* COB-ID EMCY */
+    TUMBLE_ROW(0x1016, 1, UNSIGNED32, COMMUNICATION, RW, 4, 0, 0, 3, 0, 0), /* Consumer heartbeat time */
+    TUMBLE_ROW(0x1017, 0, UNSIGNED16, COMMUNICATION, RW, 2, 0, 0, 0, 0, 0), /* Producer heartbeat time */
+    TUMBLE_ROW(0x1018, 1, UNSIGNED32, IMMEDIATE, RO, 4, 0, 0, 0, 0, 0), /* Identity object */
+    TUMBLE_ROW(0x1018, 2, UNSIGNED32, CONSTANT, RO, 4, 0, 0, 0, offsetof(constants_t, value_1018_2), 0),
+    TUMBLE_ROW(0x1018, 3, UNSIGNED32, CONSTANT, RO, 4, 0, 0, 0, offsetof(constants_t, value_1018_3), 0),
+    TUMBLE_ROW(0x1018, 4, UNSIGNED32, IMMEDIATE, RO, 4, 0, 0, 0, 2, 0),
+    TUMBLE_ROW(0x1029, 1, UNSIGNED8, COMMUNICATION, RW, 1, 1, 0, 0, 0, 0), /* Error behaviour */
+    TUMBLE_ROW(0x1200, 1, UNSIGNED32, COMMUNICATION, RO, 4, 0, 0, 1, 0, 0), /* SDO server parameter */
+    TUMBLE_ROW(0x1400, 1, UNSIGNED32, COMMUNICATION, RW, 4, 0, 0, 0, 0, 0), /* Receive PDO 1 parameter */
+    TUMBLE_ROW(0x1400, 2, UNSIGNED8, COMMUNICATION, RW, 1, 0, 0, 0, 0, 0),
+    TUMBLE_ROW(0x1600, 0, UNSIGNED8, COMMUNICATION, RW, 1, 0, 0, 0, 0, 0), /* Receive PDO 1 mapping */
+    TUMBLE_ROW(0x1600, 1, UNSIGNED32, COMMUNICATION, RW, 4, 0, 0, 7, 0, 0),
+    TUMBLE_ROW(0x1800, 1, UNSIGNED32, COMMUNICATION, RW, 4, 0, 1, 0, 0, 0), /* Transmit PDO 1 parameter, and 1 more */
+    TUMBLE_ROW(0x1800, 2, UNSIGNED8, COMMUNICATION, RW, 1, 0, 1, 0, 0, 0),
+    TUMBLE_ROW(0x1800, 3, UNSIGNED16, COMMUNICATION, RW, 2, 0, 1, 0, 0, 0),
+    TUMBLE_ROW(0x1800, 5, UNSIGNED16, COMMUNICATION, RW, 2, 0, 1, 0, 0, 0),
+    TUMBLE_ROW(0x1A00, 0, UNSIGNED8, COMMUNICATION, RW, 1, 0, 1, 0, 0, 0), /* Transmit PDO 1 mapping, and 1 more */
+    TUMBLE_ROW(0x1A00, 1, UNSIGNED32, COMMUNICATION, RW, 4, 0, 1, 7, 0, 0),
+    TUMBLE_ROW(0x6007, 0, INTEGER16, VARIABLES, RW, 2, 2, 0, 0, offsetof(tumble_drive_objects_t, abort_connection_option_code), 0), /* Abort connection option code */
+    TUMBLE_ROW(0x603F, 0, UNSIGNED16, VARIABLES, RO | TPDO, 2, 0, 0, 0, offsetof(tumble_drive_objects_t, error_code), 0), /* Error code */
+    TUMBLE_ROW(0x6040, 0, UNSIGNED16, VARIABLES, RW | RPDO, 2, 0, 0, 0, offsetof(tumble_drive_objects_t, controlword), 0), /* Controlword */
+    TUMBLE_ROW(0x6041, 0, UNSIGNED16, VARIABLES, RO | TPDO, 2, 0, 0, 0, offsetof(tumble_drive_objects_t, statusword), 0), /* Statusword */
+    TUMBLE_ROW(0x605A, 0, INTEGER16, VARIABLES, RW, 2, 3, 0, 0, offsetof(tumble_drive_objects_t, quick_stop_option_code), 0), /* Quick stop option code */
+    TUMBLE_ROW(0x6060, 0, INTEGER8, VARIABLES, RW | RPDO, 1, 0, 0, 0, offsetof(tumble_drive_objects_t, modes_of_operation), 0), /* Modes of operation */
+    TUMBLE_ROW(0x6061, 0, INTEGER8, VARIABLES, RO | TPDO, 1, 0, 0, 0, offsetof(tumble_drive_objects_t, modes_of_operation_display), 0), /* Modes of operation display */
+    TUMBLE_ROW(0x6064, 0, INTEGER32, VARIABLES, RO | TPDO, 4, 0, 0, 0, offsetof(tumble_drive_objects_t, position_actual_value), 0), /* Position actual value */
+    TUMBLE_ROW(0x6065, 0, UNSIGNED32, VARIABLES, RW, 4, 0, 0, 0, offsetof(tumble_drive_objects_t, following_error_window), 0), /* Following error window */
+    TUMBLE_ROW(0x6066, 0, UNSIGNED16, VARIABLES, RW, 2, 0, 0, 0, offsetof(tumble_drive_objects_t, following_error_time_out), 0), /* Following error time out */
+    TUMBLE_ROW(0x6067, 0, UNSIGNED32, VARIABLES, RW, 4, 0, 0, 0, offsetof(tumble_drive_objects_t, position_window), 0), /* Position window */
+    TUMBLE_ROW(0x6068, 0, UNSIGNED16, VARIABLES, RW, 2, 0, 0, 0, offsetof(tumble_drive_objects_t, position_window_time), 0), /* Position window time */
+    TUMBLE_ROW(0x606C, 0, INTEGER32, VARIABLES, RO | TPDO, 4, 0, 0, 0, offsetof(tumble_drive_objects_t, velocity_actual_value), 0), /* Velocity actual value */
+    TUMBLE_ROW(0x607A, 0, INTEGER32, VARIABLES, RW | RPDO, 4, 0, 0, 0, offsetof(tumble_drive_objects_t, target_position), 0), /* Target position */
+    TUMBLE_ROW(0x607C, 0, INTEGER32, VARIABLES, RW, 4, 0, 0, 0, offsetof(tumble_drive_objects_t, home_offset), 0), /* Home offset */
+    TUMBLE_ROW(0x607D, 1, INTEGER32, VARIABLES, RW, 4, 0, 0, 0, offsetof(tumble_drive_objects_t, software_position_limit_min_position_limit), 0), /* Software position limit */
+    TUMBLE_ROW(0x607D, 2, INTEGER32, VARIABLES, RW, 4, 0, 0, 0, offsetof(tumble_drive_objects_t, software_position_limit_max_position_limit), 0),
+    TUMBLE_ROW(0x6081, 0, UNSIGNED32, VARIABLES, RW | RPDO, 4, 4, 0, 0, offsetof(tumble_drive_objects_t, profile_velocity), 0), /* Profile velocity */
+    TUMBLE_ROW(0x6083, 0, UNSIGNED32, VARIABLES, RW, 4, 4, 0, 0, offsetof(tumble_drive_objects_t, profile_acceleration), 0), /* Profile acceleration */
+    TUMBLE_ROW(0x6084, 0, UNSIGNED32, VARIABLES, RW, 4, 4, 0, 0, offsetof(tumble_drive_objects_t, profile_deceleration), 0), /* Profile deceleration */
+    TUMBLE_ROW(0x6085, 0, UNSIGNED32, VARIABLES, RW, 4, 4, 0, 0, offsetof(tumble_drive_objects_t, quick_stop_deceleration), 0), /* Quick stop deceleration */
+    TUMBLE_ROW(0x608F, 1, UNSIGNED32, VARIABLES, RO, 4, 0, 0, 0, offsetof(tumble_drive_objects_t, position_encoder_resolution_encoder_increments), 0), /* Position encoder resolution */
+    TUMBLE_ROW(0x608F, 2, UNSIGNED32, VARIABLES, RO, 4, 0, 0, 0, offsetof(tumble_drive_objects_t, position_encoder_resolution_motor_revolutions), 0),
+    TUMBLE_ROW(0x6098, 0, INTEGER8, VARIABLES, RW, 1, 0, 0, 0, offsetof(tumble_drive_objects_t, homing_method), 0), /* Homing method */
+    TUMBLE_ROW(0x6099, 1, UNSIGNED32, VARIABLES, RW, 4, 4, 0, 0, offsetof(tumble_drive_objects_t, homing_speeds_speed_during_search_for_switch), 0), /* Homing speeds */
+    TUMBLE_ROW(0x6099, 2, UNSIGNED32, VARIABLES, RW, 4, 4, 0, 0, offsetof(tumble_drive_objects_t, homing_speeds_speed_during_search_for_zero), 0),
+    TUMBLE_ROW(0x609A, 0, UNSIGNED32, VARIABLES, RW, 4, 4, 0, 0, offsetof(tumble_drive_objects_t, homing_acceleration), 0), /* Homing acceleration */
+    TUMBLE_ROW(0x6502, 0, UNSIGNED32, IMMEDIATE, RO, 4, 0, 0, 0, 33, 0), /* Supported drive modes */
 };
 
 const tumble_object_table_t tumble_drive_table = {

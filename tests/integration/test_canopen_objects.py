@@ -138,9 +138,9 @@ def test_the_compiler_takes_the_tables(tree):
 @pytest.mark.parametrize(
     "old, new, where",
     [
-        ('member = "judged"', 'member = "committed"', "2130h:2"),
+        ('member = "judged"', 'member = "committed"', "2130h:1"),
         ('type = "u8", member = "origin"', 'type = "u16", member = "origin"', "2100h:3"),
-        ('"coefficients.k_v_per_g[{i}][{j}]"', '"coefficients.k_v_per_g[{j}][{i}]"', "2104h:2"),
+        ('"coefficients.k_v_per_g[{i}][{j}]"', '"coefficients.k_v_per_g[{j}][{i}]"', "2104h:1"),
         ('    { vector = "U0_", member = "per_month[{n}]", first = 9, unit = "V/month" },\n', "", "2163h:1"),
     ],
     ids=["out of order", "another size", "an element left out", "not the whole array"],

@@ -16,6 +16,7 @@ NOTICE = "Written by tools/objects/generate from tools/objects/{file}: change it
 HOMES = {"variable": "VARIABLES", "other": "OTHER", "computed": "COMPUTED", "communication": "COMMUNICATION"}
 MAX_OFFSET = OWN.value("TUMBLE_MAX_OFFSET")
 COLUMNS = 120
+MOST_IN_LINE = 4  # TUMBLE_IN_LINE_4
 
 
 def parts(node: Node) -> list[Node]:
@@ -173,8 +174,8 @@ class Source:
     def text(self) -> str:
         settings = self.node.settings
         includes = [f'#include "{settings["include"]}"', ""]
-        others = sorted([*settings.get("includes", []), *(["canopen/table_checks.h"] if self.layout_checks() else [])])
-        includes += [*(f'#include "{name}"' for name in others), *([""] if others else [])]
+        others = sorted([*settings.get("includes", []), "canopen/table.h"])
+        includes += [*(f'#include "{name}"' for name in others), ""]
         notice = f"/* {NOTICE.format(file=table_of(self.node))} */"
         parts = [
             [notice, *includes, *([] if self.node.extension else ["#include <assert.h>"]), "#include <stddef.h>"],
@@ -225,25 +226,24 @@ class Source:
         rows = []
         for alike in alike_objects(self.node.objects):
             names = alike[0].name if len(alike) == 1 else f"{alike[0].name}, and {len(alike) - 1} more"
-            rows.append(f"    /* {names} */")
-            rows += [self.row(run, len(alike) - 1) for run in runs_of(alike[0])]
+            mine = [self.row(run, len(alike) - 1) for run in runs_of(alike[0])]
+            rows += [f"{mine[0]} /* {names} */", *mine[1:]]
         return ["static const tumble_entry_t entries[] = {", *rows, "};"]
 
     def row(self, run: list[Entry], more_objects: int) -> str:
         entry = run[0]
         home, offset = self.home(entry)
-        source = source_name(self.node, entry.source) if entry.source else "0U"
+        source = source_name(self.node, entry.source) if entry.source else "0"
         limit = 0 if entry.low is None else 1 + self.limits.index((entry.low, entry.high))
-        first = f"    {{0x{entry.index:04X}U, {entry.subindex}U, TUMBLE_TYPE_{entry.type.name}, TUMBLE_HOME_{home},"
-        rest = f"{access(entry)}, {entry.size}U, {limit}U, {more_objects}U, {len(run) - 1}U, {offset}, {source}}},"
-        return one_line_or_two(first, "     ", rest)
+        return (f"    TUMBLE_ROW(0x{entry.index:04X}, {entry.subindex}, {entry.type.name}, {home}, {access(entry)}, "
+                f"{entry.size}, {limit}, {more_objects}, {len(run) - 1}, {offset}, {source}),")
 
     def home(self, entry: Entry) -> tuple[str, str]:
         if is_immediate(entry):
-            return "IMMEDIATE", f"{int(entry.value)}U"
+            return "IMMEDIATE", str(int(entry.value))
         if entry.home == "value":
             return "CONSTANT", f"offsetof(constants_t, {self.constant_name(entry)})"
-        offset = f"offsetof({entry.struct}, {entry.member})" if entry.member else "0U"
+        offset = f"offsetof({entry.struct}, {entry.member})" if entry.member else "0"
         return HOMES[entry.home], offset
 
     def table(self) -> list[str]:
@@ -361,25 +361,21 @@ def layout(item: Object) -> list[tuple]:
 
 
 def checks(run: list[Entry]) -> list[str]:
-    """One line for every entry of a run, or for the whole of an array."""
-    if not run[0].member or run[0].home not in ("other", "computed"):
+    """Macros of firmware/canopen/table.h: one for an array, one for up to MOST_IN_LINE members of a run."""
+    first = run[0]
+    if not first.member or first.home not in ("other", "computed"):
         return []
     if array := whole_array(run):
-        first = run[0]
-        return [check_line("IS_ARRAY", first, f"{array}, {first.member}", f", {len(run)}U")]
-    return [check_of(before, entry) for before, entry in zip([None, *run], run)]
+        return [check_line("IS_ARRAY", first, f"{array}, {first.member}, {len(run)}U")]
+    if len(run) == 1:
+        return [check_line("HAS_SIZE", first, first.member)]
+    parts = [run[at:at + MOST_IN_LINE] for at in range(0, len(run) - 1, MOST_IN_LINE - 1)]
+    return [check_line(f"IN_LINE_{len(part)}", part[0], ", ".join(entry.member for entry in part)) for part in parts]
 
 
-def check_of(before: Entry | None, entry: Entry) -> str:
-    if before is None:
-        return check_line("HAS_SIZE", entry, entry.member)
-    return check_line("FOLLOWS", entry, f"{before.member}, {entry.member}")
-
-
-def check_line(name: str, entry: Entry, members: str, count: str = "") -> str:
-    """A macro of firmware/canopen/table_checks.h."""
-    first = f'TUMBLE_{name}("{entry.where}", {entry.struct}, {members},'
-    return one_line_or_two(first, " " * (len(f"TUMBLE_{name}") + 1), f"{entry.size}U{count});")
+def check_line(name: str, entry: Entry, members: str) -> str:
+    first = f'TUMBLE_{name}("{entry.where}", {entry.struct}, {entry.size}U,'
+    return one_line_or_two(first, " " * (len(f"TUMBLE_{name}") + 1), f"{members});")
 
 
 def whole_array(run: list[Entry]) -> str | None:
@@ -398,11 +394,10 @@ def one_line_or_two(first: str, indent: str, rest: str) -> str:
 
 
 def access(entry: Entry) -> str:
-    bits = {"ro": ["READ"], "const": ["READ"], "rw": ["READ", "WRITE"], "wo": ["WRITE"]}[entry.access]
-    bits = bits + {None: [], "receive": ["MAP_RECEIVE"], "transmit": ["MAP_TRANSMIT"],
-                   "both": ["MAP_RECEIVE", "MAP_TRANSMIT"]}[entry.map]
-    bits = bits + {None: [], "service": ["SERVICE"]}[entry.level]
-    return " | ".join(f"TUMBLE_ACCESS_{bit}" for bit in bits)
+    bits = [{"ro": "RO", "const": "RO", "rw": "RW", "wo": "WO"}[entry.access]]
+    bits += {None: [], "receive": ["RPDO"], "transmit": ["TPDO"], "both": ["RPDO", "TPDO"]}[entry.map]
+    bits += {None: [], "service": ["SERVICE"]}[entry.level]
+    return " | ".join(bits)
 
 
 def source(node: Node) -> str:
