@@ -31,21 +31,21 @@ STORE = "firmware/sets/store.c"
 # without it).
 PLANTED = {
     "homing_travel": ("homing", "homing_endless", [
-        ("firmware/stand/drive402/position.c", "(drive->travel > drive->homing_counts)", "false"), TIME, STALL]),
+        ("firmware/stand/drive402/axis.c", "(drive->travel > drive->homing_counts)", "false"), TIME, STALL]),
     "stop": ("rest", "", [
         ("firmware/navcomp/step.c", "held = tumble_run_is_on(navcomp) || has_axis(navcomp);",
          "held = tumble_run_is_on(navcomp);"),
-        ("firmware/stand/drive402/stop.c",
+        ("firmware/stand/drive402/axis.c",
          "return tumble_drive_is_stopping(drive) ? since_us(drive, drive->rung + 1U) : TUMBLE_NEVER;",
          "return TUMBLE_NEVER;")]),
     "garbled_position": ("cable", "forged positions", [
-        ("firmware/stand/drive402/position.c", "if (!is_plausible(drive, change)) {", "if (false) {"), WAY]),
+        ("firmware/stand/drive402/axis.c", "if (!is_plausible(drive, change)) {", "if (false) {"), WAY]),
     "runaway": ("cable", "fault runaway", [WAY]),
     "false_position": ("homing", "position", [TIME, STALL, PACE]),
     "set_point_by_sdo": ("foreign", "forged set-point 602h", [
         WAY, TIME, ("firmware/navcomp/navcomp_events.c", ") || commands_by_sdo(navcomp, frame);", ");")]),
     "near_positions": ("cable", "0.3 ms apart", [
-        ("firmware/stand/drive402/position.c",
+        ("firmware/stand/drive402/axis.c",
          "drive->spare_counts = ((way - size) < most) ? (uint32_t)(way - size) : most;",
          "drive->spare_counts = most;"), WAY]),
     "read_back": ("speed", "6081h", [

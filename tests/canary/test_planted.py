@@ -27,22 +27,22 @@ PLANTED = {
         "gateway/test_gateway_service.c", "test_it_holds_for_the_session_that_opened_it_last"),
     # Nine of the kinds that unit tests caught.
     "stop ladder: no NMT stop": (
-        "firmware/stand/drive402/stop.c",
+        "firmware/stand/drive402/axis.c",
         "(void)tumble_nmt_command(&drive->node->nmt, drive->drive_node, TUMBLE_NMT_STOP);",
         "",
         "stand/test_drive402_stop.c", "test_the_third_way_is_nmt"),
     "position: a turn is guessed after silence": (
-        "firmware/stand/drive402/position.c",
+        "firmware/stand/drive402/axis.c",
         "(is_in_reach(drive, size_of(change)) && !is_guess(drive))",
         "is_in_reach(drive, size_of(change))",
         "stand/test_drive402_position.c", "test_a_turn_is_not_guessed_after_silence"),
     "homing: wherever it ends is home": (
-        "firmware/stand/drive402/motion.c",
+        "firmware/stand/drive402/phases.c",
         "is_home(drive, is_offset ? (int32_t)tumble_sdo_client_u32(client) : 0)",
         "true",
         "stand/test_drive402_position.c", "test_a_homing_that_leaves_the_position_elsewhere"),
     "homing: no bound": (
-        "firmware/stand/drive402/position.c",
+        "firmware/stand/drive402/axis.c",
         "(drive->travel > drive->homing_counts)",
         "false",
         "stand/test_drive402_position.c", "test_homing_turns_no_further_than_the_cable_and_a_turn"),

@@ -135,6 +135,7 @@ typedef struct {
     bool settled;     /* at rest long enough for `strayed` to count */
     bool falls;       /* bit 12 will acknowledge this set-point by falling */
     bool placed;      /* a position has come since the statusword showed target reached */
+    bool fresh;       /* a statusword has just come */
     uint8_t rung;     /* tumble_stop_rung_t: how far a stop has gone */
     uint8_t doubtful; /* reports in a row that were not believed */
     const tumble_drive_profile_t *profile;

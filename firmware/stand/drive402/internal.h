@@ -1,14 +1,9 @@
 /* internal.h - what the files of drive402 share (private to it).
  *
  *     drive402.c  what the node tells, time, the stand's functions
- *     axis.c      words to and from the drive, and what they tell of the axis
- *     phases.c    the table of phases: what each does, how long it may last, what it is for the stand
- *     start.c     what the phases do up to Operation enabled
- *     motion.c    what they do from there: homing, moving, stopping
- *     stop.c      the ladder of a stop
- *     position.c  which position reports are believed, how far homing turns
+ *     phases.c    what happens in each phase, from the first heartbeat to a stop; the table of phases
+ *     axis.c      angles and counts, words to and from the drive, which reports are believed, the ladder of a stop
  *     profile.c   the profile: is it usable, what to write into the drive, our own PDOs
- *     units.c     angles and counts
  */
 #ifndef TUMBLE_STAND_DRIVE402_INTERNAL_H
 #define TUMBLE_STAND_DRIVE402_INTERNAL_H
@@ -47,11 +42,11 @@ enum {
 
 typedef struct {
     void (*enter)(tumble_drive402_t *drive);
-    void (*look)(tumble_drive402_t *drive, bool fresh); /* fresh: a statusword has just come */
-    uint8_t timeout;                                    /* where it stands in the profile; 0: none */
-    uint8_t late;                                       /* tumble_stand_fault_t at the timeout */
-    uint8_t state; /* tumble_stand_state_t; of IDLE, STOPPED and POWER see drive_state in drive402.c */
-    uint8_t watch; /* WATCH_... */
+    void (*look)(tumble_drive402_t *drive);
+    uint8_t timeout; /* where it stands in the profile; 0: none */
+    uint8_t late;    /* tumble_stand_fault_t at the timeout */
+    uint8_t state;   /* tumble_stand_state_t; of IDLE, STOPPED and POWER see drive_state in drive402.c */
+    uint8_t watch;   /* WATCH_... */
 } tumble_drive_row_t;
 
 extern const tumble_drive_row_t tumble_drive_rows[PHASE_COUNT];
@@ -65,7 +60,7 @@ void tumble_drive_fail(tumble_drive402_t *drive, tumble_stand_fault_t fault);
 /* Fail for an object that the drive has refused, or not shown in time: it is told with the phase. */
 void tumble_drive_refused(tumble_drive402_t *drive, uint16_t index, uint8_t subindex, uint32_t abort);
 
-/* Follow the phases as far as they lead by themselves. */
+/* Follow the phases as far as they lead by themselves. `fresh`: a statusword has just come. */
 void tumble_drive_look(tumble_drive402_t *drive, bool fresh);
 
 /* Have all process data that were asked for been handed to the port? */
@@ -80,7 +75,7 @@ void tumble_drive_control(tumble_drive402_t *drive, unsigned word);
 /* Is one of these bits set in the last statusword? */
 bool tumble_drive_has(const tumble_drive402_t *drive, unsigned bits);
 
-/* The ladder of a stop (stop.c): begin to watch a stop (from the node's last time on); leave the ladder; is it being
+/* The ladder of a stop: begin to watch a stop (from the node's last time on); leave the ladder; is it being
  * climbed; when its next rung is due; climb. */
 void tumble_drive_watch_stop(tumble_drive402_t *drive);
 void tumble_drive_end_stop(tumble_drive402_t *drive);
@@ -95,9 +90,6 @@ void tumble_drive_tell_by_sdo(tumble_drive402_t *drive);
  * Notes whether the drive obeys. */
 bool tumble_drive_rests(tumble_drive402_t *drive);
 
-/* Has the same position been reported again and again? */
-bool tumble_drive_stands_still(const tumble_drive402_t *drive);
-
 /* A position has come: is it believed, and what follows from it. */
 void tumble_drive_take_position(tumble_drive402_t *drive);
 
@@ -108,44 +100,10 @@ void tumble_drive_lose_position(tumble_drive402_t *drive, tumble_stand_fault_t f
 /* When the axis, if it turns, has been unseen for too long. */
 uint64_t tumble_drive_blind_us(const tumble_drive402_t *drive);
 
-/* Write the mode by SDO, then read its display until it shows it: true, once. */
-bool tumble_drive_shows_mode(tumble_drive402_t *drive, int8_t mode);
-
-/* Start to read an object of the drive; and, true when nothing is under way any more (a transfer that went wrong is a
- * fault). */
-void tumble_drive_ask(tumble_drive402_t *drive, uint16_t index, uint8_t subindex);
-bool tumble_drive_is_answered(tumble_drive402_t *drive);
-
 /* Give up what is under way by SDO or NMT. */
 void tumble_drive_leave_sdo(tumble_drive402_t *drive);
 
 #define TUMBLE_DRIVE_HEARTBEAT 0x1017U /* of the drive: what it is to send */
-
-/* What the phases do, by their names. */
-void tumble_drive_look_absent(tumble_drive402_t *drive, bool fresh);
-void tumble_drive_enter_configure(tumble_drive402_t *drive);
-void tumble_drive_look_configure(tumble_drive402_t *drive, bool fresh);
-void tumble_drive_look_start(tumble_drive402_t *drive, bool fresh);
-void tumble_drive_enter_power(tumble_drive402_t *drive);
-void tumble_drive_look_power(tumble_drive402_t *drive, bool fresh);
-void tumble_drive_look_home_mode(tumble_drive402_t *drive, bool fresh);
-void tumble_drive_enter_homing(tumble_drive402_t *drive);
-void tumble_drive_look_homing(tumble_drive402_t *drive, bool fresh);
-void tumble_drive_enter_verify(tumble_drive402_t *drive);
-void tumble_drive_look_verify(tumble_drive402_t *drive, bool fresh);
-void tumble_drive_look_move_mode(tumble_drive402_t *drive, bool fresh);
-void tumble_drive_enter_target(tumble_drive402_t *drive);
-void tumble_drive_look_target(tumble_drive402_t *drive, bool fresh);
-void tumble_drive_enter_set_point(tumble_drive402_t *drive);
-void tumble_drive_look_set_point(tumble_drive402_t *drive, bool fresh);
-void tumble_drive_enter_release(tumble_drive402_t *drive);
-void tumble_drive_look_release(tumble_drive402_t *drive, bool fresh);
-void tumble_drive_enter_moving(tumble_drive402_t *drive);
-void tumble_drive_look_moving(tumble_drive402_t *drive, bool fresh);
-void tumble_drive_enter_stopping(tumble_drive402_t *drive);
-void tumble_drive_look_stopping(tumble_drive402_t *drive, bool fresh);
-void tumble_drive_enter_fault(tumble_drive402_t *drive);
-void tumble_drive_look_fault(tumble_drive402_t *drive, bool fresh);
 
 /* The state of the power state machine in the last statusword, one of TUMBLE_402_STATE_... */
 uint16_t tumble_drive_power_state(const tumble_drive402_t *drive);

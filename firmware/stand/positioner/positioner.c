@@ -1,7 +1,8 @@
-#include "stand/positioner/internal.h"
+#include "stand/positioner/positioner.h"
 
 #include "core/arith.h"
 #include "core/count.h"
+#include "stand/bounds.h"
 
 #include <stddef.h>
 
@@ -13,6 +14,205 @@
 #define WRITE_ORDER 5U
 #define READ_AT 16U
 
+#define IDENTITY 0x5450U
+#define IS_MOVING 1U
+#define IS_IN_POSITION 2U
+#define IS_HOMED 4U
+#define IS_FAULT 8U
+#define IS_WATCHED 16U
+#define IS_ANY 31U
+#define COUNT_MDEG 100U /* flickers by more are no axis that is good for a calibration */
+
+enum { ORDER_STOP = 0, ORDER_HOME, ORDER_GO, ORDER_RESET };
+enum { READ_IDENTITY = 0, READ_STATUS, READ_NUMBER, READ_FAULT, READ_ANGLE, READ_ANGLE_LOW, READ_COUNT };
+
+static bool is(const tumble_positioner_t *axis, tumble_stand_state_t state)
+{
+    return axis->state == (uint8_t)state;
+}
+
+static int64_t distance(int64_t a, int64_t b)
+{
+    return (a > b) ? (a - b) : (b - a);
+}
+
+static bool is_stopping(const tumble_positioner_t *axis)
+{
+    return axis->rung != (uint8_t)TUMBLE_RUNG_NONE;
+}
+
+static bool is_at_rest(const tumble_positioner_t *axis)
+{
+    return is(axis, TUMBLE_STAND_READY) || is(axis, TUMBLE_STAND_IN_POSITION) || is(axis, TUMBLE_STAND_STOPPED);
+}
+
+/* What is ordered of the controller. */
+
+/* Tell the order once more, as a new one: with the next exchange, which goes at once. No order has the number 0. */
+static void tell(tumble_positioner_t *axis)
+{
+    axis->number = (axis->number == UINT16_MAX) ? 1U : (uint16_t)(axis->number + 1U);
+    axis->taken = false;
+    axis->restart_timer = true;
+}
+
+/* Order it, as something new. */
+static void give(tumble_positioner_t *axis, unsigned order)
+{
+    const bool stops = (order == (unsigned)ORDER_STOP) || (order == (unsigned)ORDER_RESET);
+    axis->order = (uint8_t)order;
+    axis->travelled = 0;
+    axis->rung = (uint8_t)(stops ? TUMBLE_RUNG_TOLD : TUMBLE_RUNG_NONE);
+    tell(axis);
+}
+
+/* Order a stop. One that is under way is not begun anew: its harsher means must come. */
+static void halt(tumble_positioner_t *axis)
+{
+    if (!is_stopping(axis)) {
+        give(axis, ORDER_STOP);
+    }
+}
+
+/* Stop and wait for clear_fault; in FAULT, stop again. */
+static void fail(tumble_positioner_t *axis, tumble_stand_fault_t fault)
+{
+    if (!is(axis, TUMBLE_STAND_FAULT)) {
+        axis->fault = (uint8_t)fault;
+        axis->state = (uint8_t)TUMBLE_STAND_FAULT;
+    }
+    if (axis->known) { /* else nothing has been set going */
+        halt(axis);
+    }
+}
+
+/* What the controller reports, what is wrong with it, and when an order has come to its end. */
+
+static bool has(const tumble_positioner_t *axis, unsigned bit)
+{
+    return (axis->status & bit) != 0U;
+}
+
+/* In FAULT the axis may still be set going, such as by an order that was given up and arrives late. */
+static tumble_stand_fault_t further_fault_of(const tumble_positioner_t *axis)
+{
+    return has(axis, IS_MOVING) ? TUMBLE_STAND_FAULT_POSITION : TUMBLE_STAND_FAULT_NONE;
+}
+
+/* What is wrong with a controller that has our order. */
+static tumble_stand_fault_t fault_of(const tumble_positioner_t *axis)
+{
+    const bool moves = is(axis, TUMBLE_STAND_MOVING) && !is_stopping(axis);
+    const bool held = is(axis, TUMBLE_STAND_IN_POSITION) || is(axis, TUMBLE_STAND_STOPPED);
+    const bool strayed = distance(axis->actual, axis->target) > axis->window_counts;
+    const bool outside = (axis->actual < axis->lowest_counts) || (axis->actual > axis->highest_counts);
+    tumble_stand_fault_t fault = TUMBLE_STAND_FAULT_NONE;
+    if (has(axis, IS_FAULT)) {
+        fault = TUMBLE_STAND_FAULT_DRIVE;
+    } else if (!has(axis, IS_WATCHED)) {
+        fault = is(axis, TUMBLE_STAND_OFFLINE) ? TUMBLE_STAND_FAULT_PROTOCOL : TUMBLE_STAND_FAULT_POWER;
+    } else if (((moves || held) && !has(axis, IS_HOMED)) || (held && strayed) || (moves && outside) ||
+               (is_at_rest(axis) && has(axis, IS_MOVING))) {
+        fault = TUMBLE_STAND_FAULT_POSITION;
+    } else if (is(axis, TUMBLE_STAND_HOMING) && (axis->travelled > axis->most_travel)) {
+        fault = TUMBLE_STAND_FAULT_HOMING;
+    } else {
+        /* all is well */
+    }
+    return fault;
+}
+
+/* The end of what was ordered, if the axis rests; in FAULT only the stop has an end. */
+static void come_to_rest(tumble_positioner_t *axis)
+{
+    const bool there = has(axis, IS_IN_POSITION) && has(axis, IS_HOMED) &&
+                       (distance(axis->actual, axis->target) <= axis->window_counts);
+    if (is_stopping(axis)) {
+        axis->rung = (uint8_t)TUMBLE_RUNG_NONE;
+        if (!is(axis, TUMBLE_STAND_FAULT)) {
+            axis->target = axis->actual;
+            axis->state = (uint8_t)(has(axis, IS_HOMED) ? TUMBLE_STAND_STOPPED : TUMBLE_STAND_READY);
+        }
+    } else if ((is(axis, TUMBLE_STAND_HOMING) || is(axis, TUMBLE_STAND_MOVING)) && there) {
+        axis->state = (uint8_t)TUMBLE_STAND_IN_POSITION;
+    } else {
+        /* it has not set out yet, or rested before */
+    }
+}
+
+/* Until the controller has our order, its report tells of the one before. */
+static void look(tumble_positioner_t *axis, uint16_t number, uint16_t code)
+{
+    if (number == axis->number) {
+        axis->taken = true;
+        const bool first = !is(axis, TUMBLE_STAND_FAULT);
+        const tumble_stand_fault_t fault = first ? fault_of(axis) : further_fault_of(axis);
+        if (fault != TUMBLE_STAND_FAULT_NONE) {
+            axis->report.fault_code = first ? code : axis->report.fault_code;
+            fail(axis, fault);
+        }
+        if (axis->taken && !has(axis, IS_MOVING)) {
+            come_to_rest(axis);
+        }
+    } else if (axis->taken) {
+        fail(axis, (number == 0U) ? TUMBLE_STAND_FAULT_POWER : TUMBLE_STAND_FAULT_FOREIGN);
+    } else {
+        /* the order is on its way */
+    }
+}
+
+static int32_t mdeg_of(const tumble_positioner_t *axis, double counts)
+{
+    return tumble_thousandths(counts / axis->profile->counts_per_deg);
+}
+
+/* What bounds the motion that the controller makes. How it starts and brakes is its own affair. */
+static void tell_motion(tumble_positioner_t *axis)
+{
+    const bool homes = is(axis, TUMBLE_STAND_HOMING);
+    const bool turns = axis->taken && !is_stopping(axis) && (homes || is(axis, TUMBLE_STAND_MOVING));
+    const double travel = tumble_abs((double)axis->most_travel / axis->profile->counts_per_deg);
+    axis->report.motion = (tumble_stand_motion_t){0, 0, 0, 0, 0};
+    if (turns) {
+        axis->report.motion = (tumble_stand_motion_t){
+            .speed_mdeg_s = (uint32_t)tumble_thousandths(axis->profile->speed_deg_s),
+            .ramp_ms = 0U,
+            .count_mdeg = COUNT_MDEG,
+            .to_mdeg = homes ? tumble_thousandths(travel) : mdeg_of(axis, (double)axis->target),
+        };
+    }
+}
+
+static int32_t counts_at(const uint16_t *values)
+{
+    const uint32_t raw = ((uint32_t)values[0] << 16U) | values[1];
+    return (raw <= (uint32_t)INT32_MAX) ? (int32_t)raw : -(int32_t)(UINT32_MAX - raw) - 1;
+}
+
+static void take_report(tumble_positioner_t *axis, const uint16_t *values)
+{
+    const uint16_t status = values[READ_STATUS];
+    const int32_t before = axis->actual;
+    const bool contradicts = ((status & IS_MOVING) != 0U) && ((status & IS_IN_POSITION) != 0U);
+    if ((values[READ_IDENTITY] != IDENTITY) || ((status & ~IS_ANY) != 0U) || contradicts) {
+        tumble_count(&axis->report.stop.implausible);
+        fail(axis, TUMBLE_STAND_FAULT_PROTOCOL);
+        return;
+    }
+    axis->heard_us = axis->now_us;
+    axis->status = status;
+    axis->actual = counts_at(&values[READ_ANGLE]);
+    if (!axis->known) { /* nothing is written before it is known what is there */
+        axis->known = true;
+        axis->number = values[READ_NUMBER];
+        give(axis, axis->order);
+        return;
+    }
+    axis->travelled += has(axis, IS_HOMED) ? 0U : (uint64_t)distance(axis->actual, before);
+    look(axis, values[READ_NUMBER], values[READ_FAULT]);
+    tell_motion(axis);
+}
+
 /* The course of time. */
 
 static void receive(tumble_positioner_t *axis)
@@ -22,9 +222,9 @@ static void receive(tumble_positioner_t *axis)
     const tumble_status_t status = axis->under_way ? link->end(link->context, values) : TUMBLE_E_PORT_BUSY;
     axis->under_way = axis->under_way && (status == TUMBLE_E_PORT_BUSY);
     if (status == TUMBLE_OK) {
-        tumble_positioner_report(axis, values);
+        take_report(axis, values);
     } else if (status == TUMBLE_E_FRAME) {
-        tumble_positioner_fail(axis, TUMBLE_STAND_FAULT_PROTOCOL);
+        fail(axis, TUMBLE_STAND_FAULT_PROTOCOL);
     } else {
         /* the time will tell */
     }
@@ -47,9 +247,9 @@ static void climb(tumble_positioner_t *axis)
     const bool told = (axis->rung == (uint8_t)TUMBLE_RUNG_TOLD);
     const uint32_t ms = told ? profile->stop_timeout_ms : (silent_ms(profile) + profile->silence_ms);
     if ((axis->rung < (uint8_t)TUMBLE_RUNG_UNCONFIRMED) && has_passed(axis, axis->since_us, ms)) {
-        tumble_positioner_fail(axis, TUMBLE_STAND_FAULT_STOP);
+        fail(axis, TUMBLE_STAND_FAULT_STOP);
         axis->rung = (uint8_t)(told ? TUMBLE_RUNG_SILENCE : TUMBLE_RUNG_UNCONFIRMED);
-        tumble_positioner_tell(axis); /* as soon as it is not silent */
+        tell(axis); /* as soon as it is not silent */
         tumble_count(&axis->report.stop.rungs[axis->rung - (uint8_t)TUMBLE_RUNG_AGAIN]);
     }
 }
@@ -59,13 +259,13 @@ static void watch(tumble_positioner_t *axis)
     const tumble_positioner_profile_t *profile = axis->profile;
     const bool silent = has_passed(axis, axis->heard_us, profile->silence_ms);
     if (axis->known && silent && !is(axis, TUMBLE_STAND_FAULT)) {
-        tumble_positioner_fail(axis, TUMBLE_STAND_FAULT_HEARTBEAT);
+        fail(axis, TUMBLE_STAND_FAULT_HEARTBEAT);
     } else if (is_stopping(axis)) {
         climb(axis);
     } else if (is(axis, TUMBLE_STAND_HOMING) && has_passed(axis, axis->since_us, profile->home_timeout_ms)) {
-        tumble_positioner_fail(axis, TUMBLE_STAND_FAULT_HOMING);
+        fail(axis, TUMBLE_STAND_FAULT_HOMING);
     } else if (is(axis, TUMBLE_STAND_MOVING) && has_passed(axis, axis->since_us, profile->move_timeout_ms)) {
-        tumble_positioner_fail(axis, TUMBLE_STAND_FAULT_TIMEOUT);
+        fail(axis, TUMBLE_STAND_FAULT_TIMEOUT);
     } else {
         /* nothing is late */
     }
@@ -177,7 +377,7 @@ static tumble_status_t set_out(tumble_positioner_t *axis, unsigned order, tumble
     }
     axis->target = target;
     axis->state = (uint8_t)state;
-    tumble_positioner_give(axis, order);
+    give(axis, order);
     return TUMBLE_OK;
 }
 
@@ -200,7 +400,7 @@ static void positioner_stop(void *self)
     if (is(axis, TUMBLE_STAND_OFFLINE)) {
         return; /* it has no other order */
     }
-    tumble_positioner_halt(axis);
+    halt(axis);
     if (!is(axis, TUMBLE_STAND_FAULT)) {
         axis->state = (uint8_t)TUMBLE_STAND_MOVING; /* until it is seen at rest */
     }
