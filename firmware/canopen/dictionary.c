@@ -11,7 +11,6 @@
 const tumble_entry_t *tumble_dictionary_row(const tumble_dictionary_t *dictionary, uint8_t place)
 {
     const uint8_t first = dictionary->table->count;
-
     return (place < first) ? &dictionary->table->entries[place] : &dictionary->extension->table->entries[place - first];
 }
 
@@ -21,10 +20,8 @@ tumble_abort_t tumble_dictionary_place(const tumble_dictionary_t *dictionary, ui
     const uint8_t further = (dictionary->extension != NULL) ? dictionary->extension->table->count : 0U;
     const uint8_t count = (uint8_t)(dictionary->table->count + further);
     tumble_abort_t refusal = TUMBLE_ABORT_NO_OBJECT;
-
     for (uint8_t i = 0; i < count; i++) {
         const tumble_entry_t *entry = tumble_dictionary_row(dictionary, i);
-
         if ((index >= entry->index) && ((index - entry->index) <= entry->more_objects)) {
             *place = i;
             if ((subindex >= entry->subindex) && ((subindex - entry->subindex) <= entry->more_subindices)) {
@@ -41,10 +38,8 @@ tumble_entry_t tumble_dictionary_entry(const tumble_dictionary_t *dictionary, ui
                                        uint8_t subindex)
 {
     tumble_entry_t entry = *tumble_dictionary_row(dictionary, place);
-
     if (subindex < entry.subindex) {
         const uint8_t highest = (uint8_t)(entry.subindex + entry.more_subindices);
-
         entry.type = TUMBLE_TYPE_UNSIGNED8;
         entry.access = TUMBLE_ACCESS_READ;
         entry.home = TUMBLE_HOME_IMMEDIATE;
@@ -67,7 +62,6 @@ tumble_abort_t tumble_dictionary_find(const tumble_dictionary_t *dictionary, uin
 {
     uint8_t place;
     const tumble_abort_t refusal = tumble_dictionary_place(dictionary, index, subindex, &place);
-
     if (refusal == TUMBLE_ABORT_NONE) {
         *entry = tumble_dictionary_entry(dictionary, place, index, subindex);
     }
@@ -92,38 +86,27 @@ static const tumble_object_table_t *table_of(const tumble_dictionary_t *dictiona
 
 static tumble_object_owner_t owner_of(const tumble_dictionary_t *dictionary, const tumble_entry_t *entry)
 {
-    tumble_object_owner_t owner = dictionary->application;
-
     if (entry->home == TUMBLE_HOME_COMMUNICATION) {
-        owner = dictionary->communication;
-    } else if (is_further(entry)) {
-        owner.hooks = dictionary->extension->hooks;
-    } else {
-        /* the application's */
+        return dictionary->communication;
     }
-    return owner;
+    return (tumble_object_owner_t){.hooks =
+                                       is_further(entry) ? dictionary->extension->hooks : dictionary->application.hooks,
+                                   .context = dictionary->application.context};
 }
 
 /* The variable of an entry whose home is RAM, else null. */
 static uint8_t *variable_of(const tumble_dictionary_t *dictionary, const tumble_entry_t *entry)
 {
-    uint8_t *at = NULL;
-
     if (entry->home == TUMBLE_HOME_VARIABLES) {
-        at = (uint8_t *)dictionary->variables + entry->offset;
-    } else if (entry->home == TUMBLE_HOME_OTHER) {
-        at = (uint8_t *)dictionary->other + entry->offset;
-    } else {
-        /* no variable */
+        return (uint8_t *)dictionary->variables + entry->offset;
     }
-    return at;
+    return (entry->home == TUMBLE_HOME_OTHER) ? ((uint8_t *)dictionary->other + entry->offset) : NULL;
 }
 
 /* Padded with zeros up to its size, or as long as it can be. */
 static uint8_t string_length(const uint8_t *at, uint8_t size)
 {
     uint8_t length = 0;
-
     while ((length < size) && (at[length] != 0U)) {
         ++length;
     }
@@ -133,7 +116,6 @@ static uint8_t string_length(const uint8_t *at, uint8_t size)
 void tumble_dictionary_pack(const tumble_entry_t *entry, const void *variable, uint8_t *bytes, uint8_t *size)
 {
     const uint8_t *at = (const uint8_t *)variable;
-
     if (is_string(entry)) {
         *size = string_length(at, entry->size);
         (void)memcpy(bytes, at, *size);
@@ -146,7 +128,6 @@ void tumble_dictionary_pack(const tumble_entry_t *entry, const void *variable, u
 void tumble_dictionary_unpack(const tumble_entry_t *entry, void *variable, const uint8_t *bytes, uint8_t size)
 {
     uint8_t *at = (uint8_t *)variable;
-
     if (is_string(entry)) {
         (void)memset(at, 0, entry->size);
         (void)memcpy(at, bytes, size);
@@ -161,7 +142,6 @@ static tumble_abort_t read_by_hook(const tumble_dictionary_t *dictionary, const 
 {
     const tumble_object_owner_t owner = owner_of(dictionary, entry);
     tumble_abort_t refusal = TUMBLE_ABORT_NO_DATA;
-
     if ((owner.hooks != NULL) && (owner.hooks->read != NULL)) {
         refusal = owner.hooks->read(owner.context, entry, bytes, size);
     }
@@ -175,22 +155,22 @@ tumble_abort_t tumble_dictionary_read(const tumble_dictionary_t *dictionary, con
                                       uint8_t *bytes, uint8_t *size)
 {
     const uint8_t *variable = variable_of(dictionary, entry);
-    tumble_abort_t refusal = TUMBLE_ABORT_NONE;
-
     *size = entry->size;
     if ((entry->access & TUMBLE_ACCESS_READ) == 0U) {
-        refusal = TUMBLE_ABORT_WRITE_ONLY;
-    } else if (entry->home == TUMBLE_HOME_IMMEDIATE) {
-        tumble_put_u64(bytes, entry->offset);
-    } else if (entry->home == TUMBLE_HOME_CONSTANT) {
-        tumble_dictionary_pack(entry, (const uint8_t *)table_of(dictionary, entry)->constants + entry->offset, bytes,
-                               size);
-    } else if (variable != NULL) {
-        tumble_dictionary_pack(entry, variable, bytes, size);
-    } else {
-        refusal = read_by_hook(dictionary, entry, bytes, size);
+        return TUMBLE_ABORT_WRITE_ONLY;
     }
-    return refusal;
+    if (entry->home == TUMBLE_HOME_IMMEDIATE) {
+        tumble_put_u64(bytes, entry->offset);
+        return TUMBLE_ABORT_NONE;
+    }
+    if (entry->home == TUMBLE_HOME_CONSTANT) {
+        variable = (const uint8_t *)table_of(dictionary, entry)->constants + entry->offset;
+    }
+    if (variable == NULL) {
+        return read_by_hook(dictionary, entry, bytes, size);
+    }
+    tumble_dictionary_pack(entry, variable, bytes, size);
+    return TUMBLE_ABORT_NONE;
 }
 
 /* A number of any type that can have limits. */
@@ -199,7 +179,6 @@ TUMBLE_ONE_COPY static double number_of(const tumble_entry_t *entry, const uint8
     uint32_t bits = 0;
     uint32_t sign = 0;
     double number;
-
     for (uint32_t i = 0; (i < entry->size) && (i < sizeof bits); i++) { /* wider integers have no limits */
         bits |= (uint32_t)bytes[i] << (8U * i);
         sign = (uint32_t)0x80U << (8U * i);
@@ -231,48 +210,35 @@ static bool is_real(const tumble_entry_t *entry)
 static tumble_abort_t check_value(const tumble_dictionary_t *dictionary, const tumble_entry_t *entry,
                                   const uint8_t *bytes)
 {
-    tumble_abort_t refusal = TUMBLE_ABORT_NONE;
-
     if ((entry->type == TUMBLE_TYPE_BOOLEAN) && (bytes[0] > 1U)) {
-        refusal = TUMBLE_ABORT_VALUE;
-    } else if ((entry->limit != 0U) || is_real(entry)) {
-        double number = number_of(entry, bytes);
-
-        if (!tumble_is_finite(number)) {
-            refusal = TUMBLE_ABORT_VALUE;
-        } else if (entry->limit != 0U) {
-            const tumble_limit_t *limit = &table_of(dictionary, entry)->limits[entry->limit - 1U];
-
-            if (tumble_exceeds(number, limit->high)) {
-                refusal = TUMBLE_ABORT_TOO_HIGH;
-            } else if (tumble_exceeds(limit->low, number)) {
-                refusal = TUMBLE_ABORT_TOO_LOW;
-            } else {
-                /* within */
-            }
-        } else {
-            /* any finite number */
-        }
-    } else {
-        /* any value of the type */
+        return TUMBLE_ABORT_VALUE;
     }
-    return refusal;
+    if ((entry->limit == 0U) && !is_real(entry)) {
+        return TUMBLE_ABORT_NONE;
+    }
+    const double number = number_of(entry, bytes);
+    if (!tumble_is_finite(number)) {
+        return TUMBLE_ABORT_VALUE;
+    }
+    if (entry->limit == 0U) {
+        return TUMBLE_ABORT_NONE;
+    }
+    const tumble_limit_t *limit = &table_of(dictionary, entry)->limits[entry->limit - 1U];
+    if (tumble_exceeds(number, limit->high)) {
+        return TUMBLE_ABORT_TOO_HIGH;
+    }
+    return tumble_exceeds(limit->low, number) ? TUMBLE_ABORT_TOO_LOW : TUMBLE_ABORT_NONE;
 }
 
 tumble_abort_t tumble_dictionary_accepts(const tumble_entry_t *entry, uint32_t size)
 {
-    tumble_abort_t refusal = TUMBLE_ABORT_NONE;
-
     if ((entry->access & TUMBLE_ACCESS_WRITE) == 0U) {
-        refusal = TUMBLE_ABORT_READ_ONLY;
-    } else if (size > entry->size) {
-        refusal = TUMBLE_ABORT_TOO_LONG;
-    } else if ((size < entry->size) && !is_string(entry)) {
-        refusal = TUMBLE_ABORT_TOO_SHORT;
-    } else {
-        /* fits */
+        return TUMBLE_ABORT_READ_ONLY;
     }
-    return refusal;
+    if (size > entry->size) {
+        return TUMBLE_ABORT_TOO_LONG;
+    }
+    return ((size < entry->size) && !is_string(entry)) ? TUMBLE_ABORT_TOO_SHORT : TUMBLE_ABORT_NONE;
 }
 
 /* Ask the entry's owner. Without a hook a variable may be written, a computed value may not. */
@@ -280,32 +246,26 @@ static tumble_abort_t write_by_hook(const tumble_dictionary_t *dictionary, const
                                     const uint8_t *bytes, uint8_t size)
 {
     const tumble_object_owner_t owner = owner_of(dictionary, entry);
-    bool computed = (entry->home == TUMBLE_HOME_COMPUTED) || (entry->home == TUMBLE_HOME_COMMUNICATION);
-    tumble_abort_t refusal = computed ? TUMBLE_ABORT_ACCESS : TUMBLE_ABORT_NONE;
-
     if ((owner.hooks != NULL) && (owner.hooks->write != NULL)) {
-        refusal = owner.hooks->write(owner.context, entry, bytes, size);
+        return owner.hooks->write(owner.context, entry, bytes, size);
     }
-    return refusal;
+    const bool computed = (entry->home == TUMBLE_HOME_COMPUTED) || (entry->home == TUMBLE_HOME_COMMUNICATION);
+    return computed ? TUMBLE_ABORT_ACCESS : TUMBLE_ABORT_NONE;
 }
 
 tumble_abort_t tumble_dictionary_write(const tumble_dictionary_t *dictionary, const tumble_entry_t *entry,
                                        const uint8_t *bytes, uint8_t size)
 {
     tumble_abort_t refusal = tumble_dictionary_accepts(entry, size);
-
     if (refusal == TUMBLE_ABORT_NONE) {
         refusal = check_value(dictionary, entry, bytes);
     }
     if ((refusal == TUMBLE_ABORT_NONE) && (entry->home != TUMBLE_HOME_IMMEDIATE)) {
         refusal = write_by_hook(dictionary, entry, bytes, size);
     }
-    if (refusal == TUMBLE_ABORT_NONE) {
-        uint8_t *variable = variable_of(dictionary, entry);
-
-        if (variable != NULL) {
-            tumble_dictionary_unpack(entry, variable, bytes, size);
-        }
+    uint8_t *variable = (refusal == TUMBLE_ABORT_NONE) ? variable_of(dictionary, entry) : NULL;
+    if (variable != NULL) {
+        tumble_dictionary_unpack(entry, variable, bytes, size);
     }
     return refusal;
 }

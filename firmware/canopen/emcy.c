@@ -33,7 +33,6 @@ static void record(tumble_emcy_t *emcy, const tumble_emergency_t *emergency)
 void tumble_emcy_raise(tumble_emcy_t *emcy, uint16_t code, uint8_t bits, const uint8_t info[TUMBLE_EMCY_INFO_BYTES])
 {
     tumble_emergency_t emergency = {.code = code};
-
     if (info != NULL) {
         (void)memcpy(emergency.info, info, TUMBLE_EMCY_INFO_BYTES);
     }
@@ -46,7 +45,6 @@ void tumble_emcy_raise(tumble_emcy_t *emcy, uint16_t code, uint8_t bits, const u
 void tumble_emcy_tell(tumble_emcy_t *emcy, uint16_t code, uint8_t bits, uint32_t detail)
 {
     uint8_t info[TUMBLE_EMCY_INFO_BYTES] = {0};
-
     tumble_put_u32(info, detail);
     tumble_emcy_raise(emcy, code, bits, info);
 }
@@ -57,25 +55,17 @@ void tumble_emcy_clear(tumble_emcy_t *emcy, uint8_t bits)
         emcy->error_register &= (uint8_t)~bits;
         if ((emcy->error_register & (uint8_t)~TUMBLE_ERROR_GENERIC) == 0U) {
             tumble_emergency_t gone = {.code = TUMBLE_EMCY_NO_ERROR};
-
             emcy->error_register = 0;
             enqueue(emcy, &gone);
         }
     }
 }
 
-void tumble_emcy_forget(tumble_emcy_t *emcy)
-{
-    emcy->recorded = 0;
-}
-
 void tumble_emcy_step(tumble_emcy_t *emcy, tumble_link_t *link)
 {
     tumble_status_t status = TUMBLE_OK;
-
     while ((emcy->queued > 0U) && (status == TUMBLE_OK)) {
         tumble_can_frame_t frame = {.id = (uint16_t)(TUMBLE_EMCY_ID + emcy->node), .length = 8};
-
         tumble_put_u16(&frame.data[0], emcy->queue[0].code);
         frame.data[2] = emcy->queue[0].error_register;
         (void)memcpy(&frame.data[3], emcy->queue[0].info, TUMBLE_EMCY_INFO_BYTES);
@@ -89,13 +79,12 @@ void tumble_emcy_step(tumble_emcy_t *emcy, tumble_link_t *link)
 
 bool tumble_emcy_parse(const tumble_can_frame_t *frame, uint8_t *node, tumble_emergency_t *emergency)
 {
-    bool whole = frame->length == 8U;
-
-    if (whole) {
-        *node = (uint8_t)(frame->id - TUMBLE_EMCY_ID);
-        emergency->code = tumble_get_u16(&frame->data[0]);
-        emergency->error_register = frame->data[2];
-        (void)memcpy(emergency->info, &frame->data[3], TUMBLE_EMCY_INFO_BYTES);
+    if (frame->length != 8U) {
+        return false;
     }
-    return whole;
+    *node = (uint8_t)(frame->id - TUMBLE_EMCY_ID);
+    emergency->code = tumble_get_u16(&frame->data[0]);
+    emergency->error_register = frame->data[2];
+    (void)memcpy(emergency->info, &frame->data[3], TUMBLE_EMCY_INFO_BYTES);
+    return true;
 }

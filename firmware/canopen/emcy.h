@@ -64,9 +64,6 @@ void tumble_emcy_tell(tumble_emcy_t *emcy, uint16_t code, uint8_t bits, uint32_t
  * effect when the register is 0 already. */
 void tumble_emcy_clear(tumble_emcy_t *emcy, uint8_t bits);
 
-/* Forget the history (writing 0 to 1003h:0). */
-void tumble_emcy_forget(tumble_emcy_t *emcy);
-
 /* Send what is queued, oldest first. */
 void tumble_emcy_step(tumble_emcy_t *emcy, tumble_link_t *link);
 

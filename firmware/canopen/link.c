@@ -12,7 +12,6 @@ void tumble_link_init(tumble_link_t *link, const tumble_port_t *port)
 tumble_status_t tumble_link_send(tumble_link_t *link, const tumble_can_frame_t *frame)
 {
     tumble_status_t status = link->port->can_send(link->port->context, frame);
-
     if (status == TUMBLE_OK) {
         tumble_count(&link->counters.sent);
     } else if (status == TUMBLE_E_PORT_BUSY) {
@@ -28,7 +27,6 @@ tumble_status_t tumble_link_send(tumble_link_t *link, const tumble_can_frame_t *
 tumble_status_t tumble_link_send_bytes(tumble_link_t *link, uint32_t id, const uint8_t *bytes, uint8_t length)
 {
     tumble_can_frame_t frame = {.id = (uint16_t)id, .length = length};
-
     (void)memcpy(frame.data, bytes, length);
     return tumble_link_send(link, &frame);
 }
@@ -36,7 +34,6 @@ tumble_status_t tumble_link_send_bytes(tumble_link_t *link, uint32_t id, const u
 tumble_status_t tumble_link_receive(tumble_link_t *link, tumble_can_frame_t *frame)
 {
     tumble_status_t status = link->port->can_receive(link->port->context, frame);
-
     if ((status != TUMBLE_OK) && (status != TUMBLE_E_PORT_EMPTY)) {
         status = TUMBLE_E_PORT_DOWN;
         tumble_count(&link->counters.down);

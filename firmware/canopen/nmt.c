@@ -43,7 +43,6 @@ void tumble_nmt_set_state(tumble_nmt_t *nmt, tumble_nmt_state_t state)
 uint8_t tumble_nmt_receive(tumble_nmt_t *nmt, const tumble_can_frame_t *frame)
 {
     uint8_t command = frame->data[0];
-
     if (frame->length != 2U) {
         tumble_count_u16(&nmt->ignored);
         return 0;
@@ -91,7 +90,6 @@ tumble_status_t tumble_nmt_command(tumble_nmt_t *nmt, uint8_t node, tumble_nmt_c
 static uint8_t place_of(const tumble_nmt_t *nmt, uint8_t node)
 {
     uint8_t place = 0;
-
     while ((place < TUMBLE_MAX_CONSUMERS) &&
            ((nmt->consumers[place].node != node) || (nmt->consumers[place].time_ms == 0U))) {
         ++place;
@@ -102,35 +100,26 @@ static uint8_t place_of(const tumble_nmt_t *nmt, uint8_t node)
 /* What a heartbeat says beside what was known. */
 static tumble_heartbeat_event_t judge(const tumble_consumer_t *consumer, uint8_t state)
 {
-    tumble_heartbeat_event_t event = TUMBLE_HEARTBEAT_NOTHING;
-
     if (state == (uint8_t)TUMBLE_NMT_INITIALISING) {
-        event = TUMBLE_HEARTBEAT_BOOTED;
-    } else if (consumer->deadline_us == TUMBLE_NEVER) {
-        event = TUMBLE_HEARTBEAT_BEGAN;
-    } else if (consumer->state != state) {
-        event = TUMBLE_HEARTBEAT_CHANGED;
-    } else {
-        /* as before */
+        return TUMBLE_HEARTBEAT_BOOTED;
     }
-    return event;
+    if (consumer->deadline_us == TUMBLE_NEVER) {
+        return TUMBLE_HEARTBEAT_BEGAN;
+    }
+    return (consumer->state != state) ? TUMBLE_HEARTBEAT_CHANGED : TUMBLE_HEARTBEAT_NOTHING;
 }
 
 tumble_heartbeat_event_t tumble_nmt_heard(tumble_nmt_t *nmt, const tumble_can_frame_t *frame, uint64_t now_us,
                                           uint8_t *node)
 {
-    tumble_consumer_t *consumer;
-    tumble_heartbeat_event_t event;
-    uint8_t place;
-    uint8_t state = frame->data[0] & 0x7FU; /* bit 7 is the toggle bit of node guarding */
-
+    const uint8_t state = frame->data[0] & 0x7FU; /* bit 7 is the toggle bit of node guarding */
     *node = (uint8_t)(frame->id - TUMBLE_HEARTBEAT_ID);
-    place = place_of(nmt, *node);
+    const uint8_t place = place_of(nmt, *node);
     if ((place == TUMBLE_MAX_CONSUMERS) || (frame->length != 1U)) {
         return TUMBLE_HEARTBEAT_NOTHING;
     }
-    consumer = &nmt->consumers[place];
-    event = judge(consumer, state);
+    tumble_consumer_t *consumer = &nmt->consumers[place];
+    const tumble_heartbeat_event_t event = judge(consumer, state);
     consumer->state = state;
     consumer->lost = false;
     consumer->deadline_us = now_us + ((uint64_t)consumer->time_ms * US_PER_MS);
@@ -141,7 +130,6 @@ uint8_t tumble_nmt_lost(tumble_nmt_t *nmt, uint64_t now_us)
 {
     for (uint8_t i = 0; i < TUMBLE_MAX_CONSUMERS; i++) {
         tumble_consumer_t *consumer = &nmt->consumers[i];
-
         if (now_us >= consumer->deadline_us) {
             consumer->deadline_us = TUMBLE_NEVER;
             consumer->state = (uint8_t)TUMBLE_NMT_UNKNOWN;
@@ -160,8 +148,7 @@ static tumble_status_t send_state(const tumble_nmt_t *nmt, tumble_link_t *link)
 /* The boot-up message is a heartbeat that carries 0. */
 static bool boot(tumble_nmt_t *nmt, tumble_link_t *link, uint64_t now_us)
 {
-    bool sent = send_state(nmt, link) == TUMBLE_OK;
-
+    const bool sent = send_state(nmt, link) == TUMBLE_OK;
     if (sent) {
         nmt->state = nmt->next_state;
         tumble_nmt_set_producer(nmt, nmt->producer_ms, now_us);
@@ -172,7 +159,6 @@ static bool boot(tumble_nmt_t *nmt, tumble_link_t *link, uint64_t now_us)
 static tumble_status_t send_commands(tumble_nmt_t *nmt, tumble_link_t *link)
 {
     tumble_status_t status = TUMBLE_OK;
-
     while ((nmt->queued > 0U) && (status == TUMBLE_OK)) {
         status = tumble_link_send_bytes(link, TUMBLE_NMT_ID, nmt->queue[0], sizeof nmt->queue[0]);
         if (status == TUMBLE_OK) {
@@ -188,7 +174,6 @@ static tumble_status_t send_commands(tumble_nmt_t *nmt, tumble_link_t *link)
 static void send_heartbeat(tumble_nmt_t *nmt, tumble_link_t *link, uint64_t now_us)
 {
     uint64_t period_us = (uint64_t)nmt->producer_ms * US_PER_MS;
-
     if ((now_us >= nmt->heartbeat_us) && (send_state(nmt, link) == TUMBLE_OK)) {
         nmt->heartbeat_us += period_us;
         if (nmt->heartbeat_us <= now_us) {
@@ -199,29 +184,24 @@ static void send_heartbeat(tumble_nmt_t *nmt, tumble_link_t *link, uint64_t now_
 
 bool tumble_nmt_step(tumble_nmt_t *nmt, tumble_link_t *link, uint64_t now_us)
 {
-    bool booted = false;
-
     if (nmt->state == (uint8_t)TUMBLE_NMT_INITIALISING) {
-        booted = boot(nmt, link, now_us);
-    } else if (send_commands(nmt, link) == TUMBLE_OK) {
-        send_heartbeat(nmt, link, now_us);
-    } else {
-        /* the port has no room: next step */
+        return boot(nmt, link, now_us);
     }
-    return booted;
+    if (send_commands(nmt, link) == TUMBLE_OK) { /* else the port has no room: next step */
+        send_heartbeat(nmt, link, now_us);
+    }
+    return false;
 }
 
 tumble_nmt_state_t tumble_nmt_state_of(const tumble_nmt_t *nmt, uint8_t node)
 {
     const uint8_t place = place_of(nmt, node);
-
     return (place < TUMBLE_MAX_CONSUMERS) ? (tumble_nmt_state_t)nmt->consumers[place].state : TUMBLE_NMT_UNKNOWN;
 }
 
 bool tumble_nmt_any_lost(const tumble_nmt_t *nmt)
 {
     bool lost = false;
-
     for (uint8_t i = 0; i < TUMBLE_MAX_CONSUMERS; i++) {
         lost = lost || nmt->consumers[i].lost;
     }
@@ -231,7 +211,6 @@ bool tumble_nmt_any_lost(const tumble_nmt_t *nmt)
 uint32_t tumble_nmt_consumer(const tumble_nmt_t *nmt, uint8_t subindex)
 {
     const tumble_consumer_t *consumer = &nmt->consumers[subindex - 1U];
-
     return ((uint32_t)consumer->node << 16) | consumer->time_ms;
 }
 
@@ -241,7 +220,6 @@ tumble_abort_t tumble_nmt_set_consumer(tumble_nmt_t *nmt, uint8_t subindex, uint
     uint8_t node = (uint8_t)((value >> 16) & 0xFFU);
     uint16_t time_ms = (uint16_t)(value & 0xFFFFU);
     const uint8_t place = place_of(nmt, node);
-
     if (((value >> 24) != 0U) || (node > MAX_NODE) || ((node == 0U) && (time_ms != 0U))) {
         return TUMBLE_ABORT_VALUE;
     }
@@ -272,7 +250,6 @@ void tumble_nmt_withhold(tumble_nmt_t *nmt, uint64_t until_us)
 uint64_t tumble_nmt_next_us(const tumble_nmt_t *nmt)
 {
     uint64_t next_us = nmt->heartbeat_us;
-
     if ((nmt->state == (uint8_t)TUMBLE_NMT_INITIALISING) || (nmt->queued > 0U)) {
         return 0;
     }

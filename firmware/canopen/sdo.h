@@ -87,7 +87,7 @@ typedef struct {
     uint16_t ignored; /* answers that belong to no request: late, from before a timeout, malformed */
     uint16_t index;
     uint16_t below;        /* TUMBLE_SDO_TO_FIRST or TUMBLE_SDO_TO_SECOND; not to be changed within a transfer */
-    uint8_t *sink;         /* upload: the caller's memory; null: `value` below */
+    uint8_t *sink;         /* upload: the caller's memory, or `value` below */
     const uint8_t *source; /* download: likewise */
     uint32_t abort;        /* why the last transfer failed: the server's code or this end's; 0: it did not */
     uint64_t deadline_us;  /* TUMBLE_NEVER: not waiting */

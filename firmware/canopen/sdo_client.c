@@ -15,6 +15,7 @@ void tumble_sdo_client_init(tumble_sdo_client_t *client)
     (void)memset(client, 0, sizeof *client);
     client->deadline_us = TUMBLE_NEVER;
     client->result = TUMBLE_OK;
+    client->sink = client->value;
     client->below = TUMBLE_SDO_TO_FIRST;
 }
 
@@ -52,49 +53,54 @@ static void abort_transfer(tumble_sdo_client_t *client, tumble_status_t result, 
 TUMBLE_ONE_COPY static tumble_status_t begin(tumble_sdo_client_t *client, uint8_t node, uint16_t index,
                                              uint8_t subindex)
 {
-    tumble_status_t status = TUMBLE_OK;
-
     if (client->result == TUMBLE_E_SDO_BUSY) {
-        status = TUMBLE_E_SDO_BUSY;
-    } else if ((node == 0U) || (node > MAX_NODE)) {
-        status = TUMBLE_E_ARGUMENT;
-    } else {
-        client->node = node;
-        client->index = index;
-        client->subindex = subindex;
-        client->phase = PHASE_FIRST;
-        client->sink = NULL;
-        client->source = NULL;
-        client->done = 0;
-        client->size = 0;
-        client->toggle = 0;
+        return TUMBLE_E_SDO_BUSY;
+    }
+    if ((node == 0U) || (node > MAX_NODE)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    client->node = node;
+    client->index = index;
+    client->subindex = subindex;
+    client->phase = PHASE_FIRST;
+    client->sink = client->value;
+    client->done = 0;
+    client->size = 0;
+    client->toggle = 0;
+    client->abort = 0;
+    client->result = TUMBLE_E_SDO_BUSY;
+    return TUMBLE_OK;
+}
+
+tumble_status_t tumble_sdo_client_read_into(tumble_sdo_client_t *client, uint8_t node, uint16_t index, uint8_t subindex,
+                                            uint8_t *data, uint8_t capacity)
+{
+    if ((data == NULL) || (capacity == 0U)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    const tumble_status_t status = begin(client, node, index, subindex);
+    if (status == TUMBLE_OK) {
+        client->sink = data;
+        client->capacity = capacity;
+        client->transfer = (uint8_t)TUMBLE_SDO_UPLOAD;
+        request_with_object(client, TUMBLE_SDO_UPLOAD_REQUEST);
     }
     return status;
 }
 
-static void begin_upload(tumble_sdo_client_t *client, uint8_t capacity)
+tumble_status_t tumble_sdo_client_read(tumble_sdo_client_t *client, uint8_t node, uint16_t index, uint8_t subindex)
 {
-    client->capacity = capacity;
-    client->transfer = (uint8_t)TUMBLE_SDO_UPLOAD;
-    client->result = TUMBLE_E_SDO_BUSY;
-    client->abort = 0;
-    request_with_object(client, TUMBLE_SDO_UPLOAD_REQUEST);
+    return tumble_sdo_client_read_into(client, node, index, subindex, client->value, (uint8_t)sizeof client->value);
 }
 
-static const uint8_t *source_of(const tumble_sdo_client_t *client)
+static void begin_download(tumble_sdo_client_t *client, const uint8_t *data, uint8_t size)
 {
-    return (client->source != NULL) ? client->source : client->value;
-}
-
-static void begin_download(tumble_sdo_client_t *client, uint8_t size)
-{
+    client->source = data;
     client->size = size;
     client->transfer = (uint8_t)TUMBLE_SDO_DOWNLOAD;
-    client->result = TUMBLE_E_SDO_BUSY;
-    client->abort = 0;
     if (size <= TUMBLE_SDO_EXPEDITED) {
         request_with_object(client, tumble_sdo_expedited(TUMBLE_SDO_DOWNLOAD_REQUEST, size));
-        (void)memcpy(&client->request[4], source_of(client), size);
+        (void)memcpy(&client->request[4], data, size);
         client->done = size;
     } else {
         request_with_object(client, TUMBLE_SDO_DOWNLOAD_REQUEST | TUMBLE_SDO_S);
@@ -102,42 +108,16 @@ static void begin_download(tumble_sdo_client_t *client, uint8_t size)
     }
 }
 
-tumble_status_t tumble_sdo_client_read(tumble_sdo_client_t *client, uint8_t node, uint16_t index, uint8_t subindex)
-{
-    tumble_status_t status = begin(client, node, index, subindex);
-
-    if (status == TUMBLE_OK) {
-        begin_upload(client, (uint8_t)sizeof client->value);
-    }
-    return status;
-}
-
-tumble_status_t tumble_sdo_client_read_into(tumble_sdo_client_t *client, uint8_t node, uint16_t index, uint8_t subindex,
-                                            uint8_t *data, uint8_t capacity)
-{
-    tumble_status_t status = TUMBLE_E_ARGUMENT;
-
-    if ((data != NULL) && (capacity != 0U)) {
-        status = begin(client, node, index, subindex);
-    }
-    if (status == TUMBLE_OK) {
-        client->sink = data;
-        begin_upload(client, capacity);
-    }
-    return status;
-}
-
 tumble_status_t tumble_sdo_client_write(tumble_sdo_client_t *client, uint8_t node, uint16_t index, uint8_t subindex,
                                         uint32_t value, uint8_t size)
 {
-    tumble_status_t status = TUMBLE_E_ARGUMENT;
-
-    if ((size == 1U) || (size == 2U) || (size == 4U)) {
-        status = begin(client, node, index, subindex);
+    if ((size != 1U) && (size != 2U) && (size != 4U)) {
+        return TUMBLE_E_ARGUMENT;
     }
+    const tumble_status_t status = begin(client, node, index, subindex);
     if (status == TUMBLE_OK) {
         tumble_put_u32(client->value, value);
-        begin_download(client, size);
+        begin_download(client, client->value, size);
     }
     return status;
 }
@@ -145,14 +125,12 @@ tumble_status_t tumble_sdo_client_write(tumble_sdo_client_t *client, uint8_t nod
 tumble_status_t tumble_sdo_client_write_from(tumble_sdo_client_t *client, uint8_t node, uint16_t index,
                                              uint8_t subindex, const uint8_t *data, uint8_t size)
 {
-    tumble_status_t status = TUMBLE_E_ARGUMENT;
-
-    if ((data != NULL) && (size != 0U)) {
-        status = begin(client, node, index, subindex);
+    if ((data == NULL) || (size == 0U)) {
+        return TUMBLE_E_ARGUMENT;
     }
+    const tumble_status_t status = begin(client, node, index, subindex);
     if (status == TUMBLE_OK) {
-        client->source = data;
-        begin_download(client, size);
+        begin_download(client, data, size);
     }
     return status;
 }
@@ -180,26 +158,21 @@ static void refuse(tumble_sdo_client_t *client, tumble_abort_t reason)
 /* Append received bytes to the value; false when the transfer had to be aborted. */
 static bool append(tumble_sdo_client_t *client, const uint8_t *bytes, uint8_t length)
 {
-    uint8_t *sink = (client->sink != NULL) ? client->sink : client->value;
-    bool fits = length <= (client->capacity - client->done);
-
-    if (fits) {
-        (void)memcpy(&sink[client->done], bytes, length);
-        client->done = (uint8_t)(client->done + length);
-    } else {
+    if (length > (client->capacity - client->done)) {
         refuse(client, TUMBLE_ABORT_MEMORY);
+        return false;
     }
-    return fits;
+    (void)memcpy(&client->sink[client->done], bytes, length);
+    client->done = (uint8_t)(client->done + length);
+    return true;
 }
 
 static void upload_begun(tumble_sdo_client_t *client, const tumble_can_frame_t *frame)
 {
     uint8_t command = frame->data[0];
     uint32_t announced = ((command & TUMBLE_SDO_S) != 0U) ? tumble_get_u32(&frame->data[4]) : 0U;
-
     if ((command & TUMBLE_SDO_E) != 0U) {
         uint8_t unused = ((command & TUMBLE_SDO_S) != 0U) ? ((command >> 2) & 3U) : 0U;
-
         if (append(client, &frame->data[4], (uint8_t)(TUMBLE_SDO_EXPEDITED - unused))) {
             end_transfer(client, TUMBLE_OK, 0);
         }
@@ -212,30 +185,24 @@ static void upload_begun(tumble_sdo_client_t *client, const tumble_can_frame_t *
     }
 }
 
-static void request_upload_segment(tumble_sdo_client_t *client)
-{
-    client->toggle ^= TUMBLE_SDO_TOGGLE;
-    request(client, (uint8_t)(TUMBLE_SDO_UPLOAD_SEGMENT_REQUEST | client->toggle));
-}
-
 static void upload_segment(tumble_sdo_client_t *client, const tumble_can_frame_t *frame)
 {
-    uint8_t command = frame->data[0];
-    uint8_t length = (uint8_t)(TUMBLE_SDO_SEGMENT - ((command >> 1) & 7U));
-    bool last = (command & TUMBLE_SDO_C) != 0U;
-
-    if (append(client, &frame->data[1], length)) {
-        bool too_much = (client->size != 0U) && (client->done > client->size);
-        bool too_little = last && (client->size != 0U) && (client->done < client->size);
-        bool endless = !last && (length == 0U);
-
-        if (too_much || too_little || endless) {
-            refuse(client, TUMBLE_ABORT_LENGTH);
-        } else if (last) {
-            end_transfer(client, TUMBLE_OK, 0);
-        } else {
-            request_upload_segment(client);
-        }
+    const uint8_t command = frame->data[0];
+    const uint8_t length = (uint8_t)(TUMBLE_SDO_SEGMENT - ((command >> 1) & 7U));
+    const bool last = (command & TUMBLE_SDO_C) != 0U;
+    if (!append(client, &frame->data[1], length)) {
+        return;
+    }
+    const bool too_much = (client->size != 0U) && (client->done > client->size);
+    const bool too_little = last && (client->size != 0U) && (client->done < client->size);
+    const bool endless = !last && (length == 0U);
+    if (too_much || too_little || endless) {
+        refuse(client, TUMBLE_ABORT_LENGTH);
+    } else if (last) {
+        end_transfer(client, TUMBLE_OK, 0);
+    } else {
+        client->toggle ^= TUMBLE_SDO_TOGGLE;
+        request(client, (uint8_t)(TUMBLE_SDO_UPLOAD_SEGMENT_REQUEST | client->toggle));
     }
 }
 
@@ -244,10 +211,9 @@ static void send_download_segment(tumble_sdo_client_t *client)
     uint8_t rest = (uint8_t)(client->size - client->done);
     uint8_t length = (rest < TUMBLE_SDO_SEGMENT) ? rest : TUMBLE_SDO_SEGMENT;
     uint8_t last = (length == rest) ? TUMBLE_SDO_C : 0U;
-
     request(client, (uint8_t)(TUMBLE_SDO_DOWNLOAD_SEGMENT_REQUEST | client->toggle |
                               ((TUMBLE_SDO_SEGMENT - length) << 1) | last));
-    (void)memcpy(&client->request[1], source_of(client) + client->done, length);
+    (void)memcpy(&client->request[1], &client->source[client->done], length);
     client->done = (uint8_t)(client->done + length);
 }
 
@@ -256,13 +222,11 @@ static void download_acknowledged(tumble_sdo_client_t *client)
 {
     if (client->done == client->size) {
         end_transfer(client, TUMBLE_OK, 0);
-    } else {
-        if (client->phase == PHASE_SEGMENT) {
-            client->toggle ^= TUMBLE_SDO_TOGGLE;
-        }
-        client->phase = PHASE_SEGMENT;
-        send_download_segment(client);
+        return;
     }
+    client->toggle ^= (client->phase == PHASE_SEGMENT) ? TUMBLE_SDO_TOGGLE : 0U;
+    client->phase = PHASE_SEGMENT;
+    send_download_segment(client);
 }
 
 static bool names_object(const tumble_sdo_client_t *client, const tumble_can_frame_t *frame)
@@ -276,7 +240,6 @@ static void first_answer(tumble_sdo_client_t *client, const tumble_can_frame_t *
 {
     bool upload = client->transfer == (uint8_t)TUMBLE_SDO_UPLOAD;
     uint8_t expected = upload ? TUMBLE_SDO_UPLOAD_ANSWER : TUMBLE_SDO_DOWNLOAD_ANSWER;
-
     if (!names_object(client, frame) || ((frame->data[0] & TUMBLE_SDO_COMMAND_MASK) != expected)) {
         tumble_count_u16(&client->ignored);
     } else if (upload) {
@@ -290,7 +253,6 @@ static void segment_answer(tumble_sdo_client_t *client, const tumble_can_frame_t
 {
     bool upload = client->transfer == (uint8_t)TUMBLE_SDO_UPLOAD;
     uint8_t expected = upload ? TUMBLE_SDO_UPLOAD_SEGMENT_ANSWER : TUMBLE_SDO_DOWNLOAD_SEGMENT_ANSWER;
-
     if ((frame->data[0] & TUMBLE_SDO_COMMAND_MASK) != expected) {
         refuse(client, TUMBLE_ABORT_COMMAND);
     } else if ((frame->data[0] & TUMBLE_SDO_TOGGLE) != client->toggle) {
@@ -332,7 +294,6 @@ void tumble_sdo_client_receive(tumble_sdo_client_t *client, const tumble_can_fra
 static void send_request(tumble_sdo_client_t *client, tumble_link_t *link, uint64_t now_us)
 {
     bool busy = client->result == TUMBLE_E_SDO_BUSY;
-
     client->request_due = tumble_link_send_bytes(link, TUMBLE_SDO_REQUEST_ID + (uint32_t)client->node - client->below,
                                                  client->request, sizeof client->request) != TUMBLE_OK;
     if (busy && (!client->request_due || (client->deadline_us == TUMBLE_NEVER))) {
@@ -358,7 +319,7 @@ tumble_status_t tumble_sdo_client_result(const tumble_sdo_client_t *client)
 const uint8_t *tumble_sdo_client_data(const tumble_sdo_client_t *client, uint8_t *size)
 {
     *size = client->done;
-    return (client->sink != NULL) ? client->sink : client->value;
+    return client->sink;
 }
 
 uint32_t tumble_sdo_client_u32(const tumble_sdo_client_t *client)
@@ -366,7 +327,6 @@ uint32_t tumble_sdo_client_u32(const tumble_sdo_client_t *client)
     uint8_t size;
     const uint8_t *data = tumble_sdo_client_data(client, &size);
     uint32_t value = 0;
-
     if ((client->result == TUMBLE_OK) && (size <= TUMBLE_SDO_EXPEDITED)) {
         for (uint8_t i = 0; i < size; i++) {
             value |= (uint32_t)data[i] << (8U * (uint32_t)i);

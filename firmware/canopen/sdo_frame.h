@@ -35,7 +35,6 @@
 static inline uint8_t tumble_sdo_expedited(uint8_t command, uint8_t size)
 {
     uint8_t unused = (uint8_t)(TUMBLE_SDO_EXPEDITED - size);
-
     return (uint8_t)(command | TUMBLE_SDO_E | TUMBLE_SDO_S | (uint8_t)(unused << 2));
 }
 

@@ -81,7 +81,6 @@ static void begin_upload(tumble_sdo_server_t *server, const tumble_dictionary_t 
 {
     tumble_entry_t entry;
     tumble_abort_t refusal = tumble_dictionary_find(dictionary, server->index, server->subindex, &entry);
-
     if (refusal == TUMBLE_ABORT_NONE) {
         refusal = tumble_dictionary_read(dictionary, &entry, server->bytes, &server->size);
     }
@@ -97,7 +96,6 @@ static void send_segment(tumble_sdo_server_t *server)
     uint8_t rest = (uint8_t)(server->size - server->done);
     uint8_t length = (rest < TUMBLE_SDO_SEGMENT) ? rest : TUMBLE_SDO_SEGMENT;
     uint8_t last = (length == rest) ? TUMBLE_SDO_C : 0U;
-
     answer(server, (uint8_t)(server->toggle | ((TUMBLE_SDO_SEGMENT - length) << 1) | last));
     (void)memcpy(&server->answer[1], &server->bytes[server->done], length);
     server->done = (uint8_t)(server->done + length);
@@ -111,7 +109,6 @@ static void send_segment(tumble_sdo_server_t *server)
 static bool is_held(const tumble_entry_t *entry)
 {
     const unsigned pdo = entry->index & HELD_PDOS;
-
     return (entry->home == TUMBLE_HOME_OTHER) || (entry->index == CONSUMER_TIME) || (entry->index == PRODUCER_TIME) ||
            (entry->index == ERROR_BEHAVIOUR) || (pdo == RECEIVE_PDO) || (pdo == TRANSMIT_PDO);
 }
@@ -126,7 +123,6 @@ static void write_value(tumble_sdo_server_t *server, const tumble_dictionary_t *
                         uint8_t size)
 {
     tumble_abort_t refusal = TUMBLE_ABORT_DEVICE_STATE;
-
     if ((!server->held || !is_held(&server->entry)) && is_of_this_level(server)) {
         refusal = tumble_dictionary_write(dictionary, &server->entry, bytes, size);
     }
@@ -160,7 +156,6 @@ static void download_expedited(tumble_sdo_server_t *server, const tumble_diction
 {
     uint8_t command = frame->data[0];
     uint8_t size = TUMBLE_SDO_EXPEDITED;
-
     if ((command & TUMBLE_SDO_S) != 0U) {
         size = (uint8_t)(TUMBLE_SDO_EXPEDITED - ((command >> 2) & 3U));
     } else if (server->entry.size < size) {
@@ -177,7 +172,6 @@ static void begin_segmented_download(tumble_sdo_server_t *server, const tumble_c
     bool announced = (frame->data[0] & TUMBLE_SDO_S) != 0U;
     uint32_t size = announced ? tumble_get_u32(&frame->data[4]) : server->entry.size;
     tumble_abort_t refusal = tumble_dictionary_accepts(&server->entry, size);
-
     if (refusal == TUMBLE_ABORT_NONE) {
         begin_segments(server, TUMBLE_SDO_DOWNLOAD);
         server->size = announced ? (uint8_t)size : 0U;
@@ -191,7 +185,6 @@ static void begin_download(tumble_sdo_server_t *server, const tumble_dictionary_
                            const tumble_can_frame_t *frame)
 {
     const tumble_abort_t refusal = tumble_dictionary_find(dictionary, server->index, server->subindex, &server->entry);
-
     if (refusal != TUMBLE_ABORT_NONE) {
         refuse(server, refusal);
     } else if ((frame->data[0] & TUMBLE_SDO_E) != 0U) {
@@ -217,7 +210,6 @@ static void take_segment(tumble_sdo_server_t *server, const tumble_dictionary_t 
     uint8_t command = frame->data[0];
     uint8_t length = (uint8_t)(TUMBLE_SDO_SEGMENT - ((command >> 1) & 7U));
     uint8_t room = (server->size != 0U) ? server->size : server->entry.size;
-
     if (length > (room - server->done)) {
         refuse(server, TUMBLE_ABORT_TOO_LONG);
         return;
