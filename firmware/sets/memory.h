@@ -24,7 +24,6 @@
 #define CELL_MARK 0x30U  /* program the mark */
 #define CELL_BLANK 0x40U /* refuse to go on where something stands */
 #define CELL_LOAD 0x50U  /* read the cell: TUMBLE_CELLS_READ, and then it is the owner's turn */
-#define CELL_OWN 0x60U   /* and those above: the owner's */
 
 typedef enum {
     TUMBLE_CELLS_NOTHING = 0, /* the memory is at work, the job goes on, or nothing is under way */

@@ -31,9 +31,6 @@
 #define NO_REGION 0xFFU
 #define REGIONS 4U
 
-/* The action of a job that is the store's own. */
-#define STAMP CELL_OWN /* the staged copy becomes the one to be committed */
-
 /* Places of a job. */
 #define IN_FACTORY 0x00U
 #define IN_TARGET 0x01U /* the slot that is not active */
@@ -153,12 +150,6 @@ static bool is_whole(const uint8_t bytes[TUMBLE_SET_PLACE_BYTES])
            tumble_record_is_sealed(bytes, TUMBLE_SET_BYTES - sizeof(uint32_t), 0);
 }
 
-static void put_stamp(tumble_store_t *store)
-{
-    tumble_set_stamp(store->bytes, &store->stamp);
-    set_mark(store->bytes);
-}
-
 /* The scan. */
 
 static void begin_scan(tumble_store_t *store)
@@ -266,28 +257,26 @@ static void scan(tumble_store_t *store)
 
 /* A job. */
 
-/* A record was read to be copied: put the job's stamp on it. A held proposal is stamped "accepted"; the copy that a
- * rollback has staged stays stamped "rolled back". */
+/* A record was read to be copied: put the job's stamp on it, and, of a proposal, from which one it is. A held proposal is
+ * stamped "accepted"; the copy that a rollback has staged stays stamped "rolled back". */
 static tumble_cells_event_t load(tumble_store_t *store)
 {
     if (!is_valid(store->bytes)) {
         return tumble_cells_fail(&store->cells, TUMBLE_E_CRC);
     }
+    if (*store->cells.plan == (CELL_LOAD | IN_PROPOSAL)) {
+        store->stamp.from_crc = tumble_set_crc(store->bytes);
+    }
     tumble_set_add_flags(store->bytes, store->flags);
-    put_stamp(store);
+    tumble_set_stamp(store->bytes, &store->stamp);
+    set_mark(store->bytes);
     return tumble_cells_pass(&store->cells);
 }
 
 static tumble_cells_event_t act(tumble_store_t *store)
 {
-    tumble_cells_t *cells = &store->cells;
-    if (!cells->scans && (cells->plan != NULL) && (*cells->plan == STAMP)) {
-        store->stamp.from_crc = tumble_set_crc(store->bytes);
-        put_stamp(store);
-        return tumble_cells_pass(cells);
-    }
-    const tumble_cells_event_t event = tumble_cells_step(cells, store->bytes);
-    return ((event == TUMBLE_CELLS_READ) && !cells->scans) ? load(store) : event;
+    const tumble_cells_event_t event = tumble_cells_step(&store->cells, store->bytes);
+    return ((event == TUMBLE_CELLS_READ) && !store->cells.scans) ? load(store) : event;
 }
 
 bool tumble_store_busy(const tumble_store_t *store)
@@ -421,24 +410,30 @@ tumble_status_t tumble_store_hold(tumble_store_t *store, const tumble_set_t *set
     return (status == TUMBLE_OK) ? take(store, set, plan) : status;
 }
 
+/* A rollback makes a copy of the old set the proposal, and goes on from there. */
+static const uint8_t rollback[] = {CELL_LOAD | IN_SOURCE,
+                                   CELL_ERASE | IN_PROPOSAL,
+                                   CELL_BODY | IN_PROPOSAL,
+                                   CELL_MARK | IN_PROPOSAL,
+                                   CELL_LOAD | IN_PROPOSAL,
+                                   CELL_ERASE | IN_TARGET,
+                                   CELL_BODY | IN_TARGET,
+                                   CELL_MARK | IN_TARGET,
+                                   CELL_ERASE | IN_PROPOSAL,
+                                   CELL_ERASE | IN_OTHER,
+                                   CELL_END};
+#define FROM_PROPOSAL 4U /* of its actions */
+
 /* Go on from the proposal. A copy that a rollback has staged is finished as a rollback. */
 static tumble_status_t take_proposal(tumble_store_t *store)
 {
     static const uint8_t accept[] = {CELL_LOAD | IN_PROPOSAL, CELL_ERASE | IN_TARGET,   CELL_BODY | IN_TARGET,
                                      CELL_MARK | IN_TARGET,   CELL_ERASE | IN_PROPOSAL, CELL_END};
-    static const uint8_t end_rollback[] = {CELL_LOAD | IN_PROPOSAL,
-                                           CELL_ERASE | IN_TARGET,
-                                           CELL_BODY | IN_TARGET,
-                                           CELL_MARK | IN_TARGET,
-                                           CELL_ERASE | IN_PROPOSAL,
-                                           CELL_ERASE | IN_OTHER,
-                                           CELL_END};
     const tumble_store_place_t *proposal = &store->places[PROPOSAL];
     const bool staged = was_rolled_back(proposal);
-    store->stamp.from_crc = proposal->crc;
     store->stamp.restores = proposal->stamp.restores;
     store->stamp.origin = staged ? (uint8_t)TUMBLE_ORIGIN_ROLLED_BACK : (uint8_t)TUMBLE_ORIGIN_ACCEPTED;
-    tumble_cells_begin(&store->cells, staged ? end_rollback : accept);
+    tumble_cells_begin(&store->cells, staged ? &rollback[FROM_PROPOSAL] : accept);
     return TUMBLE_OK;
 }
 
@@ -468,17 +463,6 @@ tumble_status_t tumble_store_discard(tumble_store_t *store)
 
 TUMBLE_ONE_COPY tumble_status_t tumble_store_rollback(tumble_store_t *store)
 {
-    static const uint8_t plan[] = {CELL_LOAD | IN_SOURCE,
-                                   CELL_ERASE | IN_PROPOSAL,
-                                   CELL_BODY | IN_PROPOSAL,
-                                   CELL_MARK | IN_PROPOSAL,
-                                   STAMP,
-                                   CELL_ERASE | IN_TARGET,
-                                   CELL_BODY | IN_TARGET,
-                                   CELL_MARK | IN_TARGET,
-                                   CELL_ERASE | IN_PROPOSAL,
-                                   CELL_ERASE | IN_OTHER,
-                                   CELL_END};
     const tumble_status_t status = prepare(store, (uint8_t)TUMBLE_ORIGIN_ROLLED_BACK);
     if (status != TUMBLE_OK) {
         return status;
@@ -492,7 +476,7 @@ TUMBLE_ONE_COPY tumble_status_t tumble_store_rollback(tumble_store_t *store)
     }
     store->cells.where[IN_SOURCE] = cell_of(store, previous);
     store->stamp.restores = store->places[previous].stamp.sequence;
-    tumble_cells_begin(&store->cells, plan);
+    tumble_cells_begin(&store->cells, rollback);
     return TUMBLE_OK;
 }
 

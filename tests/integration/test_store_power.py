@@ -60,8 +60,8 @@ BUGS = {
     "a rollback without a copy": (
         "store.c",
         "CELL_LOAD | IN_SOURCE, CELL_ERASE | IN_PROPOSAL, CELL_BODY | IN_PROPOSAL,\n"
-        "                                   CELL_MARK | IN_PROPOSAL, STAMP,",
-        "CELL_LOAD | IN_SOURCE, STAMP,",
+        "                                   CELL_MARK | IN_PROPOSAL, CELL_LOAD | IN_PROPOSAL,",
+        "CELL_LOAD | IN_SOURCE,",
         "must never be found",
     ),
     "no scan after a job": (
