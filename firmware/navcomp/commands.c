@@ -10,14 +10,3 @@ const char *tumble_command_name(tumble_command_t command)
     const unsigned index = (unsigned)command;
     return (index < (unsigned)TUMBLE_COMMAND_COUNT) ? names[index] : "TUMBLE_COMMAND_UNKNOWN";
 }
-
-const char *tumble_command_sentence(tumble_command_t command)
-{
-    static const char *const sentences[] = {
-#define TUMBLE_COMMAND_SENTENCE(name, sentence) sentence,
-        TUMBLE_COMMAND_LIST(TUMBLE_COMMAND_SENTENCE)
-#undef TUMBLE_COMMAND_SENTENCE
-    };
-    const unsigned index = (unsigned)command;
-    return (index < (unsigned)TUMBLE_COMMAND_COUNT) ? sentences[index] : "this command is not in the list";
-}

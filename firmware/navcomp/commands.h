@@ -28,8 +28,7 @@ typedef enum {
         TUMBLE_COMMAND_COUNT
 } tumble_command_t;
 
-/* Name ("TUMBLE_COMMAND_START") and sentence; safe for values outside the list, never null. */
+/* Name ("TUMBLE_COMMAND_START"); safe for values outside the list, never null. */
 const char *tumble_command_name(tumble_command_t command);
-const char *tumble_command_sentence(tumble_command_t command);
 
 #endif

@@ -1,10 +1,8 @@
 /* keeper_parts.h - what the files of the keeper share (private to navcomp).
  *
- *     keeper.c          init, the step: what is done when the memory is free, commands
+ *     keeper.c          init, the step, commands, settings, calendar, inhibit; when a run is due; are the rules the board's?
  *     keeper_values.c   the readable side, and the objects
- *     keeper_judge.c    from a result to a verdict
- *     keeper_run.c      the run under way, its checkpoint, and how it goes on after a loss of power
- *     keeper_due.c      settings, calendar, inhibit, when a run is due, are the rules the board's?
+ *     keeper_run.c      the run under way, the verdict on its result, its checkpoint
  *
  * A file calls those below it, and keeper.c to count a failure or to begin a job of the store.
  */
@@ -64,8 +62,7 @@ static inline bool tumble_keeper_is_idle(const tumble_keeper_t *keeper)
 void tumble_keeper_fail(tumble_keeper_t *keeper, tumble_status_t status); /* count a failure of the memory */
 void tumble_keeper_begin_job(tumble_keeper_t *keeper, uint8_t job, tumble_status_t status);
 
-/* keeper_judge.c */
-void tumble_keeper_run_done(tumble_keeper_t *keeper, const tumble_result_t *result);
+/* keeper_run.c */
 void tumble_keeper_judge(
     tumble_keeper_t *keeper); /* go on with it: one call of the memory, or a part of a computation */
 
@@ -75,7 +72,6 @@ static inline bool tumble_keeper_is_assessing(const tumble_keeper_t *keeper)
     return (keeper->task >= (uint8_t)TASK_UNCERTAINTY) && (keeper->task <= (uint8_t)TASK_WHOLE_MODEL);
 }
 
-/* keeper_run.c */
 void tumble_keeper_look_at_run(tumble_keeper_t *keeper); /* what has happened to it since it was looked at before? */
 void tumble_keeper_keep_run(tumble_keeper_t *keeper);    /* begin, append or clear the checkpoint: at most one job */
 tumble_status_t tumble_keeper_step_checkpoint(tumble_keeper_t *keeper);
@@ -84,19 +80,14 @@ void tumble_keeper_count_resumable(tumble_keeper_t *keeper);
 tumble_status_t tumble_keeper_resume(tumble_keeper_t *keeper);
 void tumble_keeper_restore(tumble_keeper_t *keeper); /* go on with it: one call of the memory */
 
-/* keeper_due.c */
-bool tumble_keeper_settings_valid(const tumble_sets_settings_t *settings);
+/* keeper.c: when a run is due */
 uint64_t tumble_keeper_whole_s(uint64_t us);
 uint64_t tumble_keeper_utc_s(const tumble_keeper_t *keeper);
 uint64_t tumble_keeper_age_s(const tumble_keeper_t *keeper);
 bool tumble_keeper_is_ahead(const tumble_keeper_t *keeper, uint64_t date_utc_s, uint64_t slack_s); /* of the present */
 uint8_t tumble_keeper_due(const tumble_keeper_t *keeper);
 bool tumble_keeper_is_inhibited(const tumble_keeper_t *keeper);
-void tumble_keeper_hold_off(tumble_keeper_t *keeper,
-                            uint64_t now_us); /* end the run, or stop the table, while inhibited */
-void tumble_keeper_note_temperature(tumble_keeper_t *keeper, int8_t temperature_half_c, bool averaged);
-void tumble_keeper_pause(tumble_keeper_t *keeper);     /* no start by itself: somebody is at work at the table */
-bool tumble_keeper_may_start(tumble_keeper_t *keeper); /* a run that is due, by itself: then that counts as done */
+void tumble_keeper_pause(tumble_keeper_t *keeper); /* no start by itself: somebody is at work at the table */
 
 /* Fingerprints of the rules in force, and of those of the board's constants: with nothing saved. */
 uint32_t tumble_keeper_rules(const tumble_keeper_t *keeper);

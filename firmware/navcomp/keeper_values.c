@@ -304,74 +304,57 @@ static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *
 {
     const tumble_navcomp_t *navcomp = context;
     tumble_keeper_t *keeper = navcomp->config->keeper;
-    tumble_abort_t refusal = TUMBLE_ABORT_NONE;
     switch ((tumble_keeper_source_t)entry->source) {
     case TUMBLE_KEEPER_SOURCE_SAVE:
     case TUMBLE_KEEPER_SOURCE_LOAD:
         tumble_put_u32(bytes, tumble_parameters_room(&keeper->parameters) ? 1U : 0U);
-        break;
+        return TUMBLE_ABORT_NONE;
     case TUMBLE_KEEPER_SOURCE_UNCERTAINTY:
     case TUMBLE_KEEPER_SOURCE_FIT:
-        refusal = read_result(keeper, entry, bytes, size);
-        break;
+        return read_result(keeper, entry, bytes, size);
     case TUMBLE_KEEPER_SOURCE_NOISE:
-        refusal = read_noise(keeper, entry, bytes, size);
-        break;
+        return read_noise(keeper, entry, bytes, size);
     case TUMBLE_KEEPER_SOURCE_SET:
-        refusal = read_set(keeper, entry, bytes, size);
-        break;
+        return read_set(keeper, entry, bytes, size);
     case TUMBLE_KEEPER_SOURCE_STATE:
     case TUMBLE_KEEPER_SOURCE_CALENDAR:
     case TUMBLE_KEEPER_SOURCE_INHIBIT:
-        refusal = read_state(keeper, entry, bytes, size);
-        break;
+        return read_state(keeper, entry, bytes, size);
     case TUMBLE_KEEPER_SOURCE_SETTINGS:
-        refusal = tumble_show_member(&keeper->settings, entry, bytes, size);
-        break;
+        return tumble_show_member(&keeper->settings, entry, bytes, size);
     case TUMBLE_KEEPER_SOURCE_COUNTERS:
-        refusal = tumble_show_member(&keeper->counters, entry, bytes, size);
-        break;
+        return tumble_show_member(&keeper->counters, entry, bytes, size);
     case TUMBLE_KEEPER_SOURCE_STORES:
-        refusal = tumble_show_member(keeper, entry, bytes, size);
-        break;
+        return tumble_show_member(keeper, entry, bytes, size);
     case TUMBLE_KEEPER_SOURCE_STAND:
-        refusal = read_stand(keeper, entry, bytes, size);
-        break;
+        return read_stand(keeper, entry, bytes, size);
     case TUMBLE_KEEPER_SOURCE_INCLINATIONS:
-        refusal = read_inclinations(keeper, entry, bytes, size);
-        break;
+        return read_inclinations(keeper, entry, bytes, size);
     case TUMBLE_KEEPER_SOURCE_SHOWN_POSITION:
     case TUMBLE_KEEPER_SOURCE_POSITION:
     case TUMBLE_KEEPER_SOURCE_POSITIONS:
     case TUMBLE_KEEPER_SOURCE_SCHEDULE:
-        refusal = read_position(keeper, entry, bytes, size);
-        break;
+        return read_position(keeper, entry, bytes, size);
     case TUMBLE_KEEPER_SOURCE_AT_REST_COUNT:
     case TUMBLE_KEEPER_SOURCE_AT_REST:
-        refusal = read_at_rest(keeper, entry, bytes, size);
-        break;
+        return read_at_rest(keeper, entry, bytes, size);
     case TUMBLE_KEEPER_SOURCE_SHOWN_ENTRY:
         bytes[0] = keeper->shown_entry;
-        break;
+        return TUMBLE_ABORT_NONE;
     case TUMBLE_KEEPER_SOURCE_ENTRIES:
         bytes[0] = tumble_history_count(&keeper->history);
-        break;
+        return TUMBLE_ABORT_NONE;
     case TUMBLE_KEEPER_SOURCE_HISTORY:
     case TUMBLE_KEEPER_SOURCE_HISTORY_U:
-        refusal = read_history(keeper, entry, bytes, size);
-        break;
+        return read_history(keeper, entry, bytes, size);
     case TUMBLE_KEEPER_SOURCE_TREND:
     case TUMBLE_KEEPER_SOURCE_TREND_U:
-        refusal = read_trend(keeper, entry, bytes);
-        break;
+        return read_trend(keeper, entry, bytes);
     case TUMBLE_KEEPER_SOURCE_PARAMETERS:
-        refusal = tumble_show_member(&keeper->parameters.view, entry, bytes, size);
-        break;
+        return tumble_show_member(&keeper->parameters.view, entry, bytes, size);
     default: /* a source that has come into the table without a case here */
-        refusal = TUMBLE_ABORT_GENERAL;
-        break;
+        return TUMBLE_ABORT_GENERAL;
     }
-    return refusal;
 }
 
 /* Writing. Types, lengths and limits have been checked. */
@@ -424,32 +407,26 @@ static tumble_abort_t write(void *context, const tumble_entry_t *entry, const ui
 {
     const tumble_navcomp_t *navcomp = context;
     tumble_keeper_t *keeper = navcomp->config->keeper;
-    tumble_abort_t refusal = TUMBLE_ABORT_NONE;
     switch ((tumble_keeper_source_t)entry->source) {
     case TUMBLE_KEEPER_SOURCE_SAVE:
     case TUMBLE_KEEPER_SOURCE_LOAD:
-        refusal = write_parameters(keeper, entry, tumble_get_u32(bytes));
-        break;
+        return write_parameters(keeper, entry, tumble_get_u32(bytes));
     case TUMBLE_KEEPER_SOURCE_CALENDAR:
-        refusal = write_calendar(keeper, tumble_get_u64(bytes));
-        break;
+        return write_calendar(keeper, tumble_get_u64(bytes));
     case TUMBLE_KEEPER_SOURCE_INHIBIT:
         tumble_keeper_inhibit(keeper, tumble_get_u16(bytes));
-        break;
+        return TUMBLE_ABORT_NONE;
     case TUMBLE_KEEPER_SOURCE_SHOWN_POSITION:
         keeper->shown_position = bytes[0];
-        break;
+        return TUMBLE_ABORT_NONE;
     case TUMBLE_KEEPER_SOURCE_AT_REST_COUNT: /* of these the one wanted */
-        refusal = write_at_rest(keeper, tumble_get_u16(bytes));
-        break;
+        return write_at_rest(keeper, tumble_get_u16(bytes));
     case TUMBLE_KEEPER_SOURCE_SHOWN_ENTRY:
         keeper->shown_entry = bytes[0];
-        break;
+        return TUMBLE_ABORT_NONE;
     default: /* nothing else can be written */
-        refusal = write_setting(keeper, entry, bytes, size);
-        break;
+        return write_setting(keeper, entry, bytes, size);
     }
-    return refusal;
 }
 
 const tumble_object_hooks_t tumble_keeper_object_hooks = {.read = read, .write = write};

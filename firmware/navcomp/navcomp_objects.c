@@ -80,44 +80,36 @@ static tumble_abort_t read_run(const tumble_navcomp_t *navcomp, const tumble_ent
 static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *bytes, uint8_t *size)
 {
     const tumble_navcomp_t *navcomp = context;
-    tumble_abort_t refusal = TUMBLE_ABORT_NONE;
     switch ((tumble_navcomp_source_t)entry->source) {
     case TUMBLE_NAVCOMP_SOURCE_PROGRESS:
     case TUMBLE_NAVCOMP_SOURCE_MEAN:
-        refusal = read_progress(navcomp, entry, bytes, size);
-        break;
+        return read_progress(navcomp, entry, bytes, size);
     case TUMBLE_NAVCOMP_SOURCE_COEFFICIENTS:
     case TUMBLE_NAVCOMP_SOURCE_CHECK:
     case TUMBLE_NAVCOMP_SOURCE_LIMIT:
-        refusal = read_result(navcomp, entry, bytes, size);
-        break;
+        return read_result(navcomp, entry, bytes, size);
     case TUMBLE_NAVCOMP_SOURCE_CONFIGURATION:
-        refusal = tumble_show_member(&navcomp->procedure_config, entry, bytes, size);
-        break;
+        return tumble_show_member(&navcomp->procedure_config, entry, bytes, size);
     case TUMBLE_NAVCOMP_SOURCE_ESTIMATOR:
         bytes[0] = (uint8_t)navcomp->procedure_config.estimate;
-        break;
+        return TUMBLE_ABORT_NONE;
     case TUMBLE_NAVCOMP_SOURCE_COUNTERS:
-        refusal = read_counters(navcomp, entry, bytes, size);
-        break;
+        return read_counters(navcomp, entry, bytes, size);
     case TUMBLE_NAVCOMP_SOURCE_SERVICE_LEVEL:
         bytes[0] = tumble_service_is_open(navcomp) ? 1U : 0U;
-        break;
+        return TUMBLE_ABORT_NONE;
     case TUMBLE_NAVCOMP_SOURCE_SERVICE_LEFT:
         tumble_put_u16(bytes, tumble_service_left_s(navcomp));
-        break;
+        return TUMBLE_ABORT_NONE;
     case TUMBLE_NAVCOMP_SOURCE_RUN:
     case TUMBLE_NAVCOMP_SOURCE_RUN_OF_RESULT:
     case TUMBLE_NAVCOMP_SOURCE_RUN_OF_MEAN:
-        refusal = read_run(navcomp, entry, bytes);
-        break;
+        return read_run(navcomp, entry, bytes);
     case TUMBLE_NAVCOMP_SOURCE_COMMAND:
     case TUMBLE_NAVCOMP_SOURCE_SERVICE_KEY:
     default: /* written only; or a source that has come into the table without a case here */
-        refusal = TUMBLE_ABORT_GENERAL;
-        break;
+        return TUMBLE_ABORT_GENERAL;
     }
-    return refusal;
 }
 
 /* Writing. Types, lengths and limits have been checked. */
@@ -158,19 +150,14 @@ static tumble_abort_t write(void *context, const tumble_entry_t *entry, const ui
     if (entry->home != TUMBLE_HOME_COMPUTED) {
         return TUMBLE_ABORT_NONE; /* variables of the dictionary: the arguments, and what the drive's PDOs write */
     }
-    tumble_abort_t refusal;
     switch ((tumble_navcomp_source_t)entry->source) {
     case TUMBLE_NAVCOMP_SOURCE_COMMAND:
-        refusal = write_command(navcomp, bytes[0]);
-        break;
+        return write_command(navcomp, bytes[0]);
     case TUMBLE_NAVCOMP_SOURCE_SERVICE_KEY:
-        refusal = refusal_of(tumble_service_unlock(navcomp, tumble_get_u32(bytes)));
-        break;
+        return refusal_of(tumble_service_unlock(navcomp, tumble_get_u32(bytes)));
     default: /* nothing else can be written */
-        refusal = write_configuration(navcomp, entry, bytes, size);
-        break;
+        return write_configuration(navcomp, entry, bytes, size);
     }
-    return refusal;
 }
 
 const tumble_object_hooks_t tumble_navcomp_object_hooks = {.read = read, .write = write};

@@ -136,7 +136,6 @@ typedef struct {
     uint64_t entered_us;
     uint64_t heard_us;
     double target_deg; /* where the position is measured */
-    tumble_refusal_t refusal;
     tumble_averaging_t averaging;
     union {
         tumble_means_t means; /* in SOLVE and in VERIFY */
@@ -237,13 +236,8 @@ tumble_status_t tumble_procedure_repeat_position(tumble_procedure_t *procedure, 
 /* Measure a mounting anew, from mounting it. WAIT_MOUNTING, SETTLE, AVERAGE, FAULT, DONE. */
 tumble_status_t tumble_procedure_repeat_mounting(tumble_procedure_t *procedure, uint8_t mounting);
 
-/* Two cheap views for a caller that looks at every step. The mark changes exactly when state, reason, position or
- * attempt change; it is 0 before the first start. */
-static inline tumble_state_t tumble_procedure_state(const tumble_procedure_t *procedure)
-{
-    return procedure->state;
-}
-
+/* For a caller that looks at every step: it changes exactly when state, reason, position or attempt change, and is 0
+ * before the first start. */
 static inline uint32_t tumble_procedure_mark(const tumble_procedure_t *procedure)
 {
     return ((uint32_t)procedure->state << 24) | ((uint32_t)procedure->reason << 16) |
@@ -297,10 +291,6 @@ bool tumble_procedure_has_mean(const tumble_procedure_t *procedure, uint8_t inde
 /* Closure of a mounting (index in the schedule): the largest |U9 - U1| of its channels over the nominal scale, in g; 0
  * while it is not complete, or when it has no such pair. Computed from the means at every call. */
 double tumble_procedure_closure_g(const tumble_procedure_t *procedure, uint8_t mounting_index);
-
-/* Which positions or coefficients made an estimator refuse, or a schedule be refused (tumble/core.h); zeros
- * otherwise. */
-tumble_refusal_t tumble_procedure_refusal(const tumble_procedure_t *procedure);
 
 const tumble_procedure_counters_t *tumble_procedure_counters(const tumble_procedure_t *procedure);
 

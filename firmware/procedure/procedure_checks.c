@@ -135,14 +135,14 @@ static bool is_valid(const tumble_procedure_config_t *config, const tumble_lent_
            numbers_are_valid(config) && whole_numbers_are_valid(config) && stuck_shows(config);
 }
 
-static tumble_status_t examine_schedule(const tumble_procedure_config_t *config, tumble_refusal_t *refusal)
+static tumble_status_t examine_schedule(const tumble_procedure_config_t *config)
 {
     tumble_status_t status = tumble_schedule_validate(config->schedule, NULL);
     if ((status == TUMBLE_OK) && is_one_of(config, NEED_RANK)) {
-        status = tumble_schedule_identify(config->schedule, NULL, &refusal->unidentified);
+        status = tumble_schedule_identify(config->schedule, NULL, NULL);
     } else if ((status == TUMBLE_OK) && is_one_of(config, NEED_HARMONIC)) {
         tumble_harmonic_map_t map;
-        status = tumble_schedule_harmonic(config->schedule, NULL, &map, &refusal->missing);
+        status = tumble_schedule_harmonic(config->schedule, NULL, &map, NULL);
     }
     return status;
 }
@@ -157,44 +157,34 @@ static bool cable_reaches_all(const tumble_procedure_config_t *config)
     return reaches;
 }
 
-tumble_status_t tumble_examine(const tumble_procedure_config_t *config, tumble_reason_t *reason,
-                               tumble_refusal_t *refusal)
+TUMBLE_ONE_COPY tumble_status_t tumble_procedure_validate(const tumble_procedure_config_t *config,
+                                                          tumble_reason_t *reason)
 {
-    *refusal = (tumble_refusal_t){0};
-    const tumble_lent_t *lent = tumble_procedure_lent(config);
-    if (!is_valid(config, lent)) {
-        *reason = TUMBLE_REASON_CONFIGURATION;
+    tumble_reason_t unused;
+    tumble_reason_t *why = (reason != NULL) ? reason : &unused;
+    const tumble_lent_t *lent = (config != NULL) ? tumble_procedure_lent(config) : NULL;
+    *why = TUMBLE_REASON_CONFIGURATION;
+    if ((config == NULL) || !is_valid(config, lent)) {
         return TUMBLE_E_ARGUMENT;
     }
-    tumble_status_t status = examine_schedule(config, refusal);
+    tumble_status_t status = examine_schedule(config);
     if (status != TUMBLE_OK) {
-        *reason = TUMBLE_REASON_SCHEDULE;
+        *why = TUMBLE_REASON_SCHEDULE;
         return status;
     }
     if (lent != NULL) {
         status = lent->check(lent->source, config->schedule);
     }
     if (status != TUMBLE_OK) {
-        *reason = (status == TUMBLE_E_NOT_INCLINED) ? TUMBLE_REASON_SCHEDULE : TUMBLE_REASON_CONFIGURATION;
+        *why = (status == TUMBLE_E_NOT_INCLINED) ? TUMBLE_REASON_SCHEDULE : TUMBLE_REASON_CONFIGURATION;
         return status;
     }
     if (!cable_reaches_all(config)) {
-        *reason = TUMBLE_REASON_CABLE_LIMIT;
+        *why = TUMBLE_REASON_CABLE_LIMIT;
         return TUMBLE_E_ARGUMENT;
     }
-    *reason = TUMBLE_REASON_NONE;
+    *why = TUMBLE_REASON_NONE;
     return TUMBLE_OK;
-}
-
-tumble_status_t tumble_procedure_validate(const tumble_procedure_config_t *config, tumble_reason_t *reason)
-{
-    tumble_reason_t found = TUMBLE_REASON_CONFIGURATION;
-    tumble_refusal_t unused;
-    const tumble_status_t status = (config != NULL) ? tumble_examine(config, &found, &unused) : TUMBLE_E_ARGUMENT;
-    if (reason != NULL) {
-        *reason = found;
-    }
-    return status;
 }
 
 /* The cable. */

@@ -56,10 +56,6 @@ typedef struct {
 
 extern const tumble_row_t tumble_procedure_rows[TUMBLE_STATE_COUNT];
 
-/* tumble_procedure_validate, with what the estimator lacks. */
-tumble_status_t tumble_examine(const tumble_procedure_config_t *config, tumble_reason_t *reason,
-                               tumble_refusal_t *refusal);
-
 /* Note why, and OUTCOME_FAULT. */
 outcome_t tumble_fail(tumble_procedure_t *procedure, tumble_reason_t reason);
 

@@ -147,11 +147,6 @@ double tumble_procedure_closure_g(const tumble_procedure_t *procedure, uint8_t m
     return largest_g;
 }
 
-tumble_refusal_t tumble_procedure_refusal(const tumble_procedure_t *procedure)
-{
-    return procedure->refusal;
-}
-
 const tumble_procedure_counters_t *tumble_procedure_counters(const tumble_procedure_t *procedure)
 {
     return &procedure->counters;

@@ -93,7 +93,7 @@ static outcome_t preflight_enter(tumble_procedure_t *procedure)
     procedure->corrupted = 0;
     procedure->marked = false;
     tumble_reason_t reason;
-    procedure->status = tumble_examine(procedure->config, &reason, &procedure->refusal);
+    procedure->status = tumble_procedure_validate(procedure->config, &reason);
     if (procedure->status == TUMBLE_OK) {
         reason = TUMBLE_REASON_CONFIGURATION;
         procedure->status = tumble_begin_averaging(procedure);
@@ -458,7 +458,7 @@ static tumble_status_t estimate(tumble_procedure_t *procedure)
         const tumble_lent_t *lent = tumble_procedure_lent(config);
         return lent->estimate(lent->source, config->schedule, &procedure->work.means, &procedure->coefficients);
     }
-    return own(config->schedule, &procedure->work.means, &procedure->coefficients, &procedure->refusal);
+    return own(config->schedule, &procedure->work.means, &procedure->coefficients, NULL);
 }
 
 /* A part for each step, so that none is long. */
