@@ -195,8 +195,6 @@ static tumble_abort_t write(void *context, const tumble_entry_t *entry, const ui
     return refusal;
 }
 
-static const tumble_object_hooks_t communication_hooks = {.read = read, .write = write};
-
 /* Init. */
 
 /* An identifier of the predefined connection set is completed by the node's number. */
@@ -285,6 +283,7 @@ static bool fits(const tumble_node_extension_t *extension, const tumble_node_con
 tumble_status_t tumble_node_init(tumble_node_t *node, const tumble_node_config_t *config,
                                  const tumble_node_binding_t *binding)
 {
+    static const tumble_object_hooks_t communication_hooks = {.read = read, .write = write};
     if ((node == NULL) || !is_usable(config, binding) || !fits(config->extension, config)) {
         return TUMBLE_E_ARGUMENT;
     }
