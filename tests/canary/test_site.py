@@ -69,7 +69,7 @@ def told(tmp_path_factory):
             (root / path.name).symlink_to(path)
     shutil.copytree(ROOT / "docs", root / "docs")
     shutil.copytree(ROOT / "tools", root / "tools")
-    with open(root / "docs/import.md", "a", encoding="utf-8") as page:
+    with open(root / "docs/first-calibration.md", "a", encoding="utf-8") as page:
         page.write("\n".join(["", *(text for text, *_ in PLANTED.values()), ""]))
     (root / "docs/orphan.md").write_text("# Nobody finds this\n")
     searched = os.pathsep.join([f"{ROOT}/host/python/src", f"{ROOT}/build/host/python", *sys.path])
@@ -77,7 +77,7 @@ def told(tmp_path_factory):
     return done.returncode, done.stdout
 
 
-PAGE, BUILT = "docs/import.md", "import.html"
+PAGE, BUILT = "docs/first-calibration.md", "first-calibration.html"
 PLANTED = {  # what is added to a page; what the complaints say of it; where they say it is, the builder's and ours
     "a page": ("[gone](no-such-page.md)\n", "no-such-page.md", [PAGE, BUILT]),
     "a heading": ("[gone](files.md#no-such-heading)\n", "no-such-heading", [PAGE, BUILT]),

@@ -224,11 +224,11 @@ def test_without_uncertainties_nobody_can_tell(compare, tumble, tmp_path):
         "CANNOT TELL: b.json has no uncertainties: solve its run again with --stand FILE.",
         "A stand file (TOML) says how exact the stand is; to get one, copy",
         "examples/paper_stand.toml and put in the numbers of your own stand",
-        "(docs/tutorial.md, chapter 1).",
+        "(docs/first-calibration.md, step 1).",
     ])  # fmt: skip
     assert (ROOT / "examples/paper_stand.toml").is_file()
-    chapter = (ROOT / "docs/tutorial.md").read_text().split("\n## ")[1]
-    assert chapter.startswith("1. Describe the stand\n") and "Copy `examples/paper_stand.toml`" in chapter
+    step = (ROOT / "docs/first-calibration.md").read_text().split("\n### 1. ")[1]
+    assert step.startswith("Describe the stand\n") and "Copy `examples/paper_stand.toml`" in step
     both = tumble("compare", "b.json", "b.json", cwd=tmp_path).stdout.replace("\n", " ")
     assert both.startswith("CANNOT TELL: b.json and b.json have no uncertainties: solve their runs again with --stand")
 

@@ -115,7 +115,7 @@ COLUMNS = ("B less A", "difference", "u", "unit", "in u", "by chance")
 _NOTHING_SEEN = "no change is to be seen, neither of the block nor of its seat"
 _ADVICE = (
     "with --stand FILE. A stand file (TOML) says how exact the stand is; to get one, copy examples/paper_stand.toml and"
-    " put in the numbers of your own stand (docs/tutorial.md, chapter 1)."
+    " put in the numbers of your own stand (docs/first-calibration.md, step 1)."
 )
 Words = Callable[[str], str]
 Row: TypeAlias = OfParameter | OfSeat | OfCoefficient

@@ -1,9 +1,11 @@
-"""The first page of the site, docs/ten-minutes.md: its commands run one after the other, and print what it shows."""
+"""docs/first-calibration.md: the commands of its parts run one after the other, and print what it shows."""
 
 import json
+import math
 import re
 import shlex
 import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from conftest import EXAMPLES, ROOT
 from test_readme import shows
 
 import tumble as tumble_package
+from tumble.model import Geometry, built_in
 from tumble.solving.uncertainty import HANDS as HANDS_SENTENCE
 
 try:
@@ -22,8 +25,10 @@ pytestmark = pytest.mark.python
 
 RUNS = 4000
 
-PAGE = (ROOT / "docs/ten-minutes.md").read_text(encoding="utf-8")
-BLOCKS = re.findall(r"```console\n(.*?)```\n(?:\n```text\n(.*?)```)?", PAGE, re.DOTALL)
+PAGE = (ROOT / "docs/first-calibration.md").read_text(encoding="utf-8")
+RECORDING, STAND = (PAGE.partition(f"\n## {title}\n")[2].partition("\n## ")[0]
+                    for title in ("From a recording to a report", "On a rotary stand"))  # fmt: skip
+BLOCKS = re.findall(r"```console\n(.*?)```\n(?:\n```text\n(.*?)```)?", RECORDING, re.DOTALL)
 STEPS = [([line[2:] for line in commands.replace("\\\n", "").splitlines()], shown) for commands, shown in BLOCKS]
 
 
@@ -45,7 +50,7 @@ def test_its_way_is_whole():
     """From the recording to the last step; and the lines fit the page."""
     verbs = [command.split()[1] for commands, _ in STEPS for command in commands if command.startswith("./")]
     assert verbs == ["import", "solve", "apply", "report"]
-    assert [bool(shown) for _, shown in STEPS] == [True] * 4 + [False] and PAGE.count("```console") == len(STEPS)
+    assert [bool(shown) for _, shown in STEPS] == [True] * 4 + [False] and RECORDING.count("```console") == len(STEPS)
     assert max(len(line) for commands, _ in BLOCKS for line in commands.splitlines()) <= 80
 
 
@@ -157,7 +162,7 @@ def test_no_session_of_hand_laid_faces_is_in_dispute(seed):
     assert seen["alpha1_rad"] is None and seen["alpha4_rad"] is None and seen["noise_v"] == pytest.approx(0.02, rel=0.1)
 
 
-@pytest.mark.parametrize("page", ["ten-minutes", "tutorial", "compare"])
+@pytest.mark.parametrize("page", ["first-calibration", "compare"])
 def test_what_a_page_writes_is_no_news_to_git(page):
     """In the folder of the repository, where its commands are given."""
     ignored = (ROOT / ".gitignore").read_text().splitlines()
@@ -166,3 +171,58 @@ def test_what_a_page_writes_is_no_news_to_git(page):
     written = re.findall(r"(?:--out|--plot|--recipe|>) ([\w./-]+)", commands)
     tops = {one.partition("/")[0] for one in written}
     assert tops and all(f"/{top}" in ignored or f"/{top}/" in ignored for top in tops), tops
+
+
+# The part about a stand.
+
+
+
+def block(language):
+    """The one block of the part about a stand of this language, and what it is shown to print, if that follows."""
+    return re.search(rf"```{language}\n(.*?)```\n(?:\n```text\n(.*?)```)?", STAND, re.DOTALL).groups()
+
+
+@pytest.fixture
+def first_run(tumble, tmp_path):
+    """Where the commands of the part about a stand have been given, one after the other as a reader gives them."""
+    folder = tmp_path / "stand"
+    folder.mkdir()
+    (folder / "examples").symlink_to(ROOT / "examples")
+    steps = re.findall(r"```console\n\$ \./tools/tumble ([^\n]*)\n```\n(?:\n```text\n(.*?)```)?", STAND, re.DOTALL)
+    assert len(steps) == STAND.count("$ ./tools/tumble ") == 4
+    for command, shown in steps:
+        done = tumble(*shlex.split(command), cwd=folder)
+        assert done.returncode == 0 and (not shown or shows(shown, done.stdout)), command
+    return folder
+
+
+def test_a_stand_leads_to_coefficients(first_run):
+    code, shown = block("python")
+    done = subprocess.run([sys.executable, "-c", code], cwd=first_run, capture_output=True, text=True, check=True)
+    assert done.stdout == shown
+
+
+def test_the_files_of_a_logger_are_joined(first_run, tumble, tmp_path):
+    rows = (first_run / "runs/first/run.csv").read_text().splitlines()[1:]
+    for mounting, position in ((m, p) for m in (1, 2) for p in range(1, 10)):
+        samples = [row.split(",")[2:5] for row in rows if row.startswith(f"{mounting},{position},")]
+        text = "".join(",".join(fields) + "\r\n" for fields in [["ux", "uy", "uz"], *samples])
+        (tmp_path / f"{mounting}-{position}.csv").write_text(text, newline="")
+    subprocess.run(["sh", "-euc", block("sh")[0]], cwd=tmp_path, check=True)
+    bare = tmp_path / "bare.csv"  # without the columns that the logger does not have, such as temperature
+    recorded = (first_run / "runs/first/run.csv").read_text().splitlines()
+    bare.write_text("".join(",".join(row.split(",")[:5]) + "\n" for row in recorded))
+    said = [tumble("solve", run).stdout.splitlines()[3:] for run in (tmp_path / "runs/joined.csv", bare)]
+    assert said[0] == said[1] and "PASS at the 18 measured positions only, assuming" in "\n".join(said[0])
+
+
+def test_the_page_says_what_the_axes_feel():
+    """Exactly, at every position of the schedule."""
+    rows = re.findall(r"^\| (\d) \| (\d+)° \| (.*) \|$", STAND, re.MULTILINE)
+    size = {"0": 0.0, "1": 1.0, "√½": math.sqrt(0.5)}
+    felt = [[-size[cell[1:]] if cell[0] == "-" else size[cell.lstrip("+")] for cell in row.split(" | ")]
+            for _, _, row in rows]  # fmt: skip
+    schedule = built_in("paper")
+    assert [(int(p), float(angle)) for p, angle, _ in rows] == [(p.number, p.angle_deg) for p in schedule.positions[:9]]
+    force = Geometry(schedule).force()
+    assert np.abs(np.array(felt) - np.hstack([force[:9], force[9:]])).max() < 1e-15
