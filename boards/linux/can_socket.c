@@ -97,7 +97,7 @@ const char *can_socket_sentence(can_socket_status_t status)
 {
     switch (status) {
     case CAN_SOCKET_NO_CAN:
-        return "this kernel has no CAN sockets: modprobe -a can can_raw (to try without: docs/real-bus.md)";
+        return "this kernel has no CAN sockets: modprobe -a can can_raw (to try without: docs/gateway.md)";
     case CAN_SOCKET_NO_INTERFACE:
         return "there is no CAN interface of this name";
     case CAN_SOCKET_FAILED:

@@ -1,4 +1,4 @@
-/* gains.h - the estimator `optimal` of this board, and the memory that its gains lie in (docs/gain-record.md).
+/* gains.h - the estimator `optimal` of this board, and the memory that its gains lie in (docs/files.md).
  *
  * In the emulator a file is loaded there; on the chip it is for a mapped flash, which this board has none of yet.
  * Whether there is a record, and the right one, is asked when a calibration begins.

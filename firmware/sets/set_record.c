@@ -5,7 +5,7 @@
 
 #include <stddef.h>
 
-/* Places in the bytes; docs/store.md has them all. */
+/* Places in the bytes; docs/embedding.md has them all. */
 #define AT_FIELDS 8U
 #define AT_SEQUENCE 8U
 #define AT_ORIGIN 12U

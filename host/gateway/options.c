@@ -29,7 +29,7 @@ static const char HELP[] =
     "  --unlock S                it locks itself so long after its last write\n"
     "                            (default 60)\n"
     "  --log FORM                tell every event on standard error, a line for\n"
-    "                            each: text or json (docs/logs.md)\n"
+    "                            each: text or json (docs/operations.md)\n"
     "  --log-level LEVEL         error, warning, notice or info: this and what is\n"
     "                            worse (default info)\n"
     "  --version                 print the version\n"

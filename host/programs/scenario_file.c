@@ -57,7 +57,7 @@ static bool read_scenario(bench_config_t *config, const char *path)
         (void)fclose(file);
     }
     if (!good && is_toml(name)) {
-        return arguments_refuse(name, "looks like a stand file; a scenario file is wanted (docs/real-bus.md)");
+        return arguments_refuse(name, "looks like a stand file; a scenario file is wanted (docs/gateway.md)");
     }
     return good || arguments_refuse_line(name, mistake.line, mistake.what);
 }

@@ -13,7 +13,7 @@ do not wait for answers, so a process that is held up is asked as often as one t
 as later than all others, and stands under "lost".
 
 Each condition has its own node: without load, with a bus load by cangen, with busy processes, with both, and with both
-while node and echo have the real-time priority of the service file (docs/real-bus.md). What is outside of a real node
+while node and echo have the real-time priority of the service file (docs/gateway.md). What is outside of a real node
 (the stand, the client, cangen) has a higher priority in each, since a frame from outside is an interrupt. It shares the
 processors with the node all the same. In user-mode Linux that is one processor, and system calls cost ten times as
 much as elsewhere; its clock leaves out what the machine outside holds it up beyond 10 ms at a time: how much that was

@@ -20,7 +20,7 @@ CONDITIONS = {
     "busy,bus-load": ("busy", "flood"),
     "busy,bus-load,fifo": ("busy", "flood", "fifo"),
 }
-OUTSIDE, SERVICE = 40, 20  # priorities: of what stands for the world outside; CPUSchedulingPriority of docs/real-bus.md
+OUTSIDE, SERVICE = 40, 20  # priorities: of what stands for the world outside; CPUSchedulingPriority of docs/gateway.md
 FLOOD_ID = "110"  # outranks all of ours but NMT's
 BARE_BITS = 47  # of a frame without data, and without stuff bits, with the interframe space
 BITS_PER_S = 500_000

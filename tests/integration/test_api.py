@@ -284,7 +284,7 @@ def test_what_is_not_installed_is_told(file, package, tmp_path):
 
 
 def test_the_page_shows_what_is_printed(tmp_path):
-    page = (ROOT / "docs/python.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs/client.md").read_text(encoding="utf-8")
     code, shown = re.search(r"```python\n(.*?)```\n\n```text\n(.*?)```", page, re.DOTALL).groups()
     (tmp_path / "examples").symlink_to(EXAMPLES)
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)

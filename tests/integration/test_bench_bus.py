@@ -154,5 +154,5 @@ def test_the_programs_themselves(name):
     if not os.path.exists("/proc/net/can"):
         done = run("vcan0")
         assert (done.returncode, done.stdout) == (77, "")
-        says = "this kernel has no CAN sockets: modprobe -a can can_raw (to try without: docs/real-bus.md)"
+        says = "this kernel has no CAN sockets: modprobe -a can can_raw (to try without: docs/gateway.md)"
         assert done.stderr == f"{name}: vcan0: {says}\n"

@@ -27,7 +27,7 @@ PRODUCTS = (
     "host/python/src/tumble/firmware_tables.py", "host/python/src/tumble/client/tables.py",
 )  # fmt: skip
 READ = [path.relative_to(ROOT).as_posix()
-        for path in (ROOT / "docs/operations.md", ROOT / "docs/your-drive.md", *(ROOT / "firmware").rglob("*.h"),
+        for path in (ROOT / "docs/operations.md", ROOT / "docs/porting.md", *(ROOT / "firmware").rglob("*.h"),
                      *(ROOT / "firmware/procedure").glob("*.c"), ROOT / "firmware/navcomp/standard.c",
                      ROOT / "docs/bus/block.dbc")]
 
@@ -162,17 +162,17 @@ def test_a_change_of_a_product_by_hand_is_noticed(tree, product):
 
 
 @pytest.mark.parametrize(("name", "old", "new"), [
-    ("docs/your-drive.md", "| `profile.window_counts` |", "| `profile.window` |"),
+    ("docs/porting.md", "| `profile.window_counts` |", "| `profile.window` |"),
     ("firmware/stand/drive402/profile_fields.h", "6098h; 0: not written", "6098h; 0: no homing"),
 ])  # fmt: skip
 def test_the_table_of_a_drive_s_profile_is_that_of_its_fields(tree, name, old, new):
     change(tree / name, old, new)
     done = generate("--check", "--root", tree)
-    told = "generate: docs/your-drive.md is not what the tables say; run tools/objects/generate"
+    told = "generate: docs/porting.md is not what the tables say; run tools/objects/generate"
     assert (done.returncode, done.stderr.splitlines()) == (1, [told])
-    change(tree / "docs/your-drive.md", "<!-- End of the table. -->", "")
+    change(tree / "docs/porting.md", "<!-- End of the table. -->", "")
     done = generate("--check", "--root", tree)
-    assert (done.returncode, done.stderr) == (2, "generate: docs/your-drive.md: the marks of its table are missing\n")
+    assert (done.returncode, done.stderr) == (2, "generate: docs/porting.md: the marks of its table are missing\n")
 
 
 def test_a_missing_product_is_noticed_and_written(tree):

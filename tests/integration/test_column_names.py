@@ -51,7 +51,7 @@ def test_files_of_arrays_are_told_where_they_belong(paper, suffix, refused, tmp_
     np.savez(open(file, "wb"), ux=[0.1], uy=[0.2], uz=[1.9])  # noqa: SIM115
     paper.save(tmp_path / "result.json")
     said = refused("apply", tmp_path / "result.json", file)
-    assert said == f"tumble: {file}: apply takes CSV and Parquet; of arrays, Result.apply in Python (docs/python.md)\n"
+    assert said == f"tumble: {file}: apply takes CSV and Parquet; of arrays, Result.apply in Python (docs/client.md)\n"
     said = refused("import", file)
     advice = "import takes CSV and RAWIMU logs, tumble solve such a file of samples at positions"
     assert said == f"tumble: {file}: no text: {advice}\n"

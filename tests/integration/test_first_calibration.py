@@ -162,7 +162,7 @@ def test_no_session_of_hand_laid_faces_is_in_dispute(seed):
     assert seen["alpha1_rad"] is None and seen["alpha4_rad"] is None and seen["noise_v"] == pytest.approx(0.02, rel=0.1)
 
 
-@pytest.mark.parametrize("page", ["first-calibration", "compare"])
+@pytest.mark.parametrize("page", ["first-calibration", "files"])
 def test_what_a_page_writes_is_no_news_to_git(page):
     """In the folder of the repository, where its commands are given."""
     ignored = (ROOT / ".gitignore").read_text().splitlines()

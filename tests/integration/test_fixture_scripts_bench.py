@@ -20,7 +20,7 @@ pytest.importorskip("can", reason="python-can is not installed")
 pytest.importorskip("canopen", reason="python-canopen is not installed")
 pytestmark = [pytest.mark.slow, pytest.mark.python]
 
-PAGE = (ROOT / "docs/fixture.md").read_text()
+PAGE = (ROOT / "docs/schedules.md").read_text()
 HASTE = {
     "motion__speed_deg_s": 720,
     "motion__acceleration_deg_s2": 7200,

@@ -145,7 +145,7 @@ def test_files_that_come_along_are_found_by_name():
 
 
 def test_the_page_on_them_shows_what_is_printed(tmp_path):
-    page = (ROOT / "docs/python.md").read_text(encoding="utf-8").partition("## What comes with it")[2]
+    page = (ROOT / "docs/client.md").read_text(encoding="utf-8").partition("## What comes with it")[2]
     code, shown = re.search(r"```python\n(.*?)```\n\n```text\n(.*?)```", page, re.DOTALL).groups()
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)
     assert done.stdout == shown
@@ -318,7 +318,7 @@ def test_the_installed_wheel_works_alone(installed, tmp_path):
 @pytest.mark.slow
 @pytest.mark.toolchain
 def test_the_pytest_plugin_of_the_wheel(packages, tmp_path):
-    """docs/testing-your-scripts.md as it is printed, where nobody names the plugin."""
+    """docs/client.md as it is printed, where nobody names the plugin."""
     (tmp_path / "calibrate.py").write_text(paced_scripts.SCRIPT, encoding="utf-8")
     (tmp_path / "test_calibrate.py").write_text(paced_scripts.TEST, encoding="utf-8")
     done = installed_in(tmp_path, f"{packages['file']}[client]", "pytest")("pytest", "test_calibrate.py")

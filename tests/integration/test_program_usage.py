@@ -58,7 +58,7 @@ def test_a_stand_file_is_no_scenario(tmp_path):
     stand.write_text(HASTY_STAND)
     none = tmp_path / "none.toml"
     for name in LINUX:
-        refuses(name, f"{stand}: looks like a stand file; a scenario file is wanted (docs/real-bus.md)", "vcan0", stand)
+        refuses(name, f"{stand}: looks like a stand file; a scenario file is wanted (docs/gateway.md)", "vcan0", stand)
         refuses(name, f"{none}: No such file or directory", "vcan0", none)
 
 

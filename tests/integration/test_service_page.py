@@ -1,4 +1,4 @@
-"""docs/service-level.md: its commands do what it says, over CAN and over Modbus."""
+"""docs/client.md, the service level: its commands do what it says, over CAN and over Modbus."""
 
 import contextlib
 import io
@@ -13,7 +13,7 @@ from test_gateway_commands import mbpoll_write, written
 
 pytestmark = pytest.mark.real_time
 
-PAGE = (ROOT / "docs/service-level.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/client.md").read_text(encoding="utf-8").partition("\n## The service level\n")[2]
 BLOCKS = re.findall(r"^```python\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
 MBPOLL = re.findall(r"^    mbpoll .* -r 0 127\.0\.0\.1 ([\d ]+)$", PAGE, re.MULTILINE)
 start_gateway = pytest.fixture(name="serve")(start_gateway.__wrapped__ if hasattr(start_gateway, "__wrapped__")
@@ -25,7 +25,7 @@ LIMIT = "write 2050 5 " + struct.pack("<d", 1e-3).hex().upper()
 def printed(block, **names):
     """What a block of the page prints, run with these names."""
     with contextlib.redirect_stdout(io.StringIO()) as out:
-        exec(compile(block, "docs/service-level.md", "exec"), names)
+        exec(compile(block, "docs/client.md", "exec"), names)
     return out.getvalue()
 
 

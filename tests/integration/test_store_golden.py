@@ -243,8 +243,8 @@ def test_a_changed_byte_of_a_golden_file_is_told(name, tmp_path):
 
 
 def test_the_factory_set_of_the_page_is_one(tumble, tmp_path):
-    """docs/store.md, the last block of code, as it stands there."""
-    page = (ROOT / "docs" / "store.md").read_text(encoding="utf-8")
+    """docs/embedding.md, the last block of code, as it stands there."""
+    page = (ROOT / "docs" / "embedding.md").read_text(encoding="utf-8")
     code = page[page.index("    from tumble.store.codec import") :]
     script = "\n".join(line[4:] for line in code.splitlines())
     subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True)

@@ -1,4 +1,4 @@
-"""docs/testing-your-scripts.md as it is printed, at every pace; and what the pytest plugin says and costs."""
+"""docs/client.md as it is printed, at every pace; and what the pytest plugin says and costs."""
 
 import os
 import re

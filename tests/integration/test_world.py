@@ -227,7 +227,7 @@ def test_the_check_of_the_result_knows_of_an_error_budget():
 def test_the_page_s_script(tmp_path):
     """Ten calibrations with a fault, frames, and a picture of the angle: as printed, and no longer than 15 lines."""
     pytest.importorskip("matplotlib")
-    page = (ROOT / "docs/python.md").read_text(encoding="utf-8").partition("## A simulated world")[2]
+    page = (ROOT / "docs/bench.md").read_text(encoding="utf-8").partition("## A world in Python")[2]
     code = page.partition("```python\n")[2].partition("```")[0]
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)
     lines = done.stdout.splitlines()

@@ -1,4 +1,4 @@
-/* gain_bench.h - gain records for the tests, laid down byte by byte as docs/gain-record.md says, with a CRC-32 and a schedule
+/* gain_bench.h - gain records for the tests, laid down byte by byte as docs/files.md says, with a CRC-32 and a schedule
  * fingerprint of their own. They share no code with the reader.
  */
 #ifndef TUMBLE_TESTS_UNIT_GAIN_BENCH_H

@@ -1,4 +1,4 @@
-"""A gain record read again (docs/gain-record.md), to hold against what was written."""
+"""A gain record read again (docs/files.md), to hold against what was written."""
 import struct
 import zlib
 

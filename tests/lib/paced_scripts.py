@@ -1,11 +1,11 @@
-"""The script of docs/testing-your-scripts.md, at any pace."""
+"""The script of docs/client.md, at any pace."""
 
 import re
 import time
 from pathlib import Path
 
-_PAGE = Path(__file__).resolve().parents[2] / "docs/testing-your-scripts.md"
-PAGE = _PAGE.read_text(encoding="utf-8")
+_PAGE = Path(__file__).resolve().parents[2] / "docs/client.md"
+PAGE = _PAGE.read_text(encoding="utf-8").partition("\n## Test your own scripts\n")[2].partition("\n## ")[0]
 SCRIPT, TEST, MARKER, ALONE = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
 
 

@@ -16,14 +16,15 @@ from test_fixture_scripts import served
 pytest.importorskip("canopen", reason="python-canopen is not installed")
 
 
-def blocks(name):
-    """The Python of a page."""
-    text = (ROOT / f"docs/{name}.md").read_text(encoding="utf-8")
+def blocks(name, title):
+    """The Python of a page's section of this title."""
+    page = (ROOT / f"docs/{name}.md").read_text(encoding="utf-8")
+    text = page.partition(f"\n## {title}\n")[2].partition("\n## ")[0]
     return re.findall(r"^```python\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)
 
 
-[CALIBRATION] = blocks("operations")
-OVER_CAN, OVER_MODBUS, CANOPEN = blocks("client")
+[CALIBRATION] = blocks("operations", "5. The first calibration")
+OVER_CAN, OVER_MODBUS, CANOPEN = blocks("client", "Talk to a node")
 
 
 @pytest.fixture

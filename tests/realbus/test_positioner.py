@@ -1,4 +1,4 @@
-"""tumble-node leads a motor controller over Modbus TCP that turns the table of a simulated stand: docs/own-stand.md."""
+"""tumble-node leads a motor controller over Modbus TCP that turns the table of a simulated stand: docs/porting.md."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""People's scripts on a real bus, with the fixtures of the pytest plugin: docs/testing-your-scripts.md."""
+"""People's scripts on a real bus, with the fixtures of the pytest plugin: docs/client.md."""
 
 import threading
 from datetime import datetime, timezone

@@ -10,6 +10,7 @@ else:
     import tomli as tomllib
 
 CONFIGURATION = "docs/site.toml"
+HOME = "index"
 
 
 @dataclass(frozen=True)
@@ -27,10 +28,10 @@ class Site:
 def read_site(root):
     """The site as docs/site.toml describes it."""
     told = tomllib.loads((root / CONFIGURATION).read_text(encoding="utf-8"))
-    names = [told["home"], *(name_of(entry) for part in told["part"] for entry in part["pages"])]
-    sources = {name: path for name in names if (path := source_of(root, name)) is not None}
+    names = [name_of(entry) for part in told["part"] for entry in part["pages"]]
+    sources = {HOME: told["home"], **{name: path for name in names if (path := source_of(root, name)) is not None}}
     instead = {**told["instead"], **{path: name for name, path in sources.items()}}
-    return Site(told["home"], told["part"], sources, instead)
+    return Site(HOME, told["part"], sources, instead)
 
 
 def name_of(entry):

@@ -5,8 +5,8 @@ import inspect
 INTRODUCTION = """\
 # Python
 
-All public names of the package `tumble`, `import tumble`, and of `tumble.client`. [Calibrate in Python](../python.md)
-and [Talk to a node](../client.md) show how they are used.
+All public names of the package `tumble`, `import tumble`, and of `tumble.client`.
+[Scripts in Python](../client.md) shows how they are used.
 Version {version}.
 """
 # Of whatever kind, as Sphinx calls it: its title, and which members are shown.

@@ -22,11 +22,11 @@ This page lists the object dictionary of each node, as its SDO server answers an
 - Access: `ro` read, `rw` read and write, `wo` write, `const` never changes; `R` and `T`: may be mapped into a
   receive or transmit PDO.
 - Level `service`: a write from outside is refused (0800 0022h) unless the service level is open (2006h,
-  [service-level.md](service-level.md)).
+  [client.md](client.md#the-service-level)).
 - Neighbours that differ only in a number or an axis share a row, matrices row by row: `:1 to :9` are nine subindices. A
   record or an array that is `as` another one has the rows of that one.
 - The EDS files have real numbers as CiA 306 asks, the hexadecimal digits of their bits, and their limits as comments
-  ([why](other-tools.md#eds-files)).
+  ([why](gateway.md#eds-files)).
 - Subindex 0, where it is not listed, holds the highest subindex (UNSIGNED8, const).
 
 Objects of every node:

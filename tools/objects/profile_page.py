@@ -1,4 +1,4 @@
-"""docs/your-drive.md: its table of the drive profile's fields, from firmware/stand/drive402/profile_fields.h."""
+"""docs/porting.md: its table of the drive profile's fields, from firmware/stand/drive402/profile_fields.h."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rules import check
 
-PAGE = "docs/your-drive.md"
+PAGE = "docs/porting.md"
 FIELDS = "firmware/stand/drive402/profile_fields.h"
 ROW = re.compile(r'X\((\w+), (\w+), (\S+), \w+, \w+, \d+, "([\w.]+)", (\S+), (\S+), "([^"]*)"\)')
 BEGIN, END = "<!-- The table is written by tools/objects/generate. -->\n", "<!-- End of the table. -->"

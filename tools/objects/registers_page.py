@@ -36,7 +36,7 @@ To write a setting, stage its number in register {setting} and its value, an f64
 type of the object must be able to hold the value: a whole number within the type's range, or a finite number, which is
 rounded for an f32. The object says what else is allowed ([canopen.md](canopen.md)); the node refuses the rest. A
 setting of level `service` is sent only for the session that has opened the service level: the one that wrote the key,
-setting {key}, last ([service-level.md](service-level.md)).
+setting {key}, last ([client.md](client.md#the-service-level)).
 """
 
 

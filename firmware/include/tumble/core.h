@@ -734,7 +734,7 @@ bool tumble_worst_norm_next(tumble_worst_norm_t *search, double u_g);
 
 /* ---- Gain records: a table of stand-optimal gains as it lies in non-volatile memory, validated and read in place.
  *
- * docs/gain-record.md defines the bytes. Nothing is copied: a record that passed the check is used where it is mapped.
+ * docs/files.md defines the bytes. Nothing is copied: a record that passed the check is used where it is mapped.
  * The caller must keep it there, unchanged, as long as the pointer to it is in use.
  */
 
@@ -795,7 +795,7 @@ double tumble_gain_record_inclination(const tumble_gain_record_t *record);
  * squared. Null where the channels are alike. */
 const double *tumble_gain_record_weights(const tumble_gain_record_t *record);
 
-/* The fingerprint of a schedule: CRC-32 over mountings and fit positions, see docs/gain-record.md. */
+/* The fingerprint of a schedule: CRC-32 over mountings and fit positions, see docs/files.md. */
 uint32_t tumble_gain_record_schedule_crc(const tumble_schedule_t *schedule);
 
 /* ---- The stand-optimal estimator: constant gains for one stand, twice corrected to second order.

@@ -32,8 +32,8 @@
  * Nothing waits: a call begins a job, and each step makes at most one call of the memory. Only one job at a time may
  * run on one memory. Where store, history and checkpoint lie in the same memory, step one of them until it is not busy,
  * then the next; the keeper of a navigation computer does so by itself. The caller owns every object; its members are private unless said
- * otherwise. Not re-entrant on one object. No pointer may be null unless said otherwise. docs/store.md defines every
- * byte, and says what a loss of power does.
+ * otherwise. Not re-entrant on one object. No pointer may be null unless said otherwise. docs/embedding.md defines
+ * every byte, and says what a loss of power does.
  */
 #ifndef TUMBLE_SETS_H
 #define TUMBLE_SETS_H
@@ -195,7 +195,7 @@ typedef struct {
  * The active set is the one with the highest sequence in the two slots; where neither holds one, it is the factory set.
  * A new set goes to the other slot: erase, check that it is blank, program the record, read it back, and only then
  * program the mark that makes it valid, in a granule of its own. So at every instant either the old set is active or
- * the new one, whatever bytes a loss of power leaves in the place that was being written (docs/store.md).
+ * the new one, whatever bytes a loss of power leaves in the place that was being written (docs/embedding.md).
  */
 #define TUMBLE_SET_MARK_BYTES 32U /* a cell for the mark behind the record */
 #define TUMBLE_SET_PLACE_BYTES (TUMBLE_SET_BYTES + TUMBLE_SET_MARK_BYTES)
@@ -348,7 +348,7 @@ typedef struct {
  * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT (null), TUMBLE_E_NOT_FINITE (a number too large for single precision). */
 tumble_status_t tumble_history_from_set(const tumble_set_t *set, tumble_history_entry_t *entry);
 
-/* Bytes of an entry (docs/store.md). `encode`: TUMBLE_E_ARGUMENT (null), TUMBLE_E_NOT_FINITE. `decode`:
+/* Bytes of an entry (docs/embedding.md). `encode`: TUMBLE_E_ARGUMENT (null), TUMBLE_E_NOT_FINITE. `decode`:
  * TUMBLE_E_ARGUMENT, TUMBLE_E_FRAME (blank, or not the magic), TUMBLE_E_CRC, TUMBLE_E_NOT_FINITE. */
 tumble_status_t tumble_history_encode(const tumble_history_entry_t *entry, uint8_t bytes[TUMBLE_HISTORY_BYTES]);
 tumble_status_t tumble_history_decode(const uint8_t bytes[TUMBLE_HISTORY_BYTES], tumble_history_entry_t *entry);

@@ -6,7 +6,7 @@
  *
  * Three kinds come with Tumble: &tumble_drive402_kind, a CiA 402 drive in profile position mode,
  * &tumble_operator_kind, a person at a dividing head, and &tumble_positioner_kind, a motor controller with Modbus
- * registers (docs/own-stand.md). A stand of your own is a folder with a header that declares its
+ * registers (docs/porting.md). A stand of your own is a folder with a header that declares its
  * object, its profile and its kind; name them in the computer's tumble_navcomp_config_t. Nothing else in the firmware
  * asks of what kind a stand is.
  *

@@ -35,7 +35,7 @@ class Comparison:
 
     @property
     def document(self) -> dict[str, Any]:
-        """All that is known, as the command line writes it: schema tumble.comparison/1, docs/compare.md explains every
+        """All that is known, as the command line writes it: schema tumble.comparison/1, docs/files.md explains every
         key. A copy."""
         found: dict[str, Any] = json.loads(self._text)
         return found

@@ -206,7 +206,8 @@ def read(
     A log of a CAN bus, in any format that python-can reads, has no positions: its rests are found and matched to those
     of `schedule` (a built-in one's name, or a file; paper unless given), as `tumble import` does
     (docs/first-calibration.md), and the recording's `notes` report what was found. For a block that is not Tumble's,
-    `dbc` names the DBC file, and `columns` three of its signals. `v_per_count`: volts of a count, above 0, where the block sends counts.
+    `dbc` names the DBC file, and `columns` three of its signals. `v_per_count`: volts of a count, above 0, where the
+    block sends counts.
 
     Raises tumble.BadInput, a ValueError, for what cannot be used: it names file, row and column; row 1 of a table that
     is no CSV file is its first. Raises tumble.NotInstalled, an ImportError, where a library is missing.

@@ -332,7 +332,7 @@ class Result:
         since: Result | str | os.PathLike[str] | None = None,
         issued: str | None = None,
     ) -> None:
-        """Write a calibration report, HTML or PDF as the file's name ends; docs/report.md tells what is in it.
+        """Write a calibration report, HTML or PDF as the file's name ends; docs/files.md tells what is in it.
 
         `run`: what was solved, as `read` gives or takes it: then its samples are drawn too. `template`: a file of
         Jinja2 in place of the built-in one, or extending it. `logo`: a picture in PNG, JPEG or SVG. `number`: of the

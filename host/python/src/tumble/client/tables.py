@@ -13,7 +13,7 @@ REASONS: tuple[tuple[str, str, str], ...] = (  # by number: name, meaning, what 
     ("CONFIGURATION", "the configuration is out of range", "A number of 2050h or of the board is out of range."),
     ("STAND_OFFLINE", "the stand did not come up", "No drive: power; on CAN node number 2, bit rate, termination; of a Modbus stand its address, port and unit."),
     ("STAND_HEARTBEAT", "the stand's heartbeat was lost", "The drive fell silent for half a second: cable, power, bus load."),
-    ("STAND_PROTOCOL", "the stand refused its configuration or broke the handshake", "The drive refused an object of its profile, or does not keep to it. 2004h:6 to 2004h:9 name object, abort code and step: the drive's manual, and docs/your-drive.md."),
+    ("STAND_PROTOCOL", "the stand refused its configuration or broke the handshake", "The drive refused an object of its profile, or does not keep to it. 2004h:6 to 2004h:9 name object, abort code and step: the drive's manual, and docs/porting.md."),
     ("DRIVE_FAULT", "the drive reported a fault", "2004h:3 is the drive's own error code. CLEAR_FAULT (8) or RESUME resets it."),
     ("DRIVE_POWER", "the drive lost power or was switched off", "Power stage off: emergency stop, enable input."),
     ("STALL", "the axis did not follow its command", "The axis does not follow: brake, obstacle, current limit."),

@@ -282,8 +282,8 @@ class Replay(Document, kw_only=True):
 
 
 class Log(Document, kw_only=True):
-    """A line of tumble-node, tumble-stand or tumble-gateway with --log json: one event. docs/logs.md says which members
-    each event has.
+    """A line of tumble-node, tumble-stand or tumble-gateway with --log json: one event. docs/operations.md says which
+    members each event has.
 
     time: UTC, with milliseconds.
     message: The event as a sentence: the line of --log text.

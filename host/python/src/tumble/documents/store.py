@@ -123,7 +123,7 @@ class Checkpoint(Document):
 
 class Store(Document, kw_only=True):
     """What tumble store dump prints with --json: what an image of a navigation computer's non-volatile memory holds.
-    Names and units as in docs/store.md; K in V/g, U0 in V. Unknown is null.
+    Names and units as in docs/embedding.md; K in V/g, U0 in V. Unknown is null.
 
     active: Where the set in force is; null: there is none.
     history: Newest first.

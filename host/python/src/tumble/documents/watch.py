@@ -113,7 +113,7 @@ class Outage(Document):
 
 
 class Watch(Document, kw_only=True):
-    """What tumble watch knows of a run at one moment (docs/watch.md). Unknown is null. Vectors are of the channels x,
+    """What tumble watch knows of a run at one moment (docs/bench.md). Unknown is null. Vectors are of the channels x,
     y, z; matrices row by row.
 
     source: As it was given to tumble watch.

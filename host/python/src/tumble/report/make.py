@@ -142,7 +142,7 @@ _OF_THE_SOURCE: tuple[Callable[[Source], Any], ...] = (  # what a template has u
 
 
 def context(source: Source, number: str, logo: str | None, issued: str | None = None) -> dict[str, Any]:
-    """What a template may say, but for `figures` and `since`. docs/report.md lists it."""
+    """What a template may say, but for `figures` and `since`. docs/files.md lists it."""
     from markupsafe import Markup
 
     given = sections.uncertainties(source)

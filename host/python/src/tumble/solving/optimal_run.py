@@ -2,7 +2,7 @@
 
 Weights depend on K: they are made at the last known K of the block, or at a first least-squares estimate by the core;
 for many runs at once (`solve_each`) at each run's own. A gain record is a table of them as bytes for non-volatile
-memory, laid down in docs/gain-record.md, and as a C header. Units in it are volts and radians.
+memory, laid down in docs/files.md, and as a C header. Units in it are volts and radians.
 """
 
 from __future__ import annotations
@@ -144,7 +144,7 @@ static const struct {{
     .crc = 0x{crc:08X}U,
 }};
 
-static_assert(sizeof tumble_optimal_gains == {size}U, "laid out as docs/gain-record.md says");
+static_assert(sizeof tumble_optimal_gains == {size}U, "laid out as docs/files.md says");
 
 #endif
 """

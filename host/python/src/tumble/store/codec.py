@@ -38,7 +38,7 @@ class NewerVersion(NotARecord):
 
 @dataclass
 class CoefficientSet:
-    """One set, numbers as docs/store.md names them; None: unknown."""
+    """One set, numbers as docs/embedding.md names them; None: unknown."""
 
     sequence: int
     origin: int

@@ -1,4 +1,4 @@
-"""A navigation computer and a simulated stand for the tests of scripts that use them (docs/testing-your-scripts.md).
+"""A navigation computer and a simulated stand for the tests of scripts that use them (docs/client.md).
 
     plugin         fixtures of pytest
     rigs           a stand and a node that wait for a script

@@ -1,4 +1,4 @@
-"""The pytest plugin: fixtures `tumble_stand`, `tumble_node` and `tumble_client` (docs/testing-your-scripts.md).
+"""The pytest plugin: fixtures `tumble_stand`, `tumble_node` and `tumble_client` (docs/client.md).
 
 Where the package is installed, pytest finds it by itself; in a checkout: pytest -p tumble.testing.plugin. It loads
 nothing before one of its fixtures or options is used.

@@ -1,4 +1,4 @@
-"""The bus of a simulated world for the tests of scripts (docs/testing-your-scripts.md): as in tumble.world."""
+"""The bus of a simulated world for the tests of scripts (docs/client.md): as in tumble.world."""
 
 from tumble.world.virtual_bus import VirtualBus, time_of
 

@@ -159,7 +159,7 @@ def of_scenario(scenario: str | None) -> Firmware:
         return Firmware(_lines(scenario), None if gains is None else gains.read_bytes())
     except Refused as refused:
         if scenario is not None and scenario.endswith(".toml") and refused.line:
-            raise BadInput("looks like a stand file; a scenario file is wanted (docs/real-bus.md)", scenario) from None
+            raise BadInput("looks like a stand file; a scenario file is wanted (docs/gateway.md)", scenario) from None
         raise UsageError(refused.where("the defaults" if scenario is None else file_name(scenario))) from None
 
 

@@ -62,7 +62,7 @@ def run(arguments: argparse.Namespace) -> int:
     targets = _targets(arguments)
     for file in arguments.data:
         if suffix_of(file) in SUFFIXES and suffix_of(file) not in PARQUET:
-            raise BadInput("apply takes CSV and Parquet; of arrays, Result.apply in Python (docs/python.md)", file)
+            raise BadInput("apply takes CSV and Parquet; of arrays, Result.apply in Python (docs/client.md)", file)
     kinds = {suffix_of(file) in PARQUET for file in arguments.data}
     if arguments.out is not None and not os.path.isdir(arguments.out):
         options.require_ending(arguments.out, "--out", *(PARQUET if kinds == {True} else (".csv", ".tsv")))
