@@ -1,5 +1,5 @@
 /* report.h - the document of a run, on one line: schema docs/schemas/tumble.node-1.schema.json, what a simulated run has
- * in tumble.bench/1 as well (world/report.h), without what only a simulation knows. docs/real-bus.md lists the counters of
+ * in tumble.bench/1 as well (world/report.h), without what only a simulation knows. docs/gateway.md lists the counters of
  * the interface.
  */
 #ifndef TUMBLE_NODE_REPORT_H

@@ -1,7 +1,7 @@
 /* event_log.h - what tumble-node, tumble-stand and tumble-gateway tell of themselves on standard error, a line for each
  * event.
  *
- * Its forms, and what they are where standard error is the journal of systemd (JOURNAL_STREAM), are those of docs/logs.md.
+ * Its forms, and what they are where standard error is the journal of systemd (JOURNAL_STREAM), are those of docs/operations.md.
  *
  * A line is written at once and whole, or not at all: nothing here waits for who reads it, be it a terminal that is
  * stopped, a pipe or a socket that is full. (What a terminal or a socket takes of a line in part is lost, and the next
@@ -46,7 +46,7 @@ bool event_log_take_level(void *options, const char *level);
 /* What --help says of these, and of the last options of every program on a CAN interface. */
 #define EVENT_LOG_AND_PARENT_HELP                                                                                      \
     "  --log FORM       tell every event on standard error, a line for each: text or\n"                                \
-    "                   json (docs/logs.md)\n"                                                                         \
+    "                   json (docs/operations.md)\n"                                                                         \
     "  --log-level WHAT error, warning, notice or info: this and what is worse;\n"                                     \
     "                   default: info\n"                                                                               \
     "  --with-parent    end, as by SIGTERM, when the process that started this one\n"                                  \

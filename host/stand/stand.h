@@ -1,6 +1,6 @@
 /* stand.h - tumble-stand: drive, block and operator of the simulation, in real time on a CAN interface.
  *
- * The document is one line: docs/schemas/tumble.stand-1.schema.json, counters in docs/real-bus.md.
+ * The document is one line: docs/schemas/tumble.stand-1.schema.json, counters in docs/gateway.md.
  */
 #ifndef TUMBLE_STAND_STAND_H
 #define TUMBLE_STAND_STAND_H

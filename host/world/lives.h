@@ -1,11 +1,11 @@
-/* lives.h - hostile lives (docs/campaign.md): what a plan says happens to a world, and the simulation's truth is held
+/* lives.h - hostile lives (docs/architecture.md): what a plan says happens to a world, and the simulation's truth is held
  * against what must hold.
  *
  * The plan is drawn by who holds the world (tumble/world/lives.py), and its keys are set, the faults of the life among
  * them. The navigation computer with its memory lives through it on the simulated bus, and may lose its power: then its
  * memory alone outlives, what was being erased or programmed is left with any bytes, bits elsewhere may flip, and the
  * firmware begins anew on what is there, while the rest of the world goes on. What must hold is judged by the
- * simulation's truth and not by what the firmware says; docs/campaign.md says of each word what must hold, and of each
+ * simulation's truth and not by what the firmware says; docs/architecture.md says of each word what must hold, and of each
  * excuse what it excuses and for how long.
  */
 #ifndef TUMBLE_WORLD_LIVES_H

@@ -330,7 +330,7 @@ _BEFORE_NUMBERS, _HEAD, _SIGMA_MEAN = 24, 26, 13  # of a gain record: bytes; num
 
 
 class GainRecord:
-    """A gain record (docs/gain-record.md) opened by the core for one schedule. Raises CoreRefusal."""
+    """A gain record (docs/files.md) opened by the core for one schedule. Raises CoreRefusal."""
 
     def __init__(self, schedule: CoreSchedule, record: bytes):
         self.schedule = schedule

@@ -1,5 +1,5 @@
 """The records of the store as bytes, with struct: sets, entries of the history, positions of a run. Sets alone are
-written here, for who makes a factory set (docs/store.md); the others the firmware alone writes."""
+written here, for who makes a factory set (docs/embedding.md); the others the firmware alone writes."""
 
 from __future__ import annotations
 
