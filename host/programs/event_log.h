@@ -46,7 +46,7 @@ bool event_log_take_level(void *options, const char *level);
 /* What --help says of these, and of the last options of every program on a CAN interface. */
 #define EVENT_LOG_AND_PARENT_HELP                                                                                      \
     "  --log FORM       tell every event on standard error, a line for each: text or\n"                                \
-    "                   json (docs/operations.md)\n"                                                                         \
+    "                   json (docs/operations.md)\n"                                                                   \
     "  --log-level WHAT error, warning, notice or info: this and what is worse;\n"                                     \
     "                   default: info\n"                                                                               \
     "  --with-parent    end, as by SIGTERM, when the process that started this one\n"                                  \

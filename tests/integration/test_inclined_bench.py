@@ -373,8 +373,8 @@ def uncertainties(schedule, means, stand):
 
 @pytest.mark.parametrize("runs", [30, pytest.param(1000, marks=pytest.mark.full)])
 def test_errors_of_optimal_on_board_are_as_large_as_the_firmware_says(runs, tmp_path):
-    """By a record, inclinations off by 10 mrad, in the frame of the block, with all that the stand declares. The block is
-    that of the record, whose uncertainties are at its K."""
+    """By a record, inclinations off by 10 mrad, in the frame of the block, with all that the stand declares. The
+    uncertainties of a record are at the K that it was made for, so the block has that K."""
     stand, z = stand_file(tmp_path, "inclination_rad = 1e-2", "seat_rad = 1e-4", "angle_rad = 2e-4"), []
     declared = np.full((3, 3), 0.04) + 1.96 * np.eye(3)
     text = re.sub(r"^K = \[\n.*?^\]$", f"K = {declared.tolist()}", stand.read_text(), flags=re.DOTALL | re.MULTILINE)
