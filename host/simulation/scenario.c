@@ -49,9 +49,17 @@ void sim_scenario_defaults(sim_scenario_t *scenario)
     scenario->schedule = tumble_schedule_paper;
 }
 
+sim_fault_of_t sim_fault_of(sim_fault_kind_t kind)
+{
+#define FAULT_OF(name, of, word, sentence) SIM_OF_##of,
+    static const sim_fault_of_t OF[] = {SIM_FAULT_LIST(FAULT_OF)};
+#undef FAULT_OF
+    return OF[kind];
+}
+
 const char *sim_fault_word(sim_fault_kind_t kind)
 {
-#define FAULT_WORD(name, word, sentence) word,
+#define FAULT_WORD(name, of, word, sentence) word,
     static const char *const WORDS[] = {SIM_FAULT_LIST(FAULT_WORD)};
 #undef FAULT_WORD
     return WORDS[kind];

@@ -69,8 +69,8 @@ world_key_t world_key(size_t row)
 
 const char *world_fault_kind(size_t row, const char **about)
 {
-#define WORD(name, word, sentence) word,
-#define SENTENCE(name, word, sentence) sentence,
+#define WORD(name, of, word, sentence) word,
+#define SENTENCE(name, of, word, sentence) sentence,
     static const char *const WORDS[] = {SIM_FAULT_LIST(WORD)};
     static const char *const SENTENCES[] = {SIM_FAULT_LIST(SENTENCE)};
 #undef WORD

@@ -356,16 +356,6 @@ static void complete_schedule(sim_scenario_t *scenario)
     scenario->drive.axis.resolution_deg = 360.0 / (double)scenario->drive.counts_per_turn;
 }
 
-static bool is_of_drive(sim_fault_kind_t kind)
-{
-    return kind <= SIM_FAULT_HOMING_ENDLESS && kind != SIM_FAULT_STALL && kind != SIM_FAULT_SLIP; /* of any table */
-}
-
-static bool is_of_block(sim_fault_kind_t kind)
-{
-    return kind >= SIM_FAULT_SATURATED && kind <= SIM_FAULT_WARM;
-}
-
 static const char *check_faults(const bench_config_t *config)
 {
     const sim_scenario_t *const scenario = &config->scenario;
@@ -375,10 +365,11 @@ static const char *check_faults(const bench_config_t *config)
         if (!fault->at_time && tumble_schedule_find(&scenario->schedule, fault->mounting, fault->position) == count) {
             return "a fault names a position that the schedule does not have";
         }
-        if (is_of_drive(fault->kind) && !(config->stand == BENCH_STAND_DRIVE && config->present.drive)) {
+        const sim_fault_of_t of = sim_fault_of(fault->kind);
+        if (of == SIM_OF_DRIVE && !(config->stand == BENCH_STAND_DRIVE && config->present.drive)) {
             return "a fault of the drive needs the simulated drive";
         }
-        if (is_of_block(fault->kind) && !config->present.block) {
+        if (of == SIM_OF_BLOCK && !config->present.block) {
             return "a fault of the block needs the simulated block";
         }
         if (fault->kind == SIM_FAULT_SWAPPED && fault->channels != 3U && fault->channels != 5U &&

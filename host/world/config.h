@@ -39,8 +39,17 @@ typedef struct {
     bool block;
 } bench_present_t;
 
-/* What turns the table: a drive, or a person at a dividing head. */
-typedef enum { BENCH_STAND_DRIVE = 0, BENCH_STAND_OPERATOR } bench_stand_t;
+/* What turns the table: a drive, or a person at a dividing head. Of each its word in scenarios, its kind in the firmware
+ * and the type of its object there, the member of bench_config_t that is its profile, its node on the bus (0: none). */
+#define BENCH_STAND_LIST(X)                                                                                            \
+    X(DRIVE, "drive", tumble_drive402_kind, tumble_drive402_t, profile, 2)                                             \
+    X(OPERATOR, "operator", tumble_operator_kind, tumble_operator_t, person, 0)
+
+typedef enum {
+#define BENCH_STAND_ENUM(name, word, kind, type, profile, node) BENCH_STAND_##name,
+    BENCH_STAND_LIST(BENCH_STAND_ENUM)
+#undef BENCH_STAND_ENUM
+} bench_stand_t;
 
 /* What the drive profile points to. */
 typedef struct {

@@ -39,6 +39,10 @@ _Static_assert(sizeof(sim_law_t) == 4U && sizeof(tumble_estimate_t) == 4U && siz
 _Static_assert(offsetof(sim_fault_t, position) == offsetof(sim_fault_t, mounting) + 1U, "a place is two bytes");
 
 /* clang-format off */
+#define STAND_WORD(name, word, kind, type, profile, node) "|" word
+static const char STANDS[] = BENCH_STAND_LIST(STAND_WORD);
+#undef STAND_WORD
+
 const bench_key_t bench_config_keys[] = {
     {"stand.axis_tilt_rad", BENCH_F64, 1, STAND(axis_tilt_rad), 0, 1, "rad; limit of alpha1"},
     {"stand.level_rad", BENCH_F64, 1, STAND(level_rad), 0, 1, "rad; limit of alpha2"},
@@ -134,7 +138,7 @@ const bench_key_t bench_config_keys[] = {
 
     {"bus.bits_per_second", BENCH_U32, 1, AT(scenario.bits_per_second), 125000, 1e6,
      "125000, 250000, 500000 or 1000000"},
-    {"firmware.stand", BENCH_ENUM, 1, AT(stand), 0, 0, "drive|operator"},
+    {"firmware.stand", BENCH_ENUM, 1, AT(stand), 0, 0, &STANDS[1]},
     {"firmware.loop_us", BENCH_U32, 1, AT(loop_us), 0, 100000, "us; its main loop; 0: looks at every frame at once"},
     {"firmware.heartbeat_ms", BENCH_U16, 1, AT(heartbeat_ms), 1, 65535, "ms; its own"},
     {"firmware.heartbeat_timeout_ms", BENCH_U16, 1, AT(heartbeat_timeout_ms), 1, 65535,
@@ -577,7 +581,7 @@ static bool take_fault_field(sim_fault_t *fault, const char *name, char *text)
 
 static const char *take_fault(bench_config_t *config, const words_t *words)
 {
-#define FAULT_WORD(name, word, sentence) "|" word
+#define FAULT_WORD(name, of, word, sentence) "|" word
     static const char KINDS[] = SIM_FAULT_LIST(FAULT_WORD);
 #undef FAULT_WORD
     sim_scenario_t *const scenario = &config->scenario;

@@ -120,7 +120,7 @@ static void act(bench_world_t *world, uint32_t number, bool on)
         sim_bus_set_down(&world->bus, BENCH_BUS_NAVCOMP, on);
         break;
     default:
-        if (fault->kind >= SIM_FAULT_FRAME_DROP) {
+        if (sim_fault_of(fault->kind) == SIM_OF_FRAMES) {
             set_frame_fault(world, number, fault, on);
         }
         break;

@@ -62,12 +62,18 @@ static void init_block(bench_world_t *world)
 tumble_navcomp_config_t bench_navcomp_config(const bench_config_t *config, const tumble_port_t *port,
                                              const tumble_navcomp_hooks_t *hooks, bench_stand_memory_t *memory)
 {
-    const bool drive = (config->stand == BENCH_STAND_DRIVE);
+#define STAND(name, word, kind, type, profile, node) {&(kind), &config->profile, (node)},
+    const struct {
+        const tumble_stand_kind_t *kind;
+        const void *profile;
+        uint8_t node;
+    } stands[] = {BENCH_STAND_LIST(STAND)}, *const stand = &stands[config->stand];
+#undef STAND
     return (tumble_navcomp_config_t){
         .port = port,
         .procedure = &config->procedure,
-        .stand = drive ? &tumble_drive402_kind : &tumble_operator_kind,
-        .stand_profile = drive ? (const void *)&config->profile : &config->person,
+        .stand = stand->kind,
+        .stand_profile = stand->profile,
         .stand_memory = memory,
         .stand_bytes = sizeof *memory,
         .hooks = hooks,
@@ -76,7 +82,7 @@ tumble_navcomp_config_t bench_navcomp_config(const bench_config_t *config, const
         .heartbeat_ms = config->heartbeat_ms,
         .heartbeat_timeout_ms = config->heartbeat_timeout_ms,
         .node = 1,
-        .stand_node = drive ? 2 : 0,
+        .stand_node = stand->node,
         .block_node = 3,
     };
 }

@@ -84,8 +84,9 @@ typedef struct {
 
 /* The firmware's memory of its stand, whichever it is. */
 typedef union {
-    tumble_drive402_t drive;
-    tumble_operator_t person;
+#define BENCH_STAND_OBJECT(name, word, kind, type, profile, node) type profile;
+    BENCH_STAND_LIST(BENCH_STAND_OBJECT)
+#undef BENCH_STAND_OBJECT
 } bench_stand_memory_t;
 
 typedef struct bench_world {

@@ -4,8 +4,10 @@ The tuples are written by tools/estimators.py from the table in tumble/core.h: a
 core.
 """
 
-HARMONIC = ("averaged", "refined")  # closed forms, on circles through two block axes
-LINEAR = ("averaged", "refined", "least_squares")  # in the outputs, of blocks that are bolted on in every mounting
+# Closed forms, on circles through two block axes.
+HARMONIC = ("averaged", "refined")
+# In the outputs, of blocks that are bolted on in every mounting.
+LINEAR = ("averaged", "refined", "least_squares")
 ESTIMATORS = ("averaged", "refined", "least_squares", "optimal", "inclined")
 OPTIMAL = "optimal"  # weighs by the stand's errors
 INCLINED = "inclined"  # of a block that is bolted on once: finds its inclinations, too

@@ -90,7 +90,7 @@ def _harmonic(schedule: Schedule, means: Floats, estimator: str) -> tuple[Floats
     """The earlier formulas (`averaged`): K_ij is the mean over all circles that hold the axis j, U0 that over all
     circles. Formula (7), of any circles (`refined`): as these, but K_ij and K_ji only from circles that hold both axes
     i and j, where there are any."""
-    choosy = ~np.eye(3, dtype=bool) if estimator == "refined" else np.zeros((3, 3), dtype=bool)
+    choosy = {"averaged": np.zeros((3, 3), dtype=bool), "refined": ~np.eye(3, dtype=bool)}[estimator]
     found = circles(schedule)
     assert found is not None  # whoever asks for this estimator has seen to it
     holds = np.array([np.arange(3) != circle.normal for circle in found])

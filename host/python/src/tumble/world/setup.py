@@ -22,7 +22,7 @@ from tumble.files.stand_file import StandFile, converter_step_v
 from tumble.model.optimal import optimal_table
 from tumble.schedule import Mounting, Position, Schedule
 from tumble.solving.optimal_run import Known, record_of, require_declared_inclinations, to_bytes
-from tumble.stand import PAPER_STAND, PerChannel, Stand, by_channel, per_channel
+from tumble.stand import PAPER_STAND, SOURCES, PerChannel, Stand, by_channel, per_channel
 from tumble.terms import Terms
 
 _MOST_BITS = 24
@@ -178,11 +178,10 @@ def _per_channel(value: PerChannel) -> str:
 
 
 def _stand(stand: Stand, is_inclined: bool) -> Iterator[tuple[str, str]]:
-    for key in ("axis_tilt", "level", "remount", "angle"):
-        yield f"stand.{key}_rad", _numbers(getattr(stand, key))
-    for key in ("seat", "platform", "encoder"):
-        if getattr(stand, key) > 0.0:
-            yield f"stand.{key}_rad", _numbers(getattr(stand, key))
+    for source in SOURCES.values():
+        size = getattr(stand, source.attribute)
+        if source.is_angle and not source.of_inclinations and (source.required or size > 0.0):
+            yield f"stand.{source.key}", _numbers(size)
     inclination = stand.inclination
     if is_inclined and math.isinf(inclination):  # nobody sets it well
         inclination = UNDECLARED_RAD * stand.limits_over_sigma
