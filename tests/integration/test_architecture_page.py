@@ -84,7 +84,7 @@ def test_a_package_lists_its_modules(package):
     tree, folder = ast.parse(package.read_text(encoding="utf-8")), package.parent
     modules = {path.stem for path in folder.glob("*.py")} | {path.parent.name for path in folder.glob("*/__init__.py")}
     folders = [path.name for path in folder.iterdir() if path.is_dir()]
-    public = [name for node in tree.body if isinstance(node, ast.Assign) and node.targets[0].id == "__all__"
+    public = [name for node in tree.body if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__"
               for name in ast.literal_eval(node.value)]
     private = {"__init__", "__main__", "_version"}
     assert wrong_names(ast.get_docstring(tree), modules - private, [*folders, *public]) == ([], [])

@@ -25,7 +25,7 @@ from tumble.documents.base import written
 from tumble.errors import BadInput
 from tumble.files.run_file import NO_BLOCKS, Run
 from tumble.files.stand_file import read_stand
-from tumble.model import Propagation, WholeModel, built_in, by_coefficient, covariance, optimal_covariance
+from tumble.model import Propagation, WholeModel, built_in, by_coefficient, optimal_covariance
 from tumble.model.errors import exact_outputs, sources
 from tumble.model.optimal import optimal_table
 from tumble.planning import require
@@ -93,7 +93,7 @@ def test_every_channel_of_a_closed_form_has_its_own_noise_and_drift():
     for channel in range(3):
         alone = dataclasses.replace(ALIKE, noise=NOISE[channel], drift=DRIFT[channel])
         mine, other = (
-            by_coefficient(covariance(PAPER, NOMINAL_K, s, np.ones(18, dtype=int), "refined"))
+            by_coefficient(Propagation(PAPER, NOMINAL_K, s, np.ones(18, dtype=int), "refined").covariance())
             for s in (UNEQUAL, alone)
         )
         assert mine[0][channel] == pytest.approx(other[0][channel], rel=1e-12)
@@ -115,7 +115,7 @@ def figures(runs, fitted, seed):
         if estimator == "optimal":
             stated = optimal_covariance(PAPER, k, UNEQUAL, lone, 0.0)
         else:
-            stated = covariance(PAPER, k, UNEQUAL, lone, estimator)
+            stated = Propagation(PAPER, k, UNEQUAL, lone, estimator).covariance()
         ratios.append(np.sqrt(np.diag(stated) / (off**2).mean(axis=0)))
     models = (WholeModel(PAPER, one, UNEQUAL.mean_variance(lone), UNEQUAL) for one in means[:fitted])
     p = [chi_squared_above(model.chi_squared, model.freedom) for model in models]

@@ -3,6 +3,7 @@
 import dataclasses
 import json
 
+import core_functions
 import gain_record
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from simulated_bench import bench as simulated, runs
 
 import tumble as package
 from tumble.cli.main import main
-from tumble.core import CoreSchedule, binding, paper_schedule
+from tumble.core import CoreSchedule, paper_schedule
 from tumble.model.optimal import optimal_estimate, optimal_table
 from tumble.solving import optimal_run
 from tumble.stand import PAPER_STAND
@@ -107,7 +108,7 @@ def test_the_firmware_solves_with_the_record_and_agrees_with_core_and_witness(tm
     run = package.read(tmp_path / "run/run.csv")
     places = sorted(set(zip(run.mounting, run.position)))
     means = np.array([run.outputs[(run.mounting == m) & (run.position == p)].mean(axis=0) for m, p in places])
-    expected = binding.optimal(RECORD, SCHEDULE, means)
+    expected = core_functions.optimal(RECORD, SCHEDULE, means)
     assert np.abs(np.array(found["K"]) - expected.k).max() < 1e-13
     assert np.abs(np.array(found["U0"]) - expected.u0).max() < 1e-13
     witness = optimal_estimate(SCHEDULE.data, means, PAPER_STAND, np.full(18, PAPER_STAND.samples), known_k=NOMINAL_K)
