@@ -181,7 +181,8 @@ def test_what_is_no_such_number_is_refused(tmp_path, old, new, said):
 def test_what_is_seen_of_them_fits_a_terminal(unit, tmp_path, tumble):
     noise = TEXT[: TEXT.index("[block]")].replace("noise_v = 3e-4", "noise_v = [3e-4, 3e-4, 3.1e-4]")
     (tmp_path / "stand.toml").write_text(noise)
-    done = tumble("solve", EXAMPLES / "paper_stand.csv", "--unit", unit, "--stand", tmp_path / "stand.toml")
+    given = (EXAMPLES / "paper_stand.csv", "--unit", unit, "--stand", tmp_path / "stand.toml")
+    done = tumble("solve", *given, "--details")
     said = done.stdout[done.stdout.index("Stand seen:") :].partition("\n\n")[0]
     noise, several = np.loadtxt(EXAMPLES / "paper_stand.csv", delimiter=",", skiprows=1), []
     for place in np.unique(noise[:, :2], axis=0):
@@ -223,7 +224,7 @@ def test_the_channel_that_is_not_as_declared_is_seen(unit, tmp_path, tumble):
     seen = json.loads(tumble(*solve_it, "--json").stdout)["stand_seen"]
     assert seen["noise_v_by_channel"] == pytest.approx(one, rel=1e-9)
     assert 1.7 < one[1] / NOISE[1] < 2.3 and (np.abs(one[::2] / np.array(NOISE)[::2] - 1.0) < 0.15).all()
-    shown = " ".join(tumble(*solve_it).stdout.split())
+    shown = " ".join(tumble(*solve_it, "--details").stdout.split())
     assert f"y {one[1]:.2e}, z {one[2]:.2e} V, each +- 6.3 %; declared 4.50e-05, 3.00e-04, 1.50e-03" in shown
     checked = tumble("fixture", "check", tmp_path / "1.csv", tmp_path / "2.csv", "--stand", stand)
     both = np.sqrt(squares)
@@ -241,7 +242,7 @@ def test_one_declared_noise_is_one_that_is_seen(tumble):
     given = ("solve", EXAMPLES / "paper_stand.csv", "--stand", EXAMPLES / "paper_stand.toml")
     seen = json.loads(tumble(*given, "--json").stdout)["stand_seen"]
     assert seen["noise_v_by_channel"] is seen["u_noise_v_by_channel"] is None and seen["noise_v"] > 0.0
-    assert ", declared 3.00e-04" in tumble(*given).stdout
+    assert ", declared 3.00e-04" in tumble(*given, "--details").stdout
 
 
 def test_a_result_repeats_what_was_declared():

@@ -243,7 +243,7 @@ def test_text_shows_what_follows(tumble):
     for unit in ("V", "m/s^2"):
         arguments = ["solve", "lab_stand.csv", "--stand", "lab_stand.toml", "--unit", unit]
         result = document_of(tumble(*arguments, "--json", cwd=EXAMPLES), codes=(0, 1)) if unit == "V" else None
-        lines = tumble(*arguments, cwd=EXAMPLES).stdout.splitlines()
+        lines = tumble(*arguments, "--details", cwd=EXAMPLES).stdout.splitlines()
         assert max(map(len, lines)) <= 80
         [start] = [index for index, line in enumerate(lines) if line.startswith("Intrinsic:")]
         if result is not None:
@@ -254,7 +254,7 @@ def test_text_shows_what_follows(tumble):
                 assert (words[3], words[6]) == (f"{u['scale'][i]:.1e}", f"{u['bias_g'][i]:.1e}")
                 assert words[7:] == [pair, f"{found['angle_rad'][pair]:.6f}", "+-", f"{u['angle_rad'][pair]:.1e}"]
             assert lines[start + 4].startswith(f"Worst u(|a|): {result['u_norm_g']['worst_g'] * 1e6:.3g} ug, at ")
-    assert "Intrinsic:" not in tumble("solve", "lab_stand.csv", cwd=EXAMPLES).stdout
+    assert "Intrinsic:" not in tumble("solve", "lab_stand.csv", "--details", cwd=EXAMPLES).stdout
 
 
 @pytest.mark.parametrize("factor", [1e-12, 1e6])

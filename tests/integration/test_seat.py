@@ -195,11 +195,11 @@ def with_keys(tmp_path, **keys):
 def test_who_declares_either_is_told_of_no_assumption(key, tmp_path, tumble):
     run = EXAMPLES / "paper_stand.csv"
     plain = tumble("solve", run, "--unit", "V", "--stand", EXAMPLES / "paper_stand.toml").stdout
-    assert plain.splitlines()[-1].startswith("PASS, assuming a square seat and one temperature: ")
+    assert plain.splitlines()[0].startswith("PASS, assuming a square seat and one temperature: ")
     assert plain.count("*") == 7  # six coefficients, and what is said of them
     declared = with_keys(tmp_path, **{key: 5e-5})
     text = tumble("solve", run, "--unit", "V", "--stand", declared).stdout
-    assert text.splitlines()[-1].startswith("PASS, assuming one temperature: ") and "*" not in text
+    assert text.splitlines()[0].startswith("PASS, assuming one temperature: ") and "*" not in text
     result = json.loads(tumble("solve", run, "--unit", "V", "--stand", declared, "--json").stdout)
     assert (result["assumes"], result["assumed_for"]) == (["temperature"], {"temperature": []})
     assert result["u_K"][1][2] == pytest.approx(5.1e-5 * 2, rel=0.01)

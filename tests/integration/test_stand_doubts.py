@@ -30,7 +30,7 @@ def doubted(run, stand, estimator="refined", step_v=0.0):
 
 @pytest.mark.parametrize("estimator", ESTIMATORS)
 def test_a_wrong_stand_file_is_said_to_be_one(estimator, tumble):
-    """The lab's run with the paper's stand: no PASS, whatever gravity says, and the warning stands before it."""
+    """The lab's run with the paper's stand: no PASS, whatever gravity says, and the warning stands beside it."""
     command = ("solve", "lab_stand.csv", "--stand", "paper_stand.toml", "--estimator", estimator)
     shown = tumble(*command, "--json", cwd=EXAMPLES)
     result = valid(shown.stdout)
@@ -43,9 +43,9 @@ def test_a_wrong_stand_file_is_said_to_be_one(estimator, tumble):
     assert warning.startswith("tumble: warning: the run does not fit the stand file: ")
     assert "yaw change 4.2e-03 rad (declared 5.7e-04)" in warning
     assert warning.endswith("; the uncertainties are too small")
-    *_, beware, verdict = tumble(*command, cwd=EXAMPLES).stdout.split("\n\n")
+    verdict, beware, *_ = tumble(*command, cwd=EXAMPLES).stdout.split("\n\n")
     assert beware.startswith("Beware: the run does not fit the stand file: ")
-    assert " ".join(beware.split()).endswith("The uncertainties above are too small.")
+    assert " ".join(beware.split()).endswith("The uncertainties below are too small.")
     assert max(map(len, beware.splitlines())) <= 80
     failures = re.match(r"FAIL: the .*?(?=;)", " ".join(verdict.split()))[0]
     decision = Decision.of(parse_result(shown.stdout.encode(), "result"))
@@ -74,7 +74,7 @@ FAILURES = {
 }
 
 
-def test_the_last_line_names_the_culprit(tumble, tmp_path):
+def test_the_verdict_names_the_culprit(tumble, tmp_path):
     """One position is off in one channel, which moves the errors of others too."""
     header, *rows = (EXAMPLES / "paper_stand.csv").read_text().splitlines()
     parted = [row.split(",") for row in rows]
@@ -83,21 +83,21 @@ def test_the_last_line_names_the_culprit(tumble, tmp_path):
     (tmp_path / "run.csv").write_text("\n".join([header, *map(",".join, parted)]) + "\n")
     for limit in ("1e-2", "1e-6"):
         done = tumble("solve", tmp_path / "run.csv", "--stand", EXAMPLES / "paper_stand.toml", "--limit", limit)
-        lines = done.stdout.rpartition("\n\n")[2].splitlines()
-        last, failures = " ".join(lines), FAILURES[limit]
-        assert done.returncode == 1 and last.startswith(
+        lines = done.stdout.partition("\n\n")[0].splitlines()
+        told, failures = " ".join(lines), FAILURES[limit]
+        assert done.returncode == 1 and told.startswith(
             f"FAIL: {failures}; explained best by position 1.4 (x); largest gravity error "
         )
-        assert max(map(len, lines)) <= 80 and " at " not in last
+        assert max(map(len, lines)) <= 80 and " at " not in told
 
 
 def test_a_failure_of_gravity_alone_has_its_place_where_nothing_explains_it(tumble):
     done = tumble("solve", "paper_stand.csv", "--stand", "paper_stand.toml", "--limit", "1e-6", cwd=EXAMPLES)
-    said = " ".join(done.stdout.rpartition("\n\n")[2].split())
+    said = " ".join(done.stdout.partition("\n\n")[0].split())
     failures = "FAIL: the gravity check and the uncertainty; largest gravity error"
     assert re.fullmatch(failures + r" \S+ g at \d\.\d; 3 u\(\|a\|\) is up to \S+ g, limit 1e-06 g", said)
     assert max(map(len, done.stdout.splitlines())) <= 80
-    without = tumble("solve", "paper_stand.csv", "--limit", "1e-6", cwd=EXAMPLES).stdout.splitlines()[-1]
+    without = tumble("solve", "paper_stand.csv", "--limit", "1e-6", cwd=EXAMPLES).stdout.splitlines()[0]
     assert re.fullmatch(r"FAIL: the gravity check; largest gravity error \S+ g at \d\.\d, limit 1e-06 g", without)
 
 

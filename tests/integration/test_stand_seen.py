@@ -248,7 +248,7 @@ def test_two_mountings_have_no_other_yaw():
 
 def test_people_read_the_yaw_of_each_mounting(tumble):
     common = "--schedule", "three_mountings", "--stand", EXAMPLES / "three_mountings_stand.toml"
-    shown = tumble("solve", EXAMPLES / "three_mountings_stand.csv", *common).stdout
+    shown = tumble("solve", EXAMPLES / "three_mountings_stand.csv", *common, "--details").stdout
     lines = shown[shown.index("Stand seen:") :].splitlines()[:6]
     names = ["axis tilt", "level + yaw", "yaw 1 - 2", "yaw 1 - 3", "set angle", "noise"]
     assert [line[12:24].strip() for line in lines] == names

@@ -57,8 +57,9 @@ def words(text):
 
 
 def test_the_same_content_as_plain_text():
-    plain = subprocess.run(SOLVE, cwd=EXAMPLES, capture_output=True, text=True, check=True).stdout
-    shown = on_terminal(SOLVE)
+    command = [*SOLVE, "--details"]
+    plain = subprocess.run(command, cwd=EXAMPLES, capture_output=True, text=True, check=True).stdout
+    shown = on_terminal(command)
     for ours, theirs in {"\u00b1": "+-", "\u00b5": "u"}.items():
         assert ours in shown and ours not in plain
         shown = shown.replace(ours, theirs)
@@ -71,6 +72,21 @@ def test_colours(environment, coloured):
     shown = on_terminal(SOLVE, **environment)
     colours = re.findall(r"\x1b\[(?:\d;)*3[1-7]m", shown)
     assert bool(colours) == coloured
+
+
+def test_the_page_is_short_and_its_details_are_asked_for(tumble):
+    """The verdict first, twelve rows, a line for each check, on one screen of 40 lines."""
+    inclined = ("inclined_stand.csv", "--schedule", "inclined", "--stand", "inclined_stand.toml")
+    for words in (SOLVE[4:], inclined, ["paper_stand.csv"]):
+        short = tumble("solve", *words, cwd=EXAMPLES).stdout
+        lines = short.splitlines()
+        assert lines[0].startswith("PASS") and len(lines) <= 40 and max(map(len, lines)) <= 80
+        assert [line for line in lines if line.startswith(("K_", "U0_"))] == lines[lines.index("") + 4 :][:12]
+        for check in ("Gravity check: ", "Closure: ", "numpy agrees; --details "):
+            assert sum(line.startswith(check) for line in lines) == 1, check
+        whole = tumble("solve", *words, "--details", cwd=EXAMPLES).stdout
+        assert "\n   1.1  fit " in whole and "\nResiduals, rms: " in whole and "\nStand seen: " in whole
+        assert whole.partition("\n\n")[0] == short.partition("\n\n")[0]
 
 
 def test_a_terminal_without_unicode_gets_ascii():

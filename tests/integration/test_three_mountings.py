@@ -250,7 +250,7 @@ def test_a_fifth_position_closes_each_mounting(tumble, tmp_path):
     for one in solved["verification"]["closure"]:
         mounting = one["mounting"]
         assert one["difference"] == pytest.approx(outputs[f"{mounting}.5"] - outputs[f"{mounting}.1"], abs=1e-15)
-    text = tumble("solve", run, *common).stdout
+    text = tumble("solve", run, *common, "--details").stdout
     assert "at 15 of 15 positions" in text and text.count("Closure of mounting ") == 3
 
     rows = run.read_text().splitlines()

@@ -63,6 +63,10 @@ _SHARED: dict[str, dict[str, Any]] = {  # by option, what argparse is told; {}: 
     "--firmware": {"choices": FIRMWARES, "default": FIRMWARES[0], "help": f"{{}}default: {FIRMWARES[0]}"},
     "--seed": {"metavar": "N", "default": "1", "help": "0 to 2^64 - 1{}; default: 1"},
     "--json": {"action": "store_true", "help": "print the result as one JSON document"},
+    "--details": {
+        "action": "store_true",
+        "help": "print every position, residuals, the stand seen and intrinsic parameters, too",
+    },
     "--workers": {"metavar": "N", "help": f"so many processes, 1 to {MOST_WORKERS}, for the same result; default: 1"},
     "--cluster": {
         "metavar": "ADDRESS",

@@ -1,7 +1,8 @@
 """What a command says of a solution: as JSON, as plain ASCII, or on a terminal.
 
-`page` makes the one page for people: lines, each of pieces of text with the style that a terminal shows them in, and
-the table of coefficients. Plain text leaves the styles away; rich draws them.
+`page` makes the one page for people: the verdict, the coefficients, a line for each check; with details every position
+and what the run shows of the stand. It consists of lines, each of pieces of text with the style that a terminal shows
+them in, and of the table of coefficients. Plain text leaves the styles away; rich draws them.
 """
 
 from __future__ import annotations
@@ -44,6 +45,7 @@ from tumble.units import noise_unit, on_its_side, per_g, volts_per
 _COLUMNS = 80  # a narrower terminal wraps lines, which loses nothing
 _BAR_WIDTH = 36
 _LOSS = 1.05  # of an uncertainty, before it is spoken of
+_MORE = "numpy agrees; --details shows every position, residuals, the stand seen and more"
 _HINT = "For uncertainties, describe the stand: --stand FILE"
 _HINT_ALONE = f"u contains noise only. {HANDS} To include errors of the stand, describe it: --stand FILE"
 
@@ -58,14 +60,14 @@ class Table:
     rows: list[tuple[str, ...]]
 
 
-def print_solution(solution: Solution, json_text: str | None, title: str) -> None:
+def print_solution(solution: Solution, json_text: str | None, title: str, with_details: bool) -> None:
     """As JSON, or for people: with rich on a terminal. `title`: what was solved."""
     if json_text is not None:
         sys.stdout.write(json_text)
     elif sys.stdout.isatty():
-        _show(page(solution, title))
+        _show(page(solution, title, with_details))
     else:
-        sys.stdout.write(_plain_text(page(solution, title)))
+        sys.stdout.write(_plain_text(page(solution, title, with_details)))
 
 
 def _plain_text(lines: list[Line | Table]) -> str:
@@ -100,8 +102,9 @@ def _show(lines: list[Line | Table]) -> None:
             for heading in line.headings:
                 shown.add_column(heading, justify="left" if heading in ("", "unit") else "right", no_wrap=True)
             for row in line.rows:
-                styles = ["bold", "cyan", "", "", "", "dim", "", ""]
-                shown.add_row(*(Text(signed_for(one, sys.stdout), style) for one, style in zip(row, styles)))
+                styles = {"": "bold", "value": "cyan", "vs numpy": "dim"}
+                cells = zip(row, line.headings)
+                shown.add_row(*(Text(signed_for(one, sys.stdout), styles.get(name, "")) for one, name in cells))
             console.print(shown)
         elif len(line) == 1:
             [(text, style)] = line
@@ -111,47 +114,50 @@ def _show(lines: list[Line | Table]) -> None:
             console.print(Text.assemble(*pieces), no_wrap=True, overflow="crop")
 
 
-def page(solution: Solution, file: str) -> list[Line | Table]:
+def page(solution: Solution, file: str, with_details: bool) -> list[Line | Table]:
     """All that a person is told of a solution, from top to bottom. `file`: what was solved."""
     decision, counters = decide(solution), solution.run.counters
     model = f" with {', '.join(solution.found.terms)}" if solution.further is not None else ""
     positions = f"{counters['positions']} of {len(solution.schedule.positions)} positions"
     solved = f"{file}: {counters['rows']} samples at {positions}, estimator {solution.found.estimator}{model}"
-    limit = f"| marks the limit, {solution.limit_g:g} g"
     why = misfit_sentence(solution)
-    warning = "" if why is None else f"Beware: {why}. The uncertainties above {misfit_consequence(solution)}."
+    warning = "" if why is None else f"Beware: {why}. The uncertainties below {misfit_consequence(solution)}."
     bewares = [*textwrap.wrap(warning, _COLUMNS, break_on_hyphens=False), ""] if warning else []
-    partly = bool(decision.passed and decision.where)  # where a PASS without a stand holds is said before all else
-    colour = "yellow" if decision.is_not_shown or partly else "green" if decision.passed else "red"
-    u = "std uncertainty" if solution.scatter_alone is None else "u, scatter alone"
-    headings: tuple[str, ...] = ("", "value", "unit", u, "relative", "vs numpy")
-    if solution.truth is not None:
-        headings = ("", "value", "unit", "u", "u, rel.", "vs numpy", "truth", "error/u")
+    colour = "green" if decision.passed and not decision.where else "yellow"
+    if not decision.passed and not decision.is_not_shown:
+        colour = "red"
     return [
-        *([[(decision.word + decision.where, "yellow bold")], [("", "")]] if partly else []),
+        [(_verdict_line(solution, decision), f"{colour} bold")],
+        [("", "")],
+        *([(line, "yellow")] for line in bewares),
         [(solved, "bold")],
-        Table(headings, coefficient_rows(solution)),
+        Table(*coefficient_table(solution, with_details)),
         *([(line, "yellow")] for line in notes(solution) + uncertainty_notes(solution)),
         [("", "")],
+        *(_details(solution) if with_details else [[(line, "")] for line in checks(solution)]),
+    ]
+
+
+def _details(solution: Solution) -> list[Line]:
+    limit = f"| marks the limit, {solution.limit_g:g} g"
+    return [
         [(f"Gravity check: delta_g in g at every position; {limit}", "bold")],
         *_gravity_bars(solution),
         [("", "")],
         *([(line, "")] for line in remarks(solution)),
-        [("", "")],
-        *([(line, "yellow")] for line in bewares),
-        [(_verdict_line(solution, decision), f"{colour} bold")],
     ]
 
 
-def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
-    """The twelve coefficients: name, value, unit, standard uncertainty, the same relative, difference from numpy; of a
-    simulated run also the true value, and the error (estimate less truth) over the standard uncertainty. Then the same
-    of further terms of the model.
+def coefficient_table(solution: Solution, with_details: bool) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """Headings and rows of the twelve coefficients: name, value, unit, standard uncertainty, the same relative; with
+    details the difference from numpy; of a simulated run also the true value, and the error (estimate less truth) over
+    the standard uncertainty. Then the same of further terms of the model.
 
     An uncertainty is given over the scale of its row, K_ii: of K_ii itself in ppm, of a cross-axis sensitivity as the
     angle that it is, in urad, of U0 in ug; of a further term in ug, as that of an output in g, at 1 g. A name that ends
     in a mark rests on what `notes` say of it.
     """
+    u_named = "std uncertainty" if solution.scatter_alone is None else "u, scatter alone"
     unit, found, shown = solution.run.unit, solution.found, solution.scatter_alone or solution.stated
     marked, scale = marks(assumed(solution)), np.diag(found.k)
     decimals = max(0, min(12, 9 - math.floor(math.log10(np.abs(found.k).max()))))
@@ -178,15 +184,19 @@ def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
             units[i],
             "unknown" if u[i] is None else f"{u[i]:.1e}",
             _relative(u[i], scales[i], millionths[i]),
-            "0" if differences[i] == 0.0 else f"{differences[i]:.0e}",
         )
         for i, name in enumerate(COEFFICIENTS + names(found.terms if solution.further is not None else ()))
     ]
+    headings: tuple[str, ...] = ("", "value", "unit", u_named, "relative")
+    if with_details:
+        headings += ("vs numpy",)
+        rows = [(*row, "0" if d == 0.0 else f"{d:.0e}") for row, d in zip(rows, differences)]
     if solution.truth is not None:
+        headings = ("", "value", "unit", "u", "u, rel.", *headings[5:], "truth", "error/u")
         known = zip(_twelve(solution.truth.K, solution.truth.U0), _errors_over_u(solution).tolist())
         for i, (true, error) in enumerate(known):
             rows[i] += (f"{true:+.{decimals}f}", "-" if math.isnan(error) else f"{error:+.2f}")
-    return rows
+    return headings, rows
 
 
 def _twelve(k: Floats, u0: Floats) -> list[float]:
@@ -267,35 +277,64 @@ def _gravity_bars(solution: Solution) -> list[Line]:
     return bars
 
 
+def checks(solution: Solution) -> list[str]:
+    """One line for each check, and what follows from the coefficients."""
+    found, unit = solution.found, solution.run.unit
+    position = solution.schedule.positions[solution.worst_position].label
+    size = on_its_side(abs(float(found.gravity.delta_g[solution.worst_position])), solution.limit_g)
+    lines = [f"Gravity check: largest error {size} g at {position}, limit {solution.limit_g:g} g"]
+    lines += _check_positions(solution)
+    if found.closure:
+        number, largest = max(found.closure.items(), key=lambda one: float(np.abs(one[1]).max()))
+        axis = int(np.abs(largest).argmax())
+        size = f"{abs(largest[axis]):.2g} {unit}"
+        lines.append(f"Closure: largest difference {size}, {'xyz'[axis]} of mounting {number}")
+    lines += [*_fit(solution), *_known(solution), *_inclinations(solution)]
+    return [*lines, *_consequences(solution), _MORE]
+
+
 def remarks(solution: Solution) -> list[str]:
     """Closure, residuals, the stand as the run shows it, what follows from the coefficients: one line each, where there
     is anything to say."""
-    found, unit, lines = solution.found, solution.run.unit, []
-    checks = [index for index, position in enumerate(solution.schedule.positions) if position.use == CHECK]
-    if checks:  # their errors are told apart: on fitted positions the check is optimistic
-        measured = sum(int(solution.run.samples[index] > 0) for index in checks)
-        largest = f"{found.gravity.max_abs_check:.2g} g" if measured else "unknown"
-        fitted = f"fitted {found.gravity.max_abs_fit:.2g} g"
-        lines += [f"Largest gravity error: {fitted}, check positions {largest} ({measured} of {len(checks)})", ""]
-    if solution.truth is not None and not np.isnan(errors := np.abs(_errors_over_u(solution))).all():
-        worst = int(np.nanargmax(errors))
-        name = coefficient_rows(solution)[worst][0]
-        lines.append(f"Largest error against the truth: {errors[worst]:.2f} u, of {name}")
-    if (temperature := solution.run.temperature) is not None:
-        who = {OF_RUN_FILE: "run file", OF_ENVIRONMENT: "stand file"}[temperature.source]
-        lines.append(f"Temperature of the run: {temperature.text} ({who})")
+    found, unit = solution.found, solution.run.unit
+    lines = [*_check_positions(solution), *_known(solution)]
     lines += [f"Closure of mounting {one}: {_three(difference)} {unit}" for one, difference in found.closure.items()]
     if found.residual_rms is not None:
         yaw = " (yaw included)" if found.estimator in HARMONIC else ""
         lines.append(f"Residuals, rms: {_three(found.residual_rms)} {unit}{yaw}")
-    if solution.fit is not None:
-        fit = solution.fit
-        freedom = f"{fit.freedom} degrees of freedom"
-        lines.append(f"Fit to the stand: chi-squared {fit.chi_squared:.3g}, {freedom}, p {fit.p:.2g}")
-    lines += _stand_seen(solution)
-    if solution.u_intrinsic is not None and solution.u_norm is not None:
-        lines += _propagated(solution)
+    lines += [*_fit(solution), *_stand_seen(solution), *_inclinations(solution)]
+    return [*lines, *_intrinsic(solution), *_consequences(solution)]
+
+
+def _check_positions(solution: Solution) -> list[str]:
+    """Their errors are told apart: on fitted positions the gravity check is optimistic."""
+    gravity = solution.found.gravity
+    indices = [index for index, position in enumerate(solution.schedule.positions) if position.use == CHECK]
+    if not indices:
+        return []
+    measured = sum(int(solution.run.samples[index] > 0) for index in indices)
+    largest = f"{gravity.max_abs_check:.2g} g" if measured else "unknown"
+    fitted = f"fitted {gravity.max_abs_fit:.2g} g"
+    return [f"Largest gravity error: {fitted}, check positions {largest} ({measured} of {len(indices)})"]
+
+
+def _known(solution: Solution) -> list[str]:
+    """What the run is held against, or was made at: the truth of a simulated one, its temperature."""
+    lines: list[str] = []
+    if solution.truth is not None and not np.isnan(errors := np.abs(_errors_over_u(solution))).all():
+        worst = int(np.nanargmax(errors))
+        lines.append(f"Largest error against the truth: {errors[worst]:.2f} u, of {COEFFICIENTS[worst]}")
+    if (temperature := solution.run.temperature) is not None:
+        who = {OF_RUN_FILE: "run file", OF_ENVIRONMENT: "stand file"}[temperature.source]
+        lines.append(f"Temperature of the run: {temperature.text} ({who})")
     return lines
+
+
+def _fit(solution: Solution) -> list[str]:
+    if (fit := solution.fit) is None:
+        return []
+    freedom = f"{fit.freedom} degrees of freedom"
+    return [f"Fit to the stand: chi-squared {fit.chi_squared:.3g}, {freedom}, p {fit.p:.2g}"]
 
 
 def _three(values: Floats) -> str:
@@ -327,7 +366,7 @@ def _stand_seen(solution: Solution) -> list[str]:
             said = solution.channel_noise.sentence(its_unit)
         line = f"{'' if lines else 'Stand seen:':11} {name:11} {said}"
         lines += textwrap.wrap(line, _COLUMNS, subsequent_indent=" " * 24, break_on_hyphens=False)
-    return lines + _inclinations(solution)
+    return lines
 
 
 def _inclinations(solution: Solution) -> list[str]:
@@ -345,18 +384,25 @@ def _inclinations(solution: Solution) -> list[str]:
     return lines
 
 
-def _propagated(solution: Solution) -> list[str]:
-    """Intrinsic parameters, and |a| at its worst, what else the uncertainties of a declared stand lead to."""
-    found, u, norm = solution.found.intrinsic, solution.u_intrinsic, solution.u_norm
-    assert u is not None and norm is not None
+def _intrinsic(solution: Solution) -> list[str]:
+    """Scale factors, biases and angles between the axes, where a stand is declared."""
+    found, u = solution.found.intrinsic, solution.u_intrinsic
+    if u is None:
+        return []
     rows = [("Intrinsic: row of K", "bias over it, g", "angle of two rows, rad")]
     for i, (axis, pair) in enumerate(zip("xyz", ("xy", "xz", "yz"))):
         scale = f"{axis} {found.scale[i]:#.6g} +- {u.scale[i]:.1e}"
         bias = f"{found.bias[i]:+.3e} +- {u.bias[i]:.1e}"
         rows.append((scale, bias, f"{pair} {found.angles[i]:.6f} +- {u.angles[i]:.1e}"))
-    lines = [f"{scale:24}  {bias:21}  {angle}".rstrip() for scale, bias, angle in rows]
+    return [f"{scale:24}  {bias:21}  {angle}".rstrip() for scale, bias, angle in rows]
+
+
+def _consequences(solution: Solution) -> list[str]:
+    """|a| at its worst, what else the uncertainties of a declared stand lead to."""
+    if (norm := solution.u_norm) is None:
+        return []
     x, y, z = norm.attitude
-    lines.append(f"Worst u(|a|): {norm.worst_g * 1e6:.3g} ug, at the attitude ({x:+.2f}, {y:+.2f}, {z:+.2f})")
+    lines = [f"Worst u(|a|): {norm.worst_g * 1e6:.3g} ug, at the attitude ({x:+.2f}, {y:+.2f}, {z:+.2f})"]
     lines += [] if solution.further is None else _cost_of_terms(solution.further)
     lines += [] if solution.reliability is None else reliability.lines(solution.reliability, solution.limit_g)
     return lines + ([] if solution.monte_carlo is None else _simulated(solution.monte_carlo))
@@ -407,11 +453,9 @@ def _verdict_line(solution: Solution, decision: Decision) -> str:
         return textwrap.fill(told, _COLUMNS, break_on_hyphens=False)
     condition = phrase(decision.assumes)
     passes = f"{decision.word}{decision.only}{condition}: "
-    line = f"{passes}{'' if condition else 'largest gravity error '}{size} at {position}, {limit}; numpy agrees"
-    shorter = [line.removesuffix("; numpy agrees")]  # as the tables show, and the place
-    if condition:
-        shorter += [f"{passes}{size}, {limit}", f"{passes}{size[:-2]} <= {solution.limit_g:g} g"]
-    return next((one for one in (line, *shorter) if len(one) <= _COLUMNS), textwrap.fill(shorter[-1], _COLUMNS))
+    sizes = [f"{size} at {position}, {limit}", f"{size}, {limit}", f"{size[:-2]} <= {solution.limit_g:g} g"]
+    lines = [passes + one for one in sizes] if condition else [f"{passes}largest gravity error {sizes[0]}"]
+    return next((line for line in lines if len(line) <= _COLUMNS), textwrap.fill(lines[-1], _COLUMNS))
 
 
 def _failure(solution: Solution, decision: Decision, size: str, position: str, limit: str) -> str:

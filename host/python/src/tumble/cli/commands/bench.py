@@ -99,7 +99,7 @@ def add_options(parser: options.Options, shows_interactive: bool = True) -> None
     wishes.add_argument(
         "--no-report", action="store_true", help=f"leave none; as where the environment has {_NO_REPORT}=1"
     )
-    options.add(parser, "--json")
+    options.add(parser, "--details", "--json")
 
 
 class Onlooker(Protocol):
@@ -159,7 +159,7 @@ def run(arguments: argparse.Namespace, onlooker: Onlooker | None = None) -> int:
         made.keep(outcome.DOCUMENT, result=text)
     tell(f"run folder: {errors.file_name(path)}")
     warn(complaints(solution))
-    print_solution(solution, text if arguments.json else None, f"seed {wanted.seed}")
+    print_solution(solution, text if arguments.json else None, f"seed {wanted.seed}", arguments.details)
     return errors.EXIT_PASS if decide(solution).passed else errors.EXIT_LIMITS_FAILED
 
 

@@ -36,7 +36,7 @@ def describe(parser: argparse.ArgumentParser) -> None:
     )
     options.add(parser, "--estimator", remark="; optimal needs --stand")
     parser.add_argument("--stand", metavar="FILE", help="stand file (TOML): gives the uncertainties")
-    options.add(parser, "--schedule", "--model", "--limit", "--confidence", "--json")
+    options.add(parser, "--schedule", "--model", "--limit", "--confidence", "--details", "--json")
     parser.add_argument("--out", metavar="RESULT.json", help="write the result to a file as well")
     parser.add_argument(
         "--monte-carlo",
@@ -85,7 +85,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.out is not None:
         write_text(arguments.out, text)
     warn(found.complaints)
-    print_solution(found.solution, text if arguments.json else None, os.path.basename(recording.name))
+    title = os.path.basename(recording.name)
+    print_solution(found.solution, text if arguments.json else None, title, arguments.details)
     return EXIT_PASS if decide(found.solution).passed else EXIT_LIMITS_FAILED
 
 
