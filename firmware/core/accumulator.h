@@ -27,18 +27,7 @@ static inline bool tumble_averaging_has_mean(const tumble_averaging_t *averaging
 /* The mean of three channels, correctly rounded in counts, times `unit`. It has samples. */
 void tumble_average_mean(const tumble_average_t *average, double mean[TUMBLE_CHANNELS], double unit);
 
-/* Gates that leave a fault in what they refuse: bit of tumble_open_position_t, and what the mean is refused as. */
-#define TUMBLE_SPOILING_GATES(X)                                                                                       \
-    X(FAULT_SATURATED, 1, TUMBLE_E_SATURATED)                                                                          \
-    X(FAULT_DEVIATING, 2, TUMBLE_E_DEVIATION)
-
-enum {
-#define TUMBLE_FAULT_BIT(name, bit, status) name = (bit),
-    TUMBLE_SPOILING_GATES(TUMBLE_FAULT_BIT)
-#undef TUMBLE_FAULT_BIT
-        FAULT_STUCK = 4,
-    HAS_COUNTER = 8
-};
+enum { FAULT_SATURATED = 1, FAULT_DEVIATING = 2, FAULT_STUCK = 4, HAS_COUNTER = 8 };
 
 /* Where samples go, and where those are counted that a gate refuses. */
 typedef struct {

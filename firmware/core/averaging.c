@@ -74,12 +74,12 @@ static tumble_status_t judge_open(const tumble_averaging_t *averaging, const tum
 {
     const tumble_open_position_t *open = &averaging->open;
     const tumble_average_t *average = &averaging->averages[open->index];
-#define REFUSE_SPOILT(name, bit, status)                                                                               \
-    if ((open->faults & (name)) != 0U) {                                                                               \
-        return (status);                                                                                               \
+    if ((open->faults & FAULT_SATURATED) != 0U) {
+        return TUMBLE_E_SATURATED;
     }
-    TUMBLE_SPOILING_GATES(REFUSE_SPOILT)
-#undef REFUSE_SPOILT
+    if ((open->faults & FAULT_DEVIATING) != 0U) {
+        return TUMBLE_E_DEVIATION;
+    }
     if (open->lost > config->max_lost) {
         return TUMBLE_E_LOST;
     }
