@@ -27,6 +27,7 @@
 #define TEST_ASSERT_EQUAL_STRING(wanted, found) PLAIN_REQUIRE(strcmp(wanted, found) == 0, #found)
 #define TEST_ASSERT_EQUAL_UINT8(wanted, found) TEST_ASSERT_EQUAL(wanted, found)
 #define TEST_ASSERT_EQUAL_UINT32(wanted, found) TEST_ASSERT_EQUAL(wanted, found)
+#define TEST_ASSERT_EQUAL_HEX16(wanted, found) TEST_ASSERT_EQUAL(wanted, found)
 #define TEST_ASSERT_EQUAL_HEX64(wanted, found) TEST_ASSERT_EQUAL(wanted, found)
 #define UNITY_LINE_TYPE int
 #define UNITY_TEST_ASSERT_EQUAL_HEX64(wanted, found, line, message)                                                    \
