@@ -49,8 +49,8 @@ def build(folder):
     firmware = ("canopen/sdo_client", "canopen/link", "core/count", "core/status", "core/status_sentence",
                 "navcomp/commands", "procedure/names", "sets/objections")
     sources += [f"firmware/{name}.c" for name in firmware]
-    programs = ("arguments", "event_log", "json", "outlet", "remedies", "run_log")
-    sources += [f"host/programs/{name}.c" for name in programs]
+    programs = ("arguments", "event_log", "outlet", "remedies", "run_log")
+    sources += [*(f"host/programs/{name}.c" for name in programs), "host/world/json.c"]
     sources += ["boards/linux/can_socket.c", "boards/linux/events.c", "tests/lib/played_sdo.c"]
     return compiled(folder / "tumble-gateway", *FLAGS, "-Ihost", "-Ihost/gateway", "-Ihost/programs", "-Iboards/linux",
                     "-Itests/lib", "tests/integration/gateway_harness.c", *sources, *library.stdout.split())
