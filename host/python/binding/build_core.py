@@ -26,7 +26,7 @@ def constants(text: str) -> list[str]:
     return [f"#define {name} {found[name]}" if is_whole[name] else f"static const double {name};" for name in found]
 
 
-def listed(text: str) -> list[str]:
+def enums(text: str) -> list[str]:
     """The enums that the preprocessor makes of lists."""
     statuses = re.findall(r"\bX\((\w+), ", text)
     estimators = [f"TUMBLE_ESTIMATE_{name}" for name in re.findall(r"\b(?:ONE|LENT)\((\w+), \w+,", text)]
@@ -51,7 +51,7 @@ def main(output: str) -> None:
     known, own = (re.sub(r"/\*.*?\*/|\\\n", " ", text, flags=re.DOTALL) for text in (headers, sources))
     rows = "static const estimator_row_t estimator_rows[...];"
     ffi = cffi.FFI()
-    ffi.cdef("\n".join([*constants(known), *listed(known), declarations(known), declarations(own), rows]))
+    ffi.cdef("\n".join([*constants(known), *enums(known), declarations(known), declarations(own), rows]))
     ffi.set_source("_tumble_core", '#include "tumble/core.h"\n' + sources)
     ffi.emit_c_code(output)
 

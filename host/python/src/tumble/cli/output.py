@@ -45,7 +45,7 @@ from tumble.units import noise_unit, on_its_side, per_g, volts_per
 _COLUMNS = 80  # a narrower terminal wraps lines, which loses nothing
 _BAR_WIDTH = 36
 _LOSS = 1.05  # of an uncertainty, before it is spoken of
-_MORE = "numpy agrees; --details shows every position, residuals, the stand seen and more"
+_DETAILS_HINT = "numpy agrees; --details shows every position, residuals, the stand seen and more"
 _HINT = "For uncertainties, describe the stand: --stand FILE"
 _HINT_ALONE = f"u contains noise only. {HANDS} To include errors of the stand, describe it: --stand FILE"
 
@@ -289,15 +289,15 @@ def checks(solution: Solution) -> list[str]:
         axis = int(np.abs(largest).argmax())
         size = f"{abs(largest[axis]):.2g} {unit}"
         lines.append(f"Closure: largest difference {size}, {'xyz'[axis]} of mounting {number}")
-    lines += [*_fit(solution), *_known(solution), *_inclinations(solution)]
-    return [*lines, *_consequences(solution), _MORE]
+    lines += [*_fit(solution), *_truth_and_temperature(solution), *_inclinations(solution)]
+    return [*lines, *_consequences(solution), _DETAILS_HINT]
 
 
 def remarks(solution: Solution) -> list[str]:
     """Closure, residuals, the stand as the run shows it, what follows from the coefficients: one line each, where there
     is anything to say."""
     found, unit = solution.found, solution.run.unit
-    lines = [*_check_positions(solution), *_known(solution)]
+    lines = [*_check_positions(solution), *_truth_and_temperature(solution)]
     lines += [f"Closure of mounting {one}: {_three(difference)} {unit}" for one, difference in found.closure.items()]
     if found.residual_rms is not None:
         yaw = " (yaw included)" if found.estimator in HARMONIC else ""
@@ -318,7 +318,7 @@ def _check_positions(solution: Solution) -> list[str]:
     return [f"Largest gravity error: {fitted}, check positions {largest} ({measured} of {len(indices)})"]
 
 
-def _known(solution: Solution) -> list[str]:
+def _truth_and_temperature(solution: Solution) -> list[str]:
     """What the run is held against, or was made at: the truth of a simulated one, its temperature."""
     lines: list[str] = []
     if solution.truth is not None and not np.isnan(errors := np.abs(_errors_over_u(solution))).all():
