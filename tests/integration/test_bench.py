@@ -16,8 +16,8 @@ from test_terminal import on_terminal, without_styles
 
 from tumble.core import paper_schedule
 from tumble.files.stand_file import read_stand
+from tumble.prompts import mounting_text
 from tumble.stand import PAPER_STAND
-from tumble.world.progress import mounting_text
 
 BENCH = [sys.executable, "-m", "tumble", "bench"]
 PACED = """

@@ -2,47 +2,16 @@
 
 from __future__ import annotations
 
-import sys
-import textwrap
 from typing import Any
 
-try:
-    import termios
-except ModuleNotFoundError:  # Windows
-    termios = None  # type: ignore[assignment]
-
-import numpy as np
-
-from tumble import poses
+from tumble import prompts
 from tumble.messages import tell
-from tumble.schedule import Mounting, Schedule
+from tumble.schedule import Schedule
 
-_AXES = ("h (horizontal, across the axis)", "n (along the axis)", "v (up at table angle 0)")
 _HELP = "Enter or done: it is done; leave: do nothing; abort: stop here"
 _HELP_FAULT = (
     "Enter or done: mended, go on; leave: do nothing; abort: stop here; repeat position INDEX; repeat mounting NUMBER"
 )
-_SEATED = "At table angle 0 deg, seen from the front (the block before the table):"
-_TURNED = "At table angle {:g} deg, seen from the front (positive: counterclockwise):"
-_STAYS = "The block stays bolted on as it is."
-_WIDTH = 80
-
-
-def mounting_text(mounting: Mounting) -> str:
-    """How the block has to sit, as nearly as the axes of the table can tell."""
-    parts = []
-    for name, row in zip("xyz", np.array(mounting.matrix)):
-        axis = int(np.argmax(np.abs(row)))
-        nearly = "" if abs(row[axis]) > 0.999 else "nearly "
-        parts.append(f"{name} {nearly}along {'-' if row[axis] < 0 else '+'}{_AXES[axis]}")
-    return "; ".join(parts)
-
-
-def inclining_text(mounting: Mounting) -> str:
-    """What to do with the stand for an inclination of a block that is bolted on."""
-    end = f", the {'far' if mounting.tilt_deg > 0.0 else 'near'} end of its axis up" if mounting.tilt_deg else ""
-    angle = f"{mounting.tilt_deg:+g}" if mounting.tilt_deg else "0"
-    return f"Incline the stand to about {angle} deg{end}, lock it, and confirm."
 
 
 def in_words(state: str) -> str:
@@ -77,7 +46,7 @@ class Progress:
         elif kind == "question" and self._interactive:
             return self.ask(event)
         elif kind == "refused":
-            _forget_what_was_typed()
+            prompts.forget_what_was_typed()
             self.say(f"not accepted: {event['what']}")
             return self.read_answer()
         return None
@@ -98,48 +67,20 @@ class Progress:
 
     def ask(self, event: dict[str, Any]) -> str:
         """Put a question, return the answer as the program takes it. What was typed before it was put is no answer."""
-        _forget_what_was_typed()
-        by_number = {mounting.number: mounting for mounting in self._schedule.mountings}
+        prompts.forget_what_was_typed()
         if event["kind"] == "mounting":
-            mounting, on_table = by_number[event["mounting"]], by_number.get(self._on_table)
-            is_bolted = on_table is not None and mounting.bolting is not None and on_table.bolting == mounting.bolting
-            is_inclined = sum(one.bolting == mounting.bolting for one in by_number.values()) > 1
-            where = f"Mount the block as mounting {mounting.number} says: {mounting_text(mounting)}."
-            todo = [_STAYS] if is_bolted else [where]
-            todo += [inclining_text(mounting)] if mounting.bolting is not None and is_inclined else []
-            turned = ["The table then turns to:", *poses.positions(self._schedule, mounting)]
-            self._put(" ".join(todo), [_SEATED, *poses.sketch(mounting, 0.0), *turned], _HELP)
+            lines = prompts.to_mount(self._schedule, event["mounting"], self._on_table, _HELP)
         elif event["kind"] == "angle":
-            angle_deg, number = event["angle_deg"], event["mounting"]
-            shown = [_TURNED.format(angle_deg), *poses.sketch(by_number[number], angle_deg)] if number else []
-            self._put(f"Turn the table to {angle_deg:g} degrees.", shown, _HELP)
+            lines = prompts.to_turn(self._schedule, event["mounting"], event["angle_deg"], _HELP)
         else:
-            self._put(f"Fault: {event['sentence']}.", [], _HELP_FAULT)
+            lines = prompts.asked(f"Fault: {event['sentence']}.", [], _HELP_FAULT)
+        for line in lines:
+            self.say(line)
         return self.read_answer()
 
-    def _put(self, question: str, shown: list[str], answers: str) -> None:
-        """A question, what is drawn of it, and its answers, in lines that fit a terminal."""
-        for line in (*_folded(question), *shown, *_folded(f"[{answers}]")):
-            self.say(line)
-
     def read_answer(self) -> str:
-        """A line of standard input; its end is an abort."""
-        try:
-            line = "" if sys.stdin is None else sys.stdin.readline()
-        except (OSError, ValueError):  # a folder, a terminal that is gone, what is not text
-            line = ""
-        words = " ".join(line.split()).lower()
-        return "abort" if not line else words or "done"
-
-
-def _forget_what_was_typed() -> None:
-    """Only of a terminal: a script may write all its answers at once."""
-    if termios is not None and sys.stdin is not None and sys.stdin.isatty():
-        termios.tcflush(sys.stdin, termios.TCIFLUSH)
-
-
-def _folded(text: str) -> list[str]:
-    return textwrap.wrap(text, _WIDTH, subsequent_indent="  ")
+        """A line of standard input."""
+        return prompts.read_answer()
 
 
 class LiveProgress(Progress):
