@@ -55,13 +55,14 @@ MAY_IMPORT = {
     "world": {"documents", "core", "model", "files", "solving", "fixture", "workers", "api"},
     "testing": {"world", "client", "files"},
     "importing": {"documents", "data", "model", "files"},
+    "acquisition": {"model", "files", "importing"},
     "comparison": {"documents", "core", "model", "files", "solving", "fixture"},
     "report": {"documents", "model", "files", "solving", "pictures", "comparison"},
     "api": {"documents", "core", "model", "files", "solving", "fixture", "comparison", "pictures", "importing",
-            "report"},
+            "acquisition", "report"},
     "watch": {"documents", "client"},
     "cli": {"documents", "core", "model", "files", "store", "solving", "fixture", "planning", "comparison", "pictures",
-            "importing", "world", "report", "api", "client", "watch", "workers", DOOR},
+            "importing", "acquisition", "world", "report", "api", "client", "watch", "workers", DOOR},
     DOOR: {"core", "model", "files", "solving", "fixture", "planning", "api", "world"},
 }
 # What a user includes: firmware/include/tumble/NAME.h is the door of the room NAME, these of the core.

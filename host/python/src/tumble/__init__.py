@@ -14,6 +14,7 @@ stay; all else may change with any version. It stands in rooms, each of which sa
     files               run files, stand files, schedule files
     documents           what is written as JSON, as types
     importing           continuous recordings made run files
+    acquisition         runs made on anybody's stand, by instruments that speak lines of text
     workers             work cut into pieces, on this machine or a cluster
     solving             from a run to a stated result
     fixture, planning   what runs tell of a stand; what a stand is worth before any run
@@ -32,6 +33,7 @@ Beside them is what all share:
     arrays, distributions, poses    arrays as types; quantiles; where the block's axes point, in words
     firmware_tables     states of a run and nodes of the bus, as the firmware has them
     errors, messages, interruption      what goes wrong, how it is told, and how a command ends early
+    prompts             what only a person at the stand can do, asked
 
 tools/rooms.py checks which room knows which.
 """
@@ -42,6 +44,7 @@ from tumble import errors as errors
 from tumble._version import __version__ as __version__
 
 if TYPE_CHECKING:
+    from tumble.api.acquiring import acquire as acquire
     from tumble.api.comparing import Comparison as Comparison, compare as compare
     from tumble.api.recording import Recording as Recording, read as read
     from tumble.api.result import Result as Result, load as load
@@ -74,6 +77,7 @@ __all__ = [
     "UsageError",
     "World",
     "__version__",
+    "acquire",
     "compare",
     "load",
     "read",
@@ -91,10 +95,10 @@ def __getattr__(name: str) -> Any:
 
         return globals().setdefault(name, World)
     from tumble import schedule, stand
-    from tumble.api import comparing, recording, result, solving
+    from tumble.api import acquiring, comparing, recording, result, solving
     from tumble.files import stand_file
 
-    for module in (errors, schedule, stand, stand_file, comparing, recording, result, solving):
+    for module in (errors, schedule, stand, stand_file, acquiring, comparing, recording, result, solving):
         if hasattr(module, name):
             return globals().setdefault(name, getattr(module, name))
     raise AttributeError(name)  # pragma: no cover

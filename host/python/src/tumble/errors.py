@@ -22,7 +22,10 @@ EXIT_INTERRUPTED = 130
 _LONGEST_QUOTE = 40
 _CHECKOUT = Path(__file__).parents[4]  # if this is one
 _PROFILES = {"plot": "plot", "report": "report", "watch": "watch", "client": "watch"}  # of tools/setup, by extra
-_ON_PYPI = {"can": "python-can cantools"}  # where more is to be installed than the one that was missed
+_ON_PYPI = {  # where more is to be installed than the one that was missed
+    "can": "python-can cantools",
+    "acquire": "pyvisa pyvisa-py pyserial",
+}
 
 
 def listed(words: Sequence[object], last: str = "and") -> str:

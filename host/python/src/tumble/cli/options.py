@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 Options: TypeAlias = "argparse._ActionsContainer"  # a parser, or a group of options in one
 
+NO_REPORT = "TUMBLE_NO_REPORT"
 FIRMWARES = ("host", "zcu102")
 LARGEST_SEED = 2**64 - 1
 ABOVE_0 = math.ulp(0.0)  # the least number that is
@@ -67,6 +68,7 @@ _SHARED: dict[str, dict[str, Any]] = {  # by option, what argparse is told; {}: 
         "action": "store_true",
         "help": "print every position, residuals, the stand seen and intrinsic parameters, too",
     },
+    "--no-report": {"action": "store_true", "help": f"leave none; as where the environment has {NO_REPORT}=1"},
     "--workers": {"metavar": "N", "help": f"so many processes, 1 to {MOST_WORKERS}, for the same result; default: 1"},
     "--cluster": {
         "metavar": "ADDRESS",

@@ -149,6 +149,16 @@ class Table:
         value: str = self._get(key, default, "a text of one line", lambda v: isinstance(v, str) and v.isprintable())
         return value
 
+    def texts(self, key: str) -> list[str]:
+        """Texts of one line, one or an array of them; none where the key is missing."""
+        if not isinstance(self._values.get(key), list):
+            return [self.text(key)] if key in self._values else []
+        texts: list[str] = self._get(
+            key, _REQUIRED, "a text of one line or several",
+            lambda v: all(isinstance(one, str) and one.isprintable() for one in v),
+        )  # fmt: skip
+        return texts
+
     def choice(self, key: str, options: Iterable[str], default: Any = _REQUIRED) -> str:
         """One of several words."""
         listed = " or ".join(f'"{option}"' for option in options)

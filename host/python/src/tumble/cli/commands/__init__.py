@@ -43,6 +43,10 @@ COMMANDS = {  # in the order in which they are listed
         ("tumble bench --stand stand.toml --seed 7 --out run",),
         aliases=("simulate",),
     ),
+    "acquire": Command(
+        "calibrate on your own stand: instruments through PyVISA or a serial port",
+        ("tumble acquire bench.toml --out run",),
+    ),
     "campaign": Command(
         "thousands of simulated runs, or of hostile lives, on many processors",
         (

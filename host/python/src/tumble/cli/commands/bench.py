@@ -26,9 +26,6 @@ if TYPE_CHECKING:
     from tumble.world.setup import Setup
 
 
-_NO_REPORT = "TUMBLE_NO_REPORT"
-
-
 def describe(parser: argparse.ArgumentParser) -> None:
     parser.description = "Let the firmware calibrate a block on a simulated stand over CAN, and confirm what it finds."
     parser.epilog = (
@@ -96,9 +93,7 @@ def add_options(parser: options.Options, shows_interactive: bool = True) -> None
         help="leave a report in the run folder too, report.html; default: if what it needs is installed, and without"
         " --json",
     )
-    wishes.add_argument(
-        "--no-report", action="store_true", help=f"leave none; as where the environment has {_NO_REPORT}=1"
-    )
+    options.add(wishes, "--no-report")
     options.add(parser, "--details", "--json")
 
 
@@ -191,7 +186,7 @@ def _run_many(arguments: argparse.Namespace, scenario: str, gain_record: bytes |
 def _wants_report(arguments: argparse.Namespace) -> bool:
     """Is one to be left? Raises NotInstalled where it is asked for and cannot be made."""
     if not arguments.report:
-        return not (arguments.no_report or arguments.json or os.environ.get(_NO_REPORT))
+        return not (arguments.no_report or arguments.json or os.environ.get(options.NO_REPORT))
     from tumble.report.make import HTML, require_installed
 
     require_installed(HTML)
