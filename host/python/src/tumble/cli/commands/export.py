@@ -5,6 +5,7 @@ csv      one row a coefficient, with its covariances and the element of K^-1 in 
 matlab   a script that sets a struct `tumble`; also for Octave
 ros      YAML of imu_calib (github.com/dpkoch/imu_calib)
 imucal   JSON of imucal 2 (github.com/mad-lab-fau/imucal)
+px4, ardupilot   parameters of an autopilot: an offset and a scale for each axis
 
 A format is a row of FORMATS and a template, cli/exports/NAME.j2, that is given what `_names` names. Unknown
 uncertainties are left out, not invented.
@@ -36,12 +37,14 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class Format:
     """What it is `about`, how names of its files end, the unit of accelerations that it takes if nobody says another;
-    `twelve`: the program that it is for, if that has no place for K2 and K3."""
+    `twelve`: the program that it is for, if that has no place for K2 and K3; `scales`: the range in which it takes
+    them, if it has an offset and a scale for each axis, and nothing else."""
 
     about: str
     endings: tuple[str, ...]
     unit: str = "g"
     twelve: str | None = None
+    scales: tuple[float, float] | None = None
 
 
 FORMATS = {
@@ -50,7 +53,12 @@ FORMATS = {
     "matlab": Format("a script", (".m",)),
     "ros": Format("YAML of imu_calib", (".yaml", ".yml"), SI, "imu_calib"),
     "imucal": Format("its JSON", (".json",), SI, "imucal"),
+    "px4": Format("CAL_ACC parameters for QGroundControl", (".params",), "g", "PX4", (0.1, 3.0)),
+    "ardupilot": Format("INS_ACC parameters", (".param", ".parm"), "g", "ArduPilot", (0.8, 1.2)),
 }
+_MOST_ACCELEROMETERS = 3  # of an autopilot
+_STANDARD_GRAVITY = 9.80665  # m/s^2
+_M_S2 = {"m/s^2": 1.0, "g": _STANDARD_GRAVITY, "mg": _STANDARD_GRAVITY / 1000.0}  # a unit of outputs
 FORCE_UNITS = {"g": "units of local gravity", SI: "m/s^2"}
 _DOUBLE, _FLOAT, _FIXED = _NUMBERS = ("double", "float", "fixed")
 _CONDITIONS = ("gravity_m_s2", "u_gravity_m_s2", "temperature_c", "pressure_hpa", "humidity_percent")
@@ -76,6 +84,9 @@ def describe(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--number", choices=_NUMBERS, default=_DOUBLE, help="what the C header computes with; default: double"
     )
+    parser.add_argument(
+        "--accelerometer", metavar="N", help=f"of an autopilot, 1 to {_MOST_ACCELEROMETERS}; default: 1, its first"
+    )
     parser.add_argument("--step", metavar="SIZE", help="of one count of the outputs, in their unit; for fixed")
     parser.add_argument(
         "--labels",
@@ -89,6 +100,7 @@ def describe(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Convert and write. Returns the exit code; raises TumbleError."""
     form, step = FORMATS[arguments.format], _parse_step(arguments)
+    number = _parse_accelerometer(arguments)
 
     from tumble.documents.result import read_result
     from tumble.files.disk import refuse_overwriting, write_text
@@ -106,9 +118,14 @@ def run(arguments: argparse.Namespace) -> int:
             raise ValueError(f"{form.twelve} holds twelve coefficients, no {terms}")
         names = _names(result, them, warnings, arguments.labels)
         fixed = None if step is None else _fixed_point(them, step)
+        axes = None if form.scales is None else _axes(result, them, form)
     except ValueError as error:
         raise BadInput(str(error), arguments.result) from None
-    text = _filled(arguments.format, _FLOAT if arguments.number == _FLOAT else _DOUBLE, {**names, "fixed": fixed})
+    text = _filled(
+        arguments.format,
+        _FLOAT if arguments.number == _FLOAT else _DOUBLE,
+        {**names, "fixed": fixed, "axes": axes, "number": number},
+    )
     warn(warnings, arguments.result)
     if arguments.out is None:
         sys.stdout.write(text)
@@ -126,6 +143,46 @@ def _parse_step(arguments: argparse.Namespace) -> float | None:
     if arguments.step is None:
         return None
     return options.parse_number(arguments.step, "--step", options.ABOVE_0, math.nextafter(1e9, 0.0), "a size above 0")
+
+
+def _parse_accelerometer(arguments: argparse.Namespace) -> int:
+    """The value of --accelerometer. Raises UsageError."""
+    if FORMATS[arguments.format].scales is None:
+        if arguments.accelerometer is not None:
+            raise UsageError("--accelerometer: is for the parameters of an autopilot")
+        return 1
+    if arguments.unit == "g":
+        raise UsageError(f"--unit g: the parameters of {arguments.format} are in m/s^2")
+    return options.parse_whole(arguments.accelerometer or "1", "--accelerometer", 1, _MOST_ACCELEROMETERS)
+
+
+def _axes(result: Result, them: Coefficients, form: Format) -> dict[str, Any]:
+    """Offsets and scales (3,) of a force = (output - offset) scale in m/s^2, with their uncertainties, None where these
+    are unknown; `lost`: the cross-axis terms that this cannot hold, as parts of their channel's own; `error`: the most
+    that these leave at 1 g, m/s^2. Raises ValueError."""
+    import numpy as np
+
+    if result.unit not in _M_S2:
+        raise ValueError(f"outputs in {result.unit}: {form.twelve} calibrates accelerations, in m/s^2 or g")
+    size, told = _M_S2[result.unit], (result.environment or {}).get("gravity_m_s2")
+    gravity = told if isinstance(told, (int, float)) else _STANDARD_GRAVITY
+    k = them.values[:9].reshape(3, 3) * size / gravity
+    scales, u = 1.0 / np.diag(k), them.uncertainties
+    low, high = form.scales or (0.0, 0.0)
+    for axis, scale in zip("XYZ", scales):
+        if not low <= scale <= high:
+            raise ValueError(f"scale {scale:.4g} of {axis}: {form.twelve} takes {low:g} to {high:g}")
+    left = scales[:, None] * k - np.eye(3)
+    return {
+        "offset": (them.values[9:12] * size).tolist(),
+        "scale": scales.tolist(),
+        "u_offset": None if u is None else [one * size for one in u[9:12]],
+        "u_scale": None if u is None else [one * size / gravity * s**2 for one, s in zip(u[0:9:4], scales)],
+        "lost": {f"{a}{b}": left[i, j] for i, a in enumerate("xyz") for j, b in enumerate("xyz") if i != j},
+        "error": float(np.linalg.norm(left, 2)) * gravity,
+        "gravity": gravity,
+        "why_gravity": "of [environment]" if gravity is told else "the standard one, for the result has none",
+    }
 
 
 def _names(result: Result, them: Coefficients, warnings: Iterable[str], labels: bool) -> dict[str, Any]:
@@ -223,6 +280,7 @@ def _filled(name: str, real: str, names: dict[str, Any]) -> str:
     )
     environment.filters |= {
         "digits": lambda value: format(value, ".17g"),
+        "short": lambda value: format(value, ".2g"),
         "double": _literal,
         "literal": lambda value: f"{_literal(float(np.float32(value)), 9)}f" if real == _FLOAT else _literal(value),
         "phrase": phrase,
