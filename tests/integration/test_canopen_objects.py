@@ -200,7 +200,7 @@ def test_a_change_of_a_remedy_is_noticed_and_goes_into_c(tree, tables):
 REMEDIES = {  # what of remedies.toml or the page is changed, into what, and what is said
     "none": ("remedies.toml", 'STALL = "', 'STALLS = "',
              "remedies.toml: does not say what to do: TUMBLE_REASON_STALL"),
-    "empty": ("remedies.toml", 'NO_SAMPLES = "It lives but sends no samples."', 'NO_SAMPLES = ""',
+    "empty": ("remedies.toml", 'NO_SAMPLES = "The block has a heartbeat but sends no samples."', 'NO_SAMPLES = ""',
               "remedies.toml: does not say what to do: TUMBLE_REASON_NO_SAMPLES"),
     "of no reason": ("remedies.toml", 'STALL = "', 'MOON = "x"\nSTALL = "',
                      "remedies.toml: [TUMBLE_REASON] is not the list of firmware/procedure/states.h, in its order"),

@@ -13,7 +13,7 @@ TABLE = "remedies.toml"
 PAGE = "docs/operations.md"
 LISTS = {"TUMBLE_OBJECTION": "firmware/include/tumble/sets.h", "TUMBLE_REASON": "firmware/procedure/states.h"}
 HEADS = {"TUMBLE_OBJECTION": "| bit | objection | what to do |",
-         "TUMBLE_REASON": "| number | reason | what to look at |"}
+         "TUMBLE_REASON": "| number | reason | what to check |"}
 Remedies = dict[str, dict[str, str]]  # by list and whole name, in Markdown
 BEGIN, END = "<!-- {}: written by tools/objects/generate. -->\n", "<!-- End of the table. -->"
 LINK = re.compile(r"\[[^\]]*\]\(([^)#]*)(?:#[^)]*)?\)")
