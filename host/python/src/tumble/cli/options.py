@@ -68,8 +68,8 @@ _SHARED: dict[str, dict[str, Any]] = {  # by option, what argparse is told; {}: 
         "action": "store_true",
         "help": "print every position, residuals, the stand seen and intrinsic parameters, too",
     },
-    "--no-report": {"action": "store_true", "help": f"leave none; as where the environment has {NO_REPORT}=1"},
-    "--workers": {"metavar": "N", "help": f"so many processes, 1 to {MOST_WORKERS}, for the same result; default: 1"},
+    "--no-report": {"action": "store_true", "help": f"write no report; the same as {NO_REPORT}=1 in the environment"},
+    "--workers": {"metavar": "N", "help": f"processes, 1 to {MOST_WORKERS}; the result is the same; default: 1"},
     "--cluster": {
         "metavar": "ADDRESS",
         "help": "a scheduler of Dask distributed, such as tcp://HOST:8786, or tls:// with the files of Dask's own"
@@ -77,7 +77,7 @@ _SHARED: dict[str, dict[str, Any]] = {  # by option, what argparse is told; {}: 
     },
     "--resume": {
         "metavar": "FILE.parquet",
-        "help": "keep there what is done, and go on from what is there; needs the extra parquet",
+        "help": "keep finished work in this file, and resume from it; needs the extra parquet",
     },
 }
 WORKERS = ("--workers", "--cluster", "--resume")  # of what simulates a lot

@@ -35,7 +35,7 @@ COMMANDS = {  # in the order in which they are listed
         ("tumble apply result.json data.csv --uncertainty --out calibrated.csv",),
     ),
     "compare": Command(
-        "two results of one block: has it changed, or only its seat?",
+        "compare two results of one block: has it changed, or only its seat?",
         ("tumble compare before.json after.json --stand stand.toml",),
     ),
     "bench": Command(
@@ -48,22 +48,22 @@ COMMANDS = {  # in the order in which they are listed
         ("tumble acquire bench.toml --out run",),
     ),
     "campaign": Command(
-        "thousands of simulated runs, or of hostile lives, on many processors",
+        "thousands of simulated runs, or the fault campaign, on many processors",
         (
             "tumble campaign runs scenario.txt --runs 1000 --workers 2 --summary",
             "tumble campaign lives --lives 100 --seed 1 -v",
         ),
     ),
     "watch": Command(
-        "show a run as it goes, on the terminal or as a page for browsers",
+        "follow a run live, on the terminal or as a page for browsers",
         ("tumble watch can:can0 --http",),
     ),
     "replay": Command(
-        "a recorded bus log through the firmware again, here or on the emulated board",
+        "replay a recorded bus log through the firmware, here or on the emulated board",
         ("tumble replay run/bus.log",),
     ),
     "plan": Command(
-        "what a stand is worth before a run: error budget, requirements, optimal weights",
+        "judge a stand before a run: error budget, requirements, optimal weights",
         (
             "tumble plan budget --stand stand.toml --estimator refined",
             "tumble plan require --stand stand.toml --limit 3e-4",
@@ -97,7 +97,7 @@ COMMANDS = {  # in the order in which they are listed
         ("tumble report result.json --out report.html",),
     ),
     "store": Command(
-        "look into the non-volatile memory of a navigation computer",
+        "inspect the non-volatile memory of a navigation computer",
         ("tumble store dump memory.bin",),
     ),
     "uml": Command(

@@ -27,12 +27,12 @@ if TYPE_CHECKING:
 
 
 def describe(parser: argparse.ArgumentParser) -> None:
-    parser.description = "Let the firmware calibrate a block on a simulated stand over CAN, and confirm what it finds."
+    parser.description = "Calibrate a block on a simulated stand over CAN with the firmware, and confirm the result."
     parser.epilog = (
-        "Leaves a run folder: run.csv, bus.log (candump -L), result.json, report.html, inputs/. After a fault:"
+        "Writes a run folder: run.csv, bus.log (candump -L), result.json, report.html, inputs/. After a fault:"
         " run.csv as far as it got, bus.log, fault.json, inputs/. After bad input or Ctrl-C: nothing. Exit codes: 0"
         " pass, 1 gravity check failed, the run does not fit its stand, or its uncertainty does not show the limit (NOT"
-        " SHOWN), 2 bad input, 3 fault, or firmware and numpy disagree, 77 the bus is not to be had here, 130"
+        " SHOWN), 2 bad input, 3 fault, or firmware and numpy disagree, 77 the bus is not available here, 130"
         " interrupted, the table stopped."
     )
     add_options(parser)
@@ -59,7 +59,7 @@ def add_options(parser: options.Options, shows_interactive: bool = True) -> None
         "--error-budget",
         metavar="V",
         help="average at a position only until the standard error of every channel's mean is at most this; --samples"
-        " is then the most that may be taken",
+        " is then the maximum",
     )
     options.add(parser, "--estimator", "--model")
     parser.add_argument(
@@ -73,8 +73,8 @@ def add_options(parser: options.Options, shows_interactive: bool = True) -> None
     parser.add_argument(
         "--interactive",
         action="store_true",
-        help="you are the operator: the bench shows how the block has to sit, waits until you have mounted it (Enter),"
-        " and asks what to do after a fault; without it mountings are taken for done and a fault ends the run"
+        help="you are the operator: the bench shows how to mount the block, waits until you have mounted it (Enter),"
+        " and asks what to do after a fault; without it mountings count as done and a fault ends the run"
         if shows_interactive
         else argparse.SUPPRESS,
     )
@@ -84,14 +84,13 @@ def add_options(parser: options.Options, shows_interactive: bool = True) -> None
         metavar="N",
         help="N runs with seeds from --seed upwards: a line of JSON each, as tumble campaign runs prints it; no folder",
     )
-    parser.add_argument("--jobs", metavar="N", help="of --runs: on so many processes; default: 1")
+    parser.add_argument("--jobs", metavar="N", help="number of processes for --runs; default: 1")
     parser.add_argument("--out", metavar="DIR", help="run folder, new or empty; default: runs/<UTC time>-<seed>")
     wishes = parser.add_mutually_exclusive_group()
     wishes.add_argument(
         "--report",
         action="store_true",
-        help="leave a report in the run folder too, report.html; default: if what it needs is installed, and without"
-        " --json",
+        help="also write report.html into the run folder; default: if its packages are installed, and without --json",
     )
     options.add(wishes, "--no-report")
     options.add(parser, "--details", "--json")

@@ -33,11 +33,11 @@ def describe(parser: argparse.ArgumentParser) -> None:
     told.add_argument("--summary", action="store_true", help="instead of the lines one document: statistics and speed")
     lives = subjects.add_parser(
         "lives",
-        help="hostile lives: random faults, commands, forged frames, losses of power",
-        description="Hostile lives, each of its own seed: one JSON document.",
+        help="fault campaign: random faults, commands, forged frames, losses of power",
+        description="The fault campaign: simulated lives with faults, each of its own seed; one JSON document.",
         epilog="Exit codes: 0 all rules held, 2 bad input, 3 one was violated, 130 interrupted.",
     )
-    lives.add_argument("-v", "--verbose", action="store_true", help="tell the events that are enough for a violation")
+    lives.add_argument("-v", "--verbose", action="store_true", help="print a minimal set of events for each violation")
     lives.add_argument("--lives", metavar="N", default=_DEFAULT, help=f"default: {_DEFAULT}")
     for subject, run in ((runs, run_runs), (lives, run_lives)):
         options.add(subject, "--seed", remark=", of the first")

@@ -14,11 +14,11 @@ from tumble.schedule import file_of
 
 def describe(parser: argparse.ArgumentParser) -> None:
     parser.description = (
-        "Hold two calibrations of one block against each other: the differences in units of their combined"
+        "Compare two calibrations of one block: the differences in units of their combined"
         " uncertainty, and whether the block has changed, only the way it sits, or neither."
     )
     parser.epilog = (
-        "Exit codes: 0 the block has not changed (its seat may have), 1 it has, or nobody can tell, as a result"
+        "Exit codes: 0 the block has not changed (its seat may have), 1 it has, or this is unknown because a result"
         " has no uncertainties or failed its check, 2 bad input, 77 --plot cannot be drawn here, 130 interrupted."
     )
     parser.add_argument("a", metavar="RESULT_A.json", help="the earlier result")
@@ -26,27 +26,27 @@ def describe(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--stand",
         metavar="FILE",
-        help="stand file (TOML) of the one stand that both were measured on: errors that return with every run on it"
+        help="stand file (TOML) of the stand on which both were measured: errors that are the same in both runs"
         " are counted once; default: the stand that both results declare, if it is the same",
     )
     parser.add_argument(
         "--schedule",
         metavar="NAME",
-        help="schedule file (TOML) of a result that does not tell it and has no built-in one; with --stand",
+        help="schedule file (TOML) of a result that has neither its schedule nor a built-in one; with --stand",
     )
     parser.add_argument(
         "--levelled",
         choices=LEVELLED,
-        help="was the stand levelled once for both, or anew before each? default: anew",
+        help="was the stand levelled once for both, or again before each? default: anew",
     )
     parser.add_argument(
-        "--two-stands", action="store_true", help="they were measured on two stands that are declared alike"
+        "--two-stands", action="store_true", help="the results are from two stands with equal declarations"
     )
     parser.add_argument(
         "--confidence",
         metavar="P",
         default=str(DEFAULT_CONFIDENCE),
-        help=f"of calling a block unchanged that is; default: {DEFAULT_CONFIDENCE}",
+        help=f"share of unchanged blocks that are called unchanged; default: {DEFAULT_CONFIDENCE}",
     )
     options.add(parser, "--json")
     parser.add_argument("--plot", metavar="FILE", help="draw the differences: .svg, .png or .pdf; needs matplotlib")

@@ -31,9 +31,11 @@ _WIDTH = 80
 def describe(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         "Find the rests in time-stamped recordings, match them to the positions of a schedule by the"
-        " direction of gravity, and write a run file. What was taken for granted is told, what fits two ways refused."
+        " direction of gravity, and write a run file. Assumptions are listed; ambiguous recordings are refused."
     )
-    parser.epilog = "Exit codes: 0 done, 2 bad input or a recording in doubt, 77 a package is missing, 130 interrupted."
+    parser.epilog = (
+        "Exit codes: 0 done, 2 bad input or an ambiguous recording, 77 a package is missing, 130 interrupted."
+    )
     parser.add_argument(
         "recordings",
         metavar="RECORDING",
@@ -41,27 +43,27 @@ def describe(parser: argparse.ArgumentParser) -> None:
         help="CSV of a logger, a RAWIMU log (ASCII), or a CAN log; several are one run, in this order",
     )
     options.add(parser, "--schedule")
-    parser.add_argument("--stand", metavar="FILE", help="stand file: the sign of its scale_v_per_g is that of K")
-    parser.add_argument("--signs", metavar="+++", help="of K_xx, K_yy, K_zz such as -+-; default: the stand's")
+    parser.add_argument("--stand", metavar="FILE", help="stand file: its scale_v_per_g gives the signs of K")
+    parser.add_argument("--signs", metavar="+++", help="signs of K_xx, K_yy, K_zz, such as -+-; default: the stand's")
     parser.add_argument(
-        "--order", choices=("schedule", "any"), help="in which positions were measured; default: the schedule's"
+        "--order", choices=("schedule", "any"), help="order in which positions were measured; default: the schedule's"
     )
-    parser.add_argument("--repeats", choices=_REPEATS, help="which rest to take of those at one position")
-    parser.add_argument("--leave-out", metavar="N,...", help="numbers of rests that are none")
-    parser.add_argument("--take", metavar="N,...", help="numbers of rests to take although they are off")
-    parser.add_argument("--mountings", metavar="NAME=N,...", help="numbers of mountings that have names")
-    parser.add_argument("--recipe", metavar="FILE", help="do as this recipe says; if there is none yet, write it")
+    parser.add_argument("--repeats", choices=_REPEATS, help="which of several rests at one position to take")
+    parser.add_argument("--leave-out", metavar="N,...", help="numbers of rests to ignore")
+    parser.add_argument("--take", metavar="N,...", help="numbers of rests to take in spite of their deviation")
+    parser.add_argument("--mountings", metavar="NAME=N,...", help="numbers for named mountings")
+    parser.add_argument("--recipe", metavar="FILE", help="take the options from this file; it is written if missing")
     parser.add_argument("--out", metavar="RUN.csv", help="write the run file")
     parser.add_argument("--plot", metavar="FILE", help="draw the recording: .png, .svg or .pdf; needs matplotlib")
     options.add(parser, "--json")
     layout = options.add_layout(parser, "recordings", "ux=AccX,time=Tick")
-    layout.add_argument("--time-unit", choices=("s", "ms", "us", "ns"), help="of a clock that is a number")
-    layout.add_argument("--rate", metavar="HZ", help="samples a second; the file's clock is not read then")
+    layout.add_argument("--time-unit", choices=("s", "ms", "us", "ns"), help="unit of a numeric clock")
+    layout.add_argument("--rate", metavar="HZ", help="samples a second; replaces the file's clock")
     bus = parser.add_argument_group("CAN logs", "candump, ASC, BLF, TRC, MF4, CSV of python-can")
     bus.add_argument("--dbc", metavar="FILE", help="of other frames than our block's; --columns names their signals")
     bus.add_argument("--can-id", metavar="ID", help="first identifier of the block, of several, such as 0x684")
     bus.add_argument("--can-channel", metavar="NAME", help="interface, of several that have such frames")
-    rests = parser.add_argument_group("what is a rest")
+    rests = parser.add_argument_group("detection of rests")
     rests.add_argument("--still", metavar="X", help="scatter in a window, at most, in units of the noise; default: 2.5")
     rests.add_argument("--drift", metavar="X", help="of block means in a window, likewise; default: 8")
     rests.add_argument("--window", metavar="S", help="seconds (without a clock: samples); default: 0.4 (40)")

@@ -45,7 +45,7 @@ _LONGEST_S = 1e6
 
 
 def describe(parser: argparse.ArgumentParser) -> None:
-    parser.description = "What a stand is worth, before anything is measured on it."
+    parser.description = "Judge a stand before anything is measured on it."
     subjects = parser.add_subparsers(metavar="SUBJECT", required=True)
     for name, (about, describe_subject, run) in _SUBJECTS.items():
         subject = subjects.add_parser(name, help=about, epilog="Exit codes: 0 done, 2 bad input, 130 interrupted.")
@@ -181,7 +181,7 @@ def _show_budget(
 
 def _describe_require(parser: argparse.ArgumentParser) -> None:
     parser.description = (
-        "Requirements: how bad each source of error of a stand may be for a limit of the gravity check."
+        "Requirements: how large each source of error of a stand may be for a limit of the gravity check."
     )
     _add_case_options(parser, "--schedule", "--model", "--estimator")
     _add_weights_option(parser)
@@ -338,25 +338,25 @@ def _describe_schedule(parser: argparse.ArgumentParser) -> None:
         choices=("least_squares", "optimal"),
         default="optimal",
         metavar="NAME",
-        help="least_squares or optimal; default: optimal. least_squares is inclined where the stand is inclined",
+        help="least_squares or optimal; default: optimal. on an inclined stand least_squares means inclined",
     )
     parser.add_argument(
         "--mountings",
         metavar="N",
         default="3",
-        help=f"so many or fewer, {_FEWEST_MOUNTINGS} to {_MOST_MOUNTINGS}; default: 3",
+        help=f"at most this many, {_FEWEST_MOUNTINGS} to {_MOST_MOUNTINGS}; default: 3",
     )
     parser.add_argument(
-        "--angles", choices=_STEPS, default="22.5", help="table angles are multiples of so many degrees; default: 22.5"
+        "--angles", choices=_STEPS, default="22.5", help="step of the table angles in degrees; default: 22.5"
     )
-    parser.add_argument("--remounting", metavar="SECONDS", help="what it takes to mount the block anew; default: 300")
+    parser.add_argument("--remounting", metavar="SECONDS", help="time to remount the block; default: 300")
     parser.add_argument(
         "--inclination",
         choices=_STEEP,
         default=_STEEP[-1],
         help="degrees up to which the stand can be inclined to both sides, 0: not at all; default: 60",
     )
-    parser.add_argument("--inclining", metavar="SECONDS", help="what it takes to incline the stand anew; default: 60")
+    parser.add_argument("--inclining", metavar="SECONDS", help="time to incline the stand; default: 60")
     parser.add_argument("--out", metavar="FILE.toml", help="also write it as a schedule file")
     options.add(parser, *options.WORKERS)
 
@@ -500,12 +500,12 @@ _SUBJECTS: dict[str, tuple[str, Callable[[argparse.ArgumentParser], None], Calla
         _run_budget,
     ),
     "require": (
-        "requirements: how bad each source may be for a limit of the gravity check",
+        "requirements: how large each source may be for a limit of the gravity check",
         _describe_require,
         _run_require,
     ),
     "optimize": (
-        "the weights that are best for a stand: a gain table for `optimal`",
+        "the best weights for a stand: a gain table for `optimal`",
         _describe_optimize,
         _run_optimize,
     ),
@@ -514,6 +514,6 @@ _SUBJECTS: dict[str, tuple[str, Callable[[argparse.ArgumentParser], None], Calla
         _describe_schedule,
         _run_schedule,
     ),
-    "validate": ("Monte Carlo: thousands of simulated runs against what they claim", _describe_validate, _run_validate),
-    "paper": ("the paper, audited: its tables and formulas beside what they should be", _describe_paper, _run_paper),
+    "validate": ("Monte Carlo: the stated uncertainties against simulated runs", _describe_validate, _run_validate),
+    "paper": ("the paper, audited: its tables and formulas beside the corrected ones", _describe_paper, _run_paper),
 }

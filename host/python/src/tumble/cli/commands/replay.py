@@ -41,7 +41,7 @@ def describe(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--commissioning",
         metavar="FILE",
-        help="replay nothing: write the record that tells the board zcu102 of the stand and block of --scenario",
+        help="replay nothing: write a record of the stand and block of --scenario for the board zcu102",
     )
     options.add(parser, "--json")
     parser.set_defaults(run_command=run)
@@ -56,7 +56,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     if arguments.commissioning is not None:
         if arguments.log is not None:
-            raise UsageError("--commissioning: takes no BUS.log; --scenario says what the board is told")
+            raise UsageError("--commissioning: takes no BUS.log; --scenario gives the contents of the record")
         return _write(arguments, "commissioning", replay.commissioning(arguments.scenario))
     if arguments.log is None:
         raise UsageError("the following arguments are required: BUS.log")

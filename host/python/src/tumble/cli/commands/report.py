@@ -12,7 +12,7 @@ from tumble.errors import EXIT_PASS, UsageError
 
 def describe(parser: argparse.ArgumentParser) -> None:
     parser.description = (
-        "Write a calibration report on a result, with what ISO/IEC 17025 asks of one: one HTML file that"
+        "Write a calibration report on a result, with the contents required by ISO/IEC 17025: one HTML file that"
         " needs no other, or the same as PDF."
     )
     parser.epilog = (

@@ -41,11 +41,11 @@ def describe(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--monte-carlo",
         metavar="N",
-        help="simulate N runs on the declared stand at the result, and hold its uncertainties against theirs (100000"
-        " decide nearly all); 1000 to 1000000; needs --stand",
+        help="simulate N runs of this result on the declared stand, and compare the uncertainties (100000"
+        " decide nearly all cases); 1000 to 1000000; needs --stand",
     )
     parser.add_argument("--seed", metavar="N", help="of --monte-carlo, 0 to 2^64 - 1; default: 1")
-    options.add(parser.add_argument_group("who does --monte-carlo"), *options.WORKERS)
+    options.add(parser.add_argument_group("processes for --monte-carlo"), *options.WORKERS)
     options.add_layout(parser, "run file")
     parser.set_defaults(run_command=run)
 

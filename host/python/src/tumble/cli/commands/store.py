@@ -16,7 +16,7 @@ def describe(parser: argparse.ArgumentParser) -> None:
     subject = subjects.add_parser(
         "dump",
         help="what an image of the memory holds",
-        description="Which set of coefficients is active, what else an image of the memory holds, and what is torn.",
+        description="Print the active set of coefficients in an image of the memory, other records, and torn ones.",
         epilog="Exit codes: 0 done, 2 bad input, 130 interrupted.",
     )
     subject.add_argument("image", metavar="IMAGE", help="the memory's bytes from its first sector on")

@@ -9,8 +9,8 @@ def describe(parser: argparse.ArgumentParser) -> None:
     parser.usage = "%(prog)s [-h] [-- COMMAND ...]"
     parser.description = (
         "Run a command inside user-mode Linux, a kernel as an ordinary process, where vcan0 is up. It may"
-        " write in the directory it is called in, in the checkout, and in a TMPDIR that is gone afterwards; it has no"
-        " other network than vcan0 and 127.0.0.1. All that it started ends with it."
+        " write in the directory it is called in, in the checkout, and in a TMPDIR that is deleted afterwards; its only"
+        " networks are vcan0 and 127.0.0.1. All that it started ends with it."
     )
     parser.epilog = (
         "Exit codes: the command's; 3 user-mode Linux does not start or hangs, 77 it is not installed, 130 interrupted."

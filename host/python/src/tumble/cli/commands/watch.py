@@ -31,8 +31,8 @@ def describe(parser: argparse.ArgumentParser) -> None:
         "       %(prog)s [-h] bench [--http [HOST:PORT]] [--pace X] [bench options]"
     )
     parser.description = (
-        "Show a run as it goes: state, reason and remedy, table angle, running mean and its standard error,"
-        " coefficients, gravity check. Reads only; commands nothing."
+        "Follow a run live: state, reason and remedy, table angle, running mean and its standard error,"
+        " coefficients, gravity check. It only reads and sends no command."
     )
     parser.epilog = (
         "Exit codes: 0 the run is over; 2 bad usage or input; 3 (--json) the source does not answer; 77 a"
