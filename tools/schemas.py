@@ -5,7 +5,7 @@
 
 What docs/ holds is held against the types by tests/integration/test_schemas.py.
 
-A docstring of a type tells what it is, and below, a paragraph a key, "name: text", what its keys mean. Lists of names
+The docstring of a type describes it, and below, a paragraph a key, "name: text", its keys. Lists of names
 that a document may have (patterns, sources, estimators) are those of this version; whoever reads one takes others, too.
 """
 
@@ -40,20 +40,20 @@ from tumble.stand import SOURCES
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
 DOCUMENTS: dict[str, tuple[type[Document], str]] = {  # by schema: its type, or what its kinds derive from; title
-    PLAN: (Plan, "what a stand is worth before a run"),
+    PLAN: (Plan, "a stand, judged before a run"),
     FIXTURE: (Fixture, "a stand, judged by the runs made on it"),
-    IMPORT: (Import, "what was found in recordings, and what was taken for granted"),
-    STORE: (Store, "what an image of the memory holds"),
-    WATCH: (Watch, "what is known of a run at one moment"),
+    IMPORT: (Import, "rests found in recordings, and assumptions"),
+    STORE: (Store, "contents of an image of the memory"),
+    WATCH: (Watch, "a snapshot of a run"),
     COMPARISON: (Comparison, "two calibrations of one block"),
     RESULT: (Result, "the outcome of one calibration"),
     BENCH: (Bench, "a run in a simulated world"),
     NODE: (Computer, "a run of the computer on a real bus"),
-    STAND: (Stand, "what the simulated stand knows of a run on a real bus"),
-    REPLAY: (Replay, "a recorded bus through the firmware again"),
+    STAND: (Stand, "the simulated stand in a run on a real bus"),
+    REPLAY: (Replay, "a recorded bus log, replayed through the firmware"),
     LOG: (Log, "one event of a program"),
     CAMPAIGN: (Campaign, "statistics of calibrations"),
-    HOSTILE: (Hostile, "hostile lives, and what they broke"),
+    HOSTILE: (Hostile, "the fault campaign and its violations"),
 }
 _BENCH = ("bus", "firmware", "truth")  # keys of a run on the bench, all or none
 _COMBINED = ("K", "U0", "u_K", "u_U0")  # of runs that are consistent, else null

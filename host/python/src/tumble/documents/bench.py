@@ -128,13 +128,13 @@ class FirmwareRun(Document, kw_only=True):
 
     exit: The exit code that a program with this run has.
     state: Where the run ended.
-    failed_in: The state in which it failed; IDLE: in none.
+    failed_in: The state in which it failed; IDLE: no failure.
     reason: Why it ended.
     drive_code: The drive's own error code, or 0.
     K: V/g; null without a result.
     U0: V
     u_K: Standard uncertainties; null where none can be stated.
-    noise: What the firmware counts of the noise; null where nobody looked.
+    noise: The noise as evaluated by the firmware; null if it was not evaluated.
     verification: The gravity check; null without a result.
     closure_g: By mounting.
     means: Of the positions finished.
@@ -192,7 +192,7 @@ class Cause(Document):
 class Computer(FirmwareRun, kw_only=True):
     """A run of a computer on a real bus.
 
-    cause: The first fault that the run has not got over.
+    cause: The first fault from which the run has not recovered.
     counters: Of firmware and interface.
     """
 
@@ -207,7 +207,7 @@ class Node(Computer, kw_only=True):
 
 
 class NodeWithStand(Computer, kw_only=True):
-    """The same with what the simulated stand knows of the run: fault.json of a run folder.
+    """The same with the simulated stand's data: fault.json of a run folder.
 
     counters: Of the stand, too.
     """
@@ -287,8 +287,8 @@ class Log(Document, kw_only=True):
 
     time: UTC, with milliseconds.
     message: The event as a sentence: the line of --log text.
-    cause: The first fault that the run has not got over.
-    remedy: What docs/operations.md says to look at.
+    cause: The first fault from which the run has not recovered.
+    remedy: The remedy of docs/operations.md.
     exit: The exit code.
     """
 

@@ -1,4 +1,4 @@
-"""What campaigns find: tumble.campaign/1, statistics of calibrations, and tumble.hostile/1, of hostile lives."""
+"""What campaigns find: tumble.campaign/1, statistics of calibrations, and tumble.hostile/1, of the fault campaign."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Campaign(Document, kw_only=True):
     exits: Runs by exit code.
     K: Errors found less true, V/g, row by row; null where no run came to a result.
     U0: V
-    table: Where the true tables of all runs have been since power-on; at_rest: all of them ended at rest.
+    table: The range of the true tables of all runs since power-on; at_rest: all of them ended at rest.
     cpu_s: Null where some of the runs were kept by an earlier version.
     """
 
@@ -90,15 +90,15 @@ class Speed(Document):
 
 
 class Hostile(Document, kw_only=True):
-    """A campaign of hostile lives: tumble campaign lives.
+    """The fault campaign: tumble campaign lives.
 
-    violated: Lives that broke an invariant.
-    violations: Lives by invariant.
-    first: The first violations, shrunk.
-    faults: By kind: how often it came to pass.
+    violated: Lives that broke a rule.
+    violations: Lives by rule.
+    first: The first violations, minimised.
+    faults: By kind: how often it occurred.
     excuses: Lives that had one.
     ends: By state and reason.
-    table: Where the true tables of all lives have been since power-on; at_rest: all of them ended at rest.
+    table: The range of the true tables of all lives since power-on; at_rest: all of them ended at rest.
     """
 
     schema: Literal["tumble.hostile/1"] = HOSTILE

@@ -71,7 +71,7 @@ class Explained(Document):
 
 
 class Side(Document, kw_only=True):
-    """As its result tells it; null: not told.
+    """From its result; null: unknown.
 
     passed: Whether it passed: gravity check, fit and uncertainty.
     pass_reason: Why it did not pass. Of uncertainty alone the verdict is NOT SHOWN, and its numbers are compared as

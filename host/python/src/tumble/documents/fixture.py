@@ -45,19 +45,19 @@ class RunOnStand(Document):
 
 
 class Judged(Document):
-    """limit: null: nothing is asked."""
+    """limit: null: no requirement."""
 
     limit: Size | None
     verdict: Verdict
 
 
 class Judgement(Document):
-    """value: As the runs show it: a systematic angle with its sign where it is one draw, the root mean square of
-        several draws, or a standard deviation; null: they do not show it.
-    limit: That the verdict goes by; null: nothing is asked.
-    chi_squared: Of what is seen, if the source were as declared.
+    """value: From the runs: a systematic angle with its sign if it is one draw, the root mean square of several draws,
+        or a standard deviation; null: the runs do not show it.
+    limit: The limit that decides; null: no requirement.
+    chi_squared: Of the measured values, if the source were as declared.
     sigma_low: Standard deviations from here ...
-    sigma_high: ... to here are compatible with what is seen.
+    sigma_high: ... to here are compatible with the measured values.
     """
 
     value: float | None
@@ -98,7 +98,7 @@ class Units(Document):
 
 class Combined(Document):
     """K: null, like U0, u_K and u_U0, where the runs are not consistent.
-    chi_squared: Of what the runs differ by.
+    chi_squared: Of the differences between the runs.
     consistent: False: other blocks, or a stand that is not as declared.
     """
 
@@ -119,14 +119,14 @@ class Fixture(Document, kw_only=True):
 
     stand: Its name in the stand file.
     confidence: Of all verdicts together.
-    against: Which limits the verdicts go by.
-    levelled: Once for all runs, or anew before each; as told or as seen.
+    against: Which limits decide.
+    levelled: Once for all runs, or again before each; as given or as the runs show.
     runs: Per file: gravity check, fit, and the stand as the run shows it.
     sources: By name: `value`, `u` as the runs show it, `limit`, `verdict` ("meets", "does not meet", "cannot tell"),
         `chi_squared` with `freedom`, the range `sigma_low` to `sigma_high` of standard deviations that fit what was
         seen; `declared` and `needed`, each with `limit` and `verdict`, of which `against` says which one counts.
-    assumes: What coefficients and combined rest on, as assumes of tumble.result/1; with assumed_for.
-    warnings: Sentences that a person is told on stderr beside the result.
+    assumes: Assumptions of coefficients and combined, as assumes of tumble.result/1; with assumed_for.
+    warnings: The warnings on stderr.
     combined: Several runs of one block as one result: whether they are `consistent`, and if so `K`, `U0`, `u_K`,
         `u_U0`; null for one run.
     passed: No verdict is "does not meet", and every run passes the gravity check and, where the verdict goes by

@@ -248,7 +248,7 @@ class MonteCarlo(Document):
 
     coverage: Of the intervals.
     level: At which the ends of a simulated interval are taken as known.
-    agrees: All coefficients agree; null: too few runs to tell.
+    agrees: All coefficients agree; null: too few runs to decide.
     """
 
     runs: Annotated[int, Meta(ge=1000)]
@@ -260,7 +260,7 @@ class MonteCarlo(Document):
 
 
 class Explanation(Document):
-    """patterns: Those that this run cannot tell apart, the likeliest first.
+    """patterns: Those that this run cannot distinguish, the likeliest first.
     p: Corrected after Holm.
     u_size: Standard uncertainty.
     column: What the size is of, such as a channel; null: of all.
@@ -278,7 +278,7 @@ class Fit(Document):
     """Does the run fit the declared stand? The same for every estimator.
 
     chi2: Squares of all residuals in units of what the stand declares.
-    p: How often a run that fits comes out above.
+    p: How often a run that fits has a larger chi2.
     explanations: What the run shows that is not declared, in the order in which it was found: of a run that does not
         fit, or at the same confidence of one that fits as a whole.
     """
@@ -294,7 +294,7 @@ class Fit(Document):
 class Unseen(Document):
     """An error that the run could not have shown.
 
-    size: null: no size would show.
+    size: null: no size is detectable.
     norm_error_g: Error of |a| at that size, worst attitude.
     """
 
@@ -336,11 +336,11 @@ class Noise(Document):
     """The noise that the samples show, by channel, in the unit of the outputs; null where no position has two samples.
 
     scatter: Standard deviation of one sample.
-    of_means: What it would be if the means had their standard errors by white noise.
-    block_samples: The length of the blocks that these come from.
+    of_means: Scatter of white noise that would give the standard errors of the means.
+    block_samples: The length of the blocks used for these.
     freedom: Their degrees of freedom.
-    above_declared: Where the uncertainties count it instead of the declared noise; all without a declared stand.
-    undithered: Whose samples round alike.
+    above_declared: Channels whose uncertainties use it instead of the declared noise; all without a declared stand.
+    undithered: Channels whose samples round alike.
     """
 
     scatter: Vector | None
@@ -467,7 +467,7 @@ class StandSeen(SeenAngles, kw_only=True):
     alpha4_rad: Of a set angle, from the residuals beyond the noise; null where they do not exceed it.
     noise_v_by_channel: That of x, y and z by itself, of a stand that declares three; with its u_ twin, else null.
         noise_v is then of all together, each beside its own, as in the channel that has most.
-    u_from: Where the uncertainties of the angles come from: the declared stand, or the run's own scatter and residuals;
+    u_from: Origin of the uncertainties of the angles: the declared stand, or the scatter and residuals of the run;
         null: unknown.
     u_freedom: Degrees of freedom of u_from run, for Student's t; null for a declared stand.
     alpha4_freedom: Degrees of freedom of alpha4.
@@ -575,54 +575,54 @@ class Truth(Document):
 class Result(Document, kw_only=True):
     """U = U0 + K a: outputs U, specific force a in units of local gravity. Unknown is null, never NaN.
 
-    created: When the result was made: UTC, ISO 8601; the second of `SOURCE_DATE_EPOCH` where the environment sets it.
-        That of a bench run in virtual time is null unless it does: the same seed gives the same bytes.
-    tumble: The version that made it.
-    run_file: Which file was solved; null: not told.
-    run_sha256: SHA-256 of the run file, byte for byte; null: not told.
-    serial: Of the block, from the stand file; null: not told.
-    stand: As its file declares it, with the keys of `[stand]` and the step of its converter, `step_v` (null without
+    created: When the result was made: UTC, ISO 8601; the second of `SOURCE_DATE_EPOCH` if the environment sets it.
+        Otherwise null for a bench run in virtual time: the same seed gives the same bytes.
+    tumble: The version that made the result.
+    run_file: The solved file; null: unknown.
+    run_sha256: SHA-256 of the run file, byte for byte; null: unknown.
+    serial: Of the block, from the stand file; null: unknown.
+    stand: As declared in its file, with the keys of `[stand]` and the step of its converter, `step_v` (null without
         one). Noise and drift in volts for V, mV, uV, kV, else in the outputs' unit. null: none is declared.
-    schedule: That the run was measured on, with the tables of a [schedule file](#schedule-file-toml) and the `name` of
-        a built-in one.
-    estimator: By which the coefficients were found.
-    unit: Of the outputs, in which everything here is given whose name states no unit.
+    schedule: The schedule of the run, with the tables of a [schedule file](#schedule-file-toml) and the `name` of a
+        built-in one.
+    estimator: The estimator of the coefficients.
+    unit: Of the outputs, and of every value here whose name states no unit.
     units: Of the coefficients.
     K: Coefficients: row i is the response of channel i to acceleration along x, y, z, in the unit of the outputs per g.
-    U0: Outputs without acceleration.
+    U0: Outputs at zero acceleration.
     u_K: Standard uncertainties (k = 1) of K; null without a stand file.
     u_U0: Standard uncertainties of U0; null without a stand file.
     covariance: Of the coefficients, `K` row by row, then `U0`, in the products of their units; the roots of its
         diagonal are `u_K` and `u_U0`, to 1e-9 of them (`optimal`: 1e-6); null without a stand file.
-    u_norm_g: `worst_g`: standard uncertainty of the length of the acceleration that the calibrated block shows, at the
-        attitude where it is largest; `attitude`: that direction on the block's axes. [How](method.md#uncertainty)
-    extended: Of `--model`, else null: `terms`, and of those the values by channel, `k2_per_g`, `k3_per_g2`, `drift_v`
-        (over the whole run; `U0` is that of its middle), each with its `u_` twin; `covariance` of `K`, `U0` and
-        `names`; `without`: `u_K`, `u_U0` and `u_norm_g` of the same run with twelve coefficients, and
-        `u_norm_of_K_U0_g`; `max_abs_difference` from numpy. `drift_v` is in volts as `noise_v` is. `stand_seen` has no
-        angles then. [How](method.md#more-coefficients)
-    second_order: Whether the declared angles are small enough for these uncertainties, which are of first order: under
-        `bias` what squares of the angles shift every coefficient by, expected, in its unit; `matters` where that is
-        more than 0.2 u of any; under `shifts` those coefficients (`source` with the largest part, `coefficient`,
-        `bias_relative` and `limit` over the scale factor of the row); `bias_K_xx_relative` = alpha3^2/2, what a yaw
-        takes off K_xx of a linear estimate, and its `limit`; null without a stand file.
+    u_norm_g: `worst_g`: standard uncertainty of the length of the calibrated acceleration, at the attitude where it is
+        largest; `attitude`: that direction on the block's axes. [How](method.md#uncertainty)
+    extended: For `--model`, else null: `terms`, and their values by channel, `k2_per_g`, `k3_per_g2`, `drift_v` (over
+        the whole run; `U0` refers to its middle), each with its `u_` twin; `covariance` of `K`, `U0` and `names`;
+        `without`: `u_K`, `u_U0` and `u_norm_g` of the same run with twelve coefficients, and `u_norm_of_K_U0_g`;
+        `max_abs_difference` from numpy. `drift_v` is in volts as `noise_v` is. `stand_seen` then has no angles.
+        [How](method.md#more-coefficients)
+    second_order: Whether the declared angles are small enough for these uncertainties, which are of first order: `bias`
+        is the expected shift of every coefficient by squares of the angles, in its unit; `matters` is true if any
+        exceeds 0.2 u; `shifts` lists those coefficients (`source` with the largest part, `coefficient`, `bias_relative`
+        and `limit` over the scale factor of the row); `bias_K_xx_relative` = alpha3^2/2, the reduction of K_xx by a yaw
+        in a linear estimate, and its `limit`; null without a stand file.
         [How](method.md#what-the-linear-theory-leaves-out)
-    monte_carlo: Of `--monte-carlo`, else null: `runs`, `seed`, whether all `agrees`, and of every coefficient the mean
-        error (`shift`), `u`, the 95 % `interval` beside the `linear_interval`, their `difference`, its `tolerance`, and
-        a `verdict` ("agrees", "differs", "cannot tell": too few runs). [How](method.md#of-one-result)
-    misfit: `sqrt(chi2/dof)`: rms of the residuals over what the stand declares, 1 if that is true; null without a stand
-        file.
+    monte_carlo: For `--monte-carlo`, else null: `runs`, `seed`, whether all `agrees`, and for every coefficient the
+        mean error (`shift`), `u`, the 95 % `interval` and the `linear_interval`, their `difference`, its `tolerance`,
+        and a `verdict` ("agrees", "differs", "cannot tell": too few runs). [How](method.md#of-one-result)
+    misfit: `sqrt(chi2/dof)`: rms of the residuals over that expected from the declared stand, near 1 if the declaration
+        is true; null without a stand file.
     fit: Does the run fit the declared stand? `chi2` of all residuals with `dof` degrees of freedom, `p`, `fits` at the
-        `confidence` of `--confidence` (0.999), and `explanations`, of a run that does not, or of one that fits as a
-        whole and yet shows a pattern at that confidence (a warning): `patterns` that this run cannot tell apart, the
-        likeliest first, `p` after Holm, `size`, `u_size` in `unit` of its largest `column`. The same for every
-        estimator; null without a stand file. [How](method.md#does-the-run-fit-its-stand)
+        `confidence` of `--confidence` (0.999), and `explanations` if it does not, or if it fits as a whole but shows a
+        pattern at that confidence (a warning): `patterns` that this run cannot distinguish, the likeliest first, `p`
+        after Holm, `size`, `u_size` in `unit` of its largest `column`. The same for every estimator; null without a
+        stand file. [How](method.md#does-the-run-fit-its-stand)
     stand_doubts: The declared sources among the explanations (names as in `stand_seen`): worse than declared. The
-        uncertainties are too small then, and a warning says so; null without a stand file.
-    reliability: What the run could not have shown: of every `pattern` that no stand file declares the `size`, in
-        `unit`, that its test finds in nine runs of ten, and `norm_error_g`, the error of the length of a calibrated
-        acceleration that so much of it leaves at the worst attitude; both null where no size shows. The largest error
-        first; it is `reliability_norm_g`. null without a stand file. [How](method.md#what-a-run-could-not-have-shown)
+        uncertainties are then too small, and a warning says so; null without a stand file.
+    reliability: How large an error could stay hidden in the run: for every undeclared `pattern` the `size`, in `unit`,
+        that its test finds in nine runs of ten, and `norm_error_g`, the resulting error of the length of a calibrated
+        acceleration at the worst attitude; both null if no size is detectable. The largest error comes first; it is
+        `reliability_norm_g`. null without a stand file. [How](method.md#what-a-run-could-not-have-shown)
     reliability_norm_g: The largest `norm_error_g` of `reliability`; null if none is known.
     passed: The [decision](method.md#the-decision-rule): gravity check passed, `fits`, and the uncertainty within the
         limit at every attitude. Without a stand file the gravity check alone.
@@ -630,54 +630,53 @@ class Result(Document, kw_only=True):
         "uncertainty" alone is the verdict NOT SHOWN.
     decision: `coverage_factor` (3, or that of `[accept]`) times `u_norm_worst_g` (null without a stand file) must be
         within `limit_g`; `scope` of the statement: "everywhere", without a stand file "measured positions".
-    would_show: Of a verdict NOT SHOWN, else null: what would show the limit, as a list of `change` ("estimator",
+    would_show: For a verdict NOT SHOWN, else null: what would show the limit, as a list of `change` ("estimator",
         "samples" at each position, "mountings", "inclinations": deg of the steepest, "stand": how many times better,
         "converter": the same of the converter too, whose rounding no samples average away), `to`, and `reach_g`, the
         coverage factor times the worst u(|a|) then.
-    assumes: Names of what the result rests on that its run cannot test and its stand file does not declare. `seat`:
-        that no mounting tilts the block against the axis, where neither `seat_rad` nor `platform_rad` is above 0 and no
-        fit position shows such a tilt ([why](method.md#is-the-result-to-be-believed)); it reaches the coefficients
+    assumes: Names of the result's assumptions, which the run cannot test and the stand file does not declare. `seat`:
+        that no mounting tilts the block against the axis, if neither `seat_rad` nor `platform_rad` is above 0 and no
+        fit position shows such a tilt ([why](method.md#is-the-result-to-be-believed)); it affects the coefficients
         whose uncertainty a seat or a platform of 1e-4 rad would raise by a tenth. `linear`: that the block has no third
-        order (or another one of its patterns), where the fit positions do not show it beside the coefficients, as on
-        the diagonals. `order`: that channels, mountings and the table's turn are as told, where K looks exchanged or
-        reversed and no `[block]` is declared. `unit`: that outputs are in volts, where neither file nor `--unit` names
-        a unit. `white_noise`: that noise is white, where no position has four samples. `undithered`: that errors of
-        rounding are independent, where all samples of a position round alike. `temperature`: that the block is used at
-        the temperature of its run, where neither run file nor environment tells that.
-    assumed_for: By name as in `assumes`: the coefficients that rest on it; an empty list: all. A table marks each of
+        order (or another one of its patterns), if the fit positions cannot separate it from the coefficients, as on the
+        diagonals. `order`: that channels, mountings and the table's direction are as given, if K looks exchanged or
+        reversed and no `[block]` is declared. `unit`: that outputs are in volts, if neither file nor `--unit` names a
+        unit. `white_noise`: that noise is white, if no position has four samples. `undithered`: that rounding errors
+        are independent, if all samples of a position round alike. `temperature`: that the block is used at the
+        temperature of its run, if neither run file nor environment states it.
+    assumed_for: By name as in `assumes`: the coefficients that depend on it; an empty list: all. A table marks each of
         these (`*` seat, `^` linear).
-    warnings: The sentences that stand on stderr as warnings, in the same order; an empty list: none.
-    noise: What the samples show, by channel: `scatter` of one sample; `of_means`, the scatter that white noise would
-        need for the standard errors that the means have; the blocks that these come from (`block_samples`, `freedom`);
-        `above_declared`, channels whose uncertainties count it instead of the declared noise; `undithered`.
+    warnings: The warnings on stderr, in the same order; an empty list: none.
+    noise: The measured noise, by channel: `scatter` of one sample; `of_means`, the scatter of white noise that would
+        give the standard errors of the means; the blocks used for these (`block_samples`, `freedom`); `above_declared`,
+        channels whose uncertainties use it instead of the declared noise; `undithered`.
         [How](method.md#noise-that-is-not-white)
-    scatter_alone: Without a stand file: `u_K`, `u_U0` that the noise of the samples alone leaves, without any error of
-        the stand; null with a stand file, and where no position has two samples.
-    coverage: How well the standard uncertainties are known (those of `scatter_alone` where there is no stand file), and
-        what to multiply them by: effective degrees of freedom `freedom_K`, `freedom_U0`, of which null is infinite (all
-        that is in this u was declared), and `k_K`, `k_U0`, so that the truth lies within k u with `probability` 0.95
-        (of `scatter_alone`: what noise by itself does, which says nothing of the errors of the stand); the same of the
-        intrinsic parameters in `freedom_intrinsic`, `k_intrinsic`. null without uncertainties.
-        [How](method.md#expanded-uncertainty)
+    scatter_alone: Without a stand file: `u_K`, `u_U0` due to the noise of the samples alone, without any error of the
+        stand; null with a stand file, and if no position has two samples.
+    coverage: How well the standard uncertainties are known (those of `scatter_alone` without a stand file), and their
+        coverage factors: effective degrees of freedom `freedom_K`, `freedom_U0`, where null is infinite (this u comes
+        from declared values only), and `k_K`, `k_U0`, so that the truth lies within k u with `probability` 0.95 (for
+        `scatter_alone`: by noise alone, without the errors of the stand); the same of the intrinsic parameters in
+        `freedom_intrinsic`, `k_intrinsic`. null without uncertainties. [How](method.md#expanded-uncertainty)
     verification: `delta_g_g` per position, with its standard uncertainty `u_delta_g_g` by the noise of the position's
         mean (no error of the stand changes the length of gravity) and the coverage factor `k_delta_g` for 95 %, both
-        null where no noise is known; the largest over all, over fit and over check positions, `limit_g`, `pass`,
+        null if no noise is known; the largest over all, over fit and over check positions, `limit_g`, `pass`,
         `closure`, `residual_rms`.
-    stand_seen: What the run tells about the stand, each with its `u_` twin; `noise_v` in volts for V, mV, uV, kV, else
-        in the outputs' unit; `noise_v_by_channel` of x, y and z where the stand declares three, else null; `alpha4_rad`
-        the standard deviation of set angles from the residuals, with `alpha4_freedom`, null where they do not exceed
-        the noise; `u_from` where the angles' uncertainties come from ("stand", "run", null), with `u_freedom` for
-        Student's t; `augmented` the angles by the sharper fit.
-    inclinations: Of a block that is bolted on once, what the run says of its inclinations, by `mounting`: the angle of
-        the axis, `deg`, with its standard uncertainty `u_deg` (null without a stand file), and `zero_deg`, how far the
-        zero of the table angle is from that at the first one. [How](never-remounted.md)
-    level_rad: The inclination at the first mounting that is set to 0, which is how far the axis is from level; with
+    stand_seen: The stand's errors estimated from the run, each with its `u_` twin; `noise_v` in volts for V, mV, uV,
+        kV, else in the outputs' unit; `noise_v_by_channel` of x, y and z if the stand declares three, else null;
+        `alpha4_rad` the standard deviation of set angles from the residuals, with `alpha4_freedom`, null if they do not
+        exceed the noise; `u_from` the origin of the angles' uncertainties ("stand", "run", null), with `u_freedom` for
+        Student's t; `augmented` the angles by the more precise fit.
+    inclinations: For a block that is bolted on once, the estimated inclinations by `mounting`: the angle of the axis,
+        `deg`, with its standard uncertainty `u_deg` (null without a stand file), and `zero_deg`, the zero of the table
+        angle relative to that at the first one. [How](never-remounted.md)
+    level_rad: The inclination at the first mounting that is set to 0, that is the level error of the axis; with
         `u_level_rad`.
     intrinsic: `scale` (lengths of the rows of K), `angle_rad` {xy, xz, yz} between these rows, `bias_g` (U0_i over the
-        length of row i): what does not depend on how the block sits.
-    si: Coefficients for accelerations in m/s^2, where the environment has `gravity_m_s2`: `K`, `scale` (lengths of its
-        rows), `bias` (`bias_g` times gravity), `u_K`, `u_scale` and `u_bias` with `u_gravity_m_s2` in them, null where
-        that or the stand file is missing; `units`.
+        length of row i): independent of how the block is mounted.
+    si: Coefficients for accelerations in m/s^2, if the environment has `gravity_m_s2`: `K`, `scale` (lengths of its
+        rows), `bias` (`bias_g` times gravity), `u_K`, `u_scale` and `u_bias` including `u_gravity_m_s2`, null if that
+        or the stand file is missing; `units`.
     u_intrinsic: Their standard uncertainties, same names; null without a stand file.
     reference: The result of the C core less that of numpy, and the largest differences.
     means: Per measured position: samples, mean, scatter.
@@ -685,12 +684,12 @@ class Result(Document, kw_only=True):
     item: From the stand file.
     environment: From the stand file.
     temperature: Of the run, in deg C: `min_c`, `max_c`, and their `source`: "run_file" (its column; of a bench run the
-        frames of the block) or "environment"; null: not told.
+        frames of the block) or "environment"; null: unknown.
     seed: Of a run on the bench: the same seed and inputs give the same result and bus log, byte for byte.
     bus: Of a run on the bench.
     firmware: Of a run on the bench: where the firmware ran.
-    table: Of a run on the bench: how far the simulation's true table has turned since power-on.
-    truth: What the run on the bench was made of.
+    table: Of a run on the bench: the true travel of the simulation's table since power-on.
+    truth: The true values of a run on the bench.
     """
 
     schema: Literal["tumble.result/1"] = RESULT
