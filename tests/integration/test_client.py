@@ -88,7 +88,7 @@ def test_what_a_drive_refuses_is_named_in_a_run_and_between_runs(played):
 
 def test_a_fault_that_cannot_be_cleared_yet_says_why(played):
     theirs, node = played()
-    for rung, why in ((0, ""), (3, ", and the axis, told to stop, is not seen at rest yet: ask again"), (6, "")):
+    for rung, why in ((0, ""), (3, ", and the axis is not yet seen at rest after the stop: try again"), (6, "")):
         theirs.rung = rung
         with pytest.raises(client.Refused) as end:
             node.command("CLEAR_FAULT")

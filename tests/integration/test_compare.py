@@ -159,11 +159,11 @@ def test_a_result_is_the_same_as_itself(tumble, tmp_path):
     assert {found["tests"][name]["chi2"] for name in ("all", "block", "seat")} == {0.0}
     text = tumble("compare", "r.json", "r.json", cwd=tmp_path)
     assert (text.returncode, text.stderr) == (0, AGAIN) and max(map(len, text.stdout.splitlines())) <= 80
-    said = "UNCHANGED: no change is to be seen, neither of the block nor of its seat."
+    said = "UNCHANGED: no change of the block or of its seat is detectable."
     assert text.stdout.startswith(f"{said}\n\nA: r.json,")
     assert (
-        "\n- Confidence: of blocks that nobody touched, 99.9 % or more are called\n"
-        "  unchanged, assuming a square seat, volts and one temperature.\n"
+        "\n- Confidence: 99.9 % or more of untouched blocks are called unchanged, assuming\n"
+        "  a square seat, volts and one temperature.\n"
     ) in text.stdout
     assert "Holm" not in text.stdout and "chi" not in text.stdout
 
@@ -202,7 +202,7 @@ def test_the_chances_are_those_that_the_verdict_is_made_of(compare, tumble, tmp_
     shown = re.findall(r"^(the block, all together|the block, any one alone|its seat) +([\d.]+) %$", text, re.MULTILINE)
     expected = [percent[key] for key in ("whole", "alone", "seat")]
     assert [float(one) for _, one in shown] == pytest.approx(expected, rel=0.06)
-    assert "(a change is what is rarer than 1 %):" in text
+    assert "(a change: below 1 %):" in text
     (row,) = re.findall(r"^scale y .* ([\d.]+) %$", text, re.MULTILINE)
     assert float(row) == pytest.approx(100.0 * found["parameters"][1]["p"], rel=0.06)
 

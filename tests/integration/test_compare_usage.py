@@ -76,7 +76,7 @@ FAILED = {"verification": {"pass": False, "max_abs_delta_g_g": 1e-3, "limit_g": 
 SCALED = {"K": (NOMINAL_K * (1 + 2e-4 * np.eye(3)[1])[:, None]).tolist()}
 TURNED = {"K": (NOMINAL_K @ np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])).tolist()}
 BY_NUMBERS = {
-    "unchanged": ({}, "no change is to be seen, neither of the block nor of its seat."),
+    "unchanged": ({}, "no change of the block or of its seat is detectable."),
     "seat": (TURNED, "the block is as it was, but sits turned by "),
     "block": (SCALED, "the block has changed: scale y +200 +- 14 ppm."),
 }

@@ -262,7 +262,7 @@ def test_a_prior_of_inclinations_pulls_as_least_squares_says():
     assert np.abs((where_set.k - closed) / where_set.u_k).max() > 0.2
 
 
-TAKES = "takes its inclinations for exact, which nobody measures; inclined finds them"
+TAKES = "takes its inclinations as exact, but they are not measured; inclined estimates them"
 LACKS = (
     "lacks what inclined needs: three inclinations or more of one bolting, on both sides of the level, at table angles"
     " that divide a turn equally"
@@ -445,7 +445,7 @@ def test_nothing_is_set_exactly(tmp_path, tumble):
     (tmp_path / "exact.toml").write_text(text)
     done = tumble("plan", "budget", "--schedule", "inclined", "--stand", tmp_path / "exact.toml")
     row = 1 + text.splitlines().index("inclination_rad = 0")
-    said = "inclination_rad must not be 0: nothing is set exactly; leave it out where nobody knows"
+    said = "inclination_rad must not be 0: nothing is set exactly; leave it out if it is unknown"
     assert (done.returncode, done.stderr) == (2, f"tumble: {tmp_path / 'exact.toml'}: row {row}: [stand] {said}\n")
 
 

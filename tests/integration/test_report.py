@@ -181,7 +181,7 @@ def test_every_coefficient_has_its_uncertainty(result):
         marked = [name.rstrip("*^") for name in names if mark in name]
         assert marked == list(document["assumed_for"].get(assumption, []))
     is_marked = any(name[-1] in "*^" for name in names)
-    assert ("whose name ends in a mark is right only given: " in plain(report.text)) == is_marked
+    assert ("whose name ends in a mark holds only assuming: " in plain(report.text)) == is_marked
 
 
 def test_intrinsic_parameters_likewise(drawn):

@@ -142,7 +142,7 @@ def test_what_is_unknown_is_left_out(tumble, tmp_path):
     file, _ = solve(tumble, tmp_path, HERE)
     header = tumble("export", file, "--format", "c", "--unit", "m/s2").stdout
     assert "TUMBLE_U_K" not in header and "TUMBLE_COVARIANCE" not in header
-    assert "unknown, that of gravity is not told" in header
+    assert "unknown, that of gravity is unknown" in header
     rows = list(csv.DictReader(io.StringIO(tumble("export", file, "--format", "csv", "--unit", "m/s2").stdout)))
     assert {row["standard_uncertainty"] for row in rows} == {row["covariance_K_xx"] for row in rows} == {""}
 

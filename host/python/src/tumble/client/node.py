@@ -394,7 +394,7 @@ class Node:
         """For a message: the stand's state where the command is one to the table, which the node's own state alone
         allows, and what the drive refused; a stop under way where CLEAR_FAULT has to wait for its end."""
         if command == "CLEAR_FAULT" and self.has(_STOP_RUNG) and 0 < self._whole(_STOP_RUNG) < STOP_NOT_CONFIRMED:
-            return ", and the axis, told to stop, is not seen at rest yet: ask again"
+            return ", and the axis is not yet seen at rest after the stop: try again"
         if command not in TO_TABLE:
             return ""
         refusal = self.drive_refusal

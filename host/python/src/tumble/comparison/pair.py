@@ -315,7 +315,7 @@ def _notes(a: Side, b: Side, ratio: float) -> list[str]:
         found.append("Taken to be measured at one gravity: not both results tell theirs.")
     elif ratio != 1.0:
         sure = all(side.gravity[1] is not None for side in (a, b))
-        rest = "" if sure else ", whose uncertainty is not told and not counted"
+        rest = "" if sure else ", whose uncertainty is unknown and not counted"
         found.append(f"Gravity {gravities[0]:g} and {gravities[1]:g} m/s^2: B is given in A's g{rest}.")
     if "drift" in a.terms or "drift" in b.terms:
         found.append("A drift is the run's and not the block's: it is not compared.")

@@ -112,7 +112,7 @@ _PERCENT = 100.0
 _LEAST_PERCENT = 1e-4
 _QUESTIONS = {"whole": "the block, all together", "alone": "the block, any one alone", "seat": "its seat"}
 COLUMNS = ("B less A", "difference", "u", "unit", "in u", "by chance")
-_NOTHING_SEEN = "no change is to be seen, neither of the block nor of its seat"
+_NOTHING_SEEN = "no change of the block or of its seat is detectable"
 _ADVICE = (
     "with --stand FILE. A stand file (TOML) says how exact the stand is; to get one, copy examples/paper_stand.toml and"
     " put in the numbers of your own stand (docs/first-calibration.md, step 1)."
@@ -127,7 +127,7 @@ def render(told: Comparison, words: Words = str) -> str:
     for name, side in (("A", told.a), ("B", told.b)):
         lines += wrapped(f"{name}: {_described(side)}", "   ")
     given = [line for one in grounds(told) for line in wrapped(f"- {words(one)}", "  ")]
-    lines += ["", "What this rests on:", *given] if given else []
+    lines += ["", "Assumptions:", *given] if given else []
     lines += _table(told.parameters, told.seat, told.coefficients)
     if told.tests is not None:
         lines += ["", *wrapped(legend(told)), "", *_chances(told)]
@@ -182,7 +182,7 @@ def _of(row: Row | Explained) -> str:
 def grounds(told: Comparison) -> list[str]:
     """What it rests on, a sentence or two each."""
     share = f"{_PERCENT * told.confidence:.6g} %"
-    sure = f"Confidence: of blocks that nobody touched, {share} or more are called unchanged{phrase(told.assumes)}."
+    sure = f"Confidence: {share} or more of untouched blocks are called unchanged{phrase(told.assumes)}."
     return [*([] if told.tests is None else [sure]), *told.notes]
 
 
@@ -231,7 +231,7 @@ def _chances(told: Comparison) -> list[str]:
     tests = told.tests
     assert tests is not None  # as the caller has seen to
     below = f"{_PERCENT * (1.0 - told.confidence):.3g} %"
-    head = f"How often chance alone shows as much (a change is what is rarer than {below}):"
+    head = f"Probability of as large a difference by chance (a change: below {below}):"
     shown = {name: _chance(getattr(tests.after_holm, key)) for key, name in _QUESTIONS.items()}
     return [head, *(f"{name:<24}  {chance:>9}" for name, chance in shown.items())]
 

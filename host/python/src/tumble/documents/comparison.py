@@ -147,7 +147,7 @@ class Comparison(Document, kw_only=True):
         failed its check.
     apparent: What the numbers alone say. It is the verdict, but where a result failed its check: then nothing firm can
         be said. null without uncertainties.
-    confidence: How often a block that nobody touched is called unchanged, at least.
+    confidence: The least share of untouched blocks that are called unchanged.
     changed: Names of the parameters that have changed by themselves; none of a block that has not changed.
     explained_by: The one parameter whose change alone would explain the difference, by how much it would have changed,
         and the p of what that leaves: 0.01 or more. null where none does, and of a block that has not changed.

@@ -72,7 +72,7 @@ def _require_solvable(schedule: CoreSchedule, estimator: str | None, file: str, 
     inclined, of_inclinations = schedule.data.is_inclined, estimator in (INCLINED, OPTIMAL)
     if inclined and estimator is not None and not of_inclinations:
         raise BadInput(
-            f"{estimator} takes its inclinations for exact, which nobody measures; inclined finds them", file
+            f"{estimator} takes its inclinations as exact, but they are not measured; inclined estimates them", file
         )
     if estimator in HARMONIC:
         try:

@@ -149,7 +149,7 @@ def _error(table: Table, source: Source) -> PerChannel:
     read = table.number if source.is_angle else table.per_channel
     size = read(source.key, 0.0, _largest(source), **({} if source.required else {"default": source.undeclared}))
     if source.of_inclinations and size == 0.0:
-        raise table.refuse("must not be 0: nothing is set exactly; leave it out where nobody knows", source.key)
+        raise table.refuse("must not be 0: nothing is set exactly; leave it out if it is unknown", source.key)
     return size
 
 

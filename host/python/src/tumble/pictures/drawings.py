@@ -200,7 +200,7 @@ def inclinations(schedule: Schedule) -> Figure:
     heading = "How the stand is inclined, the block bolted on once"
     page = sheet("inclinations", heading, " ".join([about, *told]), heading)
     paragraph(
-        page, MARGIN, 12.5, f"{about} Each angle is set about so and locked: nobody measures it.", 162.0, color=SOFT
+        page, MARGIN, 12.5, f"{about} Each angle is set approximately and locked, not measured.", 162.0, color=SOFT
     )
     columns = min(3, len(bolted))
     width = (WIDTH_MM - 2 * MARGIN) / columns

@@ -34,7 +34,7 @@ CAPTIONS = {
     "stand_seen": f"{_SEEN}, beside what is declared of the stand.",
     "inclinations": "How the outputs say where level is: at each inclination of the stand, of the part that turns with"
     " the table how much is left across the axis, over how far the part that does not turn has moved. The parabola"
-    " through them is highest at the level axis, which nobody has to find by hand.",
+    " through them is highest where the axis is level.",
     "correlation": "How the errors of the twelve coefficients go together: +1 is as one, -1 is against each other, 0 is"
     " not at all.",
     "attitude": "The standard uncertainty of the length of the specific force that the calibrated block shows, over all"

@@ -779,7 +779,7 @@ def _show_needs(out: Console, found: Planned, timed: Timed, which: str) -> None:
     if timed.schedule.is_inclined:
         steepest = max(mounting.tilt_deg for mounting in timed.schedule.mountings)
         out.print(f"{which}, {_kind_of(timed)}: needs a stand that inclines to {steepest:g} deg and is locked;")
-        out.print("  nobody measures inclinations, and neither level nor seat need be good")
+        out.print("  inclinations are not measured, and level and seat need not be good")
         if (less := found.less_steep(timed)) >= _WORTH_TELLING_DEG:
             out.print(f"  with inclinations up to {less:.2g} deg less steep the limit is kept too")
     else:

@@ -407,5 +407,5 @@ def show(plan: Validation) -> None:
     if outside:
         out.print(f"FAIL: {outside} figures lie outside their limits", style="red bold")
     else:
-        out.print("PASS: the stated uncertainties are honest: every figure within its limits.", style="green bold")
+        out.print("PASS: the stated uncertainties hold: every figure is within its limits.", style="green bold")
         out.print("Is the stand good enough for a limit? Ask tumble plan require.", style="green bold")

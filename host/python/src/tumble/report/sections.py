@@ -558,7 +558,7 @@ def legend(source: Source) -> Inline | None:
     """What each mark behind a coefficient's name means; None where there is none."""
     of = source.table("assumed_for")
     told = [f"{one.mark} {one.phrase}" for name, one in ASSUMPTIONS.items() if one.mark and of.get(name)]
-    return Fixed(f"A value whose name ends in a mark is right only given: {', '.join(told)}.") if told else None
+    return Fixed(f"A value whose name ends in a mark holds only assuming: {', '.join(told)}.") if told else None
 
 
 def explanations(source: Source) -> Table | None:

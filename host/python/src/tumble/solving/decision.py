@@ -58,7 +58,9 @@ ASSUMPTIONS: Mapping[str, Assumption] = {
     "seat": Assumption("a square seat", "no position shows the block's tilt against the axis", "*"),
     "linear": Assumption("linearity", "the positions do not show all higher orders of the block", "^"),
     "order": Assumption("nothing exchanged or reversed", "no [block] says that its axes are such"),
-    "incline": Assumption("inclines to the side told", "no [block] says the sign of the scale that an exchange turns"),
+    "incline": Assumption(
+        "the stated direction of inclination", "no [block] says the sign of the scale that an exchange turns"
+    ),
     "unit": Assumption("volts", "the run file names no unit (--unit)"),
     "white_noise": Assumption("white noise", "too few samples at a position to test it"),
     "undithered": Assumption("independent rounding errors", "all samples of a position round alike"),

@@ -338,7 +338,7 @@ def _at_inclinations(planned: core.CoreSchedule, run: Run, estimator: str, left:
     if estimator != INCLINED and not planned.data.is_inclined:
         return _Place(planned, own.part(run.measured), own.part(run.measured))
     if estimator not in (INCLINED, OPTIMAL):
-        raise BadInput(f"{estimator} takes inclinations for exact, which nobody measures; inclined finds them", file)
+        raise BadInput(f"{estimator} takes inclinations as exact, but none is measured; inclined finds them", file)
     part, means, weights = own.part(run.measured), run.means[run.measured], left.stand.weights
     if (same := inclined.alike(part, means, weights)) is not None:
         raise BadInput(f"{same}{left.told(part, means)}; {_THREE_DIFFER}", file)

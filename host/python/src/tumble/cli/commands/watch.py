@@ -180,7 +180,7 @@ def _shown(
         server = stack.enter_context(Server(follower.view, *address))
         tell(f"tumble: {server.url} (Ctrl-C ends it)")
         if server.open_to_others:
-            tell("tumble: warning: whoever reaches this address can look on; there is no password")
+            tell("tumble: warning: anyone who reaches this address can read the page; there is no password")
     else:
         from tumble.watch import terminal
 
