@@ -158,8 +158,8 @@ extern const tumble_schedule_t tumble_schedule_diagonal_closed;
  * tumble_estimate_least_squares and gains solve it. */
 extern const tumble_schedule_t tumble_schedule_six_faces;
 
-/* A block that is bolted on once, as in mounting 1, on a stand that is inclined: to 0, 45 and -45 degrees, which nobody needs
- * to measure, as mountings 1 to 3 of one bolting; each at 0, 45, ... 315 degrees, and 360 to check. `closed`: at the end
+/* A block that is bolted on once, as in mounting 1, on a stand that is inclined: to 0, 45 and -45 degrees,
+ * not measured, as mountings 1 to 3 of one bolting; each at 0, 45, ... 315 degrees, and 360 to check. `closed`: at the end
  * level again, as a fourth. Only tumble_estimate_inclined and gains solve them. */
 extern const tumble_schedule_t tumble_schedule_inclined;
 extern const tumble_schedule_t tumble_schedule_inclined_closed;
@@ -215,7 +215,7 @@ typedef struct {
     uint8_t mounting;            /* by its index */
 } tumble_circle_t;
 
-/* All of them. It is the same for every run of a schedule, so whoever solves many may keep it, and the schedule with it. */
+/* All of them. It is the same for every run of a schedule, so a program may keep it, together with the schedule. */
 typedef struct {
     const tumble_schedule_t *schedule;
     uint8_t circles[TUMBLE_CHANNELS]; /* how many have the block's x, y, z normal to them */
@@ -810,7 +810,7 @@ uint32_t tumble_gain_record_schedule_crc(const tumble_schedule_t *schedule);
 /* The series for sine and cosine are exact to a double's last bits up to here. No stand is that bad. */
 #define TUMBLE_MAX_STAND_ERROR_RAD 0.1
 
-/* What the run tells about the stand, best estimates (rad); an error that the record calls absent is 0. */
+/* Errors of the stand estimated from the run (rad); an error that the record declares absent is 0. */
 typedef struct {
     double alpha1_rad;
     double alpha2_rad;
@@ -872,7 +872,7 @@ tumble_status_t tumble_optimal_estimate(const void *source, const tumble_schedul
 tumble_status_t tumble_optimal_uncertainty(const void *source, const tumble_judged_run_t *run,
                                            tumble_uncertainty_t *uncertainty);
 
-/* ---- The stand seen: what a run tells about the stand itself: its angles, the error of a set angle, the noise.
+/* ---- The stand seen: errors of the stand estimated from a run: its angles, the error of a set angle, the noise.
  *
  * There are two ways to the angles. The closed form takes the paper's positions: with the biases and the sensitivities
  * to x that each mounting gives by itself, v = K^-1 (U1_0 - U2_0) and w = K^-1 (K2_x - K1_x),
@@ -1002,7 +1002,7 @@ void tumble_blocks_add(tumble_blocks_t *blocks, const int32_t counts[TUMBLE_CHAN
 void tumble_blocks_finish(tumble_blocks_t *blocks);
 
 /* For tumble_judged_run_t: the noise that the run shows, in the unit of `v_per_count`. A channel is `above` what `stand`
- * declares only beyond chance (below 1e-3 for an honest run); half a count of rounding is no such noise. Of the stand
+ * declares only beyond chance (below 1e-3 for a sound run); half a count of rounding is no such noise. Of the stand
  * its noise_v counts. Where no position has two blocks the scatter of samples speaks alone. Some 60,000 instructions on a
  * Cortex-M4 without floating point hardware for 18 positions.
  * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT (null; `v_per_count` 0 or not finite), TUMBLE_E_TOO_FEW (no finished position has
@@ -1025,13 +1025,13 @@ double tumble_chi_squared_limit(double freedom, double sigmas);
  *
  * whatever K and U0 are, and whatever the systematic errors of the stand (alpha1, alpha2, the yaw alpha3, a known
  * tilt): each of them changes b, s and c alone. A generalised least-squares fit of these nine numbers leaves residuals.
- * They come from the errors of the set angles, from the noise of the means, and from what nobody declared: steps,
+ * They come from the errors of the set angles, from the noise of the means, and from undeclared errors: steps,
  * drift, slip, curvature of the block. With V = v I + alpha4^2 d d^T the covariance of the three means at a position
  * (d: how the outputs answer to its angle), the sum of r^T V^-1 r is chi-squared with 3 (n - 3) degrees of freedom.
  *
  * A fault of one channel drowns in the sum over three. So each channel is judged again, given the other two: the sum
  * less the sum without that channel is chi-squared with n - 3 degrees of freedom. Hence four tests a mounting. Each
- * fails an honest run in TUMBLE_MISFIT_CHANCE_PER_MILLION cases of a million at most, so that all tests together stay
+ * fails a sound run in TUMBLE_MISFIT_CHANCE_PER_MILLION cases of a million at most, so that all tests together stay
  * below 1e-3.
  *
  * Mountings are not compared with each other: a step between them, and a tilt of the seat, pass. So does an inclination
@@ -1052,7 +1052,7 @@ double tumble_chi_squared_limit(double freedom, double sigmas);
 /* A mounting that is judged has at least four positions. With four, the limit lies so far above the quantile that its
  * chance is half; so it is mountings of five that add up. */
 static_assert((TUMBLE_MISFIT_TESTS * (TUMBLE_MAX_POSITIONS / 5) * TUMBLE_MISFIT_CHANCE_PER_MILLION) < 1000,
-              "an honest run must be doubted in less than one case of a thousand");
+              "a sound run must fail in less than one case of a thousand");
 
 /* The run and its stand. All must stay as they are from the first step to the last. */
 typedef struct {
@@ -1084,7 +1084,7 @@ void tumble_misfit_begin(tumble_misfit_work_t *work);
  * floating point hardware. Call it until it returns false; then `work->misfit` is the verdict. */
 bool tumble_misfit_step(tumble_misfit_work_t *work, const tumble_misfit_run_t *run);
 
-/* The largest chi-squared of an honest run: tumble_chi_squared_limit with TUMBLE_MISFIT_SIGMAS. */
+/* The largest chi-squared of a sound run: tumble_chi_squared_limit with TUMBLE_MISFIT_SIGMAS. */
 double tumble_misfit_limit(int freedom);
 
 /* ---- The whole model: does a run fit its coefficients and the stand that is declared? Chi-squared of all residuals.
@@ -1170,7 +1170,7 @@ typedef struct {
 tumble_status_t tumble_whole_chi_squared(const tumble_whole_run_t *run, tumble_whole_work_t *work, double *chi_squared,
                                          uint8_t *freedom);
 
-/* Begin a test in steps. What the one before found is forgotten. Inline, so that whoever may test does not link the test. */
+/* Begin a test in steps; the previous result is dropped. Inline, so that a program that may test does not link the test. */
 static inline void tumble_whole_begin(tumble_whole_work_t *work)
 {
     work->under_way = false;

@@ -128,7 +128,7 @@ typedef struct {
     uint32_t boot_ups;        /* of stand and block */
     uint32_t starts;          /* NMT start commands given to them */
     uint32_t emergencies;     /* of stand and block, "no error" included */
-    uint32_t foreign;         /* frames that nobody but this node may send: set-points, its own heartbeat */
+    uint32_t foreign;         /* frames that only this node may send: set-points, its own heartbeat */
 } tumble_navcomp_events_t;
 
 /* The object. Its fields are private: read them through the functions below. */
@@ -138,7 +138,7 @@ typedef struct tumble_navcomp {
     bool woken;      /* this step has more to do than to take samples */
     bool more;       /* the next one has something to do at once */
     const tumble_navcomp_config_t *config;
-    uint32_t shown;            /* what the state PDO told last */
+    uint32_t shown;            /* the last content of the state PDO */
     uint32_t run_number;       /* 2007h: runs begun since power-on; an NMT reset leaves it */
     uint64_t service_until_us; /* the service level ends there; 0: it is not open */
     uint64_t stepped_us;       /* clock of the last step */
@@ -204,7 +204,7 @@ typedef struct {
     uint8_t limited;           /* 1: the drive itself keeps to the cable's limits (607Dh) */
     uint8_t rung;              /* tumble_stop_rung_t: how far a stop under way has gone */
     tumble_stand_refusal_t refusal;
-    struct { /* of what is above, one byte each: so the object dictionary tells it */
+    struct { /* the values above, one byte each, for the object dictionary */
         uint8_t state;
         uint8_t reason;
         uint8_t failed_in;
@@ -226,7 +226,7 @@ typedef struct {
     tumble_block_counters_t block;         /* samples ok, lost, repeated, reordered, corrupted */
     tumble_averaging_counters_t averaging; /* refused by the gates of an open position */
     tumble_procedure_counters_t procedure;
-    tumble_stop_counters_t stop; /* zeros where the stand tells of none */
+    tumble_stop_counters_t stop; /* zeros if the stand counts none */
 } tumble_navcomp_counters_t;
 
 void tumble_navcomp_counters(const tumble_navcomp_t *navcomp, tumble_navcomp_counters_t *counters);
@@ -235,7 +235,7 @@ void tumble_navcomp_counters(const tumble_navcomp_t *navcomp, tumble_navcomp_cou
 bool tumble_navcomp_request(const tumble_navcomp_t *navcomp, double *angle_deg);
 
 /* As TUMBLE_COMMAND_CONFIRM_ANGLE, but with the angle (degrees) at which the head really stands.
- * Returns TUMBLE_OK, TUMBLE_E_STATE (nothing is asked for), TUMBLE_E_ARGUMENT (too far from what is asked for). */
+ * Returns TUMBLE_OK, TUMBLE_E_STATE (nothing is requested), TUMBLE_E_ARGUMENT (too far from the request). */
 tumble_status_t tumble_navcomp_confirm_angle(tumble_navcomp_t *navcomp, double angle_deg);
 
 /* What the stand refused of its configuration; zeros when nothing. */

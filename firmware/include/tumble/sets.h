@@ -167,7 +167,7 @@ typedef struct {
     uint32_t schedule_crc;         /* fingerprint, tumble_gain_record_schedule_crc; 0: unknown */
     uint32_t stand_crc;            /* fingerprint of the stand as the application makes it; 0: unknown */
     uint32_t reasons;              /* why it was held, bits of the application; 0: it was not */
-    uint32_t record_crc;           /* read: CRC-32 at the end of the record; writing a record does not look at it */
+    uint32_t record_crc;           /* read: CRC-32 at the end of the record; ignored on writing */
 } tumble_set_t;
 
 /* Write the record of `set`. Fields whose flag is cleared are unknown and written as 0. After a refusal the content of
@@ -223,7 +223,7 @@ typedef struct {
     bool lent;       /* `bytes` are: nothing else may be put there */
     uint16_t flags;  /* further ones for the record that is loaded */
     uint32_t sequence;                     /* of the active set */
-    uint32_t highest;                      /* that one was known to have: of the active set, or told */
+    uint32_t highest;                      /* known so far: of the active set, or given */
     tumble_set_stamp_t stamp;              /* of the record in `bytes` */
     tumble_store_place_t places[4];        /* by region */
     uint32_t commits;                      /* sets that became active since init: committed, accepted, rolled back */
@@ -502,7 +502,7 @@ tumble_status_t tumble_checkpoint_read(tumble_checkpoint_t *checkpoint, uint8_t 
  * covariances, and knows neither its bus nor who set its rules, nor what else is in the memory.
  */
 /* Drift is allowed for so many months at most, however far apart the dates are. Otherwise a clock that is years ahead
- * would excuse any change; and after so long a time somebody should look at the block. */
+ * would excuse any change; and after so long a time the block should be inspected. */
 #define TUMBLE_COMMIT_MAX_MONTHS 24.0
 
 /* Bit numbers travel over CAN and Modbus: new ones go to the end, 32 at most. Those from 16 on have an object of their
@@ -568,7 +568,7 @@ const char *tumble_objection_name(tumble_objection_t objection);
 const char *tumble_objection_sentence(tumble_objection_t objection);
 
 /* ---- The life: what is done with the results of runs, and when the next one is due. The navigation computer leads it
- * (navcomp/keeper.h); here is what it goes by, and what it tells.
+ * (navcomp/keeper.h); here are its inputs and its reports.
  */
 
 /* tumble_sets_settings_t.flags */
@@ -602,7 +602,7 @@ typedef struct {
     void *context; /* handed to it */
 
     /* tumble_whole_step and its memory: does the run as a whole fit its model? Asked where the stand is declared, a step
-     * of it in each step. Both null: nobody asks, and nothing of it is linked. */
+     * of it in each step. Both null: not tested, and nothing of it is linked. */
     bool (*whole_step)(tumble_whole_work_t *work, const tumble_misfit_run_t *run);
     tumble_whole_work_t *whole_work;
 } tumble_sets_config_t;

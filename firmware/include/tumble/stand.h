@@ -1,7 +1,7 @@
 /* tumble/stand.h - the rotary stand as the rest of the firmware sees it, and how to write a stand of your own.
  *
  * A stand is a kind, a const table of functions, and the object that they work on. No function waits: home and move
- * start an action, `state` tells how far it has come. Angles are degrees of the table, counted from the home position,
+ * start an action, `state` reports its progress. Angles are degrees of the table, counted from the home position,
  * over as many turns as the cable allows; they are the schedule's angles and not counts of an encoder.
  *
  * Three kinds come with Tumble: &tumble_drive402_kind, a CiA 402 drive in profile position mode,
@@ -10,7 +10,7 @@
  * object, its profile and its kind; name them in the computer's tumble_navcomp_config_t. Nothing else in the firmware
  * asks of what kind a stand is.
  *
- * The shortest program, a table that is at once wherever it is told to be:
+ * The shortest program, a table that reaches any target immediately:
  *
  *     #include <stddef.h>
  *     typedef struct { tumble_stand_report_t report; double angle_deg; uint8_t state; } table_t;
@@ -64,7 +64,7 @@ extern "C" { /* for those of canopen as well */
 #include "canopen/cia402.h"
 #include "canopen/node.h"
 
-/* ---- What a stand tells. */
+/* ---- The reports of a stand. */
 
 typedef enum {
     TUMBLE_STAND_OFFLINE = 0, /* no contact yet, or contact lost */
@@ -86,14 +86,14 @@ typedef enum {
     TUMBLE_STAND_FAULT_PROTOCOL,  /* refused or unanswered configuration, broken handshake */
     TUMBLE_STAND_FAULT_POWER,     /* the drive left Operation enabled by itself */
     TUMBLE_STAND_FAULT_TIMEOUT,   /* the angle was not reached, or not confirmed, in the stand's own time */
-    TUMBLE_STAND_FAULT_STOP,      /* the axis was told to stop and was not seen to rest */
+    TUMBLE_STAND_FAULT_STOP,      /* the axis was commanded to stop and not seen at rest */
     TUMBLE_STAND_FAULT_POSITION,  /* the position jumped, or changed at rest: it is unknown now */
-    TUMBLE_STAND_FAULT_FOREIGN,   /* somebody else commands the axis, or has our node number */
+    TUMBLE_STAND_FAULT_FOREIGN,   /* another node commands the axis, or has our node number */
     TUMBLE_STAND_FAULT_RUNAWAY,   /* it turned past its goal, or the other way */
-    TUMBLE_STAND_FAULT_SCALE /* it turns at another speed than it was told: counts of a turn, or units, are wrong */
+    TUMBLE_STAND_FAULT_SCALE      /* it turns at a speed other than commanded: counts of a turn, or units, are wrong */
 } tumble_stand_fault_t;
 
-/* The rungs of a stop: by what means the axis is told. The numbers travel over CAN: new ones go to the end. */
+/* The rungs of a stop: by which means the axis is commanded. The numbers travel over CAN: new ones go to the end. */
 typedef enum {
     TUMBLE_RUNG_NONE = 0, /* no stop is under way */
     TUMBLE_RUNG_TOLD,     /* once */
@@ -171,7 +171,7 @@ typedef struct {
     bool lost; /* its position is unknown until it is homed */
 } tumble_motion_bounds_t;
 
-/* What a stand tells without a function call: a part of its object. Zeros: there is nothing to tell. */
+/* The report of a stand, without a function call: a part of its object. Zeros: nothing to report. */
 typedef struct {
     double asked_deg;               /* with `asks`: the angle, 0 for homing */
     tumble_stand_refusal_t refusal; /* what led to TUMBLE_STAND_FAULT_PROTOCOL */
@@ -259,17 +259,17 @@ typedef struct {
 
     /* The rest is for a kind that is on the bus, where stand_node must not be 0; in other kinds all of it is null. */
 
-    /* Is a drive there? Then nobody may change what its stop depends on. */
+    /* Is a drive present? Then other nodes may not change objects that its stop depends on. */
     bool (*is_present)(const void *self);
 
     /* The node has received a heartbeat event, or an emergency message, of stand_node. */
     void (*heartbeat)(void *self, tumble_heartbeat_event_t event, tumble_nmt_state_t state);
     void (*emergency)(void *self, const tumble_emergency_t *message);
 
-    /* Our receive PDO with this number (0 is 1400h), whoever sent it, has been written. */
+    /* Our receive PDO with this number (0 is 1400h) has been written, by any sender. */
     void (*pdo_received)(void *self, uint8_t number);
 
-    /* A frame with this identifier has come that is no service of our node. `ours`: nobody but our node may send it.
+    /* A frame with this identifier has come that is no service of our node. `ours`: only our node may send it.
      * Returns true if `ours`, or if it is a frame by which we command the stand: then somebody else commands the
      * axis. */
     bool (*foreign)(void *self, uint16_t id, bool ours);
