@@ -445,7 +445,7 @@ static void end_run(tumble_keeper_t *keeper)
 }
 
 /* A mean that was dropped must not come back with the next power-on: write the checkpoint anew without it. */
-static void look_at_means(tumble_keeper_t *keeper)
+static void check_means(tumble_keeper_t *keeper)
 {
     const uint64_t measured = measured_positions(keeper);
     keeper->wants |= ((measured & ~keeper->saved) != 0U) ? (unsigned)WANT_APPEND : 0U;
@@ -465,7 +465,7 @@ void tumble_keeper_look_at_run(tumble_keeper_t *keeper)
         end_run(keeper);
     }
     if (on) {
-        look_at_means(keeper);
+        check_means(keeper);
     }
 }
 

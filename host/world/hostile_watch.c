@@ -355,7 +355,7 @@ static void look_at_mean(bench_life_t *life, uint8_t index, const tumble_average
     known->means[known->next++ % BENCH_KNOWN] = *average;
 }
 
-static void look_at_means(bench_life_t *life)
+static void check_means(bench_life_t *life)
 {
     const tumble_averaging_t *const averages =
         tumble_procedure_averages(tumble_navcomp_procedure(&life->world->navcomp));
@@ -605,7 +605,7 @@ void bench_watch_change(bench_life_t *life, const tumble_progress_t *progress)
         bench_watch_ended(life);
         life->found->ends[state][progress->reason]++;
     }
-    look_at_means(life);
+    check_means(life);
     if (state == TUMBLE_STATE_DONE) {
         bench_watch_read_all(life);
     }

@@ -38,7 +38,7 @@ from tumble.solving.decision import (
 )
 from tumble.solving.many_runs import NORMAL_COVERAGE, MonteCarlo
 from tumble.solving.solution import Solution
-from tumble.solving.uncertainty import HANDS, NEARLY_INFINITE, PROBABILITY, Coverage, Further
+from tumble.solving.uncertainty import HANDS, NEARLY_INFINITE, PROBABILITY, Coverage, ExtendedTerms
 from tumble.terms import names
 from tumble.units import noise_unit, on_its_side, per_g, volts_per
 
@@ -408,7 +408,7 @@ def _consequences(solution: Solution) -> list[str]:
     return lines + ([] if solution.monte_carlo is None else _simulated(solution.monte_carlo))
 
 
-def _cost_of_terms(further: Further) -> list[str]:
+def _cost_of_terms(further: ExtendedTerms) -> list[str]:
     """What further terms of the model cost the twelve: of each kind of coefficient the one that loses most."""
     without, now = further.without, further.worst_norm
     assert without is not None and now is not None  # of a declared stand they are known

@@ -24,7 +24,7 @@ from tumble.planning.model_cost import model_cost_part
 from tumble.planning.weights import NAMES, SOURCES
 from tumble.solving.computation import estimator_or_linear
 from tumble.solving.result import second_order_of, unseen as unseen_of
-from tumble.solving.uncertainty import Further
+from tumble.solving.uncertainty import ExtendedTerms
 from tumble.stand import SIGMA, SOURCES as DECLARED
 
 ALPHAS = "alpha1 axis tilt, alpha2 level, alpha3 yaw of the block, alpha4 set angles"
@@ -114,7 +114,7 @@ def budget(case: Case, which: str, estimator: str) -> Budget:
 
 
 def document(
-    found: Budget, case: Case, promised: Promise | None, unseen: Reliability | None, further: Further | None
+    found: Budget, case: Case, promised: Promise | None, unseen: Reliability | None, further: ExtendedTerms | None
 ) -> plan.Budget:
     """For JSON. The paper's weights promise nothing."""
     total, absolute = found.total, found.total * found.reference

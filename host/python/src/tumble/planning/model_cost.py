@@ -15,14 +15,14 @@ from tumble.estimators import COEFFICIENTS
 from tumble.model.coefficients import worst_norm
 from tumble.planning.case import Case
 from tumble.planning.promise import error_field
-from tumble.solving.uncertainty import Further
+from tumble.solving.uncertainty import ExtendedTerms
 from tumble.terms import DRIFT, KEYS, names
 
 if TYPE_CHECKING:
     from rich.console import Console
 
 
-def model_cost(case: Case, estimator: str) -> Further | None:
+def model_cost(case: Case, estimator: str) -> ExtendedTerms | None:
     """Of the nominal block, whose further terms are 0; None for a model of the twelve coefficients alone."""
     if not case.terms:
         return None
@@ -30,10 +30,10 @@ def model_cost(case: Case, estimator: str) -> Further | None:
     covariance, twelve = (error_field(one, estimator, k).covariance for one in (case, replace(case, terms=())))
     u = np.sqrt(np.diag(twelve))
     without, none = Without(u[:9].reshape(3, 3), u[9:], worst_norm(k, twelve).worst_g), np.zeros((len(case.terms), 3))
-    return Further(case.terms, k, none, none, covariance, without)
+    return ExtendedTerms(case.terms, k, none, none, covariance, without)
 
 
-def model_cost_part(found: Further | None) -> ModelCost | UnsetType:
+def model_cost_part(found: ExtendedTerms | None) -> ModelCost | UnsetType:
     """As a part of a plan: `extended` as a result has it, but without values."""
     if found is None:
         return UNSET
@@ -57,7 +57,7 @@ def sentence(found: ModelCost) -> str:
     )
 
 
-def show(out: Console, found: Further | None) -> None:
+def show(out: Console, found: ExtendedTerms | None) -> None:
     """Print what the twelve lose, and how well the terms are found; nothing for None."""
     from tumble.planning import tables
 

@@ -34,7 +34,7 @@ from tumble.solving.decision import assumed, decide, would_show
 from tumble.solving.many_runs import COVERAGE, LEVEL, MonteCarlo
 from tumble.solving.noise import CHANNELS, of_means
 from tumble.solving.solution import Solution
-from tumble.solving.uncertainty import PROBABILITY, Coverage, Further, effective, factors_of
+from tumble.solving.uncertainty import PROBABILITY, Coverage, ExtendedTerms, effective, factors_of
 from tumble.stand import SOURCES, PerChannel, Stand, by_channel, per_channel
 from tumble.terms import DRIFT, KEYS, names
 from tumble.units import per_g, volts_per
@@ -223,7 +223,7 @@ def _measured(solution: Solution) -> list[tuple[int, tuple[int, int, str]]]:
     return [(i, (int(one.mounting), int(one.number), one.use)) for i, one in enumerate(positions) if samples[i] > 0]
 
 
-def extended(further: Further, volts_per_unit: float) -> doc.Extended:
+def extended(further: ExtendedTerms, volts_per_unit: float) -> doc.Extended:
     """Null for a term that is not in the model; the drift in volts."""
     scale = [volts_per_unit if term == DRIFT else 1.0 for term in further.terms]
     sizes = dict(zip(further.terms, further.values * np.array(scale)[:, None]))

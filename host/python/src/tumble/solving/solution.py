@@ -56,7 +56,7 @@ from tumble.solving.computation import (
 )
 from tumble.solving.many_runs import MonteCarlo, simulate
 from tumble.solving.noise import NO_STAND, Noise, look as look_at_noise, sampled_patterns
-from tumble.solving.uncertainty import Coverage, Further, Stated, confirmed, coverage
+from tumble.solving.uncertainty import Coverage, ExtendedTerms, Uncertainties, confirmed, coverage
 from tumble.stand import PerChannel, Stand, over
 from tumble.terms import Terms
 from tumble.units import volts_per
@@ -90,12 +90,12 @@ class Solution:
     noise: Noise
     propagation: Propagation
     fit: Fit | None = None
-    stated: Stated | None = None
-    scatter_alone: Stated | None = None
+    stated: Uncertainties | None = None
+    scatter_alone: Uncertainties | None = None
     truth: Truth | None = None
     step: PerChannel = 0.0
     monte_carlo: MonteCarlo | None = None
-    further: Further | None = None
+    further: ExtendedTerms | None = None
     is_out_of_order: bool = False
     knows_signs: bool = False
     coverage_factor: float = DEFAULT_COVERAGE_FACTOR
@@ -289,7 +289,7 @@ def solve(
         stated=stated,
         scatter_alone=uncertainties if stand is None else None,
         step=step,
-        further=Further(terms, found.k, found.sizes, comparison.sizes, *of_terms) if terms else None,
+        further=ExtendedTerms(terms, found.k, found.sizes, comparison.sizes, *of_terms) if terms else None,
         coverage_factor=coverage_factor,
         inclinations=place.inclinations,
     )

@@ -32,7 +32,7 @@ from tumble.terms import POWERS, Terms
 
 
 @dataclass(frozen=True)
-class Further:
+class ExtendedTerms:
     """`sizes` (terms, 3) of `terms` beside `k` (3, 3), in the unit of the outputs, and these less the witness's
     (`difference`); `covariance` of K row by row, U0 and the sizes, and what uncertainties would be `without` the terms:
     None without a declared stand."""
@@ -84,7 +84,7 @@ class Further:
 
 
 @dataclass(frozen=True)
-class Stated:
+class Uncertainties:
     """Standard uncertainties `u_k` (3, 3), `u_u0` (3,); `covariance` of K row by row, U0 and the sizes of further
     terms, where there are any: then also what they would be `without`."""
 
@@ -101,7 +101,7 @@ def confirmed(
     mean_variance: Floats,
     optimal: OptimalEstimate | None,
     file: str,
-) -> Stated:
+) -> Uncertainties:
     """By the core and by numpy, of an estimate as `given`, of the measured positions of a `schedule`; `mean_variance`
     (positions of `given`, 3): by the noise as measured; `optimal`: what numpy found by that estimator, if it has.
     Raises Disagreement; BadInput of the run in `file` for a stand beyond what the core computes with."""
@@ -115,7 +115,7 @@ def confirmed(
     if given.terms:
         alone = confirmed(replace(given, terms=()), schedule, measured, mean_variance, None, file)
         without = Without(alone.u_k, alone.u_u0, worst_norm(given.k, alone.covariance).worst_g)
-    return Stated(u[:9].reshape(3, 3), u[9:12], covariance, without)
+    return Uncertainties(u[:9].reshape(3, 3), u[9:12], covariance, without)
 
 
 def standard_uncertainties(

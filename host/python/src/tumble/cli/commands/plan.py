@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from tumble.planning.budget import Budget
     from tumble.planning.case import Case
     from tumble.planning.optimize import Optimized
-    from tumble.solving.uncertainty import Further
+    from tumble.solving.uncertainty import ExtendedTerms
 
 DEFAULT_PROBABILITY = 0.95
 _LEAST_PROBABLE, _MOST_PROBABLE = 0.5, 0.9999  # few are served by less, and none is computed better than the last
@@ -144,7 +144,7 @@ def _run_budget(arguments: argparse.Namespace) -> int:
 
 
 def _show_budget(
-    found: Budget, case: Case, promised: Promise | None, unseen: Reliability | None, further: Further | None
+    found: Budget, case: Case, promised: Promise | None, unseen: Reliability | None, further: ExtendedTerms | None
 ) -> None:
     from tumble.model import reliability
     from tumble.planning import model_cost, tables
