@@ -1,4 +1,4 @@
-/* hostile.h - a hostile life (lives.h) at work: the life itself (hostile_life.c), and who watches it (hostile_watch.c). */
+/* hostile.h - a life of the fault campaign (lives.h): the life itself (hostile_life.c), and who watches it (hostile_watch.c). */
 #ifndef TUMBLE_WORLD_HOSTILE_H
 #define TUMBLE_WORLD_HOSTILE_H
 

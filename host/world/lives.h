@@ -1,4 +1,4 @@
-/* lives.h - hostile lives (docs/architecture.md): what a plan says happens to a world, and the simulation's truth is held
+/* lives.h - the fault campaign (docs/architecture.md): what a plan says happens to a world, and the simulation's truth is held
  * against what must hold.
  *
  * The plan is drawn by who holds the world (tumble/world/lives.py), and its keys are set, the faults of the life among

@@ -1,4 +1,4 @@
-"""Campaigns of simulated runs and of hostile lives, in pieces: the same numbers, whoever the team is."""
+"""Campaigns of simulated runs, and the fault campaign, in pieces: the same numbers with any team."""
 
 from __future__ import annotations
 
@@ -155,7 +155,7 @@ class Summary:
 
 
 class HostileLives:
-    """A job: hostile lives (host/world/lives.h), a document of each piece."""
+    """A job: lives of the fault campaign (host/world/lives.h), a document of each piece."""
 
     def __call__(self, seeds: tuple[int, int]) -> Result:
         first, count = seeds

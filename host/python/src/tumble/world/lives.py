@@ -1,4 +1,4 @@
-"""Hostile lives (docs/architecture.md): drawn from a seed, lived (host/world/lives.h), and in words.
+"""Lives of the fault campaign (docs/architecture.md): drawn from a seed, lived (host/world/lives.h), and in words.
 
 A life has an ordinary course, faults, losses of power, single frames of a stranger, and scenes of what belongs
 together, as a fault alone or a frame alone seldom meets the moment at which it hurts.

@@ -1,4 +1,4 @@
-"""`tumble campaign ...`: thousands of simulated runs, or hostile lives, of the firmware, by as many as are at hand."""
+"""`tumble campaign ...`: thousands of simulated runs of the firmware, or the fault campaign, on many processors."""
 
 from __future__ import annotations
 
