@@ -47,14 +47,13 @@ class Machine:
         self.tree, self.world = folder / "tree", folder / "world"
         (self.tree / "host/python").mkdir(parents=True)
         (self.world / "bin").mkdir(parents=True)
-        mine = {"setup", "tumble", "usage", "packages.sh", "packages.txt", "locks"}
+        mine = {"setup", "tumble", "usage", "packages.txt", "locks"}
         shutil.copytree(ROOT / "tools", self.tree / "tools", ignore=lambda folder, names: set(names) - mine
                         if folder == str(ROOT / "tools") else ())
         script = self.tree / "tools/setup"
-        for file in (script, self.tree / "tools/packages.sh"):
-            text = file.read_text()
-            assert text.count("EUID") == 1
-            file.write_text(text.replace("EUID", "WHO").replace("/var/lib/dpkg/status", str(self.world / "status")))
+        text = script.read_text()
+        assert text.count("EUID") == 1
+        script.write_text(text.replace("EUID", "WHO").replace("/var/lib/dpkg/status", str(self.world / "status")))
         for file in (self.tree / "VERSION", self.world / "status"):
             file.touch()
         for name in NAMES:
@@ -81,7 +80,8 @@ class Machine:
                 "REAL_PYTHON": sys.executable}
 
     def setup(self, profile="report", who=0):
-        return self.call("tools/setup", profile, who=who)
+        """As a command of `tumble` that needs a profile calls it."""
+        return self.call("tools/setup", profile, "true", who=who)
 
     @property
     def tried(self):
@@ -136,6 +136,16 @@ def test_what_could_have_changed_is_tried_again(machine, happens):
     happens(without(machine))
     assert machine.setup()[0].startswith("tumble: set up for 'report' in ")
     assert machine.setup() == ("", "")
+
+
+def test_who_asks_for_it_is_told_again(machine):
+    """As the message of a command that lacks it says: tools/setup report."""
+    machine.setup()
+    for _ in range(2):
+        assert machine.call("tools/setup", "report")[0] == WITHOUT_PANGO
+    (machine.world / "pango").touch()
+    assert machine.call("tools/setup", "report")[0].startswith("tumble: set up for 'report' in ")
+    assert machine.call("tools/setup", "report") == machine.setup() == ("", "")
 
 
 def test_other_rights_are_another_try(machine):
@@ -246,6 +256,9 @@ def test_at_a_terminal_it_says_why_before_sudo_asks(machine):
     assert calls.count("sudo -p ") == 1 and "apt-get" not in calls
 
 
+BUSY_S = 5  # in which an interrupt ends it; a second where nothing else runs
+
+
 def test_an_interrupt_ends_it_while_packages_are_installed(machine):
     """Even if apt-get does not listen; it is left to complete what it has begun."""
     for name in ("no-compiler", "slow"):
@@ -256,9 +269,10 @@ def test_an_interrupt_ends_it_while_packages_are_installed(machine):
     while not (busy.exists() and busy.read_text()):
         assert done.poll() is None
         time.sleep(0.01)
+    begin = time.monotonic()
     os.killpg(done.pid, signal.SIGINT)
     try:
-        assert done.wait(30) == 130
+        assert done.wait(30) == 130 and time.monotonic() - begin < BUSY_S
         os.kill(int(busy.read_text()), 0)  # is still there
     finally:
         os.killpg(done.pid, signal.SIGKILL)
@@ -278,6 +292,14 @@ def test_help_and_usage_errors_install_nothing(machine, words, code):
     assert not (machine.tree / "build").exists() and not (machine.tree / ".venv").exists()
 
 
+@pytest.mark.parametrize(("words", "code"), [("--help", 0), ("-h", 0), ("all", 2), ("--frob", 2)])
+def test_set_up_tells_its_profiles_without_one(machine, words, code):
+    done = subprocess.run([machine.tree / "tools/setup", words], capture_output=True, text=True, timeout=60)
+    assert done.returncode == code and ("\n  report   tumble report: " in done.stdout) == (code == 0)
+    assert done.stderr.startswith("usage: tools/setup ") == (code == 2)
+    assert not (machine.tree / "build").exists()
+
+
 WHEEL = "numpy-1.0-py3-none-any.whl"
 
 
@@ -293,10 +315,10 @@ def locked(machine):
             wheel.writestr(f"numpy-1.0.dist-info/{name}", text)
     true = hashlib.sha256((machine.world / WHEEL).read_bytes()).hexdigest()
 
-    def setup(line):
-        (machine.tree / "tools/locks/core.lock").write_text(line.format(true=true) + "\n")
+    def setup(line, tree=machine.tree):
+        (tree / "tools/locks/core.lock").write_text(line.format(true=true) + "\n")
         environment = {**machine.environment(), "PIP_NO_INDEX": "1", "PIP_FIND_LINKS": str(machine.world)}
-        done = subprocess.run([machine.tree / "tools/setup", "core"], capture_output=True, text=True, timeout=120,
+        done = subprocess.run([tree / "tools/setup", "core"], capture_output=True, text=True, timeout=120,
                               env=environment)
         assert done.returncode == 3  # at the latest where there is nothing to build
         return done.stderr.partition(" (log: ")[0]
@@ -310,3 +332,12 @@ def test_only_files_of_the_lock_are_installed(locked):
     assert locked("numpy==1.0 --hash=sha256:" + "0" * 64) == forged
     assert locked("numpy==1.0") == why + "a package of tools/locks has no hash"
     assert locked("numpy==1.0 --hash=sha256:{true}") == "tumble: set-up: cannot build the extension module"
+
+
+def test_an_environment_that_came_from_elsewhere_is_made_anew(locked, machine):
+    """Its pip would install where it came from."""
+    locked("numpy==1.0 --hash=sha256:{true}")
+    moved = machine.tree.rename(machine.tree.with_name("moved"))
+    locked("numpy==1.0 --hash=sha256:{true}", moved)
+    done = subprocess.run([moved / ".venv/bin/pip", "--version"], capture_output=True, text=True, timeout=60, check=True)
+    assert str(moved / ".venv") in done.stdout
