@@ -1,6 +1,6 @@
 """What happens when a stand or a block does what the model leaves out: does `solve` tell, and of what?
 
-    python tests/benchmark/violations.py [--runs N] [--stand NAME] [--schedule NAME] [ROW...]
+    tools/benchmark violations [--runs N] [--stand NAME] [--schedule NAME] [ROW...]
 
 Prints a table for every example stand; a row is a violation. For every built-in schedule, in per cent: how often the
 stated uncertainties (k = 2) hold the true coefficients, mean and worst of the twelve, with `refined` (`inclined` on the
