@@ -47,7 +47,7 @@ class Machine:
         self.tree, self.world = folder / "tree", folder / "world"
         (self.tree / "host/python").mkdir(parents=True)
         (self.world / "bin").mkdir(parents=True)
-        mine = {"setup", "tumble", "usage", "packages.txt", "locks"}
+        mine = {"setup", "tumble", "usage", "packages.txt", "locks", "site", "benchmark", "fixture"}
         shutil.copytree(ROOT / "tools", self.tree / "tools", ignore=lambda folder, names: set(names) - mine
                         if folder == str(ROOT / "tools") else ())
         script = self.tree / "tools/setup"
@@ -292,6 +292,38 @@ def test_help_and_usage_errors_install_nothing(machine, words, code):
     assert not (machine.tree / "build").exists() and not (machine.tree / ".venv").exists()
 
 
+def test_an_interrupt_while_it_looks_for_usage_errors_leaves_no_word(machine):
+    package = machine.tree / "host/python/src/tumble/cli"
+    package.mkdir(parents=True)
+    busy = machine.world / "busy"
+    (package / "main.py").write_text(f"import time\nopen({str(busy)!r}, 'w').close()\ntime.sleep(60)\n")
+    (machine.tree / "host/python/usage.py").symlink_to(ROOT / "host/python/usage.py")
+    done = subprocess.Popen([machine.tree / "tools/tumble", "solve", "a.csv"], stderr=subprocess.PIPE, text=True,
+                            env=machine.environment(), start_new_session=True)
+    while not busy.exists():
+        assert done.poll() is None
+        time.sleep(0.01)
+    begin = time.monotonic()
+    os.killpg(done.pid, signal.SIGINT)
+    assert done.communicate(timeout=30) == (None, "") and time.monotonic() - begin < BUSY_S
+    assert done.returncode in (-signal.SIGINT, 130) and not (machine.tree / "build").exists()
+
+
+@pytest.mark.parametrize(("words", "code"), [
+    ("site --help", 0), ("site --frob", 2), ("site a b", 2),
+    ("benchmark --help", 0), ("benchmark violations --help", 0), ("benchmark frob", 2), ("benchmark --frob", 2),
+    ("fixture/validate --help", 0), ("fixture/validate", 2), ("fixture/validate can:can0 axis", 2),
+])
+def test_nor_do_those_of_the_other_tools(machine, words, code):
+    (machine.tree / "tests").symlink_to(ROOT / "tests")
+    command, *more = words.split()
+    done = subprocess.run([machine.tree / "tools" / command, *more], capture_output=True, text=True, timeout=60,
+                          env=machine.environment())
+    assert (done.returncode, done.stderr.count("\n")) == (code, code // 2), done.stderr
+    assert (f"tools/{' '.join([command, *more[:-1]])}" in done.stdout) == (code == 0)
+    assert not (machine.tree / "build").exists() and not (machine.tree / ".venv").exists()
+
+
 @pytest.mark.parametrize(("words", "code"), [("--help", 0), ("-h", 0), ("all", 2), ("--frob", 2)])
 def test_set_up_tells_its_profiles_without_one(machine, words, code):
     done = subprocess.run([machine.tree / "tools/setup", words], capture_output=True, text=True, timeout=60)
@@ -339,5 +371,5 @@ def test_an_environment_that_came_from_elsewhere_is_made_anew(locked, machine):
     locked("numpy==1.0 --hash=sha256:{true}")
     moved = machine.tree.rename(machine.tree.with_name("moved"))
     locked("numpy==1.0 --hash=sha256:{true}", moved)
-    done = subprocess.run([moved / ".venv/bin/pip", "--version"], capture_output=True, text=True, timeout=60, check=True)
+    done = subprocess.run([moved / ".venv/bin/pip", "--version"], capture_output=True, text=True, timeout=60)
     assert str(moved / ".venv") in done.stdout

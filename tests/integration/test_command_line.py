@@ -1,12 +1,14 @@
 """`tumble` alone, other names of commands, and what a shell completes."""
 
 import argparse
+import json
 import os
 import shutil
 import subprocess
 import sys
 
 import pytest
+from conftest import ROOT
 
 from tumble.cli.commands import COMMANDS
 from tumble.cli.main import SHELLS, _parser, main
@@ -67,6 +69,27 @@ def test_every_command_has_an_example_in_its_help_which_parses(capsys):
             main([*name.split(), "--help"])
         assert capsys.readouterr().out.endswith(f"\nExample: {example}\n")
     assert examples == []
+    for words, example in (([], "solve run.csv"), (["plan"], "plan budget"), (["campaign"], "campaign runs")):
+        with pytest.raises(SystemExit):
+            main([*words, "--help"])
+        assert f"\nExample: tumble {example} " in capsys.readouterr().out
+
+
+def test_help_and_usage_errors_need_no_package():
+    """Of no command and of no subject: a checkout answers them before it installs anything (tools/usage)."""
+    program = (
+        "import contextlib, io, json, sys\n"
+        "sys.path.insert(0, sys.argv[1])\n"
+        "from tumble.cli.main import parse\n"
+        "told = contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO())\n"
+        "with told[0], told[1]: codes = [parse(words) for words in json.loads(sys.argv[2])]\n"
+        "print(codes)"
+    )
+    names = sorted({name[:end] for name in leaves(_parser()) for end in (name.find(" "), None) if end != -1})
+    asked = [[*name.split(), word] for word in ("--help", "--no-such-option") for name in names]
+    command = [sys.executable, "-I", "-S", "-c", program, str(ROOT / "host/python/src"), json.dumps(asked)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert json.loads(done.stdout) == [10] * (len(asked) // 2) + [2] * (len(asked) // 2) and len(asked) > 40
 
 
 def test_a_command_is_loaded_only_when_it_is_named():

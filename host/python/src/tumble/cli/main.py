@@ -41,10 +41,8 @@ class _Parser(argparse.ArgumentParser):
         return found, unknown
 
     def format_help(self) -> str:
-        """As argparse's, and an example."""
-        if self._subparsers is not None:
-            return super().format_help()
-        examples = COMMANDS[self.prog.split()[1]].examples
+        """As argparse's, and an example: of several commands, that of the first."""
+        examples = (one for command in COMMANDS.values() for one in command.examples)
         example = next(one for one in examples if f"{one} ".startswith(f"{self.prog} "))
         return f"{super().format_help()}\nExample: {example}\n"
 
