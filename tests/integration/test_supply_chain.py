@@ -2,18 +2,23 @@
 missing later is told with the command that brings it."""
 
 import re
+import sys
+from pathlib import Path
 
 import pytest
 from conftest import ROOT
 
 from tumble import errors
 from tumble.errors import NotInstalled
+from tumble.report.pages import require_pdf
 
 LOCKS = {path.stem: path.read_text(encoding="utf-8") for path in (ROOT / "tools/locks").glob("*.lock")}
 REQUIREMENTS = {
     path.stem.removeprefix("requirements").removeprefix("-") or "core": path.read_text(encoding="utf-8")
     for folder in ("host/python", "tools") for path in (ROOT / folder).glob("requirements*.txt")
 }  # fmt: skip
+PACKAGES = (ROOT / "tools/packages.txt").read_text(encoding="utf-8")
+PROJECT = (ROOT / "host/python/pyproject.toml").read_text(encoding="utf-8")
 NOTICE = (ROOT / "NOTICE").read_text(encoding="utf-8")
 
 
@@ -33,8 +38,7 @@ def entries(lock):
 
 
 def debian():
-    rows = (ROOT / "tools/packages.txt").read_text(encoding="utf-8").splitlines()
-    return {name for row in rows if not row.startswith("#") for name in row.split()[2:]}
+    return {name for row in PACKAGES.splitlines() if not row.startswith("#") for name in row.split()[2:]}
 
 
 def unlicensed(notice, python, packages):
@@ -96,4 +100,31 @@ def test_the_remedy_is_that_of_where_the_package_is(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     assert remedy("jinja2", "report") == f"{ROOT}/tools/setup report"
     monkeypatch.setattr(errors, "_CHECKOUT", tmp_path)
+    monkeypatch.setenv("PATH", str(Path(sys.executable).parent))
     assert remedy("scipy", "mat") == "pip install 'tumble[mat]'"
+    monkeypatch.setenv("PATH", "/usr/bin")  # of an environment that is not activated, where pip is another one's
+    assert remedy("scipy", "mat") == f"{sys.executable} -m pip install 'tumble[mat]'"
+    assert errors.set_up("world") is None
+
+
+def test_a_library_that_no_pip_brings_is_named_as_the_distribution_does(monkeypatch, tmp_path):
+    """WeasyPrint is there, Pango is not."""
+    (tmp_path / "weasyprint.py").write_text("raise OSError('cannot load library')\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "weasyprint", raising=False)
+    told = {row.split()[1]: " ".join(row.split()[2:]) for row in PACKAGES.splitlines() if row.startswith("report ")}
+    remedies = {ROOT: f"{ROOT}/tools/setup report", tmp_path: f"sudo apt-get install {told['has_pango']}"}
+    for checkout, remedy in remedies.items():
+        monkeypatch.setattr(errors, "_CHECKOUT", checkout)
+        monkeypatch.chdir(tmp_path)
+        with pytest.raises(NotInstalled, match=re.escape(f"WeasyPrint and Pango: {remedy}") + "$"):
+            require_pdf()
+
+
+def test_every_extra_is_one_of_the_package():
+    """A remedy that names another one would install nothing."""
+    (declared,) = re.findall(r"(?ms)^\[project.optional-dependencies\]\n(.*?)^\[project", PROJECT)
+    declared = set(re.findall(r"(?m)^(\w+) = \[", declared))
+    sources = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "host/python/src").rglob("*.py"))
+    named = set(re.findall(r'extra="(\w+)"|^EXTRA = "(\w+)"', sources, re.MULTILINE))
+    assert {one or other for one, other in named} == declared - {"test"}

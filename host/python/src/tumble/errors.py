@@ -7,6 +7,7 @@ needs is not there   130 interrupted
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -96,18 +97,30 @@ class Skipped(TumbleError):
 
 class NotInstalled(Skipped, ImportError):
     """A Python package that only some inputs need is not there. Says how to get it: by tools/setup in a checkout, by
-    its pip what that does not bring; elsewhere, where the package itself is installed already, by its extra."""
+    its pip what that does not bring; elsewhere, where the package itself is installed already, by its extra, or by the
+    packages of `debian`, if it is a library that no pip brings."""
 
-    def __init__(self, needed_for: str, *packages: str, extra: str):
+    def __init__(self, needed_for: str, *packages: str, extra: str, debian: str = ""):
         listed = " or ".join(packages)
-        setup = _CHECKOUT / "tools/setup"
-        if not setup.exists():
-            remedy = f"pip install 'tumble[{extra}]'"
-        elif extra in _PROFILES:
-            remedy = f"{file_name(_shorter(setup))} {_PROFILES[extra]}"
-        else:
+        if (remedy := set_up(_PROFILES.get(extra, ""))) is None:
+            remedy = f"sudo apt-get install {debian}" if debian else f"{_pip()} install 'tumble[{extra}]'"
+        elif extra not in _PROFILES:
             remedy = f"{file_name(_shorter(_CHECKOUT / '.venv/bin/pip'))} install {_ON_PYPI.get(extra, packages[0])}"
         super().__init__(f"{needed_for} needs {listed}: {remedy}")
+
+
+def set_up(profile: str) -> str | None:
+    """The command that sets a checkout up for a profile, from where this one works; None where this is none."""
+    setup = _CHECKOUT / "tools/setup"
+    return f"{file_name(_shorter(setup))} {profile}" if setup.exists() else None
+
+
+def _pip() -> str:
+    """How the pip of this environment is called, which need not be the one that is found by its name."""
+    from shutil import which
+
+    own = Path(sys.executable).with_name("pip")
+    return "pip" if which("pip") == os.fspath(own) else f"{file_name(_shorter(Path(sys.executable)))} -m pip"
 
 
 @contextmanager

@@ -100,6 +100,7 @@ STYLE = "report.css"
 _OWN = "tumble"  # folder of the templates of this room
 _GIVEN = "\0"  # the user's template: whatever its file is called, it hides none of ours, and nothing extends it
 EXTRA = "report"
+_PANGO = "libpango-1.0-0 libpangoft2-1.0-0 libharfbuzz-subset0 fonts-dejavu-core"  # as Debian calls it, and a font
 ATTACHED = "result.json"
 _NO_DAY = "1970-01-01"  # what readers of PDF take for an unknown date
 _LARGEST_LOGO = 2_000_000
@@ -205,5 +206,6 @@ def require_pdf() -> None:
     """Raises NotInstalled where no PDF can be made."""
     try:
         import weasyprint  # noqa: F401
-    except (ImportError, OSError):  # it, or the library Pango that it calls
-        raise NotInstalled("a report as PDF", "WeasyPrint and Pango", extra=EXTRA) from None
+    except (ImportError, OSError) as error:  # it, or the library Pango that it calls
+        lacking = "" if isinstance(error, ImportError) else _PANGO
+        raise NotInstalled("a report as PDF", "WeasyPrint and Pango", extra=EXTRA, debian=lacking) from None

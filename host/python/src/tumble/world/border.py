@@ -10,7 +10,7 @@ import numpy as np
 
 from tumble.documents import base
 from tumble.documents.bench import Bench
-from tumble.errors import BenchFault
+from tumble.errors import BenchFault, set_up
 
 try:
     from _tumble_world import ffi, lib
@@ -58,7 +58,7 @@ class Refused(Exception):
 def require_built() -> None:
     """Raise BenchFault where the extension is not built."""
     if not _IS_BUILT:
-        raise BenchFault("the simulated world is not built: tools/setup run builds it, and so does pip install")
+        raise BenchFault(f"the simulated world is not built: {set_up('world') or 'pip install'} builds it")
 
 
 def text(of: Any) -> str:

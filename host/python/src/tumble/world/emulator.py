@@ -7,7 +7,7 @@ import shutil
 import subprocess
 from pathlib import Path
 
-from tumble.errors import BenchFault, Skipped
+from tumble.errors import BenchFault, Skipped, set_up
 from tumble.world.programs import built, last_words
 
 PACKAGES = "qemu-system-arm gcc-aarch64-linux-gnu"
@@ -32,7 +32,8 @@ def missing(name: str) -> str | None:
     if shutil.which(_EMULATOR) is None:
         return f"no {_EMULATOR}: install {PACKAGES}"
     if not image(name).exists():
-        return f"no image {name}.elf: tools/setup real builds it, with the packages {PACKAGES}"
+        by = set_up("real") or "tools/setup real of a checkout"
+        return f"no image {name}.elf: {by} builds it, with the packages {PACKAGES}"
     return None
 
 

@@ -7,7 +7,7 @@ import shutil
 import sys
 from pathlib import Path
 
-from tumble.errors import BenchFault, Skipped, file_name
+from tumble.errors import BenchFault, Skipped, file_name, set_up
 
 
 def built(path: str) -> Path:
@@ -29,7 +29,8 @@ def find(name: str) -> str:
     if found is None and sys.platform != "linux":
         raise Skipped(f"{name} runs on Linux alone; what else tumble does, it does on this system as well")
     if found is None:
-        raise BenchFault(f"the program {name} is not built: no {file_name(path)}; {variable} may say where it is")
+        remedy = f"{by} builds it" if (by := set_up("run")) else f"{variable} may say where it is"
+        raise BenchFault(f"the program {name} is not built: no {file_name(path)}; {remedy}")
     return found
 
 
