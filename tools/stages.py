@@ -210,7 +210,7 @@ def long_stages():
         Stage("tidy", "clang-tidy of all firmware: bugprone, cert, clang-analyzer", analysis("tidy"),
               ("clang-tidy-19",)),
         Stage("analyzer", "gcc -fanalyzer of all firmware", analysis("analyzer")),
-        Stage("bare", "every command of the README, on a bare Debian 12 that debootstrap makes",
+        Stage("bare", "every command of README and pages, on a bare Debian 12 that debootstrap makes",
               lambda log: gate(log, [PYTHON, "tools/trial"]), ("debootstrap",)),
         Stage("fuzz", "libFuzzer on all that comes from outside: block frames, CANopen, the whole computer", fuzz,
               ("clang-19",)),
