@@ -50,7 +50,7 @@ def fresh_seed(request):
 
 @pytest.fixture
 def tumble():
-    """Run `tumble ...` in a process of its own; its output is text. With an environment of its own it is started anew:
+    """Run `tumble ...` in this process; its output is text. With an environment of its own it gets a process as well:
     Python may look at that as it begins."""
 
     def run(*arguments, cwd=None, timeout=120, **environment):

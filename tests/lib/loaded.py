@@ -1,55 +1,100 @@
-"""Processes that have the command line loaded when they begin: forks of one that loads it once.
+"""`tumble ...` in this process, which has it loaded: to begin a process takes longer than most commands.
 
-Each is a process of its own, as `python -m tumble` is, with its own output, exit code, working directory and signals.
-What it saves is the loading, which takes longer than most commands. Not for a test of how Python itself starts.
+It has its own standard streams, also for the processes that it starts, its own working directory and environment, and
+as much warnings and logging as a process of its own. Not for a test of how Python starts, of signals, or of several
+commands at once.
 """
 
-import multiprocessing
+import contextlib
+import io
+import logging
 import os
-import pkgutil
+import signal
 import subprocess
 import sys
 import tempfile
+import threading
+import warnings
 
-import tumble
+import pytest
 
-_context = multiprocessing.get_context("forkserver")
-_context.set_forkserver_preload(
-    [module.name for module in pkgutil.walk_packages(tumble.__path__, "tumble.") if module.name != "tumble.__main__"]
-)
+from tumble.cli.main import main
 
 
 def run(arguments, cwd, timeout):
-    """`tumble ...`, as subprocess.run does it, with text. Raises subprocess.TimeoutExpired."""
+    """As subprocess.run does it, with text. A command that hangs fails its test."""
     import hang_guards  # a plugin, which pytest loads after this module
 
-    with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as err:
-        streams = [multiprocessing.reduction.DupFd(stream.fileno()) for stream in (out, err)]
-        child = _context.Process(target=_command, args=(arguments, cwd, dict(os.environ), streams))
-        child.start()
-        child.join(hang_guards.longer(timeout))
-        if child.exitcode is None:
-            child.kill()
-            child.join()
-            raise subprocess.TimeoutExpired(["tumble", *arguments], timeout)
-        return subprocess.CompletedProcess(["tumble", *arguments], child.exitcode, _text(out), _text(err))
+    assert threading.current_thread() is threading.main_thread(), "one command at a time"
+    with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
+        with _streams(out, err), _surroundings(cwd), _alarm(hang_guards.longer(timeout), arguments):
+            code = _exit_code(arguments)
+        return subprocess.CompletedProcess(["tumble", *arguments], code, _text(out), _text(err))
 
 
-def _command(arguments, cwd, environment, streams):
-    """The command, where a new process would be."""
-    for number, stream in enumerate([os.open(os.devnull, os.O_RDONLY), *(stream.detach() for stream in streams)]):
-        os.dup2(stream, number)
-    sys.stdin, sys.stdout, sys.stderr = os.fdopen(0), os.fdopen(1, "w"), os.fdopen(2, "w")
-    os.environ.clear()
-    os.environ.update(environment)
-    if cwd is not None:
-        os.chdir(cwd)
-    sys.argv = ["tumble", *arguments]
-    from tumble.__main__ import run as command
+def _exit_code(arguments):
+    try:
+        return main(arguments)
+    except SystemExit as end:
+        return end.code or 0
+    finally:
+        for stream in (sys.stdout, sys.stderr):
+            if stream is not None:
+                with contextlib.suppress(OSError):
+                    stream.flush()
 
-    sys.exit(command())
+
+@contextlib.contextmanager
+def _streams(out, err):
+    """Where the command reads and writes, and what it starts does."""
+    kept = [os.dup(number) for number in range(3)]
+    python = sys.stdin, sys.stdout, sys.stderr
+    with open(os.devnull, "rb") as nothing:
+        for number, stream in enumerate((nothing, out, err)):
+            os.dup2(stream.fileno(), number)
+    sys.stdin, sys.stdout, sys.stderr = (os.fdopen(number, mode, closefd=False) for number, mode in enumerate("rww"))
+    try:
+        yield
+    finally:
+        sys.stdin, sys.stdout, sys.stderr = python
+        for number, was in enumerate(kept):
+            os.dup2(was, number)
+            os.close(was)
+
+
+@contextlib.contextmanager
+def _surroundings(cwd):
+    """The working directory, and what the command may change or pytest has changed."""
+    environment, handlers = dict(os.environ), logging.root.handlers
+    with contextlib.chdir(cwd or "."), warnings.catch_warnings():
+        warnings.filterwarnings("default", category=Warning)
+        for category in (DeprecationWarning, PendingDeprecationWarning, ImportWarning, ResourceWarning):
+            warnings.simplefilter("ignore", category)
+        warnings.showwarning = lambda *what: print(warnings.formatwarning(*what[:4]), end="", file=sys.stderr)
+        logging.root.handlers = []
+        try:
+            yield
+        finally:
+            logging.root.handlers = handlers
+            if environment != dict(os.environ):
+                os.environ.clear()
+                os.environ.update(environment)
+
+
+@contextlib.contextmanager
+def _alarm(seconds, arguments):
+    def fail(*_):
+        pytest.fail(f"no end of tumble {' '.join(arguments)} after {seconds} s")
+
+    before = signal.signal(signal.SIGALRM, fail)
+    signal.setitimer(signal.ITIMER_REAL, seconds or 0)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
 
 
 def _text(stream):
     stream.seek(0)
-    return stream.read()
+    return io.TextIOWrapper(stream, write_through=True).read()
