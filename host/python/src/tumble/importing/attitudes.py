@@ -19,8 +19,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tumble.arrays import Floats, Integers
-from tumble.model.geometry import Geometry
-from tumble.model.inclined import Inclinations, as_seen
+from tumble.model.geometry import STEP, Geometry, geometry_of
+from tumble.model.inclined import Inclinations
 from tumble.schedule import Schedule
 
 AXES = "xyz"
@@ -178,7 +178,7 @@ def fitted(attitudes: Attitudes, at: Integers, means: Floats, weights: Floats | 
     moved, fit = np.zeros((2, len(numbers))), plain
     for _ in range(_ROUNDS):  # by Gauss and Newton
         found = Inclinations(numbers, tilts + moved[0], moved[1])
-        inclined = _inclined(attitudes.schedule, found, at, means, root)
+        inclined = _inclined(attitudes.schedule, found, moved, at, means, root)
         if inclined is None:
             return plain
         fit, step = inclined
@@ -191,17 +191,20 @@ def fitted(attitudes: Attitudes, at: Integers, means: Floats, weights: Floats | 
 
 
 def _inclined(
-    schedule: Schedule, found: Inclinations, at: Integers, means: Floats, root: Floats
+    schedule: Schedule, found: Inclinations, moved: Floats, at: Integers, means: Floats, root: Floats
 ) -> tuple[Fit, Floats] | None:
-    """The fit on these inclinations, and how far they have to move: (2, inclinations), beta and tau, rad; None where
-    the rests do not tell K and U0 there. What they do not show stays: the zero of all angles together, which is in K,
-    and inclinations where only two are."""
-    stand = Geometry(as_seen(schedule, found))
-    fit = _linear(stand.force(), at, means, root)
+    """The fit on these inclinations, which are `moved` from the schedule's, and how far they have to move on: (2,
+    inclinations), beta and tau, rad; None where the rests do not tell K and U0 there. What they do not show stays: the
+    zero of all angles together, which is in K, and inclinations where only two are."""
+    geometry = geometry_of(schedule)
+    by_mounting = np.array([[one.number == number for number in found.numbers] for one in schedule.mountings])
+    of = by_mounting[geometry.mounting_index]
+    steps = 1j * STEP * np.eye(2)[:, :, None]
+    forces = geometry.force(alpha1=by_mounting @ moved[0] + steps[:, 0], delta=of @ moved[1] + steps[:, 1])
+    fit = _linear(np.real(forces[0]), at, means, root)
     if fit is None:
         return None
-    of = np.array([[place.mounting == number for number in found.numbers] for place in schedule.positions])
-    beta, tau = (stand.force_by(**{error: 1.0})[:, :, None] * of[:, None, :] for error in ("alpha1", "delta"))
+    beta, tau = (by[:, :, None] * of[:, None, :] for by in np.imag(forces) / STEP)
     columns = np.concatenate([beta, tau], axis=2)  # (attitudes, 3, unknowns)
     design, weights = _design(fit.forces), root[:, None, None]
     explained = np.tensordot(np.linalg.pinv(root[:, None] * design[at]), weights * columns[at], 1)
@@ -227,9 +230,9 @@ def _linear(forces: Floats, at: Integers, means: Floats, root: Floats) -> Fit | 
     """K and U0 at known `forces`; each row weighs by its `root`."""
     design = _design(forces)
     weighted = design[at] * root[:, None]
-    if len(weighted) < _RANK or np.linalg.matrix_rank(weighted, tol=1e-3 * len(weighted) ** 0.5) < _RANK:
+    solution, _, _, singular = np.linalg.lstsq(weighted, means * root[:, None], rcond=None)
+    if np.count_nonzero(singular > 1e-3 * len(weighted) ** 0.5) < _RANK:
         return None
-    solution = np.linalg.lstsq(weighted, means * root[:, None], rcond=None)[0]
     k = solution[:3].T
     if abs(np.linalg.det(k)) < 1e-6 * np.linalg.norm(k) ** 3:
         return None

@@ -438,6 +438,7 @@ class _Matcher:
 # Positions in an order.
 
 _NEARER = 0.25  # part of a match that nearness is worth, so that it never outweighs one
+_ALIKE = 1e-5  # of what two ways are worth
 _MOST_OPEN = 10  # rests whose mounting is open: of more, only stretches are tried
 _MOST_IN_TURN = 3  # mountings that these may be of
 
@@ -458,12 +459,12 @@ def _in_order(nearest: Integers, nearness: Floats, of_position: Integers) -> Ass
     best = ahead[rests, positions]
     rest, position = rests, positions
     while rest and position:
-        if worth[rest - 1, position - 1] > 0 and np.isclose(
-            ahead[rest, position], ahead[rest - 1, position - 1] + worth[rest - 1, position - 1]
+        if worth[rest - 1, position - 1] > 0 and math.isclose(
+            ahead[rest, position], ahead[rest - 1, position - 1] + worth[rest - 1, position - 1], rel_tol=_ALIKE
         ):
             rest, position = rest - 1, position - 1
             found[rest] = position
-        elif np.isclose(ahead[rest, position], ahead[rest - 1, position]):
+        elif math.isclose(ahead[rest, position], ahead[rest - 1, position], rel_tol=_ALIKE):
             rest -= 1
         else:
             position -= 1
