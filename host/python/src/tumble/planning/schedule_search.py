@@ -171,10 +171,13 @@ ROTATIONS = sorted(
 
 def _kind(matrix: Floats) -> int:
     """Number of the first of ROTATIONS that is the same mounting."""
-    alike = (np.array_equal(matrix, one) or np.array_equal(matrix @ _HALF_TURN, one) for one in ROTATIONS)
-    return next(number for number, same in enumerate(alike) if same)
+    return _KIND_OF[(matrix + 0.0).tobytes()]
 
 
+_KIND_OF: dict[bytes, int] = {}
+for _number, _matrix in enumerate(ROTATIONS):
+    for _same in (_matrix, _matrix @ _HALF_TURN):
+        _KIND_OF.setdefault((_same + 0.0).tobytes(), _number)
 KINDS = tuple(sorted({_kind(matrix) for matrix in ROTATIONS}))
 
 
