@@ -99,13 +99,16 @@ def gate(log, *commands, env=None):
 
 def pytest(log, *arguments, env=None, shared=None):
     """The tests that pytest ran, from its own report. `shared`: on every processor, shared out as xdist does by that
-    name; numpy then has one thread for each."""
+    name; numpy then has one thread for each. Many start Python, which compiles the package each time where the caller
+    wants no bytecode."""
     report = log.path.with_suffix(".xml")
     report.unlink(missing_ok=True)
-    command = [sys.executable, "-m", "pytest", "-q", "-ra", f"--junitxml={report}"]
+    command = [sys.executable, "-m", "pytest", "-q", "-ra", f"--junitxml={report}",
+               "-o", "console_output_style=count"]
+    env = {**(env or {}), "PYTHONDONTWRITEBYTECODE": ""}
     if shared is not None:
         command += ["-n", str(os.cpu_count()), "--dist", shared]
-        env = {**(env or {}), "OPENBLAS_NUM_THREADS": "1"}
+        env["OPENBLAS_NUM_THREADS"] = "1"
     status = log.run(*command, *arguments, env=env)
     outcome = read_junit(report) if report.exists() else Outcome()
     if status and not outcome.failed:  # crashed, interrupted, or found no test
@@ -205,10 +208,12 @@ def progress(group, log_folder, out):
 
 
 def how_far(path):
-    """What pytest, ctest or Ninja last said of it in a log, such as " 62%" or " 12/80"; empty if none did."""
+    """What pytest, ctest or Ninja last said of it in a log, such as " 12/80", with what pytest has done since, a sign
+    for each test; empty if none did."""
     end = path.read_text(encoding="utf-8", errors="replace")[-4000:] if path.exists() else ""
-    told = re.findall(r"\[ *(\d+%|\d+/\d+)\]|^ *(\d+/\d+) Test", end, re.MULTILINE)
-    return f" {told[-1][0] or told[-1][1]}" if told else ""
+    told = re.findall(r"(?:\[|^) *(\d+)/(\d+)(?:\]| Test)", end, re.MULTILINE)
+    since = re.search(r"(?:^[.sxXFER]+)?\Z", end, re.MULTILINE)
+    return f" {int(told[-1][0]) + len(since[0])}/{told[-1][1]}" if told else ""
 
 
 def side_by_side(stages):
