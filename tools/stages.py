@@ -96,7 +96,16 @@ def sanitized(full):
         built = build_sanitized(log)
         if not built.passed:
             return built
-        return pytest(log, "tests/integration", "-m", chosen, env=sanitizer_environment(), shared="worksteal")
+        environment = sanitizer_environment()
+        environment["ASAN_OPTIONS"] += f":log_path={log.path}"  # a worker that is ended takes its output along
+        for report in reports(log):
+            report.unlink()
+        outcome = pytest(log, "tests/integration", "-m", chosen, env=environment, shared="worksteal")
+        log.add(*(report.read_text(encoding="utf-8", errors="replace") for report in reports(log)))
+        return outcome
+
+    def reports(log):
+        return sorted(log.path.parent.glob(f"{log.path.name}.*"))
 
     return run
 
