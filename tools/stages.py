@@ -44,23 +44,19 @@ def read_missing():
     return dict(line.split("\t", 1) for line in lines)
 
 
-def rooms(log):
-    return gate(log, [PYTHON, "tools/rooms.py"])
+def tool(*command):
+    """One of tools/, as a gate."""
+    return lambda log: gate(log, [PYTHON, *command])
 
 
-def objects(log):
-    return gate(log, [PYTHON, "tools/objects/generate", "--check"])
-
-
-def style(log):
-    return gate(log, [PYTHON, "tools/style.py"])
+def build(log, preset, *options):
+    return gate(log, ["cmake", "--preset", preset, *options], ["cmake", "--build", "--preset", preset])
 
 
 def build_sanitized(log):
     """The unit tests and the extension module, instrumented. Without Unity the extension alone."""
     tests = "OFF" if "Unity" in read_missing() else "ON"
-    return gate(log, ["cmake", "--preset", "sanitizers", f"-DTUMBLE_TESTS={tests}", "-DTUMBLE_PYTHON=ON",
-                      f"-DPython_EXECUTABLE={PYTHON}"], ["cmake", "--build", "--preset", "sanitizers"])
+    return build(log, "sanitizers", f"-DTUMBLE_TESTS={tests}", "-DTUMBLE_PYTHON=ON", f"-DPython_EXECUTABLE={PYTHON}")
 
 
 def unit(log):
@@ -124,39 +120,26 @@ def library(name):
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
 
 
-def built_to_budget(log, preset, board):
+def built_to_budget(preset, board):
     """Build a preset whose images are held to boards/budget.csv, and show what they use."""
-    built = gate(log, ["cmake", "--preset", preset], ["cmake", "--build", "--preset", preset])
-    tables = sorted(map(str, (BUILD / preset / "boards" / board).glob("budget_*.csv")))
-    return gate(log, ["cmake", "-E", "cat", *tables]) if built.passed else built
 
+    def run(log):
+        built = build(log, preset)
+        tables = sorted(map(str, (BUILD / preset / "boards" / board).glob("budget_*.csv")))
+        return gate(log, ["cmake", "-E", "cat", *tables]) if built.passed else built
 
-def cortex_m4(log):
-    return built_to_budget(log, "cortex-m4", "mps2_an386")
-
-
-def zcu102(log):
-    return built_to_budget(log, "zcu102", "zcu102")
+    return run
 
 
 def target(log):
     """What runs on the target itself, which QEMU emulates."""
-    preset = "cortex-m4-tests"
-    built = gate(log, ["cmake", "--preset", preset], ["cmake", "--build", "--preset", preset])
-    return ctest(log, BUILD / preset) if built.passed else built
+    built = build(log, "cortex-m4-tests")
+    return ctest(log, BUILD / "cortex-m4-tests") if built.passed else built
 
 
 def canaries(full):
     skip = [] if full else ["--ignore=tests/canary/test_analysis.py", "--ignore=tests/canary/test_fuzz.py"]
     return lambda log: pytest(log, "tests/canary", *skip)
-
-
-def analysis(kind):
-    return lambda log: gate(log, [PYTHON, "tools/analyse.py", kind])
-
-
-def fuzz(log):
-    return gate(log, [PYTHON, "tools/fuzz.py"])
 
 
 def plan(kind):
@@ -178,11 +161,12 @@ def every_stage():
 
 def first_stages():
     return [
-        Stage("rooms", "who includes whom, what firmware may not use, sizes of files and functions", rooms,
-              light=True),
-        Stage("objects", "object dictionaries, EDS files and their page are what their table says", objects,
-              light=True),
-        Stage("style", "layout of C by clang-format, Python by ruff, types of the package by mypy", style, light=True),
+        Stage("rooms", "who includes whom, what firmware may not use, sizes of files and functions",
+              tool("tools/rooms.py"), light=True),
+        Stage("objects", "object dictionaries, EDS files and their page are what their table says",
+              tool("tools/objects/generate", "--check"), light=True),
+        Stage("style", "layout of C by clang-format, Python by ruff, types of the package by mypy",
+              tool("tools/style.py"), light=True),
         Stage("unit", "Unity tests of firmware and simulation, with AddressSanitizer and UndefinedBehaviorSanitizer",
               unit, ("Unity",), light=True),
     ]
@@ -196,9 +180,9 @@ def target_stages(kind):
     """What needs other compilers, emulators, an index of packages."""
     return [
         Stage("cortex-m4", "the firmware for the target: warnings; code, RAM and stack within boards/budget.csv",
-              cortex_m4, ("gcc-arm-none-eabi",)),
+              built_to_budget("cortex-m4", "mps2_an386"), ("gcc-arm-none-eabi",)),
         Stage("zcu102", "the firmware for the Cortex-A53, bare metal: the same, and images for the emulator",
-              zcu102, ("gcc-aarch64-linux-gnu",)),
+              built_to_budget("zcu102", "zcu102"), ("gcc-aarch64-linux-gnu",)),
         Stage("target", "on a Cortex-M4 in QEMU: the core's Unity tests, the same bits as here, painted stacks",
               target, ("gcc-arm-none-eabi", "qemu-system-arm", "Unity")),
         Stage("toolchains", "what other compilers and packagers make of it, and the emulated boards",
@@ -213,16 +197,16 @@ def long_stages():
         Stage("campaigns", "the package and the command line, C against numpy, the long versions",
               package(VIRTUAL, "--full")),
         Stage("mutation", "small defects of firmware and simulation: no fewer are found than tools/mutation.json has",
-              lambda log: gate(log, [PYTHON, "tools/mutation", "--check"]), ("Unity",)),
+              tool("tools/mutation", "--check"), ("Unity",)),
         Stage("misra", "MISRA C of all firmware, by cppcheck; deviations: tools/misra_deviations.txt",
-              analysis("misra")),
-        Stage("tidy", "clang-tidy of all firmware: bugprone, cert, clang-analyzer", analysis("tidy"),
-              ("clang-tidy-19",)),
-        Stage("analyzer", "gcc -fanalyzer of all firmware", analysis("analyzer")),
+              tool("tools/analyse.py", "misra")),
+        Stage("tidy", "clang-tidy of all firmware: bugprone, cert, clang-analyzer",
+              tool("tools/analyse.py", "tidy"), ("clang-tidy-19",)),
+        Stage("analyzer", "gcc -fanalyzer of all firmware", tool("tools/analyse.py", "analyzer")),
         Stage("bare", "every command of README and pages, on a bare Debian 12 that debootstrap makes",
-              lambda log: gate(log, [PYTHON, "tools/trial"]), ("debootstrap",)),
-        Stage("fuzz", "libFuzzer on all that comes from outside: block frames, CANopen, the whole computer", fuzz,
-              ("clang-19",)),
+              tool("tools/trial"), ("debootstrap",)),
+        Stage("fuzz", "libFuzzer on all that comes from outside: block frames, CANopen, the whole computer",
+              tool("tools/fuzz.py"), ("clang-19",)),
     ]
 
 
