@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from functools import cache
 
 from headers import OWN
 from kinds import Entry, TableError, Type
@@ -57,6 +58,7 @@ def check_keys(table: object, allowed: set[str], where: str) -> None:
         check(isinstance(value, wanted), where, f"{key} has a value of the wrong type")
 
 
+@cache
 def slug(name: str) -> str:
     """A C identifier from an object's name."""
     return re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
