@@ -19,7 +19,7 @@ EXAMPLES = ROOT / "examples"
 os.environ["TUMBLE_NO_REPORT"] = "1"  # of every bench, for the time it takes: where one is tested, it is asked for
 pytest_plugins = ["busy_machine", "hang_guards", "heeding_interrupts", "gateway_bench"]
 
-hypothesis.settings.register_profile("fixed", max_examples=300, derandomize=True, deadline=None, database=None)
+hypothesis.settings.register_profile("fixed", max_examples=75, derandomize=True, deadline=None, database=None)
 hypothesis.settings.register_profile("full", max_examples=2000, deadline=None, database=None, print_blob=True)
 
 
@@ -37,6 +37,12 @@ def pytest_collection_modifyitems(config, items):
     for item in items:
         if "full" in item.keywords:
             item.add_marker(pytest.mark.skip(reason="a long campaign: --full runs it"))
+
+
+@pytest.fixture(scope="session")
+def cases(request):
+    """How many random cases of a property to try, of so many: all with --full, else one of four."""
+    return lambda most: most if request.config.getoption("--full") else -(-most // 4)
 
 
 @pytest.fixture

@@ -46,10 +46,11 @@ def worst_of_any_schedule(rng, schedules):
 
 
 @pytest.mark.slow
-def test_10000_random_cases_agree():
+def test_random_cases_agree(cases):
+    """10,000 with --full."""
     rng = np.random.default_rng(20)
-    assert worst_of_paper_schedule(rng, 4_000) <= LIMIT
-    assert worst_of_any_schedule(rng, 1_500) <= LIMIT
+    assert worst_of_paper_schedule(rng, cases(4_000)) <= LIMIT
+    assert worst_of_any_schedule(rng, cases(1_500)) <= LIMIT
 
 
 @pytest.mark.full

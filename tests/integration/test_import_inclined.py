@@ -43,10 +43,11 @@ def in_order(schedule, numbers):
 
 @pytest.mark.parametrize("name", ["inclined", "inclined_closed"])
 @pytest.mark.parametrize("order", ["schedule", "any"])
-def test_inclinations_that_nobody_measured_are_found(name, order):
-    """Any inclinations up to 5 degrees off, any zero, any order: every rest is told, and each inclination exactly."""
+def test_inclinations_that_nobody_measured_are_found(name, order, cases):
+    """Any inclinations up to 5 degrees off, any zero, any order: every rest is told, and each inclination exactly. Of
+    eight stands with --full."""
     schedule, rng = built_in(name), np.random.default_rng(35)
-    for _ in range(8):
+    for _ in range(cases(8)):
         stand = inclined_anew(schedule, OFF, ZERO, BOLTING, rng)
         numbers = [one.number for one in schedule.mountings]
         if order == "any":

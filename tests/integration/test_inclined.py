@@ -101,7 +101,7 @@ def worst_rms_ug(found, k=NOMINAL_K):
     return 1e6 * np.sqrt((errors**2).mean(axis=0)).max()
 
 
-@pytest.mark.parametrize("runs", [2000, pytest.param(20_000, marks=FULL)])
+@pytest.mark.parametrize("runs", [500, pytest.param(20_000, marks=FULL)])
 @pytest.mark.parametrize("name", STANDS)
 def test_the_table_of_another_program(name, runs):
     """Core and model solve the same runs; what the core states is what it leaves."""
@@ -154,7 +154,7 @@ def solved_by(schedule, run, stand, estimator):
     return k, u0, np.concatenate([u.scale, u.angles, u.bias])
 
 
-@pytest.mark.parametrize("runs", [150, pytest.param(2000, marks=FULL)])
+@pytest.mark.parametrize("runs", [50, pytest.param(2000, marks=FULL)])
 @pytest.mark.parametrize("bolting", [1e-3, 1e-2])
 @pytest.mark.parametrize("name", STANDS)
 @pytest.mark.parametrize("estimator", ["inclined", "optimal"])
@@ -175,8 +175,9 @@ def test_two_u_hold_the_truth_as_often_as_they_say(estimator, name, bolting, run
 
 
 @pytest.mark.parametrize("name", STANDS)
-def test_honest_runs_fit_and_show_their_inclinations(name):
-    schedule, runs = SCHEDULES["45, 3 x 8"], 200
+def test_honest_runs_fit_and_show_their_inclinations(name, cases):
+    """200 with --full."""
+    schedule, runs = SCHEDULES["45, 3 x 8"], cases(200)
     stand = stand_of(name, 24)
     made, chi_squared, scores = make(schedule, stand, runs, 5), [], []
     for run, beta, tau in zip(made.means, made.beta, made.tau):
@@ -189,7 +190,7 @@ def test_honest_runs_fit_and_show_their_inclinations(name):
         assert np.abs(found.tau - (tau - tau[0])).max() < 1e-3
     assert fit.freedom == 72 - 12 - 3 - 2  # of 3 x 24: the coefficients, three inclinations, two zeros
     assert np.mean(chi_squared) == pytest.approx(fit.freedom, abs=4.0 * (2.0 * fit.freedom / runs) ** 0.5)
-    assert np.var(chi_squared) == pytest.approx(2.0 * fit.freedom, rel=0.4)
+    assert np.var(chi_squared) == pytest.approx(2.0 * fit.freedom, rel=4.0 * (2.0 / runs) ** 0.5)
     assert np.abs(np.sqrt(np.mean(np.square(scores), axis=0)) - 1.0).max() < 4.0 / (2.0 * runs) ** 0.5
 
 
@@ -358,7 +359,7 @@ def ellipsoid_errors(means, outputs):
     return np.sqrt(np.einsum("ni,ij,nj->n", away, form / (1.0 + centre @ form @ centre), away)) - 1.0
 
 
-@pytest.mark.parametrize("runs", [400, pytest.param(4000, marks=FULL)])
+@pytest.mark.parametrize("runs", [200, pytest.param(4000, marks=FULL)])
 @pytest.mark.parametrize("name, expected", [("paper", (17.4, 17.5)), ("angle", (38.3, 12.2)), ("lab", (47.0, 40.7))])
 def test_an_ellipsoid_is_as_good_for_lengths_alone(name, expected, runs):
     """The figures of docs/never-remounted.md: its closest rival, which is not moved by errors of set angles."""
@@ -451,12 +452,12 @@ def test_nothing_is_set_exactly(tmp_path, tumble):
 
 @pytest.mark.parametrize("name", ["inclined", "inclined_closed"])
 @pytest.mark.parametrize("of", ["angle", "lab"])
-def test_optimal_is_confirmed_where_set_angles_are_the_largest_error(of, name, tmp_path):
-    """Inclinations that nobody declares are no errors of set angles, to the core as to numpy."""
+def test_optimal_is_confirmed_where_set_angles_are_the_largest_error(of, name, tmp_path, cases):
+    """Inclinations that nobody declares are no errors of set angles, to the core as to numpy. Four runs with --full."""
     rng = np.random.default_rng(71)
     schedule, path = core.built_in(name), str(EXAMPLES / f"{of}_stand.toml")
     stand, mountings = read_stand(path).stand, len(schedule.mountings)
-    for _ in range(4):
+    for _ in range(cases(4)):
         force = Geometry(schedule).force(
             alpha1=np.deg2rad(rng.uniform(-0.3, 0.3, mountings)),
             seat_n=np.deg2rad(rng.uniform(-0.1, 0.1, mountings)),

@@ -12,7 +12,6 @@ from c_compiler import compiled
 
 SOURCES = ["tests/integration/keeper_rules_harness.c", "firmware/sets/rules.c", "firmware/core/arith.c",
            "firmware/core/vector.c"]
-CASES = 4000
 MONTH_S = 2629746
 MOST_MONTHS = 24
 UNCERTAIN, CHANGE = 1 << 3, 1 << 4
@@ -100,20 +99,21 @@ def expected(case):
     return objections
 
 
-def test_random_cases_on_both_sides_of_each_limit(rules):
-    dice = random.Random(6)
-    cases = [make(dice) for _ in range(CASES)]
-    for case in cases[CASES // 10:]:
+def test_random_cases_on_both_sides_of_each_limit(rules, cases):
+    """4000 with --full."""
+    dice, count = random.Random(6), cases(4000)
+    made = [make(dice) for _ in range(count)]
+    for case in made[count // 10:]:
         push(case, dice)
-    wanted = [expected(case) for case in cases]
-    found = rules(cases)
-    assert len(found) == CASES
-    wrong = [(case, want, have) for case, want, have in zip(cases, wanted, found, strict=True)
+    wanted = [expected(case) for case in made]
+    found = rules(made)
+    assert len(found) == count
+    wrong = [(case, want, have) for case, want, have in zip(made, wanted, found, strict=True)
              if want is not None and want != have]
     assert not wrong, wrong[0]
     counts = {want: wanted.count(want) for want in set(wanted)}
-    assert counts.get(None, 0) < CASES // 10, counts
-    assert min(counts[0], counts[UNCERTAIN], counts[CHANGE]) > CASES // 10, counts
+    assert counts.get(None, 0) < count // 10, counts
+    assert min(counts[0], counts[UNCERTAIN], counts[CHANGE]) > count // 10, counts
 
 
 def test_the_witness_notices_a_limit_that_is_off(rules):

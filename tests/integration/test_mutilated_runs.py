@@ -17,7 +17,7 @@ from tumble.files.schedule_file import read_schedule
 from tumble.model import Geometry
 
 pytestmark = pytest.mark.python
-SHOWN, ALL = 7, 2000  # mutilations of a run
+SHOWN, ALL = 3, 2000  # mutilations of a run
 RUNS = {  # run: stand file, schedule
     "paper_stand": ("paper_stand.toml", "paper"),
     "angle_stand": ("angle_stand.toml", "paper"),

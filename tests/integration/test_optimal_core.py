@@ -117,8 +117,9 @@ def worst_difference(rng, cases):
     return of_allowed
 
 
-def test_200_random_stands_schedules_and_blocks_agree():
-    assert worst_difference(np.random.default_rng(60), 200) <= 1.0
+def test_random_stands_schedules_and_blocks_agree(cases):
+    """200 with --full."""
+    assert worst_difference(np.random.default_rng(60), cases(200)) <= 1.0
 
 
 def two_boltings():
@@ -137,10 +138,10 @@ INCLINED["two boltings"] = two_boltings()
 
 
 @pytest.mark.parametrize("name", INCLINED)
-def test_random_inclined_stands_agree(name):
-    """Inclinations declared to 10 mrad, and off by as much, with all other errors of a stand."""
+def test_random_inclined_stands_agree(name, cases):
+    """30 with --full. Inclinations declared to 10 mrad, and off by as much, with all other errors of a stand."""
     rng = np.random.default_rng(65)
-    found = np.array([difference(rng, INCLINED[name]) for _ in range(30)]).max(axis=0)
+    found = np.array([difference(rng, INCLINED[name]) for _ in range(cases(30))]).max(axis=0)
     print(f"{name}: worst difference {found[0]:.1e} u, {found[1]:.2g} of what is allowed")
     assert found[1] <= 1.0
 

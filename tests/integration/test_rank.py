@@ -76,11 +76,11 @@ def test_sufficient_schedules_are_accepted(case):
     assert unidentified(SUFFICIENT[case]) == []
 
 
-def test_core_and_witness_agree_on_random_schedules():
-    """Away from the threshold, where pivots and singular values may differ by a small factor."""
+def test_core_and_witness_agree_on_random_schedules(cases):
+    """3000 with --full. Away from the threshold, where pivots and singular values may differ by a small factor."""
     rng = np.random.default_rng(31)
     compared = {True: 0, False: 0}
-    for _ in range(3000):
+    for _ in range(cases(3000)):
         schedule = random_schedule(rng)
         design = design_of(schedule)
         singular = np.linalg.svd(design, compute_uv=False) / np.sqrt(max(len(design), 1) / 3)
@@ -90,7 +90,7 @@ def test_core_and_witness_agree_on_random_schedules():
         names = core_names(schedule)
         assert names == unidentified(schedule)
         compared[bool(names)] += 1
-    assert min(compared.values()) > 200
+    assert min(compared.values()) > cases(200)
 
 
 def test_unmeasured_positions_do_not_count():

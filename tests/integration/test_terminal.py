@@ -93,11 +93,11 @@ def test_a_terminal_without_unicode_gets_ascii():
     assert without_styles(on_terminal(SOLVE, PYTHONIOENCODING="ascii")).isascii()
 
 
-def test_a_plan_has_the_signs_too():
-    command = [*SOLVE[:3], "plan", "schedule", "--stand", "paper_stand.toml", "--limit", "3e-4"]
-    shown = on_terminal(command)
+def test_a_plan_has_the_signs_too(tumble):
+    plan = ["plan", "schedule", "--norm", "2e-5", "--angles", "45", "--mountings", "2", "--inclination", "0"]
+    shown = on_terminal([*SOLVE[:3], *plan])
     assert re.search(r"Worst u\(\|a\|\): [\d.]+ \u00b5g", shown) and re.search(r"table at [^\n]*\d\u00b0", shown)
-    piped = subprocess.run(command, cwd=EXAMPLES, capture_output=True, text=True, check=True).stdout
+    piped = tumble(*plan).stdout
     assert re.search(r"[\d.]+ ug", piped) and "\u00b5" not in piped and "\u00b0" not in piped
 
 
