@@ -6,6 +6,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -48,7 +49,7 @@ class Solved:
     created: str | None
     run_file: str | None
 
-    @property
+    @cached_property
     def complaints(self) -> list[str]:
         """Why it may not be what it claims."""
         file = self.stand_file
