@@ -28,6 +28,18 @@ static const tumble_position_t faces[] = {
     {2, 1, TUMBLE_USE_FIT, TUMBLE_AT_0},   /* y up */
     {2, 5, TUMBLE_USE_FIT, TUMBLE_AT_180}, /* y down */
 };
+/* The last column says which axis of the block is up; how it is turned about the vertical does not matter. */
+static const tumble_mounting_t laid[] = {
+    {1, {{0.0, 0.0, 1.0}, {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}}, LEVEL, 0},   /* x up */
+    {2, {{0.0, 0.0, -1.0}, {-1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}}, LEVEL, 0}, /* x down */
+    {3, {{0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}, {1.0, 0.0, 0.0}}, LEVEL, 0},   /* y up */
+    {4, {{0.0, 1.0, 0.0}, {0.0, 0.0, -1.0}, {-1.0, 0.0, 0.0}}, LEVEL, 0}, /* y down */
+    {5, {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}, LEVEL, 0},   /* z up */
+    {6, {{1.0, 0.0, 0.0}, {0.0, -1.0, 0.0}, {0.0, 0.0, -1.0}}, LEVEL, 0}, /* z down */
+};
+static const tumble_position_t once_each[] = {{1, 1, TUMBLE_USE_FIT, TUMBLE_AT_0}, {2, 1, TUMBLE_USE_FIT, TUMBLE_AT_0},
+                                              {3, 1, TUMBLE_USE_FIT, TUMBLE_AT_0}, {4, 1, TUMBLE_USE_FIT, TUMBLE_AT_0},
+                                              {5, 1, TUMBLE_USE_FIT, TUMBLE_AT_0}, {6, 1, TUMBLE_USE_FIT, TUMBLE_AT_0}};
 static const tumble_position_t nines[] = {TUMBLE_NINE_POSITIONS(1, FIT), TUMBLE_NINE_POSITIONS(2, FIT),
                                           TUMBLE_NINE_POSITIONS(3, FIT)};
 static const tumble_position_t fours[] = {FOUR_POSITIONS(1), FOUR_POSITIONS(2), FOUR_POSITIONS(3)};
@@ -35,6 +47,7 @@ static const tumble_position_t fives[] = {FIVE_POSITIONS(1), FIVE_POSITIONS(2), 
 static const tumble_position_t inclined[] = {TUMBLE_NINE_POSITIONS(1, CHECK), TUMBLE_NINE_POSITIONS(2, CHECK),
                                              TUMBLE_NINE_POSITIONS(3, CHECK), TUMBLE_NINE_POSITIONS(4, CHECK)};
 
+const tumble_schedule_t tumble_schedule_hand_laid = TUMBLE_SCHEDULE_OF(laid, once_each);
 const tumble_schedule_t tumble_schedule_six_faces = TUMBLE_SCHEDULE_OF(two, faces);
 const tumble_schedule_t tumble_schedule_three_mountings = TUMBLE_SCHEDULE_OF(three, nines);
 const tumble_schedule_t tumble_schedule_diagonal = TUMBLE_SCHEDULE_OF(three, fours);

@@ -202,7 +202,7 @@ def check(refused, tmp_path, option, case):
 
 def test_a_harmonic_estimator_on_six_faces(refused):
     run, schedule = EXAMPLES / "six_faces.csv", EXAMPLES / "six_faces.toml"
-    line = refused("solve", run, "--schedule", schedule)
+    line = refused("solve", run, "--schedule", schedule, "--estimator", "refined")
     assert line == f"tumble: {schedule}: lacks positions that refined needs; least_squares solves any schedule\n"
 
 

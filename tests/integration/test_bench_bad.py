@@ -33,7 +33,7 @@ OPTIONS = {
     "block not there": (["--block", "nowhere.toml"], "nowhere.toml: no such file or folder"),
     "schedule not there": (["--schedule", "nowhere.toml"], "nowhere.toml: no such file or folder"),
     "schedule the estimator cannot use": (
-        ["--schedule", str(EXAMPLES / "six_faces.toml")],
+        ["--schedule", str(EXAMPLES / "six_faces.toml"), "--estimator", "refined"],
         "lacks positions that refined needs; least_squares solves any schedule",
     ),
     "something more": (["run.csv"], "unrecognized arguments: run.csv (see tumble bench --help)"),

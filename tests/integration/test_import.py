@@ -50,7 +50,7 @@ def expected(visits):
 
 
 def test_the_hand_held_session_leads_by_its_advice_to_a_solution(tumble, refused, tmp_path):
-    assert "all of six_faces have: --schedule six_faces --order any" in refused("import", HAND_HELD)
+    assert "all of hand_laid have: --schedule hand_laid" in refused("import", HAND_HELD)
     said = refused("import", HAND_HELD, "--schedule", "six_faces", "--order", "any")
     assert "fits 8 ways" in said and "(--signs=+++ --order any)" in said
     said = refused("import", HAND_HELD, *SIX_FACES)
@@ -58,12 +58,13 @@ def test_the_hand_held_session_leads_by_its_advice_to_a_solution(tumble, refused
     done = tumble("import", HAND_HELD, *SIX_FACES, "--repeats", "first", "--out", tmp_path / "run.csv")
     assert (done.returncode, done.stderr) == (0, "")
     assert max(map(len, done.stdout.partition("\nNext:\n")[0].splitlines())) <= 80
-    said = shlex.split(done.stdout.partition("\nNext:\n")[2].replace("\\\n", ""))
-    advised = ("--schedule", "six_faces", "--estimator", "least_squares", "--out", str(tmp_path / "result.json"))
+    command, of_hands = done.stdout.partition("\nNext:\n")[2].replace("\\\n", "").split("Its limit is a rotary stand's")
+    said, advised = shlex.split(command), ("--schedule", "six_faces", "--out", str(tmp_path / "result.json"))
+    assert of_hands.endswith("--schedule hand_laid\n")
     assert said == ["tumble", "solve", str(tmp_path / "run.csv"), *advised]
     assert "measured in the order 1.3 1.7 2.1 2.5 1.1 1.5" in " ".join(done.stdout.split())
     assert places(tmp_path / "run.csv") == [(1, 3), (1, 7), (2, 1), (2, 5), (1, 1), (1, 5)]
-    solved = tumble("solve", tmp_path / "run.csv", "--schedule", "six_faces", "--estimator", "least_squares", "--json")
+    solved = tumble("solve", tmp_path / "run.csv", "--schedule", "six_faces", "--json")
     assert (solved.returncode, solved.stderr) == (1, "")
     result = json.loads(solved.stdout)
     # The six sections that others cut out of it by hand gave these (test_six_face_session).

@@ -154,6 +154,10 @@ extern const tumble_schedule_t tumble_schedule_three_mountings;
 extern const tumble_schedule_t tumble_schedule_diagonal;
 extern const tumble_schedule_t tumble_schedule_diagonal_closed;
 
+/* A block that is laid by hand on its six faces, without a stand: x up, x down, y up, y down, z up, z down, each a mounting
+ * of its own with one position. Only tumble_estimate_least_squares and gains solve it. */
+extern const tumble_schedule_t tumble_schedule_hand_laid;
+
 /* Each face of the block up once, in the paper's two mountings, with the numbers that these positions have there. Only
  * tumble_estimate_least_squares and gains solve it. */
 extern const tumble_schedule_t tumble_schedule_six_faces;

@@ -9,6 +9,7 @@ HARMONIC = ("averaged", "refined")
 # In the outputs, of blocks that are bolted on in every mounting.
 LINEAR = ("averaged", "refined", "least_squares")
 ESTIMATORS = ("averaged", "refined", "least_squares", "optimal", "inclined")
+LEAST_SQUARES = "least_squares"  # of any schedule
 OPTIMAL = "optimal"  # weighs by the stand's errors
 INCLINED = "inclined"  # of a block that is bolted on once: finds its inclinations, too
 INCLINATIONS = (  # what it needs

@@ -14,7 +14,11 @@ CHECK = "check"
 
 # Built-in schedules: the core and its witness each have their own. --schedule takes these names; a file of the same
 # name is given with a path.
-BUILT_IN = ("paper", "three_mountings", "diagonal", "diagonal_closed", "six_faces", "inclined", "inclined_closed")
+BUILT_IN = (
+    *("paper", "three_mountings", "diagonal", "diagonal_closed", "hand_laid", "six_faces"),
+    *("inclined", "inclined_closed"),
+)
+WITH_STAND = ("hand_laid",)  # they bring a stand of their own, for whoever declares none
 CLOSED = {"diagonal": "diagonal_closed", "inclined": "inclined_closed"}  # the same, and back where it began
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -20,7 +20,7 @@ from tumble.documents.result import Explanation, Result as ResultDocument
 from tumble.errors import UsageError, quoted
 from tumble.estimators import ESTIMATORS, OPTIMAL
 from tumble.files import run_rows
-from tumble.files.schedule_file import schedule_of
+from tumble.files.schedule_file import planned_with
 from tumble.files.stand_file import StandFile, stand_file_of
 from tumble.fixture.judge import Limits
 from tumble.model.fit import NOISE_V
@@ -28,13 +28,14 @@ from tumble.model.stand_seen import NAMES
 from tumble.schedule import Schedule
 from tumble.solving import noise, plausibility
 from tumble.solving.decision import NO_UNIT
+from tumble.solving.hands import brings_stand, hands_of
 from tumble.solving.many_runs import MonteCarlo, Verdict
 from tumble.solving.noise import CORRELATED
 from tumble.solving.plausibility import contradicted, in_environment
 from tumble.solving.result import created, document_of
 from tumble.solving.solution import Solution, solve as solve_run
 from tumble.stand import Stand
-from tumble.terms import Terms, parse
+from tumble.terms import parse
 from tumble.units import contradicts, looks_like, noise_unit
 
 
@@ -70,23 +71,25 @@ def solved(
     *,
     stand: Any = None,
     schedule: Any = None,
-    estimator: str = defaults.DEFAULT_ESTIMATOR,
+    estimator: str | None = None,
     limit_g: float | None = None,
     confidence: float = defaults.DEFAULT_CONFIDENCE,
-    terms: Terms = (),
+    model: Any = (),
 ) -> Solved:
     """Solve a recording; arguments as of `solve`. Raises TumbleError."""
-    if not is_one_of(estimator, ESTIMATORS):
+    if estimator is not None and not is_one_of(estimator, ESTIMATORS):
         raise UsageError(f"estimator: {quoted(estimator)} is not one of {', '.join(ESTIMATORS)}")
-    if estimator == OPTIMAL and stand is None:
+    if estimator == OPTIMAL and stand is None and not brings_stand(schedule):
         raise UsageError(defaults.NEEDS_STAND)
     now = created()
     stand_file = None if stand is None else stand_file_of(stand)
+    planned, estimator = planned_with(defaults.DEFAULT_SCHEDULE if schedule is None else schedule, estimator)
+    terms = parse(as_list(model), estimator)
+    run, planned = recording.averaged_on(planned)
+    if stand is None and brings_stand(schedule):
+        stand_file = hands_of(run, planned.data, recording.name)
     declared_g = None if stand_file is None else stand_file.delta_g_limit_g
     told_g = declared_g if limit_g is None else limit_g
-    run, planned = recording.averaged_on(
-        schedule_of(defaults.DEFAULT_SCHEDULE if schedule is None else schedule, estimator)
-    )
     odd_rows = run_rows.check_rows(run, planned.data, stand_file, recording.name)
     environment = None if stand_file is None else stand_file.environment
     contradiction = contradicted(run, environment)
@@ -102,7 +105,7 @@ def solved(
         terms=terms,
         coverage_factor=defaults.DEFAULT_COVERAGE_FACTOR if stand_file is None else stand_file.decided_by,
     )
-    solution = plausibility.with_order_flag(solution, stand_file)
+    solution = replace(plausibility.with_order_flag(solution, stand_file), brought_stand=stand is None)
     odd = (*odd_rows, *plausibility.check_k(solution, stand_file, recording.name))
     odd += () if contradiction is None else (contradiction,)
     return Solved(solution, stand_file, odd, now, os.path.basename(recording.name) if recording.is_file else None)
@@ -147,9 +150,6 @@ def solve(
     if not 0.5 <= as_number(confidence) <= 0.999999:
         raise UsageError(f"confidence: {quoted(confidence)} is not a number from 0.5 to 0.999999")
     with told_in_python():
-        if estimator is None:
-            planned = schedule_of(defaults.DEFAULT_SCHEDULE if schedule is None else schedule)
-            estimator = defaults.DEFAULT_INCLINED if planned.data.is_inclined else defaults.DEFAULT_ESTIMATOR
         found = solved(
             recording_of(run),
             stand=stand,
@@ -157,7 +157,7 @@ def solve(
             estimator=estimator,
             limit_g=limit_g,
             confidence=confidence,
-            terms=parse(as_list(model), estimator),
+            model=model,
         )
         return Result(to_json(found.document), tuple(found.complaints))
 
@@ -178,8 +178,9 @@ def complaints(solution: Solution, odd: Sequence[str] = (), confirmed_unit: bool
     told += odd
     if (span := plausibility.spanned(solution.run)) is not None:
         told.append(span)
-    if solution.stand is not None and noise_unit(unit) != "V" and not confirmed_unit:
-        declared = ", ".join(f"{one:g}" for one in np.atleast_1d(solution.stand.noise).tolist())
+    stand = None if solution.brought_stand else solution.stand
+    if stand is not None and noise_unit(unit) != "V" and not confirmed_unit:
+        declared = ", ".join(f"{one:g}" for one in np.atleast_1d(stand.noise).tolist())
         told.append(f"outputs in {unit}: noise_v of the stand file, {declared}, is in {unit} too")
     told += [] if solution.second_order is None else solution.second_order.complaints
     if solution.lone:

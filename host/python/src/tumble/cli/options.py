@@ -7,11 +7,11 @@ import math
 import os
 import re
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
-from tumble.defaults import DEFAULT_CONFIDENCE, DEFAULT_ESTIMATOR, DEFAULT_INCLINED, DEFAULT_LIMIT_G
-from tumble.errors import BadInput, UsageError, listed, quoted
+from tumble.defaults import DEFAULT_CONFIDENCE, DEFAULT_ESTIMATOR, DEFAULT_LIMIT_G
+from tumble.errors import UsageError, listed, quoted
 from tumble.estimators import ESTIMATORS
 from tumble.messages import on_terminal
 from tumble.schedule import BUILT_IN
@@ -44,8 +44,8 @@ _SHARED: dict[str, dict[str, Any]] = {  # by option, what argparse is told; {}: 
         "choices": ESTIMATORS,
         "default": _BY_SCHEDULE,
         "metavar": "NAME",
-        "help": f"{listed(ESTIMATORS, 'or')}; default: {DEFAULT_ESTIMATOR}, on inclined schedules"
-        f" {DEFAULT_INCLINED}{{}}",
+        "help": f"{listed(ESTIMATORS, 'or')}; default: {DEFAULT_ESTIMATOR} where the schedule has its circles,"
+        " inclined on inclined schedules, else least_squares{}",
     },
     "--model": {
         "metavar": "TERM,...",
@@ -91,23 +91,14 @@ def add(parser: Options, *options: str, remark: str = "") -> None:
         parser.add_argument(option, **{**how, "help": how["help"].format(remark)})
 
 
-def _is_inclined(schedule: str | None) -> bool:
-    """By name, or as its file says; whatever is wrong with one is told where it is used."""
-    if schedule is None or schedule in BUILT_IN or not os.path.isfile(schedule):
-        return schedule in ("inclined", "inclined_closed")
-    from tumble.files.schedule_file import parse_schedule
-
-    with suppress(BadInput):
-        return parse_schedule(schedule).is_inclined
-    return False
-
-
 def choose_estimator(arguments: argparse.Namespace) -> None:
     """What --estimator is where nobody says."""
     if getattr(arguments, "estimator", None) == _BY_SCHEDULE:
-        arguments.estimator = (
-            DEFAULT_INCLINED if _is_inclined(getattr(arguments, "schedule", None)) else DEFAULT_ESTIMATOR
-        )
+        arguments.estimator, name = DEFAULT_ESTIMATOR, getattr(arguments, "schedule", None)
+        if name is not None:
+            from tumble.files.schedule_file import estimator_by_name
+
+            arguments.estimator = estimator_by_name(name)
 
 
 def refuse_model(parser: argparse.ArgumentParser, why: str) -> None:

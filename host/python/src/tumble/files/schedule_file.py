@@ -7,14 +7,16 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from tumble.core import MAX_MOUNTINGS, MAX_POSITIONS, MAX_YAWS, CoreRefusal, CoreSchedule, estimate_runs
+from tumble.defaults import DEFAULT_ESTIMATOR, DEFAULT_INCLINED
 from tumble.errors import BadInput, UsageError, quoted
-from tumble.estimators import HARMONIC, INCLINATIONS, INCLINED, OPTIMAL
+from tumble.estimators import HARMONIC, INCLINATIONS, INCLINED, LEAST_SQUARES, OPTIMAL
 from tumble.files.toml import Table, read_toml
 from tumble.messages import tell
 from tumble.schedule import BUILT_IN, CHECK, FIT, Mounting, Position, Schedule
@@ -62,6 +64,37 @@ def schedule_of(schedule: Any, estimator: str | None = None) -> CoreSchedule:
     _require_identifying(core_schedule, "schedule")
     _require_solvable(core_schedule, estimator, "schedule")
     return core_schedule
+
+
+def default_estimator(schedule: CoreSchedule) -> str:
+    """What solves a schedule where nobody says: a closed form, where there is one for it."""
+    if schedule.data.is_inclined:
+        return DEFAULT_INCLINED
+    try:
+        schedule.harmonic()
+    except CoreRefusal:
+        return LEAST_SQUARES
+    return DEFAULT_ESTIMATOR
+
+
+def planned_with(schedule: Any, estimator: str | None) -> tuple[CoreSchedule, str]:
+    """A schedule as `schedule_of` takes it, and the `estimator`; None: that of the schedule. Raises as
+    `schedule_of`."""
+    planned = schedule_of(schedule, estimator)
+    if estimator is None:
+        estimator, is_named = default_estimator(planned), isinstance(schedule, (str, os.PathLike))
+        _require_solvable(planned, estimator, os.fspath(schedule) if is_named else "schedule", is_named)
+    return planned, estimator
+
+
+def estimator_by_name(name: str | None) -> str:
+    """The same of a built-in schedule or of a file; whatever is wrong with one is told where it is used."""
+    if name in BUILT_IN:
+        return default_estimator(CoreSchedule.built_in(name))
+    if name is not None and os.path.isfile(name):
+        with suppress(BadInput, CoreRefusal):
+            return default_estimator(CoreSchedule(parse_schedule(name)))
+    return DEFAULT_ESTIMATOR
 
 
 def _require_solvable(schedule: CoreSchedule, estimator: str | None, file: str, tells: bool = False) -> None:

@@ -26,13 +26,22 @@ STEP = (
 )  # a complex step has no cancellation, so it may be as small as one likes; of a power of two no rounding
 
 # The built-in schedules, from what they mean: which table axis each block axis lies along, and the angles.
-_TABLE = {"h": (1.0, 0.0, 0.0), "n": (0.0, 1.0, 0.0), "v": (0.0, 0.0, 1.0), "-h": (-1.0, 0.0, 0.0)}
+_TABLE = {"h": (1.0, 0.0, 0.0), "n": (0.0, 1.0, 0.0), "v": (0.0, 0.0, 1.0)}
+_TABLE |= {f"-{name}": (0.0 - h, 0.0 - n, 0.0 - v) for name, (h, n, v) in _TABLE.items()}
 _AXES = {1: ("h", "n", "v"), 2: ("-h", "v", "n"), 3: ("n", "v", "h")}  # of x, y, z; the paper has the first two
 _NINE = {turn: 45.0 * (turn - 1) for turn in range(1, 10)}
 _FOUR = {turn: 90.0 * turn - 45.0 for turn in range(1, 5)}
 _CLOSED = {**_FOUR, 5: 45.0}  # the last to check only
 _INCLINATIONS = {1: 0.0, 2: 45.0, 3: -45.0, 4: 0.0}  # deg, of a block bolted on once
 _FACES = {1: (1, 3, 5, 7), 2: (1, 5)}
+_LAID = {  # x, y, z of a block that lies on a face: along h, n, v
+    1: ("v", "h", "n"),
+    2: ("-v", "-h", "n"),
+    3: ("n", "v", "h"),
+    4: ("n", "-v", "-h"),
+    5: ("h", "n", "v"),
+    6: ("h", "-n", "-v"),
+}
 
 
 def built_in(name: str) -> Schedule:
@@ -44,15 +53,16 @@ def built_in(name: str) -> Schedule:
         "three_mountings": {1: _NINE, 2: _NINE, 3: _NINE},
         "diagonal": {1: _FOUR, 2: _FOUR, 3: _FOUR},
         "diagonal_closed": {1: _CLOSED, 2: _CLOSED, 3: _CLOSED},
+        "hand_laid": {number: {1: 0.0} for number in _LAID},
         "six_faces": {number: {turn: _NINE[turn] for turn in faces} for number, faces in _FACES.items()},
         "inclined": dict.fromkeys((1, 2, 3), _NINE),
         "inclined_closed": dict.fromkeys((1, 2, 3, 4), _NINE),
     }[name]
-    inclined = name.startswith("inclined")
+    inclined, axes = name.startswith("inclined"), _LAID if name == "hand_laid" else _AXES
     mountings = tuple(
         Mounting(number, tuple(_TABLE[axis] for axis in _AXES[1]), _INCLINATIONS[number], 1)
         if inclined
-        else Mounting(number, tuple(_TABLE[axis] for axis in _AXES[number]))
+        else Mounting(number, tuple(_TABLE[axis] for axis in axes[number]))
         for number in angles
     )
     last = 9 if inclined else 5

@@ -56,6 +56,7 @@ class Assumption:
 
 ASSUMPTIONS: Mapping[str, Assumption] = {
     "seat": Assumption("a square seat", "no position shows the block's tilt against the axis", "*"),
+    "hands": Assumption("faces laid to 3 mrad", "nobody declares how level they lay, nor the drift (--stand)"),
     "linear": Assumption("linearity", "the positions do not show all higher orders of the block", "^"),
     "order": Assumption("nothing exchanged or reversed", "no [block] says that its axes are such"),
     "incline": Assumption(
@@ -92,6 +93,7 @@ def assumed(solution: Solution) -> dict[str, Coefficients]:
         moved_k = np.any(list(unseen.values()), axis=0).ravel()
         rests_on["linear"] = tuple(COEFFICIENTS[index] for index in np.flatnonzero(moved_k))
     whole = {
+        "hands": solution.stand is not None and solution.brought_stand,
         "order": solution.is_out_of_order,
         "incline": solution.inclinations is not None and not solution.knows_signs,
         "unit": not run.unit_told,

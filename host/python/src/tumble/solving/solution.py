@@ -77,7 +77,7 @@ class Solution:
     `is_out_of_order`: axes or signs of K are those of an exchange or reversal, and no block is declared to have them;
     `knows_signs`: a block is declared, with the signs of its scales;
     `coverage_factor`: how many u(|a|) must be within the limit; `inclinations`: as the run shows them, of a block that
-    is bolted on once.
+    is bolted on once; `brought_stand`: the schedule brought the stand, nobody declared one.
     """
 
     schedule: Schedule
@@ -100,6 +100,7 @@ class Solution:
     knows_signs: bool = False
     coverage_factor: float = DEFAULT_COVERAGE_FACTOR
     inclinations: Inclinations | None = None
+    brought_stand: bool = False
 
     @cached_property
     def u_inclinations(self) -> Floats | None:

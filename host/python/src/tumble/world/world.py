@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from tumble.api.result import Result
-from tumble.defaults import DEFAULT_ESTIMATOR, DEFAULT_SCHEDULE
+from tumble.defaults import DEFAULT_SCHEDULE
 from tumble.documents import base, bench
 from tumble.errors import NotInstalled, UsageError, quoted
 from tumble.estimators import ESTIMATORS, OPTIMAL
-from tumble.files.schedule_file import schedule_of
+from tumble.files.schedule_file import planned_with
 from tumble.files.stand_file import stand_file_of
 from tumble.firmware_tables import STATES
 from tumble.world import in_process, outcome
@@ -98,12 +98,12 @@ class World:
             raise UsageError(f"this cannot be simulated: {refused}") from None
 
     def _setup_of(self, seed: int, schedule: Any, samples: int | None, keys: Mapping[str, Any]) -> Setup:
-        estimator = keys.get(_ESTIMATOR, DEFAULT_ESTIMATOR)
-        if estimator not in ESTIMATORS:
+        estimator = keys.get(_ESTIMATOR)
+        if estimator is not None and estimator not in ESTIMATORS:
             raise UsageError(f"{_ESTIMATOR}: {quoted(estimator)} is not one of {', '.join(ESTIMATORS)}")
         if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**64:
             raise UsageError(f"seed: {quoted(seed)} is not a whole number from 0 to 2^64 - 1")
-        planned = schedule_of(DEFAULT_SCHEDULE if schedule is None else schedule, estimator)
+        planned, estimator = planned_with(DEFAULT_SCHEDULE if schedule is None else schedule, estimator)
         if samples is not None and _SAMPLES in keys:
             raise UsageError(f"{_SAMPLES} is given by samples, too")
         for key, (_, place) in BY_OPTION.items():

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from tumble.cli import options
 from tumble.defaults import DEFAULT_SCHEDULE
 from tumble.errors import EXIT_PASS, UsageError, quoted
+from tumble.estimators import LEAST_SQUARES
 from tumble.schedule import file_of
 
 if TYPE_CHECKING:
@@ -222,7 +223,8 @@ def _after_import(done: Imported, run: str | None, stand: str | None) -> str:
     """The lines that are said last: the command that solves the run file which has been written, on lines that a shell
     joins; an option and its value stay together. `run`: that file, None where none was asked for; `stand`: the stand
     file, if any. The program is called as it was: tools/tumble of a checkout says how, by TUMBLE_PROGRAM."""
-    from tumble.core import CoreRefusal, CoreSchedule
+    from tumble.core import CoreSchedule
+    from tumble.files.schedule_file import default_estimator
     from tumble.model.inclined import layout
 
     if run is None:
@@ -239,12 +241,8 @@ def _after_import(done: Imported, run: str | None, stand: str | None) -> str:
                 "\nNext: measure what lacks, or leave out that inclination: the estimator inclined takes"
                 "\ninclinations on both sides of the level, three or more, turned in equal steps.\n"
             )
-        words += ["--estimator", "inclined"]
-    else:
-        try:  # can the usual estimator solve the positions that were found?
-            CoreSchedule(measured).harmonic()
-        except CoreRefusal:
-            words += ["--estimator", "least_squares"]
+    elif default_estimator(CoreSchedule(measured)) != default_estimator(CoreSchedule(done.schedule)):
+        words += ["--estimator", LEAST_SQUARES]  # of the positions that were found
     words += ["--out", os.path.join(os.path.dirname(run), "result.json")]  # which apply and report take
     program, verb, run, *chosen = map(shlex.quote, words)
     lines = [f"  {program} {verb}"]
@@ -254,4 +252,6 @@ def _after_import(done: Imported, run: str | None, stand: str | None) -> str:
             lines.append(f"    {option}")
         else:
             lines[-1] += f" {option}"
+    if done.settings.schedule_name == "six_faces" and stand is None:
+        lines += ["Its limit is a rotary stand's: import faces that were laid by hand with", "  --schedule hand_laid"]
     return "\n".join(["", "Next:", *lines, ""])

@@ -12,7 +12,7 @@ from tumble.defaults import NEEDS_STAND
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
 from tumble.estimators import OPTIMAL
 from tumble.messages import warn
-from tumble.schedule import file_of
+from tumble.schedule import WITH_STAND, file_of
 from tumble.terms import parse
 
 if TYPE_CHECKING:
@@ -53,10 +53,10 @@ def describe(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Solve and print. Returns the exit code; raises TumbleError."""
     limit_g, confidence = options.parse_limit(arguments.limit), options.parse_confidence(arguments.confidence)
-    if arguments.estimator == OPTIMAL and arguments.stand is None:
+    if arguments.estimator == OPTIMAL and arguments.stand is None and arguments.schedule not in WITH_STAND:
         raise UsageError(NEEDS_STAND)
     runs, seed = _parse_monte_carlo(arguments)
-    terms = parse(arguments.model, arguments.estimator)
+    parse(arguments.model, arguments.estimator)
 
     from tumble.api.recording import recording_of
     from tumble.api.solving import solved
@@ -76,7 +76,7 @@ def run(arguments: argparse.Namespace) -> int:
         estimator=arguments.estimator,
         limit_g=limit_g,
         confidence=confidence,
-        terms=terms,
+        model=arguments.model or (),
     )
     if runs is not None:
         found = replace(found, solution=_simulated(arguments, found.solution, runs, seed))
@@ -97,7 +97,7 @@ def _parse_monte_carlo(arguments: argparse.Namespace) -> tuple[int | None, int]:
             if getattr(arguments, option) is not None:
                 raise UsageError(f"--{option}: without --monte-carlo there is nothing to draw")
         return None, 0
-    if arguments.stand is None:
+    if arguments.stand is None and arguments.schedule not in WITH_STAND:
         raise UsageError("--monte-carlo draws the stand's errors: it needs --stand FILE")
     runs = options.parse_whole(arguments.monte_carlo, "--monte-carlo", FEWEST_SIMULATED, MOST_SIMULATED)
     return runs, options.parse_seed("1" if arguments.seed is None else arguments.seed)
