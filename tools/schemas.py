@@ -31,7 +31,7 @@ from tumble.documents.plan import PLAN, Plan
 from tumble.documents.result import RESULT, Result
 from tumble.documents.store import STORE, Store
 from tumble.documents.watch import WATCH, Snapshot, Watch
-from tumble.estimators import ESTIMATORS
+from tumble.estimators import ESTIMATORS, NORM
 from tumble.model.fit import DOUBTS
 from tumble.model.patterns import BY_NAME
 from tumble.schedule import BUILT_IN
@@ -84,7 +84,7 @@ _NAMES: dict[tuple[str, str], Iterable[str | None]] = {  # by type and key: the 
     ("Unseen", "unit"): dict.fromkeys(one.unit for one in BY_NAME.values()),
     ("Shift", "source"): [name for name, one in SOURCES.items() if one.is_angle],
     ("Schedule", "name"): [*BUILT_IN, None],
-    ("Result", "estimator"): ESTIMATORS,
+    ("Result", "estimator"): (*ESTIMATORS, NORM),
     ("Result", "stand_doubts"): DOUBTS,
 }
 

@@ -12,7 +12,8 @@ ESTIMATORS = ("averaged", "refined", "least_squares", "optimal", "inclined")
 LEAST_SQUARES = "least_squares"  # of any schedule
 OPTIMAL = "optimal"  # weighs by the stand's errors
 INCLINED = "inclined"  # of a block that is bolted on once: finds its inclinations, too
-INCLINATIONS = (  # what it needs
+NORM = "norm"  # of poses that nobody knows: by |a| alone, nine coefficients; for solve, no firmware has it
+INCLINATIONS = (  # what inclined needs
     "three inclinations or more of one bolting, on both sides of the level, at table angles that divide a turn equally"
 )
 

@@ -18,13 +18,14 @@ BUILT_IN = (
     *("paper", "three_mountings", "diagonal", "diagonal_closed", "hand_laid", "six_faces"),
     *("inclined", "inclined_closed"),
 )
-WITH_STAND = ("hand_laid",)  # they bring a stand of their own, for whoever declares none
+ANY_POSE = "any_pose"  # of a run alone: its poses, whose directions nobody knows
+WITH_STAND = ("hand_laid", ANY_POSE)  # they bring a stand of their own, for whoever declares none
 CLOSED = {"diagonal": "diagonal_closed", "inclined": "inclined_closed"}  # the same, and back where it began
 
 
 def file_of(name: str | None) -> str | None:
     """The file that --schedule names; None for a built-in schedule."""
-    return None if name in BUILT_IN else name
+    return None if name in (*BUILT_IN, ANY_POSE) else name
 
 
 @dataclass(frozen=True)

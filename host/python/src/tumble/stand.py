@@ -180,6 +180,12 @@ class Stand:
         """This stand without what further `terms` of a model have as unknowns, whatever its size: its drift."""
         return replace(self, drift=0.0) if DRIFT in terms else self
 
+    @property
+    def of_any_pose(self) -> Stand:
+        """This stand where nobody knows how the block lies: of its angles nothing is known, in any pose."""
+        none: dict[str, Any] = {one.attribute: 0.0 for one in SOURCES.values() if one.is_angle}
+        return replace(self, **{**none, "inclination": math.inf, "seat": math.inf})
+
     def with_step(self, step: PerChannel) -> Stand:
         """This stand with the noise that one sample really has: no less than a converter of this `step` (0: unknown),
         in the unit of the noise, leaves by rounding; step/sqrt(12) as a standard deviation."""

@@ -15,26 +15,30 @@ from tumble import defaults
 from tumble.api.arguments import as_list, as_number, is_one_of, told_in_python
 from tumble.api.recording import Recording, recording_of
 from tumble.api.result import Result
+from tumble.arrays import Floats
+from tumble.core import MAX_POSITIONS, CoreRefusal, CoreSchedule
 from tumble.documents.base import to_json
 from tumble.documents.result import Explanation, Result as ResultDocument
-from tumble.errors import UsageError, quoted
-from tumble.estimators import ESTIMATORS, OPTIMAL
+from tumble.errors import BadInput, UsageError, quoted
+from tumble.estimators import ESTIMATORS, NORM, OPTIMAL
 from tumble.files import run_rows
+from tumble.files.run_file import Run
 from tumble.files.schedule_file import planned_with
 from tumble.files.stand_file import StandFile, stand_file_of
 from tumble.fixture.judge import Limits
 from tumble.model.fit import NOISE_V
+from tumble.model.inclined import EQUAL
+from tumble.model.norm import of_poses
 from tumble.model.stand_seen import NAMES
-from tumble.schedule import Schedule
-from tumble.solving import noise, plausibility
+from tumble.schedule import ANY_POSE, Schedule
+from tumble.solving import hands, noise, plausibility
 from tumble.solving.decision import NO_UNIT
-from tumble.solving.hands import brings_stand, hands_of
 from tumble.solving.many_runs import MonteCarlo, Verdict
 from tumble.solving.noise import CORRELATED
 from tumble.solving.plausibility import contradicted, in_environment
 from tumble.solving.result import created, document_of
 from tumble.solving.solution import Solution, solve as solve_run
-from tumble.stand import Stand
+from tumble.stand import Stand, by_channel
 from tumble.terms import parse
 from tumble.units import contradicts, looks_like, noise_unit
 
@@ -77,17 +81,28 @@ def solved(
     model: Any = (),
 ) -> Solved:
     """Solve a recording; arguments as of `solve`. Raises TumbleError."""
-    if estimator is not None and not is_one_of(estimator, ESTIMATORS):
-        raise UsageError(f"estimator: {quoted(estimator)} is not one of {', '.join(ESTIMATORS)}")
-    if estimator == OPTIMAL and stand is None and not brings_stand(schedule):
+    if estimator is not None and not is_one_of(estimator, (*ESTIMATORS, NORM)):
+        raise UsageError(f"estimator: {quoted(estimator)} is not one of {', '.join((*ESTIMATORS, NORM))}")
+    if estimator == OPTIMAL and stand is None and not hands.brings_stand(schedule):
         raise UsageError(defaults.NEEDS_STAND)
     now = created()
     stand_file = None if stand is None else stand_file_of(stand)
-    planned, estimator = planned_with(defaults.DEFAULT_SCHEDULE if schedule is None else schedule, estimator)
-    terms = parse(as_list(model), estimator)
-    run, planned = recording.averaged_on(planned)
-    if stand is None and brings_stand(schedule):
-        stand_file = hands_of(run, planned.data, recording.name)
+    of_poses_alone = isinstance(schedule, str) and schedule == ANY_POSE
+    if of_poses_alone or estimator == NORM:
+        if not of_poses_alone and schedule is not None:
+            raise UsageError(f"--estimator {NORM} knows no directions: it takes --schedule {ANY_POSE} alone")
+        if estimator not in (None, NORM):
+            raise UsageError(f"--schedule {ANY_POSE} tells no directions, which {estimator} needs; {NORM} does not")
+        estimator = NORM
+        terms = parse(as_list(model), estimator)
+        run, planned = _any_poses(recording)
+        stand_file = hands.poses(run) if stand_file is None else stand_file
+    else:
+        planned, estimator = planned_with(defaults.DEFAULT_SCHEDULE if schedule is None else schedule, estimator)
+        terms = parse(as_list(model), estimator)
+        run, planned = recording.averaged_on(planned)
+        if stand_file is None and hands.brings_stand(schedule):
+            stand_file = hands.faces(run, planned.data, recording.name)
     declared_g = None if stand_file is None else stand_file.delta_g_limit_g
     told_g = declared_g if limit_g is None else limit_g
     odd_rows = run_rows.check_rows(run, planned.data, stand_file, recording.name)
@@ -104,11 +119,36 @@ def solved(
         confidence=confidence,
         terms=terms,
         coverage_factor=defaults.DEFAULT_COVERAGE_FACTOR if stand_file is None else stand_file.decided_by,
+        signs=_signs(stand_file),
     )
     solution = replace(plausibility.with_order_flag(solution, stand_file), brought_stand=stand is None)
     odd = (*odd_rows, *plausibility.check_k(solution, stand_file, recording.name))
     odd += () if contradiction is None else (contradiction,)
     return Solved(solution, stand_file, odd, now, os.path.basename(recording.name) if recording.is_file else None)
+
+
+def _any_poses(recording: Recording) -> tuple[Run, CoreSchedule]:
+    """A run of poses of any numbers. Where a mounting has several, they are numbered anew, in the order of the run."""
+    numbers = list(dict.fromkeys(zip(recording.mounting.tolist(), recording.position.tolist())))
+    if len(numbers) > MAX_POSITIONS:
+        raise BadInput(f"{len(numbers)} poses, at most {MAX_POSITIONS} are solved", recording.name)
+    try:
+        own = CoreSchedule(of_poses(numbers))
+    except CoreRefusal as refusal:
+        raise BadInput(str(refusal), recording.name) from None
+    anew = (
+        own
+        if len(own.data.mountings) == len(numbers)
+        else CoreSchedule(of_poses([(i + 1, 1) for i in range(len(numbers))]))
+    )
+    return recording.averaged_on(own)[0], anew
+
+
+def _signs(stand_file: StandFile | None) -> Floats:
+    """Of the scales of a declared block (3,); + where none is."""
+    if stand_file is None or stand_file.block is None:
+        return EQUAL
+    return np.sign(by_channel(stand_file.block["scale_v_per_g"]))
 
 
 def solve(

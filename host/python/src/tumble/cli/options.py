@@ -38,7 +38,7 @@ _BY_SCHEDULE = "by schedule"
 _SHARED: dict[str, dict[str, Any]] = {  # by option, what argparse is told; {}: where a command remarks on it
     "--schedule": {
         "metavar": "NAME",
-        "help": f"{', '.join(BUILT_IN[1:])}, or a schedule file (TOML); default: paper, its 2 x 9 positions",
+        "help": f"{', '.join(BUILT_IN[1:])}{{}}, or a schedule file (TOML); default: paper, its 2 x 9 positions",
     },
     "--estimator": {
         "choices": ESTIMATORS,
@@ -83,11 +83,11 @@ _SHARED: dict[str, dict[str, Any]] = {  # by option, what argparse is told; {}: 
 WORKERS = ("--workers", "--cluster", "--resume")  # of what simulates a lot
 
 
-def add(parser: Options, *options: str, remark: str = "") -> None:
+def add(parser: Options, *options: str, remark: str = "", **own: Any) -> None:
     """Options that are the same in several commands; the `remark` stands in the help of those that have a place for
-    one."""
+    one. `own`: what argparse is told otherwise here."""
     for option in options:
-        how = _SHARED[option]
+        how = _SHARED[option] | own
         parser.add_argument(option, **{**how, "help": how["help"].format(remark)})
 
 

@@ -22,7 +22,7 @@ from tumble.core import MAX_SAMPLES, CoreRefusal, CoreSchedule
 from tumble.defaults import ANEW, ONCE
 from tumble.documents.result import Result
 from tumble.errors import BadInput, UsageError, file_name, quoted
-from tumble.estimators import ESTIMATORS
+from tumble.estimators import ESTIMATORS, NORM
 from tumble.files.rows import Temperatures
 from tumble.fixture.judge import repeats
 from tumble.model.propagation import Propagation
@@ -133,7 +133,7 @@ class Side:
         samples = {(one.mounting, one.position, one.use): one.samples for one in document.means}
         places = [(position.mounting, position.number, position.use) for position in schedule.positions]
         counted = samples and all(0 < one <= MAX_SAMPLES for one in samples.values())
-        if not counted or not samples.keys() <= set(places) or document.estimator not in ESTIMATORS:
+        if not counted or not samples.keys() <= set(places) or document.estimator not in (*ESTIMATORS, NORM):
             return None
         part = as_shown(schedule, document).part([place in samples for place in places])
         rows = np.array([samples[place] for place in places if place in samples])

@@ -643,7 +643,9 @@ class Result(Document, kw_only=True):
         reversed and no `[block]` is declared. `unit`: that outputs are in volts, if neither file nor `--unit` names a
         unit. `white_noise`: that noise is white, if no position has four samples. `undithered`: that rounding errors
         are independent, if all samples of a position round alike. `temperature`: that the block is used at the
-        temperature of its run, if neither run file nor environment states it.
+        temperature of its run, if neither run file nor environment states it. `hands`: that faces lie as the schedule
+        `hand_laid` has it, if no stand is declared. `frame`: that K is in a frame of the block's own, if it comes from
+        |a| alone.
     assumed_for: By name as in `assumes`: the coefficients that depend on it; an empty list: all. A table marks each of
         these (`*` seat, `^` linear).
     warnings: The warnings on stderr, in the same order; an empty list: none.

@@ -16,10 +16,10 @@ import numpy as np
 from tumble.core import MAX_MOUNTINGS, MAX_POSITIONS, MAX_YAWS, CoreRefusal, CoreSchedule, estimate_runs
 from tumble.defaults import DEFAULT_ESTIMATOR, DEFAULT_INCLINED
 from tumble.errors import BadInput, UsageError, quoted
-from tumble.estimators import HARMONIC, INCLINATIONS, INCLINED, LEAST_SQUARES, OPTIMAL
+from tumble.estimators import HARMONIC, INCLINATIONS, INCLINED, LEAST_SQUARES, NORM, OPTIMAL
 from tumble.files.toml import Table, read_toml
 from tumble.messages import tell
-from tumble.schedule import BUILT_IN, CHECK, FIT, Mounting, Position, Schedule
+from tumble.schedule import ANY_POSE, BUILT_IN, CHECK, FIT, Mounting, Position, Schedule
 
 _LARGEST_NUMBER = 255
 _LARGEST_ANGLE_DEG = 3600.0
@@ -35,6 +35,8 @@ def read_schedule(file: str, data: bytes | None = None, estimator: str | None = 
     table."""
     if file in BUILT_IN:
         return _built_in(file, estimator)
+    if file == ANY_POSE:
+        raise BadInput(f"has no positions but those of a run, which {NORM} solves: it is for solve and import", file)
     schedule = _read(file, data)
     _require_solvable(schedule, estimator, file, tells=True)
     return schedule
@@ -91,6 +93,8 @@ def estimator_by_name(name: str | None) -> str:
     """The same of a built-in schedule or of a file; whatever is wrong with one is told where it is used."""
     if name in BUILT_IN:
         return default_estimator(CoreSchedule.built_in(name))
+    if name == ANY_POSE:
+        return NORM
     if name is not None and os.path.isfile(name):
         with suppress(BadInput, CoreRefusal):
             return default_estimator(CoreSchedule(parse_schedule(name)))

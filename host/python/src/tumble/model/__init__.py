@@ -7,6 +7,7 @@ uncertainties, checked in every solve, means something only as long as that hold
     errors        the table of a stand's errors, and what they do to the outputs
     estimators    closed forms and least squares, their gains; what a schedule cannot identify
     inclined      the closed form of a block that is bolted on once, and inclined with its stand
+    norm          any still poses, by |a| alone: nine coefficients
     optimal       generalised least squares: from the data, and as a table of gains
     propagation   how errors reach an estimate: gains, covariance, what each source brings; what is left out
     coefficients  what follows from them: specific force, |a| and its uncertainty, intrinsic parameters, gravity check

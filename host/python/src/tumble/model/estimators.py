@@ -14,8 +14,8 @@ import numpy as np
 
 from tumble.arrays import Floats, Integers
 from tumble.errors import UsageError
-from tumble.estimators import COEFFICIENTS, HARMONIC, INCLINED
-from tumble.model import inclined
+from tumble.estimators import COEFFICIENTS, HARMONIC, INCLINED, NORM
+from tumble.model import inclined, norm
 from tumble.model.geometry import built_in, ideal_force
 from tumble.schedule import Mounting, Schedule
 from tumble.terms import DRIFT, POWERS, Terms, names
@@ -136,11 +136,14 @@ def unknowns(
     schedule: Schedule, means: Floats, estimator: str, terms: Terms = (), weights: Floats = inclined.EQUAL
 ) -> Floats:
     """What an estimator that needs no stand finds (..., 12 + 3 x terms), from means (..., positions, 3) of all
-    positions of the schedule. Further terms are for least squares alone, `weights` of the channels (3,) for `inclined`.
-    Raises inclined.NotShown."""
+    positions of the schedule. Further terms are for least squares alone, `weights` of the channels (3,) for `inclined`
+    and `norm`. Raises inclined.NotShown, norm.NotShown."""
     means = np.asarray(means, dtype=float)
     if estimator == INCLINED:
         k, u0, _ = inclined.solve(schedule, means, weights)
+        return np.concatenate([k.reshape(*k.shape[:-2], 9), u0], axis=-1)
+    if estimator == NORM:
+        k, u0, _ = norm.solve(means[..., schedule.fit_indices, :], weights)
         return np.concatenate([k.reshape(*k.shape[:-2], 9), u0], axis=-1)
     if estimator in HARMONIC:
         k, u0 = _harmonic(schedule, means, estimator)
@@ -189,6 +192,8 @@ def gains_at(
     its derivatives there. Arguments as of `unknowns`."""
     if estimator == INCLINED:
         return inclined.gains(schedule, k, weights)
+    if estimator == NORM:
+        return norm.gains(schedule, k, weights)
     return linear_gains(schedule, estimator, terms)
 
 

@@ -23,6 +23,7 @@ from tumble.distributions import chi_squared_above, chi_squared_log_above
 from tumble.documents.result import Explanation
 from tumble.model.errors import NOISE, OF_OUTPUTS, Errors, declared, free, of_stand
 from tumble.model.estimators import by_coefficients, design, estimate
+from tumble.model.norm import TURNED
 from tumble.model.patterns import BY_NAME, INCLINATION, STAND, Columns, Pattern, Scene, patterns_of
 from tumble.model.stand_seen import ANGLES, Estimate, StandSeen
 from tumble.schedule import Schedule
@@ -66,6 +67,7 @@ class WholeModel:
         self._errors = Errors(self.schedule, of_stand(self.schedule, self.k, stand, names))
         self._sigma = self._errors.sigma
         self._known = np.flatnonzero(~self._errors.free)  # those that have a prior
+        self._turned = TURNED if "seat" in free(stand, schedule) else ()  # of K: the block's frame is free to turn
         self._largest = np.full(len(self._sigma), LARGEST_ERROR_RAD)
         for name in set(OF_OUTPUTS) & set(names):
             self._largest[self._errors.of[name]] = np.inf
@@ -89,11 +91,12 @@ class WholeModel:
         noise = self._noise.reshape(-1, 1)
         derivatives = self._errors.derivative(self.k, self._x).reshape(len(self._x), -1).T
         prior = np.eye(len(self._x), by_unknown.shape[1] + len(self._x), by_unknown.shape[1])[self._known]
-        system = np.vstack([np.hstack([by_unknown / noise, derivatives * self._sigma / noise]), prior])
+        fixed = np.eye(prior.shape[1])[list(self._turned)] / self._noise.min()
+        system = np.vstack([np.hstack([by_unknown / noise, derivatives * self._sigma / noise]), prior, fixed])
         sigma = np.where(self._sigma > 0.0, self._sigma, 1.0)
         shown = (self._outputs - self._errors.outputs(self.k, self._u0, self._x)).ravel() - self._further @ self._sizes
         left = shown / noise[:, 0]
-        right = np.concatenate([left, ((self._errors.mean - self._x) / sigma)[self._known]])
+        right = np.concatenate([left, ((self._errors.mean - self._x) / sigma)[self._known], np.zeros(len(fixed))])
         length = np.sqrt((system**2).sum(axis=0))
         q, r = np.linalg.qr(system / length, mode="complete")
         unknowns = system.shape[1]

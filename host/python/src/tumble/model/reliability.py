@@ -19,6 +19,7 @@ import numpy as np
 
 from tumble.arrays import Flags, Floats
 from tumble.distributions import noncentrality
+from tumble.estimators import NORM
 from tumble.model.coefficients import norm_gradient, spread_attitudes
 from tumble.model.errors import brought, by_gains, declared, of_stand, unit_effect
 from tumble.model.estimators import design, gains_at
@@ -61,6 +62,8 @@ def unseen_patterns(schedule: Schedule, k: Floats, estimator: str) -> dict[str, 
     that it moves, where it moves any. `estimator`: one that needs no stand."""
     fitted, found = schedule.fitted, {}
     inclinations = unit_effect(fitted, "inclination").derivative(k)
+    if estimator == NORM:  # what turns a pose shows nothing
+        inclinations = unit_effect(fitted, "seat").derivative(k)
     explaining = np.column_stack([design(fitted), inclinations.reshape(len(inclinations), 3 * len(fitted.positions)).T])
     for pattern in (one for one in PATTERNS if one.whose == BLOCK):
         columns = [one.reshape(-1, 1) for one in pattern.columns(Scene(fitted, k))[0].values()]

@@ -13,6 +13,7 @@ from msgspec import UnsetType
 from tumble.arrays import Floats, Integers
 from tumble.documents.result import Result, StandSeen
 from tumble.errors import UsageError
+from tumble.estimators import NORM
 from tumble.fixture.judge import Limits
 from tumble.model.fit import SYSTEMATIC
 from tumble.model.inclined import parabola
@@ -180,8 +181,11 @@ def require_same_run(result: Result, run: Recorded) -> None:
     """Raise UsageError where the means of a run are not those of the result."""
     means = np.array([one.mean for one in result.means])
     largest = float(np.abs(means).max())
-    for one, mean in zip(result.means, means):
-        here = (run.mounting == one.mounting) & (run.position == one.position)
+    numbers = [(one.mounting, one.position) for one in result.means]
+    if result.estimator == NORM:  # whose poses may have been numbered anew, in the order of the run
+        numbers = [*dict.fromkeys(zip(run.mounting.tolist(), run.position.tolist())), *numbers][: len(numbers)]
+    for one, mean, (mounting, position) in zip(result.means, means, numbers):
+        here = (run.mounting == mounting) & (run.position == position)
         if here.sum() != one.samples or np.abs(run.outputs[here].mean(axis=0) - mean).max() > _SAME * largest:
             place = f"{one.mounting}.{one.position}"
             raise UsageError(f"run: not that of the result, which has another mean at position {place}")

@@ -16,7 +16,7 @@ from tumble import core
 from tumble.arrays import Flags, Floats
 from tumble.core import GainRecord, estimate_runs as core_runs, inclined_runs, optimal_runs
 from tumble.errors import BadInput, Disagreement, UsageError, listed
-from tumble.estimators import INCLINED, OPTIMAL
+from tumble.estimators import INCLINED, NORM, OPTIMAL
 from tumble.model import coefficients, estimators
 from tumble.model.coefficients import NotSolvable, linear_outputs
 from tumble.model.errors import by_gains
@@ -298,6 +298,9 @@ def estimator_for(given: Propagation) -> ManyRuns:
     schedule, terms = core.CoreSchedule(given.schedule), given.terms
     if given.estimator == INCLINED:
         return lambda means: inclined_runs(schedule, means, given.weights)[0]
+    if given.estimator == NORM:
+        weights = given.weights * np.where(np.diag(given.k) < 0.0, -1.0, 1.0)
+        return lambda means: estimators.unknowns(given.schedule, means, NORM, weights=weights)
     if given.estimator != OPTIMAL:
         if terms:
             return lambda means: least_squares(schedule, means, terms)

@@ -22,7 +22,7 @@ from tumble.arrays import Floats
 from tumble.defaults import DEFAULT_COVERAGE_FACTOR
 from tumble.documents.result import Remedy, Result
 from tumble.errors import UsageError, listed
-from tumble.estimators import COEFFICIENTS, OPTIMAL
+from tumble.estimators import COEFFICIENTS, NORM, OPTIMAL
 from tumble.model.coefficients import worst_norm
 from tumble.model.geometry import built_in
 from tumble.model.propagation import Propagation
@@ -57,6 +57,10 @@ class Assumption:
 ASSUMPTIONS: Mapping[str, Assumption] = {
     "seat": Assumption("a square seat", "no position shows the block's tilt against the axis", "*"),
     "hands": Assumption("faces laid to 3 mrad", "nobody declares how level they lay, nor the drift (--stand)"),
+    "frame": Assumption(
+        "a frame of the block's own",
+        "|a| does not show how x, y, z are turned against its seat: K_xy, K_xz, K_yz are 0 by convention",
+    ),
     "linear": Assumption("linearity", "the positions do not show all higher orders of the block", "^"),
     "order": Assumption("nothing exchanged or reversed", "no [block] says that its axes are such"),
     "incline": Assumption(
@@ -81,7 +85,7 @@ def assumed(solution: Solution) -> dict[str, Coefficients]:
     found, run, schedule = solution.found, solution.run, solution.measured_schedule
     rests_on: dict[str, Coefficients] = {}
     linear = "least_squares" if found.estimator == OPTIMAL else found.estimator  # what is most like `optimal`
-    if rests_on_a_seat(schedule, found.k, solution.stand, found.terms):
+    if found.estimator != NORM and rests_on_a_seat(schedule, found.k, solution.stand, found.terms):
         # those whose uncertainty an undeclared tilt of a size to be expected would raise by a tenth or more
         stated = solution.stated or solution.scatter_alone
         variance = np.zeros(12) if stated is None else np.diag(stated.covariance)[:12]
@@ -93,7 +97,8 @@ def assumed(solution: Solution) -> dict[str, Coefficients]:
         moved_k = np.any(list(unseen.values()), axis=0).ravel()
         rests_on["linear"] = tuple(COEFFICIENTS[index] for index in np.flatnonzero(moved_k))
     whole = {
-        "hands": solution.stand is not None and solution.brought_stand,
+        "frame": found.estimator == NORM,
+        "hands": found.estimator != NORM and solution.stand is not None and solution.brought_stand,
         "order": solution.is_out_of_order,
         "incline": solution.inclinations is not None and not solution.knows_signs,
         "unit": not run.unit_told,
@@ -304,7 +309,8 @@ class Question:
             steeper, deg = _inclined_further(self.planned)
             if (reach_g := self._tried(schedule=steeper)) <= limit_g:
                 found.append(Remedy("inclinations", deg, reach_g))
-        reach_g = np.inf if given.estimator == OPTIMAL else self._tried(estimator=OPTIMAL)
+        own = given.estimator in (NORM, OPTIMAL)
+        reach_g = np.inf if own else self._tried(estimator=OPTIMAL)
         if reach_g <= limit_g:
             found.append(Remedy("estimator", OPTIMAL, reach_g))
         if self._tried(times=_MOST_TIMES) <= limit_g:

@@ -16,6 +16,7 @@ from tumble.errors import BadInput
 from tumble.estimators import LEAST_SQUARES
 from tumble.files.run_file import Run
 from tumble.files.stand_file import StandFile
+from tumble.model import norm
 from tumble.model.estimators import estimate, unidentified
 from tumble.model.geometry import built_in
 from tumble.schedule import WITH_STAND, Schedule
@@ -39,25 +40,37 @@ HANDS = Stand(  # of a block that gives 1 V at 1 g
 )
 
 
+STILL = replace(HANDS, seat=0.0, name="still in poses that nobody knows")  # how they lie does not matter
+
+
 def brings_stand(schedule: Any) -> bool:
     """Whether a schedule, by name or as an object, brings a stand for whoever declares none."""
     if isinstance(schedule, Schedule):
-        return any(schedule == built_in(one) for one in WITH_STAND)
+        return schedule == built_in("hand_laid")
     return isinstance(schedule, str) and schedule in WITH_STAND
 
 
-def hands_of(run: Run, schedule: Schedule, file: str) -> StandFile:
+def faces(run: Run, schedule: Schedule, file: str) -> StandFile:
     """As a run on a schedule of faces shows the scale of its block, and, where it has samples, their noise. Raises
     BadInput of the run in `file` where it does not show the coefficients."""
     part, means = schedule.part(run.measured), run.means[run.measured]
     if lost := unidentified(part):
         raise BadInput(f"these positions cannot identify {', '.join(lost)}", file)
-    return hands(run, np.linalg.norm(estimate(part, means, LEAST_SQUARES)[0], axis=1))
+    return _scaled(HANDS, run, np.linalg.norm(estimate(part, means, LEAST_SQUARES)[0], axis=1))
 
 
-def hands(run: Run, scale: Floats) -> StandFile:
-    """The same for a block whose channels have this `scale` (3,), in the unit of the run per g."""
+def poses(run: Run) -> StandFile:
+    """The same of poses that nobody knows; where they do not show a scale, of one that is roughly theirs."""
+    try:
+        scale = np.linalg.norm(norm.solve(run.means, np.ones(3))[0], axis=1)
+    except (norm.NotShown, np.linalg.LinAlgError):
+        scale = np.full(3, np.ptp(run.means, axis=0).max() / 2.0)
+    return _scaled(STILL, run, scale)
+
+
+def _scaled(stand: Stand, run: Run, scale: Floats) -> StandFile:
+    """For a block whose channels have this `scale` (3,), in the unit of the run per g."""
     seen, volts = noise.look(run, None, 0.0).measured, volts_per(run.unit)
     of_a_sample = _NOISE_G * scale if seen is None else noise.of_means(seen, run.samples)
     sizes: dict[str, Any] = {"noise": per_channel(of_a_sample * volts), "drift": per_channel(_DRIFT_G * scale * volts)}
-    return StandFile(replace(HANDS, **sizes), delta_g_limit_g=LIMIT_G)
+    return StandFile(replace(stand, **sizes), delta_g_limit_g=LIMIT_G)

@@ -24,10 +24,12 @@ from tumble.core import AXES
 from tumble.distributions import student_quantile
 from tumble.documents.result import Temperature
 from tumble.errors import BadInput, listed
+from tumble.estimators import NORM
 from tumble.files.rows import OF_ENVIRONMENT, Temperatures
 from tumble.files.run_file import Run
 from tumble.files.stand_file import StandFile
 from tumble.model.geometry import Geometry
+from tumble.model.norm import NINE
 from tumble.schedule import FIT, Position, Schedule
 from tumble.solving.solution import Solution
 from tumble.stand import by_channel, over
@@ -208,6 +210,8 @@ def unchecked(solution: Solution) -> tuple[str, ...]:
     positions = solution.measured_schedule.positions
     fitted = sum(position.use == FIT for position in positions)
     free = 3 * (fitted - 4 - len(solution.found.terms))
+    if solution.found.estimator == NORM:
+        free = fitted - len(NINE)
     return (UNCHECKED,) if free <= 0 and fitted == len(positions) else ()
 
 

@@ -14,9 +14,9 @@ from tumble.arrays import Floats, Integers
 from tumble.defaults import DEFAULT_COVERAGE_FACTOR
 from tumble.documents.result import Truth, WorstNorm
 from tumble.errors import BadInput
-from tumble.estimators import INCLINATIONS, INCLINED, OPTIMAL
+from tumble.estimators import INCLINATIONS, INCLINED, LEAST_SQUARES, NORM, OPTIMAL
 from tumble.files.run_file import Run
-from tumble.model import inclined
+from tumble.model import inclined, norm
 from tumble.model.coefficients import (
     IntrinsicUncertainties,
     NotSolvable,
@@ -26,7 +26,7 @@ from tumble.model.coefficients import (
 )
 from tumble.model.fit import CONFIDENCE, Fit, WholeModel, judge, variance_of_means
 from tumble.model.geometry import built_in
-from tumble.model.inclined import Inclinations
+from tumble.model.inclined import EQUAL, Inclinations
 from tumble.model.optimal import OptimalEstimate, optimal_estimate
 from tumble.model.propagation import Propagation, SecondOrder, second_order
 from tumble.model.reliability import Reliability, reliability
@@ -226,25 +226,25 @@ def solve(
     confidence: float = CONFIDENCE,
     terms: Terms = (),
     coverage_factor: float = DEFAULT_COVERAGE_FACTOR,
+    signs: Floats = EQUAL,
 ) -> Solution:
     """Solve a run on a schedule (None: the paper's).
 
     `file` names the run in errors. The optimal estimator needs a `stand`; `step_v` is its converter's step, 0 if
     unknown, and `known` what its table was made for, None if it is to be made for this run. `confidence`: at which the
     run must fit the stand. `terms`: further ones of the model, in the order of TERMS, for one of EXTENDABLE.
-    `coverage_factor`: of the decision rule. Raises BadInput where the core refuses the run, Disagreement where the
-    witness does not confirm the core.
+    `coverage_factor`: of the decision rule; `signs` (3,) of the scales, which `norm` cannot show. Raises BadInput where
+    the core refuses the run, Disagreement where the witness does not confirm it.
     """
     step = over(step_v, volts_per(run.unit))
-    in_unit = None if stand is None else stand.without(terms).in_unit(run.unit)
+    in_unit = None if stand is None else _counted(stand, estimator, terms).in_unit(run.unit)
     declared = None if in_unit is None else in_unit.with_step(step)  # with the rounding of its converter
     planned = schedule or core.CoreSchedule.built_in("paper")
     means, samples = run.means[run.measured], run.samples[run.measured]
     noise = look_at_noise(run, in_unit, step)
     variance = noise.mean_variance[run.measured]
-
     noted = declared or NO_STAND
-    place = _at_inclinations(planned, run, estimator, _Left(noted, samples, step, variance), file)
+    place = _place_of(planned, run, estimator, _Left(noted, samples, step, variance), signs, file)
     core_schedule, witness_schedule = place.schedule, place.witness_schedule
 
     # The core computes.
@@ -261,7 +261,7 @@ def solve(
         if weighting is not None:
             optimal = _by_numpy(model, place, means, samples, weighting, variance, file)
     linear, delta_g = found.linear[run.measured], found.gravity.delta_g[run.measured]
-    comparison = compare(found, witness_schedule, means, linear, delta_g, optimal, noted.weights)
+    comparison = compare(found, witness_schedule, means, linear, delta_g, optimal, noted.weights * signs)
 
     # Uncertainties: of the declared stand, or of the scatter alone.
     uncertainties = None
@@ -277,7 +277,7 @@ def solve(
     if alike is not None and model is not None:
         fit = judge(model, confidence, seen, sampled_patterns(noise, run, seen.noise, alike, step))
     return Solution(
-        schedule=planned.data,
+        schedule=core_schedule.data if estimator == NORM else planned.data,
         run=run,
         limit_g=limit_g,
         found=found,
@@ -332,6 +332,19 @@ class _Left:
         return f", which leaves u(|a|) of up to {u_norm_g:.2g} g" if u_norm_g < 1.0 else ", which leaves |a| unknown"
 
 
+def _counted(stand: Stand, estimator: str, terms: Terms) -> Stand:
+    """What of a declared stand counts beside the unknowns."""
+    return stand.of_any_pose if estimator == NORM else stand.without(terms)
+
+
+def _place_of(planned: core.CoreSchedule, run: Run, estimator: str, left: _Left, signs: Floats, file: str) -> _Place:
+    """The place of a run that was `planned` so: as it is planned, or as the run shows it. Raises as the two below."""
+    if estimator != NORM:
+        return _at_inclinations(planned, run, estimator, left, file)
+    of_means = np.maximum(left.stand.mean_variance(left.samples), left.variance)
+    return _at_directions(planned, run, left.stand.weights * signs, of_means, file)
+
+
 def _at_inclinations(planned: core.CoreSchedule, run: Run, estimator: str, left: _Left, file: str) -> _Place:
     """The place of a run that was `planned` so. Raises BadInput where it shows no inclinations, or the estimator does
     not find them; Disagreement where numpy sees others."""
@@ -359,6 +372,30 @@ def _at_inclinations(planned: core.CoreSchedule, run: Run, estimator: str, left:
     compare_inclinations(seen, of_witness, magnified_angles(witness_schedule, means, k, weights))
     at_seen = core.CoreSchedule(inclined.as_seen(planned.data, seen))
     return _Place(at_seen, witness_schedule, part, closed, seen)
+
+
+def _at_directions(planned: core.CoreSchedule, run: Run, weights: Floats, of_means: Floats, file: str) -> _Place:
+    """The place of a run whose poses nobody knows: at the directions that numpy finds, on which the core solves it by
+    least squares. `of_means` (poses, 3): variance by their noise, 0: unknown. Raises BadInput where they do not show
+    the nine."""
+    rough, size = norm.roughly(run.means, weights)
+    sigma_g = float(np.sqrt((of_means * weights**2).mean())) / size or None
+    lacking = norm.unshown(rough, sigma_g)
+    try:
+        if lacking is None:
+            directions = norm.solve(run.means, weights)[2]
+            lacking = norm.unshown(directions, sigma_g)
+    except norm.NotShown as error:
+        lacking = str(error)
+    if lacking is not None:
+        raise BadInput(lacking, file)
+    schedule = core.CoreSchedule(norm.as_seen(planned.data, directions))
+    try:
+        found = np.concatenate([one.ravel() for one in core.estimate(schedule, run.means, run.measured, LEAST_SQUARES)])
+    except core.CoreRefusal as refusal:
+        raise BadInput(_explained(refusal, NORM), file) from None
+    found[list(norm.TURNED)] = 0.0  # but for rounding they are
+    return _Place(schedule, schedule.data, planned.data, found)
 
 
 def _inclinations_by_numpy(part: Schedule, means: Floats, weights: Floats, file: str) -> tuple[Floats, Inclinations]:

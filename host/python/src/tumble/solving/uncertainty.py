@@ -22,7 +22,7 @@ from tumble.core import uncertainties, uncertainties_of_gains
 from tumble.distributions import student_quantile
 from tumble.documents.result import Without, WorstNorm
 from tumble.errors import BadInput
-from tumble.estimators import INCLINED, OPTIMAL
+from tumble.estimators import INCLINED, NORM, OPTIMAL
 from tumble.model.coefficients import variances, worst_norm
 from tumble.model.optimal import NOISE_FLOOR_G, OptimalEstimate
 from tumble.model.propagation import Propagation
@@ -127,7 +127,9 @@ def standard_uncertainties(
     for weights made elsewhere.
     """
     part, stand = schedule.part(measured), given.stand.with_step(given.step)
-    if given.estimator != OPTIMAL and not given.terms:
+    if given.estimator == NORM:  # which nothing that turns a pose moves
+        stand = replace(stand, seat=0.0)
+    elif given.estimator != OPTIMAL and not given.terms:
         run = part, given.k, stand, given.samples, given.estimator
         weights = given.weights if given.estimator == INCLINED else None
         u_k, u_u0 = uncertainties(*run, mean_variance=mean_variance, weights=weights)

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 from tumble.cli import options
 from tumble.defaults import NEEDS_STAND
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
-from tumble.estimators import OPTIMAL
+from tumble.estimators import ESTIMATORS, NORM, OPTIMAL
 from tumble.messages import warn
-from tumble.schedule import WITH_STAND, file_of
+from tumble.schedule import ANY_POSE, WITH_STAND, file_of
 from tumble.terms import parse
 
 if TYPE_CHECKING:
@@ -34,9 +34,11 @@ def describe(parser: argparse.ArgumentParser) -> None:
         metavar="RUN.csv",
         help="run file with columns mounting,position,ux,uy,uz, also compressed by gzip or zstd; - for standard input",
     )
-    options.add(parser, "--estimator", remark="; optimal needs --stand")
+    known = *ESTIMATORS, NORM
+    options.add(parser, "--estimator", remark=f", {NORM} on {ANY_POSE}; optimal needs --stand", choices=known)
     parser.add_argument("--stand", metavar="FILE", help="stand file (TOML): gives the uncertainties")
-    options.add(parser, "--schedule", "--model", "--limit", "--confidence", "--details", "--json")
+    options.add(parser, "--schedule", remark=f", {ANY_POSE}")
+    options.add(parser, "--model", "--limit", "--confidence", "--details", "--json")
     parser.add_argument("--out", metavar="RESULT.json", help="write the result to a file as well")
     parser.add_argument(
         "--monte-carlo",
