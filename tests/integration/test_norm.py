@@ -1,6 +1,7 @@
 """Estimator `norm`, schedule `any_pose`: still poses that nobody knows, by the length of gravity alone."""
 
 import json
+import shlex
 
 import numpy as np
 import pytest
@@ -189,3 +190,32 @@ def test_it_needs_no_direction_and_takes_none():
         package.solve(run, schedule="any_pose", estimator="refined")
     with pytest.raises(BadInput, match="no positions but those of a run"):
         package.World(1, schedule="any_pose")
+
+
+def recording_of(tmp_path, poses):
+    """A logger's, of a block that rests 3 s in each pose and is moved about for 0.6 s between two."""
+    rng = np.random.default_rng(14)
+    parts = [9.81 / 2 * (n @ K.T + U0) + sigma * rng.standard_normal((rows, 3))
+             for n in poses for rows, sigma in ((300, 0.02), (60, 4.0))]  # fmt: skip
+    lines = [f"{row / 100:.2f},{x:.5f},{y:.5f},{z:.5f}" for row, (x, y, z) in enumerate(np.concatenate(parts))]
+    log = tmp_path / "log.csv"
+    log.write_text("\n".join(["time [s],ux [m/s^2],uy [m/s^2],uz [m/s^2]", *lines]) + "\n")
+    return log
+
+
+def test_a_recording_of_poses_leads_to_a_verdict(tumble, tmp_path):
+    """Nobody says how the block lay: what import prints as Next solves it."""
+    run = tmp_path / "run.csv"
+    done = tumble("import", recording_of(tmp_path, POSES), "--schedule", "any_pose", "--leave-out", "3", "--out", run)
+    assert done.returncode == 0 and "at 13 of 13 positions of any_pose" in done.stdout, done.stderr
+    command = shlex.split(done.stdout.partition("\nNext:\n")[2].replace("\\\n", ""))
+    assert command[1:5] == ["solve", str(run), "--schedule", "any_pose"]
+    solved = tumble(*command[1:])
+    assert solved.returncode == 0 and "13 of 13 positions, estimator norm" in solved.stdout
+    result = package.load(tmp_path / "result.json")
+    assert (np.abs(result.K - 9.81 / 2 * LOWER) < 4 * result.u_K + 1e-12).all()
+
+
+def test_more_rests_than_are_solved_are_refused(refused, tmp_path):
+    log = recording_of(tmp_path, around(37))
+    assert "37 rests, at most 36 poses are solved: --leave-out" in refused("import", log, "--schedule", "any_pose")

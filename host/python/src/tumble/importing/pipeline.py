@@ -14,14 +14,14 @@ from tumble.errors import BadInput, UsageError, quoted
 from tumble.files import run_rows
 from tumble.files.run_file import smallest_step
 from tumble.files.run_layout import NO_WISHES, Wishes
-from tumble.importing import labels, match, recording
+from tumble.importing import any_pose, labels, match, recording
 from tumble.importing.attitudes import scale_and_bias
 from tumble.importing.can_bus import NO_BUS, Bus
 from tumble.importing.match import ANY, JOINED, NONE, POSITIVE, REPEATED, TAKEN, Claims, Doubtful, Matched
 from tumble.importing.recording import CONTRADICTED, Recording, Timing
 from tumble.importing.rests import Found, Rests, Thresholds, find_rests
 from tumble.model.geometry import built_in
-from tumble.schedule import BUILT_IN, Schedule
+from tumble.schedule import ANY_POSE, BUILT_IN, Schedule
 from tumble.units import looks_like
 
 _SHORTEST_S, _LONGEST_S = 1.5, 900.0  # of the usual rest: nobody's hand or table is quicker, or so patient
@@ -207,6 +207,8 @@ def _joined_clocks(recordings: Sequence[Recording]) -> tuple[Floats | None, floa
 
 def _matched(rests: Rests, schedule: Schedule, settings: Settings) -> Matched:
     """Raises Doubtful; where no schedule was said, with the one that fits."""
+    if settings.schedule == ANY_POSE:
+        return any_pose.matched(rests, settings.claims)
     try:
         matched = match.match(rests, schedule, settings.claims)
         missing = len(schedule.positions) - len(set(matched.positions.tolist()) - {NONE})

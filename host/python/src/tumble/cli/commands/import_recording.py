@@ -14,7 +14,7 @@ from tumble.cli import options
 from tumble.defaults import DEFAULT_SCHEDULE
 from tumble.errors import EXIT_PASS, UsageError, quoted
 from tumble.estimators import LEAST_SQUARES
-from tumble.schedule import file_of
+from tumble.schedule import ANY_POSE, file_of
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -43,7 +43,7 @@ def describe(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         help="CSV of a logger, a RAWIMU log (ASCII), or a CAN log; several are one run, in this order",
     )
-    options.add(parser, "--schedule")
+    options.add(parser, "--schedule", remark=f", {ANY_POSE}")
     parser.add_argument("--stand", metavar="FILE", help="stand file: its scale_v_per_g gives the signs of K")
     parser.add_argument("--signs", metavar="+++", help="signs of K_xx, K_yy, K_zz, such as -+-; default: the stand's")
     parser.add_argument(
@@ -79,6 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.files.disk import refuse_overwriting, write_all
     from tumble.files.schedule_file import read_schedule
     from tumble.importing import report
+    from tumble.importing.any_pose import POSES
     from tumble.importing.pipeline import import_recordings
 
     sources = (*arguments.recordings, arguments.stand, arguments.dbc, file_of(arguments.schedule))
@@ -96,8 +97,13 @@ def run(arguments: argparse.Namespace) -> int:
     replayed = arguments.recipe is not None and os.path.exists(arguments.recipe)
     signs, about_signs = _told_signs(arguments)
     settings = _settings(arguments, replayed, signs)
-    schedule = read_schedule(settings.schedule_name).data
+    is_any = settings.schedule_name == ANY_POSE
+    schedule = POSES if is_any else read_schedule(settings.schedule_name).data
     done = import_recordings(arguments.recordings, schedule, settings)
+    if is_any:  # what was not measured does not lack
+        done = replace(
+            done, schedule=schedule.part(index in done.matched.positions for index in range(len(schedule.positions)))
+        )
     remarks = [f"recipe {os.path.basename(arguments.recipe)} followed"] if replayed else []
     done = replace(done, notes=(*remarks, *about_signs, *done.notes))
     after = _after_import(done, arguments.out, arguments.stand)

@@ -1,0 +1,27 @@
+"""Rests of which nobody knows the directions: every one is a pose of its own, for the estimator `norm`."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tumble.importing.attitudes import Fit
+from tumble.importing.match import LEFT_OUT, NONE, TAKEN, Claims, Doubtful, Matched
+from tumble.importing.rests import Rests
+from tumble.model.norm import of_poses, roughly
+
+MOST = 36  # as a schedule holds
+POSES = of_poses([(number, 1) for number in range(1, MOST + 1)])
+
+
+def matched(rests: Rests, claims: Claims) -> Matched:
+    """In the order in which they were measured, but for those to leave out. Raises Doubtful for too many."""
+    taken = np.array([number not in claims.leave_out for number in range(1, len(rests) + 1)])
+    count = int(taken.sum())
+    if count > MOST:
+        raise Doubtful(f"{count} rests, at most {MOST} poses are solved: --leave-out, or --min-rest for longer ones")
+    positions = np.where(taken, np.cumsum(taken) - 1, NONE)
+    n, one_g = roughly(rests.means, np.ones(3))
+    fit = Fit(one_g * np.eye(3), rests.means.mean(axis=0), n, np.ones(len(n)))
+    states = tuple(TAKEN if one else LEFT_OUT for one in taken.tolist())
+    note = "directions: not asked for, every rest is a pose of its own"
+    return Matched(positions, states, np.zeros(len(rests)), 0.0, fit, (note,))
