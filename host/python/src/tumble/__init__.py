@@ -44,8 +44,10 @@ from tumble import errors as errors
 from tumble._version import __version__ as __version__
 
 if TYPE_CHECKING:
+    from tumble.api import schedules as schedules
     from tumble.api.acquiring import acquire as acquire
     from tumble.api.comparing import Comparison as Comparison, compare as compare
+    from tumble.api.many import Calibrator as Calibrator, solve_many as solve_many
     from tumble.api.recording import Recording as Recording, read as read
     from tumble.api.result import Result as Result, load as load
     from tumble.api.solving import solve as solve
@@ -63,6 +65,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BadInput",
+    "Calibrator",
     "Comparison",
     "Disagreement",
     "Mounting",
@@ -82,7 +85,9 @@ __all__ = [
     "load",
     "read",
     "read_stand",
+    "schedules",
     "solve",
+    "solve_many",
 ]
 
 
@@ -95,10 +100,12 @@ def __getattr__(name: str) -> Any:
 
         return globals().setdefault(name, World)
     from tumble import schedule, stand
-    from tumble.api import acquiring, comparing, recording, result, solving
+    from tumble.api import acquiring, comparing, many, recording, result, schedules, solving
     from tumble.files import stand_file
 
-    for module in (errors, schedule, stand, stand_file, acquiring, comparing, recording, result, solving):
+    if name == "schedules":
+        return globals().setdefault(name, schedules)
+    for module in (errors, schedule, stand, stand_file, acquiring, comparing, recording, result, solving, many):
         if hasattr(module, name):
             return globals().setdefault(name, getattr(module, name))
     raise AttributeError(name)  # pragma: no cover

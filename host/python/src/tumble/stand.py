@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import wraps
 from typing import Any
 
 import numpy as np
@@ -230,6 +231,22 @@ class Stand:
         changed: dict[str, Any] = {source: limit}
         return replace(self, **changed)
 
+
+def _with_keys(plain: Callable[..., None]) -> Callable[..., None]:
+    """The constructor, which also takes the keys of stand files, units in their names."""
+    attributes = {one.key: one.attribute for one in SOURCES.values()}
+
+    @wraps(plain)
+    def init(self: Stand, *args: Any, **given: Any) -> None:
+        named = {attributes.get(name, name): value for name, value in given.items()}
+        if len(named) < len(given):
+            raise TypeError(f"Stand: one of {', '.join(given)} is given twice")
+        plain(self, *args, **named)
+
+    return init
+
+
+Stand.__init__ = _with_keys(Stand.__init__)  # type: ignore[method-assign]
 
 PAPER_STAND = Stand(  # equation (5)
     axis_tilt=2e-5,

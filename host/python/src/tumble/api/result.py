@@ -3,6 +3,7 @@ notebooks as a small table of HTML."""
 
 from __future__ import annotations
 
+import base64
 import html
 import json
 import math
@@ -21,7 +22,7 @@ from tumble.arrays import Floats
 from tumble.defaults import DEFAULT_CONFIDENCE
 from tumble.documents.base import described
 from tumble.documents.result import Result as ResultDocument, Temperature, parse_result
-from tumble.errors import BadInput, UsageError, quoted
+from tumble.errors import BadInput, UsageError, needing, quoted
 from tumble.estimators import COEFFICIENTS
 from tumble.files import frames
 from tumble.files.calibrated import OUTPUTS, Demand, Seen, factor_of, with_calibrated
@@ -31,7 +32,7 @@ from tumble.files.stand_file import StandFile
 from tumble.model.coefficients import Force, NoForce
 from tumble.schedule import Schedule
 from tumble.solving.coefficients import Coefficients
-from tumble.solving.decision import Decision, complaints_of_result
+from tumble.solving.decision import Decision, complaints_of_result, marks
 from tumble.solving.plausibility import outside
 from tumble.stand import Stand
 from tumble.units import force_unit, per_g, per_g_of, spelled
@@ -51,8 +52,9 @@ def html_table(result: ResultDocument) -> str:
     uncertainties: list[float | None] = [None] * len(values)
     if result.u_K is not None and result.u_U0 is not None:
         uncertainties = [*result.u_K.ravel().tolist(), *result.u_U0.tolist()]
+    marked = marks(result.assumed_for)
     rows = "".join(
-        _row("td", name, *_rounded(value, u), unit if name.startswith("U0") else per_g(unit))
+        _row("td", name + marked.get(name, ""), *_rounded(value, u), unit if name.startswith("U0") else per_g(unit))
         for name, value, u in zip(COEFFICIENTS, values, uncertainties)
     )
     decision = Decision.of(result)
@@ -69,6 +71,17 @@ def _rounded(value: float, u: float | None) -> tuple[str, str]:
         return f"{value:.{_DIGITS}g}", _UNKNOWN if u is None else "0"
     decimals = min(_MOST_DECIMALS, max(0, 1 - math.floor(math.log10(u))))
     return f"{value:.{decimals}f}", f"{u:.1e}"
+
+
+class Figures(dict[str, "Figure"]):
+    """Pictures by name; a notebook shows them."""
+
+    def _repr_html_(self) -> str:
+        from tumble.pictures import written
+
+        coded = (base64.b64encode(written(figure, "picture.png")).decode() for figure in self.values())
+        shown = zip(self, coded)
+        return "".join(f'<img alt="{html.escape(name)}" src="data:image/png;base64,{one}">' for name, one in shown)
 
 
 class HasColumns(Protocol):
@@ -173,6 +186,50 @@ class Result:
 
     def __repr__(self) -> str:
         return f"<tumble.Result {self._name}: {self.estimator}, {Decision.of(self._told).word}, unit {self.unit}>"
+
+    def __getitem__(self, name: str) -> float:
+        """One of the twelve by its name, such as "K_xx" or "U0_z"; behind u_ its standard uncertainty, NaN where that
+        is not known. Raises KeyError.
+
+        >>> import tumble
+        >>> round(tumble.solve("examples/paper_stand.csv")["K_zz"], 3)
+        2.004
+        """
+        if name in COEFFICIENTS:
+            return float([*self.K.ravel(), *self.U0][COEFFICIENTS.index(name)])
+        if isinstance(name, str) and name.removeprefix("u_") in COEFFICIENTS:
+            if self.u_K is None or self.u_U0 is None:
+                return math.nan
+            return float([*self.u_K.ravel(), *self.u_U0][COEFFICIENTS.index(name.removeprefix("u_"))])
+        raise KeyError(f"{name!r} is none of {', '.join(COEFFICIENTS)}, nor u_ and one of them")
+
+    def to_frame(self) -> Any:
+        """The twelve as a DataFrame of pandas, by name: `value`, `u` (NaN where it is not known) and `unit` of both,
+        and names of what each `assumes`."""
+        with needing("a table of coefficients", "pandas", extra="pandas"):
+            import pandas
+        assumed_for = self._told.assumed_for.items()
+        rows = [
+            (
+                self[name],
+                self[f"u_{name}"],
+                self.unit if name.startswith("U0") else per_g(self.unit),
+                " ".join(one for one, where in assumed_for if not where or name in where),
+            )
+            for name in COEFFICIENTS
+        ]
+        index = pandas.Index(COEFFICIENTS, name="coefficient")
+        return pandas.DataFrame(rows, index=index, columns=["value", "u", "unit", "assumes"])
+
+    def summary(self) -> str:
+        """The verdict, and a line for each of the twelve, as text."""
+        marked, lines = marks(self._told.assumed_for), [Decision.of(self._told).sentence, ""]
+        for name in COEFFICIENTS:
+            u = self[f"u_{name}"]
+            value, told = _rounded(self[name], None if math.isnan(u) else u)
+            unit = self.unit if name.startswith("U0") else per_g(self.unit)
+            lines.append(f"{name + marked.get(name, ''):6} {value:>14} +- {told:<8} {unit}")
+        return "\n".join([*lines, *(f"Beware: {one}" for one in self.warnings)])
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the verdict, and the coefficients with their uncertainties."""
@@ -308,7 +365,7 @@ class Result:
                 pictures.require_format(path, "file")
                 kind = "gravity_check" if kind is None else kind
             recorded = None if run is None else recording_of(run)
-            drawn = pictures.figures(self._told, recorded, schedule, stand=stand, kind=kind)
+            drawn = Figures(pictures.figures(self._told, recorded, schedule, stand=stand, kind=kind))
             if path is not None and kind is not None:
                 write_bytes(path, pictures.written(drawn[kind], path))
         return drawn
@@ -381,8 +438,11 @@ class Result:
         return made(self.document, self._name, kind, run=recording, attached=self._text, **more)
 
 
-def load(file: str | os.PathLike[str]) -> Result:
-    """Read a result that `Result.save`, `tumble solve --out` or `tumble bench` wrote. Raises BadInput."""
+def load(file: str | os.PathLike[str] | Mapping[str, Any]) -> Result:
+    """Read a result that `Result.save`, `tumble solve --out` or `tumble bench` wrote, from its file or as
+    `Result.document` has it. Raises BadInput."""
+    if isinstance(file, Mapping):
+        return Result(json.dumps(file))
     name = path_of(file)
     data = read_bytes(name, RESULT_FILE)
     parse_result(data, name)  # also that it is text

@@ -4,7 +4,7 @@ and of the command line, which prints them."""
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from tumble import defaults
-from tumble.api.arguments import as_list, as_number, is_one_of, told_in_python
+from tumble.api.arguments import as_list, as_number, is_one_of, told_in_python, wishes_of
 from tumble.api.recording import Recording, recording_of
 from tumble.api.result import Result
 from tumble.arrays import Floats
@@ -154,23 +154,26 @@ def _signs(stand_file: StandFile | None) -> Floats:
 def solve(
     run: Any,
     *,
-    stand: Stand | StandFile | str | os.PathLike[str] | None = None,
+    stand: Stand | StandFile | Mapping[str, Any] | str | os.PathLike[str] | None = None,
     schedule: Schedule | str | os.PathLike[str] | None = None,
     estimator: str | None = None,
     limit_g: float | None = None,
     confidence: float = defaults.DEFAULT_CONFIDENCE,
     model: str | Iterable[str] = (),
+    unit: str | None = None,
+    columns: dict[str, str] | None = None,
 ) -> Result:
     """Solve a run: the twelve coefficients of U = U0 + K a, with their uncertainties and a verdict.
 
     The firmware's own code computes, an independent numpy computation confirms; docs/method.md has the formulas:
     estimators (3) and (7), the gravity check (8).
 
-    `run`: what `read` gives, or what it takes. `stand`: what is declared of the stand, a path (TOML) or an object; it
-    gives the uncertainties. `schedule`: the name of a built-in one ("paper", the default, "three_mountings",
-    "diagonal", "six_faces", "inclined"), a path (TOML) or an object. `estimator`: "averaged", "refined",
-    "least_squares", "inclined", or "optimal", which needs a stand; default: "refined", and "inclined" of a block that
-    is bolted on once. `limit_g`: of the gravity check, g; default: the stand file's, else 3e-4.
+    `run`: what `read` gives, or what it takes; then `unit` and `columns` are as there. `stand`: what is declared of
+    the stand, a path (TOML), an object, or a mapping of the keys of a stand file; it gives the uncertainties.
+    `schedule`: the name of a built-in one ("paper", the default, "three_mountings", "diagonal", "hand_laid",
+    "six_faces", "inclined", or "any_pose"), one of `tumble.schedules`, a path (TOML) or an object. `estimator`:
+    "averaged", "refined", "least_squares", "inclined", "norm", or "optimal", which needs a stand; default: what the
+    schedule has. `limit_g`: of the gravity check, g; default: the stand file's, else 3e-4.
     `confidence`: at which the run must fit its stand, 0.5 to 0.999999. `model`: further terms, "k2", "k3", "drift", of
     least_squares and optimal.
 
@@ -190,8 +193,10 @@ def solve(
     if not 0.5 <= as_number(confidence) <= 0.999999:
         raise UsageError(f"confidence: {quoted(confidence)} is not a number from 0.5 to 0.999999")
     with told_in_python():
+        if isinstance(run, Recording) and (unit is not None or columns is not None):
+            raise UsageError("unit and columns are of what is read here: give them to tumble.read")
         found = solved(
-            recording_of(run),
+            recording_of(run, wishes_of(columns, unit)),
             stand=stand,
             schedule=schedule,
             estimator=estimator,

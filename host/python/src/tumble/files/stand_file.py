@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from numbers import Integral, Real
 from typing import Any
@@ -74,7 +75,10 @@ class StandFile:
 
 def read_stand(file: str, data: bytes | None = None) -> StandFile:
     """Read a stand file; `data`: what is in it, if that has been read. Raises BadInput with file and row."""
-    top = read_toml(file, data)
+    return _parsed(read_toml(file, data), file)
+
+
+def _parsed(top: Table, file: str) -> StandFile:
     if top.keys and top.keys <= {"mounting", "position"}:
         raise BadInput("is a schedule file (--schedule), not a stand file", file)
     top.only("stand", "block", "motion", "item", "environment", "accept")
@@ -95,8 +99,11 @@ def read_stand(file: str, data: bytes | None = None) -> StandFile:
 
 
 def stand_file_of(stand: Any) -> StandFile:
-    """What is declared of a stand: by a file, by what was read of one, or by a Stand alone. Raises BadInput,
-    UsageError."""
+    """What is declared of a stand: by a file, by what was read of one, by a mapping of its tables or of the keys of
+    [stand], or by a Stand alone. Raises BadInput, UsageError."""
+    if isinstance(stand, Mapping):
+        tables = dict(stand) if "stand" in stand else {"stand": dict(stand)}
+        return _parsed(Table("stand", tables, (), {}), "stand")
     if isinstance(stand, StandFile):
         require_stand(stand.stand, "stand")
         return stand
