@@ -183,7 +183,7 @@ def test_a_bad_row_is_named(said, rows):
 
 
 WRONG = {
-    "estimator: 'best' is not one of averaged, refined, least_squares, optimal, inclined": {"estimator": "best"},
+    "estimator: 'best' is not one of averaged, refined, least_squares, optimal, inclined, norm": {"estimator": "best"},
     "estimator=\"optimal\" weighs the means by the stand's errors: it needs stand=": {"estimator": "optimal"},
     "limit_g: '0' is not a number of g above 0, at most 1": {"limit_g": 0},
     "confidence: '2' is not a number from 0.5 to 0.999999": {"confidence": 2},

@@ -134,6 +134,31 @@ def test_a_plot_is_a_picture_in_a_notebook(cal):
     assert shown._repr_html_().startswith('<img alt="attitude" src="data:image/png;base64,')
 
 
+def test_export(cal, request, tmp_path):
+    program = request.getfixturevalue("tumble")  # the command line
+    cal.save(tmp_path / "result.json")
+    text = cal.export("c", tmp_path / "coefficients.h")
+    assert (tmp_path / "coefficients.h").read_text() == text
+    assert program("export", "result.json", "--format", "c", cwd=tmp_path).stdout == text
+    assert cal.export("csv").startswith("coefficient,value,unit")
+    assert "fixed" in cal.export("c", number="fixed", step=1e-6)
+
+
+@pytest.mark.parametrize(("given", "said"), [
+    ({"format": "fortran"}, "format: 'fortran' is not one of c, csv"), ({"format": "c", "number": "half"}, "number: "),
+    ({"format": "csv", "number": "float"}, "number: "), ({"format": "c", "step": 1.0}, "step: "),
+    ({"format": "c", "number": "fixed"}, "step: "), ({"format": "c", "unit": "ft/s2"}, "unit: "),
+])  # fmt: skip
+def test_no_such_export(cal, given, said):
+    with pytest.raises(tumble.UsageError, match=said):
+        cal.export(**given)
+
+
+def test_an_export_that_cannot_be(cal):
+    with pytest.raises(tumble.BadInput, match="gravity_m_s2"):
+        cal.export("ros")
+
+
 def test_a_step_of_a_pipeline(cal, df):
     step = tumble.Calibrator(stand=STAND)
     with pytest.raises(tumble.UsageError, match="transform comes after fit"):

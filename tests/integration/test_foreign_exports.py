@@ -16,8 +16,8 @@ from test_apply import exact_force, outputs_exactly
 
 import tumble
 from tumble.api.result import Result
-from tumble.cli.commands.export import FORMATS
 from tumble.cli.main import main
+from tumble.report.coefficients import FORMATS
 
 pytestmark = pytest.mark.python
 with_compiler = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
@@ -28,7 +28,7 @@ FLAGS = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble
 
 
 def test_a_format_is_a_row_and_a_template():
-    templates = (ROOT / "host/python/src/tumble/cli/exports").iterdir()
+    templates = (ROOT / "host/python/src/tumble/report/exports").iterdir()
     assert sorted(path.name for path in templates) == sorted(f"{name}.j2" for name in FORMATS)
 
 

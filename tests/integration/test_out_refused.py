@@ -5,7 +5,7 @@ import shutil
 import pytest
 from conftest import EXAMPLES, ROOT
 
-from tumble.cli.commands.export import FORMATS
+from tumble.report.coefficients import FORMATS
 
 pytestmark = pytest.mark.python
 FILES = (ROOT / "docs/files.md").read_text(encoding="utf-8")

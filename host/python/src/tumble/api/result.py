@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tumble.api.arguments import in_python, require_flag, require_unit, told_in_python, wishes_of
+from tumble.api.arguments import as_number, in_python, is_one_of, require_flag, require_unit, told_in_python, wishes_of
 from tumble.api.recording import recording_of
 from tumble.arrays import Floats
 from tumble.defaults import DEFAULT_CONFIDENCE
@@ -30,6 +30,7 @@ from tumble.files.disk import RESULT_FILE, path_of, read_bytes, write_bytes, wri
 from tumble.files.run_layout import Wishes
 from tumble.files.stand_file import StandFile
 from tumble.model.coefficients import Force, NoForce
+from tumble.report.coefficients import DOUBLE, FIXED, FORMATS, NUMBERS, exported
 from tumble.schedule import Schedule
 from tumble.solving.coefficients import Coefficients
 from tumble.solving.decision import Decision, complaints_of_result, marks
@@ -377,6 +378,45 @@ class Result:
     def save(self, file: str | os.PathLike[str]) -> None:
         """Write `to_json()` to a file, as a whole or not at all. Raises BadInput."""
         write_text(path_of(file), self._text)
+
+    def export(
+        self,
+        format: str,
+        file: str | os.PathLike[str] | None = None,
+        *,
+        unit: str | None = None,
+        number: str = DOUBLE,
+        step: float | None = None,
+        labels: bool = False,
+    ) -> str:
+        """The coefficients for other programs, as `tumble export` writes them; also to a `file`.
+
+        `format`: "c", "csv", "matlab", "ros" or "imucal". `unit` of accelerations: "g" or "m/s2", default: the
+        format's. `number`: what a C header computes with, "double", "float" or "fixed", which needs the `step` of a
+        count of the outputs. `labels`: also the block's serial number and other labels. Raises UsageError, BadInput.
+
+        >>> import tumble
+        >>> print(tumble.solve("examples/paper_stand.csv").export("c").splitlines()[0])
+        /* Coefficients of a three-axis block of accelerometers: U = U0 + K a
+        """
+        if not is_one_of(format, FORMATS):
+            raise UsageError(f"format: {quoted(format)} is not one of {', '.join(FORMATS)}")
+        if not is_one_of(number, NUMBERS) or (number != DOUBLE and format != "c"):
+            raise UsageError(
+                f"number: {quoted(number)} is not one of {', '.join(NUMBERS)}, of which c alone has a choice"
+            )
+        if (number == FIXED) != (step is not None) or not (step is None or 0.0 < as_number(step) < 1e9):
+            raise UsageError('step: belongs to number="fixed", and is the size of a count of the outputs, above 0')
+        if unit is not None and not is_one_of(unit := str(force_unit(unit)), UNITS):
+            raise UsageError(f"unit: {quoted(unit)} is not one of {', '.join(UNITS)}")
+        with told_in_python():
+            try:
+                text = exported(self._told, format, unit, number, step, labels, complaints_of_result(self._told))
+            except ValueError as error:
+                raise BadInput(str(error), self._name) from None
+            if file is not None:
+                write_text(path_of(file), text)
+        return text
 
     def report(
         self,

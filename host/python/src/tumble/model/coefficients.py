@@ -6,7 +6,7 @@ The model (tumble.terms) is U = F(a) with
     F_i(a) = U0_i + sum_j K_ij a_j + K_ii (K2_i a_i^2 + K3_i a_i^3)
 
 Without K2 and K3 a = K^-1 (U - U0). With them it is found from there by Newton's method, a - J^-1 (F(a) - U) with
-J = dF/da; what is exported to C and MATLAB (cli/exports) does the same, PASSES times. Coefficients that are off by
+J = dF/da; what is exported to C and MATLAB (report/exports) does the same, PASSES times. Coefficients that are off by
 dc show a force that is off by da = -J^-1 (dF/dc) dc to first order; so the covariance of the
 coefficients gives that of the force, and of its length by the direction of a.
 
