@@ -1,6 +1,7 @@
 """What people type without the manual: each snippet as they would, and it works."""
 
 import json
+import sys
 
 import numpy as np
 import pytest
@@ -169,3 +170,52 @@ def test_a_step_of_a_pipeline(cal, df):
     assert step.fit_transform(RUN).shape == (len(df), 3)
     assert step.get_params() == {"stand": STAND} and step.set_params(limit_g=1e-3).get_params()["limit_g"] == 1e-3
     assert repr(tumble.Calibrator(unit="V")) == "tumble.Calibrator(unit='V')"
+
+
+class Variable:
+    """As much of a DataArray as is asked for."""
+
+    dims, ndim = ("time",), 1
+
+    def __init__(self, values):
+        self.values = values
+
+    def __array__(self, dtype=None, copy=None):
+        return np.asarray(self.values, dtype=dtype)
+
+
+def test_a_dataset_comes_back_as_one(cal):
+    """Its class by its name, for xarray is not among the packages of tests."""
+    told = {}
+
+    class Dataset(dict):
+        def rename(self, names):
+            told["renamed"] = names
+            return self
+
+        def assign(self, new):
+            return Dataset(**self, **new)
+
+    Dataset.__module__ = "xarray.core.dataset"
+    given = Dataset({f"u{axis}": Variable([0.1, 0.2 + i, 2.0]) for i, axis in enumerate("xyz")})
+    found = cal.apply(given, outputs_unit="V")
+    assert type(found) is Dataset and list(found)[-3:] == ["x", "y", "z"] and told == {"renamed": {}}
+    along, x = found["x"]
+    wanted = cal.apply(np.column_stack([one.values for one in given.values()]), outputs_unit="V")
+    assert along == ("time",) and x.tolist() == wanted[:, 0].tolist()
+
+
+def test_datasets_of_xarray(cal):
+    xarray = pytest.importorskip("xarray")
+    told = cal.to_xarray()
+    assert float(told.K.sel(channel="ux", axis="y")) == cal["K_xy"] and told.u_U0.attrs["units"] == "V"
+    assert told.attrs["verdict"].startswith("PASS")
+    given = xarray.Dataset({f"u{axis}": ("t", [0.1, 2.0]) for axis in "xyz"}, {"t": [3, 4]})
+    found = cal.apply(given, outputs_unit="V")
+    assert isinstance(found, xarray.Dataset) and found.x.dims == ("t",) and found.t.values.tolist() == [3, 4]
+
+
+def test_a_library_that_is_missing_is_named(cal, monkeypatch):
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    with pytest.raises(tumble.NotInstalled, match="a dataset of coefficients needs xarray"):
+        cal.to_xarray()

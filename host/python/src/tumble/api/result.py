@@ -222,6 +222,19 @@ class Result:
         index = pandas.Index(COEFFICIENTS, name="coefficient")
         return pandas.DataFrame(rows, index=index, columns=["value", "u", "unit", "assumes"])
 
+    def to_xarray(self) -> Any:
+        """K (channel, axis) and U0 (channel) as a Dataset of xarray, with u_K and u_U0 where they are known; units and
+        verdict are attributes."""
+        with needing("a dataset of coefficients", "xarray", extra="xarray"):
+            import xarray
+        found = {"K": (("channel", "axis"), self.K), "U0": (("channel",), self.U0)}
+        if self.u_K is not None and self.u_U0 is not None:
+            found |= {"u_K": (("channel", "axis"), self.u_K), "u_U0": (("channel",), self.u_U0)}
+        units = {"K": per_g(self.unit), "U0": self.unit}
+        variables = {name: (*one, {"units": units[name.removeprefix("u_")]}) for name, one in found.items()}
+        verdict = {"estimator": self.estimator, "verdict": Decision.of(self._told).sentence}
+        return xarray.Dataset(variables, {"channel": ["ux", "uy", "uz"], "axis": list("xyz")}, verdict)
+
     def summary(self) -> str:
         """The verdict, and a line for each of the twelve, as text."""
         marked, lines = marks(self._told.assumed_for), [Decision.of(self._told).sentence, ""]
@@ -278,9 +291,9 @@ class Result:
         """Calibrate outputs: a = K^-1 (U - U0); with K2 and K3 in the result, the root of their equation.
 
         `data`: an array (..., 3) of outputs gives an array of the same shape; a DataFrame of pandas or polars, a table
-        of pyarrow or a mapping with columns ux, uy, uz gives the same kind with x, y, z behind all its columns, its
-        index kept; what had those names before is called raw_x, raw_y, raw_z. `unit`: "g" or "m/s2", which needs
-        gravity_m_s2 in the result's environment. `columns` names the columns where they are named otherwise.
+        of pyarrow, a Dataset of xarray or a mapping with columns ux, uy, uz gives the same kind with x, y, z behind all
+        its columns, its index kept; what had those names before is called raw_x, raw_y, raw_z. `unit`: "g" or "m/s2",
+        which needs gravity_m_s2 in the result's environment. `columns`: where they are named otherwise.
         `outputs_unit`: of the data, default: the one in brackets in the columns' names, else the result's.
 
         `uncertainty`: standard uncertainties of x, y, z and of the length, by the covariance of the coefficients (and

@@ -1,6 +1,6 @@
-"""Tables with named columns: DataFrames of pandas and polars, tables of pyarrow, structured arrays, and mappings from
-names to columns; and files of them: Parquet, NumPy's NPZ and MATLAB's MAT. A library is loaded when such a file is
-read; who hands in a frame has loaded its own.
+"""Tables with named columns: DataFrames of pandas and polars, tables of pyarrow, datasets of xarray, structured arrays,
+and mappings from names to columns; and files of them: Parquet, NumPy's NPZ and MATLAB's MAT. A library is loaded when
+such a file is read; who hands in a frame has loaded its own.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from tumble.arrays import Floats
 from tumble.errors import BadInput, NotInstalled, file_name, needing, quoted
 from tumble.files.disk import bounded, opened, reason
 
-PANDAS, POLARS, ARROW = "pandas", "polars", "pyarrow"
+PANDAS, POLARS, ARROW, XARRAY = "pandas", "polars", "pyarrow", "xarray"
 
 
 def library_of(data: object) -> str | None:
-    """The library whose DataFrame or Table this is; None for anything else."""
-    known = {(PANDAS, "DataFrame"), (POLARS, "DataFrame"), (ARROW, "Table")}
+    """The library whose DataFrame, Table or Dataset this is; None for anything else."""
+    known = {(PANDAS, "DataFrame"), (POLARS, "DataFrame"), (ARROW, "Table"), (XARRAY, "Dataset")}
     for base in type(data).__mro__:
         library, kind = base.__module__.partition(".")[0], base.__name__
         if (library, kind) in known:
@@ -41,7 +41,7 @@ def names_of(table: Any) -> list[str]:
         return list(map(str, table.column_names))
     if library is None and not isinstance(table, Mapping):
         return list(table.dtype.names)
-    return list(map(str, table.keys() if library is None else table.columns))
+    return list(map(str, table.columns if library in (PANDAS, POLARS) else table.keys()))
 
 
 def real(column: Any) -> Floats:
@@ -103,6 +103,9 @@ def with_columns(table: Any, renamed: dict[str, str], new: dict[str, Floats]) ->
         for name, values in new.items():
             table = table.append_column(name, [values])
         return table
+    if library == XARRAY:
+        along = next(one.dims for one in table.values() if one.ndim == 1)
+        return table.rename(renamed).assign({name: (along, values) for name, values in new.items()})
     columns = {renamed.get(name, name): table[name] for name in names_of(table)}
     return {**columns, **new}
 
