@@ -188,6 +188,8 @@ def test_it_needs_no_direction_and_takes_none():
         package.solve(run, schedule="paper", estimator="norm")
     with pytest.raises(UsageError, match="tells no directions, which refined needs"):
         package.solve(run, schedule="any_pose", estimator="refined")
+    with pytest.raises(UsageError, match="norm finds nine coefficients of poses that nobody knows"):
+        package.solve(run, schedule="any_pose", model="k2")
     with pytest.raises(BadInput, match="no positions but those of a run"):
         package.World(1, schedule="any_pose")
 

@@ -9,7 +9,7 @@ the outputs: K_ii K2_i, K_ii K3_i and drift_i. The outputs are linear in the siz
 from __future__ import annotations
 
 from tumble.errors import UsageError, quoted
-from tumble.estimators import INCLINED
+from tumble.estimators import INCLINED, NORM
 
 Terms = tuple[str, ...]
 
@@ -36,6 +36,8 @@ def parse(text: str | None, estimator: str | None) -> Terms:
             raise UsageError(f"--model: {quoted(term)} is not one of {', '.join(TERMS)}, once each")
     if estimator is not None and estimator not in EXTENDABLE:
         closed = f"{estimator} is a closed form of twelve coefficients"
+        if estimator == NORM:
+            closed = f"{estimator} finds nine coefficients of poses that nobody knows"
         others = "" if estimator == INCLINED else "least_squares, or "
         raise UsageError(f"--model: {closed}; use --estimator {others}optimal with --stand FILE")
     return tuple(term for term in TERMS if term in named)
