@@ -130,9 +130,10 @@ static void show_inclinations(const tumble_shown_inclinations_t *shown, tumble_i
         view->number[2U * k] = shown->deg[k];
         view->number[(2U * k) + 1U] = shown->u_deg[k];
     }
+    const size_t level = (size_t)2U * TUMBLE_MAX_YAWS; /* behind all inclinations */
     view->known[TUMBLE_MAX_YAWS] = shown->has_level;
-    view->number[2U * TUMBLE_MAX_YAWS] = shown->level_rad;
-    view->number[(2U * TUMBLE_MAX_YAWS) + 1U] = shown->u_level_rad;
+    view->number[level] = shown->level_rad;
+    view->number[level + 1U] = shown->u_level_rad;
 }
 
 /* Of a result; `source` keeps what its estimator saw. On a refusal nothing is shown. */

@@ -104,7 +104,8 @@ typedef struct {
     double cosine;
 } tumble_angle_t;
 
-typedef struct {
+/* `bolting` stands last, so that initialisers by position from before it stay good. */
+typedef struct {         /* NOLINT(clang-analyzer-optin.performance.Padding) */
     uint8_t number;      /* what people call it: 1, 2, ... unique in the schedule */
     double matrix[3][3]; /* proper rotation, orthonormal to 1e-9; rows: block axes x, y, z; columns: h, n, v */
     tumble_angle_t tilt; /* known tilt of the axis out of the horizontal; {0, 0, 1} on a level stand */

@@ -50,6 +50,31 @@ static void test_a_position_that_never_comes_is_asked_for(void)
     assert_refused(0x6064, 0, TUMBLE_STAND_STEP_MOTION, 0x06020000);
 }
 
+/* Between question and answer the drive says that it is not there after all. The answer waits, and keeps nobody busy. */
+static void test_an_answer_about_an_arrival_that_is_over_waits(void)
+{
+    bench_setup(MADE(two_pdos(0)));
+    played.second_ms = 100000;
+    boot_drive();
+    go_home();
+    played.never_reaches = true;
+    move_for(60, 170.0);
+    const uint8_t reached[] = {0x37, 0x06};
+    const uint8_t not_reached[] = {0x37, 0x02};
+    tumble_can_frame_t frame;
+    scripted_drive_send(&played, 0x182, 2, reached);
+    while (tumble_link_receive(&bench.node.link, &frame) == TUMBLE_OK) {
+        (void)tumble_node_receive(&bench.node, &frame, port.now_us);
+    }
+    scripted_drive_send(&played, 0x182, 2, not_reached);
+    run_ms(3);
+    TEST_ASSERT_EQUAL_HEX16(0x6064, bench.node.client.index);
+    ASSERT_STATUS(TUMBLE_OK, tumble_sdo_client_result(&bench.node.client));
+    TEST_ASSERT_TRUE(tumble_drive402_kind.next_us(&bench.drive) > port.now_us);
+    scripted_drive_send(&played, 0x182, 2, reached);
+    run_to(TUMBLE_STAND_IN_POSITION, 500);
+}
+
 static void test_what_is_refused_is_named(void)
 {
     static const uint16_t objects[] = {0x1016, 0x6084, 0x609A, 0x1A00};

@@ -172,6 +172,16 @@ static void test_target_reached_somewhere_else(void)
     assert_fault_after(1520, TUMBLE_STAND_FAULT_TIMEOUT);
 }
 
+/* At one time there is only so much to be done. */
+static void assert_steps_end(void)
+{
+    for (unsigned i = 0; (i < 4U) && (tumble_drive402_kind.next_us(&bench.drive) <= port.now_us); i++) {
+        tumble_drive402_kind.step(&bench.drive, port.now_us);
+        tumble_node_step(&bench.node, port.now_us);
+    }
+    TEST_ASSERT_TRUE(tumble_drive402_kind.next_us(&bench.drive) > port.now_us);
+}
+
 /* Whatever comes from the bus, no wait is without an end: where it waits by itself, it says until when. */
 static void test_nonsense_from_the_bus(void)
 {
@@ -206,6 +216,7 @@ static void test_nonsense_from_the_bus(void)
         run_ms(1 + dice_below(&dice, 3));
         const bool waits = (stand_state() == TUMBLE_STAND_HOMING) || (bench.drive.entered_us > port.now_us);
         TEST_ASSERT_TRUE(!waits || (tumble_drive402_kind.next_us(&bench.drive) != TUMBLE_NEVER));
+        assert_steps_end();
     }
 }
 

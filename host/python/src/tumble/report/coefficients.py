@@ -70,7 +70,8 @@ def exported(
 ) -> str:
     """A result in the format of that `name`, of FORMATS. `unit` of accelerations, None: the format's; `number`: what
     the C header computes with, one of NUMBERS; `step`: of a count of the outputs, for FIXED; `labels`: also those that
-    tell whose block it is; `warnings` go into its comments; `accelerometer`: of an autopilot, from 1. Raises ValueError for what the format cannot hold."""
+    tell whose block it is; `warnings` go into its comments; `accelerometer`: of an autopilot, from 1. Raises ValueError
+    for what the format cannot hold."""
     from tumble.solving.coefficients import Coefficients
 
     form = FORMATS[name]
