@@ -108,6 +108,42 @@ def test_every_format_gives_the_same_rows(bench, tmp_path):
         assert np.abs(times).max() < 2e-5, suffix
 
 
+def screen(log, form):
+    """A candump -L log as candump shows it with -ta, -tz, -td or -tA, an error frame among its lines."""
+    lines, before, start = [], None, None
+    for line in log.read_text().splitlines():
+        time, channel, frame = line.split()[:3]
+        second, (identifier, data) = float(time[1:-1]), frame.split("#")
+        start = second if start is None else start
+        shown = second - {"a": 0.0, "z": start, "d": second if before is None else before, "A": 0.0}[form]
+        date = str(np.datetime64(round(second * 1e6), "us")).replace("T", " ")
+        stamp = date if form == "A" else f"{shown:010.6f}"
+        octets = " ".join(data[place : place + 2] for place in range(0, len(data), 2))
+        lines.append(f" ({stamp})  {channel}  {identifier}   [{len(data) // 2}]  {octets}")
+        before = second
+    stamp, _, _ = lines[6].partition(")")
+    if form != "d":  # it would be one more step
+        lines.insert(7, f"{stamp})  can0  20000080   [8]  00 00 00 00 00 00 00 00   ERRORFRAME")
+    return "\n".join(lines) + "\n"
+
+
+@pytest.mark.parametrize("form", ["a", "z", "d", "A"])
+def test_what_candump_shows_on_a_screen_is_read(form, bench):
+    expected = can_bus.read(bench.log.read_bytes(), "log", "candump", Wishes(), Bus())
+    data = screen(bench.log, form).encode()
+    assert can_log.kind_of(data) == "candump's screen"
+    found = can_bus.read(data, "screen", can_log.kind_of(data), Wishes(), Bus())
+    assert np.array_equal(found.outputs, expected.outputs)
+    times = found.seconds - found.seconds[0] - (expected.seconds - expected.seconds[0])
+    assert np.abs(times).max() < 2e-3  # where each is rounded, they add up
+
+
+def test_a_screen_without_times_is_refused(refused, tmp_path):
+    (tmp_path / "screen.txt").write_text("  can0  683   [8]  00 00 00 00 00 00 00 00\n")
+    said = refused("import", tmp_path / "screen.txt")
+    assert said.endswith("candump's screen without times: log it with candump -L\n")
+
+
 def test_without_a_converter_the_outputs_are_counts(bench, tumble, tmp_path):
     done = tumble("import", bench.log, "--out", tmp_path / "run.csv")
     assert done.returncode == 0

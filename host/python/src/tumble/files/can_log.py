@@ -1,4 +1,5 @@
-"""Logs of a CAN bus, frame by frame: candump -L, Vector's ASC and BLF, PEAK's TRC, ASAM MF4, CSV of python-can.
+"""Logs of a CAN bus, frame by frame: candump -L, what candump shows on a screen, Vector's ASC and BLF, PEAK's TRC,
+ASAM MF4, CSV of python-can.
 
 Which of them a file is, shows in its beginning, whatever its name. python-can reads them (MF4 by asammdf); it is loaded
 when there is such a file.
@@ -8,10 +9,12 @@ from __future__ import annotations
 
 import gc
 import io
+import itertools
 import re
 import sys
 import traceback
 from collections.abc import Iterator
+from datetime import datetime, timezone
 from typing import Any, NamedTuple
 
 from tumble.errors import BadInput, NotInstalled, file_name, needing, quoted
@@ -19,6 +22,7 @@ from tumble.files.disk import bounded
 from tumble.files.run_layout import decoded
 
 CANDUMP, ASC, BLF, TRC, MF4, CSV = "candump", "ASC", "BLF", "TRC", "MF4", "python-can CSV"
+SCREEN = "candump's screen"
 HEAD = 4096  # bytes that tell it
 _KINDS = {  # how each begins; what reads it in python-can
     BLF: (rb"LOGG", "BLFReader"),
@@ -27,11 +31,21 @@ _KINDS = {  # how each begins; what reads it in python-can
     TRC: (rb";(\$FILEVERSION=|#{40})", "TRCReader"),
     ASC: (rb"(?is)(//[^\n]*\n)*date [^\n]*\n(//[^\n]*\n)*base\s+(hex|dec)\b", "ASCReader"),
     CANDUMP: (rb"\s*\(\d+\.\d+\)\s+\S+\s+[0-9A-Fa-f]{3,8}#", "CanutilsLogReader"),
+    SCREEN: (
+        rb"\s*(\([-\d.: ]+\)\s+)?\w+\s+([RT]X\s+\S+\s+\S+\s+)?([0-9A-F]{3}|[0-9A-F]{8})\s+\[\d+\]\s",
+        "CanutilsLogReader",
+    ),
 }
 _BINARY = (BLF, MF4)
 _CANDUMP_LINE = re.compile(
     rb"\s*\((\d{1,10})\.(\d{6})\)\s+\S+\s+"
     rb"(?:[0-9A-Fa-f]{8}#|([0-7][0-9A-Fa-f]{2})#(?:[R#]|((?:[0-9A-Fa-f]{2}){0,8})(?:\s|$)))"
+)
+
+
+_SCREEN_LINE = re.compile(
+    r"\s*(?:\(([-\d.: ]+)\)\s+)?(\w+)\s+(?:[RT]X\s+\S+\s+\S+\s+)?([0-9A-F]{3}|[0-9A-F]{8})\s+\[\d+\]"
+    r"((?:\s+[0-9A-F]{2}\b)*)(.*)"
 )
 
 
@@ -88,7 +102,8 @@ class CanLog:
         self.frames = 0
         self.torn = False
         self._file, self._kind = file, kind
-        self._lines = None if kind in _BINARY else _Lines(decoded(data))
+        text = "" if kind in _BINARY else decoded(data)
+        self._lines = None if kind in _BINARY else _Lines(_as_log(text, file) if kind == SCREEN else text)
         reader = _reader_of(file, kind)
         try:
             with bounded(file):
@@ -125,6 +140,30 @@ class CanLog:
         why = f": {quoted(error)}" if str(error) else ""
         _forget(error)
         return BadInput(f"cannot be read as a CAN log ({self._kind}){place}{why}", self._file, row)
+
+
+def _as_log(text: str, file: str) -> str:
+    """What candump shows on a screen, line by line as candump -L has it; lines of anything else stay empty. Raises
+    BadInput where it does not show the time."""
+    found = [_SCREEN_LINE.match(line) for line in text.splitlines()]
+    if any(one is not None and one[1] is None for one in found):
+        raise BadInput("candump's screen without times: log it with candump -L", file)
+    seconds = [0.0 if one is None else _seconds_of(one[1]) for one in found]
+    shown = [second for one, second in zip(found, seconds) if one is not None]
+    if sum(b < a for a, b in itertools.pairwise(shown)) > len(shown) // 10:  # each since the frame before (-td)
+        seconds = list(itertools.accumulate(seconds))
+    lines = []
+    for one, second in zip(found, seconds):
+        is_frame = one is not None and "ERRORFRAME" not in one[5] and "remote request" not in one[5]
+        lines.append(f"({second:.6f}) {one[2]} {one[3]}#{''.join(one[4].split())}" if one and is_frame else "")
+    return "\n".join(lines) + "\n"
+
+
+def _seconds_of(shown: str) -> float:
+    """Of the seconds of -ta, -tz and -td, and of the date of -tA."""
+    if "-" not in shown:
+        return float(shown)
+    return datetime.fromisoformat(shown.strip()).replace(tzinfo=timezone.utc).timestamp()
 
 
 def _forget(error: BaseException | None) -> None:
