@@ -7,6 +7,7 @@ from conftest import EXAMPLES
 import tumble
 from tumble.cli.main import main
 from tumble.files.run_layout import find_column
+from tumble.units import spelled
 
 pytestmark = pytest.mark.python
 
@@ -37,6 +38,15 @@ def test_apply_reads_its_own_output_again(paper, tmp_path, further):
 ])  # fmt: skip
 def test_an_exact_name_wins(names, place):
     assert find_column("ux", names, {}) == place
+
+
+@pytest.mark.parametrize(("unit", "spellings"), [
+    ("m/s^2", "m/s2 m/s² m/s**2 m/s/s m/(s^2) m/(s2) m*s^-2 m·s⁻² ms^-2 mps2 m/sec^2 M/S^2 meters/s^2"),
+    ("mm/s^2", "mm/s² mm/(s^2)"), ("g", "G gee g_n g0"), ("mg", "mG milli-g"), ("µg", "μg uG"), ("V", "v VDC Volts"),
+    ("mV", "mv mVDC millivolt"), ("µV", "μV"), ("counts", "count Counts"),
+])  # fmt: skip
+def test_a_unit_is_one_in_any_spelling(unit, spellings):
+    assert {one: spelled(one) for one in spellings.split()} == dict.fromkeys(spellings.split(), unit)
 
 
 def test_two_exact_names_are_refused():

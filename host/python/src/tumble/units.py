@@ -8,9 +8,20 @@ import re
 
 UNIT = re.compile(r"[A-Za-z0-9µΩ°%/^·._ +-]{1,16}")
 SI = "m/s2"  # of accelerations, as --unit of apply and export have it
-_SPELLINGS = {
-    **dict.fromkeys((SI, "m/s\u00b2", "m/s**2", "m/s/s", "m/s^2"), "m/s^2"),
-    **{f"\u03bc{unit}": f"\u00b5{unit}" for unit in ("V", "g")},
+_PER_S2 = (
+    r"[ *.\u00b7]*(/ ?(s|sec)( ?\*\* ?2| ?\^ ?\(?2\)?|2|\u00b2|/(s|sec))|(s|sec) ?\^? ?(-2|\(-2\)|\u207b\u00b2)|ps2)"
+)
+_SPELLINGS = {  # by the unit, patterns of what people write for it, brackets taken away where that changes nothing
+    "m/s^2": rf"(?i:m(et(er|re)s?)?{_PER_S2})",
+    "mm/s^2": rf"(?i:mm{_PER_S2})",
+    "cm/s^2": rf"(?i:cm{_PER_S2}|gal)",
+    "g": r"(?i:g|gee|gees|g[ _]?n|g[ _]?0|standard gravity)",
+    "mg": r"(?i:mg|milli-?g)",
+    "\u00b5g": r"\u03bcg|[u\u00b5\u03bc]G|(?i:micro-?g)",
+    "V": r"(?i:v|volts?)( ?(?i:dc))?",
+    "mV": r"(m[vV]|(?i:milli-?volts?))( ?(?i:dc))?",
+    "\u00b5V": r"\u03bcV|(?i:micro-?volts?)",
+    "counts": r"(?i:counts?)",
 }
 _PER_G = {"m/s^2": 9.81, "g": 1.0, "mg": 1000.0}  # what 1 g gives in units of acceleration
 _LOOKS_LIKE = {  # and what says so; sensors of 1 V/g are common, of 9.81 V/g they are not
@@ -22,7 +33,7 @@ _NEAR = 1.05  # of that, a factor: closer than most sensors come by chance
 _VOLTS_PER_UNIT = {"V": 1.0, "mV": 1e-3, "uV": 1e-6, "µV": 1e-6, "kV": 1e3}
 _LEAST = 1e-3  # of an uncertainty without an exponent
 _ALL_DIGITS = 17
-_KNOWN_BESIDE_VOLTS = {**_PER_G, "ug": 1e6, "µg": 1e6}
+_KNOWN_BESIDE_VOLTS = {**_PER_G, "ug": 1e6, "µg": 1e6, "mm/s^2": 9810.0, "cm/s^2": 981.0}
 
 
 def is_unit(text: object) -> bool:
@@ -32,7 +43,13 @@ def is_unit(text: object) -> bool:
 
 def spelled(text: str) -> str:
     """A unit as Tumble writes it, of the several ways in which people do; one that is not known stays as it is."""
-    return _SPELLINGS.get(text.strip(), text)
+    bare = re.sub(r"\(([a-z]+(?:\^-?2|\u00b2|\*\*2|2))\)", r"\1", text.strip())  # m/(s^2)
+    return next((unit for unit, pattern in _SPELLINGS.items() if re.fullmatch(pattern, bare)), text)
+
+
+def is_known(text: str) -> bool:
+    """Is it a unit of voltage or acceleration, or counts, in whatever spelling?"""
+    return spelled(text) == "counts" or _known(spelled(text)) is not None
 
 
 def force_unit(text: object) -> object:
