@@ -6,7 +6,7 @@ from conftest import EXAMPLES
 
 import tumble
 from tumble.cli.main import main
-from tumble.files.run_layout import find_column
+from tumble.files.run_layout import find_column, unit_in
 from tumble.units import spelled
 
 pytestmark = pytest.mark.python
@@ -47,6 +47,14 @@ def test_an_exact_name_wins(names, place):
 ])  # fmt: skip
 def test_a_unit_is_one_in_any_spelling(unit, spellings):
     assert {one: spelled(one) for one in spellings.split()} == dict.fromkeys(spellings.split(), unit)
+    assert unit_in(f"ax [{spellings.split()[0]}]") == ("ax", unit)
+    assert unit_in("ax_mg") == ("ax", "mg") and unit_in("u_x") == ("u_x", "")
+
+
+def test_a_column_is_named_with_or_without_its_unit():
+    assert find_column("ux", ["Kanal 1 [V]", "Kanal 2 [V]"], {"ux": "Kanal 2"}) == 1
+    assert find_column("ux", ["accel_y_mg", "accel_x_mg"], {}) == 1
+    assert find_column("time", ["time", "ux"], {"time": ""}) is None
 
 
 def test_two_exact_names_are_refused():

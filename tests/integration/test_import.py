@@ -72,30 +72,34 @@ def test_the_hand_held_session_leads_by_its_advice_to_a_solution(tumble, refused
     assert result["unit"] == "m/s^2" and 5e-4 < result["verification"]["max_abs_delta_g_g"] < 2e-3
 
 
-def test_a_refusal_lists_what_it_rests_on(tumble, tmp_path):
-    """Only what nobody said: by option or, as units and labels, in the file."""
-    done = tumble("import", HAND_HELD)
-    assert done.stderr.partition("\n")[2] == """assumed:
-- schedule: nobody says, taken for paper (--schedule)
-- clock: none, so lengths are counted in samples (--rate HZ gives seconds)
-- unit: nobody says (1 g is 9.882 of it, which looks like m/s^2: --unit m/s^2)
-- positions: by gravity, for the rows have no labels of positions (--columns)
-- rests: 13, by the noise of the quietest rows, 0.0137 0.0116 0.0165 (--still,
-  --drift)
-"""
-    done = tumble("import", HAND_HELD, *SIX_FACES)
-    assert [line.split(":")[0] for line in done.stderr.splitlines()[1:4]] == ["assumed", "- positions", "- rests"]
+def test_a_refusal_begins_with_what_it_took(tumble, tmp_path):
+    """What the file says, what an option says, and what nobody said."""
+
+    def took(*words):
+        first = tumble("import", *words).stderr.splitlines()[0]
+        assert first.startswith("took: ")
+        return first.removeprefix("took: ").split("; ")
+
+    assert took(HAND_HELD) == [
+        "no clock, lengths are in samples (--rate HZ gives seconds)",
+        "outputs acc_x, acc_y, acc_z in V, for nobody says the unit (1 g is 9.882 of it, which looks like m/s^2: "
+        "--unit m/s^2)",
+        "schedule paper, for nobody says it (--schedule)",
+        "no labels of positions",
+        "13 rests, noise 0.0137 0.0116 0.0165 V (--still, --drift)",
+        "one source",
+        "column 'n_samples' counts samples: not read",
+    ]
+    said = took(HAND_HELD, *SIX_FACES)
+    assert said[:3] == ["time by --rate 102.4 Hz", "outputs acc_x, acc_y, acc_z in m/s^2", "schedule six_faces"]
     header, *rows = HAND_HELD.read_text().splitlines()
     lines = [f"Timestamp,{header}", *(f"{10 * number},{row}" for number, row in enumerate(rows))]
     (tmp_path / "log.csv").write_text("\n".join(lines) + "\n")
     own = ("--schedule", "six_faces", "--unit", "m/s^2")
-    for options, facts in (
-        ((), ["'Timestamp' names no unit, steps of 10: taken for ms (--time-unit)"]),
-        (("--time-unit", "ms"), ["column 'Timestamp'"]),
-        (("--time-unit", "ms", "--columns", "time=Timestamp"), []),
-    ):
-        said = tumble("import", tmp_path / "log.csv", *own, *options).stderr
-        assert [line[len("- clock: ") :] for line in said.splitlines() if line.startswith("- clock: ")] == facts
+    guessed = "clock: 'Timestamp' names no unit, steps of 10: taken for ms (--time-unit)"
+    for options, is_guessed in (((), True), (("--time-unit", "ms"), False)):
+        said = took(tmp_path / "log.csv", *own, *options)
+        assert said[0] == "time of column 'Timestamp' in ms, 100 Hz" and (guessed in said) == is_guessed
 
 
 def test_a_refusal_of_labelled_rows_says_that_it_read_labels(tmp_path):
@@ -104,8 +108,12 @@ def test_a_refusal_of_labelled_rows_says_that_it_read_labels(tmp_path):
     with pytest.raises(BadInput) as refusal:
         import_recordings([str(log)], SCHEDULE, Settings(schedule="paper"))
     assert refusal.value.assumed == (
-        "unit: nobody says (--unit)",
-        "positions: by labels of the rows, position (--columns)",
+        "no clock, lengths are in samples (--rate HZ gives seconds)",
+        "outputs Ux, Uy, Uz in V, for nobody says the unit (--unit)",
+        "schedule paper",
+        "labels 'Pos' (--columns)",
+        "0 rests, noise 0 0 0 V (--still, --drift)",
+        "one source",
     )
 
 
@@ -383,7 +391,7 @@ def test_the_page_shows_what_a_refusal_prints(tumble):
     page = (ROOT / "docs/first-calibration.md").read_text(encoding="utf-8").partition("\n## Import a logger")[2]
     step = re.search(r"```console\n\$ \./tools/tumble ([^\n]*)\n```\n\n```text\n(.*?)```", page, re.DOTALL)
     command, shown = step.groups()
-    assert tumble(*shlex.split(command), cwd=ROOT).stderr == shown
+    assert tumble(*shlex.split(command), cwd=ROOT, TUMBLE_PROGRAM="./tools/tumble").stderr == shown
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from dressed import KINDS, dressed
 from recordings import random_case
 
 from tumble.errors import BadInput
@@ -21,13 +22,14 @@ ALIKE = {8: 0, 17: 9, 26: 18}  # the last position of a mounting is the attitude
 FAR = 6.0  # standard errors, of a mean that moving rows are in
 
 
-def judged(case, name, folder):
-    """("right" | "refused" | "wrong", what) of a case of the schedule of this name."""
-    file = folder / "recording.csv"
-    file.write_text(case.recorded.csv())
+def judged(case, name, folder, kind="plain", seed=0):
+    """("right" | "refused" | "wrong", what) of a case of the schedule of this name, in a file of this kind."""
+    file, made = folder / "recording.csv", dressed(case.recorded, kind, np.random.default_rng(seed))
+    file.write_bytes(made.data)
     claims = Claims(order=case.order, signs=case.signs)
+    wishes = Wishes(unit=None if kind == "TOA5" else "V")
     try:
-        done = import_recordings([str(file)], built_in(name), Settings(name, Wishes(unit="V"), claims=claims))
+        done = import_recordings([str(file)], built_in(name), Settings(name, wishes, claims=claims))
     except BadInput as refused:
         return "refused", str(refused)
     told = " ".join(done.notes)
@@ -36,12 +38,13 @@ def judged(case, name, folder):
     for begin, end, mean, position in rests:
         if position < 0:
             continue
-        rows = case.recorded.truth[begin:end]
+        rows = made.row_of_line[[done.line(row) for row in range(begin, end)]]
+        rows = np.where(rows < 0, -1, case.recorded.truth[rows])
         true = int(np.bincount(rows + 1).argmax()) - 1
         same = true == position or (ALIKE.get(true, true) == ALIKE.get(position, position) and "one attitude" in told)
         if not same:
             faults.append(f"rest of {true} called {position}")
-        elif moved(case.recorded, mean, end - begin, true) > FAR:
+        elif moved(case.recorded, mean / made.scale + made.offset, end - begin, true, 0.5 / made.scale) > FAR:
             faults.append(f"rows in motion at {position}")
     missing = len(done.schedule.positions) - len(set(done.matched.positions.tolist()) - {-1})
     if missing and "no rest at" not in told:
@@ -49,21 +52,24 @@ def judged(case, name, folder):
     return ("wrong", "; ".join(faults)) if faults else ("right", f"{missing} missing")
 
 
-def moved(recorded, mean, samples, position):
-    """How far the mean of a rest is off the truth, in standard errors, beyond what rounding can do to it."""
+def moved(recorded, mean, samples, position, half_count=0.0):
+    """How far the mean of a rest is off the truth, in standard errors, beyond what rounding can do to it; to a count as
+    well, where the scale is not 1."""
     expected = recorded.k @ recorded.forces[position] + recorded.u0
     noise = np.hypot(recorded.noise, 0.3 * recorded.step) * np.abs(np.diag(recorded.k)) / np.sqrt(samples)
     digits = 1e-7 * np.abs(recorded.outputs).max()  # of the file
     rounded = 0.5 * recorded.step * np.abs(np.diag(recorded.k)) if recorded.noise < recorded.step else 0.0
+    rounded = rounded + (half_count if half_count != 0.5 else 0.0)
     return ((np.abs(mean - expected) - rounded) / (noise + digits)).max()
 
 
 def outcomes(name, seeds, folder):
-    """Of random recordings of this schedule: [(seed, case, outcome, what)]."""
+    """Of random recordings of this schedule, each in a file of another kind: [(seed, case, outcome, what)]."""
     found = []
     for seed in seeds:
-        case = random_case(built_in(name), seed)
-        found.append((seed, case, *judged(case, name, folder)))
+        case, kind = random_case(built_in(name), seed), list(KINDS)[seed % len(KINDS)]
+        outcome, what = judged(case, name, folder, kind, seed)
+        found.append((seed, case, outcome, f"{kind}: {what}"))
     return found
 
 
@@ -97,5 +103,7 @@ def test_a_few_dozen(name, count, tmp_path):
 def test_a_thousand(name, tmp_path):
     found = outcomes(name, range(1000, 2000), tmp_path)
     print(Counter(outcome for *_, outcome, _ in found))
+    kinds = Counter((what.partition(":")[0], outcome) for _, case, outcome, what in found if is_true(case))
+    print("\n".join(f"{kind}, {outcome}: {count}" for (kind, outcome), count in sorted(kinds.items())))
     print("of those whose user says what is so:", Counter(outcome for _, case, outcome, _ in found if is_true(case)))
     require(found, 0.95)

@@ -6,6 +6,7 @@ import io
 import numpy as np
 import pytest
 from blocks import NOMINAL_K
+from conftest import cause_and_remedy
 from recordings import Habits, recording
 
 from tumble.files.run_layout import Wishes
@@ -37,8 +38,8 @@ def imported(tumble, tmp_path):
             files[-1].write_bytes(content if isinstance(content, bytes) else content.encode())
         done = tumble("import", *files, *options, "--out", tmp_path / "run.csv")
         if done.returncode:
-            line = done.stderr.partition("assumed:\n")[0]
-            assert (done.returncode, done.stdout, line.count("\n")) == (2, "", 1), done.stderr
+            line = cause_and_remedy(done.stderr)[0]
+            assert (done.returncode, done.stdout) == (2, ""), done.stderr
             return line, {}
         assert done.stderr == "" and max(map(len, done.stdout.partition("\nNext:\n")[0].splitlines())) <= 80
         return " ".join(done.stdout.split()), means_of((tmp_path / "run.csv").read_text())
@@ -166,6 +167,23 @@ def test_the_mountings_that_are_said_are_those_of_a_continuous_recording(importe
     assert said.endswith(" is in mounting 1, but --mountings says 'A' is 2\n")
     said, _ = imported(logged.csv(), options=("--mountings", "A=1"))
     assert said.endswith("log0.csv: --mountings: 'A' is no mounting here, for the rows do not name any\n")
+
+
+FACES = {"+x": (1, 0, 0), "-x": (-1, 0, 0), "y up": (0, 1, 0), "Y_DOWN": (0, -1, 0), "z+": (0, 0, 1), "z-": (0, 0, -1)}
+
+
+@pytest.mark.parametrize("column", ["face", "mounting", "orientation"])
+def test_faces_with_names(imported, column):
+    """Of the axis that points up; without a clock, and fewer rows than a rest has."""
+    rng = np.random.default_rng(3)
+    rows = [
+        f"{name},{','.join(f'{value:.5f}' for value in NOMINAL_K @ up + U0 + 1e-4 * rng.normal(size=3))}"
+        for name, up in FACES.items()
+        for _ in range(30)
+    ]
+    text = "\n".join([f"{column},Ax,Ay,Az", *rows]) + "\n"
+    said, means = imported(text, options=("--schedule", "six_faces"))
+    assert len(means) == 6 and "by the labels of the rows, which gravity confirms" in said
 
 
 def test_labels_that_gravity_denies(imported):

@@ -8,7 +8,8 @@ import pytest
 from blocks import NOMINAL_K
 from recordings import Habits, inclined_anew, recording
 
-from tumble.files.schedule_file import to_toml
+from tumble.core import CoreSchedule
+from tumble.files.schedule_file import default_estimator, to_toml
 from tumble.importing import match
 from tumble.importing.attitudes import attitudes_of, fitted
 from tumble.importing.match import Claims, Doubtful
@@ -236,8 +237,7 @@ def test_a_recording_leads_to_the_solution(tumble, tmp_path):
     shown = re.search(r"1 at (\S+), 2 at (\S+), 3 at (\S+) deg", " ".join(done.stdout.split()))
     assert list(map(float, shown.groups())) == pytest.approx([one.tilt_deg for one in stand.mountings], abs=0.02)
     said = shlex.split(done.stdout.partition("\nNext:\n")[2].replace("\\\n", ""))
-    options = ("--schedule", "inclined", "--estimator", "inclined", "--out", str(tmp_path / "result.json"))
-    assert said == ["tumble", "solve", str(run), *options]
+    assert said == ["tumble", "solve", str(run), "--schedule", "inclined", "--out", str(tmp_path / "result.json")]
     k, u0, found = inclined.solve(SCHEDULE, means_of(run, SCHEDULE))
     assert np.rad2deg(found.beta) == pytest.approx([one.tilt_deg for one in stand.mountings], abs=0.01)
     any_way = np.random.default_rng(2).normal(size=(500, 3))
@@ -266,7 +266,8 @@ def test_a_schedule_file_of_inclinations(tumble, tmp_path):
     (tmp_path / "own.toml").write_text(to_toml(own))
     file, stand = logged(tmp_path, own, range(12))
     done = tumble("import", file, "--schedule", tmp_path / "own.toml", "--out", tmp_path / "run.csv")
-    assert (done.returncode, done.stderr) == (0, "") and "--estimator inclined" in done.stdout
+    assert (done.returncode, done.stderr) == (0, "") and "--estimator" not in done.stdout
+    assert default_estimator(CoreSchedule(own)) == "inclined"
     _, _, found = inclined.solve(own, means_of(tmp_path / "run.csv", own))
     assert np.rad2deg(found.beta) == pytest.approx([one.tilt_deg for one in stand.mountings], abs=0.02)
 

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple, TypeVar
 
 EXIT_PASS = 0
 EXIT_LIMITS_FAILED = 1
@@ -47,10 +47,31 @@ def file_name(path: str | os.PathLike[str]) -> str:
     return text if text.isprintable() else ascii(text)
 
 
+class Remedy(NamedTuple):
+    """What may cure a refusal: `options` by name as they are typed, None: left out; and the `condition` under which
+    that is right, empty: none."""
+
+    options: Mapping[str, str | None]
+    condition: str = ""
+
+
+ErrorT = TypeVar("ErrorT", bound="TumbleError")
+
+
 class TumbleError(Exception):
-    """An outcome that ends the command with one line on stderr and `exit_code`."""
+    """An outcome that ends the command with one line on stderr and `exit_code`. Of a recording that cannot be imported,
+    `assumed`: what was taken for granted so far; `remedies`: what is worth a try, likeliest first; `remedy`: lines with
+    the command that has been tried and works."""
 
     exit_code = EXIT_BAD_INPUT
+    assumed: tuple[str, ...] = ()
+    remedies: tuple[Remedy, ...] = ()
+    remedy = ""
+
+    def advising(self: ErrorT, *remedies: Remedy) -> ErrorT:
+        """The same with these remedies."""
+        self.remedies = remedies
+        return self
 
     def __reduce__(self) -> tuple[Any, ...]:
         """From process to process as it is; those with a constructor of their own are made without it."""
@@ -69,10 +90,7 @@ class UsageError(TumbleError, ValueError):
 
 class BadInput(TumbleError, ValueError):
     """A file or a table cannot be used. Says which, and where known in which row (line number, from 1) and column or
-    key. `assumed`: where a recording cannot be imported, sentences on what was taken for granted because nobody said
-    it."""
-
-    assumed: tuple[str, ...] = ()
+    key."""
 
     def __init__(self, message: str, file: str | os.PathLike[str], row: int | None = None, column: str | None = None):
         place = [] if row is None else [f"row {row}"]

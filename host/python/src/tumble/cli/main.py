@@ -7,7 +7,6 @@ import io
 import os
 import re
 import sys
-import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 from importlib import import_module
 from typing import Any, NoReturn
@@ -183,11 +182,11 @@ def main(argv: list[str] | None = None, *, interruptible: bool = False) -> int:
         _complain(str(error))
         return interruption.exit_code()
     except errors.TumbleError as error:
+        if error.assumed:
+            tell("took: " + "; ".join(error.assumed))
         _complain(str(error))
-        if isinstance(error, errors.BadInput) and error.assumed:
-            tell("assumed:")
-            for fact in error.assumed:
-                tell("- " + "\n  ".join(textwrap.wrap(fact, 78, break_on_hyphens=False, break_long_words=False)))
+        if error.remedy:
+            tell(error.remedy)
         return error.exit_code
     except KeyboardInterrupt:
         _complain("interrupted")

@@ -124,8 +124,11 @@ def add_layout(
     return layout
 
 
-def wishes(arguments: argparse.Namespace, names: Sequence[str], has_unit: bool = True) -> Wishes:
-    """What the options say about the layout, with columns of these names. Raises UsageError."""
+def wishes(
+    arguments: argparse.Namespace, names: Sequence[str], has_unit: bool = True, may_lack: Sequence[str] = ()
+) -> Wishes:
+    """What the options say about the layout, with columns of these names, of which some `may_lack`, by an empty name.
+    Raises UsageError."""
     from tumble.api.arguments import require_unit
     from tumble.files.run_layout import Wishes, is_delimiter
     from tumble.units import spelled
@@ -133,7 +136,7 @@ def wishes(arguments: argparse.Namespace, names: Sequence[str], has_unit: bool =
     columns: dict[str, str] = {}  # of `ux=AccX,uy=AccY`
     for part in [] if arguments.columns is None else arguments.columns.split(","):
         wanted, equals, name = (piece.strip() for piece in part.partition("="))
-        if not equals or wanted not in names or not name or wanted in columns:
+        if not equals or wanted not in names or not (name or wanted in may_lack) or wanted in columns:
             known = ", ".join(names)
             raise UsageError(f"--columns: {quoted(part)} is not NAME=COLUMN with NAME one of {known}, once each")
         columns[wanted] = name

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 
 from tumble.errors import BadInput, listed, quoted
 from tumble.files.disk import JSON, TOML
-from tumble.units import UNIT, are_at_odds, spelled
+from tumble.units import UNIT, are_at_odds, is_known, spelled
 
 COLUMNS = ("mounting", "position", "ux", "uy", "uz")
 TEMPERATURE = "temperature"  # a column that need not be there
@@ -25,9 +25,9 @@ NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _HEAD_BYTES = 1 << 16
 _ROWS_TO_LOOK_AT = 200
 _LONGEST_HEADER = 400
-_BRACKETED = re.compile(r"[\[(]([^\])]*)[\])]\s*$")
+_BRACKETED = re.compile(r"[\[(]((?:[^\[\]()]|\([^\[\]()]*\))*)[\])]\s*$")  # m/(s^2) has its own
 _TOML = re.compile(r"\s*(\[\[?[\w.]+\]\]?\s*(#.*)?$|[\w.]+\s*=)")
-_TIME_UNITS = ("", "s", "sec", "ms", "us", "ns")
+_TIME_UNITS = ("", "s", "sec", "ms", "msec", "us", "usec", "ns", "nsec", "min", "h", "d")
 _CLOSEST = {"time": {f"time{unit}" for unit in _TIME_UNITS}}  # before others: a bench run has a timestamp as well
 _ALIASES = {
     "mounting": {"mounting", "mount", "mountingno", "mountingnumber", "setup"},
@@ -42,6 +42,12 @@ _ALIASES = {
     },
     **{f"u{axis}": {f"{stem}{axis}" for stem in ("u", "out", "output", "acc", "accel", "a", "")} for axis in "xyz"},
     TEMPERATURE: {"temperature", "temp", "temperaturec", "tempc"},
+}
+
+
+_LAST = {  # where there is none of these
+    "time": {"millis", "micros", "date", "uhrzeit", "zeit"},
+    "mounting": {"face", "side", "orientation", "pose"},
 }
 
 
@@ -80,7 +86,7 @@ class Column:
 class Layout:
     """A run file's layout. `header_row` counts lines from 1; `indices` are those of the wanted COLUMNS among `width`
     columns; the `unit` of the outputs is `unit_told`, or assumed. `temperature`: the column of that name, if there is
-    one; `doubt`: why it is not known which one that is."""
+    one; `doubt`: why it is not known which one that is; `names`: of all columns."""
 
     header_row: int
     comments: int
@@ -93,6 +99,7 @@ class Layout:
     unit_told: bool
     temperature: Column | None = None
     doubt: str | None = None
+    names: tuple[str, ...] = ()
 
 
 def is_delimiter(sign: object) -> bool:
@@ -115,6 +122,8 @@ def as_text(data: bytes) -> str:
 
 def body_of(data: bytes, lines: int) -> bytes:
     """What follows so many lines."""
+    if lines == 0:
+        return data
     ends = [match.end() for match in itertools.islice(_LINE_END.finditer(data), lines)]
     return data[ends[-1] :] if len(ends) == lines else b""
 
@@ -170,9 +179,53 @@ def _detect(head: bytes, wishes: Wishes, file: str) -> Layout | None:
             blanks += 1
         elif line.startswith("#"):
             comments += 1
+        elif wishes.has_preamble and (bare := _without_header(row, lines, wishes)) is not None:
+            return _from_header(*bare, (comments, blanks), wishes, file)
         else:
             return _from_header(row, line, lines[row:], (comments, blanks), wishes, file)
     return None
+
+
+_OF_ROW = re.compile(r"[\d\s.,:/TZe+-]*\d[\d\s.,:/TZe+-]*|nan|", re.IGNORECASE)  # a number, a date, or nothing
+
+
+def _without_header(row: int, lines: list[str], wishes: Wishes) -> tuple[int, str, list[str]] | None:
+    """Row, line and what follows of the header of a recording whose first line that is no comment, in this `row`, has
+    numbers: the last comment above with as many fields, else one that is made up; None: its line is a header."""
+    for sign in [wishes.delimiter] if wishes.delimiter else [",", ";", "\t"]:
+        fields = [field.strip() for field in lines[row - 1].split(sign)]
+        numbers = sum(map(is_number, fields))
+        if numbers < len(wishes.wanted) or not all(map(_OF_ROW.fullmatch, fields)):
+            continue
+        for above in range(row - 1, 0, -1):
+            names = lines[above - 1].lstrip("# ").split(sign)
+            if lines[above - 1].startswith("#") and len(names) == len(fields):
+                return above, sign.join(names), lines[row - 1 :]
+        return row - 1, sign.join(_made_up(fields, lines[row - 1 :], sign, wishes)), lines[row - 1 :]
+    return None
+
+
+def _made_up(first: list[str], following: list[str], sign: str, wishes: Wishes) -> list[str]:
+    """Names of columns that have none: their numbers, from 1; where the user names no output by these, a column that
+    counts by one is n, another that counts the time, and the next three are the outputs."""
+    names = [str(number) for number in range(1, len(first) + 1)]
+    if set(wishes.wanted) & set(wishes.columns):
+        return names
+    rows = [line.split(sign) for line in following[:_ROWS_TO_LOOK_AT] if line.strip() and not line.startswith("#")]
+    columns = list(zip(*(row for row in rows if len(row) == len(first))))
+    left = [*wishes.wanted[-3:], *names]
+    roles = {"n", "time"} if len(first) > len(wishes.wanted) else set()
+    for place, texts in enumerate(columns):
+        values = [float(text.replace(",", ".")) if is_number(text.strip()) else None for text in texts]
+        steps = [b - a for a, b in itertools.pairwise(values) if a is not None and b is not None]
+        counts = bool(steps) and min(steps) >= 0.0 < max(steps)
+        role = "n" if counts and set(steps) == {1.0} else "time"
+        if (counts or not steps) and role in roles:
+            names[place] = role
+            roles.remove(role)
+        elif left[0] in wishes.wanted:
+            names[place] = left.pop(0)
+    return names
 
 
 def _from_header(
@@ -193,7 +246,7 @@ def _from_header(
         unit = unit_of(wishes, [names[index] for index in indices[-3:]], file, row)
         told = unit or DEFAULT_UNIT, unit is not None
         felt = temperature_column(names, wishes.columns)
-        return Layout(row, *skipped, delimiter, decimal, indices, len(names), *told, *felt)
+        return Layout(row, *skipped, delimiter, decimal, indices, len(names), *told, *felt, tuple(names))
     fields = re.split(r"[,;\t]", line)
     if all(NUMBER.fullmatch(name.strip()) for name in fields):
         raise BadInput(f"no header line; the first line must name the columns {','.join(wishes.wanted)}", file, row)
@@ -261,7 +314,7 @@ def find_all(names: list[str], wishes: Wishes, is_text: bool = True) -> tuple[in
     """Indices of the wanted COLUMNS. `is_text`: the names were one line, which a delimiter separates. Raises
     ValueError, naming all that are not there, and what is."""
     renamed = wishes.columns
-    told_beside = [TEMPERATURE] if TEMPERATURE in renamed else []
+    told_beside = [TEMPERATURE] if renamed.get(TEMPERATURE) else []
     found = {wanted: find_column(wanted, names, renamed) for wanted in (*wishes.wanted, *told_beside)}
     missing = [wanted for wanted, index in found.items() if index is None]
     if not missing:
@@ -295,10 +348,16 @@ def find_column(wanted: str, names: list[str], renamed: dict[str, str]) -> int |
     """Index of a column: by the user's name for it, else by its own, else by one that means the same; None: it is not
     there. Raises ValueError where there are several."""
     asked = renamed.get(wanted)
+    if asked == "":
+        return None  # it is not to be read
     plain = [_BRACKETED.sub("", name).strip() for name in names]  # u_x may be the uncertainty of x, beside ux
-    bare = [re.sub(r"[\s_.-]", "", name).lower() for name in plain]  # "U_x [mV]" is "ux"
+    bare = list(map(_bare, plain))
     tests: list[Callable[[int], bool]] = (
-        [lambda i: names[i] == asked, lambda i: names[i].lower() == asked.lower()]
+        [
+            lambda i: names[i] == asked,
+            lambda i: names[i].lower() == asked.lower(),
+            lambda i: plain[i].lower() == asked.lower(),  # without its unit
+        ]
         if asked
         else [
             lambda i: plain[i] == wanted,
@@ -306,6 +365,8 @@ def find_column(wanted: str, names: list[str], renamed: dict[str, str]) -> int |
             lambda i: bare[i] == wanted,
             lambda i: bare[i] in _CLOSEST.get(wanted, ()),
             lambda i: bare[i] in _ALIASES[wanted],
+            lambda i: _bare(unit_in(names[i])[0]) in _ALIASES[wanted],  # accel_x_mg
+            lambda i: bare[i] in _LAST.get(wanted, ()),
         ]
     )
     for test in tests:
@@ -320,11 +381,24 @@ def find_column(wanted: str, names: list[str], renamed: dict[str, str]) -> int |
     return None
 
 
+def _bare(name: str) -> str:
+    """`U_x` is `ux`."""
+    return re.sub(r"[\s_.-]", "", name).lower()
+
+
+def unit_in(name: str) -> tuple[str, str]:
+    """A column's name and its unit, empty if it has none: in brackets, or a known one behind a sign, as `ax_mg`."""
+    if (found := _BRACKETED.search(name)) is not None:
+        return name[: found.start()].strip(), spelled(found[1].strip())
+    stem, sign, unit = max((name.rpartition(sign) for sign in "_/,"), key=lambda parts: len(parts[0]))
+    return (stem.strip(), spelled(unit.strip())) if sign and stem and is_known(unit.strip()) else (name, "")
+
+
 def unit_of(wishes: Wishes, names: list[str], file: str, row: int | None, option: str = "--unit") -> str | None:
-    """The unit of the outputs: the one that the user says by this `option`, else the one in brackets after their names;
+    """The unit of the outputs: the one that the user says by this `option`, else the one behind their names (unit_in);
     None where neither is there. Raises BadInput for a known unit in brackets that is not the user's, and where the
     three differ and the user says nothing."""
-    units = {spelled(match.group(1).strip()) if (match := _BRACKETED.search(name)) else "" for name in names}
+    units = {unit_in(name)[1] for name in names}
     if wishes.unit is None and len(units) > 1:
         raise BadInput(f"outputs in different units: {', '.join(map(quoted, names))}; {option} says which", file, row)
     told = units.pop()

@@ -153,7 +153,7 @@ class _Judge:
         """How many equal values in a row honest noise does not give: each but the first has the chance of the step in
         which the mean may lie."""
         noise = self._least_noise(channel)
-        chance = _chance_of_a_value(noise)
+        chance = chance_of_a_value(noise)
         if chance >= 1.0:
             return math.inf
         return 1.0 + math.log(_STUCK_CHANCE / (3 * int(self._table.samples.sum()))) / math.log(chance)
@@ -391,8 +391,8 @@ def copied(outputs: Floats, position: Integers, step: Floats) -> Repeat | None:
     likely = max(
         _held(outputs, position),
         _held(outputs[part], position[part]),
-        _chance_of_a_value(float((changes / np.where(step > 0.0, step, np.inf)).max())),
-        _chance_of_a_value(float(_innovations(outputs, position, step).max())),  # all rows before it having come again
+        chance_of_a_value(float((changes / np.where(step > 0.0, step, np.inf)).max())),
+        chance_of_a_value(float(_innovations(outputs, position, step).max())),  # all rows before it having come again
     )
     chance = 2.0 * math.log(len(outputs)) + found.length * math.log(likely)
     return found if chance < math.log(CHANCE) else None
@@ -466,7 +466,7 @@ def _held(outputs: Floats, position: Integers) -> float:
     return max(shares)
 
 
-def _chance_of_a_value(noise: float) -> float:
+def chance_of_a_value(noise: float) -> float:
     """Of the likeliest value, by the noise in steps."""
     return math.erf(0.5 / (math.sqrt(2.0) * noise)) if noise > 0.0 else 1.0
 
@@ -495,10 +495,11 @@ def _innovations(outputs: Floats, position: Integers, step: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class Sources:
-    """A `sentence` that rows may be of several sources in turn; `is_certain`: no noise does that."""
+    """A `sentence` that rows may be of this `number` of sources in turn; `is_certain`: no noise does that."""
 
     sentence: str
     is_certain: bool
+    number: int
 
 
 _Parts = tuple[Floats, Floats, int]  # means of the sources (sources, 3), squares within them (3,), rows of each
@@ -521,7 +522,7 @@ def in_turn(positions: Iterable[Floats], step: Floats, unit: str) -> Sources | N
     said = f"rows alternate, u{'xyz'[channel]} between {' and '.join(levels)} {unit}"
     is_certain = clear >= _OF_POSITIONS * len(best)
     end = "? Keep the rows of one" if is_certain else ", or a vibration in step with them?"
-    return Sources(f"{said}: {_NUMBERS[len(levels)]} sources in one file{end}", is_certain)
+    return Sources(f"{said}: {_NUMBERS[len(levels)]} sources in one file{end}", is_certain, len(levels))
 
 
 def _stretches(rows: Floats, sources: int) -> _Parts:

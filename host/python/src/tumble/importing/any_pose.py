@@ -7,16 +7,19 @@ import numpy as np
 from tumble.importing.attitudes import Fit
 from tumble.importing.match import LEFT_OUT, NONE, TAKEN, Claims, Doubtful, Matched
 from tumble.importing.rests import Rests
-from tumble.model.norm import of_poses, roughly
+from tumble.model.norm import NINE, of_poses, roughly
 
 MOST = 36  # as a schedule holds
 POSES = of_poses([(number, 1) for number in range(1, MOST + 1)])
 
 
 def matched(rests: Rests, claims: Claims) -> Matched:
-    """In the order in which they were measured, but for those to leave out. Raises Doubtful for too many."""
+    """In the order in which they were measured, but for those to leave out. Raises Doubtful for too few or many."""
     taken = np.array([number not in claims.leave_out for number in range(1, len(rests) + 1)])
     count = int(taken.sum())
+    if count < len(NINE):
+        said = f"{count} rests are fewer than the nine poses that show all coefficients"
+        raise Doubtful(f"{said}: measure more, or see whether --still, --drift or --min-rest hide some")
     if count > MOST:
         raise Doubtful(f"{count} rests, at most {MOST} poses are solved: --leave-out, or --min-rest for longer ones")
     positions = np.where(taken, np.cumsum(taken) - 1, NONE)

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tumble.arrays import Flags, Floats, Integers
-from tumble.errors import quoted
+from tumble.errors import Remedy, quoted
 from tumble.importing import attitudes
 from tumble.importing.attitudes import View
 from tumble.importing.match import (
@@ -30,10 +30,15 @@ from tumble.importing.match import (
     every_part,
 )
 from tumble.importing.rests import FEWEST_IN_BLOCK, Found, Rests, rests_of
+from tumble.model.geometry import Geometry
 from tumble.schedule import Schedule
 
 LABELS = ("mounting", "position", "angle", "number")
+WITHOUT_LABELS = Remedy({"columns": "position=,angle=,number=,mounting="}, "gravity, not labels, tells the positions")
 _NEAR_DEG = 3.0  # of a set angle, what a table shows may be off
+_FACE = re.compile(r"([+-])([xyz])|([xyz])[ _-]*(\+|-|up|down|plus|minus|pos|neg)", re.IGNORECASE)
+_DOWN = {"-", "down", "minus", "neg"}
+_SAME_FACE = 1e-3  # rad
 _ALL = "all"  # key of groups that are numbered through all mountings
 _MOST_NAMES = 6  # of mountings whose numbers nobody says: 720 ways of giving six numbers, half a second
 
@@ -60,7 +65,8 @@ def labelled_rests(
             continue
         firsts.append(first)
     if not spans:
-        raise Doubtful("no group of rows with the same labels is at rest: see --still, --drift, --min-rest")
+        said = "no group of rows with the same labels is at rest: see --still, --drift, --min-rest"
+        raise Doubtful(said, WITHOUT_LABELS)
     own = {name: [column[row] for row in firsts] for name, column in texts.items()}
     return replace(rests_of(outputs, spans, found.block, found.rounding), file=file_of_row[firsts], labels=own), lost
 
@@ -122,6 +128,10 @@ class _Labelled:
         labels = self.rests.labels
         rows = [dict(zip(labels, texts)) for texts in zip(*labels.values())]
         positions = np.array([_position(row, mountings[key], self.schedule) for row, key in zip(rows, keys)])
+        return self.at(positions, mountings)
+
+    def at(self, positions: Integers, mountings: dict[str, int]) -> _Way:
+        """With these positions (rests,). Raises Doubtful."""
         taken = np.ones(len(positions), dtype=bool)
         if self.claims.repeats is not None:  # of those at one position the visit that the user chooses
             for visits in _visits(positions).values():
@@ -145,7 +155,9 @@ class _Labelled:
         if not attitudes.is_view_of(View(signs=self.claims.signs or (x, y, z)), fit.k):
             raise Doubtful(
                 "as the rows are labelled, channels feel other axes than their own, or with other signs than told: are "
-                "mountings or positions exchanged, or columns (--columns ux=...)? "
+                "mountings or positions exchanged, or columns (--columns ux=...)? ",
+                Remedy({"mountings": None}),
+                WITHOUT_LABELS,
             )
         off: Floats = np.linalg.norm(fit.attitudes(self.rests.means) - fit.forces[positions], axis=1)
         judged = taken & np.array([number not in self.claims.take for number in self.numbers], dtype=bool)
@@ -154,7 +166,10 @@ class _Labelled:
             label, number = self.schedule.positions[positions[worst]].label, int(self.numbers[worst])
             raise Doubtful(
                 f"rest {number} is labelled {label}, and gravity is {np.rad2deg(off[worst]):.3g} deg off there: "
-                f"correct its label, or delete its rows; --leave-out {number} goes on without, --take {number} takes it"
+                f"correct its label, or delete its rows; --leave-out {number} goes on without, "
+                f"--take {number} takes it",
+                Remedy({"leave_out": str(number)}),
+                WITHOUT_LABELS,
             )
         return off, fit
 
@@ -201,7 +216,8 @@ def require_one_name_a_mounting(
         if first != mounting:
             raise Doubtful(
                 f"the rows of mounting {name!r} are mounting {first} at rest {other} and {mounting} at rest {number}: "
-                f"--leave-out {number} or {other}, or leave out that column (--columns mounting=...)"
+                f"--leave-out {number} or {other}, or leave out that column (--columns mounting=)",
+                Remedy({"columns": "mounting="}, "gravity tells the mountings, not that column"),
             )
 
 
@@ -209,18 +225,42 @@ def _only_way(given: _Labelled, named: dict[str, int]) -> _Way:
     """The numbers of mountings that labels and gravity agree on. Raises Doubtful."""
     keys = _mounting_keys(given.rests, given.schedule)
     _require_names(named, [key for key in dict.fromkeys(keys) if key != _ALL], given.schedule)
-    found, faults = [], []
+    if not named and (faces := faces_of(given.rests.labels, given.schedule)) is not None:
+        numbers = {key: given.schedule.positions[place].mounting for key, place in zip(keys, faces)}
+        return given.at(np.array(faces), numbers)
+    found, faults = list[_Way](), list[Doubtful]()
     for numbers in _ways(list(dict.fromkeys(keys)), given.schedule, named):
         try:
             found.append(given.way(keys, numbers))
         except Doubtful as fault:
-            faults.append(str(fault))
+            faults.append(fault)
     if not found:
-        raise Doubtful(min(faults, key=len) if faults else "the labels name more mountings than the schedule has")
+        many = Doubtful("the labels name more mountings than the schedule has", WITHOUT_LABELS)
+        raise min(faults, key=lambda one: len(str(one)), default=many)
     if len(found) > 1:
         both = " and ".join(_told(one.numbers) for one in found[:3])
-        raise Doubtful(f"the mountings fit {len(found)} ways, {both}: --mountings says which")
+        ways = [_told(one.numbers) for one in found]
+        which = [Remedy({"mountings": way}, f"the mountings are {way}") for way in ways]
+        raise Doubtful(f"the mountings fit {len(found)} ways, {both}: --mountings says which", *which)
     return found[0]
+
+
+def faces_of(texts: dict[str, list[str]], schedule: Schedule) -> list[int] | None:
+    """Indices of the positions of rests whose only labels name the axis that points up, such as +x, "z down" or Y_UP;
+    None where they are no such names, or the schedule has no such attitudes."""
+    if texts.keys() != {"mounting"}:
+        return None
+    names, forces, found = texts["mounting"], Geometry(schedule).force(), dict[str, int]()
+    for name in set(names):
+        if (face := _FACE.fullmatch(name.strip())) is None:
+            return None
+        axis, way = next((axis, way) for way, axis in (face.group(1, 2), face.group(4, 3)) if axis)
+        up = np.eye(3)["xyz".index(axis.lower())] * (-1.0 if way.lower() in _DOWN else 1.0)
+        near = np.flatnonzero(np.linalg.norm(forces - up, axis=1) < _SAME_FACE)
+        if not len(near):
+            return None
+        found[name] = int(near[0])
+    return [found[name] for name in names]
 
 
 def _told(numbers: dict[str, int]) -> str:
@@ -287,10 +327,13 @@ def _position(labels: dict[str, str], mounting: int, schedule: Schedule) -> int:
         if value is None or value != int(value) or not 1 <= value <= len(schedule.positions):
             raise Doubtful(
                 f"{quoted(text)} is no running number of the schedule's {len(schedule.positions)} positions, from 1; "
-                "another schedule? (--schedule)"
+                "another schedule? (--schedule)",
+                WITHOUT_LABELS,
             )
         return int(value) - 1
     inside = [index for index, place in enumerate(schedule.positions) if place.mounting == mounting]
+    if position is None and "angle" not in labels:
+        return inside[0]  # each mounting has one position
     if position is not None:
         value = _value(position)
         found = [index for index in inside if schedule.positions[index].number == value]
@@ -303,5 +346,6 @@ def _position(labels: dict[str, str], mounting: int, schedule: Schedule) -> int:
         found = [index for index in sorted(inside, key=off.__getitem__)[:1] if off[index] <= _NEAR_DEG]
         what = f"angle {quoted(labels.get('angle'))}"
     if not found:
-        raise Doubtful(f"the schedule has no {what} in mounting {mounting}; another one? (--schedule)")
+        said = f"the schedule has no {what} in mounting {mounting}; another one? (--schedule)"
+        raise Doubtful(said, WITHOUT_LABELS)
     return found[0]

@@ -27,7 +27,7 @@ import numpy as np
 
 from tumble.arrays import Flags, Floats, Integers
 from tumble.distributions import f_quantile
-from tumble.errors import UsageError
+from tumble.errors import Remedy, UsageError
 from tumble.importing import attitudes
 from tumble.importing.attitudes import AXES, STRAIGHT, Attitudes, Fit, Seen, Signs, View
 from tumble.importing.rests import Rests
@@ -35,6 +35,7 @@ from tumble.schedule import Schedule
 
 SCHEDULE, ANY = "schedule", "any"
 NONE = -1
+THAT_OF = "<that of u{}>"  # the column of a channel, which a matcher does not know
 POSITIVE: Signs = (1, 1, 1)
 REPEATS = ("first", "last", "longest")
 _CLEARLY_WORSE = 3.0  # times as far off
@@ -62,7 +63,11 @@ class Matched:
 
 
 class Doubtful(Exception):
-    """Why the rests are not matched, and what to do about it: one line."""
+    """Why the rests are not matched, and what to do about it: one line; and the `remedies` that are worth a try."""
+
+    def __init__(self, message: str, *remedies: Remedy):
+        super().__init__(message)
+        self.remedies = remedies
 
 
 @dataclass(frozen=True)
@@ -180,7 +185,7 @@ class _Matcher:
                 would += f" in {len(best)} ways: {self._listed(best)}; choose one by its options"
             else:
                 would += f" {self._described(best[0].seen.view, best[0].order)} ({self._option(best[0])})"
-            raise Doubtful(f"{claimed}, {found} of {positions} positions are found; {would}")
+            raise Doubtful(f"{claimed}, {found} of {positions} positions are found; {would}", *map(self._remedy, best))
         if own is None or found < _FEWEST:
             lacks = "; an inclination that lacks, or" if attitudes.inclinations_of(self._schedule) else ";"
             raise Doubtful(
@@ -200,7 +205,8 @@ class _Matcher:
         ]
         if rivals:
             both = self._listed([own, *rivals])
-            raise Doubtful(f"fits {1 + len(rivals)} ways: {both}; say the signs of K (--signs, or --stand FILE)")
+            advice = "say the signs of K (--signs, or --stand FILE)"
+            raise Doubtful(f"fits {1 + len(rivals)} ways: {both}; {advice}", *map(self._remedy, [own, *rivals]))
         return own
 
     def _hypothesis(self, view: View, order: str) -> _Hypothesis | None:
@@ -245,15 +251,23 @@ class _Matcher:
         return f"{way}{channels}, K {'negative in ' + ', '.join(negative) if negative else 'positive'}"
 
     def _option(self, one: _Hypothesis) -> str:
-        options = []
+        told = (f"--{name}{'=' if name == 'signs' else ' '}{value}" for name, value in self._options(one).items())
+        return " ".join(told) or "as claimed"
+
+    def _options(self, one: _Hypothesis) -> dict[str, str]:
+        """Those that say so, by name."""
+        options = {}
         if one.seen.view.channels != STRAIGHT:
-            names = (f"u{axis}=<that of u{AXES[channel]}>" for axis, channel in zip(AXES, one.seen.view.channels))
-            options.append("--columns " + ",".join(names))
+            names = (f"u{axis}={THAT_OF.format(AXES[channel])}" for axis, channel in zip(AXES, one.seen.view.channels))
+            options["columns"] = ",".join(names)
         if one.seen.view.signs != self._signs or self._claims.signs is None:
-            options.append("--signs=" + "".join("+" if sign > 0 else "-" for sign in one.seen.view.signs))
+            options["signs"] = "".join("+" if sign > 0 else "-" for sign in one.seen.view.signs)
         if one.order != self._claims.order or one.order == ANY:
-            options.append(f"--order {one.order}")
-        return " ".join(options) or "as claimed"
+            options["order"] = one.order
+        return options
+
+    def _remedy(self, one: _Hypothesis) -> Remedy:
+        return Remedy(self._options(one), f"it was {self._described(one.seen.view, one.order)}")
 
     def judge(self, own: _Hypothesis) -> Matched:
         """Every rest of the hypothesis that is taken. Raises Doubtful."""
@@ -270,7 +284,8 @@ class _Matcher:
             assigned = self._assign(own.order, nearest, own.seen.off)
         for rest, could_be in assigned.doubts.items():
             labels = " or ".join(map(self._label, could_be))
-            raise Doubtful(f"rest {rest + 1} could be {labels}: --leave-out {rest + 1} goes on without it")
+            without = Remedy({"leave_out": str(rest + 1)})
+            raise Doubtful(f"rest {rest + 1} could be {labels}: --leave-out {rest + 1} goes on without it", without)
         self._require_filled(excluded, assigned, fit)
         return self._finish(assigned, excluded, fit, variance, freedom)
 
@@ -363,7 +378,9 @@ class _Matcher:
             where = self._label(position) if position != NONE else "one position"
             raise Doubtful(
                 f"rests {numbers} are all at {where}: --repeats {'|'.join(REPEATS)} takes one, "
-                f"--leave-out {all_spare} goes on without the later ones"
+                f"--leave-out {all_spare} goes on without the later ones",
+                Remedy({"repeats": "first"}, "the first visit of a position counts"),
+                Remedy({"leave_out": all_spare}),
             )
         for position, spare in groups.items():
             if position == NONE:
@@ -398,7 +415,9 @@ class _Matcher:
             many = ",".join(str(rest + 1) for rest, _ in lost)
             raise Doubtful(
                 f"rest {rest + 1} is {1e3 * float(np.linalg.norm(felt)):.3g} mrad off {self._label(position)}, "
-                f"far more than the others are off theirs: --take {many} takes it, --leave-out {many} goes on without"
+                f"far more than the others are off theirs: --take {many} takes it, --leave-out {many} goes on without",
+                Remedy({"leave_out": many}),
+                Remedy({"take": many}),
             )
 
     def _notes(self, assigned: Assigned, positions: Integers, states: list[str]) -> tuple[str, ...]:

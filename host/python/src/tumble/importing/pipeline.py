@@ -8,31 +8,33 @@ from functools import cached_property
 
 import numpy as np
 
-from tumble.arrays import Floats, Integers
+from tumble.arrays import Flags, Floats, Integers
 from tumble.defaults import DEFAULT_SCHEDULE
-from tumble.errors import BadInput, UsageError, quoted
-from tumble.files import run_rows
+from tumble.errors import BadInput, Remedy, UsageError, listed, quoted
+from tumble.files import run_layout, run_rows
 from tumble.files.run_file import smallest_step
 from tumble.files.run_layout import NO_WISHES, Wishes
-from tumble.importing import any_pose, labels, match, recording
+from tumble.importing import any_pose, can_bus, clocks, labels, match, recording, repairs
 from tumble.importing.attitudes import scale_and_bias
 from tumble.importing.can_bus import NO_BUS, Bus
+from tumble.importing.clocks import CONTRADICTED, Timing
 from tumble.importing.match import ANY, JOINED, NONE, POSITIVE, REPEATED, TAKEN, Claims, Doubtful, Matched
-from tumble.importing.recording import CONTRADICTED, Recording, Timing
+from tumble.importing.recording import Choice, Recording
 from tumble.importing.rests import Found, Rests, Thresholds, find_rests
 from tumble.model.geometry import built_in
 from tumble.schedule import ANY_POSE, BUILT_IN, Schedule
-from tumble.units import looks_like
+from tumble.units import contradicts, looks_like
 
 _SHORTEST_S, _LONGEST_S = 1.5, 900.0  # of the usual rest: nobody's hand or table is quicker, or so patient
 _FEWEST_RESTS = 6  # of a recording that is of any use
+_COUNTED = 0.9  # of the rows, by a column that counts them
 _EXPLAINED = 0.8  # of the rests, by a schedule that is to be advised
 
 
 @dataclass(frozen=True)
 class Settings:
     """All that an import depends on, but for the files. `schedule`: its name or file, None: nobody says; `mountings`:
-    numbers by name; `bus`: of CAN logs."""
+    numbers by name; `bus`: of CAN logs; `rows`: which are read, None: all."""
 
     schedule: str | None = None
     wishes: Wishes = NO_WISHES
@@ -41,6 +43,7 @@ class Settings:
     claims: Claims = field(default_factory=Claims)
     mountings: dict[str, int] = field(default_factory=dict)
     bus: Bus = NO_BUS
+    rows: Choice | None = None
 
     @property
     def schedule_name(self) -> str:
@@ -90,45 +93,59 @@ class Imported:
 
 
 def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settings) -> Imported:
-    """All of it. Raises BadInput and UsageError.
+    """All of it. Raises BadInput and UsageError, which tell in `assumed` what they rest on, as far as that was known,
+    and in `remedies` what is worth a try."""
+    took: list[str] = []
+    try:
+        return _imported(files, schedule, settings, took)
+    except Doubtful as doubt:
+        refusal = BadInput(str(doubt), files[0]).advising(*doubt.remedies)
+        refusal.assumed = tuple(took)
+        raise refusal from None
+    except (BadInput, UsageError) as refusal:
+        refusal.assumed = tuple(dict.fromkeys((*took, *refusal.assumed)))
+        raise
 
-    Once the rests are found, a BadInput tells in `assumed` what it rests on. One before, of reading a file, does not:
-    the fault is in the file itself, and noise and rests, which `assumed` tells too, are not known yet.
-    """
-    recordings = [recording.read(file, settings.wishes, settings.timing, settings.bus) for file in files]
+
+def _imported(files: Sequence[str], schedule: Schedule, settings: Settings, took: list[str]) -> Imported:
+    """`took`: is filled with what is taken for granted. Raises Doubtful, BadInput and UsageError."""
+    timing = replace(settings.timing, files=len(files))
+    recordings = [
+        _without_zeros(recording.read(file, settings.wishes, timing, settings.bus, settings.rows)) for file in files
+    ]
     if len(units := {one.unit for one in recordings}) > 1:
         raise UsageError(
             f"recordings in different units, {', '.join(sorted(units))}: --unit says which, or import each"
         )
-    outputs = np.concatenate([one.outputs for one in recordings])
-    lengths = [len(one.outputs) for one in recordings]
-    file_of_row = np.repeat(np.arange(len(files)), lengths)
-    seconds, interval, gaps = _joined_clocks(recordings)
-    found = find_rests(outputs, gaps, interval, settings.thresholds)
-    texts, about_same = _labels_that_tell(recordings, schedule, settings.mountings)
-    labelled, rests = bool(texts.keys() - {"mounting"}), found.rests
-    about_sources = _require_one_block(recordings, outputs, file_of_row, found)
+    joined = _Joined.of(recordings, settings.thresholds)
+    recordings, found, interval = joined.recordings, joined.found, joined.interval
+    texts, about_labels = _labels_that_tell(joined, schedule, settings.mountings)
+    took += _took(joined, settings, texts, about_labels)
+    about_sources = _require_one_block(joined)
+    labelled = bool(texts.keys() - {"mounting"}) or _is_by_face(texts, schedule, settings.mountings)
+    rests, lost = found.rests, list[str]()
+    if labelled or (texts and len(schedule.mountings) == len(schedule.positions)):
+        rests, lost = labels.labelled_rests(texts, joined.outputs, joined.file_of_row, found, interval)
+    settings.claims.require_rests(len(rests))
     try:
         if labelled:
-            rests, lost = labels.labelled_rests(texts, outputs, file_of_row, found, interval)
-            settings.claims.require_rests(len(rests))
             matched = labels.match(rests, schedule, settings.claims, settings.mountings)
             matched = replace(matched, notes=(*matched.notes, *lost))
         else:
-            settings.claims.require_rests(len(rests))
             matched = _matched(rests, schedule, settings)
             names = texts.get("mounting", [])
             labels.require_one_name_a_mounting(names, rests, matched, schedule, settings.mountings)
-    except (BadInput, Doubtful) as doubt:
+    except Doubtful as doubt:
+        one_channel = repairs.about_channels(joined.outputs, recordings[0].columns)
+        if one_channel is not None:
+            raise Doubtful(one_channel) from None
         hint = _rate_hint(recordings, rests, settings.timing.rate_hz)
-        refusal = doubt if isinstance(doubt, BadInput) else BadInput(f"{doubt}{hint}", files[0])
-        refusal.assumed = _assumed(recordings, settings, found, interval, texts, about_same)
-        raise refusal from None
+        raise Doubtful(f"{doubt}{hint}", *_with_columns(doubt.remedies, recordings[0])) from None
     notes = [
         *_notes(recordings, settings, interval, labelled),
         *_about_unit(recordings, matched),
-        *_about_rate(settings.timing.rate_hz, rests, matched),
-        *about_same,
+        *_about_rate(settings.timing.rate_hz, interval, rests, matched),
+        *about_labels,
         *about_sources,
         *matched.notes,
     ]
@@ -136,9 +153,9 @@ def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settin
         recordings=tuple(recordings),
         settings=settings,
         schedule=schedule,
-        outputs=outputs,
-        seconds=seconds,
-        file_of_row=file_of_row,
+        outputs=joined.outputs,
+        seconds=joined.seconds,
+        file_of_row=joined.file_of_row,
         found=found,
         rests=rests,
         matched=matched,
@@ -147,41 +164,162 @@ def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settin
     )
 
 
-def _require_one_block(
-    recordings: Sequence[Recording], outputs: Floats, file_of_row: Integers, found: Found
-) -> list[str]:
+@dataclass(frozen=True)
+class _Joined:
+    """Rows of all recordings, one after another, and their rests; `interval`: between two rows, s, None if unknown."""
+
+    recordings: list[Recording]
+    outputs: Floats
+    file_of_row: Integers
+    seconds: Floats | None
+    interval: float | None
+    found: Found
+
+    @classmethod
+    def of(cls, recordings: list[Recording], thresholds: Thresholds) -> _Joined:
+        """Without stretches that repeat one value, if the rests that are left show noise that would have changed it."""
+        own = cls._by_clock(recordings, thresholds)
+        step = np.array([smallest_step(channel) for channel in own.outputs.T])
+        same = np.zeros(len(own.outputs), dtype=bool)
+        for first, last in repairs.same_runs(own.outputs, repairs.STUCK):
+            same[first:last] = True
+        if not same.any():
+            return own
+        moving = cls._of(_kept(recordings, ~same), thresholds)
+        dead = repairs.stuck(own.outputs, moving.found.noise, step)
+        if not dead.any() or len(moving.found.rests) < max(_FEWEST_RESTS, len(own.found.rests) // 2):
+            return own
+        note = "{} rows repeat one value, where noise would change it: left out"
+        return cls._of(_kept(recordings, ~dead, note), thresholds)
+
+    @classmethod
+    def _by_clock(cls, recordings: list[Recording], thresholds: Thresholds) -> _Joined:
+        """By another unit of the clock, where nobody says it and its own shows next to no rest."""
+        own = cls._of(recordings, thresholds)
+        clock, is_enough = recordings[0].clock, len(own.found.rests) >= _FEWEST_RESTS
+        if is_enough or len(recordings) > 1 or clock is None or not clock.unit or clock.told:
+            return own
+        for unit in clocks.others(clock, len(own.outputs), 1):
+            size = clocks.UNITS[unit] / clocks.UNITS[clock.unit]
+            note = f"clock: {clock.unit} would show {len(own.found.rests)} rests: taken for {unit} (--time-unit)"
+            counted = replace(clock, seconds=clock.seconds * size, interval_s=clock.interval_s * size, unit=unit)
+            other = cls._of([replace(recordings[0], clock=counted, notes=(*recordings[0].notes, note))], thresholds)
+            if len(other.found.rests) >= _FEWEST_RESTS:
+                return other
+        return own
+
+    @classmethod
+    def _of(cls, recordings: list[Recording], thresholds: Thresholds) -> _Joined:
+        outputs = np.concatenate([one.outputs for one in recordings])
+        file_of_row = np.repeat(np.arange(len(recordings)), [len(one.outputs) for one in recordings])
+        seconds, interval, gaps = _joined_clocks(recordings)
+        return cls(recordings, outputs, file_of_row, seconds, interval, find_rests(outputs, gaps, interval, thresholds))
+
+
+def _kept(recordings: Sequence[Recording], kept: Flags, note: str = "") -> list[Recording]:
+    """The recordings with those of all rows that are kept; the `note` says how many are not."""
+    parts, begin = [], 0
+    for one in recordings:
+        own = kept[begin : begin + len(one.outputs)]
+        begin += len(one.outputs)
+        notes = [note.format(int((~own).sum()))] if note and not own.all() else []
+        parts.append(one.part(np.flatnonzero(own), *notes) if own.any() and not own.all() else one)
+    return parts
+
+
+def _without_zeros(one: Recording) -> Recording:
+    return _kept([one], ~repairs.zeros(one.outputs), "{} rows of nothing but zeros are left out")[0]
+
+
+def _with_columns(remedies: Sequence[Remedy], one: Recording) -> list[Remedy]:
+    """With the names of the columns in place of those that a matcher does not know."""
+    found = []
+    for options, condition in remedies:
+        told = options.get("columns") or ""
+        for axis in "xyz":
+            told = told.replace(match.THAT_OF.format(axis), one.columns.get(f"u{axis}", axis))
+        found.append(Remedy({**options, "columns": told} if told else options, condition))
+    return found
+
+
+def _require_one_block(joined: _Joined) -> list[str]:
     """A note where rows at rest may be of several sources in turn. Raises BadInput where they are, and where rows stand
     there twice."""
+    recordings, outputs, file_of_row = joined.recordings, joined.outputs, joined.file_of_row
     step = np.array([smallest_step(channel) for channel in outputs.T])
     lines = np.concatenate([one.lines for one in recordings])
     file = recordings[0].file
     copies = run_rows.copied(outputs, file_of_row, step)
     if copies is not None:
+        begin, end = copies.again, copies.again + copies.length - 1
         named = (f"{lines[row]} to {lines[row + copies.length - 1]}" for row in (copies.again, copies.first))
         said = run_rows.WRITTEN_AGAIN.format(*named)
-        raise BadInput(said, recordings[file_of_row[copies.again]].file, int(lines[copies.again]))
-    rests = (outputs[begin:end] for begin, end in zip(found.rests.begin, found.rests.end))
-    sources = run_rows.in_turn(rests, step, recordings[0].unit)
+        is_rest = len(recordings) == 1 and end == len(lines) - 1
+        without = [Remedy({"rows": f"{lines[0]}:{lines[begin - 1]}"})] if is_rest else []
+        raise BadInput(said, recordings[file_of_row[begin]].file, int(lines[begin])).advising(*without)
+    spans = list(zip(joined.found.rests.begin.tolist(), joined.found.rests.end.tolist()))
+    sources = run_rows.in_turn((outputs[begin:end] for begin, end in spans), step, recordings[0].unit)
+    column = recordings[0].source if len(recordings) == 1 else None
     if sources is not None and sources.is_certain:
-        raise BadInput(sources.sentence, file, int(lines[0]))
+        said = sources.sentence
+        choice = f"1/{sources.number}" if column is None else f"{column[0]}={column[1][0]}"
+        raise BadInput(said, file, int(lines[0])).advising(Remedy({"rows": choice}, "the first source is meant"))
+    if column is not None and repairs.turns(outputs, column[1], spans):
+        values = listed([quoted(value) for value in dict.fromkeys(column[1])])
+        said = f"rows are of several sources, which column {quoted(column[0])} tells apart, {values}: --rows takes one"
+        one = Remedy({"rows": f"{column[0]}={column[1][0]}"}, "the first source is meant")
+        raise BadInput(said, file, int(lines[0])).advising(one)
     return [] if sources is None else [sources.sentence]
 
 
+def _is_by_face(texts: dict[str, list[str]], schedule: Schedule, told: dict[str, int]) -> bool:
+    """Are the mountings, which name positions where each has one, told by their names or numbers?"""
+    names, numbers = set(texts.get("mounting", [])), {str(mounting.number) for mounting in schedule.mountings}
+    if not names or labels.faces_of({"mounting": sorted(names)}, schedule) is not None:
+        return bool(names)
+    return len(schedule.mountings) == len(schedule.positions) and (names <= numbers or names <= set(told))
+
+
 def _labels_that_tell(
-    recordings: Sequence[Recording], schedule: Schedule, told: dict[str, int]
+    joined: _Joined, schedule: Schedule, told: dict[str, int]
 ) -> tuple[dict[str, list[str]], list[str]]:
-    """The labels (by name, a text for each row) that all recordings have, without those that are the same in every row
-    and tell nothing; and sentences on these. `told`: names of mountings that the user says numbers of."""
+    """The labels (by name, a text for each row) that all recordings have, without those that tell nothing: the same in
+    every row, counting them, or changing at rest; and sentences on these. `told`: names of mountings that the user says
+    numbers of."""
+    recordings = joined.recordings
     names = set.intersection(*(set(one.labels) for one in recordings))
     texts = {name: [text for one in recordings for text in one.labels[name]] for name in sorted(names)}
     meant = set(texts.get("mounting", [])) if len(schedule.mountings) == 1 else set(told)
-    same = {
-        name: rows[0]
+    notes = {
+        name: f"{name}: {quoted(rows[0])} in every row, which tells nothing: not read"
         for name, rows in texts.items()
         if len(set(rows)) == 1 and not (name == "mounting" and rows[0] in meant)
     }
-    notes = [f"{name}: {quoted(text)} in every row, which tells nothing: not read" for name, text in same.items()]
-    return {name: rows for name, rows in texts.items() if name not in same}, notes
+    for name in texts.keys() - notes.keys():
+        column = f"column {quoted(recordings[0].columns.get(name, name))}"
+        if _counts(texts[name], 2 * len(schedule.positions)):
+            notes[name] = f"{column} counts samples: not read"
+        elif _changes_at_rest(texts[name], joined.found.rests):
+            notes[name] = f"{column} changes at rest, so it tells no {name}: not read"
+    return {name: rows for name, rows in texts.items() if name not in notes}, [notes[name] for name in sorted(notes)]
+
+
+def _counts(texts: list[str], fewest: int) -> bool:
+    """Do so many rows, or more, count themselves, from wherever they begin anew?"""
+    changes = [texts[row] != texts[row - 1] for row in range(1, len(texts))]
+    if len(texts) <= fewest or sum(changes) < _COUNTED * len(changes):
+        return False
+    if not all(map(run_layout.is_number, texts)):
+        return False
+    steps = np.diff([float(text.replace(",", ".")) for text in texts])
+    return bool((steps == np.median(steps)).mean() >= _COUNTED and np.median(steps) != 0.0)
+
+
+def _changes_at_rest(texts: list[str], rests: Rests) -> bool:
+    """Are there several of them in most rests?"""
+    spans = zip(rests.begin.tolist(), rests.end.tolist())
+    several = [len(set(texts[begin:end])) > 1 for begin, end in spans]
+    return len(several) >= _FEWEST_RESTS and sum(several) > len(several) / 2
 
 
 def _joined_clocks(recordings: Sequence[Recording]) -> tuple[Floats | None, float | None, Integers]:
@@ -213,21 +351,23 @@ def _matched(rests: Rests, schedule: Schedule, settings: Settings) -> Matched:
         matched = match.match(rests, schedule, settings.claims)
         missing = len(schedule.positions) - len(set(matched.positions.tolist()) - {NONE})
         if missing and settings.schedule is None and (other := _other_schedule(rests, matched, settings.claims)):
-            raise Doubtful(f"no schedule is told, and of {DEFAULT_SCHEDULE} {missing} positions have no rest: {other}")
+            said = f"no schedule is told, and of {DEFAULT_SCHEDULE} {missing} positions have no rest: {other[0]}"
+            raise Doubtful(said, other[1])
         return matched
     except Doubtful as doubt:
         if settings.schedule is None and "--schedule" not in str(doubt):
             other = _other_schedule(rests, None, settings.claims)
             if other:
-                raise Doubtful(f"no schedule is told, and {DEFAULT_SCHEDULE} does not fit: {other}") from None
+                said = f"no schedule is told, and {DEFAULT_SCHEDULE} does not fit: {other[0]}"
+                raise Doubtful(said, other[1]) from None
         raise
 
 
-def _other_schedule(rests: Rests, matched: Matched | None, claims: Claims) -> str | None:
-    """Advice, where another built-in schedule is found as a whole, and explains nearly all rests: of those that are,
-    the one of most positions."""
+def _other_schedule(rests: Rests, matched: Matched | None, claims: Claims) -> tuple[str, Remedy] | None:
+    """Advice, and its options, where another built-in schedule is found as a whole, and explains nearly all rests: of
+    those that are, the one of most positions."""
     explained = max(_EXPLAINED * len(rests), 0 if matched is None else _explained(matched))
-    advice: dict[int, str] = {}
+    advice: dict[int, tuple[str, Remedy]] = {}
     for name in BUILT_IN:
         if name == DEFAULT_SCHEDULE:
             continue
@@ -242,7 +382,8 @@ def _other_schedule(rests: Rests, matched: Matched | None, claims: Claims) -> st
             whole = set(range(len(schedule.positions))) <= set(other.positions.tolist())
             if whole and _explained(other) >= explained:
                 options = f"--schedule {name}" + (" --order any" if order != claims.order else "")
-                advice.setdefault(len(schedule.positions), f"all of {name} have: {options}")
+                said = {"schedule": name} | ({"order": ANY} if order != claims.order else {})
+                advice.setdefault(len(schedule.positions), (f"all of {name} have: {options}", Remedy(said)))
     return advice[max(advice)] if advice else None
 
 
@@ -265,42 +406,52 @@ def _notes(recordings: Sequence[Recording], settings: Settings, interval: float 
     return notes
 
 
-def _assumed(
-    recordings: Sequence[Recording],
-    settings: Settings,
-    found: Found,
-    interval: float | None,
-    texts: dict[str, list[str]],
-    about_same: Sequence[str],
-) -> tuple[str, ...]:
-    """What a refusal rests on besides what was said: schedule, clock, unit, what tells the positions, noise."""
-    by_labels = texts.keys() - {"mounting"}
-    notes = _notes(recordings, settings, interval, bool(by_labels))
-    said = ("schedule: nobody", "clock: ")
-    facts = [note for note in notes if any(start in note for start in said) and CONTRADICTED not in note]
-    for column in (quoted(one.clock_column) for one in recordings if one.clock_column is not None):
-        facts += [] if any(column in note for note in facts) else [f"clock: column {column}"]
-    if any(not one.unit_told for one in recordings):
+def _took(joined: _Joined, settings: Settings, texts: dict[str, list[str]], about_labels: Sequence[str]) -> list[str]:
+    """What a refusal rests on: clock, outputs and their unit, schedule, labels, rests and their noise, sources."""
+    recordings, found = joined.recordings, joined.found
+    first, timing = recordings[0], settings.timing
+    rate = "" if joined.interval is None else f", {1 / joined.interval:.4g} Hz"
+    time = "no clock, lengths are in samples (--rate HZ gives seconds)"
+    if timing.rate_hz is not None:
+        time = f"time by --rate {timing.rate_hz:g} Hz"
+    elif first.clock is not None and "time" in first.columns:
+        counted = f" in {first.clock.unit}" if first.clock.unit else ""
+        time = f"time of column {quoted(first.columns['time'])}{counted}{rate}"
+    elif first.clock is not None:
+        time = f"time of the log{rate}"
+    unit = first.unit
+    if not all(one.unit_told for one in recordings):
         rough = scale_and_bias(found.rests.means)
-        facts.append("unit: nobody says " + _unit_hint(None if rough is None else float(np.prod(rough[0]) ** (1 / 3))))
-    if by_labels:
-        facts.append(f"positions: by labels of the rows, {' and '.join(texts)} (--columns)")
-    else:
-        facts += about_same or ["positions: by gravity, for the rows have no labels of positions (--columns)"]
-    if found.noise.any() and (interval is not None or not by_labels):
-        noise = " ".join(f"{one:.3g}" for one in found.noise)
-        facts.append(f"rests: {len(found.rests)}, by the noise of the quietest rows, {noise} (--still, --drift)")
-    return tuple(dict.fromkeys(facts))
+        unit += ", for nobody says the unit " + _unit_hint(
+            None if rough is None else float(np.prod(rough[0]) ** (1 / 3))
+        )
+    outputs = quoted(", ".join(first.columns.get(name, name) for name in can_bus.OUTPUTS), 100)[1:-1]
+    names = [quoted(first.columns.get(name, name)) for name in texts]
+    noise = " ".join(f"{one:.3g}" for one in found.noise)
+    said = "schedule: nobody"  # and the clock: it is among them already
+    return [
+        time,
+        f"outputs {outputs} in {unit}",
+        f"schedule {settings.schedule_name}{', for nobody says it (--schedule)' if settings.schedule is None else ''}",
+        f"labels {' and '.join(names)} (--columns)" if names else "no labels of positions",
+        f"{len(found.rests)} rests, noise {noise} {first.unit} (--still, --drift)",
+        "one source" if len(recordings) == 1 else f"{len(recordings)} recordings, one after another",
+        *(one for one in _notes(recordings, settings, None, True) if not one.startswith((said, CONTRADICTED))),
+        *about_labels,
+    ]
 
 
-def _about_rate(rate_hz: float | None, rests: Rests, matched: Matched) -> list[str]:
-    """That the rests are so short or long by the rate which the user says that it may be wrong."""
+def _about_rate(rate_hz: float | None, interval: float | None, rests: Rests, matched: Matched) -> list[str]:
+    """That the rests are so short or long by the rate which the user says, or so long by the clock, that it may be
+    wrong."""
     lengths = rests.samples[matched.positions != NONE]
-    if rate_hz is None or not len(lengths):
+    if interval is None or not len(lengths):
         return []
-    usual_s = float(np.median(lengths)) / rate_hz
-    if _SHORTEST_S <= usual_s <= _LONGEST_S:
+    usual_s = float(np.median(lengths)) * interval
+    if (rate_hz is None or usual_s >= _SHORTEST_S) and usual_s <= _LONGEST_S:
         return []
+    if rate_hz is None:
+        return [f"clock: the usual rest lasts {usual_s:.3g} s: is that so? Else its unit is wrong (--time-unit)"]
     return [f"clock: at --rate {rate_hz:g} Hz the usual rest lasts {usual_s:.3g} s: is that so? Else the rate is wrong"]
 
 
@@ -313,10 +464,12 @@ def _rate_hint(recordings: Sequence[Recording], rests: Rests, rate_hz: float | N
 
 
 def _about_unit(recordings: Sequence[Recording], matched: Matched) -> list[str]:
-    """That nobody says the unit of the outputs, and which one they look like."""
+    """That nobody says the unit of the outputs, and which one they look like, or that they look to be in another."""
+    per_g = float(np.abs(np.linalg.det(matched.fit.k)) ** (1 / 3))
     if all(one.unit_told for one in recordings):
-        return []
-    hint = _unit_hint(float(np.abs(np.linalg.det(matched.fit.k)) ** (1 / 3)))
+        seen, unit = contradicts(per_g, recordings[0].unit), recordings[0].unit
+        return [] if seen is None else [f"unit: {unit} is said, but 1 g is {per_g:.4g} of it, as of {seen} (--unit)"]
+    hint = _unit_hint(per_g)
     return [f"unit: nobody says; the run file names none either {hint}"]
 
 

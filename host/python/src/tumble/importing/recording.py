@@ -13,13 +13,13 @@ import itertools
 import re
 import zlib
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from datetime import datetime
 
 import numpy as np
 
 from tumble.arrays import Floats, Integers
-from tumble.errors import BadInput, quoted
+from tumble.errors import BadInput, Remedy, UsageError, listed, quoted
 from tumble.files import can_log, run_layout
 from tumble.files.disk import MOST_OF_RECORDING, read_bytes
 from tumble.files.frames import SUFFIXES, suffix_of
@@ -34,35 +34,24 @@ from tumble.files.rows import (
     Refused,
     RowParser,
 )
-from tumble.importing import can_bus
+from tumble.importing import can_bus, clocks, repairs
 from tumble.importing.can_bus import NO_BUS, OUTPUTS, Bus
+from tumble.importing.clocks import Clock, Timing
 from tumble.importing.labels import LABELS
 
 OPTIONAL = ("time", *LABELS)
 COLUMNS = (*OUTPUTS, *OPTIONAL, run_layout.TEMPERATURE)  # that a user may name
-UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}  # of a clock
-CONTRADICTED = "clock: --rate says"
-_ROWS_OF_CLOCK = 5000  # that tell its rate well enough
 _MOST_LABELS = 256  # different running numbers: more count samples
-
-
-@dataclass(frozen=True)
-class Clock:
-    """`seconds` (rows,), from the first row on; `interval_s`: usual, between two rows; `gaps`: rows before which time
-    is missing or the clock was set back; `notes`: sentences on what was taken for granted."""
-
-    seconds: Floats
-    interval_s: float
-    gaps: Integers
-    notes: tuple[str, ...]
+_MOST_UNITS = 3  # rows of units and the like, below a header
+_ROWS_IN_TURN, _MOST_SOURCES, _IN_TURN = 400, 4, 0.2  # that tell sources apart; the share of rows that change
 
 
 @dataclass(frozen=True)
 class Recording:
     """One file. `outputs` (rows, 3) in `unit`, which is `unit_told` or assumed; `lines` (rows,): where each stands;
     `clock`: None where there is none; `notes`: sentences; `labels`: texts of each row, by name in LABELS;
-    `temperature` (rows,): in deg C, NaN where it is not known, None where no row tells it; `clock_column`: its name,
-    where nobody but the file says that it is the clock."""
+    `temperature` (rows,): in deg C, NaN where it is not known, None where no row tells it; `columns`: names of those
+    that were read, by name in COLUMNS; `source`: name and texts (rows,) of a column that may tell sources apart."""
 
     file: str
     data: bytes
@@ -74,19 +63,33 @@ class Recording:
     notes: tuple[str, ...]
     labels: dict[str, list[str]] = field(default_factory=dict)
     temperature: Floats | None = None
-    clock_column: str | None = None
+    columns: dict[str, str] = field(default_factory=dict)
+    source: tuple[str, list[str]] | None = None
+
+    def part(self, kept: Integers, *notes: str) -> Recording:
+        """Some of the rows, in another order; where some are missing, time is."""
+        clock = self.clock
+        if clock is not None:
+            part_of = np.cumsum(np.isin(np.arange(len(self.outputs)), clock.gaps))[kept]
+            gaps = np.flatnonzero((np.diff(kept) > 1) | (np.diff(part_of) != 0)) + 1
+            clock = replace(clock, seconds=clock.seconds[kept], gaps=gaps)
+        return replace(
+            self,
+            outputs=self.outputs[kept],
+            lines=self.lines[kept],
+            clock=clock,
+            notes=(*self.notes, *notes),
+            labels={name: [texts[row] for row in kept.tolist()] for name, texts in self.labels.items()},
+            temperature=None if self.temperature is None else self.temperature[kept],
+            source=self.source and (self.source[0], [self.source[1][row] for row in kept.tolist()]),
+        )
 
 
-@dataclass(frozen=True)
-class Timing:
-    """What the user says about time: `rate_hz` instead of a clock; `unit` of its numbers, one of UNITS."""
-
-    rate_hz: float | None = None
-    unit: str | None = None
-
-
-def read(file: str, wishes: run_layout.Wishes, timing: Timing, bus: Bus = NO_BUS) -> Recording:
-    """Read one file. Raises BadInput with file, row and column; UsageError; NotInstalled."""
+def read(
+    file: str, wishes: run_layout.Wishes, timing: Timing, bus: Bus = NO_BUS, rows: Choice | None = None
+) -> Recording:
+    """Read one file; of its `rows` those that are chosen. Raises BadInput with file, row and column; UsageError;
+    NotInstalled."""
     if suffix_of(file) in SUFFIXES:
         raise BadInput(
             "no text: import takes CSV and RAWIMU logs, tumble solve such a file of samples at positions", file
@@ -94,68 +97,196 @@ def read(file: str, wishes: run_layout.Wishes, timing: Timing, bus: Bus = NO_BUS
     data = read_bytes(file, most=MOST_OF_RECORDING, look=functools.partial(_require_kind, file))
     if (kind := can_log.kind_of(data)) is not None:
         log = can_bus.read(data, file, kind, wishes, bus)
-        clock = _clock_of(log.seconds, "time s", replace(timing, unit=None), file)
+        clock = _clock_of(log.seconds, "time s", replace(timing, unit="s"), file)
         unit, notes = log.unit or run_layout.DEFAULT_UNIT, (*log.notes, *clock.notes)
         told = log.unit is not None
         return Recording(file, data, log.outputs, log.lines, unit, told, clock, notes, temperature=log.temperature)
     bus.require_log()
+    data = _utf_8(data)
     run_layout.require_text(data, file)
-    is_rawimu = _START.search(data[:_BEGINNING]) is not None
-    return (_read_rawimu if is_rawimu else _read_table)(file, data, wishes, timing)
+    if _START.search(data[:_BEGINNING]) is not None:
+        return _read_rawimu(file, data, wishes, timing)
+    return _read_table(file, data, wishes, timing, rows)
 
 
 def _require_kind(file: str, beginning: bytes) -> None:
     """It is text, if it is no CAN log. Raises BadInput."""
-    if beginning.strip() and can_log.kind_of(beginning) is None:
+    if beginning.strip() and can_log.kind_of(beginning) is None and not beginning.startswith(_MARKS):
         run_layout.require_text(beginning, file)
+
+
+_MARKS = (b"\xff\xfe", b"\xfe\xff")  # of UTF-16
+
+
+def _utf_8(data: bytes) -> bytes:
+    """Text of UTF-16 as UTF-8, which all others read."""
+    return data.decode("utf-16", "replace").encode() if data.startswith(_MARKS) else data
 
 
 # Tables.
 
 
-def _read_table(file: str, data: bytes, wishes: run_layout.Wishes, timing: Timing) -> Recording:
+def _read_table(file: str, data: bytes, wishes: run_layout.Wishes, timing: Timing, choice: Choice | None) -> Recording:
     own = data
     if wishes.delimiter == " ":
         data = b"\n".join(b" ".join(line.split()) for line in data.splitlines())
     wishes = replace(wishes, wanted=OUTPUTS, has_preamble=True)
-    layout = run_layout.detect(data, wishes, file)
-    names = run_layout.split(run_layout.lines_of(data)[layout.header_row - 1], layout.delimiter)
+    try:
+        layout = run_layout.detect(data, wishes, file)
+    except BadInput as refused:
+        refused.assumed = ("a table of text, whose columns are not known",)
+        raise refused.advising(*_named_columns(data, refused.row, wishes)) from None
+    names = list(layout.names)
     columns = _optional_columns(names, wishes, file, layout.header_row)
-    notes = []
-    if layout.header_row - layout.comments - layout.blanks > 1:
-        notes.append(f"header: row {layout.header_row}; the rows above it are not read")
-    layout, unit_note = _below_units(data, layout, names, wishes, file)
+    notes = _about_header(data, layout, wishes)
+    layout, units, unit_note = _below_units(data, layout, wishes, file)
     notes += unit_note
     if layout.decimal == ",":
         notes.append("decimal mark: the comma")
-    parser, rows = _parse(data, layout, columns, timing, file)
-    outputs, lines = rows[:, PLACES], rows[:, LINE].astype(int)
-    notes += [f"{parser.lost} rows without a number in an output are left out"] if parser.lost else []
-    clock_name = names[columns["time"]] if "time" in columns else None
-    notes += _rate_doubt(data, layout, clock_name, columns, timing, file)
-    labels = parser.texts
-    clock = _clock(labels.pop("time", rows[:, TIME]), lines, clock_name, timing, file)
-    if "number" in labels and ("position" in labels or len(set(labels["number"])) > _MOST_LABELS):
-        del labels["number"]
-        notes.append(f"column {quoted(names[columns['number']])} counts samples: not read")
+    told = {name: names[place] for name, place in (*zip(OUTPUTS, layout.indices), *columns.items())}
+    if "time" in columns and (unit := units[columns["time"]]) in clocks.UNITS:
+        told["time"] += f" [{unit}]"
+    try:
+        source = _source_column(data, layout, {*layout.indices, *columns.values()}, choice)
+        places = columns | ({} if source is None else {"source": source})
+        parser, rows = _parse(data, layout, places, timing, file)
+        notes += [f"{parser.lost} rows without a number in an output are left out"] if parser.lost else []
+        notes += _rate_doubt(data, layout, told.get("time"), columns, timing, file)
+        texts = parser.texts
+        if choice is not None:
+            rows, texts = choice.of(rows, texts)
+            notes.append(f"rows: {len(rows)}, as --rows {choice.text} says")
+        clock = _clock(texts.pop("time", rows[:, TIME]), rows[:, LINE].astype(int), told.get("time"), timing, file)
+    except (BadInput, UsageError) as refused:
+        refused.assumed = (*_about_columns(told, layout.unit, layout.unit_told), *notes)
+        raise
+    if clock is not None and clock.order is not None:
+        rows, texts = rows[clock.order], {name: [one[row] for row in clock.order] for name, one in texts.items()}
+    if "number" in texts and ("position" in texts or len(set(texts["number"])) > _MOST_LABELS):
+        del texts["number"]
+        notes.append(f"column {quoted(told['number'])} counts samples: not read")
+    outputs, about_signs = repairs.signed(rows[:, PLACES])
     felt, odd = parser.thermometer.told(file)
-    notes += clock.notes if clock else ()
-    notes += odd
+    notes += (*(clock.notes if clock else ()), *about_signs, *odd)
     if felt is not None and layout.temperature is not None:
         notes.append(f"temperature: of column {quoted(layout.temperature.name)}, {felt.text}")
+    sources = texts.pop("source", None)
     return Recording(
         file=file,
         data=own,
         outputs=outputs,
-        lines=lines,
+        lines=rows[:, LINE].astype(int),
         unit=layout.unit,
         unit_told=layout.unit_told,
         clock=clock,
         notes=tuple(notes),
-        labels=labels,
+        labels=texts,
         temperature=None if felt is None else rows[:, FELT],
-        clock_column=None if clock is None or timing.rate_hz or "time" in wishes.columns else clock_name,
+        columns=told,
+        source=None if source is None or sources is None else (names[source], sources),
     )
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Rows of one source: of a `column` those of a `value`; of every `number` of rows the one that is so `many`-th; or
+    the lines from `first` to `last`. `text`: as it is typed."""
+
+    text: str
+    column: str | None = None
+    value: str = ""
+    first: int = 1
+    last: int = 0
+    number: int = 0
+
+    @classmethod
+    def parsed(cls, text: str) -> Choice:
+        """Of COLUMN=VALUE, 1/2 or 2:481. Raises UsageError."""
+        if found := re.fullmatch(r"(\d{1,9})/(\d{1,3})", text):
+            if 1 <= int(found[1]) <= int(found[2]):
+                return cls(text, first=int(found[1]), number=int(found[2]))
+        elif found := re.fullmatch(r"(\d{1,9}):(\d{1,9})", text):
+            if 1 <= int(found[1]) <= int(found[2]):
+                return cls(text, first=int(found[1]), last=int(found[2]))
+        elif "=" in text.strip("= "):
+            column, _, value = text.partition("=")
+            return cls(text, column.strip(), value.strip())
+        raise UsageError(f"--rows: {quoted(text)} is not COLUMN=VALUE, 1/2 (the first of every two) or 2:481 (lines)")
+
+    def of(self, rows: Floats, texts: dict[str, list[str]]) -> tuple[Floats, dict[str, list[str]]]:
+        """The rows, and the texts in them. Raises UsageError where there are none."""
+        if self.column is not None:
+            kept = np.flatnonzero(np.array(texts["source"]) == self.value)
+        elif self.number:
+            kept = np.arange(self.first - 1, len(rows), self.number)
+        else:
+            kept = np.flatnonzero((rows[:, LINE] >= self.first) & (rows[:, LINE] <= self.last))
+        if not len(kept):
+            there = f"; there are {', '.join(map(quoted, dict.fromkeys(texts.get('source', [])[:1000])))}"
+            raise UsageError(f"--rows {self.text}: there are no such rows{there if self.column is not None else ''}")
+        return rows[kept], {name: [one[row] for row in kept.tolist()] for name, one in texts.items()}
+
+
+def _named_columns(data: bytes, row: int | None, wishes: run_layout.Wishes) -> list[Remedy]:
+    """Ways to name the outputs in the header of this `row`: columns of numbers side by side that do not count."""
+    lines = run_layout.lines_of(data[:_BEGINNING])
+    if row is None or row > len(lines):
+        return []
+    sign = wishes.delimiter or max(",;\t", key=lines[row - 1].count)
+    if sign not in lines[row - 1]:
+        return [Remedy({"delimiter": "space"})]
+    names, *rows = (line.split(sign) for line in lines[row - 1 : row + _ROWS_IN_TURN] if line.strip())
+    columns = list(zip(*(fields for fields in rows[:-1] if len(fields) == len(names))))
+    free = []
+    for name, texts in zip(map(str.strip, names), columns):
+        values = [float(text.replace(",", ".")) for text in map(str.strip, texts) if run_layout.is_number(text)]
+        counts = all(a <= b for a, b in itertools.pairwise(values))
+        if len(values) > len(texts) / 2 and not counts and name not in wishes.columns.values() and "," not in name:
+            free.append(name)
+    wanted = [name for name in OUTPUTS if name not in wishes.columns]
+    found = []
+    for begin in range(len(free) - len(wanted) + 1) if wanted else ():
+        way = free[begin : begin + len(wanted)]
+        told = ",".join(f"{one}={name}" for one, name in zip(wanted, way))
+        found.append(Remedy({"columns": told}, f"the outputs are {listed(way)}"))
+    return found
+
+
+def _about_columns(told: dict[str, str], unit: str, unit_told: bool) -> list[str]:
+    """Which columns the outputs are, and their unit."""
+    names = ", ".join(told[name] for name in OUTPUTS)
+    return [f"outputs {quoted(names, 100)[1:-1]} in {unit}{'' if unit_told else ', for nobody says the unit'}"]
+
+
+def _about_header(data: bytes, layout: run_layout.Layout, wishes: run_layout.Wishes) -> list[str]:
+    """Where it is, or that there is none."""
+    row = layout.header_row
+    line = "" if row == 0 else run_layout.lines_of(data)[row - 1]
+    if not all(name in line for name in layout.names):
+        taken = ",".join(f"{name}={place + 1}" for name, place in zip(OUTPUTS, layout.indices))
+        return [f"header: none, columns are counted from 1: {taken} (--columns)"]
+    if line.startswith("#"):
+        return [f"header: the comment in row {row}"]
+    return [f"header: row {row}; the rows above it are not read"] if row - layout.comments - layout.blanks > 1 else []
+
+
+def _source_column(data: bytes, layout: run_layout.Layout, used: set[int], choice: Choice | None) -> int | None:
+    """The column that is chosen, or that may tell several sources apart: two to four texts, in turn. Raises
+    UsageError."""
+    if choice is not None and choice.column is not None:
+        found = run_layout.find_column("source", list(layout.names), {"source": choice.column})
+        if found is None:
+            raise UsageError(f"--rows: no column {quoted(choice.column)} among {quoted(','.join(layout.names), 400)}")
+        return found
+    rows = []
+    for _, line in itertools.islice(_lines(data, layout), _ROWS_IN_TURN):
+        with suppress(csv.Error):
+            rows.append(run_layout.split(line, layout.delimiter))
+    for place, texts in enumerate(zip(*(row for row in rows if len(row) == layout.width))):
+        changes = sum(one != other for one, other in itertools.pairwise(texts))
+        if place not in used and 2 <= len(set(texts)) <= _MOST_SOURCES and changes >= _IN_TURN * len(texts):
+            return place
+    return None
 
 
 def _optional_columns(names: list[str], wishes: run_layout.Wishes, file: str, row: int) -> dict[str, int]:
@@ -166,7 +297,7 @@ def _optional_columns(names: list[str], wishes: run_layout.Wishes, file: str, ro
             index = run_layout.find_column(wanted, names, wishes.columns)
         except ValueError as error:
             raise BadInput(str(error), file, row) from None
-        if index is None and wanted in wishes.columns:
+        if index is None and wishes.columns.get(wanted):
             asked = f"no column {quoted(wishes.columns[wanted])} (for {wanted})"
             raise BadInput(f"{asked} among {quoted(','.join(names), 400)}", file, row)
         if index is not None:
@@ -175,24 +306,32 @@ def _optional_columns(names: list[str], wishes: run_layout.Wishes, file: str, ro
 
 
 def _below_units(
-    data: bytes, layout: run_layout.Layout, names: list[str], wishes: run_layout.Wishes, file: str
-) -> tuple[run_layout.Layout, list[str]]:
-    """The layout with a row of units taken for a part of the header, if there is one."""
-    row, line = next(_lines(data, layout), (0, ""))
-    try:
-        fields = run_layout.split(line, layout.delimiter)
-    except csv.Error:
-        return layout, []
-    if any(map(run_layout.is_number, fields)) or len(fields) < len(names) or all(f.lower() in NO_VALUE for f in fields):
-        return layout, []
-    units = [f"[{fields[index].strip('[]()')}]" for index in layout.indices]
-    unit = run_layout.unit_of(wishes, units, file, row)
-    felt = layout.temperature
-    if felt is not None and not felt.unit and fields[felt.index].lower() not in NO_VALUE:
-        felt = replace(felt, unit=fields[felt.index].strip("[]()"))
-    told = layout.unit_told or unit is not None
-    layout = replace(layout, header_row=row, unit=unit or layout.unit, unit_told=told, temperature=felt)
-    return layout, [f"row {row} is taken for units" + (f": {unit}" if unit else "")]
+    data: bytes, layout: run_layout.Layout, wishes: run_layout.Wishes, file: str
+) -> tuple[run_layout.Layout, list[str], list[str]]:
+    """The layout with a row of units taken for a part of the header, if there is one, and what stands below it in
+    words, as in TOA5; the units of all columns; sentences."""
+    units, notes = [""] * layout.width, list[str]()
+    for row, line in itertools.islice(_lines(data, layout), _MOST_UNITS):
+        try:
+            fields = run_layout.split(line, layout.delimiter)
+        except csv.Error:
+            break
+        words = {field.lower() for field in fields}
+        if any(map(run_layout.is_number, fields)) or len(fields) < layout.width or words <= NO_VALUE:
+            break
+        layout = replace(layout, header_row=row)
+        if notes:
+            notes.append(f"row {row} is not read")
+            continue
+        units = [field.strip("[]") if "(" in field[1:] else field.strip("[]()") for field in fields]
+        unit = run_layout.unit_of(wishes, [f"[{units[index]}]" for index in layout.indices], file, row)
+        felt = layout.temperature
+        if felt is not None and not felt.unit and units[felt.index].lower() not in NO_VALUE:
+            felt = replace(felt, unit=units[felt.index])
+        told = layout.unit_told or unit is not None
+        layout = replace(layout, unit=unit or layout.unit, unit_told=told, temperature=felt)
+        notes.append(f"row {row} is taken for units" + (f": {unit}" if unit else ""))
+    return layout, units, notes
 
 
 def _parse(
@@ -236,40 +375,31 @@ def _lines(data: bytes, layout: run_layout.Layout) -> Iterator[tuple[int, str]]:
 
 # Clocks.
 
-_IN_NAME = re.compile(r"(?:[\[(\s_]|^t|time|stamp)(ns|us|µs|ms|s|sec|seconds)[\])]?\s*$", re.IGNORECASE)
-_WORDS = {"sec": "s", "seconds": "s", "µs": "us"}
-_OF_DAY = re.compile(r"(\d{1,2}):(\d{2}):(\d{2}(?:[.,]\d+)?)")
-_GAP = 5.0  # intervals: a step of the clock beyond is a gap
-_SAME_RATE = 1.2  # of two rates, a factor
-_FEWEST_STEPS = 10
-_SLOWEST_S = 0.5  # between samples of a recording: beyond, a column without a unit does not count seconds
-_WITHOUT = "--rate HZ reads the recording without it"
-
 
 def _clock(time: Floats | list[str], lines: Integers, name: str | None, timing: Timing, file: str) -> Clock | None:
     """By the rate that the user says, else of the column of that `name`; None where there is neither."""
     if timing.rate_hz is not None:
-        return _of_rate(len(lines), timing.rate_hz)
+        return clocks.of_rate(len(lines), timing.rate_hz)
     if name is None or len(lines) < 2:
         return None
     if isinstance(time, list):
-        return _of_texts(time, file, lines)
+        return clocks.of_texts(time, file, lines)
     far = ~(np.abs(time) <= LARGEST_OUTPUT)
     if far.any():
         row = int(far.argmax())
         raise BadInput(f"{float(time[row])!r} is out of range", file, int(lines[row]), "time")
-    return _of_numbers(time, name, timing.unit, file)
+    return clocks.of_numbers(time, name, timing, file)
 
 
 def _clock_of(values: Floats, name: str, timing: Timing, file: str) -> Clock:
     """Of a log whose time is sure to be a number; a rate that the user says is held against it."""
     if timing.rate_hz is None:
-        return _of_numbers(values, name, timing.unit, file)
+        return clocks.of_numbers(values, name, timing, file)
     try:
-        doubt = _contradiction(_of_numbers(values, name, timing.unit, file), timing.rate_hz, name)
+        doubt = clocks.contradiction(clocks.of_numbers(values, name, timing, file), timing.rate_hz, name)
     except BadInput:
         doubt = []
-    return _of_rate(len(values), timing.rate_hz, *doubt)
+    return clocks.of_rate(len(values), timing.rate_hz, *doubt)
 
 
 def _rate_doubt(
@@ -281,94 +411,18 @@ def _rate_doubt(
         return []
     try:
         lines, texts = [], []
-        for row, line in itertools.islice(_lines(data, layout), _ROWS_OF_CLOCK):
+        for row, line in itertools.islice(_lines(data, layout), clocks.ROWS_OF_CLOCK):
             lines.append(row)
             texts.append(run_layout.split(line, layout.delimiter)[columns["time"]])
         pointed = [text.replace(",", ".") if layout.decimal == "," else text for text in texts]
         own = (
-            _of_numbers(np.array(list(map(float, pointed))), name, timing.unit, file)
+            clocks.of_numbers(np.array(list(map(float, pointed))), name, timing, file)
             if all(map(run_layout.NUMBER.fullmatch, pointed))
-            else _of_texts(texts, file, np.array(lines))
+            else clocks.of_texts(texts, file, np.array(lines))
         )
     except (csv.Error, IndexError, BadInput):
         return []
-    return _contradiction(own, timing.rate_hz, name)
-
-
-def _contradiction(own: Clock, rate_hz: float, name: str) -> list[str]:
-    """That the file's `own` clock, of the column `name`, has another rate than the one that the user says; nothing
-    where they agree, or where the clock has moved on too seldom to tell."""
-    seen = 1.0 / own.interval_s
-    moved = int((np.diff(own.seconds) > 0.0).sum())
-    if moved < _FEWEST_STEPS or seen / _SAME_RATE < rate_hz < seen * _SAME_RATE:
-        return []
-    return [f"{CONTRADICTED} {rate_hz:g} Hz, but {quoted(name)} moves on at {seen:.4g} Hz: which is right?"]
-
-
-def _of_rate(rows: int, rate_hz: float, *notes: str) -> Clock:
-    return Clock(np.arange(rows) / rate_hz, 1.0 / rate_hz, np.zeros(0, dtype=int), notes)
-
-
-def _of_numbers(values: Floats, name: str, told_unit: str | None, file: str) -> Clock:
-    """Of a column of numbers; its unit is the one that the user told, or that its name ends in. Raises BadInput."""
-    in_name, notes = _IN_NAME.search(name), []
-    unit = told_unit or (in_name and _WORDS.get(in_name[1].lower(), in_name[1].lower()))
-    steps = np.diff(values)
-    forward = steps[steps > 0.0]
-    if not len(forward):
-        raise BadInput(f"column {quoted(name)} does not count: {_WITHOUT}", file)
-    step = float(np.median(forward))
-    if unit is None:
-        unit = "s" if step <= _SLOWEST_S else "ms" if step < 1000.0 * _SLOWEST_S else "us"
-        notes.append(f"clock: {quoted(name)} names no unit, steps of {step:.6g}: taken for {unit} (--time-unit)")
-    return _with_gaps((values - values[0]) * UNITS[unit], notes, file)
-
-
-def _of_texts(texts: list[str], file: str, lines: Integers) -> Clock:
-    """Of a column of dates or times of day. Raises BadInput."""
-    seconds = []
-    for text, line in zip(texts, lines):
-        second = _second(text.strip())
-        if second is None:
-            advice = f"a number, 12:34:56.789 or 2026-05-01T12:34:56.789; {_WITHOUT}"
-            raise BadInput(f"{quoted(text)} is no time: {advice}", file, int(line), "time")
-        seconds.append(second)
-    values = np.array(seconds)
-    return _with_gaps(values - values[0], [], file)
-
-
-def _second(text: str) -> float | None:
-    if found := _OF_DAY.fullmatch(text):
-        return 3600.0 * int(found[1]) + 60.0 * int(found[2]) + float(found[3].replace(",", "."))
-    text = text.replace(",", ".").removesuffix("Z")
-    whole, point, decimals = text.partition(".")
-    if point and decimals.isdigit():  # with six of them, as older versions of Python want it
-        text = f"{whole}.{decimals[:6]:0<6}"
-    try:
-        moment = datetime.fromisoformat(text)
-    except ValueError:
-        return None
-    return (moment.replace(tzinfo=None) - datetime(2000, 1, 1)).total_seconds()
-
-
-def _with_gaps(seconds: Floats, notes: list[str], file: str) -> Clock:
-    steps = np.diff(seconds)
-    forward = steps[steps > 0.0]
-    if not len(forward):
-        raise BadInput(f"the clock stands still: {_WITHOUT}", file)
-    coarse = len(forward) < 0.8 * len(steps)
-    interval = float(seconds[-1] - seconds[0]) / len(steps) if coarse else float(np.median(forward))
-    if coarse:
-        notes.append(
-            f"clock: it moves on at {len(forward)} of {len(steps)} rows; {1 / max(interval, 1e-9):.4g} Hz on average"
-        )
-    if not interval > 0.0:
-        raise BadInput(f"the clock runs backwards: {_WITHOUT}", file)
-    back = steps < 0.0
-    gaps = np.flatnonzero(back | (steps > _GAP * max(interval, float(np.median(forward))))) + 1
-    if back.any():
-        notes.append(f"clock: set back {int(back.sum())} times, taken for gaps")
-    return Clock(seconds, interval, gaps, tuple(notes))
+    return clocks.contradiction(own, timing.rate_hz, name)
 
 
 # Raw logs of inertial units on NovAtel receivers, ASCII: RAWIMU, RAWIMUX, RAWIMUS, RAWIMUSX.
@@ -405,7 +459,7 @@ def _read_rawimu(file: str, data: bytes, wishes: run_layout.Wishes, timing: Timi
     notes = [f"RAWIMU log: {len(lines)} messages; ux is its X, uy the negative of its -Y, uz its Z, in counts"]
     if damaged or others:
         notes.append(f"left out: {damaged} messages that are damaged, {others} lines of something else")
-    clock = _clock_of(values[:, 0], "time s", timing, file)
+    clock = _clock_of(values[:, 0], "time s", replace(timing, unit=timing.unit or "s"), file)
     unit = wishes.unit or can_bus.COUNTS
     return Recording(file, data, values[:, 1:], np.array(lines), unit, True, clock, (*notes, *clock.notes))
 

@@ -4,7 +4,7 @@ recipe.
 A recipe is what an import was told and found out about the layout, as TOML, to do the same with the next recording.
 
 [import]      schedule, order, signs ("++-"), repeats, tolerance_deg, rate_hz, time_unit
-[layout]      delimiter, decimal, unit
+[layout]      delimiter, decimal, unit, rows
 [columns]     ux, uy, uz, time, mounting, position, angle, number, temperature: names in the file
 [thresholds]  window_s, min_rest_s, window_samples, min_rest_samples, still, drift
 [mountings]   numbers by name
@@ -35,8 +35,9 @@ from tumble.files.toml import Table, read_toml
 from tumble.importing import match
 from tumble.importing.attitudes import Signs
 from tumble.importing.can_bus import Bus
+from tumble.importing.clocks import UNITS, Timing
 from tumble.importing.pipeline import Imported, Settings
-from tumble.importing.recording import COLUMNS, UNITS, Timing
+from tumble.importing.recording import COLUMNS, Choice
 from tumble.importing.rests import Thresholds
 
 WIDTH = 80
@@ -191,8 +192,9 @@ def read_recipe(file: str) -> Settings:
         return top.table(name) or Table(file, {}, (name,), {})
 
     main = table("import").only("schedule", "order", "signs", "repeats", "tolerance_deg", "rate_hz", "time_unit")
-    layout = table("layout").only("delimiter", "decimal", "unit")
+    layout = table("layout").only("delimiter", "decimal", "unit", "rows")
     columns, mountings = table("columns").only(*COLUMNS), table("mountings")
+    rows = layout.text("rows", default=None)
     tolerance, signs = main.number("tolerance_deg", 0.01, 45.0, default=None), main.text("signs", default=None)
     if signs is not None and parse_signs(signs) is None:
         raise BadInput(f"signs {quoted(signs)} are not three of + and -, of x, y and z", file)
@@ -217,6 +219,7 @@ def read_recipe(file: str) -> Settings:
         claims=claims if tolerance is None else replace(claims, tolerance=math.radians(tolerance)),
         mountings={name: mountings.integer(name, 1, 255) for name in sorted(mountings.keys)},
         bus=_bus(table("can").only("dbc", "identifier", "channel", "v_per_count")),
+        rows=None if rows is None else Choice.parsed(rows),
     )
 
 
@@ -261,7 +264,12 @@ def recipe_text(settings: Settings) -> str:
             "rate_hz": timing.rate_hz,
             "time_unit": timing.unit,
         },
-        "layout": {"delimiter": wishes.delimiter, "decimal": wishes.decimal, "unit": wishes.unit},
+        "layout": {
+            "delimiter": wishes.delimiter,
+            "decimal": wishes.decimal,
+            "unit": wishes.unit,
+            "rows": settings.rows and settings.rows.text,
+        },
         "columns": dict(wishes.columns),
         "thresholds": {one.name: getattr(settings.thresholds, one.name) for one in fields(Thresholds)},
         "mountings": {json.dumps(key): number for key, number in settings.mountings.items()},

@@ -7,12 +7,13 @@ import math
 import os
 import shlex
 import sys
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from tumble.cli import options
 from tumble.defaults import DEFAULT_SCHEDULE
-from tumble.errors import EXIT_PASS, UsageError, quoted
+from tumble.errors import EXIT_PASS, BadInput, TumbleError, UsageError, quoted
 from tumble.estimators import LEAST_SQUARES
 from tumble.schedule import ANY_POSE, file_of
 
@@ -27,6 +28,7 @@ SettingsT = TypeVar("SettingsT", bound="DataclassInstance")
 
 _REPEATS = ("first", "last", "longest")
 _WIDTH = 80
+_BYTES_OF_ROW = 40  # roughly
 
 
 def describe(parser: argparse.ArgumentParser) -> None:
@@ -58,8 +60,10 @@ def describe(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--plot", metavar="FILE", help="draw the recording: .png, .svg or .pdf; needs matplotlib")
     options.add(parser, "--json")
     layout = options.add_layout(parser, "recordings", "ux=AccX,time=Tick")
-    layout.add_argument("--time-unit", choices=("s", "ms", "us", "ns"), help="unit of a numeric clock")
+    layout.add_argument("--time-unit", choices=("s", "ms", "us", "ns", "min", "h", "d"), help="unit of a numeric clock")
     layout.add_argument("--rate", metavar="HZ", help="samples a second; replaces the file's clock")
+    which = "rows of one source: COLUMN=VALUE, 1/2 (the first of every two) or 2:481 (lines)"
+    layout.add_argument("--rows", metavar="WHICH", help=which)
     bus = parser.add_argument_group("CAN logs", "candump, ASC, BLF, TRC, MF4, CSV of python-can")
     bus.add_argument("--dbc", metavar="FILE", help="of other frames than our block's; --columns names their signals")
     bus.add_argument("--can-id", metavar="ID", help="first identifier of the block, of several, such as 0x684")
@@ -70,17 +74,14 @@ def describe(parser: argparse.ArgumentParser) -> None:
     rests.add_argument("--window", metavar="S", help="seconds (without a clock: samples); default: 0.4 (40)")
     rests.add_argument("--min-rest", metavar="S", help="the shortest rest, likewise; default: 0.6 (60)")
     rests.add_argument("--tolerance", metavar="DEG", help="how far off its position gravity may be; default: 6")
-    parser.set_defaults(run_command=run)
+    parser.set_defaults(run_command=run, parser=parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Import and tell. Returns the exit code; raises TumbleError."""
     from tumble.documents.base import to_json
     from tumble.files.disk import refuse_overwriting, write_all
-    from tumble.files.schedule_file import read_schedule
     from tumble.importing import report
-    from tumble.importing.any_pose import POSES
-    from tumble.importing.pipeline import import_recordings
 
     sources = (*arguments.recordings, arguments.stand, arguments.dbc, file_of(arguments.schedule))
     for option in ("out", "plot", "recipe"):
@@ -95,15 +96,11 @@ def run(arguments: argparse.Namespace) -> int:
 
         require_format(arguments.plot, "--plot")
     replayed = arguments.recipe is not None and os.path.exists(arguments.recipe)
-    signs, about_signs = _told_signs(arguments)
-    settings = _settings(arguments, replayed, signs)
-    is_any = settings.schedule_name == ANY_POSE
-    schedule = POSES if is_any else read_schedule(settings.schedule_name).data
-    done = import_recordings(arguments.recordings, schedule, settings)
-    if is_any:  # what was not measured does not lack
-        done = replace(
-            done, schedule=schedule.part(index in done.matched.positions for index in range(len(schedule.positions)))
-        )
+    try:
+        done, settings, about_signs = _imported(arguments)
+    except (BadInput, UsageError) as refusal:
+        refusal.remedy = _remedy(refusal, arguments) if refusal.assumed else ""
+        raise
     remarks = [f"recipe {os.path.basename(arguments.recipe)} followed"] if replayed else []
     done = replace(done, notes=(*remarks, *about_signs, *done.notes))
     after = _after_import(done, arguments.out, arguments.stand)
@@ -124,15 +121,71 @@ def run(arguments: argparse.Namespace) -> int:
     return EXIT_PASS
 
 
+def _imported(arguments: argparse.Namespace) -> tuple[Imported, Settings, list[str]]:
+    """By these options; the settings that they make, and remarks on signs. Raises TumbleError."""
+    from tumble.files.schedule_file import read_schedule
+    from tumble.importing.any_pose import POSES
+    from tumble.importing.pipeline import import_recordings
+
+    replayed = arguments.recipe is not None and os.path.exists(arguments.recipe)
+    signs, about_signs = _told_signs(arguments)
+    settings = _settings(arguments, replayed, signs)
+    is_any = settings.schedule_name == ANY_POSE
+    schedule = POSES if is_any else read_schedule(settings.schedule_name).data
+    done = import_recordings(arguments.recordings, schedule, settings)
+    if is_any:  # what was not measured does not lack
+        done = replace(
+            done, schedule=schedule.part(index in done.matched.positions for index in range(len(schedule.positions)))
+        )
+    return done, settings, about_signs
+
+
+def _remedy(refusal: TumbleError, arguments: argparse.Namespace) -> str:
+    """The command that imports what was refused, as it has been tried; empty where none was found."""
+    from tumble.importing import remedies
+
+    said = {name: value for name, value in vars(arguments).items() if isinstance(value, str)}
+
+    def changed(chosen: dict[str, str | None]) -> argparse.Namespace:
+        options = {name: value and remedies.joined(said, {name: value})[name] for name, value in chosen.items()}
+        return argparse.Namespace(**{**vars(arguments), **options})
+
+    def attempt(chosen: dict[str, str | None]) -> TumbleError | int:
+        try:
+            done, *_ = _imported(changed(chosen))
+        except TumbleError as fault:
+            return fault
+        return len(done.schedule.positions) - len(set(done.matched.positions.tolist()) - {-1})
+
+    rows = sum(os.path.getsize(file) for file in arguments.recordings if os.path.isfile(file)) // _BYTES_OF_ROW
+    found = remedies.found(refusal, said, rows, attempt)
+    if found is None:
+        return ""
+    heading = f"remedy, if {found.condition}:" if found.condition else "remedy:"
+    return "\n".join([heading, *_command_lines(*_words(changed(dict(found.options))))])
+
+
+def _words(arguments: argparse.Namespace) -> list[list[str]]:
+    """The command that these options make: the words of each line's part."""
+    words = [[os.environ.get("TUMBLE_PROGRAM", "tumble"), "import"], *([one] for one in arguments.recordings)]
+    for action in arguments.parser._actions:
+        value, option = getattr(arguments, action.dest, None), (action.option_strings or [""])[-1]
+        if option and value is True:
+            words.append([option])
+        elif option and isinstance(value, str):
+            words.append([f"{option}={value}"] if value.startswith("-") or option == "--signs" else [option, value])
+    return words
+
+
 def _settings(arguments: argparse.Namespace, replayed: bool, signs: Signs | None) -> Settings:
     """The recipe's, or the usual ones, with what the options say, and the `signs` that they say. Raises TumbleError."""
     from tumble.files.stand_file import read_stand
     from tumble.importing import report
     from tumble.importing.pipeline import Settings
-    from tumble.importing.recording import COLUMNS
+    from tumble.importing.recording import COLUMNS, Choice
 
     base = report.read_recipe(arguments.recipe) if replayed else Settings()
-    told = options.wishes(arguments, COLUMNS)
+    told = options.wishes(arguments, COLUMNS, may_lack=COLUMNS[3:])
     layout = {"delimiter": told.delimiter, "decimal": told.decimal, "unit": told.unit}
     wishes = _with(base.wishes, columns=base.wishes.columns | told.columns, **layout)
     rate_hz = None if arguments.rate is None else _positive(arguments.rate, "--rate")
@@ -157,7 +210,14 @@ def _settings(arguments: argparse.Namespace, replayed: bool, signs: Signs | None
     step_v = None if arguments.stand is None else read_stand(arguments.stand).step_v
     where = {"dbc": arguments.dbc, "identifier": identifier, "channel": arguments.can_channel}
     bus, timing = _with(base.bus, **where, v_per_count=step_v), _with(base.timing, rate_hz=rate_hz)
-    parts = {"wishes": wishes, "timing": _with(timing, unit=arguments.time_unit), "bus": bus, "claims": claims}
+    rows = base.rows if arguments.rows is None else Choice.parsed(arguments.rows)
+    parts = {
+        "rows": rows,
+        "wishes": wishes,
+        "timing": _with(timing, unit=arguments.time_unit),
+        "bus": bus,
+        "claims": claims,
+    }
     return _with(base, schedule=arguments.schedule, thresholds=thresholds, mountings=mountings, **parts)
 
 
@@ -250,14 +310,19 @@ def _after_import(done: Imported, run: str | None, stand: str | None) -> str:
     elif default_estimator(CoreSchedule(measured)) != default_estimator(CoreSchedule(done.schedule)):
         words += ["--estimator", LEAST_SQUARES]  # of the positions that were found
     words += ["--out", os.path.join(os.path.dirname(run), "result.json")]  # which apply and report take
-    program, verb, run, *chosen = map(shlex.quote, words)
-    lines = [f"  {program} {verb}"]
-    for option in (run, *map(" ".join, zip(chosen[::2], chosen[1::2]))):
-        if len(lines[-1]) + len(option) + len("  \\") > _WIDTH:
-            lines[-1] += " \\"
-            lines.append(f"    {option}")
-        else:
-            lines[-1] += f" {option}"
+    lines = _command_lines(words[:2], words[2:3], *zip(words[3::2], words[4::2]))
     if done.settings.schedule_name == "six_faces" and stand is None:
         lines += ["Its limit is a rotary stand's: import faces that were laid by hand with", "  --schedule hand_laid"]
     return "\n".join(["", "Next:", *lines, ""])
+
+
+def _command_lines(first: Sequence[str], *parts: Sequence[str]) -> list[str]:
+    """A command on lines that a shell joins; the words of a part stay together."""
+    lines = ["  " + " ".join(map(shlex.quote, first))]
+    for part in (" ".join(map(shlex.quote, words)) for words in parts):
+        if len(lines[-1]) + len(part) + len("  \\") > _WIDTH:
+            lines[-1] += " \\"
+            lines.append(f"    {part}")
+        else:
+            lines[-1] += f" {part}"
+    return lines
