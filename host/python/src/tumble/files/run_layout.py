@@ -46,7 +46,7 @@ _ALIASES = {
 
 
 _LAST = {  # where there is none of these
-    "time": {"millis", "micros", "date", "uhrzeit", "zeit"},
+    "time": {"millis", "micros", "ms", "us", "ns", "sec", "seconds", "date", "uhrzeit", "zeit"},
     "mounting": {"face", "side", "orientation", "pose"},
 }
 
