@@ -43,7 +43,7 @@ def is_unit(text: object) -> bool:
 
 def spelled(text: str) -> str:
     """A unit as Tumble writes it, of the several ways in which people do; one that is not known stays as it is."""
-    bare = re.sub(r"\(([a-z]+(?:\^-?2|\u00b2|\*\*2|2))\)", r"\1", text.strip())  # m/(s^2)
+    bare = re.sub(r"\(([a-z]+(?:\^-?2|\u00b2|\*\*2|2))\)", r"\1", text)  # m/(s^2)
     return next((unit for unit, pattern in _SPELLINGS.items() if re.fullmatch(pattern, bare)), text)
 
 
