@@ -74,7 +74,7 @@ def test_what_interrupts_it_stops_the_table_and_it_goes_on_from_there(tmp_path):
     assert stopped == [1]
     begun = out.read_bytes()
     assert len(rows_of(out)) == 5 * 100
-    with pytest.raises(errors.BadInput, match="is there already"):
+    with pytest.raises(errors.BadInput, match=r"is there already; .* \(resume=True\)"):
         acquire(rig, out)
     lines = []
     result = acquire(rig, out, resume=True, report=lines.append)

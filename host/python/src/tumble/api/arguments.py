@@ -32,6 +32,7 @@ _WITH_VALUES = (
     (re.compile(rf"--(schedule) ({'|'.join(BUILT_IN)})(?![\w.-])"), r'\1="\2"'),
     (re.compile(r"--(dbc) FILE.dbc"), r"\1="),
     (re.compile(r"--(stand) FILE"), r"\1="),
+    (re.compile(r"--(resume)(?![\w-])"), r"\1=True"),
     (re.compile(rf"--({_NAMES}):"), r"\1:"),
     (re.compile(rf"--({_NAMES})(?![\w-])"), r"\1="),
 )
