@@ -135,7 +135,7 @@ class Result:
 
         >>> import tumble
         >>> tumble.solve("examples/paper_stand.csv").keys["U0"]
-        'Outputs without acceleration.'
+        'Outputs at zero acceleration.'
         """
         return described(ResultDocument)[1]
 
