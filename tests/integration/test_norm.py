@@ -221,3 +221,14 @@ def test_a_recording_of_poses_leads_to_a_verdict(tumble, tmp_path):
 def test_more_rests_than_are_solved_are_refused(refused, tmp_path):
     log = recording_of(tmp_path, around(37))
     assert "37 rests, at most 36 poses are solved: --leave-out" in refused("import", log, "--schedule", "any_pose")
+
+
+def test_labels_tell_poses_apart_and_nothing_of_how_they_lie(tumble, tmp_path):
+    """Rows that somebody numbered: `position` and `mounting` name no attitudes of a schedule here."""
+    head, *rows = recording_of(tmp_path, POSES).read_text().splitlines()
+    numbered = [f"{min(row // 360 + 1, len(POSES))},{text}" for row, text in enumerate(rows)]
+    for name in ("position", "mounting"):
+        (tmp_path / "numbered.csv").write_text("\n".join([f"{name},{head}", *numbered]) + "\n")
+        done = tumble("import", tmp_path / "numbered.csv", "--schedule", "any_pose", "--json")
+        assert (done.returncode, done.stderr) == (0, "")
+        assert len(json.loads(done.stdout)["rests"]) == len(POSES)

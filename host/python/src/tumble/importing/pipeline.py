@@ -122,7 +122,8 @@ def _imported(files: Sequence[str], schedule: Schedule, settings: Settings, took
     texts, about_labels = _labels_that_tell(joined, schedule, settings.mountings)
     took += _took(joined, settings, texts, about_labels)
     about_sources = _require_one_block(joined)
-    labelled = bool(texts.keys() - {"mounting"}) or _is_by_face(texts, schedule, settings.mountings)
+    is_any = settings.schedule == ANY_POSE  # there labels tell the poses apart, and nothing tells how they lie
+    labelled = not is_any and (bool(texts.keys() - {"mounting"}) or _is_by_face(texts, schedule, settings.mountings))
     rests, lost = found.rests, list[str]()
     if labelled or (texts and len(schedule.mountings) == len(schedule.positions)):
         rests, lost = labels.labelled_rests(texts, joined.outputs, joined.file_of_row, found, interval)
@@ -130,10 +131,9 @@ def _imported(files: Sequence[str], schedule: Schedule, settings: Settings, took
     try:
         if labelled:
             matched = labels.match(rests, schedule, settings.claims, settings.mountings)
-            matched = replace(matched, notes=(*matched.notes, *lost))
         else:
             matched = _matched(rests, schedule, settings)
-            names = texts.get("mounting", [])
+            names = [] if is_any else texts.get("mounting", [])
             labels.require_one_name_a_mounting(names, rests, matched, schedule, settings.mountings)
     except Doubtful as doubt:
         one_channel = repairs.about_channels(joined.outputs, recordings[0].columns)
@@ -148,6 +148,7 @@ def _imported(files: Sequence[str], schedule: Schedule, settings: Settings, took
         *about_labels,
         *about_sources,
         *matched.notes,
+        *lost,
     ]
     return Imported(
         recordings=tuple(recordings),
