@@ -184,6 +184,8 @@ def test_faces_with_names(imported, column):
     text = "\n".join([f"{column},Ax,Ay,Az", *rows]) + "\n"
     said, means = imported(text, options=("--schedule", "six_faces"))
     assert len(means) == 6 and "by the labels of the rows, which gravity confirms" in said
+    said, _ = imported(text, options=())
+    assert "labelled by the axis that points up, as faces of hand_laid: --schedule hand_laid" in said
 
 
 def test_labels_that_gravity_denies(imported):

@@ -124,6 +124,9 @@ def _imported(files: Sequence[str], schedule: Schedule, settings: Settings, took
     about_sources = _require_one_block(joined)
     is_any = settings.schedule == ANY_POSE  # there labels tell the poses apart, and nothing tells how they lie
     labelled = not is_any and (bool(texts.keys() - {"mounting"}) or _is_by_face(texts, schedule, settings.mountings))
+    if labelled and settings.schedule is None and texts.keys() == {"mounting"}:
+        said = "no schedule is told, and rows are labelled by the axis that points up, as faces of hand_laid"
+        raise Doubtful(f"{said}: --schedule hand_laid", Remedy({"schedule": "hand_laid"}))
     rests, lost = found.rests, list[str]()
     if labelled or (texts and len(schedule.mountings) == len(schedule.positions)):
         rests, lost = labels.labelled_rests(texts, joined.outputs, joined.file_of_row, found, interval)
