@@ -42,7 +42,7 @@ def test_the_page_lists_what_the_tool_allows():
 
 @pytest.mark.parametrize(("old", "new"), [
     ("| `testing/`", "| `tasting/`"),
-    ("importing, report |", "report |"),
+    ("acquisition, report |", "report |"),
     ("`planning/` also files, workers", "`planning/` also files"),
 ])
 def test_another_list_is_noticed(old, new):

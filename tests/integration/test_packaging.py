@@ -22,7 +22,7 @@ from wheels import build, installed_in
 
 from tumble import __version__, data
 from tumble.cli import options
-from tumble.estimators import ESTIMATORS, INCLINED, LINEAR, OPTIMAL
+from tumble.estimators import ESTIMATORS, INCLINED, LINEAR, NORM, OPTIMAL
 
 PYTHON = ROOT / "host/python"
 LICENCES = ("LICENSE", "NOTICE")
@@ -75,9 +75,9 @@ def test_schemas_and_options_name_the_estimators_of_the_core():
     names = [ffi.string(row.name).decode() for row in lib.estimator_rows]
     written = subprocess.run([sys.executable, ROOT / "tools/estimators.py", "--check"], check=False)
     assert written.returncode == 0
-    for name in ("result", "plan"):
+    for name, others in (("result", {NORM}), ("plan", set())):  # numpy's own
         schema = json.loads((ROOT / f"docs/schemas/tumble.{name}-1.schema.json").read_text(encoding="utf-8"))
-        assert set(names) in [set(found) - {None} for found in enums(schema)]
+        assert others.union(names) in [set(found) - {None} for found in enums(schema)]
     parser = argparse.ArgumentParser()
     options.add(parser, "--estimator")
     for name in names:

@@ -158,14 +158,14 @@ REFUSED = {
     ),
     **{
         f"{subject} harmonic on six faces": (
-            [subject, "--schedule", SIX_FACES],
+            [subject, "--schedule", SIX_FACES, "--estimator", "refined"],
             f"{SIX_FACES}: lacks positions that refined needs; least_squares solves any schedule",
         )
         for subject in ("budget", "require")
     },
     "published of optimal": (["budget", "--weights", "published", "--estimator", "optimal"], "averaged and refined"),
     "published on six faces": (
-        ["budget", "--weights", "published", "--schedule", SIX_FACES],
+        ["budget", "--weights", "published", "--schedule", SIX_FACES, "--estimator", "refined"],
         "for its own 2 x 9 positions",
     ),
     "limit of zero": (["require", "--limit", "0"], "--limit: '0' is not a number of g above 0, at most 1"),

@@ -21,6 +21,7 @@ from tumble.arrays import Floats
 from tumble.errors import BadInput, BenchFault, TumbleError, UsageError, quoted
 from tumble.estimators import INCLINED
 from tumble.files.disk import read_bytes, write_text
+from tumble.files.run_file import smallest_step
 from tumble.importing.rests import Thresholds, find_rests
 from tumble.model.coefficients import gravity_errors
 from tumble.model.estimators import estimate, unidentified
@@ -29,9 +30,9 @@ from tumble.schedule import Mounting, Position, Schedule
 
 FEWEST_SAMPLES, MOST_SAMPLES = 50, 100_000  # at a position
 DEFAULT_SAMPLES, DEFAULT_REST_TIMEOUT_S = 100, 120.0
-_WINDOW, _SHORT_WINDOW = 40, 16  # samples: before a position is left, and of all positions at the end
+_WINDOW = 40  # samples that are looked at together before a position is left
 _CALM_POSITIONS = 3  # whose rows the test of rest sees beside those of the position
-_FEWEST_AT_REST = 12  # samples of a position, at the end
+_SCATTER, _WANDER = 2.5, 6.0  # of a position at the end, in units of the median of all: more is no rest
 _HEADER = "mounting,position,ux [{0}],uy [{0}],uz [{0}],time_s"  # seconds since 1970-01-01 UTC at which it was read
 
 
@@ -166,12 +167,16 @@ class Acquisition:
         return np.column_stack([outputs, np.full(len(outputs), time.time())])
 
     def _restless(self) -> list[int]:
-        """Positions without a rest, once the noise of all of them is known."""
-        parts = [own[:, :3] for _, own in sorted(self.rows.items())]
-        edges = np.cumsum([0, *map(len, parts)])
-        rests = _rests(parts, _SHORT_WINDOW, _FEWEST_AT_REST)
-        at_rest = {int(np.searchsorted(edges, begin, "right")) - 1 for begin, _ in rests}
-        return [index for place, index in enumerate(sorted(self.rows)) if place not in at_rest]
+        """Positions whose samples scatter, or whose quarters differ, far more than they usually do in this run."""
+        indices = sorted(self.rows)
+        parts = [self.rows[index][:, :3] for index in indices]
+        half_step = np.array([smallest_step(channel) for channel in np.concatenate(parts).T]) / 2.0
+        scatter = np.array([own.std(axis=0, ddof=1) for own in parts])
+        quarters = np.array([[quarter.mean(axis=0) for quarter in np.array_split(own, 4)] for own in parts])
+        moved = np.zeros(len(parts), dtype=bool)
+        for sizes, most in ((scatter, _SCATTER), (np.ptp(quarters, axis=1), _WANDER)):
+            moved |= (sizes > most * np.maximum(np.median(sizes, axis=0), half_step)).any(axis=1)
+        return [index for index, is_restless in zip(indices, moved) if is_restless]
 
     def _text(self) -> str:
         lines = [_HEADER.format(self._wanted.unit)]

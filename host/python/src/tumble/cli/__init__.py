@@ -4,7 +4,6 @@
     commands      the table of commands, and a module for each
     options       options that several commands have in common
     output        what is said of a solution, as plain text and on a terminal
-    exports       templates of the formats of `tumble export`
 
 Nothing here is imported by any other room. What only one command needs is imported when that command runs.
 """

@@ -128,7 +128,7 @@ def _names(result: Result, them: Coefficients, warnings: Iterable[str], labels: 
     lengths = np.linalg.norm(k, axis=1, keepdims=True)
     unit, force, verdict = result.unit, FORCE_UNITS[them.force_unit], "passed" if check.passed else "FAILED"
     largest, limit = check.max_abs_delta_g_g, check.limit_g
-    why_unknown = "no stand was declared" if result.u_K is None else "that of gravity is not told"
+    why_unknown = "no stand was declared" if result.u_K is None else "that of gravity is unknown"
     origin = _origin(result, labels) + [f"WARNING: {_comment(warning)}" for warning in warnings]
     about = [
         f"Coefficients of a three-axis block of accelerometers, estimator {result.estimator}.",

@@ -6,6 +6,7 @@ The core computes, the numpy model confirms, and only then is there a solution w
     computation  what the core makes of the means of one run or of many, held against the model; a disagreement gives
                  no result
     optimal_run  the weights of the optimal estimator: made for a run or for many, their record, evaluated by the core
+    hands        the stand of a block that is laid by hand
     noise        the noise that a run itself shows, and where it counts
     uncertainty  the standard uncertainties that a result states, of further terms too, and how well they are known
     plausibility is K that of the declared block; at which temperatures was it measured
