@@ -11,6 +11,7 @@ from dressed import KINDS, dressed
 from recordings import Habits, recording
 
 from tumble.cli.main import main
+from tumble.importing import repairs
 from tumble.model import built_in
 
 pytestmark = pytest.mark.python
@@ -208,3 +209,19 @@ def test_random_mistakes_in_random_files(seed, logged, run):
     assert code == 2, said
     means = followed(run, said)
     require_right({place: one / file.scale + file.offset for place, one in means.items()}, logged, missing=1)
+
+
+@pytest.mark.parametrize(("noise", "held"), [(0.05, False), (0.3, False), (30.0, True)])
+def test_a_coarse_converter_is_not_stuck(noise, held):
+    """In its steps. A calibration has mixed the channels, so that the smallest difference says nothing of the steps. A
+    value that is held is found where noise would change it."""
+    rng = np.random.default_rng(4)
+    counts = np.round(
+        np.repeat(rng.uniform(-1e4, 1e4, (18, 3)), 1000, axis=0) + noise * rng.standard_normal((18000, 3))
+    )
+    outputs = 1e-4 * counts @ (np.eye(3) + 0.01 * rng.standard_normal((3, 3)))
+    seen = np.full(3, 1e-4 * max(noise, 0.1)), np.full(3, 1e-9)  # noise and step
+    assert not repairs.stuck(outputs, *seen).any()
+    outputs[5200:6000] = outputs[5200]
+    found = np.flatnonzero(repairs.stuck(outputs, *seen))
+    assert found.tolist() == (list(range(5200, 6000)) if held else [])

@@ -14,6 +14,7 @@ from tumble.files.run_rows import chance_of_a_value
 _BITS = (8, 10, 12, 14, 16, 18, 20, 24, 32)  # of a converter
 _TRAVELS = 1.05  # times as far, as numbers that have lost their sign
 _DEAD, STUCK = 4, 12  # rows, at least, of zeros and of any other value
+_REPEATS = 0.01  # of rows: a converter of which more are as the row before is coarse
 _CHANCE = 1e-9  # that an honest rest repeats itself so
 _CLEAR = 3.0  # times their noise, that two sources are apart
 
@@ -49,12 +50,15 @@ def zeros(outputs: Floats) -> Flags:
 
 
 def stuck(outputs: Floats, noise: Floats, step: Floats) -> Flags:
-    """Rows (rows,) of stretches that repeat one value where this `noise` (3,) would have changed it."""
+    """Rows (rows,) of stretches that repeat one value where this `noise` (3,) would have changed it. None where rows
+    repeat themselves now and then all over the recording, as those of a coarse converter do, even if a calibration has
+    mixed its channels so that their `step` (3,) looks fine."""
     found = np.zeros(len(outputs), dtype=bool)
     likely = chance_of_a_value(float((noise / np.where(step > 0.0, step, np.inf)).max()))
     for first, last in same_runs(outputs, STUCK):
         found[first:last] = (last - first) * math.log(likely) < math.log(_CHANCE)
-    return found
+    others = np.diff(outputs[~found], axis=0) == 0.0
+    return found & (len(others) > 0 and bool(others.all(axis=1).mean() <= _REPEATS))
 
 
 def about_channels(outputs: Floats, names: dict[str, str]) -> str | None:
