@@ -14,6 +14,7 @@ KINDS = {
     "autofunction": ("Functions", []),
     "autoclass": ("Classes", [":members:"]),
     "autoexception": ("Exceptions", [":show-inheritance:"]),
+    "py:data": ("Tables", []),
 }
 
 
@@ -31,11 +32,22 @@ def sections(module, of):
     for kind, (title, options) in KINDS.items():
         names = [f"{module.__name__}.{name}" for name in module.__all__ if kind_of(getattr(module, name)) == kind]
         lines = [line for name in names for line in (f".. {kind}:: {name}", *(f"   {o}" for o in options), "")]
-        yield "\n".join([f"## {title}{of}", "", "```{eval-rst}", *lines, "```", ""])
+        if kind == "py:data":  # a module below another name, of which autodoc knows nothing
+            told = [inspect.getdoc(getattr(module, name.rpartition(".")[2])).splitlines() for name in names]
+            lines = [line for name, own in zip(names, told) for line in (f".. {kind}:: {name}", "", *indented(own), "")]
+        if names:
+            yield "\n".join([f"## {title}{of}", "", "```{eval-rst}", *lines, "```", ""])
+
+
+def indented(lines):
+    """Within a directive."""
+    return [f"   {line}".rstrip() for line in lines]
 
 
 def kind_of(value):
     """Which of KINDS it is; None: text, such as the version."""
     if inspect.isclass(value):
         return "autoexception" if issubclass(value, Exception) else "autoclass"
+    if inspect.ismodule(value):
+        return "py:data"
     return "autofunction" if inspect.isfunction(value) else None

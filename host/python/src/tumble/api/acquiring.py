@@ -112,8 +112,8 @@ def acquire(
         Go on from the positions that `out` has.
     report : callable, optional
         Gets a line for each position, with the largest gravity error so far; default: on standard error.
-    **solving
-        What `solve` takes besides: `stand`, `estimator`, `limit_g`, `confidence`, `model`.
+    solving : any, optional
+        Arguments of `solve` by name: `stand`, `estimator`, `limit_g`, `confidence`, `model`.
 
     Returns
     -------

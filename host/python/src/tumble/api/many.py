@@ -21,7 +21,7 @@ def solve_many(runs: Mapping[Any, Any] | Iterable[Any], **given: Any) -> Any:
 
     `runs`: what `solve` takes, by name, or one after the other; then a file has its path for a name, others their
     number from 0. `given`: as `solve` has it, for all of them. Columns: `passed`, `estimator`, `unit`, the twelve
-    coefficients, and behind a u_ their standard uncertainties (NaN where they are not known), `u_norm_worst_g`. Raises
+    coefficients, and behind `u_` their standard uncertainties (NaN where they are not known), `u_norm_worst_g`. Raises
     what `solve` raises.
 
     >>> import tumble
