@@ -207,9 +207,10 @@ static uint64_t drive_next_us(const void *self)
     const tumble_drive402_t *drive = self;
     const uint64_t watch_us = tumble_earlier(tumble_drive_blind_us(drive), tumble_drive_next_rung_us(drive));
     const bool free_to_go = drive->blocked && tumble_drive_is_sent(drive);
-    /* An answer that the phase has left at the last look is left at the next one, too: it makes nothing due. */
-    const bool asked = drive->asks && (drive->asked != ASKED_NOTHING);
-    const bool answered = asked && (tumble_sdo_client_result(&drive->node->client) != TUMBLE_E_SDO_BUSY);
+    const bool by_sdo = (drive->asked == ASKED_WRITE) || (drive->asked == ASKED_READ);
+    /* On the way an answer may have to wait for a statusword: it makes nothing due. */
+    const bool may_wait = (drive->phase >= (uint8_t)PHASE_TARGET) && (drive->phase <= (uint8_t)PHASE_MOVING);
+    const bool answered = by_sdo && !may_wait && (tumble_sdo_client_result(&drive->node->client) != TUMBLE_E_SDO_BUSY);
     return (drive->restart_timer || free_to_go || answered) ? 0U : tumble_earlier(deadline_us(drive), watch_us);
 }
 

@@ -124,7 +124,6 @@ typedef struct {
     uint8_t still;  /* how often in a row the same position has been reported again */
     bool restart_timer;
     bool blocked;   /* a PDO must go before anything else */
-    bool asks;      /* an SDO was under way at the last look */
     bool present;   /* its heartbeat is there */
     bool may_reset; /* a fault of the drive may be reset */
     bool homed;

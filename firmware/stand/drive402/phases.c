@@ -56,7 +56,6 @@ void tumble_drive_look(tumble_drive402_t *drive, bool fresh)
         }
         drive->fresh = false;
     }
-    drive->asks = (tumble_sdo_client_result(&drive->node->client) == TUMBLE_E_SDO_BUSY);
 }
 
 /* CONFIGURE and the changes of mode: one SDO after the other. */

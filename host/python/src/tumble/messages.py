@@ -45,8 +45,10 @@ def signed_for(text: str, stream: TextIO | None) -> str:
 
 def tell(line: str) -> None:
     """One line."""
+    stream = sys.stderr or io.StringIO()
     try:
-        print(signed_for(line, sys.stderr), file=sys.stderr or io.StringIO(), flush=True)
+        stream.write(f"{signed_for(line, sys.stderr)}\n")  # at once: an interrupt comes before it, or behind it
+        stream.flush()
     except (OSError, ValueError):  # full, gone, or closed
         sys.stderr = None
 
