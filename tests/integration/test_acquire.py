@@ -8,7 +8,7 @@ from simulated_instruments import NOISE, U0, K, Rig, on_terminal, over_tcp
 
 import tumble
 from tumble import errors
-from tumble.acquisition.run import Acquisition, Wanted
+from tumble.acquisition.run import Acquisition, AcquisitionPlan
 from tumble.cli.main import main
 
 LIMITS = (-1.0, 361.0)
@@ -141,11 +141,11 @@ def test_a_first_position_that_swung_is_measured_again(tmp_path):
 def test_honest_noise_is_at_rest(step):
     """Of the fewest samples, also of a converter that is coarser than the noise: 300 runs."""
     rig, rng = Rig(), np.random.default_rng(5)
-    nobody = Wanted(rig.schedule, 50, "V", "run.csv", rig.read, rig.mount, None, rig.turn)
+    nobody = AcquisitionPlan(rig.schedule, 50, "V", "run.csv", rig.read, rig.mount, None, rig.turn)
     for _ in range(300):
         outputs = NOISE * rng.standard_normal((18, 50, 3)) + rng.standard_normal((18, 1, 3))
         rows = np.concatenate([step * np.round(outputs / step), np.zeros((18, 50, 1))], axis=2)
-        assert Acquisition(nobody, dict(enumerate(rows)), print)._restless() == []
+        assert Acquisition(nobody, dict(enumerate(rows)), print)._not_at_rest() == []
 
 
 def test_a_table_that_turns_the_other_way_in_one_mounting_is_seen_at_once(tmp_path):

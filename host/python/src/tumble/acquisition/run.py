@@ -57,7 +57,7 @@ class Drive:
 
 
 @dataclass(frozen=True)
-class Wanted:
+class AcquisitionPlan:
     """A run: `samples` at each position of the `schedule`, outputs in `unit`, written to `file`. `read` returns one
     sample (3,) or several (n, 3), `forget` drops what came while nobody read; `turn_by_hand` and `mount` return when
     somebody has done it. A table that never comes to rest ends the run after `rest_timeout_s`."""
@@ -87,31 +87,31 @@ class Acquisition:
     """One run. `rows`: by index of a position, its samples and their times, (n, 4); those that are there when it begins
     are not measured again. `report` gets a line for each position."""
 
-    def __init__(self, wanted: Wanted, rows: dict[int, Floats], report: Callable[[str], object]):
-        wanted.require_possible()
-        self._wanted, self._schedule, self._report = wanted, wanted.schedule, report
-        self.rows = {index: own for index, own in rows.items() if len(own) >= wanted.samples}
+    def __init__(self, plan: AcquisitionPlan, rows: dict[int, Floats], report: Callable[[str], object]):
+        plan.require_possible()
+        self._plan, self._schedule, self._report = plan, plan.schedule, report
+        self.rows = {index: own for index, own in rows.items() if len(own) >= plan.samples}
         self._mounted: int | None = None
 
     def run(self) -> None:
         """All positions that are left. Raises BenchFault for an instrument, or a stand that does not come to rest."""
         try:
             self._measure([index for index in range(len(self._schedule.positions)) if index not in self.rows])
-            if restless := self._restless():
-                self._report(f"not at rest, as the noise of the whole run shows: {self._labels(restless)}; once more")
-                self._measure(restless)
-            if restless := self._restless():
-                raise BenchFault(f"never at rest at {self._labels(restless)}: does something shake the stand?")
+            if unsettled := self._not_at_rest():
+                self._report(f"not at rest, as the noise of the whole run shows: {self._labels(unsettled)}; once more")
+                self._measure(unsettled)
+            if unsettled := self._not_at_rest():
+                raise BenchFault(f"never at rest at {self._labels(unsettled)}: does something shake the stand?")
         except BaseException as ended:
             self._stop(ended)
             raise
 
     def _stop(self, ended: BaseException) -> None:
         """The table, whatever it does; a table that does not obey is the greater fault."""
-        if self._wanted.drive is None:
+        if self._plan.drive is None:
             return
         try:
-            self._wanted.drive.stop()
+            self._plan.drive.stop()
         except Exception as error:
             why = ended if isinstance(ended, TumbleError) else type(ended).__name__
             raise BenchFault(f"THE TABLE MAY STILL TURN: it cannot be stopped ({quoted(error)}) after: {why}") from None
@@ -123,25 +123,25 @@ class Acquisition:
         for index in indices:
             position = self._schedule.positions[index]
             if position.mounting != self._mounted:
-                self._wanted.mount(next(one for one in self._schedule.mountings if one.number == position.mounting))
+                self._plan.mount(next(one for one in self._schedule.mountings if one.number == position.mounting))
                 self._mounted = position.mounting
-            if self._wanted.drive is None:
-                self._wanted.turn_by_hand(position)
+            if self._plan.drive is None:
+                self._plan.turn_by_hand(position)
             else:
-                self._wanted.drive.turn(position.angle_deg)
+                self._plan.drive.turn(position.angle_deg)
             begun = time.monotonic()
-            self._wanted.forget()
+            self._plan.forget()
             self.rows[index] = self._at_rest(position)
-            write_text(self._wanted.file, self._text())
+            write_text(self._plan.file, self._text())
             self._report(self._line(position, time.monotonic() - begun))
 
     def _at_rest(self, position: Position) -> Floats:
         """The samples of a position, once the block is at rest there. Only its latest rows are looked at, so that
         those of the positions before, which were at rest, are enough to show what the noise is."""
-        samples, window = self._wanted.samples, min(_WINDOW, 2 * self._wanted.samples // 5)
+        samples, window = self._plan.samples, min(_WINDOW, 2 * self._plan.samples // 5)
         calm = [own[:, :3] for own in list(self.rows.values())[-_CALM_POSITIONS:]]
         latest, taken, looked_at = self._sample(), 1, 0
-        end = time.monotonic() + self._wanted.rest_timeout_s
+        end = time.monotonic() + self._plan.rest_timeout_s
         while True:
             if taken - looked_at >= samples // 4 and len(latest) >= samples:
                 looked_at = taken
@@ -150,14 +150,14 @@ class Acquisition:
                 if begin >= 0 and rests[-1][1] - rests[-1][0] >= samples:
                     return latest[begin : begin + samples].copy()
             if time.monotonic() >= end:
-                where = f"position {position.label}: not at rest within {self._wanted.rest_timeout_s:g} s"
+                where = f"position {position.label}: not at rest within {self._plan.rest_timeout_s:g} s"
                 raise BenchFault(f"{where}, {taken} samples, of which {samples} at rest are wanted")
             more = self._sample()
             latest, taken = np.concatenate([latest, more])[-samples - 2 * window :], taken + len(more)
 
     def _sample(self) -> Floats:
         """What `read` gives, with the time: (n, 4). Raises BenchFault for what are no outputs."""
-        given = self._wanted.read()
+        given = self._plan.read()
         try:
             outputs = np.atleast_2d(np.asarray(given, dtype=float))
         except (TypeError, ValueError):
@@ -166,7 +166,7 @@ class Acquisition:
             raise BenchFault(f"read: {quoted(given)} is no sample of three finite outputs")
         return np.column_stack([outputs, np.full(len(outputs), time.time())])
 
-    def _restless(self) -> list[int]:
+    def _not_at_rest(self) -> list[int]:
         """Positions whose samples scatter, or whose quarters differ, far more than they usually do in this run."""
         indices = sorted(self.rows)
         parts = [self.rows[index][:, :3] for index in indices]
@@ -176,10 +176,10 @@ class Acquisition:
         moved = np.zeros(len(parts), dtype=bool)
         for sizes, most in ((scatter, _SCATTER), (np.ptp(quarters, axis=1), _WANDER)):
             moved |= (sizes > most * np.maximum(np.median(sizes, axis=0), half_step)).any(axis=1)
-        return [index for index, is_restless in zip(indices, moved) if is_restless]
+        return [index for index, is_unsettled in zip(indices, moved) if is_unsettled]
 
     def _text(self) -> str:
-        lines = [_HEADER.format(self._wanted.unit)]
+        lines = [_HEADER.format(self._plan.unit)]
         for index, own in sorted(self.rows.items()):
             position = self._schedule.positions[index]
             place = f"{position.mounting},{position.number}"
@@ -187,7 +187,7 @@ class Acquisition:
         return "\n".join(lines) + "\n"
 
     def _line(self, position: Position, waited_s: float) -> str:
-        done = f"{position.label} at {position.angle_deg:g} deg: {self._wanted.samples} samples in {waited_s:.1f} s"
+        done = f"{position.label} at {position.angle_deg:g} deg: {self._plan.samples} samples in {waited_s:.1f} s"
         worst = self.gravity_error()
         gravity = "" if worst is None else f"; largest gravity error so far {worst[0]:.1e} g at {worst[1]}"
         return f"{done}, {len(self.rows)} of {len(self._schedule.positions)} positions{gravity}"

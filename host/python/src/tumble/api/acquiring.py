@@ -1,4 +1,4 @@
-"""A run on one's own stand: functions that turn the table and read the block, or nobody but a person."""
+"""A run on one's own stand: functions that turn the table and read the block, or an operator who is asked."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from tumble import prompts
-from tumble.acquisition.run import DEFAULT_REST_TIMEOUT_S, DEFAULT_SAMPLES, Acquisition, Drive, Wanted, rows_in
+from tumble.acquisition.run import DEFAULT_REST_TIMEOUT_S, DEFAULT_SAMPLES, Acquisition, AcquisitionPlan, Drive, rows_in
 from tumble.api.arguments import as_number, require_flag, require_unit, told_in_python
 from tumble.api.result import Result
 from tumble.api.solving import solve
@@ -21,7 +21,7 @@ from tumble.schedule import Mounting, Position, Schedule
 _ANSWERS = "Enter: it is done; abort: stop here"
 
 
-class Person:
+class Operator:
     """Who mounts the block and turns a table that nothing drives, asked on the terminal. An answer "abort", or the end
     of standard input, raises Interrupted."""
 
@@ -50,15 +50,15 @@ class Person:
             self._say(f"not understood: {answer} [{_ANSWERS}]")
 
 
-def acquired(wanted: Wanted, resume: bool, report: Callable[[str], object] = tell) -> None:
+def acquired(plan: AcquisitionPlan, resume: bool, report: Callable[[str], object] = tell) -> None:
     """Make the run, or what is left of it. Raises BadInput for a file that is there already, or cannot be continued."""
-    there = os.path.lexists(wanted.file)
+    there = os.path.lexists(plan.file)
     if there and not resume:
-        raise BadInput("is there already; remove it, or go on with it (--resume)", wanted.file)
-    rows = rows_in(wanted.file, wanted.unit, wanted.schedule) if there else {}
-    acquisition = Acquisition(wanted, rows, report)
+        raise BadInput("is there already; remove it, or go on with it (--resume)", plan.file)
+    rows = rows_in(plan.file, plan.unit, plan.schedule) if there else {}
+    acquisition = Acquisition(plan, rows, report)
     if acquisition.rows:
-        report(f"{len(acquisition.rows)} of {len(wanted.schedule.positions)} positions are there already")
+        report(f"{len(acquisition.rows)} of {len(plan.schedule.positions)} positions are there already")
     acquisition.run()
 
 
@@ -126,19 +126,19 @@ def acquire(
     drive = _drive(move, stop, limits_deg)
     with told_in_python():
         planned = schedule_of(DEFAULT_SCHEDULE if schedule is None else schedule).data
-        person = Person(planned, report)
-        wanted = Wanted(
+        operator = Operator(planned, report)
+        plan = AcquisitionPlan(
             schedule=planned,
             samples=samples,
             unit=unit,
             file=path_of(out),
             read=read,
-            mount=mount or person.mount,
+            mount=mount or operator.mount,
             drive=drive,
-            turn_by_hand=person.turn,
+            turn_by_hand=operator.turn,
             rest_timeout_s=rest_timeout_s,
         )
-        acquired(wanted, resume, report)
+        acquired(plan, resume, report)
     return solve(out, schedule=schedule, **solving)
 
 

@@ -100,24 +100,24 @@ def _made(folder: str, may_have_run: bool) -> None:
 
 def _measure(bench: Bench, schedule: Schedule, run_file: str, resume: bool) -> None:
     """All positions, or those that are left. Raises BenchFault, Interrupted."""
-    from tumble.acquisition.run import Wanted
-    from tumble.api.acquiring import Person, acquired
+    from tumble.acquisition.run import AcquisitionPlan
+    from tumble.api.acquiring import Operator, acquired
 
-    person = Person(schedule)
-    wanted = Wanted(
+    operator = Operator(schedule)
+    plan = AcquisitionPlan(
         schedule=schedule,
         samples=bench.samples,
         unit=bench.unit,
         file=run_file,
         read=bench.read,
-        mount=person.mount,
+        mount=operator.mount,
         drive=bench.drive,
-        turn_by_hand=person.turn,
+        turn_by_hand=operator.turn,
         rest_timeout_s=bench.rest_timeout_s,
         forget=bench.forget,
     )
     try:
-        acquired(wanted, resume)
+        acquired(plan, resume)
     except (BenchFault, Interrupted, KeyboardInterrupt) as ended:
         kept = f"; what was measured is in {file_name(run_file)}: --resume goes on" if os.path.exists(run_file) else ""
         if isinstance(ended, BenchFault):
