@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from tumble.errors import Remedy
 from tumble.importing.attitudes import Fit
 from tumble.importing.match import LEFT_OUT, NONE, TAKEN, Claims, Doubtful, Matched
 from tumble.importing.rests import Rests
@@ -21,7 +22,10 @@ def matched(rests: Rests, claims: Claims) -> Matched:
         said = f"{count} rests are fewer than the nine poses that show all coefficients"
         raise Doubtful(f"{said}: measure more, or see whether --still, --drift or --min-rest hide some")
     if count > MOST:
-        raise Doubtful(f"{count} rests, at most {MOST} poses are solved: --leave-out, or --min-rest for longer ones")
+        said = f"{count} rests, at most {MOST} poses are solved: --leave-out, or --min-rest for longer ones"
+        shortest = np.argsort(np.where(taken, rests.samples, rests.samples.max() + 1), kind="stable")[: count - MOST]
+        numbers = sorted({*claims.leave_out, *(shortest + 1).tolist()})
+        raise Doubtful(said, Remedy({"leave_out": ",".join(map(str, numbers))}, "the shortest rests matter least"))
     positions = np.where(taken, np.cumsum(taken) - 1, NONE)
     n, one_g = roughly(rests.means, np.ones(3))
     fit = Fit(one_g * np.eye(3), rests.means.mean(axis=0), n, np.ones(len(n)))
