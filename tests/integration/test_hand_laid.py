@@ -44,14 +44,16 @@ def test_what_import_prints_as_next_passes(tumble, tmp_path):
     assert (done.returncode, done.stderr) == (0, "")
     result = json.loads(done.stdout)
     files = ("--schedule", EXAMPLES / "hand_laid_faces.toml", "--stand", EXAMPLES / "hand_laid.toml")
+    files += ("--estimator", "optimal")
     by_file = json.loads(tumble("solve", run, *files, "--json").stdout)
-    assert result["K"] == by_file["K"] and result["estimator"] == by_file["estimator"] == "least_squares"
+    assert np.abs(np.subtract(result["K"], by_file["K"]) / by_file["u_K"]).max() < 0.05  # their noise differs a bit
+    assert result["estimator"] == by_file["estimator"] == "optimal"
     assert result["pass"] and result["decision"]["limit_g"] == by_file["decision"]["limit_g"] == LIMIT_G
     assert result["u_norm_g"]["worst_g"] == pytest.approx(by_file["u_norm_g"]["worst_g"], rel=1e-2)
     assert "hands" in result["assumes"] and "hands" not in by_file["assumes"]
     # of the run: the noise that its samples show, and 1 mg of drift in each channel's own scale
     stand, scale = result["stand"], np.linalg.norm(result["K"], axis=1)
-    assert stand["seat_rad"] == HANDS.seat and stand["drift_v"] == pytest.approx(HANDS.drift * scale)
+    assert stand["seat_rad"] == HANDS.seat and stand["drift_v"] == pytest.approx(HANDS.drift * scale, rel=1e-4)
     assert stand["noise_v"] == pytest.approx([0.0149, 0.0136, 0.0183], abs=1e-4)
 
 
@@ -63,7 +65,7 @@ def test_the_stand_is_that_of_any_sensor(unit, scale):
     assert result.passed and not any("noise_v" in one for one in result.warnings)
     assert result.u_K / abs(scale) == pytest.approx(package.solve(run, schedule=LAID).u_K / abs(scale))
     worst = result.document["u_norm_g"]["worst_g"]
-    assert worst == pytest.approx(2.0e-3, rel=0.02)
+    assert worst == pytest.approx(1.77e-3, rel=0.01)
     means = package.solve(rows(scale * UP, 1, 0.0, np.random.default_rng(7), unit), schedule="hand_laid")
     assert means.document["u_norm_g"]["worst_g"] == pytest.approx(worst, rel=0.02) and means.passed
 

@@ -35,7 +35,8 @@ def describe(parser: argparse.ArgumentParser) -> None:
         help="run file with columns mounting,position,ux,uy,uz, also compressed by gzip or zstd; - for standard input",
     )
     known = *ESTIMATORS, NORM
-    options.add(parser, "--estimator", remark=f", {NORM} on {ANY_POSE}; optimal needs --stand", choices=known)
+    remark = f", {NORM} on {ANY_POSE}, optimal on hand_laid; elsewhere optimal needs --stand"
+    options.add(parser, "--estimator", remark=remark, choices=known, default=None)  # None: see solved
     parser.add_argument("--stand", metavar="FILE", help="stand file (TOML): gives the uncertainties")
     options.add(parser, "--schedule", remark=f", {ANY_POSE}")
     options.add(parser, "--model", "--limit", "--confidence", "--details", "--json")
