@@ -279,4 +279,22 @@ static void test_a_sample_that_the_block_calls_faulty_is_refused(void)
     assert_counters(0, 0, 0, 0, 1);
 }
 
+/* As many samples of the largest output that passes, of either sign, and not one count more. */
+static void test_a_mean_is_restored_up_to_the_saturation(void)
+{
+    static const struct {
+        int64_t sum_counts;
+        tumble_status_t wanted;
+    } cases[] = {{4 * 999, TUMBLE_OK},
+                 {4 * 999 + 1, TUMBLE_E_ARGUMENT},
+                 {-4 * 999, TUMBLE_OK},
+                 {-4 * 999 - 1, TUMBLE_E_ARGUMENT}};
+    config.saturation_counts = 1000;
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        const tumble_average_t average = {.samples = 4, .sum_counts = {0, cases[i].sum_counts, 0}};
+        ASSERT_STATUS(cases[i].wanted, tumble_averaging_restore(&averaging, &config, 3, &average));
+        TEST_ASSERT_EQUAL_UINT32((cases[i].wanted == TUMBLE_OK) ? 4U : 0U, averaging.averages[3].samples);
+    }
+}
+
 static const around_t around_each = {bench_begin, NULL};

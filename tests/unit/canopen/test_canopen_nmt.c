@@ -14,6 +14,15 @@ static void test_boot_up_waits_for_the_port(void)
     TEST_ASSERT_EQUAL_UINT32(1, at.node.link.counters.sent);
 }
 
+/* It tells the node that the state has changed; no other step does. */
+static void test_one_step_leaves_initialising(void)
+{
+    TEST_ASSERT_TRUE(tumble_nmt_step(&at.node.nmt, &at.node.link, at.fake.now_us));
+    for (int i = 0; i < 3; i++) {
+        TEST_ASSERT_FALSE(tumble_nmt_step(&at.node.nmt, &at.node.link, at.fake.now_us));
+    }
+}
+
 static void test_commands_change_the_state(void)
 {
     static const struct {

@@ -55,6 +55,28 @@ static void test_the_paper_is_valid(void)
     ASSERT_STATUS(TUMBLE_OK, tumble_schedule_validate(&tumble_schedule_paper, NULL));
 }
 
+/* x, y, z, each up and then down; the block lies on six faces of one and the same right-handed frame. */
+static void test_hands_lay_every_face_by_a_proper_rotation(void)
+{
+    TEST_ASSERT_EQUAL_UINT8(6, tumble_schedule_hand_laid.position_count);
+    for (uint8_t p = 0; p < 6U; p++) {
+        const double (*m)[3] = tumble_schedule_mounting_of(&tumble_schedule_hand_laid, p)->matrix;
+        double up[3];
+        tumble_schedule_attitude(&tumble_schedule_hand_laid, p, up);
+        for (int i = 0; i < 3; i++) {
+            const double *row = m[i];
+            const double *next = m[(i + 1) % 3];
+            const double *third = m[(i + 2) % 3];
+            ASSERT_SAME_DOUBLE((i == p / 2) ? ((p % 2 == 0) ? 1.0 : -1.0) : 0.0, up[i] + 0.0);
+            for (int j = 0; j < 3; j++) {
+                const int k = (j + 1) % 3;
+                const int n = (j + 2) % 3;
+                TEST_ASSERT_EQUAL_DOUBLE(third[j], row[k] * next[n] - row[n] * next[k]);
+            }
+        }
+    }
+}
+
 /* A wedge of 5 degrees: every element of a rotation, both parts of the table angle and both of the tilt take part. */
 static void test_attitudes_on_a_tilted_axis_follow_the_model(void)
 {
