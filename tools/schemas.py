@@ -30,6 +30,7 @@ from tumble.documents.importing import IMPORT, Import
 from tumble.documents.plan import PLAN, Plan
 from tumble.documents.result import RESULT, Result
 from tumble.documents.store import STORE, Store
+from tumble.documents.thermal import THERMAL, Thermal
 from tumble.documents.watch import WATCH, Snapshot, Watch
 from tumble.estimators import ESTIMATORS, NORM
 from tumble.model.fit import DOUBTS
@@ -47,6 +48,7 @@ DOCUMENTS: dict[str, tuple[type[Document], str]] = {  # by schema: its type, or 
     WATCH: (Watch, "a snapshot of a run"),
     COMPARISON: (Comparison, "two calibrations of one block"),
     RESULT: (Result, "the outcome of one calibration"),
+    THERMAL: (Thermal, "a calibration over temperature"),
     BENCH: (Bench, "a run in a simulated world"),
     NODE: (Computer, "a run of the computer on a real bus"),
     STAND: (Stand, "the simulated stand in a run on a real bus"),

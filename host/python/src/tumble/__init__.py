@@ -51,6 +51,11 @@ if TYPE_CHECKING:
     from tumble.api.recording import Recording as Recording, read as read
     from tumble.api.result import Result as Result, load as load
     from tumble.api.solving import solve as solve
+    from tumble.api.thermal import (
+        ThermalResult as ThermalResult,
+        load_thermal as load_thermal,
+        solve_thermal as solve_thermal,
+    )
     from tumble.errors import (
         BadInput as BadInput,
         Disagreement as Disagreement,
@@ -76,6 +81,7 @@ __all__ = [
     "Schedule",
     "Stand",
     "StandFile",
+    "ThermalResult",
     "TumbleError",
     "UsageError",
     "World",
@@ -83,11 +89,13 @@ __all__ = [
     "acquire",
     "compare",
     "load",
+    "load_thermal",
     "read",
     "read_stand",
     "schedules",
     "solve",
     "solve_many",
+    "solve_thermal",
 ]
 
 
@@ -100,12 +108,13 @@ def __getattr__(name: str) -> Any:
 
         return globals().setdefault(name, World)
     from tumble import schedule, stand
-    from tumble.api import acquiring, comparing, many, recording, result, schedules, solving
+    from tumble.api import acquiring, comparing, many, recording, result, schedules, solving, thermal
     from tumble.files import stand_file
 
     if name == "schedules":
         return globals().setdefault(name, schedules)
-    for module in (errors, schedule, stand, stand_file, acquiring, comparing, recording, result, solving, many):
+    rooms = acquiring, comparing, recording, result, solving, many, thermal
+    for module in (errors, schedule, stand, stand_file, *rooms):
         if hasattr(module, name):
             return globals().setdefault(name, getattr(module, name))
     raise AttributeError(name)  # pragma: no cover

@@ -6,6 +6,7 @@ arguments   what callers say, looked at, and the words in which they are told
 result      a result: its numbers, applied to data, saved and loaded
 acquiring   a run on one's own stand
 many        several runs to one table; a step for scikit-learn
+thermal     runs at several temperatures to K(T) and U0(T)
 schedules   the built-in ones, by name
 comparing   two results held against each other
 """

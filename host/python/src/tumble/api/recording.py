@@ -16,9 +16,25 @@ from tumble.errors import BadInput, UsageError
 from tumble.files import can_log, frames, run_file
 from tumble.files.disk import RUN_FILE, STANDARD_INPUT, Held, blocks_of, held, name_of, opened, require_no_folder_of
 from tumble.files.frames import SUFFIXES, read_table_file, suffix_of
-from tumble.files.rows import NUMBERS, Anywhere, PositionIndex, Refused, Temperatures, temperatures_of_table
+from tumble.files.rows import (
+    FELT,
+    NUMBERS,
+    Anywhere,
+    PositionIndex,
+    Refused,
+    Temperatures,
+    temperatures_of_rows,
+    temperatures_of_table,
+)
 from tumble.files.run_file import Rows, RowStore, Run, RunReader
-from tumble.files.run_layout import COLUMNS, NO_WISHES, TEMPERATURE, Wishes, find_all, unit_of
+from tumble.files.run_layout import (
+    COLUMNS,
+    NO_WISHES,
+    TEMPERATURE,
+    Wishes,
+    find_all,
+    unit_of,
+)
 from tumble.schedule import Schedule
 
 
@@ -72,6 +88,16 @@ class Recording:
         """The lowest and the highest of the run, degrees Celsius; None where its rows do not tell it."""
         found = self._temperatures[0]
         return None if found is None else (found.low_c, found.high_c)
+
+    @cached_property
+    def temperatures_c(self) -> Floats | None:
+        """Of every row, degrees Celsius: (rows,), NaN where a row does not tell it; None where no row does."""
+        if self._temperatures[0] is None:
+            return None
+        if self._source is None:
+            return temperatures_of_rows(self._table, self._wishes.columns, self.name)
+        reader = RunReader(self._held, Anywhere(), self._wishes, self.name, recorded=True)
+        return np.concatenate([values[:, FELT] for _, values in reader])
 
     def __len__(self) -> int:
         return len(self._rows.index)

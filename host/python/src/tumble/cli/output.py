@@ -61,13 +61,19 @@ class Table:
 
 
 def print_solution(solution: Solution, json_text: str | None, title: str, with_details: bool) -> None:
-    """As JSON, or for people: with rich on a terminal. `title`: what was solved."""
+    """As JSON, or for people. `title`: what was solved."""
     if json_text is not None:
         sys.stdout.write(json_text)
-    elif sys.stdout.isatty():
-        _show(page(solution, title, with_details))
     else:
-        sys.stdout.write(_plain_text(page(solution, title, with_details)))
+        print_lines(page(solution, title, with_details))
+
+
+def print_lines(lines: list[Line | Table]) -> None:
+    """With rich on a terminal."""
+    if sys.stdout.isatty():
+        _show(lines)
+    else:
+        sys.stdout.write(_plain_text(lines))
 
 
 def _plain_text(lines: list[Line | Table]) -> str:

@@ -10,6 +10,7 @@ importing    tumble.import/1, of `import`
 plan         tumble.plan/1, of `plan`
 result       tumble.result/1, of `solve` and `bench`
 store        tumble.store/1, of `store dump`
+thermal      tumble.thermal/1, of `solve --temperature`
 watch        tumble.watch/1, of `watch`
 
 tools/schemas.py makes the JSON schemas of them.

@@ -20,7 +20,16 @@ from tumble.arrays import Floats
 from tumble.errors import BadInput, file_name, quoted
 from tumble.files import frames
 from tumble.files.disk import blocks_of, bounded, opened, pieces
-from tumble.files.rows import LINE, OUTPUTS as PLACES, Refused, RowParser, Temperatures, temperatures_of_table
+from tumble.files.rows import (
+    FELT,
+    LINE,
+    OUTPUTS as PLACES,
+    Refused,
+    RowParser,
+    Temperatures,
+    temperatures_of_rows,
+    temperatures_of_table,
+)
 from tumble.files.run_layout import Wishes, detect, find_all, require_text, split, unit_of
 from tumble.units import looks_as_applied, noise_unit, volts_per
 
@@ -35,13 +44,14 @@ _ALIKE = 0.1  # part by which most rests may differ
 _FAR_FROM_1_G = 1.25  # factor
 
 Calibrate = Callable[[Floats], Floats]
+CalibrateWarm = Callable[[Floats, Floats], Floats]
 
 
 @dataclass(frozen=True)
 class Demand:
     """What to do with data: `calibrate` turns outputs in `unit` into what is appended, `with_uncertainty` or without;
     `wishes`: what the user says about the data's layout; `unit_told`: by the run of the result, not assumed; `one_g`:
-    as what is appended has it."""
+    as what is appended has it; `warm`: in place of `calibrate`, of outputs and temperatures (samples,), deg C."""
 
     calibrate: Calibrate
     unit: str
@@ -49,14 +59,20 @@ class Demand:
     wishes: Wishes
     unit_told: bool = True
     one_g: float = 1.0
+    warm: CalibrateWarm | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
         """Of the columns that are appended, x, y, z being the last."""
         return (*UNCERTAINTIES, *CALIBRATED) if self.with_uncertainty else CALIBRATED
 
-    def values(self, outputs: Floats, factor: float) -> Floats:
-        """In the order of `names`; `factor`: from the data's unit to the result's."""
+    def values(self, outputs: Floats, factor: float, felt_c: Floats) -> Floats:
+        """In the order of `names`; `factor`: from the data's unit to the result's; `felt_c`: temperatures (samples,),
+        NaN where they are not known. Raises BadInput."""
+        if self.warm is not None:
+            if (unknown := np.isnan(felt_c)).any():
+                raise BadInput("tells no temperature, which this result needs", "data", int(unknown.argmax()) + 1)
+            return self.warm(outputs * factor, felt_c)
         found = self.calibrate(outputs * factor)
         return np.concatenate([found[:, 3:], found[:, :3]], axis=1)
 
@@ -139,7 +155,7 @@ class CsvData:
         self._preamble, self._end = "".join(head[:-1]), _end_of(head[-1]) or "\n"
         self._names = split(head[-1].lstrip("\ufeff"), self._layout.delimiter)
         self.seen = Seen(raw_names(self._names, demand.with_uncertainty), unit_told=told is not None)
-        self._parser = RowParser(self._layout, OUTPUTS, decoded=_decoded)
+        self._parser = RowParser(self._layout, OUTPUTS, decoded=_decoded, recorded=demand.warm is not None)
         self._body = self._first[len("".join(head).encode("utf-8", "surrogateescape")) :]
         self._header = head[-1].rstrip("\r\n")
 
@@ -174,10 +190,12 @@ class CsvData:
             _, rows = self._parser.parse(piece)
         except Refused as refused:
             raise BadInput(str(refused), self._file, refused.row, refused.column) from None
+        if self._parser.lost:
+            raise BadInput("a row has no value", self._file)
         self.seen.feel(*self._parser.thermometer.told(self._file))
         numbers = rows[:, LINE].astype(int).tolist()
         try:
-            values = self._demand.values(rows[:, PLACES], self._factor)
+            values = self._demand.values(rows[:, PLACES], self._factor, rows[:, FELT:].ravel())
         except BadInput as error:
             raise BadInput(error.fault, self._file, None if error.row is None else numbers[error.row - 1]) from None
         self.seen.weigh(values[:, -3:] / self._demand.one_g)
@@ -264,7 +282,8 @@ def with_calibrated(table: Any, name: str, demand: Demand, seen: Seen) -> Any:
         raise BadInput(str(error), name) from None
     told = unit_of(wishes, [names[place] for place in places], name, None, "outputs_unit")
     outputs = frames.stacked(table, places, OUTPUTS, name)
-    values = demand.values(outputs, factor_of(told, demand.unit, name))
+    felt_c = np.full(len(outputs), np.nan) if demand.warm is None else temperatures_of_rows(table, wishes.columns, name)
+    values = demand.values(outputs, factor_of(told, demand.unit, name), felt_c)
     seen.renamed, seen.unit_told = raw_names(names, demand.with_uncertainty), told is not None
     seen.weigh(values[:, -3:] / demand.one_g)
     seen.feel(*temperatures_of_table(table, wishes.columns, len(outputs), name))

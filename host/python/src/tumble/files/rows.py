@@ -384,6 +384,14 @@ def temperatures_of_table(
     return _told(column, doubt, odd, known, name)
 
 
+def temperatures_of_rows(table: Any, columns: dict[str, str], name: str) -> Floats:
+    """Of every row of such a table, deg C. Raises BadInput where no column tells them."""
+    column, _ = temperature_column(frames.names_of(table), columns)
+    if column is None or not _is_celsius(column):
+        raise BadInput("has no column temperature, deg C", name)
+    return frames.column_of(table, column.index, name)
+
+
 _Odd = tuple[str, int | None]  # why a column is none of temperatures, and in which row
 
 

@@ -370,13 +370,20 @@ LONGEST_HEAD = 16 * MIB  # of comments and blank lines above the header
 
 class RunReader:
     """Goes through a run file once, given its bytes in blocks of any size; yields parts of rows. `layout` is known from
-    the beginning; what `parser` counts, and `temperature`, when all is read. `fast`: by C where that can be.
+    the beginning; what `parser` counts, and `temperature`, when all is read. `fast`: by C where that can be;
+    `recorded`: as RowParser has it, with the temperature of every row.
 
     Raises BadInput with row and column; a zero byte anywhere comes before other complaints.
     """
 
     def __init__(
-        self, blocks: Iterable[bytes], positions: PositionIndex, wishes: run_layout.Wishes, file: str, fast: bool = True
+        self,
+        blocks: Iterable[bytes],
+        positions: PositionIndex,
+        wishes: run_layout.Wishes,
+        file: str,
+        fast: bool = True,
+        recorded: bool = False,
     ):
         self._positions, self._file = positions, file
         following = iter(blocks)
@@ -393,7 +400,7 @@ class RunReader:
             can_log.refuse(start, file)
             raise
         self.layout = layout
-        self.parser = RowParser(layout, run_layout.COLUMNS, positions, fast=fast)
+        self.parser = RowParser(layout, run_layout.COLUMNS, positions, fast=fast, recorded=recorded)
         self._pieces = pieces(itertools.chain((run_layout.body_of(start, layout.header_row),), self._blocks), file)
 
     def __iter__(self) -> Iterator[Part]:

@@ -15,6 +15,7 @@ uncertainties, checked in every solve, means something only as long as that hold
     patterns      what a run that does not fit may show instead: a table
     stand_seen    the stand as a run shows it
     reliability   what a run, or a kind of run, cannot show
+    thermal       K and U0 as polynomials of the temperature, of runs at several
 """
 
 from tumble.model.coefficients import closure, gravity_errors, intrinsic, residual_rms

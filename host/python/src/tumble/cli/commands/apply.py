@@ -52,6 +52,8 @@ def describe(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Calibrate and write. Returns the exit code; raises TumbleError."""
     from tumble.api.result import demand_of, load
+    from tumble.api.thermal import is_thermal, load_thermal
+    from tumble.documents.result import Temperature
     from tumble.files.calibrated import OUTPUTS
     from tumble.files.disk import together
     from tumble.files.frames import PARQUET, SUFFIXES, suffix_of
@@ -66,11 +68,18 @@ def run(arguments: argparse.Namespace) -> int:
     kinds = {suffix_of(file) in PARQUET for file in arguments.data}
     if arguments.out is not None and not os.path.isdir(arguments.out):
         options.require_ending(arguments.out, "--out", *(PARQUET if kinds == {True} else (".csv", ".tsv")))
-    result = load(arguments.result)
-    force = result.force(arguments.unit, arguments.uncertainty)
-    told = "unit" not in result.assumes
-    demand = demand_of(force, result.unit, arguments.uncertainty, wishes, told, arguments.unit)
-    known_c = result.checked.temperature
+    if is_thermal(arguments.result):
+        warm = load_thermal(arguments.result)
+        demand = warm.demand(wishes, arguments.unit, arguments.uncertainty)
+        known_c: Temperature | None = Temperature(*warm.range_c, "run_file")
+        complaints, assumes = warm.complaints, warm.checked.assumes
+    else:
+        result = load(arguments.result)
+        complaints, assumes = complaints_of_result(result.checked), result.checked.assumes
+        force = result.force(arguments.unit, arguments.uncertainty)
+        told = "unit" not in result.assumes
+        demand = demand_of(force, result.unit, arguments.uncertainty, wishes, told, arguments.unit)
+        known_c = result.checked.temperature
     if True in kinds and len(set(targets)) < len(targets):
         what = "CSV and Parquet" if len(kinds) > 1 else "Parquet files"
         raise UsageError(f"{what} cannot be joined: --out FOLDER keeps them apart")
@@ -89,9 +98,9 @@ def run(arguments: argparse.Namespace) -> int:
         for target in dict.fromkeys(filter(None, targets)):
             with them.written(target) as out:
                 _calibrate([file for file, its in zip(arguments.data, targets) if its == target], out, demand, known_c)
-    warn(complaints_of_result(result.checked), arguments.result)
-    if result.assumes:
-        tell(f"tumble: notice: {file_name(arguments.result)}: {phrase(result.assumes).removeprefix(', ')}")
+    warn(complaints, arguments.result)
+    if assumes:
+        tell(f"tumble: notice: {file_name(arguments.result)}: {phrase(assumes).removeprefix(', ')}")
     return EXIT_PASS
 
 

@@ -7,7 +7,7 @@ import os
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from tumble.cli import options
+from tumble.cli import options, thermal
 from tumble.defaults import NEEDS_STAND
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
 from tumble.estimators import ESTIMATORS, NORM, OPTIMAL
@@ -32,6 +32,7 @@ def describe(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "run",
         metavar="RUN.csv",
+        nargs="+",
         help="run file with columns mounting,position,ux,uy,uz, also compressed by gzip or zstd; - for standard input",
     )
     known = *ESTIMATORS, NORM
@@ -47,6 +48,7 @@ def describe(parser: argparse.ArgumentParser) -> None:
         help="simulate N runs of this result on the declared stand, and compare the uncertainties (100000"
         " decide nearly all cases); 1000 to 1000000; needs --stand",
     )
+    thermal.add_options(parser)
     parser.add_argument("--seed", metavar="N", help="of --monte-carlo, 0 to 2^64 - 1; default: 1")
     options.add(parser.add_argument_group("processes for --monte-carlo"), *options.WORKERS)
     options.add_layout(parser, "run file")
@@ -58,6 +60,9 @@ def run(arguments: argparse.Namespace) -> int:
     limit_g, confidence = options.parse_limit(arguments.limit), options.parse_confidence(arguments.confidence)
     if arguments.estimator == OPTIMAL and arguments.stand is None and arguments.schedule not in WITH_STAND:
         raise UsageError(NEEDS_STAND)
+    if arguments.temperature is not None:
+        return thermal.run(arguments, limit_g, confidence)
+    arguments.run = thermal.only_run(arguments)
     runs, seed = _parse_monte_carlo(arguments)
     parse(arguments.model, arguments.estimator)
 

@@ -1,0 +1,284 @@
+"""A calibration over temperature: runs at several temperatures in, K(T) and U0(T) with uncertainties out."""
+
+from __future__ import annotations
+
+import json
+import os
+import warnings
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+
+from tumble import defaults
+from tumble._version import __version__
+from tumble.api.arguments import told_in_python, wishes_of
+from tumble.api.recording import Recording, recording_of
+from tumble.api.result import doubts
+from tumble.api.solving import Solved, solved
+from tumble.arrays import Floats
+from tumble.documents import result as doc, thermal as document
+from tumble.documents.base import to_json
+from tumble.documents.thermal import Thermal
+from tumble.errors import BadInput, UsageError, quoted
+from tumble.files import frames
+from tumble.files.calibrated import OUTPUTS, Demand, Seen, with_calibrated
+from tumble.files.disk import RESULT_FILE, read_bytes, write_text
+from tumble.files.rows import HIGHEST_C, LOWEST_C, NUMBERS
+from tumble.files.run_layout import Wishes
+from tumble.model.thermal import Polynomials, ThermalFit
+from tumble.solving.result import created, declared_stand
+from tumble.solving.thermal import BOLTING_KEPT, DEGREES, STAND_KEPT, Measured, ThermalSolution, solve_together
+from tumble.stand import by_channel
+from tumble.units import SI, force_unit, volts_per
+
+
+def solve_thermal(
+    runs: Iterable[Any],
+    *,
+    degree: str = "linear",
+    stand: Any = None,
+    schedule: Any = None,
+    estimator: str | None = None,
+    limit_g: float | None = None,
+    confidence: float = defaults.DEFAULT_CONFIDENCE,
+    temperatures_c: Sequence[float] | None = None,
+    bolted_once: bool = False,
+    unit: str | None = None,
+    columns: dict[str, str] | None = None,
+) -> ThermalResult:
+    """Calibrate a block over temperature, from runs at several temperatures.
+
+    `runs`: what `solve` takes, each with a column temperature, deg C, or with its place in `temperatures_c`. `degree`:
+    "linear" or "quadratic". `bolted_once`: the block stays bolted and the stand level through all runs, so that seat,
+    yaw and level are the same in them; errors of the axis, the platform and the encoder always are. The others as
+    `solve` has them, for every run. Raises what `solve` raises.
+    """
+    with told_in_python():
+        layout = wishes_of(columns, unit)
+        recordings = [recording_of(one, layout) for one in runs]
+        given = {"stand": stand, "schedule": schedule, "estimator": estimator, "limit_g": limit_g}
+        single, found = solved_together(recordings, degree, temperatures_c, bolted_once, confidence, **given)
+        return ThermalResult(document_of(single, found))
+
+
+def solved_together(
+    recordings: Sequence[Recording],
+    degree: str,
+    temperatures_c: Sequence[float] | None,
+    bolted_once: bool,
+    confidence: float,
+    **given: Any,
+) -> tuple[list[Solved], ThermalSolution]:
+    """Every run alone, and all together; `given`: as `solved` has it. Raises TumbleError."""
+    if degree not in DEGREES:
+        raise UsageError(f"--temperature: {quoted(degree)} is not one of {', '.join(DEGREES)}")
+    if temperatures_c is not None and len(temperatures_c) != len(recordings):
+        raise UsageError(f"--at: {len(temperatures_c)} temperatures for {len(recordings)} runs")
+    single, measured = [], []
+    for number, recording in enumerate(recordings):
+        one = solved(recording, confidence=confidence, **given)
+        single.append(one)
+        if one.solution.found.estimator == "norm":
+            raise UsageError("--temperature: poses that nobody knows have another frame in every run")
+        told = None if temperatures_c is None else temperatures_c[number]
+        measured.append(Measured(recording.name, one.solution, _felt(recording, one, told)))
+    kept = (*STAND_KEPT, *(BOLTING_KEPT if bolted_once else ()))
+    return single, solve_together(measured, DEGREES[degree], kept, confidence)
+
+
+def _felt(recording: Recording, one: Solved, told_c: float | None) -> Floats:
+    """Of every position measured, deg C. Raises BadInput."""
+    run, positions = one.solution.run, one.solution.schedule.positions
+    measured = [positions[index] for index in np.flatnonzero(run.measured)]
+    if told_c is not None:
+        if not LOWEST_C <= told_c <= HIGHEST_C:
+            raise UsageError(f"--at: {told_c:g} is no temperature from {LOWEST_C:g} to {HIGHEST_C:g} deg C")
+        return np.full(len(measured), float(told_c))
+    felt = recording.temperatures_c
+    if felt is None:
+        raise BadInput("tells no temperature: a column temperature, deg C, or --at C,C,... names it", recording.name)
+    place, known = recording.mounting * NUMBERS + recording.position, ~np.isnan(felt)
+    means = []
+    for position in measured:
+        rows = known & (place == position.mounting * NUMBERS + position.number)
+        if not rows.any():
+            raise BadInput(f"no row of position {position.label} tells its temperature", recording.name)
+        means.append(float(felt[rows].mean()))
+    return np.array(means)
+
+
+def document_of(single: Sequence[Solved], found: ThermalSolution) -> Thermal:
+    """As it is written."""
+    first, decision, thermal = single[0], found.decision, found.fit
+    count, u = len(thermal.polynomials.k), np.sqrt(np.diag(thermal.covariance)).reshape(-1, 12)
+    file, unit = first.stand_file, first.solution.run.unit
+    stand = first.solution.stand
+    step_v = by_channel(first.solution.step) * volts_per(unit)
+    return Thermal(
+        created=created(),
+        tumble=__version__,
+        serial=None if file is None else file.serial,
+        unit=unit,
+        degree=count - 1,
+        reference_c=thermal.polynomials.reference_c,
+        range_c=found.range_c,
+        K=tuple(thermal.polynomials.k),
+        U0=tuple(thermal.polynomials.u0),
+        u_K=tuple(u[:, :9].reshape(-1, 3, 3)) if found.has_stand else None,
+        u_U0=tuple(u[:, 9:]) if found.has_stand else None,
+        covariance=thermal.covariance if found.has_stand else None,
+        u_norm_g=tuple(
+            document.AtTemperature(temperature_c=at, worst_g=one.worst_g, attitude=one.attitude)
+            for at, one in found.u_norms
+        ),
+        fit=document.ThermalFit(
+            thermal.chi_squared, thermal.freedom, thermal.p, found.confidence, thermal.p >= 1.0 - found.confidence
+        )
+        if found.has_stand
+        else None,
+        max_abs_delta_g_g=max(float(np.abs(one).max()) for one in found.delta_g),
+        at_one_temperature_g=found.at_one_temperature_g[0],
+        passed=decision.passed,
+        pass_reason=" and ".join(decision.failures) or None,
+        decision=doc.Decision(decision.coverage_factor, decision.u_norm_g, decision.limit_g, decision.scope),
+        assumes=decision.assumes,
+        warnings=tuple(f"{one.name}: {told}" for one, its in zip(found.runs, single) for told in its.complaints),
+        kept=found.kept,
+        stand=None if stand is None else declared_stand(stand, step_v),
+        runs=tuple(_of_run(one, its, delta_g) for one, its, delta_g in zip(found.runs, single, found.delta_g)),
+        item=None if file is None else file.item,
+        environment=None if file is None else file.environment,
+    )
+
+
+def _of_run(one: Measured, its: Solved, delta_g: Floats) -> document.RunAtTemperature:
+    alone = its.document
+    return document.RunAtTemperature(
+        file=os.path.basename(one.name),
+        sha256=alone.run_sha256,
+        range_c=(float(one.temperature_c.min()), float(one.temperature_c.max())),
+        mean_c=float(one.temperature_c.mean()),
+        schedule=None if alone.schedule is None else alone.schedule.name,
+        estimator=alone.estimator,
+        positions=len(delta_g),
+        passed=alone.passed,
+        pass_reason=alone.pass_reason,
+        K=alone.K,
+        U0=alone.U0,
+        max_abs_delta_g_g=float(np.abs(delta_g).max()),
+    )
+
+
+class ThermalResult:
+    """A calibration over temperature. Made by `solve_thermal` or `load_thermal`; immutable."""
+
+    def __init__(self, told: Thermal):
+        self._told = told
+        self._polynomials = Polynomials(told.reference_c, np.array(told.K), np.array(told.U0))
+
+    @property
+    def checked(self) -> Thermal:
+        """All of it, with names."""
+        return self._told
+
+    @property
+    def passed(self) -> bool:
+        """The decision, over the whole range."""
+        return self._told.passed
+
+    @property
+    def unit(self) -> str:
+        """Of the outputs."""
+        return self._told.unit
+
+    @property
+    def range_c(self) -> tuple[float, float]:
+        """Of the runs, deg C."""
+        return self._told.range_c
+
+    def at(self, temperature_c: float | Floats) -> tuple[Floats, Floats]:
+        """K (..., 3, 3), outputs' unit per g, and U0 (..., 3) at temperatures (...), deg C."""
+        return self._polynomials.at(temperature_c)
+
+    def covariance_at(self, temperature_c: float) -> Floats:
+        """Of K row by row and U0 at a temperature, deg C: (12, 12). Raises BadInput without a stand."""
+        if self._told.covariance is None:
+            raise BadInput("no uncertainties: no stand was declared", "the result")
+        return ThermalFit(self._polynomials, self._told.covariance, (), 0.0, 0).covariance_at(temperature_c)
+
+    @property
+    def complaints(self) -> list[str]:
+        """What whoever uses it should know first."""
+        own = [] if self.passed else [f"it did not pass: {self._told.pass_reason}"]
+        return [*own, *self._told.warnings]
+
+    def apply(self, data: Any, temperature_c: Any = None, *, unit: str = "g", columns: Any = None) -> Any:
+        """Calibrate outputs: a = K(T)^-1 (U - U0(T)).
+
+        `data`: an array (..., 3) of outputs in the result's unit, with `temperature_c` (...) or one for all, deg C,
+        gives an array of the same shape; a table with columns ux, uy, uz and temperature, as `Result.apply` takes it,
+        gives the same kind with x, y, z behind. `unit`: "g" or "m/s2". Raises UsageError, BadInput.
+        """
+        with told_in_python():
+            demand = self.demand(wishes_of(columns, None, wanted=OUTPUTS), unit)
+            if frames.is_table(data):
+                seen = Seen()
+                found = with_calibrated(data, frames.library_of(data) or "table", demand, seen)
+                known = doc.Temperature(*self.range_c, "run_file")
+                for odd in doubts(seen, known, demand):
+                    warnings.warn(odd, stacklevel=2)
+                return found
+            values = np.asarray(data, dtype=float)
+            if temperature_c is None or values.shape[-1:] != (3,):
+                raise UsageError("apply: outputs (..., 3) and their temperatures, or a table with a column temperature")
+            felt = np.broadcast_to(np.asarray(temperature_c, dtype=float), values.shape[:-1])
+            force: Floats = demand.values(values.reshape(-1, 3), 1.0, felt.ravel())
+            return force.reshape(values.shape)
+
+    def demand(self, layout: Wishes, unit: str, uncertainty: bool = False) -> Demand:
+        """What is to be done with data. Raises UsageError, BadInput."""
+        gravity, of_force = (self._told.environment or {}).get("gravity_m_s2"), str(force_unit(unit))
+        if uncertainty:
+            raise UsageError("--uncertainty: of a result over temperature ThermalResult.covariance_at tells them")
+        if of_force not in ("g", SI):
+            raise UsageError(f"unit: {quoted(unit)} is neither g nor m/s2")
+        if of_force == SI and not isinstance(gravity, (int, float)):
+            raise BadInput("its environment has no gravity_m_s2, which m/s2 needs", "the result")
+        per_g = float(gravity) if of_force == SI and isinstance(gravity, (int, float)) else 1.0
+
+        def warm(outputs: Floats, felt_c: Floats) -> Floats:
+            k, u0 = self.at(felt_c)
+            force: Floats = per_g * np.asarray(np.linalg.solve(k, (outputs - u0)[..., None])[..., 0])
+            return force
+
+        told = "unit" not in self._told.assumes
+        return Demand(lambda outputs: outputs, self.unit, False, layout, told, per_g, warm)
+
+    def to_json(self) -> str:
+        """As `save` writes it, schema tumble.thermal/1."""
+        return to_json(self._told)
+
+    def save(self, file: str | os.PathLike[str]) -> None:
+        """To a file. Raises BadInput where it cannot be written."""
+        write_text(os.fspath(file), self.to_json())
+
+    def __repr__(self) -> str:
+        low, high = self.range_c
+        verdict = "passed" if self.passed else "not passed"
+        return f"<tumble.ThermalResult, degree {self._told.degree}, {low:g} to {high:g} deg C: {verdict}>"
+
+
+def is_thermal(file: str) -> bool:
+    """Whether a file is of schema tumble.thermal/1. Raises BadInput where it cannot be read."""
+    with suppress(ValueError):
+        told = json.loads(read_bytes(file, RESULT_FILE))
+        return isinstance(told, dict) and told.get("schema") == document.THERMAL
+    return False
+
+
+def load_thermal(file: str | os.PathLike[str]) -> ThermalResult:
+    """Read a result that `ThermalResult.save` or `tumble solve --temperature --out` wrote. Raises BadInput."""
+    name = os.fspath(file)
+    return ThermalResult(document.parse_thermal(read_bytes(name, RESULT_FILE), name))
