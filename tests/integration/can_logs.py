@@ -10,7 +10,7 @@ from documents import paper_stand
 
 from tumble.files import can_log
 from tumble.files.can_log import Frame
-from tumble.files.run_layout import Wishes
+from tumble.files.run_layout import LayoutOptions
 from tumble.importing import can_bus
 from tumble.importing.can_bus import Bus
 
@@ -73,10 +73,10 @@ def lines_of(log):
     return log.read_text().splitlines()
 
 
-def read_text(lines, wishes=None, **bus):
+def read_text(lines, options=None, **bus):
     """A log of these lines."""
     data = ("\n".join(lines) + "\n").encode()
-    return can_bus.read(data, "bus.log", can_log.kind_of(data), wishes or Wishes(), Bus(**bus))
+    return can_bus.read(data, "bus.log", can_log.kind_of(data), options or LayoutOptions(), Bus(**bus))
 
 
 def candump(frames):

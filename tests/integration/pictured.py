@@ -28,10 +28,10 @@ U0 = np.array([0.02, -0.01, 0.03])
 @cache
 def solved(name):
     """The run, the result, the stand, the pictures."""
-    file, wishes = CASES[name]
-    stand = wishes.get("stand", EXAMPLES / f"{file}.toml")
+    file, options = CASES[name]
+    stand = options.get("stand", EXAMPLES / f"{file}.toml")
     run = tumble.read(EXAMPLES / f"{file}.csv")
-    result = tumble.solve(run, **{"stand": stand, **wishes})
+    result = tumble.solve(run, **{"stand": stand, **options})
     return run, result, stand, result.plot(run=run)
 
 

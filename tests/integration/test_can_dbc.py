@@ -11,7 +11,7 @@ pytest.importorskip("cantools", reason="cantools is not installed")
 from can_logs import DBC, bench, read_text  # noqa: F401
 
 from tumble.errors import BadInput
-from tumble.files.run_layout import Wishes
+from tumble.files.run_layout import LayoutOptions
 from tumble.importing import can_bus
 
 pytestmark = pytest.mark.python
@@ -65,10 +65,10 @@ def two_messages(count=60, drop=()):
 def test_signals_of_two_messages_are_paired_by_time(other):
     lines = list(two_messages())
     expected = [[0.5 * n + 1, 0.5 * n + 1, -0.5 * n + 1] for n in range(60)]
-    found = read_text(lines, Wishes(columns=TOLD), dbc=str(other))
+    found = read_text(lines, LayoutOptions(columns=TOLD), dbc=str(other))
     assert found.outputs.tolist() == expected and found.unit == "mV" and len(found.notes) == 2
     del lines[21], lines[40], lines[0]  # a second half, a first one, and the log begins with a second one
-    found = read_text(lines, Wishes(columns=TOLD), dbc=str(other))
+    found = read_text(lines, LayoutOptions(columns=TOLD), dbc=str(other))
     gone = (0, 10, 20)
     assert found.outputs.tolist() == [row for n, row in enumerate(expected) if n not in gone]
     assert found.notes[2] == "left out: 3 frames without those of the other messages"
@@ -113,8 +113,8 @@ def test_dbc_files_and_names_that_are_not_there(options, said, bench, other, ref
 
 def test_units_that_differ_are_refused(other):
     with pytest.raises(BadInput, match=r"outputs in different units: .*; --unit says which"):
-        read_text(list(two_messages()), Wishes(columns={**TOLD, "uz": "Time"}), dbc=str(other))
-    found = read_text(list(two_messages()), Wishes(columns={**TOLD, "uz": "Time"}, unit="mV"), dbc=str(other))
+        read_text(list(two_messages()), LayoutOptions(columns={**TOLD, "uz": "Time"}), dbc=str(other))
+    found = read_text(list(two_messages()), LayoutOptions(columns={**TOLD, "uz": "Time"}, unit="mV"), dbc=str(other))
     assert found.unit == "mV"
 
 

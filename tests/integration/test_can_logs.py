@@ -16,7 +16,7 @@ from can_logs import DBC, V_PER_COUNT, bench, rewritten  # noqa: E402, F401
 import tumble as api  # noqa: E402
 from tumble.errors import BadInput, UsageError  # noqa: E402
 from tumble.files import can_log  # noqa: E402
-from tumble.files.run_layout import Wishes  # noqa: E402
+from tumble.files.run_layout import LayoutOptions  # noqa: E402
 from tumble.importing import can_bus  # noqa: E402
 from tumble.importing.can_bus import Bus  # noqa: E402
 
@@ -98,7 +98,7 @@ def require_nearly_the_same(rows, expected):
 def test_every_format_gives_the_same_rows(bench, tmp_path):
     def read(file):
         data = file.read_bytes()
-        return can_bus.read(data, str(file), can_log.kind_of(data), Wishes(), Bus())
+        return can_bus.read(data, str(file), can_log.kind_of(data), LayoutOptions(), Bus())
 
     expected = read(bench.log)
     for suffix in (".asc", ".blf", ".trc", ".csv"):
@@ -129,10 +129,10 @@ def screen(log, form):
 
 @pytest.mark.parametrize("form", ["a", "z", "d", "A"])
 def test_what_candump_shows_on_a_screen_is_read(form, bench):
-    expected = can_bus.read(bench.log.read_bytes(), "log", "candump", Wishes(), Bus())
+    expected = can_bus.read(bench.log.read_bytes(), "log", "candump", LayoutOptions(), Bus())
     data = screen(bench.log, form).encode()
     assert can_log.kind_of(data) == "candump's screen"
-    found = can_bus.read(data, "screen", can_log.kind_of(data), Wishes(), Bus())
+    found = can_bus.read(data, "screen", can_log.kind_of(data), LayoutOptions(), Bus())
     assert np.array_equal(found.outputs, expected.outputs)
     times = found.seconds - found.seconds[0] - (expected.seconds - expected.seconds[0])
     assert np.abs(times).max() < 2e-3  # where each is rounded, they add up
@@ -187,8 +187,8 @@ def test_what_was_found_is_told_in_words_of_scripts(bench):
 def test_axes_can_be_exchanged_and_a_recipe_remembers(bench, tumble, tmp_path):
     columns = ("--columns", "ux=y,uy=x,uz=z", "--signs=+++", "--stand", bench.stand)
     data = bench.log.read_bytes()
-    plain = can_bus.read(data, "log", "candump", Wishes(), Bus())
-    turned = can_bus.read(data, "log", "candump", Wishes(columns={"ux": "y", "uy": "x", "uz": "z"}), Bus())
+    plain = can_bus.read(data, "log", "candump", LayoutOptions(), Bus())
+    turned = can_bus.read(data, "log", "candump", LayoutOptions(columns={"ux": "y", "uy": "x", "uz": "z"}), Bus())
     assert np.array_equal(turned.outputs, plain.outputs[:, [1, 0, 2]])
     refused = tumble("import", bench.log, *columns)
     assert refused.returncode == 2 and "channels y and x exchanged" in refused.stderr
@@ -216,10 +216,10 @@ def test_axes_can_be_exchanged_and_a_recipe_remembers(bench, tumble, tmp_path):
 @pytest.mark.parametrize("suffix", [".blf", ".trc", ".csv", ".asc"])
 def test_a_log_that_is_cut_is_read_so_far_or_refused(suffix, bench, tmp_path):
     data = rewritten(bench.log, tmp_path / f"bus{suffix}").read_bytes()
-    whole = len(can_bus.read(data, "bus", KINDS[suffix], Wishes(), Bus()).outputs)
+    whole = len(can_bus.read(data, "bus", KINDS[suffix], LayoutOptions(), Bus()).outputs)
     for length in (len(data) // 2, len(data) // 2 + 1, len(data) // 2 + 2, len(data) // 2 + 17):
         try:
-            found = can_bus.read(data[:length], "bus", KINDS[suffix], Wishes(), Bus())
+            found = can_bus.read(data[:length], "bus", KINDS[suffix], LayoutOptions(), Bus())
         except BadInput as error:
             assert re.match(r"bus: (row \d+: )?(cannot be read as a CAN log|no samples of the block)", str(error))
         else:

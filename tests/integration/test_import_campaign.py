@@ -10,7 +10,7 @@ from dressed import KINDS, dressed
 from recordings import random_case
 
 from tumble.errors import BadInput
-from tumble.files.run_layout import Wishes
+from tumble.files.run_layout import LayoutOptions
 from tumble.importing.match import Claims
 from tumble.importing.pipeline import Settings, import_recordings
 from tumble.model import built_in
@@ -27,9 +27,9 @@ def judged(case, name, folder, kind="plain", seed=0):
     file, made = folder / "recording.csv", dressed(case.recorded, kind, np.random.default_rng(seed))
     file.write_bytes(made.data)
     claims = Claims(order=case.order, signs=case.signs)
-    wishes = Wishes(unit=None if kind == "TOA5" else "V")
+    options = LayoutOptions(unit=None if kind == "TOA5" else "V")
     try:
-        done = import_recordings([str(file)], built_in(name), Settings(name, wishes, claims=claims))
+        done = import_recordings([str(file)], built_in(name), Settings(name, options, claims=claims))
     except BadInput as refused:
         return "refused", str(refused)
     told = " ".join(done.notes)

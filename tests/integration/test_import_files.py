@@ -9,7 +9,7 @@ from blocks import NOMINAL_K
 from conftest import cause_and_remedy
 from recordings import Habits, recording
 
-from tumble.files.run_layout import Wishes
+from tumble.files.run_layout import LayoutOptions
 from tumble.importing.recording import Timing, crc32, read
 from tumble.model import Geometry, built_in
 
@@ -306,7 +306,7 @@ PUBLISHED = (  # lines of receivers, as their maker's manual and public test dat
 @pytest.mark.parametrize("line", PUBLISHED)
 def test_published_lines_are_read(line, tmp_path):
     (tmp_path / "log").write_bytes(line + b"\r\n")
-    log = read(str(tmp_path / "log"), Wishes(), Timing(rate_hz=100.0))
+    log = read(str(tmp_path / "log"), LayoutOptions(), Timing(rate_hz=100.0))
     z, minus_y, x = (int(field) for field in line.split(b";")[1].split(b"*")[0].split(b",")[-6:-3])
     assert log.outputs.tolist() == [[x, -minus_y, z]] and len(log.notes) == 1
     assert not any(note.startswith("left out") for note in log.notes)

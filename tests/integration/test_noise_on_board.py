@@ -9,7 +9,7 @@ from simulated_bench import bench, scenario
 
 from tumble.core import CoreSchedule
 from tumble.files.run_file import read_run
-from tumble.files.run_layout import Wishes
+from tumble.files.run_layout import LayoutOptions
 from tumble.solving.noise import of_means
 from tumble.solving.solution import solve
 from tumble.stand import Stand
@@ -22,7 +22,7 @@ def ran(folder, **keys):
     """What the firmware found, and `solve` from the samples recorded."""
     document = bench(keys, out=folder)
     assert document["exit"] in (0, 1)  # 1: it fails the gravity check
-    run = read_run(str(folder / "run.csv"), CoreSchedule.built_in("paper").data, Wishes(unit="V"))
+    run = read_run(str(folder / "run.csv"), CoreSchedule.built_in("paper").data, LayoutOptions(unit="V"))
     return document, solve(run, None, document["estimator"], 1e-3, STAND, "run.csv", step_v=STEP_V)
 
 

@@ -11,7 +11,7 @@ from hypothesis import given, strategies as st
 from tumble.errors import BadInput
 from tumble.files.rows import PositionIndex, RowParser
 from tumble.files.run_file import RowStore, RunReader, read_run
-from tumble.files.run_layout import Wishes
+from tumble.files.run_layout import LayoutOptions
 from tumble.model import Geometry, built_in
 
 PAPER = built_in("paper")
@@ -37,49 +37,53 @@ def quoted_decimals():
 
 
 LAYOUTS = {
-    "plain": (table(), Wishes()),
-    "no last line end": (table().rstrip("\n"), Wishes()),
-    "CRLF": (table(newline="\r\n"), Wishes()),
-    "CR": (table(newline="\r"), Wishes()),
-    "UTF-8 mark": ("\ufeff" + table(), Wishes()),
-    "semicolons": (table("mounting;position;ux;uy;uz", ";"), Wishes()),
-    "tabs": (table("mounting\tposition\tux\tuy\tuz", "\t"), Wishes()),
-    "semicolons and decimal commas": (table("mounting;position;ux;uy;uz", ";", ","), Wishes()),
-    "tabs and decimal commas, said so": (table("mounting\tposition\tux\tuy\tuz", "\t", ","), Wishes(decimal=",")),
-    "bars, said so": (table("mounting|position|ux|uy|uz", "|"), Wishes(delimiter="|")),
-    "quoted decimal commas": (quoted_decimals(), Wishes()),
-    "quoted header": (table('"mounting","position","ux","uy","uz"'), Wishes()),
-    "capitals": (table("Mounting,POSITION,Ux,UY,uZ"), Wishes()),
-    "blanks": (table("mounting , position, ux , uy, uz").replace(",", " , "), Wishes()),
-    "units in brackets": (table("Mounting,Position,U_x [V],U_y [V],U_z [V]"), Wishes()),
-    "other names": (table("mount,pos,AccX,AccY,AccZ"), Wishes()),
-    "bare axes": (table("Mounting,Position,X,Y,Z"), Wishes()),
-    "told names": (table("m,p,a,b,c"), Wishes({"mounting": "m", "position": "p", "ux": "a", "uy": "b", "uz": "c"})),
+    "plain": (table(), LayoutOptions()),
+    "no last line end": (table().rstrip("\n"), LayoutOptions()),
+    "CRLF": (table(newline="\r\n"), LayoutOptions()),
+    "CR": (table(newline="\r"), LayoutOptions()),
+    "UTF-8 mark": ("\ufeff" + table(), LayoutOptions()),
+    "semicolons": (table("mounting;position;ux;uy;uz", ";"), LayoutOptions()),
+    "tabs": (table("mounting\tposition\tux\tuy\tuz", "\t"), LayoutOptions()),
+    "semicolons and decimal commas": (table("mounting;position;ux;uy;uz", ";", ","), LayoutOptions()),
+    "tabs and decimal commas, said so": (table("mounting\tposition\tux\tuy\tuz", "\t", ","),
+        LayoutOptions(decimal=",")),
+    "bars, said so": (table("mounting|position|ux|uy|uz", "|"), LayoutOptions(delimiter="|")),
+    "quoted decimal commas": (quoted_decimals(), LayoutOptions()),
+    "quoted header": (table('"mounting","position","ux","uy","uz"'), LayoutOptions()),
+    "capitals": (table("Mounting,POSITION,Ux,UY,uZ"), LayoutOptions()),
+    "blanks": (table("mounting , position, ux , uy, uz").replace(",", " , "), LayoutOptions()),
+    "units in brackets": (table("Mounting,Position,U_x [V],U_y [V],U_z [V]"), LayoutOptions()),
+    "other names": (table("mount,pos,AccX,AccY,AccZ"), LayoutOptions()),
+    "bare axes": (table("Mounting,Position,X,Y,Z"), LayoutOptions()),
+    "told names": (table("m,p,a,b,c"),
+        LayoutOptions({"mounting": "m", "position": "p", "ux": "a", "uy": "b", "uz": "c"})),
     "told names, case apart": (
         table("m,p,A,B,C"),
-        Wishes({"mounting": "M", "position": "P", "ux": "a", "uy": "b", "uz": "c"}),
+        LayoutOptions({"mounting": "M", "position": "P", "ux": "a", "uy": "b", "uz": "c"}),
     ),
-    "own name wins": (table("mounting,position,ux,uy,uz,ax", extra=["junk"]), Wishes()),
-    "extra text": (table("mounting,position,ux,uy,uz,note", extra=["at 20 degrees"]), Wishes()),
-    "extra text, quoted": (table("mounting,position,ux,uy,uz,note", extra=['"a, b"']), Wishes()),
-    "extra text, not UTF-8": (table("mounting,position,ux,uy,uz,note", extra=["20 \xb0C"]).encode("latin-1"), Wishes()),
-    "extra text with # and a point": (table("mounting;position;ux;uy;uz;note", ";", ",", ["no. 5 #2"]), Wishes()),
-    "extra empty column": (table("mounting,position,ux,uy,uz,", extra=[""]), Wishes()),
-    "blank lines": (table().replace("\n", "\n\n"), Wishes()),
-    "blank lines of CRLF": (table().replace("\n", "\r\n\r\n"), Wishes()),
-    "blank lines of spaces": (table().replace("\n", "\n  \n"), Wishes()),
-    "comments": ("# operator: N. N.\n" + table().replace("\n1,5", '\n# "half way\n1,5'), Wishes()),
-    "plus signs and exponents": (table().replace(",0.", ",+0.").replace("0000\n", "0000E0\n"), Wishes()),
-    "whole numbers as floats": (table().replace("\n1,", "\n1.0,").replace("\n2,", "\n2e0,"), Wishes()),
+    "own name wins": (table("mounting,position,ux,uy,uz,ax", extra=["junk"]), LayoutOptions()),
+    "extra text": (table("mounting,position,ux,uy,uz,note", extra=["at 20 degrees"]), LayoutOptions()),
+    "extra text, quoted": (table("mounting,position,ux,uy,uz,note", extra=['"a, b"']), LayoutOptions()),
+    "extra text, not UTF-8": (table("mounting,position,ux,uy,uz,note", extra=["20 \xb0C"]).encode("latin-1"),
+        LayoutOptions()),
+    "extra text with # and a point": (table("mounting;position;ux;uy;uz;note", ";", ",", ["no. 5 #2"]),
+        LayoutOptions()),
+    "extra empty column": (table("mounting,position,ux,uy,uz,", extra=[""]), LayoutOptions()),
+    "blank lines": (table().replace("\n", "\n\n"), LayoutOptions()),
+    "blank lines of CRLF": (table().replace("\n", "\r\n\r\n"), LayoutOptions()),
+    "blank lines of spaces": (table().replace("\n", "\n  \n"), LayoutOptions()),
+    "comments": ("# operator: N. N.\n" + table().replace("\n1,5", '\n# "half way\n1,5'), LayoutOptions()),
+    "plus signs and exponents": (table().replace(",0.", ",+0.").replace("0000\n", "0000E0\n"), LayoutOptions()),
+    "whole numbers as floats": (table().replace("\n1,", "\n1.0,").replace("\n2,", "\n2e0,"), LayoutOptions()),
 }
 
 
 @pytest.mark.parametrize("case", LAYOUTS)
 def test_layouts(case, tmp_path):
-    text, wishes = LAYOUTS[case]
+    text, options = LAYOUTS[case]
     file = tmp_path / "run.csv"
     file.write_bytes(text if isinstance(text, bytes) else text.encode())
-    run = read_run(str(file), PAPER, wishes)
+    run = read_run(str(file), PAPER, options)
     assert run.means.tolist() == MEANS.tolist()
     assert run.samples.tolist() == [1] * 18
     assert np.isnan(run.scatter).all()
@@ -87,18 +91,18 @@ def test_layouts(case, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("header", "wishes", "unit"),
+    ("header", "options", "unit"),
     [
-        ("mounting,position,ux [mV],uy [mV],uz [mV]", Wishes(), "mV"),
-        ("mounting,position,ux (m/s^2),uy (m/s^2),uz (m/s^2)", Wishes(), "m/s^2"),
-        ("mounting,position,ux [mV],uy [mV],uz [mV]", Wishes(unit="LSB"), "LSB"),
-        ("mounting,position,ux [*/],uy [*/],uz [*/]", Wishes(), "V"),
+        ("mounting,position,ux [mV],uy [mV],uz [mV]", LayoutOptions(), "mV"),
+        ("mounting,position,ux (m/s^2),uy (m/s^2),uz (m/s^2)", LayoutOptions(), "m/s^2"),
+        ("mounting,position,ux [mV],uy [mV],uz [mV]", LayoutOptions(unit="LSB"), "LSB"),
+        ("mounting,position,ux [*/],uy [*/],uz [*/]", LayoutOptions(), "V"),
     ],
 )
-def test_units(header, wishes, unit, tmp_path):
+def test_units(header, options, unit, tmp_path):
     file = tmp_path / "run.csv"
     file.write_text(table(header))
-    assert read_run(str(file), PAPER, wishes).unit == unit
+    assert read_run(str(file), PAPER, options).unit == unit
 
 
 def test_what_was_passed_over_is_counted(tmp_path):
@@ -127,9 +131,9 @@ def written(rows):
     return ("\n".join(lines) + "\n").encode()
 
 
-def reader_of(data, wishes=None, fast=True):
+def reader_of(data, options=None, fast=True):
     """Of a file in one block; carefully, if not `fast`."""
-    return RunReader([data], PositionIndex(PAPER), wishes or Wishes(), "f", fast)
+    return RunReader([data], PositionIndex(PAPER), options or LayoutOptions(), "f", fast)
 
 
 def rows_of(reader):
@@ -208,9 +212,9 @@ def test_the_fast_way_takes_nothing_that_the_careful_way_would_not():
 
 @pytest.mark.parametrize("case", LAYOUTS)
 def test_the_careful_way_reads_every_layout(case):
-    text, wishes = LAYOUTS[case]
+    text, options = LAYOUTS[case]
     data = text if isinstance(text, bytes) else text.encode()
-    assert [row[:3] for row in rows_of(reader_of(data, wishes, fast=False))[1]] == MEANS.tolist()
+    assert [row[:3] for row in rows_of(reader_of(data, options, fast=False))[1]] == MEANS.tolist()
 
 
 @pytest.mark.parametrize(

@@ -25,17 +25,17 @@ from tumble.files import run_layout
 from tumble.files.disk import Incoming
 from tumble.files.rows import PositionIndex
 from tumble.files.run_file import Rows, RowStore, RunReader, facts_of, read_measured, read_run
-from tumble.files.run_layout import Wishes
+from tumble.files.run_layout import LayoutOptions
 from tumble.files.run_rows import check_rows
 
 pytestmark = pytest.mark.python
 RUN = EXAMPLES / "paper_stand.csv"
 
 
-def taken(blocks, wishes=None):
+def taken(blocks, options=None):
     """All that a reader finds in blocks of a file, or its complaint."""
     try:
-        reader = RunReader(blocks, PositionIndex(PAPER), wishes or Wishes(), "f")
+        reader = RunReader(blocks, PositionIndex(PAPER), options or LayoutOptions(), "f")
         index, values = (np.concatenate(parts).tolist() for parts in zip(*reader))
         return index, values, reader.parser.blanks, reader.parser.comments, reader.temperature, reader.layout
     except BadInput as error:
@@ -57,12 +57,12 @@ STREAMS = ("plain", "no last line end", "CRLF", "CR", "quoted decimal commas", "
 
 @pytest.mark.parametrize("case", STREAMS)
 def test_blocks_of_every_size(case, short_head):
-    text, wishes = LAYOUTS[case]
+    text, options = LAYOUTS[case]
     data = text.encode()[:330].rpartition(b"\r" if case == "CR" else b"\n")[0]
-    whole = taken([data], wishes)
+    whole = taken([data], options)
     assert len(whole[0]) > 4
     for size in range(1, len(data) + 1):
-        assert taken(cut(data, size), wishes) == whole, size
+        assert taken(cut(data, size), options) == whole, size
 
 
 @pytest.mark.parametrize("case", BAD_TEXTS)
@@ -218,7 +218,7 @@ def test_memory_does_not_grow_with_the_file(monkeypatch, tmp_path):
         tracemalloc.start()
         head = b"mounting,position,ux,uy,uz\n"
         store = RowStore(18, "f", in_memory=1 << 14)
-        for part in RunReader([head, *[block.encode()] * blocks], PositionIndex(PAPER), Wishes(), "f"):
+        for part in RunReader([head, *[block.encode()] * blocks], PositionIndex(PAPER), LayoutOptions(), "f"):
             store.add(*part)
         assert store.samples.tolist() == [200 * blocks] * 18
         found = tracemalloc.get_traced_memory()[1]

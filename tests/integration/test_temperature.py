@@ -19,7 +19,7 @@ from tumble.errors import BadInput
 from tumble.files import run_rows
 from tumble.files.rows import OF_ENVIRONMENT, OF_RUN_FILE, Temperatures
 from tumble.files.run_file import read_run
-from tumble.files.run_layout import Wishes
+from tumble.files.run_layout import LayoutOptions
 from tumble.model import Geometry, built_in
 from tumble.solving import plausibility
 from tumble.solving.decision import assumed
@@ -44,9 +44,9 @@ def run_file(folder, temperatures, header="temperature", delimiter=",", decimal=
     return str(path)
 
 
-def told(folder, temperatures, wishes=None, **layout):
+def told(folder, temperatures, options=None, **layout):
     """The range that is read, and what is passed over."""
-    run = read_run(run_file(folder, temperatures, **layout), PAPER, wishes or Wishes())
+    run = read_run(run_file(folder, temperatures, **layout), PAPER, options or LayoutOptions())
     found = run.temperature
     assert found is None or found.source == OF_RUN_FILE
     assert run.counters["columns_ignored"] == (found is None)
@@ -76,8 +76,8 @@ def test_a_column_of_temperatures_is_found(layout, texts, found, tmp_path):
 
 def test_a_column_of_another_name_is_read_where_the_user_says_so(tmp_path):
     assert told(tmp_path, ["20", "22"], header="sensor 3") == (None, ())
-    wishes = Wishes(columns={"temperature": "Sensor 3"})
-    assert told(tmp_path, ["20", "22"], wishes, header="sensor 3") == ((20.0, 22.0), ())
+    options = LayoutOptions(columns={"temperature": "Sensor 3"})
+    assert told(tmp_path, ["20", "22"], options, header="sensor 3") == ((20.0, 22.0), ())
 
 
 @pytest.mark.parametrize(
@@ -96,7 +96,7 @@ def test_what_is_no_temperature(header, texts, why, tmp_path):
     assert told(tmp_path, texts, header=header) == (None, (f"column '{header}' passed over: {why}",))
     file = run_file(tmp_path, texts, header)
     with pytest.raises(BadInput) as refused:
-        read_run(file, PAPER, Wishes(columns={"temperature": header}))
+        read_run(file, PAPER, LayoutOptions(columns={"temperature": header}))
     row, _, message = why.rpartition(": ")
     assert refused.value.fault == message and refused.value.row == (int(row.split()[1]) if row else None)
 
@@ -106,13 +106,13 @@ def test_two_columns_that_could_be_it(tmp_path):
     run = read_run(file, PAPER)
     several = "columns 'temp' and 'Temp (C)' could both be temperature; say which with --columns temperature=NAME"
     assert run.temperature is None and run.passed_over == (several,)
-    chosen = read_run(file, PAPER, Wishes(columns={"temperature": "Temp (C)"}))
+    chosen = read_run(file, PAPER, LayoutOptions(columns={"temperature": "Temp (C)"}))
     assert (chosen.temperature.low_c, chosen.passed_over) == (30.0, ())
 
 
 def test_a_column_that_is_named_must_be_there(tmp_path):
     with pytest.raises(BadInput, match=r"no column 'oven' \(for temperature\) among 'mounting,position,ux,uy,uz,t'"):
-        read_run(run_file(tmp_path, ["20"], header="t"), PAPER, Wishes(columns={"temperature": "oven"}))
+        read_run(run_file(tmp_path, ["20"], header="t"), PAPER, LayoutOptions(columns={"temperature": "oven"}))
 
 
 def test_the_run_file_comes_before_the_stand_file(tmp_path):
@@ -130,7 +130,7 @@ def test_a_solution_assumes_it_where_it_is_not_told(tmp_path):
         (["20.5", "21"], set(), ["Temperature of the run: 20.5 to 21 deg C (run file)"]),
         (["", ""], {"temperature"}, []),
     ):
-        run = read_run(run_file(tmp_path, texts), PAPER, Wishes(unit="V"))
+        run = read_run(run_file(tmp_path, texts), PAPER, LayoutOptions(unit="V"))
         solution = solve(run, None, "refined", 1.0, None, "run.csv")
         assert assumed(solution).keys() - {"seat", "white_noise"} == rests_on
         said = [line for line in output.remarks(solution) if "emperature" in line]

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from tumble.errors import BadInput, TumbleError, UsageError, quoted
-from tumble.files.run_layout import COLUMNS, DECIMALS, TEMPERATURE, Wishes, is_delimiter
+from tumble.files.run_layout import COLUMNS, DECIMALS, TEMPERATURE, LayoutOptions, is_delimiter
 from tumble.schedule import BUILT_IN
 from tumble.units import is_unit, spelled
 
@@ -71,9 +71,9 @@ def told_in_python(words: Callable[[str], str] = in_python) -> Iterator[None]:
         raise
 
 
-def wishes_of(
+def layout_options(
     columns: Any, unit: Any, delimiter: Any = None, decimal: Any = None, wanted: tuple[str, ...] = COLUMNS
-) -> Wishes:
+) -> LayoutOptions:
     """What a caller says about the layout of data with the `wanted` columns. Raises UsageError."""
     if delimiter is not None and not is_delimiter(delimiter):
         raise UsageError(f"delimiter: {quoted(delimiter)} is not a single sign that can separate columns")
@@ -81,7 +81,7 @@ def wishes_of(
         raise UsageError(f"decimal: {quoted(decimal)} is neither a point nor a comma")
     unit = spelled(unit) if isinstance(unit, str) else unit
     require_unit(unit, "unit")
-    return Wishes(_names(columns, (*wanted, TEMPERATURE)), delimiter, decimal, unit, wanted)
+    return LayoutOptions(_names(columns, (*wanted, TEMPERATURE)), delimiter, decimal, unit, wanted)
 
 
 def _names(columns: Any, known: tuple[str, ...]) -> dict[str, str]:

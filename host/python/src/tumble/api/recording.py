@@ -9,7 +9,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from tumble.api.arguments import import_in_python, told_in_python, wishes_of
+from tumble.api.arguments import import_in_python, layout_options, told_in_python
 from tumble.arrays import Floats, Integers
 from tumble.core import MAX_MEAN, CoreSchedule
 from tumble.errors import BadInput, UsageError
@@ -29,9 +29,9 @@ from tumble.files.rows import (
 from tumble.files.run_file import Rows, RowStore, Run, RunReader
 from tumble.files.run_layout import (
     COLUMNS,
-    NO_WISHES,
+    NO_LAYOUT_OPTIONS,
     TEMPERATURE,
-    Wishes,
+    LayoutOptions,
     find_all,
     unit_of,
 )
@@ -46,14 +46,19 @@ class Recording:
     """
 
     def __init__(
-        self, name: str, wishes: Wishes, source: str | Held | None = None, table: Any = None, is_file: bool = True
+        self,
+        name: str,
+        options: LayoutOptions,
+        source: str | Held | None = None,
+        table: Any = None,
+        is_file: bool = True,
     ):
         """`source`: a run file, "-" for standard input, or what was in one; else `table`: any that files.frames knows.
         `name`: what errors call it."""
         self.name = name
         self.is_file = is_file
         """Was it read from a file?"""
-        self._wishes = wishes
+        self._options = options
         self._source = source
         self._table = table
         self.notes: tuple[str, ...] = ()
@@ -95,8 +100,8 @@ class Recording:
         if self._temperatures[0] is None:
             return None
         if self._source is None:
-            return temperatures_of_rows(self._table, self._wishes.columns, self.name)
-        reader = RunReader(self._held, Anywhere(), self._wishes, self.name, recorded=True)
+            return temperatures_of_rows(self._table, self._options.columns, self.name)
+        reader = RunReader(self._held, Anywhere(), self._options, self.name, recorded=True)
         return np.concatenate([values[:, FELT] for _, values in reader])
 
     def __len__(self) -> int:
@@ -111,7 +116,7 @@ class Recording:
         if self._source is not None:
             # What is in memory is not read again; what is not goes through in blocks, and never is there as a whole.
             known = self._held if "_held" in self.__dict__ else self._source
-            return run_file.read_measured(known, schedule, self._wishes)
+            return run_file.read_measured(known, schedule, self._options)
         return run_file.on_schedule(self._on, schedule)
 
     def _on(self, schedule: Schedule) -> Rows:
@@ -140,22 +145,22 @@ class Recording:
         """And sentences on a column that is passed over."""
         if self._rows.reader is not None:
             return self._rows.reader.temperature
-        return temperatures_of_table(self._table, self._wishes.columns, len(self), self.name)
+        return temperatures_of_table(self._table, self._options.columns, len(self), self.name)
 
     @cached_property
     def _rows(self) -> _Rows:
         if self._source is not None:
-            reader = RunReader(self._held, Anywhere(), self._wishes, self.name)
+            reader = RunReader(self._held, Anywhere(), self._options, self.name)
             indices, values = zip(*reader)
             text, layout = np.concatenate(values), reader.layout
             unit = layout.unit if layout.unit_told else None
             return _Rows(np.concatenate(indices), text[:, :3], text[:, 3].astype(int), unit, reader)
         names = frames.names_of(self._table)
         try:
-            places = find_all(names, self._wishes, is_text=False)
+            places = find_all(names, self._options, is_text=False)
         except ValueError as error:
             raise BadInput(str(error), self.name) from None
-        unit = unit_of(self._wishes, [names[place] for place in places[-3:]], self.name, None)
+        unit = unit_of(self._options, [names[place] for place in places[-3:]], self.name, None)
         rows = frames.stacked(self._table, places, COLUMNS, self.name)
         if not len(rows):
             raise BadInput("no samples", self.name)
@@ -182,18 +187,18 @@ class _Rows:
     reader: RunReader | None = None
 
 
-def recording_of(source: Any, wishes: Wishes = NO_WISHES) -> Recording:
+def recording_of(source: Any, options: LayoutOptions = NO_LAYOUT_OPTIONS) -> Recording:
     """A recording as it is, or of whatever `read` takes. The rows of a CSV file are looked at when they are needed."""
     if isinstance(source, Recording):
         return source
     if isinstance(source, (str, os.PathLike)):
         file = str(os.fspath(source))
         if suffix_of(file) in SUFFIXES:
-            return Recording(file, wishes, table=read_table_file(file))
-        return Recording(name_of(file), wishes, file, is_file=file != STANDARD_INPUT)
+            return Recording(file, options, table=read_table_file(file))
+        return Recording(name_of(file), options, file, is_file=file != STANDARD_INPUT)
     if not frames.is_table(source):
         source = _of_array(source)
-    return Recording(frames.library_of(source) or "table", wishes, table=source, is_file=False)
+    return Recording(frames.library_of(source) or "table", options, table=source, is_file=False)
 
 
 def _of_array(source: Any) -> dict[str, Floats]:
@@ -247,15 +252,15 @@ def read(
     (2, 3)
     """
     with told_in_python():
-        wishes = wishes_of(columns, unit, delimiter, decimal)
+        options = layout_options(columns, unit, delimiter, decimal)
         log = _can_log(source, dbc, schedule, v_per_count)
         if log is None:
-            recording = recording_of(source, wishes)
+            recording = recording_of(source, options)
             len(recording)  # what cannot be used is told now
             _ = recording.temperature_c if TEMPERATURE in (columns or {}) else None
             return recording
     with told_in_python(import_in_python):
-        return _imported(log, wishes, dbc, schedule, v_per_count)
+        return _imported(log, options, dbc, schedule, v_per_count)
 
 
 def _can_log(source: Any, dbc: str | None, schedule: str | None, v_per_count: float | None) -> str | None:
@@ -277,7 +282,9 @@ def _can_log(source: Any, dbc: str | None, schedule: str | None, v_per_count: fl
     return file
 
 
-def _imported(file: str, wishes: Wishes, dbc: str | None, schedule: str | None, v_per_count: float | None) -> Recording:
+def _imported(
+    file: str, options: LayoutOptions, dbc: str | None, schedule: str | None, v_per_count: float | None
+) -> Recording:
     """What the rests of a CAN log tell."""
     from tumble.files.schedule_file import read_schedule
     from tumble.importing import report
@@ -285,10 +292,10 @@ def _imported(file: str, wishes: Wishes, dbc: str | None, schedule: str | None, 
     from tumble.importing.pipeline import Settings, import_recordings
 
     bus = Bus(dbc=None if dbc is None else str(os.fspath(dbc)), v_per_count=float(v_per_count or 0.0))
-    settings = Settings(schedule=None if schedule is None else str(schedule), wishes=wishes, bus=bus)
+    settings = Settings(schedule=None if schedule is None else str(schedule), layout=options, bus=bus)
     done = import_recordings([file], read_schedule(settings.schedule_name).data, settings)
     own = Held(report.run_csv(done).encode(), file)
-    found = Recording(file, replace(NO_WISHES, unit=done.unit if done.unit_told else None), own)
+    found = Recording(file, replace(NO_LAYOUT_OPTIONS, unit=done.unit if done.unit_told else None), own)
     found.notes = tuple(map(import_in_python, done.notes))
     len(found)  # what cannot be used is told now
     return found

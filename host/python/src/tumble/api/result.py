@@ -16,7 +16,15 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tumble.api.arguments import as_number, in_python, is_one_of, require_flag, require_unit, told_in_python, wishes_of
+from tumble.api.arguments import (
+    as_number,
+    in_python,
+    is_one_of,
+    layout_options,
+    require_flag,
+    require_unit,
+    told_in_python,
+)
 from tumble.api.recording import recording_of
 from tumble.arrays import Floats
 from tumble.defaults import DEFAULT_CONFIDENCE
@@ -27,7 +35,7 @@ from tumble.estimators import COEFFICIENTS
 from tumble.files import frames
 from tumble.files.calibrated import OUTPUTS, Demand, Seen, factor_of, with_calibrated
 from tumble.files.disk import RESULT_FILE, path_of, read_bytes, write_bytes, write_text
-from tumble.files.run_layout import Wishes
+from tumble.files.run_layout import LayoutOptions
 from tumble.files.stand_file import StandFile
 from tumble.model.coefficients import Force, NoForce
 from tumble.report.coefficients import DOUBLE, FIXED, FORMATS, NUMBERS, exported
@@ -317,7 +325,7 @@ class Result:
             force, of_force = self.force(unit, uncertainty), str(force_unit(unit))
             outputs_unit = spelled(outputs_unit) if isinstance(outputs_unit, str) else outputs_unit
             require_unit(outputs_unit, "outputs_unit")
-            layout = wishes_of(columns, outputs_unit, wanted=OUTPUTS)
+            layout = layout_options(columns, outputs_unit, wanted=OUTPUTS)
             demand = demand_of(force, self.unit, uncertainty, layout, "unit" not in self.assumes, of_force)
             if frames.is_table(data):
                 name, seen = frames.library_of(data) or "table", Seen()
@@ -476,7 +484,7 @@ class Result:
         from tumble.report.pages import require_date
         from tumble.solving.result import created
 
-        recording = None if run is None else recording_of(run, Wishes(unit=self.unit))
+        recording = None if run is None else recording_of(run, LayoutOptions(unit=self.unit))
         hashes = {self._told.run_sha256, None if recording is None else recording.sha256} - {None}
         if recording is not None and len(hashes) > 1:  # what has no hash is told by its means, when it is drawn
             raise BadInput(f"is not the run of {self._name}: its SHA-256 is another", recording.name)
@@ -524,12 +532,12 @@ def doubts(seen: Seen, known_c: Temperature | None, demand: Demand) -> tuple[str
 
 
 def demand_of(
-    force: Force, unit: str, with_uncertainty: bool, wishes: Wishes, unit_told: bool, of_force: str
+    force: Force, unit: str, with_uncertainty: bool, options: LayoutOptions, unit_told: bool, of_force: str
 ) -> Demand:
     """What is to be done with a table, or with a file, of outputs; `unit`: of the result's, `unit_told` or assumed;
     `of_force`: the unit of the acceleration."""
     calibrate = partial(values_of, force, with_uncertainty=with_uncertainty)
-    return Demand(calibrate, unit, with_uncertainty, wishes, unit_told, per_g_of(of_force))
+    return Demand(calibrate, unit, with_uncertainty, options, unit_told, per_g_of(of_force))
 
 
 def _of_array(force: Force, data: Any, unit: str, with_uncertainty: bool, outputs_unit: str | None) -> Floats:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from tumble import defaults
-from tumble.api.arguments import as_list, as_number, is_one_of, told_in_python, wishes_of
+from tumble.api.arguments import as_list, as_number, is_one_of, layout_options, told_in_python
 from tumble.api.recording import Recording, recording_of
 from tumble.api.result import Result
 from tumble.arrays import Floats
@@ -198,7 +198,7 @@ def solve(
         if isinstance(run, Recording) and (unit is not None or columns is not None):
             raise UsageError("unit and columns are of what is read here: give them to tumble.read")
         found = solved(
-            recording_of(run, wishes_of(columns, unit)),
+            recording_of(run, layout_options(columns, unit)),
             stand=stand,
             schedule=schedule,
             estimator=estimator,

@@ -13,7 +13,7 @@ import numpy as np
 
 from tumble import defaults
 from tumble._version import __version__
-from tumble.api.arguments import told_in_python, wishes_of
+from tumble.api.arguments import told_in_python, layout_options
 from tumble.api.recording import Recording, recording_of
 from tumble.api.result import doubts
 from tumble.api.solving import Solved, solved
@@ -26,7 +26,7 @@ from tumble.files import frames
 from tumble.files.calibrated import OUTPUTS, Demand, Seen, with_calibrated
 from tumble.files.disk import RESULT_FILE, read_bytes, write_text
 from tumble.files.rows import HIGHEST_C, LOWEST_C, NUMBERS
-from tumble.files.run_layout import Wishes
+from tumble.files.run_layout import LayoutOptions
 from tumble.model.thermal import Polynomials, ThermalFit
 from tumble.solving.result import created, declared_stand
 from tumble.solving.thermal import BOLTING_KEPT, DEGREES, STAND_KEPT, Measured, ThermalSolution, solve_together
@@ -56,7 +56,7 @@ def solve_thermal(
     `solve` has them, for every run. Raises what `solve` raises.
     """
     with told_in_python():
-        layout = wishes_of(columns, unit)
+        layout = layout_options(columns, unit)
         recordings = [recording_of(one, layout) for one in runs]
         given = {"stand": stand, "schedule": schedule, "estimator": estimator, "limit_g": limit_g}
         single, found = solved_together(recordings, degree, temperatures_c, bolted_once, confidence, **given)
@@ -222,7 +222,7 @@ class ThermalResult:
         gives the same kind with x, y, z behind. `unit`: "g" or "m/s2". Raises UsageError, BadInput.
         """
         with told_in_python():
-            demand = self.demand(wishes_of(columns, None, wanted=OUTPUTS), unit)
+            demand = self.demand(layout_options(columns, None, wanted=OUTPUTS), unit)
             if frames.is_table(data):
                 seen = Seen()
                 found = with_calibrated(data, frames.library_of(data) or "table", demand, seen)
@@ -237,7 +237,7 @@ class ThermalResult:
             force: Floats = demand.values(values.reshape(-1, 3), 1.0, felt.ravel())
             return force.reshape(values.shape)
 
-    def demand(self, layout: Wishes, unit: str, uncertainty: bool = False) -> Demand:
+    def demand(self, layout: LayoutOptions, unit: str, uncertainty: bool = False) -> Demand:
         """What is to be done with data. Raises UsageError, BadInput."""
         gravity, of_force = (self._told.environment or {}).get("gravity_m_s2"), str(force_unit(unit))
         if uncertainty:

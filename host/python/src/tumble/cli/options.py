@@ -18,7 +18,7 @@ from tumble.schedule import BUILT_IN
 from tumble.terms import EXTENDABLE, TERMS
 
 if TYPE_CHECKING:
-    from tumble.files.run_layout import Wishes
+    from tumble.files.run_layout import LayoutOptions
     from tumble.workers.over import Team
 
 Options: TypeAlias = "argparse._ActionsContainer"  # a parser, or a group of options in one
@@ -124,13 +124,13 @@ def add_layout(
     return layout
 
 
-def wishes(
+def layout_options(
     arguments: argparse.Namespace, names: Sequence[str], has_unit: bool = True, may_lack: Sequence[str] = ()
-) -> Wishes:
+) -> LayoutOptions:
     """What the options say about the layout, with columns of these names, of which some `may_lack`, by an empty name.
     Raises UsageError."""
     from tumble.api.arguments import require_unit
-    from tumble.files.run_layout import Wishes, is_delimiter
+    from tumble.files.run_layout import LayoutOptions, is_delimiter
     from tumble.units import spelled
 
     columns: dict[str, str] = {}  # of `ux=AccX,uy=AccY`
@@ -149,7 +149,7 @@ def wishes(
             )
     unit = spelled(arguments.unit) if has_unit and arguments.unit is not None else None
     require_unit(unit, "--unit")
-    return Wishes(columns, delimiter, arguments.decimal, unit)
+    return LayoutOptions(columns, delimiter, arguments.decimal, unit)
 
 
 def require_ending(file: str | None, option: str, *endings: str) -> None:

@@ -63,7 +63,7 @@ def run(arguments: argparse.Namespace, limit_g: float | None, confidence: float)
     from tumble.files.disk import refuse_overwriting
     from tumble.files.run_layout import COLUMNS, TEMPERATURE
 
-    layout = options.wishes(arguments, (*COLUMNS, TEMPERATURE))
+    layout = options.layout_options(arguments, (*COLUMNS, TEMPERATURE))
     refuse_overwriting(arguments.out, *arguments.run, arguments.stand, file_of(arguments.schedule))
     options.require_ending(arguments.out, "--out", ".json")
     single, found = solved_together(

@@ -30,7 +30,7 @@ from tumble.files.rows import (
     temperatures_of_rows,
     temperatures_of_table,
 )
-from tumble.files.run_layout import Wishes, detect, find_all, require_text, split, unit_of
+from tumble.files.run_layout import LayoutOptions, detect, find_all, require_text, split, unit_of
 from tumble.units import looks_as_applied, noise_unit, volts_per
 
 OUTPUTS = ("ux", "uy", "uz")
@@ -50,13 +50,13 @@ CalibrateWarm = Callable[[Floats, Floats], Floats]
 @dataclass(frozen=True)
 class Demand:
     """What to do with data: `calibrate` turns outputs in `unit` into what is appended, `with_uncertainty` or without;
-    `wishes`: what the user says about the data's layout; `unit_told`: by the run of the result, not assumed; `one_g`:
+    `layout`: what the user says about the data's layout; `unit_told`: by the run of the result, not assumed; `one_g`:
     as what is appended has it; `warm`: in place of `calibrate`, of outputs and temperatures (samples,), deg C."""
 
     calibrate: Calibrate
     unit: str
     with_uncertainty: bool
-    wishes: Wishes
+    layout: LayoutOptions
     unit_told: bool = True
     one_g: float = 1.0
     warm: CalibrateWarm | None = None
@@ -147,7 +147,7 @@ class CsvData:
         self._pieces = pieces(blocks_of(stream, file, _PIECE), file)
         self._first = next(self._pieces, b"")
         require_text(self._first, file)
-        self._layout = detect(self._first, demand.wishes, file)
+        self._layout = detect(self._first, demand.layout, file)
         told = self._layout.unit if self._layout.unit_told else None
         self._factor = factor_of(told, demand.unit, file)
         lines = _lines(self._first)
@@ -275,16 +275,16 @@ def _read_by(read: Callable[[str], Any], file: str) -> Any:
 def with_calibrated(table: Any, name: str, demand: Demand, seen: Seen) -> Any:
     """A table of files.frames with its calibrated columns; what else is in it is added to what was `seen`. Raises
     BadInput."""
-    names, wishes = frames.names_of(table), demand.wishes
+    names, options = frames.names_of(table), demand.layout
     try:
-        places = find_all(names, Wishes(columns=wishes.columns, wanted=OUTPUTS), is_text=False)
+        places = find_all(names, LayoutOptions(columns=options.columns, wanted=OUTPUTS), is_text=False)
     except ValueError as error:
         raise BadInput(str(error), name) from None
-    told = unit_of(wishes, [names[place] for place in places], name, None, "outputs_unit")
+    told = unit_of(options, [names[place] for place in places], name, None, "outputs_unit")
     outputs = frames.stacked(table, places, OUTPUTS, name)
-    felt_c = np.full(len(outputs), np.nan) if demand.warm is None else temperatures_of_rows(table, wishes.columns, name)
+    felt_c = np.full(len(outputs), np.nan) if demand.warm is None else temperatures_of_rows(table, options.columns, name)
     values = demand.values(outputs, factor_of(told, demand.unit, name), felt_c)
     seen.renamed, seen.unit_told = raw_names(names, demand.with_uncertainty), told is not None
     seen.weigh(values[:, -3:] / demand.one_g)
-    seen.feel(*temperatures_of_table(table, wishes.columns, len(outputs), name))
+    seen.feel(*temperatures_of_table(table, options.columns, len(outputs), name))
     return frames.with_columns(table, seen.renamed, dict(zip(demand.names, values.T)))

@@ -278,10 +278,12 @@ class Run:
 
 
 def read_measured(
-    source: str | Incoming | Held, schedule: CoreSchedule, wishes: run_layout.Wishes = run_layout.NO_WISHES
+    source: str | Incoming | Held,
+    schedule: CoreSchedule,
+    options: run_layout.LayoutOptions = run_layout.NO_LAYOUT_OPTIONS,
 ) -> tuple[Run, CoreSchedule]:
     """Read a run file as `read_run` does, on a schedule as `on_schedule` takes it. Raises BadInput."""
-    return on_schedule(lambda planned: read_rows(source, planned, wishes), schedule)
+    return on_schedule(lambda planned: read_rows(source, planned, options), schedule)
 
 
 def on_schedule(read: Callable[[Schedule], Rows], schedule: CoreSchedule) -> tuple[Run, CoreSchedule]:
@@ -297,9 +299,9 @@ def on_schedule(read: Callable[[Schedule], Rows], schedule: CoreSchedule) -> tup
     return rows.on(closed.data, schedule.data).run(), schedule
 
 
-def read_run(file: str, schedule: Schedule, wishes: run_layout.Wishes = run_layout.NO_WISHES) -> Run:
+def read_run(file: str, schedule: Schedule, options: run_layout.LayoutOptions = run_layout.NO_LAYOUT_OPTIONS) -> Run:
     """Read a run file (CSV), or standard input ("-"), compressed or not. Raises BadInput, NotInstalled."""
-    return read_rows(file, schedule, wishes).run()
+    return read_rows(file, schedule, options).run()
 
 
 @dataclass(frozen=True)
@@ -346,12 +348,12 @@ class Rows:
 
 
 def read_rows(
-    source: str | Incoming | Held, schedule: Schedule, wishes: run_layout.Wishes = run_layout.NO_WISHES
+    source: str | Incoming | Held, schedule: Schedule, options: run_layout.LayoutOptions = run_layout.NO_LAYOUT_OPTIONS
 ) -> Rows:
     """The rows of a run file, as read_run takes it, each one parsed and placed, none averaged. Raises BadInput,
     NotInstalled."""
     incoming = Incoming(source) if isinstance(source, str) else source
-    reader = RunReader(incoming, PositionIndex(schedule), wishes, incoming.name)
+    reader = RunReader(incoming, PositionIndex(schedule), options, incoming.name)
     store = RowStore(len(schedule.positions), incoming.name)
     for index, values in reader:
         store.add(index, values)
@@ -380,7 +382,7 @@ class RunReader:
         self,
         blocks: Iterable[bytes],
         positions: PositionIndex,
-        wishes: run_layout.Wishes,
+        options: run_layout.LayoutOptions,
         file: str,
         fast: bool = True,
         recorded: bool = False,
@@ -392,10 +394,10 @@ class RunReader:
             run_layout.require_text(start, file)
             self._blocks = self._without_zeros(following, start.count(b"\n"))
             with _to_its_end(self._blocks):
-                layout = run_layout.detect_in_head(start, wishes, file)
+                layout = run_layout.detect_in_head(start, options, file)
                 if layout is None:
                     start = self._grown(start, self._blocks, to_its_end=True)
-                    layout = run_layout.detect(start, wishes, file)
+                    layout = run_layout.detect(start, options, file)
         except BadInput:
             can_log.refuse(start, file)
             raise

@@ -52,7 +52,7 @@ _LAST = {  # where there is none of these
 
 
 @dataclass(frozen=True)
-class Wishes:
+class LayoutOptions:
     """What the user says about a run file; whatever is empty or None is detected.
 
     `columns`: names of columns in the file, by name in COLUMNS or TEMPERATURE. `delimiter`: one character. `decimal`:
@@ -68,7 +68,7 @@ class Wishes:
     has_preamble: bool = False
 
 
-NO_WISHES = Wishes()
+NO_LAYOUT_OPTIONS = LayoutOptions()
 
 
 @dataclass(frozen=True)
@@ -144,9 +144,9 @@ def require_text(data: bytes, file: str) -> None:
         raise BadInput("the file is empty", file, 1)
 
 
-def detect(data: bytes, wishes: Wishes, file: str) -> Layout:
+def detect(data: bytes, options: LayoutOptions, file: str) -> Layout:
     """Find out how a run file is laid out. Raises BadInput."""
-    found = detect_in_head(data, wishes, file) or _detect(data, wishes, file)
+    found = detect_in_head(data, options, file) or _detect(data, options, file)
     if found is None:
         raise BadInput("no header line", file, len(lines_of(data)))
     return found
@@ -157,12 +157,12 @@ def is_long_enough(start: bytes | bytearray) -> bool:
     return len(start) > _HEAD_BYTES and not start.endswith(b"\r") and not start.isspace()
 
 
-def detect_in_head(data: bytes, wishes: Wishes, file: str) -> Layout | None:
+def detect_in_head(data: bytes, options: LayoutOptions, file: str) -> Layout | None:
     """As `detect`, by the beginning alone; None if there is no header line in it."""
     head = data[:_HEAD_BYTES]
     if len(data) > len(head):
         head = head[: max(head.rfind(b"\n"), head.rfind(b"\r")) + 1]
-    return _detect(head, wishes, file)
+    return _detect(head, options, file)
 
 
 def lines_of(data: bytes) -> list[str]:
@@ -170,7 +170,7 @@ def lines_of(data: bytes) -> list[str]:
     return decoded(data).replace("\r\n", "\n").replace("\r", "\n").split("\n")
 
 
-def _detect(head: bytes, wishes: Wishes, file: str) -> Layout | None:
+def _detect(head: bytes, options: LayoutOptions, file: str) -> Layout | None:
     """None if there is no header line in it."""
     lines = lines_of(head)
     blanks = comments = 0
@@ -179,42 +179,42 @@ def _detect(head: bytes, wishes: Wishes, file: str) -> Layout | None:
             blanks += 1
         elif line.startswith("#"):
             comments += 1
-        elif wishes.has_preamble and (bare := _without_header(row, lines, wishes)) is not None:
-            return _from_header(*bare, (comments, blanks), wishes, file)
+        elif options.has_preamble and (bare := _without_header(row, lines, options)) is not None:
+            return _from_header(*bare, (comments, blanks), options, file)
         else:
-            return _from_header(row, line, lines[row:], (comments, blanks), wishes, file)
+            return _from_header(row, line, lines[row:], (comments, blanks), options, file)
     return None
 
 
 _OF_ROW = re.compile(r"[\d\s.,:/TZe+-]*\d[\d\s.,:/TZe+-]*|nan|", re.IGNORECASE)  # a number, a date, or nothing
 
 
-def _without_header(row: int, lines: list[str], wishes: Wishes) -> tuple[int, str, list[str]] | None:
+def _without_header(row: int, lines: list[str], options: LayoutOptions) -> tuple[int, str, list[str]] | None:
     """Row, line and what follows of the header of a recording whose first line that is no comment, in this `row`, has
     numbers: the last comment above with as many fields, else one that is made up; None: its line is a header."""
-    for sign in [wishes.delimiter] if wishes.delimiter else [",", ";", "\t"]:
+    for sign in [options.delimiter] if options.delimiter else [",", ";", "\t"]:
         fields = [field.strip() for field in lines[row - 1].split(sign)]
         numbers = sum(map(is_number, fields))
-        if numbers < len(wishes.wanted) or not all(map(_OF_ROW.fullmatch, fields)):
+        if numbers < len(options.wanted) or not all(map(_OF_ROW.fullmatch, fields)):
             continue
         for above in range(row - 1, 0, -1):
             names = lines[above - 1].lstrip("# ").split(sign)
             if lines[above - 1].startswith("#") and len(names) == len(fields):
                 return above, sign.join(names), lines[row - 1 :]
-        return row - 1, sign.join(_made_up(fields, lines[row - 1 :], sign, wishes)), lines[row - 1 :]
+        return row - 1, sign.join(_made_up(fields, lines[row - 1 :], sign, options)), lines[row - 1 :]
     return None
 
 
-def _made_up(first: list[str], following: list[str], sign: str, wishes: Wishes) -> list[str]:
+def _made_up(first: list[str], following: list[str], sign: str, options: LayoutOptions) -> list[str]:
     """Names of columns that have none: their numbers, from 1; where the user names no output by these, a column that
     counts by one is n, another that counts the time, and the next three are the outputs."""
     names = [str(number) for number in range(1, len(first) + 1)]
-    if set(wishes.wanted) & set(wishes.columns):
+    if set(options.wanted) & set(options.columns):
         return names
     rows = [line.split(sign) for line in following[:_ROWS_TO_LOOK_AT] if line.strip() and not line.startswith("#")]
     columns = list(zip(*(row for row in rows if len(row) == len(first))))
-    left = [*wishes.wanted[-3:], *names]
-    roles = {"n", "time"} if len(first) > len(wishes.wanted) else set()
+    left = [*options.wanted[-3:], *names]
+    roles = {"n", "time"} if len(first) > len(options.wanted) else set()
     for place, texts in enumerate(columns):
         values = [float(text.replace(",", ".")) if is_number(text.strip()) else None for text in texts]
         steps = [b - a for a, b in itertools.pairwise(values) if a is not None and b is not None]
@@ -223,74 +223,74 @@ def _made_up(first: list[str], following: list[str], sign: str, wishes: Wishes) 
         if (counts or not steps) and role in roles:
             names[place] = role
             roles.remove(role)
-        elif left[0] in wishes.wanted:
+        elif left[0] in options.wanted:
             names[place] = left.pop(0)
     return names
 
 
 def _from_header(
-    row: int, line: str, following: list[str], skipped: tuple[int, int], wishes: Wishes, file: str
+    row: int, line: str, following: list[str], skipped: tuple[int, int], options: LayoutOptions, file: str
 ) -> Layout:
     if any(not (sign.isprintable() or sign == "\t") for sign in line):
         raise BadInput("not a text file", file, row)
-    candidates = [wishes.delimiter] if wishes.delimiter else [",", ";", "\t"]
+    candidates = [options.delimiter] if options.delimiter else [",", ";", "\t"]
     attempts = []
     for delimiter in candidates:
         try:
             names = split(line, delimiter)
-            indices = find_all(names, wishes)
+            indices = find_all(names, options)
         except (csv.Error, ValueError) as error:
             attempts.append((line.count(delimiter), str(error)))
             continue
-        decimal = wishes.decimal or _detect_decimal(following, delimiter, indices)
-        unit = unit_of(wishes, [names[index] for index in indices[-3:]], file, row)
+        decimal = options.decimal or _detect_decimal(following, delimiter, indices)
+        unit = unit_of(options, [names[index] for index in indices[-3:]], file, row)
         told = unit or DEFAULT_UNIT, unit is not None
-        felt = temperature_column(names, wishes.columns)
+        felt = temperature_column(names, options.columns)
         return Layout(row, *skipped, delimiter, decimal, indices, len(names), *told, *felt, tuple(names))
     fields = re.split(r"[,;\t]", line)
     if all(NUMBER.fullmatch(name.strip()) for name in fields):
-        raise BadInput(f"no header line; the first line must name the columns {','.join(wishes.wanted)}", file, row)
-    below = _rows_above_header([line, *following], candidates, wishes)
-    if _TOML.match(line) and not (below and wishes.has_preamble):
+        raise BadInput(f"no header line; the first line must name the columns {','.join(options.wanted)}", file, row)
+    below = _rows_above_header([line, *following], candidates, options)
+    if _TOML.match(line) and not (below and options.has_preamble):
         raise BadInput(f"is {TOML}, and no run file", file, row)
     if line.lstrip().startswith("{"):
         raise BadInput(f"is {JSON}, and no run file", file, row)
     if below:
-        if wishes.has_preamble:
-            return _from_header(row + below, following[below - 1], following[below:], skipped, wishes, file)
+        if options.has_preamble:
+            return _from_header(row + below, following[below - 1], following[below:], skipped, options, file)
         advice = "delete the rows above it, or begin each of them with #"
         raise BadInput(f"is no header; row {row + below} looks like it: {advice}", file, row)
     raise BadInput(max(attempts)[1], file, row)
 
 
-def _rows_above_header(lines: list[str], delimiters: list[str], wishes: Wishes) -> int:
+def _rows_above_header(lines: list[str], delimiters: list[str], options: LayoutOptions) -> int:
     """How many rows of something else, as loggers write them, are above what must be the header; 0: none, or nothing
     looks like one."""
     filled = [(row, line) for row, line in enumerate(lines) if line.strip()][:_ROWS_TO_LOOK_AT]
     for is_header in (_has_columns, _is_above_numbers):
         for place, (row, line) in enumerate(filled):
             following = [below for _, below in filled[place + 1 : place + 3]]  # units may stand between
-            if any(is_header(line, following, delimiter, wishes) for delimiter in delimiters):
+            if any(is_header(line, following, delimiter, options) for delimiter in delimiters):
                 return row
     return 0
 
 
-def _has_columns(line: str, _following: list[str], delimiter: str, wishes: Wishes) -> bool:
+def _has_columns(line: str, _following: list[str], delimiter: str, options: LayoutOptions) -> bool:
     try:
-        find_all(split(line, delimiter), wishes)
+        find_all(split(line, delimiter), options)
     except (csv.Error, ValueError):
         return False
     return True
 
 
-def _is_above_numbers(line: str, following: list[str], delimiter: str, wishes: Wishes) -> bool:
+def _is_above_numbers(line: str, following: list[str], delimiter: str, options: LayoutOptions) -> bool:
     """As many different names as there are fields in a row of numbers below?"""
     try:
         names, rows = split(line, delimiter), [split(below, delimiter) for below in following]
     except csv.Error:
         return False
     alike = [sum(map(is_number, row)) for row in rows if len(row) == len(names) == len(set(names))]
-    return not any(map(is_number, names)) and max(alike, default=0) >= len(wishes.wanted)
+    return not any(map(is_number, names)) and max(alike, default=0) >= len(options.wanted)
 
 
 def is_number(text: str) -> bool:
@@ -310,12 +310,12 @@ def temperature_column(names: list[str], renamed: dict[str, str]) -> tuple[Colum
     return Column(index, names[index], "" if unit is None else unit.group(1).strip(), TEMPERATURE in renamed), None
 
 
-def find_all(names: list[str], wishes: Wishes, is_text: bool = True) -> tuple[int, ...]:
+def find_all(names: list[str], options: LayoutOptions, is_text: bool = True) -> tuple[int, ...]:
     """Indices of the wanted COLUMNS. `is_text`: the names were one line, which a delimiter separates. Raises
     ValueError, naming all that are not there, and what is."""
-    renamed = wishes.columns
+    renamed = options.columns
     told_beside = [TEMPERATURE] if renamed.get(TEMPERATURE) else []
-    found = {wanted: find_column(wanted, names, renamed) for wanted in (*wishes.wanted, *told_beside)}
+    found = {wanted: find_column(wanted, names, renamed) for wanted in (*options.wanted, *told_beside)}
     missing = [wanted for wanted, index in found.items() if index is None]
     if not missing:
         for index in found.values():
@@ -394,20 +394,20 @@ def unit_in(name: str) -> tuple[str, str]:
     return (stem.strip(), spelled(unit.strip())) if sign and stem and is_known(unit.strip()) else (name, "")
 
 
-def unit_of(wishes: Wishes, names: list[str], file: str, row: int | None, option: str = "--unit") -> str | None:
+def unit_of(options: LayoutOptions, names: list[str], file: str, row: int | None, option: str = "--unit") -> str | None:
     """The unit of the outputs: the one that the user says by this `option`, else the one behind their names (unit_in);
     None where neither is there. Raises BadInput for a known unit in brackets that is not the user's, and where the
     three differ and the user says nothing."""
     units = {unit_in(name)[1] for name in names}
-    if wishes.unit is None and len(units) > 1:
+    if options.unit is None and len(units) > 1:
         raise BadInput(f"outputs in different units: {', '.join(map(quoted, names))}; {option} says which", file, row)
     told = units.pop()
-    if wishes.unit is None:
+    if options.unit is None:
         return told if UNIT.fullmatch(told) else None
-    if not units and are_at_odds(told, wishes.unit):
+    if not units and are_at_odds(told, options.unit):
         advice = f"no number is converted: leave {option} out, or correct the names"
-        raise BadInput(f"outputs are named in {told}, but {option} says {wishes.unit}; {advice}", file, row)
-    return wishes.unit
+        raise BadInput(f"outputs are named in {told}, but {option} says {options.unit}; {advice}", file, row)
+    return options.unit
 
 
 def _detect_decimal(lines: list[str], delimiter: str, indices: tuple[int, ...]) -> str:

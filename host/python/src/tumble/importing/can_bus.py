@@ -25,7 +25,7 @@ from tumble.errors import BadInput, UsageError, file_name, needing, quoted
 from tumble.files.can_log import CanLog, Frame
 from tumble.files.disk import read_bytes
 from tumble.files.frames import suffix_of
-from tumble.files.run_layout import Wishes, find_all, unit_of
+from tumble.files.run_layout import LayoutOptions, find_all, unit_of
 from tumble.stand import PerChannel, by_channel
 
 COUNTS, VOLTS = "counts", "V"
@@ -67,20 +67,20 @@ class Found:
     notes: tuple[str, ...]
 
 
-def read(data: bytes, file: str, kind: str, wishes: Wishes, bus: Bus) -> Found:
+def read(data: bytes, file: str, kind: str, options: LayoutOptions, bus: Bus) -> Found:
     """Read a log of this kind (files.can_log). Raises BadInput, UsageError, NotInstalled."""
-    others = sorted(set(wishes.columns) - set(OUTPUTS))
+    others = sorted(set(options.columns) - set(OUTPUTS))
     if others:
         raise UsageError(f"--columns {others[0]}=: of a CAN log ux, uy and uz can be named")
     log = CanLog(data, file, kind)
     with needing(f"{file_name(file)}: a CAN log", "cantools", extra="can"):
         import cantools  # noqa: F401
     frames = _of_channel(log, file, bus.channel)
-    found = _of_block(log, frames, file, wishes, bus) if bus.dbc is None else _of_dbc(log, frames, file, wishes, bus)
+    found = _of_block(log, frames, file, options, bus) if bus.dbc is None else _of_dbc(log, frames, file, options, bus)
     notes = [f"CAN log ({kind}): {log.frames} frames", *found.notes]
     notes += ["its last line is torn: not read"] if log.torn else []
-    outputs, unit = found.outputs, wishes.unit or found.unit
-    if found.unit == COUNTS and wishes.unit is None:
+    outputs, unit = found.outputs, options.unit or found.unit
+    if found.unit == COUNTS and options.unit is None:
         if bus.v_per_count:
             outputs, unit = outputs * by_channel(bus.v_per_count), VOLTS
             sizes = ", ".join(f"{one:.6g}" for one in np.atleast_1d(bus.v_per_count).tolist())
@@ -136,7 +136,7 @@ _SAID = {
 }
 
 
-def _of_block(log: CanLog, frames: Iterator[Frame], file: str, wishes: Wishes, bus: Bus) -> Found:
+def _of_block(log: CanLog, frames: Iterator[Frame], file: str, options: LayoutOptions, bus: Bus) -> Found:
     if bus.identifier is not None and bus.identifier - FIRST not in _BLOCKS:
         raise UsageError(f"--can-id {bus.identifier:#x}: first frames of blocks are {FIRST + 1:#x} to {FIRST + 15:#x}")
     (channel, node), receiver = _the_block(_received(frames, file), log, file, bus)
@@ -151,7 +151,7 @@ def _of_block(log: CanLog, frames: Iterator[Frame], file: str, wishes: Wishes, b
     if counts["silences"]:
         notes.append(f"the block was silent {counts['silences']} times, for over {_SILENCE_S:g} s")
     try:  # the user may exchange the axes
-        axes = find_all(list(AXES), Wishes(columns=wishes.columns, wanted=OUTPUTS))
+        axes = find_all(list(AXES), LayoutOptions(columns=options.columns, wanted=OUTPUTS))
     except ValueError as error:
         raise BadInput(str(error), file) from None
     seconds, temperature, lines = (samples[:, column].copy() for column in (0, 4, 5))
@@ -349,11 +349,11 @@ class Message:
         return np.array(self._seconds), np.array(self._values).reshape(-1, len(self.outputs)), np.array(self._lines)
 
 
-def _of_dbc(log: CanLog, frames: Iterator[Frame], file: str, wishes: Wishes, bus: Bus) -> Found:
+def _of_dbc(log: CanLog, frames: Iterator[Frame], file: str, options: LayoutOptions, bus: Bus) -> Found:
     assert bus.dbc is not None
     if bus.identifier is not None:
         raise UsageError("--can-id chooses a block of ours: with --dbc the DBC file has the identifiers")
-    outputs = _chosen(_load(bus.dbc), wishes, bus.dbc)
+    outputs = _chosen(_load(bus.dbc), options, bus.dbc)
     messages = {
         (one.message.frame_id, one.message.is_extended_frame): Message(
             one.message, [(place, s.name) for place, s in enumerate(outputs) if s.message is one.message]
@@ -380,7 +380,7 @@ def _of_dbc(log: CanLog, frames: Iterator[Frame], file: str, wishes: Wishes, bus
     notes = [f"signals of {file_name(bus.dbc)}: {names}; {len(seconds)} samples; no checksum is looked at"]
     if left_out:
         notes.append(f"left out: {', '.join(left_out)}")
-    unit = unit_of(wishes, [f"{one.label} [{one.unit}]" for one in outputs], file_name(bus.dbc), None)
+    unit = unit_of(options, [f"{one.label} [{one.unit}]" for one in outputs], file_name(bus.dbc), None)
     return Found(seconds, values, lines, unit, None, tuple(notes))
 
 
@@ -406,14 +406,14 @@ def _load(file: str) -> list[Signal]:
     ]  # fmt: skip
 
 
-def _chosen(signals: Sequence[Signal], wishes: Wishes, file: str) -> list[Signal]:
+def _chosen(signals: Sequence[Signal], options: LayoutOptions, file: str) -> list[Signal]:
     """Those of ux, uy, uz: by the user's names, with or without the message's (MESSAGE.SIGNAL), else by their own.
     Raises BadInput."""
     labels = [one.label for one in signals]
     whole = {f"{one.message.name}.{one.name}": one.label for one in signals}
-    named = {wanted: whole.get(name, name) for wanted, name in wishes.columns.items()}
+    named = {wanted: whole.get(name, name) for wanted, name in options.columns.items()}
     try:
-        return [signals[place] for place in find_all(labels, replace(wishes, columns=named, wanted=OUTPUTS))]
+        return [signals[place] for place in find_all(labels, replace(options, columns=named, wanted=OUTPUTS))]
     except ValueError as error:
         raise BadInput(str(error), file) from None
 

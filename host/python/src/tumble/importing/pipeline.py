@@ -13,7 +13,7 @@ from tumble.defaults import DEFAULT_SCHEDULE
 from tumble.errors import BadInput, Remedy, UsageError, listed, quoted
 from tumble.files import run_layout, run_rows
 from tumble.files.run_file import smallest_step
-from tumble.files.run_layout import NO_WISHES, Wishes
+from tumble.files.run_layout import NO_LAYOUT_OPTIONS, LayoutOptions
 from tumble.importing import any_pose, can_bus, clocks, labels, match, recording, repairs
 from tumble.importing.attitudes import scale_and_bias
 from tumble.importing.can_bus import NO_BUS, Bus
@@ -37,7 +37,7 @@ class Settings:
     numbers by name; `bus`: of CAN logs; `rows`: which are read, None: all."""
 
     schedule: str | None = None
-    wishes: Wishes = NO_WISHES
+    layout: LayoutOptions = NO_LAYOUT_OPTIONS
     timing: Timing = field(default_factory=Timing)
     thresholds: Thresholds = field(default_factory=Thresholds)
     claims: Claims = field(default_factory=Claims)
@@ -111,7 +111,7 @@ def _imported(files: Sequence[str], schedule: Schedule, settings: Settings, took
     """`took`: is filled with what is taken for granted. Raises Doubtful, BadInput and UsageError."""
     timing = replace(settings.timing, files=len(files))
     recordings = [
-        _without_zeros(recording.read(file, settings.wishes, timing, settings.bus, settings.rows)) for file in files
+        _without_zeros(recording.read(file, settings.layout, timing, settings.bus, settings.rows)) for file in files
     ]
     if len(units := {one.unit for one in recordings}) > 1:
         raise UsageError(

@@ -86,7 +86,7 @@ class Recording:
 
 
 def read(
-    file: str, wishes: run_layout.Wishes, timing: Timing, bus: Bus = NO_BUS, rows: Choice | None = None
+    file: str, options: run_layout.LayoutOptions, timing: Timing, bus: Bus = NO_BUS, rows: Choice | None = None
 ) -> Recording:
     """Read one file; of its `rows` those that are chosen. Raises BadInput with file, row and column; UsageError;
     NotInstalled."""
@@ -96,7 +96,7 @@ def read(
         )
     data = read_bytes(file, most=MOST_OF_RECORDING, look=functools.partial(_require_kind, file))
     if (kind := can_log.kind_of(data)) is not None:
-        log = can_bus.read(data, file, kind, wishes, bus)
+        log = can_bus.read(data, file, kind, options, bus)
         clock = _clock_of(log.seconds, "time s", replace(timing, unit="s"), file)
         unit, notes = log.unit or run_layout.DEFAULT_UNIT, (*log.notes, *clock.notes)
         told = log.unit is not None
@@ -105,8 +105,8 @@ def read(
     data = _utf_8(data)
     run_layout.require_text(data, file)
     if _START.search(data[:_BEGINNING]) is not None:
-        return _read_rawimu(file, data, wishes, timing)
-    return _read_table(file, data, wishes, timing, rows)
+        return _read_rawimu(file, data, options, timing)
+    return _read_table(file, data, options, timing, rows)
 
 
 def _require_kind(file: str, beginning: bytes) -> None:
@@ -126,20 +126,22 @@ def _utf_8(data: bytes) -> bytes:
 # Tables.
 
 
-def _read_table(file: str, data: bytes, wishes: run_layout.Wishes, timing: Timing, choice: Choice | None) -> Recording:
+def _read_table(
+    file: str, data: bytes, options: run_layout.LayoutOptions, timing: Timing, choice: Choice | None
+) -> Recording:
     own = data
-    if wishes.delimiter == " ":
+    if options.delimiter == " ":
         data = b"\n".join(b" ".join(line.split()) for line in data.splitlines())
-    wishes = replace(wishes, wanted=OUTPUTS, has_preamble=True)
+    options = replace(options, wanted=OUTPUTS, has_preamble=True)
     try:
-        layout = run_layout.detect(data, wishes, file)
+        layout = run_layout.detect(data, options, file)
     except BadInput as refused:
         refused.assumed = ("a table of text, whose columns are not known",)
-        raise refused.advising(*_named_columns(data, refused.row, wishes)) from None
+        raise refused.advising(*_named_columns(data, refused.row, options)) from None
     names = list(layout.names)
-    columns = _optional_columns(names, wishes, file, layout.header_row)
-    notes = _about_header(data, layout, wishes)
-    layout, units, unit_note = _below_units(data, layout, wishes, file)
+    columns = _optional_columns(names, options, file, layout.header_row)
+    notes = _about_header(data, layout, options)
+    layout, units, unit_note = _below_units(data, layout, options, file)
     notes += unit_note
     if layout.decimal == ",":
         notes.append("decimal mark: the comma")
@@ -227,12 +229,12 @@ class Choice:
         return rows[kept], {name: [one[row] for row in kept.tolist()] for name, one in texts.items()}
 
 
-def _named_columns(data: bytes, row: int | None, wishes: run_layout.Wishes) -> list[Remedy]:
+def _named_columns(data: bytes, row: int | None, options: run_layout.LayoutOptions) -> list[Remedy]:
     """Ways to name the outputs in the header of this `row`: columns of numbers side by side that do not count."""
     lines = run_layout.lines_of(data[:_BEGINNING])
     if row is None or row > len(lines):
         return []
-    sign = wishes.delimiter or max(",;\t", key=lines[row - 1].count)
+    sign = options.delimiter or max(",;\t", key=lines[row - 1].count)
     if sign not in lines[row - 1]:
         return [Remedy({"delimiter": "space"})]
     names, *rows = (line.split(sign) for line in lines[row - 1 : row + _ROWS_IN_TURN] if line.strip())
@@ -241,9 +243,9 @@ def _named_columns(data: bytes, row: int | None, wishes: run_layout.Wishes) -> l
     for name, texts in zip(map(str.strip, names), columns):
         values = [float(text.replace(",", ".")) for text in map(str.strip, texts) if run_layout.is_number(text)]
         counts = all(a <= b for a, b in itertools.pairwise(values))
-        if len(values) > len(texts) / 2 and not counts and name not in wishes.columns.values() and "," not in name:
+        if len(values) > len(texts) / 2 and not counts and name not in options.columns.values() and "," not in name:
             free.append(name)
-    wanted = [name for name in OUTPUTS if name not in wishes.columns]
+    wanted = [name for name in OUTPUTS if name not in options.columns]
     found = []
     for begin in range(len(free) - len(wanted) + 1) if wanted else ():
         way = free[begin : begin + len(wanted)]
@@ -258,7 +260,7 @@ def _about_columns(told: dict[str, str], unit: str, unit_told: bool) -> list[str
     return [f"outputs {quoted(names, 100)[1:-1]} in {unit}{'' if unit_told else ', for nobody says the unit'}"]
 
 
-def _about_header(data: bytes, layout: run_layout.Layout, wishes: run_layout.Wishes) -> list[str]:
+def _about_header(data: bytes, layout: run_layout.Layout, options: run_layout.LayoutOptions) -> list[str]:
     """Where it is, or that there is none."""
     row = layout.header_row
     line = "" if row == 0 else run_layout.lines_of(data)[row - 1]
@@ -289,16 +291,16 @@ def _source_column(data: bytes, layout: run_layout.Layout, used: set[int], choic
     return None
 
 
-def _optional_columns(names: list[str], wishes: run_layout.Wishes, file: str, row: int) -> dict[str, int]:
+def _optional_columns(names: list[str], options: run_layout.LayoutOptions, file: str, row: int) -> dict[str, int]:
     """Where the columns of OPTIONAL are that are there. Raises BadInput for one that the user names and is not."""
     found = {}
     for wanted in OPTIONAL:
         try:
-            index = run_layout.find_column(wanted, names, wishes.columns)
+            index = run_layout.find_column(wanted, names, options.columns)
         except ValueError as error:
             raise BadInput(str(error), file, row) from None
-        if index is None and wishes.columns.get(wanted):
-            asked = f"no column {quoted(wishes.columns[wanted])} (for {wanted})"
+        if index is None and options.columns.get(wanted):
+            asked = f"no column {quoted(options.columns[wanted])} (for {wanted})"
             raise BadInput(f"{asked} among {quoted(','.join(names), 400)}", file, row)
         if index is not None:
             found[wanted] = index
@@ -306,7 +308,7 @@ def _optional_columns(names: list[str], wishes: run_layout.Wishes, file: str, ro
 
 
 def _below_units(
-    data: bytes, layout: run_layout.Layout, wishes: run_layout.Wishes, file: str
+    data: bytes, layout: run_layout.Layout, options: run_layout.LayoutOptions, file: str
 ) -> tuple[run_layout.Layout, list[str], list[str]]:
     """The layout with a row of units taken for a part of the header, if there is one, and what stands below it in
     words, as in TOA5; the units of all columns; sentences."""
@@ -324,7 +326,7 @@ def _below_units(
             notes.append(f"row {row} is not read")
             continue
         units = [field.strip("[]") if "(" in field[1:] else field.strip("[]()") for field in fields]
-        unit = run_layout.unit_of(wishes, [f"[{units[index]}]" for index in layout.indices], file, row)
+        unit = run_layout.unit_of(options, [f"[{units[index]}]" for index in layout.indices], file, row)
         felt = layout.temperature
         if felt is not None and not felt.unit and units[felt.index].lower() not in NO_VALUE:
             felt = replace(felt, unit=units[felt.index])
@@ -440,7 +442,7 @@ _START = re.compile(rb"[#%]RAWIMUS?X?A,")
 _WEEK_S = 604800.0
 
 
-def _read_rawimu(file: str, data: bytes, wishes: run_layout.Wishes, timing: Timing) -> Recording:
+def _read_rawimu(file: str, data: bytes, options: run_layout.LayoutOptions, timing: Timing) -> Recording:
     rows, lines = [], []
     damaged = others = 0
     for number, line in enumerate(data.split(b"\n"), start=1):
@@ -460,7 +462,7 @@ def _read_rawimu(file: str, data: bytes, wishes: run_layout.Wishes, timing: Timi
     if damaged or others:
         notes.append(f"left out: {damaged} messages that are damaged, {others} lines of something else")
     clock = _clock_of(values[:, 0], "time s", replace(timing, unit=timing.unit or "s"), file)
-    unit = wishes.unit or can_bus.COUNTS
+    unit = options.unit or can_bus.COUNTS
     return Recording(file, data, values[:, 1:], np.array(lines), unit, True, clock, (*notes, *clock.notes))
 
 

@@ -30,7 +30,7 @@ from tumble._version import __version__
 from tumble.arrays import Floats
 from tumble.documents import importing as doc
 from tumble.errors import BadInput, quoted
-from tumble.files.run_layout import TEMPERATURE, Wishes
+from tumble.files.run_layout import TEMPERATURE, LayoutOptions
 from tumble.files.toml import Table, read_toml
 from tumble.importing import match
 from tumble.importing.attitudes import Signs
@@ -205,7 +205,7 @@ def read_recipe(file: str) -> Settings:
     )
     return Settings(
         schedule=main.text("schedule", default=None),
-        wishes=Wishes(
+        layout=LayoutOptions(
             columns={key: columns.text(key) for key in sorted(columns.keys)},
             delimiter=layout.text("delimiter", default=None),
             decimal=layout.choice("decimal", (".", ","), default=None),
@@ -252,7 +252,7 @@ def parse_signs(text: str) -> Signs | None:
 
 def recipe_text(settings: Settings) -> str:
     """A recipe's text, which reads back as the same settings but for rests that are left out or taken."""
-    claims, timing, wishes = settings.claims, settings.timing, settings.wishes
+    claims, timing, options = settings.claims, settings.timing, settings.layout
     signs = None if claims.signs is None else "".join("+" if sign > 0 else "-" for sign in claims.signs)
     tables: dict[str, dict[str, object]] = {
         "import": {
@@ -265,12 +265,12 @@ def recipe_text(settings: Settings) -> str:
             "time_unit": timing.unit,
         },
         "layout": {
-            "delimiter": wishes.delimiter,
-            "decimal": wishes.decimal,
-            "unit": wishes.unit,
+            "delimiter": options.delimiter,
+            "decimal": options.decimal,
+            "unit": options.unit,
             "rows": settings.rows and settings.rows.text,
         },
-        "columns": dict(wishes.columns),
+        "columns": dict(options.columns),
         "thresholds": {one.name: getattr(settings.thresholds, one.name) for one in fields(Thresholds)},
         "mountings": {json.dumps(key): number for key, number in settings.mountings.items()},
         "can": {key: value or None for key, value in vars(settings.bus).items()},

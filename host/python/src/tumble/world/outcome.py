@@ -18,7 +18,7 @@ from tumble.documents.result import Table, Truth
 from tumble.errors import BadInput, BenchFault, Disagreement
 from tumble.estimators import OPTIMAL
 from tumble.files.run_file import Run, read_run
-from tumble.files.run_layout import Wishes
+from tumble.files.run_layout import LayoutOptions
 from tumble.files.stand_file import StandFile
 from tumble.model.estimators import unknowns
 from tumble.model.optimal import optimal_covariance, optimal_estimate
@@ -72,7 +72,7 @@ def confirm(document: RunWithTruth, stage: Path, setup: Setup) -> Solution:
     Further terms of the model, which the firmware does not know, are found from the same means then. Raises BadInput
     where they are not to be had.
     """
-    recorded = read_run(str(stage / "run.csv"), setup.schedule.data, Wishes(unit="V"))
+    recorded = read_run(str(stage / "run.csv"), setup.schedule.data, LayoutOptions(unit="V"))
     run = _as_averaged(recorded, document)
     given = run, setup.schedule, setup.estimator, setup.limit_g, setup.stand, "run.csv"
     try:

@@ -60,7 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.files.run_layout import TEMPERATURE
     from tumble.solving.decision import complaints_of_result, phrase
 
-    wishes = replace(options.wishes(arguments, (*OUTPUTS, TEMPERATURE), has_unit=False), wanted=OUTPUTS)
+    layout = replace(options.layout_options(arguments, (*OUTPUTS, TEMPERATURE), has_unit=False), wanted=OUTPUTS)
     targets = _targets(arguments)
     for file in arguments.data:
         if suffix_of(file) in SUFFIXES and suffix_of(file) not in PARQUET:
@@ -70,7 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
         options.require_ending(arguments.out, "--out", *(PARQUET if kinds == {True} else (".csv", ".tsv")))
     if is_thermal(arguments.result):
         warm = load_thermal(arguments.result)
-        demand = warm.demand(wishes, arguments.unit, arguments.uncertainty)
+        demand = warm.demand(layout, arguments.unit, arguments.uncertainty)
         known_c: Temperature | None = Temperature(*warm.range_c, "run_file")
         complaints, assumes = warm.complaints, warm.checked.assumes
     else:
@@ -78,7 +78,7 @@ def run(arguments: argparse.Namespace) -> int:
         complaints, assumes = complaints_of_result(result.checked), result.checked.assumes
         force = result.force(arguments.unit, arguments.uncertainty)
         told = "unit" not in result.assumes
-        demand = demand_of(force, result.unit, arguments.uncertainty, wishes, told, arguments.unit)
+        demand = demand_of(force, result.unit, arguments.uncertainty, layout, told, arguments.unit)
         known_c = result.checked.temperature
     if True in kinds and len(set(targets)) < len(targets):
         what = "CSV and Parquet" if len(kinds) > 1 else "Parquet files"

@@ -86,13 +86,13 @@ def add_options(parser: options.Options, shows_interactive: bool = True) -> None
     )
     parser.add_argument("--jobs", metavar="N", help="number of processes for --runs; default: 1")
     parser.add_argument("--out", metavar="DIR", help="run folder, new or empty; default: runs/<UTC time>-<seed>")
-    wishes = parser.add_mutually_exclusive_group()
-    wishes.add_argument(
+    report_choice = parser.add_mutually_exclusive_group()
+    report_choice.add_argument(
         "--report",
         action="store_true",
         help="also write report.html into the run folder; default: if its packages are installed, and without --json",
     )
-    options.add(wishes, "--no-report")
+    options.add(report_choice, "--no-report")
     options.add(parser, "--details", "--json")
 
 
@@ -322,10 +322,10 @@ def _add_report(made: RunFolder, result: str, is_asked_for: bool) -> None:
     try:
         from tumble.api.recording import recording_of
         from tumble.api.result import Result
-        from tumble.files.run_layout import Wishes
+        from tumble.files.run_layout import LayoutOptions
         from tumble.report.make import HTML
 
-        run = recording_of(made.stage / "run.csv", Wishes(unit="V"))
+        run = recording_of(made.stage / "run.csv", LayoutOptions(unit="V"))
         made.add("report.html", Result(result).reported(HTML, run))
     except errors.NotInstalled as error:
         tell(f"tumble: the run is made without a report: {error}; --no-report leaves this line out")

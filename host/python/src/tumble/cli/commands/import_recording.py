@@ -185,9 +185,9 @@ def _settings(arguments: argparse.Namespace, replayed: bool, signs: Signs | None
     from tumble.importing.recording import COLUMNS, Choice
 
     base = report.read_recipe(arguments.recipe) if replayed else Settings()
-    told = options.wishes(arguments, COLUMNS, may_lack=COLUMNS[3:])
-    layout = {"delimiter": told.delimiter, "decimal": told.decimal, "unit": told.unit}
-    wishes = _with(base.wishes, columns=base.wishes.columns | told.columns, **layout)
+    told = options.layout_options(arguments, COLUMNS, may_lack=COLUMNS[3:])
+    given = {"delimiter": told.delimiter, "decimal": told.decimal, "unit": told.unit}
+    layout = _with(base.layout, columns=base.layout.columns | told.columns, **given)
     rate_hz = None if arguments.rate is None else _positive(arguments.rate, "--rate")
     mountings = None if arguments.mountings is None else _parse_mountings(arguments.mountings)
     thresholds = _thresholds(arguments, base.thresholds)
@@ -213,7 +213,7 @@ def _settings(arguments: argparse.Namespace, replayed: bool, signs: Signs | None
     rows = base.rows if arguments.rows is None else Choice.parsed(arguments.rows)
     parts = {
         "rows": rows,
-        "wishes": wishes,
+        "layout": layout,
         "timing": _with(timing, unit=arguments.time_unit),
         "bus": bus,
         "claims": claims,

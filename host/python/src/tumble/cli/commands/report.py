@@ -49,13 +49,13 @@ def run(arguments: argparse.Namespace) -> int:
     for name in ("columns", "delimiter", "decimal", "unit"):
         if arguments.run is None and getattr(arguments, name) is not None:
             raise UsageError(f"--{name} says how the run file is laid out: it needs --run RUN.csv")
-    wishes = options.wishes(arguments, COLUMNS)
+    layout = options.layout_options(arguments, COLUMNS)
     inputs = arguments.result, arguments.run, arguments.template, arguments.logo, arguments.since
     refuse_overwriting(arguments.out, *inputs)
     result = load(arguments.result)
     recorded = None
     if arguments.run is not None:
-        recorded = recording_of(arguments.run, wishes if wishes.unit else replace(wishes, unit=result.unit))
+        recorded = recording_of(arguments.run, layout if layout.unit else replace(layout, unit=result.unit))
     given = {name: getattr(arguments, name) for name in ("template", "logo", "number", "since", "issued")}
     text = result.reported(kind, recorded, **given)
     if arguments.out is None:

@@ -74,7 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.files.run_layout import COLUMNS, TEMPERATURE
     from tumble.solving.decision import decide
 
-    recording = recording_of(arguments.run, options.wishes(arguments, (*COLUMNS, TEMPERATURE)))
+    recording = recording_of(arguments.run, options.layout_options(arguments, (*COLUMNS, TEMPERATURE)))
     refuse_overwriting(arguments.out, arguments.run, arguments.stand, file_of(arguments.schedule))
     options.require_ending(arguments.out, "--out", ".json")
     found = solved(
@@ -99,7 +99,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _parse_monte_carlo(arguments: argparse.Namespace) -> tuple[int | None, int]:
-    """Runs to simulate, None for no such wish, and the seed. Raises UsageError."""
+    """Runs to simulate, None for none asked for, and the seed. Raises UsageError."""
     if arguments.monte_carlo is None:
         for option in ("seed", "workers", "cluster", "resume"):
             if getattr(arguments, option) is not None:
