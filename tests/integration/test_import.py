@@ -345,7 +345,7 @@ def test_the_order_is_the_best_and_says_where_another_is_as_good():
         for rest, place in enumerate(found.positions):
             if place >= 0:
                 could_be = sorted({int(way[rest]) for way in ways} - {-1})
-                assert sorted(found.doubts.get(rest, (place,))) == could_be
+                assert sorted(found.ambiguous.get(rest, (place,))) == could_be
 
 
 # The rate that somebody says.

@@ -11,7 +11,7 @@ from recordings import random_case
 
 from tumble.errors import BadInput
 from tumble.files.run_layout import LayoutOptions
-from tumble.importing.match import Claims
+from tumble.importing.match import UserChoices
 from tumble.importing.pipeline import Settings, import_recordings
 from tumble.model import built_in
 
@@ -26,10 +26,10 @@ def judged(case, name, folder, kind="plain", seed=0):
     """("right" | "refused" | "wrong", what) of a case of the schedule of this name, in a file of this kind."""
     file, made = folder / "recording.csv", dressed(case.recorded, kind, np.random.default_rng(seed))
     file.write_bytes(made.data)
-    claims = Claims(order=case.order, signs=case.signs)
+    user_choices = UserChoices(order=case.order, signs=case.signs)
     options = LayoutOptions(unit=None if kind == "TOA5" else "V")
     try:
-        done = import_recordings([str(file)], built_in(name), Settings(name, options, claims=claims))
+        done = import_recordings([str(file)], built_in(name), Settings(name, options, user_choices=user_choices))
     except BadInput as refused:
         return "refused", str(refused)
     told = " ".join(done.notes)

@@ -12,7 +12,7 @@ from tumble.core import CoreSchedule
 from tumble.files.schedule_file import default_estimator, to_toml
 from tumble.importing import match
 from tumble.importing.attitudes import attitudes_of, fitted
-from tumble.importing.match import Claims, Doubtful
+from tumble.importing.match import Doubtful, UserChoices
 from tumble.importing.rests import Rests
 from tumble.model import Geometry, built_in, inclined
 from tumble.schedule import Schedule
@@ -57,7 +57,7 @@ def test_inclinations_that_nobody_measured_are_found(name, order, cases):
             for place, number in zip(places, (1, 4)):  # of the two at 0 the first is 1
                 numbers[place] = number
         visits = in_order(schedule, numbers)
-        found = match.match(rests_of(stand, visits, any_block(rng)), schedule, Claims(SAID, order))
+        found = match.match(rests_of(stand, visits, any_block(rng)), schedule, UserChoices(SAID, order))
         assert found.positions.tolist() == visits and set(found.states) == {"taken"}
         tilts = [one.tilt_deg for one in stand.mountings]
         assert np.rad2deg(found.fit.inclinations.beta) == pytest.approx(tilts, abs=1e-6)
@@ -86,13 +86,13 @@ def test_leverage_is_what_a_rest_takes_into_the_fit():
         assert fit.leverage[rest] == pytest.approx(taken, abs=1e-4)
 
 
-def refusal(visits, stand=None, schedule=SCHEDULE, change=lambda rests: None, **claims):
+def refusal(visits, stand=None, schedule=SCHEDULE, change=lambda rests: None, **user_choices):
     """What is said of rests in this order."""
     stand = inclined_anew(schedule, OFF, ZERO, BOLTING, np.random.default_rng(4)) if stand is None else stand
     rests = rests_of(stand, visits, noise=1e-6, rng=np.random.default_rng(5))
     change(rests)
     with pytest.raises(Doubtful) as refused:
-        match.match(rests, schedule, Claims(**{"signs": SAID, **claims}))
+        match.match(rests, schedule, UserChoices(**{"signs": SAID, **user_choices}))
     return str(refused.value)
 
 
@@ -177,7 +177,7 @@ UNKNOWN = "inclinations: the rests do not show all, so some are taken as the sch
 
 
 @pytest.mark.parametrize(
-    ("tilts", "visits", "claims", "notes"),
+    ("tilts", "visits", "user_choices", "notes"),
     [
         ((1.25, 44.5, -46.0), TWICE, {"repeats": "last"}, [LAST]),
         ((1.25, 44.5, -46.0), NUMBERS, {"leave_out": frozenset({13})}, ["no rest at 2.4"]),
@@ -187,10 +187,10 @@ UNKNOWN = "inclinations: the rests do not show all, so some are taken as the sch
         ((3.0, 57.0, -33.0), NUMBERS, {}, []),
     ],
 )
-def test_what_is_taken_for_granted_is_told(tilts, visits, claims, notes):
+def test_what_is_taken_for_granted_is_told(tilts, visits, user_choices, notes):
     stand = tilted(SCHEDULE, dict(zip((1, 2, 3), tilts)))
     rests = rests_of(stand, visits, noise=1e-6, rng=np.random.default_rng(6))
-    told = match.match(rests, SCHEDULE, Claims(SAID, **claims))
+    told = match.match(rests, SCHEDULE, UserChoices(SAID, **user_choices))
     shown = f"inclinations, as the rests show them: 1 at {tilts[0]:.2f}, 2 at {tilts[1]:.2f}, 3 at {tilts[2]:.2f} deg"
     usual = ["signs of K in x, y, z: +++, as told", "order: the schedule's"]
     assert sorted(told.notes) == sorted([*usual, *notes, *([] if UNKNOWN in notes else [shown])])
@@ -200,7 +200,7 @@ def test_the_return_to_an_inclination_is_told_apart_by_time():
     """It comes last, and what is at 0 degrees first is the first inclination, even where it does not come at all."""
     for numbers, places in (((2, 1, 4, 3), (2, 1, 4, 3)), ((3, 4, 2), (3, 1, 2)), ((1, 4, 3, 2), (1, 4, 3, 2))):
         stand = inclined_anew(CLOSED, OFF, ZERO, BOLTING, np.random.default_rng(7))
-        found = match.match(rests_of(stand, in_order(CLOSED, numbers)), CLOSED, Claims(SAID, "any"))
+        found = match.match(rests_of(stand, in_order(CLOSED, numbers)), CLOSED, UserChoices(SAID, "any"))
         assert found.positions.tolist() == in_order(CLOSED, places)
         assert ("1 and 4 have the same attitudes: told apart by time" in found.notes) == (len(numbers) == 4)
 

@@ -325,7 +325,7 @@ def test_noise_that_is_not_white_explains_a_run_that_does_not_fit(estimator, tum
     assert not solution.fit.fits and first.patterns == (CORRELATED,) and len(solution.fit.explanations) == 1
     assert first.unit == "V" and first.column in "xyz" and first.p < 1e-9
     assert abs(first.size - 3.8 * PAPER_STAND.noise) < 3 * first.u_size
-    assert solution.fit.doubts == () and output.misfit_consequence(solution) == "count it"
+    assert solution.fit.stand_doubts == () and output.misfit_consequence(solution) == "count it"
     assert f"{CORRELATED} of {first.column} 0.00" in output.misfit_sentence(solution)
     louder = solved(noisy_run(np.random.default_rng(64), 50, sigma=3 * PAPER_STAND.noise), estimator=estimator)
     assert [one.patterns for one in louder.fit.explanations] == [("noise_v",)]

@@ -25,7 +25,7 @@ ESTIMATORS = ("averaged", "refined", "least_squares", "optimal")
 
 
 def doubted(run, stand, estimator="refined", step_v=0.0):
-    return list(solve(run, None, estimator, 1.0, stand, "run.csv", step_v).fit.doubts)
+    return list(solve(run, None, estimator, 1.0, stand, "run.csv", step_v).fit.stand_doubts)
 
 
 @pytest.mark.parametrize("estimator", ESTIMATORS)

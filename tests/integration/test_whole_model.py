@@ -254,7 +254,7 @@ def test_the_block_s_second_order_is_not_blamed_on_the_stand(tumble, tmp_path):
 def test_a_stand_s_own_tilt_is_no_pattern_of_the_block():
     stand = stand_named("lab")
     fit = fit_of(simulated(np.random.default_rng(45), stand, alpha1=3e-3), stand)
-    assert not fit.fits and fit.doubts == ("alpha1_rad",) and len(fit.explanations) == 1
+    assert not fit.fits and fit.stand_doubts == ("alpha1_rad",) and len(fit.explanations) == 1
 
 
 @pytest.mark.parametrize(("name", "pattern"), [("diagonal", "k3"), ("paper", "seat")])

@@ -334,7 +334,7 @@ class Result:
                 name, seen = "data", Seen(unit_told=outputs_unit is not None)
                 found = _of_array(force, data, self.unit, uncertainty, outputs_unit)
                 seen.weigh(found.reshape(-1, found.shape[-1])[:, :3] / demand.one_g)
-            for odd in doubts(seen, self._told.temperature, demand):
+            for odd in warnings_of(seen, self._told.temperature, demand):
                 warnings.warn(f"{name}: {odd}", stacklevel=2)
         return found
 
@@ -525,7 +525,7 @@ def values_of(force: Force, outputs: Floats, with_uncertainty: bool, name: str =
     return np.concatenate([found, force.uncertainty(found)], axis=1) if with_uncertainty else found
 
 
-def doubts(seen: Seen, known_c: Temperature | None, demand: Demand) -> tuple[str, ...]:
+def warnings_of(seen: Seen, known_c: Temperature | None, demand: Demand) -> tuple[str, ...]:
     """What to warn of after data were calibrated. `known_c`: temperature of the result, None where it is not known."""
     told = outside(known_c, seen.temperatures_c), seen.doubt(demand)
     return (*seen.passed_over, *(one for one in told if one is not None))

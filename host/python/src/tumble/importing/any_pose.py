@@ -6,7 +6,7 @@ import numpy as np
 
 from tumble.errors import Remedy
 from tumble.importing.attitudes import Fit
-from tumble.importing.match import LEFT_OUT, NONE, TAKEN, Claims, Doubtful, Matched
+from tumble.importing.match import LEFT_OUT, NONE, TAKEN, Doubtful, Matched, UserChoices
 from tumble.importing.rests import Rests
 from tumble.model.norm import NINE, of_poses, roughly
 
@@ -14,9 +14,9 @@ MOST = 36  # as a schedule holds
 POSES = of_poses([(number, 1) for number in range(1, MOST + 1)])
 
 
-def matched(rests: Rests, claims: Claims) -> Matched:
+def matched(rests: Rests, user_choices: UserChoices) -> Matched:
     """In the order in which they were measured, but for those to leave out. Raises Doubtful for too few or many."""
-    taken = np.array([number not in claims.leave_out for number in range(1, len(rests) + 1)])
+    taken = np.array([number not in user_choices.leave_out for number in range(1, len(rests) + 1)])
     count = int(taken.sum())
     if count < len(NINE):
         said = f"{count} rests are fewer than the nine poses that show all coefficients"

@@ -23,9 +23,9 @@ from tumble.importing.match import (
     REPEATED,
     REPEATS,
     TAKEN,
-    Claims,
     Doubtful,
     Matched,
+    UserChoices,
     about_inclinations,
     every_part,
 )
@@ -83,13 +83,15 @@ class _Way:
     fit: attitudes.Fit
 
 
-def match(rests: Rests, schedule: Schedule, claims: Claims, named: dict[str, int]) -> Matched:
+def match(rests: Rests, schedule: Schedule, user_choices: UserChoices, named: dict[str, int]) -> Matched:
     """The position of every rest by its labels. `named`: numbers of mountings by name, as far as the user says. Raises
     Doubtful."""
-    kept = np.array([number not in claims.leave_out for number in range(1, len(rests) + 1)], dtype=bool)
+    kept = np.array([number not in user_choices.leave_out for number in range(1, len(rests) + 1)], dtype=bool)
     if not kept.any():
         raise Doubtful("--leave-out leaves no rest")
-    way = _only_way(_Labelled(rests.part(np.flatnonzero(kept)), np.flatnonzero(kept) + 1, schedule, claims), named)
+    way = _only_way(
+        _Labelled(rests.part(np.flatnonzero(kept)), np.flatnonzero(kept) + 1, schedule, user_choices), named
+    )
     positions, states = np.full(len(rests), NONE), np.full(len(rests), LEFT_OUT, dtype=object)
     positions[kept] = np.where(way.taken, way.positions, NONE)
     states[kept] = np.where(way.taken, TAKEN, REPEATED)
@@ -99,15 +101,17 @@ def match(rests: Rests, schedule: Schedule, claims: Claims, named: dict[str, int
     spread = float(np.sqrt((way.off[way.taken] ** 2).mean()))
     notes = [f"positions: by the labels of the rows, which gravity confirms; mountings {_told(way.numbers)}"]
     notes += about_inclinations(way.fit)
-    if way.fit.inclinations is not None and claims.signs is None:  # up and down exchanged look like another sign
+    if way.fit.inclinations is not None and user_choices.signs is None:  # up and down exchanged look like another sign
         signs = "".join("+" if own >= 0 else "-" for own in np.diag(way.fit.k))
         notes.append(f"signs of K in x, y, z: {signs}, if the labels tell up from down; nobody says them (--signs)")
     present = set(way.positions.tolist())
     missing = [place.label for index, place in enumerate(schedule.positions) if index not in present]
     notes += [f"no rows at {', '.join(missing)}"] if missing else []
     again = [schedule.positions[index].label for index, visits in _visits(way.positions).items() if len(visits) > 1]
-    if again and claims.repeats is not None:
-        notes.append(f"positions that come more than once, {', '.join(again)}: the {claims.repeats} rest is taken")
+    if again and user_choices.repeats is not None:
+        notes.append(
+            f"positions that come more than once, {', '.join(again)}: the {user_choices.repeats} rest is taken"
+        )
     elif again:
         choice = f"--repeats {'|'.join(REPEATS)} takes one"
         notes.append(f"positions that come more than once, {', '.join(again)}: all their rests are taken; {choice}")
@@ -121,7 +125,7 @@ class _Labelled:
     rests: Rests
     numbers: Integers
     schedule: Schedule
-    claims: Claims
+    user_choices: UserChoices
 
     def way(self, keys: Sequence[str], mountings: dict[str, int]) -> _Way:
         """With these numbers of the mountings that `keys` (rests,) name. Raises Doubtful."""
@@ -133,12 +137,12 @@ class _Labelled:
     def at(self, positions: Integers, mountings: dict[str, int]) -> _Way:
         """With these positions (rests,). Raises Doubtful."""
         taken = np.ones(len(positions), dtype=bool)
-        if self.claims.repeats is not None:  # of those at one position the visit that the user chooses
+        if self.user_choices.repeats is not None:  # of those at one position the visit that the user chooses
             for visits in _visits(positions).values():
                 samples = [int(self.rests.samples[visit].sum()) for visit in visits]
                 choices = {"first": 0, "last": len(visits) - 1, "longest": int(np.argmax(samples))}
                 taken[list(itertools.chain(*visits))] = False
-                taken[visits[choices[self.claims.repeats]]] = True
+                taken[visits[choices[self.user_choices.repeats]]] = True
         return _Way(mountings, positions, taken, *self._held_against_gravity(positions, taken))
 
     def _held_against_gravity(self, positions: Integers, taken: Flags) -> tuple[Floats, attitudes.Fit]:
@@ -152,7 +156,7 @@ class _Labelled:
                 f"the recordings of {every_part(self.schedule)} together"
             )
         x, y, z = (1 if own >= 0 else -1 for own in np.diag(fit.k))
-        if not attitudes.is_view_of(View(signs=self.claims.signs or (x, y, z)), fit.k):
+        if not attitudes.is_view_of(View(signs=self.user_choices.signs or (x, y, z)), fit.k):
             raise Doubtful(
                 "as the rows are labelled, channels feel other axes than their own, or with other signs than told: are "
                 "mountings or positions exchanged, or columns (--columns ux=...)? ",
@@ -160,9 +164,9 @@ class _Labelled:
                 WITHOUT_LABELS,
             )
         off: Floats = np.linalg.norm(fit.attitudes(self.rests.means) - fit.forces[positions], axis=1)
-        judged = taken & np.array([number not in self.claims.take for number in self.numbers], dtype=bool)
+        judged = taken & np.array([number not in self.user_choices.take for number in self.numbers], dtype=bool)
         worst = int(np.where(judged, off, 0.0).argmax())
-        if judged[worst] and off[worst] > min(self.claims.tolerance, 0.4 * known.apart):
+        if judged[worst] and off[worst] > min(self.user_choices.tolerance, 0.4 * known.apart):
             label, number = self.schedule.positions[positions[worst]].label, int(self.numbers[worst])
             raise Doubtful(
                 f"rest {number} is labelled {label}, and gravity is {np.rad2deg(off[worst]):.3g} deg off there: "

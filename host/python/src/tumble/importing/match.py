@@ -71,9 +71,10 @@ class Doubtful(Exception):
 
 
 @dataclass(frozen=True)
-class Claims:
-    """What is claimed of a recording. `signs` of K's diagonal, None: not told, taken for positive; `order`: SCHEDULE
-    or ANY; `tolerance`: rad; `repeats`: one of REPEATS, None: refuse; `leave_out`, `take`: numbers of rests, from 1."""
+class UserChoices:
+    """What the user chooses for matching rests to positions. `signs` of K's diagonal, None: not given, taken as
+    positive; `order`: SCHEDULE or ANY; `tolerance`: rad; `repeats`: one of REPEATS, None: refuse; `leave_out`, `take`:
+    numbers of rests, from 1."""
 
     signs: Signs | None = None
     order: str = SCHEDULE
@@ -93,11 +94,11 @@ class Claims:
 
 @dataclass(frozen=True)
 class Assigned:
-    """`positions` (rests,): index in the schedule, NONE where the rest is none; `doubts`: by rest, the positions that
-    it could be as well; `alike`: positions of one attitude in one mounting, which order alone tells apart."""
+    """`positions` (rests,): index in the schedule, NONE where the rest is none; `ambiguous`: by rest, all positions
+    that it could be; `alike`: positions of one attitude in one mounting, which order alone tells apart."""
 
     positions: Integers
-    doubts: dict[int, tuple[int, ...]] = field(default_factory=dict)
+    ambiguous: dict[int, tuple[int, ...]] = field(default_factory=dict)
     alike: tuple[tuple[int, ...], ...] = ()
 
     @property
@@ -122,9 +123,9 @@ class _Hypothesis:
         return float(np.sqrt(np.mean(self.seen.off[self.assigned.positions != NONE] ** 2))) if self.matched else np.inf
 
 
-def match(rests: Rests, schedule: Schedule, claims: Claims) -> Matched:
+def match(rests: Rests, schedule: Schedule, user_choices: UserChoices) -> Matched:
     """Which rest is which position. Raises Doubtful."""
-    matcher = _Matcher(rests, schedule, claims)
+    matcher = _Matcher(rests, schedule, user_choices)
     return matcher.judge(matcher.claimed())
 
 
@@ -152,14 +153,14 @@ class _Matcher:
     how far off one of them a rest may be, rad; `_rough`: scale and bias of each channel, as the rests alone show
     them."""
 
-    def __init__(self, rests: Rests, schedule: Schedule, claims: Claims):
+    def __init__(self, rests: Rests, schedule: Schedule, user_choices: UserChoices):
         """Raises Doubtful where the rests do not show scale and bias."""
-        self._rests, self._schedule, self._claims = rests, schedule, claims
-        self._used = ~self._is_among(claims.leave_out)
+        self._rests, self._schedule, self._user_choices = rests, schedule, user_choices
+        self._used = ~self._is_among(user_choices.leave_out)
         self._attitudes: Attitudes = attitudes.attitudes_of(schedule)
         self._places = self._attitudes.of_positions(schedule)
-        self._tolerance = min(claims.tolerance, 0.4 * self._attitudes.apart)
-        self._signs = POSITIVE if claims.signs is None else claims.signs
+        self._tolerance = min(user_choices.tolerance, 0.4 * self._attitudes.apart)
+        self._signs = POSITIVE if user_choices.signs is None else user_choices.signs
         rough = attitudes.scale_and_bias(rests.means[self._used])
         if rough is None:
             used = int(self._used.sum())
@@ -172,13 +173,13 @@ class _Matcher:
 
     def claimed(self) -> _Hypothesis:
         """The one that is claimed, if it fits and nothing else does better, or as well. Raises Doubtful."""
-        own = self._hypothesis(View(signs=self._signs), self._claims.order)
+        own = self._hypothesis(View(signs=self._signs), self._user_choices.order)
         found, others = 0 if own is None else own.matched, self._others()
         better = [other for other in others if other.matched > max(found, _FEWEST - 1)]
         if better:
             most = max(other.matched for other in better)
             best = [other for other in better if other.matched == most]
-            claimed = self._described(View(signs=self._signs), self._claims.order)
+            claimed = self._described(View(signs=self._signs), self._user_choices.order)
             positions = len(self._schedule.positions)
             would = f"{'all ' if most == positions else ''}{most} would be found"
             if len(best) > 1:
@@ -197,10 +198,10 @@ class _Matcher:
             other
             for other in others
             if other.matched == found
-            and other.order == self._claims.order
+            and other.order == self._user_choices.order
             and other.seen.view.channels == STRAIGHT
             and other.seen.view != own.seen.view
-            and self._claims.signs is None
+            and self._user_choices.signs is None
             and other.off <= _CLEARLY_WORSE * own.off + noise
         ]
         if rivals:
@@ -226,10 +227,10 @@ class _Matcher:
         """Which the claimed one is held against: the schedule's order in every view and any order in the claimed one;
         where that is any order, other signs."""
         own = View(signs=self._signs)
-        if self._claims.order == SCHEDULE:
+        if self._user_choices.order == SCHEDULE:
             tried = [(view, SCHEDULE) for view in attitudes.views(None, channels=True) if view != own] + [(own, ANY)]
         else:
-            tried = [(view, ANY) for view in attitudes.views(self._claims.signs, channels=False) if view != own]
+            tried = [(view, ANY) for view in attitudes.views(self._user_choices.signs, channels=False) if view != own]
         return [one for view, way in tried if (one := self._hypothesis(view, way)) is not None]
 
     def _label(self, position: int) -> str:
@@ -260,9 +261,9 @@ class _Matcher:
         if one.seen.view.channels != STRAIGHT:
             names = (f"u{axis}={THAT_OF.format(AXES[channel])}" for axis, channel in zip(AXES, one.seen.view.channels))
             options["columns"] = ",".join(names)
-        if one.seen.view.signs != self._signs or self._claims.signs is None:
+        if one.seen.view.signs != self._signs or self._user_choices.signs is None:
             options["signs"] = "".join("+" if sign > 0 else "-" for sign in one.seen.view.signs)
-        if one.order != self._claims.order or one.order == ANY:
+        if one.order != self._user_choices.order or one.order == ANY:
             options["order"] = one.order
         return options
 
@@ -282,7 +283,7 @@ class _Matcher:
             excluded[far] = int(assigned.positions[far])
             nearest[far] = NONE
             assigned = self._assign(own.order, nearest, own.seen.off)
-        for rest, could_be in assigned.doubts.items():
+        for rest, could_be in assigned.ambiguous.items():
             labels = " or ".join(map(self._label, could_be))
             without = Remedy({"leave_out": str(rest + 1)})
             raise Doubtful(f"rest {rest + 1} could be {labels}: --leave-out {rest + 1} goes on without it", without)
@@ -301,7 +302,7 @@ class _Matcher:
         """The rest that is off most, if it is off more than the others allow; by F, the rest itself left out."""
         if freedom <= 3:
             return None
-        used = np.flatnonzero((positions != NONE) & ~self._is_among(self._claims.take))
+        used = np.flatnonzero((positions != NONE) & ~self._is_among(self._user_choices.take))
         places = positions[used]
         left = 1.0 - fit.leverage[places]
         off = fit.attitudes(self._rests.means[used]) - fit.forces[places]
@@ -369,7 +370,7 @@ class _Matcher:
         for rest, state in enumerate(states):
             if state == REPEATED:
                 groups.setdefault(self._position_beside(rest, int(nearest[rest]), positions), []).append(rest)
-        repeats = self._claims.repeats
+        repeats = self._user_choices.repeats
         if groups and repeats is None:
             position, spare = next(iter(groups.items()))
             held = np.flatnonzero(positions == position).tolist() if position != NONE else []
@@ -388,7 +389,7 @@ class _Matcher:
             held = [rest for rest in np.flatnonzero(positions == position).tolist() if states[rest] in (TAKEN, JOINED)]
             all_of_them = [*held, *spare]
             between = set(positions[min(all_of_them) : max(all_of_them) + 1].tolist())
-            if self._claims.order == SCHEDULE and not between <= {NONE, position}:
+            if self._user_choices.order == SCHEDULE and not between <= {NONE, position}:
                 continue  # another position comes between: out of order, so the repeat is the one to leave
             if repeats == "longest":
                 choice = max(all_of_them, key=lambda rest: self._rests.samples[rest])
@@ -422,12 +423,12 @@ class _Matcher:
 
     def _notes(self, assigned: Assigned, positions: Integers, states: list[str]) -> tuple[str, ...]:
         notes = []
-        if self._claims.signs is None:
+        if self._user_choices.signs is None:
             notes.append("signs of K: nobody says them, taken for positive (--signs, or scale_v_per_g of a stand file)")
         else:
-            told = "".join("+" if sign > 0 else "-" for sign in self._claims.signs)
+            told = "".join("+" if sign > 0 else "-" for sign in self._user_choices.signs)
             notes.append(f"signs of K in x, y, z: {told}, as told")
-        if self._claims.order == ANY:
+        if self._user_choices.order == ANY:
             run = [position for position in positions.tolist() if position != NONE]
             places = list(dict.fromkeys(run))
             way = "the order " + " ".join(map(self._label, places))
@@ -441,13 +442,13 @@ class _Matcher:
             notes.append(f"{labels} are one attitude: told apart by the way of the table, else by time")
         present = {self._schedule.positions[position].mounting for position in set(positions.tolist()) - {NONE}}
         for same in alike_mountings(self._attitudes.of_position, self._schedule):
-            if self._claims.order == ANY and present >= {*same}:
+            if self._user_choices.order == ANY and present >= {*same}:
                 notes.append(f"{' and '.join(map(str, same))} have the same attitudes: told apart by time")
         missing = sorted(set(range(len(self._schedule.positions))) - set(positions.tolist()))
         if missing:
             notes.append(f"no rest at {', '.join(map(self._label, missing))}")
         if REPEATED in states:
-            notes.append(f"positions that come more than once: the {self._claims.repeats} rest is taken")
+            notes.append(f"positions that come more than once: the {self._user_choices.repeats} rest is taken")
         return tuple(notes)
 
     def _is_among(self, numbers: frozenset[int]) -> Flags:
@@ -474,7 +475,7 @@ def _in_order(nearest: Integers, nearness: Floats, of_position: Integers) -> Ass
     rests, positions = len(nearest), len(of_position)
     worth = np.where(nearest[:, None] == of_position, 1.0 + _NEARER * nearness[:, None] / max(rests, 1), 0.0)
     ahead, behind = _best_ways(worth), _best_ways(worth[::-1, ::-1])[::-1, ::-1]
-    found, doubts = np.full(rests, NONE), {}
+    found, ambiguous = np.full(rests, NONE), {}
     best = ahead[rests, positions]
     rest, position = rests, positions
     while rest and position:
@@ -491,8 +492,8 @@ def _in_order(nearest: Integers, nearness: Floats, of_position: Integers) -> Ass
         through = ahead[rest, :-1] + worth[rest] + behind[rest + 1, 1:]
         others = np.flatnonzero((worth[rest] > 0) & (through > best - 0.5))
         if len(others) > 1:
-            doubts[rest] = tuple(map(int, others))
-    return Assigned(found, doubts)
+            ambiguous[rest] = tuple(map(int, others))
+    return Assigned(found, ambiguous)
 
 
 def _best_ways(worth: Floats) -> Floats:
@@ -523,8 +524,8 @@ def _in_any_order(nearest: Integers, of_position: Integers, schedule: Schedule) 
         if len(places := by_attitude[attitude][mounting]) > 1:
             alike.append(tuple(places))
             _tell_apart(here, places, [rest for rest in used if chosen[rest] == mounting], found, schedule)
-    doubts = {rest: tuple(by_attitude[int(nearest[rest])][m][0] for m in open_to[rest]) for rest in doubtful}
-    return Assigned(found, doubts, tuple(sorted(alike)))
+    ambiguous = {rest: tuple(by_attitude[int(nearest[rest])][m][0] for m in open_to[rest]) for rest in doubtful}
+    return Assigned(found, ambiguous, tuple(sorted(alike)))
 
 
 def alike_mountings(of_position: Integers, schedule: Schedule) -> list[tuple[int, ...]]:

@@ -18,7 +18,7 @@ from tumble.importing import any_pose, can_bus, clocks, labels, match, recording
 from tumble.importing.attitudes import scale_and_bias
 from tumble.importing.can_bus import NO_BUS, Bus
 from tumble.importing.clocks import CONTRADICTED, Timing
-from tumble.importing.match import ANY, JOINED, NONE, POSITIVE, REPEATED, TAKEN, Claims, Doubtful, Matched
+from tumble.importing.match import ANY, JOINED, NONE, POSITIVE, REPEATED, TAKEN, Doubtful, Matched, UserChoices
 from tumble.importing.recording import Choice, Recording
 from tumble.importing.rests import Found, Rests, Thresholds, find_rests
 from tumble.model.geometry import built_in
@@ -40,7 +40,7 @@ class Settings:
     layout: LayoutOptions = NO_LAYOUT_OPTIONS
     timing: Timing = field(default_factory=Timing)
     thresholds: Thresholds = field(default_factory=Thresholds)
-    claims: Claims = field(default_factory=Claims)
+    user_choices: UserChoices = field(default_factory=UserChoices)
     mountings: dict[str, int] = field(default_factory=dict)
     bus: Bus = NO_BUS
     rows: Choice | None = None
@@ -130,10 +130,10 @@ def _imported(files: Sequence[str], schedule: Schedule, settings: Settings, took
     rests, lost = found.rests, list[str]()
     if labelled or (texts and len(schedule.mountings) == len(schedule.positions)):
         rests, lost = labels.labelled_rests(texts, joined.outputs, joined.file_of_row, found, interval)
-    settings.claims.require_rests(len(rests))
+    settings.user_choices.require_rests(len(rests))
     try:
         if labelled:
-            matched = labels.match(rests, schedule, settings.claims, settings.mountings)
+            matched = labels.match(rests, schedule, settings.user_choices, settings.mountings)
         else:
             matched = _matched(rests, schedule, settings)
             names = [] if is_any else texts.get("mounting", [])
@@ -350,24 +350,24 @@ def _joined_clocks(recordings: Sequence[Recording]) -> tuple[Floats | None, floa
 def _matched(rests: Rests, schedule: Schedule, settings: Settings) -> Matched:
     """Raises Doubtful; where no schedule was said, with the one that fits."""
     if settings.schedule == ANY_POSE:
-        return any_pose.matched(rests, settings.claims)
+        return any_pose.matched(rests, settings.user_choices)
     try:
-        matched = match.match(rests, schedule, settings.claims)
+        matched = match.match(rests, schedule, settings.user_choices)
         missing = len(schedule.positions) - len(set(matched.positions.tolist()) - {NONE})
-        if missing and settings.schedule is None and (other := _other_schedule(rests, matched, settings.claims)):
+        if missing and settings.schedule is None and (other := _other_schedule(rests, matched, settings.user_choices)):
             said = f"no schedule is told, and of {DEFAULT_SCHEDULE} {missing} positions have no rest: {other[0]}"
             raise Doubtful(said, other[1])
         return matched
     except Doubtful as doubt:
         if settings.schedule is None and "--schedule" not in str(doubt):
-            other = _other_schedule(rests, None, settings.claims)
+            other = _other_schedule(rests, None, settings.user_choices)
             if other:
                 said = f"no schedule is told, and {DEFAULT_SCHEDULE} does not fit: {other[0]}"
                 raise Doubtful(said, other[1]) from None
         raise
 
 
-def _other_schedule(rests: Rests, matched: Matched | None, claims: Claims) -> tuple[str, Remedy] | None:
+def _other_schedule(rests: Rests, matched: Matched | None, user_choices: UserChoices) -> tuple[str, Remedy] | None:
     """Advice, and its options, where another built-in schedule is found as a whole, and explains nearly all rests: of
     those that are, the one of most positions."""
     explained = max(_EXPLAINED * len(rests), 0 if matched is None else _explained(matched))
@@ -376,17 +376,17 @@ def _other_schedule(rests: Rests, matched: Matched | None, claims: Claims) -> tu
         if name == DEFAULT_SCHEDULE:
             continue
         schedule = built_in(name)
-        for order in dict.fromkeys((claims.order, ANY)):
-            signs = claims.signs or POSITIVE
-            tried = replace(claims, order=order, signs=signs, repeats=claims.repeats or "first")
+        for order in dict.fromkeys((user_choices.order, ANY)):
+            signs = user_choices.signs or POSITIVE
+            tried = replace(user_choices, order=order, signs=signs, repeats=user_choices.repeats or "first")
             try:
                 other = match.match(rests, schedule, tried)
             except Doubtful:
                 continue
             whole = set(range(len(schedule.positions))) <= set(other.positions.tolist())
             if whole and _explained(other) >= explained:
-                options = f"--schedule {name}" + (" --order any" if order != claims.order else "")
-                said = {"schedule": name} | ({"order": ANY} if order != claims.order else {})
+                options = f"--schedule {name}" + (" --order any" if order != user_choices.order else "")
+                said = {"schedule": name} | ({"order": ANY} if order != user_choices.order else {})
                 advice.setdefault(len(schedule.positions), (f"all of {name} have: {options}", Remedy(said)))
     return advice[max(advice)] if advice else None
 
@@ -461,9 +461,9 @@ def _about_rate(rate_hz: float | None, interval: float | None, rests: Rests, mat
 
 def _rate_hint(recordings: Sequence[Recording], rests: Rests, rate_hz: float | None) -> str:
     """Behind a refusal: that the rate which the user says may be why; empty where nothing speaks for that."""
-    doubts = [note for one in recordings for note in one.notes if note.startswith(CONTRADICTED)]
-    if doubts:
-        return f"; {doubts[0]}"
+    contradictions = [note for one in recordings for note in one.notes if note.startswith(CONTRADICTED)]
+    if contradictions:
+        return f"; {contradictions[0]}"
     return "" if rate_hz is None or len(rests) >= _FEWEST_RESTS else f"; is --rate {rate_hz:g} right?"
 
 

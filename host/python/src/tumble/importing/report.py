@@ -104,7 +104,7 @@ def _thresholds(found: doc.Import) -> list[str]:
 
 def document(done: Imported) -> doc.Import:
     """All that an import found."""
-    claims, limits, positions = done.settings.claims, done.settings.thresholds, done.schedule.positions
+    user_choices, limits, positions = done.settings.user_choices, done.settings.thresholds, done.schedule.positions
     timed, present = done.seconds is not None, set(done.matched.positions.tolist())
     return doc.Import(
         tumble=__version__,
@@ -114,8 +114,8 @@ def document(done: Imported) -> doc.Import:
         ),
         schedule=os.path.basename(done.settings.schedule_name),
         unit=done.unit if done.unit_told else None,
-        order=claims.order,
-        signs=claims.signs,
+        order=user_choices.order,
+        signs=user_choices.signs,
         by_labels=done.labelled,
         thresholds=doc.Thresholds(
             window_s=limits.window_s if timed else None,
@@ -124,7 +124,7 @@ def document(done: Imported) -> doc.Import:
             min_rest_samples=None if timed else limits.min_rest_samples,
             still=limits.still,
             drift=limits.drift,
-            tolerance_deg=round(math.degrees(claims.tolerance), 6),
+            tolerance_deg=round(math.degrees(user_choices.tolerance), 6),
         ),
         noise=done.found.noise,
         rests=tuple(_rest(done, index) for index in range(len(done.rests))),
@@ -198,7 +198,7 @@ def read_recipe(file: str) -> Settings:
     tolerance, signs = main.number("tolerance_deg", 0.01, 45.0, default=None), main.text("signs", default=None)
     if signs is not None and parse_signs(signs) is None:
         raise BadInput(f"signs {quoted(signs)} are not three of + and -, of x, y and z", file)
-    claims = match.Claims(
+    user_choices = match.UserChoices(
         signs=None if signs is None else parse_signs(signs),
         order=main.choice("order", (match.SCHEDULE, match.ANY), default=match.SCHEDULE),
         repeats=main.choice("repeats", match.REPEATS, default=None),
@@ -216,7 +216,7 @@ def read_recipe(file: str) -> Settings:
             unit=main.choice("time_unit", tuple(UNITS), default=None),
         ),
         thresholds=_toml_thresholds(table("thresholds")),
-        claims=claims if tolerance is None else replace(claims, tolerance=math.radians(tolerance)),
+        user_choices=user_choices if tolerance is None else replace(user_choices, tolerance=math.radians(tolerance)),
         mountings={name: mountings.integer(name, 1, 255) for name in sorted(mountings.keys)},
         bus=_bus(table("can").only("dbc", "identifier", "channel", "v_per_count")),
         rows=None if rows is None else Choice.parsed(rows),
@@ -252,15 +252,15 @@ def parse_signs(text: str) -> Signs | None:
 
 def recipe_text(settings: Settings) -> str:
     """A recipe's text, which reads back as the same settings but for rests that are left out or taken."""
-    claims, timing, options = settings.claims, settings.timing, settings.layout
-    signs = None if claims.signs is None else "".join("+" if sign > 0 else "-" for sign in claims.signs)
+    user_choices, timing, options = settings.user_choices, settings.timing, settings.layout
+    signs = None if user_choices.signs is None else "".join("+" if sign > 0 else "-" for sign in user_choices.signs)
     tables: dict[str, dict[str, object]] = {
         "import": {
             "schedule": settings.schedule_name,
-            "order": claims.order,
+            "order": user_choices.order,
             "signs": signs,
-            "repeats": claims.repeats,
-            "tolerance_deg": round(math.degrees(claims.tolerance), 9),
+            "repeats": user_choices.repeats,
+            "tolerance_deg": round(math.degrees(user_choices.tolerance), 9),
             "rate_hz": timing.rate_hz,
             "time_unit": timing.unit,
         },

@@ -220,7 +220,7 @@ class Fit:
         return any(name not in BY_NAME or BY_NAME[name].whose != STAND for name in others)
 
     @property
-    def doubts(self) -> tuple[str, ...]:
+    def stand_doubts(self) -> tuple[str, ...]:
         """The declared sources among the explanations."""
         named = [name for explanation in self.explanations for name in explanation.patterns]
         return tuple(name for name in DOUBTS if name in named)

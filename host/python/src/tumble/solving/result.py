@@ -133,7 +133,7 @@ def document_of(
         monte_carlo=None if solution.monte_carlo is None else _monte_carlo(solution.monte_carlo),
         misfit=None if fit is None else fit.misfit,
         fit=None if fit is None else fit_of(fit),
-        stand_doubts=None if fit is None else fit.doubts,
+        stand_doubts=None if fit is None else fit.stand_doubts,
         reliability=None if solution.reliability is None else unseen(solution.reliability),
         reliability_norm_g=None if solution.reliability is None else reliability.largest(solution.reliability),
         passed=decision.passed,

@@ -148,12 +148,12 @@ def _calibrate(files: list[str], out: BinaryIO, demand: Demand, known_c: Tempera
 
 
 def _tell_of_doubts(seen: Seen, known_c: Temperature | None, demand: Demand, file: str) -> None:
-    from tumble.api.result import doubts
+    from tumble.api.result import warnings_of
 
     if not seen.unit_told:
         taken = f"{demand.unit}, as in the result{'' if demand.unit_told else ', whose run names none either'}"
         tell(f"tumble: notice: {file_name(file)}: no unit in its header (as ux [V]): outputs taken for {taken}")
-    warn(doubts(seen, known_c, demand), file)
+    warn(warnings_of(seen, known_c, demand), file)
 
 
 def _tell_of_names(renamed: dict[str, str], file: str) -> None:

@@ -192,8 +192,8 @@ def _settings(arguments: argparse.Namespace, replayed: bool, signs: Signs | None
     mountings = None if arguments.mountings is None else _parse_mountings(arguments.mountings)
     thresholds = _thresholds(arguments, base.thresholds)
     degrees = None if arguments.tolerance is None else _positive(arguments.tolerance, "--tolerance", 45.0)
-    claims = _with(
-        base.claims,
+    user_choices = _with(
+        base.user_choices,
         signs=signs,
         order=arguments.order,
         tolerance=degrees and math.radians(degrees),
@@ -216,7 +216,7 @@ def _settings(arguments: argparse.Namespace, replayed: bool, signs: Signs | None
         "layout": layout,
         "timing": _with(timing, unit=arguments.time_unit),
         "bus": bus,
-        "claims": claims,
+        "user_choices": user_choices,
     }
     return _with(base, schedule=arguments.schedule, thresholds=thresholds, mountings=mountings, **parts)
 
