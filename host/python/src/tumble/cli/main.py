@@ -92,8 +92,8 @@ def _actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
                 yield from _actions(command)
 
 
-def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
-    """With all commands; or with the one that is among the `words`, and of the others the names, and what they are
+def _parser(arguments: Sequence[str] | None = None) -> argparse.ArgumentParser:
+    """With all commands; or with the one that is among the `arguments`, and of the others the names, and what they are
     about."""
     parser = _Parser(
         prog="tumble",
@@ -107,9 +107,9 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
         metavar="SHELL",
         help=f"print what makes {errors.listed(SHELLS, 'or')} complete commands and options, and exit",
     )
-    all_of_them = words is None or any(word.startswith("--print-completion") for word in words)
+    all_of_them = arguments is None or any(word.startswith("--print-completion") for word in arguments)
     names = {name for one, command in COMMANDS.items() for name in (one, *command.aliases)}
-    named = next((word for word in words or () if word in names), None)
+    named = next((word for word in arguments or () if word in names), None)
     subparsers = parser.add_subparsers(metavar="COMMAND")
     for name, command in COMMANDS.items():
         description = f"{command.about[0].upper()}{command.about[1:]}."
@@ -145,14 +145,14 @@ def _prepare_output() -> None:
         sys.stdout.reconfigure(errors="backslashreplace")
 
 
-def parse(words: list[str]) -> int:
+def parse(arguments: list[str]) -> int:
     """Everything but the run, for host/python/usage.py, whose exit codes these are."""
     try:
         _prepare_output()
-        if not words:
+        if not arguments:
             _help(_parser(()))
             return ANSWERED
-        _parser(words).parse_args(words)
+        _parser(arguments).parse_args(arguments)
     except SystemExit:
         return ANSWERED
     except errors.UsageError as error:
@@ -172,8 +172,8 @@ def main(argv: list[str] | None = None, *, interruptible: bool = False) -> int:
         if interruptible:
             interruption.watch()
         _prepare_output()
-        words = sys.argv[1:] if argv is None else argv
-        arguments = _parser(words).parse_args(words)
+        given = sys.argv[1:] if argv is None else argv
+        arguments = _parser(given).parse_args(given)
         choose_estimator(arguments)
         code: int = arguments.run_command(arguments)
         sys.stdout.flush()

@@ -162,19 +162,19 @@ def _remedy(refusal: TumbleError, arguments: argparse.Namespace) -> str:
     if found is None:
         return ""
     heading = f"remedy, if {found.condition}:" if found.condition else "remedy:"
-    return "\n".join([heading, *_command_lines(*_words(changed(dict(found.options))))])
+    return "\n".join([heading, *_command_lines(*_command_parts(changed(dict(found.options))))])
 
 
-def _words(arguments: argparse.Namespace) -> list[list[str]]:
-    """The command that these options make: the words of each line's part."""
-    words = [[os.environ.get("TUMBLE_PROGRAM", "tumble"), "import"], *([one] for one in arguments.recordings)]
+def _command_parts(arguments: argparse.Namespace) -> list[list[str]]:
+    """The command that these options make: the arguments of each part of a line."""
+    parts = [[os.environ.get("TUMBLE_PROGRAM", "tumble"), "import"], *([one] for one in arguments.recordings)]
     for action in arguments.parser._actions:
         value, option = getattr(arguments, action.dest, None), (action.option_strings or [""])[-1]
         if option and value is True:
-            words.append([option])
+            parts.append([option])
         elif option and isinstance(value, str):
-            words.append([f"{option}={value}"] if value.startswith("-") or option == "--signs" else [option, value])
-    return words
+            parts.append([f"{option}={value}"] if value.startswith("-") or option == "--signs" else [option, value])
+    return parts
 
 
 def _settings(arguments: argparse.Namespace, replayed: bool, signs: Signs | None) -> Settings:
@@ -295,10 +295,10 @@ def _after_import(done: Imported, run: str | None, stand: str | None) -> str:
 
     if run is None:
         return "\nNext: the same with --out RUN.csv, which writes the run file for tumble solve.\n"
-    words = [os.environ.get("TUMBLE_PROGRAM", "tumble"), "solve", run]
+    command = [os.environ.get("TUMBLE_PROGRAM", "tumble"), "solve", run]
     if done.settings.schedule_name != DEFAULT_SCHEDULE:
-        words += ["--schedule", done.settings.schedule_name]
-    words += [] if stand is None else ["--stand", stand]
+        command += ["--schedule", done.settings.schedule_name]
+    command += [] if stand is None else ["--stand", stand]
     present = set(done.matched.positions.tolist())
     measured = done.schedule.part(index in present for index in range(len(done.schedule.positions)))
     if layout(done.schedule) is not None:
@@ -308,18 +308,18 @@ def _after_import(done: Imported, run: str | None, stand: str | None) -> str:
                 "\ninclinations on both sides of the level, three or more, turned in equal steps.\n"
             )
     elif default_estimator(CoreSchedule(measured)) != default_estimator(CoreSchedule(done.schedule)):
-        words += ["--estimator", LEAST_SQUARES]  # of the positions that were found
-    words += ["--out", os.path.join(os.path.dirname(run), "result.json")]  # which apply and report take
-    lines = _command_lines(words[:2], words[2:3], *zip(words[3::2], words[4::2]))
+        command += ["--estimator", LEAST_SQUARES]  # of the positions that were found
+    command += ["--out", os.path.join(os.path.dirname(run), "result.json")]  # which apply and report take
+    lines = _command_lines(command[:2], command[2:3], *zip(command[3::2], command[4::2]))
     if done.settings.schedule_name == "six_faces" and stand is None:
         lines += ["Its limit is a rotary stand's: import faces that were laid by hand with", "  --schedule hand_laid"]
     return "\n".join(["", "Next:", *lines, ""])
 
 
 def _command_lines(first: Sequence[str], *parts: Sequence[str]) -> list[str]:
-    """A command on lines that a shell joins; the words of a part stay together."""
+    """A command on lines that a shell joins; the arguments of one part stay together."""
     lines = ["  " + " ".join(map(shlex.quote, first))]
-    for part in (" ".join(map(shlex.quote, words)) for words in parts):
+    for part in (" ".join(map(shlex.quote, arguments)) for arguments in parts):
         if len(lines[-1]) + len(part) + len("  \\") > _WIDTH:
             lines[-1] += " \\"
             lines.append(f"    {part}")

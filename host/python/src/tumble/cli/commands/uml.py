@@ -15,7 +15,7 @@ def describe(parser: argparse.ArgumentParser) -> None:
     parser.epilog = (
         "Exit codes: the command's; 3 user-mode Linux does not start or hangs, 77 it is not installed, 130 interrupted."
     )
-    parser.add_argument("words", metavar="COMMAND ...", nargs=argparse.REMAINDER, help="default: a shell")
+    parser.add_argument("command", metavar="COMMAND ...", nargs=argparse.REMAINDER, help="default: a shell")
     parser.set_defaults(run_command=run)
 
 
@@ -23,5 +23,5 @@ def run(arguments: argparse.Namespace) -> int:
     """Run it. Returns its exit code; raises TumbleError."""
     from tumble.world import uml
 
-    words = arguments.words
-    return uml.run_command(words[1:] if words[:1] == ["--"] else words)
+    command = arguments.command
+    return uml.run_command(command[1:] if command[:1] == ["--"] else command)
