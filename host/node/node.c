@@ -76,7 +76,7 @@ static bool is_of_a_run(tumble_state_t state)
 /* Whoever stands at the bench reads what is wanted of him; he answers by SDO. */
 static void ask(const node_t *node, const tumble_progress_t *progress)
 {
-    const bench_question_t question = bench_person_question(progress);
+    const bench_question_t question = bench_operator_question(progress);
     if (question.kind != BENCH_QUESTION_NONE) {
         bench_progress_question(&node->world, &question, &(bench_json_t){.out = node->progress.stream});
     }

@@ -28,7 +28,7 @@ typedef enum {
     SIM_CAUSE_BUS_FAULT,     /* which frames a fault picks, which bit it flips; index: number of the fault */
     SIM_CAUSE_SETTLING,      /* phase of the table's oscillation */
     SIM_CAUSE_POWER_ON,      /* where the table stands before homing */
-    SIM_CAUSE_LIFE,          /* a life of the fault campaign; index: what is drawn (world/lives.h) */
+    SIM_CAUSE_CAMPAIGN,      /* a run of the fault campaign; index: what is drawn (world/fault_campaign.h) */
     SIM_CAUSE_PLATFORM,      /* theta_h of the platform */
     SIM_CAUSE_SEAT,          /* theta_h, then theta_n of the seat; index: number of the mounting */
     SIM_CAUSE_ENCODER,       /* the four numbers of its errors */

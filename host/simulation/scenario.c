@@ -44,7 +44,7 @@ void sim_scenario_defaults(sim_scenario_t *scenario)
         .axis_tilt_rad = 2e-5, .level_rad = 2e-5, .remount_rad = 4e-4, .angle_rad = 4e-5, .law = SIM_LAW_SIGMA1};
     default_block(&scenario->block);
     default_drive(&scenario->drive);
-    scenario->person = (sim_operator_config_t){.mount_s = 1.0, .incline_s = 1.0, .turn_s = 2.0, .mend_s = -1.0};
+    scenario->operator = (sim_operator_config_t){.mount_s = 1.0, .incline_s = 1.0, .turn_s = 2.0, .mend_s = -1.0};
     scenario->bits_per_second = 500000;
     scenario->schedule = tumble_schedule_paper;
 }

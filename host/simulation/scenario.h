@@ -113,7 +113,7 @@ typedef struct {
     sim_stand_t stand;
     sim_block_config_t block;
     sim_drive_config_t drive;
-    sim_operator_config_t person;
+    sim_operator_config_t operator;
     uint32_t bits_per_second;
     sim_fault_t faults[SIM_MAX_FAULTS];
     uint32_t fault_count;

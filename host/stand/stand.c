@@ -149,7 +149,7 @@ static bool take_answers(stand_answers_t *answers, int fd, stand_operator_t *ope
     return true;
 }
 
-static void listen_to_person(stand_t *stand)
+static void listen_to_operator(stand_t *stand)
 {
     if (stand->listening && !take_answers(&stand->answers, STDIN_FILENO, &stand->operator, &stand->world)) {
         stand->listening = false;
@@ -211,7 +211,7 @@ int stand_run(const bench_config_t *config, const stand_options_t *options)
     stand.listening = options->operator == STAND_OPERATOR_ASKS && events_watch(&stand.events, STDIN_FILENO);
     do {
         catch_up(&stand);
-        listen_to_person(&stand);
+        listen_to_operator(&stand);
         events_wait(&stand.events, stand.start_us + next_us(&stand));
     } while (!has_ended(&stand));
     catch_up(&stand); /* what had come by then */

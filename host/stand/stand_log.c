@@ -33,25 +33,25 @@ void stand_log_answer(const stand_operator_t *before, const stand_operator_t *no
     }
 }
 
-static void look_at_person(stand_log_t *log, const bench_world_t *world)
+static void look_at_operator(stand_log_t *log, const bench_world_t *world)
 {
     const tumble_schedule_t *const schedule = &world->config->scenario.schedule;
     for (uint32_t i = 0; i < schedule->mounting_count; i++) {
         const unsigned number = schedule->mountings[i].number;
-        if (world->person.mounted[i] != log->mounted[i]) {
-            const bool inclined = world->person.inclined;
+        if (world->operator.mounted[i] != log->mounted[i]) {
+            const bool inclined = world->operator.inclined;
             event_log_tell(EVENT_LOG_NOTICE, inclined ? "inclined" : "mounted",
                            EVENT_FIELDS(EVENT_WHOLE("mounting", number)),
                            inclined ? "the stand is inclined as mounting %u has it, the block still bolted on"
                                     : "the block is on the table in mounting %u",
                            number);
         }
-        log->mounted[i] = world->person.mounted[i];
+        log->mounted[i] = world->operator.mounted[i];
     }
-    if (world->person.mended != log->mended) {
+    if (world->operator.mended != log->mended) {
         event_log_tell(EVENT_LOG_NOTICE, "mended", NULL, "what was broken is mended");
     }
-    log->mended = world->person.mended;
+    log->mended = world->operator.mended;
 }
 
 /* What breaks. */
@@ -73,7 +73,7 @@ void stand_log_look(stand_log_t *log, const bench_world_t *world, const can_sock
     if (!event_log_is_on()) {
         return;
     }
-    look_at_person(log, world);
+    look_at_operator(log, world);
     look_at_faults(log, world);
     link_log_look(&log->link, can);
 }

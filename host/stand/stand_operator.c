@@ -64,8 +64,8 @@ static void tell_simulation(bench_world_t *world)
 /* How long he takes; below 0: he does nothing by himself. */
 static double time_for(const stand_operator_t *operator, const bench_world_t *world, const bench_question_t *question)
 {
-    const sim_operator_config_t *const config = &world->config->scenario.person;
-    const bool mends = question->kind == BENCH_QUESTION_FAULT && world->person.mended < config->mends;
+    const sim_operator_config_t *const config = &world->config->scenario.operator;
+    const bool mends = question->kind == BENCH_QUESTION_FAULT && world->operator.mended < config->mends;
     if (question->kind != BENCH_QUESTION_MOUNTING && !mends) {
         return -1.0;
     }
@@ -84,7 +84,7 @@ static void drop_command(stand_operator_t *operator)
 static void act(stand_operator_t *operator, bench_world_t *world);
 
 /* Another question, or none. What a person has begun meanwhile goes on. */
-static void ask_person(stand_operator_t *operator, bench_world_t *world)
+static void ask_operator(stand_operator_t *operator, bench_world_t *world)
 {
     if (operator->question.kind != BENCH_QUESTION_NONE && world->clock.now_us < operator->early_us) {
         operator->early_us = 0;
@@ -96,7 +96,7 @@ static void look(stand_operator_t *operator, bench_world_t *world)
 {
     const bench_question_t question = (operator->kind == STAND_OPERATOR_NONE)
                                           ? (bench_question_t){.kind = BENCH_QUESTION_NONE}
-                                          : bench_person_question(&world->progress);
+                                          : bench_operator_question(&world->progress);
     const bool starting = operator->command == (uint8_t)TUMBLE_COMMAND_START;
     if (operator->starts && world->progress.state == TUMBLE_STATE_IDLE && !starting) {
         operator->act_us = world->clock.now_us;
@@ -111,13 +111,13 @@ static void look(stand_operator_t *operator, bench_world_t *world)
         return;
     }
     if (operator->kind == STAND_OPERATOR_FOLLOWS) {
-        bench_person_follow(world, &operator->question);
+        bench_operator_follow(world, &operator->question);
         operator->question = question;
         return;
     }
     operator->question = question;
     if (operator->kind == STAND_OPERATOR_ASKS) {
-        ask_person(operator, world);
+        ask_operator(operator, world);
         return;
     }
     const double time_s = time_for(operator, world, &question);
@@ -186,12 +186,12 @@ static void act(stand_operator_t *operator, bench_world_t *world)
         return;
     }
     if (question->kind == BENCH_QUESTION_FAULT) {
-        world->person.mended++;
+        world->operator.mended++;
         bench_fault_script_mend(world);
     }
-    const bool mounts = question->kind == BENCH_QUESTION_MOUNTING || bench_person_must_mount(question->reason);
+    const bool mounts = question->kind == BENCH_QUESTION_MOUNTING || bench_operator_must_mount(question->reason);
     if (mounts) {
-        bench_person_mount(world, question->mounting);
+        bench_operator_mount(world, question->mounting);
     }
     if (operator->kind == STAND_OPERATOR_HANDS) {
         operator->act_us = SIM_NEVER;
@@ -210,7 +210,7 @@ bool stand_operator_answer(stand_operator_t *operator, bench_world_t *world, con
             return false;
         }
         operator->early_us = world->clock.now_us + EARLY_US;
-        ask_person(operator, world);
+        ask_operator(operator, world);
     } else if (strcmp(line, "abort") == 0) {
         give(operator, world, TUMBLE_COMMAND_ABORT, 0);
     } else if (sscanf(line, "repeat position %3u%c", &number, &end) == 1 && number <= UINT8_MAX) {

@@ -111,7 +111,7 @@ static void on_change(void *context, const tumble_progress_t *progress)
     world_t *const world = context;
     world->happened |= WORLD_CHANGE;
     if (world->operator == WORLD_ON_CONFIRM) {
-        bench_person_follow(&world->world, &world->world.person.question);
+        bench_operator_follow(&world->world, &world->world.operator.question);
     }
 }
 
@@ -333,7 +333,7 @@ const char *world_turn_table(world_t *world, double angle_deg, double speed_deg_
 
 const char *world_answer(world_t *world, world_answer_t answer, uint8_t argument)
 {
-    const tumble_status_t status = bench_person_answer(&world->world, answer, argument);
+    const tumble_status_t status = bench_operator_answer(&world->world, answer, argument);
     return (status == TUMBLE_OK) ? NULL : tumble_status_sentence(status);
 }
 
@@ -436,7 +436,7 @@ const char *world_document(world_t *world)
 const char *world_event(world_t *world, unsigned happened)
 {
     const bench_world_t *const own = &world->world;
-    const bench_question_t *const question = &own->person.question;
+    const bench_question_t *const question = &own->operator.question;
     bench_json_t json = {.text = world->text, .room = sizeof world->text};
     tumble_navcomp_progress_t progress;
     switch (happened) {

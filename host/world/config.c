@@ -81,7 +81,7 @@ void bench_config_defaults(bench_config_t *config)
     default_averaging(&config->averaging);
     default_procedure(&config->procedure);
     default_profile(&config->profile);
-    config->person = (tumble_operator_config_t){.tolerance_deg = 0.1, .timeout_ms = 600000};
+    config->operator = (tumble_operator_config_t){.tolerance_deg = 0.1, .timeout_ms = 600000};
     default_keeping(&config->keeping);
     config->heartbeat_ms = tumble_standard_navcomp.heartbeat_ms;
     config->heartbeat_timeout_ms = tumble_standard_navcomp.heartbeat_timeout_ms;

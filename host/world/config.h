@@ -43,7 +43,7 @@ typedef struct {
  * and the type of its object there, the member of bench_config_t that is its profile, its node on the bus (0: none). */
 #define BENCH_STAND_LIST(X)                                                                                            \
     X(DRIVE, "drive", tumble_drive402_kind, tumble_drive402_t, profile, 2)                                             \
-    X(OPERATOR, "operator", tumble_operator_kind, tumble_operator_t, person, 0)
+    X(OPERATOR, "operator", tumble_operator_kind, tumble_operator_t, operator, 0)
 
 typedef enum {
 #define BENCH_STAND_ENUM(name, word, kind, type, profile, node) BENCH_STAND_##name,
@@ -76,7 +76,7 @@ typedef struct {
     tumble_run_noise_t noise; /* working memory of what it is told */
     tumble_drive_profile_t profile;
     bench_profile_lists_t lists;
-    tumble_operator_config_t person;
+    tumble_operator_config_t operator;
     bench_keeping_t keeping; /* of a firmware that has non-volatile memory */
     uint16_t heartbeat_ms;
     uint16_t heartbeat_timeout_ms;

@@ -17,7 +17,7 @@
 #define SENSOR(member) AT(scenario.block.sensor.member)
 #define TEMPERATURE(member) AT(scenario.block.sensor.temperature.member)
 #define DRIVE(member) AT(scenario.drive.member)
-#define PERSON(member) AT(scenario.person.member)
+#define OF_OPERATOR(member) AT(scenario.operator.member)
 #define KEEPING(member) AT(keeping.member)
 #define LIMITS(member) AT(keeping.settings.limits.member)
 
@@ -123,18 +123,18 @@ const bench_key_t bench_config_keys[] = {
     TUMBLE_PROCEDURE_FIELDS(PROCEDURE_KEY)
     TUMBLE_AVERAGING_FIELDS(AVERAGING_KEY)
 
-    {"operator.mount_s", BENCH_F64, 1, PERSON(mount_s), -1, 1e6, "s to mount and confirm; below 0: never confirms"},
-    {"operator.incline_s", BENCH_F64, 1, PERSON(incline_s), -1, 1e6,
+    {"operator.mount_s", BENCH_F64, 1, OF_OPERATOR(mount_s), -1, 1e6, "s to mount and confirm; below 0: never confirms"},
+    {"operator.incline_s", BENCH_F64, 1, OF_OPERATOR(incline_s), -1, 1e6,
      "s to incline the stand, the block bolted on, and confirm; below 0: never"},
-    {"operator.turn_s", BENCH_F64, 1, PERSON(turn_s), -1, 1e6, "s to turn a dividing head; below 0: never"},
-    {"operator.wrong_mounting", BENCH_U8, 1, PERSON(wrong_mounting), 0, 255, "asked for this mounting, ..."},
-    {"operator.mounted_instead", BENCH_U8, 1, PERSON(mounted_instead), 0, 255,
+    {"operator.turn_s", BENCH_F64, 1, OF_OPERATOR(turn_s), -1, 1e6, "s to turn a dividing head; below 0: never"},
+    {"operator.wrong_mounting", BENCH_U8, 1, OF_OPERATOR(wrong_mounting), 0, 255, "asked for this mounting, ..."},
+    {"operator.mounted_instead", BENCH_U8, 1, OF_OPERATOR(mounted_instead), 0, 255,
      "... this one is mounted the first time"},
-    {"operator.mend_s", BENCH_F64, 1, PERSON(mend_s), -1, 1e6, "s to mend a fault and go on; below 0: does not"},
-    {"operator.mends", BENCH_U32, 1, PERSON(mends), 0, WHOLE_32, "how many faults are mended"},
-    {"operator.tolerance_deg", BENCH_F64, 1, AT(person.tolerance_deg), 0, 360,
+    {"operator.mend_s", BENCH_F64, 1, OF_OPERATOR(mend_s), -1, 1e6, "s to mend a fault and go on; below 0: does not"},
+    {"operator.mends", BENCH_U32, 1, OF_OPERATOR(mends), 0, WHOLE_32, "how many faults are mended"},
+    {"operator.tolerance_deg", BENCH_F64, 1, AT(operator.tolerance_deg), 0, 360,
      "deg; a confirmed angle may be so far off"},
-    {"operator.timeout_ms", BENCH_U32, 1, AT(person.timeout_ms), 1, WHOLE_32, "ms; of one request"},
+    {"operator.timeout_ms", BENCH_U32, 1, AT(operator.timeout_ms), 1, WHOLE_32, "ms; of one request"},
 
     {"bus.bits_per_second", BENCH_U32, 1, AT(scenario.bits_per_second), 125000, 1e6,
      "125000, 250000, 500000 or 1000000"},

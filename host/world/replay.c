@@ -95,7 +95,7 @@ static void note_state(recorder_t *recorder, uint64_t time_us, tumble_state_t st
         add_command(recorder, time_us, TUMBLE_COMMAND_CONFIRM_MOUNTING);
     } else if (before == TUMBLE_STATE_FAULT) {
         add_command(recorder, time_us,
-                    bench_person_must_mount(reason_before) ? TUMBLE_COMMAND_CONFIRM_MOUNTING : TUMBLE_COMMAND_RESUME);
+                    bench_operator_must_mount(reason_before) ? TUMBLE_COMMAND_CONFIRM_MOUNTING : TUMBLE_COMMAND_RESUME);
     }
 }
 

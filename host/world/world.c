@@ -56,7 +56,7 @@ static void init_block(bench_world_t *world)
         sim_bus_set_deaf(&world->bus, BENCH_BUS_BLOCK, FIRST_PDO_ID, LAST_PDO_ID);
     }
     bench_world_mount(world, 0);
-    world->person.mounted[0] = 0; /* it merely lies there */
+    world->operator.mounted[0] = 0; /* it merely lies there */
 }
 
 tumble_navcomp_config_t bench_navcomp_config(const bench_config_t *config, const tumble_port_t *port,
@@ -124,7 +124,7 @@ tumble_status_t bench_world_init(bench_world_t *world, const bench_config_t *con
     world->bus.tap = watcher->on_frame;
     world->bus.tap_context = watcher->context;
     sim_truth_draw(&world->truth, &config->scenario, seed);
-    bench_person_init(world);
+    bench_operator_init(world);
     init_table(world);
     init_block(world);
     bench_fault_script_init(world);
@@ -177,7 +177,7 @@ static void look_for_end(bench_world_t *world)
     if (state == TUMBLE_STATE_DONE) {
         end_with(world, WORLD_DONE);
     } else if (was_reset || state == TUMBLE_STATE_ABORT ||
-               (state == TUMBLE_STATE_FAULT && !bench_person_is_awaited(world))) {
+               (state == TUMBLE_STATE_FAULT && !bench_operator_is_awaited(world))) {
         end_with(world, WORLD_FAULT);
     }
 }
@@ -187,7 +187,7 @@ static void step_navcomp(bench_world_t *world)
     tumble_navcomp_step(&world->navcomp);
     world->steps++;
     if (look_at_procedure(world) || world->config->stand == BENCH_STAND_OPERATOR) { /* who may ask for an angle */
-        bench_person_look(world);
+        bench_operator_update(world);
     }
     look_for_end(world);
     const uint64_t next_us = tumble_navcomp_next_deadline_us(&world->navcomp);
@@ -213,7 +213,7 @@ static void dispatch(bench_world_t *world, sim_actor_t actor)
         sim_drive_on_alarm(&world->drive);
         break;
     case SIM_ACTOR_OPERATOR:
-        bench_person_on_alarm(world);
+        bench_operator_on_alarm(world);
         break;
     case SIM_ACTOR_FAULTS:
         bench_fault_script_on_alarm(world);
@@ -298,7 +298,7 @@ static bool was_bolted_on(const bench_world_t *world, uint8_t index)
     const uint8_t first = sim_first_of_bolting(schedule, index);
     bool was = false;
     for (uint8_t m = 0; m < schedule->mounting_count; m++) {
-        was = was || (world->person.mounted[m] > 0U && sim_first_of_bolting(schedule, m) == first);
+        was = was || (world->operator.mounted[m] > 0U && sim_first_of_bolting(schedule, m) == first);
     }
     return was;
 }
@@ -306,7 +306,7 @@ static bool was_bolted_on(const bench_world_t *world, uint8_t index)
 static bool stays_bolted(const bench_world_t *world, uint8_t index)
 {
     const tumble_mounting_t *const mountings = world->config->scenario.schedule.mountings;
-    return mountings[index].bolting > 0U && mountings[index].bolting == mountings[world->person.on_table].bolting;
+    return mountings[index].bolting > 0U && mountings[index].bolting == mountings[world->operator.on_table].bolting;
 }
 
 bool bench_world_inclines(const bench_world_t *world, uint8_t index)
@@ -317,20 +317,20 @@ bool bench_world_inclines(const bench_world_t *world, uint8_t index)
 void bench_world_mount(bench_world_t *world, uint8_t index)
 {
     const sim_scenario_t *const scenario = &world->config->scenario;
-    bench_person_t *const person = &world->person;
+    bench_operator_t *const operator = &world->operator;
     const bool stays = stays_bolted(world, index);
     const bool again = was_bolted_on(world, index);
     sim_geometry_t geometry;
     if (stays) {
-        sim_truth_keep_bolting(&world->truth, person->on_table, index);
+        sim_truth_keep_bolting(&world->truth, operator->on_table, index);
     } else if (again) {
         sim_truth_remount(&world->truth, scenario, index);
     }
-    if (person->mounted[index]++ > 0U) {
+    if (operator->mounted[index]++ > 0U) {
         sim_truth_incline(&world->truth, scenario, index);
     }
-    person->on_table = index;
-    person->inclined = stays && again;
+    operator->on_table = index;
+    operator->inclined = stays && again;
     const sim_seat_t seat = sim_truth_seat(&world->truth, scenario, index);
     sim_geometry_init(&geometry, &scenario->schedule.mountings[index], &seat);
     sim_block_mount(&world->block, &geometry);

@@ -27,7 +27,7 @@ enum { BENCH_BUS_NAVCOMP = 0, BENCH_BUS_DRIVE, BENCH_BUS_BLOCK, BENCH_BUS_GUEST 
 /* A mark that no procedure has. */
 #define BENCH_LOOK_AGAIN UINT32_MAX
 
-/* The operator (person.h). */
+/* The operator (simulated_operator.c). */
 
 typedef enum {
     BENCH_QUESTION_NONE = 0,
@@ -52,7 +52,7 @@ typedef struct {
     uint32_t mounted[TUMBLE_MAX_MOUNTINGS]; /* how often each was put on the table */
     uint8_t on_table;                       /* the last of these, by its index */
     bool inclined;                          /* the block was bolted on before, and only the stand inclined */
-} bench_person_t;
+} bench_operator_t;
 
 /* The faults of the scenario (fault_script.h). */
 
@@ -76,7 +76,7 @@ typedef struct {
     void (*on_sample)(void *context, tumble_taken_t taken, const tumble_block_sample_t *sample);
     /* A frame went over the bus. */
     sim_bus_tap_t on_frame;
-    /* A person is needed; true: answered by way of person.h; false: the simulated one acts. */
+    /* A person is needed; true: answered by way of simulated_operator.c; false: the simulated one acts. */
     bool (*on_question)(void *context, const bench_question_t *question);
     /* There is still something to do before the run may end. */
     bool (*is_busy)(void *context);
@@ -103,7 +103,7 @@ typedef struct bench_world {
     sim_axis_t hand;
     sim_block_t block;
     bench_fault_script_t script;
-    bench_person_t person;
+    bench_operator_t operator;
     sim_bus_end_t firmware; /* its end of the bus */
     tumble_port_t port;
     tumble_navcomp_hooks_t hooks;
@@ -114,7 +114,7 @@ typedef struct bench_world {
     tumble_progress_t progress; /* as last seen */
     uint32_t mark;              /* of the procedure at that time */
     bool started;               /* the procedure has left IDLE */
-    bool off;                   /* the navigation computer has no power: hostile.h */
+    bool off;                   /* the navigation computer has no power: seeded_run.h */
     uint64_t steps;             /* of the firmware */
     uint64_t limit_us;
     uint64_t ending_us; /* since when it waits for the table to rest; SIM_NEVER: not yet */
@@ -167,36 +167,36 @@ uint64_t bench_world_next_us(const bench_world_t *world);
 /* Stop the table and give up, and end the run as soon as the table rests, whatever becomes of the command. */
 void bench_world_end(bench_world_t *world, world_end_t end);
 
-/* The operator (person.c): mounts the block, turns a dividing head, mends faults, and tells the firmware. A question is
+/* The operator (simulated_operator.c): mounts the block, turns a dividing head, mends faults, and tells the firmware. A question is
  * put when the firmware begins to wait for a person. Either somebody outside answers it, or the simulated operator does,
  * after the time that the scenario gives him. */
 
-void bench_person_init(bench_world_t *world);
+void bench_operator_init(bench_world_t *world);
 
 /* What the state of a run asks of a person: to mount the block, to mend a fault, or nothing. */
-bench_question_t bench_person_question(const tumble_progress_t *progress);
+bench_question_t bench_operator_question(const tumble_progress_t *progress);
 
 /* Is this fault mended by mounting the block anew? */
-bool bench_person_must_mount(tumble_reason_t reason);
+bool bench_operator_must_mount(tumble_reason_t reason);
 
 /* Do what was asked, once the firmware goes on and somebody else has told it to: mount the block, mend the fault, while
  * the scenario lets him. `asked`: the question before; world->progress: what has become of it. */
-void bench_person_follow(bench_world_t *world, const bench_question_t *asked);
+void bench_operator_follow(bench_world_t *world, const bench_question_t *asked);
 
 /* Mount the block as asked, or, the first time, as the scenario has the operator err. */
-void bench_person_mount(bench_world_t *world, uint8_t asked);
+void bench_operator_mount(bench_world_t *world, uint8_t asked);
 
 /* The firmware may have begun to wait, or ended it: after every step. */
-void bench_person_look(bench_world_t *world);
+void bench_operator_update(bench_world_t *world);
 
 /* The simulated operator's time has come. */
-void bench_person_on_alarm(bench_world_t *world);
+void bench_operator_on_alarm(bench_world_t *world);
 
 /* Answer the open question: do it, and tell the firmware. */
-tumble_status_t bench_person_answer(bench_world_t *world, world_answer_t answer, uint8_t argument);
+tumble_status_t bench_operator_answer(bench_world_t *world, world_answer_t answer, uint8_t argument);
 
 /* Will anybody act on the open question? */
-bool bench_person_is_awaited(const bench_world_t *world);
+bool bench_operator_is_awaited(const bench_world_t *world);
 
 /* The faults of a scenario (fault_script.c) begin and end at their moments. */
 

@@ -158,11 +158,11 @@ static bool start_navcomp(const char *name)
                                                         .sample_timeout_ms = 60000};
     static tumble_operator_t head;
     static tumble_second_client_t second_client;
-    static const tumble_operator_config_t person = {.tolerance_deg = 0.1, .timeout_ms = 60000};
+    static const tumble_operator_config_t operator = {.tolerance_deg = 0.1, .timeout_ms = 60000};
     static tumble_navcomp_config_t config = {.port = &port,
                                              .procedure = &procedure,
                                              .stand = &tumble_operator_kind,
-                                             .stand_profile = &person,
+                                             .stand_profile = &operator,
                                              .stand_memory = &head,
                                              .stand_bytes = sizeof head,
                                              .second_client = &second_client,

@@ -1,5 +1,5 @@
-"""`tumble campaign`: calibrations and hostile lives are their seeds' alone, whoever does them, and no life breaks a
-rule."""
+"""`tumble campaign`: calibrations and runs with faults depend on their seeds alone, whoever does them; no run breaks
+a rule."""
 
 import dataclasses
 import os
@@ -9,10 +9,10 @@ from conftest import EXAMPLES
 from documents import document_of
 
 from tumble.world import campaigns
-from tumble.world.lives import Lives
+from tumble.world.fault_campaign import FaultCampaign
 
 pytestmark = pytest.mark.python
-EXPECTED_SHARE = 0.2  # of the lives, at least, commit a set by themselves
+EXPECTED_SHARE = 0.2  # of the runs, at least, commit a set by themselves
 
 
 @pytest.fixture
@@ -54,10 +54,10 @@ def test_a_hundred_thousand_lives(tumble):
     judge(tumble, 100_000)
 
 
-def test_a_life_is_its_seed_s_alone():
-    """What it comes to does not hang on what was lived before."""
-    lives = Lives()
-    assert [lives.live(seed) for seed in (500, 501)] == [Lives().live(seed) for seed in (500, 501)]
+def test_a_run_depends_on_its_seed_alone():
+    """What it comes to does not hang on what was run before."""
+    campaign = FaultCampaign()
+    assert [campaign.run_seed(seed) for seed in (500, 501)] == [FaultCampaign().run_seed(seed) for seed in (500, 501)]
 
 
 def test_lives_are_the_same_document_by_two(tumble):

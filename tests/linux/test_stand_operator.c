@@ -33,9 +33,9 @@ static bench_watcher_t watcher = {.on_frame = on_frame};
 static void start(stand_operator_kind_t kind)
 {
     TEST_ASSERT_TRUE(bench_config_prepare_stand(&config, NULL));
-    config.scenario.person.mount_s = 2.0;
-    config.scenario.person.mend_s = 1.0;
-    config.scenario.person.mends = 1;
+    config.scenario.operator.mount_s = 2.0;
+    config.scenario.operator.mend_s = 1.0;
+    config.scenario.operator.mends = 1;
     config.virtual_limit_s = 1e9;
     TEST_ASSERT_EQUAL(TUMBLE_OK, bench_world_init(&world, &config, 1, &watcher));
     stand_operator_init(&operator, kind);
@@ -109,10 +109,10 @@ static void test_a_mounting_is_made_and_confirmed_after_its_time(void)
     start(STAND_OPERATOR_MOUNTS);
     tell_state(TUMBLE_STATE_WAIT_MOUNTING, TUMBLE_REASON_NONE, 9);
     expect_sent_after(1.98, 0);
-    TEST_ASSERT_EQUAL_UINT32(0, world.person.mounted[1]);
+    TEST_ASSERT_EQUAL_UINT32(0, world.operator.mounted[1]);
     run_s(0.03);
     expect_command(0, TUMBLE_COMMAND_CONFIRM_MOUNTING, 2);
-    TEST_ASSERT_EQUAL_UINT32(1, world.person.mounted[1]);
+    TEST_ASSERT_EQUAL_UINT32(1, world.operator.mounted[1]);
     TEST_ASSERT_EQUAL_UINT32(1, operator.answers);
     expect_sent_after(5.0, 2);
 }
@@ -183,7 +183,7 @@ static void test_a_fault_is_mended_as_often_as_he_is_let(void)
     tell_state(TUMBLE_STATE_FAULT, TUMBLE_REASON_DRIVE_FAULT, 3);
     run_s(1.01);
     expect_command(0, TUMBLE_COMMAND_RESUME, 0);
-    TEST_ASSERT_EQUAL_UINT32(1, world.person.mended);
+    TEST_ASSERT_EQUAL_UINT32(1, world.operator.mended);
     tell_state(TUMBLE_STATE_MOVE, TUMBLE_REASON_NONE, 3);
     tell_state(TUMBLE_STATE_FAULT, TUMBLE_REASON_DRIVE_FAULT, 3);
     expect_sent_after(10.0, 2);
@@ -195,7 +195,7 @@ static void test_a_wrong_mounting_is_mounted_anew(void)
     tell_state(TUMBLE_STATE_FAULT, TUMBLE_REASON_WRONG_MOUNTING, 10);
     run_s(1.01);
     expect_command(0, TUMBLE_COMMAND_CONFIRM_MOUNTING, 2);
-    TEST_ASSERT_EQUAL_UINT32(1, world.person.mounted[1]);
+    TEST_ASSERT_EQUAL_UINT32(1, world.operator.mounted[1]);
 }
 
 static void test_hands_mount_and_mend_at_once_and_say_nothing(void)
@@ -203,13 +203,13 @@ static void test_hands_mount_and_mend_at_once_and_say_nothing(void)
     start(STAND_OPERATOR_HANDS);
     tell_state(TUMBLE_STATE_WAIT_MOUNTING, TUMBLE_REASON_NONE, 9);
     run_s(0.002);
-    TEST_ASSERT_EQUAL_UINT32(1, world.person.mounted[1]);
+    TEST_ASSERT_EQUAL_UINT32(1, world.operator.mounted[1]);
     tell_state(TUMBLE_STATE_WAIT_MOUNTING, TUMBLE_REASON_NONE, 9);
     run_s(5.0);
-    TEST_ASSERT_EQUAL_UINT32(1, world.person.mounted[1]);
+    TEST_ASSERT_EQUAL_UINT32(1, world.operator.mounted[1]);
     tell_state(TUMBLE_STATE_FAULT, TUMBLE_REASON_DRIVE_FAULT, 10);
     run_s(0.002);
-    TEST_ASSERT_EQUAL_UINT32(1, world.person.mended);
+    TEST_ASSERT_EQUAL_UINT32(1, world.operator.mended);
     tell_state(TUMBLE_STATE_IDLE, TUMBLE_REASON_NONE, 0);
     expect_sent_after(10.0, 0);
 }
@@ -219,19 +219,19 @@ static void test_who_follows_mounts_when_others_have_confirmed(void)
     start(STAND_OPERATOR_FOLLOWS);
     tell_state(TUMBLE_STATE_WAIT_MOUNTING, TUMBLE_REASON_NONE, 9);
     run_s(600.0);
-    TEST_ASSERT_EQUAL_UINT32(0, world.person.mounted[1]);
+    TEST_ASSERT_EQUAL_UINT32(0, world.operator.mounted[1]);
     tell_state(TUMBLE_STATE_WAIT_MOUNTING, TUMBLE_REASON_NONE, 0); /* the other one is repeated: nobody confirmed */
     tell_state(TUMBLE_STATE_WAIT_MOUNTING, TUMBLE_REASON_NONE, 9);
-    TEST_ASSERT_EQUAL_UINT32(0, world.person.mounted[0] + world.person.mounted[1]);
+    TEST_ASSERT_EQUAL_UINT32(0, world.operator.mounted[0] + world.operator.mounted[1]);
     tell_state(TUMBLE_STATE_HOME, TUMBLE_REASON_NONE, 9);
-    TEST_ASSERT_EQUAL_UINT32(1, world.person.mounted[1]);
+    TEST_ASSERT_EQUAL_UINT32(1, world.operator.mounted[1]);
     tell_state(TUMBLE_STATE_MOVE, TUMBLE_REASON_NONE, 10);
-    TEST_ASSERT_EQUAL_UINT32(1, world.person.mounted[1]);
+    TEST_ASSERT_EQUAL_UINT32(1, world.operator.mounted[1]);
     tell_state(TUMBLE_STATE_FAULT, TUMBLE_REASON_WRONG_MOUNTING, 10);
-    TEST_ASSERT_EQUAL_UINT32(1, world.person.mounted[1]);
+    TEST_ASSERT_EQUAL_UINT32(1, world.operator.mounted[1]);
     tell_state(TUMBLE_STATE_MOVE, TUMBLE_REASON_NONE, 10);
-    TEST_ASSERT_EQUAL_UINT32(2, world.person.mounted[1]);
-    TEST_ASSERT_EQUAL_UINT32(1, world.person.mended);
+    TEST_ASSERT_EQUAL_UINT32(2, world.operator.mounted[1]);
+    TEST_ASSERT_EQUAL_UINT32(1, world.operator.mended);
     expect_sent_after(10.0, 0);
 }
 
@@ -242,7 +242,7 @@ static void test_who_follows_mounts_nothing_where_nobody_confirmed(void)
         start(STAND_OPERATOR_FOLLOWS);
         tell_state(TUMBLE_STATE_WAIT_MOUNTING, TUMBLE_REASON_NONE, 9);
         tell_state(STATES[i], TUMBLE_REASON_MOUNTING_NOT_CONFIRMED, 9);
-        TEST_ASSERT_EQUAL_UINT32(0, world.person.mounted[1]);
+        TEST_ASSERT_EQUAL_UINT32(0, world.operator.mounted[1]);
     }
 }
 
@@ -251,13 +251,13 @@ static void test_who_follows_mends_when_node_1_goes_on_as_often_as_he_is_let(voi
     start(STAND_OPERATOR_FOLLOWS);
     tell_state(TUMBLE_STATE_FAULT, TUMBLE_REASON_DRIVE_FAULT, 3);
     expect_sent_after(10.0, 0);
-    TEST_ASSERT_EQUAL_UINT32(0, world.person.mended);
+    TEST_ASSERT_EQUAL_UINT32(0, world.operator.mended);
     tell_state(TUMBLE_STATE_PREFLIGHT, TUMBLE_REASON_NONE, 3);
-    TEST_ASSERT_EQUAL_UINT32(1, world.person.mended);
+    TEST_ASSERT_EQUAL_UINT32(1, world.operator.mended);
     tell_state(TUMBLE_STATE_FAULT, TUMBLE_REASON_DRIVE_FAULT, 3);
     tell_state(TUMBLE_STATE_MOVE, TUMBLE_REASON_NONE, 3);
-    TEST_ASSERT_EQUAL_UINT32(1, world.person.mended);
-    TEST_ASSERT_EQUAL_UINT32(0, world.person.mounted[0]);
+    TEST_ASSERT_EQUAL_UINT32(1, world.operator.mended);
+    TEST_ASSERT_EQUAL_UINT32(0, world.operator.mounted[0]);
 }
 
 static void test_who_is_to_do_nothing_does_nothing(void)
@@ -279,7 +279,7 @@ static void test_a_person_is_waited_for_and_does_it(void)
     expect_sent_after(60.0, 0);
     TEST_ASSERT_TRUE(stand_operator_answer(&operator, &world, "done"));
     expect_command(0, TUMBLE_COMMAND_CONFIRM_MOUNTING, 2);
-    TEST_ASSERT_EQUAL_UINT32(1, world.person.mounted[1]);
+    TEST_ASSERT_EQUAL_UINT32(1, world.operator.mounted[1]);
 }
 
 /* Node 1 itself has asked the person: that may be known before its state PDO is. */

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import cffi
 
-HEADERS = [Path(__file__).resolve().parents[2] / "world" / name for name in ("border.h", "lives.h", "replay.h")]
+HEADERS = [Path(__file__).parents[2] / "world" / name for name in ("border.h", "fault_campaign.h", "replay.h")]
 
 
 def declarations(header: str) -> str:

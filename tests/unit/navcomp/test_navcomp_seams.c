@@ -111,7 +111,7 @@ static instant_table_t table;
 static played_positioner_t controller;
 static tumble_positioner_profile_t registers;
 static tumble_positioner_t axis;
-static const tumble_operator_config_t person = {.tolerance_deg = 0.5, .timeout_ms = 60000};
+static const tumble_operator_config_t operator = {.tolerance_deg = 0.5, .timeout_ms = 60000};
 
 static void set_up(void)
 {
@@ -163,9 +163,9 @@ static void use_stand(const tumble_stand_kind_t *kind, const void *profile, void
     scripted_block_init(&bench.block, &bench.fake, &tumble_schedule_paper.mountings[0]);
 }
 
-static void use_person(void)
+static void use_operator(void)
 {
-    use_stand(&tumble_operator_kind, &person, &head, sizeof head);
+    use_stand(&tumble_operator_kind, &operator, &head, sizeof head);
 }
 
 /* The head is turned exactly where it is asked to be. */
@@ -304,7 +304,7 @@ static void test_an_endless_source_does_not_hold_a_step(void)
 
 static void test_a_person_at_a_dividing_head(void)
 {
-    use_person();
+    use_operator();
     bench_power_on(&bench);
     assert_calibrates();
 }
@@ -312,7 +312,7 @@ static void test_a_person_at_a_dividing_head(void)
 static void test_a_person_and_a_converter(void)
 {
     use_converter();
-    use_person();
+    use_operator();
     bench.block.dead = true;
     bench_power_on(&bench);
     assert_calibrates();
@@ -321,7 +321,7 @@ static void test_a_person_and_a_converter(void)
 static void test_an_angle_far_from_the_one_asked_for_is_not_taken(void)
 {
     double asked_deg = 0.0;
-    use_person();
+    use_operator();
     bench_power_on(&bench);
     order(TUMBLE_COMMAND_START);
     for (int ms = 0; (ms < 5000) && !tumble_navcomp_request(&bench.navcomp, &asked_deg); ms++) {
@@ -336,7 +336,7 @@ static void test_an_angle_far_from_the_one_asked_for_is_not_taken(void)
 
 static void test_a_person_who_does_not_answer_ends_the_run(void)
 {
-    use_person();
+    use_operator();
     bench_power_on(&bench);
     order(TUMBLE_COMMAND_START);
     assert_ends(TUMBLE_STATE_FAULT, 200000);

@@ -67,7 +67,7 @@ static uint64_t head_ms;
 static unsigned asked_ms;
 static bool leaves;
 
-static void begin_person(void)
+static void begin_operator(void)
 {
     const tumble_stand_setup_t setup = {.profile = &head_config};
     head = (tumble_operator_t){.homed = false};
@@ -76,7 +76,7 @@ static void begin_person(void)
     ASSERT_STATUS(TUMBLE_OK, tumble_operator_kind.init(&head, &setup));
 }
 
-static void pass_person(void)
+static void pass_operator(void)
 {
     head_ms++;
     tumble_operator_kind.step(&head, head_ms * 1000U);
@@ -87,34 +87,34 @@ static void pass_person(void)
     }
 }
 
-static double person_angle_deg(void)
+static double operator_angle_deg(void)
 {
     return tumble_operator_kind.angle_deg(&head);
 }
 
-static void lose_person(void)
+static void lose_operator(void)
 {
     leaves = true;
 }
 
-static void find_person(void)
+static void find_operator(void)
 {
     leaves = false;
 }
 
 static void test_a_person_keeps_the_rules(void)
 {
-    const played_stand_t person = {
+    const played_stand_t operator = {
         .stand = {&tumble_operator_kind, &head},
-        .begin = begin_person,
-        .pass = pass_person,
-        .angle_deg = person_angle_deg,
-        .lose = lose_person,
-        .find = find_person,
+        .begin = begin_operator,
+        .pass = pass_operator,
+        .angle_deg = operator_angle_deg,
+        .lose = lose_operator,
+        .find = find_operator,
         .most_ms = 500,
         .fault_ms = 1500,
     };
-    assert_keeps_rules(&person);
+    assert_keeps_rules(&operator);
 }
 
 /* A controller with registers. */

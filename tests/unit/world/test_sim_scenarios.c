@@ -242,16 +242,16 @@ static void test_questions_are_answered_from_outside(void)
     TEST_ASSERT_TRUE(run_to_question());
     TEST_ASSERT_EQUAL_INT(BENCH_QUESTION_MOUNTING, asked.kind);
     TEST_ASSERT_EQUAL_UINT8(1, asked.mounting);
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, bench_person_answer(&world, WORLD_ANSWER_REPEAT_POSITION, 40));
-    ASSERT_STATUS(TUMBLE_OK, bench_person_answer(&world, WORLD_ANSWER_DONE, 0));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, bench_operator_answer(&world, WORLD_ANSWER_REPEAT_POSITION, 40));
+    ASSERT_STATUS(TUMBLE_OK, bench_operator_answer(&world, WORLD_ANSWER_DONE, 0));
     TEST_ASSERT_TRUE(run_to_question());
     TEST_ASSERT_EQUAL_INT(BENCH_QUESTION_FAULT, asked.kind);
     TEST_ASSERT_EQUAL_INT(TUMBLE_REASON_DRIVE_FAULT, asked.reason);
-    ASSERT_STATUS(TUMBLE_OK, bench_person_answer(&world, WORLD_ANSWER_DONE, 0));
+    ASSERT_STATUS(TUMBLE_OK, bench_operator_answer(&world, WORLD_ANSWER_DONE, 0));
     TEST_ASSERT_TRUE(run_to_question());
     TEST_ASSERT_EQUAL_INT(BENCH_QUESTION_MOUNTING, asked.kind);
     TEST_ASSERT_EQUAL_UINT8(2, asked.mounting);
-    ASSERT_STATUS(TUMBLE_OK, bench_person_answer(&world, WORLD_ANSWER_DONE, 0));
+    ASSERT_STATUS(TUMBLE_OK, bench_operator_answer(&world, WORLD_ANSWER_DONE, 0));
     TEST_ASSERT_FALSE(run_to_question());
     TEST_ASSERT_EQUAL_INT(WORLD_DONE, world.end);
 }
@@ -268,15 +268,15 @@ static void test_a_fault_that_comes_again_is_asked_about_again(void)
     TEST_ASSERT_NULL(read_lines("fault = bus_off at=1.5\n")); /* it fails again at once */
     ASSERT_STATUS(TUMBLE_OK, bench_world_init(&world, &config, 1, &ASKER));
     TEST_ASSERT_TRUE(run_to_question());
-    ASSERT_STATUS(TUMBLE_OK, bench_person_answer(&world, WORLD_ANSWER_DONE, 0));
+    ASSERT_STATUS(TUMBLE_OK, bench_operator_answer(&world, WORLD_ANSWER_DONE, 0));
     for (size_t i = 0; i < COUNT_OF(REPEATS); i++) {
         do {
             TEST_ASSERT_TRUE(run_to_question());
         } while (asked.kind == BENCH_QUESTION_MOUNTING &&
-                 bench_person_answer(&world, WORLD_ANSWER_DONE, 0) == TUMBLE_OK);
+                 bench_operator_answer(&world, WORLD_ANSWER_DONE, 0) == TUMBLE_OK);
         TEST_ASSERT_EQUAL_INT(BENCH_QUESTION_FAULT, asked.kind);
         TEST_ASSERT_EQUAL_INT(TUMBLE_REASON_BUS, asked.reason);
-        ASSERT_STATUS(TUMBLE_OK, bench_person_answer(&world, REPEATS[i].answer, REPEATS[i].argument));
+        ASSERT_STATUS(TUMBLE_OK, bench_operator_answer(&world, REPEATS[i].answer, REPEATS[i].argument));
     }
 }
 
@@ -286,10 +286,10 @@ static void test_a_fault_may_be_left_as_it_is(void)
     TEST_ASSERT_NULL(read_lines("fault = homing_fails at=1.1 phase=mount\n"));
     ASSERT_STATUS(TUMBLE_OK, bench_world_init(&world, &config, 1, &ASKER));
     TEST_ASSERT_TRUE(run_to_question());
-    ASSERT_STATUS(TUMBLE_OK, bench_person_answer(&world, WORLD_ANSWER_DONE, 0));
+    ASSERT_STATUS(TUMBLE_OK, bench_operator_answer(&world, WORLD_ANSWER_DONE, 0));
     TEST_ASSERT_TRUE(run_to_question());
     TEST_ASSERT_EQUAL_INT(TUMBLE_REASON_HOMING, asked.reason);
-    ASSERT_STATUS(TUMBLE_OK, bench_person_answer(&world, WORLD_ANSWER_LEAVE, 0));
+    ASSERT_STATUS(TUMBLE_OK, bench_operator_answer(&world, WORLD_ANSWER_LEAVE, 0));
     TEST_ASSERT_FALSE(run_to_question());
     TEST_ASSERT_EQUAL_INT(WORLD_FAULT, world.end);
     TEST_ASSERT_EQUAL_INT(TUMBLE_REASON_HOMING, world.progress.reason);

@@ -176,7 +176,7 @@ static void test_a_block_stays_bolted_on_while_the_stand_is_inclined(void)
         TEST_ASSERT_EQUAL_INT(COURSE[i].new_yaw, truth->alpha3_rad[m] != yaw[first]);
         TEST_ASSERT_EQUAL_INT(COURSE[i].new_inclination, truth->inclination_rad[m] != inclination);
         TEST_ASSERT_EQUAL_INT(COURSE[i].new_inclination && m != first, truth->tau_rad[m] != tau);
-        TEST_ASSERT_EQUAL_INT(COURSE[i].inclined, world.person.inclined);
+        TEST_ASSERT_EQUAL_INT(COURSE[i].inclined, world.operator.inclined);
         TEST_ASSERT_TRUE(m == 3U || COURSE[i].new_yaw == (truth->theta_h_rad[m] != lean));
         yaw[first] = truth->alpha3_rad[m];
         lean = (m < 3U) ? truth->theta_h_rad[m] : lean;

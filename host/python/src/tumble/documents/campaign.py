@@ -63,7 +63,7 @@ class Campaign(Document, kw_only=True):
 
 
 class Violation(Document):
-    """drawn: How many events the life was drawn with; `events`: those that are enough."""
+    """drawn: How many events the run was drawn with; `events`: those that are enough."""
 
     seed: Count
     kind: str
@@ -92,13 +92,13 @@ class Speed(Document):
 class Hostile(Document, kw_only=True):
     """The fault campaign: tumble campaign lives.
 
-    violated: Lives that broke a rule.
-    violations: Lives by rule.
+    violated: Runs that broke a rule.
+    violations: Runs by rule.
     first: The first violations, minimised.
     faults: By kind: how often it occurred.
-    excuses: Lives that had one.
+    excuses: Runs that had one.
     ends: By state and reason.
-    table: The range of the true tables of all lives since power-on; at_rest: all of them ended at rest.
+    table: The range of the true tables of all runs since power-on; at_rest: all of them ended at rest.
     """
 
     schema: Literal["tumble.hostile/1"] = HOSTILE

@@ -5,7 +5,8 @@ found is confirmed by numpy, and becomes a result.
     setup             what a run is to be: the scenario, and the gain record of the optimal estimator
     border            the world in C
     in_process        a run in a world, to its end, and what it leaves
-    campaigns, lives  thousands of runs, or the fault campaign; what happens in its lives
+    campaigns         thousands of runs, of calibrations or of the fault campaign
+    fault_campaign    a run of the fault campaign: drawn from a seed, run, and shrunk where it breaks a rule
     virtual_bus       a world as a bus of python-can
     progress          what a person is told while it goes on
     outcome, folder   what it found, confirmed; the run folder

@@ -17,7 +17,7 @@ from tumble.documents.result import Table
 from tumble.errors import EXIT_DISAGREEMENT, EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
 from tumble.workers.over import ALONE, Job, Piece, Progress, Result, Team, over
 from tumble.world.border import ENDED, FOREVER_US, Border, Refused
-from tumble.world.lives import Lives
+from tumble.world.fault_campaign import FaultCampaign
 
 _SEEDS = 100  # in a piece
 _FIRST = 10  # violations that a campaign shrinks
@@ -154,18 +154,18 @@ class Summary:
         )
 
 
-class HostileLives:
-    """A job: lives of the fault campaign (host/world/lives.h), a document of each piece."""
+class FaultCampaignJob:
+    """A job: runs of the fault campaign (host/world/fault_campaign.h), a document of each piece."""
 
     def __call__(self, seeds: tuple[int, int]) -> Result:
         first, count = seeds
         wall_s, cpu_s = time.perf_counter(), time.process_time()
-        lives, said = Lives(), []
+        campaign, said = FaultCampaign(), []
         parts: list[dict[str, Any]] = []
         for seed in range(first, first + count):
-            part = lives.live(seed)
+            part = campaign.run_seed(seed)
             if part["violated"]:
-                shrunk = lives.shrunk(seed) if sum(len(one["first"]) for one in parts) < _FIRST else None
+                shrunk = campaign.shrunk(seed) if sum(len(one["first"]) for one in parts) < _FIRST else None
                 part["first"] = [] if shrunk is None else [shrunk]
                 enough = f"; {len(shrunk['events'])} of {shrunk['drawn']} events are enough" if shrunk else ""
                 said.append(f"seed {seed}: {part.pop('said')}{enough}\n")
@@ -222,7 +222,7 @@ def of_runs(scenario: bytes | None, file: str, with_means: bool) -> Runs:
 
 
 def merged(first_seed: int, documents: list[str]) -> Hostile:
-    """The document of all lives, tumble.hostile/1, from those of their pieces, in order; `speed` is that of one
+    """The document of all runs, tumble.hostile/1, from those of their pieces, in order; `speed` is that of one
     process."""
     found = _total([json.loads(one) for one in documents])
     found |= {"schema": HOSTILE, "first_seed": first_seed, "virtual_s": found["virtual_us"] * _MICROSECOND}

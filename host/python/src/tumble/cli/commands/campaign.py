@@ -34,7 +34,7 @@ def describe(parser: argparse.ArgumentParser) -> None:
     lives = subjects.add_parser(
         "lives",
         help="fault campaign: random faults, commands, forged frames, losses of power",
-        description="The fault campaign: simulated lives with faults, each of its own seed; one JSON document.",
+        description="The fault campaign: simulated runs (lives) with faults, each of its own seed; one JSON document.",
         epilog="Exit codes: 0 all rules held, 2 bad input, 3 one was violated, 130 interrupted.",
     )
     lives.add_argument("-v", "--verbose", action="store_true", help="print a minimal set of events for each violation")
@@ -87,8 +87,8 @@ def run_lives(arguments: argparse.Namespace) -> int:
     from tumble.documents.base import to_json
     from tumble.world import campaigns
 
-    documents, code, job = [], EXIT_PASS, campaigns.HostileLives()
-    with options.team_of(arguments, "campaign lives") as team, options.progress_bar("living", count) as progress:
+    documents, code, job = [], EXIT_PASS, campaigns.FaultCampaignJob()
+    with options.team_of(arguments, "campaign lives") as team, options.progress_bar("runs", count) as progress:
         for ended in campaigns.ended(job, seed, count, team, progress):
             for line in ended.said.splitlines():
                 tell(line)

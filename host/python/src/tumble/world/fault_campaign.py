@@ -1,6 +1,6 @@
-"""Lives of the fault campaign (docs/architecture.md): drawn from a seed, lived (host/world/lives.h), and in words.
+"""Runs of the fault campaign (docs/architecture.md): drawn from a seed, run (host/world/fault_campaign.h), described.
 
-A life has an ordinary course, faults, losses of power, single frames of a stranger, and scenes of what belongs
+A run has an ordinary course, faults, losses of power, single frames of a stranger, and scenes of what belongs
 together, as a fault alone or a frame alone seldom meets the moment at which it hurts.
 """
 
@@ -22,7 +22,7 @@ with contextlib.suppress(ImportError):  # which require_built tells of
 
 _WORLD, _COURSE, _FAULTS, _FRAMES, _CUTS, _SCENES = range(6)  # streams of random numbers
 _BURST = 150  # frames
-_LIFE_FAULTS = 4
+_MOST_FAULTS = 4
 _FOR_GOOD = 0.0
 _WITHOUT_END = 2**32 - 1  # of a fault's count
 _MICROSECOND = 1e-6
@@ -77,20 +77,20 @@ _IDENTIFIERS = [int(one, 16) for one in "0 82 83 181 182 182 202 202 582 602 581
 
 @lru_cache
 def _words(enumeration: str, prefix: str) -> list[str]:
-    """Of an enumeration of lives.h, by number."""
+    """Of an enumeration of fault_campaign.h, by number."""
     return [name.removeprefix(prefix).lower() for _, name in sorted(ffi.typeof(enumeration).elements.items())]
 
 
 @lru_cache
 def _names(of: str) -> list[str]:
     """Of a closed list of the firmware or the simulation, by number."""
-    number = getattr(lib, f"LIFE_NAMES_OF_{of}")
-    rows = (lib.lives_name(number, row) for row in count())
+    number = getattr(lib, f"CAMPAIGN_NAMES_OF_{of}")
+    rows = (lib.campaign_name(number, row) for row in count())
     return [text(name) for name in takewhile(lambda name: name != ffi.NULL, rows)]
 
 
 def _kinds() -> list[str]:
-    return _words("life_kind_t", "LIFE_EVENT_")
+    return _words("campaign_event_kind_t", "CAMPAIGN_EVENT_")
 
 
 def _commands() -> list[str]:
@@ -101,16 +101,16 @@ class _Stream:
     """The random numbers of a part of a plan."""
 
     def __init__(self, seed: int, number: int):
-        self._stream = ffi.new("life_stream_t *")
-        lib.lives_open(self._stream, seed, number)
+        self._stream = ffi.new("campaign_stream_t *")
+        lib.campaign_stream_open(self._stream, seed, number)
 
     def pick(self, count: int) -> int:
         """A whole number from 0 to count - 1."""
-        return int((lib.lives_random(self._stream) >> 32) * count >> 32)
+        return int((lib.campaign_stream_next(self._stream) >> 32) * count >> 32)
 
     def draw(self, low: float, high: float) -> float:
         """Uniform."""
-        unit: float = ((lib.lives_random(self._stream) >> 12) + 0.5) * 2.0**-52
+        unit: float = ((lib.campaign_stream_next(self._stream) >> 12) + 0.5) * 2.0**-52
         return low + (high - low) * unit
 
     def chance(self, probability: float) -> bool:
@@ -127,7 +127,7 @@ class _Stream:
 
     def bytes(self, count: int) -> bytearray:
         """Any."""
-        return bytearray(lib.lives_random(self._stream) & 0xFF for _ in range(count))
+        return bytearray(lib.campaign_stream_next(self._stream) & 0xFF for _ in range(count))
 
 
 @dataclass
@@ -172,7 +172,7 @@ class _Fault:
 
 @dataclass
 class _Event:
-    """As life_event_t has it, by names: its kind, its states, its command. `frame`: identifier and data."""
+    """As campaign_event_t has it, by names: its kind, its states, its command. `frame`: identifier and data."""
 
     kind: str
     number: int
@@ -192,7 +192,7 @@ class _Event:
     fault: _Fault | None = None
 
     def as_c(self) -> dict[str, Any]:
-        """The members of life_event_t."""
+        """The members of campaign_event_t."""
         own = {name: value for name, value in vars(self).items() if name not in ("frame", "fault")}
         identifier, data = self.frame
         return {
@@ -327,7 +327,7 @@ def _draw_content(stream: _Stream, event: _Event) -> None:
 
 
 class _Plan:
-    """The whole of it: keys of the world, what else life_plan_t says, and events in the order of their times."""
+    """The whole of it: keys of the world, what else campaign_plan_t says, and events in the order of their times."""
 
     def __init__(self, seed: int):
         self._seed = seed
@@ -363,7 +363,7 @@ class _Plan:
 
     def _add(self, kind: str, at_s: float, **others: Any) -> _Event:
         event = _Event(kind, len(self.events), int(at_s * 1e6) if at_s > 0.0 else 0, **others)
-        if len(self.events) < lib.LIFE_MOST_EVENTS:
+        if len(self.events) < lib.CAMPAIGN_MOST_EVENTS:
             self.events.append(event)
         return event
 
@@ -449,7 +449,7 @@ class _Plan:
             cut.count = flips if stream.chance(0.3) else 0
 
     def _draw_faults(self, stream: _Stream) -> None:
-        for _ in range(1 + stream.pick(_LIFE_FAULTS) if stream.chance(0.7) else 0):
+        for _ in range(1 + stream.pick(_MOST_FAULTS) if stream.chance(0.7) else 0):
             at_s = stream.draw(0.0, self._lasts_s)
             short_s, long_s = stream.draw(0.01, 2.0), stream.draw(1.0, 30.0)
             duration_s = short_s if stream.chance(0.4) else long_s if stream.chance(0.7) else _FOR_GOOD
@@ -460,7 +460,7 @@ class _Plan:
                 fault.delay_s = stream.draw(0.0, 0.8)
 
     def _draw_frames(self, stream: _Stream) -> None:
-        """By themselves. What commands or rewrites the drive itself excuses much, and so comes in few lives."""
+        """By themselves. What commands or rewrites the drive itself excuses much, and so comes in few runs."""
         kind = stream.draw(0.0, 1.0)
         many = 0 if kind < 0.4 else 1 + stream.pick(16) if kind < 0.95 else _BURST
         spares_drive = stream.chance(0.85)
@@ -657,20 +657,20 @@ def _violation(kind: str, found: Any) -> str:
     return f"{kind}: {_BROKEN[kind]}, {told}, at {found.at_us * _MICROSECOND:.6f} s"
 
 
-class Lives:
-    """Lives one after the other, each as numbers that add. Raises BenchFault where the extension is not built."""
+class FaultCampaign:
+    """Runs by seed; each gives numbers that add. Raises BenchFault where the extension is not built."""
 
     def __init__(self) -> None:
         require_built()
-        self._found = ffi.new("life_found_t *")
+        self._found = ffi.new("campaign_found_t *")
 
-    def live(self, seed: int) -> dict[str, Any]:
-        """The life of a seed, in the form of the document of many (schema tumble.hostile/1); `said`: what was
+    def run_seed(self, seed: int) -> dict[str, Any]:
+        """The run of a seed, in the form of the document of many (schema tumble.hostile/1); `said`: what was
         violated, where something was."""
         plan = _Plan(seed)
-        violated = self._live(seed, plan, plan.events)
+        violated = self._execute(seed, plan, plan.events)
         found = self._found
-        excuses, reasons = _words("life_excuse_t", "LIFE_EXCUSE_"), _names("REASONS")
+        excuses, reasons = _words("campaign_excuse_t", "CAMPAIGN_EXCUSE_"), _names("REASONS")
         ends = {state: found.ends[list(STATES).index(state)] for state in _ENDS}
         return {
             "runs": 1,
@@ -693,18 +693,18 @@ class Lives:
         }
 
     def shrunk(self, seed: int) -> dict[str, Any]:
-        """The life of a seed that is violated, lived again with the fewest events that are enough. Events go in halves,
+        """The run of a seed that breaks a rule, repeated with the fewest events that are enough. Events go in halves,
         quarters and so on down to single ones."""
         plan = _Plan(seed)
         left, size = plan.events, (len(plan.events) + 1) // 2
-        kind = self._live(seed, plan, left)
+        kind = self._execute(seed, plan, left)
         while True:
             before = len(left)
             left = self._fewer(seed, plan, kind, left, size)
             if size == 1 and len(left) == before:
                 break
             size = max(1, (size + 1) // 2)
-        kind = self._live(seed, plan, left)
+        kind = self._execute(seed, plan, left)
         assert kind is not None  # as with all events
         at_s, what = self._found.at_us * _MICROSECOND, _violation(kind, self._found)
         told = {"seed": seed, "kind": kind, "at_s": at_s, "what": what, "drawn": len(plan.events)}
@@ -715,21 +715,21 @@ class Lives:
         at = 0
         while at < len(left):
             fewer = left[:at] + left[at + size :]
-            if self._live(seed, plan, fewer) == kind:
+            if self._execute(seed, plan, fewer) == kind:
                 left = fewer
             else:
                 at += size
         return left
 
-    def _live(self, seed: int, plan: _Plan, events: list[_Event]) -> str | None:
+    def _execute(self, seed: int, plan: _Plan, events: list[_Event]) -> str | None:
         """Returns what was violated."""
         world = ffi.gc(lib.world_new(), lib.world_free)
         if world == ffi.NULL:
             raise MemoryError
         for line in plan.lines(events):
             require_good(lib.world_set(world, line.encode()))
-        own = ffi.new("life_event_t[]", [event.as_c() for event in events if event.fault is None])
-        told = ffi.new("life_plan_t *", plan.told)
-        require_good(lib.lives_live(world, seed, told, own, len(own), self._found))
-        kind = _words("life_broken_t", "LIFE_BROKEN_")[self._found.kind]
+        own = ffi.new("campaign_event_t[]", [event.as_c() for event in events if event.fault is None])
+        told = ffi.new("campaign_plan_t *", plan.told)
+        require_good(lib.campaign_execute(world, seed, told, own, len(own), self._found))
+        kind = _words("campaign_violation_t", "CAMPAIGN_VIOLATION_")[self._found.kind]
         return None if kind == "none" else kind

@@ -1,11 +1,11 @@
 #include "world/world.h"
 
-void bench_person_init(bench_world_t *world)
+void bench_operator_init(bench_world_t *world)
 {
-    world->person = (bench_person_t){.act_us = SIM_NEVER};
+    world->operator = (bench_operator_t){.act_us = SIM_NEVER};
 }
 
-bench_question_t bench_person_question(const tumble_progress_t *progress)
+bench_question_t bench_operator_question(const tumble_progress_t *progress)
 {
     if (progress->state == TUMBLE_STATE_WAIT_MOUNTING) {
         return (bench_question_t){.kind = BENCH_QUESTION_MOUNTING, .mounting = progress->mounting};
@@ -17,7 +17,7 @@ bench_question_t bench_person_question(const tumble_progress_t *progress)
     return (bench_question_t){.kind = BENCH_QUESTION_NONE};
 }
 
-bool bench_person_must_mount(tumble_reason_t reason)
+bool bench_operator_must_mount(tumble_reason_t reason)
 {
     return reason == TUMBLE_REASON_MOUNTING_NOT_CONFIRMED || reason == TUMBLE_REASON_WRONG_MOUNTING ||
            reason == TUMBLE_REASON_SWAPPED_CHANNELS;
@@ -26,7 +26,7 @@ bool bench_person_must_mount(tumble_reason_t reason)
 /* What the firmware waits for, if anything. */
 static bench_question_t question_of(const bench_world_t *world)
 {
-    bench_question_t question = bench_person_question(&world->progress);
+    bench_question_t question = bench_operator_question(&world->progress);
     if (question.kind == BENCH_QUESTION_NONE && tumble_navcomp_request(&world->navcomp, &question.angle_deg)) {
         question.kind = BENCH_QUESTION_ANGLE;
         question.mounting = world->progress.mounting;
@@ -52,7 +52,7 @@ static uint8_t mounting_index(const tumble_schedule_t *schedule, uint8_t number)
 /* How long the simulated operator takes, below 0: he does nothing. */
 static double time_for(const bench_world_t *world, const bench_question_t *question)
 {
-    const sim_operator_config_t *const config = &world->config->scenario.person;
+    const sim_operator_config_t *const config = &world->config->scenario.operator;
     const uint8_t index = mounting_index(&world->config->scenario.schedule, question->mounting);
     switch (question->kind) {
     case BENCH_QUESTION_MOUNTING:
@@ -60,42 +60,42 @@ static double time_for(const bench_world_t *world, const bench_question_t *quest
     case BENCH_QUESTION_ANGLE:
         return config->turn_s;
     case BENCH_QUESTION_FAULT:
-        return (world->person.mended < config->mends) ? config->mend_s : -1.0;
+        return (world->operator.mended < config->mends) ? config->mend_s : -1.0;
     default:
         return -1.0;
     }
 }
 
-void bench_person_look(bench_world_t *world)
+void bench_operator_update(bench_world_t *world)
 {
-    bench_person_t *const person = &world->person;
+    bench_operator_t *const operator = &world->operator;
     const bench_watcher_t *const watcher = world->watcher;
     const bench_question_t question = question_of(world);
-    if (is_same(&question, &person->question)) {
+    if (is_same(&question, &operator->question)) {
         return;
     }
-    person->question = question;
-    person->act_us = SIM_NEVER;
-    person->outside = question.kind != BENCH_QUESTION_NONE && watcher->on_question != NULL &&
-                      watcher->on_question(watcher->context, &question);
-    const double time_s = person->outside ? -1.0 : time_for(world, &question);
+    operator->question = question;
+    operator->act_us = SIM_NEVER;
+    operator->outside = question.kind != BENCH_QUESTION_NONE && watcher->on_question != NULL &&
+                        watcher->on_question(watcher->context, &question);
+    const double time_s = operator->outside ? -1.0 : time_for(world, &question);
     if (time_s >= 0.0) {
-        person->act_us = world->clock.now_us + (uint64_t)(time_s * 1e6);
+        operator->act_us = world->clock.now_us + (uint64_t)(time_s * 1e6);
     }
-    sim_clock_set(&world->clock, SIM_ACTOR_OPERATOR, person->act_us);
+    sim_clock_set(&world->clock, SIM_ACTOR_OPERATOR, operator->act_us);
 }
 
-void bench_person_on_alarm(bench_world_t *world)
+void bench_operator_on_alarm(bench_world_t *world)
 {
-    (void)bench_person_answer(world, WORLD_ANSWER_DONE, 0);
+    (void)bench_operator_answer(world, WORLD_ANSWER_DONE, 0);
 }
 
-void bench_person_mount(bench_world_t *world, uint8_t asked)
+void bench_operator_mount(bench_world_t *world, uint8_t asked)
 {
-    const sim_operator_config_t *const config = &world->config->scenario.person;
+    const sim_operator_config_t *const config = &world->config->scenario.operator;
     uint8_t number = asked;
-    if (asked == config->wrong_mounting && !world->person.erred) {
-        world->person.erred = true;
+    if (asked == config->wrong_mounting && !world->operator.erred) {
+        world->operator.erred = true;
         number = config->mounted_instead;
     }
     bench_world_mount(world, mounting_index(&world->config->scenario.schedule, number));
@@ -108,32 +108,32 @@ static bool goes_on(tumble_state_t state)
            state != TUMBLE_STATE_IDLE;
 }
 
-void bench_person_follow(bench_world_t *world, const bench_question_t *asked)
+void bench_operator_follow(bench_world_t *world, const bench_question_t *asked)
 {
     const tumble_state_t state = world->progress.state;
     const bool fault = asked->kind == BENCH_QUESTION_FAULT;
     if (fault && (state == TUMBLE_STATE_WAIT_MOUNTING || goes_on(state)) &&
-        world->person.mended < world->config->scenario.person.mends) {
-        world->person.mended++;
+        world->operator.mended < world->config->scenario.operator.mends) {
+        world->operator.mended++;
         bench_fault_script_mend(world);
     }
-    const bool mounts = asked->kind == BENCH_QUESTION_MOUNTING || (fault && bench_person_must_mount(asked->reason));
+    const bool mounts = asked->kind == BENCH_QUESTION_MOUNTING || (fault && bench_operator_must_mount(asked->reason));
     if (mounts && goes_on(state)) {
-        bench_person_mount(world, asked->mounting);
+        bench_operator_mount(world, asked->mounting);
     }
 }
 
 static tumble_status_t confirm_mounting(bench_world_t *world, uint8_t number)
 {
-    bench_person_mount(world, number);
+    bench_operator_mount(world, number);
     return tumble_navcomp_command(&world->navcomp, TUMBLE_COMMAND_CONFIRM_MOUNTING, number);
 }
 
 static tumble_status_t mend(bench_world_t *world, const bench_question_t *question)
 {
-    world->person.mended++;
+    world->operator.mended++;
     bench_fault_script_mend(world);
-    if (bench_person_must_mount(question->reason)) {
+    if (bench_operator_must_mount(question->reason)) {
         return confirm_mounting(world, question->mounting);
     }
     return tumble_navcomp_command(&world->navcomp, TUMBLE_COMMAND_RESUME, 0);
@@ -165,18 +165,18 @@ static tumble_status_t do_it(bench_world_t *world, const bench_question_t *quest
 static tumble_status_t go_on(bench_world_t *world, tumble_status_t status)
 {
     if (status == TUMBLE_OK) {
-        world->person.question = (bench_question_t){.kind = BENCH_QUESTION_NONE};
+        world->operator.question = (bench_question_t){.kind = BENCH_QUESTION_NONE};
         world->mark = BENCH_LOOK_AGAIN;
     }
     sim_clock_set(&world->clock, SIM_ACTOR_NAVCOMP, world->clock.now_us);
     return status;
 }
 
-tumble_status_t bench_person_answer(bench_world_t *world, world_answer_t answer, uint8_t argument)
+tumble_status_t bench_operator_answer(bench_world_t *world, world_answer_t answer, uint8_t argument)
 {
-    const bench_question_t question = world->person.question;
-    world->person.act_us = SIM_NEVER;
-    world->person.outside = false;
+    const bench_question_t question = world->operator.question;
+    world->operator.act_us = SIM_NEVER;
+    world->operator.outside = false;
     switch (answer) {
     case WORLD_ANSWER_DONE:
         return go_on(world, do_it(world, &question));
@@ -192,7 +192,7 @@ tumble_status_t bench_person_answer(bench_world_t *world, world_answer_t answer,
     }
 }
 
-bool bench_person_is_awaited(const bench_world_t *world)
+bool bench_operator_is_awaited(const bench_world_t *world)
 {
-    return world->person.act_us != SIM_NEVER || world->person.outside;
+    return world->operator.act_us != SIM_NEVER || world->operator.outside;
 }

@@ -1,4 +1,4 @@
-"""The campaign of hostile lives: with the mend of a hole taken out of a copy of the firmware, it finds the hole."""
+"""The fault campaign: with a fix taken out of a copy of the firmware, it finds the hole."""
 import json
 import os
 import shutil
@@ -14,7 +14,7 @@ sys.path.append(str(ROOT / "host/python/binding"))
 
 from build_world import declarations
 
-LIVES = 600  # within so many seeds; each hole comes up in one life of a hundred or oftener
+LIVES = 600  # within so many seeds; each hole comes up in one run of a hundred or oftener
 ROOMS = ("firmware", "host/simulation", "host/world", "boards")
 OPTIONS = ("-std=gnu11", "-O1", "-w", "-fPIC", "-ffp-contract=off", "-fno-math-errno", "-DTUMBLE_BLOCK_CRC_BITS=8")
 
@@ -27,7 +27,7 @@ PACE = (BOUNDS, "return is_out_of_pace(", "return false && is_out_of_pace(")
 SERVICE = "firmware/navcomp/service.c"
 STORE = "firmware/sets/store.c"
 
-# Hole: invariant, what one of its lives has among its events, and the mends taken out: (file, mend, what stands there
+# Hole: invariant, what one of its runs has among its events, and the mends taken out: (file, mend, what stands there
 # without it).
 PLANTED = {
     "homing_travel": ("homing", "homing_endless", [
@@ -75,19 +75,19 @@ PLANTED = {
 
 HUNT = """
 import json, sys
-from tumble.world.lives import Lives
-lives, (kind, opens) = Lives(), sys.argv[2:]
+from tumble.world.fault_campaign import FaultCampaign
+campaign, (kind, opens) = FaultCampaign(), sys.argv[2:]
 for seed in range(1, int(sys.argv[1]) + 1):
-    found = lives.live(seed)["violated"] and lives.shrunk(seed)
+    found = campaign.run_seed(seed)["violated"] and campaign.shrunk(seed)
     if found and found["kind"] == kind and len(found["events"]) <= 6 and any(opens in one for one in found["events"]):
-        lives.live(seed)
-        sys.exit(print(json.dumps([found, lives.shrunk(seed)])))
+        campaign.run_seed(seed)
+        sys.exit(print(json.dumps([found, campaign.shrunk(seed)])))
 sys.exit("not found")
 """
 
 
 def sources_of(tree):
-    """What hostile lives are made of."""
+    """What the runs of a campaign are made of."""
     rooms = ("firmware/**", "host/simulation", "host/world")
     return sorted(source for room in rooms for source in tree.glob(f"{room}/*.c") if source.name != "replay.c")
 
@@ -102,7 +102,8 @@ def link(objects, folder):
     """The world as a module of Python's, in whose place the package takes it. Returns its folder."""
     library = folder / "world.so"
     subprocess.run(["cc", "-shared", *sorted(objects.glob("*.o")), "-lm", "-o", library], check=True)
-    header = "".join(declarations((ROOT / "host/world" / name).read_text()) for name in ("border.h", "lives.h"))
+    headers = [ROOT / "host/world" / name for name in ("border.h", "fault_campaign.h")]
+    header = "".join(declarations(file.read_text()) for file in headers)
     module = f"import cffi\nffi = cffi.FFI()\nffi.cdef({header!r})\nlib = ffi.dlopen({str(library)!r})\n"
     (folder / "_tumble_world.py").write_text(module)
     return folder

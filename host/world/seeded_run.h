@@ -1,10 +1,10 @@
-/* hostile.h - a life of the fault campaign (lives.h): the life itself (hostile_life.c), and who watches it (hostile_watch.c). */
-#ifndef TUMBLE_WORLD_HOSTILE_H
-#define TUMBLE_WORLD_HOSTILE_H
+/* seeded_run.h - a run of the fault campaign (fault_campaign.h): the run itself (seeded_run.c), and its watch (seeded_run_watch.c). */
+#ifndef TUMBLE_WORLD_SEEDED_RUN_H
+#define TUMBLE_WORLD_SEEDED_RUN_H
 
 #include "navcomp/commands.h"
 #include "procedure/states.h"
-#include "world/lives.h"
+#include "world/fault_campaign.h"
 #include "world/world_parts.h"
 
 #include <stdbool.h>
@@ -59,9 +59,9 @@ typedef struct {
     tumble_state_t state;
 } bench_watch_t;
 
-/* The life. */
+/* The run. */
 
-#define BENCH_LIFE_QUEUE 64U
+#define SEEDED_RUN_QUEUE 64U
 
 /* A frame that follows another one, a little later. */
 typedef struct {
@@ -80,21 +80,21 @@ typedef struct {
 } bench_flipped_t;
 
 typedef struct bench_life {
-    const life_plan_t *plan;
-    const life_event_t *events;
+    const campaign_plan_t *plan;
+    const campaign_event_t *events;
     size_t event_count;
-    life_found_t *found;
+    campaign_found_t *found;
     world_t *own;
     const bench_config_t *config; /* these three are its own */
     bench_world_t *world;
     memory_t *memory;
     bench_watcher_t watcher;
-    uint64_t due_us[LIFE_MOST_EVENTS]; /* SIM_NEVER: over, or waits for its state */
-    bool waits[LIFE_MOST_EVENTS];
-    bool waited[LIFE_MOST_EVENTS];
+    uint64_t due_us[CAMPAIGN_MOST_EVENTS]; /* SIM_NEVER: over, or waits for its state */
+    bool waits[CAMPAIGN_MOST_EVENTS];
+    bool waited[CAMPAIGN_MOST_EVENTS];
     uint64_t next_us; /* the earliest of them */
     uint32_t waiting_for_writing;
-    bench_follower_t queue[BENCH_LIFE_QUEUE];
+    bench_follower_t queue[SEEDED_RUN_QUEUE];
     uint32_t queued;
     uint64_t attend_us; /* when the attendant acts */
     uint64_t power_us;  /* when power comes back */
@@ -107,39 +107,39 @@ typedef struct bench_life {
     bench_flipped_t flipped[BENCH_FLIPPED];
     uint32_t flipped_count;
     bench_watch_t watch;
-} bench_life_t;
+} seeded_run_t;
 
 /* Is this record still as the flips have left it? False: it has been written anew. */
-bool bench_life_is_flipped(const bench_life_t *life, const bench_flipped_t *flipped);
+bool seeded_run_is_flipped(const seeded_run_t *run, const bench_flipped_t *flipped);
 
-/* The watch at work (hostile_watch.c): the life tells it what happens. */
+/* The watch at work (seeded_run_watch.c): the run tells it what happens. */
 
-void bench_watch_init(bench_life_t *life);
+void bench_watch_init(seeded_run_t *run);
 
 /* After every event of the world: the table, the computer's counts and the sets. */
-void bench_watch_look(bench_life_t *life);
+void bench_watch_look(seeded_run_t *run);
 
 /* The procedure has moved on. */
-void bench_watch_change(bench_life_t *life, const tumble_progress_t *progress);
+void bench_watch_change(seeded_run_t *run, const tumble_progress_t *progress);
 
 /* A frame has gone over the bus; a sample went into a mean. */
-void bench_watch_frame(bench_life_t *life, uint8_t sender, const tumble_can_frame_t *frame);
-void bench_watch_sample(bench_life_t *life, tumble_taken_t taken, const tumble_block_sample_t *sample);
+void bench_watch_frame(seeded_run_t *run, uint8_t sender, const tumble_can_frame_t *frame);
+void bench_watch_sample(seeded_run_t *run, tumble_taken_t taken, const tumble_block_sample_t *sample);
 
 /* Something that may move the table has been commanded; a run has ended or ABORT was taken. */
-void bench_watch_commanded(bench_life_t *life);
-void bench_watch_ended(bench_life_t *life);
+void bench_watch_commanded(seeded_run_t *run);
+void bench_watch_ended(seeded_run_t *run);
 
 /* Somebody has given a command about the proposal, or it was refused. For some seconds the proposal may go, or not. */
-void bench_watch_decide(bench_life_t *life, tumble_command_t command, bool refused);
+void bench_watch_decide(seeded_run_t *run, tumble_command_t command, bool refused);
 
 /* Power is back. */
-void bench_watch_power_on(bench_life_t *life);
+void bench_watch_power_on(seeded_run_t *run);
 
 /* Every readable object of the computer must be finite. */
-void bench_watch_read_all(bench_life_t *life);
+void bench_watch_read_all(seeded_run_t *run);
 
-void bench_watch_excuse(bench_life_t *life, life_excuse_t excuse);
-void bench_watch_break(bench_life_t *life, life_broken_t kind, double value, uint32_t what);
+void bench_watch_excuse(seeded_run_t *run, campaign_excuse_t excuse);
+void bench_watch_break(seeded_run_t *run, campaign_violation_t kind, double value, uint32_t what);
 
 #endif
