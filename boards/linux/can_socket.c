@@ -249,7 +249,7 @@ can_socket_status_t can_socket_send(can_socket_t *can, const struct can_frame *f
     return CAN_SOCKET_BUSY;
 }
 
-void can_socket_look(can_socket_t *can)
+void can_socket_count_drops(can_socket_t *can)
 {
     uint32_t numbers[SK_MEMINFO_VARS] = {0};
     socklen_t size = sizeof numbers;

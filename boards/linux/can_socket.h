@@ -71,7 +71,7 @@ can_socket_status_t can_socket_receive(can_socket_t *can, struct can_frame *fram
 can_socket_status_t can_socket_send(can_socket_t *can, const struct can_frame *frame);
 
 /* Count what the kernel has dropped behind frames that are still to be received. */
-void can_socket_look(can_socket_t *can);
+void can_socket_count_drops(can_socket_t *can);
 
 void can_socket_close(can_socket_t *can);
 

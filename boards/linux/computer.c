@@ -80,7 +80,7 @@ const tumble_keeper_t *computer_keeper(const computer_t *self)
 
 void computer_close(computer_t *self)
 {
-    can_socket_look(&self->bus.can);
+    can_socket_count_drops(&self->bus.can);
     events_close(&self->events);
     port_linux_close(&self->bus);
     if (self->port.nv != NULL) {

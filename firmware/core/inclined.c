@@ -338,8 +338,8 @@ tumble_status_t tumble_inclined_again(const tumble_inclined_map_t *map, const tu
 }
 
 /* K M = (K_h, K_n, K_v), so K = (K_h, K_n, K_v) M^T. */
-static void conclude(const tumble_inclined_map_t *map, const tumble_inclined_t *run,
-                     tumble_coefficients_t *coefficients)
+static void to_coefficients(const tumble_inclined_map_t *map, const tumble_inclined_t *run,
+                            tumble_coefficients_t *coefficients)
 {
     const double (*matrix)[3] = map->schedule->mountings[map->mounting[0]].matrix;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
@@ -381,7 +381,7 @@ tumble_status_t tumble_inclined_weighted(const tumble_schedule_t *schedule, cons
         status = tumble_inclined_solve(&map, means, weights, &run);
     }
     if (status == TUMBLE_OK) {
-        conclude(&map, &run, coefficients);
+        to_coefficients(&map, &run, coefficients);
         if (seen != NULL) {
             *seen = run.seen;
         }

@@ -28,7 +28,7 @@ double tumble_misfit_limit(int freedom)
     return tumble_chi_squared_limit((double)freedom, TUMBLE_MISFIT_SIGMAS);
 }
 
-static void begin_test(tumble_misfit_work_t *work)
+static void reset_test(tumble_misfit_work_t *work)
 {
     for (size_t i = 0; i < (sizeof work->triangle / sizeof work->triangle[0]); i++) {
         work->triangle[i] = 0.0;
@@ -46,7 +46,7 @@ void tumble_misfit_begin(tumble_misfit_work_t *work)
     work->mounting = 0;
     work->test = 0;
     work->misfit = false;
-    begin_test(work);
+    reset_test(work);
 }
 
 static bool is_in(const tumble_misfit_work_t *work, int channel)
@@ -89,7 +89,7 @@ static void turn_to_block(const tumble_mounting_t *mounting, double h, double v,
 
 /* Where nobody measures the inclination, an error of a set angle counts as on a level axis, where the outputs feel it most,
  * and somewhat across: the zero of the table angle is not known either. */
-static void look_at(const tumble_misfit_work_t *work, const tumble_misfit_run_t *run, uint8_t p, fitted_t *place)
+static void fill_place(const tumble_misfit_work_t *work, const tumble_misfit_run_t *run, uint8_t p, fitted_t *place)
 {
     const tumble_mounting_t *mounting = &run->schedule->mountings[work->mounting];
     const tumble_angle_t *angle = &run->schedule->positions[p].angle;
@@ -153,7 +153,7 @@ static void add_channel(tumble_misfit_work_t *work, const fitted_t *place, doubl
 static void add_position(tumble_misfit_work_t *work, const tumble_misfit_run_t *run, uint8_t p)
 {
     fitted_t place;
-    look_at(work, run, p, &place);
+    fill_place(work, run, p, &place);
     const double angle_square = angle_variance(run->stand);
     const double kappa = angle_square / (1.0 + (angle_square * tumble_dot(place.by_angle_v, place.weighted_v)));
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
@@ -219,7 +219,7 @@ TUMBLE_ONE_COPY static bool end_test(tumble_misfit_work_t *work, const tumble_mi
         work->test = 0;
         work->mounting++;
     }
-    begin_test(work);
+    reset_test(work);
     return work->mounting < run->schedule->mounting_count;
 }
 

@@ -114,8 +114,9 @@ static double noise_of_means(const tumble_noise_t *noise, const tumble_averaging
     return tumble_sqrt(sum / (double)count);
 }
 
-static void look(const tumble_blocks_t *blocks, const tumble_averaging_t *averaging, const tumble_stand_record_t *stand,
-                 const scatter_t *scatter, double v2_per_count2, tumble_noise_t *noise)
+static void estimate_noise(const tumble_blocks_t *blocks, const tumble_averaging_t *averaging,
+                           const tumble_stand_record_t *stand, const scatter_t *scatter, double v2_per_count2,
+                           tumble_noise_t *noise)
 {
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         const double declared_v = tumble_stand_noise_v(stand, i);
@@ -152,7 +153,7 @@ tumble_status_t tumble_blocks_noise(const tumble_blocks_t *blocks, const tumble_
     if (blocks->block_samples != 0U) {
         noise->lengths_per_sample = 1.0 / (2.0 * (double)blocks->block_samples);
     }
-    look(blocks, averaging, stand, &scatter, v2_per_count2, noise);
+    estimate_noise(blocks, averaging, stand, &scatter, v2_per_count2, noise);
     return TUMBLE_OK;
 }
 

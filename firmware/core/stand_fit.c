@@ -64,7 +64,7 @@ static double noise_of(const run_t *run, double scale_v, uint8_t p)
     return (variance > least) ? variance : least;
 }
 
-static void look_at(const run_t *run, double scale_v, uint8_t p, place_t *place)
+static void fill_place(const run_t *run, double scale_v, uint8_t p, place_t *place)
 {
     const tumble_mounting_t *mounting = tumble_schedule_mounting_of(run->schedule, p);
     const tumble_angle_t *angle = &run->schedule->positions[p].angle;
@@ -179,7 +179,7 @@ static double add_places(const run_t *run, tumble_fit_work_t *work, bool along)
     for (uint8_t p = 0; p < run->schedule->position_count; p++) {
         if (tumble_normal_uses(run->schedule, run->means->measured, p)) {
             place_t place;
-            look_at(run, work->scale_v, p, &place);
+            fill_place(run, work->scale_v, p, &place);
             if (along) {
                 make_row(work, &place, place.by_angle, weight_along(work, &place));
                 add_row(work);
@@ -310,7 +310,7 @@ static double slope_of(const run_t *run, tumble_fit_work_t *work)
     for (uint8_t p = 0; p < run->schedule->position_count; p++) {
         if (tumble_normal_uses(run->schedule, run->means->measured, p)) {
             place_t place;
-            look_at(run, work->scale_v, p, &place);
+            fill_place(run, work->scale_v, p, &place);
             const double weight = weight_along(work, &place);
             make_row(work, &place, place.by_angle, weight);
             const double leverage = combine(work).u;

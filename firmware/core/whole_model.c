@@ -275,10 +275,11 @@ static void end_mounting(const tumble_whole_model_t *model, tumble_whole_work_t 
     }
 }
 
-static void look(const tumble_whole_model_t *model, const tumble_whole_reading_t *reading, tumble_whole_work_t *work)
+static void start_place(const tumble_whole_model_t *model, const tumble_whole_reading_t *reading,
+                        tumble_whole_work_t *work)
 {
     if (work->position < model->schedule->position_count) {
-        tumble_whole_look(model, reading, work);
+        tumble_whole_linearise(model, reading, work);
         work->means += (uint8_t)TUMBLE_CHANNELS;
         work->channel = 0;
         work->column = 0;
@@ -330,7 +331,7 @@ static void find_angle(const tumble_whole_model_t *model, const tumble_whole_rea
                        tumble_whole_work_t *work)
 {
     if (work->position < model->schedule->position_count) {
-        tumble_whole_look(model, reading, work);
+        tumble_whole_linearise(model, reading, work);
         work->angle_rad[work->position] = tumble_to_float(angle_error(model, work));
         seek_next(model, work);
     } else {
@@ -351,7 +352,7 @@ bool tumble_whole_go_on(const tumble_whole_model_t *model, const tumble_whole_re
     } else if (work->stage == (uint8_t)OPEN) {
         open_mounting(model, work);
     } else if (work->stage == (uint8_t)LOOK) {
-        look(model, reading, work);
+        start_place(model, reading, work);
     } else if (work->stage == (uint8_t)ROW) {
         add_row(model, work);
     } else if (work->stage == (uint8_t)SOLVE) {

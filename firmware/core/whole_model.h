@@ -37,8 +37,8 @@ typedef struct {
 void tumble_whole_sigmas(const tumble_whole_model_t *model, uint8_t mounting, tumble_whole_sigmas_t *sigmas);
 
 /* Linearise the position work->position of work->mounting where the round before ended, into work->place. */
-void tumble_whole_look(const tumble_whole_model_t *model, const tumble_whole_reading_t *reading,
-                       tumble_whole_work_t *work);
+void tumble_whole_linearise(const tumble_whole_model_t *model, const tumble_whole_reading_t *reading,
+                            tumble_whole_work_t *work);
 
 /* Begin a test with these coefficients. */
 void tumble_whole_start(tumble_whole_work_t *work, const tumble_coefficients_t *coefficients);

@@ -54,8 +54,8 @@ static void respond(const tumble_whole_work_t *work, const tumble_mounting_t *mo
     }
 }
 
-void tumble_whole_look(const tumble_whole_model_t *model, const tumble_whole_reading_t *reading,
-                       tumble_whole_work_t *work)
+void tumble_whole_linearise(const tumble_whole_model_t *model, const tumble_whole_reading_t *reading,
+                            tumble_whole_work_t *work)
 {
     const uint8_t p = work->position;
     const tumble_mounting_t *mounting = &model->schedule->mountings[work->mounting];

@@ -508,7 +508,7 @@ static void work(tumble_keeper_t *keeper)
 
 /* The error register has one bit for all errors of the maker, and a reset of the communication clears it. So the message
  * is sent again as long as the bit is not set. */
-static void tell_decay(tumble_keeper_t *keeper)
+static void report_decay(tumble_keeper_t *keeper)
 {
     tumble_emcy_t *emcy = &keeper->navcomp->node.emcy;
     const bool told = (emcy->error_register & TUMBLE_ERROR_MANUFACTURER) != 0U;
@@ -524,7 +524,7 @@ static void tell_decay(tumble_keeper_t *keeper)
 }
 
 /* The state message goes when counter, verdict, objections or what is due have changed. */
-static void tell_state(tumble_keeper_t *keeper)
+static void report_state(tumble_keeper_t *keeper)
 {
     const uint32_t objections = (keeper->objections << 16) | ((keeper->objections >> TUMBLE_OBJECTION_MORE) << 12);
     const uint32_t shown = objections | ((uint32_t)keeper->verdict << 8) | tumble_keeper_due(keeper);
@@ -538,7 +538,7 @@ static void start_if_due(tumble_keeper_t *keeper)
 {
     if (!tumble_keeper_has_work(keeper) && may_start(keeper)) {
         (void)tumble_navcomp_obey(keeper->navcomp, TUMBLE_COMMAND_START, 0);
-        tumble_keeper_look_at_run(keeper);
+        tumble_keeper_follow_run(keeper);
     }
 }
 
@@ -547,11 +547,11 @@ static uint64_t step(void *context, uint64_t now_us)
 {
     tumble_keeper_t *keeper = context;
     hold_off(keeper, now_us);
-    tumble_keeper_look_at_run(keeper);
+    tumble_keeper_follow_run(keeper);
     work(keeper);
     start_if_due(keeper);
-    tell_decay(keeper);
-    tell_state(keeper);
+    report_decay(keeper);
+    report_state(keeper);
     const bool computes = (keeper->task == (uint8_t)TASK_WHOLE_MODEL) && !tumble_keeper_busy(keeper);
     return tumble_keeper_has_work(keeper) ? (now_us + (computes ? 0U : RETRY_US)) : UINT64_MAX;
 }
@@ -646,12 +646,12 @@ static bool is_allowed(tumble_keeper_t *keeper, tumble_command_t command)
 static tumble_status_t command(void *context, tumble_command_t wanted, uint8_t argument)
 {
     tumble_keeper_t *keeper = context;
-    tumble_keeper_look_at_run(keeper); /* what ended before must be seen before anything begins anew */
+    tumble_keeper_follow_run(keeper); /* what ended before must be seen before anything begins anew */
     if (!is_allowed(keeper, wanted)) {
         return TUMBLE_E_STATE;
     }
     const tumble_status_t status = obey(keeper, wanted, argument);
-    tumble_keeper_look_at_run(keeper);
+    tumble_keeper_follow_run(keeper);
     if ((wanted == TUMBLE_COMMAND_HOME_AXIS) || (wanted == TUMBLE_COMMAND_TURN_AXIS)) {
         tumble_keeper_pause(keeper); /* somebody is at work there */
     }

@@ -72,8 +72,8 @@ static inline bool tumble_keeper_is_assessing(const tumble_keeper_t *keeper)
     return (keeper->task >= (uint8_t)TASK_UNCERTAINTY) && (keeper->task <= (uint8_t)TASK_WHOLE_MODEL);
 }
 
-void tumble_keeper_look_at_run(tumble_keeper_t *keeper); /* what has happened to it since it was looked at before? */
-void tumble_keeper_keep_run(tumble_keeper_t *keeper);    /* begin, append or clear the checkpoint: at most one job */
+void tumble_keeper_follow_run(tumble_keeper_t *keeper); /* what has happened to it since it was looked at before? */
+void tumble_keeper_keep_run(tumble_keeper_t *keeper);   /* begin, append or clear the checkpoint: at most one job */
 tumble_status_t tumble_keeper_step_checkpoint(tumble_keeper_t *keeper);
 void tumble_keeper_end_checkpoint(tumble_keeper_t *keeper); /* its run is stored; unless the next has begun */
 void tumble_keeper_count_resumable(tumble_keeper_t *keeper);

@@ -455,7 +455,7 @@ static void check_means(tumble_keeper_t *keeper)
     }
 }
 
-void tumble_keeper_look_at_run(tumble_keeper_t *keeper)
+void tumble_keeper_follow_run(tumble_keeper_t *keeper)
 {
     const bool on = tumble_run_is_on(keeper->navcomp);
     if (on && !keeper->run_was_on) {
@@ -487,7 +487,7 @@ static void begin_trying(tumble_keeper_t *keeper, uint8_t job)
     keeper->trying = job;
 }
 
-static void begin(tumble_keeper_t *keeper)
+static void begin_checkpoint(tumble_keeper_t *keeper)
 {
     keeper->wants &= (uint8_t)~(unsigned)WANT_BEGIN;
     keeper->saved = 0;
@@ -605,7 +605,7 @@ void tumble_keeper_end_checkpoint(tumble_keeper_t *keeper)
 void tumble_keeper_keep_run(tumble_keeper_t *keeper)
 {
     if ((keeper->wants & WANT_BEGIN) != 0U) {
-        begin(keeper);
+        begin_checkpoint(keeper);
     } else if ((keeper->wants & WANT_CLEAR) != 0U) {
         keeper->wants &= (uint8_t)~(unsigned)(WANT_CLEAR | WANT_APPEND);
         keeper->resumable = 0;

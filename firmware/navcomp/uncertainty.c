@@ -52,7 +52,7 @@ void tumble_navcomp_take_noise(const tumble_navcomp_t *navcomp, tumble_taken_t t
     }
 }
 
-bool tumble_navcomp_look_at_noise(const tumble_navcomp_t *navcomp)
+bool tumble_navcomp_estimate_noise(const tumble_navcomp_t *navcomp)
 {
     const tumble_declared_t *declared = navcomp->config->declared;
     tumble_run_noise_t *noise = declared->noise;
@@ -134,7 +134,7 @@ static tumble_status_t judge_asked(const tumble_navcomp_t *navcomp, const tumble
     if (tumble_navcomp_result(navcomp, &result) != TUMBLE_OK) {
         return TUMBLE_E_STATE;
     }
-    if (tumble_navcomp_look_at_noise(navcomp)) {
+    if (tumble_navcomp_estimate_noise(navcomp)) {
         return TUMBLE_E_PORT_BUSY; /* enough for one step */
     }
     uint32_t samples[TUMBLE_MAX_POSITIONS];

@@ -36,7 +36,7 @@ void tumble_navcomp_take_noise(const tumble_navcomp_t *navcomp, tumble_taken_t t
 
 /* For this room: look at the noise of the present result, which takes as long as one uncertainty. False: that has been
  * done, or there is no memory for it. */
-bool tumble_navcomp_look_at_noise(const tumble_navcomp_t *navcomp);
+bool tumble_navcomp_estimate_noise(const tumble_navcomp_t *navcomp);
 
 /* For this room: fill in schedule and stand, and of the present result the numbers of samples, for which `samples` is
  * memory, and the noise. There is a result, and a stand is declared. Returns TUMBLE_OK, TUMBLE_E_DEVIATION. */

@@ -57,8 +57,8 @@ static void make_alike(const double weight[TUMBLE_CHANNELS], tumble_means_t *mea
 }
 
 /* Noise of a sample of the noisiest channel, from the scatter within positions; and what it makes of the means. */
-static tumble_seen_t look_at_noise(const tumble_navcomp_t *navcomp, const double weight[TUMBLE_CHANNELS],
-                                   tumble_stand_memory_t *memory)
+static tumble_seen_t estimate_noise(const tumble_navcomp_t *navcomp, const double weight[TUMBLE_CHANNELS],
+                                    tumble_stand_memory_t *memory)
 {
     const tumble_procedure_config_t *config = &navcomp->procedure_config;
     const tumble_average_t *averages = tumble_procedure_averages(&navcomp->procedure)->averages;
@@ -80,8 +80,8 @@ static tumble_seen_t look_at_noise(const tumble_navcomp_t *navcomp, const double
     return noise;
 }
 
-static void look_at_stand(const tumble_navcomp_t *navcomp, tumble_stand_memory_t *memory,
-                          const tumble_coefficients_t *coefficients)
+static void estimate_stand_errors(const tumble_navcomp_t *navcomp, tumble_stand_memory_t *memory,
+                                  const tumble_coefficients_t *coefficients)
 {
     const tumble_procedure_config_t *config = &navcomp->procedure_config;
     const tumble_declared_t *declared = navcomp->config->declared;
@@ -94,7 +94,7 @@ static void look_at_stand(const tumble_navcomp_t *navcomp, tumble_stand_memory_t
     alike = *coefficients;
     find_weights(declared, weight);
     make_alike(weight, &memory->means, &alike);
-    const tumble_seen_t noise = look_at_noise(navcomp, weight, memory);
+    const tumble_seen_t noise = estimate_noise(navcomp, weight, memory);
     if (config->estimate != TUMBLE_ESTIMATE_INCLINED) {
         (void)tumble_seen_angle_error(config->schedule, &memory->means, &alike, &memory->errors, &memory->work, &alpha4,
                                       &freedom);
@@ -115,7 +115,7 @@ const tumble_stand_view_t *tumble_stand_view(const tumble_navcomp_t *navcomp, tu
         return NULL;
     }
     if (!is_present(navcomp, &memory->mark)) {
-        look_at_stand(navcomp, memory, result.coefficients);
+        estimate_stand_errors(navcomp, memory, result.coefficients);
     }
     return &memory->view;
 }
@@ -137,13 +137,13 @@ static void show_inclinations(const tumble_shown_inclinations_t *shown, tumble_i
 }
 
 /* Of a result; `source` keeps what its estimator saw. On a refusal nothing is shown. */
-static void look_at_inclinations(const tumble_navcomp_t *navcomp, const tumble_coefficients_t *coefficients,
-                                 const tumble_inclined_source_t *source, tumble_inclinations_view_t *view)
+static void estimate_inclinations(const tumble_navcomp_t *navcomp, const tumble_coefficients_t *coefficients,
+                                  const tumble_inclined_source_t *source, tumble_inclinations_view_t *view)
 {
     tumble_shown_inclinations_t shown = {.count = 0};
     uint32_t samples[TUMBLE_MAX_POSITIONS];
     tumble_judged_run_t run = {.coefficients = coefficients, .inclinations = source->seen, .weights = source->weights};
-    (void)tumble_navcomp_look_at_noise(navcomp);
+    (void)tumble_navcomp_estimate_noise(navcomp);
     if (tumble_navcomp_judged_run(navcomp, samples, &run) == TUMBLE_OK) {
         (void)tumble_uncertainty_inclinations(&run, &shown, NULL);
     }
@@ -161,7 +161,7 @@ const tumble_inclinations_view_t *tumble_inclinations_view(const tumble_navcomp_
         return NULL;
     }
     if (!is_present(navcomp, &memory->mark)) {
-        look_at_inclinations(navcomp, result.coefficients, lent->source, &memory->view);
+        estimate_inclinations(navcomp, result.coefficients, lent->source, &memory->view);
     }
     return &memory->view;
 }

@@ -26,8 +26,8 @@ static bool table_slipped(const tumble_procedure_t *procedure)
  * needs floating point, need not run for samples, which come far more often. */
 enum { BETWEEN_REPORTS = WATCH_BUS | WATCH_STAND | WATCH_BLOCK | WATCH_POSITION };
 
-/* Ask the stand, look at what the row watches, then at what the state waits for. */
-static outcome_t look(tumble_procedure_t *procedure, const tumble_row_t *row, unsigned which)
+/* Ask the stand, check what the row watches, then at what the state waits for. */
+static outcome_t check_row(tumble_procedure_t *procedure, const tumble_row_t *row, unsigned which)
 {
     const unsigned watched = row->watch & which;
     procedure->stand_state = (uint8_t)tumble_stand_state(&procedure->stand);
@@ -78,7 +78,7 @@ static void go_to(tumble_procedure_t *procedure, tumble_state_t state)
         const tumble_row_t *row = row_of(procedure);
         outcome = (row->enter != NULL) ? row->enter(procedure) : OUTCOME_STAY;
         if ((outcome == OUTCOME_STAY) && !row->pauses) {
-            outcome = look(procedure, row, WATCH_ALL);
+            outcome = check_row(procedure, row, WATCH_ALL);
         }
         next = next_of(row, outcome);
     } while (outcome != OUTCOME_STAY);
@@ -149,7 +149,7 @@ static outcome_t end_late(tumble_procedure_t *procedure)
 
 void tumble_procedure_step(tumble_procedure_t *procedure, uint64_t now_us)
 {
-    follow(procedure, look(procedure, row_of(procedure), WATCH_ALL));
+    follow(procedure, check_row(procedure, row_of(procedure), WATCH_ALL));
     read_clock(procedure, now_us);
     follow(procedure, end_late(procedure));
 }
@@ -171,7 +171,7 @@ bool tumble_procedure_sample(tumble_procedure_t *procedure, const tumble_block_s
     if (row->pauses) {
         return false; /* work for a step */
     }
-    outcome_t outcome = look(procedure, row, BETWEEN_REPORTS);
+    outcome_t outcome = check_row(procedure, row, BETWEEN_REPORTS);
     if (outcome != OUTCOME_STAY) {
         follow(procedure, outcome);
         row = row_of(procedure);
@@ -188,13 +188,13 @@ bool tumble_procedure_sample(tumble_procedure_t *procedure, const tumble_block_s
 
 void tumble_procedure_sample_faults(tumble_procedure_t *procedure, uint16_t corrupted, uint16_t lost)
 {
-    follow(procedure,
-           look(procedure, row_of(procedure), BETWEEN_REPORTS)); /* they come after whatever the stand did before */
+    follow(procedure, check_row(procedure, row_of(procedure),
+                                BETWEEN_REPORTS)); /* they come after whatever the stand did before */
     const uint32_t sum = (uint32_t)procedure->corrupted + corrupted;
     tumble_add_up(&procedure->counters.corrupted, corrupted);
     tumble_add_up(&procedure->counters.lost, lost);
     procedure->corrupted = (sum < UINT16_MAX) ? (uint16_t)sum : UINT16_MAX;
-    follow(procedure, look(procedure, row_of(procedure), BETWEEN_REPORTS));
+    follow(procedure, check_row(procedure, row_of(procedure), BETWEEN_REPORTS));
 }
 
 void tumble_procedure_set_block_alive(tumble_procedure_t *procedure, bool alive)

@@ -159,7 +159,7 @@ static uint32_t value_or_0(const gateway_snapshot_t *snapshot, uint16_t index, u
     return number;
 }
 
-static void look_at_run(gateway_log_t *log, const gateway_snapshot_t *snapshot)
+static void log_run(gateway_log_t *log, const gateway_snapshot_t *snapshot)
 {
     uint32_t state;
     uint32_t reason;
@@ -185,7 +185,7 @@ static void look_at_run(gateway_log_t *log, const gateway_snapshot_t *snapshot)
     log->progress = now;
 }
 
-static void look_at_sets(gateway_log_t *log, const gateway_snapshot_t *snapshot)
+static void log_sets(gateway_log_t *log, const gateway_snapshot_t *snapshot)
 {
     uint32_t verdict;
     uint32_t counter;
@@ -199,7 +199,7 @@ static void look_at_sets(gateway_log_t *log, const gateway_snapshot_t *snapshot)
     }
 }
 
-static void look_at_link(gateway_log_t *log, const gateway_poller_t *poller)
+static void log_link(gateway_log_t *log, const gateway_poller_t *poller)
 {
     static const struct {
         const char *word;
@@ -224,10 +224,10 @@ void gateway_log_node(gateway_log_t *log, const gateway_poller_t *poller)
     if (!event_log_is_on()) {
         return;
     }
-    look_at_link(log, poller);
+    log_link(log, poller);
     if (poller->published.number != log->snapshot) {
-        look_at_run(log, &poller->published);
-        look_at_sets(log, &poller->published);
+        log_run(log, &poller->published);
+        log_sets(log, &poller->published);
     }
     log->snapshot = poller->published.number;
 }

@@ -189,7 +189,7 @@ static void report_ended(node_t *node)
         return;
     }
     node->reported = true;
-    can_socket_look(&node->computer.bus.can);
+    can_socket_count_drops(&node->computer.bus.can);
     world->end = (state == TUMBLE_STATE_DONE) ? WORLD_DONE : WORLD_FAULT;
     put_document(node, node->documents.stream);
     world->end = WORLD_RUNNING;
@@ -251,7 +251,7 @@ static void step(node_t *node)
     node->world.steps++;
     note_refusals(node);
     note_state(node);
-    node_log_look(&node->log, &node->world.navcomp, computer_keeper(&node->computer), &node->computer.bus.can);
+    node_log_update(&node->log, &node->world.navcomp, computer_keeper(&node->computer), &node->computer.bus.can);
 }
 
 static void go(node_t *node)

@@ -75,7 +75,7 @@ void node_log_refused(const node_log_t *log, const tumble_progress_t *now, uint8
 
 /* After a step. */
 
-static void look_at_level(node_log_t *log, const tumble_navcomp_t *navcomp)
+static void log_level(node_log_t *log, const tumble_navcomp_t *navcomp)
 {
     const bool is_open = tumble_service_is_open(navcomp);
     if (is_open && !log->is_unlocked) {
@@ -88,7 +88,7 @@ static void look_at_level(node_log_t *log, const tumble_navcomp_t *navcomp)
 }
 
 /* In a run its fault tells the reason; what a drive has refused, and what goes wrong between runs, is told here. */
-static void look_at_stand(node_log_t *log, const tumble_navcomp_t *navcomp)
+static void log_stand(node_log_t *log, const tumble_navcomp_t *navcomp)
 {
     static const char *const FAULTS[] = {
         "none",        "the drive's own",    "stall",    "heartbeat",       "homing", "protocol", "power",
@@ -111,16 +111,16 @@ static void look_at_stand(node_log_t *log, const tumble_navcomp_t *navcomp)
                    "fault of the stand: %s%s%s", name, (*refused != '\0') ? ": " : "", refused);
 }
 
-void node_log_look(node_log_t *log, const tumble_navcomp_t *navcomp, const tumble_keeper_t *keeper,
-                   const can_socket_t *can)
+void node_log_update(node_log_t *log, const tumble_navcomp_t *navcomp, const tumble_keeper_t *keeper,
+                     const can_socket_t *can)
 {
     tumble_sets_state_t state;
     if (!event_log_is_on()) {
         return;
     }
-    link_log_look(&log->link, can);
-    look_at_level(log, navcomp);
-    look_at_stand(log, navcomp);
+    link_log_update(&log->link, can);
+    log_level(log, navcomp);
+    log_stand(log, navcomp);
     if (keeper == NULL) {
         return;
     }

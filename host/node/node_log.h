@@ -43,8 +43,8 @@ void node_log_frame(node_log_t *log, const tumble_can_frame_t *frame);
 void node_log_refused(const node_log_t *log, const tumble_progress_t *now, uint8_t rung);
 
 /* After every step: the interface; the service level; a fault of the stand, also between runs; what became of a result (`keeper` null: nothing is kept). */
-void node_log_look(node_log_t *log, const tumble_navcomp_t *navcomp, const tumble_keeper_t *keeper,
-                   const can_socket_t *can);
+void node_log_update(node_log_t *log, const tumble_navcomp_t *navcomp, const tumble_keeper_t *keeper,
+                     const can_socket_t *can);
 
 /* So many lines of an output were left out, for nobody reads them: told once, which `told` notes. */
 void node_log_unread(bool *told, uint32_t lost, const char *output);

@@ -202,7 +202,7 @@ void run_log_sets(run_log_sets_t *told, const tumble_sets_state_t *state)
 
 /* The interface. */
 
-void link_log_look(link_log_t *told, const can_socket_t *can)
+void link_log_update(link_log_t *told, const can_socket_t *can)
 {
     if (can->counters.downs != told->downs) {
         event_log_tell(EVENT_LOG_WARNING, "link", EVENT_FIELDS(EVENT_TEXT("link", "down")), "the interface %s is down",

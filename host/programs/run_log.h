@@ -44,7 +44,7 @@ typedef struct {
 
 /* The event "link", after every step, and only while the log is on: the interface goes, and comes back. One that went and
  * is back by now is told as both. */
-void link_log_look(link_log_t *told, const can_socket_t *can);
+void link_log_update(link_log_t *told, const can_socket_t *can);
 
 /* The counters of the interface, as members of a document. */
 void link_report(bench_json_t *json, const can_socket_counters_t *counters);

@@ -83,7 +83,7 @@ static void catch_up(stand_t *stand)
     run_until(stand, now_us);
     stand_operator_step(&stand->operator, &stand->world);
     stand->sending = stand_bridge_flush(&stand->bridge);
-    stand_log_look(&stand->log, &stand->world, &stand->bridge.can);
+    stand_log_update(&stand->log, &stand->world, &stand->bridge.can);
 }
 
 static uint64_t earlier(uint64_t a_us, uint64_t b_us)
@@ -215,7 +215,7 @@ int stand_run(const bench_config_t *config, const stand_options_t *options)
         events_wait(&stand.events, stand.start_us + next_us(&stand));
     } while (!has_ended(&stand));
     catch_up(&stand); /* what had come by then */
-    can_socket_look(&stand.bridge.can);
+    can_socket_count_drops(&stand.bridge.can);
     events_close(&stand.events);
     can_socket_close(&stand.bridge.can);
     report(&stand, stand.document.stream);

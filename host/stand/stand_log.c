@@ -33,7 +33,7 @@ void stand_log_answer(const stand_operator_t *before, const stand_operator_t *no
     }
 }
 
-static void look_at_operator(stand_log_t *log, const bench_world_t *world)
+static void log_operator(stand_log_t *log, const bench_world_t *world)
 {
     const tumble_schedule_t *const schedule = &world->config->scenario.schedule;
     for (uint32_t i = 0; i < schedule->mounting_count; i++) {
@@ -56,7 +56,7 @@ static void look_at_operator(stand_log_t *log, const bench_world_t *world)
 
 /* What breaks. */
 
-static void look_at_faults(stand_log_t *log, const bench_world_t *world)
+static void log_faults(stand_log_t *log, const bench_world_t *world)
 {
     for (uint32_t i = 0; i < world->config->scenario.fault_count; i++) {
         if (world->script.states[i].times != log->faults[i]) {
@@ -68,14 +68,14 @@ static void look_at_faults(stand_log_t *log, const bench_world_t *world)
     }
 }
 
-void stand_log_look(stand_log_t *log, const bench_world_t *world, const can_socket_t *can)
+void stand_log_update(stand_log_t *log, const bench_world_t *world, const can_socket_t *can)
 {
     if (!event_log_is_on()) {
         return;
     }
-    look_at_operator(log, world);
-    look_at_faults(log, world);
-    link_log_look(&log->link, can);
+    log_operator(log, world);
+    log_faults(log, world);
+    link_log_update(&log->link, can);
 }
 
 void stand_log_end(const bench_world_t *world, int code)

@@ -32,7 +32,7 @@ void stand_log_ready(const stand_options_t *options);
 void stand_log_answer(const stand_operator_t *before, const stand_operator_t *now, const tumble_can_frame_t *frame);
 
 /* After every step. */
-void stand_log_look(stand_log_t *log, const bench_world_t *world, const can_socket_t *can);
+void stand_log_update(stand_log_t *log, const bench_world_t *world, const can_socket_t *can);
 
 /* The program ends with this exit code: the last line. */
 void stand_log_end(const bench_world_t *world, int code);

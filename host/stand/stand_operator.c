@@ -55,7 +55,7 @@ static void tell_simulation(bench_world_t *world)
 {
     const tumble_progress_t *const progress = &world->progress;
     world->angle_error.position = progress->index;
-    bench_fault_script_look(world, progress);
+    bench_fault_script_update(world, progress);
     if (progress->state == TUMBLE_STATE_SETTLE || progress->state == TUMBLE_STATE_AVERAGE) {
         world->truth.alpha4_rad[progress->index] = sim_axis_error_rad(world->axis);
     }

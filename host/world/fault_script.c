@@ -43,7 +43,7 @@ static bool is_phase(sim_phase_t phase, tumble_state_t state)
     }
 }
 
-void bench_fault_script_look(bench_world_t *world, const tumble_progress_t *progress)
+void bench_fault_script_update(bench_world_t *world, const tumble_progress_t *progress)
 {
     const sim_scenario_t *const scenario = &world->config->scenario;
     for (uint32_t i = 0; i < scenario->fault_count; i++) {

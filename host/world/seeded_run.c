@@ -543,7 +543,7 @@ static void find_next(seeded_run_t *run)
 }
 
 /* Events that wait for a state, or for the memory to be at work, may come now. */
-static void look_at_waiting(seeded_run_t *run)
+static void check_waiting(seeded_run_t *run)
 {
     for (size_t i = 0; i < run->event_count; i++) {
         const campaign_event_t *const event = &run->events[i];
@@ -561,7 +561,7 @@ static void on_change(void *context, const tumble_progress_t *progress)
     seeded_run_t *const run = context;
     bench_watch_change(run, progress);
     attend_to(run, progress);
-    look_at_waiting(run);
+    check_waiting(run);
 }
 
 static void on_sample(void *context, tumble_taken_t taken, const tumble_block_sample_t *sample)
@@ -608,7 +608,7 @@ static void act_on_due(seeded_run_t *run)
             act_on_event(run, event);
         }
     }
-    look_at_waiting(run);
+    check_waiting(run);
 }
 
 static uint64_t earliest(const seeded_run_t *run)
@@ -662,10 +662,10 @@ static bool advance(seeded_run_t *run)
         return false;
     }
     if (run->waiting_for_writing > 0U && run->memory->nv.size != 0U) {
-        look_at_waiting(run);
+        check_waiting(run);
     }
     note_faults(run);
-    bench_watch_look(run);
+    bench_watch_check(run);
     return run->found->kind == CAMPAIGN_VIOLATION_NONE;
 }
 

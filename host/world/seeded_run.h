@@ -117,7 +117,7 @@ bool seeded_run_is_flipped(const seeded_run_t *run, const bench_flipped_t *flipp
 void bench_watch_init(seeded_run_t *run);
 
 /* After every event of the world: the table, the computer's counts and the sets. */
-void bench_watch_look(seeded_run_t *run);
+void bench_watch_check(seeded_run_t *run);
 
 /* The procedure has moved on. */
 void bench_watch_change(seeded_run_t *run, const tumble_progress_t *progress);

@@ -111,7 +111,7 @@ static void look_for_peace(bench_watch_t *watch, uint64_t now_us, bool moves)
     }
 }
 
-static void look_at_rest(seeded_run_t *run, bool moves, double deg)
+static void check_rest(seeded_run_t *run, bool moves, double deg)
 {
     bench_watch_t *const watch = &run->watch;
     const uint64_t now_us = run->world->clock.now_us;
@@ -127,7 +127,7 @@ static void look_at_rest(seeded_run_t *run, bool moves, double deg)
 }
 
 /* On the way back it may be beyond: after a stranger has taken it there. */
-static void look_at_cable(seeded_run_t *run, bool moves, double deg)
+static void check_cable(seeded_run_t *run, bool moves, double deg)
 {
     const bench_config_t *const config = run->config;
     const sim_drive_config_t *const drive = &config->scenario.drive;
@@ -147,7 +147,7 @@ static bool is_under_way(sim_homing_t homing)
 }
 
 /* A homing that was broken off counts until the table rests. */
-static void look_at_homing(seeded_run_t *run, bool moves, double deg)
+static void check_homing(seeded_run_t *run, bool moves, double deg)
 {
     bench_watch_t *const watch = &run->watch;
     const sim_homing_t homing = run->world->drive.homing;
@@ -165,7 +165,7 @@ static void look_at_homing(seeded_run_t *run, bool moves, double deg)
 }
 
 /* What a stranger has changed is read back before a motion; what he changes on its way may count for its next leg. */
-static void look_at_speed(seeded_run_t *run, double velocity_deg_s, double deg)
+static void check_speed(seeded_run_t *run, double velocity_deg_s, double deg)
 {
     bench_watch_t *const watch = &run->watch;
     const uint64_t now_us = run->world->clock.now_us;
@@ -180,7 +180,7 @@ static void look_at_speed(seeded_run_t *run, double velocity_deg_s, double deg)
     }
 }
 
-static void look_at_table(seeded_run_t *run)
+static void check_table(seeded_run_t *run)
 {
     const bench_world_t *const world = run->world;
     const uint64_t now_us = world->clock.now_us;
@@ -190,11 +190,11 @@ static void look_at_table(seeded_run_t *run)
         return;
     }
     const double deg = sim_axis_commanded_deg(world->axis, now_us, &velocity_deg_s);
-    look_at_rest(run, moves, deg);
-    look_at_homing(run, moves, deg);
-    look_at_speed(run, velocity_deg_s, deg);
+    check_rest(run, moves, deg);
+    check_homing(run, moves, deg);
+    check_speed(run, velocity_deg_s, deg);
     if (world->drive.homing == SIM_HOMING_ATTAINED && world->drive.powered) {
-        look_at_cable(run, moves, deg);
+        check_cable(run, moves, deg);
     }
     run->watch.last_deg = deg;
 }
@@ -236,7 +236,7 @@ static void note_written(seeded_run_t *run, uint16_t index, uint8_t subindex)
     }
 }
 
-static void look_at_level(seeded_run_t *run)
+static void check_level(seeded_run_t *run)
 {
     bench_watch_t *const watch = &run->watch;
     const uint64_t now_us = run->world->clock.now_us;
@@ -251,7 +251,7 @@ static void look_at_level(seeded_run_t *run)
 
 /* The run number: one more with each run that begins, and with nothing else. */
 
-static void look_at_number(seeded_run_t *run)
+static void check_number(seeded_run_t *run)
 {
     const uint32_t runs = tumble_service_runs(&run->world->navcomp);
     if (runs < run->watch.runs || runs > run->watch.runs + 1U) {
@@ -338,7 +338,7 @@ static bool is_collected(const seeded_run_t *run, uint8_t index, const tumble_av
 }
 
 /* A mean that is there is the one just collected, or one that was there before: back after a loss of power. */
-static void look_at_mean(seeded_run_t *run, uint8_t index, const tumble_average_t *average)
+static void check_mean(seeded_run_t *run, uint8_t index, const tumble_average_t *average)
 {
     bench_known_t *const known = &run->watch.known[index];
     for (uint32_t i = 0; i < BENCH_KNOWN; i++) {
@@ -362,7 +362,7 @@ static void check_means(seeded_run_t *run)
         tumble_procedure_averages(tumble_navcomp_procedure(&run->world->navcomp));
     for (uint8_t i = 0; i < run->config->scenario.schedule.position_count; i++) {
         if (tumble_averaging_has_mean(averages, i)) {
-            look_at_mean(run, i, &averages->averages[i]);
+            check_mean(run, i, &averages->averages[i]);
         }
     }
 }
@@ -401,7 +401,7 @@ static void compare_with_truth(seeded_run_t *run, const tumble_set_t *set)
 }
 
 /* Another set is active. */
-static void look_at_new(seeded_run_t *run)
+static void check_new(seeded_run_t *run)
 {
     tumble_set_t set;
     if (tumble_store_read(&run->memory->keeper.store, TUMBLE_SET_ACTIVE, &set) != TUMBLE_OK ||
@@ -455,7 +455,7 @@ static bool was_hit(const seeded_run_t *run)
 }
 
 /* A proposal stays until somebody decides, or another result takes its place. */
-static void look_at_proposal(seeded_run_t *run)
+static void check_proposal(seeded_run_t *run)
 {
     bench_watch_t *const watch = &run->watch;
     const uint32_t proposal = tumble_store_proposal(&run->memory->keeper.store);
@@ -493,7 +493,7 @@ static bool counts_as_valid(const seeded_run_t *run, uint32_t offset)
            (keeper->history.valid[region - TUMBLE_REGION_HISTORY] >> cell & 1U) != 0U;
 }
 
-static void look_at_flipped(seeded_run_t *run)
+static void check_flipped(seeded_run_t *run)
 {
     for (uint32_t i = 0; i < run->flipped_count; i++) {
         const bench_flipped_t *const flipped = &run->flipped[i];
@@ -503,7 +503,7 @@ static void look_at_flipped(seeded_run_t *run)
     }
 }
 
-static void look_at_sets(seeded_run_t *run)
+static void check_sets(seeded_run_t *run)
 {
     bench_watch_t *const watch = &run->watch;
     const tumble_store_t *const store = &run->memory->keeper.store;
@@ -517,13 +517,13 @@ static void look_at_sets(seeded_run_t *run)
     } else if (counter < watch->counter) {
         bear_decay(run, CAMPAIGN_VIOLATION_COUNTER, (double)counter);
     } else if (counter > watch->counter) {
-        look_at_new(run);
+        check_new(run);
     }
     watch->has_set = has_set;
     watch->counter = counter;
     look_whether_told(run);
-    look_at_proposal(run);
-    look_at_flipped(run);
+    check_proposal(run);
+    check_flipped(run);
 }
 
 void bench_watch_power_on(seeded_run_t *run)
@@ -668,12 +668,12 @@ void bench_watch_frame(seeded_run_t *run, uint8_t sender, const tumble_can_frame
     }
 }
 
-void bench_watch_look(seeded_run_t *run)
+void bench_watch_check(seeded_run_t *run)
 {
-    look_at_table(run);
+    check_table(run);
     if (!run->world->off) {
-        look_at_level(run);
-        look_at_number(run);
-        look_at_sets(run);
+        check_level(run);
+        check_number(run);
+        check_sets(run);
     }
 }

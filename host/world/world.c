@@ -148,7 +148,7 @@ void bench_world_end(bench_world_t *world, world_end_t end)
 }
 
 /* True: it has moved on. */
-static bool look_at_procedure(bench_world_t *world)
+static bool follow_procedure(bench_world_t *world)
 {
     const tumble_procedure_t *const procedure = tumble_navcomp_procedure(&world->navcomp);
     const uint32_t mark = tumble_procedure_mark(procedure);
@@ -159,7 +159,7 @@ static bool look_at_procedure(bench_world_t *world)
     tumble_procedure_progress(procedure, &world->progress);
     world->angle_error.position = world->progress.index;
     sim_truth_bias(&world->truth, &world->config->scenario.schedule, world->progress.index, world->sensor.u0_v);
-    bench_fault_script_look(world, &world->progress);
+    bench_fault_script_update(world, &world->progress);
     if (world->watcher->on_change != NULL) {
         world->watcher->on_change(world->watcher->context, &world->progress);
     }
@@ -186,7 +186,7 @@ static void step_navcomp(bench_world_t *world)
 {
     tumble_navcomp_step(&world->navcomp);
     world->steps++;
-    if (look_at_procedure(world) || world->config->stand == BENCH_STAND_OPERATOR) { /* who may ask for an angle */
+    if (follow_procedure(world) || world->config->stand == BENCH_STAND_OPERATOR) { /* who may ask for an angle */
         bench_operator_update(world);
     }
     look_for_end(world);

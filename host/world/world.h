@@ -204,7 +204,7 @@ bool bench_operator_is_awaited(const bench_world_t *world);
 void bench_fault_script_init(bench_world_t *world);
 
 /* The procedure has come to another state, position or attempt. */
-void bench_fault_script_look(bench_world_t *world, const tumble_progress_t *progress);
+void bench_fault_script_update(bench_world_t *world, const tumble_progress_t *progress);
 
 /* Somebody mends what is broken: all faults in force that would last for good are over. */
 void bench_fault_script_mend(bench_world_t *world);

@@ -37,7 +37,7 @@ class NoisyRuns:
         scatter = samples.std(axis=1, ddof=1)
         facts = [facts_of(np.column_stack((rows, np.arange(len(rows))))) for rows in samples]
         run = Run(case.samples, samples.mean(axis=1), scatter, "V", {}, blocks=blocks_of(facts))
-        seen = noise.look(run, case.stand, self._declared)
+        seen = noise.estimate_noise(run, case.stand, self._declared)
         stand = case.stand.with_step(self._declared)
         variance = variance_of_means(stand, run.samples, float(seen.rounding.max()))
         square = chi_squared(case.schedule, run.means, run.measured, variance, stand)[0]

@@ -9,7 +9,7 @@ READ = ("firmware", "host/simulation", "tests/benchmark/sample_way", "tests/inte
 ENGINE = "firmware/procedure/procedure.c"
 LAYER = """static outcome_t look_between(tumble_procedure_t *procedure, const tumble_row_t *row)
 {
-    return look(procedure, row, BETWEEN_REPORTS);
+    return check_row(procedure, row, BETWEEN_REPORTS);
 }
 
 bool tumble_procedure_sample("""
@@ -20,7 +20,7 @@ def test_a_layer_that_only_passes_on_is_rejected(tmp_path):
     for folder in READ:
         shutil.copytree(ROOT / folder, tmp_path / folder)
     with planted(tmp_path, [(ENGINE, "bool tumble_procedure_sample(", LAYER),
-                            (ENGINE, "look(procedure, row, BETWEEN_REPORTS);\n    if (outcome",
+                            (ENGINE, "check_row(procedure, row, BETWEEN_REPORTS);\n    if (outcome",
                              "look_between(procedure, row);\n    if (outcome")]):
         result = run(sys.executable, ROOT / "tests/benchmark/sample_way.py", "--root", tmp_path)
     assert result.returncode == 1 and result.stdout.startswith("26 functions in 12 files, at most 25:"), result.stdout

@@ -12,7 +12,7 @@ from tumble import core, model
 from tumble.files.stand_file import read_stand
 from tumble.model.coefficients import NotSolvable
 from tumble.model.errors import exact_outputs, sources
-from tumble.model.stand_seen import look
+from tumble.model.stand_seen import estimate_stand_errors
 from tumble.solving.computation import compute
 
 pytestmark = pytest.mark.python
@@ -54,7 +54,7 @@ class Exchanged:
             return None
         shown = stand_seen.RunSeen(self.schedule, self.means, measured, found.k, found.u0)
         one_row = np.ones(12, dtype=int)
-        seen = look(shown, None, one_row, self.declared)
+        seen = estimate_stand_errors(shown, None, one_row, self.declared)
         witness = model.RunSeen(self.schedule.data, self.means, found.k)
         stand_seen.compare_seen(seen, witness, one_row, nothing, self.declared)
         assert shown.departure == pytest.approx(witness.departure, rel=1e-9)
@@ -78,7 +78,8 @@ def test_a_stand_is_seen_as_long_as_its_angles_are_small():
         means = model.Geometry(schedule.data).outputs(k, np.zeros(3), alpha3=np.array([yaw, -yaw, yaw]))
         found = compute(schedule, means, np.ones(12, dtype=bool), "least_squares", 3e-4)
         shown = stand_seen.RunSeen(schedule, means, np.ones(12, dtype=bool), found.k, found.u0)
-        assert (look(shown, None, one_row, declared).augmented["alpha3_difference"] is not None) == shown_it
+        seen = estimate_stand_errors(shown, None, one_row, declared)
+        assert (seen.augmented["alpha3_difference"] is not None) == shown_it
 
 
 def test_the_command_names_the_exchange(refused, tmp_path):

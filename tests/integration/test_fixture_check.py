@@ -57,7 +57,7 @@ def by_core(run, declared):
     """As much of a solution as verdicts and combinations use, by the core alone: for statistics of many runs. Whether
     the witness agrees, and what excuses the stand, is the question of other tests, and of the long versions."""
     found = compute(PAPER, run.means, run.measured, "refined", 1.0)
-    seen = noise.look(run, declared, 0.0)
+    seen = noise.estimate_noise(run, declared, 0.0)
     propagation = Propagation(PAPER.data, found.k, declared, run.samples, found.estimator)
     return Solution(PAPER.data, run, 1.0, found, None, declared, None, seen, propagation)
 

@@ -7,7 +7,7 @@ from test_noise import autoregressive, run_of
 from test_stand_seen import stand_named
 
 from tumble import core, model
-from tumble.model.stand_seen import look
+from tumble.model.stand_seen import estimate_stand_errors
 from tumble.solving import noise
 
 pytestmark = pytest.mark.python
@@ -32,10 +32,10 @@ def runs(rho, count, alpha4, seed):
 
 def seen(run, stand, counted, trust_stand=False):
     """By both implementations, which agree. `counted`: whether the noise of means is taken as measured."""
-    variance = noise.look(run, stand, 0.0).mean_variance if counted else None
+    variance = noise.estimate_noise(run, stand, 0.0).mean_variance if counted else None
     k, u0 = core.estimate(SCHEDULE, run.means)
     shown, white = stand_seen.RunSeen(SCHEDULE, run.means, MEASURED, k, u0), stand_seen.noise(run.samples, run.scatter)
-    found = look(shown, white, run.samples, stand, trust_stand, variance)
+    found = estimate_stand_errors(shown, white, run.samples, stand, trust_stand, variance)
     witness = model.RunSeen(SCHEDULE.data, run.means, k)
     stand_seen.compare_seen(found, witness, run.samples, run.scatter, stand, trust_stand, variance)
     return found

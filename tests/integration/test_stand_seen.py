@@ -15,7 +15,7 @@ from tumble import core, model
 from tumble.distributions import f_cdf
 from tumble.errors import Disagreement
 from tumble.files.stand_file import read_stand
-from tumble.model.stand_seen import look
+from tumble.model.stand_seen import estimate_stand_errors
 from tumble.schedule import CHECK, Position, Schedule
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
@@ -221,7 +221,7 @@ def test_core_and_witness_agree_far_beyond_the_noise(noise, spread):
         k, u0 = core.estimate(schedule, means)
         shown = stand_seen.RunSeen(schedule, means, np.ones(18, bool), k, u0)
         for trust in (True, False):
-            seen = look(shown, stand_seen.noise(samples, scatter), samples, stand, trust)
+            seen = estimate_stand_errors(shown, stand_seen.noise(samples, scatter), samples, stand, trust)
             stand_seen.compare_seen(seen, model.RunSeen(PAPER, means, k), samples, scatter, stand, trust)
 
 
@@ -272,7 +272,7 @@ def test_set_angles_hardly_worse_than_the_noise_are_no_disagreement(above):
     rng = np.random.default_rng(84)
     for _ in range(20):
         shown, witness, samples, scatter = hardly_any_set_angles(rng, above)
-        found = look(shown, stand_seen.noise(samples, scatter), samples, None)
+        found = estimate_stand_errors(shown, stand_seen.noise(samples, scatter), samples, None)
         assert found.alpha4 is not None and found.alpha4.u > 10 * found.alpha4.value
         stand_seen.compare_seen(found, witness, samples, scatter, None)
         with pytest.raises(Disagreement, match="alpha4 squared"):

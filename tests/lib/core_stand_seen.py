@@ -19,7 +19,7 @@ from tumble.core import (
     require_ok,
     residual_rms,
 )
-from tumble.model.stand_seen import ANGLES, Estimate, StandSeen, look, own_variance, weights_of
+from tumble.model.stand_seen import ANGLES, Estimate, StandSeen, estimate_stand_errors, own_variance, weights_of
 from tumble.schedule import FIT, Schedule
 from tumble.solving.computation import _LAST_BITS, _require
 from tumble.stand import LARGEST_ERROR_RAD, MOST_YAWS, Stand
@@ -167,7 +167,7 @@ def compare_seen(
     """
     seen = model.pooled_noise(samples, scatter * weights_of(stand))
     rounded = max(_ROUNDED_RAD, _LAST_BITS * _SUMMED * float(np.abs(np.linalg.solve(run._k, run._means.T)).max()))
-    witness = look(run, seen, samples, stand, trust_stand, mean_variance)
+    witness = estimate_stand_errors(run, seen, samples, stand, trust_stand, mean_variance)
     variances = [
         own_variance(one, samples, stand, mean_variance) for one in (seen, None)
     ]  # by the run and by the stand

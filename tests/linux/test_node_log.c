@@ -87,14 +87,14 @@ static void test_an_interface_that_goes_and_comes_back(void)
     link_log_t told = {0};
     can_socket_t can = {.name = "can0", .is_down = true};
     log_pipe_open("text", NULL);
-    link_log_look(&told, &can);
+    link_log_update(&told, &can);
     TEST_ASSERT_EQUAL_STRING("", log_pipe_read());
     can.counters.downs = 1;
-    link_log_look(&told, &can);
-    link_log_look(&told, &can);
+    link_log_update(&told, &can);
+    link_log_update(&told, &can);
     TEST_ASSERT_EQUAL_STRING(LOG_PIPE_TIME " tumble-node: warning: the interface can0 is down\n", log_pipe_read());
     can.is_down = false;
-    link_log_look(&told, &can);
-    link_log_look(&told, &can);
+    link_log_update(&told, &can);
+    link_log_update(&told, &can);
     TEST_ASSERT_EQUAL_STRING(LOG_PIPE_TIME " tumble-node: notice: the interface can0 is up again\n", log_pipe_read());
 }

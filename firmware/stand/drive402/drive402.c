@@ -149,7 +149,7 @@ static void drive_pdo_received(void *self, uint8_t number)
         drive->placed = drive->placed && (drive->phase == (uint8_t)PHASE_MOVING) &&
                         tumble_drive_has(drive, TUMBLE_402_STATUS_TARGET_REACHED);
     }
-    tumble_drive_look(drive, tumble_drive_carries(pdo, TUMBLE_DRIVE_STATUS));
+    tumble_drive_check(drive, tumble_drive_carries(pdo, TUMBLE_DRIVE_STATUS));
 }
 
 /* Time. */
@@ -186,7 +186,7 @@ static void end_late(tumble_drive402_t *drive)
 static void drive_step(void *self, uint64_t now_us)
 {
     tumble_drive402_t *drive = self;
-    tumble_drive_look(drive, false);
+    tumble_drive_check(drive, false);
     if (drive->restart_timer) {
         drive->restart_timer = false;
         drive->entered_us = now_us;

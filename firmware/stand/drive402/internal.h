@@ -42,7 +42,7 @@ enum {
 
 typedef struct {
     void (*enter)(tumble_drive402_t *drive);
-    void (*look)(tumble_drive402_t *drive);
+    void (*check)(tumble_drive402_t *drive);
     uint8_t timeout; /* where it stands in the profile; 0: none */
     uint8_t late;    /* tumble_stand_fault_t at the timeout */
     uint8_t state;   /* tumble_stand_state_t; of IDLE, STOPPED and POWER see drive_state in drive402.c */
@@ -61,7 +61,7 @@ void tumble_drive_fail(tumble_drive402_t *drive, tumble_stand_fault_t fault);
 void tumble_drive_refused(tumble_drive402_t *drive, uint16_t index, uint8_t subindex, uint32_t abort);
 
 /* Follow the phases as far as they lead by themselves. `fresh`: a statusword has just come. */
-void tumble_drive_look(tumble_drive402_t *drive, bool fresh);
+void tumble_drive_check(tumble_drive402_t *drive, bool fresh);
 
 /* Have all process data that were asked for been handed to the port? */
 bool tumble_drive_is_sent(const tumble_drive402_t *drive);

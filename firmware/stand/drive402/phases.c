@@ -45,14 +45,14 @@ static bool is_watched_fault(tumble_drive402_t *drive)
     return false;
 }
 
-void tumble_drive_look(tumble_drive402_t *drive, bool fresh)
+void tumble_drive_check(tumble_drive402_t *drive, bool fresh)
 {
     uint8_t before = PHASE_COUNT;
     drive->fresh = fresh;
     while (before != drive->phase) {
         before = drive->phase;
-        if (!is_watched_fault(drive) && (tumble_drive_rows[before].look != NULL)) {
-            tumble_drive_rows[before].look(drive);
+        if (!is_watched_fault(drive) && (tumble_drive_rows[before].check != NULL)) {
+            tumble_drive_rows[before].check(drive);
         }
         drive->fresh = false;
     }
@@ -104,7 +104,7 @@ static bool is_answered(tumble_drive402_t *drive)
  *
  * A timeout means that nobody is there yet: ask again. An answer without a heartbeat is not enough to be present. A
  * profile without a heartbeat's time says that the drive sends one unasked. */
-static void look_absent(tumble_drive402_t *drive)
+static void check_absent(tumble_drive402_t *drive)
 {
     const tumble_sdo_client_t *client = &drive->node->client;
     if ((tumble_sdo_client_result(client) == TUMBLE_E_SDO_BUSY) || (drive->profile->heartbeat_ms == 0U) ||
@@ -164,7 +164,7 @@ static bool goes_on(tumble_drive402_t *drive, const tumble_object_write_t *step)
     return false;
 }
 
-static void look_configure(tumble_drive402_t *drive)
+static void check_configure(tumble_drive402_t *drive)
 {
     tumble_object_write_t step = {0, 0, 0, 0};
     if (!is_answered(drive)) {
@@ -206,7 +206,7 @@ static bool keeps(const tumble_sdo_client_t *client, const tumble_object_write_t
     return off <= ((wanted->index == TUMBLE_402_SOFTWARE_LIMIT) ? 0U : (1U + (wanted->value / 64U)));
 }
 
-static void look_verify(tumble_drive402_t *drive)
+static void check_verify(tumble_drive402_t *drive)
 {
     tumble_object_write_t wanted = {0, 0, 0, 0};
     if (!is_answered(drive)) {
@@ -279,7 +279,7 @@ static void control_once(tumble_drive402_t *drive, unsigned word)
 
 /* A drive that is under power already may be turning: this computer has restarted, or a cable was loose. POWER begins
  * by switching the voltage off, and the axis would coast. So stop it first. */
-static void look_start(tumble_drive402_t *drive)
+static void check_start(tumble_drive402_t *drive)
 {
     if (drive->asked != ASKED_START) {
         const bool taken = tumble_nmt_command(&drive->node->nmt, drive->drive_node, TUMBLE_NMT_START) == TUMBLE_OK;
@@ -299,7 +299,7 @@ static void enter_power(tumble_drive402_t *drive)
 }
 
 /* The reset acts on the rising edge of bit 7, which must have been seen low before. */
-static void look_power_fault(tumble_drive402_t *drive)
+static void check_power_fault(tumble_drive402_t *drive)
 {
     const uint16_t word = drive->mirror->controlword;
     if ((word == TUMBLE_402_CONTROL_DISABLE_VOLTAGE) && drive->may_reset) {
@@ -312,7 +312,7 @@ static void look_power_fault(tumble_drive402_t *drive)
     }
 }
 
-static void look_power(tumble_drive402_t *drive)
+static void check_power(tumble_drive402_t *drive)
 {
     if (tumble_drive_is_blocked(drive)) {
         return;
@@ -335,7 +335,7 @@ static void look_power(tumble_drive402_t *drive)
         }
         break;
     case TUMBLE_402_STATE_FAULT:
-        look_power_fault(drive);
+        check_power_fault(drive);
         break;
     default:
         break; /* on its way */
@@ -369,7 +369,7 @@ static uint16_t sixteen_bits(double quantity)
 }
 
 /* What bounds the motion that begins. */
-static void tell_motion(tumble_drive402_t *drive, bool homes, int64_t to_counts)
+static void set_motion_bounds(tumble_drive402_t *drive, bool homes, int64_t to_counts)
 {
     const tumble_drive_profile_t *profile = drive->profile;
     const double speed_deg_s = homes ? profile->homing_fast_deg_s : profile->velocity_deg_s;
@@ -387,7 +387,7 @@ static void tell_motion(tumble_drive402_t *drive, bool homes, int64_t to_counts)
     };
 }
 
-static void look_home_mode(tumble_drive402_t *drive)
+static void check_home_mode(tumble_drive402_t *drive)
 {
     const tumble_sdo_client_t *client = &drive->node->client;
     const int8_t method = drive->profile->homing_method;
@@ -408,7 +408,7 @@ static void look_home_mode(tumble_drive402_t *drive)
 
 static void enter_homing(tumble_drive402_t *drive)
 {
-    tell_motion(drive, true, (int64_t)drive->homing_counts * drive->profile->sign);
+    set_motion_bounds(drive, true, (int64_t)drive->homing_counts * drive->profile->sign);
     tumble_drive_control(drive, TUMBLE_402_CONTROL_ENABLE | TUMBLE_402_CONTROL_START_HOMING);
 }
 
@@ -426,7 +426,7 @@ static void confirm_start(tumble_drive402_t *drive)
     }
 }
 
-static void look_attained(tumble_drive402_t *drive)
+static void check_attained(tumble_drive402_t *drive)
 {
     if (drive->stale == UNCLEARED) {
         return; /* it may be that of the homing before */
@@ -445,7 +445,7 @@ static void look_attained(tumble_drive402_t *drive)
     }
 }
 
-static void look_homing(tumble_drive402_t *drive)
+static void check_homing(tumble_drive402_t *drive)
 {
     if (tumble_drive_is_blocked(drive)) {
         return;
@@ -456,7 +456,7 @@ static void look_homing(tumble_drive402_t *drive)
     } else if (drive->asked != ASKED_NOTHING) {
         confirm_start(drive);
     } else if (drive->fresh) {
-        look_attained(drive);
+        check_attained(drive);
     } else {
         /* nothing new */
     }
@@ -487,7 +487,7 @@ static bool is_home(const tumble_drive402_t *drive, int32_t offset)
 
 /* Reports may be as frozen as they were on the way, and a drive that wraps would turn to its next target the wrong way
  * round. So a position that is not near 0 must be the home offset of the drive. */
-static void look_move_mode(tumble_drive402_t *drive)
+static void check_move_mode(tumble_drive402_t *drive)
 {
     const tumble_sdo_client_t *client = &drive->node->client;
     if (!drive->homed) {
@@ -553,7 +553,7 @@ static void enter_target(tumble_drive402_t *drive)
 
 /* Process data are not acknowledged. A drive that has missed the target would turn to an old one at the edge of bit 4.
  * So the target is read back by SDO, and sent again until the drive holds it. */
-static void look_target(tumble_drive402_t *drive)
+static void check_target(tumble_drive402_t *drive)
 {
     const bool taken = tumble_drive_has(drive, TUMBLE_402_STATUS_SET_POINT_ACKNOWLEDGE);
     if (tumble_drive_is_blocked(drive) || (taken && !drive->profile->acknowledges_enabling) || !is_answered(drive)) {
@@ -579,7 +579,7 @@ static void enter_set_point(tumble_drive402_t *drive)
     tumble_drive_control(drive, TUMBLE_402_CONTROL_ENABLE | TUMBLE_402_CONTROL_NEW_SET_POINT);
 }
 
-static void look_set_point(tumble_drive402_t *drive)
+static void check_set_point(tumble_drive402_t *drive)
 {
     const bool is_set = tumble_drive_has(drive, TUMBLE_402_STATUS_SET_POINT_ACKNOWLEDGE);
     if (!tumble_drive_is_blocked(drive) && (is_set != drive->falls)) {
@@ -592,7 +592,7 @@ static void enter_release(tumble_drive402_t *drive)
     tumble_drive_control(drive, TUMBLE_402_CONTROL_ENABLE);
 }
 
-static void look_release(tumble_drive402_t *drive)
+static void check_release(tumble_drive402_t *drive)
 {
     if (!tumble_drive_is_blocked(drive) && !tumble_drive_has(drive, TUMBLE_402_STATUS_SET_POINT_ACKNOWLEDGE)) {
         tumble_drive_go(drive, PHASE_MOVING);
@@ -601,7 +601,7 @@ static void look_release(tumble_drive402_t *drive)
 
 static void enter_moving(tumble_drive402_t *drive)
 {
-    tell_motion(drive, false, drive->set_counts);
+    set_motion_bounds(drive, false, drive->set_counts);
 }
 
 static bool is_near(const tumble_drive402_t *drive)
@@ -626,7 +626,7 @@ static bool is_placed(tumble_drive402_t *drive)
     return drive->placed;
 }
 
-static void look_moving(tumble_drive402_t *drive)
+static void check_moving(tumble_drive402_t *drive)
 {
     if (!tumble_drive_has(drive, TUMBLE_402_STATUS_TARGET_REACHED) || !is_placed(drive) || !is_near(drive)) {
         return;
@@ -648,7 +648,7 @@ static bool stops_by_halt(const tumble_drive402_t *drive)
     return drive->profile->stop == (uint8_t)TUMBLE_STOP_BY_HALT;
 }
 
-static void tell_to_stop(tumble_drive402_t *drive)
+static void command_stop(tumble_drive402_t *drive)
 {
     tumble_drive_control(drive, stops_by_halt(drive) ? (TUMBLE_402_CONTROL_ENABLE | TUMBLE_402_CONTROL_HALT)
                                                      : TUMBLE_402_CONTROL_QUICK_STOP);
@@ -661,14 +661,14 @@ static void enter_stopping(tumble_drive402_t *drive)
     drive->arrived = false;
     drive->may_reset = false;
     tumble_drive_watch_stop(drive);
-    tell_to_stop(drive);
+    command_stop(drive);
     if (stops_by_halt(drive)) {
         tumble_drive_tell_by_sdo(drive); /* a Halt that was not heard does not show */
     }
 }
 
 /* Until the drive has begun to stop it is told again at every report: process data are not acknowledged. */
-static void look_stopping(tumble_drive402_t *drive)
+static void check_stopping(tumble_drive402_t *drive)
 {
     if (tumble_drive_is_blocked(drive) || !drive->fresh) {
         return;
@@ -680,7 +680,7 @@ static void look_stopping(tumble_drive402_t *drive)
         tumble_drive_end_stop(drive);
         tumble_drive_go(drive, PHASE_STOPPED);
     } else if (tumble_drive_power_state(drive) == TUMBLE_402_STATE_OPERATION_ENABLED) {
-        tell_to_stop(drive);
+        command_stop(drive);
     } else {
         /* it brakes */
     }
@@ -694,7 +694,7 @@ static void enter_fault(tumble_drive402_t *drive)
     tumble_drive_control(drive, TUMBLE_402_CONTROL_QUICK_STOP);
 }
 
-static void look_fault(tumble_drive402_t *drive)
+static void check_fault(tumble_drive402_t *drive)
 {
     if (!drive->fresh) {
         return;
@@ -715,7 +715,7 @@ static void look_fault(tumble_drive402_t *drive)
 /* The table. */
 
 #define ENTER(name) enter_##name
-#define LOOK(name) look_##name
+#define CHECK(name) check_##name
 #define FOR(member) (uint8_t)offsetof(tumble_drive_profile_t, member##_timeout_ms)
 #define OR(name) (uint8_t)TUMBLE_STAND_FAULT_##name
 #define IS(name) (uint8_t)TUMBLE_STAND_##name
@@ -728,22 +728,22 @@ static_assert(((unsigned)PHASE_POWER == (unsigned)TUMBLE_STAND_STEP_POWER) &&
 
 /* clang-format off */
 const tumble_drive_row_t tumble_drive_rows[PHASE_COUNT] = {
-    /*                    enter             look             lasts           or else       to the stand  is watched */
-    [PHASE_ABSENT]    = {NULL,             LOOK(absent),    0,              0,            IS(OFFLINE),  0},
-    [PHASE_CONFIGURE] = {ENTER(configure), LOOK(configure), 0,              0,            IS(OFFLINE),  0},
-    [PHASE_START]     = {NULL,             LOOK(start),     FOR(start),     OR(PROTOCOL), IS(OFFLINE),  0},
-    [PHASE_POWER]     = {ENTER(power),     LOOK(power),     FOR(power),     OR(POWER),    IS(OFFLINE),  0},
+    /*                    enter             check            lasts           or else       to the stand  is watched */
+    [PHASE_ABSENT]    = {NULL,             CHECK(absent),    0,              0,            IS(OFFLINE),  0},
+    [PHASE_CONFIGURE] = {ENTER(configure), CHECK(configure), 0,              0,            IS(OFFLINE),  0},
+    [PHASE_START]     = {NULL,             CHECK(start),     FOR(start),     OR(PROTOCOL), IS(OFFLINE),  0},
+    [PHASE_POWER]     = {ENTER(power),     CHECK(power),     FOR(power),     OR(POWER),    IS(OFFLINE),  0},
     [PHASE_IDLE]      = {NULL,             NULL,            0,              0,            IS(STOPPED),  WATCH_POWER},
-    [PHASE_VERIFY]    = {ENTER(verify),    LOOK(verify),    FOR(handshake), OR(PROTOCOL), IS(MOVING),   WATCH_POWER},
-    [PHASE_HOME_MODE] = {NULL,             LOOK(home_mode), FOR(handshake), OR(PROTOCOL), IS(HOMING),   WATCH_POWER},
-    [PHASE_HOMING]    = {ENTER(homing),    LOOK(homing),    FOR(home),      OR(HOMING),   IS(HOMING),   WATCH_POWER},
-    [PHASE_MOVE_MODE] = {NULL,             LOOK(move_mode), FOR(handshake), OR(PROTOCOL), IS(HOMING),   WATCH_POWER},
-    [PHASE_TARGET]    = {ENTER(target),    LOOK(target),    FOR(handshake), OR(PROTOCOL), IS(MOVING),   WATCH_POWER | WATCH_MOTION},
-    [PHASE_SET_POINT] = {ENTER(set_point), LOOK(set_point), FOR(handshake), OR(PROTOCOL), IS(MOVING),   WATCH_POWER | WATCH_MOTION},
-    [PHASE_RELEASE]   = {ENTER(release),   LOOK(release),   FOR(handshake), OR(PROTOCOL), IS(MOVING),   WATCH_POWER | WATCH_MOTION},
-    [PHASE_MOVING]    = {ENTER(moving),    LOOK(moving),    FOR(move),      OR(TIMEOUT),  IS(MOVING),   WATCH_POWER | WATCH_MOTION},
-    [PHASE_STOPPING]  = {ENTER(stopping),  LOOK(stopping),  0,              0,            IS(MOVING),   0},
+    [PHASE_VERIFY]    = {ENTER(verify),    CHECK(verify),    FOR(handshake), OR(PROTOCOL), IS(MOVING),   WATCH_POWER},
+    [PHASE_HOME_MODE] = {NULL,             CHECK(home_mode), FOR(handshake), OR(PROTOCOL), IS(HOMING),   WATCH_POWER},
+    [PHASE_HOMING]    = {ENTER(homing),    CHECK(homing),    FOR(home),      OR(HOMING),   IS(HOMING),   WATCH_POWER},
+    [PHASE_MOVE_MODE] = {NULL,             CHECK(move_mode), FOR(handshake), OR(PROTOCOL), IS(HOMING),   WATCH_POWER},
+    [PHASE_TARGET]    = {ENTER(target),    CHECK(target),    FOR(handshake), OR(PROTOCOL), IS(MOVING),   WATCH_POWER | WATCH_MOTION},
+    [PHASE_SET_POINT] = {ENTER(set_point), CHECK(set_point), FOR(handshake), OR(PROTOCOL), IS(MOVING),   WATCH_POWER | WATCH_MOTION},
+    [PHASE_RELEASE]   = {ENTER(release),   CHECK(release),   FOR(handshake), OR(PROTOCOL), IS(MOVING),   WATCH_POWER | WATCH_MOTION},
+    [PHASE_MOVING]    = {ENTER(moving),    CHECK(moving),    FOR(move),      OR(TIMEOUT),  IS(MOVING),   WATCH_POWER | WATCH_MOTION},
+    [PHASE_STOPPING]  = {ENTER(stopping),  CHECK(stopping),  0,              0,            IS(MOVING),   0},
     [PHASE_STOPPED]   = {NULL,             NULL,            0,              0,            IS(STOPPED),  0},
-    [PHASE_FAULT]     = {ENTER(fault),     LOOK(fault),     0,              0,            IS(FAULT),    0},
+    [PHASE_FAULT]     = {ENTER(fault),     CHECK(fault),     0,              0,            IS(FAULT),    0},
 };
 /* clang-format on */

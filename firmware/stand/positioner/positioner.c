@@ -49,7 +49,7 @@ static bool is_at_rest(const tumble_positioner_t *axis)
 /* What is ordered of the controller. */
 
 /* Tell the order once more, as a new one: with the next exchange, which goes at once. No order has the number 0. */
-static void tell(tumble_positioner_t *axis)
+static void renew_order(tumble_positioner_t *axis)
 {
     axis->number = (axis->number == UINT16_MAX) ? 1U : (uint16_t)(axis->number + 1U);
     axis->taken = false;
@@ -57,20 +57,20 @@ static void tell(tumble_positioner_t *axis)
 }
 
 /* Order it, as something new. */
-static void give(tumble_positioner_t *axis, unsigned order)
+static void send_order(tumble_positioner_t *axis, unsigned order)
 {
     const bool stops = (order == (unsigned)ORDER_STOP) || (order == (unsigned)ORDER_RESET);
     axis->order = (uint8_t)order;
     axis->travelled = 0;
     axis->rung = (uint8_t)(stops ? TUMBLE_RUNG_TOLD : TUMBLE_RUNG_NONE);
-    tell(axis);
+    renew_order(axis);
 }
 
 /* Order a stop. One that is under way is not begun anew: its harsher means must come. */
 static void halt(tumble_positioner_t *axis)
 {
     if (!is_stopping(axis)) {
-        give(axis, ORDER_STOP);
+        send_order(axis, ORDER_STOP);
     }
 }
 
@@ -141,7 +141,7 @@ static void come_to_rest(tumble_positioner_t *axis)
 }
 
 /* Until the controller has our order, its report tells of the one before. */
-static void look(tumble_positioner_t *axis, uint16_t number, uint16_t code)
+static void check_report(tumble_positioner_t *axis, uint16_t number, uint16_t code)
 {
     if (number == axis->number) {
         axis->taken = true;
@@ -167,7 +167,7 @@ static int32_t mdeg_of(const tumble_positioner_t *axis, double counts)
 }
 
 /* What bounds the motion that the controller makes. How it starts and brakes is its own affair. */
-static void tell_motion(tumble_positioner_t *axis)
+static void set_motion_bounds(tumble_positioner_t *axis)
 {
     const bool homes = is(axis, TUMBLE_STAND_HOMING);
     const bool turns = axis->taken && !is_stopping(axis) && (homes || is(axis, TUMBLE_STAND_MOVING));
@@ -205,12 +205,12 @@ static void take_report(tumble_positioner_t *axis, const uint16_t *values)
     if (!axis->known) { /* nothing is written before it is known what is there */
         axis->known = true;
         axis->number = values[READ_NUMBER];
-        give(axis, axis->order);
+        send_order(axis, axis->order);
         return;
     }
     axis->travelled += has(axis, IS_HOMED) ? 0U : (uint64_t)distance(axis->actual, before);
-    look(axis, values[READ_NUMBER], values[READ_FAULT]);
-    tell_motion(axis);
+    check_report(axis, values[READ_NUMBER], values[READ_FAULT]);
+    set_motion_bounds(axis);
 }
 
 /* The course of time. */
@@ -249,7 +249,7 @@ static void climb(tumble_positioner_t *axis)
     if ((axis->rung < (uint8_t)TUMBLE_RUNG_UNCONFIRMED) && has_passed(axis, axis->since_us, ms)) {
         fail(axis, TUMBLE_STAND_FAULT_STOP);
         axis->rung = (uint8_t)(told ? TUMBLE_RUNG_SILENCE : TUMBLE_RUNG_UNCONFIRMED);
-        tell(axis); /* as soon as it is not silent */
+        renew_order(axis); /* as soon as it is not silent */
         tumble_count(&axis->report.stop.rungs[axis->rung - (uint8_t)TUMBLE_RUNG_AGAIN]);
     }
 }
@@ -377,7 +377,7 @@ static tumble_status_t set_out(tumble_positioner_t *axis, unsigned order, tumble
     }
     axis->target = target;
     axis->state = (uint8_t)state;
-    give(axis, order);
+    send_order(axis, order);
     return TUMBLE_OK;
 }
 

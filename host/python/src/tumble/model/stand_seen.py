@@ -242,7 +242,7 @@ class StandSeen:
         return self.alpha4_freedom if self.source == "run" else None
 
 
-def look(
+def estimate_stand_errors(
     run: RunSeen,
     noise: Estimate | None,
     samples: Integers,
@@ -297,7 +297,7 @@ def weights_of(stand: Stand | None) -> Floats:
     return np.ones(3) if stand is None else stand.weights
 
 
-def stand_to_look_with(stand: Stand, k: Floats) -> Stand:
+def stand_for_estimate(stand: Stand, k: Floats) -> Stand:
     """The stand, but with the same noise in every channel where its weights leave rows of `k` that are too far apart:
     the outputs are no such channels then, as if one had another unit, and the angles would hang on last bits."""
     rows = np.linalg.norm(k, axis=1) * stand.weights

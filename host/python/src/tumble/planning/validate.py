@@ -31,7 +31,7 @@ from tumble.planning.case import Case
 from tumble.planning.promise import condition, largest_over_attitudes, norm_forms, promise
 from tumble.planning.weights import estimator_gains
 from tumble.solving import optimal_run
-from tumble.solving.computation import estimator_for, look_at_inclinations
+from tumble.solving.computation import estimate_inclinations, estimator_for
 from tumble.solving.many_runs import Chunk, Sources, chunks, drawn_outputs, stream_of
 from tumble.terms import POWERS, Terms
 from tumble.workers.over import ALONE, Progress, Result, Team, over
@@ -254,7 +254,7 @@ def _at_inclinations(case: Case) -> Solver:
     def solved(means: Floats) -> tuple[Floats, Floats]:
         found, u = [], []
         for run in means[:, indices]:
-            _, seen = look_at_inclinations(fitted, run, measured, stand.weights)
+            _, seen = estimate_inclinations(fitted, run, measured, stand.weights)
             at = core.CoreSchedule(as_seen(fitted.data, seen))
             table = optimal_run.make_table(at, run, measured, weighting, case.terms)
             if case.terms:  # which no gain record has

@@ -54,7 +54,7 @@ class Computation:
     inclinations: Inclinations | None = None
 
 
-def look_at_inclinations(
+def estimate_inclinations(
     schedule: core.CoreSchedule, means: Floats, measured: Flags, weights: Floats = EQUAL
 ) -> tuple[Floats, Inclinations]:
     """Coefficients (12,) and inclinations by the core's closed form; `weights` (3,) of the channels, best in proportion

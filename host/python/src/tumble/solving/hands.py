@@ -70,7 +70,7 @@ def poses(run: Run) -> StandFile:
 
 def _scaled(stand: Stand, run: Run, scale: Floats) -> StandFile:
     """For a block whose channels have this `scale` (3,), in the unit of the run per g."""
-    seen, volts = noise.look(run, None, 0.0).measured, volts_per(run.unit)
+    seen, volts = noise.estimate_noise(run, None, 0.0).measured, volts_per(run.unit)
     of_a_sample = _NOISE_G * scale if seen is None else noise.of_means(seen, run.samples)
     sizes: dict[str, Any] = {"noise": per_channel(of_a_sample * volts), "drift": per_channel(_DRIFT_G * scale * volts)}
     return StandFile(replace(stand, **sizes), delta_g_limit_g=LIMIT_G)

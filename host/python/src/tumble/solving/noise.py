@@ -120,7 +120,7 @@ class Noise:
         return bool((self.mean_variance.max(axis=0) > 0.0).all())
 
 
-def look(run: Run, stand: Stand | None, step: PerChannel, shortest: int | None = None) -> Noise:
+def estimate_noise(run: Run, stand: Stand | None, step: PerChannel, shortest: int | None = None) -> Noise:
     """`stand` (None: nothing is declared) and the `step` of the converter (0: not known) in the unit of the run. All
     lengths of blocks are looked at; with `shortest` only blocks of so many samples and of twice as many, as on board,
     and with 0 none."""

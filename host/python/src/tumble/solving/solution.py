@@ -35,9 +35,9 @@ from tumble.model.stand_seen import (
     ChannelNoise,
     RunSeen,
     StandSeen,
-    look as look_at_stand,
+    estimate_stand_errors,
     pooled_noise,
-    stand_to_look_with,
+    stand_for_estimate,
     weights_of,
 )
 from tumble.schedule import Schedule
@@ -49,13 +49,13 @@ from tumble.solving.computation import (
     compare,
     compare_inclinations,
     compute,
+    estimate_inclinations,
     estimator_or_linear,
-    look_at_inclinations,
     magnified_angles,
     require_told_apart,
 )
 from tumble.solving.many_runs import MonteCarlo, simulate
-from tumble.solving.noise import NO_STAND, Noise, look as look_at_noise, sampled_patterns
+from tumble.solving.noise import NO_STAND, Noise, estimate_noise, sampled_patterns
 from tumble.solving.uncertainty import Coverage, ExtendedTerms, Uncertainties, confirmed, coverage
 from tumble.stand import PerChannel, Stand, over
 from tumble.terms import Terms
@@ -241,7 +241,7 @@ def solve(
     declared = None if in_unit is None else in_unit.with_step(step)  # with the rounding of its converter
     planned = schedule or core.CoreSchedule.built_in("paper")
     means, samples = run.means[run.measured], run.samples[run.measured]
-    noise = look_at_noise(run, in_unit, step)
+    noise = estimate_noise(run, in_unit, step)
     variance = noise.mean_variance[run.measured]
     noted = declared or NO_STAND
     place = _place_of(planned, run, estimator, _Left(noted, samples, step, variance), signs, file)
@@ -272,7 +272,7 @@ def solve(
     of_terms = (None, None) if stated is None else (stated.covariance, stated.without)
 
     # The stand as the run shows it, and whether it is the declared one.
-    alike = None if declared is None else stand_to_look_with(declared, found.k)
+    alike = None if declared is None else stand_for_estimate(declared, found.k)
     seen, fit = _stand_seen(place, run, found, linear, alike, variance), None
     if alike is not None and model is not None:
         fit = judge(model, confidence, seen, sampled_patterns(noise, run, seen.noise, alike, step))
@@ -357,7 +357,7 @@ def _at_inclinations(planned: core.CoreSchedule, run: Run, estimator: str, left:
     if (same := inclined.alike(part, means, weights)) is not None:
         raise BadInput(f"{same}{left.told(part, means)}; {_THREE_DIFFER}", file)
     try:
-        closed, seen = look_at_inclinations(planned, run.means, run.measured, weights)
+        closed, seen = estimate_inclinations(planned, run.means, run.measured, weights)
     except core.CoreRefusal as refusal:
         lacking = _missing(planned.data, run)
         if refusal.name == "TUMBLE_E_NOT_INCLINED" and lacking:
@@ -419,7 +419,7 @@ def _stand_seen(
     weights, samples = weights_of(alike), run.samples[run.measured]
     shown = RunSeen(place.witness_schedule, linear, found.k, place.schedule.data, weights)
     noise = pooled_noise(samples, run.scatter[run.measured] * weights)
-    seen = look_at_stand(shown, noise, samples, alike, True, variance)
+    seen = estimate_stand_errors(shown, noise, samples, alike, True, variance)
     return without_angles(seen) if found.terms else seen
 
 

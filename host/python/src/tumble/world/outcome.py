@@ -25,7 +25,7 @@ from tumble.model.optimal import optimal_covariance, optimal_estimate
 from tumble.model.propagation import Propagation
 from tumble.solving import result
 from tumble.solving.computation import OPTIMAL_LIMIT_U, RELATIVE_LIMIT, compare_uncertainties
-from tumble.solving.noise import look, of_means
+from tumble.solving.noise import estimate_noise, of_means
 from tumble.solving.solution import Solution, solve
 from tumble.world.progress import in_words
 from tumble.world.setup import Setup, step_v, weights_made_for
@@ -175,7 +175,7 @@ def _noise_on_board(solution: Solution, document: RunWithTruth, setup: Setup) ->
         return None
     declared = setup.stand.with_step(step) if setup.estimator == OPTIMAL else setup.stand
     scatter = (solution.run.scatter / step).astype(np.float32).astype(float) * step  # as it is kept there
-    noise = look(dataclasses.replace(solution.run, scatter=scatter), declared, step, told.block_samples)
+    noise = estimate_noise(dataclasses.replace(solution.run, scatter=scatter), declared, step, told.block_samples)
     if document.counters["positions_kept"] > len(samples):
         above = np.array([name in told.above_declared for name in "xyz"])
         as_told: Floats = np.maximum(noise.mean_variance, above * np.square(told.noise_v) / samples[:, None])
