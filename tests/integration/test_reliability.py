@@ -3,7 +3,7 @@
 import json
 import math
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -24,7 +24,7 @@ from tumble.model.coefficients import spread_attitudes
 from tumble.model.fit import CONFIDENCE, DOUBTS, basis
 from tumble.model.patterns import BY_NAME, PATTERNS, Scene
 from tumble.model.propagation import Propagation
-from tumble.model.reliability import largest, lines, reliability
+from tumble.model.reliability import Undetected, largest, lines, reliability
 
 pytestmark = pytest.mark.python
 WORDS = {
@@ -234,9 +234,10 @@ def test_a_result_says_it(tumble):
     shown = tumble(*command).stdout
     assert max(map(len, shown.splitlines())) <= 80
     assert (
-        f"One run in ten would not show {BY_NAME[worst['pattern']].words} ({worst['size']:.3g} {worst['unit']}): up to"
-        f" {1e6 * worst['norm_error_g']:.3g} ug of |a| No run would show, at any size: products of two axes in the"
-        " block's outputs; mountings that sit tilted on the platform"
+        f"A run like this reliably shows {BY_NAME[worst['pattern']].words} only from {worst['size']:.3g}"
+        f" {worst['unit']} up; a smaller effect may change |a| by up to {1e6 * worst['norm_error_g']:.3g} ug"
+        " A run like this cannot show, at any size: products of two axes in the block's outputs; mountings"
+        " that sit tilted on the platform"
     ) in words(shown)
 
 
@@ -244,7 +245,7 @@ def test_without_a_stand_nothing_is_said(tumble):
     done = tumble("solve", EXAMPLES / "paper_stand.csv", "--json")
     result = json.loads(done.stdout)
     assert done.returncode == 0 and result["reliability"] is result["reliability_norm_g"] is None
-    assert "would not show" not in tumble("solve", EXAMPLES / "paper_stand.csv").stdout
+    assert "A run like this" not in tumble("solve", EXAMPLES / "paper_stand.csv").stdout
 
 
 def test_a_plan_says_it_before_the_run(tumble):
@@ -254,8 +255,9 @@ def test_a_plan_says_it_before_the_run(tumble):
     assert [(one["pattern"], one["size"]) for one in plan["reliability"]] == [
         (name, one.size if one.size is None else pytest.approx(one.size, rel=1e-9)) for name, one in said.items()
     ]
-    assert "not show the block's second order (248 ug/g^2): up to 155 ug of |a|" in words(tumble(*command).stdout)
-    assert "No run would show, at any size: the block's third order" in tumble(*command).stdout
+    shown = words(tumble(*command).stdout)
+    assert "the block's second order only from 248 ug/g^2 up; a smaller effect may change |a| by up to 155 ug" in shown
+    assert "A run like this cannot show, at any size: the block's third order" in shown
     published = json.loads(tumble("plan", "budget", "--weights", "published", "--json").stdout)
     assert published["reliability"] is published["reliability_norm_g"] is None
 
@@ -264,7 +266,7 @@ def test_a_planned_schedule_says_it(tumble):
     command = ("plan", "schedule", "--norm", "3e-5", "--angles", "45")
     plan = json.loads(tumble(*command, "--json").stdout)
     assert plan["reliability_norm_g"] == max(one["norm_error_g"] or 0.0 for one in plan["reliability"]) > 3e-5
-    assert "One run in ten would not show" in words(tumble(*command).stdout)
+    assert "A run like this reliably shows" in words(tumble(*command).stdout)
 
 
 def test_a_report_has_a_table_of_it(tumble, tmp_path):
@@ -288,4 +290,14 @@ def test_no_residuals_show_nothing():
     four = positions.part(np.array([True, True, True, False, True, False]))
     listed = reliability(Propagation(four, NOMINAL_K, stand, np.full(4, 50), "least_squares", 0.0))
     assert listed and largest(listed) is None and all(one.size is one.norm_g is None for one in listed)
-    assert "No run would show, at any size: " in words(" ".join(lines(listed)))
+    assert "A run like this cannot show, at any size: " in words(" ".join(lines(listed)))
+
+
+def test_large_sizes_are_shown_in_percent_or_milli():
+    """What a block laid by hand shows is coarse: no exponents."""
+    drift = Undetected(BY_NAME["scale_drift"], 9.04e4, 0.0451)
+    assert words(" ".join(lines([drift]))) == (
+        "A run like this reliably shows scales that drift only from 9.04 % up; a smaller effect may change |a| by up to"
+        " 45.1 mg"
+    )
+    assert "only from 2580 ppm up" in lines([replace(drift, size=2580.0)])[0]

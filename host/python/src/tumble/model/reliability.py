@@ -180,16 +180,27 @@ def in_words(pattern: str) -> str:
     return BY_NAME[pattern].words if pattern in BY_NAME else pattern
 
 
+def _amount(size: float, unit: str) -> str:
+    """Three digits without an exponent; from 1e4 on in the next larger unit: 9 % instead of 9e+04 ppm."""
+    if size >= 1e4 and unit == "ppm":
+        size, unit = size * 1e-4, "%"
+    elif size >= 1e4 and unit.startswith("u"):
+        size, unit = size * 1e-3, f"m{unit[1:]}"
+    return f"{np.format_float_positional(float(f'{size:.3g}'), trim='-')} {unit}"
+
+
 def lines(found: Reliability, limit_g: float | None = None) -> list[str]:
     """For people: what costs most, and whether that is more than the limit, if there is one; what no size shows."""
     said, unseen = [], "; ".join(one.pattern.words for one in found if one.size is None)
     worst = found[0] if found else None
     if worst is not None and worst.size is not None and worst.norm_g is not None:
-        size = f"{worst.pattern.words} ({worst.size:.3g} {worst.pattern.unit})"
         beyond = ""
         if limit_g is not None and worst.norm_g > limit_g:
             beyond = ", more than the limit; the verdict assumes that there is none"
-        said.append(f"One run in ten would not show {size}: up to {1e6 * worst.norm_g:.3g} ug of |a|{beyond}")
+        said.append(
+            f"A run like this reliably shows {worst.pattern.words} only from {_amount(worst.size, worst.pattern.unit)}"
+            f" up; a smaller effect may change |a| by up to {_amount(1e6 * worst.norm_g, 'ug')}{beyond}"
+        )
     if unseen:
-        said.append(f"No run would show, at any size: {unseen}")
+        said.append(f"A run like this cannot show, at any size: {unseen}")
     return [line for one in said for line in textwrap.wrap(one, _WIDTH, subsequent_indent="  ")]
