@@ -206,7 +206,7 @@ def test_options_become_arguments(told, expected):
 
 
 @pytest.mark.parametrize(("told", "expected"), [
-    ("schedule: nobody says, taken for paper (--schedule)", "schedule: nobody says, taken for paper (schedule=)"),
+    ("schedule: not given, assumed to be paper (--schedule)", "schedule: not given, assumed to be paper (schedule=)"),
     ("another block? --dbc FILE.dbc describes its frames", "another block? dbc= describes its frames"),
     ("does not fit: all of six_faces have: --schedule six_faces",
      'does not fit: all of six_faces have: schedule="six_faces"'),
@@ -214,7 +214,7 @@ def test_options_become_arguments(told, expected):
      "all of six_faces have: tumble import --schedule six_faces --order any"),
     ("K positive (--columns ux=<that of uy>,uy=<that of ux> --signs=+++)",
      "K positive (tumble import --columns ux=<that of uy>,uy=<that of ux> --signs=+++)"),
-    ("say the signs of K (--signs, or --stand FILE)", "say the signs of K (tumble import --signs, or --stand FILE)"),
+    ("give the signs of K (--signs, or --stand FILE)", "give the signs of K (tumble import --signs, or --stand FILE)"),
     ("(--stand) to have V", "(tumble import --stand) to have V"),
     ("--columns mounting=: of a CAN log ux, uy and uz can be named",
      "columns: mounting: of a CAN log ux, uy and uz can be named"),

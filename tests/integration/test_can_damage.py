@@ -110,9 +110,9 @@ def test_damage_is_counted_and_told(bench):
     found = read_text("\n".join(lines).split("\n"))
     assert found.notes[1:4] == (
         f"block 0x683, 0x693 on can0: {whole - 8} samples",
-        "left out: 2 frames with a wrong CRC, 1 frames that are not 8 bytes long, 3 halves without the other, 2 frames "
-        "that came again",
-        "8 samples are missing, by the block's counter",
+        "left out: 2 frames with a wrong CRC, 1 frames that are not 8 bytes long, 3 halves without their counterpart, "
+        "2 repeated frames",
+        "8 samples are missing according to the block's counter",
     )
     assert len(found.outputs) == whole - 8
 
@@ -124,7 +124,7 @@ def test_samples_that_the_block_calls_unfit_are_left_out():
     found = read_text(candump(frames))
     assert len(found.outputs) == 297
     assert found.notes[2] == (
-        "left out: 3 samples that the block calls unfit (2 saturated, 1 self test failed, 1 temperature out of range)"
+        "left out: 3 samples that the block marks invalid (2 saturated, 1 self test failed, 1 temperature out of range)"
     )
 
 
@@ -147,14 +147,14 @@ def test_time_that_goes_back_is_refused(bench, refused, tmp_path):
     times = [float(line[1:18]) for line in lines if re.search(" 6[89]3#", line)]
     at = len(lines) + 1 + next(at for at, line in enumerate(lines) if " 683#" in line)
     assert refused("import", tmp_path / "bus.log") == (
-        f"tumble: {tmp_path}/bus.log: row {at}: the time goes back, from {times[-1]:.6f} to {times[0]:.6f} s: "
-        "two logs in one file? give each as a file of its own\n"
+        f"tumble: {tmp_path}/bus.log: row {at}: the time runs backwards, from {times[-1]:.6f} to {times[0]:.6f} s: "
+        "two logs in one file? Pass each log as a file of its own\n"
     )
 
 
 def test_a_torn_last_line_is_told_and_other_garbage_refused(bench, refused, tmp_path):
     lines = lines_of(bench.log)
-    assert "its last line is torn: not read" in read_text([*lines, "(0000000099.9"]).notes
+    assert "its last line is incomplete and not read" in read_text([*lines, "(0000000099.9"]).notes
     (tmp_path / "bus.log").write_text("\n".join([*lines[:100], "garbage", *lines[100:]]) + "\n")
     assert refused("import", tmp_path / "bus.log") == (
         f"tumble: {tmp_path}/bus.log: row 101: cannot be read as a CAN log (candump): "
@@ -169,7 +169,7 @@ def test_of_several_blocks_one_is_asked_for(refused, tmp_path):
     both = sorted(stream() + stream(node=4, begin=7), key=lambda frame: frame.seconds)
     with pytest.raises(BadInput) as caught:
         read_text(candump(both))
-    assert str(caught.value) == "bus.log: 2 blocks, 0x683 on can0 and 0x684 on can0: --can-id 0x683 takes one"
+    assert str(caught.value) == "bus.log: 2 blocks, 0x683 on can0 and 0x684 on can0: --can-id 0x683 selects one"
     for identifier in (0x683, 0x684):
         found = read_text(candump(both), identifier=identifier)
         assert found.notes[1] == f"block {identifier:#x}, {identifier + 16:#x} on can0: 50 samples"
@@ -190,8 +190,8 @@ def test_of_several_channels_one_is_asked_for():
     both = sorted(stream() + stream(channel="can1"), key=lambda frame: frame.seconds)
     with pytest.raises(BadInput) as caught:
         read_text(candump(both))
-    assert str(caught.value) == "bus.log: 2 blocks, 0x683 on can0 and 0x683 on can1: --can-channel can0 takes one"
+    assert str(caught.value) == "bus.log: 2 blocks, 0x683 on can0 and 0x683 on can1: --can-channel can0 selects one"
     assert read_text(candump(both), channel="can1").notes[1] == "block 0x683, 0x693 on can1: 50 samples"
     with pytest.raises(BadInput) as caught:
         read_text(candump(both), channel="can2")
-    assert str(caught.value) == "bus.log: --can-channel 'can2': there is no such channel; there are: can0, can1"
+    assert str(caught.value) == "bus.log: --can-channel 'can2': no such channel; the log has can0, can1"

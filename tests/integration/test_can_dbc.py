@@ -47,8 +47,8 @@ def test_signals_by_their_own_names(other):
     assert found.seconds.tolist() == [n / 50 for n in range(60)] and found.temperature is None
     assert found.notes == (
         "CAN log (candump): 62 frames",
-        f"signals of {other}: ux AccX, uy AccY, uz AccZ; 60 samples; no checksum is looked at",
-        "left out: 1 frames that are too short, 1 frames that came again",
+        f"signals of {other}: ux AccX, uy AccY, uz AccZ; 60 samples; checksums are not verified",
+        "left out: 1 frames that are too short, 1 repeated frames",
     )
 
 
@@ -71,7 +71,7 @@ def test_signals_of_two_messages_are_paired_by_time(other):
     found = read_text(lines, LayoutOptions(columns=TOLD), dbc=str(other))
     gone = (0, 10, 20)
     assert found.outputs.tolist() == [row for n, row in enumerate(expected) if n not in gone]
-    assert found.notes[2] == "left out: 3 frames without those of the other messages"
+    assert found.notes[2] == "left out: 3 frames without matching frames of the other messages"
 
 
 def test_a_users_dbc_on_the_command_line(bench, other, tumble, refused, tmp_path):
@@ -95,12 +95,12 @@ def test_a_users_dbc_on_the_command_line(bench, other, tumble, refused, tmp_path
     ("options", "said"),
     [
         (("--dbc", "none.dbc"), "none.dbc: no such file or folder"),
-        (("--dbc", "prose.dbc"), "prose.dbc: not a DBC file that can be read: "),
+        (("--dbc", "prose.dbc"), "prose.dbc: cannot read this DBC file: "),
         (("--dbc", "empty.dbc"), "empty.dbc: describes no signal of a CAN message"),
         (("--dbc", "other.dbc"), "bus.log: fewer than 2 good frames of ACC among "),
         (("--dbc", "other.dbc", "--columns", "ux=AccQ"), "other.dbc: no column 'AccQ' (for ux) among 'AccX,AccY,AccZ,"),
         (("--dbc", "other.dbc", "--columns", "ux=Same"), "other.dbc: no column 'Same' (for ux) among "),
-        (("--dbc", "other.dbc", "--can-id", "0x683"), "--can-id chooses a block of ours: with --dbc"),
+        (("--dbc", "other.dbc", "--can-id", "0x683"), "--can-id selects a Tumble block; with --dbc"),
         (("--columns", "ux=AccX"), "no column 'AccX' (for ux) among 'x,y,z'"),
         (("--columns", "time=Time"), "--columns time=: of a CAN log ux, uy and uz can be named"),
     ],

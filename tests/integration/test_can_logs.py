@@ -54,7 +54,7 @@ def test_the_log_of_a_run_becomes_its_run_file(suffix, bench, tumble, tmp_path):
     said = " ".join(done.stdout.split())
     frames = sum(1 for _ in can.CanutilsLogReader(str(bench.log)))
     assert f"- CAN log ({KINDS[suffix]}): {frames} frames" in said
-    assert "left out" not in said.replace("left out: nowhere", "") and "missing" not in said
+    assert "left out" not in said.replace("left out: at no position", "") and "missing" not in said
     header, rows = rows_of(tmp_path / "run.csv")
     assert header == ["mounting", "position", "ux [V]", "uy [V]", "uz [V]", "time_s", "rest", "temperature"]
     _, expected = rows_of(bench.run)
@@ -147,7 +147,7 @@ def test_a_screen_without_times_is_refused(refused, tmp_path):
 def test_without_a_converter_the_outputs_are_counts(bench, tumble, tmp_path):
     done = tumble("import", bench.log, "--out", tmp_path / "run.csv")
     assert done.returncode == 0
-    advice = "in counts: write converter_bits and range_v into [block] of the stand file"
+    advice = "in counts: set converter_bits and range_v in [block] of the stand file"
     assert advice in " ".join(done.stdout.split())
     header, rows = rows_of(tmp_path / "run.csv")
     assert header[2:5] == ["ux [counts]", "uy [counts]", "uz [counts]"]
@@ -172,15 +172,15 @@ def test_what_was_assumed_is_with_the_error(bench):
         api.read(bench.log, columns={"ux": "y", "uy": "x", "uz": "z"})
     time, _, schedule, labels, rests, *_ = refusal.value.assumed
     assert time == "time of the log, 100 Hz" and labels == "no labels of positions"
-    assert schedule == "schedule paper, for nobody says it (schedule=)"
+    assert schedule == "schedule paper, the default (schedule=)"
     assert rests.endswith("(tumble import --still, --drift)")
 
 
 def test_what_was_found_is_told_in_words_of_scripts(bench):
     notes = api.read(bench.log).notes
-    assert "schedule: nobody says, taken for paper (schedule=)" in notes
+    assert "schedule: not given, assumed to be paper (schedule=)" in notes
     assert any("(tumble import --signs, or scale_v_per_g of a stand file)" in note for note in notes)
-    with pytest.raises(BadInput, match=r"could be .*: tumble import --leave-out \d+ goes on without it"):
+    with pytest.raises(BadInput, match=r"could be .*: tumble import --leave-out \d+ continues without it"):
         api.read(bench.log, schedule="three_mountings")
 
 
@@ -254,7 +254,7 @@ def test_solve_and_others_say_what_to_do(bench, refused, tmp_path):
 def test_options_of_can_logs_are_for_can_logs(refused):
     for options in (("--dbc", DBC), ("--can-id", "0x683"), ("--can-channel", "can0")):
         assert refused("import", EXAMPLES / "hand_held_session.csv", *options) == (
-            f"tumble: {options[0]} is for a CAN log, and none is given\n"
+            f"tumble: {options[0]} applies to CAN logs, and none is given\n"
         )
 
 

@@ -54,7 +54,7 @@ def test_the_hand_held_session_leads_by_its_advice_to_a_solution(tumble, refused
     said = refused("import", HAND_HELD, "--schedule", "six_faces", "--order", "any")
     assert "fits 8 ways" in said and "(--signs=+++ --order any)" in said
     said = refused("import", HAND_HELD, *SIX_FACES)
-    assert "rests 1 and 7 and 8 are all at 1.3: --repeats first|last|longest takes one" in said
+    assert "rests 1 and 7 and 8 are all at 1.3: --repeats first|last|longest selects one" in said
     done = tumble("import", HAND_HELD, *SIX_FACES, "--repeats", "first", "--out", tmp_path / "run.csv")
     assert (done.returncode, done.stderr) == (0, "")
     assert max(map(len, done.stdout.partition("\nNext:\n")[0].splitlines())) <= 80
@@ -82,9 +82,9 @@ def test_a_refusal_begins_with_what_it_took(tumble, tmp_path):
 
     assert took(HAND_HELD) == [
         "no clock, lengths are in samples (--rate HZ gives seconds)",
-        "outputs acc_x, acc_y, acc_z in V, for nobody says the unit (1 g is 9.882 of it, which looks like m/s^2: "
-        "--unit m/s^2)",
-        "schedule paper, for nobody says it (--schedule)",
+        "outputs acc_x, acc_y, acc_z in V, assumed because no unit is given (1 g is 9.882 of it, which looks like"
+        " m/s^2: --unit m/s^2)",
+        "schedule paper, the default (--schedule)",
         "no labels of positions",
         "13 rests, noise 0.0137 0.0116 0.0165 V (--still, --drift)",
         "one source",
@@ -96,7 +96,7 @@ def test_a_refusal_begins_with_what_it_took(tumble, tmp_path):
     lines = [f"Timestamp,{header}", *(f"{10 * number},{row}" for number, row in enumerate(rows))]
     (tmp_path / "log.csv").write_text("\n".join(lines) + "\n")
     own = ("--schedule", "six_faces", "--unit", "m/s^2")
-    guessed = "clock: 'Timestamp' names no unit, steps of 10: taken for ms (--time-unit)"
+    guessed = "clock: 'Timestamp' names no unit, its steps of 10 are read as ms (--time-unit)"
     for options, is_guessed in (((), True), (("--time-unit", "ms"), False)):
         said = took(tmp_path / "log.csv", *own, *options)
         assert said[0] == "time of column 'Timestamp' in ms, 100 Hz" and (guessed in said) == is_guessed
@@ -109,7 +109,7 @@ def test_a_refusal_of_labelled_rows_says_that_it_read_labels(tmp_path):
         import_recordings([str(log)], SCHEDULE, Settings(schedule="paper"))
     assert refusal.value.assumed == (
         "no clock, lengths are in samples (--rate HZ gives seconds)",
-        "outputs Ux, Uy, Uz in V, for nobody says the unit (--unit)",
+        "outputs Ux, Uy, Uz in V, assumed because no unit is given (--unit)",
         "schedule paper",
         "labels 'Pos' (--columns)",
         "0 rests, noise 0 0 0 V (--still, --drift)",
@@ -169,7 +169,7 @@ def test_signs_that_are_said_are_not_the_stand_file_s(tumble, tmp_path):
     stand = paper_stand(tmp_path, scale_v_per_g=-2.0)
     done = tumble("import", logged(tmp_path), "--stand", stand, "--signs=+++", "--out", tmp_path / "run.csv")
     assert done.returncode == 0 and places(tmp_path / "run.csv") == expected(IN_ORDER)
-    assert "scale_v_per_g" not in done.stdout and "- signs of K in x, y, z: +++, as told" in done.stdout
+    assert "scale_v_per_g" not in done.stdout and "- signs of K in x, y, z: +++, as given" in done.stdout
 
 
 def test_a_stand_file_without_a_block_keeps_the_signs_of_the_recipe(tumble, refused, tmp_path):
@@ -186,7 +186,7 @@ def test_a_stand_file_without_a_block_keeps_the_signs_of_the_recipe(tumble, refu
 def test_positive_signs_are_told(tumble, tmp_path):
     done = tumble("import", logged(tmp_path), "--json")
     document = valid(done.stdout, "import")
-    assert any(note.startswith("signs of K: nobody says them, taken for positive") for note in document["assumed"])
+    assert any(note.startswith("signs of K: not given, assumed positive") for note in document["assumed"])
     assert (document["signs"], document["order"], document["missing"]) == (None, "schedule", [])
     placed = [(rest["mounting"], rest["position"]) for rest in document["rests"] if rest["position"]]
     assert placed == expected(IN_ORDER)
@@ -204,7 +204,7 @@ def test_a_position_measured_twice(tumble, refused, tmp_path):
     moved = shifted(text, tumble, file)
     (tmp_path / "moved.csv").write_text("\n".join(moved) + "\n")
     said = refused("import", tmp_path / "moved.csv")
-    found = re.search(r"rests (\d+) and (\d+) are all at 1.4: --repeats first\|last\|longest takes one", said)
+    found = re.search(r"rests (\d+) and (\d+) are all at 1.4: --repeats first\|last\|longest selects one", said)
     assert found, said
     for options in (("--repeats", "last"), ("--leave-out", found[2]), ("--repeats", "first")):
         done = tumble("import", tmp_path / "moved.csv", *options, "--out", tmp_path / "run.csv")
@@ -246,9 +246,9 @@ def test_a_rest_far_off_is_in_doubt_until_somebody_says(tumble, refused, tmp_pat
         text[row] = f"{t:.6f},{x + 0.04:.7f},{y:.7f},{z - 0.04:.7f}"
     (tmp_path / "off.csv").write_text("\n".join(text) + "\n")
     said = refused("import", tmp_path / "off.csv")
-    assert re.search(rf"rest {off + 1} is [0-9.]+ mrad off 1.6, far more than the others are off theirs", said), said
+    assert re.search(rf"rest {off + 1} is [0-9.]+ mrad off 1.6, far more than the other rests", said), said
     done = tumble("import", tmp_path / "off.csv", "--leave-out", off + 1)
-    assert done.returncode == 0 and "- no rest at 1.6" in done.stdout and "left out as told" in done.stdout
+    assert done.returncode == 0 and "- no rest at 1.6" in done.stdout and "left out by --leave-out" in done.stdout
     done = tumble("import", tmp_path / "off.csv", "--take", off + 1)
     assert done.returncode == 0 and "no rest at" not in done.stdout
 
@@ -360,7 +360,7 @@ def at_rate(rate, *words):
 @pytest.mark.parametrize(("rate", "is_odd"), [("102.4", False), ("0.2", True)])
 def test_a_rate_that_makes_rests_too_long_is_doubted(rate, is_odd, tumble):
     text = " ".join(tumble("import", *at_rate(rate, HAND_HELD)).stdout.split())
-    assert ("Else the rate is wrong" in text) == is_odd
+    assert ("if that is not so, the rate is wrong" in text) == is_odd
 
 
 @pytest.mark.parametrize("rate", ["600", "1024"])
@@ -381,7 +381,7 @@ def test_a_clock_that_contradicts_the_rate_is_told(clock, rate, is_odd, tumble, 
     done = tumble("import", *at_rate(rate, tmp_path / "log.csv"), "--columns", "time=time s")
     assert done.returncode == 0, done.stderr
     text = " ".join(done.stdout.split())
-    assert bool(re.search(r"moves on at 10\d(\.\d+)? Hz: which is right\?", text)) == is_odd
+    assert bool(re.search(r"advances at 10\d(\.\d+)? Hz: which is right\?", text)) == is_odd
 
 
 # The page.
@@ -397,8 +397,8 @@ def test_the_page_shows_what_a_refusal_prints(tumble):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (("--take", "99"), "--leave-out, --take: there is no rest 99, of 13"),
-        (("--take", "3", "--leave-out", "3"), "rest 3 is to be left out (--leave-out) and to be taken (--take)"),
+        (("--take", "99"), "--leave-out, --take: no rest 99, there are 13"),
+        (("--take", "3", "--leave-out", "3"), "rest 3 is named by both --leave-out and --take"),
         (("--out", "same", "--recipe", "same"), "--out, --plot and --recipe: two of them name the same file"),
     ],
 )

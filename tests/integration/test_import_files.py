@@ -88,12 +88,12 @@ def test_rows_above_the_header_and_a_row_of_units_below(imported, logged):
     text = preamble + logged.csv("time,Ax,Ay,Az").replace("\n", "\ns,mV,mV,mV\n", 1)
     said, means = imported(text)
     assert is_right(means)
-    assert "header: row 5; the rows above it are not read" in said and "row 6 is taken for units: mV" in said
+    assert "header: row 5; the rows above it are not read" in said and "row 6 is read as units: mV" in said
 
 
 def test_running_numbers_without_mountings(imported):
     said, means = imported(labelled(lambda place: {"Pos": place + 1}))
-    assert is_right(means) and "by the labels of the rows, which gravity" in said
+    assert is_right(means) and "from the labels of the rows, confirmed by gravity" in said
 
 
 def test_an_angle_instead_of_a_position(imported):
@@ -141,8 +141,8 @@ def test_mountings_with_names(imported, names):
 
 
 @pytest.mark.parametrize(("mountings", "said"), [
-    ("C=1", "--mountings: 'C' is no mounting here; there are 'A', 'B'"),
-    ("A=1,B=2,a=1", "--mountings: 'a' is no mounting here; there are 'A', 'B'"),
+    ("C=1", "--mountings: 'C' is not a mounting here; the rows have 'A', 'B'"),
+    ("A=1,B=2,a=1", "--mountings: 'a' is not a mounting here; the rows have 'A', 'B'"),
     ("A=3", "--mountings: the schedule has no mounting 3; it has 1, 2"),
 ])  # fmt: skip
 def test_mountings_that_are_not_there(imported, logged, mountings, said):
@@ -166,7 +166,7 @@ def test_the_mountings_that_are_said_are_those_of_a_continuous_recording(importe
     said, _ = imported(with_mountings(logged), options=("--mountings", "A=2"))
     assert said.endswith(" is in mounting 1, but --mountings says 'A' is 2\n")
     said, _ = imported(logged.csv(), options=("--mountings", "A=1"))
-    assert said.endswith("log0.csv: --mountings: 'A' is no mounting here, for the rows do not name any\n")
+    assert said.endswith("log0.csv: --mountings: 'A' is not a mounting here: the rows name none\n")
 
 
 FACES = {"+x": (1, 0, 0), "-x": (-1, 0, 0), "y up": (0, 1, 0), "Y_DOWN": (0, -1, 0), "z+": (0, 0, 1), "z-": (0, 0, -1)}
@@ -183,9 +183,9 @@ def test_faces_with_names(imported, column):
     ]
     text = "\n".join([f"{column},Ax,Ay,Az", *rows]) + "\n"
     said, means = imported(text, options=("--schedule", "six_faces"))
-    assert len(means) == 6 and "by the labels of the rows, which gravity confirms" in said
+    assert len(means) == 6 and "from the labels of the rows, confirmed by gravity" in said
     said, _ = imported(text, options=())
-    assert "labelled by the axis that points up, as faces of hand_laid: --schedule hand_laid" in said
+    assert "labelled by the axis that points up, like the faces of hand_laid: --schedule hand_laid" in said
 
 
 def test_labels_that_gravity_denies(imported):
@@ -206,7 +206,7 @@ def test_a_column_that_says_the_same_in_every_row(imported, logged, name, value)
     said, means = imported("\n".join([f"{name},{head}", *(f"{value},{row}" for row in rows)]) + "\n")
     label = {"Pos": "position", "index": "number"}.get(name, name)
     assert is_right(means), said
-    assert f"- {label}: '{value}' in every row, which tells nothing: not read" in said
+    assert f"- {label}: '{value}' in every row, which says nothing: not read" in said
 
 
 @pytest.mark.parametrize("number", [lambda place: place + 1, lambda place: place % 9 + 1])
@@ -239,16 +239,16 @@ def test_which_of_two_visits_is_taken(imported, options, second):
     text, first, again = seen_twice()
     said, means = imported(text, options=options)
     assert means[1, 4] == pytest.approx((1 - second) * first + second * again, abs=1e-6), said
-    assert ("all their rests are taken; --repeats first|last|longest takes one" in said) == (not options)
-    assert ("left out: comes again" in said) == ("--repeats" in options)
-    assert ("left out as told" in said) == ("--leave-out" in options)
+    assert ("all their rests are used; --repeats first|last|longest selects one" in said) == (not options)
+    assert ("left out: repeated" in said) == ("--repeats" in options)
+    assert ("left out by --leave-out" in said) == ("--leave-out" in options)
 
 
 def test_a_label_that_gravity_denies_is_taken_or_left_out_as_told(imported):
     text = labelled(lambda place: {"Pos": place + 1 if place != 3 else 6})
     said, means = imported(text)
-    assert means == {} and "rest 4 is labelled 1.6, and gravity is" in said
-    assert "--leave-out 4 goes on without, --take 4 takes it" in said
+    assert means == {} and "rest 4 is labelled 1.6, but gravity is" in said
+    assert "--leave-out 4 leaves it out, --take 4 uses it" in said
     said, means = imported(text, options=("--leave-out", "4"))
     assert len(means) == 17 and "no rows at 1.4" in said and means[1, 6] == pytest.approx(MEANS[5], abs=1e-3)
     said, means = imported(text, options=("--take", "4", "--tolerance", "20"))
@@ -258,7 +258,7 @@ def test_a_label_that_gravity_denies_is_taken_or_left_out_as_told(imported):
 @pytest.mark.parametrize("option", ["--leave-out", "--take"])
 def test_a_rest_that_the_labels_do_not_name(imported, option):
     said, _ = imported(labelled(lambda place: {"Pos": place + 1}), options=(option, "19"))
-    assert said == "tumble: --leave-out, --take: there is no rest 19, of 18\n"
+    assert said == "tumble: --leave-out, --take: no rest 19, there are 18\n"
 
 
 def test_nothing_is_left(imported):
@@ -324,7 +324,7 @@ def test_latin_1_decimal_commas_time_of_day_and_a_delimiter_at_the_end(imported,
     columns = "ux=Kanal 1 [m\xb2],uy=Kanal 2,uz=Kanal 3,time=Uhrzeit"
     said, means = imported(text.encode("latin-1"), options=("--columns", columns, "--unit", "V"))
     assert is_right(means), said
-    assert "decimal mark: the comma" in said and "clock: set back 1 times, taken for gaps" in said
+    assert "decimal mark: the comma" in said and "clock: set back 1 times, each step back counts as a gap" in said
 
 
 def test_lost_samples_and_a_footer(imported, logged):
@@ -360,14 +360,14 @@ def test_a_counter_is_no_clock_and_a_clock_without_a_unit_is_told(imported, logg
     assert is_right(means), said
     told = " ".join(said.split())
     assert "column 'n_samples' counts samples: not read" in told
-    assert "'time' names no unit, steps of 20: taken for ms (--time-unit)" in told
+    assert "'time' names no unit, its steps of 20 are read as ms (--time-unit)" in told
 
 
 def test_a_clock_that_stands_still(imported, logged):
     head, *rows = logged.csv().splitlines()
     text = "\n".join([head, *("7," + row.split(",", 1)[1] for row in rows)]) + "\n"
     said, _ = imported(text)
-    assert "column 'time' does not count: --rate HZ reads the recording without it" in said
+    assert "column 'time' does not increase: --rate HZ reads the recording without it" in said
     assert is_right(imported(text, options=("--rate", "50"))[1])
 
 
@@ -407,7 +407,7 @@ def test_seconds_without_a_clock(imported, logged, option, value):
 def test_no_such_time(imported, logged):
     text = logged.csv().replace("\n", "\nnoon,1,2,3\n", 1)
     said, _ = imported(text)
-    assert "row 2, column time: 'noon' is no time" in said and "--rate HZ reads" in said
+    assert "row 2, column time: 'noon' is not a time" in said and "--rate HZ reads" in said
     assert is_right(imported(text.replace("noon,1,2,3", "# noon"))[1])
 
 
@@ -419,6 +419,6 @@ def test_other_schedules_are_advised(imported, logged):
     diagonal = built_in("diagonal")
     made = recording(diagonal, list(range(12)), NOMINAL_K, U0, QUIET, np.random.default_rng(5))
     said, _ = imported(made.csv())
-    assert "no schedule is told" in said and "--schedule diagonal" in said
+    assert "no schedule is given" in said and "--schedule diagonal" in said
     said, means = imported(made.csv(), options=("--schedule", "diagonal"))
     assert list(means) == [(place.mounting, place.number) for place in diagonal.positions]

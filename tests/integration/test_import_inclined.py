@@ -116,10 +116,10 @@ TWICE = [*range(18), 12, *range(18, 27)]
 FOUND = "in the schedule's order, K positive, 18 of 27 positions are found; all 27 would be found"
 IN_ANY = "in another order, K positive"
 NOT_SHOWN = (
-    "rests do not show scale and bias of every channel: give the recordings of all inclinations together, or see "
+    "rests do not show scale and bias of every channel: give the recordings of all inclinations together, or check "
     "whether --still, --drift or --min-rest hide some"
 )
-LAST = "positions that come more than once: the last rest is taken"
+LAST = "positions measured more than once: the last rest is used"
 
 
 @pytest.mark.parametrize(
@@ -144,7 +144,7 @@ LAST = "positions that come more than once: the last rest is taken"
             {},
         ),
         (
-            "of 18 rests none fit the positions of this schedule; an inclination that lacks, or another one? "
+            "of 18 rests none fit the positions of this schedule; a missing inclination, or another one? "
             "(--schedule; poses of your own: a schedule file)",
             range(18),
             {},
@@ -155,14 +155,14 @@ LAST = "positions that come more than once: the last rest is taken"
             {"stand": tilted(SCHEDULE, {1: 0.0, 2: 1.0, 3: -1.0})},
         ),
         (
-            "rests 13 and 19 are all at 2.4: --repeats first|last|longest takes one, --leave-out 19 goes on without "
-            "the later ones",
+            "rests 13 and 19 are all at 2.4: --repeats first|last|longest selects one, --leave-out 19 continues"
+            " without the later ones",
             TWICE,
             {},
         ),
         (
-            "rest 15 is 10 mrad off 2.6, far more than the others are off theirs: --take 15 takes it, --leave-out 15 "
-            "goes on without",
+            "rest 15 is 10 mrad off 2.6, far more than the other rests: --take 15 uses it, --leave-out 15 "
+            "leaves it out",
             NUMBERS,
             {"change": turned(14, 0.01)},
         ),
@@ -173,7 +173,7 @@ def test_what_is_in_doubt_is_refused(said, visits, more):
 
 
 MISSING = "no rest at 3.1, 3.2, 3.3, 3.4, 3.5, 3.6, 3.7, 3.8, 3.9"
-UNKNOWN = "inclinations: the rests do not show all, so some are taken as the schedule has them"
+UNKNOWN = "inclinations: the rests do not show all of them, the others are as in the schedule"
 
 
 @pytest.mark.parametrize(
@@ -191,8 +191,8 @@ def test_what_is_taken_for_granted_is_told(tilts, visits, user_choices, notes):
     stand = tilted(SCHEDULE, dict(zip((1, 2, 3), tilts)))
     rests = rests_of(stand, visits, noise=1e-6, rng=np.random.default_rng(6))
     told = match.match(rests, SCHEDULE, UserChoices(SAID, **user_choices))
-    shown = f"inclinations, as the rests show them: 1 at {tilts[0]:.2f}, 2 at {tilts[1]:.2f}, 3 at {tilts[2]:.2f} deg"
-    usual = ["signs of K in x, y, z: +++, as told", "order: the schedule's"]
+    shown = f"inclinations found from the rests: 1 at {tilts[0]:.2f}, 2 at {tilts[1]:.2f}, 3 at {tilts[2]:.2f} deg"
+    usual = ["signs of K in x, y, z: +++, as given", "order: the schedule's"]
     assert sorted(told.notes) == sorted([*usual, *notes, *([] if UNKNOWN in notes else [shown])])
 
 
@@ -202,7 +202,7 @@ def test_the_return_to_an_inclination_is_told_apart_by_time():
         stand = inclined_anew(CLOSED, OFF, ZERO, BOLTING, np.random.default_rng(7))
         found = match.match(rests_of(stand, in_order(CLOSED, numbers)), CLOSED, UserChoices(SAID, "any"))
         assert found.positions.tolist() == in_order(CLOSED, places)
-        assert ("1 and 4 have the same attitudes: told apart by time" in found.notes) == (len(numbers) == 4)
+        assert ("1 and 4 have the same attitudes and are told apart by time" in found.notes) == (len(numbers) == 4)
 
 
 # Recordings, by the command.
@@ -290,7 +290,7 @@ def labelled(folder, names="123", visits=NUMBERS, label="angle"):
     return folder / "rows.csv", stand
 
 
-BY_LABELS = "signs of K in x, y, z: {}, if the labels tell up from down; nobody says them (--signs)"
+BY_LABELS = "signs of K in x, y, z: {}, assuming that the labels tell up from down; not given (--signs)"
 
 
 @pytest.mark.parametrize(
@@ -314,9 +314,9 @@ def test_labelled_rows_of_inclinations(label, names, options, said, tumble, tmp_
 @pytest.mark.parametrize(
     ("names", "visits", "options", "said"),
     [
-        ("213", NUMBERS, (), "rest 14 is labelled 1.5, and gravity is 91.8 deg off there: correct its label, "),
-        ("132", NUMBERS, ("--signs=+++",), "as the rows are labelled, channels feel other axes than their own, or "),
-        ("abc", NUMBERS, (), "the mountings fit 2 ways, a=1,b=2,c=3 and a=1,b=3,c=2: --mountings says which"),
+        ("213", NUMBERS, (), "rest 14 is labelled 1.5, but gravity is 91.8 deg off there: correct its label, "),
+        ("132", NUMBERS, ("--signs=+++",), "with these labels, channels measure axes other than their own, or "),
+        ("abc", NUMBERS, (), "the mountings fit 2 ways, a=1,b=2,c=3 and a=1,b=3,c=2: choose with --mountings"),
         (
             "123",
             range(9),

@@ -91,7 +91,7 @@ WRONG = {  # options beside --schedule diagonal, and what the cause names
     "another schedule": (("--schedule", "six_faces"), "position"),
     "signs that are not so": (("--signs=-++",), "--signs"),
     "channels exchanged": (("--columns", "ux=Ay,uy=Ax,uz=Az", "--signs=+++"), "exchanged"),
-    "a rest that is not there": (("--leave-out", "99"), "there is no rest 99"),
+    "a rest that is not there": (("--leave-out", "99"), "no rest 99"),
     "a rest to be taken and left out": (("--leave-out", "3", "--take", "3"), "--leave-out"),
     "mountings that have no names": (("--mountings", "A=1"), "--mountings"),
     "rows that are not there": (("--rows", "Ax=7"), "--rows"),
@@ -115,7 +115,7 @@ PLACES = ("--schedule", "diagonal", "--signs=+++")
 
 
 @pytest.mark.parametrize(("visits", "options", "cause"), [
-    (IN_ORDER, (), "no schedule is told"), (IN_ORDER[::-1], ("--schedule", "diagonal"), "positions are found"),
+    (IN_ORDER, (), "no schedule is given"), (IN_ORDER[::-1], ("--schedule", "diagonal"), "positions are found"),
     (ANY, PLACES, "in another order"), (IN_ORDER, ("--schedule", "diagonal", "--order", "any"), "fits"),
 ])  # fmt: skip
 def test_an_order_or_a_schedule_that_nobody_says(visits, options, cause, run):
@@ -150,8 +150,8 @@ FILES = {  # the text of a file, the options, what the cause names
     "two sources in turn": (lambda one: one.csv(), PLACES, "alternate"),
     "columns of other names": (lambda one: one.csv("time,left,right,up"), PLACES, "--columns"),
     "blanks between columns": (lambda one: one.csv().replace(",", "  "), PLACES, "--delimiter"),
-    "a clock that stands still": (lambda one: with_time(one.csv(), "7"), PLACES, "does not count"),
-    "times that are none": (lambda one: with_time(one.csv(), "noon"), PLACES, "is no time"),
+    "a clock that stands still": (lambda one: with_time(one.csv(), "7"), PLACES, "does not increase"),
+    "times that are none": (lambda one: with_time(one.csv(), "noon"), PLACES, "is not a time"),
     "rows written twice": (lambda one: one.csv() + one.csv().partition("\n")[2], PLACES, "again, digit for digit"),
 }  # fmt: skip
 

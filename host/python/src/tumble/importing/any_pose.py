@@ -19,8 +19,8 @@ def matched(rests: Rests, user_choices: UserChoices) -> Matched:
     taken = np.array([number not in user_choices.leave_out for number in range(1, len(rests) + 1)])
     count = int(taken.sum())
     if count < len(NINE):
-        said = f"{count} rests are fewer than the nine poses that show all coefficients"
-        raise Doubtful(f"{said}: measure more, or see whether --still, --drift or --min-rest hide some")
+        said = f"{count} rests; nine poses are needed to determine all coefficients"
+        raise Doubtful(f"{said}: measure more, or check whether --still, --drift or --min-rest hide some")
     if count > MOST:
         said = f"{count} rests, at most {MOST} poses are solved: --leave-out, or --min-rest for longer ones"
         shortest = np.argsort(np.where(taken, rests.samples, rests.samples.max() + 1), kind="stable")[: count - MOST]
@@ -30,5 +30,5 @@ def matched(rests: Rests, user_choices: UserChoices) -> Matched:
     n, one_g = roughly(rests.means, np.ones(3))
     fit = Fit(one_g * np.eye(3), rests.means.mean(axis=0), n, np.ones(len(n)))
     states = tuple(TAKEN if one else LEFT_OUT for one in taken.tolist())
-    note = "directions: not asked for, every rest is a pose of its own"
+    note = "directions: not checked; every rest counts as a pose of its own"
     return Matched(positions, states, np.zeros(len(rests)), 0.0, fit, (note,))

@@ -48,7 +48,7 @@ class Bus:
         said = {"--dbc": self.dbc, "--can-id": self.identifier, "--can-channel": self.channel}
         for option, value in said.items():
             if value is not None:
-                raise UsageError(f"{option} is for a CAN log, and none is given")
+                raise UsageError(f"{option} applies to CAN logs, and none is given")
 
 
 NO_BUS = Bus()
@@ -78,16 +78,16 @@ def read(data: bytes, file: str, kind: str, options: LayoutOptions, bus: Bus) ->
     frames = _of_channel(log, file, bus.channel)
     found = _of_block(log, frames, file, options, bus) if bus.dbc is None else _of_dbc(log, frames, file, options, bus)
     notes = [f"CAN log ({kind}): {log.frames} frames", *found.notes]
-    notes += ["its last line is torn: not read"] if log.torn else []
+    notes += ["its last line is incomplete and not read"] if log.torn else []
     outputs, unit = found.outputs, options.unit or found.unit
     if found.unit == COUNTS and options.unit is None:
         if bus.v_per_count:
             outputs, unit = outputs * by_channel(bus.v_per_count), VOLTS
             sizes = ", ".join(f"{one:.6g}" for one in np.atleast_1d(bus.v_per_count).tolist())
-            notes.append(f"counts made volts: {sizes} V a count, as converter_bits and range_v have it")
+            notes.append(f"counts converted to volts: {sizes} V per count, from converter_bits and range_v")
         else:
             notes.append(
-                "in counts: write converter_bits and range_v into [block] of the stand file (--stand) to have V"
+                "in counts: set converter_bits and range_v in [block] of the stand file (--stand) to get volts"
             )
     return replace(found, outputs=outputs, unit=unit, notes=tuple(notes))
 
@@ -100,16 +100,16 @@ def _of_channel(log: CanLog, file: str, channel: str | None) -> Iterator[Frame]:
         if channel in (None, frame.channel):
             yield frame
     if channel is not None and channel not in seen:
-        names = ", ".join(sorted(filter(None, seen))) or "none with a name"
-        raise BadInput(f"--can-channel {quoted(channel)}: there is no such channel; there are: {names}", file)
+        names = ", ".join(sorted(filter(None, seen))) or "no named channels"
+        raise BadInput(f"--can-channel {quoted(channel)}: no such channel; the log has {names}", file)
 
 
 def _require_forwards(latest: dict[str, float], frame: Frame, file: str) -> None:
     """Raise BadInput where the time of the frames goes back; `latest`: of each channel."""
     before = latest.get(frame.channel, frame.seconds)
     if frame.seconds < before:
-        went = f"the time goes back, from {before:.6f} to {frame.seconds:.6f} s"
-        raise BadInput(f"{went}: two logs in one file? give each as a file of its own", file, frame.line)
+        went = f"the time runs backwards, from {before:.6f} to {frame.seconds:.6f} s"
+        raise BadInput(f"{went}: two logs in one file? Pass each log as a file of its own", file, frame.line)
     latest[frame.channel] = frame.seconds
 
 
@@ -128,11 +128,11 @@ _LONGEST_STEP = 127
 _SAID = {
     "wrong_crc": "{} frames with a wrong CRC",
     "wrong_length": "{} frames that are not 8 bytes long",
-    "wrong_pair": "{} second halves of another sample",
-    "lone_halves": "{} halves without the other",
-    "repeated": "{} frames that came again",
+    "wrong_pair": "{} second halves that belong to another sample",
+    "lone_halves": "{} halves without their counterpart",
+    "repeated": "{} repeated frames",
     "reordered": "{} frames out of order",
-    "unfit": "{} samples that the block calls unfit",
+    "unfit": "{} samples that the block marks invalid",
 }
 
 
@@ -147,7 +147,7 @@ def _of_block(log: CanLog, frames: Iterator[Frame], file: str, options: LayoutOp
         why = ", ".join(f"{counts[name]} {name.replace('_', ' ')}" for name in STATUS if counts[name])
         notes.append(f"left out: {', '.join(said)}{f' ({why})' if why else ''}")
     if counts["lost"]:
-        notes.append(f"{counts['lost']} samples are missing, by the block's counter")
+        notes.append(f"{counts['lost']} samples are missing according to the block's counter")
     if counts["silences"]:
         notes.append(f"the block was silent {counts['silences']} times, for over {_SILENCE_S:g} s")
     try:  # the user may exchange the axes
@@ -196,7 +196,7 @@ def _the_block(
         names = " and ".join(f"{FIRST + node:#x}{f' on {channel}' if channel else ''}" for channel, node in blocks)
         nodes = {node for _, node in blocks}
         advice = f"--can-id {FIRST + min(nodes):#x}" if len(nodes) > 1 else f"--can-channel {min(blocks)[0]}"
-        raise BadInput(f"{len(blocks)} blocks, {names}: {advice} takes one", file)
+        raise BadInput(f"{len(blocks)} blocks, {names}: {advice} selects one", file)
     return next(iter(blocks.items()))
 
 
@@ -352,7 +352,7 @@ class Message:
 def _of_dbc(log: CanLog, frames: Iterator[Frame], file: str, options: LayoutOptions, bus: Bus) -> Found:
     assert bus.dbc is not None
     if bus.identifier is not None:
-        raise UsageError("--can-id chooses a block of ours: with --dbc the DBC file has the identifiers")
+        raise UsageError("--can-id selects a Tumble block; with --dbc, the DBC file gives the identifiers")
     outputs = _chosen(_load(bus.dbc), options, bus.dbc)
     messages = {
         (one.message.frame_id, one.message.is_extended_frame): Message(
@@ -372,12 +372,12 @@ def _of_dbc(log: CanLog, frames: Iterator[Frame], file: str, options: LayoutOpti
         raise BadInput(f"fewer than {FEWEST} good frames of {few[0]} among {log.frames}", file)
     if len(channels) > 1:
         names = " and ".join(sorted(channels))
-        raise BadInput(f"the signals are on {names}: --can-channel {min(channels)} takes one", file)
+        raise BadInput(f"the signals are on {names}: --can-channel {min(channels)} selects one", file)
     seconds, values, lines, left_out = _joined(list(messages.values()))
     if len(seconds) < FEWEST:
         raise BadInput("no frames of the messages are close enough to be of one sample", file)
     names = ", ".join(f"{name} {one.label}" for name, one in zip(OUTPUTS, outputs))
-    notes = [f"signals of {file_name(bus.dbc)}: {names}; {len(seconds)} samples; no checksum is looked at"]
+    notes = [f"signals of {file_name(bus.dbc)}: {names}; {len(seconds)} samples; checksums are not verified"]
     if left_out:
         notes.append(f"left out: {', '.join(left_out)}")
     unit = unit_of(options, [f"{one.label} [{one.unit}]" for one in outputs], file_name(bus.dbc), None)
@@ -395,7 +395,7 @@ def _load(file: str) -> list[Signal]:
     try:
         found: Any = cantools.database.load_string(text, kind, strict=False)  # signals that overlap can be none of ours
     except Exception as error:  # the parser has classes of its own, and others escape it
-        raise BadInput(f"not a DBC file that can be read: {quoted(error)}", file) from None
+        raise BadInput(f"cannot read this DBC file: {quoted(error)}", file) from None
     signals = [(signal, message) for message in getattr(found, "messages", ()) for signal in message.signals]
     if not signals:
         raise BadInput("describes no signal of a CAN message", file)
@@ -436,9 +436,9 @@ def _joined(messages: Sequence[Message]) -> tuple[Floats, Floats, Integers, list
     known = np.isfinite(outputs).all(axis=1)
     counts = {
         "frames that are too short": sum(one.damaged for one in messages),
-        "frames that came again": repeated,
-        "frames without those of the other messages": sum(len(table[0]) - len(outputs) for table in tables),
-        "samples without a number": len(outputs) - int(known.sum()),
+        "repeated frames": repeated,
+        "frames without matching frames of the other messages": sum(len(table[0]) - len(outputs) for table in tables),
+        "samples that are not finite numbers": len(outputs) - int(known.sum()),
     }
     left_out = [f"{count} {what}" for what, count in counts.items() if count]
     return seconds[whole][known], outputs[known], lines[whole][known], left_out

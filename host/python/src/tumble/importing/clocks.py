@@ -83,7 +83,7 @@ def of_numbers(values: Floats, name: str, timing: Timing, file: str) -> Clock:
         return replace(own, notes=(note, *own.notes), order=order)
     forward = steps[steps > 0.0]
     if not len(forward):
-        raise BadInput(f"column {quoted(name)} does not count: {WITHOUT}", file).advising(NO_CLOCK)
+        raise BadInput(f"column {quoted(name)} does not increase: {WITHOUT}", file).advising(NO_CLOCK)
     in_name = None if re.fullmatch(r"ts", name, re.IGNORECASE) else _IN_NAME.search(name)
     named = None if in_name is None else _WORDS.get(in_name[1].lower(), in_name[1].lower())
     step, span = float(np.median(forward)), float(forward[forward <= _GAP * np.quantile(forward, 0.99)].sum())
@@ -91,10 +91,10 @@ def of_numbers(values: Floats, name: str, timing: Timing, file: str) -> Clock:
     if unit is None:
         unit = _unit_of(step, span, named, len(values), timing.files)
         if named is None:
-            note = f"clock: {quoted(name)} names no unit, steps of {step:.6g}: taken for {unit} (--time-unit)"
+            note = f"clock: {quoted(name)} names no unit, its steps of {step:.6g} are read as {unit} (--time-unit)"
         elif unit != named:
             lasts = f"{span * UNITS[named]:.3g} s for {len(values)} rows"
-            note = f"clock: {quoted(name)} names {named}, which makes {lasts}: taken for {unit} (--time-unit)"
+            note = f"clock: {quoted(name)} names {named}, which makes {lasts}: read as {unit} (--time-unit)"
     own = _with_gaps((values - values[0]) * UNITS[unit], [note] if note else [], file, unit)
     return replace(own, told=timing.unit is not None)
 
@@ -129,7 +129,7 @@ def of_texts(texts: list[str], file: str, lines: Integers) -> Clock:
         second = _second(text.strip())
         if second is None:
             advice = f"a number, 12:34:56.789 or 2026-05-01T12:34:56.789; {WITHOUT}"
-            raise BadInput(f"{quoted(text)} is no time: {advice}", file, int(line), "time").advising(NO_CLOCK)
+            raise BadInput(f"{quoted(text)} is not a time: {advice}", file, int(line), "time").advising(NO_CLOCK)
         seconds.append(second)
     values = np.array(seconds)
     return _with_gaps(values - values[0], [], file)
@@ -142,7 +142,7 @@ def contradiction(own: Clock, rate_hz: float, name: str) -> list[str]:
     moved = int((np.diff(own.seconds) > 0.0).sum())
     if moved < _FEWEST_STEPS or seen / _SAME_RATE < rate_hz < seen * _SAME_RATE:
         return []
-    return [f"{CONTRADICTED} {rate_hz:g} Hz, but {quoted(name)} moves on at {seen:.4g} Hz: which is right?"]
+    return [f"{CONTRADICTED} {rate_hz:g} Hz, but {quoted(name)} advances at {seen:.4g} Hz: which is right?"]
 
 
 def _second(text: str) -> float | None:
@@ -190,15 +190,15 @@ def _with_gaps(seconds: Floats, notes: list[str], file: str, unit: str = "") -> 
         near = steps[(steps >= 0.0) & (steps <= _GAP * period)]
         interval = float(near.mean())
         what = f"{len(forward)} of {len(steps)} rows" if period == float(np.median(forward)) else "bursts of rows"
-        notes.append(f"clock: it moves on at {what}; {1 / max(interval, 1e-9):.4g} Hz on average")
+        notes.append(f"clock: it advances at {what}; {1 / max(interval, 1e-9):.4g} Hz on average")
     if swapped:
-        notes.append(f"clock: {swapped} rows stand before an earlier one: sorted")
+        notes.append(f"clock: {swapped} rows were out of order and are sorted")
     back = steps < 0.0
     if back.sum() > len(forward):
         raise BadInput(f"the clock runs backwards: {WITHOUT}", file).advising(NO_CLOCK)
     gaps = np.flatnonzero(back | (steps > _GAP * max(interval, period))) + 1
     if back.any():
-        notes.append(f"clock: set back {int(back.sum())} times, taken for gaps")
+        notes.append(f"clock: set back {int(back.sum())} times, each step back counts as a gap")
     return Clock(seconds, interval, gaps, tuple(notes), order, unit)
 
 

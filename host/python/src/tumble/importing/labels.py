@@ -34,7 +34,9 @@ from tumble.model.geometry import Geometry
 from tumble.schedule import Schedule
 
 LABELS = ("mounting", "position", "angle", "number")
-WITHOUT_LABELS = Remedy({"columns": "position=,angle=,number=,mounting="}, "gravity, not labels, tells the positions")
+WITHOUT_LABELS = Remedy(
+    {"columns": "position=,angle=,number=,mounting="}, "positions come from gravity, not from labels"
+)
 _NEAR_DEG = 3.0  # of a set angle, what a table shows may be off
 _FACE = re.compile(r"([+-])([xyz])|([xyz])[ _-]*(\+|-|up|down|plus|minus|pos|neg)", re.IGNORECASE)
 _DOWN = {"-", "down", "minus", "neg"}
@@ -99,22 +101,20 @@ def match(rests: Rests, schedule: Schedule, user_choices: UserChoices, named: di
     off = np.linalg.norm(felt[:, None] - way.fit.forces, axis=-1).min(axis=1)
     off[kept] = way.off
     spread = float(np.sqrt((way.off[way.taken] ** 2).mean()))
-    notes = [f"positions: by the labels of the rows, which gravity confirms; mountings {_told(way.numbers)}"]
+    notes = [f"positions: from the labels of the rows, confirmed by gravity; mountings {_told(way.numbers)}"]
     notes += about_inclinations(way.fit)
     if way.fit.inclinations is not None and user_choices.signs is None:  # up and down exchanged look like another sign
         signs = "".join("+" if own >= 0 else "-" for own in np.diag(way.fit.k))
-        notes.append(f"signs of K in x, y, z: {signs}, if the labels tell up from down; nobody says them (--signs)")
+        notes.append(f"signs of K in x, y, z: {signs}, assuming that the labels tell up from down; not given (--signs)")
     present = set(way.positions.tolist())
     missing = [place.label for index, place in enumerate(schedule.positions) if index not in present]
     notes += [f"no rows at {', '.join(missing)}"] if missing else []
     again = [schedule.positions[index].label for index, visits in _visits(way.positions).items() if len(visits) > 1]
     if again and user_choices.repeats is not None:
-        notes.append(
-            f"positions that come more than once, {', '.join(again)}: the {user_choices.repeats} rest is taken"
-        )
+        notes.append(f"positions measured more than once, {', '.join(again)}: the {user_choices.repeats} rest is used")
     elif again:
-        choice = f"--repeats {'|'.join(REPEATS)} takes one"
-        notes.append(f"positions that come more than once, {', '.join(again)}: all their rests are taken; {choice}")
+        choice = f"--repeats {'|'.join(REPEATS)} selects one"
+        notes.append(f"positions measured more than once, {', '.join(again)}: all their rests are used; {choice}")
     return Matched(positions, tuple(states.tolist()), off, spread, way.fit, tuple(notes))
 
 
@@ -158,7 +158,7 @@ class _Labelled:
         x, y, z = (1 if own >= 0 else -1 for own in np.diag(fit.k))
         if not attitudes.is_view_of(View(signs=self.user_choices.signs or (x, y, z)), fit.k):
             raise Doubtful(
-                "as the rows are labelled, channels feel other axes than their own, or with other signs than told: are "
+                "with these labels, channels measure axes other than their own, or with signs other than given: are "
                 "mountings or positions exchanged, or columns (--columns ux=...)? ",
                 Remedy({"mountings": None}),
                 WITHOUT_LABELS,
@@ -169,9 +169,9 @@ class _Labelled:
         if judged[worst] and off[worst] > min(self.user_choices.tolerance, 0.4 * known.apart):
             label, number = self.schedule.positions[positions[worst]].label, int(self.numbers[worst])
             raise Doubtful(
-                f"rest {number} is labelled {label}, and gravity is {np.rad2deg(off[worst]):.3g} deg off there: "
-                f"correct its label, or delete its rows; --leave-out {number} goes on without, "
-                f"--take {number} takes it",
+                f"rest {number} is labelled {label}, but gravity is {np.rad2deg(off[worst]):.3g} deg off there: "
+                f"correct its label, or delete its rows; --leave-out {number} leaves it out, "
+                f"--take {number} uses it",
                 Remedy({"leave_out": str(number)}),
                 WITHOUT_LABELS,
             )
@@ -192,10 +192,10 @@ def _require_names(named: dict[str, int], there: Sequence[str], schedule: Schedu
     numbers = [mounting.number for mounting in schedule.mountings]
     for name, number in named.items():
         if not there:
-            raise Doubtful(f"--mountings: {quoted(name)} is no mounting here, for the rows do not name any")
+            raise Doubtful(f"--mountings: {quoted(name)} is not a mounting here: the rows name none")
         if name not in there:
             listed = ", ".join(map(quoted, there))
-            raise Doubtful(f"--mountings: {quoted(name)} is no mounting here; there are {listed}")
+            raise Doubtful(f"--mountings: {quoted(name)} is not a mounting here; the rows have {listed}")
         if number not in numbers:
             known = ", ".join(map(str, numbers))
             raise Doubtful(f"--mountings: the schedule has no mounting {number}; it has {known}")
@@ -221,7 +221,7 @@ def require_one_name_a_mounting(
             raise Doubtful(
                 f"the rows of mounting {name!r} are mounting {first} at rest {other} and {mounting} at rest {number}: "
                 f"--leave-out {number} or {other}, or leave out that column (--columns mounting=)",
-                Remedy({"columns": "mounting="}, "gravity tells the mountings, not that column"),
+                Remedy({"columns": "mounting="}, "mountings come from gravity, not from that column"),
             )
 
 
@@ -245,7 +245,7 @@ def _only_way(given: _Labelled, named: dict[str, int]) -> _Way:
         both = " and ".join(_told(one.numbers) for one in found[:3])
         ways = [_told(one.numbers) for one in found]
         which = [Remedy({"mountings": way}, f"the mountings are {way}") for way in ways]
-        raise Doubtful(f"the mountings fit {len(found)} ways, {both}: --mountings says which", *which)
+        raise Doubtful(f"the mountings fit {len(found)} ways, {both}: choose with --mountings", *which)
     return found[0]
 
 
@@ -309,8 +309,8 @@ def _ways(keys: list[str], schedule: Schedule, named: dict[str, int]) -> Iterato
     if len(open_keys) > _MOST_NAMES:
         listed = ",".join(f"{key}=N" for key in open_keys[:2])
         raise Doubtful(
-            f"{len(open_keys)} mountings have names, too many to try every number for each: --mountings {listed},... "
-            f"says which is which; {_MOST_NAMES} may stay open"
+            f"{len(open_keys)} mountings have names, too many to try every number for each: give"
+            f" --mountings {listed},... and leave at most {_MOST_NAMES} open"
         )
     for choice in itertools.permutations(free, len(open_keys)):
         yield {key: {**fixed, **dict(zip(open_keys, choice))}[key] for key in keys}
@@ -330,7 +330,7 @@ def _position(labels: dict[str, str], mounting: int, schedule: Schedule) -> int:
         value = _value(text)
         if value is None or value != int(value) or not 1 <= value <= len(schedule.positions):
             raise Doubtful(
-                f"{quoted(text)} is no running number of the schedule's {len(schedule.positions)} positions, from 1; "
+                f"{quoted(text)} is not a running number from 1 to {len(schedule.positions)} of the schedule; "
                 "another schedule? (--schedule)",
                 WITHOUT_LABELS,
             )

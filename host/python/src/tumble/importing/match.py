@@ -87,9 +87,9 @@ class UserChoices:
         """Raise UsageError where rests are named that are not there, or both ways."""
         unknown = sorted(number for number in self.leave_out | self.take if not 1 <= number <= count)
         if unknown:
-            raise UsageError(f"--leave-out, --take: there is no rest {unknown[0]}, of {count}")
+            raise UsageError(f"--leave-out, --take: no rest {unknown[0]}, there are {count}")
         if both := sorted(self.leave_out & self.take):
-            raise UsageError(f"rest {both[0]} is to be left out (--leave-out) and to be taken (--take)")
+            raise UsageError(f"rest {both[0]} is named by both --leave-out and --take")
 
 
 @dataclass(frozen=True)
@@ -140,10 +140,10 @@ def about_inclinations(fit: Fit) -> list[str]:
     if found is None:
         return []
     if fit.unknowns < attitudes.TWELVE + 2 * len(found.numbers) - 1:
-        return ["inclinations: the rests do not show all, so some are taken as the schedule has them"]
+        return ["inclinations: the rests do not show all of them, the others are as in the schedule"]
     degrees = np.rad2deg(found.beta)
     each = ", ".join(f"{number} at {degree:.2f}" for number, degree in zip(found.numbers, degrees))
-    return [f"inclinations, as the rests show them: {each} deg"]
+    return [f"inclinations found from the rests: {each} deg"]
 
 
 class _Matcher:
@@ -167,7 +167,7 @@ class _Matcher:
             shown = "1 rest does" if used == 1 else f"{used} rests do"
             raise Doubtful(
                 f"{shown} not show scale and bias of every channel: give the recordings of {every_part(schedule)} "
-                "together, or see whether --still, --drift or --min-rest hide some"
+                "together, or check whether --still, --drift or --min-rest hide some"
             )
         self._rough = rough
 
@@ -188,7 +188,7 @@ class _Matcher:
                 would += f" {self._described(best[0].seen.view, best[0].order)} ({self._option(best[0])})"
             raise Doubtful(f"{claimed}, {found} of {positions} positions are found; {would}", *map(self._remedy, best))
         if own is None or found < _FEWEST:
-            lacks = "; an inclination that lacks, or" if attitudes.inclinations_of(self._schedule) else ";"
+            lacks = "; a missing inclination, or" if attitudes.inclinations_of(self._schedule) else ";"
             raise Doubtful(
                 f"of {int(self._used.sum())} rests {'none' if own is None else found} fit the positions of this "
                 f"schedule{lacks} another one? (--schedule; poses of your own: a schedule file)"
@@ -206,7 +206,7 @@ class _Matcher:
         ]
         if rivals:
             both = self._listed([own, *rivals])
-            advice = "say the signs of K (--signs, or --stand FILE)"
+            advice = "give the signs of K (--signs, or --stand FILE)"
             raise Doubtful(f"fits {1 + len(rivals)} ways: {both}; {advice}", *map(self._remedy, [own, *rivals]))
         return own
 
@@ -286,7 +286,7 @@ class _Matcher:
         for rest, could_be in assigned.ambiguous.items():
             labels = " or ".join(map(self._label, could_be))
             without = Remedy({"leave_out": str(rest + 1)})
-            raise Doubtful(f"rest {rest + 1} could be {labels}: --leave-out {rest + 1} goes on without it", without)
+            raise Doubtful(f"rest {rest + 1} could be {labels}: --leave-out {rest + 1} continues without it", without)
         self._require_filled(excluded, assigned, fit)
         return self._finish(assigned, excluded, fit, variance, freedom)
 
@@ -378,8 +378,8 @@ class _Matcher:
             all_spare = ",".join(str(rest + 1) for group in groups.values() for rest in group)
             where = self._label(position) if position != NONE else "one position"
             raise Doubtful(
-                f"rests {numbers} are all at {where}: --repeats {'|'.join(REPEATS)} takes one, "
-                f"--leave-out {all_spare} goes on without the later ones",
+                f"rests {numbers} are all at {where}: --repeats {'|'.join(REPEATS)} selects one, "
+                f"--leave-out {all_spare} continues without the later ones",
                 Remedy({"repeats": "first"}, "the first visit of a position counts"),
                 Remedy({"leave_out": all_spare}),
             )
@@ -416,7 +416,7 @@ class _Matcher:
             many = ",".join(str(rest + 1) for rest, _ in lost)
             raise Doubtful(
                 f"rest {rest + 1} is {1e3 * float(np.linalg.norm(felt)):.3g} mrad off {self._label(position)}, "
-                f"far more than the others are off theirs: --take {many} takes it, --leave-out {many} goes on without",
+                f"far more than the other rests: --take {many} uses it, --leave-out {many} leaves it out",
                 Remedy({"leave_out": many}),
                 Remedy({"take": many}),
             )
@@ -424,10 +424,10 @@ class _Matcher:
     def _notes(self, assigned: Assigned, positions: Integers, states: list[str]) -> tuple[str, ...]:
         notes = []
         if self._user_choices.signs is None:
-            notes.append("signs of K: nobody says them, taken for positive (--signs, or scale_v_per_g of a stand file)")
+            notes.append("signs of K: not given, assumed positive (--signs, or scale_v_per_g of a stand file)")
         else:
             told = "".join("+" if sign > 0 else "-" for sign in self._user_choices.signs)
-            notes.append(f"signs of K in x, y, z: {told}, as told")
+            notes.append(f"signs of K in x, y, z: {told}, as given")
         if self._user_choices.order == ANY:
             run = [position for position in positions.tolist() if position != NONE]
             places = list(dict.fromkeys(run))
@@ -439,16 +439,18 @@ class _Matcher:
             notes.append("order: the schedule's")
         for alike in assigned.alike:
             labels = " and ".join(self._label(position) for position in alike)
-            notes.append(f"{labels} are one attitude: told apart by the way of the table, else by time")
+            notes.append(
+                f"{labels} have the same attitude and are told apart by the direction of the table, else by time"
+            )
         present = {self._schedule.positions[position].mounting for position in set(positions.tolist()) - {NONE}}
         for same in alike_mountings(self._attitudes.of_position, self._schedule):
             if self._user_choices.order == ANY and present >= {*same}:
-                notes.append(f"{' and '.join(map(str, same))} have the same attitudes: told apart by time")
+                notes.append(f"{' and '.join(map(str, same))} have the same attitudes and are told apart by time")
         missing = sorted(set(range(len(self._schedule.positions))) - set(positions.tolist()))
         if missing:
             notes.append(f"no rest at {', '.join(map(self._label, missing))}")
         if REPEATED in states:
-            notes.append(f"positions that come more than once: the {self._user_choices.repeats} rest is taken")
+            notes.append(f"positions measured more than once: the {self._user_choices.repeats} rest is used")
         return tuple(notes)
 
     def _is_among(self, numbers: frozenset[int]) -> Flags:

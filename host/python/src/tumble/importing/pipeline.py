@@ -115,7 +115,7 @@ def _imported(files: Sequence[str], schedule: Schedule, settings: Settings, took
     ]
     if len(units := {one.unit for one in recordings}) > 1:
         raise UsageError(
-            f"recordings in different units, {', '.join(sorted(units))}: --unit says which, or import each"
+            f"recordings in different units, {', '.join(sorted(units))}: set one with --unit, or import each separately"
         )
     joined = _Joined.of(recordings, settings.thresholds)
     recordings, found, interval = joined.recordings, joined.found, joined.interval
@@ -125,7 +125,7 @@ def _imported(files: Sequence[str], schedule: Schedule, settings: Settings, took
     is_any = settings.schedule == ANY_POSE  # there labels tell the poses apart, and nothing tells how they lie
     labelled = not is_any and (bool(texts.keys() - {"mounting"}) or _is_by_face(texts, schedule, settings.mountings))
     if labelled and settings.schedule is None and texts.keys() == {"mounting"}:
-        said = "no schedule is told, and rows are labelled by the axis that points up, as faces of hand_laid"
+        said = "no schedule is given, and rows are labelled by the axis that points up, like the faces of hand_laid"
         raise Doubtful(f"{said}: --schedule hand_laid", Remedy({"schedule": "hand_laid"}))
     rests, lost = found.rests, list[str]()
     if labelled or (texts and len(schedule.mountings) == len(schedule.positions)):
@@ -205,7 +205,7 @@ class _Joined:
             return own
         for unit in clocks.others(clock, len(own.outputs), 1):
             size = clocks.UNITS[unit] / clocks.UNITS[clock.unit]
-            note = f"clock: {clock.unit} would show {len(own.found.rests)} rests: taken for {unit} (--time-unit)"
+            note = f"clock: {clock.unit} would show {len(own.found.rests)} rests: read as {unit} (--time-unit)"
             counted = replace(clock, seconds=clock.seconds * size, interval_s=clock.interval_s * size, unit=unit)
             other = cls._of([replace(recordings[0], clock=counted, notes=(*recordings[0].notes, note))], thresholds)
             if len(other.found.rests) >= _FEWEST_RESTS:
@@ -270,7 +270,7 @@ def _require_one_block(joined: _Joined) -> list[str]:
         raise BadInput(said, file, int(lines[0])).advising(Remedy({"rows": choice}, "the first source is meant"))
     if column is not None and repairs.turns(outputs, column[1], spans):
         values = listed([quoted(value) for value in dict.fromkeys(column[1])])
-        said = f"rows are of several sources, which column {quoted(column[0])} tells apart, {values}: --rows takes one"
+        said = f"rows come from several sources, by column {quoted(column[0])}, {values}: --rows selects one"
         one = Remedy({"rows": f"{column[0]}={column[1][0]}"}, "the first source is meant")
         raise BadInput(said, file, int(lines[0])).advising(one)
     return [] if sources is None else [sources.sentence]
@@ -295,7 +295,7 @@ def _labels_that_tell(
     texts = {name: [text for one in recordings for text in one.labels[name]] for name in sorted(names)}
     meant = set(texts.get("mounting", [])) if len(schedule.mountings) == 1 else set(told)
     notes = {
-        name: f"{name}: {quoted(rows[0])} in every row, which tells nothing: not read"
+        name: f"{name}: {quoted(rows[0])} in every row, which says nothing: not read"
         for name, rows in texts.items()
         if len(set(rows)) == 1 and not (name == "mounting" and rows[0] in meant)
     }
@@ -304,7 +304,7 @@ def _labels_that_tell(
         if _counts(texts[name], 2 * len(schedule.positions)):
             notes[name] = f"{column} counts samples: not read"
         elif _changes_at_rest(texts[name], joined.found.rests):
-            notes[name] = f"{column} changes at rest, so it tells no {name}: not read"
+            notes[name] = f"{column} changes during a rest, so it is not a {name}: not read"
     return {name: rows for name, rows in texts.items() if name not in notes}, [notes[name] for name in sorted(notes)]
 
 
@@ -343,7 +343,7 @@ def _joined_clocks(recordings: Sequence[Recording]) -> tuple[Floats | None, floa
     intervals = sorted(clock.interval_s for clock in clocks if clock is not None)
     if intervals[-1] > 1.5 * intervals[0]:
         rates = ", ".join(f"{1 / interval:.4g}" for interval in intervals)
-        raise UsageError(f"recordings of different rates, {rates} Hz: import each alone")
+        raise UsageError(f"recordings of different rates, {rates} Hz: import each separately")
     return np.concatenate(seconds), intervals[0], np.array(sorted(gaps), dtype=int)
 
 
@@ -355,14 +355,14 @@ def _matched(rests: Rests, schedule: Schedule, settings: Settings) -> Matched:
         matched = match.match(rests, schedule, settings.user_choices)
         missing = len(schedule.positions) - len(set(matched.positions.tolist()) - {NONE})
         if missing and settings.schedule is None and (other := _other_schedule(rests, matched, settings.user_choices)):
-            said = f"no schedule is told, and of {DEFAULT_SCHEDULE} {missing} positions have no rest: {other[0]}"
+            said = f"no schedule is given, and of {DEFAULT_SCHEDULE} {missing} positions have no rest: {other[0]}"
             raise Doubtful(said, other[1])
         return matched
     except Doubtful as doubt:
         if settings.schedule is None and "--schedule" not in str(doubt):
             other = _other_schedule(rests, None, settings.user_choices)
             if other:
-                said = f"no schedule is told, and {DEFAULT_SCHEDULE} does not fit: {other[0]}"
+                said = f"no schedule is given, and {DEFAULT_SCHEDULE} does not fit: {other[0]}"
                 raise Doubtful(said, other[1]) from None
         raise
 
@@ -404,7 +404,7 @@ def _notes(recordings: Sequence[Recording], settings: Settings, interval: float 
         for note in one.notes
     ]
     if settings.schedule is None:
-        notes.append(f"schedule: nobody says, taken for {DEFAULT_SCHEDULE} (--schedule)")
+        notes.append(f"schedule: not given, assumed to be {DEFAULT_SCHEDULE} (--schedule)")
     if interval is None and not labelled:
         notes.append("clock: none, so lengths are counted in samples (--rate HZ gives seconds)")
     return notes
@@ -426,17 +426,17 @@ def _took(joined: _Joined, settings: Settings, texts: dict[str, list[str]], abou
     unit = first.unit
     if not all(one.unit_told for one in recordings):
         rough = scale_and_bias(found.rests.means)
-        unit += ", for nobody says the unit " + _unit_hint(
+        unit += ", assumed because no unit is given " + _unit_hint(
             None if rough is None else float(np.prod(rough[0]) ** (1 / 3))
         )
     outputs = quoted(", ".join(first.columns.get(name, name) for name in can_bus.OUTPUTS), 100)[1:-1]
     names = [quoted(first.columns.get(name, name)) for name in texts]
     noise = " ".join(f"{one:.3g}" for one in found.noise)
-    said = "schedule: nobody"  # and the clock: it is among them already
+    said = "schedule: not given"  # and the clock: it is among them already
     return [
         time,
         f"outputs {outputs} in {unit}",
-        f"schedule {settings.schedule_name}{', for nobody says it (--schedule)' if settings.schedule is None else ''}",
+        f"schedule {settings.schedule_name}{', the default (--schedule)' if settings.schedule is None else ''}",
         f"labels {' and '.join(names)} (--columns)" if names else "no labels of positions",
         f"{len(found.rests)} rests, noise {noise} {first.unit} (--still, --drift)",
         "one source" if len(recordings) == 1 else f"{len(recordings)} recordings, one after another",
@@ -455,8 +455,10 @@ def _about_rate(rate_hz: float | None, interval: float | None, rests: Rests, mat
     if (rate_hz is None or usual_s >= _SHORTEST_S) and usual_s <= _LONGEST_S:
         return []
     if rate_hz is None:
-        return [f"clock: the usual rest lasts {usual_s:.3g} s: is that so? Else its unit is wrong (--time-unit)"]
-    return [f"clock: at --rate {rate_hz:g} Hz the usual rest lasts {usual_s:.3g} s: is that so? Else the rate is wrong"]
+        return [f"clock: a typical rest lasts {usual_s:.3g} s: if that is not so, its unit is wrong (--time-unit)"]
+    return [
+        f"clock: at --rate {rate_hz:g} Hz a typical rest lasts {usual_s:.3g} s: if that is not so, the rate is wrong"
+    ]
 
 
 def _rate_hint(recordings: Sequence[Recording], rests: Rests, rate_hz: float | None) -> str:
@@ -472,9 +474,9 @@ def _about_unit(recordings: Sequence[Recording], matched: Matched) -> list[str]:
     per_g = float(np.abs(np.linalg.det(matched.fit.k)) ** (1 / 3))
     if all(one.unit_told for one in recordings):
         seen, unit = contradicts(per_g, recordings[0].unit), recordings[0].unit
-        return [] if seen is None else [f"unit: {unit} is said, but 1 g is {per_g:.4g} of it, as of {seen} (--unit)"]
+        return [] if seen is None else [f"unit: {unit} is given, but 1 g is {per_g:.4g} of it, as in {seen} (--unit)"]
     hint = _unit_hint(per_g)
-    return [f"unit: nobody says; the run file names none either {hint}"]
+    return [f"unit: not given, and the run file names none either {hint}"]
 
 
 def _unit_hint(per_g: float | None) -> str:

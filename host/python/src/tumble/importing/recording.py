@@ -92,7 +92,8 @@ def read(
     NotInstalled."""
     if suffix_of(file) in SUFFIXES:
         raise BadInput(
-            "no text: import takes CSV and RAWIMU logs, tumble solve such a file of samples at positions", file
+            "not a text file: import reads CSV and RAWIMU logs; tumble solve reads such a file of samples at positions",
+            file,
         )
     data = read_bytes(file, most=MOST_OF_RECORDING, look=functools.partial(_require_kind, file))
     if (kind := can_log.kind_of(data)) is not None:
@@ -136,7 +137,7 @@ def _read_table(
     try:
         layout = run_layout.detect(data, options, file)
     except BadInput as refused:
-        refused.assumed = ("a table of text, whose columns are not known",)
+        refused.assumed = ("a text table with unknown columns",)
         raise refused.advising(*_named_columns(data, refused.row, options)) from None
     names = list(layout.names)
     columns = _optional_columns(names, options, file, layout.header_row)
@@ -157,7 +158,7 @@ def _read_table(
         texts = parser.texts
         if choice is not None:
             rows, texts = choice.of(rows, texts)
-            notes.append(f"rows: {len(rows)}, as --rows {choice.text} says")
+            notes.append(f"rows: {len(rows)}, selected by --rows {choice.text}")
         clock = _clock(texts.pop("time", rows[:, TIME]), rows[:, LINE].astype(int), told.get("time"), timing, file)
     except (BadInput, UsageError) as refused:
         refused.assumed = (*_about_columns(told, layout.unit, layout.unit_told), *notes)
@@ -225,7 +226,7 @@ class Choice:
             kept = np.flatnonzero((rows[:, LINE] >= self.first) & (rows[:, LINE] <= self.last))
         if not len(kept):
             there = f"; there are {', '.join(map(quoted, dict.fromkeys(texts.get('source', [])[:1000])))}"
-            raise UsageError(f"--rows {self.text}: there are no such rows{there if self.column is not None else ''}")
+            raise UsageError(f"--rows {self.text}: no such rows{there if self.column is not None else ''}")
         return rows[kept], {name: [one[row] for row in kept.tolist()] for name, one in texts.items()}
 
 
@@ -257,7 +258,7 @@ def _named_columns(data: bytes, row: int | None, options: run_layout.LayoutOptio
 def _about_columns(told: dict[str, str], unit: str, unit_told: bool) -> list[str]:
     """Which columns the outputs are, and their unit."""
     names = ", ".join(told[name] for name in OUTPUTS)
-    return [f"outputs {quoted(names, 100)[1:-1]} in {unit}{'' if unit_told else ', for nobody says the unit'}"]
+    return [f"outputs {quoted(names, 100)[1:-1]} in {unit}{'' if unit_told else ', assumed because no unit is given'}"]
 
 
 def _about_header(data: bytes, layout: run_layout.Layout, options: run_layout.LayoutOptions) -> list[str]:
@@ -266,7 +267,7 @@ def _about_header(data: bytes, layout: run_layout.Layout, options: run_layout.La
     line = "" if row == 0 else run_layout.lines_of(data)[row - 1]
     if not all(name in line for name in layout.names):
         taken = ",".join(f"{name}={place + 1}" for name, place in zip(OUTPUTS, layout.indices))
-        return [f"header: none, columns are counted from 1: {taken} (--columns)"]
+        return [f"header: none, columns are numbered from 1: {taken} (--columns)"]
     if line.startswith("#"):
         return [f"header: the comment in row {row}"]
     return [f"header: row {row}; the rows above it are not read"] if row - layout.comments - layout.blanks > 1 else []
@@ -332,7 +333,7 @@ def _below_units(
             felt = replace(felt, unit=units[felt.index])
         told = layout.unit_told or unit is not None
         layout = replace(layout, unit=unit or layout.unit, unit_told=told, temperature=felt)
-        notes.append(f"row {row} is taken for units" + (f": {unit}" if unit else ""))
+        notes.append(f"row {row} is read as units" + (f": {unit}" if unit else ""))
     return layout, units, notes
 
 
@@ -360,7 +361,7 @@ def _parse(
         if isinstance(refused, NotANumber):
             other = "." if layout.decimal == "," else ","
             mark = f" (its decimal mark? see --decimal {other})"
-            hint = mark if other in refused.text else "; begin the row with # to leave it out"
+            hint = mark if other in refused.text else "; start the row with # to leave it out"
         raise BadInput(f"{refused}{hint}", file, refused.row, refused.column) from None
     if not len(rows):
         raise BadInput("no samples after the header", file, layout.header_row)
@@ -456,7 +457,7 @@ def _read_rawimu(file: str, data: bytes, options: run_layout.LayoutOptions, timi
                 begun -= 1
         damaged += begun
     if not rows:
-        raise BadInput(f"{damaged} lines of a RAWIMU log, none with a good check sum: log it anew, as ASCII", file)
+        raise BadInput(f"{damaged} lines of a RAWIMU log, none with a good checksum: record it again as ASCII", file)
     values = np.array(rows)
     notes = [f"RAWIMU log: {len(lines)} messages; ux is its X, uy the negative of its -Y, uz its Z, in counts"]
     if damaged or others:

@@ -24,7 +24,7 @@ _HABITS = (  # of people and loggers
     Remedy({"order": "any"}),
     Remedy({"min_rest": "0.3"}),
     Remedy({"window": "16", "min_rest": "24"}),  # samples, where there is no clock
-    Remedy({"columns": "time="}, "the column of time is none"),
+    Remedy({"columns": "time="}, "the time column is not a clock"),
 )
 
 

@@ -31,7 +31,7 @@ def signed(outputs: Floats) -> tuple[Floats, list[str]]:
     way, own_way = (np.abs(np.diff(one, axis=0)).sum(axis=0) for one in (outputs, own))
     if not (way > _TRAVELS * own_way).any() or (own_way > _TRAVELS * way).any():
         return outputs, []
-    return own, [f"outputs: counts without their sign, from {full / 2:.0f} on less {full:.0f} (two's complement)"]
+    return own, [f"outputs: unsigned counts; those from {full / 2:.0f} up are negative (two's complement)"]
 
 
 def same_runs(outputs: Floats, least: int) -> list[tuple[int, int]]:
@@ -68,7 +68,7 @@ def about_channels(outputs: Floats, names: dict[str, str]) -> str | None:
         if len(outputs) > 1 and np.ptp(outputs[:, channel]) == 0.0:
             return f"{quoted(own[channel])} is {outputs[0, channel]:.6g} in every row: a dead channel"
         if len(outputs) > 1 and (outputs[:, channel] == outputs[:, channel - 1]).all():
-            return f"{quoted(own[channel - 1])} and {quoted(own[channel])} are the same in every row: one channel twice"
+            return f"{quoted(own[channel - 1])} and {quoted(own[channel])} are equal in every row: one channel twice"
     return None
 
 

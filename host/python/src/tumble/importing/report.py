@@ -44,10 +44,10 @@ WIDTH = 80
 _REMARKS = {
     match.TAKEN: "",
     match.JOINED: "joined to the next",
-    match.REPEATED: "left out: comes again",
-    match.OFF: "left out: is off",
-    match.NOWHERE: "left out: nowhere",
-    match.LEFT_OUT: "left out as told",
+    match.REPEATED: "left out: repeated",
+    match.OFF: "left out: off its position",
+    match.NOWHERE: "left out: at no position",
+    match.LEFT_OUT: "left out by --leave-out",
 }
 
 
@@ -197,7 +197,7 @@ def read_recipe(file: str) -> Settings:
     rows = layout.text("rows", default=None)
     tolerance, signs = main.number("tolerance_deg", 0.01, 45.0, default=None), main.text("signs", default=None)
     if signs is not None and parse_signs(signs) is None:
-        raise BadInput(f"signs {quoted(signs)} are not three of + and -, of x, y and z", file)
+        raise BadInput(f"signs {quoted(signs)} must be three of + and -, for x, y and z", file)
     user_choices = match.UserChoices(
         signs=None if signs is None else parse_signs(signs),
         order=main.choice("order", (match.SCHEDULE, match.ANY), default=match.SCHEDULE),
