@@ -8,7 +8,7 @@
 #define TUMBLE_STATE_LIST(X)                                                                                           \
     X(TUMBLE_STATE_IDLE, "waiting for a start command")                                                                \
     X(TUMBLE_STATE_PREFLIGHT, "checking schedule, stand and block")                                                    \
-    X(TUMBLE_STATE_WARM_UP, "waiting for the block's temperature to hold still")                                       \
+    X(TUMBLE_STATE_WARM_UP, "waiting for the block's temperature to settle")                                           \
     X(TUMBLE_STATE_WAIT_MOUNTING, "waiting for the operator to mount the block, or incline the stand, and confirm")    \
     X(TUMBLE_STATE_HOME, "homing the table")                                                                           \
     X(TUMBLE_STATE_MOVE, "turning the table")                                                                          \
@@ -19,7 +19,7 @@
     X(TUMBLE_STATE_VERIFY, "checking the result against gravity")                                                      \
     X(TUMBLE_STATE_PROPOSE, "offering the result")                                                                     \
     X(TUMBLE_STATE_DONE, "finished")                                                                                   \
-    X(TUMBLE_STATE_FAULT, "stopped by a fault, can be mended and resumed")                                             \
+    X(TUMBLE_STATE_FAULT, "stopped by a fault; can resume after a repair")                                             \
     X(TUMBLE_STATE_ABORT, "given up, table stopped")
 
 #define TUMBLE_REASON_LIST(X)                                                                                          \
@@ -45,20 +45,20 @@
     X(TUMBLE_REASON_SATURATED, "a channel is saturated")                                                               \
     X(TUMBLE_REASON_STUCK, "a channel repeats one value")                                                              \
     X(TUMBLE_REASON_NOT_STILL, "the scatter exceeds the declared noise")                                               \
-    X(TUMBLE_REASON_WARM_UP, "the temperature did not hold still in time")                                             \
+    X(TUMBLE_REASON_WARM_UP, "the temperature did not settle in time")                                                 \
     X(TUMBLE_REASON_MOUNTING_NOT_CONFIRMED, "the operator did not confirm the mounting in time")                       \
-    X(TUMBLE_REASON_WRONG_MOUNTING, "gravity points another way: another mounting, or the stand leans otherwise")      \
+    X(TUMBLE_REASON_WRONG_MOUNTING, "gravity points another way: wrong mounting, or wrong inclination")                \
     X(TUMBLE_REASON_SWAPPED_CHANNELS, "gravity appears on the wrong channels: channels are swapped or inverted")       \
     X(TUMBLE_REASON_SINGULAR, "the coefficients found cannot be inverted")                                             \
     X(TUMBLE_REASON_GRAVITY_CHECK, "the result fails the gravity check")                                               \
     X(TUMBLE_REASON_BUS, "the CAN controller is off the bus")                                                          \
-    X(TUMBLE_REASON_UNCERTAIN, "the noise keeps a mean from its error budget, with all samples allowed")               \
-    X(TUMBLE_REASON_INHIBITED, "host or board allow no run at this time")                                              \
-    X(TUMBLE_REASON_STOP_NOT_CONFIRMED, "the table was told to stop and was not seen to rest: look at it")             \
-    X(TUMBLE_REASON_FOREIGN_COMMAND, "somebody else commands the drive, or has this computer's node number")           \
-    X(TUMBLE_REASON_SUPERVISION, "heartbeats or process data are not set up to watch stand and block")                 \
-    X(TUMBLE_REASON_RUNAWAY, "the table turned past its goal, or the other way")                                       \
-    X(TUMBLE_REASON_SCALE, "the table reports another speed than it was told: counts of a turn, or units, are wrong")
+    X(TUMBLE_REASON_UNCERTAIN, "a mean is too noisy for its budget even with the most samples allowed")                \
+    X(TUMBLE_REASON_INHIBITED, "host or board does not allow a run now")                                               \
+    X(TUMBLE_REASON_STOP_NOT_CONFIRMED, "the stop is not confirmed: check that the table is at rest")                  \
+    X(TUMBLE_REASON_FOREIGN_COMMAND, "another node commands the drive, or has this computer's number")                 \
+    X(TUMBLE_REASON_SUPERVISION, "heartbeats or process data do not monitor stand and block")                          \
+    X(TUMBLE_REASON_RUNAWAY, "the table passed its target or turned backwards")                                        \
+    X(TUMBLE_REASON_SCALE, "the reported speed is not the commanded one: check counts per turn and units")
 
 typedef enum {
 #define TUMBLE_STATE_ENUM(name, sentence) name,

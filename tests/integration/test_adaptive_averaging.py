@@ -64,7 +64,7 @@ def test_with_the_same_noise_everywhere_it_saves_nothing():
 def test_the_reason_when_it_is_never_enough():
     found = bench([*SCENARIO.splitlines(), "procedure.samples = 100", "procedure.error_budget_v = 4e-5"])
     assert (found["exit"], found["reason"]) == (3, "TUMBLE_REASON_UNCERTAIN")
-    assert found["reason_sentence"] == "the noise keeps a mean from its error budget, with all samples allowed"
+    assert found["reason_sentence"] == "a mean is too noisy for its budget even with the most samples allowed"
     assert [mean["samples"] < 100 for mean in found["means"]] == [True] * 9  # mounting 1; of mounting 2 nothing is kept
     assert found["table"]["at_rest"] is True
 

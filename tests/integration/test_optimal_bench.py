@@ -134,7 +134,7 @@ REFUSED = {
     "one that nobody asked for": ({}, RECORD, " is for procedure.estimator = optimal alone"),
     "short": (OPTIMAL, RECORD[:3000], "the memory holds no gain record that this software reads"),
     "large": (OPTIMAL, bytes(30_000), "the memory holds no gain record that this software reads"),
-    "damaged": (OPTIMAL, RECORD[:3000] + bytes([RECORD[3000] ^ 1]) + RECORD[3001:], "a checksum does not agree"),
+    "damaged": (OPTIMAL, RECORD[:3000] + bytes([RECORD[3000] ^ 1]) + RECORD[3001:], "a checksum is wrong"),
     "of another schedule": (
         OPTIMAL, record_for(dataclasses.replace(SCHEDULE.data, positions=SCHEDULE.data.positions[1:])),
         "the gain table does not fit the schedule"),

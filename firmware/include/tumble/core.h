@@ -337,7 +337,7 @@ tumble_status_t tumble_averaging_begin(tumble_averaging_t *averaging, uint8_t in
 /* Take one sample through the gates. Refused samples are counted and change neither sums nor scatter; missing counter
  * values are counted as lost, and the sample itself is taken. A gap of 32768 or more reads as a step backwards: the
  * caller's timeout must come long before. Returns TUMBLE_OK, TUMBLE_E_NOT_OPEN, TUMBLE_E_FULL (TUMBLE_MAX_SAMPLES),
- * TUMBLE_E_UNHEALTHY (the block itself calls the sample faulty), TUMBLE_E_REPEATED, TUMBLE_E_REORDERED,
+ * TUMBLE_E_UNHEALTHY (the block marks the sample as faulty), TUMBLE_E_REPEATED, TUMBLE_E_REORDERED,
  * TUMBLE_E_SATURATED, TUMBLE_E_DEVIATION.
  * After TUMBLE_E_UNHEALTHY end the position: the sample is not counted and its counter value is not taken. If you go on,
  * that value counts as lost with the next sample (unless no sample of the position came before). */

@@ -30,12 +30,12 @@ extern "C" {
     X(TUMBLE_E_TOO_FEW, "there are fewer samples, positions or sets than required")                                    \
     X(TUMBLE_E_SATURATED, "a sample lies at or beyond the range of the converter")                                     \
     X(TUMBLE_E_DEVIATION, "a sample lies too far from the first one of its position")                                  \
-    X(TUMBLE_E_REPEATED, "a sample counter came twice")                                                                \
+    X(TUMBLE_E_REPEATED, "a sample counter is repeated")                                                               \
     X(TUMBLE_E_REORDERED, "a sample counter went backwards")                                                           \
     X(TUMBLE_E_LOST, "more samples were lost than allowed")                                                            \
     X(TUMBLE_E_STUCK, "a channel repeated one value too often")                                                        \
     X(TUMBLE_E_NOT_STILL, "the scatter exceeds what the declared noise allows: the block was moving")                  \
-    X(TUMBLE_E_STATE, "not allowed in this state, or what it needs is not there")                                      \
+    X(TUMBLE_E_STATE, "not allowed in this state, or a part it needs is missing")                                      \
     X(TUMBLE_E_PORT_BUSY, "busy now: try again at a later step")                                                       \
     X(TUMBLE_E_PORT_EMPTY, "no received frame is waiting")                                                             \
     X(TUMBLE_E_PORT_DOWN, "the CAN controller is off the bus")                                                         \
@@ -44,13 +44,13 @@ extern "C" {
     X(TUMBLE_E_SDO_ABORTED, "the SDO transfer was aborted by the other node")                                          \
     X(TUMBLE_E_SDO_TIMEOUT, "the SDO server did not answer in time")                                                   \
     X(TUMBLE_E_FRAME, "a frame or a stored record is malformed")                                                       \
-    X(TUMBLE_E_CRC, "a checksum does not agree")                                                                       \
+    X(TUMBLE_E_CRC, "a checksum is wrong")                                                                             \
     X(TUMBLE_E_GAIN_RECORD, "the memory holds no gain record that this software reads")                                \
     X(TUMBLE_E_STAND_ERROR,                                                                                            \
       "an error of the stand came out larger than any stand can have: wrong gains, mounting or means")                 \
-    X(TUMBLE_E_UNCERTAIN, "the mean of a position is less certain than its budget asks, after all samples allowed")    \
+    X(TUMBLE_E_UNCERTAIN, "the mean of a position exceeds its error budget with the most samples allowed")             \
     X(TUMBLE_E_NV, "the non-volatile memory failed, or has no such place")                                             \
-    X(TUMBLE_E_UNHEALTHY, "the block itself calls the sample faulty")                                                  \
+    X(TUMBLE_E_UNHEALTHY, "the block marks the sample as faulty")                                                      \
     X(TUMBLE_E_NOT_INCLINED, "the schedule has no inclinations of one bolting on both sides of the level")             \
     X(TUMBLE_E_ALIKE, "the run shows no inclinations of the axis")                                                     \
     X(TUMBLE_E_ONE_SIDE, "the run shows all inclinations on one side of the level")

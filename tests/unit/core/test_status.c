@@ -76,7 +76,7 @@ static void test_names_belong_to_their_values(void)
     TEST_ASSERT_EQUAL_STRING("TUMBLE_E_RANK", tumble_status_name(TUMBLE_E_RANK));
     TEST_ASSERT_EQUAL_STRING("TUMBLE_E_NOT_STILL", tumble_status_name(TUMBLE_E_NOT_STILL));
     TEST_ASSERT_EQUAL_STRING("done", tumble_status_sentence(TUMBLE_OK));
-    TEST_ASSERT_EQUAL_STRING("a sample counter came twice", tumble_status_sentence(TUMBLE_E_REPEATED));
+    TEST_ASSERT_EQUAL_STRING("a sample counter is repeated", tumble_status_sentence(TUMBLE_E_REPEATED));
 }
 
 static void test_values_outside_the_list_are_safe(void)

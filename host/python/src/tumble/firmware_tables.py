@@ -6,7 +6,7 @@ from __future__ import annotations
 STATES = {  # name: what it does
     "IDLE": "waiting for a start command",
     "PREFLIGHT": "checking schedule, stand and block",
-    "WARM_UP": "waiting for the block's temperature to hold still",
+    "WARM_UP": "waiting for the block's temperature to settle",
     "WAIT_MOUNTING": "waiting for the operator to mount the block, or incline the stand, and confirm",
     "HOME": "homing the table",
     "MOVE": "turning the table",
@@ -17,7 +17,7 @@ STATES = {  # name: what it does
     "VERIFY": "checking the result against gravity",
     "PROPOSE": "offering the result",
     "DONE": "finished",
-    "FAULT": "stopped by a fault, can be mended and resumed",
+    "FAULT": "stopped by a fault; can resume after a repair",
     "ABORT": "given up, table stopped",
 }
 
