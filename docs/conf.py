@@ -16,7 +16,7 @@ project = "Tumble"
 author = "the authors of Tumble"
 release = version = (ROOT / "VERSION").read_text(encoding="utf-8").strip()
 root_doc = "index"
-extensions = ["myst_parser", "sphinx.ext.autodoc"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx_copybutton"]
 
 # Pages are Markdown as GitHub reads it: $formulas$, and headings that links reach by their words.
 myst_enable_extensions = ["dollarmath"]
@@ -40,7 +40,13 @@ html_title = f"Tumble {release}"
 html_math_renderer = "mathml"
 html_static_path = ["static"]
 html_css_files = ["site.css"]
+html_search_scorer = str(ROOT / "docs/static/search.js")  # how results are ranked
 html_copy_source = False
+
+# Commands are copied without their prompts, and without what they print.
+copybutton_prompt_text = r"\$ |>>> |\.\.\. "
+copybutton_prompt_is_regexp = True
+copybutton_line_continuation_character = "\\"
 html_show_copyright = False
 
 

@@ -4,6 +4,7 @@ the notebook says what it said when it was stored."""
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 
@@ -56,7 +57,23 @@ def site(tmp_path_factory):
                           text=True, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)})  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr
     assert re.fullmatch(r"site: \d+ pages in .*\n", done.stdout)
-    return lambda name: (out / name).read_text(encoding="utf-8")
+    read = lambda name: (out / name).read_text(encoding="utf-8")  # noqa: E731
+    read.folder = out
+    return read
+
+
+def found_by_search(site, query):
+    """What the page of search lists in a browser, best first: what it leads to, and what is said of it."""
+    chromium = shutil.which("chromium")
+    if chromium is None:
+        pytest.skip("chromium is not installed")
+    page = subprocess.run(
+        [chromium, "--headless=new", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=20000", "--dump-dom",
+         f"file://{site.folder}/search.html?q={query}"],
+        capture_output=True, text=True, check=True, timeout=120,
+    ).stdout  # fmt: skip
+    results = page.partition('class="search"')[2].partition("</ul>")[0].split("<li")[1:]
+    return [(re.search(r'href="([^"?#]*)', one)[1], re.sub(r"<.*?>", "", f"<li{one}")) for one in results]
 
 
 class TestBuilt:
@@ -75,12 +92,36 @@ class TestBuilt:
 
     def test_formulas_are_mathml(self, site):
         text = site("method.html")
+        assert '"STIX Two Math"' in site("_static/site.css")
         assert "<msub><mi>U</mi><mn>0</mn></msub>" in text and not re.search(r"\\(frac|alpha|sum|left)", text)
+
+    def test_code_can_be_copied(self, site):
+        assert "copybutton.js" in site("first-calibration.html")
 
     def test_search_finds_without_a_server(self, site):
         """Its index is a script that the page loads: browsers let files load scripts, but no data."""
         assert 'src="searchindex.js"' in site("search.html")
         assert "tumble_estimate_refined" in site("searchindex.js")
+
+    @pytest.mark.parametrize(
+        ("query", "page"),
+        [
+            ("refined", "method.html"),
+            ("coverage+factor", "method.html"),
+            ("import", "first-calibration.html"),
+            ("limit", "schedules.html"),
+        ],
+    )
+    def test_search_lists_pages_before_parameters(self, query, page, site):
+        found = found_by_search(site, query)
+        of_pages = [place for place, (_, said) in enumerate(found) if "(C " not in said]
+        of_names = [place for place, (_, said) in enumerate(found) if "(C " in said]
+        assert page in [target for target, _ in found[: len(of_pages)]]
+        assert max(of_pages) < min(of_names, default=len(found))
+
+    def test_search_lists_a_function_first(self, site):
+        _, first = found_by_search(site, "tumble_estimate_refined")[0]
+        assert "tumble_estimate_refined (C function, in tumble/core.h)" in first
 
     @pytest.mark.parametrize("header", HEADERS, ids=lambda path: path.stem)
     def test_all_that_a_header_declares_has_an_anchor(self, header, site):

@@ -20,7 +20,8 @@ import pages
 
 ROOT = Path(__file__).resolve().parents[2]
 DEFAULT = ROOT / "build/site/html"
-NEEDED = ("sphinx", "myst_parser", "furo", "latex2mathml", "nbclient", "nbformat", "ipykernel", "matplotlib")
+NEEDED = ("sphinx", "myst_parser", "furo", "sphinx_copybutton", "latex2mathml", "nbclient", "nbformat", "ipykernel",
+          "matplotlib")  # fmt: skip
 NOT_THERE = 77
 
 
