@@ -28,7 +28,14 @@ def layout(fix):
 
 
 def lint(fix):
-    return run("ruff", "check", "--quiet", *RUFF_CACHE, "--output-format=concise", *(["--fix"] if fix else []))
+    return run("ruff", "check", "--quiet", *RUFF_CACHE, "--output-format=concise", *(["--fix"] if fix else []),
+               ".", *scripts())
+
+
+def scripts():
+    """Programs in Python without a suffix, which ruff does not find by itself."""
+    paths = (path for path in sorted((ROOT / "tools").rglob("*")) if path.is_file() and not path.suffix)
+    return [str(path.relative_to(ROOT)) for path in paths if path.read_bytes().startswith(b"#!/usr/bin/env python")]
 
 
 def types(_fix):

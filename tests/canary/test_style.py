@@ -22,6 +22,8 @@ DEFECTS = {
     "a table of Python's": ("host/python/src/tumble/half.py", 'half = {"half":0.5}\n', "half.py"),
     "an unused import": ("tools/half.py", "import os\n", "F401"),
     "imports out of order": ("tests/integration/test_half.py", "import sys\nimport os\n\nprint(os, sys)\n", "I001"),
+    "a line too long in a program without a suffix": (
+        "tools/trial", f"#!/usr/bin/env python3\nprint({'1 + ' * 30}1)\n", "E501"),
     "a line too long": ("tools/half.py", f"print({'1 + ' * 30}1)\n", "E501"),
     "a wrong type": ("host/python/src/tumble/half.py", 'half: float = "0.5"\n', "[assignment]"),
     "no types": ("host/python/src/tumble/half.py", "def half(x):\n    return x / 2\n", "[no-untyped-def]"),
