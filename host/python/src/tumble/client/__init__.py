@@ -57,20 +57,20 @@ PARITIES = ("N", "E", "O")
 
 
 def connect(link: str | can.BusABC, *, node: int = 1, server: int = 1, unit: int = 1) -> Node:
-    """The node on a link; close it, or use it as a context manager.
+    """Open a link and return the node on it. Close the node, or use it as a context manager.
 
-    `link`: "can:can0", "can:virtual@test" (any interface of python-can), "modbus:HOST:PORT", "modbus-rtu:/dev/ttyUSB0"
-    with ",19200,E" behind it if need be; or a bus of python-can, which stays open. `node`: its number on CAN; `server`:
-    which of its SDO servers, 1 or 2; `unit`: of the gateway.
+    `link`: "can:can0", "can:virtual@test" (any interface of python-can), "modbus:HOST:PORT", "modbus-rtu:/dev/ttyUSB0",
+    which may go on with ",19200,E"; or a bus of python-can, which stays open. `node`: the CANopen node number.
+    `server`: the node's SDO server to use, 1 or 2. `unit`: the Modbus unit of the gateway.
 
-    Raises UsageError for what is no link and for an interface that is not there or cannot be opened, NotInstalled,
-    Skipped where the kernel has no CAN or a driver is missing, CommunicationError where nobody answers.
+    Raises UsageError for a link that does not parse or an interface that cannot be opened, NotInstalled, Skipped where
+    the kernel has no CAN or a driver is missing, CommunicationError where nothing answers.
     """
     return Node(open_link(link, node, server, unit))
 
 
 def open_link(link: str | can.BusABC, node: int = 1, server: int = 1, unit: int = 1) -> Link:
-    """The same, as objects by name alone."""
+    """Open the link alone, to read and write objects by name. Arguments and errors as of `connect`."""
     for name, value, last in (("node", node, 127), ("server", server, 2), ("unit", unit, 255)):
         if not isinstance(value, int) or not 1 <= value <= last:
             raise UsageError(f"{name} {quoted(value)} is not 1 to {last}")

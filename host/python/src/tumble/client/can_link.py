@@ -64,7 +64,7 @@ def is_bus(link: object) -> TypeGuard[can.BusABC]:
 
 
 class _Disturbed(links.CommunicationError):
-    """The answer was to a question of somebody else's."""
+    """The answer belongs to the request of another client."""
 
 
 class _Unanswered(links.CommunicationError):
@@ -72,7 +72,7 @@ class _Unanswered(links.CommunicationError):
 
 
 class CanLink(links.Link):
-    """A node by SDO. `bus`: is left open in the end if `owned` is False; `server`: which of the node's SDO servers."""
+    """A node over SDO. `bus` stays open on close if `owned` is False. `server`: the SDO server of the node to use."""
 
     def __init__(self, bus: can.BusABC, node: int = 1, server: int = 1, answer_s: float = 2.0, owned: bool = True):
         try:
@@ -97,7 +97,7 @@ class CanLink(links.Link):
         self.network.notifier.add_listener(_patience(self.network.notifier))
 
     def add_node(self, number: int, name: str, server: int = 1) -> Any:
-        """The SDO client of another node on the same bus; `name`: of its EDS file."""
+        """Add the SDO client of another node on the same bus. `name`: of its EDS file."""
         node: Any = self.network.add_node(number, str(data.file(f"eds/tumble_{name}.eds")))  # add_sdo has no types
         request, response = SERVERS[server]
         sdo = node.sdo if server == 1 else node.add_sdo(request + number, response + number)
@@ -108,7 +108,7 @@ class CanLink(links.Link):
         return _has(self._sdo, name)
 
     def read_together(self, *names: str) -> list[links.Value]:
-        """Between two readings of the run number that are equal. Raises Refused, CommunicationError."""
+        """Read several objects between two equal readings of the run number. Raises Refused, CommunicationError."""
         if len(names) == 1:
             return [self.ask(self._sdo, names[0])]
         others = [name for name in names if name != links.RUN]
@@ -158,7 +158,7 @@ class CanLink(links.Link):
 
     @contextlib.contextmanager
     def _transfer(self, sdo: Any, what: str) -> Iterator[None]:
-        """All that is asked goes this way, and whatever the libraries raise ends here."""
+        """Make one SDO transfer. Turns whatever the libraries raise into errors of the client."""
         from can import CanError
 
         self.require_open()
@@ -190,8 +190,8 @@ class CanLink(links.Link):
 
 
 def _repeated(act: Callable[[], T]) -> T:
-    """What does no harm if it is done twice: again while the answers to another SDO client, such as a gateway, come
-    between, and a few times when there is none."""
+    """Retry a call that is safe to repeat: while answers to another SDO client, such as a gateway, interfere, and a few
+    times when no answer comes."""
     silent = 0
     for _ in range(_ASKED_AGAIN):
         try:
@@ -212,7 +212,7 @@ def _split(name: str) -> tuple[str, str]:
 
 
 def _has(sdo: Any, name: str) -> bool:
-    """Whether the EDS file has this entry; a record as a whole is none."""
+    """Whether the EDS file has this entry. A record as a whole is not an entry."""
     parent, child = _split(name)
     if parent not in sdo.od:
         return False
@@ -228,8 +228,8 @@ def _entry(sdo: Any, name: str, what: str) -> Any:
 
 
 def _patience(notifier: can.Notifier) -> can.Listener:
-    """A bus that goes away shows in answers that do not come, and when it comes back python-canopen goes on: else it
-    ends with its first error."""
+    """Keep python-canopen running over errors of the bus. Without this, its first error ends its thread, and the link
+    does not recover when the bus comes back."""
     import can
 
     class Patience(can.Listener):

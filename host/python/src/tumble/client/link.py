@@ -1,8 +1,8 @@
-"""One interface to the node, whatever the link: objects are read and written by name, commands are given.
+"""One interface to the node for all links: read and write objects by name, give commands.
 
-A name is that of the EDS file and of docs/modbus.csv: "State", "Progress: Actual angle", "Active set: K: K_xx". All
-that goes wrong is a `tumble.errors.TumbleError`, and its text is one line. At the end the register map of
-docs/modbus.csv: where values stand, how they are packed, and how fine they are.
+A name is that of the EDS file and of docs/modbus.csv: "State", "Progress: Actual angle", "Active set: K: K_xx". Every
+error is a `tumble.errors.TumbleError` with a text of one line. The register map of docs/modbus.csv is at the end of the
+module: where values stand, how they are packed, and their resolution.
 """
 
 from __future__ import annotations
@@ -43,12 +43,12 @@ _WORDS = {
 
 
 class CommunicationError(BenchFault):
-    """The node, or the gateway before it, does not answer, or not as one of Tumble's."""
+    """The node or the gateway does not answer, or its answer is not one of Tumble."""
 
 
 class Refused(BenchFault):
-    """The node does not do what it is told. `what` that was; `code`: its SDO abort code, which the text has in words
-    where it is a usual one."""
+    """The node refuses a request. `what`: the request. `code`: the SDO abort code; the message has it in words if it is
+    a common one."""
 
     def __init__(self, what: str, code: int, hint: str = ""):
         self.what, self.code = what, code
@@ -56,7 +56,7 @@ class Refused(BenchFault):
 
 
 class RunFailed(BenchFault):
-    """The run has stopped. `state`: FAULT, which can be mended and resumed, or ABORT; `reason`: why, and what to do;
+    """The run has stopped. `state`: FAULT, after which it can be resumed, or ABORT. `reason`: why, and what to do.
     `drive_refusal`: what the drive refused, "" for nothing."""
 
     def __init__(self, state: str, reason: Reason, drive_refusal: str = ""):
@@ -65,8 +65,8 @@ class RunFailed(BenchFault):
 
 
 class RunGone(RunFailed):
-    """The run that was waited for is no more: the node has restarted, or somebody has begun another. `run`: its number;
-    `state`, `reason`: the node's now."""
+    """The run that was waited for no longer exists: the node has restarted, or another run has begun. `run`: the number
+    of the run. `state`, `reason`: the current ones of the node."""
 
     def __init__(self, run: int, now: int, state: str, reason: Reason):
         self.run, self.state, self.reason, self.drive_refusal = run, state, reason, ""
@@ -75,7 +75,7 @@ class RunGone(RunFailed):
 
 
 class TimedOut(BenchFault, TimeoutError):
-    """What was waited for did not come in time. `state`: the last that was seen."""
+    """The expected state did not come in time. `state`: the last one seen."""
 
     def __init__(self, waited_for: str, timeout_s: float, state: str):
         self.state = state
@@ -83,7 +83,7 @@ class TimedOut(BenchFault, TimeoutError):
 
 
 class NoResult(BenchFault):
-    """The node has no result: no run has been finished since it was switched on, or since the last START."""
+    """The node has no result: no run has finished since power-on, or since the last START."""
 
 
 T = TypeVar("T")
@@ -102,7 +102,8 @@ def keep_quiet(*libraries: str) -> None:
 
 
 class Link(ABC):
-    """Everything raises CommunicationError when nobody answers in time, and UsageError once the link is closed."""
+    """A link to a node. Every method raises CommunicationError when nothing answers in time, and UsageError once the
+    link is closed."""
 
     closed = False
 
@@ -117,20 +118,21 @@ class Link(ABC):
 
     @abstractmethod
     def read_together(self, *names: str) -> list[Value]:
-        """Of objects, in this order, and of one run, of one moment where the link has such; None where the node has no
-        value, or none now. Raises Refused."""
+        """Read several objects, in this order, of one run; and of one moment where the link supports that. None where
+        the node has no value. Raises Refused."""
 
     @abstractmethod
     def write(self, name: str, value: float) -> None:
-        """Into an object that is no command. Raises Refused."""
+        """Write an object that is not a command. Raises Refused."""
 
     @abstractmethod
     def command(self, number: int, argument: int = 0, angle_deg: float | None = None, proposal: int = 0) -> None:
-        """Argument, angle and proposal first, then the command. What is read afterwards is newer. Raises Refused."""
+        """Write argument, angle and proposal, then the command. Later readings are newer than the command. Raises
+        Refused."""
 
     @abstractmethod
     def wait_for_news(self) -> None:
-        """Return when what is read may be another than before."""
+        """Wait until another reading may differ from the last one."""
 
     @abstractmethod
     def close(self) -> None:
@@ -141,15 +143,15 @@ class Link(ABC):
         return self.read_together(name)[0]
 
     def of_one_moment(self, read: Callable[[], T]) -> T:
-        """What `read` makes of several readings: all of one moment, where the link has such and is fast enough. It may
-        be called several times for that."""
+        """Call `read`, which makes several readings, so that all of them are of one moment, where the link supports
+        that and is fast enough. May call `read` several times."""
         return read()
 
     def fresh(self) -> None:  # noqa: B027 - nothing to do where nothing is kept
-        """Return when what is read from now on is from after this call."""
+        """Wait until later readings are newer than this call."""
 
     def step(self, _name: str, _value: float) -> float:
-        """The least difference that the link itself lets be told about a value of an object; 0: none to speak of."""
+        """The smallest difference of the object that the link can transmit near this value; 0 if negligible."""
         return 0.0
 
 
@@ -179,7 +181,8 @@ _SINGLE_BITS, _SINGLE_LEAST = 24, -149  # of an f32: bits of its fraction, expon
 
 @dataclass(frozen=True)
 class Register:
-    """One row: `words` registers from `at` on; `valid`: register and bit that say whether there is a value."""
+    """A row of the register map: `words` registers, starting at `at`. `valid`: register and bit that mark the value as
+    valid."""
 
     at: int
     words: int
@@ -188,7 +191,7 @@ class Register:
     valid: tuple[int, int] | None
 
     def number(self, words: Sequence[int]) -> int | float | str:
-        """From registers, the high word first."""
+        """Decode registers, the high word first."""
         packed = struct.pack(f">{len(words)}H", *words)
         if self.type == "text":
             return packed.rstrip(b"\0").decode("latin-1")
@@ -196,7 +199,7 @@ class Register:
         return number if self.scale is None else number * self.scale
 
     def pack(self, value: float) -> list[int]:
-        """Into registers. Raises ValueError, OverflowError, struct.error for a number that does not fit."""
+        """Encode a number. Raises ValueError, OverflowError, struct.error for a number that does not fit."""
         if self.type in ("f32", "f64"):
             number = value
         else:
@@ -204,21 +207,21 @@ class Register:
         return list(struct.unpack(f">{self.words}H", struct.pack(_FORMS[self.type], number)))
 
     def step(self, value: float) -> float:
-        """Between two neighbouring numbers about a value; 0 where every number that there is can be told."""
+        """The distance between neighbouring numbers near a value; 0 if every number can be represented."""
         if self.type != "f32":
             return self.scale or 0.0
         return math.ldexp(1.0, max(math.frexp(value)[1] - _SINGLE_BITS, _SINGLE_LEAST)) if value else 2.0**_SINGLE_LEAST
 
     @property
     def needs(self) -> list[tuple[int, int]]:
-        """(first register, how many) of all that must be read to know the value."""
+        """The registers to read for the value: (first register, count) of each."""
         return [(self.at, self.words)] + ([] if self.valid is None else [(self.valid[0], 1)])
 
 
 @dataclass(frozen=True)
 class RegisterMap:
-    """By name: `input`: the registers of a value, which may be there in floating point and scaled; `holding`; numbers
-    of `settings`, and their `kinds`: unit and type."""
+    """Registers by name. `input`: the registers of a value, which may exist as floating point and scaled. `holding`:
+    writable registers. `settings`: their numbers. `kinds`: unit and type of the settings."""
 
     input: dict[str, list[Register]]
     holding: dict[str, Register]
@@ -228,7 +231,7 @@ class RegisterMap:
 
 @functools.cache
 def read_map(file: Path | None = None) -> RegisterMap:
-    """`file`: None: the one that comes with the package. Raises BadInput."""
+    """Read a register map. `file`: None for the one of the package. Raises BadInput."""
     found, objects = RegisterMap({}, {}, {}, {}), dict[tuple[str, str], str]()
     path = file or data.file("docs/modbus.csv")
     try:
@@ -258,7 +261,7 @@ def _take(found: RegisterMap, objects: dict[tuple[str, str], str], row: Mapping[
 
 
 def requests(wanted: Sequence[Register]) -> list[tuple[int, int]]:
-    """(first register, how many) of as few requests as read all of them, upwards."""
+    """The fewest requests that read all of these registers, in rising order: (first register, count)."""
     made: list[tuple[int, int]] = []
     for at, words in sorted(need for register in wanted for need in register.needs):
         if made and at + words - made[-1][0] <= MOST_WORDS:
@@ -269,7 +272,7 @@ def requests(wanted: Sequence[Register]) -> list[tuple[int, int]]:
 
 
 def finest(found: Sequence[Register], words: Mapping[int, int]) -> Value:
-    """The value of registers of one name, from the one that resolves most of those that are valid; None: none is."""
+    """The value of a name from its valid register with the best resolution; None if none is valid."""
     best: tuple[float, Value] = (math.inf, None)
     for register in found:
         if register.valid is None or words[register.valid[0]] >> register.valid[1] & 1:

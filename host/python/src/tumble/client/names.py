@@ -14,7 +14,7 @@ STAND_STATES = ("offline", "not homed", "homing", "moving", "in position", "stop
 
 @dataclass(frozen=True)
 class Reason:
-    """Why a run stopped (2001h). `name`: as in `TUMBLE_REASON_...`; `remedy`: what to look at (docs/operations.md)."""
+    """Why a run stopped (2001h). `name`: as in `TUMBLE_REASON_...`. `remedy`: what to check (docs/operations.md)."""
 
     number: int
     name: str
@@ -39,19 +39,19 @@ class Objection:
 
 
 def command(number: int) -> str:
-    """Of 2002h:2."""
+    """The name of a number of 2002h:2."""
     return COMMANDS[number][0] if number < len(COMMANDS) else f"command {number}"
 
 
 def reason(number: int) -> Reason:
-    """Of 2001h. One that a newer firmware has is named by its number."""
+    """The reason of a number of 2001h. One that only newer firmware has is named by its number."""
     if number < len(REASONS):
         return Reason(number, *REASONS[number])
     return Reason(number, f"REASON_{number}", "not in the list of this version of tumble", "See the node's own manual.")
 
 
 def objections(bits: int) -> tuple[Objection, ...]:
-    """Of 2120h:6 and 15, or 2102h:13."""
+    """The objections of the bits of 2120h:6 and 15, or of 2102h:13."""
     known = [Objection(bit, *row) for bit, row in enumerate(OBJECTIONS) if bits >> bit & 1]
     further = [bit for bit in range(len(OBJECTIONS), bits.bit_length()) if bits >> bit & 1]
     unknown = ("not in the list of this version of tumble", "Do not accept.")
@@ -59,12 +59,12 @@ def objections(bits: int) -> tuple[Objection, ...]:
 
 
 def abort_code(code: int) -> str:
-    """As CiA 301 writes it."""
+    """An SDO abort code as CiA 301 writes it."""
     return f"{code >> 16:04X} {code & 0xFFFF:04X}h"
 
 
 def drive_refusal(index: int, subindex: int, code: int, step: int) -> str:
-    """Of 2004h:6 to :9: what the drive refused, or did not do in time; "" for nothing."""
+    """What the drive refused or did not do in time (2004h:6 to 2004h:9); "" for nothing."""
     if not index:
         return ""
     what = STAND_STEPS.get(step, f"step {step}")
@@ -72,17 +72,17 @@ def drive_refusal(index: int, subindex: int, code: int, step: int) -> str:
 
 
 def state(number: int) -> str:
-    """Of 2000h."""
+    """The name of a number of 2000h."""
     return STATE_NAMES[number] if number < len(STATE_NAMES) else f"STATE_{number}"
 
 
 def stand(number: int) -> str:
-    """Of 2003h:12."""
+    """The name of a number of 2003h:12."""
     return STAND_STATES[number] if number < len(STAND_STATES) else f"in state {number}"
 
 
 def verdict(number: int | None) -> str | None:
-    """Of 2120h:7; None: the node keeps no coefficients."""
+    """The name of a number of 2120h:7; None if the node keeps no coefficients."""
     if number is None:
         return None
     return VERDICTS[number][0] if number < len(VERDICTS) else f"VERDICT_{number}"

@@ -23,16 +23,17 @@ _SHOWN_BY = {"Host: Calendar": "Keeper: Calendar", "Host: Inhibit": "Keeper: Inh
 
 @functools.cache
 def kinds_of_settings() -> dict[str, tuple[str, str, bool]]:
-    """Of each by name: its unit, its type, and whether it needs the service level."""
+    """Unit, type and service level (True if required) of each setting, by name."""
     parts = ((name.rpartition(": "), kind) for name, kind in links.read_map().kinds.items())
     return {f"{of}: {name}": (*kind, name in SETTINGS[of]) for (of, _, name), kind in parts if of in SETTINGS}
 
 
 class Settings(Mapping[str, float | None]):
-    """Names and units are those of docs/client.md; None where the node has no such setting, or does not know it now.
+    """The settings of a node, by the names and in the units of docs/client.md. None where the node has no such setting
+    or no value now.
 
-    Writing raises Refused: a value out of its limits, a state that does not allow it, a service level that is closed.
-    An unknown name is a KeyError in reading, as of any mapping, and a UsageError in writing.
+    Writing raises Refused for a value out of range, in a state that does not allow it, and without the service level.
+    An unknown name raises KeyError when read, as in any mapping, and UsageError when written.
     """
 
     def __init__(self, link: links.Link):
@@ -69,20 +70,20 @@ class Settings(Mapping[str, float | None]):
 
     @staticmethod
     def unit(name: str) -> str:
-        """Of a setting; "": it has none. Raises KeyError."""
+        """The unit of a setting, "" if it has none. Raises KeyError."""
         return kinds_of_settings()[name][0]
 
     @staticmethod
     def needs_unlock(name: str) -> bool:
-        """Whether it can be written at service level only. Raises KeyError."""
+        """Whether a setting can be written at service level only. Raises KeyError."""
         return kinds_of_settings()[name][2]
 
     def save(self) -> None:
-        """Keep what was written beyond the next power-on (1010h). Needs `unlock()`. Raises Refused."""
+        """Store the settings, so that they survive power-off (1010h). Needs `unlock()`. Raises Refused."""
         self._link.write("Store parameters: Save all parameters", SAVE)
 
     def restore(self) -> None:
-        """Forget what was saved (1011h): the board's own are back after the next power-on. Needs `unlock()`. Raises
+        """Discard the stored settings (1011h): the board's own apply after the next power-on. Needs `unlock()`. Raises
         Refused."""
         self._link.write("Restore default parameters: Restore all default parameters", LOAD)
 
@@ -112,13 +113,11 @@ NAMES = (
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """Of the last finished run. `run`: its number; `K` (3, 3), V/g, and `U0` (3,), V, with their standard uncertainties
-    `u_K` and `u_U0`, None where the board declares no stand or has no memory.
-
-    `passed`: the gravity check; `max_abs_delta_g_g`: its largest deviation; `limit_g`. `verdict`: COMMITTED, HELD,
-    REPEATED, ACCEPTED, DISCARDED, ROLLED_BACK or FAILED, None on a board without memory; `objections`: why it is held;
-    `proposal`: what accepting it names, None where nothing is held; `calibration_counter`: of the active set.
-    """
+    """The last finished run. `run`: its number. `K` (3, 3), V/g, and `U0` (3,), V, with standard uncertainties `u_K`
+    and `u_U0`, None where the board declares no stand or has no memory. `passed`: the gravity check;
+    `max_abs_delta_g_g`: its largest deviation; `limit_g`: its limit. `verdict`: COMMITTED, HELD, REPEATED, ACCEPTED,
+    DISCARDED, ROLLED_BACK or FAILED, None on a board without memory. `objections`: why it is held. `proposal`: the
+    number to accept it by, None where nothing is held. `calibration_counter`: of the active set."""
 
     run: int
     K: Floats
@@ -135,7 +134,7 @@ class Result:
 
 
 def read(link: links.Link) -> Result | None:
-    """None: there is no result."""
+    """Read the result; None if there is none."""
     values = link.read_together(*NAMES)
     k, u0, u_k, u_u0 = values[:9], values[9:12], values[12:21], values[21:24]
     run, verdict_number, bits, counter, crc, passed, fit, check, limit = values[24:]
@@ -159,7 +158,8 @@ def read(link: links.Link) -> Result | None:
 
 
 def all_objections(link: links.Link, verdict: str | None, bits: int) -> tuple[Objection, ...]:
-    """With those from 16 on, which an older node does not have; `bits`: those below it, of 2120h:6."""
+    """The objections, including those from 16 on, which an older node does not have. `bits`: those below 16, of
+    2120h:6."""
     more = None
     if verdict == "HELD" and link.has(_MORE):
         with suppress(links.Refused):
@@ -205,8 +205,8 @@ _INCLINATION = ("Progress: Stays bolted", "Progress: Inclination")
 
 @dataclass(frozen=True)
 class Status:
-    """What a run is at. `run`: its number since power-on; `mounting`, `position`: of the schedule; `finished` positions
-    of `count`; `verdict`: None on a board without memory."""
+    """The progress of a run. `run`: its number since power-on. `mounting`, `position`: as in the schedule. `finished`:
+    how many positions of `count` are done. `verdict`: None on a board without memory."""
 
     run: int
     state: str
@@ -221,10 +221,11 @@ class Status:
 
 
 class Node:
-    """A node on an open link; leave it by `close()` or as a context manager. A command returns the state after it.
+    """A node on an open link. Leave it by `close()`, or use it as a context manager. A command returns the state after
+    it.
 
-    Not for several threads at once. Every member raises CommunicationError when nobody answers; what else it raises it
-    says.
+    Use it from one thread at a time. Every member raises CommunicationError when nothing answers; its docstring names
+    the other errors.
     """
 
     def __init__(self, link: links.Link):
@@ -239,7 +240,7 @@ class Node:
         self.close()
 
     def close(self) -> None:
-        """Leave the link."""
+        """Close the link."""
         self.link.close()
 
     # Objects by name, as in docs/canopen.md and docs/modbus.md.
@@ -249,22 +250,22 @@ class Node:
         return self.link.has(name)
 
     def read(self, name: str) -> links.Value:
-        """An object, such as "Progress: Actual angle"; None where the node has no value now. Raises Refused."""
+        """Read an object, such as "Progress: Actual angle"; None where the node has no value now. Raises Refused."""
         return self.link.read(name)
 
     def read_together(self, *wanted: str) -> list[links.Value]:
-        """Several, in this order: all of one run, over Modbus of one moment. Raises Refused."""
+        """Read several objects, in this order: all of one run, over Modbus of one moment. Raises Refused."""
         return self.link.read_together(*wanted)
 
     def write(self, name: str, value: float) -> None:
-        """Into an object that is no command. Raises Refused."""
+        """Write an object that is not a command. Raises Refused."""
         self.link.write(name, value)
 
     # What it is at.
 
     @property
     def state(self) -> str:
-        """Such as "IDLE", "WAIT_MOUNTING", "DONE"."""
+        """The state, such as "IDLE", "WAIT_MOUNTING", "DONE"."""
         return names.state(self._whole("State"))
 
     @property
@@ -274,25 +275,25 @@ class Node:
 
     @property
     def drive_refusal(self) -> str:
-        """What the drive refused, or did not do in time: object, abort code, and in what; "" for nothing. At this
-        moment, also between runs."""
+        """What the drive refuses, or did not do in time: object, abort code and step; "" for nothing. The current
+        value, also between runs."""
         told = self.read_together(*_REFUSAL) if all(map(self.has, _REFUSAL)) else [None]
         return "" if None in told else names.drive_refusal(*map(int, map(links.number, told)))  # None: an older node
 
     @property
     def run(self) -> int:
-        """How many runs have begun since power-on."""
+        """The number of runs begun since power-on."""
         return self._whole("Run number")
 
     @property
     def mounting(self) -> int:
-        """The one that is asked for, or that is measured in."""
+        """The number of the mounting that is asked for or being measured."""
         return self._whole("Progress: Mounting number")
 
     @property
     def inclination(self) -> float | None:
-        """How far the stand is to be inclined, degrees, for the mounting that is asked for or measured in, where the
-        block stays bolted on as it is; None: the block is mounted for it."""
+        """The angle to incline the stand to, degrees, for the mounting that is asked for or being measured, if the
+        block stays bolted on; None if the block is to be mounted for it."""
         if not all(map(self.has, _INCLINATION)):  # an older node
             return None
         stays_bolted, degrees = self.read_together(*_INCLINATION)
@@ -300,7 +301,7 @@ class Node:
 
     @property
     def status(self) -> Status:
-        """All of it."""
+        """State, reason, progress and verdict, read together."""
         run, state, reason, *progress, judged, bits, counter = self.link.read_together(*_STATUS)
         mounting, position, finished, count = (int(links.number(one)) for one in progress)
         said = verdict(_whole(judged))
@@ -318,8 +319,8 @@ class Node:
         )
 
     def events(self, timeout: float | None = None) -> Iterator[Status]:
-        """The status now, and again whenever it has changed; ends after `timeout` seconds, None: never. What comes and
-        goes between two looks (20 a second over CAN, the gateway's polls over Modbus) is not seen."""
+        """Yield the status now and after every change; end after `timeout` seconds, None: never. A change that is
+        undone between two readings (20 a second over CAN, the polls of the gateway over Modbus) is not seen."""
         end, before = _end(timeout), None
         while True:
             now = self.status
@@ -331,9 +332,8 @@ class Node:
             self.link.wait_for_news()
 
     def wait(self, until: str | tuple[str, ...] = "DONE", timeout: float | None = None) -> str:
-        """Return the state as soon as it is `until`, or one of them. Raises RunFailed where it is FAULT or ABORT and
-        that is not asked for, RunGone where the run ends otherwise, TimedOut, UsageError for a state that there is
-        not."""
+        """Wait until the state is `until`, or one of several, and return it. Raises RunFailed on FAULT or ABORT that
+        was not waited for, RunGone where the run ends otherwise, TimedOut, UsageError for an unknown state."""
         wanted = (until,) if isinstance(until, str) else until
         if not wanted:
             raise UsageError("no state is given to wait for")
@@ -351,7 +351,7 @@ class Node:
         return look[0]
 
     def _look(self) -> tuple[str, Reason]:
-        """State and reason, as long as they are of the run that is waited for. Raises RunGone."""
+        """State and reason, while they belong to the run that is waited for. Raises RunGone."""
         run, state_number, reason_number = (
             int(links.number(one)) for one in self._all("Run number", "State", "Reason")
         )
@@ -362,7 +362,7 @@ class Node:
         return state, reason
 
     def result(self, timeout: float | None = 60.0) -> Result:
-        """Of the last run, if it is finished, once it is judged and stored. Raises NoResult, TimedOut."""
+        """The result of the last run, once it is finished, judged and stored. Raises NoResult, TimedOut."""
         self._judged(timeout)
         found = read(self.link)
         if found is None:
@@ -372,8 +372,8 @@ class Node:
     # Commands. All raise Refused where the state does not allow them.
 
     def command(self, name: str, argument: int = 0, angle_deg: float | None = None, proposal: int = 0) -> str:
-        """Any of `TUMBLE_COMMAND_...`, such as "HOME_AXIS"; `angle_deg`: where to, for TURN_AXIS. Raises UsageError for
-        another name, and for TURN_AXIS without an angle."""
+        """Give any of the commands `TUMBLE_COMMAND_...`, such as "HOME_AXIS". `angle_deg`: the target of TURN_AXIS.
+        Raises UsageError for an unknown name, and for TURN_AXIS without an angle."""
         if name not in COMMAND:
             raise UsageError(f"there is no command {quoted(name)}; there are {', '.join(COMMAND)}")
         if name == "TURN_AXIS" and angle_deg is None:  # the node would go where somebody sent it before
@@ -391,8 +391,8 @@ class Node:
             raise links.Refused(refusal.what, refusal.code, f"; it is {self.state}{self._stand(name)}") from None
 
     def _stand(self, command: str) -> str:
-        """For a message: the stand's state where the command is one to the table, which the node's own state alone
-        allows, and what the drive refused; a stop under way where CLEAR_FAULT has to wait for its end."""
+        """For a message: the state of the stand, if the command is one to the table; what the drive refused; and a stop
+        in progress that CLEAR_FAULT has to wait for."""
         if command == "CLEAR_FAULT" and self.has(_STOP_RUNG) and 0 < self._whole(_STOP_RUNG) < STOP_NOT_CONFIRMED:
             return ", and the axis is not yet seen at rest after the stop: try again"
         if command not in TO_TABLE:
@@ -401,7 +401,7 @@ class Node:
         return f", the stand {names.stand(self._whole(STAND_STATE))}{refusal and f': {refusal}'}"
 
     def start(self) -> str:
-        """Begin a run. The state that is returned, and all that is read later, is of this run and of none before."""
+        """Begin a run. The state returned, and all that is read later, belongs to this run."""
         before, end = self.run, time.monotonic() + STEP_S
         self._give("START")
         while (run := self.run) <= before:
@@ -412,33 +412,34 @@ class Node:
         return self.state
 
     def abort(self) -> str:
-        """Stop the table and give the run up."""
+        """Stop the table and abort the run."""
         return self.command("ABORT")
 
     def resume(self) -> str:
-        """Go on after FAULT, or after a loss of power."""
+        """Continue after FAULT, or after a loss of power."""
         return self.command("RESUME")
 
     def confirm(self, mounting: int | None = None) -> str:
-        """The block sits in this mounting; None: in the one that is asked for."""
+        """Confirm that the block sits in this mounting; None: in the one that is asked for."""
         return self.command("CONFIRM_MOUNTING", self.mounting if mounting is None else mounting)
 
     def accept(self, result: Result) -> str:
-        """Make a held result the active set; the verdict that came of it. Raises Refused where another has taken its
-        place, UsageError where it is not held."""
+        """Make a held result the active set. Returns the verdict. Raises Refused if another result has taken its place,
+        UsageError if nothing is held."""
         if result.proposal is None:
             raise UsageError(f"the result is not held: its verdict is {result.verdict}")
         self._give("ACCEPT", proposal=result.proposal)
         return self._judged(STEP_S) or ""
 
     def discard(self) -> str:
-        """Drop what is held; the verdict that came of it."""
+        """Discard the held result. Returns the verdict."""
         self._give("DISCARD")
         return self._judged(STEP_S) or ""
 
     @contextmanager
     def unlock(self) -> Iterator[None]:
-        """Within it settings of level `service` can be written, for 60 s at most. Raises Refused while a run is on."""
+        """Open the service level, as a context manager: within it, settings of level `service` can be written, for 60 s
+        at most. Raises Refused while a run is in progress."""
         self.link.write("Service level: Key", SERVICE_KEY)
         try:
             yield
@@ -449,7 +450,7 @@ class Node:
         self.link.write("Service level: Key", 0)
 
     def _judged(self, timeout: float | None) -> str | None:
-        """The verdict, once there is one. Raises TimedOut."""
+        """Wait for the verdict. Raises TimedOut."""
         end = _end(timeout)
         while (said := verdict(_whole(self.link.read("Keeper: Verdict")))) == WORKING:
             if time.monotonic() >= end:
