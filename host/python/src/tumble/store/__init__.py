@@ -1,6 +1,6 @@
 """What a navigation computer keeps in its non-volatile memory: coefficient sets, their history, an unfinished run.
 
-Laid down in docs/embedding.md, and written here from that page: shares no code with the firmware.
+Specified in docs/embedding.md and written from that page: shares no code with the firmware.
 
     codec       the records as bytes: sets, entries of the history, positions of a run
     image       an image of the memory, read as the firmware would

@@ -1,5 +1,7 @@
-"""The records of the store as bytes, with struct: sets, entries of the history, positions of a run. Sets alone are
-written here, for who makes a factory set (docs/embedding.md); the others the firmware alone writes."""
+"""The records of the store as bytes, with struct: sets, entries of the history, positions of a run.
+
+Only sets are encoded here, for makers of factory sets (docs/embedding.md); the firmware alone writes the others.
+"""
 
 from __future__ import annotations
 
@@ -29,16 +31,16 @@ _POSITION = struct.Struct("<2sBxI3q3f2B14x")
 
 
 class NotARecord(Exception):
-    """The bytes hold no such record; says why."""
+    """The bytes hold no such record; the message says why."""
 
 
 class NewerVersion(NotARecord):
-    """The record is whole, but of a version that this one does not know."""
+    """The record is valid, but of a newer version."""
 
 
 @dataclass
 class CoefficientSet:
-    """One set, numbers as docs/embedding.md names them; None: unknown."""
+    """A coefficient set, with the names of docs/embedding.md. None: unknown."""
 
     sequence: int
     origin: int
@@ -68,7 +70,7 @@ class CoefficientSet:
 
 @dataclass
 class HistoryEntry:
-    """One line of the history."""
+    """An entry of the history."""
 
     number: int
     sequence: int
@@ -83,7 +85,7 @@ class HistoryEntry:
 
 @dataclass
 class Position:
-    """One finished position of a run."""
+    """A finished position of a run."""
 
     index: int
     samples: int
@@ -98,7 +100,7 @@ def _check_seal(bytes_: bytes, before: int = 0) -> None:
 
 
 def _half_degrees(range_c: list[float]) -> tuple[int, int]:
-    """A range as half degrees, rounded outwards, so that what was within still is."""
+    """A range in half degrees, rounded outwards."""
     low_c, high_c = range_c
     if not COLDEST_C <= low_c <= high_c <= WARMEST_C:
         raise ValueError(f"a range of temperatures lies within {COLDEST_C} and {WARMEST_C} deg C, the lower first")
@@ -106,7 +108,7 @@ def _half_degrees(range_c: list[float]) -> tuple[int, int]:
 
 
 def encode_set(s: CoefficientSet) -> bytes:
-    """The 320 bytes of a set. The range of temperatures is widened to half degrees. Raises ValueError."""
+    """Encode a set into 320 bytes. Widens the temperature range to half degrees. Raises ValueError."""
     known = (
         (HAS_TEMPERATURE, s.temperature_c),
         (HAS_GRAVITY, s.gravity_m_s2),
@@ -131,7 +133,7 @@ def encode_set(s: CoefficientSet) -> bytes:
 
 
 def decode_set(bytes_: bytes) -> CoefficientSet:
-    """The set in 320 bytes. Raises NotARecord."""
+    """Decode a set of 320 bytes. Raises NotARecord."""
     if len(bytes_) != SET_BYTES or bytes_[:8] != _SET_HEAD:
         raise NotARecord("there is no set of coefficients")
     _check_seal(bytes_)
@@ -174,12 +176,12 @@ def decode_set(bytes_: bytes) -> CoefficientSet:
 
 
 def mark_of(record: bytes) -> bytes:
-    """The 32 bytes behind a record that make it valid."""
+    """The mark of 32 bytes that follows a record and makes it valid."""
     return (b"DONE" + record[-4:]).ljust(MARK_BYTES, b"\xff")
 
 
 def decode_place(bytes_: bytes) -> CoefficientSet:
-    """The set of a place, with its mark. Raises NotARecord, NewerVersion."""
+    """Decode the set of a place, with its mark. Raises NotARecord, NewerVersion."""
     record = bytes_[:SET_BYTES]
     is_marked = bytes_[SET_BYTES : SET_BYTES + 8] == mark_of(record)[:8]
     if is_marked:
@@ -191,7 +193,7 @@ def decode_place(bytes_: bytes) -> CoefficientSet:
 
 
 def _require_known(record: bytes) -> None:
-    """Raises NewerVersion for a whole set with another schema or further flags."""
+    """Raises NewerVersion for a valid set with another schema or unknown flags."""
     magic, schema, flags = record[:4], *struct.unpack_from("<H8xH", record, 4)
     if magic == _SET_HEAD[:4] and (schema != 1 or flags >> 8):
         _check_seal(record)
@@ -199,7 +201,7 @@ def _require_known(record: bytes) -> None:
 
 
 def decode_entry(bytes_: bytes) -> HistoryEntry:
-    """The entry in 128 bytes. Raises NotARecord."""
+    """Decode an entry of 128 bytes. Raises NotARecord."""
     if bytes_[:4] != b"THS1":
         raise NotARecord("there is no entry of a history")
     _check_seal(bytes_)
@@ -210,7 +212,7 @@ def decode_entry(bytes_: bytes) -> HistoryEntry:
 
 
 def decode_run(bytes_: bytes) -> int:
-    """The fingerprint of the run that is kept. Raises NotARecord."""
+    """The fingerprint of the stored run. Raises NotARecord."""
     if bytes_[:8] != _RUN_HEAD:
         raise NotARecord("no run is kept")
     _check_seal(bytes_)
@@ -219,7 +221,7 @@ def decode_run(bytes_: bytes) -> int:
 
 
 def decode_position(bytes_: bytes, fingerprint: int) -> Position:
-    """The position in 64 bytes. Raises NotARecord, also where it is of another run."""
+    """Decode a position of 64 bytes. Raises NotARecord, also for a position of another run."""
     if bytes_[:2] != b"TP":
         raise NotARecord("there is no position")
     _check_seal(bytes_, _seed(fingerprint))

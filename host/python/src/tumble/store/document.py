@@ -1,4 +1,4 @@
-"""What an image of the memory holds, as a document of schema tumble.store/1."""
+"""The contents of a memory image as a document of schema tumble.store/1."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _DECAYED = {6: "decayed"}  # in the history alone
 
 
 def document(found: Image) -> Store:
-    """All that an image holds, unknown as null."""
+    """All contents of an image; unknown values are null."""
     positions = tuple(_position(found.positions[index]) for index in sorted(found.positions))
     return Store(
         active=found.active_slot or ("factory" if found.factory else None),
@@ -44,7 +44,7 @@ def _set(found: CoefficientSet | None) -> Set | None:
 
 
 def _entry(entry: HistoryEntry) -> Entry:
-    """A number that is none, under a right checksum, is null."""
+    """An entry; a value that is not a number, under a valid checksum, becomes null."""
     return _made(
         Entry,
         entry,
@@ -55,13 +55,13 @@ def _entry(entry: HistoryEntry) -> Entry:
 
 
 def _made(kind: type[DocumentT], found: object, **own: Any) -> DocumentT:
-    """What a record says under the keys of a document, but for the document's `own`."""
+    """The fields of a record under the keys of a document; `own`: keys that the record does not have."""
     told = vars(found) | own
     return kind(**{key: told[key] for key in kind.__struct_fields__})
 
 
 def _coefficients(values: Sequence[float | None], u: Sequence[float | None] | None) -> dict[str, Any]:
-    """Of twelve numbers, K row by row, then U0, and their uncertainties."""
+    """Coefficients from twelve numbers, K row by row, then U0, and their uncertainties."""
     u_k, u_u0 = (None, None) if u is None else (_rows(u), u[9:])
     return {"K": _rows(values), "U0": values[9:], "u_K": u_k, "u_U0": u_u0}
 

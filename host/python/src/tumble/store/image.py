@@ -1,4 +1,4 @@
-"""An image of the memory, read as the firmware would: which set is active, what else there is, and what is torn."""
+"""Read an image of the memory as the firmware would: the active set, everything else, and torn records."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ _T = TypeVar("_T")
 
 @dataclass
 class Image:
-    """What an image holds. `torn`: places that are neither blank nor valid, in words; `newer`: those of sets that a
-    newer version wrote, which nothing is wrong with."""
+    """The contents of an image. `torn`: places that are neither blank nor valid, with the reason. `newer`: places of
+    valid sets that a newer version wrote."""
 
     factory: codec.CoefficientSet | None = None
     slots: dict[str, codec.CoefficientSet] = field(default_factory=dict)
@@ -60,7 +60,7 @@ def read_image(image: bytes, sector: int = MIN_SECTOR, name: str = "image") -> I
 
 
 def _read(decode: Callable[[bytes], _T], bytes_: bytes, where: str, found: Image) -> _T | None:
-    """What is decoded; None where there is nothing, or something torn, which is noted."""
+    """Decode a place. None where it is blank or torn; a torn one is noted."""
     if bytes_.count(0xFF) == len(bytes_):
         return None
     try:
@@ -140,7 +140,7 @@ def _set_line(name: str, found: codec.CoefficientSet | None) -> str:
 
 
 def describe(found: Image) -> list[str]:
-    """What is in an image, in a few lines."""
+    """Summarise an image in a few lines."""
     where = f" (slot {found.active_slot})" if found.slots else " (the factory set)" if found.factory else ""
     lines = [_set_line(f"active{where}", found.active), _set_line("factory", found.factory)]
     lines += [_set_line(f"slot {name}", found.slots[name]) for name in found.slots if name != found.active_slot]

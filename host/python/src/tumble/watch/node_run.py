@@ -1,5 +1,5 @@
-"""A navigation computer as a source: over CAN by listening and SDO uploads, over Modbus by input registers. It only
-reads."""
+"""A navigation computer as a source: over CAN it listens and uploads by SDO, over Modbus it reads input registers. It
+never writes."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ KINDS = "bench, can:INTERFACE, modbus:HOST:PORT, modbus-rtu:DEVICE or the folder
 
 
 def opened(name: str) -> Source:
-    """From what the user calls a source to the source. Raises UsageError; NotInstalled, Skipped where this machine
-    lacks something."""
+    """Open the source that the user names. Raises UsageError; NotInstalled, Skipped where this machine lacks
+    something."""
     if name.startswith(("can:", "modbus:", "modbus-rtu:")):
         keep_quiet("can", "canopen", "pymodbus")  # what they have to say comes as an exception as well
         return NodeRun(name)
@@ -49,8 +49,9 @@ def opened(name: str) -> Source:
 
 
 class NodeRun:
-    """`spec`: as tumble.client.connect takes it. Opened at once, so that what can never work is told at once: raises
-    UsageError, NotInstalled, Skipped. A node that does not answer yet may do so later."""
+    """A run on a navigation computer. `spec`: as for tumble.client.connect. The link is opened at once, so that
+    mistakes show at once: raises UsageError, NotInstalled, Skipped. A node that does not answer yet may answer
+    later."""
 
     def __init__(self, spec: str, opened: Callable[[str], Link] = open_link):
         self._spec, self._open = spec, opened
@@ -63,7 +64,7 @@ class NodeRun:
             self._why = str(error)
 
     def snapshot(self) -> Snapshot:
-        """What the node tells now. Raises Lost; the next call connects anew."""
+        """Read the state of the node. Raises Lost; the next call reconnects."""
         try:
             if self._why is not None:  # has been found out just now
                 raise CommunicationError(self._why)
@@ -77,7 +78,7 @@ class NodeRun:
             raise Lost(str(error)) from None
 
     def close(self) -> None:
-        """Leave the link."""
+        """Close the link."""
         link, self._link = self._link, None
         if link is not None:
             with contextlib.suppress(*_failures()):
@@ -90,7 +91,7 @@ class NodeRun:
         return link
 
     def _read(self, link: Link) -> tuple[Snapshot, Any, Any]:
-        """What has changed since the last time, and that alone; and what shows next time whether place and result
+        """Read what may have changed since the last reading, and what shows at the next one whether place and result
         have."""
         status, run = self._status(link)
         told = status.told
@@ -123,7 +124,7 @@ class NodeRun:
 
 
 def _failures() -> tuple[type[Exception], ...]:
-    """What a link raises whose other end has gone."""
+    """The exceptions that a link raises when the other end has gone."""
     try:
         from can import CanError
     except ImportError:
@@ -132,7 +133,7 @@ def _failures() -> tuple[type[Exception], ...]:
 
 
 def _listening(link: CanLink) -> Heard:
-    """What comes by itself, from now on. Of all else on the bus only answers to what is asked reach this process."""
+    """Start to listen. Of other traffic, only answers to our own requests reach this process."""
     heard = Heard()
     network = link.network
     for identifier in IDENTIFIERS:
@@ -144,7 +145,7 @@ def _listening(link: CanLink) -> Heard:
 
 
 def _asked(link: Link, *names: str) -> list[Value]:
-    """Objects that each node has at any time: on CAN, None is the answer to another client's question."""
+    """Read objects that every node always has. On CAN, None means that the answer was to another client."""
     found = link.read_together(*names)
     for _ in range(_TIMES_ASKED):
         if None not in found:
@@ -171,7 +172,7 @@ def _table(link: Link) -> dict[str, Any]:
 
 
 def _mean(link: Link, now: Snapshot) -> Mean | None:
-    """Of the open position; each channel as it is when it is asked for."""
+    """The mean of the open position, each channel as of its own reading."""
     names = (f"{one}: {one} {axis}" for one in ("Running mean", "Standard error") for axis in _AXES)
     found = link.read_together(*names)
     mean, error = _vector(found[:3]), _vector(found[3:])
@@ -181,8 +182,8 @@ def _mean(link: Link, now: Snapshot) -> Mean | None:
 
 
 def _found_twice(link: Link) -> dict[str, Any]:
-    """What the last run has found. It is kept until the next run, so it is read until two readings agree: on CAN
-    another client of the same SDO server may disturb a transfer unseen."""
+    """Read the result of the last run until two readings agree: on CAN, another client of the same SDO server may
+    disturb a transfer unnoticed. The node keeps the result until the next run."""
     before = _found(link)
     for _ in range(_TIMES_ASKED):
         again = _found(link)
@@ -212,7 +213,7 @@ def _of_channels(link: Link, name: str) -> Vector | None:
 
 
 def _all(link: Link, names: list[str]) -> Vector | None:
-    """All of them, or None. Where the first is not known, the others are not asked for on CAN."""
+    """Read all of these objects, or return None. On CAN, the others are not read if the first is unknown."""
     if not link.has(names[0]) or (isinstance(link, CanLink) and link.read(names[0]) is None):
         return None
     return _vector(link.read_together(*names))

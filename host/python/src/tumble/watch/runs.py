@@ -25,10 +25,8 @@ from tumble.watch.snapshot import Heard, Lost, Source, View, without_prefix
 
 
 class Follower:
-    """`with Follower(...)`: meanwhile the source is asked every `period_s` seconds. It is closed at the end.
-    `on_change` is given every new view.
-
-    A source that does not answer is asked again as if nothing had been; `view().lost_since` tells since when."""
+    """Poll a source every `period_s` seconds within the `with` block, and close it at the end. `on_change` is called
+    with every new view. A source that does not answer is polled on; `view().lost_since` says since when it is lost."""
 
     def __init__(
         self,
@@ -58,17 +56,17 @@ class Follower:
         self._source.close()
 
     def view(self) -> View:
-        """The newest one. Its number grows with every change."""
+        """The newest view. Its number grows with every change."""
         return self._view
 
     def is_over(self) -> bool:
-        """Will nothing more come? Raises what the thread has ended by, which is a fault in this program."""
+        """Whether nothing more will come. Raises the exception that ended the thread, a fault of this program."""
         if self._failure is not None:
             raise self._failure
         return self._view.snapshot is not None and self._view.snapshot.over
 
     def ask(self) -> View:
-        """Ask once, now."""
+        """Poll once, now."""
         with self._asking:
             before, self._view = self._view, self._asked(self._view)
             if self._view is not before:
@@ -95,8 +93,8 @@ class Follower:
 
 
 class BenchRun:
-    """Takes the events of a run (tumble.world.in_process) in one thread; is asked in another. `pace`: virtual seconds
-    per second. `when_over` is called when the run is over."""
+    """A run of the bench as a source. One thread passes it the events of the run (tumble.world.in_process), another
+    polls it. `pace`: virtual seconds per second. `when_over` is called when the run is over."""
 
     def __init__(self, pace: float = 1.0) -> None:
         self.pace = pace
@@ -104,29 +102,29 @@ class BenchRun:
         self._snapshot = Snapshot()  # is only ever replaced as a whole
 
     def snapshot(self) -> Snapshot:
-        """What has been told so far."""
+        """The state after the events so far."""
         return self._snapshot
 
     def close(self) -> None:
-        """There is nothing to close."""
+        """Nothing to close."""
 
     def __call__(self, event: dict[str, Any]) -> None:
-        """Take an event."""
+        """Process an event."""
         self._snapshot = after_event(self._snapshot, event)
 
     def ended(self, document: FirmwareRun) -> None:
-        """Take the run's document: nothing more will be told."""
+        """Process the run's document, after which nothing follows."""
         self._snapshot = replace(after_document(self._snapshot, document), over=True)
         self.when_over()
 
     def failed(self, why: str) -> None:
-        """It has ended without a document."""
+        """The run has ended without a document."""
         self._snapshot = replace(self._snapshot, over=True, trouble=why)
         self.when_over()
 
 
 def after_event(before: Snapshot, event: dict[str, Any]) -> Snapshot:
-    """The snapshot with what an event tells."""
+    """The snapshot after an event."""
     kind = event["event"]
     if kind not in ("state", "average", "angle"):
         return before
@@ -148,8 +146,8 @@ def after_event(before: Snapshot, event: dict[str, Any]) -> Snapshot:
 
 
 def after_document(before: Snapshot, document: FirmwareRun | Result) -> Snapshot:
-    """The snapshot with what the document of a bench run or a result tells. A result is of a run that is done, whether
-    or not the log says so to its last line."""
+    """The snapshot after the document of a bench run or a result. A run with a result is done, even if its log lacks
+    the last lines."""
     check = document.verification
     after = replace(
         before,
@@ -186,12 +184,12 @@ def _gravity(rows: Iterable[Deviation | DeltaG], limit_g: float, passed: bool) -
 
 
 def vector(numbers: Iterable[float] | None) -> Vector | None:
-    """A list from a document; None stays."""
+    """A list from a document as a tuple; None stays None."""
     return None if numbers is None else tuple(map(float, numbers))
 
 
 def matrix(rows: Iterable[Iterable[float]] | None) -> Matrix | None:
-    """A list of lists from a document; None stays."""
+    """A list of lists from a document as tuples; None stays None."""
     return None if rows is None else tuple(tuple(map(float, row)) for row in rows)
 
 
@@ -201,9 +199,8 @@ _FIELDS = 3  # of a line of candump -L: time, interface, ID#DATA
 
 
 class FolderRun:
-    """Reads what has been added to bus.log since the last time, and the result once it is there.
-
-    As long as a run goes on, its folder has another name: .NAME.part beside it, or in it."""
+    """A run folder as a source: reads the new lines of bus.log, and the result once it exists. While a run goes on, its
+    folder is .NAME.part beside NAME, or in it."""
 
     def __init__(self, path: Path):
         self._path = path
@@ -213,18 +210,18 @@ class FolderRun:
         self._last_s: float | None = None
 
     def is_there(self) -> bool:
-        """Whether there is such a folder, finished or not."""
+        """Whether the folder exists, finished or not."""
         return any(place.is_dir() for place in self._places())
 
     def snapshot(self) -> Snapshot:
-        """What the files tell. Raises Lost where there are none."""
+        """The state by the files. Raises Lost where there are none."""
         found = self._document()
         self._read_log()
         now = self._heard_so_far()
         return now if found is None else replace(after_document(now, found), over=True)
 
     def close(self) -> None:
-        """No file is kept open."""
+        """Nothing to close: no file is kept open."""
 
     def _places(self) -> list[Path]:
         name = f".{self._path.resolve().name}.part"

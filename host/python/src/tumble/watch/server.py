@@ -1,4 +1,4 @@
-"""The live view as a page: a small web server that tells every change by server-sent events. It takes no command.
+"""The live view as a web page: a small server that sends every change as a server-sent event, and takes no command.
 
 Needs Starlette and uvicorn (`pip install './host/python[watch]'`).
 """
@@ -36,8 +36,8 @@ _LOOPBACK = ["localhost", "127.0.0.1", "::1"]
 
 
 def application(view: Callable[[], View], ending: Callable[[], bool], hosts: list[str] | None) -> Starlette:
-    """The pages. `view`: what is to be shown now; `ending`: streams are to end; `hosts`: by which names a browser may
-    ask (None: any), so that no page of the network's can read it through a name of its own (DNS rebinding)."""
+    """The pages. `view`: returns the current view. `ending`: set when streams are to end. `hosts`: the host names that
+    requests may use (None: any), so that no web page can read it under a name of its own (DNS rebinding)."""
     page = resources.files("tumble.watch").joinpath("page.html").read_text(encoding="utf-8")
     headers = {"Content-Security-Policy": _policy(page), **_HEADERS}
 
@@ -65,7 +65,7 @@ def application(view: Callable[[], View], ending: Callable[[], bool], hosts: lis
 
 
 class _OwnNames:
-    """Refuses requests under any other name (None: under none), upper or lower case, with or without a port."""
+    """Refuse requests under any other host name (None: accept all), in upper or lower case, with or without a port."""
 
     def __init__(self, app: ASGIApp, names: list[str] | None):
         self._app, self._names = app, names
@@ -115,7 +115,7 @@ async def _changes(view: Callable[[], View], ending: Callable[[], bool]) -> Asyn
 
 
 class Server:
-    """`with Server(...) as server:` serves in a thread of its own; `server.url` is where. Raises UsageError where it
+    """Serve in a thread of its own within the `with` block. `server.url`: the address. Raises UsageError where it
     cannot listen."""
 
     def __init__(self, view: Callable[[], View], host: str, port: int):

@@ -29,30 +29,29 @@ _REASONS = {name: (meaning, remedy) for name, meaning, remedy in REASONS}
 
 
 def in_words(now: Snapshot) -> Snapshot:
-    """With what is done in its state, what is wrong, and what to do about that, as far as it is known."""
+    """State, action, problem and remedy as a sentence, as far as known."""
     sentence, remedy = _REASONS.get(now.reason or "", (None, None))
     return replace(now, meaning=STATES.get(now.state or ""), sentence=sentence, remedy=remedy)
 
 
 class Lost(Exception):
-    """The source does not answer; says why, in words that can follow "connection lost: "."""
+    """The source does not answer. The message follows "connection lost: "."""
 
 
 class Source(Protocol):
-    """Something that a run can be seen at."""
+    """A source of snapshots of a run."""
 
     def snapshot(self) -> Snapshot:
-        """What is known now. Raises Lost."""
+        """The current state. Raises Lost."""
 
     def close(self) -> None:
-        """Ask nothing more."""
+        """Release the source; no snapshot is taken after this."""
 
 
 class View(msgspec.Struct, frozen=True):
-    """What those who look on are shown: the last snapshot (None: there was none), and whether it is still true.
-
-    `name`: of the source. `time`: when that was found out, `lost_since`: since when the source has not answered; both
-    in seconds since 1970 UTC. `why` it does not."""
+    """What viewers see: the last snapshot (None: none yet), and whether it is current. `name`: of the source. `time`:
+    of the snapshot; `lost_since`: since when the source has not answered; both in seconds since 1970 UTC. `why`: the
+    reason that it does not answer."""
 
     name: str
     number: int
@@ -63,7 +62,7 @@ class View(msgspec.Struct, frozen=True):
 
 
 def document(view: View) -> dict[str, Any]:
-    """A view as JSON has it. What is not finite is unknown."""
+    """A view as JSON. Infinite values and NaN become null."""
     lost = None if view.lost_since is None else Outage(view.lost_since, view.why or "")
     shown = None if view.snapshot is None else in_words(view.snapshot)
     return written(
@@ -73,7 +72,7 @@ def document(view: View) -> dict[str, Any]:
 
 
 def without_prefix(name: str) -> str:
-    """A name of the firmware as people say it: AVERAGE for TUMBLE_STATE_AVERAGE."""
+    """A name of the firmware without its prefix: AVERAGE for TUMBLE_STATE_AVERAGE."""
     for prefix in ("TUMBLE_STATE_", "TUMBLE_REASON_", "TUMBLE_STAND_"):
         name = name.removeprefix(prefix)
     return name
@@ -87,7 +86,7 @@ _FRESH_S = 2.5  # the state is sent every second at the latest
 
 @dataclass(frozen=True)
 class Status:
-    """2000h, 2001h, 2003h:1, :3 and :7, as transmit PDO 3 has them."""
+    """The objects 2000h, 2001h, 2003h:1, :3 and :7, as in transmit PDO 3."""
 
     state: int
     reason: int
@@ -97,7 +96,7 @@ class Status:
 
     @property
     def told(self) -> dict[str, Any]:
-        """As a Snapshot has it."""
+        """The values by the names of a Snapshot."""
         state = names.state(self.state)
         reason = names.reason(self.reason).name if self.reason else None
         samples = self.samples if state == "AVERAGE" else None
@@ -105,7 +104,7 @@ class Status:
 
 
 class Heard:
-    """Given frames in one thread, asked in another. `clock`: seconds."""
+    """What frames on the bus have said. One thread passes frames, another reads. `clock`: seconds."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic):
         self._clock = clock
@@ -118,7 +117,7 @@ class Heard:
         self._emergencies: dict[str, int] = {}
 
     def frame(self, identifier: int, data: bytes) -> None:
-        """Take one."""
+        """Process a frame."""
         with self._lock:
             if identifier == STATE_PDO and len(data) == 8:
                 self._status = Status(data[0], data[1], data[2], data[3], int.from_bytes(data[4:], "little"))
@@ -131,7 +130,7 @@ class Heard:
                 self._emergencies[EMERGENCIES[identifier]] = int.from_bytes(data[:2], "little")
 
     def status(self) -> Status | None:
-        """The last one, while it is fresh."""
+        """The last status, while it is fresh."""
         with self._lock:
             return self._status if self._clock() - self._status_s <= _FRESH_S else None
 
@@ -141,12 +140,12 @@ class Heard:
             return self._run
 
     def drive_has_changed(self) -> bool:
-        """Whether the drive has told something new since this was asked last; its position above all."""
+        """Whether the drive has reported something new since the last call, above all a position."""
         with self._lock:
             changed, self._drive_changed = self._drive_changed, False
             return changed
 
     def emergencies(self) -> dict[str, str]:
-        """Of each node that has raised one and not taken it back: its error code (CiA 301), as hexadecimal digits."""
+        """Active emergencies by node: the error code (CiA 301) as hexadecimal digits."""
         with self._lock:
             return {node: f"{code:04X}" for node, code in self._emergencies.items() if code}

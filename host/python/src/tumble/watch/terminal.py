@@ -26,7 +26,7 @@ _GOOD, _BAD = "bright_blue bold", "yellow bold"  # told apart by colour-blind ey
 
 
 class Screen:
-    """`with Screen(view, stream):` the view is drawn anew, in place; the last one stays."""
+    """Redraw the view in place within the `with` block; the last one stays."""
 
     def __init__(self, view: Callable[[], View], stream: TextIO | None):
         console = Console(file=stream, highlight=False)
@@ -41,7 +41,7 @@ class Screen:
 
 
 class Lines:
-    """A line for what is new of state, place and connection, where there is no terminal."""
+    """Print a line for each change of state, place and connection, where there is no terminal."""
 
     def __init__(self, stream: TextIO | None):
         self._stream = stream
