@@ -32,9 +32,9 @@ ALPHAS = "alpha1 axis tilt, alpha2 level, alpha3 yaw of the block, alpha4 set an
 
 @dataclass(frozen=True)
 class Budget:
-    """`sizes` (sources,): the noise that of a position's mean; `terms` (12, sources) and `total` (12,): relative, of a
-    bias in g, NaN where a coefficient is zero; `reference` (12,): what is related to, V/g; `second_order`: whether
-    the angles shift a coefficient by more than a budget, which is linear, may leave out."""
+    """An error budget. `sizes` (sources,): the noise is that of a position's mean. `terms` (12, sources) and `total`
+    (12,): relative to `reference` (12,), V/g; of a bias in g; NaN where a coefficient is zero. `second_order`: whether
+    the angles shift a coefficient by more than a linear budget may neglect."""
 
     weights: str
     estimator: str
@@ -46,7 +46,7 @@ class Budget:
 
     @property
     def total(self) -> Floats:
-        """All in quadrature."""
+        """The terms of each coefficient, added in quadrature."""
         total: Floats = np.sqrt((self.terms**2).sum(axis=1))
         return total
 
@@ -57,12 +57,12 @@ def sources(case: Case, published: bool) -> tuple[str, ...]:
 
 
 def size_keys(names: tuple[str, ...]) -> tuple[str, ...]:
-    """Keys of sources in documents."""
+    """Keys of the sources in documents."""
     return tuple(f"{name}_v" if name in OF_OUTPUTS else f"{name}_rad" for name in names)
 
 
 def by_key(case: Case, names: tuple[str, ...], sizes: Floats) -> dict[str, Any]:
-    """Sizes of sources for documents: None where infinite; three where the channels differ."""
+    """Sizes of the sources for documents: None where infinite, three numbers where the channels differ."""
     found: dict[str, Any] = {}
     for key, name, size in zip(size_keys(names), names, sizes.tolist()):
         found[key] = size if np.isfinite(size) else None
@@ -72,26 +72,26 @@ def by_key(case: Case, names: tuple[str, ...], sizes: Floats) -> dict[str, Any]:
 
 
 def _differs(case: Case, name: str) -> bool:
-    """Between channels: as declared, or by what rounding leaves of a mean."""
+    """Whether the channels differ: in declared noise, or in what rounding leaves of a mean."""
     three = isinstance(getattr(case.stand, name), tuple)
     return three or (name == "noise" and isinstance(case.stand.rounding, tuple))
 
 
 def notes(case: Case) -> list[str]:
-    """For people: what the sizes of outputs are where the channels differ, and that rounding does not average out."""
+    """Notes for people: the sizes of outputs where the channels differ, and rounding that does not average out."""
     differ = [name for name in OF_OUTPUTS if _differs(case, name)]
     said = [f"{' and '.join(differ)}: of the channel that has most, the others in proportion"] if differ else []
     return said + ([] if case.rounding_sentence is None else [case.rounding_sentence])
 
 
 def unit(name: str) -> str:
-    """Of a source's size, for people."""
+    """The unit of a source's size, for people."""
     return "V, mean" if name == "noise" else "V" if name in OF_OUTPUTS else "rad"
 
 
 def sizes(case: Case, published: bool) -> Floats:
-    """Sizes of the sources: as declared, or as standard deviations; the noise is that of a mean, noise and drift those
-    of the channel that has most."""
+    """Sizes of the sources: as declared, or as standard deviations. The noise is that of a mean; noise and drift are
+    those of the worst channel."""
     stand, names = case.stand, sources(case, published)
     of = {name: stand.sigmas(DECLARED[name].attribute) for name in names}
     of["noise"] = stand.mean_sigma(stand.samples)
@@ -100,7 +100,7 @@ def sizes(case: Case, published: bool) -> Floats:
 
 
 def budget(case: Case, which: str, estimator: str) -> Budget:
-    """The budget of a case with published or derived weights. Raises UsageError where these do not exist."""
+    """Compute the budget of a case with published or derived weights. Raises UsageError where these do not exist."""
     published, k = which == "published", case.nominal_k()
     gamma = weights.published(case, estimator) if published else weights.derived(case, estimator, k)
     found = sizes(case, published)
@@ -116,7 +116,7 @@ def budget(case: Case, which: str, estimator: str) -> Budget:
 def document(
     found: Budget, case: Case, promised: Promise | None, unseen: Reliability | None, further: ExtendedTerms | None
 ) -> plan.Budget:
-    """For JSON. The paper's weights promise nothing."""
+    """The budget for JSON. The paper's weights promise nothing."""
     total, absolute = found.total, found.total * found.reference
     return plan.Budget(
         weights=found.weights,
@@ -143,5 +143,5 @@ def numbers_are(which: str) -> plan.Numbers:
 
 
 def known(values: Floats) -> Any:
-    """A table of numbers for JSON: null for one that does not exist."""
+    """A table of numbers for JSON, with null for those that do not exist."""
     return tuple(tuple(None if np.isnan(value) else value for value in row) for row in values.tolist())

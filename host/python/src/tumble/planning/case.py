@@ -1,4 +1,4 @@
-"""What is planned for: a stand, a block of nominal sensitivity, a schedule, an acceptance limit."""
+"""The case to plan for: a stand, a block of nominal sensitivity, a schedule, an acceptance limit."""
 
 from __future__ import annotations
 
@@ -26,11 +26,10 @@ PAPER_BLOCK = 2.0, 0.02  # V/g, rad
 
 @dataclass(frozen=True)
 class Case:
-    """`stand`: as declared, but its noise no less than what the converter's steps leave, and its rounding as planned;
-    `scale` in V/g, of any sign but not 0, of all channels or of each; `misalignment` in radians, the same size for all
-    six; `step_v`: of the converter, 0 if unknown; `schedule`: None for the paper's own; `limit_g`: the stand file's,
-    else the paper's; `terms`: further ones of the model, whose true sizes are 0; `coverage_factor`: of the decision
-    rule."""
+    """`stand`: as declared, with a noise no smaller than what the converter's steps leave, and with rounding as
+    planned. `scale`: V/g, one or three, of any sign, not 0. `misalignment`: radians, the same for all six. `step_v`: of
+    the converter, 0 if unknown. `schedule`: None for the paper's. `limit_g`: of the stand file, else the paper's.
+    `terms`: extended terms of the model, whose true sizes are 0. `coverage_factor`: of the decision rule."""
 
     stand: Stand
     scale: PerChannel
@@ -43,7 +42,8 @@ class Case:
 
     @classmethod
     def of(cls, stand_file: StandFile | None, name: str | None, schedule: Schedule | None) -> Case:
-        """From files, or the paper's stand, block and schedule for None. Raises BadInput for a file without [block]."""
+        """Read the case from files. None stands for the paper's stand, block or schedule. Raises BadInput for a file
+        without [block]."""
         if stand_file is None:
             return cls(PAPER_STAND, *PAPER_BLOCK, 0.0, schedule, DEFAULT_LIMIT_G)
         block = stand_file.block
@@ -57,19 +57,19 @@ class Case:
 
     @property
     def block(self) -> Block:
-        """As part of a plan."""
+        """The block as a part of a plan."""
         return Block(self.scale, self.misalignment)
 
     @property
     def full_scale(self) -> dict[str, float]:
-        """By which noise and drift, of the channel that has most, are as large as 1 g in one of them, V/g."""
+        """The scale, V/g, that relates noise and drift of the worst channel to 1 g."""
         sizes, profiles = np.abs(by_channel(self.scale)), {name: self.stand.profile(name) for name in PER_CHANNEL}
         with np.errstate(divide="ignore"):
             return {name: float((sizes / profile).min()) for name, profile in profiles.items()}
 
     @property
     def block_sentence(self) -> str:
-        """For people."""
+        """The block as a sentence for people."""
         scales = ", ".join(f"{scale:g}" for scale in np.atleast_1d(self.scale).tolist())
         return f"Block: {scales} V/g, misalignments {self.misalignment:g} rad"
 
@@ -84,21 +84,21 @@ class Case:
         return self.schedule.fitted
 
     def mean_sigma(self, k: Floats) -> Floats:
-        """Standard deviations (3,) of a position's mean: the noise as weights have it for a block of sensitivity `k`,
-        and what rounding leaves beside it."""
+        """Standard deviations (3,) of a position's mean for a block of sensitivity `k`: noise and rounding."""
         by_noise = mean_sigma(k, self.stand, self.step_v, self.stand.samples)[0]
         sigmas: Floats = np.hypot(by_noise, by_channel(self.stand.rounding))
         return sigmas
 
     def spread(self, gains: Floats, k: Floats) -> Floats:
-        """Standard deviations (rows,) of an estimate with `gains` (rows, 3P), for a block of sensitivity `k`."""
+        """Standard deviations (rows,) of an estimate with `gains` (rows, 3P) for a block of sensitivity `k`."""
         errors = self.propagation(OPTIMAL, k, fitted=True).errors(self.mean_sigma(k) ** 2)
         u: Floats = np.sqrt(np.diag(covariance_of(by_gains(self.fitted, gains), errors)))
         return u
 
     @property
     def rounding_sentence(self) -> str | None:
-        """What a converter that nothing dithers leaves in every mean, and the remedies; None where it averages out."""
+        """What rounding leaves in every mean where noise does not dither the converter, and the remedies; None where it
+        averages out."""
         rounding = by_channel(self.stand.rounding)
         if not rounding.any():
             return None
@@ -109,12 +109,12 @@ class Case:
         )
 
     def reliability(self, estimator: str) -> Reliability:
-        """What no run of the nominal block would show. Raises UsageError where the schedule lacks positions."""
+        """The errors that no run of the nominal block shows. Raises UsageError where the schedule lacks positions."""
         return reliability(self.propagation(estimator))
 
     def propagation(self, estimator: str, k: Floats | None = None, fitted: bool = False) -> Propagation:
-        """How errors reach a run of means of a block of sensitivity `k`, the nominal one unless given; `fitted`: on a
-        schedule without check positions."""
+        """How errors propagate into the means of a run of a block of sensitivity `k`, by default the nominal one.
+        `fitted`: on the schedule without check positions."""
         schedule = self.fitted if fitted else self.schedule
         lone, of = np.ones(len(schedule.positions), dtype=int), self.nominal_k() if k is None else k
         return Propagation(schedule, of, self.stand, lone, estimator, self.step_v, self.terms)

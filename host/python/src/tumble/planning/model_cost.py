@@ -1,4 +1,4 @@
-"""What further terms of a model cost, before a run: how well each is found, and what the twelve coefficients lose."""
+"""The cost of extended terms before a run: how well each is found, and what the twelve coefficients lose."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def model_cost(case: Case, estimator: str) -> ExtendedTerms | None:
-    """Of the nominal block, whose further terms are 0; None for a model of the twelve coefficients alone."""
+    """The cost for the nominal block, whose extended terms are 0; None for a model of the twelve coefficients alone."""
     if not case.terms:
         return None
     k = case.nominal_k()
@@ -34,7 +34,7 @@ def model_cost(case: Case, estimator: str) -> ExtendedTerms | None:
 
 
 def model_cost_part(found: ExtendedTerms | None) -> ModelCost | UnsetType:
-    """As a part of a plan: `extended` as a result has it, but without values."""
+    """The cost as a part of a plan: `extended` as in a result, without values."""
     if found is None:
         return UNSET
     without, worst, alone = found.without, found.worst_norm, found.worst_norm_of_twelve
@@ -50,7 +50,7 @@ def model_cost_part(found: ExtendedTerms | None) -> ModelCost | UnsetType:
 
 
 def sentence(found: ModelCost) -> str:
-    """For people."""
+    """The cost as a sentence for people."""
     return (
         f"Worst u(|a|) with {', '.join(found.terms)} in the model: {1e6 * found.u_norm_g:.3g} ug, by K and U0 alone"
         f" {1e6 * found.u_norm_of_K_U0_g:.3g} ug;\nwithout: {1e6 * found.without.u_norm_g:.3g} ug"
@@ -58,7 +58,7 @@ def sentence(found: ModelCost) -> str:
 
 
 def show(out: Console, found: ExtendedTerms | None) -> None:
-    """Print what the twelve lose, and how well the terms are found; nothing for None."""
+    """Print what the twelve coefficients lose and how well the terms are found; nothing for None."""
     from tumble.planning import tables
 
     cost = model_cost_part(found)

@@ -1,4 +1,4 @@
-"""Stand-optimal weights: a gain table for a stand and a schedule, and what it is worth."""
+"""Optimal weights for a stand: the gain table for a stand and a schedule, and its gain in accuracy."""
 
 from __future__ import annotations
 
@@ -21,8 +21,9 @@ from tumble.stand import per_channel
 
 @dataclass(frozen=True)
 class Optimized:
-    """`u` (12,): standard deviations of the table's estimate; `u_refined`, `u_least_squares`: of those estimators, the
-    first None where the schedule has none; `efficiency`: bound over `u`; `promise`: of a run with the table."""
+    """`u` (12,): standard deviations of the estimate with the table. `u_refined`, `u_least_squares`: of those
+    estimators, the first None where the schedule does not allow it. `efficiency`: bound over `u`. `promise`: for a run
+    with the table."""
 
     case: Case
     table: Record
@@ -33,18 +34,18 @@ class Optimized:
 
     @property
     def efficiency(self) -> Floats:
-        """The least possible standard deviations, from the QR factors, over those of the gains as they are."""
+        """The smallest possible standard deviations, from the QR factors, over those of the stored gains."""
         return self.table.u / self.u
 
     @cached_property
     def second_order(self) -> SecondOrder:
-        """Whether the linear theory is enough on this stand."""
+        """Whether the linear theory is accurate enough on this stand."""
         given = replace(self.case.propagation(OPTIMAL, self.table.k, fitted=True), terms=())
         return second_order(given, self.u, estimator_or_linear(given))
 
 
 def optimize(case: Case, k: Floats | None = None, serial: str | None = None) -> Optimized:
-    """Weights for a block of sensitivity `k` (V/g), the nominal one unless given. Raises UsageError."""
+    """Compute the weights for a block of sensitivity `k` (V/g), by default the nominal one. Raises UsageError."""
     require_declared_inclinations(case.schedule, case.stand)
     k = case.nominal_k() if k is None else k
     table = optimal_table(case.fitted, k, case.stand, case.step_v)
@@ -60,7 +61,7 @@ def optimize(case: Case, k: Floats | None = None, serial: str | None = None) -> 
 
 
 def document(found: Optimized) -> Optimize:
-    """The plan, ready for JSON."""
+    """The plan for JSON."""
     table, case = found.table, found.case
     return Optimize(
         stand=case.stand.name,

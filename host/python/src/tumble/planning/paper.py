@@ -72,13 +72,13 @@ _NOTES = {
 
 
 def rounds_to(printed: str, value: float) -> bool:
-    """Is this the value, rounded to the digits printed? Zeros at the end of a whole number are not digits."""
+    """Whether the value rounds to the printed digits. Trailing zeros of a whole number are not digits."""
     quantum = int(Decimal(printed).normalize().as_tuple().exponent)
     return abs(value - float(printed)) <= 0.5 * 10.0**quantum * (1.0 + 1e-9)
 
 
 def lines() -> list[Line]:
-    """All of it, in the paper's order."""
+    """All figures, in the paper's order."""
     case, rule, general = _paper_case(), _rule_requirements(), _general_requirements()
     averaged = weights.published(case, "averaged")
     totals = np.linalg.norm(averaged * _GROUPED, axis=1)
@@ -121,7 +121,7 @@ def _ppm(terms: Floats) -> float:
 
 
 def _factor(formula: str) -> str:
-    """What dg is divided by in a printed formula of (18) or (19), apart from a_ij and K_ii: the number in it, or 1."""
+    """The number that divides dg in a printed formula of (18) or (19), apart from a_ij and K_ii; 1 if none."""
     number = re.search(r"\d+(\.\d+)?", formula)
     return "1" if number is None else number[0]
 
@@ -133,12 +133,12 @@ def _paper_case() -> Case:
 
 
 def _rule_requirements() -> Requirements:
-    """What the paper's own rule gives: strictest row, worst signs, formula (7) in use."""
+    """The paper's rule: strictest row, worst signs, with formula (7)."""
     return requirements(_paper_case(), "published", "refined", float(weights.LIMIT_20_G), np.ones(len(SOURCES)))
 
 
 def _general_requirements() -> dict[str, float]:
-    """What (19) gives as printed, by source."""
+    """The values of (19) as printed, by source."""
     return evaluate_printed(_paper_case(), weights.EQUATION_19, float(weights.LIMIT_20_G))
 
 
@@ -151,7 +151,7 @@ def _weights_from_both_mountings() -> list[Line]:
 
 
 def _weights_from_one_mounting() -> list[Line]:
-    """Table 4: of K_yx and K_zx."""
+    """Table 4: K_yx and K_zx."""
     averaged = linear_gains(_paper_case().fitted, "averaged").reshape(12, 2, 27)
     gain_rows = np.zeros((len(weights.TABLE_4), 2, 27))
     for own, name in zip(gain_rows, weights.TABLE_4):
@@ -171,7 +171,7 @@ def _signed_weights(gain_rows: Floats) -> Floats:
 
 
 def _weight_lines(table: str, formulas: Mapping[str, tuple[str, ...]], derived: Floats) -> list[Line]:
-    """Weights: a printed formula against the geometry, both for AUDIT_K."""
+    """Weights by the printed formulas and by the geometry, both for AUDIT_K."""
     values, found = weights.symbols(AUDIT_K), []
     for name, printed, row in zip(formulas, formulas.values(), derived):
         for source, formula, computed in zip(SOURCES, printed, row):
@@ -269,13 +269,13 @@ _ONE = re.compile(r"\[(\d+)\] (.+)\nprinted (.+); recomputed (.+)\n(.+)\n")
 
 
 def discrepancies() -> list[Discrepancy]:
-    """All of them, numbered from 1."""
+    """All discrepancies, numbered from 1."""
     found = _ONE.findall(_DISCREPANCIES.format(**_figures()))
     return [Discrepancy(int(number), *texts) for number, *texts in found]
 
 
 def _figures() -> dict[str, Any]:
-    """What _DISCREPANCIES names."""
+    """The figures that _DISCREPANCIES names."""
     case, limit_g = _paper_case(), float(weights.LIMIT_20_G)
     averaged, refined = (weights.published(case, estimator) for estimator in ("averaged", "refined"))
     single, grouped = (dict(zip(NAMES, averaged * sizes)) for sizes in (_SIZES, _GROUPED))

@@ -46,8 +46,8 @@ _ROUNDS = 12
 
 @dataclass(frozen=True)
 class ErrorField:
-    """`gravity` (draws, positions): of the check, g; `forms` (draws, 9): of |a|, g, by K and U0 alone; `unknowns`
-    (draws, 12 + 3 x terms): K row by row, V/g, U0, V, and the sizes of the case's further terms, V."""
+    """`gravity` (draws, positions): errors of the check, g. `forms` (draws, 9): errors of |a|, g, by K and U0 alone.
+    `unknowns` (draws, 12 + 3 x terms): K row by row, V/g, U0, V, and sizes of the extended terms, V."""
 
     gravity: Floats
     forms: Floats
@@ -55,13 +55,14 @@ class ErrorField:
 
     @property
     def covariance(self) -> Floats:
-        """Of the unknowns."""
+        """The covariance of the unknowns."""
         found: Floats = self.unknowns.T @ self.unknowns
         return found
 
 
 def error_field(case: Case, estimator: str, k: Floats) -> ErrorField:
-    """Of an estimator, for a block of sensitivity `k` (V/g). Raises UsageError where the schedule does not allow it."""
+    """The error field of an estimator for a block of sensitivity `k` (V/g). Raises UsageError where the schedule does
+    not allow it."""
     given = case.propagation(estimator, k)
     outputs = np.concatenate([one.derivative * one.sigma[:, None, None] for one in given.errors().values()])
     found, _, gravity = given.of_means(outputs)
@@ -71,14 +72,14 @@ def error_field(case: Case, estimator: str, k: Floats) -> ErrorField:
 
 
 def norm_forms(matrix: Floats, vector: Floats) -> Floats:
-    """Forms (n, 9) of a'M a + v'a for M (n, 3, 3) and v (n, 3)."""
+    """The forms (n, 9) of a'M a + v'a for M (n, 3, 3) and v (n, 3)."""
     symmetric = (matrix + np.swapaxes(matrix, 1, 2)) / 2.0
     return np.hstack([symmetric[:, _ROWS, _COLUMNS], vector])
 
 
 def largest_with_terms(errors: Floats, k: Floats, terms: Terms) -> Floats:
-    """The largest error of |a| over all attitudes, g, without sign, by errors (n, 12 + 3 x terms) of the unknowns of a
-    block of sensitivity `k`: (n,). Climbed from the largest of a thousand attitudes, to a thousandth of the value."""
+    """The largest error of |a| over all attitudes, g, unsigned (n,), for errors (n, 12 + 3 x terms) of the unknowns of
+    a block of sensitivity `k`. Refined from the largest of a thousand attitudes to a thousandth of the value."""
     start = spread_attitudes(_START)
     at_start = np.abs(errors @ norm_gradient(k, start, terms).T)
 
@@ -106,7 +107,7 @@ def _maximum(values: Floats, half_b: Floats) -> Floats:
     low, high = top + np.abs(half_b[:, 2]), top + np.linalg.norm(half_b, axis=1)
 
     def gaps(lam: Floats) -> Floats:
-        """lambda less each eigenvalue; not 0, where only a b of 0 to rounding leads."""
+        """Lambda less each eigenvalue; a gap is 0 only where b is 0 to rounding, and is replaced by a tiny number."""
         return np.maximum(lam[:, None] - values, np.finfo(float).tiny ** 0.5)
 
     for _ in range(_EIGEN_BISECTIONS):
@@ -146,7 +147,7 @@ class Law:
         return cls(largest(unit[:, : len(root)] @ root), unit.shape[1])
 
     def chance(self, limit_g: float) -> tuple[float, float]:
-        """The probability that the largest error is within a limit, and the standard error with which it is known."""
+        """The probability that the largest error is within a limit, and its standard error."""
         half = np.minimum(limit_g / np.maximum(self.sizes, _TINY), _FAR) ** 2 / 2.0
         term = np.exp(-half)
         beyond = term.copy()
@@ -156,8 +157,8 @@ class Law:
         return float(1.0 - beyond.mean()), float(beyond.std() / len(beyond) ** 0.5)
 
     def limit(self, probability: float) -> float:
-        """The limit that is kept with a probability, g: bisected until the law is no longer flat, then by false
-        position, after the rule of Illinois."""
+        """The limit, g, that is kept with a given probability: by bisection until the law is no longer flat, then by
+        false position with the Illinois rule."""
         low, high = 0.0, float(self.sizes.max()) * _FAR
         for _ in range(_LIMIT_BISECTIONS):
             middle = (low + high) / 2.0
@@ -184,15 +185,13 @@ def _unit_vectors(count: int, dimensions: int) -> Floats:
 
 
 def promise(case: Case, estimator: str, k: Floats | None = None) -> Promise:
-    """Of the case's stand and limit, for a block of sensitivity `k` (V/g), the nominal one unless given.
-
-    Raises UsageError where the schedule does not allow the estimator.
-    """
+    """The promise of the stand and limit of a case, for a block of sensitivity `k` (V/g), by default the nominal one.
+    Raises UsageError where the schedule does not allow the estimator."""
     return _promise(case, estimator, case.nominal_k() if k is None else k)[0]
 
 
 def growing_promise(case: Case, estimator: str, probability: float) -> GrowingPromise:
-    """The same of the nominal block, with how much the errors may grow for a `probability`."""
+    """The promise for the nominal block, and the factor by which errors may grow for a given `probability`."""
     found, check, norm = _promise(case, estimator, case.nominal_k())
     needed = max(check.limit(probability), norm.limit(probability), case.coverage_factor * found.u_norm_worst_g)
     growth = case.limit_g / needed if needed > 0.0 else np.inf
@@ -200,7 +199,8 @@ def growing_promise(case: Case, estimator: str, probability: float) -> GrowingPr
 
 
 def _promise(case: Case, estimator: str, k: Floats) -> tuple[Promise, Law, Law]:
-    """With the laws of the gravity check and of |a|, of which K2 and K3 make more than a quadratic form."""
+    """The promise with the laws of the gravity check and of |a|, for which K2 and K3 need more than a quadratic
+    form."""
     field, count = error_field(case, estimator, k), _DIRECTIONS["attitudes"]
     check = Law.of(field.gravity, _DIRECTIONS["positions"], lambda errors: np.abs(errors).max(axis=1))
     if set(case.terms) & set(POWERS):
@@ -225,7 +225,7 @@ def _promise(case: Case, estimator: str, k: Floats) -> tuple[Promise, Law, Law]:
 
 
 def sentence(found: Promise) -> str:
-    """For people, in two lines, and what it rests on."""
+    """The promise for people, in two lines, and its conditions."""
     return (
         f"A run passes the gravity check of {found.limit_g:g} g with a probability of {percent(found.passes)};\n"
         f"|a| is within that limit at every attitude with {percent(found.every_attitude)}.{condition(found)}"
@@ -233,12 +233,12 @@ def sentence(found: Promise) -> str:
 
 
 def condition(found: Promise) -> str:
-    """What it rests on, as a further line; empty for nothing."""
+    """The conditions of the promise as a further line; empty if there are none."""
     return f"\n{ON_A_SEAT}" if found.assumes else ""
 
 
 def promises(case: Case, probability: float) -> dict[str, GrowingPromise]:
-    """Of every estimator that the schedule allows."""
+    """The promise of every estimator that the schedule allows."""
     found = {}
     for estimator in estimators_of(case):
         with suppress(UsageError):  # the schedule lacks positions that it needs

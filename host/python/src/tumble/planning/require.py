@@ -72,9 +72,9 @@ _LEAST = 1e-9  # of the ceiling: the smallest size that is tried
 
 @dataclass(frozen=True)
 class Requirements:
-    """Per source: `limits`, infinite where nothing limits; `set_by`, the row that does, or None. Per row (7, sources):
-    `weights`, and `shares` of the row's limit. `samples`: the fewest that bring the noise of a mean under its limit;
-    None where rounding alone is above it."""
+    """Per source: `limits`, infinite where nothing limits; `set_by`, the row that limits, or None. Per row (7,
+    sources): `weights`, and `shares` of the row's limit. `samples`: the fewest that bring the noise of a mean under its
+    limit; None where rounding alone exceeds it."""
 
     limits: Floats
     set_by: tuple[str | None, ...]
@@ -84,17 +84,15 @@ class Requirements:
 
 
 def requirements(case: Case, which: str, estimator: str, limit_g: float, split: Floats) -> Requirements:
-    """What a limit in g asks of the stand. `split` (sources,): how those of a row share it, as parts of its square.
-
-    Raises UsageError where weights do not exist or no number of samples suffices.
-    """
+    """What a limit in g requires of the stand. `split` (sources,): how the sources of a row share it, as parts of its
+    square. Raises UsageError where weights do not exist or no number of samples suffices."""
     found = allowed(case, which, estimator, limit_g, split)
     factor = case.stand.limits_over_sigma if which == "published" else 1.0
     return replace(found, samples=samples_on(case.stand, found.limits[_NOISE], factor))
 
 
 def allowed(case: Case, which: str, estimator: str, limit_g: float, split: Floats) -> Requirements:
-    """The same, without asking how many samples it takes. Raises UsageError where weights do not exist."""
+    """The requirements without the number of samples. Raises UsageError where weights do not exist."""
     if which == "published":
         gamma = _with_noise_row(case, weights.published(case, estimator, weights.WORST))
     elif estimator == "optimal":
@@ -105,8 +103,8 @@ def allowed(case: Case, which: str, estimator: str, limit_g: float, split: Float
 
 
 def _requirements_by_shares(gamma: Floats, row_limit: float, split: Floats) -> Requirements:
-    """By weights (7, sources) that do not depend on the stand: the strictest row for every source. A row's `row_limit`
-    (g, or relative) is shared by the sources that enter it, `split` as proportions of its square."""
+    """The strictest row for every source, by weights (7, sources) that do not depend on the stand. The sources of a row
+    share its `row_limit` (g, or relative), with `split` as proportions of its square."""
     counted = gamma > 0.0
     proportions = np.where(counted, split, 0.0)
     shares = row_limit * np.sqrt(proportions / proportions.sum(axis=1, keepdims=True))
@@ -119,9 +117,9 @@ def _requirements_by_shares(gamma: Floats, row_limit: float, split: Floats) -> R
 
 
 def samples_on(stand: Stand, limit_v: float, factor: float = 1.0) -> int | None:
-    """The fewest samples whose means are as quiet as required on a stand: `limit_v` is that of the channel that has
-    most, in `factor` standard deviations, the others' in proportion. None where rounding alone leaves more. Raises
-    UsageError as samples_for."""
+    """The fewest samples whose means are as quiet as required on a stand. `limit_v`: of the worst channel, in `factor`
+    standard deviations, with the others in proportion. None where rounding alone leaves more. Raises UsageError as
+    samples_for does."""
     noise, rounding = factor * stand.sigmas("noise"), factor * by_channel(stand.rounding)
     left = (limit_v * stand.profile("noise")) ** 2 - rounding**2
     if ((rounding > 0.0) & (left <= 0.0)).any():
@@ -169,8 +167,8 @@ def _with_noise_row(case: Case, gamma: Floats) -> Floats:
 
 
 def stand_of(case: Case, sizes: Floats) -> Case:
-    """The case on a stand with these standard deviations; the noise is that of a mean, and rounding has the part of it
-    that it has on the case's own."""
+    """The case on a stand with these standard deviations. The noise is that of a mean; rounding keeps its share of
+    it."""
     axis_tilt, level, remount, angle, size, *rest = map(float, sizes)
     of_means, total = size * case.stand.profile("noise"), case.stand.mean_sigma(case.stand.samples)
     part = np.divide(by_channel(case.stand.rounding), total, out=np.zeros(3), where=total > 0.0)
@@ -184,22 +182,20 @@ def stand_of(case: Case, sizes: Floats) -> Case:
 
 
 def _optimal_terms(case: Case, sizes: Floats, patterns: Floats) -> Floats:
-    """Terms (n, 7, sources) of the rows with optimal weights made for a stand of these sizes, for choices of the
+    """Terms (n, 7, sources) of the rows with optimal weights for a stand of these sizes, for choices of the
     misalignments' signs."""
     return _by_pattern(stand_of(case, sizes), "optimal", patterns) * sizes
 
 
 def _ceilings(case: Case) -> Floats:
-    """The largest sizes that are tried (sources,): of angles CEILING_RAD, of outputs 1 g."""
+    """The largest sizes to try (sources,): CEILING_RAD for angles, 1 g for outputs."""
     return np.array([case.full_scale.get(name, CEILING_RAD) for name in weights.sources_of(case)])
 
 
 def _grown(case: Case, row_limit: float, split: Floats) -> Requirements:
-    """Requirements of the optimal estimator, whose weights follow the stand.
-
-    It is never worse than a linear one, so what that one allows is allowed. From there every angle that fits, the least
-    felt first, goes to the ceiling; what is left grows in proportion until the rows are full.
-    """
+    """Requirements of the optimal estimator, whose weights follow the stand. It is never worse than a linear one, so
+    the limits of a linear one are allowed. From there, every angle that fits goes to the ceiling, least influential
+    first; the others grow in proportion until the rows are full."""
 
     def worst_terms(sizes: Floats) -> tuple[Floats, Floats]:
         """Terms (7, sources) and total (7,) of every row, under the signs that are worst for its total."""
@@ -244,14 +240,14 @@ def _grown(case: Case, row_limit: float, split: Floats) -> Requirements:
 def _largest(
     case: Case, sizes_at: Callable[[float], Floats], least: float, most: float, row_limit: float, full: float
 ) -> float:
-    """The largest factor from `least` to `most` with which no row of the optimal estimator exceeds `row_limit`, found
-    by bisection of its logarithm; `least` if none is so. Signs of the misalignments that are worst at what was found
-    are added until none makes a row more than `full`."""
+    """The largest factor from `least` to `most` with which no row of the optimal estimator exceeds `row_limit`, by
+    bisection of its logarithm; `least` if there is none. Sign patterns that are worst at the solution are added until
+    none makes a row exceed `full`."""
     every = _sign_patterns()
     chosen: list[int] = []
 
     def totals(factor: float, patterns: Floats) -> Floats:
-        """Of the worst row, for each choice of signs."""
+        """Totals of the worst row, for each choice of signs."""
         largest: Floats = np.linalg.norm(_optimal_terms(case, sizes_at(factor), patterns), axis=2).max(axis=1)
         return largest
 
@@ -271,17 +267,17 @@ def _largest(
 
 @dataclass(frozen=True)
 class Headroom:
-    """`alone` (sources,), the largest size of one source while the others stay as declared: infinite where nothing
-    limits, 0 where the others take all; `margin`, the factor by which all may grow together: below 1 on a stand that
-    fails; infinite for a stand without errors."""
+    """`alone` (sources,): the largest size of one source while the others stay as declared; infinite where nothing
+    limits, 0 where the others use it up. `margin`: the factor by which all may grow together, below 1 on a stand that
+    fails, infinite for a stand without errors."""
 
     alone: Floats
     margin: float
 
 
 def headroom(case: Case, which: str, estimator: str, limit_g: float) -> Headroom:
-    """Of the case's stand, against a third of the limit in every row, for the worst signs of the misalignments. The
-    optimal estimator is made anew for every stand that is tried."""
+    """The headroom of the case's stand for a third of the limit in every row and the worst signs of the misalignments.
+    The optimal estimator is recomputed for every stand tried."""
     row_limit, sizes = limit_g / 3.0, declared_sizes(case, which == "published")
     if which == "published":
         gamma = _with_noise_row(case, weights.published(case, estimator, weights.WORST))[None]
@@ -307,7 +303,7 @@ def headroom(case: Case, which: str, estimator: str, limit_g: float) -> Headroom
 
 
 def margins(case: Case, limit_g: float) -> dict[str, float]:
-    """The margin of the case's stand with every estimator that its schedule allows, derived weights."""
+    """The margin of the case's stand with derived weights, for every estimator that the schedule allows."""
     sizes, found = declared_sizes(case, False), {}
     for estimator in weights.estimators_of(case):
         with suppress(UsageError):  # the schedule lacks positions that it needs
@@ -326,8 +322,8 @@ _STAND_STEPS = 20
 
 
 def enough(case: Case, estimator: str, limits: Floats, probability: float) -> Enough | None:
-    """What is just enough for requirements `limits`, one a source, infinite where no row limits; None where no factor
-    reaches the probability. Raises UsageError where no number of samples suffices."""
+    """The stand that is just good enough: `limits` (one for each source, infinite where no row limits) times a factor;
+    None where no factor reaches the probability. Raises UsageError where no number of samples suffices."""
     declared, limited = declared_sizes(case, False), np.isfinite(limits)
     factor = 1.0
     for _ in range(_STAND_STEPS):
@@ -353,8 +349,8 @@ def printed(case: Case, formulas: dict[str, str], limit_g: float) -> dict[str, f
 
 
 def require(case: Case, which: Weights, estimator: str, split: Floats, probability: float) -> Require:
-    """All that the case's limit asks of its stand. `split` as of `requirements`. `published` has (19) as printed, and
-    beside it what the rule gives. Raises UsageError."""
+    """All that the limit of a case requires of its stand. `split`: as for `requirements`. `published` has (19) as
+    printed and the result of the rule. Raises UsageError."""
     published, limit_g = which == "published", case.limit_g
     found, room = requirements(case, which, estimator, limit_g, split), headroom(case, which, estimator, limit_g)
     of_all, just, promised = {estimator: room.margin}, None, None
@@ -469,7 +465,7 @@ def show(plan: Require, case: Case) -> None:
 
 
 def _most(size: Any) -> float | None:
-    """Of the channel that has most, where there are three."""
+    """The worst channel, where there are three."""
     largest: float | None = max(size) if isinstance(size, tuple) else size
     return largest
 
@@ -479,7 +475,7 @@ def _limit(value: float | None) -> str:
 
 
 def _show_margins(out: Console, plan: Require) -> None:
-    """Whether the stand will do, by the paper's rule."""
+    """Whether the stand is good enough by the paper's rule."""
     width = max(map(len, plan.margins))
     out.print(f"This stand reaches {plan.limit_g:g} g", style="bold")
     for name, margin in plan.margins.items():
@@ -500,7 +496,7 @@ scale factors, biases or noise; at 1 it promises no probability"""
 
 
 def _show_promises(out: Console, plan: Require, asked: str) -> None:
-    """Whether the stand will do, with every estimator."""
+    """Whether the stand is good enough, with every estimator."""
     own, promises = plan.promise, plan.promises
     assert own is not None and promises is not None  # with derived weights
     out.print(f"Does this stand reach {plan.limit_g:g} g with a probability of {asked}?", style="bold")

@@ -81,7 +81,7 @@ _RATE_HZ = 100.0
 
 @dataclass(frozen=True)
 class Duration:
-    """Parts of a test, seconds."""
+    """Durations of the parts of a test, seconds."""
 
     moving: float
     settling: float
@@ -91,14 +91,14 @@ class Duration:
 
     @property
     def total(self) -> float:
-        """All of them."""
+        """The sum of all parts."""
         return self.moving + self.settling + self.averaging + self.remounting + self.inclining
 
 
 @dataclass(frozen=True)
 class Timed:
-    """A schedule that reaches what was asked for: with so many `samples` at each position, `norm_g` the worst u(|a|)
-    that it was, or could be, held to."""
+    """A schedule that reaches the goal with `samples` at each position. `norm_g`: the worst u(|a|) that it was, or
+    could be, held to."""
 
     schedule: Schedule
     samples: int
@@ -114,7 +114,7 @@ class Timed:
 
 @dataclass(frozen=True)
 class Pace:
-    """What a table, a block and people take their time for: deg/s, deg/s^2, s, samples a second, s."""
+    """How fast a table, a block and people work: deg/s, deg/s^2, s, samples a second, s."""
 
     velocity: float
     acceleration: float
@@ -125,7 +125,7 @@ class Pace:
 
     @classmethod
     def of(cls, stand_file: StandFile | None, remount_s: float, incline_s: float = DEFAULT_INCLINE_S) -> Pace:
-        """As a stand file has it, else that of the simulated stand."""
+        """The pace by a stand file, else by the simulated stand."""
         motion = {**_MOTION, **((stand_file and stand_file.motion) or {})}
         rate = ((stand_file and stand_file.block) or {}).get("sample_rate_hz") or _RATE_HZ
         velocity, acceleration, settling = (motion[key] for key in _MOTION)
@@ -182,7 +182,7 @@ KINDS = tuple(sorted({_kind(matrix) for matrix in ROTATIONS}))
 
 
 def mounting_sets(count: int) -> list[tuple[int, ...]]:
-    """Sets of so many of KINDS, no two of which come to the same."""
+    """Sets of `count` of KINDS, no two of them equivalent."""
     found: dict[tuple[int, ...], tuple[int, ...]] = {}
     for others in combinations(KINDS[1:], count - 1):
         one = (KINDS[0], *others)
@@ -192,7 +192,7 @@ def mounting_sets(count: int) -> list[tuple[int, ...]]:
 
 
 def mountings(kinds: tuple[int, ...]) -> tuple[Mounting, ...]:
-    """As a schedule has them, numbered from 1."""
+    """The mountings of a schedule, numbered from 1."""
     return tuple(
         Mounting(number, tuple(tuple((row + 0.0).tolist()) for row in ROTATIONS[kind]))
         for number, kind in enumerate(kinds, 1)
@@ -319,7 +319,7 @@ def fewest_at_some(spread: NormSpread, chosen: Flags, norm_g: float) -> int | No
 
 
 def _fewest(reached: Callable[[int], bool], least: int) -> int | None:
-    """From `least` on; None if not even the most suffice."""
+    """The fewest samples from `least` on; None if not even the most suffice."""
     if not reached(MAX_SAMPLES):
         return None
     low, high, step = least - 1, least, 1
@@ -366,7 +366,7 @@ class _Candidates:
 
 
 def _part(everything: Schedule, chosen: Flags, samples: int, norm_g: float, pace: Pace) -> Timed:
-    """A subset of the positions, with the mountings that it uses, both these and its positions numbered from 1."""
+    """A subset of the positions with the mountings it uses, both numbered from 1."""
     part = everything.part(chosen)
     used = part.fitted_mountings
     places = {mounting.number: number for number, mounting in enumerate(used, 1)}
@@ -381,7 +381,7 @@ def _part(everything: Schedule, chosen: Flags, samples: int, norm_g: float, pace
 
 @dataclass(frozen=True)
 class _OfSet:
-    """A job: the quickest of a set of mountings."""
+    """A job: find the quickest schedule of a set of mountings."""
 
     case: Case
     estimator: str
@@ -480,7 +480,7 @@ def inclined_schedules(step_deg: float, steepest_deg: float, closed: bool) -> It
 def quickest_inclined(
     case: Case, estimator: str, norm_g: float, pace: Pace, step_deg: float, steepest_deg: float
 ) -> Timed | None:
-    """The quickest of these that reach a worst u(|a|); None if none does."""
+    """The quickest of these that reaches a worst u(|a|); None if none does."""
     closed = case.stand.declares_drift or DRIFT in case.terms
     tried = (held_to(case, estimator, one, norm_g, pace) for one in inclined_schedules(step_deg, steepest_deg, closed))
     return min(filter(None, tried), key=lambda one: one.duration.total, default=None)
@@ -499,7 +499,7 @@ def _inclined_less(schedule: Schedule, degrees: float) -> Schedule:
 
 
 def held_to(case: Case, estimator: str, schedule: Schedule, norm_g: float, pace: Pace) -> Timed | None:
-    """What a given schedule takes; None if it does not get there."""
+    """The time that a given schedule takes; None if it does not reach the goal."""
     if not _can_tell(case, estimator, schedule):
         return None
     spread = NormSpread(case, schedule.fitted, estimator)
@@ -508,7 +508,7 @@ def held_to(case: Case, estimator: str, schedule: Schedule, norm_g: float, pace:
 
 
 def _can_tell(case: Case, estimator: str, schedule: Schedule) -> bool:
-    """Whether the case's further terms, if any, are found."""
+    """Whether the run determines the case's extended terms, if any."""
     return not case.terms or (estimator in EXTENDABLE and confused(schedule, case.terms) is None)
 
 
@@ -543,8 +543,8 @@ class Goal:
 
 @dataclass(frozen=True)
 class Reach:
-    """Among which schedules to look: table angles are multiples of `step_deg`, in at most so many mountings, or in one
-    bolting on a stand that can be inclined to `steepest_deg`, 0: not at all."""
+    """The schedules to search: table angles that are multiples of `step_deg`, in a limited number of mountings, or in
+    one bolting on a stand that inclines to `steepest_deg`, 0: not at all."""
 
     step_deg: float
     most_mountings: int
@@ -624,7 +624,7 @@ def plan_schedule(
 
 
 def _of_kind(case: Case, goal: Goal, pace: Pace, find: Find, known: list[Timed]) -> Timed | None:
-    """The quickest of a kind that reaches the goal, None if there is none. `known`: built-in ones that do."""
+    """The quickest schedule of a kind that reaches the goal, None if there is none. `known`: built-in ones that do."""
 
     def search(norm_g: float) -> Timed | None:
         for part in _PARTS:
@@ -778,7 +778,7 @@ def _kind_of(timed: Timed) -> str:
 
 
 def _show_needs(out: Console, found: Planned, timed: Timed, which: str) -> None:
-    """What a schedule needs of a stand, beside the errors that are declared."""
+    """Print what a schedule requires of a stand besides the declared errors."""
     if timed.schedule.is_inclined:
         steepest = max(mounting.tilt_deg for mounting in timed.schedule.mountings)
         out.print(f"{which}, {_kind_of(timed)}: needs a stand that inclines to {steepest:g} deg and is locked;")

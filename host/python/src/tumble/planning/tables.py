@@ -18,21 +18,21 @@ WIDTH = 80
 
 
 class _Signed(Console):
-    """What is printed has the signs of quantities, on a terminal that has them."""
+    """Prints typographic signs of quantities where the terminal has them."""
 
     def render_str(self, text: str, **how: Any) -> Text:
         return super().render_str(signed_for(text, sys.stdout), **how)
 
 
 def console() -> Console:
-    """Standard output, at least 80 columns wide. Colours heed NO_COLOR; without Unicode the lines are ASCII."""
+    """Standard output, at least 80 columns wide. Colours follow NO_COLOR; without Unicode the lines are ASCII."""
     out = _Signed(highlight=False, soft_wrap=False)
     out.width = max(out.width, WIDTH) if out.is_terminal else WIDTH
     return out
 
 
 def table(headings: Sequence[str], rows: Iterable[Sequence[str | Text]], left: Sequence[int] = (0,)) -> Table:
-    """A table with numbers to the right; columns in `left` hold words."""
+    """A table with numbers aligned right; columns in `left` hold text."""
     made = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, header_style="dim")
     for column, heading in enumerate(headings):
         made.add_column(heading, justify="left" if column in left else "right", no_wrap=column not in left)
@@ -47,20 +47,20 @@ def heading(text: str) -> Text:
 
 
 def number(value: float | None, digits: int = 3) -> str:
-    """So many digits; a dash for what does not exist."""
+    """A number with so many digits; a dash for None."""
     return "-" if value is None or math.isnan(value) else f"{value:.{digits}g}"
 
 
 def millionths(value: float | None) -> str:
-    """A part in a million, to three digits; short, without an exponent where there need be none."""
+    """Parts in a million, with three digits and without an exponent where possible."""
     return "-" if value is None or math.isnan(value) else f"{float(f'{1e6 * value:.3g}'):.6g}"
 
 
 def percent(probability: float) -> str:
-    """To a tenth, which is as good as probabilities are computed."""
+    """A percentage to one decimal, the accuracy of the probabilities."""
     return "> 99.9 %" if probability > 0.9995 else f"{100.0 * probability:.1f} %"
 
 
 def scientific(value: float | None, digits: int = 2) -> str:
-    """As 1.15e-04; a dash for what does not exist."""
+    """A number such as 1.15e-04; a dash for None."""
     return "-" if value is None or math.isnan(value) else f"{value:.{digits}e}"
