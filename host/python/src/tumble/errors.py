@@ -26,6 +26,7 @@ _PROFILES = {"plot": "plot", "report": "report", "watch": "watch", "client": "wa
 _ON_PYPI = {  # where more is to be installed than the one that was missed
     "can": "python-can cantools",
     "acquire": "pyvisa pyvisa-py pyserial",
+    "ros": "rosbags mcap",
 }
 
 

@@ -111,8 +111,8 @@ def with_columns(table: Any, renamed: dict[str, str], new: dict[str, Floats]) ->
 
 
 PARQUET = (".parquet", ".pq")
-_NPZ, _MAT = ".npz", ".mat"
-SUFFIXES = (*PARQUET, _NPZ, _MAT)
+NPZ, MAT = ".npz", ".mat"
+SUFFIXES = (*PARQUET, NPZ, MAT)
 
 
 def suffix_of(file: str | os.PathLike[str]) -> str:
@@ -120,10 +120,10 @@ def suffix_of(file: str | os.PathLike[str]) -> str:
     return os.path.splitext(os.fspath(file))[1].lower()
 
 
-def read_table_file(file: str) -> Any:
-    """The table in a file with one of SUFFIXES."""
-    suffix = suffix_of(file)
-    reader = _read_npz if suffix == _NPZ else _read_mat if suffix == _MAT else _read_parquet
+def read_table_file(file: str, suffix: str = "") -> Any:
+    """The table in a file with one of SUFFIXES, or in one that is as those of this `suffix` are."""
+    suffix = suffix or suffix_of(file)
+    reader = _read_npz if suffix == NPZ else _read_mat if suffix == MAT else _read_parquet
     try:
         with bounded(file):
             return reader(file)
@@ -158,7 +158,7 @@ def _read_npz(file: str) -> dict[str, Any]:
         with open(file, "rb"):
             raise BadInput("not an NPZ file", file)
     with np.load(file, allow_pickle=False) as arrays:
-        return {name: np.ravel(arrays[name]) for name in arrays.files}
+        return {name: _column(arrays[name]) for name in arrays.files}
 
 
 def _read_mat(file: str) -> dict[str, Any]:
@@ -169,4 +169,9 @@ def _read_mat(file: str) -> dict[str, Any]:
         found = loadmat(file)
     except NotImplementedError:
         raise BadInput("MATLAB 7.3, which is HDF5: save it with -v7", file) from None
-    return {name: np.ravel(values) for name, values in found.items() if not name.startswith("__")}
+    return {name: _column(values) for name, values in found.items() if not name.startswith("__")}
+
+
+def _column(values: Any) -> Any:
+    """Of one row or column that column, of others the array as it is."""
+    return values.ravel() if values.size == max(values.shape, default=1) else values

@@ -10,6 +10,7 @@ import csv
 import functools
 import io
 import itertools
+import os
 import re
 import zlib
 from collections.abc import Iterator
@@ -21,8 +22,7 @@ import numpy as np
 from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput, Remedy, UsageError, listed, quoted
 from tumble.files import can_log, run_layout
-from tumble.files.disk import MOST_OF_RECORDING, read_bytes
-from tumble.files.frames import SUFFIXES, suffix_of
+from tumble.files.disk import MOST_OF_RECORDING, bounded, joined, read_bytes
 from tumble.files.rows import (
     FELT,
     LARGEST_OUTPUT,
@@ -34,7 +34,7 @@ from tumble.files.rows import (
     Refused,
     RowParser,
 )
-from tumble.importing import can_bus, clocks, repairs
+from tumble.importing import can_bus, clocks, containers, repairs
 from tumble.importing.can_bus import NO_BUS, OUTPUTS, Bus
 from tumble.importing.clocks import Clock, Timing
 from tumble.importing.labels import LABELS
@@ -90,12 +90,15 @@ def read(
 ) -> Recording:
     """Read one file; of its `rows` those that are chosen. Raises BadInput with file, row and column; UsageError;
     NotInstalled."""
-    if suffix_of(file) in SUFFIXES:
-        raise BadInput(
-            "not a text file: import reads CSV and RAWIMU logs; tumble solve reads such a file of samples at positions",
-            file,
-        )
-    data = read_bytes(file, most=MOST_OF_RECORDING, look=functools.partial(_require_kind, file))
+    container: str | None
+    if os.path.isfile(os.path.join(file, containers.METADATA)):
+        data, container = _bytes_within(file), containers.ROS_2
+    else:
+        data = read_bytes(file, most=MOST_OF_RECORDING, look=functools.partial(_require_kind, file))
+        container = containers.kind_of(file, data[:_BEGINNING]) if data else None
+    if container is not None:
+        bus.require_log()
+        return _read_container(file, data, container, options, timing, rows)
     if (kind := can_log.kind_of(data)) is not None:
         log = can_bus.read(data, file, kind, options, bus)
         clock = _clock_of(log.seconds, "time s", replace(timing, unit="s"), file)
@@ -111,9 +114,16 @@ def read(
 
 
 def _require_kind(file: str, beginning: bytes) -> None:
-    """It is text, if it is no CAN log. Raises BadInput."""
-    if beginning.strip() and can_log.kind_of(beginning) is None and not beginning.startswith(_MARKS):
+    """It is text, if it is no CAN log and none of containers. Raises BadInput."""
+    known = can_log.kind_of(beginning) or containers.kind_of(file, beginning)
+    if beginning.strip() and known is None and not beginning.startswith(_MARKS):
         run_layout.require_text(beginning, file)
+
+
+def _bytes_within(folder: str) -> bytes:
+    """Of all files in it, by name, which are one recording. Raises BadInput."""
+    inner = (os.path.join(folder, name) for name in sorted(os.listdir(folder)))
+    return joined((read_bytes(one, most=MOST_OF_RECORDING) for one in inner), folder, MOST_OF_RECORDING)
 
 
 _MARKS = (b"\xff\xfe", b"\xfe\xff")  # of UTF-16
@@ -127,6 +137,23 @@ def _utf_8(data: bytes) -> bytes:
 # Tables.
 
 
+def _read_container(
+    file: str, data: bytes, kind: str, options: run_layout.LayoutOptions, timing: Timing, choice: Choice | None
+) -> Recording:
+    tables = containers.read(file, kind)
+    source, is_column = None, len(tables) == 1 and containers.SOURCE in tables[0].columns
+    if choice is not None and choice.column == containers.SOURCE and not is_column:
+        source, choice = choice.value, None
+    options = replace(options, wanted=OUTPUTS, delimiter=",", decimal=".")
+    table = containers.chosen(tables, kind, source, options, file)
+    with bounded(file):
+        text = table.text
+    own = _read_table(file, text, options, timing, choice)
+    which = f": source {quoted(table.source)}" if table.source else ""
+    among = f" of {len(tables)}" if len(tables) > 1 else ""
+    return replace(own, data=data, notes=(f"{kind}{which}{among}", *own.notes))
+
+
 def _read_table(
     file: str, data: bytes, options: run_layout.LayoutOptions, timing: Timing, choice: Choice | None
 ) -> Recording:
@@ -137,7 +164,7 @@ def _read_table(
     try:
         layout = run_layout.detect(data, options, file)
     except BadInput as refused:
-        refused.assumed = ("a text table with unknown columns",)
+        refused.assumed = ("a table with unknown columns",)
         raise refused.advising(*_named_columns(data, refused.row, options)) from None
     names = list(layout.names)
     columns = _optional_columns(names, options, file, layout.header_row)

@@ -43,7 +43,8 @@ def describe(parser: argparse.ArgumentParser) -> None:
         "recordings",
         metavar="RECORDING",
         nargs="+",
-        help="CSV of a logger, a RAWIMU log (ASCII), or a CAN log; several are one run, in this order",
+        help="CSV of a logger, a RAWIMU log (ASCII), a CAN log, TDMS, HDF5, ULog, DataFlash, a ROS bag, MCAP, Parquet,"
+        " NPZ or MAT; several are one run, in this order",
     )
     options.add(parser, "--schedule", remark=f", {ANY_POSE}")
     parser.add_argument("--stand", metavar="FILE", help="stand file: its scale_v_per_g gives the signs of K")
@@ -62,7 +63,7 @@ def describe(parser: argparse.ArgumentParser) -> None:
     layout = options.add_layout(parser, "recordings", "ux=AccX,time=Tick")
     layout.add_argument("--time-unit", choices=("s", "ms", "us", "ns", "min", "h", "d"), help="unit of a numeric clock")
     layout.add_argument("--rate", metavar="HZ", help="samples a second; replaces the file's clock")
-    which = "rows of one source: COLUMN=VALUE, 1/2 (the first of every two) or 2:481 (lines)"
+    which = "rows of one source: COLUMN=VALUE or source=NAME, 1/2 (the first of every two) or 2:481 (lines)"
     layout.add_argument("--rows", metavar="WHICH", help=which)
     bus = parser.add_argument_group("CAN logs", "candump, ASC, BLF, TRC, MF4, CSV of python-can")
     bus.add_argument("--dbc", metavar="FILE", help="of other frames than our block's; --columns names their signals")
