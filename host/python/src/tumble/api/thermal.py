@@ -13,9 +13,9 @@ import numpy as np
 
 from tumble import defaults
 from tumble._version import __version__
-from tumble.api.arguments import told_in_python, layout_options
+from tumble.api.arguments import layout_options, told_in_python
 from tumble.api.recording import Recording, recording_of
-from tumble.api.result import doubts
+from tumble.api.result import warnings_of
 from tumble.api.solving import Solved, solved
 from tumble.arrays import Floats
 from tumble.documents import result as doc, thermal as document
@@ -227,7 +227,7 @@ class ThermalResult:
                 seen = Seen()
                 found = with_calibrated(data, frames.library_of(data) or "table", demand, seen)
                 known = doc.Temperature(*self.range_c, "run_file")
-                for odd in doubts(seen, known, demand):
+                for odd in warnings_of(seen, known, demand):
                     warnings.warn(odd, stacklevel=2)
                 return found
             values = np.asarray(data, dtype=float)

@@ -282,7 +282,7 @@ def with_calibrated(table: Any, name: str, demand: Demand, seen: Seen) -> Any:
         raise BadInput(str(error), name) from None
     told = unit_of(options, [names[place] for place in places], name, None, "outputs_unit")
     outputs = frames.stacked(table, places, OUTPUTS, name)
-    felt_c = np.full(len(outputs), np.nan) if demand.warm is None else temperatures_of_rows(table, options.columns, name)
+    felt_c = np.zeros(0) if demand.warm is None else temperatures_of_rows(table, options.columns, name)
     values = demand.values(outputs, factor_of(told, demand.unit, name), felt_c)
     seen.renamed, seen.unit_told = raw_names(names, demand.with_uncertainty), told is not None
     seen.weigh(values[:, -3:] / demand.one_g)

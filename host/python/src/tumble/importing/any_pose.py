@@ -24,7 +24,7 @@ def matched(rests: Rests, user_choices: UserChoices) -> Matched:
     if count > MOST:
         said = f"{count} rests, at most {MOST} poses are solved: --leave-out, or --min-rest for longer ones"
         shortest = np.argsort(np.where(taken, rests.samples, rests.samples.max() + 1), kind="stable")[: count - MOST]
-        numbers = sorted({*claims.leave_out, *(shortest + 1).tolist()})
+        numbers = sorted({*user_choices.leave_out, *(shortest + 1).tolist()})
         raise Doubtful(said, Remedy({"leave_out": ",".join(map(str, numbers))}, "the shortest rests matter least"))
     positions = np.where(taken, np.cumsum(taken) - 1, NONE)
     n, one_g = roughly(rests.means, np.ones(3))

@@ -30,7 +30,7 @@ import numpy as np
 from tumble.errors import BadInput, NotInstalled, Remedy, UsageError, file_name, needing, quoted
 from tumble.files import frames, run_layout
 from tumble.files.disk import bounded
-from tumble.files.run_layout import Wishes
+from tumble.files.run_layout import LayoutOptions
 
 SOURCE = "source"  # --rows source=NAME
 ROS_2, METADATA = "ROS 2 bag", "metadata.yaml"  # in the folder of one
@@ -74,7 +74,7 @@ def read(file: str, kind: str) -> list[Table]:
     return tables
 
 
-def chosen(tables: list[Table], kind: str, source: str | None, wishes: Wishes, file: str) -> Table:
+def chosen(tables: list[Table], kind: str, source: str | None, options: LayoutOptions, file: str) -> Table:
     """The table of the source that the user names, else the only one, or the only one that has the outputs. Raises
     UsageError, BadInput."""
     if source is not None:
@@ -82,7 +82,7 @@ def chosen(tables: list[Table], kind: str, source: str | None, wishes: Wishes, f
         if found is None:
             raise UsageError(f"--rows {SOURCE}={source}: there is no such source; there are: {_names(tables)}")
         return found
-    fitting = [table for table in tables if _has_outputs(table, wishes)]
+    fitting = [table for table in tables if _has_outputs(table, options)]
     if len(tables) == 1 or len(fitting) == 1:
         return (fitting or tables)[0]
     if fitting:
@@ -104,9 +104,9 @@ def _names(tables: list[Table]) -> str:
     return quoted(", ".join(table.source for table in tables), _LONGEST_LIST)
 
 
-def _has_outputs(table: Table, wishes: Wishes) -> bool:
+def _has_outputs(table: Table, options: LayoutOptions) -> bool:
     try:
-        run_layout.find_all(list(table.columns), wishes)
+        run_layout.find_all(list(table.columns), options)
     except ValueError:
         return False
     return True
