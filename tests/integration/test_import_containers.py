@@ -134,23 +134,25 @@ def ros_message(store, kind, time, output):
     return types[kind](own, turned, zeros, vector(0.1, 0.2, 0.3), zeros, vector(*output), zeros)
 
 
-def write_mcap(path, sources, unit=SI, profile="", **options):
+def write_mcap(path, sources, unit=SI, encoding="cdr", stamped=True):
     """As recorders that are none of ROS do it: without a profile."""
     pytest.importorskip("rosbags", reason="rosbags is not installed")
     mcap = pytest.importorskip("mcap.writer", reason="mcap is not installed")
     from rosbags.typesys import Stores, get_typestore
 
-    store, kind = get_typestore(Stores.ROS2_HUMBLE), "sensor_msgs/msg/Imu"
+    store, kind = get_typestore(Stores.ROS2_HUMBLE if encoding == "cdr" else Stores.ROS1_NOETIC), "sensor_msgs/msg/Imu"
+    serialized = store.serialize_cdr if encoding == "cdr" else store.serialize_ros1
     with open(path, "wb") as stream:
-        writer = mcap.Writer(stream, **options)
-        writer.start(profile=profile)
-        schema = writer.register_schema(kind, "ros2msg", b"")
-        channels = {name: writer.register_channel(f"/{name}", "cdr", schema) for name in sources}
+        writer = mcap.Writer(stream)
+        writer.start(profile="")
+        schema = (kind, "ros2msg") if encoding == "cdr" else ("sensor_msgs/Imu", "ros1msg")
+        number = writer.register_schema(*schema, b"")
+        channels = {name: writer.register_channel(f"/{name}", encoding, number) for name in sources}
         for row, time in enumerate(recorded()[0].tolist()):
             for name, outputs in sources.items():
                 at = EPOCH_NS + 1000 * time
-                data = store.serialize_cdr(ros_message(store, kind, at, outputs[row].tolist()), kind)
-                writer.add_message(channels[name], at + 777, bytes(data), at + 777)
+                message = ros_message(store, kind, at if stamped else 0, outputs[row].tolist())
+                writer.add_message(channels[name], at + 777, bytes(serialized(message, kind)), at + 777)
         writer.finish()
 
 
@@ -215,6 +217,7 @@ FORMATS = {  # name of a file: how messages call the format, its writer, the sou
     "folder": ("ROS 2 bag", write_ros2, "/one", "/two"),
     "a.mcap": ("MCAP", write_mcap, "/one", "/two"),
 }
+FILES = [name for name in FORMATS if name != "folder"]
 TABLES = {"a.parquet": ("Parquet", write_parquet), "a.npz": ("NPZ", write_npz), "a.mat": ("MAT", write_mat)}
 
 
@@ -263,11 +266,16 @@ def test_the_storage_of_a_ros_2_bag_alone(name, run_of_csv, tumble, tmp_path):
         assert rows_of(tmp_path / "run.csv") == run_of_csv
 
 
-@pytest.mark.parametrize("name", [*FORMATS, *TABLES])
+@pytest.mark.parametrize("options", [{"encoding": "ros1"}, {"stamped": False}])
+def test_mcap_of_ros_1_and_without_times_in_headers(options, run_of_csv, tumble, tmp_path):
+    write_mcap(tmp_path / "a.mcap", {"one": recorded()[1]}, **options)
+    assert tumble("import", tmp_path / "a.mcap", "--out", tmp_path / "run.csv").returncode == 0
+    assert rows_of(tmp_path / "run.csv") == run_of_csv
+
+
+@pytest.mark.parametrize("name", [*FILES, *TABLES])
 def test_what_a_file_is_shows_in_its_beginning(name, run_of_csv, tumble, tmp_path):
     """Whatever its name."""
-    if name == "folder":
-        pytest.skip("a folder has no beginning")
     {**FORMATS, **TABLES}[name][1](tmp_path / name, {"one": recorded()[1]})
     (tmp_path / name).rename(tmp_path / "recording")
     done = tumble("import", tmp_path / "recording", "--out", tmp_path / "run.csv", "--unit", SI)
@@ -364,7 +372,7 @@ def test_of_several_groups_the_one_with_outputs_is_taken(run_of_csv, tumble, tmp
 
 def test_outputs_of_other_names_are_named(run_of_csv, tumble, tmp_path):
     nptdms = pytest.importorskip("nptdms", reason="nptdms is not installed")
-    step = {"wf_increment": 0.02, "wf_start_offset": 0.0, "wf_start_time": np.datetime64("2026-01-01")}
+    step = {"wf_increment": 0.02}
     with nptdms.TdmsWriter(tmp_path / "a.tdms") as writer:
         for group, names in (("Log", ("P", "Q", "R")), ("Info", ("S", "T", "U"))):
             told = {**step, "unit_string": "m/s^2"}
@@ -399,7 +407,7 @@ def test_no_accelerometer(refused, tmp_path):
 CUTS = (1, 7, 100, 1000)
 
 
-@pytest.mark.parametrize("name", [one for one in (*FORMATS, *TABLES) if one != "folder"] + ["a.db3"])
+@pytest.mark.parametrize("name", [*FILES, *TABLES, "a.db3"])
 def test_a_file_that_was_cut_is_one_line(name, tumble, tmp_path):
     """Or what is left of it is imported; wherever it was cut, and where bytes of it are others."""
     if name == "a.db3":

@@ -206,6 +206,14 @@ def test_a_table_that_decompresses_to_gigabytes(suffix, add, columns, refused_wi
     assert f"run{suffix}: needs more memory than such a file may" in refused_within("solve", f"run{suffix}")
 
 
+def test_an_hdf5_file_that_declares_more_numbers_than_fit(refused_within, tmp_path):
+    h5py = pytest.importorskip("h5py", reason="h5py is not installed")
+    with h5py.File(tmp_path / "log.h5", "w") as file:
+        for name in ("ax", "ay", "az"):
+            file.create_dataset(name, (10 * ROWS,), dtype="f8", chunks=(1 << 20,))
+    assert "log.h5: needs more memory than such a file may" in refused_within("import", "log.h5")
+
+
 @pytest.mark.parametrize("column", ["text", "list", "struct", "binary", "null"])
 def test_parquet_of_other_types(column, columns, refused, tmp_path):
     pa = pytest.importorskip("pyarrow", reason="pyarrow is not installed")

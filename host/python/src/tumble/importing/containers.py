@@ -167,7 +167,7 @@ def _tdms(file: str) -> Iterator[Source]:
         for group in TdmsFile.read(stream).groups():
             channels = [one for one in group.channels() if len(one)]
             waves = [one for one in channels if one.properties.get("wf_increment")]
-            columns = [("time", "s", one.time_track()) for one in waves[:1]]
+            columns = [("time", "s", np.arange(len(one)) * one.properties["wf_increment"]) for one in waves[:1]]
             columns += [(one.name, _word(one.properties.get("unit_string", "")), one[:]) for one in channels]
             yield group.name, columns
 
