@@ -401,6 +401,15 @@ def test_no_accelerometer(refused, tmp_path):
         assert refused("import", tmp_path / name) == f"tumble: {tmp_path / name}: {lacks}\n"
 
 
+@pytest.mark.parametrize("name", FILES)
+def test_solve_sends_them_to_import(name, refused, tmp_path):
+    kind, write = FORMATS[name][:2]
+    write(tmp_path / name, {"one": recorded()[1]})
+    advice = f"tumble import {tmp_path / name} --out RUN.csv finds them by the rests"
+    said = f"is a recording ({kind}), which has no positions: {advice}"
+    assert refused("solve", tmp_path / name) == f"tumble: {tmp_path / name}: {said}\n"
+
+
 # Files that are damaged, and packages that are missing.
 
 

@@ -24,7 +24,7 @@ from _tumble_core import ffi, lib
 from tumble.arrays import Flags, Floats, Integers
 from tumble.core import CoreSchedule
 from tumble.errors import BadInput
-from tumble.files import can_log, run_layout
+from tumble.files import can_log, containers, run_layout
 from tumble.files.disk import MIB, Held, Incoming, in_words, pieces, reason
 from tumble.files.rows import NotANumber, Part, PositionIndex, Refused, RowParser, Temperatures, listed
 from tumble.schedule import CLOSED, Schedule
@@ -400,6 +400,7 @@ class RunReader:
                     layout = run_layout.detect(start, options, file)
         except BadInput:
             can_log.refuse(start, file)
+            containers.refuse(start, file)
             raise
         self.layout = layout
         self.parser = RowParser(layout, run_layout.COLUMNS, positions, fast=fast, recorded=recorded)

@@ -5,7 +5,6 @@ recording    files in, numbers out: tables, their clocks, RAWIMU logs
 clocks       seconds from numbers, dates and times of day, or from a rate
 repairs      counts without their sign, stretches in which nothing was measured
 can_bus      of CAN logs
-containers   of TDMS, HDF5, ULog, DataFlash, ROS bags, MCAP, Parquet, NPZ and MAT
 rests        where the block was at rest
 attitudes    what gravity alone says of K and of the attitude at each rest
 match        which rest is which position, and whether anything else fits as well

@@ -21,7 +21,7 @@ import numpy as np
 
 from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput, Remedy, UsageError, listed, quoted
-from tumble.files import can_log, run_layout
+from tumble.files import can_log, containers, run_layout
 from tumble.files.disk import MOST_OF_RECORDING, bounded, joined, read_bytes
 from tumble.files.rows import (
     FELT,
@@ -34,7 +34,7 @@ from tumble.files.rows import (
     Refused,
     RowParser,
 )
-from tumble.importing import can_bus, clocks, containers, repairs
+from tumble.importing import can_bus, clocks, repairs
 from tumble.importing.can_bus import NO_BUS, OUTPUTS, Bus
 from tumble.importing.clocks import Clock, Timing
 from tumble.importing.labels import LABELS

@@ -14,7 +14,6 @@ import logging
 import os
 import pickle
 import re
-import subprocess
 import sys
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
@@ -174,7 +173,9 @@ def _tdms(file: str) -> Iterator[Source]:
 
 def _hdf5(file: str) -> Iterator[Source]:
     """The datasets of each group, by a process of its own: of some damaged files the library dies."""
-    child = "import sys; from tumble.importing import containers; containers.hand_over_groups(sys.argv[1])"
+    import subprocess
+
+    child = "import sys; from tumble.files import containers; containers.hand_over_groups(sys.argv[1])"
     done = subprocess.run([sys.executable, "-c", child, file], stdin=subprocess.DEVNULL, capture_output=True)
     if done.returncode != 0:
         raise BadInput("is damaged: the library of HDF5 dies of it", file)
@@ -359,3 +360,11 @@ def kind_of(file: str, beginning: bytes) -> str | None:
     """What this is, as messages call it; None: none of these."""
     found = next((kind for kind, (magic, *_) in _KINDS.items() if re.match(magic, beginning)), None)
     return found or _OF_SUFFIX.get(frames.suffix_of(file))
+
+
+def refuse(data: bytes, file: str) -> None:
+    """Raises BadInput for one of them that no ending makes a run file, where one is wanted."""
+    kind = kind_of(file, data)
+    if kind is not None and kind not in _OF_SUFFIX.values():
+        advice = f"tumble import {file_name(file)} --out RUN.csv finds them by the rests"
+        raise BadInput(f"is a recording ({kind}), which has no positions: {advice}", file)
