@@ -345,7 +345,7 @@ def test_a_plan_says_three_numbers(tmp_path, tumble):
     assert len(plan["noise_v"]) == 3 and plan["noise_v"][2] / plan["noise_v"][0] == pytest.approx(1.5e-3 / 4.5e-5)
     ran = tumble("plan", "budget", "--stand", tmp_path / "stand.toml")
     assert "Block: 0.3, -2, 10 V/g, misalignments 0.02 rad" in ran.stdout
-    assert "noise: of the channel that has most, the others in proportion" in ran.stdout
+    assert "noise: of the worst channel, the others in proportion" in ran.stdout
 
 
 def bench_stand(tmp_path):

@@ -88,7 +88,7 @@ def test_what_a_drive_refuses_is_named_in_a_run_and_between_runs(played):
 
 def test_a_fault_that_cannot_be_cleared_yet_says_why(played):
     theirs, node = played()
-    for rung, why in ((0, ""), (3, ", and the axis is not yet seen at rest after the stop: try again"), (6, "")):
+    for rung, why in ((0, ""), (3, ", and the axis is not yet known to be at rest after the stop: try again"), (6, "")):
         theirs.rung = rung
         with pytest.raises(client.Refused) as end:
             node.command("CLEAR_FAULT")
@@ -122,7 +122,7 @@ def test_waiting_ends_in_time_with_the_last_state(played):
 
 @pytest.mark.parametrize(("now", "said"), [
     (0, "run 2 is gone: the node has restarted; the state is IDLE"),
-    (3, "run 2 is gone: run 3 has been begun; the state is IDLE"),
+    (3, "run 2 is gone: run 3 has begun; the state is IDLE"),
 ])
 def test_a_run_that_is_gone_is_waited_for_no_longer(played, now, said):
     theirs, node = played(stays="AVERAGE")
@@ -296,7 +296,7 @@ def test_a_bus_that_goes_away_is_told_and_when_it_is_back_the_client_goes_on(pla
         down.setattr(bus, "_recv_internal", fail)
         wait_until(lambda: len(failures) > 3)
         for act in (lambda: node.state, node.start, node.unlock().__enter__):
-            with pytest.raises(client.CommunicationError, match="the bus takes no question: Network is down"):
+            with pytest.raises(client.CommunicationError, match="the bus takes no request: Network is down"):
                 act()
     assert node.state == "IDLE" and node.start() == "PREFLIGHT"
     assert capfd.readouterr().err == ""
@@ -319,7 +319,7 @@ def test_what_is_no_number_and_no_whole_one(played):
     theirs, node = played()
     for name in ("Configuration: Samples per position", "Commit rules: Coverage"):
         for value in (None, "abc"):
-            with pytest.raises(UsageError, match=rf"writing {name}: '{value}' is no number"):
+            with pytest.raises(UsageError, match=rf"writing {name}: '{value}' is not a number"):
                 node.settings[name] = value
     for argument in (-1, 1.5, 300, float("nan")):
         with pytest.raises(client.Refused, match=r"value out of range \(0609 0030h\)"):
@@ -345,7 +345,7 @@ def test_a_link_that_is_closed_stays_so(played):
     _theirs, node = played()
     node.close()
     node.close()
-    with pytest.raises(UsageError, match="the link has been closed"):
+    with pytest.raises(UsageError, match="the link is closed"):
         _ = node.state
 
 

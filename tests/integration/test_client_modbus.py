@@ -174,7 +174,7 @@ def test_a_gateway_that_takes_no_commands_and_a_node_that_falls_silent(start):
     pytest.param(lambda function, words: (function, [*words, 0]), id="long"),
 ])
 def test_an_answer_to_another_question_is_told_as_such(spoil):
-    said = r"the gateway answers another question: function \d, \d+ words"
+    said = r"the gateway answers another request: function \d, \d+ words"
     gateway = FalseGateway(spoil)
     with pytest.raises(client.CommunicationError, match=said):
         client.connect(gateway.link)
@@ -200,7 +200,7 @@ def test_arguments_that_no_command_can_have_are_refused_as_over_can(played):
             node.command("TURN_AXIS", angle_deg=angle)
     for name in ("Configuration: Samples per position", "Commit rules: Coverage"):
         for value in (None, "abc"):
-            with pytest.raises(client.UsageError, match=rf"writing {name}: '{value}' is no number"):
+            with pytest.raises(client.UsageError, match=rf"writing {name}: '{value}' is not a number"):
                 node.settings[name] = value
     assert theirs.written == []
 
@@ -212,7 +212,7 @@ def test_a_gateway_that_has_read_nothing_yet_is_waited_for():
         gateway.values["Snapshot number"] = 0
         threading.Timer(0.5, gateway.values.pop, ["Snapshot number"]).start()
         assert node.state == "IDLE" and "Snapshot number" not in gateway.values
-    with pytest.raises(client.UsageError, match="the link has been closed"):
+    with pytest.raises(client.UsageError, match="the link is closed"):
         _ = node.state
     gateway.close()
 
@@ -222,7 +222,7 @@ def test_a_connect_in_vain_leaves_nothing_open_and_nothing_said(capfd):
     kept = []
     before = open_sockets()
     for _ in range(5):
-        with pytest.raises(client.CommunicationError, match="this is no tumble-gateway") as error:
+        with pytest.raises(client.CommunicationError, match="this is not a tumble-gateway") as error:
             client.connect(gateway.link)
         kept.append(error)
     wait_until(lambda: open_sockets() <= before)

@@ -158,7 +158,7 @@ def test_a_requirement_that_no_samples_meet_says_what_limits(tumble, stand_with)
     done = tumble("plan", "require", "--stand", file)
     words = " ".join(done.stdout.split())
     assert done.returncode == 0 and SENTENCE in words
-    assert "Samples at each position: no number brings such a noise; the stand has 50" in words
+    assert "Samples at each position: no number of samples reaches this noise; the stand has 50" in words
     assert max(map(len, done.stdout.splitlines())) <= 80
     plan = json.loads(tumble("plan", "require", "--stand", file, "--json").stdout)
     assert plan["samples"] is plan["just_enough"]["samples"] is None
@@ -219,4 +219,4 @@ def test_requirements_count_rounding_by_channel():
     assert asked.rounding[::2] == (0.0, 0.0)
     alike = Case(replace(stand, noise=1e-3), 2.0, 0.02, 0.0, None, 3e-4)  # but for what rounding leaves
     assert by_key(alike, ("noise",), np.array([2.0]))["noise_v"] == tuple((2.0 * alike.stand.profile("noise")).tolist())
-    assert notes(alike)[0].startswith("noise: of the channel that has most") and "(uy)" in notes(alike)[1]
+    assert notes(alike)[0].startswith("noise: of the worst channel") and "(uy)" in notes(alike)[1]

@@ -137,9 +137,9 @@ def test_the_dump_finds_what_is_torn_and_what_is_left_over():
     image[6 * 4096 + 70] ^= 1
     found = read_image(bytes(image))
     assert found.active.sequence == 3 and found.proposal is None and list(found.slots) == ["B"]
-    assert found.torn == ["slot A: it was not written to its end: the mark is missing",
-                          "history, sector 4, entry 1: its checksum does not agree",
-                          "checkpoint, position entry 1: its checksum does not agree"]
+    assert found.torn == ["slot A: it was not written completely: the mark is missing",
+                          "history, sector 4, entry 1: its checksum is wrong",
+                          "checkpoint, position entry 1: its checksum is wrong"]
 
 
 def test_an_erased_memory_is_no_fault(tumble, tmp_path):

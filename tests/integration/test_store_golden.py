@@ -96,7 +96,7 @@ def test_an_altered_bit_is_noticed_by_both(firmware, name):
     fingerprint = case["numbers"].get("fingerprint", 0)
     decode = {"set": codec.decode_set, "entry": codec.decode_entry, "run": codec.decode_run,
               "position": lambda r: codec.decode_position(r, fingerprint)}[case["kind"]]
-    with pytest.raises(codec.NotARecord, match="its checksum does not agree"):
+    with pytest.raises(codec.NotARecord, match="its checksum is wrong"):
         decode(bytes(record))
     if case["kind"] != "run":
         assert firmware(case["kind"], bytes(record), fingerprint)[0] != 0
@@ -212,7 +212,7 @@ def test_a_range_between_half_degrees_is_widened(range_c, kept_c):
 
 @pytest.mark.parametrize("range_c", [[-64.1, 20.0], [20.0, 63.6], [20.5, 20.4], [float("nan"), 20.0]])
 def test_a_range_that_cannot_be_kept_is_refused(range_c):
-    message = "a range of temperatures lies within -64.0 and 63.5 deg C, the lower first"
+    message = "a temperature range must lie within -64.0 and 63.5 deg C, the lower end first"
     with pytest.raises(ValueError, match=message):
         codec.encode_set(a_set(temperature_range_c=range_c))
 

@@ -174,7 +174,7 @@ def test_a_terminal_of_80_columns_done_fault_lost_and_nothing():
     assert "The axis does not follow: brake, obstacle, current limit." in fault
     assert "! emergency 8611h of drive" in fault
     lost = on_terminal(shown(AVERAGING, lost_since=1e9, why="node 1 does not answer"))
-    assert re.search(r"! connection lost since \d\d:\d\d:40: node 1 does not answer; tried again", "\n".join(lost))
+    assert re.search(r"! connection lost since \d\d:\d\d:40: node 1 does not answer; retrying", "\n".join(lost))
     assert {len(line) for line in on_terminal(View("x", 0, 1.0))} == {80}
 
 

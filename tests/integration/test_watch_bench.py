@@ -256,7 +256,7 @@ def test_a_damaged_key_is_named(damaged, schema, file, tmp_path):
 def test_a_damaged_result_is_one_line(damaged, tmp_path):
     (tmp_path / "bus.log").touch()
     (tmp_path / "result.json").write_text(json.dumps(damaged))
-    with pytest.raises(Lost, match=r"^result\.json is no result of a run$"):
+    with pytest.raises(Lost, match=r"^result\.json is not a result of a run$"):
         FolderRun(tmp_path).snapshot()
 
 
@@ -264,4 +264,4 @@ def test_a_damaged_result_is_no_fault_in_tumble(tumble, tmp_path):
     (tmp_path / "bus.log").touch()
     (tmp_path / "fault.json").write_text('{"state": "X"}')
     done = tumble("watch", tmp_path, "--json")
-    assert (done.returncode, done.stderr) == (3, f"tumble: {tmp_path}: fault.json is no result of a run\n")
+    assert (done.returncode, done.stderr) == (3, f"tumble: {tmp_path}: fault.json is not a result of a run\n")

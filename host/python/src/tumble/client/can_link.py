@@ -171,7 +171,7 @@ class CanLink(links.Link):
         except self._silence as error:
             raise _silent(sdo, error) from None
         except (CanError, OSError) as error:
-            raise links.CommunicationError(f"the bus takes no question: {error}") from None
+            raise links.CommunicationError(f"the bus takes no request: {error}") from None
         except self._misfit as error:
             raise links.CommunicationError(f"node {sdo.rx_cobid & 0x7F}, {what}: {error}") from None
 

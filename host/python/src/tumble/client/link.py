@@ -34,7 +34,7 @@ _WORDS = {
     OUT_OF_RANGE: "value out of range",
     0x06090031: "value too high",
     0x06090032: "value too low",
-    0x08000020: "not the signature that it wants",
+    0x08000020: "the signature is wrong",
     0x06060000: "the memory failed",
     NO_SUCH_OBJECT: "no such object",
     NO_SUCH_SUBINDEX: "no such object",
@@ -70,7 +70,7 @@ class RunGone(RunFailed):
 
     def __init__(self, run: int, now: int, state: str, reason: Reason):
         self.run, self.state, self.reason, self.drive_refusal = run, state, reason, ""
-        why = "the node has restarted" if now < run else f"run {now} has been begun"
+        why = "the node has restarted" if now < run else f"run {now} has begun"
         BenchFault.__init__(self, f"run {run} is gone: {why}; the state is {state}")
 
 
@@ -110,7 +110,7 @@ class Link(ABC):
     def require_open(self) -> None:
         """Before anything is asked: a library may open again what was closed."""
         if self.closed:
-            raise UsageError("the link has been closed; connect anew")
+            raise UsageError("the link is closed; connect again")
 
     @abstractmethod
     def has(self, name: str) -> bool:
@@ -158,13 +158,13 @@ class Link(ABC):
 def require_number(what: str, value: object) -> None:
     """Raises UsageError."""
     if not isinstance(value, Real):
-        raise UsageError(f"{what}: {quoted(value)} is no number")
+        raise UsageError(f"{what}: {quoted(value)} is not a number")
 
 
 def whole(value: float) -> int:
     """Raises ValueError, OverflowError for a number that is not."""
     if value != int(value):
-        raise ValueError(f"{value} is no whole number")
+        raise ValueError(f"{value} is not a whole number")
     return int(value)
 
 

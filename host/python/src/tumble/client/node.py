@@ -377,7 +377,7 @@ class Node:
         if name not in COMMAND:
             raise UsageError(f"there is no command {quoted(name)}; there are {', '.join(COMMAND)}")
         if name == "TURN_AXIS" and angle_deg is None:  # the node would go where somebody sent it before
-            raise UsageError("TURN_AXIS needs angle_deg, where to turn to")
+            raise UsageError("TURN_AXIS needs angle_deg, the target")
         self._give(name, argument, angle_deg, proposal)
         return self.state
 
@@ -394,7 +394,7 @@ class Node:
         """For a message: the state of the stand, if the command is one to the table; what the drive refused; and a stop
         in progress that CLEAR_FAULT has to wait for."""
         if command == "CLEAR_FAULT" and self.has(_STOP_RUNG) and 0 < self._whole(_STOP_RUNG) < STOP_NOT_CONFIRMED:
-            return ", and the axis is not yet seen at rest after the stop: try again"
+            return ", and the axis is not yet known to be at rest after the stop: try again"
         if command not in TO_TABLE:
             return ""
         refusal = self.drive_refusal
@@ -406,7 +406,7 @@ class Node:
         self._give("START")
         while (run := self.run) <= before:
             if time.monotonic() >= end:
-                raise links.CommunicationError("the node has taken START and shows no new run")
+                raise links.CommunicationError("the node accepted START but shows no new run")
             self.link.wait_for_news()
         self._run = run
         return self.state
@@ -465,7 +465,7 @@ class Node:
     def _all(self, *wanted: str) -> list[links.Value]:
         found = self.link.read_together(*wanted)
         if None in found:
-            raise links.CommunicationError(f"the node does not tell its {wanted[found.index(None)]}")
+            raise links.CommunicationError(f"the node does not report its {wanted[found.index(None)]}")
         return found
 
 

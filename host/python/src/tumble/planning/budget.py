@@ -80,7 +80,7 @@ def _differs(case: Case, name: str) -> bool:
 def notes(case: Case) -> list[str]:
     """Notes for people: the sizes of outputs where the channels differ, and rounding that does not average out."""
     differ = [name for name in OF_OUTPUTS if _differs(case, name)]
-    said = [f"{' and '.join(differ)}: of the channel that has most, the others in proportion"] if differ else []
+    said = [f"{' and '.join(differ)}: of the worst channel, the others in proportion"] if differ else []
     return said + ([] if case.rounding_sentence is None else [case.rounding_sentence])
 
 

@@ -410,7 +410,7 @@ def require(case: Case, which: Weights, estimator: str, split: Floats, probabili
 
 _AT_MOST = "at most: all sources at once, each at an equal share of the row named (--split)"
 _AT_MOST_OPTIMAL = "at most: all at once; as refined allows, scaled until the named row is full"
-_NO_NUMBER = "no number brings such a noise"
+_NO_NUMBER = "no number of samples reaches this noise"
 
 
 def show(plan: Require, case: Case) -> None:

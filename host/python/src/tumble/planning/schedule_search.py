@@ -211,7 +211,7 @@ class NormSpread:
 
     def __init__(self, case: Case, schedule: Schedule, estimator: str):
         if estimator not in ESTIMATORS:
-            raise UsageError(f"--estimator: a schedule is sought for {' or '.join(ESTIMATORS)}, not {estimator}")
+            raise UsageError(f"--estimator: schedules are searched for {' or '.join(ESTIMATORS)}, not {estimator}")
         k, count = case.nominal_k(), len(schedule.positions)
         self.estimator, self.schedule, self.k = estimator, schedule, k
         one_sample = replace(case.stand, samples=1)

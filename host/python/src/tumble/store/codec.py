@@ -96,14 +96,14 @@ class Position:
 
 def _check_seal(bytes_: bytes, before: int = 0) -> None:
     if struct.pack("<I", zlib.crc32(bytes_[:-4], before)) != bytes_[-4:]:
-        raise NotARecord("its checksum does not agree")
+        raise NotARecord("its checksum is wrong")
 
 
 def _half_degrees(range_c: list[float]) -> tuple[int, int]:
     """A range in half degrees, rounded outwards."""
     low_c, high_c = range_c
     if not COLDEST_C <= low_c <= high_c <= WARMEST_C:
-        raise ValueError(f"a range of temperatures lies within {COLDEST_C} and {WARMEST_C} deg C, the lower first")
+        raise ValueError(f"a temperature range must lie within {COLDEST_C} and {WARMEST_C} deg C, the lower end first")
     return math.floor(2 * low_c), math.ceil(2 * high_c)
 
 
@@ -188,7 +188,7 @@ def decode_place(bytes_: bytes) -> CoefficientSet:
         _require_known(record)
     found = decode_set(record)
     if not is_marked:
-        raise NotARecord("it was not written to its end: the mark is missing")
+        raise NotARecord("it was not written completely: the mark is missing")
     return found
 
 

@@ -241,7 +241,7 @@ def _radians(value: Value) -> float | None:
 
 def _number(value: Value) -> float:
     if not isinstance(value, int | float):
-        raise CommunicationError(f"the node tells {value!r} where a number was expected")
+        raise CommunicationError(f"the node sends {value!r} where a number is expected")
     return float(value)
 
 

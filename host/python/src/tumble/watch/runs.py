@@ -279,7 +279,7 @@ def _checked(told: Any, file: str) -> FirmwareRun | Result:
     kinds: dict[str, type[FirmwareRun | Result]] = {RESULT: Result, BENCH: Bench, NODE: Node}
     name = told.get("schema") if isinstance(told, dict) else None
     if name not in kinds:
-        raise Lost(f"{file} is no result of a run")
+        raise Lost(f"{file} is not a result of a run")
     try:
         return base.checked(kinds[name], name, told, file)
     except BadInput as error:

@@ -99,7 +99,7 @@ def _trouble(now: Snapshot) -> Iterator[Text]:
 
 def _lost(view: View) -> Iterator[Text]:
     if view.lost_since is not None:
-        yield Text(f"! connection lost since {_clock(view.lost_since)}: {view.why}; tried again", style=_BAD)
+        yield Text(f"! connection lost since {_clock(view.lost_since)}: {view.why}; retrying", style=_BAD)
 
 
 def _where(now: Snapshot) -> str:
