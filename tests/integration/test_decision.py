@@ -19,7 +19,7 @@ from tumble.model.optimal import optimal_table
 from tumble.model.propagation import Propagation
 from tumble.planning.case import Case
 from tumble.planning.promise import promise
-from tumble.solving.decision import UNCERTAINTY, Decision, Question, Remedy, in_words, is_shown
+from tumble.solving.decision import UNCERTAINTY, Decision, Question, Remedy, is_shown, remedies_text
 from tumble.stand import PAPER_STAND, Stand
 from tumble.units import on_its_side
 
@@ -180,7 +180,7 @@ def test_what_exceeds_its_limit_is_never_rounded_to_it(limit, reach, said):
 
 def test_what_would_show_a_limit_is_never_rounded_to_it():
     remedies = [Remedy("samples", 30, 2.98e-4), Remedy("mountings", 3, 2.1234e-4), Remedy("estimator", "optimal", 3e-4)]
-    assert in_words(remedies, 3e-4) == (
+    assert remedies_text(remedies, 3e-4) == (
         "It would be shown by 30 samples a position (0.000298 g) or a third mounting (--schedule three_mountings)"
         " (0.00021 g) or --estimator optimal (0.0003 g)"
     )

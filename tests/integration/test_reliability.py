@@ -234,7 +234,7 @@ def test_a_result_says_it(tumble):
     shown = tumble(*command).stdout
     assert max(map(len, shown.splitlines())) <= 80
     assert (
-        f"A run like this reliably shows {BY_NAME[worst['pattern']].words} only from {worst['size']:.3g}"
+        f"A run like this reliably shows {BY_NAME[worst['pattern']].description} only from {worst['size']:.3g}"
         f" {worst['unit']} up; a smaller effect may change |a| by up to {1e6 * worst['norm_error_g']:.3g} ug"
         " A run like this cannot show, at any size: products of two axes in the block's outputs; mountings"
         " that sit tilted on the platform"

@@ -75,8 +75,8 @@ def read_answer() -> str:
         line = "" if sys.stdin is None else sys.stdin.readline()
     except (OSError, ValueError):  # a folder, a terminal that is gone, what is not text
         line = ""
-    words = " ".join(line.split()).lower()
-    return ABORT if not line else words or DONE
+    typed = " ".join(line.split()).lower()
+    return ABORT if not line else typed or DONE
 
 
 def forget_what_was_typed() -> None:

@@ -56,18 +56,18 @@ def import_in_python(message: str) -> str:
 
 
 @contextmanager
-def told_in_python(words: Callable[[str], str] = in_python) -> Iterator[None]:
-    """What is raised within is told in these `words`. The names of files stay as they are."""
+def told_in_python(reword: Callable[[str], str] = in_python) -> Iterator[None]:
+    """What is raised within is told with what `reword` makes of it. The names of files stay as they are."""
     try:
         yield
     except BadInput as error:
         where = str(error).removesuffix(error.fault)
-        error.fault = words(error.fault)
+        error.fault = reword(error.fault)
         error.args = (where + error.fault,)
-        error.assumed = tuple(map(words, error.assumed))
+        error.assumed = tuple(map(reword, error.assumed))
         raise
     except TumbleError as error:
-        error.args = (words(str(error)),)
+        error.args = (reword(str(error)),)
         raise
 
 

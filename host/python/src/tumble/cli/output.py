@@ -31,9 +31,9 @@ from tumble.solving.decision import (
     Decision,
     assumed,
     decide,
-    in_words,
     marks,
     phrase,
+    remedies_text,
     would_show,
 )
 from tumble.solving.many_runs import NORMAL_COVERAGE, MonteCarlo
@@ -468,7 +468,7 @@ def _failure(solution: Solution, decision: Decision, size: str, position: str, l
     """What stands behind a failure. Where something explains it, it is named, and not the position with the largest
     error: an error at one position makes others look wrong."""
     if decision.is_not_shown:
-        return f"; largest gravity error {size}. {in_words(would_show(solution), solution.limit_g)}."
+        return f"; largest gravity error {size}. {remedies_text(would_show(solution), solution.limit_g)}."
     best = None if solution.fit is None else next(iter(solution.fit.explanations), None)
     by = f" at {position}" if best is None else ""
     explained = "" if best is None else f"; explained best by {named(best)}"

@@ -117,16 +117,16 @@ _ADVICE = (
     "with --stand FILE. A stand file (TOML) says how exact the stand is; to get one, copy examples/paper_stand.toml and"
     " put in the numbers of your own stand (docs/first-calibration.md, step 1)."
 )
-Words = Callable[[str], str]
+Reword = Callable[[str], str]
 Row: TypeAlias = OfParameter | OfSeat | OfCoefficient
 
 
-def render(told: Comparison, words: Words = str) -> str:
-    """The whole of it. `words`: what turns options of the command line into what the reader has in their place."""
-    lines = [*wrapped(words(sentence(told))), ""]
+def render(told: Comparison, reword: Reword = str) -> str:
+    """The whole of it. `reword`: what turns options of the command line into what the reader has in their place."""
+    lines = [*wrapped(reword(sentence(told))), ""]
     for name, side in (("A", told.a), ("B", told.b)):
         lines += wrapped(f"{name}: {_described(side)}", "   ")
-    given = [line for one in grounds(told) for line in wrapped(f"- {words(one)}", "  ")]
+    given = [line for one in grounds(told) for line in wrapped(f"- {reword(one)}", "  ")]
     lines += ["", "Assumptions:", *given] if given else []
     lines += _table(told.parameters, told.seat, told.coefficients)
     if told.tests is not None:

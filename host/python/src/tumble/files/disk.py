@@ -121,12 +121,12 @@ def joined(blocks: Iterable[bytes], name: str, most: int) -> bytes:
     for block in blocks:
         size += len(block)
         if size > most:
-            raise BadInput(f"more than {in_words(most)}, which is the most that such a file may have", name)
+            raise BadInput(f"more than {size_text(most)}, which is the most that such a file may have", name)
         found.append(block)
     return b"".join(found)
 
 
-def in_words(size: int) -> str:
+def size_text(size: int) -> str:
     """A limit in bytes, as messages have it."""
     return f"{size // MIB} MiB" if size % MIB == 0 else f"{size} bytes"
 
@@ -406,7 +406,7 @@ def pieces(blocks: Iterable[bytes], file: str) -> Iterator[bytes]:
         parts.append(block[cut:])
         held += len(block) - cut
         if held > LONGEST_LINE:
-            raise BadInput(f"a line of more than {in_words(LONGEST_LINE)}", file)
+            raise BadInput(f"a line of more than {size_text(LONGEST_LINE)}", file)
     if last := b"".join(parts):
         yield last
 

@@ -25,7 +25,7 @@ from tumble.arrays import Flags, Floats, Integers
 from tumble.core import CoreSchedule
 from tumble.errors import BadInput
 from tumble.files import can_log, containers, run_layout
-from tumble.files.disk import MIB, Held, Incoming, in_words, pieces, reason
+from tumble.files.disk import MIB, Held, Incoming, pieces, reason, size_text
 from tumble.files.rows import NotANumber, Part, PositionIndex, Refused, RowParser, Temperatures, listed
 from tumble.schedule import CLOSED, Schedule
 
@@ -432,7 +432,7 @@ class RunReader:
             if not to_its_end and run_layout.is_long_enough(grown):
                 break
             if len(grown) > LONGEST_HEAD:
-                raise BadInput(f"no header line within {in_words(LONGEST_HEAD)}", self._file)
+                raise BadInput(f"no header line within {size_text(LONGEST_HEAD)}", self._file)
         return bytes(grown)
 
     def _without_zeros(self, blocks: Iterator[bytes], ends: int) -> Iterator[bytes]:

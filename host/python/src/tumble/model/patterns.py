@@ -161,14 +161,14 @@ def _set_angles(scene: Scene) -> list[Columns]:
 
 @dataclass(frozen=True)
 class Pattern:
-    """`name`; `columns` by variant; `unit` of the size; `whose` fault it is; `words` for people; `random`: errors that
-    have no shape; `lasts`: a property of the block, which its outputs hold at any attitude."""
+    """`name`; `columns` by variant; `unit` of the size; `whose` fault it is; `description` for people; `random`: errors
+    that have no shape; `lasts`: a property of the block, which its outputs hold at any attitude."""
 
     name: str
     columns: Callable[[Scene], list[Columns]]
     unit: str
     whose: str
-    words: str
+    description: str
     random: bool = False
     lasts: bool = False
 

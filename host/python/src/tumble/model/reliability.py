@@ -175,9 +175,9 @@ def largest(found: Reliability) -> float | None:
     return max((one.norm_g for one in found if one.norm_g is not None), default=None)
 
 
-def in_words(pattern: str) -> str:
+def description_of(pattern: str) -> str:
     """A pattern by its name; one of a later version by its name alone."""
-    return BY_NAME[pattern].words if pattern in BY_NAME else pattern
+    return BY_NAME[pattern].description if pattern in BY_NAME else pattern
 
 
 def _amount(size: float, unit: str) -> str:
@@ -191,15 +191,16 @@ def _amount(size: float, unit: str) -> str:
 
 def lines(found: Reliability, limit_g: float | None = None) -> list[str]:
     """For people: what costs most, and whether that is more than the limit, if there is one; what no size shows."""
-    said, unseen = [], "; ".join(one.pattern.words for one in found if one.size is None)
+    said, unseen = [], "; ".join(one.pattern.description for one in found if one.size is None)
     worst = found[0] if found else None
     if worst is not None and worst.size is not None and worst.norm_g is not None:
         beyond = ""
         if limit_g is not None and worst.norm_g > limit_g:
             beyond = ", more than the limit; the verdict assumes that there is none"
         said.append(
-            f"A run like this reliably shows {worst.pattern.words} only from {_amount(worst.size, worst.pattern.unit)}"
-            f" up; a smaller effect may change |a| by up to {_amount(1e6 * worst.norm_g, 'ug')}{beyond}"
+            f"A run like this reliably shows {worst.pattern.description} only from"
+            f" {_amount(worst.size, worst.pattern.unit)} up; a smaller effect may change |a| by up to"
+            f" {_amount(1e6 * worst.norm_g, 'ug')}{beyond}"
         )
     if unseen:
         said.append(f"A run like this cannot show, at any size: {unseen}")

@@ -58,7 +58,7 @@ from tumble.planning.case import Case
 from tumble.planning.model_cost import model_cost, model_cost_part, sentence
 from tumble.planning.promise import ON_A_SEAT, growing_promise, promises
 from tumble.planning.weights import EQUATION_18, EQUATION_19, NAMES, SOURCES, evaluate, symbols
-from tumble.solving.decision import UNCERTAINTY, Decision, Question, in_words
+from tumble.solving.decision import UNCERTAINTY, Decision, Question, remedies_text
 from tumble.stand import COMMON, Stand, by_channel, per_channel
 
 CEILING_RAD = 0.01  # beyond it nobody has tried the optimal estimator: what it bears up to here limits nothing
@@ -515,5 +515,5 @@ def _show_promises(out: Console, plan: Require, asked: str) -> None:
     if not own.shown:  # as a run that is solved says it
         rule = own.limit_g, own.coverage_factor, own.u_norm_worst_g
         not_shown = Decision((UNCERTAINTY,), own.assumes, 0, *rule).sentence
-        remedies = in_words(plan.would_show or (), own.limit_g)
+        remedies = remedies_text(plan.would_show or (), own.limit_g)
         out.print(f"{plan.estimator}: {not_shown}. {remedies}.", style="bold")

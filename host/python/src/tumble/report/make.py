@@ -115,7 +115,9 @@ def pictures(source: Source, run: Any) -> list[dict[str, Any]]:
 
     drawn = figures(source.solved, run)
     told = [(name, svg(one), caption(name, source.solved)) for name, one in drawn.items()]
-    return [{"name": name, "svg": Markup(one), "caption": words} for name, one, words in [*_mountings(source), *told]]
+    return [
+        {"name": name, "svg": Markup(one), "caption": caption} for name, one, caption in [*_mountings(source), *told]
+    ]
 
 
 def _mountings(source: Source) -> list[tuple[str, str, str]]:
@@ -129,9 +131,9 @@ def _mountings(source: Source) -> list[tuple[str, str, str]]:
         from tumble.pictures import inclinations
 
         return [("inclined", svg(inclinations(schedule.data)), _INCLINED)]
-    words = _ON_A_TABLE if source.table("stand") else _PERHAPS_BY_HAND
-    words = _BY_HAND if schedule.data.is_laid_by_hand else words
-    return [("mountings", svg(mountings(schedule.data)), words)]
+    caption = _ON_A_TABLE if source.table("stand") else _PERHAPS_BY_HAND
+    caption = _BY_HAND if schedule.data.is_laid_by_hand else caption
+    return [("mountings", svg(mountings(schedule.data)), caption)]
 
 
 _OF_THE_SOURCE: tuple[Callable[[Source], Any], ...] = (  # what a template has under the names of these

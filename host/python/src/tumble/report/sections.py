@@ -16,7 +16,7 @@ from functools import partial
 from typing import TypeAlias
 
 from tumble.estimators import COEFFICIENTS
-from tumble.model.reliability import in_words as in_words_of
+from tumble.model.reliability import description_of
 from tumble.model.stand_seen import NAMES
 from tumble.report.source import (
     MISSING,
@@ -39,7 +39,7 @@ from tumble.report.source import (
     rounded,
     to_places,
 )
-from tumble.solving.decision import ASSUMPTIONS, UNCERTAINTY, Decision, in_words, marks
+from tumble.solving.decision import ASSUMPTIONS, UNCERTAINTY, Decision, marks, remedies_text
 from tumble.solving.result import schedule_of
 from tumble.solving.uncertainty import HANDS, NEARLY_INFINITE
 from tumble.stand import SOURCES
@@ -413,7 +413,7 @@ class Verdict:
 def verdict(source: Source) -> Verdict:
     """The decision, as on a terminal."""
     decision = Decision.of(source.solved)
-    rest = in_words(source.solved.would_show or (), decision.limit_g)
+    rest = remedies_text(source.solved.would_show or (), decision.limit_g)
     return Verdict(decision.word, Fixed(f"{decision.reason}. {rest}." if rest else decision.reason))
 
 
@@ -583,7 +583,7 @@ def unseen(source: Source) -> tuple[Table, Inline] | None:
     for i in range(len(source.array("reliability"))):
         at = ("reliability", i)
         pattern = str(source.at(*at, "pattern"))
-        name = Fixed(in_words_of(pattern))
+        name = Fixed(description_of(pattern))
         if source.decimal(*at, "size") is None:
             never.append(name)
         else:

@@ -350,7 +350,7 @@ def _inclined_further(planned: Schedule) -> tuple[Schedule, float]:
     return replace(planned, mountings=mountings), round(times * steepest, 1)
 
 
-def in_words(remedies: Sequence[Remedy], limit_g: float) -> str:
+def remedies_text(remedies: Sequence[Remedy], limit_g: float) -> str:
     """All, such as "It would be shown by --estimator optimal (0.00011 g) or ..."; empty for none. A stand so many times
     better always helps."""
     told = []

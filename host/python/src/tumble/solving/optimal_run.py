@@ -153,9 +153,9 @@ static_assert(sizeof tumble_optimal_gains == {size}U, "laid out as docs/files.md
 def to_c_header(record: Record, title: str = "") -> str:
     """The record as C source. `title`: of the stand, made fit for a comment."""
     data, squares, inclined = to_bytes(record), _squares(record), record.inclinations > 0
-    words = "".join(sign if sign.isalnum() or sign in " -.,()" else "_" for sign in ascii(title)[1:-1])
+    printable = "".join(sign if sign.isalnum() or sign in " -.,()" else "_" for sign in ascii(title)[1:-1])
     return _HEADER.format(
-        title=f" for: {words}" if words else "",
+        title=f" for: {printable}" if printable else "",
         record=record,
         gain_rows=len(record.gains),
         stand_rows=len(record.nuisance_gains),

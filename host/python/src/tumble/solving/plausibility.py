@@ -110,13 +110,13 @@ class Plausibility:
 
 @dataclass(frozen=True)
 class Mistake:
-    """`words` say what happened; `count` is how many single mistakes that takes."""
+    """`descriptions` say what happened; `count` is how many single mistakes that takes."""
 
     count: int
-    words: tuple[str, ...] = ()
+    descriptions: tuple[str, ...] = ()
 
     def __add__(self, other: Mistake) -> Mistake:
-        return Mistake(self.count + other.count, self.words + other.words)
+        return Mistake(self.count + other.count, self.descriptions + other.descriptions)
 
 
 def examine(solution: Solution, stand_file: StandFile | None) -> Plausibility:
@@ -138,7 +138,7 @@ def examine(solution: Solution, stand_file: StandFile | None) -> Plausibility:
     for declared in (nominal, *known):
         mistakes = _explain(solution, declared)
         if mistakes:
-            said = " or ".join(" and ".join(mistake.words) for mistake in mistakes[:_MOST_NAMED])
+            said = " or ".join(" and ".join(mistake.descriptions) for mistake in mistakes[:_MOST_NAMED])
             remedy = _remedy(k, nominal, unit) if declared is nominal else ""
             if len(mistakes) > 1 and solution.inclinations is not None:
                 said += ", which look alike to this run"
@@ -282,8 +282,8 @@ def _channel_mistakes() -> Iterator[tuple[Mistake, Floats]]:
         moved = [index for index in range(3) if order[index] != index]
         exchanged = Mistake(0)
         if moved:
-            words = " and ".join(names[index] for index in moved) if len(moved) == 2 else "ux, uy and uz"
-            exchanged = Mistake(len(moved) - 1, (f"channels {words} look exchanged (--columns)",))
+            channels = " and ".join(names[index] for index in moved) if len(moved) == 2 else "ux, uy and uz"
+            exchanged = Mistake(len(moved) - 1, (f"channels {channels} look exchanged (--columns)",))
         for signs in itertools.product((1.0, -1.0), repeat=3):
             odd = [names[index] for index in range(3) if signs[index] < 0]
             looks = "channel {} looks" if len(odd) == 1 else "channels {} look"

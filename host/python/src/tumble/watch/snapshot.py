@@ -28,7 +28,7 @@ ANGLE_KNOWN = ("MOVING", "IN_POSITION", "STOPPED")
 _REASONS = {name: (meaning, remedy) for name, meaning, remedy in REASONS}
 
 
-def in_words(now: Snapshot) -> Snapshot:
+def with_sentences(now: Snapshot) -> Snapshot:
     """State, action, problem and remedy as a sentence, as far as known."""
     sentence, remedy = _REASONS.get(now.reason or "", (None, None))
     return replace(now, meaning=STATES.get(now.state or ""), sentence=sentence, remedy=remedy)
@@ -64,7 +64,7 @@ class View(msgspec.Struct, frozen=True):
 def document(view: View) -> dict[str, Any]:
     """A view as JSON. Infinite values and NaN become null."""
     lost = None if view.lost_since is None else Outage(view.lost_since, view.why or "")
-    shown = None if view.snapshot is None else in_words(view.snapshot)
+    shown = None if view.snapshot is None else with_sentences(view.snapshot)
     return written(
         Watch(source=view.name, time_unix_s=view.time, lost=lost, snapshot=shown),
         lambda value: None if isinstance(value, float) and not math.isfinite(value) else value,

@@ -16,7 +16,7 @@ from rich.table import Table
 from rich.text import Text
 
 from tumble.documents.watch import Gravity, Matrix, Snapshot, Vector
-from tumble.watch.snapshot import View, in_words
+from tumble.watch.snapshot import View, with_sentences
 
 _WIDTH = 80
 _UPDATES_PER_SECOND = 4
@@ -56,7 +56,7 @@ class Lines:
 
 def drawn(view: View) -> RenderableType:
     """A view as rich draws it."""
-    now = in_words(view.snapshot or Snapshot())
+    now = with_sentences(view.snapshot or Snapshot())
     parts: list[RenderableType] = [_state(now), *_trouble(now), *_lost(view)]
     parts += [Text(), _place(now), _samples(now), _angle(now), Text(), _means(now), Text()]
     parts += [_coefficients(now), Text(), _gravity(now.gravity)]
@@ -67,7 +67,7 @@ def drawn(view: View) -> RenderableType:
 
 def line(view: View) -> str:
     """State, place and connection, in one line."""
-    now = in_words(view.snapshot or Snapshot())
+    now = with_sentences(view.snapshot or Snapshot())
     if view.lost_since is not None:
         return f"connection lost: {view.why}"
     reason = "" if now.reason is None else f" {now.reason}: {now.sentence}"

@@ -186,9 +186,9 @@ class Border:
         """Turn the table, where no simulated drive does. Raises Refused."""
         require_good(lib.world_turn_table(self._world, angle_deg, speed_deg_s))
 
-    def answer(self, words: str) -> None:
+    def answer(self, answer: str) -> None:
         """Answer the open question: one of ANSWERS, a repetition with its number behind it. Raises Refused."""
-        first, _, number = words.rpartition(" ") if words.startswith("repeat ") else (words, "", "0")
+        first, _, number = answer.rpartition(" ") if answer.startswith("repeat ") else (answer, "", "0")
         if first not in ANSWERS or not (number.isascii() and number.isdigit() and int(number) <= 255):
             raise Refused("an answer is done, abort, leave, repeat position INDEX or repeat mounting NUMBER")
         require_good(lib.world_answer(self._world, ANSWERS.index(first), int(number)))

@@ -147,9 +147,9 @@ class Console:
         """To its end. Returns what is to be told. Raises Ended."""
         raise NotImplementedError
 
-    def _spawn(self, name: str, out: str, err: str = os.devnull, words: Sequence[str] = (), **options: Any) -> None:
+    def _spawn(self, name: str, out: str, err: str = os.devnull, arguments: Sequence[str] = (), **options: Any) -> None:
         options = {"stdin": subprocess.DEVNULL, **options}
-        command = [*self._job[name], *words]
+        command = [*self._job[name], *arguments]
         with open(self._folder / out, "w") as stdout, open(self._folder / err, "w") as stderr:
             try:
                 self._processes[name] = subprocess.Popen(command, stdout=stdout, stderr=stderr, **options)

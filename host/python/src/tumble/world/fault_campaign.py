@@ -76,7 +76,7 @@ _IDENTIFIERS = [int(one, 16) for one in "0 82 83 181 182 182 202 202 582 602 581
 
 
 @lru_cache
-def _words(enumeration: str, prefix: str) -> list[str]:
+def _names_of(enumeration: str, prefix: str) -> list[str]:
     """Of an enumeration of fault_campaign.h, by number."""
     return [name.removeprefix(prefix).lower() for _, name in sorted(ffi.typeof(enumeration).elements.items())]
 
@@ -90,7 +90,7 @@ def _names(of: str) -> list[str]:
 
 
 def _kinds() -> list[str]:
-    return _words("campaign_event_kind_t", "CAMPAIGN_EVENT_")
+    return _names_of("campaign_event_kind_t", "CAMPAIGN_EVENT_")
 
 
 def _commands() -> list[str]:
@@ -157,7 +157,7 @@ class _Fault:
             f" count={self.count} id={self.id} mask={self.mask} probability={self.probability!r}"
         )
 
-    def words(self) -> str:
+    def description(self) -> str:
         """For people."""
         when = f"{self.time_s:10.6f} s  "
         if self.place is not None:
@@ -205,10 +205,10 @@ class _Event:
             "data": list(data),
         }
 
-    def words(self) -> str:
+    def description(self) -> str:
         """For people."""
         if self.fault is not None:
-            return self.fault.words()
+            return self.fault.description()
         return f"{self.at_us * _MICROSECOND:10.6f} s  {self._condition()}{self._what()}"
 
     def _condition(self) -> str:
@@ -345,7 +345,7 @@ class _Plan:
         keys = (f"{key} = {value}" for key, value in self.keys.items())
         return [*keys, *(event.fault.line() for event in events if event.fault is not None)]
 
-    def words(self) -> str:
+    def description(self) -> str:
         """The world, for people."""
         keys, told = self.keys, self.told
         wraps = f"wraps at {keys['drive.wrap_counts']}" if keys["drive.wrap_counts"] else "does not wrap"
@@ -670,7 +670,7 @@ class FaultCampaign:
         plan = _Plan(seed)
         violated = self._execute(seed, plan, plan.events)
         found = self._found
-        excuses, reasons = _words("campaign_excuse_t", "CAMPAIGN_EXCUSE_"), _names("REASONS")
+        excuses, reasons = _names_of("campaign_excuse_t", "CAMPAIGN_EXCUSE_"), _names("REASONS")
         ends = {state: found.ends[list(STATES).index(state)] for state in _ENDS}
         return {
             "runs": 1,
@@ -708,7 +708,7 @@ class FaultCampaign:
         assert kind is not None  # as with all events
         at_s, what = self._found.at_us * _MICROSECOND, _violation(kind, self._found)
         told = {"seed": seed, "kind": kind, "at_s": at_s, "what": what, "drawn": len(plan.events)}
-        return {**told, "world": plan.words(), "events": [event.words() for event in left]}
+        return {**told, "world": plan.description(), "events": [event.description() for event in left]}
 
     def _fewer(self, seed: int, plan: _Plan, kind: str | None, left: list[_Event], size: int) -> list[_Event]:
         """Without the pieces of this size that it takes no part of."""
@@ -731,5 +731,5 @@ class FaultCampaign:
         own = ffi.new("campaign_event_t[]", [event.as_c() for event in events if event.fault is None])
         told = ffi.new("campaign_plan_t *", plan.told)
         require_good(lib.campaign_execute(world, seed, told, own, len(own), self._found))
-        kind = _words("campaign_violation_t", "CAMPAIGN_VIOLATION_")[self._found.kind]
+        kind = _names_of("campaign_violation_t", "CAMPAIGN_VIOLATION_")[self._found.kind]
         return None if kind == "none" else kind

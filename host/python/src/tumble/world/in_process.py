@@ -67,14 +67,14 @@ class Run:
                 if one == QUESTION:
                     self._answer(answer)
 
-    def _answer(self, words: str | None) -> None:
+    def _answer(self, answer: str | None) -> None:
         """What is not accepted is asked for again."""
-        while words is not None:
+        while answer is not None:
             try:
-                self.border.answer(words)
+                self.border.answer(answer)
                 return
             except Refused as refused:
-                words = self.on_event({"event": "refused", "what": str(refused)})
+                answer = self.on_event({"event": "refused", "what": str(refused)})
 
 
 def write(border: Border, folder: Path) -> Bench:

@@ -27,7 +27,7 @@ from tumble.solving import result
 from tumble.solving.computation import OPTIMAL_LIMIT_U, RELATIVE_LIMIT, compare_uncertainties
 from tumble.solving.noise import estimate_noise, of_means
 from tumble.solving.solution import Solution, solve
-from tumble.world.progress import in_words
+from tumble.world.progress import state_text
 from tumble.world.setup import Setup, step_v, weights_made_for
 
 DOCUMENT = "bench.json"
@@ -42,8 +42,8 @@ def require_done(document: RunWithTruth) -> None:
     if document.end == "running":
         raise BenchFault("the run has not come to its end: no result yet")
     if document.end == "too long":
-        raise BenchFault(f"no end after {document.virtual_s:.0f} s of virtual time, in {in_words(document.state)}")
-    where = f"in state {in_words(document.failed_in)}, positions finished: {len(document.means)}"
+        raise BenchFault(f"no end after {document.virtual_s:.0f} s of virtual time, in {state_text(document.state)}")
+    where = f"in state {state_text(document.failed_in)}, positions finished: {len(document.means)}"
     code = f", drive error 0x{document.drive_code:04X}" if document.drive_code else ""
     code += f", {document.drive_refusal.sentence}" if document.drive_refusal else ""
     rest = "" if document.table.at_rest else "; THE TABLE IS NOT AT REST"

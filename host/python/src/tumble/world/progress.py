@@ -14,7 +14,7 @@ _HELP_FAULT = (
 )
 
 
-def in_words(state: str) -> str:
+def state_text(state: str) -> str:
     """A state of the firmware by its name."""
     return state.removeprefix("TUMBLE_STATE_").lower().replace("_", " ")
 
@@ -111,7 +111,7 @@ class LiveProgress(Progress):
 
     def on_state(self, event: dict[str, Any]) -> None:
         """The place in the schedule and what is being done there."""
-        doing = in_words(event["state"])
+        doing = state_text(event["state"])
         self._bars.update(self._task, description=f"{_place(event)}, {doing}", completed=event["finished"], mean="")
 
     def on_average(self, event: dict[str, Any]) -> None:

@@ -304,8 +304,8 @@ def _judged_board(board: dict[str, Any], folder: Path, out: Path, scenario: Path
         complaint = _text(folder / "stand.err") or board["end"]
         raise BenchFault(f"tumble-stand ended without a document: {complaint}")
     if board["end"] not in ("done", "failed", "stopped"):
-        words = (log.splitlines() or [_text(folder / "board.err")])[-1]
-        raise BenchFault(f"{board['end']}; its last words: {ascii(words)[1:-1]}")
+        message = (log.splitlines() or [_text(folder / "board.err")])[-1]
+        raise BenchFault(f"{board['end']}; its last words: {ascii(message)[1:-1]}")
     assert stand is not None  # without it no run comes so far
     ours = _replayed(folder, out, scenario)
     if board["end"] == "done":

@@ -285,22 +285,22 @@ def run_command(command: list[str]) -> int:
     interactive = all(os.isatty(number) for number in range(3))
     if not command and not interactive:
         raise UsageError("uml: a shell needs a terminal; otherwise say which COMMAND")
-    words = shlex.join(command or [os.environ.get("SHELL", "/bin/sh")])
+    command_line = shlex.join(command or [os.environ.get("SHELL", "/bin/sh")])
     with work_folder() as name:
         if interactive:
-            return _on_terminal(words, Path(name))
-        return _piped(words, Path(name))
+            return _on_terminal(command_line, Path(name))
+        return _piped(command_line, Path(name))
 
 
-def _on_terminal(words: str, folder: Path) -> int:
+def _on_terminal(command_line: str, folder: Path) -> int:
     with _own_terminal() as (descriptor, size):
         mode = f"sane rows {size.lines} cols {size.columns}"
-        job = _job(_TERMINAL.format(shlex.quote(f"exec {words}")), folder, 1, mode)
+        job = _job(_TERMINAL.format(shlex.quote(f"exec {command_line}")), folder, 1, mode)
         return run(job, folder, memory_mb=_MEMORY_MB, terminals=[(descriptor, descriptor)])
 
 
-def _piped(words: str, folder: Path) -> int:
-    job = _job(_PIPES.format(words), folder, 2, "-opost")
+def _piped(command_line: str, folder: Path) -> int:
+    job = _job(_PIPES.format(command_line), folder, 2, "-opost")
     sys.stdout.flush()
     with ExitStack() as stack:
         out, errors = (stack.enter_context(_Relay(to)) for to in (1, 2))
