@@ -123,7 +123,7 @@ def _show(lines: list[Line | Table]) -> None:
 def page(solution: Solution, file: str, with_details: bool) -> list[Line | Table]:
     """All that a person is told of a solution, from top to bottom. `file`: what was solved."""
     decision, counters = decide(solution), solution.run.counters
-    model = f" with {', '.join(solution.found.terms)}" if solution.further is not None else ""
+    model = f" with {', '.join(solution.found.terms)}" if solution.extended_terms is not None else ""
     positions = f"{counters['positions']} of {len(solution.schedule.positions)} positions"
     solved = f"{file}: {counters['rows']} samples at {positions}, estimator {solution.found.estimator}{model}"
     why = misfit_sentence(solution)
@@ -173,16 +173,16 @@ def coefficient_table(solution: Solution, with_details: bool) -> tuple[tuple[str
     scales = [*np.repeat(scale, 3).tolist(), *scale.tolist()]
     millionths = ["ppm ", "urad", "urad", "urad", "ppm ", "urad", "urad", "urad", "ppm ", *["ug  "] * 3]
     differences = _twelve(solution.comparison.k, solution.comparison.u0)
-    if solution.further is not None:
-        further = solution.further
-        of_terms = [{"k2": "1/g", "k3": "1/g^2"}.get(term, unit) for term in further.terms for _ in "xyz"]
-        values += further.values.ravel().tolist()
+    if solution.extended_terms is not None:
+        extended = solution.extended_terms
+        of_terms = [{"k2": "1/g", "k3": "1/g^2"}.get(term, unit) for term in extended.terms for _ in "xyz"]
+        values += extended.values.ravel().tolist()
         units += of_terms
-        u += [None] * len(of_terms) if further.u is None else further.u.ravel().tolist()
-        sizes = np.tile(np.diag(further.k), len(further.terms))
+        u += [None] * len(of_terms) if extended.u is None else extended.u.ravel().tolist()
+        sizes = np.tile(np.diag(extended.k), len(extended.terms))
         scales += [size if its_unit == unit else 1.0 for size, its_unit in zip(sizes, of_terms)]
         millionths += ["ug  "] * len(of_terms)
-        differences += (further.difference * further.factors).ravel().tolist()
+        differences += (extended.difference * extended.factors).ravel().tolist()
     rows: list[tuple[str, ...]] = [
         (
             name + marked.get(name, ""),
@@ -191,7 +191,7 @@ def coefficient_table(solution: Solution, with_details: bool) -> tuple[tuple[str
             "unknown" if u[i] is None else f"{u[i]:.1e}",
             _relative(u[i], scales[i], millionths[i]),
         )
-        for i, name in enumerate(COEFFICIENTS + names(found.terms if solution.further is not None else ()))
+        for i, name in enumerate(COEFFICIENTS + names(found.terms if solution.extended_terms is not None else ()))
     ]
     headings: tuple[str, ...] = ("", "value", "unit", u_named, "relative")
     if with_details:
@@ -409,19 +409,19 @@ def _consequences(solution: Solution) -> list[str]:
         return []
     x, y, z = norm.attitude
     lines = [f"Worst u(|a|): {norm.worst_g * 1e6:.3g} ug, at the attitude ({x:+.2f}, {y:+.2f}, {z:+.2f})"]
-    lines += [] if solution.further is None else _cost_of_terms(solution.further)
+    lines += [] if solution.extended_terms is None else _cost_of_terms(solution.extended_terms)
     lines += [] if solution.reliability is None else reliability.lines(solution.reliability, solution.limit_g)
     return lines + ([] if solution.monte_carlo is None else _simulated(solution.monte_carlo))
 
 
-def _cost_of_terms(further: ExtendedTerms) -> list[str]:
+def _cost_of_terms(extended: ExtendedTerms) -> list[str]:
     """What further terms of the model cost the twelve: of each kind of coefficient the one that loses most."""
-    without, now = further.without, further.worst_norm
+    without, now = extended.without, extended.worst_norm
     assert without is not None and now is not None  # of a declared stand they are known
-    assert further.covariance is not None
+    assert extended.covariance is not None
     before = np.concatenate([without.u_K.ravel(), without.u_U0])
-    after = np.sqrt(np.diag(further.covariance)[:12])
-    scale = np.abs(np.concatenate([np.repeat(np.diag(further.k), 3), np.diag(further.k)])) * 1e-6
+    after = np.sqrt(np.diag(extended.covariance)[:12])
+    scale = np.abs(np.concatenate([np.repeat(np.diag(extended.k), 3), np.diag(extended.k)])) * 1e-6
     parts = []
     for kind, unit in ((range(0, 9, 4), "ppm"), ((1, 2, 3, 5, 6, 7), "urad"), (range(9, 12), "ug")):
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -430,7 +430,7 @@ def _cost_of_terms(further: ExtendedTerms) -> list[str]:
             sizes = f"{before[worst] / scale[worst]:.3g} -> {after[worst] / scale[worst]:.3g}"
             parts.append(f"u({COEFFICIENTS[worst]}) {sizes} {unit}")
     parts.append(f"worst u(|a|) {without.u_norm_g * 1e6:.3g} -> {now.worst_g * 1e6:.3g} ug")
-    return textwrap.wrap(f"Because of {listed(further.terms)}: {', '.join(parts)}", _COLUMNS, break_on_hyphens=False)
+    return textwrap.wrap(f"Because of {listed(extended.terms)}: {', '.join(parts)}", _COLUMNS, break_on_hyphens=False)
 
 
 def _simulated(found: MonteCarlo) -> list[str]:

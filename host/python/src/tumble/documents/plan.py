@@ -132,7 +132,7 @@ class Block(Document):
     misalignment_rad: Size
 
 
-class Without(Document):
+class WithoutTerms(Document):
     """Standard uncertainties, V/g, V and g, without the further terms."""
 
     u_K: SizeMatrix
@@ -152,7 +152,7 @@ class ModelCost(Document):
     u_k3_per_g2: Sizes | None
     u_drift_v: Sizes | None
     u_norm_of_K_U0_g: Size
-    without: Without
+    without: WithoutTerms
     u_norm_g: Size
 
 

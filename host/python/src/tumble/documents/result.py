@@ -153,7 +153,7 @@ class WorstNorm(Document):
     attitude: Vector
 
 
-class Without(Document):
+class WithoutTerms(Document):
     u_K: Matrix
     u_U0: Sizes
     u_norm_g: Size
@@ -184,7 +184,7 @@ class Extended(Document):
     names: tuple[Annotated[str, exactly("(K2|K3|drift)_[xyz]")], ...] = ()
     covariance: Square | None = None
     u_norm_of_K_U0_g: Size | None = None
-    without: Without | None = None
+    without: WithoutTerms | None = None
     max_abs_difference: Size | None = None
 
     def __post_init__(self) -> None:

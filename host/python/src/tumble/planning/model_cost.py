@@ -10,7 +10,7 @@ from msgspec import UNSET, UnsetType
 
 from tumble.documents import plan
 from tumble.documents.plan import ModelCost
-from tumble.documents.result import Without
+from tumble.documents.result import WithoutTerms
 from tumble.estimators import COEFFICIENTS
 from tumble.model.coefficients import worst_norm
 from tumble.planning.case import Case
@@ -29,7 +29,10 @@ def model_cost(case: Case, estimator: str) -> ExtendedTerms | None:
     k = case.nominal_k()
     covariance, twelve = (error_field(one, estimator, k).covariance for one in (case, replace(case, terms=())))
     u = np.sqrt(np.diag(twelve))
-    without, none = Without(u[:9].reshape(3, 3), u[9:], worst_norm(k, twelve).worst_g), np.zeros((len(case.terms), 3))
+    without, none = (
+        WithoutTerms(u[:9].reshape(3, 3), u[9:], worst_norm(k, twelve).worst_g),
+        np.zeros((len(case.terms), 3)),
+    )
     return ExtendedTerms(case.terms, k, none, none, covariance, without)
 
 
@@ -44,7 +47,7 @@ def model_cost_part(found: ExtendedTerms | None) -> ModelCost | UnsetType:
         terms=found.terms,
         **{f"u_{key}": u.get(term) for term, key in KEYS.items()},
         u_norm_of_K_U0_g=alone.worst_g,
-        without=plan.Without(without.u_K, without.u_U0, without.u_norm_g),
+        without=plan.WithoutTerms(without.u_K, without.u_U0, without.u_norm_g),
         u_norm_g=worst.worst_g,
     )
 

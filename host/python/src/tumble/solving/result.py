@@ -128,7 +128,7 @@ def document_of(
         u_U0=solution.u_u0,
         covariance=solution.covariance,
         u_norm_g=solution.u_norm,
-        extended=None if solution.further is None else extended(solution.further, volts),
+        extended=None if solution.extended_terms is None else extended(solution.extended_terms, volts),
         second_order=None if solution.second_order is None else second_order_of(solution.second_order),
         monte_carlo=None if solution.monte_carlo is None else _monte_carlo(solution.monte_carlo),
         misfit=None if fit is None else fit.misfit,
@@ -223,22 +223,22 @@ def _measured(solution: Solution) -> list[tuple[int, tuple[int, int, str]]]:
     return [(i, (int(one.mounting), int(one.number), one.use)) for i, one in enumerate(positions) if samples[i] > 0]
 
 
-def extended(further: ExtendedTerms, volts_per_unit: float) -> doc.Extended:
+def extended(extended_terms: ExtendedTerms, volts_per_unit: float) -> doc.Extended:
     """Null for a term that is not in the model; the drift in volts."""
-    scale = [volts_per_unit if term == DRIFT else 1.0 for term in further.terms]
-    sizes = dict(zip(further.terms, further.values * np.array(scale)[:, None]))
-    u = {} if further.u is None else dict(zip(further.terms, further.u * np.array(scale)[:, None]))
+    scale = [volts_per_unit if term == DRIFT else 1.0 for term in extended_terms.terms]
+    sizes = dict(zip(extended_terms.terms, extended_terms.values * np.array(scale)[:, None]))
+    u = {} if extended_terms.u is None else dict(zip(extended_terms.terms, extended_terms.u * np.array(scale)[:, None]))
     scales = np.concatenate([np.ones(12), np.repeat(scale, 3)])
-    joint, alone = further.of_values, further.worst_norm_of_twelve
+    joint, alone = extended_terms.of_values, extended_terms.worst_norm_of_twelve
     by_term = {key: found.get(term) for term, own in KEYS.items() for key, found in ((own, sizes), (f"u_{own}", u))}
     return doc.Extended(
-        further.terms,
+        extended_terms.terms,
         **by_term,
-        names=names(further.terms),
+        names=names(extended_terms.terms),
         covariance=None if joint is None else scales[:, None] * joint * scales,
         u_norm_of_K_U0_g=None if alone is None else alone.worst_g,
-        without=further.without,
-        max_abs_difference=float(np.abs(further.difference).max()),
+        without=extended_terms.without,
+        max_abs_difference=float(np.abs(extended_terms.difference).max()),
     )
 
 

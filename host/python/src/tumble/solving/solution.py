@@ -73,7 +73,7 @@ class Solution:
     stand; `stated`: the uncertainties, None without a declared stand; `scatter_alone`: without one, those that the
     noise of the samples leaves if the stand has no errors at all, None where it is not known; `truth`: None for a run
     that was measured; `step`: of the converter, in the unit of the run, 0: unknown; `monte_carlo`: None where nobody
-    asked for it; `further`: terms of the model beside the twelve coefficients, None where nobody asked for any;
+    asked for it; `extended_terms`: terms of the model beside the twelve coefficients, None where nobody asked for any;
     `is_out_of_order`: axes or signs of K are those of an exchange or reversal, and no block is declared to have them;
     `knows_signs`: a block is declared, with the signs of its scales;
     `coverage_factor`: how many u(|a|) must be within the limit; `inclinations`: as the run shows them, of a block that
@@ -95,7 +95,7 @@ class Solution:
     truth: Truth | None = None
     step: PerChannel = 0.0
     monte_carlo: MonteCarlo | None = None
-    further: ExtendedTerms | None = None
+    extended_terms: ExtendedTerms | None = None
     is_out_of_order: bool = False
     knows_signs: bool = False
     coverage_factor: float = DEFAULT_COVERAGE_FACTOR
@@ -191,8 +191,8 @@ class Solution:
     @cached_property
     def u_norm(self) -> WorstNorm | None:
         """Where the calibrated block shows the length of gravity worst; None without a stand."""
-        if self.further is not None:
-            return self.further.worst_norm
+        if self.extended_terms is not None:
+            return self.extended_terms.worst_norm
         return None if self.covariance is None else worst_norm(self.found.k, self.covariance)
 
     @property
@@ -290,7 +290,7 @@ def solve(
         stated=stated,
         scatter_alone=uncertainties if stand is None else None,
         step=step,
-        further=ExtendedTerms(terms, found.k, found.sizes, comparison.sizes, *of_terms) if terms else None,
+        extended_terms=ExtendedTerms(terms, found.k, found.sizes, comparison.sizes, *of_terms) if terms else None,
         coverage_factor=coverage_factor,
         inclinations=place.inclinations,
     )

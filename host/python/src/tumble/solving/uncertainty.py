@@ -20,7 +20,7 @@ from tumble import core
 from tumble.arrays import Flags, Floats, Integers
 from tumble.core import uncertainties, uncertainties_of_gains
 from tumble.distributions import student_quantile
-from tumble.documents.result import Without, WorstNorm
+from tumble.documents.result import WithoutTerms, WorstNorm
 from tumble.errors import BadInput
 from tumble.estimators import INCLINED, NORM, OPTIMAL
 from tumble.model.coefficients import variances, worst_norm
@@ -42,7 +42,7 @@ class ExtendedTerms:
     sizes: Floats
     difference: Floats
     covariance: Floats | None = None
-    without: Without | None = None
+    without: WithoutTerms | None = None
 
     @property
     def values(self) -> Floats:
@@ -91,7 +91,7 @@ class Uncertainties:
     u_k: Floats
     u_u0: Floats
     covariance: Floats
-    without: Without | None = None
+    without: WithoutTerms | None = None
 
 
 def confirmed(
@@ -114,7 +114,7 @@ def confirmed(
     without = None
     if given.terms:
         alone = confirmed(replace(given, terms=()), schedule, measured, mean_variance, None, file)
-        without = Without(alone.u_k, alone.u_u0, worst_norm(given.k, alone.covariance).worst_g)
+        without = WithoutTerms(alone.u_k, alone.u_u0, worst_norm(given.k, alone.covariance).worst_g)
     return Uncertainties(u[:9].reshape(3, 3), u[9:12], covariance, without)
 
 
