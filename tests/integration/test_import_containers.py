@@ -283,6 +283,35 @@ def test_what_a_file_is_shows_in_its_beginning(name, run_of_csv, tumble, tmp_pat
     assert rows_of(tmp_path / "run.csv") == run_of_csv
 
 
+def write_matlab(path, h5py):
+    """As save -v7.3 does: rows and columns exchanged, below 512 bytes of its own."""
+    with h5py.File(path, "w", userblock_size=512) as file:
+        file["time"] = recorded()[0][np.newaxis] / 1e6
+        file["acc"] = recorded()[1].T
+    with open(path, "r+b") as file:
+        file.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\0\2IM")
+
+
+def write_netcdf(path, h5py):
+    """As netCDF-4 does: dimensions are datasets too."""
+    with h5py.File(path, "w") as file:
+        file["time"] = recorded()[0] / 1e6
+        file["time"].attrs["units"] = "seconds since 2026-01-01"
+        file["time"].make_scale("time")
+        for place, axis in enumerate("xyz"):
+            file[f"a{axis}"] = recorded()[1][:, place]
+            file[f"a{axis}"].dims[0].attach_scale(file["time"])
+
+
+@pytest.mark.parametrize("write", [write_matlab, write_netcdf])
+def test_formats_that_are_hdf5(write, run_of_csv, tumble, tmp_path):
+    h5py = pytest.importorskip("h5py", reason="h5py is not installed")
+    write(tmp_path / "a.dat", h5py)
+    done = tumble("import", tmp_path / "a.dat", "--unit", SI, "--out", tmp_path / "run.csv")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert rows_of(tmp_path / "run.csv") == run_of_csv
+
+
 # Units.
 
 
@@ -441,6 +470,13 @@ def test_a_file_that_was_cut_is_one_line(name, tumble, tmp_path):
             lines = [line for line in done.stderr.splitlines() if line.startswith("tumble: ")]
             assert len(lines) == 1 and lines[0].startswith(f"tumble: {tmp_path / name}: "), done.stderr
             assert "fault in tumble itself" not in done.stderr
+
+
+def test_mcap_that_was_cut_is_sent_to_its_own_tool(refused, tmp_path):
+    write_mcap(tmp_path / "a.mcap", {"one": recorded()[1]})
+    (tmp_path / "a.mcap").write_bytes((tmp_path / "a.mcap").read_bytes()[:50_000])
+    said = "MCAP that ends too early: mcap recover saves what is whole"
+    assert refused("import", tmp_path / "a.mcap") == f"tumble: {tmp_path / 'a.mcap'}: {said}\n"
 
 
 def test_a_message_of_no_length_is_no_loop(refused, tmp_path):

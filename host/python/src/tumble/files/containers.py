@@ -309,6 +309,7 @@ def _ros2(file: str) -> Iterator[Source]:
 def _mcap(file: str) -> Iterator[Source]:
     """Of ROS 1 or 2, with or without an index."""
     with needing(f"{file_name(file)}: MCAP", "mcap", extra="ros"):
+        from mcap.exceptions import EndOfFile
         from mcap.reader import NonSeekingReader
     with open(file, "rb") as stream:
         messages = NonSeekingReader(stream, validate_crcs=True).iter_messages(log_time_order=False)
@@ -317,7 +318,10 @@ def _mcap(file: str) -> Iterator[Source]:
             for schema, channel, message in messages
             if schema is not None
         )
-        yield from _topics(_decoded(file, raw))
+        try:
+            yield from _topics(_decoded(file, raw))
+        except EndOfFile:
+            raise BadInput("MCAP that ends too early: mcap recover saves what is whole", file) from None
 
 
 def _decoded(file: str, raw: Iterable[tuple[str, str, int, str, bytes]]) -> Iterator[Message]:
