@@ -165,7 +165,8 @@ def test_bash_completes_commands_options_choices_and_files(script, tmp_path):
 
     assert "apply" in completed("ap") and "simulate" in completed("si")
     assert completed("solve", "--esti") == ["--estimator"]
-    assert set(completed("export", "--format", "")) == {"c", "csv", "matlab", "ros", "imucal", "px4", "ardupilot"}
+    formats = {"c", "csv", "matlab", "ros", "imucal", "px4", "ardupilot", "dcc"}
+    assert set(completed("export", "--format", "")) == formats
     assert completed("apply", "meas") == ["measured.csv"]
 
 

@@ -412,9 +412,10 @@ class Result:
     ) -> str:
         """The coefficients for other programs, as `tumble export` writes them; also to a `file`.
 
-        `format`: "c", "csv", "matlab", "ros" or "imucal". `unit` of accelerations: "g" or "m/s2", default: the
-        format's. `number`: what a C header computes with, "double", "float" or "fixed", which needs the `step` of a
-        count of the outputs. `labels`: also the block's serial number and other labels. Raises UsageError, BadInput.
+        `format`: "c", "csv", "matlab", "ros", "imucal", "px4", "ardupilot" or "dcc". `unit` of accelerations: "g" or
+        "m/s2", default: the format's. `number`: what a C header computes with, "double", "float" or "fixed", which
+        needs the `step` of a count of the outputs. `labels`: also the block's serial number and other labels. Raises
+        UsageError, BadInput.
 
         >>> import tumble
         >>> print(tumble.solve("examples/paper_stand.csv").export("c").splitlines()[0])

@@ -6,6 +6,7 @@ matlab   a script that sets a struct `tumble`; also for Octave
 ros      YAML of imu_calib (github.com/dpkoch/imu_calib)
 imucal   JSON of imucal 2 (github.com/mad-lab-fau/imucal)
 px4, ardupilot   parameters of an autopilot: an offset and a scale for each axis
+dcc      a Digital Calibration Certificate, XML of the schema of PTB (ptb.de/dcc)
 
 A format is a row of FORMATS and a template, exports/NAME.j2, that is given what `_names` names. Unknown
 uncertainties are left out, not invented.
@@ -18,6 +19,7 @@ import re
 import textwrap
 from collections.abc import Iterable
 from dataclasses import dataclass
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -49,6 +51,7 @@ FORMATS = {
     "imucal": Format("its JSON", (".json",), SI, "imucal"),
     "px4": Format("CAL_ACC parameters for QGroundControl", (".params",), "g", "PX4", (0.1, 3.0)),
     "ardupilot": Format("INS_ACC parameters", (".param", ".parm"), "g", "ArduPilot", (0.8, 1.2)),
+    "dcc": Format("a Digital Calibration Certificate", (".xml",), SI, "a certificate"),
 }
 MOST_ACCELEROMETERS = 3  # of an autopilot
 _STANDARD_GRAVITY = 9.80665  # m/s^2
@@ -82,7 +85,11 @@ def exported(
     names = _names(result, them, warnings, labels)
     fixed = None if step is None else _fixed_point(them, step)
     axes = None if form.scales is None else _axes(result, them, form)
-    more = {"fixed": fixed, "axes": axes, "number": accelerometer}
+    more: dict[str, Any] = {"fixed": fixed, "axes": axes, "number": accelerometer}
+    if name == "dcc":
+        from tumble.report.certificate import certified
+
+        more["certificate"] = certified(result, them, warnings)
     return _filled(name, FLOAT if number == FLOAT else DOUBLE, {**names, **more})
 
 
@@ -194,6 +201,9 @@ def _comment(text: object) -> str:
     return re.sub(r"\?(?=\?)", "? ", plain)
 
 
+_NOT_IN_XML = re.compile("[^\t\n\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
 def _filled(name: str, real: str, names: dict[str, Any]) -> str:
     """The template of a format. Its numbers are `digits`, in C a `literal` of the type `real`."""
     import numpy as np
@@ -206,7 +216,7 @@ def _filled(name: str, real: str, names: dict[str, Any]) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
-        autoescape=False,  # what is foreign is made fit by `_comment`, `plain` and `json`
+        autoescape=False,  # what is foreign is made fit by `_comment`, `plain`, `json` and `xml`
     )
     environment.filters |= {
         "digits": lambda value: format(value, ".17g"),
@@ -216,6 +226,7 @@ def _filled(name: str, real: str, names: dict[str, Any]) -> str:
         "phrase": phrase,
         "plain": lambda text: re.sub(r"[^A-Za-z0-9.+:_-]", "", text),  # without what needs quotes in CSV
         "json": lambda value: json.dumps(value, indent=4).replace("\n", "\n    "),  # of a member
+        "xml": lambda text: escape(_NOT_IN_XML.sub("\ufffd", str(text))),
     }
     template = (Path(__file__).parent / f"exports/{name}.j2").read_text(encoding="utf-8")
     return environment.from_string(template).render(names, real=real)

@@ -120,20 +120,22 @@ def further_labels(source: Source) -> Facts:
         (Fixed(key), source.told(table, key))
         for table in TABLES
         for key in source.table(table)
-        if (table, _plain(key)) not in known and (table, key) not in _NUMBERS
+        if (table, plain_key(key)) not in known and (table, key) not in _NUMBERS
     ]
 
 
 def _labels(source: Source, keys: tuple[str, ...], tables: tuple[str, ...]) -> list[tuple[str, str]]:
     """Where labels of these names are, by table and key: the first name first, and of each [item] first."""
-    return [(table, key) for wanted in keys for table in tables for key in source.table(table) if _plain(key) == wanted]
+    return [
+        (table, key) for wanted in keys for table in tables for key in source.table(table) if plain_key(key) == wanted
+    ]
 
 
 def _listed(said: list[Inline]) -> Inline:
     return joined(said, "; ") if said else MISSING
 
 
-def _plain(key: str) -> str:
+def plain_key(key: str) -> str:
     """A label's name, however it is spelled: "Serial number" is serial_number."""
     return key.strip().lower().replace(" ", "_").replace("-", "_")
 

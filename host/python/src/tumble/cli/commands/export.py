@@ -7,7 +7,7 @@ import math
 import sys
 
 from tumble.cli import options
-from tumble.errors import EXIT_PASS, BadInput, UsageError
+from tumble.errors import EXIT_PASS, BadInput, UsageError, listed
 from tumble.messages import warn
 from tumble.report.coefficients import DOUBLE, FIXED, FORCE_UNITS, FORMATS, MOST_ACCELEROMETERS, NUMBERS, exported
 from tumble.units import SI, force_unit
@@ -23,7 +23,7 @@ def describe(parser: argparse.ArgumentParser) -> None:
         required=True,
         help="; ".join(f"{name}: {one.about}" for name, one in FORMATS.items()),
     )
-    for_si = " and ".join(name for name, one in FORMATS.items() if one.unit == SI)
+    for_si = listed([name for name, one in FORMATS.items() if one.unit == SI])
     parser.add_argument(
         "--unit",
         type=force_unit,
@@ -40,7 +40,7 @@ def describe(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--labels",
         action="store_true",
-        help="also the block's serial number, the run file's name, labels of [item] and [environment]; default: none",
+        help="also serial number, run file's name, labels of [item] and [environment]; default: none; dcc: all",
     )
     parser.add_argument("--out", metavar="FILE", help="default: standard output")
     parser.set_defaults(run_command=run)

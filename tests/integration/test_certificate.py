@@ -1,0 +1,251 @@
+"""A result as a Digital Calibration Certificate, read by the toolkit of PTB and by the XML parser of Python."""
+
+import datetime
+import json
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+from conftest import EXAMPLES
+from test_further_terms import noisy
+
+import tumble
+from tumble.api.result import Result
+from tumble.cli.main import main
+from tumble.report.pages import number_of
+
+try:
+    import tomllib
+except ModuleNotFoundError:  # before Python 3.11
+    import tomli as tomllib
+
+pytestmark = pytest.mark.python
+IN = {"dcc": "https://ptb.de/dcc", "si": "https://ptb.de/si"}
+ITEM = {"customer": "Example Ltd."}
+ENVIRONMENT = {
+    "country": "DE",
+    "laboratory": "Calibration laboratory",
+    "operator": "N. N.",
+    "date": "2026-11-20",
+    "gravity_m_s2": 9.8106,
+    "u_gravity_m_s2": 1e-5,
+    "pressure_hpa": 1013,
+}
+NAMES = [*(f"K_{i}{j}" for i in "xyz" for j in "xyz"), *(f"U0_{i}" for i in "xyz")]
+
+
+def stand_with(item=ITEM, environment=ENVIRONMENT, serial="17"):
+    """A stand of the examples, with these labels."""
+    tables = tomllib.loads((EXAMPLES / "paper_stand.toml").read_text())
+    tables["block"] |= {} if serial is None else {"serial": serial}
+    return tables | {"item": item, "environment": environment}
+
+
+def solved(**labels):
+    return tumble.solve(EXAMPLES / "paper_stand.csv", stand=stand_with(**labels))
+
+
+def without(table, *keys):
+    return {key: text for key, text in table.items() if key not in keys}
+
+
+def changed(result, **keys):
+    return Result(json.dumps({**result.document, **keys}))
+
+
+def texts(root, path):
+    return [one.text for one in root.iterfind(path, IN)]
+
+
+@pytest.fixture(scope="module")
+def result():
+    return solved()
+
+
+@pytest.fixture(scope="module")
+def certificate(result):
+    return result.export("dcc")
+
+
+def test_every_number_reads_back_as_the_result_has_it(result, certificate):
+    root, document = ET.fromstring(certificate), result.document
+    quantities = root.findall(".//dcc:result/dcc:data/dcc:quantity", IN)
+    assert [one.find("dcc:name/dcc:content", IN).text for one in quantities] == NAMES
+    values = np.array(document["si"]["K"] + [document["U0"]]).ravel().tolist()
+    u = np.array(document["si"]["u_K"] + [document["u_U0"]]).ravel().tolist()
+    k = np.array(document["coverage"]["k_K"] + [document["coverage"]["k_U0"]]).ravel().tolist()
+    read = {
+        name: [float(one) for one in texts(root, f".//dcc:result//si:{name}")]
+        for name in ("value", "valueExpandedMU", "coverageFactor", "coverageProbability")
+    }
+    assert read["value"] == values and read["coverageFactor"] == k
+    assert read["valueExpandedMU"] == [factor * one for factor, one in zip(k, u)]
+    assert read["coverageProbability"] == [document["coverage"]["probability"]] * 12
+
+
+@pytest.mark.parametrize(("unit", "volts"), [("V", 1.0), ("mV", 1e-3), ("µV", 1e-6), ("uV", 1e-6), ("kV", 1e3)])
+def test_units_are_those_of_the_si(result, unit, volts):
+    """By the base units: 1 V s^2/m is 1 kg m/(A s)."""
+    dsi_unit = pytest.importorskip("dsi_unit")
+    read = texts(ET.fromstring(changed(result, unit=unit).export("dcc")), ".//dcc:result//si:unit")
+    for units, base in ((read[:9], r"\kilogram\metre\second\tothe{-1}\ampere\tothe{-1}"), (read[9:], r"\volt")):
+        assert len(set(units)) == 1 and dsi_unit.DsiUnit(units[0]).valid
+        assert dsi_unit.DsiUnit(base).get_scale_factor(dsi_unit.DsiUnit(units[0])) == pytest.approx(volts, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("unit", "of_outputs", "of_k"),
+    [("m/s^2", r"\metre\second\tothe{-2}", r"\one"), ("counts", r"\one", r"\second\tothe{2}\metre\tothe{-1}")],
+)
+def test_units_of_other_outputs(result, unit, of_outputs, of_k):
+    read = texts(ET.fromstring(changed(result, unit=unit).export("dcc")), ".//dcc:result//si:unit")
+    assert read == [of_k] * 9 + [of_outputs] * 3
+
+
+def test_the_toolkit_finds_no_fault_in_its_content(certificate):
+    pytest.importorskip("dcc_json_toolkit")
+    from dcc_json_toolkit import DccSourceContent
+    from dcc_json_toolkit.content_validation import validate_dcc_content
+
+    assert validate_dcc_content(DccSourceContent(certificate)) == []
+    broken = certificate.replace(r"\volt<", r"\voltage<").replace("2026-11-20", "2026-11-31")
+    faults = validate_dcc_content(DccSourceContent(broken))
+    assert len(faults) == 5 and sum("voltage" in one for one in faults) == 3  # of U0; and both dates
+
+
+def test_it_follows_the_schema(certificate):
+    """The schema is on PTB's server alone; the toolkit keeps what it has fetched once."""
+    toolkit = pytest.importorskip("dcc_json_toolkit")
+    requests = pytest.importorskip("requests")
+    try:
+        schema = toolkit.DccSchema("3.3.0")
+    except requests.ConnectionError:
+        pytest.skip("ptb.de cannot be reached for the schema")
+    assert schema.validate_dcc(certificate) == []
+    assert schema.validate_dcc(certificate.replace("<dcc:issuer>manufacturer", "<dcc:issuer>somebody")) != []
+
+
+def test_any_text_comes_through():
+    hostile = "A & B <\"1\">, '2' ]]> \u00e4\u4e2d\U0001f600"
+    found = solved(serial=hostile, item={**ITEM, "customer": hostile, "description": hostile, "model": hostile})
+    root = ET.fromstring(found.export("dcc"))
+    assert texts(root, ".//dcc:item/dcc:name/dcc:content") == [hostile]
+    assert texts(root, ".//dcc:identification/dcc:value") == texts(root, ".//dcc:model") == [hostile]
+    assert texts(root, ".//dcc:customer/dcc:name/dcc:content") == [hostile]
+    lost = changed(found, serial="a\x00b\x1bc\ufffe")  # no XML can have these
+    assert texts(ET.fromstring(lost.export("dcc")), ".//dcc:identification/dcc:value") == ["a\ufffdb\ufffdc\ufffd"]
+
+
+def test_who_where_and_when(result, certificate):
+    root = ET.fromstring(certificate)
+    core = {one.tag.split("}")[1]: one.text for one in root.find(".//dcc:coreData", IN)}
+    assert (
+        core
+        == {
+            "countryCodeISO3166_1": "DE",
+            "usedLangCodeISO639_1": "en",
+            "mandatoryLangCodeISO639_1": "en",
+            "uniqueIdentifier": number_of(result.document),  # as its report has it
+            "beginPerformanceDate": "2026-11-20",
+            "endPerformanceDate": "2026-11-20",
+            "performanceLocation": "laboratory",
+            "issueDate": result.document["created"][:10],
+        }
+    )
+    assert datetime.date.fromisoformat(core["issueDate"])
+    assert texts(root, ".//dcc:dccSoftware//dcc:release") == [tumble.__version__]
+    assert texts(root, ".//dcc:respPerson/dcc:person/dcc:name/dcc:content") == ["N. N."]
+    assert texts(root, ".//dcc:customer/dcc:location/dcc:further/dcc:content") == ["not stated"]
+    conditions = zip(
+        texts(root, ".//dcc:influenceCondition//dcc:content"), texts(root, ".//dcc:influenceCondition//si:value")
+    )
+    assert list(conditions) == [("Local gravity", "9.8106"), ("Air pressure", "1013")]
+    assert texts(root, ".//dcc:influenceCondition//si:valueStandardMU") == ["1e-05"]
+    told = dict(
+        zip(
+            texts(root, ".//dcc:metaData/dcc:name/dcc:content"),
+            texts(root, ".//dcc:metaData/dcc:declaration/dcc:content"),
+        )
+    )
+    assert told["run_sha256"] == result.document["run_sha256"] and told["item.customer"] == "Example Ltd."
+
+
+def test_labels_that_may_be_missing():
+    item = {**ITEM, "Serial number": "18", "certificate number": "C-1", "contact": "1 Harbour Road"}
+    environment = {**ENVIRONMENT, "place": "on site", "authorised_by": "A. B.", "temperature_c": 21.5}
+    root = ET.fromstring(solved(serial=None, item=item, environment=environment).export("dcc"))
+    assert texts(root, ".//dcc:identification/dcc:value") == ["18"]
+    assert texts(root, ".//dcc:uniqueIdentifier") == ["C-1"]
+    assert texts(root, ".//dcc:performanceLocation") == ["other"]
+    assert texts(root, ".//dcc:respPerson/dcc:person/dcc:name/dcc:content") == ["A. B."]
+    assert texts(root, ".//dcc:customer/dcc:location/dcc:further/dcc:content") == ["1 Harbour Road"]
+    assert texts(root, ".//dcc:influenceCondition//si:value") == ["9.8106", "1013", "21.5", "21.5"]
+
+
+@pytest.mark.parametrize(
+    ("keys", "conformity", "begins"),
+    [
+        ({}, "pass", "PASS, assuming "),
+        ({"pass": False, "pass_reason": "uncertainty"}, "noPass", "NOT SHOWN: 3 u(|a|) is up to "),
+        ({"pass": False, "pass_reason": "fit"}, "fail", "FAIL: the fit to the declared stand"),
+    ],
+)
+def test_the_verdict_is_a_statement(result, keys, conformity, begins):
+    root = ET.fromstring(changed(result, **keys).export("dcc"))
+    statement = root.find(".//dcc:statements/dcc:statement", IN)
+    assert statement.find("dcc:conformity", IN).text == conformity
+    declared = statement.find("dcc:declaration/dcc:content", IN).text
+    assert declared.startswith(begins) and "3 u(|a|) at most 0.0003 g at every attitude" in declared
+
+
+def test_warnings_and_a_simulated_run_are_statements(result, tmp_path, capsys):
+    found = changed(result, bus="inprocess", warnings=["a first <warning>"])
+    found.save(tmp_path / "result.json")
+    assert main(["export", str(tmp_path / "result.json"), "--format", "dcc"]) == 0
+    printed = capsys.readouterr()
+    said = texts(ET.fromstring(printed.out), ".//dcc:statement/dcc:declaration/dcc:content")
+    assert said[1:] == ["a first <warning>", "The run was simulated: no block was measured."]
+    assert "a first <warning>" in printed.err
+
+
+REFUSED = [
+    *(({"environment": without(ENVIRONMENT, key)}, f"a certificate needs {key}: write it under [item] or "
+       "[environment] of the stand file, and solve again") for key in ("country", "laboratory", "operator", "date")),
+    ({"item": {}, "serial": None}, "a certificate needs customer and serial: write them under [item] or [environment] "
+     "of the stand file, and solve again"),
+    ({"environment": {**ENVIRONMENT, "country": "Germany"}}, "country is 'Germany', no code of ISO 3166-1 such as DE"),
+    ({"environment": {**ENVIRONMENT, "date": "20.11.2026"}}, "date is '20.11.2026', no date such as 2026-11-20"),
+    ({"environment": without(ENVIRONMENT, "u_gravity_m_s2")},
+     "a certificate needs uncertainties: write u_gravity_m_s2 under [environment], and solve again"),
+    ({"environment": without(ENVIRONMENT, "gravity_m_s2", "u_gravity_m_s2")},
+     "no coefficients in m/s2: its environment has no gravity_m_s2; write the local gravity, such as "
+     "gravity_m_s2 = 9.81, under [environment] of the stand file, and solve again"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("labels", "said"), REFUSED)
+def test_what_is_missing_is_asked_for(labels, said, tmp_path, capsys):
+    file = tmp_path / "result.json"
+    solved(**labels).save(file)
+    assert main(["export", str(file), "--format", "dcc"]) == 2
+    assert capsys.readouterr().err.splitlines()[-1] == f"tumble: {file}: {said}"
+
+
+@pytest.mark.parametrize(
+    ("keys", "options", "said"),
+    [
+        ({"u_K": None, "u_U0": None}, {}, "a certificate needs uncertainties: solve with stand="),
+        ({"unit": "g"}, {}, "outputs in g: a certificate has units of the SI, and this is none"),
+        ({}, {"unit": "g"}, "a certificate has units of the SI: leave out the unit g"),
+    ],
+)
+def test_what_is_no_certificate_is_refused(result, keys, options, said):
+    with pytest.raises(tumble.BadInput, match=r"^result: ") as refused:
+        changed(result, **keys).export("dcc", **options)
+    assert str(refused.value) == f"result: {said}"
+
+
+def test_there_is_no_place_for_further_terms(tmp_path):
+    found = tumble.solve(noisy(tmp_path), stand=stand_with(), estimator="optimal", model="k2")
+    with pytest.raises(tumble.BadInput, match="a certificate holds twelve coefficients, no K2"):
+        found.export("dcc")
