@@ -91,7 +91,7 @@ def test_the_document_of_a_run_ends_it():
 def test_a_source_that_goes_and_comes_again():
     source = PlayedSource(AVERAGING, Lost("node 1 is silent"), Lost("node 1 is silent"), DONE)
     told = []
-    follower = Follower(source, "can:vcan0", 1.0, Clock(), told.append)
+    follower = Follower(source, "can:vcan0", 1.0, Clock(), [told.append])
     assert follower.view() == View("can:vcan0", 0, 101.0)
     first = follower.ask()
     assert first == View("can:vcan0", 1, 102.0, AVERAGING)

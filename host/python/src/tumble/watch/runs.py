@@ -25,8 +25,8 @@ from tumble.watch.snapshot import Heard, Lost, Source, View, without_prefix
 
 
 class Follower:
-    """Poll a source every `period_s` seconds within the `with` block, and close it at the end. `on_change` is called
-    with every new view. A source that does not answer is polled on; `view().lost_since` says since when it is lost."""
+    """Poll a source every `period_s` seconds within the `with` block, and close it at the end. Each of `on_change` is
+    called with every new view. A source that does not answer is polled on; `view().lost_since` says since when it is lost."""
 
     def __init__(
         self,
@@ -34,12 +34,12 @@ class Follower:
         name: str,
         period_s: float,
         clock: Callable[[], float] = time.time,
-        on_change: Callable[[View], None] | None = None,
+        on_change: Iterable[Callable[[View], None]] = (),
     ):
         self._source = source
         self._period_s = period_s
         self._clock = clock
-        self._on_change = on_change or (lambda _: None)
+        self._on_change = tuple(on_change)
         self._view = View(name, 0, clock())
         self._failure: Exception | None = None
         self._asking = threading.Lock()
@@ -70,7 +70,8 @@ class Follower:
         with self._asking:
             before, self._view = self._view, self._asked(self._view)
             if self._view is not before:
-                self._on_change(self._view)
+                for tell in self._on_change:
+                    tell(self._view)
         return self._view
 
     def _asked(self, before: View) -> View:

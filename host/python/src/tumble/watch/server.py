@@ -35,9 +35,12 @@ _MOST_CONNECTIONS = 64
 _LOOPBACK = ["localhost", "127.0.0.1", "::1"]
 
 
-def application(view: Callable[[], View], ending: Callable[[], bool], hosts: list[str] | None) -> Starlette:
+def application(
+    view: Callable[[], View], ending: Callable[[], bool], hosts: list[str] | None, has_metrics: bool = False
+) -> Starlette:
     """The pages. `view`: returns the current view. `ending`: set when streams are to end. `hosts`: the host names that
-    requests may use (None: any), so that no web page can read it under a name of its own (DNS rebinding)."""
+    requests may use (None: any), so that no web page can read it under a name of its own (DNS rebinding).
+    `has_metrics`: serve /metrics to Prometheus, too."""
     page = resources.files("tumble.watch").joinpath("page.html").read_text(encoding="utf-8")
     headers = {"Content-Security-Policy": _policy(page), **_HEADERS}
 
@@ -61,6 +64,13 @@ def application(view: Callable[[], View], ending: Callable[[], bool], hosts: lis
         Route("/snapshot.json", snapshot),
         Route("/events", events),
     ]
+    if has_metrics:
+        from tumble.watch import metrics
+
+        async def numbers(_: Request) -> Response:
+            return Response(metrics.text(view()), media_type=metrics.CONTENT_TYPE, headers=_HEADERS)
+
+        routes.append(Route("/metrics", numbers))
     return Starlette(routes=routes, middleware=[Middleware(_OwnNames, names=hosts)])
 
 
@@ -118,14 +128,14 @@ class Server:
     """Serve in a thread of its own within the `with` block. `server.url`: the address. Raises UsageError where it
     cannot listen."""
 
-    def __init__(self, view: Callable[[], View], host: str, port: int):
+    def __init__(self, view: Callable[[], View], host: str, port: int, has_metrics: bool = False):
         self._socket = _listening(host, port)
         address, port = self._socket.getsockname()[:2]
         shown = f"[{address}]" if ":" in address else address
         self.url = f"http://{shown}:{port}/"
         self.open_to_others = address not in _LOOPBACK and not address.startswith("127.")
         hosts = None if self.open_to_others else [*_LOOPBACK, address]
-        pages = application(view, lambda: self._server.should_exit, hosts)
+        pages = application(view, lambda: self._server.should_exit, hosts, has_metrics)
         config = uvicorn.Config(
             pages,
             log_config=None,

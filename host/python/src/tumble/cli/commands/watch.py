@@ -6,7 +6,7 @@ import argparse
 import sys
 import time
 from contextlib import ExitStack
-from typing import TYPE_CHECKING, TextIO
+from typing import TYPE_CHECKING, NamedTuple, TextIO
 
 from tumble import interruption
 from tumble.cli import options
@@ -15,6 +15,7 @@ from tumble.errors import EXIT_PASS, BenchFault, UsageError, needing, quoted
 from tumble.messages import tell
 
 if TYPE_CHECKING:
+    from tumble.watch.mqtt import Publisher
     from tumble.watch.runs import Follower
     from tumble.watch.snapshot import Source
 
@@ -27,8 +28,10 @@ _LOOK_S = 0.1
 
 def describe(parser: argparse.ArgumentParser) -> None:
     parser.usage = (
-        "%(prog)s [-h] SOURCE [--http [HOST:PORT]] [--every S] [--json]\n"
-        "       %(prog)s [-h] bench [--http [HOST:PORT]] [--pace X] [bench options]"
+        "%(prog)s [-h] SOURCE [--http [HOST:PORT]] [--metrics] [--mqtt URL]\n"
+        "                    [--every S] [--json]\n"
+        "       %(prog)s [-h] bench [--http [HOST:PORT]] [--metrics] [--mqtt URL]\n"
+        "                    [--pace X] [bench options]"
     )
     parser.description = (
         "Follow a run live: state, reason and remedy, table angle, running mean and its standard error,"
@@ -52,6 +55,13 @@ def describe(parser: argparse.ArgumentParser) -> None:
         const=_HTTP,
         help=f"serve a page for browsers instead; default: {_HTTP}, which is for this machine alone; port 0: any",
     )
+    parser.add_argument("--metrics", action="store_true", help="of that page: /metrics for Prometheus; implies --http")
+    parser.add_argument(
+        "--mqtt",
+        metavar="URL",
+        help="mqtt://[USER:PASSWORD@]HOST[:PORT]/TOPIC, or mqtts:// for TLS: publish every change there as JSON;"
+        " default: user and password of the environment, TUMBLE_MQTT_USER and TUMBLE_MQTT_PASSWORD",
+    )
     parser.add_argument("--every", metavar="S", default="0.5", help="seconds between two readings; default: 0.5")
     parser.add_argument("--pace", metavar="X", help="of bench: virtual seconds per second; default: 1, as a real stand")
     bench.add_options(parser.add_argument_group("with SOURCE bench"), shows_interactive=False)
@@ -61,13 +71,9 @@ def describe(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Look on until the run is over, or for ever. Returns the exit code; raises TumbleError."""
     every_s = options.parse_number(arguments.every, "--every", _FASTEST_S, _SLOWEST_S)
-    address = None if arguments.http is None else _address(arguments.http)
-    if address is not None:
-        with needing("--http", extra="watch"):
-            import starlette  # noqa: F401
-            import uvicorn  # noqa: F401
+    audience = _audience(arguments)
     if arguments.source == _BENCH:
-        return _bench(arguments, address)
+        return _bench(arguments, audience)
     _refuse_options_of_bench(arguments)
 
     from tumble.watch.node_run import opened
@@ -75,7 +81,34 @@ def run(arguments: argparse.Namespace) -> int:
     source = opened(arguments.source)
     if arguments.json:
         return _print_once(source, arguments.source)
-    return _follow(source, arguments.source, every_s, address)
+    return _follow(source, arguments.source, every_s, audience)
+
+
+class _Audience(NamedTuple):
+    """Who looks on: `address` of a page for browsers (None: the terminal), whether it `has_metrics`, and what is
+    `publish`ed to."""
+
+    address: tuple[str, int] | None
+    has_metrics: bool
+    publish: Publisher | None
+
+
+def _audience(arguments: argparse.Namespace) -> _Audience:
+    """Raises UsageError, NotInstalled."""
+    http = _HTTP if arguments.metrics and arguments.http is None else arguments.http
+    address, publish = None if http is None else _address(http), None
+    if address is not None:
+        with needing("--http", extra="watch"):
+            import starlette  # noqa: F401
+            import uvicorn  # noqa: F401
+    if arguments.metrics:
+        with needing("--metrics", "prometheus-client", extra="watch"):
+            import prometheus_client  # noqa: F401
+    if arguments.mqtt is not None:
+        with needing("--mqtt", "paho-mqtt", extra="mqtt"):
+            from tumble.watch.mqtt import Publisher
+        publish = Publisher(arguments.mqtt)
+    return _Audience(address, arguments.metrics, publish)
 
 
 def _address(text: str) -> tuple[str, int]:
@@ -112,22 +145,22 @@ def _print_once(source: Source, name: str) -> int:
     return EXIT_PASS
 
 
-def _follow(source: Source, name: str, every_s: float, address: tuple[str, int] | None) -> int:
+def _follow(source: Source, name: str, every_s: float, audience: _Audience) -> int:
     """Until nothing more will come; with a page, until Ctrl-C."""
     with ExitStack() as stack:
-        follower = _shown(stack, source, name, every_s, address, sys.stdout)
-        while not follower.is_over() or address is not None:
+        follower = _shown(stack, source, name, every_s, audience, sys.stdout)
+        while not follower.is_over() or audience.address is not None:
             time.sleep(_LOOK_S)
     return EXIT_PASS
 
 
-def _bench(arguments: argparse.Namespace, address: tuple[str, int] | None) -> int:
+def _bench(arguments: argparse.Namespace, audience: _Audience) -> int:
     """A run of the bench. Its end stays on the page until Ctrl-C; a screen ends before the result is printed."""
     from tumble.watch.runs import BenchRun
 
-    source = BenchRun(_pace(arguments))
+    source, address = BenchRun(_pace(arguments)), audience.address
     with ExitStack() as stack:
-        follower = _shown(stack, source, _BENCH, _LOOK_S, address, sys.stderr)
+        follower = _shown(stack, source, _BENCH, _LOOK_S, audience, sys.stderr)
 
         def end() -> None:
             follower.ask()
@@ -168,16 +201,18 @@ def _until_interrupted() -> None:
 
 
 def _shown(
-    stack: ExitStack, source: Source, name: str, every_s: float, address: tuple[str, int] | None, stream: TextIO | None
+    stack: ExitStack, source: Source, name: str, every_s: float, audience: _Audience, stream: TextIO | None
 ) -> Follower:
-    """Follow a source and show it until the stack is closed: as a page, on the terminal `stream`, or in lines on it."""
+    """Follow a source and show it until the stack is closed: as a page, on the terminal `stream`, or in lines on it;
+    and publish it."""
     from tumble.watch.runs import Follower
 
-    if address is not None:
+    told = [] if audience.publish is None else [stack.enter_context(audience.publish)]
+    if audience.address is not None:
         from tumble.watch.server import Server
 
-        follower = Follower(source, name, every_s)
-        server = stack.enter_context(Server(follower.view, *address))
+        follower = Follower(source, name, every_s, on_change=told)
+        server = stack.enter_context(Server(follower.view, *audience.address, audience.has_metrics))
         tell(f"tumble: {server.url} (Ctrl-C ends it)")
         if server.open_to_others:
             tell("tumble: warning: anyone who reaches this address can read the page; there is no password")
@@ -185,7 +220,7 @@ def _shown(
         from tumble.watch import terminal
 
         lines = terminal.Lines(stream) if stream is None or not stream.isatty() else None
-        follower = Follower(source, name, every_s, on_change=lines)
+        follower = Follower(source, name, every_s, on_change=[*told, *filter(None, [lines])])
         if lines is None:
             stack.enter_context(terminal.Screen(follower.view, stream))
     stack.enter_context(follower)
