@@ -169,6 +169,7 @@ def test_one_version(tumble):
         assert f"CMAKE_PROJECT_VERSION:STATIC={version}\n" in cache.read_text()
     assert f"\n## [{version}]" in (ROOT / "CHANGELOG.md").read_text()
     assert f"Version {version}" in (ROOT / "README.md").read_text()
+    assert f"\nversion: {version}\n" in (ROOT / "CITATION.cff").read_text()
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
@@ -215,6 +216,83 @@ def test_every_package_has_licence_and_version(packages, kind):
         assert (path.parent / licences / name).read_bytes() == (ROOT / name).read_bytes()
 
 
+README = (PYTHON / "README.md").read_text(encoding="utf-8")
+
+
+def test_the_readme_of_the_package_needs_no_other_file(tmp_path):
+    """A package index shows it alone. What it has of Python runs; its extras are those that there are."""
+    assert not re.findall(r"\]\((?!https://)", README) and "<img" not in README
+    (code,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0 and done.stdout.startswith("True 2.0"), done.stderr
+    table = README.partition("| extra |")[2]
+    extras = set(re.findall(r"`(\w+)`", "".join(row.split("|")[1] for row in table.splitlines() if row.count("|") > 2)))
+    project = (PYTHON / "pyproject.toml").read_text()
+    options = project.partition("[project.optional-dependencies]")[2].partition("[project.scripts]")[0]
+    assert extras == set(re.findall(r"^(\w+) = \[", options, re.MULTILINE)) - {"test"}
+
+
+TOOLS = ("auditwheel==6.8.2", "abi3audit==0.0.26", "twine==7.0.0", "cyclonedx-python-lib[json-validation]==11.12.0",
+         "cffconvert==2.0.0", "setuptools<81")  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def packagers(tmp_path_factory):
+    """Of an environment that has what packagers check with. cffconvert wants a jsonschema of its own, so it has one."""
+    return {name: installed_in(tmp_path_factory.mktemp("tools"), *tools)
+            for name, tools in (("wheels", TOOLS[:4]), ("citation", TOOLS[4:]))}
+
+
+@pytest.mark.slow
+@pytest.mark.toolchain
+def test_what_packagers_check_with_finds_no_fault(packages, packagers):
+    run, wheel = packagers["wheels"], packages["file"]
+    done = run("auditwheel", "show", wheel)
+    major, minor = map(int, re.search(r'"manylinux_(\d+)_(\d+)_', done.stdout).groups())
+    assert (major, minor) <= (2, 28), done.stdout
+    done = run("abi3audit", "--strict", "--report", wheel)
+    (found,) = json.loads(done.stdout)["specs"].values()
+    objects = found["wheel"]
+    assert done.returncode == 0 and {one["name"] for one in objects} == set(EXTENSIONS)
+    assert all(one["result"]["is_abi3"] and not one["result"]["non_abi3_symbols"] for one in objects)
+    done = run("twine", "check", "--strict", wheel, *wheel.parent.glob("*.tar.gz"))
+    assert done.returncode == 0 and done.stdout.count("PASSED") == 2, done.stdout
+
+
+VALIDATE = """
+import sys
+from cyclonedx.schema import SchemaVersion
+from cyclonedx.validation.json import JsonStrictValidator
+sys.exit(JsonStrictValidator(SchemaVersion.V1_6).validate_str(open(sys.argv[1]).read()) and 1)
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.toolchain
+def test_the_bill_of_materials_of_a_wheel(packages, packagers):
+    """Of CycloneDX 1.6: Tumble at this version, and nothing else."""
+    file = packages["wheel"] / f"tumble-{__version__}.dist-info/sboms/tumble.cdx.json"
+    told = json.loads(file.read_text(encoding="utf-8"))
+    assert told["metadata"]["component"]["purl"] == f"pkg:pypi/tumble@{__version__}" and told["components"] == []
+    assert packagers["wheels"]("python", "-c", VALIDATE, file).returncode == 0
+
+
+@pytest.mark.slow
+@pytest.mark.toolchain
+def test_the_citation_is_one(packagers, tmp_path):
+    done = packagers["citation"]("cffconvert", "--validate", "-i", ROOT / "CITATION.cff")
+    assert done.returncode == 0 and "valid according to schema version 1.2.0" in done.stdout + done.stderr
+    (tmp_path / "CITATION.cff").write_text((ROOT / "CITATION.cff").read_text().replace("title: T", "titel: T"))
+    assert packagers["citation"]("cffconvert", "--validate", "-i", tmp_path / "CITATION.cff").returncode == 1
+
+
+def test_a_container_for_developers_is_set_up_as_a_checkout_is():
+    told = json.loads((ROOT / ".devcontainer/devcontainer.json").read_text(encoding="utf-8"))
+    script, profile = told["postCreateCommand"].split()
+    assert (ROOT / script).is_file() and f"\n{profile} " in (ROOT / "tools/setup").read_text()
+    assert told["image"] == "debian:12" and "Debian 12" in (ROOT / "README.md").read_text()
+
+
 @pytest.mark.slow
 @pytest.mark.toolchain
 def test_a_wheel_says_that_it_is_typed(packages):
@@ -246,7 +324,7 @@ def test_a_source_package_holds_all_that_it_is_built_from(packages):
     assert (packages["sdist"] / "pyproject.toml").read_bytes() == (PYTHON / "pyproject.toml").read_bytes()
     names = [path.name for path in packages["sdist"].rglob("*")]
     assert not [name for name in names if "LICENSE-imucal" in name or "hand_held" in name]
-    expected = {"LICENSE", "NOTICE", "PKG-INFO", "pyproject.toml", "sources", "src"}
+    expected = {"LICENSE", "NOTICE", "PKG-INFO", "README.md", "pyproject.toml", "sources", "src"}
     assert {path.name for path in packages["sdist"].iterdir()} - {"build"} == expected
 
 
@@ -261,7 +339,8 @@ def test_a_wheel_holds_the_package_its_data_and_nothing_else(packages):
     assert len(kept) > 25 and {"tumble/data/examples/paper_stand.csv", "tumble/data/bus/block.dbc"} <= set(kept)
     others = {name for name in inside if name not in {**own, **kept}}
     info = {f"tumble-{__version__}.dist-info/{name}"
-            for name in ("METADATA", "RECORD", "WHEEL", "entry_points.txt", "licenses/LICENSE", "licenses/NOTICE")}
+            for name in ("METADATA", "RECORD", "WHEEL", "entry_points.txt", "licenses/LICENSE", "licenses/NOTICE",
+                         "sboms/tumble.cdx.json")}
     assert others == {*EXTENSIONS, *info}
     assert {**own, **kept} == {name: inside[name] for name in inside if name not in others}
 

@@ -16,8 +16,10 @@ def build(kind, source, folder):
 
 
 def installed_in(folder, *what):
-    """Run a command of an environment that has these and what they require alone, away from the checkout."""
+    """Run a command of an environment that has these and what they require alone, away from the checkout and from any
+    compiler."""
     environment = {key: value for key, value in os.environ.items() if not key.startswith(("PYTHON", "TUMBLE", "LD_"))}
+    environment["PATH"] = str(folder)  # where no program is
 
     def run(name, *arguments):
         command = [folder / "venv/bin" / name, *arguments]

@@ -26,7 +26,8 @@ from tumble.watch.snapshot import Heard, Lost, Source, View, without_prefix
 
 class Follower:
     """Poll a source every `period_s` seconds within the `with` block, and close it at the end. Each of `on_change` is
-    called with every new view. A source that does not answer is polled on; `view().lost_since` says since when it is lost."""
+    called with every new view. A source that does not answer is polled on; `view().lost_since` says since when it is
+    lost."""
 
     def __init__(
         self,
