@@ -63,7 +63,7 @@ MAY_IMPORT = {
     "watch": {"documents", "client"},
     "cli": {"documents", "core", "model", "files", "store", "solving", "fixture", "planning", "comparison", "pictures",
             "importing", "acquisition", "world", "report", "api", "client", "watch", "workers", DOOR},
-    DOOR: {"core", "model", "files", "solving", "fixture", "planning", "api", "world"},
+    DOOR: {"core", "data", "model", "files", "solving", "fixture", "planning", "api", "world"},
 }
 # What a user includes: firmware/include/tumble/NAME.h is the door of the room NAME, these of the core.
 OF_THE_CORE = {"status", "version"}

@@ -1,11 +1,13 @@
 """What people type without the manual: each snippet as they would, and it works."""
 
+import doctest
 import json
+import re
 import sys
 
 import numpy as np
 import pytest
-from conftest import EXAMPLES
+from conftest import EXAMPLES, ROOT
 
 import tumble
 from tumble.model import built_in
@@ -15,6 +17,19 @@ pytestmark = pytest.mark.python
 RUN, STAND = EXAMPLES / "paper_stand.csv", EXAMPLES / "paper_stand.toml"
 KEYS = {"axis_tilt_rad": 2e-5, "level_rad": 2e-5, "remount_rad": 4e-4, "angle_rad": 4e-5, "noise_v": 3e-4,
         "samples": 50, "limits": "sigma1"}  # fmt: skip
+
+
+def test_the_snippets_of_the_page(tmp_path, monkeypatch):
+    """docs/client.md, each as it stands."""
+    for package in ("pandas", "xarray", "matplotlib"):
+        pytest.importorskip(package)
+    (tmp_path / "examples").symlink_to(EXAMPLES)
+    monkeypatch.chdir(tmp_path)
+    page = (ROOT / "docs/client.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"^```pycon\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
+    snippets = doctest.DocTestParser().get_doctest("\n".join(blocks), {}, "snippets", "docs/client.md", 0)
+    failed, attempted = doctest.DocTestRunner().run(snippets)
+    assert failed == 0 and attempted > 30
 
 
 @pytest.fixture(scope="module")
@@ -219,3 +234,17 @@ def test_a_library_that_is_missing_is_named(cal, monkeypatch):
     monkeypatch.setitem(sys.modules, "xarray", None)
     with pytest.raises(tumble.NotInstalled, match="a dataset of coefficients needs xarray"):
         cal.to_xarray()
+
+
+def test_the_names_of_the_twelve_and_the_verdict(cal):
+    assert {name: cal[name] for name in cal} == dict(zip(cal, [*cal.K.ravel(), *cal.U0])) and len(list(cal)) == 12
+    assert "K_xx" in cal and "K_xw" not in cal
+    assert cal.verdict == "PASS" and cal.document["pass"]
+
+
+def test_a_kind_of_picture_in_place_of_a_file(cal, tmp_path, monkeypatch):
+    pytest.importorskip("matplotlib")
+    monkeypatch.chdir(tmp_path)
+    assert list(cal.plot("attitude")) == ["attitude"] and not list(tmp_path.iterdir())
+    with pytest.raises(tumble.UsageError, match=r"file: 'altitude' does not end in \.png, \.svg or \.pdf"):
+        cal.plot("altitude")

@@ -101,6 +101,10 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """Public names are loaded when they are asked for: the command line answers typing errors without numpy."""
+    if name == "data":  # a room, and public
+        import tumble.data
+
+        return tumble.data
     if name not in __all__:
         raise AttributeError(f"module 'tumble' has no attribute {name!r}")
     if name == "World":

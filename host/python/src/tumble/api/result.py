@@ -9,7 +9,7 @@ import json
 import math
 import os
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar, overload
 
@@ -189,6 +189,11 @@ class Result:
         return bool(self._told.passed)
 
     @property
+    def verdict(self) -> str:
+        """PASS, FAIL, or NOT SHOWN where only the uncertainty stands in the way of a PASS."""
+        return Decision.of(self._told).word
+
+    @property
     def assumes(self) -> tuple[str, ...]:
         """Names of what the result rests on that nobody tested, such as "seat"."""
         return tuple(self._told.assumes)
@@ -211,6 +216,10 @@ class Result:
                 return math.nan
             return float([*self.u_K.ravel(), *self.u_U0][COEFFICIENTS.index(name.removeprefix("u_"))])
         raise KeyError(f"{name!r} is none of {', '.join(COEFFICIENTS)}, nor u_ and one of them")
+
+    def __iter__(self) -> Iterator[str]:
+        """The names of the twelve."""
+        return iter(COEFFICIENTS)
 
     def to_frame(self) -> Any:
         """The twelve as a DataFrame of pandas, by name: `value`, `u` (NaN where it is not known) and `unit` of both,
@@ -366,7 +375,7 @@ class Result:
         "gravity_check", "residuals" (with the schedule), "samples" (with the run), "budget" (with the stand),
         "stand_seen", "correlation" and "attitude" (of a result that was solved with a stand); tumble.pictures.CAPTIONS
         says what they show. `kind`: this one alone. `file`: write it, .png, .svg or .pdf by its name; without `kind`
-        the gravity check.
+        the gravity check. A kind in place of the file is that kind, unwritten.
 
         `run`: what was solved, what `read` gives or takes. `stand`, `schedule`: as `solve` takes them, for a
         result of an earlier version, which does not repeat them.
@@ -376,11 +385,13 @@ class Result:
 
         >>> import tumble
         >>> result = tumble.solve("examples/paper_stand.csv", stand="examples/paper_stand.toml")
-        >>> list(result.plot(kind="attitude"))
+        >>> list(result.plot("attitude"))
         ['attitude']
         """
         from tumble import pictures
 
+        if kind is None and is_one_of(file, pictures.CAPTIONS):
+            file, kind = None, str(file)
         with told_in_python():
             path = None if file is None else path_of(file)
             if path is not None:
