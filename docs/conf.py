@@ -16,7 +16,7 @@ project = "Tumble"
 author = "the authors of Tumble"
 release = version = (ROOT / "VERSION").read_text(encoding="utf-8").strip()
 root_doc = "index"
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx_copybutton"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton"]
 
 # Pages are Markdown as GitHub reads it: $formulas$, and headings that links reach by their words.
 myst_enable_extensions = ["dollarmath"]
@@ -26,6 +26,8 @@ smartquotes = False  # they make a dash of --json
 
 # Docstrings are plain text with `code` in single quotes.
 default_role = "literal"
+napoleon_google_docstring = False  # sections are those of numpydoc
+napoleon_use_rtype = False
 autodoc_member_order = "bysource"
 autodoc_typehints_format = "short"
 autodoc_type_aliases = {"Floats": "ndarray", "Integers": "ndarray", "ArrayLike": "ArrayLike"}

@@ -2,6 +2,7 @@
 
 import doctest
 import importlib
+import inspect
 import json
 import re
 import subprocess
@@ -46,6 +47,18 @@ def test_the_examples_in_the_docstrings(module, monkeypatch):
     monkeypatch.chdir(ROOT)
     failed, attempted = doctest.testmod(importlib.import_module(module))
     assert failed == 0 and attempted > 1
+
+
+LISTED = [one for one in (getattr(tumble, name) for name in tumble.__all__) if inspect.isfunction(one)]
+LISTED += [getattr(tumble.Result, name) for name in ("apply", "plot", "save", "export", "report")]
+
+
+@pytest.mark.parametrize("one", [*LISTED, tumble.Stand, tumble.World], ids=lambda one: one.__qualname__)
+def test_every_parameter_is_listed_as_numpydoc_has_it(one):
+    text = inspect.getdoc(one)
+    (body,) = re.findall(r"^Parameters\n-{10}\n(.*?)(?:\n\n\S|\Z)", text, re.MULTILINE | re.DOTALL)
+    listed = [name for row in re.findall(r"^(\w[\w, ]*) : \w", body, re.MULTILINE) for name in row.split(", ")]
+    assert listed == [name for name in inspect.signature(one).parameters if name != "self"]
 
 
 def test_what_the_package_offers():

@@ -145,6 +145,7 @@ class TestBuilt:
         names = [name for name in package.__all__ if name != "__version__"]
         assert [name for name in names if f'id="tumble.{name}"' not in text] == []
         assert 'id="tumble.Result.apply"' in text
+        assert "<strong>levelled</strong> (<em>str</em><em>, </em><em>optional</em>)" in text
 
     def test_the_help_of_every_command_is_there(self, site, tumble):
         text = site("reference/command-line.html")

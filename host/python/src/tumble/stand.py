@@ -111,19 +111,42 @@ def rounds_alike(noise: Floats, step: PerChannel | Floats) -> Flags:
 @dataclass(frozen=True)
 class Stand:
     """Errors of a stand as declared: angles in radians, noise of one sample and drift in V or as `in_unit` made them,
-    all >= 0; noise and drift are one number for all channels, or three.
+    all >= 0; noise and drift are one number for all channels, or three. 0: not declared, but for inclinations.
 
-    `axis_tilt`: the axis is not level (alpha1). `level`: zero of the table angle (alpha2). `remount`: yaw of the block
-    on the platform (alpha3). `angle`: error of a set table angle (alpha4). `samples`: how many samples a mean has when
-    a run gives only the mean. `limits`: what the numbers are, one of LIMIT_KINDS: standard deviations, three of them,
-    or half-widths of a uniform law. `remounting` (key remount): is the yaw drawn anew in every mounting, or common to
-    all? `seat`: how far each mounting tilts the block against the axis, and adds to the table angle. `platform`: how
-    far the platform tilts it against the axis, the same in all mountings and runs. `encoder`: of the table angle, by
-    its sine, cosine, and sine and cosine of its double, four numbers of this size for the stand. `drift`: of every
-    channel, from the first fitted position of a run to the last. `inclination`: of a set inclination, and of the zero
-    of the table angle with it; infinite: nobody knows, and a run finds them. `rounding`: standard deviation, whatever
-    `limits` says, that a converter leaves in every mean, however many its samples; a plan knows it, a run shows it. 0:
-    not declared, but for inclinations.
+    Parameters
+    ----------
+    axis_tilt : float
+        The axis is not level (alpha1).
+    level : float
+        Zero of the table angle (alpha2).
+    remount : float
+        Yaw of the block on the platform (alpha3).
+    angle : float
+        Error of a set table angle (alpha4).
+    noise : float or three
+        Of one sample.
+    samples : int
+        How many samples a mean has when a run gives only the mean.
+    limits : str
+        What the numbers are, one of LIMIT_KINDS: standard deviations, three of them, or half-widths of a uniform law.
+    remounting : str, optional
+        Key remount: is the yaw drawn anew in every mounting ("independent"), or "common" to all?
+    name : str, optional
+        For people.
+    seat : float, optional
+        How far each mounting tilts the block against the axis, and adds to the table angle.
+    platform : float, optional
+        How far the platform tilts it against the axis, the same in all mountings and runs.
+    encoder : float, optional
+        Of the table angle, by its sine, cosine, and sine and cosine of its double, four numbers of this size for the
+        stand.
+    drift : float or three, optional
+        Of every channel, from the first fitted position of a run to the last.
+    inclination : float, optional
+        Of a set inclination, and of the zero of the table angle with it; infinite: nobody knows, and a run finds them.
+    rounding : float or three, optional
+        Standard deviation, whatever `limits` says, that a converter leaves in every mean, however many its samples; a
+        plan knows it, a run shows it.
     """
 
     axis_tilt: float

@@ -90,16 +90,14 @@ def acquire(
     out : path
         The run file, CSV, which must not be there yet.
     move : callable, optional
-        Turns the table to an angle in degrees and returns when it is there. Without it somebody turns the table, asked
-        on the terminal.
+        Turns the table to an angle in degrees, returns when it is there. Without it somebody is asked to turn it.
     stop : callable
         Needed with `move`: stops the table; called whatever ends the run, from an exception in `move` to Ctrl-C.
-    limits_deg : (float, float)
-        Needed with `move`: the lowest and the highest angle that may be commanded. A schedule beyond is refused before
-        anything moves.
+    limits_deg : pair of float
+        Needed with `move`: the lowest and the highest angle. A schedule beyond is refused before anything moves.
     mount : callable, optional
-        Called with a tumble.Mounting before its first position, returns when the block sits so, or the stand is
-        inclined so. Without it somebody is asked on the terminal.
+        Called with a tumble.Mounting before its first position, returns when block and stand are so. Without it
+        somebody is asked on the terminal.
     schedule : str, path or Schedule, optional
         As of `solve`; default: "paper".
     samples : int, optional
@@ -118,8 +116,12 @@ def acquire(
     Returns
     -------
     Result
-        As `solve` gives it. Raises what `solve` raises, and tumble.errors.BenchFault for a block that does not come to
-        rest, or a table that cannot be stopped.
+        As `solve` gives it.
+
+    Raises
+    ------
+    BenchFault
+        For a block that does not come to rest, or a table that cannot be stopped; and what `solve` raises.
     """
     require_unit(unit, "unit")
     require_flag(resume, "resume")

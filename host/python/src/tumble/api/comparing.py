@@ -96,14 +96,35 @@ def compare(
 ) -> Comparison:
     """Are two calibrations of one block the same? Has the block changed, only its seat, or neither?
 
-    `a`, `b`: results or their files, of any schedule and estimator, their outputs in one unit. `stand`: that both were
-    measured on, if it was one: errors that return with every run on it are then counted once; default: the one that
-    both declare, if they do. `schedule`: that a result was measured by which does not tell it. `levelled`: was the
-    stand levelled "once" for both, or "anew" before each? `two_stands`: they were measured on two, even if both declare
-    the same. `confidence`, 0.5 to 0.999999: that a block which has not changed is not said to have.
+    Parameters
+    ----------
+    a, b : Result or path
+        Results or their files, the earlier one first, of any schedule and estimator, their outputs in one unit.
+    stand : path, Stand or StandFile, optional
+        That both were measured on, if it was one: errors that return with every run on it are then counted once;
+        default: the one that both declare, if they do.
+    schedule : str, path or Schedule, optional
+        That a result was measured by which does not tell it.
+    levelled : str, optional
+        Was the stand levelled "once" for both, or "anew" before each?
+    two_stands : bool, optional
+        They were measured on two, even if both declare the same.
+    confidence : float, optional
+        That a block which has not changed is not said to have, 0.5 to 0.999999.
 
-    Raises BadInput for files that cannot be used and for different units, UsageError for arguments that cannot be.
+    Returns
+    -------
+    Comparison
 
+    Raises
+    ------
+    BadInput
+        For files that cannot be used and for different units.
+    UsageError
+        For arguments that cannot be.
+
+    Examples
+    --------
     >>> import tumble
     >>> result = tumble.solve("examples/paper_stand.csv", stand="examples/paper_stand.toml")
     >>> tumble.compare(result, result).verdict

@@ -19,11 +19,27 @@ from tumble.files import frames
 def solve_many(runs: Mapping[Any, Any] | Iterable[Any], **given: Any) -> Any:
     """Solve several runs to one DataFrame of pandas: a row for each.
 
-    `runs`: what `solve` takes, by name, or one after the other; then a file has its path for a name, others their
-    number from 0. `given`: as `solve` has it, for all of them. Columns: `passed`, `estimator`, `unit`, the twelve
-    coefficients, and behind `u_` their standard uncertainties (NaN where they are not known), `u_norm_worst_g`. Raises
-    what `solve` raises.
+    Parameters
+    ----------
+    runs : mapping or iterable
+        What `solve` takes, by name, or one after the other; then a file has its path for a name, others their number
+        from 0.
+    given : any, optional
+        Arguments of `solve` by name, for all of them.
 
+    Returns
+    -------
+    pandas.DataFrame
+        Columns: `passed`, `estimator`, `unit`, the twelve coefficients, and behind `u_` their standard uncertainties
+        (NaN where they are not known), `u_norm_worst_g`.
+
+    Raises
+    ------
+    NotInstalled
+        Without pandas; and what `solve` raises.
+
+    Examples
+    --------
     >>> import tumble
     >>> table = tumble.solve_many(["examples/paper_stand.csv"], stand="examples/paper_stand.toml")
     >>> table.loc["examples/paper_stand.csv", "K_zz"].round(3), bool(table.passed.all())
@@ -56,8 +72,18 @@ def _row(result: Result) -> dict[str, Any]:
 class Calibrator:
     """A calibration as scikit-learn has its steps: `fit` solves a run, `transform` turns outputs into acceleration.
 
-    `given`: as `solve` has it. After `fit`, `result_` is the Result.
+    Parameters
+    ----------
+    given : any, optional
+        Arguments of `solve` by name.
 
+    Attributes
+    ----------
+    result_ : Result
+        After `fit`.
+
+    Examples
+    --------
     >>> import tumble
     >>> calibrator = tumble.Calibrator(stand="examples/paper_stand.toml").fit("examples/paper_stand.csv")
     >>> calibrator.transform([[0.0, 0.0, 2.0]]).shape

@@ -228,21 +228,43 @@ def read(
 ) -> Recording:
     """Read a recorded run.
 
-    `source`: the path of a run file (CSV; Parquet, `.parquet`; NPZ, `.npz`, and MAT, `.mat`, with an array for every
-    column), a DataFrame of pandas or polars, a table of pyarrow, a mapping from names to columns, a structured array,
-    or an array (rows, 5). Its columns are mounting, position, ux, uy, uz; it may have temperature, deg C; others are
-    ignored. `columns` names those that are named otherwise, as in `{"ux": "AccX"}`; `unit` says the unit of the
-    outputs; both, like `delimiter` and `decimal` of CSV, are detected unless given.
+    Its columns are mounting, position, ux, uy, uz; it may have temperature, deg C; others are ignored. A log of a CAN
+    bus has no positions: its rests are found and matched to those of a schedule, as `tumble import` does
+    (docs/first-calibration.md), and the recording's `notes` report what was found.
 
-    A log of a CAN bus, in any format that python-can reads, has no positions: its rests are found and matched to those
-    of `schedule` (a built-in one's name, or a file; paper unless given), as `tumble import` does
-    (docs/first-calibration.md), and the recording's `notes` report what was found. For a block that is not Tumble's,
-    `dbc` names the DBC file, and `columns` three of its signals. `v_per_count`: volts of a count, above 0, where the
-    block sends counts.
+    Parameters
+    ----------
+    source : path, table or array
+        A run file (CSV; Parquet, `.parquet`; NPZ, `.npz`, and MAT, `.mat`, with an array for every column), a log of a
+        CAN bus in any format that python-can reads, a DataFrame of pandas or polars, a table of pyarrow, a mapping from
+        names to columns, a structured array, or an array (rows, 5).
+    columns : dict of str to str, optional
+        The columns that are named otherwise, as in `{"ux": "AccX"}`; of a CAN log three of its signals.
+    unit : str, optional
+        Of the outputs; detected unless given.
+    delimiter, decimal : str, optional
+        Of CSV; detected unless given.
+    dbc : path, optional
+        The DBC file of a CAN log whose block is not Tumble's.
+    schedule : str or path, optional
+        Of a CAN log: the name of a built-in one, or a file; default: "paper".
+    v_per_count : float, optional
+        Of a CAN log: volts of a count, above 0, where the block sends counts.
 
-    Raises tumble.BadInput, a ValueError, for what cannot be used: it names file, row and column; row 1 of a table that
-    is no CSV file is its first. Raises tumble.NotInstalled, an ImportError, where a library is missing.
+    Returns
+    -------
+    Recording
 
+    Raises
+    ------
+    BadInput
+        For what cannot be used, a ValueError: it names file, row and column; row 1 of a table that is no CSV file is
+        its first.
+    NotInstalled
+        Where a library is missing, an ImportError.
+
+    Examples
+    --------
     >>> import tumble
     >>> run = tumble.read({"mounting": [1, 1], "position": [1, 2], "ux": [0.1, 1.5], "uy": [0, 0], "uz": [2.0, 1.4]},
     ...                   unit="V")

@@ -307,20 +307,38 @@ class Result:
     ) -> Any:
         """Calibrate outputs: a = K^-1 (U - U0); with K2 and K3 in the result, the root of their equation.
 
-        `data`: an array (..., 3) of outputs gives an array of the same shape; a DataFrame of pandas or polars, a table
-        of pyarrow, a Dataset of xarray or a mapping with columns ux, uy, uz gives the same kind with x, y, z behind all
-        its columns, its index kept; what had those names before is called raw_x, raw_y, raw_z. `unit`: "g" or "m/s2",
-        which needs gravity_m_s2 in the result's environment. `columns`: where they are named otherwise.
-        `outputs_unit`: of the data, default: the one in brackets in the columns' names, else the result's.
-
-        `uncertainty`: standard uncertainties of x, y, z and of the length, by the covariance of the coefficients (and
-        of the gravity, for m/s2), as columns u_x, u_y, u_z, u_norm before x; of an array, an array (..., 7) of x, y, z,
-        u_x, u_y, u_z, u_norm. The noise of the data itself is not in them.
-
         A column temperature, deg C, of a table is held against that of the run: a UserWarning where a row is more than
         1 deg C outside. Where nobody tells the unit of the data or of the run, another such warning comes if the
-        acceleration at rest is not near 1 g. Missing values (NaN, null) stay missing. Raises UsageError, BadInput.
+        acceleration at rest is not near 1 g. Missing values (NaN, null) stay missing.
 
+        Parameters
+        ----------
+        data : array (..., 3) or table
+            Outputs; a table has columns ux, uy, uz: a DataFrame of pandas or polars, a table of pyarrow, a Dataset of
+            xarray or a mapping.
+        unit : str, optional
+            Of the acceleration: "g" or "m/s2", which needs gravity_m_s2 in the result's environment.
+        uncertainty : bool, optional
+            Also standard uncertainties of x, y, z and of the length, by the covariance of the coefficients (and of the
+            gravity, for m/s2). The noise of the data itself is not in them.
+        columns : dict of str to str, optional
+            The columns that are named otherwise, as in `{"ux": "AccX"}`.
+        outputs_unit : str, optional
+            Of the data; default: the one in brackets in the columns' names, else the result's.
+
+        Returns
+        -------
+        array or table
+            Of an array (..., 3) the same shape; with uncertainty (..., 7) of x, y, z, u_x, u_y, u_z, u_norm. Of a table
+            the same kind with x, y, z behind all its columns, its index kept; with uncertainty u_x, u_y, u_z, u_norm
+            before them. What had those names before is called raw_x, raw_y, raw_z.
+
+        Raises
+        ------
+        UsageError, BadInput
+
+        Examples
+        --------
         >>> import tumble
         >>> result = tumble.solve("examples/paper_stand.csv", stand="examples/paper_stand.toml")
         >>> result.apply(result.U0 + result.K @ [0.36, 0.48, 0.8]).round(9).tolist()
@@ -374,15 +392,35 @@ class Result:
 
         "gravity_check", "residuals" (with the schedule), "samples" (with the run), "budget" (with the stand),
         "stand_seen", "correlation" and "attitude" (of a result that was solved with a stand); tumble.pictures.CAPTIONS
-        says what they show. `kind`: this one alone. `file`: write it, .png, .svg or .pdf by its name; without `kind`
-        the gravity check. A kind in place of the file is that kind, unwritten.
+        says what they show.
 
-        `run`: what was solved, what `read` gives or takes. `stand`, `schedule`: as `solve` takes them, for a
-        result of an earlier version, which does not repeat them.
+        Parameters
+        ----------
+        file : path, optional
+            Write it, .png, .svg or .pdf by its name; without `kind` the gravity check. A kind in place of the file is
+            that kind, unwritten.
+        kind : str, optional
+            This picture alone.
+        run : Recording, path, table or array, optional
+            What was solved, as `read` gives or takes it.
+        stand, schedule : any, optional
+            As `solve` takes them, for a result of an earlier version, which does not repeat them.
 
-        Raises UsageError for a picture that lacks something, or for a run, stand or schedule that is not that of this
-        result; BadInput for files that cannot be read or written; NotInstalled without matplotlib.
+        Returns
+        -------
+        dict of str to matplotlib.figure.Figure
 
+        Raises
+        ------
+        UsageError
+            For a picture that lacks something, or for a run, stand or schedule that is not that of this result.
+        BadInput
+            For files that cannot be read or written.
+        NotInstalled
+            Without matplotlib.
+
+        Examples
+        --------
         >>> import tumble
         >>> result = tumble.solve("examples/paper_stand.csv", stand="examples/paper_stand.toml")
         >>> list(result.plot("attitude"))
@@ -408,7 +446,16 @@ class Result:
         return self._text
 
     def save(self, file: str | os.PathLike[str]) -> None:
-        """Write `to_json()` to a file, as a whole or not at all. Raises BadInput."""
+        """Write `to_json()` to a file, as a whole or not at all.
+
+        Parameters
+        ----------
+        file : path
+
+        Raises
+        ------
+        BadInput
+        """
         write_text(path_of(file), self._text)
 
     def export(
@@ -423,11 +470,31 @@ class Result:
     ) -> str:
         """The coefficients for other programs, as `tumble export` writes them; also to a `file`.
 
-        `format`: "c", "csv", "matlab", "ros", "imucal", "px4", "ardupilot" or "dcc". `unit` of accelerations: "g" or
-        "m/s2", default: the format's. `number`: what a C header computes with, "double", "float" or "fixed", which
-        needs the `step` of a count of the outputs. `labels`: also the block's serial number and other labels. Raises
-        UsageError, BadInput.
+        Parameters
+        ----------
+        format : str
+            "c", "csv", "matlab", "ros", "imucal", "px4", "ardupilot" or "dcc".
+        file : path, optional
+            Written as a whole or not at all.
+        unit : str, optional
+            Of accelerations: "g" or "m/s2", default: the format's.
+        number : str, optional
+            What a C header computes with: "double", "float" or "fixed".
+        step : float, optional
+            Of "fixed": the size of a count of the outputs, above 0.
+        labels : bool, optional
+            Also the block's serial number and other labels.
 
+        Returns
+        -------
+        str
+
+        Raises
+        ------
+        UsageError, BadInput
+
+        Examples
+        --------
         >>> import tumble
         >>> print(tumble.solve("examples/paper_stand.csv").export("c").splitlines()[0])
         /* Coefficients of a three-axis block of accelerometers: U = U0 + K a
@@ -464,13 +531,28 @@ class Result:
     ) -> None:
         """Write a calibration report, HTML or PDF as the file's name ends; docs/files.md tells what is in it.
 
-        `run`: what was solved, as `read` gives or takes it: then its samples are drawn too. `template`: a file of
-        Jinja2 in place of the built-in one, or extending it. `logo`: a picture in PNG, JPEG or SVG. `number`: of the
-        report, default: one by date and content, the same for the same result. `since`: an earlier result of the same
-        block, or its file: then the report says whether the block has changed, as `compare` does. `issued`: the date of
-        issue, as "2026-11-28"; default: today's (UTC), or that of SOURCE_DATE_EPOCH.
+        Parameters
+        ----------
+        file : path
+            .html or .pdf by its name.
+        run : Recording, path, table or array, optional
+            What was solved, as `read` gives or takes it: then its samples are drawn too.
+        template : path, optional
+            A file of Jinja2 in place of the built-in one, or extending it.
+        logo : path, optional
+            A picture in PNG, JPEG or SVG.
+        number : str, optional
+            Of the report; default: one by date and content, the same for the same result.
+        since : Result or path, optional
+            An earlier result of the same block: then the report says whether the block has changed, as `compare` does.
+        issued : str, optional
+            The date of issue, as "2026-11-28"; default: today's (UTC), or that of SOURCE_DATE_EPOCH.
 
-        Raises BadInput, UsageError, and NotInstalled where jinja2, matplotlib or (for PDF) WeasyPrint is missing.
+        Raises
+        ------
+        BadInput, UsageError
+        NotInstalled
+            Where jinja2, matplotlib or (for PDF) WeasyPrint is missing.
         """
         from tumble.report.make import kind_of
 
@@ -512,8 +594,21 @@ class Result:
 
 
 def load(file: str | os.PathLike[str] | Mapping[str, Any]) -> Result:
-    """Read a result that `Result.save`, `tumble solve --out` or `tumble bench` wrote, from its file or as
-    `Result.document` has it. Raises BadInput."""
+    """Read a result.
+
+    Parameters
+    ----------
+    file : path or mapping
+        What `Result.save`, `tumble solve --out` or `tumble bench` wrote, or as `Result.document` has it.
+
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    BadInput
+    """
     if isinstance(file, Mapping):
         return Result(json.dumps(file))
     name = path_of(file)

@@ -170,19 +170,44 @@ def solve(
     The firmware's own code computes, an independent numpy computation confirms; docs/method.md has the formulas:
     estimators (3) and (7), the gravity check (8).
 
-    `run`: what `read` gives, or what it takes; then `unit` and `columns` are as there. `stand`: what is declared of
-    the stand, a path (TOML), an object, or a mapping of the keys of a stand file; it gives the uncertainties.
-    `schedule`: the name of a built-in one ("paper", the default, "three_mountings", "diagonal", "hand_laid",
-    "six_faces", "inclined", or "any_pose"), one of `tumble.schedules`, a path (TOML) or an object. `estimator`:
-    "averaged", "refined", "least_squares", "inclined", "norm", or "optimal", which needs a stand; default: what the
-    schedule has. `limit_g`: of the gravity check, g; default: the stand file's, else 3e-4.
-    `confidence`: at which the run must fit its stand, 0.5 to 0.999999. `model`: further terms, "k2", "k3", "drift", of
-    least_squares and optimal.
+    Parameters
+    ----------
+    run : Recording, path, table or array
+        What `read` gives, or what it takes.
+    stand : path, mapping, Stand or StandFile, optional
+        What is declared of the stand: a path (TOML), an object, or a mapping of the keys of a stand file. It gives the
+        uncertainties.
+    schedule : str, path or Schedule, optional
+        The name of a built-in one ("paper", the default, "three_mountings", "diagonal", "hand_laid", "six_faces",
+        "inclined", or "any_pose"), one of `tumble.schedules`, a path (TOML) or an object.
+    estimator : str, optional
+        "averaged", "refined", "least_squares", "inclined", "norm", or "optimal", which needs a stand; default: what the
+        schedule has.
+    limit_g : float, optional
+        Of the gravity check, g, above 0, at most 1; default: the stand file's, else 3e-4.
+    confidence : float, optional
+        At which the run must fit its stand, 0.5 to 0.999999.
+    model : str or list of str, optional
+        Further terms, "k2", "k3", "drift", of least_squares and optimal.
+    unit, columns : any, optional
+        Of what is read here, as `read` has them.
 
-    A run that fails its limits is a result too: see its `passed`. Raises BadInput for a run, stand or schedule that
-    cannot be used, UsageError for what contradicts itself (both are ValueErrors), Disagreement where numpy does not
-    confirm the core, and what `read` raises.
+    Returns
+    -------
+    Result
+        Of a run that fails its limits, too: see its `passed`.
 
+    Raises
+    ------
+    BadInput
+        For a run, stand or schedule that cannot be used, a ValueError; and what `read` raises.
+    UsageError
+        For what contradicts itself, a ValueError.
+    Disagreement
+        Where numpy does not confirm the core.
+
+    Examples
+    --------
     >>> import tumble
     >>> result = tumble.solve("examples/paper_stand.csv", stand="examples/paper_stand.toml")
     >>> result.passed, result.K.shape, result.u_U0.shape

@@ -74,7 +74,24 @@ class StandFile:
 
 
 def read_stand(file: str, data: bytes | None = None) -> StandFile:
-    """Read a stand file; `data`: what is in it, if that has been read. Raises BadInput with file and row."""
+    """Read a stand file.
+
+    Parameters
+    ----------
+    file : path
+        TOML.
+    data : bytes, optional
+        What is in it, if that has been read.
+
+    Returns
+    -------
+    StandFile
+
+    Raises
+    ------
+    BadInput
+        With file and row.
+    """
     return _parsed(read_toml(file, data), file)
 
 

@@ -57,20 +57,38 @@ class World:
     """A simulated calibration that goes on when its holder lets it: the firmware as it flies, a stand with a drive or a
     dividing head, the block, the bus between them, an operator, and faults.
 
-        >>> import tumble
-        >>> world = tumble.World(3, **{"fault": "stall at=1.3 phase=move duration=2"}).run()
-        >>> world.state, world.reason
-        ('FAULT', 'STALL')
-
-    `seed`: of all that is random, 0 to 2^64 - 1; `stand`, `schedule`: as `tumble.solve` takes them, the paper's where
-    they are left out; `samples`: of a position. `operator`: who acts when the firmware waits for a person: by-itself
-    (the simulated operator), on-confirm (he does what somebody on the bus confirms), never, or asked (`answer`).
-    `memory`: the computer keeps coefficients over a loss of power, and keeper.serial names the block. `keys`: of a
-    scenario (`World.keys()`), where they win over the stand file: numbers, texts, True or False, a list for
-    several values; for `fault` and other lines that may repeat, a text or a list of them.
-
     Seed and arguments determine everything, to the last bit; `run.csv` and `bus.log` of `tumble bench --seed` are what
-    a world with that seed records. Raises UsageError, BadInput; BenchFault where the extension is not built.
+    a world with that seed records.
+
+    Parameters
+    ----------
+    seed : int, optional
+        Of all that is random, 0 to 2^64 - 1.
+    stand, schedule : any, optional
+        As `tumble.solve` takes them; default: the paper's.
+    samples : int, optional
+        Of a position.
+    operator : str, optional
+        Who acts when the firmware waits for a person: "by-itself" (the simulated operator), "on-confirm" (he does what
+        somebody on the bus confirms), "never", or "asked" (`answer`).
+    memory : bool, optional
+        The computer keeps coefficients over a loss of power, and keeper.serial names the block.
+    keys : any, optional
+        Of a scenario (`World.keys()`), where they win over the stand file: numbers, texts, True or False, a list for
+        several values; for `fault` and other lines that may repeat, a text or a list of them.
+
+    Raises
+    ------
+    UsageError, BadInput
+    BenchFault
+        Where the extension is not built.
+
+    Examples
+    --------
+    >>> import tumble
+    >>> world = tumble.World(3, **{"fault": "stall at=1.3 phase=move duration=2"}).run()
+    >>> world.state, world.reason
+    ('FAULT', 'STALL')
     """
 
     def __init__(
