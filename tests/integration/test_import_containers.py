@@ -9,10 +9,13 @@ import os
 import re
 import shlex
 import struct
+import subprocess
+import sys
 
 import numpy as np
 import pytest
 from blocks import NOMINAL_K
+from conftest import ROOT
 from recordings import Habits, recording
 
 from tumble.model import built_in
@@ -495,6 +498,17 @@ def test_a_library_that_dies_is_one_line(tumble, tmp_path):
     done = tumble("import", tmp_path / "a.h5", PYTHONPATH=path)
     said = f"tumble: {tmp_path}/a.h5: is damaged: the library of HDF5 dies of it\n"
     assert (done.returncode, done.stdout, done.stderr) == (2, "", said)
+
+
+def test_modules_beside_the_file_are_not_loaded(run_of_csv, tmp_path):
+    """That process is the only one of a command that Python begins by itself."""
+    write_hdf5(tmp_path / "a.h5", {"one": recorded()[1]})
+    for name in ("numpy", "h5py", "pickle"):
+        (tmp_path / f"{name}.py").write_text("raise SystemExit('loaded')\n")
+    command = [sys.executable, ROOT / "host/python/launch.py", "import", "a.h5", "--out", "run.csv"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert rows_of(tmp_path / "run.csv") == run_of_csv
 
 
 def test_objects_of_python_are_not_loaded(refused, tmp_path):

@@ -175,8 +175,9 @@ def _hdf5(file: str) -> Iterator[Source]:
     """The datasets of each group, by a process of its own: of some damaged files the library dies."""
     import subprocess
 
-    child = "import sys; from tumble.files import containers; containers.hand_over_groups(sys.argv[1])"
-    done = subprocess.run([sys.executable, "-c", child, file], stdin=subprocess.DEVNULL, capture_output=True)
+    child = "import sys; sys.path[:] = sys.argv[2:]; from tumble.files import containers as c; c.hand_over(sys.argv[1])"
+    command = [sys.executable, "-c", child, file, *sys.path]  # so that it finds what this one finds, and no more
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True)
     if done.returncode != 0:
         raise BadInput("is damaged: the library of HDF5 dies of it", file)
     found = pickle.loads(done.stdout)
@@ -185,7 +186,7 @@ def _hdf5(file: str) -> Iterator[Source]:
     yield from found
 
 
-def hand_over_groups(file: str) -> None:
+def hand_over(file: str) -> None:
     """What that process does: the groups, or what went wrong, to standard output."""
     found: list[Source] | Exception
     try:
