@@ -153,7 +153,7 @@ def compared(
         raise UsageError("two_stands: nothing is shared then, which stand= and levelled= speak of")
     if not 0.5 <= as_number(confidence) <= 0.999999:
         raise UsageError(f"confidence: {quoted(confidence)} is not a number from 0.5 to 0.999999")
-    first, second = _side(a, "A"), _side(b, "B")
+    first, second = _compared(a, "A"), _compared(b, "B")
     one_stand = None
     if stand is not None:
         name, file = os.fspath(stand) if isinstance(stand, (str, os.PathLike)) else "the stand", stand_file_of(stand)
@@ -163,9 +163,9 @@ def compared(
     return report.document(pair.compare(first, second, one_stand, confidence, two_stands, levelled))
 
 
-def _side(given: Result | str | os.PathLike[str], name: str) -> pair.Side:
+def _compared(given: Result | str | os.PathLike[str], name: str) -> pair.ComparedResult:
     if isinstance(given, (str, os.PathLike)):
         name, given = os.fspath(given), load(given)
     if not isinstance(given, Result):
         raise UsageError(f"{name}: a {type(given).__name__} is neither a tumble.Result nor the path of one")
-    return pair.Side.of(name, given.checked, complaints_of_result(given.checked))
+    return pair.ComparedResult.of(name, given.checked, complaints_of_result(given.checked))

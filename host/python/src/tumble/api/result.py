@@ -585,8 +585,8 @@ class Result:
         earlier = None
         if since is not None:
             before = since if isinstance(since, Result) else load(since)
-            first = pair.Side.of("the earlier result", before._told, complaints_of_result(before._told))
-            second = pair.Side.of("this result", self._told, complaints_of_result(self._told))
+            first = pair.ComparedResult.of("the earlier result", before._told, complaints_of_result(before._told))
+            second = pair.ComparedResult.of("this result", self._told, complaints_of_result(self._told))
             earlier = before.document, comparison.document(pair.compare(first, second, None, DEFAULT_CONFIDENCE))
         day = require_date((created() or "")[:10] if issued is None else issued)
         more: dict[str, Any] = {**given, "earlier": earlier, "issued": day}

@@ -60,7 +60,7 @@ class OneStand:
 
 
 @dataclass(frozen=True)
-class Side:
+class ComparedResult:
     """One of the two results: its `name`, its `document`, `complaints` about it, and its `calibration`."""
 
     name: str
@@ -69,7 +69,7 @@ class Side:
     calibration: Calibration
 
     @classmethod
-    def of(cls, name: str, document: Result, complaints: Sequence[str] = ()) -> Side:
+    def of(cls, name: str, document: Result, complaints: Sequence[str] = ()) -> ComparedResult:
         """Raises BadInput for a singular K, and for a covariance that is none."""
         try:
             found = Coefficients.of(document)
@@ -187,8 +187,8 @@ class Comparison:
     """B held against A. `terms`: K2 and K3 as far as both have them; `shared`: names of the errors that were counted
     once, None where no stand was named, or where it is not the stand of both."""
 
-    a: Side
-    b: Side
+    a: ComparedResult
+    b: ComparedResult
     found: Found
     terms: Terms
     shared: tuple[str, ...] | None
@@ -203,7 +203,12 @@ class Comparison:
 
 
 def compare(
-    a: Side, b: Side, one_stand: OneStand | None, confidence: float, two_stands: bool = False, levelled: str = ANEW
+    a: ComparedResult,
+    b: ComparedResult,
+    one_stand: OneStand | None,
+    confidence: float,
+    two_stands: bool = False,
+    levelled: str = ANEW,
 ) -> Comparison:
     """Hold B against A. `one_stand`: that both were measured on; without it the one that both results declare counts,
     `levelled` once for both or anew, unless there were `two_stands`. Raises BadInput where their units differ."""
@@ -215,7 +220,7 @@ def compare(
     first, second, names = _with_in_common(a, b, stand)
     ratio, u_ratio = _gravities(a, b)
     found = judge(first.reduced(terms), second.reduced(terms).at_gravity(ratio), u_ratio, confidence)
-    warnings = [f"{file_name(side.name)}: {sentence}" for side in (a, b) for sentence in side.complaints]
+    warnings = [f"{file_name(compared.name)}: {sentence}" for compared in (a, b) for sentence in compared.complaints]
     warnings, notes = [*warnings, *_of_both(a, b)], _notes(a, b, ratio)
     if stand is not None and names is None and found.tests is not None:
         warnings.append(f"{file_name(stand.label)} {_NOT_THEIRS}: nothing is counted as shared")
@@ -224,7 +229,7 @@ def compare(
     return Comparison(a, b, found, terms, names, stand, tuple(warnings), tuple(notes))
 
 
-def _declared_by_both(a: Side, b: Side, levelled: str) -> OneStand | None:
+def _declared_by_both(a: ComparedResult, b: ComparedResult, levelled: str) -> OneStand | None:
     """The stand that both results declare, by the same name and as exact; None where they do not."""
     stand, other = stand_of(a.document, a.name), stand_of(b.document, b.name)
     if stand is None or other is None or not stand.name or stand.name != other.name or not _is_one(stand, other):
@@ -233,7 +238,7 @@ def _declared_by_both(a: Side, b: Side, levelled: str) -> OneStand | None:
 
 
 def _with_in_common(
-    a: Side, b: Side, stand: OneStand | None
+    a: ComparedResult, b: ComparedResult, stand: OneStand | None
 ) -> tuple[Calibration, Calibration, tuple[str, ...] | None]:
     """Both calibrations with what they have in common told apart, and the names of its sources: None where no stand is
     that of both."""
@@ -242,13 +247,13 @@ def _with_in_common(
         return a.calibration, b.calibration, None
     names = tuple(name for name in first[1] if name in second[1])
     split = []
-    for side, (own, returns) in ((a, first), (b, second)):
-        in_common = [np.zeros((0, len(side.calibration.values))), *(returns[name] for name in names)]
-        split.append(replace(side.calibration, covariance=own, in_common=np.concatenate(in_common)))
+    for compared, (own, returns) in ((a, first), (b, second)):
+        in_common = [np.zeros((0, len(compared.calibration.values))), *(returns[name] for name in names)]
+        split.append(replace(compared.calibration, covariance=own, in_common=np.concatenate(in_common)))
     return split[0], split[1], names
 
 
-def _gravities(a: Side, b: Side) -> tuple[float, float]:
+def _gravities(a: ComparedResult, b: ComparedResult) -> tuple[float, float]:
     """A's gravity over B's, and its relative standard uncertainty: of one place 1, and its error is in both."""
     (of_a, u_a), (of_b, u_b) = a.gravity, b.gravity
     if of_a is None or of_b is None or of_a == of_b:
@@ -256,7 +261,7 @@ def _gravities(a: Side, b: Side) -> tuple[float, float]:
     return of_a / of_b, float(np.hypot((u_a or 0.0) / of_a, (u_b or 0.0) / of_b))
 
 
-def _of_both(a: Side, b: Side) -> list[str]:
+def _of_both(a: ComparedResult, b: ComparedResult) -> list[str]:
     """Why the two may not be two calibrations of one block under one condition."""
     found = []
     items = a.document.item or {}, b.document.item or {}
@@ -283,9 +288,9 @@ def _of_both(a: Side, b: Side) -> list[str]:
     return found
 
 
-def _run_date(side: Side) -> str:
+def _run_date(compared: ComparedResult) -> str:
     """The day of the run as its labels tell it, in the form of ISO 8601; empty where they do not."""
-    tables = [side.document.item or {}, side.document.environment or {}]
+    tables = [compared.document.item or {}, compared.document.environment or {}]
     told = [str(one[key]) for one in tables for key in one if key.strip().lower().replace(" ", "_") in _DATES]
     return next((one[:10] for one in told if re.fullmatch(r"\d{4}-\d\d-\d\d([T ].*)?", one, re.ASCII)), "")
 
@@ -307,19 +312,19 @@ def _of_sharing(names: tuple[str, ...] | None, one_stand: OneStand | None, two_s
     return f"Counted once, as both have it of one stand: {listed} ({levelled})."
 
 
-def _notes(a: Side, b: Side, ratio: float) -> list[str]:
+def _notes(a: ComparedResult, b: ComparedResult, ratio: float) -> list[str]:
     """What the comparison rests on, and what it leaves out."""
     found = []
     gravities = a.gravity[0], b.gravity[0]
     if None in gravities:
         found.append("Taken to be measured at one gravity: not both results tell theirs.")
     elif ratio != 1.0:
-        sure = all(side.gravity[1] is not None for side in (a, b))
+        sure = all(compared.gravity[1] is not None for compared in (a, b))
         rest = "" if sure else ", whose uncertainty is unknown and not counted"
         found.append(f"Gravity {gravities[0]:g} and {gravities[1]:g} m/s^2: B is given in A's g{rest}.")
     if "drift" in a.terms or "drift" in b.terms:
         found.append("A drift is the run's and not the block's: it is not compared.")
-    if any(side.temperature is None for side in (a, b)):
+    if any(compared.temperature is None for compared in (a, b)):
         found.append("Not both results tell their temperature.")
     if not (_run_date(a) and _run_date(b)):  # a run may also have been solved anew
         made = a.document.created, b.document.created

@@ -17,8 +17,8 @@ from tumble.documents.comparison import (
     OfCoefficient,
     OfParameter,
     OfSeat,
+    ResultSummary,
     Shared,
-    Side,
     Tests,
 )
 from tumble.errors import file_name
@@ -62,8 +62,8 @@ def document(compared: pair.Comparison) -> Comparison:
         changed=tuple(row.name for row in parameters if row.changed),
         explained_by=explained,
         assumes=tuple(dict.fromkeys((*compared.a.document.assumes, *compared.b.document.assumes))),
-        a=_side(compared.a),
-        b=_side(compared.b),
+        a=_summary(compared.a),
+        b=_summary(compared.b),
         unit=unit,
         parameters=parameters,
         seat=tuple(OfSeat(**row) for row in seat),
@@ -79,16 +79,16 @@ def document(compared: pair.Comparison) -> Comparison:
     )
 
 
-def _side(side: pair.Side) -> Side:
-    told, temperature = side.document, side.temperature
-    return Side(
-        file=side.name,
+def _summary(given: pair.ComparedResult) -> ResultSummary:
+    told, temperature = given.document, given.temperature
+    return ResultSummary(
+        file=given.name,
         **{key: getattr(told, key) for key in ("created", "run_file", "serial", "estimator", "item")},
-        passed=not side.failures,
-        pass_reason=" and ".join(side.failures) or None,
-        uncertainties=side.calibration.covariance is not None,
+        passed=not given.failures,
+        pass_reason=" and ".join(given.failures) or None,
+        uncertainties=given.calibration.covariance is not None,
         temperature_c=None if temperature is None else (temperature.low_c, temperature.high_c),
-        gravity_m_s2=side.gravity[0],
+        gravity_m_s2=given.gravity[0],
     )
 
 
@@ -124,8 +124,8 @@ Row: TypeAlias = OfParameter | OfSeat | OfCoefficient
 def render(told: Comparison, reword: Reword = str) -> str:
     """The whole of it. `reword`: what turns options of the command line into what the reader has in their place."""
     lines = [*wrapped(reword(sentence(told))), ""]
-    for name, side in (("A", told.a), ("B", told.b)):
-        lines += wrapped(f"{name}: {_described(side)}", "   ")
+    for name, summary in (("A", told.a), ("B", told.b)):
+        lines += wrapped(f"{name}: {_described(summary)}", "   ")
     given = [line for one in grounds(told) for line in wrapped(f"- {reword(one)}", "  ")]
     lines += ["", "Assumptions:", *given] if given else []
     lines += _table(told.parameters, told.seat, told.coefficients)
@@ -146,8 +146,8 @@ def sentence(told: Comparison) -> str:
 
 
 def _why_not(told: Comparison) -> str:
-    failed = [side for side in (told.a, told.b) if _verdict(side) == _FAILED]
-    unsure = [side for side in (told.a, told.b) if not side.uncertainties]
+    failed = [summary for summary in (told.a, told.b) if _verdict(summary) == _FAILED]
+    unsure = [summary for summary in (told.a, told.b) if not summary.uncertainties]
     checks = "its check" if len(failed) == 1 else "their checks"
     if unsure:
         has, runs = ("has", "its run") if len(unsure) == 1 else ("have", "their runs")
@@ -158,8 +158,8 @@ def _why_not(told: Comparison) -> str:
     return f"{_named(failed)} FAILED {checks}: nothing firm can be said. By the numbers alone, {apparent}."
 
 
-def _named(sides: list[Side]) -> str:
-    return " and ".join(file_name(side.file) for side in sides)
+def _named(summaries: list[ResultSummary]) -> str:
+    return " and ".join(file_name(summary.file) for summary in summaries)
 
 
 def _turned(told: Comparison) -> str:
@@ -186,24 +186,24 @@ def grounds(told: Comparison) -> list[str]:
     return [*([] if told.tests is None else [sure]), *told.notes]
 
 
-def _described(side: Side) -> str:
-    warm = None if side.temperature_c is None else range_text(*side.temperature_c)
-    serial = None if side.serial is None else f"serial {side.serial}"
-    parts = (side.file, _verdict(side), side.estimator, serial, side.created, warm)
+def _described(summary: ResultSummary) -> str:
+    warm = None if summary.temperature_c is None else range_text(*summary.temperature_c)
+    serial = None if summary.serial is None else f"serial {summary.serial}"
+    parts = (summary.file, _verdict(summary), summary.estimator, serial, summary.created, warm)
     return ", ".join(filter(None, parts))
 
 
-def _verdict(side: Side) -> str | None:
+def _verdict(summary: ResultSummary) -> str | None:
     """Where it did not pass: that it failed, or that nothing but the uncertainty stands in the way."""
-    if side.passed:
+    if summary.passed:
         return None
-    return NOT_SHOWN if side.pass_reason == UNCERTAINTY else _FAILED
+    return NOT_SHOWN if summary.pass_reason == UNCERTAINTY else _FAILED
 
 
 def _table(*parts: Sequence[Row]) -> list[str]:
     """A paragraph for each part."""
-    sides = (str.ljust, str.rjust, str.rjust, str.ljust, str.rjust, str.rjust)
-    lines = iter(in_columns([COLUMNS, *(cells(row) for part in parts for row in part)], sides))
+    aligned = (str.ljust, str.rjust, str.rjust, str.ljust, str.rjust, str.rjust)
+    lines = iter(in_columns([COLUMNS, *(cells(row) for part in parts for row in part)], aligned))
     found = ["", next(lines)]
     for part in parts:
         found += [*([] if part is parts[0] else [""]), *(next(lines) for _ in part)]

@@ -70,7 +70,7 @@ class Explained(Document):
     p: Share
 
 
-class Side(Document, kw_only=True):
+class ResultSummary(Document, kw_only=True):
     """From its result; null: unknown.
 
     passed: Whether it passed: gravity check, fit and uncertainty.
@@ -169,8 +169,8 @@ class Comparison(Document, kw_only=True):
     changed: Annotated[tuple[Parameter, ...], _UNIQUE]
     explained_by: Explained | None
     assumes: Annotated[tuple[Name, ...], _UNIQUE]
-    a: Side
-    b: Side
+    a: ResultSummary
+    b: ResultSummary
     unit: Annotated[str, Meta(min_length=1, max_length=16)]
     parameters: Annotated[tuple[OfParameter, ...], Meta(min_length=9)]
     seat: Annotated[tuple[OfSeat, ...], Meta(min_length=3, max_length=3)]
