@@ -161,7 +161,7 @@ def test_the_stand_file_says_the_signs(tumble, refused, tmp_path):
     done = tumble("import", file, "--stand", paper_stand(tmp_path, scale_v_per_g=-2.0), "--out", tmp_path / "run.csv")
     assert done.returncode == 0 and places(tmp_path / "run.csv") == expected(IN_ORDER)
     assert "- signs of K: of scale_v_per_g in stand.toml" in done.stdout
-    assert "nobody says them" not in done.stdout
+    assert "assumed positive" not in done.stdout
 
 
 def test_signs_that_are_said_are_not_the_stand_file_s(tumble, tmp_path):

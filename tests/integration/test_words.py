@@ -119,7 +119,7 @@ def test_many_named_mountings_are_refused_at_once():
     schedule = Schedule(tuple(Mounting(number, ()) for number in range(1, 11)), ())
     names = [f"name {letter}" for letter in "abcdefghij"]
     with pytest.raises(
-        Doubtful, match=r"10 mountings have names, too many to try .* --mountings name a=N,name b=N,... says"
+        Doubtful, match=r"10 mountings have names, too many to try .* --mountings name a=N,name b=N,... and leave"
     ):
         next(labels._ways(names, schedule, {}))
     told = {name: number for number, name in enumerate(names[:4], 1)}
