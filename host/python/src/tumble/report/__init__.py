@@ -4,6 +4,7 @@
     source       what a report may say: every number and text of the document with its path, exact, as it is printed
     sections     who, what, where, when, and how; the coefficients; verdict and decision rule
     coefficients those of a result for other programs, by templates in exports
+    thermal      those over temperature, likewise
     certificate  what a Digital Calibration Certificate says of one
     pages        the template (report.html.j2, report.css) filled in, numbered, and turned into PDF
 

@@ -84,34 +84,38 @@ def exported(
         raise ValueError(f"{form.twelve} holds twelve coefficients, no {terms}")
     names = _names(result, them, warnings, labels)
     fixed = None if step is None else _fixed_point(them, step)
-    axes = None if form.scales is None else _axes(result, them, form)
+    given = result.unit, result.environment, them.values, them.uncertainties
+    axes = None if form.scales is None else axes_of(*given, form)
     more: dict[str, Any] = {"fixed": fixed, "axes": axes, "number": accelerometer}
     if name == "dcc":
         from tumble.report.certificate import certified
 
         more["certificate"] = certified(result, them, warnings)
-    return _filled(name, FLOAT if number == FLOAT else DOUBLE, {**names, **more})
+    return filled(name, FLOAT if number == FLOAT else DOUBLE, {**names, **more})
 
 
-def _axes(result: Result, them: Coefficients, form: Format) -> dict[str, Any]:
+def axes_of(
+    unit: str, environment: dict[str, str | int | float] | None, values: Any, u: list[float] | None, form: Format
+) -> dict[str, Any]:
     """Offsets and scales (3,) of a force = (output - offset) scale in m/s^2, with their uncertainties, None where these
-    are unknown; `lost`: the cross-axis terms that this cannot hold, as parts of their channel's own; `error`: the most
-    that these leave at 1 g, m/s^2. Raises ValueError."""
+    are unknown, of the `values` of twelve coefficients; `lost`: the cross-axis terms that this cannot hold, as parts of
+    their channel's own; `error`: the most that these leave at 1 g, m/s^2; `size`: of the unit. Raises ValueError."""
     import numpy as np
 
-    if result.unit not in _M_S2:
-        raise ValueError(f"outputs in {result.unit}: {form.twelve} calibrates accelerations, in m/s^2 or g")
-    size, told = _M_S2[result.unit], (result.environment or {}).get("gravity_m_s2")
+    if unit not in _M_S2:
+        raise ValueError(f"outputs in {unit}: {form.twelve} calibrates accelerations, in m/s^2 or g")
+    size, told = _M_S2[unit], (environment or {}).get("gravity_m_s2")
     gravity = told if isinstance(told, (int, float)) else _STANDARD_GRAVITY
-    k = them.values[:9].reshape(3, 3) * size / gravity
-    scales, u = 1.0 / np.diag(k), them.uncertainties
+    k = values[:9].reshape(3, 3) * size / gravity
+    scales = 1.0 / np.diag(k)
     low, high = form.scales or (0.0, 0.0)
     for axis, scale in zip("XYZ", scales):
         if not low <= scale <= high:
             raise ValueError(f"scale {scale:.4g} of {axis}: {form.twelve} takes {low:g} to {high:g}")
     left = scales[:, None] * k - np.eye(3)
     return {
-        "offset": (them.values[9:12] * size).tolist(),
+        "size": size,
+        "offset": (values[9:12] * size).tolist(),
         "scale": scales.tolist(),
         "u_offset": None if u is None else [one * size for one in u[9:12]],
         "u_scale": None if u is None else [one * size / gravity * s**2 for one, s in zip(u[0:9:4], scales)],
@@ -136,7 +140,7 @@ def _names(result: Result, them: Coefficients, warnings: Iterable[str], labels: 
     unit, force, verdict = result.unit, FORCE_UNITS[them.force_unit], "passed" if check.passed else "FAILED"
     largest, limit = check.max_abs_delta_g_g, check.limit_g
     why_unknown = "no stand was declared" if result.u_K is None else "that of gravity is unknown"
-    origin = _origin(result, labels) + [f"WARNING: {_comment(warning)}" for warning in warnings]
+    origin = _origin(result, labels) + [f"WARNING: {comment(warning)}" for warning in warnings]
     about = [
         f"Coefficients of a three-axis block of accelerometers, estimator {result.estimator}.",
         f"Outputs in {ascii(unit)[1:-1]}, specific force in {force}.",
@@ -189,13 +193,13 @@ def _origin(result: Result, labels: bool) -> list[str]:
         told = [("Block", result.serial), ("Run file", result.run_file), *told]
     told += [(f"item.{key}", text) for key, text in (result.item or {}).items() if labels]
     told += [(f"environment.{key}", text) for key, text in environment.items() if labels or key in _CONDITIONS]
-    lines = [f"{_comment(name)}: {_comment(text)}" for name, text in told if text is not None]
+    lines = [f"{comment(name)}: {comment(text)}" for name, text in told if text is not None]
     if result.extended is not None and "drift" in result.extended.terms:
         lines.append("A drift over the run was found and taken out: U0 is that of the middle of the run.")
     return lines
 
 
-def _comment(text: object) -> str:
+def comment(text: object) -> str:
     """Foreign text, made fit for a comment in C: ASCII in one line that neither ends nor opens one, no trigraphs."""
     plain = ascii(str(text))[1:-1].replace("*/", "* /").replace("/*", "/ *")
     return re.sub(r"\?(?=\?)", "? ", plain)
@@ -204,7 +208,7 @@ def _comment(text: object) -> str:
 _NOT_IN_XML = re.compile("[^\t\n\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
-def _filled(name: str, real: str, names: dict[str, Any]) -> str:
+def filled(name: str, real: str, names: dict[str, Any]) -> str:
     """The template of a format. Its numbers are `digits`, in C a `literal` of the type `real`."""
     import numpy as np
     from jinja2 import Environment, StrictUndefined
@@ -216,7 +220,7 @@ def _filled(name: str, real: str, names: dict[str, Any]) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
-        autoescape=False,  # what is foreign is made fit by `_comment`, `plain`, `json` and `xml`
+        autoescape=False,  # what is foreign is made fit by `comment`, `plain`, `json` and `xml`
     )
     environment.filters |= {
         "digits": lambda value: format(value, ".17g"),

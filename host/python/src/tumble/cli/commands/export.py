@@ -50,17 +50,25 @@ def run(arguments: argparse.Namespace) -> int:
     """Convert and write. Returns the exit code; raises TumbleError."""
     step, number = _parse_step(arguments), _parse_accelerometer(arguments)
 
+    from tumble.api.thermal import is_thermal, load_thermal
     from tumble.documents.result import read_result
     from tumble.files.disk import refuse_overwriting, write_text
+    from tumble.report import thermal
     from tumble.solving.decision import complaints_of_result
 
     refuse_overwriting(arguments.out, arguments.result)
     options.require_ending(arguments.out, "--out", *FORMATS[arguments.format].endings)
-    result = read_result(arguments.result)
-    warnings = complaints_of_result(result)
-    told = arguments.format, arguments.unit, arguments.number, step, arguments.labels, warnings, number
     try:
-        text = exported(result, *told)
+        if is_thermal(arguments.result):
+            if arguments.number == FIXED or arguments.unit == SI:
+                raise ValueError("over temperature in double or float, for g alone")
+            warm = load_thermal(arguments.result)
+            text, warnings = thermal.exported(warm.checked, arguments.format, arguments.number, number), warm.complaints
+        else:
+            result = read_result(arguments.result)
+            warnings = complaints_of_result(result)
+            told = arguments.format, arguments.unit, arguments.number, step, arguments.labels, warnings, number
+            text = exported(result, *told)
     except ValueError as error:
         raise BadInput(str(error), arguments.result) from None
     warn(warnings, arguments.result)
