@@ -254,6 +254,13 @@ def test_the_run_file_is_that_of_csv(name, run_of_csv, tumble, tmp_path):
     assert "nobody says; the run file" not in done.stdout
 
 
+def test_text_is_text_whatever_its_name_ends_in(run_of_csv, tumble, tmp_path):
+    """As what MATLAB saves with -ascii, in a file NAME.mat."""
+    write_csv(tmp_path / "a.mat")
+    done = tumble("import", tmp_path / "a.mat", "--out", tmp_path / "run.csv")
+    assert (done.returncode, rows_of(tmp_path / "run.csv")) == (0, run_of_csv), done.stderr
+
+
 def test_a_temperature_goes_along(tumble, tmp_path):
     write_ulog(tmp_path / "a.ulg", {"one": recorded()[1]})
     assert tumble("import", tmp_path / "a.ulg", "--out", tmp_path / "run.csv").returncode == 0

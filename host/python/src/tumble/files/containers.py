@@ -364,7 +364,8 @@ _OF_SUFFIX = {".parquet": "Parquet", ".pq": "Parquet", ".npz": "NPZ", ".mat": "M
 def kind_of(file: str, beginning: bytes) -> str | None:
     """What this is, as messages call it; None: none of these."""
     found = next((kind for kind, (magic, *_) in _KINDS.items() if re.match(magic, beginning)), None)
-    return found or _OF_SUFFIX.get(frames.suffix_of(file))
+    is_text = beginning and b"\0" not in beginning  # as MATLAB's save -ascii, whose files end in .mat
+    return found or (None if is_text else _OF_SUFFIX.get(frames.suffix_of(file)))
 
 
 def refuse(data: bytes, file: str) -> None:
