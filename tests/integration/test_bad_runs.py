@@ -153,7 +153,7 @@ def test_least_squares_on_one_mounting_names_the_coefficients(refused, tmp_path)
         (["run.csv", "--estimator"], "expected one argument"),
         (["run.csv", "--verbose"], "unrecognized arguments: --verbose (see tumble solve --help)"),
         (["run.csv", "--est", "refined"], "unrecognized arguments: --est"),
-        (["run.csv", "other.csv"], "unrecognized arguments: other.csv (see tumble solve --help)"),
+        (["run.csv", "other.csv"], "2 runs: solve takes one, or several at their temperatures (--temperature)"),
         (["run.csv", "--limit", "tight"], "--limit: 'tight' is not"),
         (["run.csv", "--limit", "0"], "--limit: '0' is not"),
         (["run.csv", "--limit=-3e-4"], "--limit: '-3e-4' is not"),

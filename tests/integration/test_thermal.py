@@ -218,7 +218,7 @@ def test_a_block_that_warms_up_within_its_runs(tmp_path):
     """A ramp of 20 K in every run: positions are at temperatures of their own, as the column has them."""
     ramp = np.linspace(-10.0, 10.0, 18)
     files = written(tmp_path, [ramp - 20.0, ramp + 15.0, ramp + 50.0])
-    found = solve_thermal(files, degree="quadratic", stand=EXAMPLES / "paper_stand.toml")
+    found = solve_thermal(files, temperature="quadratic", stand=EXAMPLES / "paper_stand.toml")
     assert found.passed and found.range_c == (-30.0, 60.0)
     for t in (-25.0, 15.0, 55.0):
         u = np.sqrt(np.diag(found.covariance_at(t)))
@@ -254,5 +254,5 @@ def test_runs_that_tell_no_temperature(refused, tmp_path):
     files = written(tmp_path, (0.0, 30.0), header="ux [V],uy [V],uz [V],t")
     assert "run0.csv: tells no temperature" in refused("solve", *files, "--temperature", "linear")
     out = tmp_path / "t.json"
-    out.write_text(solve_thermal(files, temperatures_c=(0.0, 30.0)).to_json())
+    out.write_text(solve_thermal(files, at=(0.0, 30.0)).to_json())
     assert "row 2: tells no temperature" in refused("apply", out, files[0])

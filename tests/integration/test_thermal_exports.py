@@ -28,7 +28,7 @@ def result_of(slope, unit="g"):
         columns["mounting"] = [one.mounting for one in schedule.positions]
         columns["position"] = [one.number for one in schedule.positions]
         runs.append({**columns, "temperature": np.full(len(means), t)})
-    return solve_thermal(runs, degree="quadratic", schedule=schedule)
+    return solve_thermal(runs, temperature="quadratic", schedule=schedule)
 
 
 @pytest.fixture

@@ -98,10 +98,11 @@ def solved(
         run, planned = _any_poses(recording)
         stand_file = hands.poses(run) if stand_file is None else stand_file
     else:
-        if estimator is None and stand is None and not model and hands.brings_stand(schedule):
+        further = as_list(model)
+        if estimator is None and stand is None and not further and hands.brings_stand(schedule):
             estimator = OPTIMAL  # the tilts of faces that were laid by hand spoil U0 of plain least squares
         planned, estimator = planned_with(defaults.DEFAULT_SCHEDULE if schedule is None else schedule, estimator)
-        terms = parse(as_list(model), estimator)
+        terms = parse(further, estimator)
         run, planned = recording.averaged_on(planned)
         if stand_file is None and hands.brings_stand(schedule):
             stand_file = hands.faces(run, planned.data, recording.name)

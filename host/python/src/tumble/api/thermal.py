@@ -37,29 +37,49 @@ from tumble.units import SI, force_unit, volts_per
 def solve_thermal(
     runs: Iterable[Any],
     *,
-    degree: str = "linear",
+    temperature: str = "linear",
     stand: Any = None,
     schedule: Any = None,
     estimator: str | None = None,
     limit_g: float | None = None,
     confidence: float = defaults.DEFAULT_CONFIDENCE,
-    temperatures_c: Sequence[float] | None = None,
+    at: Sequence[float] | None = None,
     bolted_once: bool = False,
     unit: str | None = None,
     columns: dict[str, str] | None = None,
 ) -> ThermalResult:
     """Calibrate a block over temperature, from runs at several temperatures.
 
-    `runs`: what `solve` takes, each with a column temperature, deg C, or with its place in `temperatures_c`. `degree`:
-    "linear" or "quadratic". `bolted_once`: the block stays bolted and the stand level through all runs, so that seat,
-    yaw and level are the same in them; errors of the axis, the platform and the encoder always are. The others as
-    `solve` has them, for every run. Raises what `solve` raises.
+    Parameters
+    ----------
+    runs : iterable
+        What `solve` takes, each with a column temperature, deg C, or with its place in `at`.
+    temperature : str, optional
+        Degree of the polynomials, "linear" or "quadratic".
+    stand, schedule, estimator, limit_g, confidence : optional
+        As of `solve`, for every run.
+    at : sequence of float, optional
+        Temperatures of the runs, deg C.
+    bolted_once : bool, optional
+        The block stays bolted and the stand level through all runs: seat, yaw and level are the same in them. Errors of
+        the axis, the platform and the encoder always are.
+    unit, columns : optional
+        As of `solve`.
+
+    Returns
+    -------
+    ThermalResult
+
+    Raises
+    ------
+    BadInput, UsageError, Disagreement
+        As `solve`; also for temperatures that do not determine the polynomials.
     """
     with told_in_python():
         layout = layout_options(columns, unit)
         recordings = [recording_of(one, layout) for one in runs]
         given = {"stand": stand, "schedule": schedule, "estimator": estimator, "limit_g": limit_g}
-        single, found = solved_together(recordings, degree, temperatures_c, bolted_once, confidence, **given)
+        single, found = solved_together(recordings, temperature, at, bolted_once, confidence, **given)
         return ThermalResult(document_of(single, found))
 
 
@@ -98,7 +118,7 @@ def _felt(recording: Recording, one: Solved, told_c: float | None) -> Floats:
         return np.full(len(measured), float(told_c))
     felt = recording.temperatures_c
     if felt is None:
-        raise BadInput("tells no temperature: a column temperature, deg C, or --at C,C,... names it", recording.name)
+        raise BadInput("tells no temperature: a column temperature, deg C, or --at names it", recording.name)
     place, known = recording.mounting * NUMBERS + recording.position, ~np.isnan(felt)
     means = []
     for position in measured:
@@ -241,7 +261,7 @@ class ThermalResult:
         """What is to be done with data. Raises UsageError, BadInput."""
         gravity, of_force = (self._told.environment or {}).get("gravity_m_s2"), str(force_unit(unit))
         if uncertainty:
-            raise UsageError("--uncertainty: of a result over temperature ThermalResult.covariance_at tells them")
+            raise UsageError("uncertainties of a result over temperature: ThermalResult.covariance_at in Python")
         if of_force not in ("g", SI):
             raise UsageError(f"unit: {quoted(unit)} is neither g nor m/s2")
         if of_force == SI and not isinstance(gravity, (int, float)):
@@ -279,6 +299,21 @@ def is_thermal(file: str) -> bool:
 
 
 def load_thermal(file: str | os.PathLike[str]) -> ThermalResult:
-    """Read a result that `ThermalResult.save` or `tumble solve --temperature --out` wrote. Raises BadInput."""
+    """Read a calibration over temperature.
+
+    Parameters
+    ----------
+    file : path
+        What `ThermalResult.save` or `tumble solve --temperature --out` wrote.
+
+    Returns
+    -------
+    ThermalResult
+
+    Raises
+    ------
+    BadInput
+        For a file that cannot be used.
+    """
     name = os.fspath(file)
     return ThermalResult(document.parse_thermal(read_bytes(name, RESULT_FILE), name))
