@@ -88,6 +88,45 @@ def test_whoever_declares_a_stand_or_a_limit_is_heard(tumble, tmp_path):
     assert optimal.passed and optimal.estimator == "optimal"
 
 
+def test_a_drift_follows_the_order_in_which_the_faces_were_laid():
+    """As the rows come, whatever the numbers are: the same run, with its positions numbered in the order of its rows,
+    has the same uncertainties; and faces that follow one another share their drift."""
+    order, rng = [4, 5, 0, 1, 2, 3], np.random.default_rng(8)
+    run = rows(9.81 * UP, 100, 0.02, rng, " [m/s^2]")
+    mounting = np.repeat(order, 100)
+    kept = np.concatenate([np.arange(100 * face, 100 * face + 100) for face in order])
+    laid = {name: values[kept] for name, values in run.items()}
+    found = package.solve(laid, schedule="hand_laid")
+    u = dict(zip("xyz", found.u_U0))
+    first = dict(zip("xyz", package.solve(run, schedule="hand_laid").u_U0))
+    assert laid["mounting"].tolist() == (mounting + 1).tolist()
+    # the axis whose faces lie in the middle of the run feels the least of a drift
+    assert min(first, key=first.get) == "y" and min(u, key=u.get) == "x"
+    assert u["x"] == pytest.approx(first["y"], rel=0.05) and u["y"] == pytest.approx(first["z"], rel=0.05)
+
+
+def test_means_of_which_nobody_knows_the_noise_say_what_is_assumed():
+    means = package.solve(rows(UP, 1, 0.0, np.random.default_rng(7), " [g]"), schedule="hand_laid")
+    assert "means" in means.assumes and "0.2 mg of noise in each mean" in means.summary()
+    samples = package.solve(rows(UP, 50, 2e-3, np.random.default_rng(7), " [g]"), schedule="hand_laid")
+    assert "means" not in samples.assumes
+
+
+def test_faces_in_any_order_are_the_first_remedy(tumble, tmp_path):
+    """Not an exchange of wires that would fit as well."""
+    rng = np.random.default_rng(3)
+    order = [4, 5, 0, 1, 2, 3]
+    parts = [9.81 * UP[face] + 0.02 * rng.standard_normal((300, 3)) for face in order]
+    moved = [5.0 * rng.standard_normal((60, 3)) for _ in order]
+    all_rows = np.concatenate([one for pair in zip(parts, moved) for one in pair])
+    lines = [f"{i / 100:.2f},{x:.4f},{y:.4f},{z:.4f}" for i, (x, y, z) in enumerate(all_rows)]
+    (tmp_path / "log.csv").write_text("\n".join(["time [s],ux,uy,uz", *lines]) + "\n")
+    options = ("--schedule", "hand_laid", "--unit", "m/s^2", "--out", tmp_path / "run.csv")
+    done = tumble("import", tmp_path / "log.csv", *options)
+    remedy = done.stderr.partition("remedy")[2]
+    assert done.returncode == 2 and "--order any" in remedy and "--columns" not in remedy
+
+
 def test_three_faces_are_refused():
     run = {name: one[:600] for name, one in rows(UP, 200, 2e-3, np.random.default_rng(9), " [g]").items()}
     with pytest.raises(package.BadInput, match="these positions cannot identify K_x"):

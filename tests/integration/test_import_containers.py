@@ -251,7 +251,7 @@ def test_the_run_file_is_that_of_csv(name, run_of_csv, tumble, tmp_path):
     assert (done.returncode, done.stderr) == (0, "")
     assert rows_of(tmp_path / "run.csv") == run_of_csv
     assert f"- {kind}: source '{FORMATS[name][2]}'\n" if name in FORMATS else f"- {kind}\n" in done.stdout
-    assert "nobody says; the run file" not in done.stdout
+    assert "the run file names none" not in done.stdout
 
 
 def test_text_is_text_whatever_its_name_ends_in(run_of_csv, tumble, tmp_path):
@@ -330,7 +330,7 @@ def test_a_unit_that_nobody_says(name, tumble, tmp_path):
     {**FORMATS, **TABLES}[name][1](tmp_path / name, {"one": recorded()[1]}, unit="")
     done = tumble("import", tmp_path / name)
     assert done.returncode == 0
-    assert "- unit: nobody says; the run file names none either (1 g is 9.803 of it" in " ".join(done.stdout.split())
+    assert "- unit: not given, and the run file names none either (1 g is 9.803 of it" in " ".join(done.stdout.split())
 
 
 @pytest.mark.parametrize(("unit", "said"), [("mV", "mV"), ("m/s2", "m/s^2"), ("g", "g")])
@@ -527,7 +527,7 @@ def test_objects_of_python_are_not_loaded(refused, tmp_path):
 def test_what_is_only_for_other_recordings(refused, tmp_path):
     write_npz(tmp_path / "a.npz", {"one": recorded()[1]})
     said = refused("import", tmp_path / "a.npz", "--can-id", "0x683")
-    assert said == "tumble: --can-id is for a CAN log, and none is given\n"
+    assert said == "tumble: --can-id applies to CAN logs, and none is given\n"
     (tmp_path / "empty").mkdir()
     assert refused("import", tmp_path / "empty") == f"tumble: {tmp_path / 'empty'}: a folder, not a file\n"
 

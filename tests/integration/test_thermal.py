@@ -240,6 +240,7 @@ def test_temperatures_by_option_and_without_a_stand(tumble, tmp_path):
         (["--temperature", "linear", "--at", "20"], "--at: 1 temperatures for 5 runs"),
         (["--temperature", "linear", "--at", "20,20,20,20,20"], "--temperature: all at 20 to 20 deg C: runs 1 K apart"),
         (["--temperature", "quadratic", "--at", "20,20,20,40,40"], "3 distinct temperatures or more are needed"),
+        (["--temperature", "quadratic", "--at", "20,20.2,40,40.1,40.2"], "3 distinct temperatures or more are needed"),
         (["--temperature", "linear", "--at", "20,30,40,50,warm"], "--at: 'warm' is no temperature"),
         (["--temperature", "linear", "--at", "20,30,40,50,500"], "--at: 500 is no temperature from -100 to 230 deg C"),
         (["--temperature", "linear", "--model", "k2"], "--model is for one run, not for --temperature"),

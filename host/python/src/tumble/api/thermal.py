@@ -261,7 +261,7 @@ class ThermalResult:
         """What is to be done with data. Raises UsageError, BadInput."""
         gravity, of_force = (self._told.environment or {}).get("gravity_m_s2"), str(force_unit(unit))
         if uncertainty:
-            raise UsageError("uncertainties of a result over temperature: ThermalResult.covariance_at in Python")
+            raise UsageError("no uncertainties of data over temperature: ThermalResult.covariance_at in Python")
         if of_force not in ("g", SI):
             raise UsageError(f"unit: {quoted(unit)} is neither g nor m/s2")
         if of_force == SI and not isinstance(gravity, (int, float)):

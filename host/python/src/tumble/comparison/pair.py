@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.comparison.verdict import Calibration, Found, Verdict, is_covariance, judge
+from tumble.comparison.verdict import Calibration, Found, Verdict, is_covariance, judge, test_of
 from tumble.core import MAX_SAMPLES, CoreRefusal, CoreSchedule
 from tumble.defaults import ANEW, ONCE
 from tumble.documents.result import Result
@@ -220,6 +220,8 @@ def compare(
     first, second, names = _with_in_common(a, b, stand)
     ratio, u_ratio = _gravities(a, b)
     found = judge(first.reduced(terms), second.reduced(terms).at_gravity(ratio), u_ratio, confidence)
+    if NORM in (a.document.estimator, b.document.estimator) and found.tests is not None:  # whose frame is its own
+        found = replace(found, tests=replace(found.tests, seat=test_of(0.0, 3)))
     warnings = [f"{file_name(compared.name)}: {sentence}" for compared in (a, b) for sentence in compared.complaints]
     warnings, notes = [*warnings, *_of_both(a, b)], _notes(a, b, ratio)
     if stand is not None and names is None and found.tests is not None:
@@ -315,6 +317,8 @@ def _of_sharing(names: tuple[str, ...] | None, one_stand: OneStand | None, two_s
 def _notes(a: ComparedResult, b: ComparedResult, ratio: float) -> list[str]:
     """What the comparison rests on, and what it leaves out."""
     found = []
+    if NORM in (a.document.estimator, b.document.estimator):
+        found.append("A result by |a| alone has a frame of its own: the seat, and K element by element, say nothing.")
     gravities = a.gravity[0], b.gravity[0]
     if None in gravities:
         found.append("Taken to be measured at one gravity: not both results tell theirs.")

@@ -253,7 +253,8 @@ def _dataflash(file: str) -> Iterator[Source]:
         columns = formats[name].columns
         units = {column: formats[name].get_unit(column) for column in columns}
         units |= {column: units[column] or SI for column in ("AccX", "AccY", "AccZ")}
-        yield f"{name}_{instance}", [(one, units[one], [fields[one] for fields in found]) for one in columns]
+        named = {one: "temperature" if one == "T" else one for one in columns}
+        yield f"{name}_{instance}", [(named[one], units[one], [fields[one] for fields in found]) for one in columns]
 
 
 # ROS. Types are those of the library: no definition of a file is made code.
@@ -359,6 +360,12 @@ _KINDS: dict[str, tuple[bytes, str, Callable[[str], Iterator[Source]]]] = {  # h
     "MAT": (rb"MATLAB 5\.0 MAT-file", _TABLE, partial(_table_file, frames.MAT)),
 }
 _OF_SUFFIX = {".parquet": "Parquet", ".pq": "Parquet", ".npz": "NPZ", ".mat": "MAT"}  # where the beginning is no sign
+
+
+CAUTIONS = {
+    "DataFlash": "ArduPilot logs IMU after its own calibration: record with INS_ACC*OFFS 0, INS_ACC*SCAL 1 and"
+    " INS_TCAL*_ENABLE 0"
+}
 
 
 def kind_of(file: str, beginning: bytes) -> str | None:

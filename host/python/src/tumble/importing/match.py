@@ -179,6 +179,8 @@ class _Matcher:
         if better:
             most = max(other.matched for other in better)
             best = [other for other in better if other.matched == most]
+            if self._schedule.is_laid_by_hand:  # hands lay faces in any order; wires are seldom exchanged
+                best.sort(key=lambda other: other.order != ANY)
             claimed = self._described(View(signs=self._signs), self._user_choices.order)
             positions = len(self._schedule.positions)
             would = f"{'all ' if most == positions else ''}{most} would be found"
@@ -191,7 +193,8 @@ class _Matcher:
             lacks = "; a missing inclination, or" if attitudes.inclinations_of(self._schedule) else ";"
             raise Doubtful(
                 f"of {int(self._used.sum())} rests {'none' if own is None else found} fit the positions of this "
-                f"schedule{lacks} another one? (--schedule; poses of your own: a schedule file)"
+                f"schedule{lacks} another one? (--schedule; any_pose takes poses that nobody knows, a schedule file "
+                "poses of your own)"
             )
         noise = float(np.median(np.linalg.norm(np.linalg.solve(own.seen.fit.k, self._rests.errors.T), axis=0)))  # rad
         rivals = [

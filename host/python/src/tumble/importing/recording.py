@@ -151,7 +151,8 @@ def _read_container(
     own = _read_table(file, text, options, timing, choice)
     which = f": source {quoted(table.source)}" if table.source else ""
     among = f" of {len(tables)}" if len(tables) > 1 else ""
-    return replace(own, data=data, notes=(f"{kind}{which}{among}", *own.notes))
+    notes = [f"{kind}{which}{among}", *filter(None, [containers.CAUTIONS.get(kind)])]
+    return replace(own, data=data, notes=(*notes, *own.notes))
 
 
 def _read_table(

@@ -56,6 +56,7 @@ class Assumption:
 
 ASSUMPTIONS: Mapping[str, Assumption] = {
     "seat": Assumption("a square seat", "no position shows the block's tilt against the axis", "*"),
+    "means": Assumption("0.2 mg of noise in each mean", "each has one row, and no noise_v says more (--stand)"),
     "hands": Assumption("faces laid to 3 mrad", "nobody declares how level they lay, nor the drift (--stand)"),
     "frame": Assumption(
         "a frame of the block's own",
@@ -99,6 +100,7 @@ def assumed(solution: Solution) -> dict[str, Coefficients]:
     whole = {
         "frame": found.estimator == NORM,
         "hands": found.estimator != NORM and solution.stand is not None and solution.brought_stand,
+        "means": solution.stand is not None and solution.brought_stand and solution.noise.measured is None,
         "order": solution.is_out_of_order,
         "incline": solution.inclinations is not None and not solution.knows_signs,
         "unit": not run.unit_told,

@@ -7,11 +7,12 @@ they come from.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tumble.arrays import Floats
+from tumble.core import CoreSchedule
 from tumble.errors import BadInput
 from tumble.estimators import LEAST_SQUARES
 from tumble.files.run_file import Run
@@ -23,6 +24,9 @@ from tumble.schedule import WITH_STAND, Schedule
 from tumble.solving import noise
 from tumble.stand import SIGMA, Stand, per_channel
 from tumble.units import volts_per
+
+if TYPE_CHECKING:
+    from tumble.api.recording import Recording
 
 LIMIT_G = 7e-3  # three standard uncertainties of |a| come to 6 mg with faces that lie so
 _NOISE_G, _DRIFT_G = 2e-3, 1e-3
@@ -48,6 +52,18 @@ def brings_stand(schedule: Any) -> bool:
     if isinstance(schedule, Schedule):
         return schedule == built_in("hand_laid")
     return isinstance(schedule, str) and schedule in WITH_STAND
+
+
+def as_measured(schedule: CoreSchedule, recording: Recording) -> CoreSchedule:
+    """A schedule of faces with its positions in the order in which a run comes to them, which a drift follows."""
+    planned, visited = schedule.data, dict.fromkeys(zip(recording.mounting.tolist(), recording.position.tolist()))
+    order = {place: index for index, place in enumerate(visited)}
+    positions = tuple(sorted(planned.positions, key=lambda one: order.get((one.mounting, one.number), len(order))))
+    if positions == planned.positions:
+        return schedule
+    numbers = [one.mounting for one in positions]
+    mountings = tuple(sorted(planned.mountings, key=lambda one: numbers.index(one.number)))
+    return CoreSchedule(replace(planned, mountings=mountings, positions=positions))
 
 
 def faces(run: Run, schedule: Schedule, file: str) -> StandFile:

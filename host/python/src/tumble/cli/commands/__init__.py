@@ -89,7 +89,7 @@ COMMANDS = {  # in the order in which they are listed
         ),
     ),
     "export": Command(
-        "write the coefficients of a result for other programs: C, CSV, MATLAB, ROS, imucal",
+        "write the coefficients of a result for other programs: C, CSV, MATLAB, ROS, imucal, PX4, ArduPilot, DCC",
         ("tumble export result.json --format c --out calibration.h",),
     ),
     "report": Command(
