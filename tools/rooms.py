@@ -57,12 +57,13 @@ MAY_IMPORT = {
     "importing": {"documents", "data", "model", "files"},
     "acquisition": {"model", "files", "importing"},
     "comparison": {"documents", "core", "model", "files", "solving", "fixture"},
+    "history": {"documents", "model", "files", "store"},
     "report": {"documents", "model", "files", "solving", "pictures", "comparison"},
     "api": {"documents", "core", "model", "files", "solving", "fixture", "comparison", "pictures", "importing",
             "acquisition", "report"},
     "watch": {"documents", "client"},
     "cli": {"documents", "core", "model", "files", "store", "solving", "fixture", "planning", "comparison", "pictures",
-            "importing", "acquisition", "world", "report", "api", "client", "watch", "workers", DOOR},
+            "importing", "acquisition", "world", "report", "history", "api", "client", "watch", "workers", DOOR},
     DOOR: {"core", "data", "model", "files", "solving", "fixture", "planning", "api", "world"},
 }
 # What a user includes: firmware/include/tumble/NAME.h is the door of the room NAME, these of the core.

@@ -26,6 +26,7 @@ from tumble.documents.bench import BENCH, LOG, NODE, REPLAY, STAND, Bench, Compu
 from tumble.documents.campaign import CAMPAIGN, HOSTILE, Campaign, Hostile
 from tumble.documents.comparison import COMPARISON, Comparison
 from tumble.documents.fixture import FIXTURE, Fixture
+from tumble.documents.history import HISTORY, History
 from tumble.documents.importing import IMPORT, Import
 from tumble.documents.plan import PLAN, Plan
 from tumble.documents.result import RESULT, Result
@@ -43,6 +44,7 @@ DRAFT = "https://json-schema.org/draft/2020-12/schema"
 DOCUMENTS: dict[str, tuple[type[Document], str]] = {  # by schema: its type, or what its kinds derive from; title
     PLAN: (Plan, "a stand, judged before a run"),
     FIXTURE: (Fixture, "a stand, judged by the runs made on it"),
+    HISTORY: (History, "calibrations of many blocks"),
     IMPORT: (Import, "rests found in recordings, and assumptions"),
     STORE: (Store, "contents of an image of the memory"),
     WATCH: (Watch, "a snapshot of a run"),

@@ -23,6 +23,7 @@ stay; all else may change with any version. It stands in rooms, each of which sa
     comparison          two results of one block
     pictures            of results, comparisons, recordings, campaigns, and of the stand itself
     report              a result as a document for people
+    history             calibrations of many blocks: trends, alarms, when the next one is due
     client, watch       a navigation computer over CAN or Modbus, for scripts; a run as it goes, for people who look on
     data                files that come with the package
     api, cli            what scripts call; the command line

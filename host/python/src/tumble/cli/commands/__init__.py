@@ -96,6 +96,16 @@ COMMANDS = {  # in the order in which they are listed
         "write a calibration report on a result: HTML or PDF",
         ("tumble report result.json --out report.html",),
     ),
+    "history": Command(
+        "keep the calibrations of many blocks: trends, alarms, when the next one is due",
+        (
+            "tumble history add run/result.json",
+            "tumble history show",
+            "tumble history trend --serial TB-0001",
+            "tumble history due --limit 3e-4",
+            "tumble history export --out history.parquet",
+        ),
+    ),
     "store": Command(
         "inspect the non-volatile memory of a navigation computer",
         ("tumble store dump memory.bin",),

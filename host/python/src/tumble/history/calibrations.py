@@ -1,0 +1,177 @@
+"""A result as a row of the history: numbers that neither the seat of the block nor the unit of its outputs changes.
+
+K is split into a triangle and a turn, K = L Q. L, which is lower triangular, has the lengths of K's rows and the angles
+between them, that is the block; Q is how it sat on its stand, kept as the vector of that turn. A block that sits turned
+by a small phi has Q (I + [phi]x), and L as before.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import re
+import zlib
+from datetime import datetime, timezone
+from typing import Any
+
+import numpy as np
+
+from tumble.arrays import Floats
+from tumble.documents.result import Result, parse_result
+from tumble.errors import BadInput, UsageError, quoted
+from tumble.model.coefficients import by_intrinsic, intrinsic
+from tumble.units import volts_per
+
+PARAMETERS = (
+    *(f"scale_{axis}" for axis in "xyz"),
+    *(f"angle_{pair}" for pair in ("xy", "xz", "yz")),
+    *(f"bias_{axis}" for axis in "xyz"),
+    *(f"seat_{axis}" for axis in "xyz"),
+)
+OF_BLOCK = 9  # of these; the last three are of its seat
+_TRIANGLE = np.tril_indices(OF_BLOCK)
+_DATE = re.compile(r"\d{4}-\d\d-\d\d")
+_ISO = "%Y-%m-%dT%H:%M:%SZ"
+_REASONS_OF_NUMBERS = {"gravity", "fit"}  # why a result's numbers are not to be believed
+Row = dict[str, Any]
+
+
+def row_of(data: bytes, file: str, serial: str | None = None, kind: str | None = None, date: str | None = None) -> Row:
+    """A calibration by its JSON. `serial`, `kind` (the type of the block), `date` (YYYY-MM-DD): in place of what it
+    says. Raises BadInput, UsageError."""
+    told = parse_result(data, file)
+    item = told.item or {}
+    serial = serial or told.serial or _label(item, "serial", "serial_number")
+    if serial is None:
+        raise BadInput("names no block: write serial under [block] of the stand file, or give --serial NAME", file)
+    covariance = _covariance(told)
+    row: Row = {
+        "sha256": hashlib.sha256(data).hexdigest(),
+        "run_sha256": told.run_sha256,
+        "serial": serial,
+        "type": kind or _label(item, "type", "model") or "",
+        "stand": None if told.stand is None else told.stand.name,
+        "created_s": seconds_of(date, "--date") if date else _created(told, file),
+        "schedule": None if told.schedule is None else told.schedule.name,
+        "estimator": told.estimator,
+        "passed": told.passed,
+        "believed": not _REASONS_OF_NUMBERS & set((told.pass_reason or "").split(" and ")) and told.verification.passed,
+        "limit_g": told.verification.limit_g,
+        "temperature_c": None if told.temperature is None else (told.temperature.min_c + told.temperature.max_c) / 2.0,
+        "gravity_m_s2": (told.environment or {}).get("gravity_m_s2"),
+        "u_norm_g": None if told.u_norm_g is None else told.u_norm_g.worst_g,
+        "tumble": told.tumble,
+    }
+    try:
+        row |= numbers_of(told.K * volts_per(told.unit), told.U0 * volts_per(told.unit), covariance)
+    except (np.linalg.LinAlgError, ZeroDivisionError):
+        raise BadInput("K cannot be inverted: no calibration", file) from None
+    return row | {"document": zlib.compress(data, 1)}
+
+
+def numbers_of(k: Floats, u0: Floats, covariance: Floats | None) -> Row:
+    """Parameters, their standard uncertainties and covariance, of K (3, 3), U0 (3,) and the covariance (12, 12) of
+    both."""
+    if not np.abs(np.linalg.det(k)) > 0.0:
+        raise np.linalg.LinAlgError
+    scale, angles, bias = intrinsic(k, u0)
+    values = [*scale, *angles, *bias, *_seat(k)]
+    row: Row = dict(zip(PARAMETERS, map(float, values)))
+    names = [f"u_{name}" for name in PARAMETERS]
+    if covariance is None:
+        return row | dict.fromkeys(names) | {"covariance": None}
+    by_block = by_intrinsic(k, u0)
+    by_block[:3] /= scale[:, None]  # relative, as trends and |a| have it
+    gradients = np.concatenate([by_block, _by_seat(k, covariance)])
+    joint = gradients @ covariance @ gradients.T
+    row |= dict(zip(names, np.sqrt(np.maximum(np.diag(joint), 0.0)).tolist()))
+    return row | {"covariance": packed(joint[:OF_BLOCK, :OF_BLOCK])}
+
+
+def packed(covariance: Floats) -> bytes:
+    """The lower triangle of a covariance (..., 9, 9) of the block's parameters, scales relative, as float64."""
+    return np.ascontiguousarray(covariance[..., _TRIANGLE[0], _TRIANGLE[1]], dtype="<f8").tobytes()
+
+
+def unpacked(texts: list[bytes]) -> Floats:
+    """Covariances (n, 9, 9)."""
+    lower = np.frombuffer(b"".join(texts), dtype="<f8").reshape(len(texts), -1)
+    found = np.zeros((len(texts), OF_BLOCK, OF_BLOCK))
+    found[:, _TRIANGLE[0], _TRIANGLE[1]] = lower
+    found[:, _TRIANGLE[1], _TRIANGLE[0]] = lower
+    return found
+
+
+def seconds_of(date: str, option: str) -> int:
+    """Of a day, in seconds since 1970 UTC. Raises UsageError."""
+    try:
+        if not _DATE.fullmatch(date):
+            raise ValueError
+        return int(datetime.fromisoformat(date).replace(tzinfo=timezone.utc).timestamp())
+    except ValueError:
+        raise UsageError(f"{option}: {quoted(date)} is not a date such as 2026-07-31") from None
+
+
+def iso(seconds: float) -> str:
+    """As documents have a time."""
+    return datetime.fromtimestamp(seconds, timezone.utc).strftime(_ISO)
+
+
+def _created(told: Result, file: str) -> int:
+    """When it was measured: by a label `date` of the item or of the environment, else when it was solved."""
+    for labels in (told.item or {}, told.environment or {}):
+        day = _label(labels, "date", "run_date")
+        if day is not None and _DATE.fullmatch(day):
+            return seconds_of(day, f"{file}: date")
+    if told.created is None:
+        raise BadInput("has no date (key created): give --date YYYY-MM-DD", file)
+    return int(datetime.strptime(told.created, _ISO).replace(tzinfo=timezone.utc).timestamp())
+
+
+def _label(labels: dict[str, Any], *names: str) -> str | None:
+    plain = {re.sub(r"\W+", "_", key.strip().lower()): str(text) for key, text in labels.items()}
+    return next((plain[name] for name in names if plain.get(name)), None)
+
+
+def _covariance(told: Result) -> Floats | None:
+    """Of K row by row and U0, in V; without covariance that of independent coefficients."""
+    if told.u_K is None or told.u_U0 is None:
+        return None
+    volts = volts_per(told.unit)
+    if told.covariance is not None:
+        return told.covariance * volts**2
+    found: Floats = np.diag(np.concatenate([told.u_K.ravel(), told.u_U0]) * volts) ** 2
+    return found
+
+
+def _turn(k: Floats) -> tuple[Floats, Floats]:
+    """L and the turn Q, whose determinant is 1, so that K is L Q or, of channels of a left hand, -L Q."""
+    q, triangle = np.linalg.qr(k.T)
+    signs = np.sign(np.diag(triangle))
+    lower, turn = (triangle.T * signs), (q * signs).T
+    return lower, turn * np.sign(np.linalg.det(turn))
+
+
+def _seat(k: Floats) -> Floats:
+    """The vector of the turn Q, rad: along its axis, as long as its angle."""
+    turn = _turn(k)[1]
+    values, vectors = np.linalg.eig(turn)
+    axis = np.real(vectors[:, np.argmin(np.abs(values - 1.0))])
+    cross = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
+    angle = math.atan2(float(cross @ axis), float(np.trace(turn)) - 1.0)
+    found: Floats = axis * angle
+    return found
+
+
+def _by_seat(k: Floats, covariance: Floats) -> Floats:
+    """Derivatives (3, 12) of a small turn of the seat, about the block's axes, by the coefficients: what of
+    L^-1 dK Q^T lies above the diagonal can be no part of L."""
+    lower, turn = _turn(k)
+    sign = 1.0 if np.linalg.det(k) > 0.0 else -1.0
+    inverse, found = np.linalg.inv(lower), np.zeros((3, len(covariance)))
+    for place in range(9):
+        change = np.zeros((3, 3))
+        change.flat[place] = sign
+        above = inverse @ change @ turn.T
+        found[:, place] = turn.T @ np.array([-above[1, 2], above[0, 2], -above[0, 1]])
+    return found

@@ -1,0 +1,157 @@
+"""A history as a script sees it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tumble.errors import BadInput, UsageError, needing, quoted
+from tumble.files.disk import RESULT_FILE, path_of, read_bytes, written
+from tumble.history import calibrations
+from tumble.history.calibrations import Row
+from tumble.history.database import Columns, Database
+
+if TYPE_CHECKING:
+    from tumble.documents.history import Due, Listing, Trend
+
+CONTROL = 0.9973  # confidence of the control charts: three standard deviations
+COVERAGE = 3.0
+
+
+class History:
+    """Calibrations of many blocks in a database: the path of a file of SQLite, or a URL of SQLAlchemy, such as
+    postgresql://USER@HOST/NAME. The first results that are added make it. Close it, or use it in a `with`.
+
+    Raises UsageError for a URL that is none, NotInstalled without SQLAlchemy; its methods BadInput for what is no
+    history.
+    """
+
+    def __init__(self, db: str | os.PathLike[str]):
+        self._database = Database(path_of(db))
+
+    def __enter__(self) -> History:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Leave the database."""
+        self._database.close()
+
+    def add(
+        self,
+        *results: Any,
+        serial: str | None = None,
+        type: str | None = None,
+        date: str | None = None,
+    ) -> int:
+        """Add results: objects of `tumble.Result`, files, or folders, in which every result.json is taken. Returns how
+        many are new: one that is there already is not added again.
+
+        `serial`, `type`: of the block, in place of what the results say; `date`, YYYY-MM-DD: when it was measured.
+        All are added or none. Raises BadInput for a file that cannot be used, a result that names no block or no date.
+        """
+        rows = [calibrations.row_of(data, name, serial, type, date) for name, data in _documents(results)]
+        return self._database.add(rows)
+
+    def add_rows(self, rows: Sequence[Row]) -> int:
+        """Add rows as `tumble.history.calibrations.row_of` makes them, with or without a document."""
+        return self._database.add(rows)
+
+    def columns(self, *serials: str, type: str | None = None) -> Columns:
+        """All columns as arrays, by block and time. Raises BadInput where no calibration is found."""
+        found = self._database.read(serials, type)
+        if not len(found["id"]):
+            raise BadInput(f"no calibration{_of(serials, type)}", self._database.name)
+        return found
+
+    def document(self, sha256: str) -> bytes:
+        """A result as it was added. Raises BadInput."""
+        return self._database.document(sha256)
+
+    def show(self, *serials: str, type: str | None = None) -> Listing:
+        """The calibrations, of these blocks or of all."""
+        from tumble.history import report
+
+        return report.listing(self._database.name, self.columns(*serials, type=type))
+
+    def trend(self, serial: str | None = None, *, type: str | None = None, confidence: float = CONTROL) -> Trend:
+        """Growth of the types and alarms. `serial`: of one block the alarms alone, and the points of its charts."""
+        from tumble.history import report
+
+        columns = self._of_type(serial, type)
+        return report.trend(self._database.name, columns, confidence, serial)
+
+    def due(
+        self,
+        limit_g: float,
+        serial: str | None = None,
+        *,
+        type: str | None = None,
+        coverage_factor: float = COVERAGE,
+        method: str = "control-chart",
+        confidence: float = CONTROL,
+    ) -> Due:
+        """When blocks are due so that `coverage_factor` times u(|a|) stays within `limit_g`, in g."""
+        from tumble.history import report
+        from tumble.history.due import METHODS
+
+        if method not in METHODS:
+            raise UsageError(f"method: {quoted(method)} is not one of {', '.join(METHODS)}")
+        columns = self._of_type(serial, type)
+        return report.due(self._database.name, columns, limit_g, coverage_factor, method, confidence, serial)
+
+    def to_frame(self, *serials: str, type: str | None = None) -> Any:
+        """The columns as a DataFrame of pandas, `measured` as times."""
+        with needing("a table of calibrations", "pandas", extra="pandas"):
+            import pandas
+        columns = self.columns(*serials, type=type)
+        del columns["covariance"]
+        columns["measured"] = columns.pop("created_s").astype("datetime64[s]")
+        return pandas.DataFrame(columns)
+
+    def export(self, file: str, *serials: str, type: str | None = None) -> int:
+        """Write the columns as Parquet; DuckDB, pandas and polars read it. Returns how many calibrations."""
+        with needing("an export of the history", "pyarrow", extra="parquet"):
+            from pyarrow import Table, array, parquet, timestamp
+        columns: dict[str, Any] = dict(self.columns(*serials, type=type))
+        columns["measured"] = array(columns.pop("created_s").astype("datetime64[s]"), timestamp("s", "UTC"))
+        arrays = {name: array(column, from_pandas=True) for name, column in columns.items() if name != "measured"}
+        table = Table.from_pydict({**arrays, "measured": columns["measured"]})
+        with written(file) as stream:
+            parquet.write_table(table, stream, compression="zstd")
+        return int(table.num_rows)
+
+    def _of_type(self, serial: str | None, type: str | None) -> Columns:
+        """Of one block all blocks of its type: its growth is theirs."""
+        if serial is not None:
+            type = str(self.columns(serial)["type"][-1])
+        return self.columns(type=type)
+
+
+def _of(serials: Sequence[str], type: str | None) -> str:
+    """Such as " of block A-1"."""
+    told = [f" of block {quoted(', '.join(serials))}"] if serials else []
+    told += [f" of type {quoted(type)}"] if type is not None else []
+    return "".join(told)
+
+
+def _documents(results: Iterable[Any]) -> Iterator[tuple[str, bytes]]:
+    """Names and bytes."""
+    for result in results:
+        if not isinstance(result, (str, os.PathLike)):
+            if not hasattr(result, "to_json"):
+                raise UsageError(f"a {type(result).__name__} is neither a tumble.Result nor the path of one")
+            yield "result", result.to_json().encode()
+            continue
+        path = path_of(result)
+        if not os.path.isdir(path):
+            yield path, read_bytes(path)
+            continue
+        found = sorted(Path(path).rglob(RESULT_FILE))
+        if not found:
+            raise BadInput(f"no {RESULT_FILE} in it, nor in a folder below", path)
+        yield from ((os.fspath(one), read_bytes(os.fspath(one))) for one in found)

@@ -1,0 +1,221 @@
+"""`tumble history`: results in a database, and what is refused."""
+
+import json
+import shutil
+import sqlite3
+
+import numpy as np
+import pytest
+from blocks import NOMINAL_K
+from calibrations import result
+from conftest import EXAMPLES
+from documents import document_of, valid
+
+import tumble as package
+from tumble.history import History
+from tumble.history.calibrations import PARAMETERS, iso, row_of, unpacked
+
+pytestmark = pytest.mark.python
+TIME = "2026-03-01T12:00:00Z"
+U0, JOINT = np.array([0.01, -0.02, 0.03]), np.eye(12) * 1e-10
+
+
+def rotation(vector):
+    """By Rodrigues' formula."""
+    angle = np.linalg.norm(vector)
+    x, y, z = np.asarray(vector) / angle
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+
+
+def put(folder, name="r.json", covariance=JOINT, k=NOMINAL_K, **more):
+    path = folder / name
+    path.write_text(json.dumps(result(k, U0, covariance, **{"created": TIME, "serial": "A-1", **more})))
+    return path
+
+
+@pytest.fixture(scope="module")
+def solved(tmp_path_factory):
+    """A result of the command line's own."""
+    path = tmp_path_factory.mktemp("solved") / "result.json"
+    package.solve(EXAMPLES / "lab_stand.csv", stand=EXAMPLES / "lab_stand.toml").save(path)
+    return path
+
+
+def test_a_row_has_the_intrinsic_parameters_of_its_result(solved):
+    row, told = row_of(solved.read_bytes(), "r", serial="A-1"), json.loads(solved.read_text())
+    for place, axis in enumerate("xyz"):
+        assert row[f"scale_{axis}"] == pytest.approx(told["intrinsic"]["scale"][place], rel=1e-14)
+        assert row[f"bias_{axis}"] == pytest.approx(told["intrinsic"]["bias_g"][place], rel=1e-12)
+        relative = told["u_intrinsic"]["scale"][place] / told["intrinsic"]["scale"][place]
+        assert row[f"u_scale_{axis}"] == pytest.approx(relative, rel=1e-9)
+        assert row[f"u_bias_{axis}"] == pytest.approx(told["u_intrinsic"]["bias_g"][place], rel=1e-9)
+    for pair in ("xy", "xz", "yz"):
+        assert row[f"angle_{pair}"] == pytest.approx(told["intrinsic"]["angle_rad"][pair], rel=1e-14)
+        assert row[f"u_angle_{pair}"] == pytest.approx(told["u_intrinsic"]["angle_rad"][pair], rel=1e-9)
+    joint = unpacked([row["covariance"]])[0]
+    assert np.sqrt(np.diag(joint)) == pytest.approx([row[f"u_{name}"] for name in PARAMETERS[:9]], rel=1e-12)
+    assert iso(row["created_s"]) == told["created"] and row["u_norm_g"] == told["u_norm_g"]["worst_g"]
+
+
+@pytest.mark.parametrize("angle", [1e-5, 0.3, 3.0])
+@pytest.mark.parametrize("hand", [1.0, -1.0])
+def test_a_turned_seat_changes_the_seat_alone(tmp_path, angle, hand):
+    """K (I + [phi]x) has the triangle of K; the derivatives say so by differences."""
+    turn = np.array([0.6, -0.64, 0.48]) * angle
+    lower = np.linalg.cholesky(NOMINAL_K @ NOMINAL_K.T) * hand
+    first, then = (
+        row_of(put(tmp_path, k=k).read_bytes(), "r") for k in (lower, lower @ rotation(turn))
+    )
+    for name in PARAMETERS[:9]:
+        assert then[name] == pytest.approx(first[name], rel=1e-12)
+    assert [then[f"seat_{axis}"] for axis in "xyz"] == pytest.approx(turn, rel=1e-9)
+    assert [first[f"seat_{axis}"] for axis in "xyz"] == pytest.approx([0.0, 0.0, 0.0], abs=1e-15)
+
+
+def test_the_uncertainty_of_the_seat_is_that_of_draws(tmp_path):
+    rng = np.random.default_rng(5)
+    spread = rng.normal(size=(12, 12)) * 1e-6
+    joint, k = spread.T @ spread, NOMINAL_K @ rotation([0.1, 0.2, -0.3])
+    row = row_of(put(tmp_path, covariance=joint, k=k).read_bytes(), "r")
+    draws = rng.normal(size=(400, 12)) @ spread
+    seats = []
+    for draw in draws:
+        one = row_of(put(tmp_path, covariance=joint, k=k + draw[:9].reshape(3, 3)).read_bytes(), "r")
+        turned = rotation([row[f"seat_{a}"] for a in "xyz"]).T @ rotation([one[f"seat_{a}"] for a in "xyz"])
+        seats.append([turned[2, 1], turned[0, 2], turned[1, 0]])
+    assert np.std(seats, axis=0) == pytest.approx([row[f"u_seat_{a}"] for a in "xyz"], rel=0.12)
+
+
+def test_adding_again_adds_nothing(tumble, tmp_path):
+    put(tmp_path, "a.json")
+    (tmp_path / "runs/one").mkdir(parents=True)
+    put(tmp_path / "runs/one", "result.json", created="2026-04-01T00:00:00Z")
+    said = [tumble("history", "add", "a.json", "runs", cwd=tmp_path) for _ in range(2)]
+    assert [(one.returncode, one.stdout, one.stderr) for one in said] == [(0, "2 added\n", ""), (0, "0 added\n", "")]
+    told = document_of(tumble("history", "show", "--json", cwd=tmp_path), "history")
+    assert [(one["serial"], one["measured"]) for one in told["calibrations"]] == [
+        ("A-1", TIME), ("A-1", "2026-04-01T00:00:00Z"),
+    ]  # fmt: skip
+    with History(tmp_path / "history.db") as history:
+        assert history.document(told["calibrations"][0]["sha256"]) == (tmp_path / "a.json").read_bytes()
+
+
+def test_labels_name_block_type_and_day(tumble, tmp_path):
+    item = {"Serial number": "S 7", "Model": "QA-1", "date": "2025-02-03"}
+    put(tmp_path, serial=None, item=item)
+    put(tmp_path, "b.json", serial=None, item=item, K=(NOMINAL_K * 1.1).tolist())
+    assert tumble("history", "add", "r.json", cwd=tmp_path).returncode == 0
+    options = "--serial", "S-8", "--type", "QA-2", "--date", "2025-06-30"
+    assert tumble("history", "add", "b.json", *options, cwd=tmp_path).returncode == 0
+    told = document_of(tumble("history", "show", "--json", cwd=tmp_path), "history")["calibrations"]
+    assert [(one["serial"], one["type"], one["measured"]) for one in told] == [
+        ("S 7", "QA-1", "2025-02-03T00:00:00Z"), ("S-8", "QA-2", "2025-06-30T00:00:00Z"),
+    ]  # fmt: skip
+    assert tumble("history", "show", "--serial", "S-8", cwd=tmp_path).stdout.splitlines()[1:] == [
+        "2025-06-30 00:00  S-8              QA-2         -                pass               -", "1 calibration",
+    ]  # fmt: skip
+
+
+def test_volts_and_millivolts_are_one_block(tmp_path):
+    volts, milli = (row_of(put(tmp_path, K=(NOMINAL_K * f).tolist(), U0=(U0 * f).tolist(), unit=unit,
+                               covariance=np.eye(12) * 1e-10 * f**2).read_bytes(), "r")
+                    for f, unit in ((1.0, "V"), (1000.0, "mV")))  # fmt: skip
+    for name in PARAMETERS:
+        assert milli[name] == pytest.approx(volts[name], rel=1e-12, abs=1e-15)
+        assert milli[f"u_{name}"] == pytest.approx(volts[f"u_{name}"], rel=1e-9)
+
+
+@pytest.mark.parametrize("more, line", [
+    ({"serial": None}, "r.json: names no block: write serial under [block] of the stand file, or give --serial NAME"),
+    ({"created": None}, "r.json: has no date (key created): give --date YYYY-MM-DD"),
+    ({"K": np.zeros((3, 3)).tolist()}, "r.json: K cannot be inverted: no calibration"),
+])  # fmt: skip
+def test_a_result_without_block_day_or_numbers_is_refused(refused, tmp_path, more, line):
+    put(tmp_path, **more)
+    assert refused("history", "add", "r.json", cwd=tmp_path) == f"tumble: {line}\n"
+
+
+@pytest.mark.parametrize("arguments, line", [
+    (("show",), "history.db: no such history; tumble history add makes it"),
+    (("show", "--db", "r.json"), "r.json: the database refuses: 'file is not a database'"),
+    (("show", "--db", "other.db"), "other.db: holds no history; tumble history add makes one"),
+    (("show", "--db", "newer.db"), "newer.db: a history of version 2; this tumble reads 1: use a newer one"),
+    (("show", "--db", "one.db", "--serial", "no"), "one.db: no calibration of block 'no'"),
+    (("add", "empty", "--db", "one.db"), "empty: no result.json in it, nor in a folder below"),
+    (("add", "r.json", "--date", "1.2.2026", "--db", "one.db"),
+     "--date: '1.2.2026' is not a date such as 2026-07-31"),
+    (("show", "--db", "nonsense://:x:y"), "--db: not the URL of a database, such as postgresql://USER@HOST/NAME"),
+    (("due", "--limit", "0", "--db", "one.db"), "--limit: '0' is not an acceleration in g"),
+    (("export", "--out", "a.csv", "--db", "one.db"), "--out: the file of an export ends in .parquet"),
+])  # fmt: skip
+def test_what_cannot_be_is_refused(refused, tumble, tmp_path, arguments, line):
+    put(tmp_path)
+    (tmp_path / "empty").mkdir()
+    assert tumble("history", "add", "r.json", "--db", "one.db", cwd=tmp_path).returncode == 0
+    shutil.copy(tmp_path / "one.db", tmp_path / "newer.db")
+    with sqlite3.connect(tmp_path / "newer.db") as newer:
+        newer.execute("UPDATE history SET version = 2")
+    newer.close()
+    with sqlite3.connect(tmp_path / "other.db") as other:
+        other.execute("CREATE TABLE own (number INTEGER)")
+    other.close()
+    assert refused("history", *arguments, cwd=tmp_path) == f"tumble: {line}\n"
+
+
+def test_all_results_are_added_or_none(refused, tumble, tmp_path):
+    put(tmp_path, "a.json")
+    put(tmp_path, "b.json", created="2026-05-01T00:00:00Z")
+    put(tmp_path, "c.json", serial=None)
+    tumble("history", "add", "a.json", cwd=tmp_path)
+    refused("history", "add", "b.json", "c.json", cwd=tmp_path)
+    assert len(document_of(tumble("history", "show", "--json", cwd=tmp_path), "history")["calibrations"]) == 1
+
+
+def test_a_password_is_not_shown(tumble, tmp_path):
+    put(tmp_path)
+    done = tumble("history", "add", "r.json", "--db", "postgresql://me:secret@127.0.0.1:1/x", cwd=tmp_path)
+    assert done.returncode in (2, 77) and "secret" not in done.stderr and done.stdout == ""
+
+
+def test_without_sqlalchemy_the_extra_is_named(tumble, tmp_path):
+    put(tmp_path)
+    (tmp_path / "none").mkdir()
+    (tmp_path / "none/sqlalchemy.py").write_text("raise ImportError('none')\n")
+    import os
+
+    path = f"{tmp_path / 'none'}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
+    done = tumble("history", "add", "r.json", cwd=tmp_path, PYTHONPATH=path)
+    assert (done.returncode, done.stdout) == (77, "")
+    assert done.stderr.startswith("tumble: the history of blocks needs sqlalchemy: ")
+
+
+def test_an_export_is_read_by_others(tumble, tmp_path):
+    """Which give back what was added: by pyarrow and by DuckDB, where they are there."""
+    pytest.importorskip("pyarrow")
+    put(tmp_path)
+    put(tmp_path, "b.json", covariance=None, created="2026-04-01T00:00:00Z")
+    tumble("history", "add", "r.json", "b.json", cwd=tmp_path)
+    done = tumble("history", "export", "--out", "h.parquet", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (0, "2 written\n")
+    duckdb = pytest.importorskip("duckdb")
+    found = duckdb.sql(
+        f"SELECT serial, epoch(measured), scale_x, u_scale_x FROM '{tmp_path / 'h.parquet'}' ORDER BY measured"
+    ).fetchall()
+    row = row_of((tmp_path / "r.json").read_bytes(), "r")
+    assert found[0] == ("A-1", row["created_s"], row["scale_x"], row["u_scale_x"])
+    assert found[1][3] is None
+
+
+def test_the_door_for_scripts(solved, tmp_path):
+    with History(tmp_path / "h.db") as history:
+        assert history.add(package.load(solved), serial="A-1") == history.add(solved, serial="A-2") + 1
+        frame = pytest.importorskip("pandas") and history.to_frame()
+        assert list(frame["serial"]) == ["A-1"]
+        assert valid(json.dumps(_plain(history.show("A-1"))), "history")["calibrations"][0]["pass"] is False
+
+
+def _plain(document):
+    from tumble.documents.base import written
+
+    return written(document)
