@@ -53,8 +53,14 @@ class Database:
 
     def add(self, rows: Sequence[Row]) -> int:
         """Returns how many of them are new. All are added or none. Raises BadInput."""
+        by_hash = {row["sha256"]: row for row in rows}
         with self._transaction(makes=True) as connection:
-            return sum(self._add(connection, rows[at : at + _AT_ONCE]) for at in range(0, len(rows), _AT_ONCE))
+            for known in self._known(connection, list(by_hash)):
+                by_hash.pop(known, None)
+            new = list(by_hash.values())
+            for at in range(0, len(new), _AT_ONCE):
+                self._insert(connection, new[at : at + _AT_ONCE])
+        return len(new)
 
     def read(self, serials: Iterable[str] = (), kind: str | None = None) -> Columns:
         """All columns, by block and time, as arrays; a number that is not there is NaN. Raises BadInput."""
@@ -83,25 +89,21 @@ class Database:
             raise BadInput(f"no document {quoted(sha256)}", self.name)
         return zlib.decompress(found)
 
-    def _add(self, connection: Connection, rows: Sequence[Row]) -> int:
-        table, documents = self._tables["calibration"], self._tables["document"]
-        by_hash = {row["sha256"]: row for row in rows}
-        for known in self._known(connection, list(by_hash)):
-            del by_hash[known]
-        new = list(by_hash.values())
-        if new:
-            names = [name for name in COLUMNS if name != "id"]
-            connection.execute(table.insert(), [{name: row.get(name) for name in names} for row in new])
-        if bodies := [{"sha256": row["sha256"], "body": row["document"]} for row in new if row.get("document")]:
-            connection.execute(documents.insert(), bodies)
-        return len(new)
+    def _insert(self, connection: Connection, rows: Sequence[Row]) -> None:
+        names = [name for name in COLUMNS if name != "id"]
+        numbers = [{name: row.get(name) for name in names} for row in rows]
+        connection.execute(self._tables["calibration"].insert(), numbers)
+        if bodies := [{"sha256": row["sha256"], "body": row["document"]} for row in rows if row.get("document")]:
+            connection.execute(self._tables["document"].insert(), bodies)
 
-    def _known(self, connection: Connection, hashes: list[str]) -> Iterator[str]:
+    def _known(self, connection: Connection, hashes: list[str]) -> Iterable[str]:
+        """Those of them that are there, and others. Of many a server would go through the table again and again."""
         from sqlalchemy import select
 
         column = self._tables["calibration"].c.sha256
-        for at in range(0, len(hashes), _ASKED):
-            yield from connection.execute(select(column).where(column.in_(hashes[at : at + _ASKED]))).scalars()
+        query = select(column) if len(hashes) > _ASKED else select(column).where(column.in_(hashes))
+        found: Iterable[str] = connection.execute(query).scalars()
+        return found
 
     def _require_version(self, connection: Connection, makes: bool) -> None:
         """That these are our tables, of a version that we know. `makes` them where nothing is there."""
