@@ -257,7 +257,8 @@ def tabled(page: str) -> str:
 
     def table(found: re.Match[str]) -> str:
         kind, _ = DOCUMENTS[found["name"]]
-        rows = [f"| `{key}` | {text.replace('|', chr(92) + '|')} |" for key, text in described(kind)[1].items()]
+        keys = {key: text for one in (kind, *kind.__subclasses__()) for key, text in described(one)[1].items()}
+        rows = [f"| `{key}` | {text.replace('|', chr(92) + '|')} |" for key, text in keys.items()]
         return "\n".join([found["mark"], "", "| key | what |", "|---|---|", *rows])
 
     return re.sub(r"(?P<mark><!-- keys of (?P<name>\S+) -->)\n\n(\|.*\n)*\|.*", table, page)

@@ -8,10 +8,10 @@ import pytest
 from blocks import NOMINAL_K
 from calibrations import result
 from documents import valid
-from fleets import BASE, TRUTH, U, fleet, rows_of
+from fleets import TRUTH, fleet, forecast_of, off_when_due, rows_of
 
 from tumble.history import History, due, trend
-from tumble.history.calibrations import OF_BLOCK, PARAMETERS, numbers_of, row_of, unpacked
+from tumble.history.calibrations import PARAMETERS, numbers_of, row_of, unpacked
 from tumble.history.due import Forecast, norm_gradients, worst_changes
 from tumble.model.coefficients import by_intrinsic, worst_norm
 
@@ -82,21 +82,6 @@ def test_the_staircase_has_three_steps(off, factor):
     assert due.staircase(np.array([200.0]), np.array([off * 1e-4]), 1e-4) == pytest.approx([200.0 * factor])
 
 
-def off_at(found, forecast, days, seed):
-    """By how much |a| is off at the attitude that was worst, after so many days, with the coefficients of the last
-    calibration: the truth goes on as it did."""
-    rng = np.random.default_rng(seed)
-    steps = TRUTH.walk * np.sqrt(days)[:, None] * rng.normal(size=found.rates.shape)
-    errors = (found.truth[:, -1] + found.rates * days[:, None] + steps - found.series.values[:, -1])[:, :OF_BLOCK]
-    attitudes = np.broadcast_to(due.spread_attitudes(500), (len(days), 500, 3))
-    worst = np.concatenate([
-        forecast.part(slice(b, b + 50)).days_at(LIMIT_G, COVERAGE, attitudes[b : b + 50]).argmin(axis=1)
-        for b in range(0, len(days), 50)
-    ])
-    gradients = norm_gradients(forecast.angles, forecast.bias, attitudes[np.arange(len(days)), worst][:, None])
-    return np.abs(np.einsum("bni,bi->bn", gradients, errors)[:, 0])
-
-
 LIMIT_G, COVERAGE = 6e-5, 2.0
 
 
@@ -106,26 +91,17 @@ def test_blocks_are_within_the_limit_as_often_as_their_coverage_says(each):
     uncertainty, so that it is 95.4 % at least and 97.7 % at most."""
     found = fleet(1500, each, 31 + each)
     growth = trend.growth_of([found.series], trend.control_limit(0.9973))
-    last = trend.filtered(found.series, growth).last
-    shape = len(found.rates), 3
-    covariance = np.broadcast_to(np.diag(U[:OF_BLOCK] ** 2), (shape[0], 9, 9))
-    angles, bias = np.broadcast_to(BASE[3:6], shape), np.broadcast_to(BASE[6:9], shape)
-    forecast = Forecast.of(angles, bias, covariance, last, growth.walk)
+    forecast = forecast_of(found.series, growth)
     days = forecast.days(LIMIT_G, COVERAGE)
-    within = (off_at(found, forecast, days, each) <= LIMIT_G).mean()
+    within = (off_when_due(found, forecast, days, LIMIT_G, COVERAGE, each) <= LIMIT_G).mean()
     assert 0.9545 - 3.0 * np.sqrt(0.0455 * 0.9545 / 1500) < within < 0.9772 + 3.0 * np.sqrt(0.0228 * 0.977 / 1500)
 
 
 def test_due_days_are_those_of_the_true_growth():
     """Of an estimated growth they differ from those of the true one by some per cent."""
     found = fleet(500, 10, 41)
-    days = []
-    for growth in (TRUTH, trend.growth_of([found.series], trend.control_limit(0.9973))):
-        last = trend.filtered(found.series, growth).last
-        covariance = np.broadcast_to(np.diag(U[:OF_BLOCK] ** 2), (500, 9, 9))
-        shape = 500, 3
-        angles, bias = np.broadcast_to(BASE[3:6], shape), np.broadcast_to(BASE[6:9], shape)
-        days.append(Forecast.of(angles, bias, covariance, last, growth.walk).days(LIMIT_G, COVERAGE))
+    estimated = trend.growth_of([found.series], trend.control_limit(0.9973))
+    days = [forecast_of(found.series, growth).days(LIMIT_G, COVERAGE) for growth in (TRUTH, estimated)]
     assert np.abs(days[1] / days[0] - 1.0).max() < 0.1
 
 

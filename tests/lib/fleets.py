@@ -5,7 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble.history.calibrations import OF_BLOCK, PARAMETERS, packed
-from tumble.history.trend import DAY_S, Growth, Series
+from tumble.history.due import Forecast, norm_gradients
+from tumble.history.trend import DAY_S, Growth, Series, filtered
+from tumble.model.coefficients import spread_attitudes
 
 U = np.array([5e-6] * 3 + [8e-6] * 3 + [6e-6] * 3 + [20e-6] * 3)
 BASE = np.array([2.0, 1.9, 2.1, np.pi / 2 + 0.01, np.pi / 2, np.pi / 2 - 0.02, 0.01, -0.02, 0.005, 0.0, 0.0, 0.0])
@@ -72,3 +74,26 @@ def rows_of(series, kind="T", stand="S"):
             found.append({**about, "serial": serial, "created_s": at, "sha256": f"{kind}-{serial}-{k}",
                           **dict(zip(PARAMETERS, numbers))})  # fmt: skip
     return found
+
+
+def forecast_of(series, growth, limit=np.inf):
+    """Of all blocks at their last calibrations."""
+    shape = len(series.serials), 3
+    covariance = np.broadcast_to(np.diag(U[:OF_BLOCK] ** 2), (shape[0], 9, 9))
+    angles, bias = np.broadcast_to(BASE[3:6], shape), np.broadcast_to(BASE[6:9], shape)
+    return Forecast.of(angles, bias, covariance, filtered(series, growth, limit).last, growth.walk)
+
+
+def off_when_due(found, forecast, days, limit_g, coverage, seed, growth=TRUTH):
+    """By how much |a| is off after so many days (blocks,), with the coefficients of the last calibration, at the
+    attitude that was foreseen as the worst: the truth goes on as it did."""
+    rng = np.random.default_rng(seed)
+    steps = growth.walk * np.sqrt(days)[:, None] * rng.normal(size=found.rates.shape)
+    errors = (found.truth[:, -1] + found.rates * days[:, None] + steps - found.series.values[:, -1])[:, :OF_BLOCK]
+    attitudes, off = spread_attitudes(500), []
+    for at in range(0, len(days), 100):
+        part = forecast.part(slice(at, at + 100))
+        soonest = part.days_at(limit_g, coverage, np.broadcast_to(attitudes, (len(part.rate), 500, 3))).argmin(axis=1)
+        gradients = norm_gradients(part.angles, part.bias, attitudes[soonest][:, None])
+        off.append(np.abs(np.einsum("bni,bi->bn", gradients, errors[at : at + 100])[:, 0]))
+    return np.concatenate(off)

@@ -5,7 +5,7 @@ import inspect
 INTRODUCTION = """\
 # Python
 
-All public names of the package `tumble`, `import tumble`, and of `tumble.client`.
+All public names of the package `tumble`, `import tumble`, of `tumble.client` and of `tumble.history`.
 [Scripts in Python](../client.md) shows how they are used.
 Version {version}.
 """
@@ -21,10 +21,11 @@ KINDS = {
 def page():
     """Markdown of the page: Sphinx puts the docstrings in."""
     import tumble
-    from tumble import client
+    from tumble import client, history
 
     text = [INTRODUCTION.format(version=tumble.__version__), *sections(tumble, "")]
-    return "\n".join([*text, *sections(client, " of tumble.client")])
+    text += sections(client, " of tumble.client")
+    return "\n".join([*text, *sections(history, " of tumble.history")])
 
 
 def sections(module, of):

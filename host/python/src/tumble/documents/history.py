@@ -131,7 +131,11 @@ class History(Document):
 
 
 class Listing(History, kw_only=True):
-    """What tumble history show prints: calibrations by block and time."""
+    """What tumble history show prints.
+
+    history: The file, or the URL without its password.
+    calibrations: By block and time.
+    """
 
     kind: Literal["show"] = "show"
     history: str
@@ -144,7 +148,10 @@ class Trend(History, kw_only=True):
     confidence: Share of the calibrations of blocks that behave that give no alarm, at least.
     control_limit: Of z and ewma, for that.
     left_out: Calibrations that do not count, by why.
-    points: Of a single block that was asked for, else none.
+    types: How their parameters grow: `drift`, `spread` and `walk` with their standard uncertainties.
+    alarms: By time: `serial`, `parameter`, `kind` ("jump", "outlier", "open", "drift"), `size` and `z`; of_seat where
+        only the seat has one.
+    points: Values and control charts of a single block that was asked for, else none.
     """
 
     kind: Literal["trend"] = "trend"
@@ -160,7 +167,12 @@ class Trend(History, kw_only=True):
 
 
 class Due(History, kw_only=True):
-    """What tumble history due prints: blocks, the one that is due first, first."""
+    """What tumble history due prints.
+
+    method: By which the days are found.
+    blocks: The one that is due first, first: `last` calibration, `days` from that on, `due`, and `why` then. Of trend:
+        how many.
+    """
 
     kind: Literal["due"] = "due"
     history: str

@@ -29,7 +29,7 @@ from tumble.model.coefficients import climbed, spread_attitudes
 
 CONTROL_CHART, STAIRCASE = METHODS = ("control-chart", "staircase")
 KEPT, LONGER, SHORTER = 0.8, 1.25, 0.5
-_ATTITUDES, _ROUNDS, _AT_ONCE = 400, 25, 1000
+_ATTITUDES, _ROUNDS, _AT_ONCE = 200, 20, 1000
 
 
 @dataclass(frozen=True)

@@ -34,7 +34,7 @@ DAY_S = 86400.0
 IN_ORDER, JUMP, OUTLIER, OPEN, DRIFT = range(5)  # what a calibration is to a parameter
 SMOOTHING = 0.2  # lambda of the moving average
 LEAST_INTERVALS = 10  # between calibrations of a type, from which its growth is estimated
-_MOST_BLOCKS = 2000  # of a type, for its likelihood: more would change little
+_MOST_BLOCKS = 1000  # of a type, for its likelihood: more would change little
 _MEDIAN_OF_CHI2 = 0.45493642311957283  # of one degree of freedom
 _ROUNDS, _STEPS, _HALVINGS = 2, 12, 6
 _DIFFERENCE, _KICK, _CONVERGED = 0.02, 0.2, 2e-3  # of the scatter of one calibration
@@ -133,13 +133,14 @@ class State(NamedTuple):
 @dataclass(frozen=True)
 class Filtered:
     """By block, calibration and parameter: innovations `size` and `z`, their moving average `ewma` in standard
-    deviations, NaN where there are none; `kinds`; derivatives `by_drift` of a prediction by the drift of the type, and
-    logarithms of variances S. `last`: what is known at the end."""
+    deviations, NaN where there are none; `kinds`; which of them `counts`, being in order; derivatives `by_drift` of a
+    prediction by the drift of the type, and logarithms of variances S. `last`: what is known at the end."""
 
     size: Floats
     z: Floats
     ewma: Floats
     kinds: Integers
+    counts: Flags
     by_drift: Floats
     logs: Floats
     last: State
@@ -223,6 +224,7 @@ def filtered(series: Series, growth: Growth, limit: float = np.inf, known: Integ
     shape = series.values.shape
     size, z, ewma, by_drift, logs = np.full((5, *shape), np.nan)
     kinds = np.full(shape, IN_ORDER) if known is None else known.copy()
+    all_counts = np.zeros(shape, dtype=bool)
     following = None if known is not None else _following(series)
     zero = np.zeros_like(series.values[:, 0])
     state = State(zero, zero + growth.drift, zero, zero, zero + growth.spread**2, zero, zero + 1.0)
@@ -238,7 +240,9 @@ def filtered(series: Series, growth: Growth, limit: float = np.inf, known: Integ
             beyond = shown & (np.abs(e) > limit * np.sqrt(s))
             if beyond.any():
                 kinds[:, k] = np.where(beyond, _judged(series, k, following[:, k], ahead, growth), IN_ORDER)
-        counts = shown & np.isin(kinds[:, k], (IN_ORDER, DRIFT))
+        kind = np.where(kinds[:, k] == DRIFT, IN_ORDER, kinds[:, k])
+        kind[:, OF_BLOCK:] = kind[:, OF_BLOCK:].max(axis=1, keepdims=True)  # a seat turns as a whole
+        all_counts[:, k] = counts = shown & (kind == IN_ORDER)
         if following is not None:
             average = np.where(counts, (1.0 - SMOOTHING) * average + SMOOTHING * e / np.sqrt(s), average)
             weight = np.where(counts, (1.0 - SMOOTHING) ** 2 * weight + SMOOTHING**2, weight)
@@ -248,11 +252,11 @@ def filtered(series: Series, growth: Growth, limit: float = np.inf, known: Integ
             average, weight = np.where(slow, 0.0, average), np.where(slow, 0.0, weight)
         size[:, k], z[:, k] = np.where(shown, (e, e / np.sqrt(s)), np.nan)
         by_drift[:, k], logs[:, k] = np.where(shown, (ahead.x_by_drift, np.log(s)), np.nan)
-        begins = there & ~counts & ~(shown & (kinds[:, k] == OUTLIER))
+        begins = there & ~counts & ~(shown & (kind == OUTLIER))
         parts = zip(state, ahead.measured(e, s, v), state.begun(y, v))
         state = State(*(np.where(begins, begun, np.where(counts, better, same)) for same, better, begun in parts))
         since = np.where(begins | counts, day, since)
-    return Filtered(size, z, ewma, kinds, by_drift, logs, state)
+    return Filtered(size, z, ewma, kinds, all_counts, by_drift, logs, state)
 
 
 def _following(series: Series) -> Integers:
@@ -346,7 +350,7 @@ def _log_likelihood(fleet: Sequence[Series], kinds: Sequence[Integers], growth: 
     info, moment, squares, logs, count = np.zeros((5, len(PARAMETERS)))
     for series, known in zip(fleet, kinds):
         found = filtered(series, replace(growth, drift=np.zeros(len(PARAMETERS))), known=known)
-        counts = np.isin(known, (IN_ORDER, DRIFT)) & np.isfinite(found.z)
+        counts = found.counts
         z, by_drift = np.where(counts, found.z, 0.0), np.where(counts, found.by_drift * np.exp(-found.logs / 2.0), 0.0)
         info += (by_drift**2).sum(axis=(0, 1))
         moment += (by_drift * z).sum(axis=(0, 1))
