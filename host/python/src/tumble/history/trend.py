@@ -341,7 +341,9 @@ def _likeliest(fleet: Sequence[Series], kinds: Sequence[Integers], start: Growth
                 break
         if np.abs(at - before).max() < _CONVERGED:
             break
-    u = _newton(lambda one: look(one)[0], at, height)[1] * units
+    u = _newton(lambda one: look(one)[0], at, height)[1]
+    # beside 0 there is no curvature: a variance that the scatter of so many differences, 2 in these units, would hide
+    u = np.minimum(u, (8.0 / sum(one.intervals for one in fleet)) ** 0.25) * units
     return replace(look(at)[1], u_walk=u[0], u_spread=u[1])
 
 

@@ -3,6 +3,7 @@
 figures      all that a result has what it takes for, by name; kinds: these names
 CAPTIONS     a sentence or two for each; caption: for that of a document
 comparison   two calibrations of one block
+trend, control_chart    all calibrations of one block
 stand, mountings, angles, inclinations    what one does with one's hands, by a schedule
 states, wiring              the run and the bus, by the firmware's own tables
 svg          a picture as an element of a page of HTML, or a file of its own; written: as .png, .svg or .pdf
@@ -14,6 +15,7 @@ canvas       matplotlib, sizes, colours, files; the page of a drawing
 result       by position, by sample, the stand and its inclinations as they are seen
 uncertainty  budget, correlation, attitude
 recording    what is imported
+history      one block over years
 histograms   of a simulated campaign
 drawings     stand, mountings, angles, inclinations
 diagrams     states, wiring
@@ -24,12 +26,14 @@ from tumble.pictures.comparison import comparison
 from tumble.pictures.diagrams import states, wiring
 from tumble.pictures.drawings import angles, inclinations, mountings, stand
 from tumble.pictures.gallery import CAPTIONS, caption, figures, kinds
+from tumble.pictures.history import control_chart, trend
 
 __all__ = [
     "CAPTIONS",
     "angles",
     "caption",
     "comparison",
+    "control_chart",
     "figures",
     "inclinations",
     "kinds",
@@ -39,6 +43,7 @@ __all__ = [
     "stand",
     "states",
     "svg",
+    "trend",
     "wiring",
     "written",
 ]

@@ -101,7 +101,7 @@ COMMANDS = {  # in the order in which they are listed
         (
             "tumble history add run/result.json",
             "tumble history show",
-            "tumble history trend --serial TB-0001",
+            "tumble history trend --serial TB-0001 --plot trend.svg",
             "tumble history due --limit 3e-4",
             "tumble history export --out history.parquet",
         ),

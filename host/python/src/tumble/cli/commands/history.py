@@ -7,10 +7,10 @@ import sys
 from typing import TYPE_CHECKING
 
 from tumble.cli import options
-from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
+from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BadInput, UsageError, quoted
 
 if TYPE_CHECKING:
-    from tumble.documents.history import History as Document
+    from tumble.documents.history import History as Document, Trend
 
 _DB = "history.db"
 _CONFIDENCE = "0.9973"
@@ -50,6 +50,10 @@ def describe(parser: argparse.ArgumentParser) -> None:
     )
     _add_choice(subject)
     _add_confidence(subject)
+    subject.add_argument(
+        "--plot", metavar="FILE", help="draw the parameters of the block of --serial: .svg, .png or .pdf"
+    )
+    subject.add_argument("--chart", metavar="FILE", help="draw its control charts")
     options.add(subject, "--json")
     subject.set_defaults(run_command=trend)
     subject = subjects.add_parser(
@@ -124,13 +128,39 @@ def show(arguments: argparse.Namespace) -> int:
 def trend(arguments: argparse.Namespace) -> int:
     """Estimate and print. Returns the exit code; raises TumbleError."""
     confidence = options.parse_confidence(arguments.confidence)
+    plots = {"--plot": arguments.plot, "--chart": arguments.chart}
+    if any(plots.values()) and arguments.serial is None:
+        raise UsageError("--plot, --chart: a picture is of one block: give --serial NAME")
 
+    from tumble.files.disk import refuse_overwriting
     from tumble.history import History, report
 
+    for option, file in plots.items():
+        refuse_overwriting(file, arguments.db, option=option)
+        if file is not None:
+            from tumble.pictures import require_format
+
+            require_format(file, option)
     with History(arguments.db) as history:
         told = history.trend(arguments.serial, type=arguments.type, confidence=confidence)
+    _draw(told, arguments)
     is_open = any(one.kind == "open" and not one.of_seat for one in told.alarms)
     return _print(told, arguments, report.render_trend(told), EXIT_LIMITS_FAILED if is_open else EXIT_PASS)
+
+
+def _draw(told: Trend, arguments: argparse.Namespace) -> None:
+    """Both files or none. Raises BadInput for a block that has no calibration that counts."""
+    if not (arguments.plot or arguments.chart):
+        return
+    from tumble import pictures
+    from tumble.files.disk import write_all
+
+    if not told.points:
+        raise BadInput(
+            f"no calibration of block {quoted(arguments.serial)} counts, so there is no picture", told.history
+        )
+    drawn = [(pictures.trend, arguments.plot), (pictures.control_chart, arguments.chart)]
+    write_all({file: pictures.written(draw(told), file) for draw, file in drawn if file is not None})
 
 
 def due(arguments: argparse.Namespace) -> int:
