@@ -1,8 +1,11 @@
 """`tumble history`: results in a database, and what is refused."""
 
 import json
+import os
 import shutil
 import sqlite3
+import struct
+import zlib
 
 import numpy as np
 import pytest
@@ -10,10 +13,13 @@ from blocks import NOMINAL_K
 from calibrations import result
 from conftest import EXAMPLES
 from documents import document_of, valid
+from test_store_golden import a_set
 
 import tumble as package
+from tumble.documents.base import written
 from tumble.history import History
 from tumble.history.calibrations import PARAMETERS, iso, row_of, unpacked
+from tumble.store import codec
 
 pytestmark = pytest.mark.python
 TIME = "2026-03-01T12:00:00Z"
@@ -182,8 +188,6 @@ def test_without_sqlalchemy_the_extra_is_named(tumble, tmp_path):
     put(tmp_path)
     (tmp_path / "none").mkdir()
     (tmp_path / "none/sqlalchemy.py").write_text("raise ImportError('none')\n")
-    import os
-
     path = f"{tmp_path / 'none'}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
     done = tumble("history", "add", "r.json", cwd=tmp_path, PYTHONPATH=path)
     assert (done.returncode, done.stdout) == (77, "")
@@ -212,10 +216,48 @@ def test_the_door_for_scripts(solved, tmp_path):
         assert history.add(package.load(solved), serial="A-1") == history.add(solved, serial="A-2") + 1
         frame = pytest.importorskip("pandas") and history.to_frame()
         assert list(frame["serial"]) == ["A-1"]
-        assert valid(json.dumps(_plain(history.show("A-1"))), "history")["calibrations"][0]["pass"] is False
+        assert valid(json.dumps(written(history.show("A-1"))), "history")["calibrations"][0]["pass"] is False
 
 
-def _plain(document):
-    from tumble.documents.base import written
+def entry(number, day, origin=2, flags=codec.HAS_UNCERTAINTY, bias=0.01):
+    """128 bytes of a history, as docs/embedding.md has them."""
+    k = np.float32([2.0, 0.01, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 2.0, bias, 0.0, 0.0])
+    date = int(np.datetime64(day, "s").astype(int)) if day else 0
+    head = struct.pack("<4sIIBBHQf", b"THS1", number, number, origin, 2, flags, date, 21.5)
+    body = head + k.astype("<f4").tobytes() + np.full(12, 2e-5, "<f4").tobytes()
+    return body + struct.pack("<I", zlib.crc32(body))
 
-    return written(document)
+
+def memory(*entries):
+    image = bytearray(b"\xff" * 8 * 4096)
+    active = codec.encode_set(a_set(sequence=9, origin=2, serial="TB-0007"))
+    image[4096 : 4096 + len(active) + len(codec.mark_of(active))] = active + codec.mark_of(active)
+    image[4 * 4096 : 4 * 4096 + 128 * len(entries)] = b"".join(entries)
+    return bytes(image)
+
+
+def test_the_history_of_a_computer_is_read(tumble, tmp_path):
+    """Its sets with a date, of the block that it has now; without what a rollback gave up, and its copy."""
+    other, mine = codec.HAS_UNCERTAINTY, codec.HAS_UNCERTAINTY | 0x8000
+    image = memory(
+        entry(1, "2025-01-01", flags=other), entry(2, "2025-02-01", flags=mine), entry(3, None),
+        entry(4, "2025-04-01"), entry(5, "2025-05-01", origin=3, bias=0.5), entry(6, "2025-06-01", origin=4),
+        entry(7, "2025-07-01", origin=6), entry(8, "2025-08-01", flags=0),
+    )  # fmt: skip
+    (tmp_path / "nv.bin").write_bytes(image)
+    assert [tumble("history", "add", "nv.bin", cwd=tmp_path).stdout for _ in range(2)] == ["3 added\n", "0 added\n"]
+    with History(tmp_path / "history.db") as history:
+        columns = history.columns("TB-0007")
+    assert [iso(one)[:10] for one in columns["created_s"]] == ["2025-02-01", "2025-04-01", "2025-08-01"]
+    assert columns["bias_x"] == pytest.approx([0.005] * 3, rel=1e-4) and set(columns["estimator"]) == {"on board"}
+    assert columns["u_bias_x"][:2] == pytest.approx([1e-5] * 2, rel=0.01) and np.isnan(columns["u_bias_x"][2])
+
+
+@pytest.mark.parametrize("image, line", [
+    (b"\xff" * 8 * 4096, "names no block: it has no active set: give --serial NAME"),
+    (memory(entry(1, None)), "no set with a date in the history of this memory"),
+    (b"\xff" * 4096, "4096 bytes are not whole sectors of 4096 bytes, 8 at least"),
+])  # fmt: skip
+def test_a_memory_without_sets_is_refused(refused, tmp_path, image, line):
+    (tmp_path / "nv.bin").write_bytes(image)
+    assert refused("history", "add", "nv.bin", cwd=tmp_path) == f"tumble: nv.bin: {line}\n"

@@ -8,6 +8,7 @@ by a small phi has Q (I + [phi]x), and L as before.
 from __future__ import annotations
 
 import hashlib
+import json
 import math
 import re
 import zlib
@@ -20,6 +21,8 @@ from tumble.arrays import Floats
 from tumble.documents.result import Result, parse_result
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.model.coefficients import by_intrinsic, intrinsic
+from tumble.store.codec import HAS_TEMPERATURE, HAS_UNCERTAINTY, HistoryEntry
+from tumble.store.image import Image
 from tumble.units import volts_per
 
 PARAMETERS = (
@@ -33,6 +36,8 @@ _TRIANGLE = np.tril_indices(OF_BLOCK)
 _DATE = re.compile(r"\d{4}-\d\d-\d\d")
 _ISO = "%Y-%m-%dT%H:%M:%SZ"
 _REASONS_OF_NUMBERS = {"gravity", "fit"}  # why a result's numbers are not to be believed
+_MADE_ACTIVE, _ROLLED_BACK = (1, 2, 3), 4  # origins of a set: factory, committed, accepted
+_OTHER_BLOCK_BEFORE = 0x8000  # a flag of an entry: those before are of another block
 Row = dict[str, Any]
 
 
@@ -67,6 +72,46 @@ def row_of(data: bytes, file: str, serial: str | None = None, kind: str | None =
     except (np.linalg.LinAlgError, ZeroDivisionError):
         raise BadInput("K cannot be inverted: no calibration", file) from None
     return row | {"document": zlib.compress(data, 1)}
+
+
+def rows_of_image(image: Image, file: str, serial: str | None = None, kind: str | None = None) -> list[Row]:
+    """The sets that became active, by the history in a memory of a navigation computer, of the block that it has now.
+    Left out are those that a rollback gave up, copies that it restored, and those without a date. Raises BadInput."""
+    serial = serial or (None if image.active is None else image.active.serial)
+    if serial is None:
+        raise BadInput("names no block: it has no active set: give --serial NAME", file)
+    rows, given_up = [], 0
+    for entry in image.history:
+        if entry.origin == _ROLLED_BACK:
+            given_up += 1
+        elif entry.origin in _MADE_ACTIVE and given_up:
+            given_up -= 1
+        elif entry.origin in _MADE_ACTIVE and entry.date_utc_s is not None:
+            rows.append(_row_of_entry(entry, serial, kind))
+        if entry.flags & _OTHER_BLOCK_BEFORE:
+            break
+    if not rows:
+        raise BadInput("no set with a date in the history of this memory", file)
+    return rows
+
+
+def _row_of_entry(entry: HistoryEntry, serial: str, kind: str | None) -> Row:
+    """Nothing tells its stand, its schedule and what its coefficients have in common, which are taken as independent;
+    numbers have 24 bits."""
+    values, u = np.array(entry.values), np.array(entry.u)
+    known = bool(entry.flags & HAS_UNCERTAINTY)
+    name = json.dumps([serial, entry.sequence, entry.date_utc_s, entry.values])
+    return {
+        "sha256": hashlib.sha256(name.encode()).hexdigest(),
+        "serial": serial,
+        "type": kind or "",
+        "created_s": entry.date_utc_s,
+        "estimator": "on board",
+        "passed": True,
+        "believed": True,
+        "temperature_c": entry.temperature_c if entry.flags & HAS_TEMPERATURE else None,
+        **numbers_of(values[:9].reshape(3, 3), values[9:], np.diag(u**2) if known else None),
+    }
 
 
 def numbers_of(k: Floats, u0: Floats, covariance: Floats | None) -> Row:

@@ -12,6 +12,7 @@ from tumble.files.disk import RESULT_FILE, path_of, read_bytes, written
 from tumble.history import calibrations
 from tumble.history.calibrations import Row
 from tumble.history.database import Columns, Database
+from tumble.store.image import MIN_SECTOR, read_image
 
 if TYPE_CHECKING:
     from tumble.documents.history import Due, Listing, Trend
@@ -48,13 +49,19 @@ class History:
         type: str | None = None,
         date: str | None = None,
     ) -> int:
-        """Add results: objects of `tumble.Result`, files, or folders, in which every result.json is taken. Returns how
-        many are new: one that is there already is not added again.
+        """Add results: objects of `tumble.Result`, files, or folders, in which every result.json is taken; and images
+        of a navigation computer's memory, whose history is. Returns how many are new: one that is there already is not
+        added again.
 
         `serial`, `type`: of the block, in place of what the results say; `date`, YYYY-MM-DD: when it was measured.
         All are added or none. Raises BadInput for a file that cannot be used, a result that names no block or no date.
         """
-        rows = [calibrations.row_of(data, name, serial, type, date) for name, data in _documents(results)]
+        rows: list[Row] = []
+        for name, data in _documents(results):
+            if data and len(data) % MIN_SECTOR == 0 and not data.lstrip().startswith(b"{"):
+                rows += calibrations.rows_of_image(read_image(data, name=name), name, serial, type)
+            else:
+                rows.append(calibrations.row_of(data, name, serial, type, date))
         return self._database.add(rows)
 
     def add_rows(self, rows: Sequence[Row]) -> int:

@@ -25,7 +25,12 @@ def describe(parser: argparse.ArgumentParser) -> None:
         description="Add results to the history. One that is there already is not added again; all are added or none.",
         epilog="Exit codes: 0 done, 2 bad input, 77 a package is missing, 130 interrupted.",
     )
-    subject.add_argument("results", metavar="RESULT.json|FOLDER", nargs="+", help="results, or folders of runs")
+    subject.add_argument(
+        "results",
+        metavar="RESULT.json|FOLDER|IMAGE",
+        nargs="+",
+        help="results, folders of runs, or memories of computers",
+    )
     _add_database(subject)
     subject.add_argument("--serial", metavar="NAME", help="of the block; default: serial of the result")
     subject.add_argument("--type", metavar="NAME", help="of the block; default: label type or model of the item")
