@@ -12,6 +12,7 @@ import json
 import math
 import re
 import zlib
+from collections.abc import Sequence
 from datetime import datetime, timezone
 from typing import Any
 
@@ -36,7 +37,7 @@ _TRIANGLE = np.tril_indices(OF_BLOCK)
 _DATE = re.compile(r"\d{4}-\d\d-\d\d")
 _ISO = "%Y-%m-%dT%H:%M:%SZ"
 _REASONS_OF_NUMBERS = {"gravity", "fit"}  # why a result's numbers are not to be believed
-_MADE_ACTIVE, _ROLLED_BACK = (1, 2, 3), 4  # origins of a set: factory, committed, accepted
+_ROLLED_BACK, _DECAYED = 4, 6  # origins of an entry: a copy of an older set, an event
 _OTHER_BLOCK_BEFORE = 0x8000  # a flag of an entry: those before are of another block
 Row = dict[str, Any]
 
@@ -80,13 +81,20 @@ def rows_of_image(image: Image, file: str, serial: str | None = None, kind: str 
     serial = serial or (None if image.active is None else image.active.serial)
     if serial is None:
         raise BadInput("names no block: it has no active set: give --serial NAME", file)
+    return rows_of_sets(image.history, file, serial, kind)
+
+
+def rows_of_sets(history: Sequence[HistoryEntry], file: str, serial: str, kind: str | None = None) -> list[Row]:
+    """The same of the entries of a history, newest first, as firmware/navcomp/keeper_values.c has it for its trend."""
     rows, given_up = [], 0
-    for entry in image.history:
-        if entry.origin == _ROLLED_BACK:
-            given_up += 1
-        elif entry.origin in _MADE_ACTIVE and given_up:
-            given_up -= 1
-        elif entry.origin in _MADE_ACTIVE and entry.date_utc_s is not None:
+    for entry in history:
+        if entry.origin == _DECAYED:
+            continue
+        was_given_up, is_copy = given_up > 0, entry.origin == _ROLLED_BACK
+        given_up += is_copy - was_given_up
+        if was_given_up or is_copy:
+            continue
+        if entry.date_utc_s is not None:
             rows.append(_row_of_entry(entry, serial, kind))
         if entry.flags & _OTHER_BLOCK_BEFORE:
             break

@@ -11,6 +11,7 @@ from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BadInput, UsageError, q
 
 if TYPE_CHECKING:
     from tumble.documents.history import History as Document, Trend
+    from tumble.store.codec import HistoryEntry
 
 _DB = "history.db"
 _CONFIDENCE = "0.9973"
@@ -28,9 +29,10 @@ def describe(parser: argparse.ArgumentParser) -> None:
     subject.add_argument(
         "results",
         metavar="RESULT.json|FOLDER|IMAGE",
-        nargs="+",
+        nargs="*",
         help="results, folders of runs, or memories of computers",
     )
+    subject.add_argument("--node", metavar="LINK", help="read the history of this computer, such as can:can0, instead")
     _add_database(subject)
     subject.add_argument("--serial", metavar="NAME", help="of the block; default: serial of the result")
     subject.add_argument("--type", metavar="NAME", help="of the block; default: label type or model of the item")
@@ -113,12 +115,45 @@ def _add_confidence(parser: argparse.ArgumentParser) -> None:
 
 def add(arguments: argparse.Namespace) -> int:
     """Add and say how many. Returns the exit code; raises TumbleError."""
+    if (arguments.node is None) == (not arguments.results):
+        raise UsageError("give results, or --node LINK")
+    if arguments.node is not None and arguments.serial is None:
+        raise UsageError("--node: give --serial NAME: a node does not say of which block the sets in its history are")
+
     from tumble.history import History
+    from tumble.history.calibrations import rows_of_sets
 
     with History(arguments.db) as history:
-        new = history.add(*arguments.results, serial=arguments.serial, type=arguments.type, date=arguments.date)
+        if arguments.node is None:
+            new = history.add(*arguments.results, serial=arguments.serial, type=arguments.type, date=arguments.date)
+        else:
+            sets = _sets_of_node(arguments.node)
+            new = history.add_rows(rows_of_sets(sets, arguments.node, arguments.serial, arguments.type))
     sys.stdout.write(f"{new} added\n")
     return EXIT_PASS
+
+
+def _sets_of_node(link: str) -> list[HistoryEntry]:
+    """The history of a navigation computer, newest first. An uncertainty of 0 is none. Raises TumbleError."""
+    from tumble import client
+    from tumble.store.codec import HAS_TEMPERATURE, HAS_UNCERTAINTY, HistoryEntry
+
+    found = []
+    numbers = [f"K_{i}{j}" for i in "xyz" for j in "xyz"] + [f"U0_{i}" for i in "xyz"]
+    heads = [f"History: {name}" for name in ("Sequence", "Origin", "Estimator", "Date", "Temperature")]
+    values = [f"History values: {name}" for name in numbers]
+    uncertainties = [f"History uncertainties: u_{name}" for name in numbers]
+    with client.connect(link) as node:
+        node.write("History: Entry", 0)
+        for number in range(int(node.read("History: Entries") or 0)):
+            node.write("History: Entry", number)
+            head, of_set, u = (
+                [float(one or 0.0) for one in node.read_together(*them)] for them in (heads, values, uncertainties)
+            )
+            sequence, origin, estimator, date = map(int, head[:4])
+            flags = HAS_TEMPERATURE | (HAS_UNCERTAINTY if all(u) else 0)
+            found.append(HistoryEntry(number, sequence, origin, estimator, flags, date or None, head[4], of_set, u))
+    return found
 
 
 def show(arguments: argparse.Namespace) -> int:
