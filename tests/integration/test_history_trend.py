@@ -2,12 +2,15 @@
 was simulated."""
 
 import itertools
+import json
+import warnings
 
 import numpy as np
 import pytest
-from fleets import TRUTH, U, fleet
+from fleets import TRUTH, U, fleet, rows_of
 
-from tumble.history import trend
+from tumble.documents.base import written
+from tumble.history import History, trend
 from tumble.history.calibrations import OF_BLOCK, PARAMETERS
 from tumble.history.trend import DRIFT, IN_ORDER, JUMP, OPEN, OUTLIER, Growth, Series, filtered, growth_of
 
@@ -214,3 +217,18 @@ def test_growth_of_too_few_is_unknown():
 
 def test_all_parameters_have_names():
     assert len(PARAMETERS) == len(U) == 12 and isinstance(fleet(1, 2, 1).series, Series)
+
+
+def test_exact_and_simultaneous_calibrations_are_no_numbers_that_are_none(tmp_path):
+    """Of a stand without errors, and all of one second."""
+    found = fleet(6, 4, 9)
+    rows = rows_of(found.series)
+    for row in rows:
+        row.update({f"u_{name}": 0.0 for name in PARAMETERS}, created_s=rows[0]["created_s"])
+    with History(tmp_path / "h.db") as history, warnings.catch_warnings():
+        warnings.simplefilter("error")
+        history.add_rows(rows)
+        told = history.trend()
+        json.dumps(written(told), allow_nan=False)
+        assert (told.blocks, told.calibrations) == (6, 24)
+        json.dumps(written(history.due(1e-4)), allow_nan=False)

@@ -102,7 +102,8 @@ class History:
         method: str = "control-chart",
         confidence: float = CONTROL,
     ) -> Due:
-        """When blocks are due so that `coverage_factor` times u(|a|) stays within `limit_g`, in g."""
+        """When blocks are due, so that `coverage_factor` times the standard uncertainty of the length of a calibrated
+        acceleration stays within `limit_g`, in g. `method`: "control-chart" or "staircase"."""
         from tumble.history import report
         from tumble.history.due import METHODS
 

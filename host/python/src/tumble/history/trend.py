@@ -32,6 +32,7 @@ from tumble.history.database import Columns
 
 DAY_S = 86400.0
 IN_ORDER, JUMP, OUTLIER, OPEN, DRIFT = range(5)  # what a calibration is to a parameter
+_ROUNDING = 1e-24  # a variance that even numbers without uncertainty have
 SMOOTHING = 0.2  # lambda of the moving average
 LEAST_INTERVALS = 10  # between calibrations of a type, from which its growth is estimated
 _MOST_BLOCKS = 1000  # of a type, for its likelihood: more would change little
@@ -179,7 +180,7 @@ def _series(columns: Columns, rows: Integers) -> Series:
     """By where in the history its calibrations are."""
     there = rows >= 0
     values = np.stack([columns[name] for name in PARAMETERS], axis=-1)[rows]
-    variances = np.stack([columns[f"u_{name}"] for name in PARAMETERS], axis=-1)[rows] ** 2
+    variances = np.stack([columns[f"u_{name}"] for name in PARAMETERS], axis=-1)[rows] ** 2 + _ROUNDING
     relative = columns["gravity_m_s2"][rows] / columns["gravity_m_s2"][rows][:, :1]
     relative = np.where(np.isnan(relative), 1.0, relative)[..., None]
     values[..., :3] = np.log(values[..., :3] / relative)
@@ -312,7 +313,7 @@ def _robust_start(fleet: Sequence[Series]) -> Growth:
         low, high = np.where(too_small, middle, low), np.where(too_small, high, middle)
     typical = np.nanmedian(variances / np.maximum(days, 1.0), axis=0)
     walk = np.sqrt(np.maximum(low, 0.01 * typical))
-    return Growth(np.zeros(len(PARAMETERS)), 0.5 * walk / np.sqrt(np.nanmedian(days)), walk)
+    return Growth(np.zeros(len(PARAMETERS)), 0.5 * walk / np.sqrt(max(1.0, np.nanmedian(days))), walk)
 
 
 def _likeliest(fleet: Sequence[Series], kinds: Sequence[Integers], start: Growth) -> Growth:
