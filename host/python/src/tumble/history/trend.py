@@ -19,7 +19,7 @@ last calibration of a block it is open.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from statistics import NormalDist
 from typing import NamedTuple
@@ -159,9 +159,10 @@ def fleet_of(columns: Columns) -> tuple[dict[str, list[Series]], dict[str, int]]
     failed = ~unsure & ~columns["believed"]
     left_out = {"without uncertainties": unsure, "failed": failed, "solved again": again & ~unsure & ~failed}
     kept = np.flatnonzero(~unsure & ~failed & ~again)
-    _, first, block, counts = np.unique(
-        columns["serial"][kept].astype(str), return_index=True, return_inverse=True, return_counts=True
-    )
+    _, block, counts = np.unique(columns["serial"][kept].astype(str), return_inverse=True, return_counts=True)
+    order = np.argsort(block, kind="stable")  # a database may sort the letters of serials otherwise
+    kept, block = kept[order], block[order]
+    first = np.cumsum(counts) - counts
     place = np.arange(len(kept)) - first[block]
     kinds = columns["type"][kept[first + counts - 1]]
     lengths = np.ceil(np.log2(counts)).astype(int)
@@ -301,11 +302,9 @@ def growth_of(fleet: Sequence[Series], limit: float) -> Growth | None:
 def _robust_start(fleet: Sequence[Series]) -> Growth:
     """A walk alone, such that half of all differences of calibrations that follow each other are within the median of
     the normal distribution: jumps move it little."""
-    squares, variances, days = (
-        np.concatenate([one.reshape(-1, len(PARAMETERS)) for one in parts])
-        for parts in zip(*((np.diff(one.values, axis=1) ** 2, one.variances[:, 1:] + one.variances[:, :-1],
-                            np.diff(one.days, axis=1)[..., None] + 0.0 * one.values[:, 1:]) for one in fleet))
-    )  # fmt: skip
+    squares = _flat(np.diff(one.values, axis=1) ** 2 for one in fleet)
+    variances = _flat(one.variances[:, 1:] + one.variances[:, :-1] for one in fleet)
+    days = _flat(np.repeat(np.diff(one.days, axis=1)[..., None], len(PARAMETERS), axis=2) for one in fleet)
     low, high = np.zeros(len(PARAMETERS)), np.nanmax(squares / np.maximum(days, 1.0), axis=0) + 1e-300
     for _ in range(60):
         middle = (low + high) / 2.0
@@ -316,13 +315,17 @@ def _robust_start(fleet: Sequence[Series]) -> Growth:
     return Growth(np.zeros(len(PARAMETERS)), 0.5 * walk / np.sqrt(max(1.0, np.nanmedian(days))), walk)
 
 
+def _flat(parts: Iterable[Floats]) -> Floats:
+    """By parameter alone, (n, 12)."""
+    return np.concatenate([one.reshape(-1, len(PARAMETERS)) for one in parts])
+
+
 def _likeliest(fleet: Sequence[Series], kinds: Sequence[Integers], start: Growth) -> Growth:
     """By Newton's method for walk and spread, all parameters at once, in units of the scatter of one calibration over a
     typical interval; of each pair of them the drift that is likeliest. The likelihood is even in both, so that one that
     is nothing is found at 0."""
     days = max(1.0, float(np.nanmedian(np.concatenate([np.diff(one.days, axis=1).ravel() for one in fleet]))))
-    variances = np.concatenate([one.variances.reshape(-1, len(PARAMETERS)) for one in fleet])
-    scatter = np.sqrt(np.nanmedian(variances, axis=0))
+    scatter = np.sqrt(np.nanmedian(_flat(one.variances for one in fleet), axis=0))
     units = np.stack([scatter / np.sqrt(days), scatter / days])  # of walk, spread
 
     def look(at: Floats) -> tuple[Floats, Growth]:
