@@ -107,6 +107,13 @@ def test_adding_again_adds_nothing(tumble, tmp_path):
         assert history.document(told["calibrations"][0]["sha256"]) == (tmp_path / "a.json").read_bytes()
 
 
+def test_a_result_may_be_as_long_as_a_memory(tumble, tmp_path):
+    """Of whole sectors, and with a byte order mark before it."""
+    text = b"\xef\xbb\xbf" + put(tmp_path).read_bytes()
+    (tmp_path / "r.json").write_bytes(text + b" " * (-len(text) % 4096))
+    assert tumble("history", "add", "r.json", cwd=tmp_path).stdout == "1 added\n"
+
+
 def test_labels_name_block_type_and_day(tumble, tmp_path):
     item = {"Serial number": "S 7", "Model": "QA-1", "date": "2025-02-03"}
     put(tmp_path, serial=None, item=item)

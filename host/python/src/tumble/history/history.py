@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tumble.errors import BadInput, UsageError, needing, quoted
-from tumble.files.disk import RESULT_FILE, path_of, read_bytes, written
+from tumble.files.disk import JSON, RESULT_FILE, kind_of, path_of, read_bytes, written
 from tumble.history import calibrations
 from tumble.history.calibrations import Row
 from tumble.history.database import Columns, Database
@@ -58,7 +58,7 @@ class History:
         """
         rows: list[Row] = []
         for name, data in _documents(results):
-            if data and len(data) % MIN_SECTOR == 0 and not data.lstrip().startswith(b"{"):
+            if data and len(data) % MIN_SECTOR == 0 and kind_of(data) != JSON:
                 rows += calibrations.rows_of_image(read_image(data, name=name), name, serial, type)
             else:
                 rows.append(calibrations.row_of(data, name, serial, type, date))
