@@ -13,11 +13,13 @@ from blocks import NOMINAL_K
 from calibrations import result
 from conftest import EXAMPLES
 from documents import document_of, valid
+from fleets import fleet, rows_of
 from test_store_golden import a_set
 
 import tumble as package
 from tumble.documents.base import written
-from tumble.history import History
+from tumble.errors import BadInput
+from tumble.history import History, database
 from tumble.history.calibrations import PARAMETERS, iso, row_of, unpacked
 from tumble.store import codec
 
@@ -183,6 +185,18 @@ def test_all_results_are_added_or_none(refused, tumble, tmp_path):
     tumble("history", "add", "a.json", cwd=tmp_path)
     refused("history", "add", "b.json", "c.json", cwd=tmp_path)
     assert len(document_of(tumble("history", "show", "--json", cwd=tmp_path), "history")["calibrations"]) == 1
+
+
+def test_what_fails_half_way_leaves_nothing(tmp_path, monkeypatch):
+    """The last portion of rows does not fit the table: those before it are not there either."""
+    monkeypatch.setattr(database, "_AT_ONCE", 10)
+    rows = rows_of(fleet(5, 5, 1).series)
+    with History(tmp_path / "h.db") as history:
+        history.add_rows(rows[:1])
+        with pytest.raises(BadInput, match="nothing was added"):
+            history.add_rows([*rows, {**rows[0], "sha256": "another", "created_s": None}])
+        assert len(history.columns()["id"]) == 1
+        assert history.add_rows(rows) == 24
 
 
 def test_a_password_is_not_shown(tumble, tmp_path):
