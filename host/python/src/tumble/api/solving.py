@@ -104,7 +104,7 @@ def solved(
         planned, estimator = planned_with(defaults.DEFAULT_SCHEDULE if schedule is None else schedule, estimator)
         terms = parse(further, estimator)
         if planned.data.is_laid_by_hand:
-            planned = hands.as_measured(planned, recording)
+            planned = hands.as_measured(planned, recording.mounting, recording.position)
         run, planned = recording.averaged_on(planned)
         if stand_file is None and hands.brings_stand(schedule):
             stand_file = hands.faces(run, planned.data, recording.name)

@@ -7,11 +7,11 @@ they come from.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from tumble.arrays import Floats
+from tumble.arrays import Floats, Integers
 from tumble.core import CoreSchedule
 from tumble.errors import BadInput
 from tumble.estimators import LEAST_SQUARES
@@ -24,9 +24,6 @@ from tumble.schedule import WITH_STAND, Schedule
 from tumble.solving import noise
 from tumble.stand import SIGMA, Stand, per_channel
 from tumble.units import volts_per
-
-if TYPE_CHECKING:
-    from tumble.api.recording import Recording
 
 LIMIT_G = 7e-3  # three standard uncertainties of |a| come to 6 mg with faces that lie so
 _NOISE_G, _DRIFT_G = 2e-3, 1e-3
@@ -54,9 +51,10 @@ def brings_stand(schedule: Any) -> bool:
     return isinstance(schedule, str) and schedule in WITH_STAND
 
 
-def as_measured(schedule: CoreSchedule, recording: Recording) -> CoreSchedule:
-    """A schedule of faces with its positions in the order in which a run comes to them, which a drift follows."""
-    planned, visited = schedule.data, dict.fromkeys(zip(recording.mounting.tolist(), recording.position.tolist()))
+def as_measured(schedule: CoreSchedule, mounting: Integers, position: Integers) -> CoreSchedule:
+    """A schedule of faces with its positions in the order in which a run comes to them, which a drift follows.
+    `mounting`, `position` (rows,): where each row of the run was measured."""
+    planned, visited = schedule.data, dict.fromkeys(zip(mounting.tolist(), position.tolist()))
     order = {place: index for index, place in enumerate(visited)}
     positions = tuple(sorted(planned.positions, key=lambda one: order.get((one.mounting, one.number), len(order))))
     if positions == planned.positions:
