@@ -29,6 +29,7 @@ _LOOKS_LIKE = {  # and what says so; sensors of 1 V/g are common, of 9.81 V/g th
     "g": "g, or volts of a sensor of 1 V/g: --unit g or V",
     "mg": "mg, or mV of a sensor of 1 V/g: --unit mg or mV",
 }
+_NO_VOLTS = 100.0  # per g, no sensor gives
 _NEAR = 1.05  # of that, a factor: closer than most sensors come by chance
 _VOLTS_PER_UNIT = {"V": 1.0, "mV": 1e-3, "uV": 1e-6, "µV": 1e-6, "kV": 1e3}
 _LEAST = 1e-3  # of an uncertainty without an exponent
@@ -65,7 +66,9 @@ def per_g_of(unit: str) -> float:
 def looks_like(per_g: float) -> str | None:
     """What the unit of outputs may be, and the option that says so, where 1 g comes out as so much; None: any."""
     unit = _acceleration(per_g)
-    return None if unit is None else _LOOKS_LIKE[unit]
+    if unit is None:
+        return "counts of a converter: --unit counts" if per_g > _NO_VOLTS else None
+    return _LOOKS_LIKE[unit]
 
 
 def contradicts(per_g: float, unit: str) -> str | None:
