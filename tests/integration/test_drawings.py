@@ -254,7 +254,7 @@ def rows_of(figure):
 
 
 @pytest.mark.parametrize(("name", "number"), [page[1:] for page in PAGES if page[0] == "angles"])
-def test_gravity_is_where_the_reference_has_it(name, number):
+def test_gravity_and_outputs_are_as_the_reference_has_them(name, number):
     schedule, figure = SCHEDULES[name], draw("angles", name, number)
     matrix = np.array(next(one.matrix for one in schedule.mountings if one.number == number))
     rows = {int(row[0]): row for row in rows_of(figure) if row[0].isdigit() and len(row) == 7}
@@ -266,7 +266,7 @@ def test_gravity_is_where_the_reference_has_it(name, number):
         assert arrow.xy == pytest.approx(DIAL * in_table[[0, 2]], abs=1e-9)
         row = rows.pop(position.number)
         assert row[1:3] == [f"{position.angle_deg:g}°", {"fit": "fit", "check": "check only"}[position.use]]
-        assert np.abs(np.array([float(one) for one in row[3:6]]) + force).max() < 6e-4
+        assert np.abs(np.array([float(one) for one in row[3:6]]) - force).max() < 6e-4
         assert re.match(r"face [+-][xyz]|the edge of|the corner of", row[6])
     assert not rows and mine
 

@@ -303,20 +303,20 @@ def _listed(page: Axes, mounting: Mounting, positions: list[Position], y: float)
     """The table of positions, from y on. Returns the y below it."""
     columns = (20.0, 36.0, 40.0, 70.0, 83.0, 96.0, 101.0)
     sides = ("right", "right", "left", "right", "right", "right", "left")
-    page.text(78.0, y - LINE, "gravity on the axes, g", **_TITLE)
+    page.text(78.0, y - LINE, "what the axes read, g", **_TITLE)
     for x, side, name in zip(columns, sides, ("position", "angle", "use", "x", "y", "z", "up")):
         page.text(x, y, name, ha=side, fontweight="bold")
     page.plot([MARGIN, WIDTH_MM - MARGIN], [y + 1.4, y + 1.4], color=SOFT, linewidth=0.7)
     for one in positions:
         y += LINE + 0.4
-        feels = [f"{round(float(size), 3) + 0.0:+.3f}" for size in poses.gravity(mounting, one.angle_deg)]
+        feels = [f"{0.0 - round(float(size), 3):+.3f}" for size in poses.gravity(mounting, one.angle_deg)]
         feels = ["0" if float(size) == 0.0 else size for size in feels]
         use = "fit" if one.use == FIT else "check only"
         cells = (str(one.number), f"{one.angle_deg:g}°", use, *feels, poses.face_up(mounting, one.angle_deg))
         for x, side, cell in zip(columns, sides, cells):
             page.text(x, y, cell, ha=side, color=SOFT if cell == "0" else BLACK)
     tilted = poses.tilt(mounting).capitalize()
-    note = "An axis that points up feels +1 g, the opposite of gravity." + (f" {tilted}." if tilted else "")
+    note = "Specific force at rest: an axis that points up reads +1 g." + (f" {tilted}." if tilted else "")
     return paragraph(page, MARGIN, y + 2 * LINE, note, WIDTH_MM - 2 * MARGIN, color=SOFT)
 
 
