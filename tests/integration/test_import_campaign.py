@@ -41,7 +41,8 @@ def judged(case, name, folder, kind="plain", seed=0):
         rows = made.row_of_line[[done.line(row) for row in range(begin, end)]]
         rows = np.where(rows < 0, -1, case.recorded.truth[rows])
         true = int(np.bincount(rows + 1).argmax()) - 1
-        same = true == position or (ALIKE.get(true, true) == ALIKE.get(position, position) and "one attitude" in told)
+        alike = ALIKE.get(true, true) == ALIKE.get(position, position) and "have the same attitude" in told
+        same = true == position or alike
         if not same:
             faults.append(f"rest of {true} called {position}")
         elif moved(case.recorded, mean / made.scale + made.offset, end - begin, true, 0.5 / made.scale) > FAR:
