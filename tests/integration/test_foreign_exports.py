@@ -17,6 +17,7 @@ from test_apply import exact_force, outputs_exactly
 import tumble
 from tumble.api.result import Result
 from tumble.cli.main import main
+from tumble.report import thermal
 from tumble.report.coefficients import FORMATS
 
 pytestmark = pytest.mark.python
@@ -29,7 +30,8 @@ FLAGS = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble
 
 def test_a_format_is_a_row_and_a_template():
     templates = (ROOT / "host/python/src/tumble/report/exports").iterdir()
-    assert sorted(path.name for path in templates) == sorted(f"{name}.j2" for name in FORMATS)
+    warm = [f"{name}_thermal.j2" for name in thermal.FORMATS]
+    assert sorted(path.name for path in templates) == sorted([*(f"{name}.j2" for name in FORMATS), *warm])
 
 
 @pytest.fixture(scope="module")

@@ -251,9 +251,33 @@ def test_what_is_refused(refused, runs, options, said):
     assert said in refused("solve", *runs, *options)
 
 
+def test_runs_of_samples_and_runs_of_means_count_alike(tmp_path):
+    """Without a stand a run of means has no noise: it is not left out for that."""
+    files = written(tmp_path, (0.0, 20.0, 40.0))
+    read = [np.genfromtxt(one, delimiter=",", skip_header=1) for one in files]
+    tables = [{"mounting": rows[:, 0], "position": rows[:, 1], "temperature": rows[:, 5]} for rows in read]
+    for table, rows in zip(tables, read):
+        table |= {f"u{axis} [V]": rows[:, 2 + i] for i, axis in enumerate("xyz")}
+    means = {name: values.reshape(-1, SAMPLES).mean(axis=1) for name, values in tables[2].items()}
+    given, mixed = solve_thermal(tables), solve_thermal([*tables[:2], means])
+    assert np.abs(given.at(40.0)[0] - mixed.at(40.0)[0]).max() < 3e-5
+    assert mixed.checked.runs[2].max_abs_delta_g_g == pytest.approx(given.checked.runs[2].max_abs_delta_g_g, rel=0.2)
+
+
+def test_what_python_refuses_and_warns_of(runs):
+    for given, said in (([], "runs of several"), ([runs[0], runs[0]], "none of them twice")):
+        with pytest.raises(package.UsageError, match=said):
+            solve_thermal(given)
+    found = solve_thermal(runs[:2])
+    with pytest.raises(package.UsageError, match="as many temperatures as outputs"):
+        found.apply(np.zeros((5, 3)), [20.0, 21.0])
+    with pytest.warns(UserWarning, match="applied at 5e\\+03 deg C, calibrated at -40 to -10 deg C"):
+        found.apply([[0.0, 0.0, 2.0]], 5000.0)
+
+
 def test_runs_that_tell_no_temperature(refused, tmp_path):
     files = written(tmp_path, (0.0, 30.0), header="ux [V],uy [V],uz [V],t")
-    assert "run0.csv: tells no temperature" in refused("solve", *files, "--temperature", "linear")
+    assert "run0.csv: has no temperature" in refused("solve", *files, "--temperature", "linear")
     out = tmp_path / "t.json"
     out.write_text(solve_thermal(files, at=(0.0, 30.0)).to_json())
     assert "row 2: tells no temperature" in refused("apply", out, files[0])

@@ -28,6 +28,7 @@ from tumble.files.disk import RESULT_FILE, read_bytes, write_text
 from tumble.files.rows import HIGHEST_C, LOWEST_C, NUMBERS
 from tumble.files.run_layout import LayoutOptions
 from tumble.model.thermal import Polynomials, ThermalFit
+from tumble.solving.plausibility import outside
 from tumble.solving.result import created, declared_stand
 from tumble.solving.thermal import BOLTING_KEPT, DEGREES, STAND_KEPT, Measured, ThermalSolution, solve_together
 from tumble.stand import by_channel
@@ -96,20 +97,23 @@ def solved_together(
         raise UsageError(f"--temperature: {quoted(degree)} is not one of {', '.join(DEGREES)}")
     if temperatures_c is not None and len(temperatures_c) != len(recordings):
         raise UsageError(f"--at: {len(temperatures_c)} temperatures for {len(recordings)} runs")
+    hashes = [one.sha256 for one in recordings if one.sha256 is not None]
+    if not recordings or len(set(hashes)) < len(hashes):
+        raise UsageError("--temperature: runs of several temperatures, and none of them twice")
     single, measured = [], []
     for number, recording in enumerate(recordings):
         one = solved(recording, confidence=confidence, **given)
         single.append(one)
         if one.solution.found.estimator == "norm":
-            raise UsageError("--temperature: poses that nobody knows have another frame in every run")
+            raise UsageError("--temperature: with estimator norm every run has a frame of its own; give a schedule")
         told = None if temperatures_c is None else temperatures_c[number]
-        measured.append(Measured(recording.name, one.solution, _felt(recording, one, told)))
+        measured.append(Measured(recording.name, one.solution, _temperatures_c(recording, one, told)))
     kept = (*STAND_KEPT, *(BOLTING_KEPT if bolted_once else ()))
     return single, solve_together(measured, DEGREES[degree], kept, confidence)
 
 
-def _felt(recording: Recording, one: Solved, told_c: float | None) -> Floats:
-    """Of every position measured, deg C. Raises BadInput."""
+def _temperatures_c(recording: Recording, one: Solved, told_c: float | None) -> Floats:
+    """The mean temperature of each position measured. Raises BadInput."""
     run, positions = one.solution.run, one.solution.schedule.positions
     measured = [positions[index] for index in np.flatnonzero(run.measured)]
     if told_c is not None:
@@ -118,7 +122,7 @@ def _felt(recording: Recording, one: Solved, told_c: float | None) -> Floats:
         return np.full(len(measured), float(told_c))
     felt = recording.temperatures_c
     if felt is None:
-        raise BadInput("tells no temperature: a column temperature, deg C, or --at names it", recording.name)
+        raise BadInput("has no temperature: import it with a column temperature, or give --at", recording.name)
     place, known = recording.mounting * NUMBERS + recording.position, ~np.isnan(felt)
     means = []
     for position in measured:
@@ -159,7 +163,7 @@ def document_of(single: Sequence[Solved], found: ThermalSolution) -> Thermal:
         if found.has_stand
         else None,
         max_abs_delta_g_g=max(float(np.abs(one).max()) for one in found.delta_g),
-        at_one_temperature_g=found.at_one_temperature_g[0],
+        at_one_temperature_g=found.at_one_temperature_g,
         passed=decision.passed,
         pass_reason=" and ".join(decision.failures) or None,
         decision=doc.Decision(decision.coverage_factor, decision.u_norm_g, decision.limit_g, decision.scope),
@@ -226,11 +230,11 @@ class ThermalResult:
         """Of K row by row and U0 at a temperature, deg C: (12, 12). Raises BadInput without a stand."""
         if self._told.covariance is None:
             raise BadInput("no uncertainties: no stand was declared", "the result")
-        return ThermalFit(self._polynomials, self._told.covariance, (), 0.0, 0).covariance_at(temperature_c)
+        return ThermalFit(self._polynomials, self._told.covariance, 0.0, 0).covariance_at(temperature_c)
 
     @property
     def complaints(self) -> list[str]:
-        """What whoever uses it should know first."""
+        """Warnings to show before it is used."""
         own = [] if self.passed else [f"it did not pass: {self._told.pass_reason}"]
         return [*own, *self._told.warnings]
 
@@ -253,7 +257,13 @@ class ThermalResult:
             values = np.asarray(data, dtype=float)
             if temperature_c is None or values.shape[-1:] != (3,):
                 raise UsageError("apply: outputs (..., 3) and their temperatures, or a table with a column temperature")
-            felt = np.broadcast_to(np.asarray(temperature_c, dtype=float), values.shape[:-1])
+            try:
+                felt = np.broadcast_to(np.asarray(temperature_c, dtype=float), values.shape[:-1])
+            except ValueError:
+                raise UsageError("apply: as many temperatures as outputs, or one for all") from None
+            known = doc.Temperature(*self.range_c, "run_file")
+            if (warning := outside(known, felt)) is not None:
+                warnings.warn(warning, stacklevel=2)
             force: Floats = demand.values(values.reshape(-1, 3), 1.0, felt.ravel())
             return force.reshape(values.shape)
 
@@ -292,7 +302,7 @@ class ThermalResult:
 
 def is_thermal(file: str) -> bool:
     """Whether a file is of schema tumble.thermal/1. Raises BadInput where it cannot be read."""
-    with suppress(ValueError):
+    with suppress(ValueError, RecursionError):
         told = json.loads(read_bytes(file, RESULT_FILE))
         return isinstance(told, dict) and told.get("schema") == document.THERMAL
     return False

@@ -5,7 +5,7 @@
 with r a run, p a position of it, T_rp the temperature there and s_r the errors of the stand in that run. Unknown are
 the 12 (degree + 1) coefficients and all errors, each of these with its declared variance as prior; an error that stays
 from run to run is one unknown for all of them. The smallest sum of squares, outputs and errors in units of their
-standard deviations, is found by Newton's way after Gauss on the exact geometry. With degree 0 it is that of model.fit.
+standard deviations, is found by Gauss-Newton on the exact geometry. With degree 0 it is that of model.fit.
 
 Where it is linear, the coefficients are those of generalised least squares: beta = (D^T C^-1 D)^-1 D^T C^-1 U, with
 C = J S J^T + N over all runs.
@@ -61,18 +61,17 @@ class ThermalRun:
 
 @dataclass(frozen=True)
 class ThermalFit:
-    """`covariance` (n, n) of the coefficients: by power, K row by row, then U0. `residuals`: of each run (positions,
-    3), in the outputs' unit. `chi_squared` with so many degrees of `freedom`."""
+    """`covariance` (n, n) of the coefficients: by power, K row by row, then U0. `chi_squared` with so many degrees of
+    `freedom`."""
 
     polynomials: Polynomials
     covariance: Floats
-    residuals: tuple[Floats, ...]
     chi_squared: float
     freedom: int
 
     @property
     def p(self) -> float:
-        """How often chance leaves as much."""
+        """Probability of a chi-squared at least as large."""
         return chi_squared_above(self.chi_squared, self.freedom) if self.freedom else 1.0
 
     def covariance_at(self, temperature_c: float) -> Floats:
@@ -96,6 +95,8 @@ def fit(runs: Sequence[ThermalRun], degree: int, reference_c: float, kept: Colle
         beta, sizes = beta + change[: len(beta)], sizes + change[len(beta) :]
         if np.abs(change[: len(beta)]).max() <= _SETTLED * np.abs(beta).max():
             break
+    else:
+        raise NotShown("the runs and their stand have no common solution")
     left = system.linearised(beta, sizes)[1]
     root = np.linalg.inv(r)[: len(beta)] / length[: len(beta), None]
     back = np.repeat(scale ** -np.arange(degree + 1.0), 12)  # to powers of kelvins
@@ -103,7 +104,7 @@ def fit(runs: Sequence[ThermalRun], degree: int, reference_c: float, kept: Colle
     polynomials = Polynomials(reference_c, coefficients[:, :9].reshape(-1, 3, 3), coefficients[:, 9:])
     outputs = 3 * sum(len(one.means) for one in runs)
     freedom = outputs - len(beta) - system.free
-    return ThermalFit(polynomials, root @ root.T, system.residuals(beta, sizes), float(left @ left), freedom)
+    return ThermalFit(polynomials, root @ root.T, float(left @ left), freedom)
 
 
 def _powers(at: Floats, count: int) -> Floats:
@@ -198,8 +199,3 @@ class _System:
         errors, means = self._errors[run], self._runs[run].means
         found: Floats = (means - errors.added(x)).ravel() - self._design(run, errors.force(x)) @ beta
         return found
-
-    def residuals(self, beta: Floats, sizes: Floats) -> tuple[Floats, ...]:
-        """What is left of every run (positions, 3), in the outputs' unit."""
-        pairs = enumerate(zip(self._errors, self._places))
-        return tuple(self._left(run, beta, sizes[place] * one.sigma).reshape(-1, 3) for run, (one, place) in pairs)

@@ -16,7 +16,7 @@ from tumble.arrays import Floats
 from tumble.documents.result import WorstNorm
 from tumble.errors import BadInput, UsageError
 from tumble.model.coefficients import spread_attitudes, worst_norm
-from tumble.model.errors import NOISE, free, of_stand, sources
+from tumble.model.errors import NOISE, Draws, free, of_stand, sources
 from tumble.model.thermal import NotShown, ThermalFit, ThermalRun, fit
 from tumble.solving.decision import FIT, GRAVITY, UNCERTAINTY, Decision, assumed, is_shown
 from tumble.solving.solution import Solution
@@ -88,7 +88,7 @@ class ThermalSolution:
 
     @cached_property
     def decision(self) -> Decision:
-        """By the rule."""
+        """By the rule above."""
         limit_g, factor = self._first.limit_g, self._first.coverage_factor
         worst = max((one.worst_g for _, one in self.u_norms), default=None)
         good = {
@@ -102,24 +102,22 @@ class ThermalSolution:
         return Decision(failures, tuple(named), positions, limit_g, factor, worst)
 
     @cached_property
-    def at_one_temperature_g(self) -> tuple[float, float]:
+    def at_one_temperature_g(self) -> float:
         """How wrong |a| is, g, at the worst attitude and temperature of the range, with the coefficients of the
-        reference temperature alone; and that temperature, deg C."""
+        reference temperature alone."""
         polynomials, n = self.fit.polynomials, spread_attitudes(_ATTITUDES)
         k, u0 = polynomials.at(polynomials.reference_c)
         found = []
         for t in np.linspace(*self.range_c, _GRID).tolist():
             warm_k, warm_u0 = polynomials.at(t)
             force = np.linalg.solve(k, (n @ warm_k.T + warm_u0 - u0).T)
-            found.append((float(np.abs(np.linalg.norm(force, axis=0) - 1.0).max()), t))
+            found.append(float(np.abs(np.linalg.norm(force, axis=0) - 1.0).max()))
         return max(found)
 
 
-def solve_together(
-    runs: Sequence[Measured], degree: int, kept: Collection[str], confidence: float, reference_c: float | None = None
-) -> ThermalSolution:
-    """Of runs that were solved alone, by one stand and in one unit. `reference_c`: T0; None: the middle of the range,
-    in whole degrees. Raises BadInput, UsageError."""
+def solve_together(runs: Sequence[Measured], degree: int, kept: Collection[str], confidence: float) -> ThermalSolution:
+    """Of runs that were solved alone, by one stand and in one unit; T0 is the middle of the range, in whole degrees.
+    Raises BadInput, UsageError."""
     units = {one.solution.run.unit for one in runs}
     if len(units) > 1:
         raise BadInput(f"outputs in {' and '.join(sorted(units))}: all runs must have one unit", runs[-1].name)
@@ -127,13 +125,19 @@ def solve_together(
     low, high = float(felt.min()), float(felt.max())
     if high - low < _LEAST_C:
         raise UsageError(f"--temperature: all at {low:.4g} to {high:.4g} deg C: runs {_LEAST_C:g} K apart or more")
-    middle_c = float(np.round((low + high) / 2.0)) if reference_c is None else reference_c
+    prepared = [_thermal_run(one) for one in runs]
+    if not all((one.found[NOISE].sigma > 0.0).all() for one in prepared):  # nobody knows that of all: they count alike
+        prepared = [replace(one, found={**one.found, NOISE: _alike(one.found[NOISE])}) for one in prepared]
     try:
-        found = fit([_thermal_run(one) for one in runs], degree, middle_c, kept)
+        found = fit(prepared, degree, float(np.round((low + high) / 2.0)), kept)
     except NotShown as error:
         needed = f"{degree + 1} distinct temperatures or more are needed"
         raise UsageError(f"--temperature: {error}; {needed}, these are {low:.4g} to {high:.4g} deg C") from None
     return ThermalSolution(tuple(runs), found, tuple(kept), confidence)
+
+
+def _alike(noise: Draws) -> Draws:
+    return replace(noise, sigma=np.ones_like(noise.sigma))
 
 
 def _thermal_run(one: Measured) -> ThermalRun:
@@ -144,6 +148,4 @@ def _thermal_run(one: Measured) -> ThermalRun:
     stand = given.stand.with_step(given.step)
     found = sources(schedule, given.k, stand, given.samples[fitted], variance[fitted])
     found |= of_stand(schedule, given.k, stand, free(stand, schedule))
-    if not (found[NOISE].sigma > 0.0).all():  # nobody knows the noise: all means count alike
-        found[NOISE] = replace(found[NOISE], sigma=np.ones_like(found[NOISE].sigma))
     return ThermalRun(schedule, one.means[fitted], one.temperature_c[fitted], found)

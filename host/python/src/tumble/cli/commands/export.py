@@ -7,7 +7,7 @@ import math
 import sys
 
 from tumble.cli import options
-from tumble.errors import EXIT_PASS, BadInput, UsageError, listed
+from tumble.errors import EXIT_PASS, BadInput, TumbleError, UsageError, listed
 from tumble.messages import warn
 from tumble.report.coefficients import DOUBLE, FIXED, FORCE_UNITS, FORMATS, MOST_ACCELEROMETERS, NUMBERS, exported
 from tumble.units import SI, force_unit
@@ -69,6 +69,8 @@ def run(arguments: argparse.Namespace) -> int:
             warnings = complaints_of_result(result)
             told = arguments.format, arguments.unit, arguments.number, step, arguments.labels, warnings, number
             text = exported(result, *told)
+    except TumbleError:
+        raise
     except ValueError as error:
         raise BadInput(str(error), arguments.result) from None
     warn(warnings, arguments.result)
