@@ -1,8 +1,10 @@
 """A result as a Digital Calibration Certificate, read by the toolkit of PTB and by the XML parser of Python."""
 
+import base64
 import datetime
 import json
 import xml.etree.ElementTree as ET
+from decimal import Decimal
 
 import numpy as np
 import pytest
@@ -67,7 +69,8 @@ def certificate(result):
     return result.export("dcc")
 
 
-def test_every_number_reads_back_as_the_result_has_it(result, certificate):
+def test_numbers_are_rounded_by_their_uncertainties(result, certificate):
+    """U to two significant digits, the value to the same place, k to three digits, all half to even."""
     root, document = ET.fromstring(certificate), result.document
     quantities = root.findall(".//dcc:result/dcc:data/dcc:quantity", IN)
     assert [one.find("dcc:name/dcc:content", IN).text for one in quantities] == NAMES
@@ -75,12 +78,26 @@ def test_every_number_reads_back_as_the_result_has_it(result, certificate):
     u = np.array(document["si"]["u_K"] + [document["u_U0"]]).ravel().tolist()
     k = np.array(document["coverage"]["k_K"] + [document["coverage"]["k_U0"]]).ravel().tolist()
     read = {
-        name: [float(one) for one in texts(root, f".//dcc:result//si:{name}")]
+        name: [Decimal(one) for one in texts(root, f".//dcc:result//si:{name}")]
         for name in ("value", "valueExpandedMU", "coverageFactor", "coverageProbability")
     }
-    assert read["value"] == values and read["coverageFactor"] == k
-    assert read["valueExpandedMU"] == [factor * one for factor, one in zip(k, u)]
-    assert read["coverageProbability"] == [document["coverage"]["probability"]] * 12
+    spreads = [Decimal(repr(one)) * Decimal(repr(factor)) for one, factor in zip(u, k)]
+    assert read["valueExpandedMU"] == [Decimal(f"{one:.1e}") for one in spreads]
+    places = [one.adjusted() - 1 for one in map(Decimal, read["valueExpandedMU"])]
+    assert read["value"] == [round(Decimal(repr(one)), -place) for one, place in zip(values, places)]
+    for shown, spread in zip(*(texts(root, f".//dcc:result//si:{name}") for name in ("value", "valueExpandedMU"))):
+        assert Decimal(shown).as_tuple().exponent == Decimal(spread).as_tuple().exponent
+        assert len(Decimal(spread).as_tuple().digits) == 2
+    assert read["coverageFactor"] == [Decimal(f"{one:.2f}") for one in k]
+    assert read["coverageProbability"] == [Decimal(repr(document["coverage"]["probability"]))] * 12
+
+
+def test_the_whole_result_comes_along(result, certificate):
+    root = ET.fromstring(certificate)
+    (file,) = root.iterfind(".//dcc:result/dcc:data/dcc:byteData", IN)
+    assert [one.tag.split("}")[1] for one in file] == ["fileName", "mimeType", "dataBase64"]
+    assert [one.text for one in file][:2] == ["result.json", "application/json"]
+    assert base64.b64decode(file[2].text, validate=True).decode() == result.to_json()
 
 
 @pytest.mark.parametrize(("unit", "volts"), [("V", 1.0), ("mV", 1e-3), ("µV", 1e-6), ("uV", 1e-6), ("kV", 1e3)])

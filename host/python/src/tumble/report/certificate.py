@@ -7,16 +7,18 @@ asked for, not invented; docs/files.md says what stands where a label may be mis
 
 from __future__ import annotations
 
+import base64
 import re
 from collections.abc import Iterable
 from datetime import date
 from typing import TYPE_CHECKING, Any
 
 from tumble._version import __version__
-from tumble.documents.base import written
+from tumble.documents.base import to_json, written
 from tumble.errors import listed, quoted
 from tumble.report.pages import number_of
 from tumble.report.sections import AUTHORISED, DATES, ITEM, PARTIES, plain_key
+from tumble.report.source import exact, product, rounded, to_match
 from tumble.solving.decision import Decision
 
 if TYPE_CHECKING:
@@ -57,6 +59,7 @@ _CONDITIONS = {  # of [environment], and of the result's temperature
     "min_c": ("Lowest temperature", r"\degreecelsius"),
     "max_c": ("Highest temperature", r"\degreecelsius"),
 }
+_DIGITS_OF_K = 3
 _CONFORMITY = {"PASS": "pass", "FAIL": "fail", "NOT SHOWN": "noPass"}
 
 
@@ -88,6 +91,7 @@ def certified(result: Result, them: Coefficients, warnings: Iterable[str]) -> di
         "declaration": f"{decision.sentence}. Decision rule: {rule}.",
         "warnings": list(warnings),
         "simulated": isinstance(result.bus, str),
+        "attached": base64.b64encode(to_json(result).encode()).decode(),
     }
 
 
@@ -114,7 +118,7 @@ def _labels(result: Result) -> dict[str, str | None]:
 
 
 def _quantities(result: Result, them: Coefficients) -> list[dict[str, Any]]:
-    """The twelve, each with its expanded uncertainty U = k u. Raises ValueError."""
+    """The twelve, each with its expanded uncertainty U = k u, rounded as a report rounds them. Raises ValueError."""
     if them.force_unit == "g":
         raise ValueError("a certificate has units of the SI: leave out the unit g")
     if result.unit not in _D_SI:
@@ -127,7 +131,10 @@ def _quantities(result: Result, them: Coefficients) -> list[dict[str, Any]]:
     uncertainties = [*them.uncertainties[:9], *result.u_U0.tolist()]
     factors = [one for row in coverage.k_K for one in row] + list(coverage.k_U0)
     units = [unit for unit, count in zip(_D_SI[result.unit][::-1], (9, 3)) for _ in range(count)]
+    told = zip(them.names, them.values.tolist(), units, uncertainties, factors)
     return [
-        {"name": name, "value": value, "unit": unit, "u": k * u, "k": k, "probability": coverage.probability}
-        for name, value, unit, u, k in zip(them.names, them.values.tolist(), units, uncertainties, factors)
+        {"name": name, "value": shown.text, "unit": unit, "u": spread.text, "k": rounded(exact(k), _DIGITS_OF_K).text}
+        | {"probability": coverage.probability}
+        for name, value, unit, u, k in told
+        for shown, spread in (to_match(exact(value), product(exact(k), exact(u))),)
     ]
