@@ -3,12 +3,14 @@
 import base64
 import datetime
 import json
+import re
 import xml.etree.ElementTree as ET
 from decimal import Decimal
 
 import numpy as np
 import pytest
 from conftest import EXAMPLES
+from report_reader import Report, plain
 from test_further_terms import noisy
 
 import tumble
@@ -33,6 +35,7 @@ ENVIRONMENT = {
     "u_gravity_m_s2": 1e-5,
     "pressure_hpa": 1013,
 }
+FINDINGS = ("Gravity check", "Fit to the declared stand", "Uncertainty at every attitude")
 NAMES = [*(f"K_{i}{j}" for i in "xyz" for j in "xyz"), *(f"U0_{i}" for i in "xyz")]
 
 
@@ -212,7 +215,49 @@ def test_the_verdict_is_a_statement(result, keys, conformity, begins):
     statement = root.find(".//dcc:statements/dcc:statement", IN)
     assert statement.find("dcc:conformity", IN).text == conformity
     declared = statement.find("dcc:declaration/dcc:content", IN).text
-    assert declared.startswith(begins) and "3 u(|a|) at most 0.0003 g at every attitude" in declared
+    assert declared.startswith(begins)
+    assert "3 times the standard uncertainty of |a| is at most the limit at every attitude." in declared
+
+
+def test_the_decision_rule_is_that_of_the_report(result, certificate):
+    """With the limit, the confidence and the numbers found."""
+    declared = texts(ET.fromstring(certificate), ".//dcc:statement/dcc:declaration/dcc:content")[0]
+    pytest.importorskip("jinja2")
+    pytest.importorskip("matplotlib")
+    report = Report(result.reported("html").decode())
+    (rule,) = re.findall(r"Decision rule: .*?before they are rounded\.", plain(report.text))
+    assert declared.startswith("PASS, assuming a square seat, volts and one temperature. ")
+    assert f"temperature. {rule} Found: Gravity check: passed: largest |Δg| " in declared
+    sentences = [f"{name}: {report.row(name)[0]}" for name in FINDINGS]
+    assert declared.endswith(f"Found: {'; '.join(sentences)}.")
+    assert "limit 300 µg" in declared and "confidence 0.999" in declared and "times 3" in declared
+
+
+def test_assumptions_are_statements_with_their_coefficients(result, certificate):
+    root = ET.fromstring(certificate)
+    told = dict(zip(texts(root, ".//dcc:statement/dcc:name/dcc:content"),
+                    texts(root, ".//dcc:statement/dcc:declaration/dcc:content")))  # fmt: skip
+    document = result.document
+    assert [name.removeprefix("Assumption: ") for name in told if name.startswith("Assumption")] == document["assumes"]
+    assert told["Assumption: seat"] == (
+        "a square seat: no position shows the block's tilt against the axis. "
+        f"Rests on it: {', '.join(document['assumed_for']['seat'])}."
+    )
+    assert told["Assumption: temperature"].endswith("Rests on it: all.")
+
+
+@pytest.mark.parametrize(
+    ("limit_g", "said"),
+    [(3e-4, "within the limit."), (5e-5, "more than the limit: the verdict assumes that there is none.")],
+)
+def test_what_the_run_could_not_have_shown_is_a_statement(result, limit_g, said):
+    document = result.document
+    found = changed(result, verification={**document["verification"], "limit_g": limit_g})
+    root = ET.fromstring(found.export("dcc"))
+    name, declared = (texts(root, f".//dcc:statement/{one}/dcc:content")[-1] for one in ("dcc:name", "dcc:declaration"))
+    assert name == "What this run could not have shown"
+    size = f"{1e6 * document['reliability_norm_g']:.2g}"
+    assert f"a smaller effect may change |a| by up to {size} µg, {said} Would not have shown at any size: " in declared
 
 
 def test_warnings_and_a_simulated_run_are_statements(result, tmp_path, capsys):
@@ -221,7 +266,7 @@ def test_warnings_and_a_simulated_run_are_statements(result, tmp_path, capsys):
     assert main(["export", str(tmp_path / "result.json"), "--format", "dcc"]) == 0
     printed = capsys.readouterr()
     said = texts(ET.fromstring(printed.out), ".//dcc:statement/dcc:declaration/dcc:content")
-    assert said[1:] == ["a first <warning>", "The run was simulated: no block was measured."]
+    assert said[-2:] == ["a first <warning>", "The run was simulated: no block was measured."]
     assert "a first <warning>" in printed.err
 
 

@@ -17,8 +17,18 @@ from tumble._version import __version__
 from tumble.documents.base import to_json, written
 from tumble.errors import listed, quoted
 from tumble.report.pages import number_of
-from tumble.report.sections import AUTHORISED, DATES, ITEM, PARTIES, plain_key
-from tumble.report.source import exact, product, rounded, to_match
+from tumble.report.sections import (
+    AUTHORISED,
+    DATES,
+    ITEM,
+    PARTIES,
+    assumptions,
+    findings,
+    plain_key,
+    rule,
+    unseen,
+)
+from tumble.report.source import Source, exact, in_words, product, rounded, to_match
 from tumble.solving.decision import Decision
 
 if TYPE_CHECKING:
@@ -68,8 +78,6 @@ def certified(result: Result, them: Coefficients, warnings: Iterable[str]) -> di
     does not tell, with the key of the stand file that does."""
     labels = _labels(result)
     decision, environment = Decision.of(result), result.environment or {}
-    rule = f"the gravity check, the fit to the declared stand, and {decision.coverage_factor:g} u(|a|) at most "
-    rule += f"{decision.limit_g!r} g at every attitude"
     known = environment if result.temperature is None else environment | written(result.temperature)
     conditions = [
         {"name": name, "value": known[key], "unit": unit, "u": known.get(f"u_{key}")}
@@ -88,11 +96,24 @@ def certified(result: Result, them: Coefficients, warnings: Iterable[str]) -> di
         "conditions": conditions,
         "told": [(name, text) for name, text in told if text is not None],
         "conformity": _CONFORMITY[decision.word],
-        "declaration": f"{decision.sentence}. Decision rule: {rule}.",
-        "warnings": list(warnings),
-        "simulated": isinstance(result.bus, str),
+        "statements": _statements(result, decision, warnings),
         "attached": base64.b64encode(to_json(result).encode()).decode(),
     }
+
+
+def _statements(result: Result, decision: Decision, warnings: Iterable[str]) -> list[tuple[str, str]]:
+    """Each with its name, in the words of the report: of conformity first."""
+    source = Source(written(result), "result")
+    found = "; ".join(f"{in_words(name)}: {in_words(said)}" for name, said in findings(source))
+    told = [("Conformity", f"{decision.sentence}. Decision rule: {in_words(rule(source))} Found: {found}.")]
+    for name, said in assumptions(source):  # without the mark, which no name of a coefficient has here
+        told.append((f"Assumption: {in_words(name)}", in_words(said).lstrip("*^ ")))
+    if (lacking := unseen(source)) is not None:
+        never = f"Would not have shown at any size: {in_words(lacking[1])}."
+        told.append(("What this run could not have shown", f"{in_words(lacking[2])} {never}"))
+    told += [("Warning", one) for one in warnings]
+    simulated = isinstance(result.bus, str)
+    return [*told, ("Simulation", "The run was simulated: no block was measured.")] if simulated else told
 
 
 def _labels(result: Result) -> dict[str, str | None]:

@@ -251,6 +251,7 @@ def _unit(source: Source, key: str) -> str:
     return "rad" if key.endswith("_rad") else noise_unit(str(source.at("unit")))
 
 
+_TWO_DIGITS, _THREE_DIGITS = partial(rounded, digits=2), partial(rounded, digits=3)
 _MANY = 1000
 _STUDENT = f" k is Student's t for {NU} effective degrees of freedom (Welch and Satterthwaite)."
 _DENIED = " But the run does not fit the declared stand, so that U may be too small."
@@ -352,8 +353,8 @@ def further(source: Source) -> Table | None:
 
 def worst_norm(source: Source) -> Inline:
     """Of the length of the calibrated acceleration."""
-    at, two = ("u_norm_g", "worst_g"), partial(rounded, digits=2)
-    worst, in_si = source.scaled(at, two, power=6), source.scaled(at, two, source.gravity, power=3)
+    at = ("u_norm_g", "worst_g")
+    worst, in_si = source.scaled(at, _TWO_DIGITS, power=6), source.scaled(at, _TWO_DIGITS, source.gravity, power=3)
     return NO_UNCERTAINTY if worst is MISSING else line(worst, " µg = ", in_si, " mm/s²")
 
 
@@ -398,7 +399,6 @@ def _table(source: Source, rows: list[tuple[Inline, ...]], given: Uncertainties)
 
 
 _MICRO = 6
-_THREE_DIGITS = partial(rounded, digits=3)
 _MOST_UNSEEN = 6  # of the causes that cost most
 _OLDER = "the result is older than the rule of the uncertainty"
 _AS_THEY_ARE = "Numbers are compared before they are rounded."
@@ -577,9 +577,9 @@ def explanations(source: Source) -> Table | None:
     return Table(("The run shows", "Size", "u (k = 1)", "Unit", "p"), rows, left=(3,)) if rows else None
 
 
-def unseen(source: Source) -> tuple[Table, Inline] | None:
-    """What the run could not have shown: the sizes that cost most, and the names of what shows at no size. None where
-    nothing is told of it: without a stand, and in older results."""
+def unseen(source: Source) -> tuple[Table, Inline, Inline] | None:
+    """What the run could not have shown: the sizes that cost most, the names of what shows at no size, and whether the
+    largest error is beyond the limit. None where nothing is told of it: without a stand, and in older results."""
     rows: list[tuple[Inline, ...]] = []
     never: list[Inline] = []
     for i in range(len(source.array("reliability"))):
@@ -589,9 +589,21 @@ def unseen(source: Source) -> tuple[Table, Inline] | None:
         if source.decimal(*at, "size") is None:
             never.append(name)
         else:
-            error = source.millionths(1, *at, "norm_error_g")
+            error = source.scaled((*at, "norm_error_g"), _TWO_DIGITS, power=_MICRO)
             rows.append((name, source.rounded(2, *at, "size"), source.told(*at, "unit"), error))
     if not rows and not never:
         return None
     columns = ("Error of the block or stand", "Size", "Unit", "Error of |a| in µg")
-    return Table(columns, rows[:_MOST_UNSEEN], left=(2,)), joined(never, "; ") if never else Fixed("none")
+    names = joined(never, "; ") if never else Fixed("none")
+    return Table(columns, rows[:_MOST_UNSEEN], left=(2,)), names, _largest_unseen(source, rows)
+
+
+def _largest_unseen(source: Source, rows: list[tuple[Inline, ...]]) -> Inline:
+    """Of `rows` as `unseen` has them."""
+    error, limit = source.decimal("reliability_norm_g"), source.decimal("verification", "limit_g")
+    if not rows or error is None or limit is None:
+        return Fixed("No such error has a known size.")
+    name, size, unit, in_micro = rows[0]
+    told = line("A run like this reliably shows ", name, " only from ", size, " ", unit, " up; a smaller effect may")
+    judged = "more than the limit: the verdict assumes that there is none" if error > limit else "within the limit"
+    return line(told, " change |a| by up to ", in_micro, f" µg, {judged}.")

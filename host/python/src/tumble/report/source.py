@@ -19,7 +19,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from decimal import ROUND_HALF_EVEN, Context, Decimal
 from functools import partial
-from html import escape
+from html import escape, unescape
 from typing import Any, Protocol, TypeAlias
 
 from tumble.documents.base import checked
@@ -219,6 +219,11 @@ def joined(parts: Sequence[Inline], between: str) -> Line:
     """Pieces in a row, with this between them."""
     pieces = [piece for part in parts for piece in (Fixed(between), part)]
     return Line(tuple(pieces[1:]))
+
+
+def in_words(said: Inline) -> str:
+    """A piece of a line as plain text, powers behind ^."""
+    return unescape(re.sub("<[^>]*>", "", said.__html__().replace("<sup>", "^")))
 
 
 def aligned(rows: Sequence[tuple[Inline, ...]], *columns: int) -> list[tuple[Inline, ...]]:
