@@ -260,6 +260,18 @@ def test_what_the_run_could_not_have_shown_is_a_statement(result, limit_g, said)
     assert f"a smaller effect may change |a| by up to {size} µg, {said} Would not have shown at any size: " in declared
 
 
+@pytest.mark.parametrize(
+    ("label", "is_told"), [({"Serial number": "18"}, True), ({"serial": " 17"}, False), ({"block serial": "18"}, False)]
+)
+def test_two_serial_numbers_are_a_warning(label, is_told):
+    found = solved(item={**ITEM, **label})
+    warning = "[block] and [item] of the stand file have different serial numbers: a certificate takes that of [block]"
+    root = ET.fromstring(found.export("dcc"))
+    assert (warning in found.warnings) == is_told
+    assert (warning in texts(root, ".//dcc:statement/dcc:declaration/dcc:content")) == is_told
+    assert texts(root, ".//dcc:identification/dcc:value") == ["17"]
+
+
 def test_warnings_and_a_simulated_run_are_statements(result, tmp_path, capsys):
     found = changed(result, bus="inprocess", warnings=["a first <warning>"])
     found.save(tmp_path / "result.json")
@@ -273,8 +285,12 @@ def test_warnings_and_a_simulated_run_are_statements(result, tmp_path, capsys):
 REFUSED = [
     *(({"environment": without(ENVIRONMENT, key)}, f"a certificate needs {key}: write it under [item] or "
        "[environment] of the stand file, and solve again") for key in ("country", "laboratory", "operator", "date")),
-    ({"item": {}, "serial": None}, "a certificate needs customer and serial: write them under [item] or [environment] "
-     "of the stand file, and solve again"),
+    ({"serial": None}, "a certificate needs serial: write it under [block] or [item] of the stand file, and solve "
+     "again"),
+    ({"environment": without(ENVIRONMENT, "country", "date")}, "a certificate needs country and date: write country "
+     "and date under [item] or [environment] of the stand file, and solve again"),
+    ({"item": {}, "serial": None}, "a certificate needs customer and serial: write customer under [item] or "
+     "[environment], serial under [block] or [item] of the stand file, and solve again"),
     ({"environment": {**ENVIRONMENT, "country": "Germany"}}, "country is 'Germany', no code of ISO 3166-1 such as DE"),
     ({"environment": {**ENVIRONMENT, "date": "20.11.2026"}}, "date is '20.11.2026', no date such as 2026-11-20"),
     ({"environment": without(ENVIRONMENT, "u_gravity_m_s2")},

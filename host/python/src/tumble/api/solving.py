@@ -24,7 +24,7 @@ from tumble.estimators import ESTIMATORS, NORM, OPTIMAL
 from tumble.files import run_rows
 from tumble.files.run_file import Run
 from tumble.files.schedule_file import planned_with
-from tumble.files.stand_file import StandFile, stand_file_of
+from tumble.files.stand_file import TWO_SERIALS, StandFile, stand_file_of
 from tumble.fixture.judge import Limits
 from tumble.model.fit import NOISE_V
 from tumble.model.inclined import EQUAL
@@ -129,6 +129,7 @@ def solved(
     solution = replace(plausibility.with_order_flag(solution, stand_file), brought_stand=stand is None)
     odd = (*odd_rows, *plausibility.check_k(solution, stand_file, recording.name))
     odd += () if contradiction is None else (contradiction,)
+    odd += (TWO_SERIALS,) if stand_file is not None and stand_file.has_two_serials else ()
     return Solved(solution, stand_file, odd, now, os.path.basename(recording.name) if recording.is_file else None)
 
 

@@ -31,6 +31,8 @@ from tumble.files.rows import HIGHEST_C, LOWEST_C
 from tumble.files.toml import Table, read_toml
 from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, SOURCES, PerChannel, Source, Stand, by_channel, over
 
+SERIALS = ("serial", "serial_number")  # what [item] may call it
+TWO_SERIALS = "[block] and [item] of the stand file have different serial numbers: a certificate takes that of [block]"
 _LARGEST_ANGLE_RAD = 0.5
 _COVERAGE_FACTORS = (1.0, 10.0)
 _LARGEST_V = 1e9  # far beyond any block, and far from where squares overflow
@@ -41,6 +43,11 @@ _ENVIRONMENT_RANGES = {
     "pressure_hpa": (0.0, 2000.0),
     "humidity_percent": (0.0, 100.0),
 }
+
+
+def plain_key(key: str) -> str:
+    """A label's name, however it is spelled: "Serial number" is serial_number."""
+    return key.strip().lower().replace(" ", "_").replace("-", "_")
 
 
 @dataclass(frozen=True)
@@ -61,6 +68,13 @@ class StandFile:
     def serial(self) -> str | None:
         """Of the block; None if unknown."""
         return None if self.block is None else self.block.get("serial")
+
+    @property
+    def has_two_serials(self) -> bool:
+        """Whether [item] has another than [block]."""
+        labels = {plain_key(key): str(text).strip() for key, text in (self.item or {}).items()}
+        labelled = next((labels[key] for key in SERIALS if labels.get(key)), None)
+        return None not in (self.serial, labelled) and labelled != str(self.serial).strip()
 
     @property
     def step_v(self) -> PerChannel:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from tumble._version import __version__
 from tumble.documents.base import to_json, written
 from tumble.errors import listed, quoted
+from tumble.files.stand_file import plain_key
 from tumble.report.pages import number_of
 from tumble.report.sections import (
     AUTHORISED,
@@ -24,7 +25,6 @@ from tumble.report.sections import (
     PARTIES,
     assumptions,
     findings,
-    plain_key,
     rule,
     unseen,
 )
@@ -125,10 +125,7 @@ def _labels(result: Result) -> dict[str, str | None]:
     found = {name: next((told[key] for key in keys if told.get(key)), None) for name, keys in names.items()}
     found["serial"] = (result.serial or "").strip() or found["serial"]
     if missing := [name for name in _NEEDED if not found[name]]:
-        raise ValueError(
-            f"a certificate needs {listed(missing)}: write {'it' if len(missing) == 1 else 'them'} under [item] or "
-            "[environment] of the stand file, and solve again"
-        )
+        raise ValueError(f"a certificate needs {listed(missing)}: write {_where(missing)}, and solve again")
     if not re.fullmatch("[A-Z]{2}", found["country"] or ""):
         raise ValueError(f"country is {quoted(found['country'])}, no code of ISO 3166-1 such as DE")
     try:
@@ -136,6 +133,15 @@ def _labels(result: Result) -> dict[str, str | None]:
     except ValueError:
         raise ValueError(f"date is {quoted(found['date'])}, no date such as 2026-11-20") from None
     return found
+
+
+def _where(missing: list[str]) -> str:
+    """In which tables of a stand file these labels belong."""
+    serial = [name for name in missing if name == "serial"]
+    places = {"[item] or [environment]": [name for name in missing if name not in serial], "[block] or [item]": serial}
+    called = {tables: listed(names) if len(missing) > 1 else "it" for tables, names in places.items() if names}
+    told = [f"{names} under {tables}" for tables, names in called.items()]
+    return f"{', '.join(told)} of the stand file"
 
 
 def _quantities(result: Result, them: Coefficients) -> list[dict[str, Any]]:

@@ -16,6 +16,7 @@ from functools import partial
 from typing import TypeAlias
 
 from tumble.estimators import COEFFICIENTS
+from tumble.files.stand_file import SERIALS, plain_key
 from tumble.model.reliability import description_of
 from tumble.model.stand_seen import NAMES
 from tumble.report.source import (
@@ -65,7 +66,7 @@ ITEM: Names = {
     "Item": ("description", "item", "name"),
     "Manufacturer": ("manufacturer",),
     "Type": ("type", "model"),
-    _SERIAL: ("serial", "serial_number"),
+    _SERIAL: SERIALS,
     "Condition": ("condition",),
     "Received": ("received",),
 }
@@ -133,11 +134,6 @@ def _labels(source: Source, keys: tuple[str, ...], tables: tuple[str, ...]) -> l
 
 def _listed(said: list[Inline]) -> Inline:
     return joined(said, "; ") if said else MISSING
-
-
-def plain_key(key: str) -> str:
-    """A label's name, however it is spelled: "Serial number" is serial_number."""
-    return key.strip().lower().replace(" ", "_").replace("-", "_")
 
 
 _MEANING = {  # of a stand file's `limits`
