@@ -193,7 +193,7 @@ def with_package(machine):
 @pytest.mark.parametrize(("command", "installs"), [
     ("import a.csv --plot a.svg", {"plot"}),
     ("compare a.json b.json --plot=c.svg", {"plot"}),
-    ("report a.json --out a.pdf", {"report"}),
+    ("report {}/a.json --out a.pdf", {"report"}),
     ("bench --report --seed 2", {"report"}),
     ("plan validate --plot a.svg", {"plot"}),
     ("draw stand --out a.svg", {"plot"}),
@@ -202,6 +202,8 @@ def with_package(machine):
 ])
 def test_a_command_installs_what_it_needs(machine, command, installs):
     with_package(machine)
+    (machine.world / "a.json").touch()
+    command = command.format(machine.world)
     _, calls = machine.call("tools/tumble", *command.split())
     lines = calls.splitlines()
     assert {name for name in ("plot", "report") if f"-rtools/locks/{name}.lock" in calls} == installs
@@ -283,6 +285,7 @@ def test_an_interrupt_ends_it_while_packages_are_installed(machine):
 @pytest.mark.parametrize(("words", "code"), [
     ("--help", 0), ("", 0), ("solve --help", 0), ("bench -h", 0), ("--version", 0), ("watch --help", 0),
     ("frob", 2), ("solve", 2), ("bench --bogus", 2), ("report r.json --out r.pdf --frob", 2),
+    ("report r.json --out r.pdf", 2),
 ])
 def test_help_and_usage_errors_install_nothing(machine, words, code):
     with_package(machine)

@@ -11,7 +11,7 @@ import pytest
 from conftest import ROOT
 
 from tumble.cli.commands import COMMANDS
-from tumble.cli.main import SHELLS, _parser, main
+from tumble.cli.main import SHELLS, _parser, main, parse
 
 pytestmark = pytest.mark.python
 
@@ -76,7 +76,7 @@ def test_every_command_has_an_example_in_its_help_which_parses(capsys):
 
 
 def test_help_and_usage_errors_need_no_package():
-    """Of no command and of no subject: a checkout answers them before it installs anything (tools/usage)."""
+    """Nor does a result that is not there: a checkout answers them before it installs anything (tools/usage)."""
     program = (
         "import contextlib, io, json, sys\n"
         "sys.path.insert(0, sys.argv[1])\n"
@@ -87,9 +87,18 @@ def test_help_and_usage_errors_need_no_package():
     )
     names = sorted({name[:end] for name in leaves(_parser()) for end in (name.find(" "), None) if end != -1})
     asked = [[*name.split(), word] for word in ("--help", "--no-such-option") for name in names]
+    asked += [["report", "none.json"], ["export", "none.json", "--format", "c"], ["apply", "none.json", "data.csv"]]
     command = [sys.executable, "-I", "-S", "-c", program, str(ROOT / "host/python/src"), json.dumps(asked)]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
-    assert json.loads(done.stdout) == [10] * (len(asked) // 2) + [2] * (len(asked) // 2) and len(asked) > 40
+    assert json.loads(done.stdout) == [10] * len(names) + [2] * (len(names) + 3) and len(names) > 20
+
+
+def test_a_result_that_is_not_there_is_told_once(capsys):
+    for words in (["export", "none.json", "--format", "c"], ["export", "none.json", "--format", "dcc"],
+                  ["report", "none.json"], ["apply", "none.json", "data.csv"]):  # fmt: skip
+        for run in (parse, main):
+            assert run(words) == 2
+            assert capsys.readouterr().err == "tumble: none.json: no such file or folder\n"
 
 
 def test_a_command_is_loaded_only_when_it_is_named():

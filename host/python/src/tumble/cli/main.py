@@ -146,16 +146,19 @@ def _prepare_output() -> None:
 
 
 def parse(arguments: list[str]) -> int:
-    """Everything but the run, for host/python/usage.py, whose exit codes these are."""
+    """Everything but the run, for host/python/usage.py, whose exit codes these are. A result that is not there is told
+    too, before anything is installed for it."""
     try:
         _prepare_output()
         if not arguments:
             _help(_parser(()))
             return ANSWERED
-        _parser(arguments).parse_args(arguments)
+        result = getattr(_parser(arguments).parse_args(arguments), "result", None)
+        if isinstance(result, str) and not os.path.exists(result):  # not opened: a pipe can be read once
+            raise errors.BadInput("no such file or folder", result)
     except SystemExit:
         return ANSWERED
-    except errors.UsageError as error:
+    except (errors.UsageError, errors.BadInput) as error:
         _complain(str(error))
         return error.exit_code
     except errors.TumbleError:

@@ -39,7 +39,6 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.out is None and sys.stdout.isatty():
         raise UsageError("a page is no text for a terminal: --out FILE.html or --out FILE.pdf")
     kind = HTML if arguments.out is None else kind_of(arguments.out)
-    require_installed(kind)
 
     from tumble.api.recording import recording_of
     from tumble.api.result import load
@@ -53,6 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
     inputs = arguments.result, arguments.run, arguments.template, arguments.logo, arguments.since
     refuse_overwriting(arguments.out, *inputs)
     result = load(arguments.result)
+    require_installed(kind)
     recorded = None
     if arguments.run is not None:
         recorded = recording_of(arguments.run, layout if layout.unit else replace(layout, unit=result.unit))
