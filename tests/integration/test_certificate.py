@@ -282,6 +282,43 @@ def test_warnings_and_a_simulated_run_are_statements(result, tmp_path, capsys):
     assert "a first <warning>" in printed.err
 
 
+def test_number_and_date_of_issue_may_be_given(result, tmp_path):
+    result.save(tmp_path / "result.json")
+    options = "--certificate-number", " C-7 ", "--issued", "2026-12-01", "--out", str(tmp_path / "dcc.xml")
+    assert main(["export", str(tmp_path / "result.json"), "--format", "dcc", *options]) == 0
+    text = (tmp_path / "dcc.xml").read_text()
+    root = ET.fromstring(text)
+    assert texts(root, ".//dcc:uniqueIdentifier") == ["C-7"] and texts(root, ".//dcc:issueDate") == ["2026-12-01"]
+    assert result.export("dcc", certificate_number="C-7", issued="2026-12-01") == text
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("dcc", "--issued", "1.12.2026"), "--issued: '1.12.2026' is not a date such as 2026-11-28"),
+        (("dcc", "--certificate-number", ""),
+         "--certificate-number: '' is not a text of 1 to 64 characters on one line"),
+        (("c", "--issued", "2026-12-01"), "--issued: is for --format dcc"),
+        (("csv", "--certificate-number", "7"), "--certificate-number: is for --format dcc"),
+    ],
+)  # fmt: skip
+def test_other_numbers_and_dates_are_refused(options, said, result, tmp_path, capsys):
+    result.save(tmp_path / "result.json")
+    assert main(["export", str(tmp_path / "result.json"), "--format", *options]) == 2
+    assert capsys.readouterr().err.splitlines()[-1] == f"tumble: {said}"
+    name = options[1][2:].replace("-", "_")
+    with pytest.raises(tumble.UsageError, match=f"^{name}: is"):
+        result.export("c", **{name: "7"})
+
+
+def test_a_report_has_the_number_of_the_certificate(result):
+    found = solved(item={**ITEM, "Certificate number": "C-1"})
+    assert number_of(found.document) == "C-1" != number_of(result.document)
+    assert number_of(solved(item={**ITEM, "certificate_number": " "}).document).startswith("T-")
+    with pytest.raises(tumble.UsageError, match=r"^certificate_number: 'x{37}\.\.\.' is not a text of 1 to 64 char"):
+        solved(item={**ITEM, "certificate_number": "x" * 65}).export("dcc")
+
+
 REFUSED = [
     *(({"environment": without(ENVIRONMENT, key)}, f"a certificate needs {key}: write it under [item] or "
        "[environment] of the stand file, and solve again") for key in ("country", "laboratory", "operator", "date")),

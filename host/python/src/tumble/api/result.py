@@ -30,7 +30,7 @@ from tumble.arrays import Floats
 from tumble.defaults import DEFAULT_CONFIDENCE
 from tumble.documents.base import described
 from tumble.documents.result import Result as ResultDocument, Temperature, parse_result
-from tumble.errors import BadInput, UsageError, needing, quoted
+from tumble.errors import BadInput, TumbleError, UsageError, needing, quoted
 from tumble.estimators import COEFFICIENTS
 from tumble.files import frames
 from tumble.files.calibrated import OUTPUTS, Demand, Seen, factor_of, with_calibrated
@@ -467,6 +467,8 @@ class Result:
         number: str = DOUBLE,
         step: float | None = None,
         labels: bool = False,
+        certificate_number: str | None = None,
+        issued: str | None = None,
     ) -> str:
         """The coefficients for other programs, as `tumble export` writes them; also to a `file`.
 
@@ -484,6 +486,10 @@ class Result:
             Of "fixed": the size of a count of the outputs, above 0.
         labels : bool, optional
             Also the block's serial number and other labels.
+        certificate_number : str, optional
+            Of "dcc"; default: the label of that name, else the number of the result's report.
+        issued : str, optional
+            Of "dcc": the date of issue, as "2026-11-28"; default: that of the result.
 
         Returns
         -------
@@ -509,9 +515,15 @@ class Result:
             raise UsageError('step: belongs to number="fixed", and is the size of a count of the outputs, above 0')
         if unit is not None and not is_one_of(unit := str(force_unit(unit)), UNITS):
             raise UsageError(f"unit: {quoted(unit)} is not one of {', '.join(UNITS)}")
+        for name, given in (("certificate_number", certificate_number), ("issued", issued)):
+            if given is not None and format != "dcc":
+                raise UsageError(f"{name}: is for dcc alone")
         with told_in_python():
             try:
-                text = exported(self._told, format, unit, number, step, labels, complaints_of_result(self._told))
+                told = complaints_of_result(self._told)
+                text = exported(self._told, format, unit, number, step, labels, told, 1, certificate_number, issued)
+            except TumbleError:
+                raise
             except ValueError as error:
                 raise BadInput(str(error), self._name) from None
             if file is not None:
@@ -542,7 +554,8 @@ class Result:
         logo : path, optional
             A picture in PNG, JPEG or SVG.
         number : str, optional
-            Of the report; default: one by date and content, the same for the same result.
+            Of the report; default: the label certificate_number, else one by date and content, the same for the same
+            result.
         since : Result or path, optional
             An earlier result of the same block: then the report says whether the block has changed, as `compare` does.
         issued : str, optional

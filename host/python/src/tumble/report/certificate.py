@@ -17,7 +17,7 @@ from tumble._version import __version__
 from tumble.documents.base import to_json, written
 from tumble.errors import listed, quoted
 from tumble.files.stand_file import plain_key
-from tumble.report.pages import number_of
+from tumble.report.pages import number_of, require_date, require_number
 from tumble.report.sections import (
     AUTHORISED,
     DATES,
@@ -54,7 +54,6 @@ _NEEDED = {
     "serial": ITEM["Serial number"],
 }
 _OPTIONAL = {
-    "number": ("certificate_number",),
     "laboratory_address": PARTIES["Address of the laboratory"],
     "customer_address": PARTIES["Contact of the customer"],
     "place": PARTIES["Place of the calibration"],
@@ -73,9 +72,12 @@ _DIGITS_OF_K = 3
 _CONFORMITY = {"PASS": "pass", "FAIL": "fail", "NOT SHOWN": "noPass"}
 
 
-def certified(result: Result, them: Coefficients, warnings: Iterable[str]) -> dict[str, Any]:
-    """By the names of the template. `them`: the coefficients in units of the SI. Raises ValueError for what the result
-    does not tell, with the key of the stand file that does."""
+def certified(
+    result: Result, them: Coefficients, warnings: Iterable[str], number: str | None, issued: str | None
+) -> dict[str, Any]:
+    """By the names of the template. `them`: the coefficients in units of the SI; `number`, `issued`: None for those of
+    the result. Raises ValueError for what the result does not tell, with the key of the stand file that does;
+    UsageError for what is no number and no date."""
     labels = _labels(result)
     decision, environment = Decision.of(result), result.environment or {}
     known = environment if result.temperature is None else environment | written(result.temperature)
@@ -89,9 +91,9 @@ def certified(result: Result, them: Coefficients, warnings: Iterable[str]) -> di
     told += [(f"{table}.{key}", text) for table, labelled in tables.items() for key, text in labelled.items()]
     return {
         **labels,
-        "number": labels["number"] or number_of(written(result)),
+        "number": number_of(written(result)) if number is None else require_number(number, "--certificate-number"),
         "version": __version__,
-        "issued": (result.created or "")[:10],
+        "issued": (result.created or "")[:10] if issued is None else require_date(issued),
         "quantities": _quantities(result, them),
         "conditions": conditions,
         "told": [(name, text) for name, text in told if text is not None],

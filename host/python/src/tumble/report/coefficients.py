@@ -70,11 +70,14 @@ def exported(
     labels: bool = False,
     warnings: Iterable[str] = (),
     accelerometer: int = 1,
+    certificate_number: str | None = None,
+    issued: str | None = None,
 ) -> str:
     """A result in the format of that `name`, of FORMATS. `unit` of accelerations, None: the format's; `number`: what
     the C header computes with, one of NUMBERS; `step`: of a count of the outputs, for FIXED; `labels`: also those that
-    tell whose block it is; `warnings` go into its comments; `accelerometer`: of an autopilot, from 1. Raises ValueError
-    for what the format cannot hold."""
+    tell whose block it is; `warnings` go into its comments; `accelerometer`: of an autopilot, from 1;
+    `certificate_number`, `issued`: of a certificate, None for those of the result. Raises ValueError for what the
+    format cannot hold, UsageError for what is no number or date."""
     from tumble.solving.coefficients import Coefficients
 
     form = FORMATS[name]
@@ -90,7 +93,7 @@ def exported(
     if name == "dcc":
         from tumble.report.certificate import certified
 
-        more["certificate"] = certified(result, them, warnings)
+        more["certificate"] = certified(result, them, warnings, certificate_number, issued)
     return filled(name, FLOAT if number == FLOAT else DOUBLE, {**names, **more})
 
 

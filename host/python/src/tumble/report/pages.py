@@ -19,8 +19,10 @@ from xml.etree import ElementTree
 
 from tumble.errors import BadInput, NotInstalled, UsageError, quoted
 from tumble.files.disk import read_bytes
+from tumble.files.stand_file import plain_key
 from tumble.report.source import MISSING
 
+NUMBER = "certificate_number"  # a label
 LONGEST = 64
 _DIGITS = 12  # hexadecimal: of ten thousand reports of a day, two have one number with a chance of 2e-7
 _UNDATED = "undated"
@@ -28,8 +30,14 @@ _DATE = re.compile(r"\d{4}-\d\d-\d\d", re.ASCII)
 
 
 def number_of(document: dict[str, Any]) -> str:
-    """Such as T-20261123-9f3a1c77b2d4: the date of the result, the beginning of the SHA-256 of its content, whatever
-    blanks its file has. The same result has the same number, and practically no other has it."""
+    """The label certificate_number; without it such as T-20261123-9f3a1c77b2d4: the date of the result, the beginning
+    of the SHA-256 of its content, whatever blanks its file has. The same result has the same number, and practically no
+    other has it. Raises UsageError for a label that is no number."""
+    for table in ("item", "environment"):
+        labels = document.get(table)
+        for key, text in labels.items() if isinstance(labels, dict) else ():
+            if plain_key(key) == NUMBER and str(text).strip():
+                return require_number(str(text), key)
     content = json.dumps(document, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
     created = document.get("created")
     date = created[:10].replace("-", "") if isinstance(created, str) else _UNDATED
@@ -45,11 +53,11 @@ def require_date(text: object) -> str:
         raise UsageError(f"--issued: {said} is not a date such as 2026-11-28") from None
 
 
-def require_number(text: object) -> str:
-    """A number of the user's own. Raises UsageError."""
+def require_number(text: object, called: str = "--number") -> str:
+    """A number of the user's own; `called`: by what it is given. Raises UsageError."""
     if not isinstance(text, str) or not 1 <= len(text.strip()) <= LONGEST or not text.isprintable():
         said = quoted(text) if isinstance(text, str) else f"a {type(text).__name__}"
-        raise UsageError(f"--number: {said} is not a text of 1 to {LONGEST} characters on one line")
+        raise UsageError(f"{called}: {said} is not a text of 1 to {LONGEST} characters on one line")
     return text.strip()
 
 

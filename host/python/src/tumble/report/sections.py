@@ -19,6 +19,7 @@ from tumble.estimators import COEFFICIENTS
 from tumble.files.stand_file import SERIALS, plain_key
 from tumble.model.reliability import description_of
 from tumble.model.stand_seen import NAMES
+from tumble.report.pages import NUMBER
 from tumble.report.source import (
     MISSING,
     NO_UNCERTAINTY,
@@ -77,6 +78,7 @@ TRACEABILITY: Names = {
     "Traceability of the outputs' unit": ("voltage_traceability", "output_traceability"),
 }
 DEVIATIONS: Names = {"Deviations from the method": ("deviations",)}
+_IN_THE_HEAD: Names = {"Number": (NUMBER,)}
 _NUMBERS = {  # which the section on the method has
     ("environment", key)
     for key in ("gravity_m_s2", "u_gravity_m_s2", "temperature_c", "pressure_hpa", "humidity_percent")
@@ -114,7 +116,7 @@ def issue(source: Source, issued: Inline) -> Facts:
 
 def further_labels(source: Source) -> Facts:
     """Those of no other section, by their own names."""
-    sections = [(names, TABLES) for names in (PARTIES, DATES, TRACEABILITY, DEVIATIONS)]
+    sections = [(names, TABLES) for names in (PARTIES, DATES, TRACEABILITY, DEVIATIONS, _IN_THE_HEAD)]
     sections.append((ITEM, OF_THE_ITEM))
     known = {(table, key) for names, tables in sections for table in tables for keys in names.values() for key in keys}
     return [

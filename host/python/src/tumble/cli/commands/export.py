@@ -42,6 +42,8 @@ def describe(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="also serial number, run file's name, labels of [item] and [environment]; default: none; dcc: all",
     )
+    parser.add_argument("--certificate-number", metavar="TEXT", help="of a dcc; default: as of report")
+    parser.add_argument("--issued", metavar="DATE", help="of issue of a dcc; default: that of the result")
     parser.add_argument("--out", metavar="FILE", help="default: standard output")
     parser.set_defaults(run_command=run)
 
@@ -49,6 +51,9 @@ def describe(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Convert and write. Returns the exit code; raises TumbleError."""
     step, number = _parse_step(arguments), _parse_accelerometer(arguments)
+    for option in ("certificate_number", "issued"):
+        if arguments.format != "dcc" and getattr(arguments, option) is not None:
+            raise UsageError(f"--{option.replace('_', '-')}: is for --format dcc")
 
     from tumble.api.thermal import is_thermal, load_thermal
     from tumble.documents.result import read_result
@@ -68,7 +73,7 @@ def run(arguments: argparse.Namespace) -> int:
             result = read_result(arguments.result)
             warnings = complaints_of_result(result)
             told = arguments.format, arguments.unit, arguments.number, step, arguments.labels, warnings, number
-            text = exported(result, *told)
+            text = exported(result, *told, arguments.certificate_number, arguments.issued)
     except TumbleError:
         raise
     except ValueError as error:

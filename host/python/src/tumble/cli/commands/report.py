@@ -25,7 +25,9 @@ def describe(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--run", metavar="RUN.csv", help="the run that was solved: draws its samples too")
     parser.add_argument("--template", metavar="FILE", help="in place of the built-in one, or extending it (Jinja2)")
     parser.add_argument("--logo", metavar="FILE", help="PNG, JPEG or SVG, for the head of the first page")
-    parser.add_argument("--number", metavar="TEXT", help="of the report; default: by the result's date and content")
+    parser.add_argument(
+        "--number", metavar="TEXT", help="default: label certificate_number, else by date and content of the result"
+    )
     parser.add_argument("--issued", metavar="DATE", help="of issue, such as 2026-11-28; default: today's (UTC)")
     parser.add_argument("--since", metavar="OLD.json", help="an earlier result of the block: has it changed since?")
     options.add_layout(parser, "run file")
