@@ -10,7 +10,7 @@ from decimal import Decimal
 import numpy as np
 import pytest
 from conftest import EXAMPLES
-from report_reader import Report, plain
+from report_reader import Report, plain, text_of
 from test_further_terms import noisy
 
 import tumble
@@ -35,7 +35,7 @@ ENVIRONMENT = {
     "u_gravity_m_s2": 1e-5,
     "pressure_hpa": 1013,
 }
-FINDINGS = ("Gravity check", "Fit to the declared stand", "Uncertainty at every attitude")
+FINDINGS = ("Gravity check", "Fit to the declared stand", "Uncertainty at every attitude", "One µg here")
 NAMES = [*(f"K_{i}{j}" for i in "xyz" for j in "xyz"), *(f"U0_{i}" for i in "xyz")]
 
 
@@ -231,6 +231,9 @@ def test_the_decision_rule_is_that_of_the_report(result, certificate):
     sentences = [f"{name}: {report.row(name)[0]}" for name in FINDINGS]
     assert declared.endswith(f"Found: {'; '.join(sentences)}.")
     assert "limit 300 µg" in declared and "confidence 0.999" in declared and "times 3" in declared
+    assert declared.endswith("; One µg here: a millionth of the local gravity, 9.81 µm/s².")
+    errors = [row[3] for row in report.rows if len(row) == 4 and row[0] == ["scales that drift"]]
+    assert [text_of(one) for one in errors] == [f"{1e6 * result.document['reliability_norm_g']:.2g}"]
 
 
 def test_assumptions_are_statements_with_their_coefficients(result, certificate):

@@ -220,14 +220,14 @@ def test_without_a_stand_it_says_so(drawn):
     assert "noise by itself moves a value by at most U with a probability of 0.95" in text
     assert "U contains the noise of the samples only: no stand is declared, so that its errors are NOT in U" in text
     assert "For faces laid by hand the real uncertainty can be over 100 times larger" in text
-    assert "of the true one with a probability" not in text
+    assert "coverage probability" not in text
     assert "Fit to the declared standnot judged: no stand is declared" in text.replace("\n", "")
     assert "No stand is declared." in text
 
 
 def test_a_run_that_does_not_fit_its_stand_makes_no_claim(tmp_path, drawn):
     text = plain(report_of(solved("misfit", tmp_path)).text)
-    assert "with a probability of 0.95. But the run does not fit the declared stand" in text
+    assert "a coverage probability of 95 %. But the run does not fit the declared stand" in text
     assert "so that U may be too small." in text
 
 
@@ -235,15 +235,19 @@ def test_a_claim_on_the_true_value_takes_a_stand(drawn):
     document = solve().document
     text = plain(report_of(solve()).text)
     assert (
-        "the value lies within U of the true one with a probability of 0.95" in text
+        "U = k u is the standard uncertainty multiplied by k = 1.96, which corresponds to a coverage probability of 95"
+        " %."
+        in text
         and "noise of the samples" not in text
     )
+    assert "U contains no uncertainty of the measurement of the outputs, by voltmeter or converter" in text
+    assert "(simple acceptance: no guard band)" in text and "a millionth of the local gravity" in text
     assert "counts the errors of the declared stand alone" in text and "U may be too small" not in text
     lacks_k = Result(json.dumps({**document, "coverage": None, "u_K": None, "u_U0": None, "covariance": None,
                                  "scatter_alone": {"u_K": document["u_K"], "u_U0": document["u_U0"]}}))  # fmt: skip
     text = plain(report_of(lacks_k).text)
     assert "u (k = 1) are standard deviations. u contains the noise of the samples only" in text
-    assert "the true one with" not in text and "uncertainty can be over 100 times larger" in text
+    assert "coverage probability" not in text and "uncertainty can be over 100 times larger" in text
 
 
 VERDICTS = {
@@ -328,9 +332,9 @@ def test_a_delta_g_without_uncertainty_says_so(drawn):
 
 
 def test_the_coverage_factor_is_named_with_its_value(tmp_path, drawn):
-    assert "the coverage factor k = 1.96: the value lies within U" in plain(report_of(solve()).text)
+    assert "multiplied by k = 1.96, which corresponds to" in plain(report_of(solve()).text)
     several = plain(report_of(solved("misfit", tmp_path)).text)
-    assert "the coverage factor k from 1.96 to 1.97: the value lies within U" in several
+    assert "multiplied by k from 1.96 to 1.97, which corresponds to" in several
     assert "with the coverage factor k = 1.96: noise by itself" in plain(report_of(solve(stand=False)).text)
 
 
@@ -390,8 +394,8 @@ def test_what_it_must_have(result):
         "Date of the run",
         "Serial number",
         "Temperature of the run",
-        "Traceability of local gravity",
-        "Traceability of the table angle",
+        "Metrological traceability of local gravity",
+        "Metrological traceability of the table angle",
         "Deviations from the method",
     ):
         (said,) = report.row(name)
@@ -413,7 +417,8 @@ def test_what_is_not_stated_is_a_sentence_of_each_section(drawn):
     first, second = re.findall(r'<p class="unsaid">(.*?)</p>', source, re.DOTALL)
     names = [re.findall("<span>(.*?)</span>", one) for one in (first, second)]
     assert {"Condition", "Customer", "Laboratory", "Date of the run"} < set(names[0])
-    assert {"Deviations from the method", "Local gravity, g", "Traceability of the table angle"} < set(names[1])
+    angle = "Metrological traceability of the table angle"
+    assert {"Deviations from the method", "Local gravity, g", angle} < set(names[1])
     assert all(plain(one).startswith("Not stated: <span>") and one.strip().endswith(".") for one in (first, second))
 
 
@@ -424,8 +429,8 @@ def test_labels_are_said_where_they_belong(tmp_path, drawn):
     assert report.row("Condition") == ["as received & clean"]
     assert report.row("Customer") == ["Müller GmbH"]
     assert report.row("Laboratory") == ["Lab <i>1</i>"]
-    assert report.row("Traceability of local gravity") == ["certificate G-12"]
-    assert report.row("Traceability of the table angle") == ["not stated"]
+    assert report.row("Metrological traceability of local gravity") == ["certificate G-12"]
+    assert report.row("Metrological traceability of the table angle") == ["not stated"]
     assert report.row("Temperature of the run") == ["21.5 \u00b0C (as the stand file states)"]
     assert report.row("Local gravity, g") == ["9.8106 m/s\u00b2"]
     assert report.row("<script>alert(1)</script>") == ["<script>alert(2)</script>"]

@@ -37,6 +37,7 @@ from tumble.report.source import (
     aligned,
     joined,
     line,
+    plain,
     pointer,
     rounded,
     to_places,
@@ -73,9 +74,9 @@ ITEM: Names = {
 }
 DATES: Names = {"Date of the run": ("date", "run_date")}
 TRACEABILITY: Names = {
-    "Traceability of local gravity": ("gravity_traceability",),
-    "Traceability of the table angle": ("angle_traceability",),
-    "Traceability of the outputs' unit": ("voltage_traceability", "output_traceability"),
+    "Metrological traceability of local gravity": ("gravity_traceability",),
+    "Metrological traceability of the table angle": ("angle_traceability",),
+    "Metrological traceability of the outputs' unit": ("voltage_traceability", "output_traceability"),
 }
 DEVIATIONS: Names = {"Deviations from the method": ("deviations",)}
 _IN_THE_HEAD: Names = {"Number": (NUMBER,)}
@@ -252,6 +253,10 @@ def _unit(source: Source, key: str) -> str:
 _TWO_DIGITS, _THREE_DIGITS = partial(rounded, digits=2), partial(rounded, digits=3)
 _MANY = 1000
 _STUDENT = f" k is Student's t for {NU} effective degrees of freedom (Welch and Satterthwaite)."
+_NO_GAIN = (
+    " U contains no uncertainty of the measurement of the outputs, by voltmeter or converter: a gain error common to"
+    " all channels changes K and U0 in the same ratio, and cancels in |a| and in the bias in g."
+)
 _DENIED = " But the run does not fit the declared stand, so that U may be too small."
 _TERMS = {"k2": ("K2", "g\u207b¹"), "k3": ("K3", "g\u207b²"), "drift": ("drift", "")}
 _INTRINSIC: dict[str, tuple[Path, str, tuple[Path, Path] | None]] = {  # name: path within its tables, unit; "": that
@@ -282,11 +287,11 @@ def uncertainties(source: Source) -> Uncertainties:
         return Uncertainties(table, has_k, _of_noise(source, has_k))
     if not has_k:
         return Uncertainties(table, has_k, Fixed("u are standard uncertainties (k = 1); no coverage factor is stated."))
-    probability, factor = source.told("coverage", "probability"), coverage_factor(source)
+    percent, factor = source.scaled(("coverage", "probability"), plain, power=2), coverage_factor(source)
     denied = _DENIED if source.table("fit") and not source.at("fit", "fits") else ""
-    expanded, within = "U = k u is the expanded uncertainty with the coverage factor k", ": the value lies within U"
-    rest = " of the true one with a probability of ", probability, ".", denied, _STUDENT
-    return Uncertainties(table, has_k, line(line(expanded, factor, within), *rest))
+    times = line("U = k u is the standard uncertainty multiplied by k", factor)
+    covers = line(", which corresponds to a coverage probability of ", percent, " %.")
+    return Uncertainties(table, has_k, line(times, covers, denied, _STUDENT, _NO_GAIN))
 
 
 def coverage_factor(source: Source) -> Inline:
@@ -418,16 +423,19 @@ def verdict(source: Source) -> Verdict:
 
 
 def findings(source: Source) -> Facts:
-    """The three things that are judged, and how they came out."""
+    """The three things that are judged, and how they came out; the unit in which they are told."""
     check = ("verification",)
     in_si = source.scaled((*check, "limit_g"), _THREE_DIGITS, source.gravity, power=3)
     limit = line(source.millionths(None, *check, "limit_g"), " µg = ", in_si, " mm/s²")
     largest = _largest(source)
     gravity = "passed" if source.at(*check, "pass") else "FAILED"
+    local = source.rounded(3, "environment", "gravity_m_s2")
+    micro_g = Fixed("which is not stated") if local is MISSING else line(local, " µm/s²")
     return [
         (Fixed("Gravity check"), line(gravity, ": largest |Δg| ", largest, ", limit ", limit)),
         (Fixed("Fit to the declared stand"), _fit(source)),
         (Fixed("Uncertainty at every attitude"), _uncertainty(source)),
+        (Fixed("One µg here"), line("a millionth of the local gravity, ", micro_g)),
     ]
 
 
@@ -490,7 +498,10 @@ def _places(source: Source) -> int:
 
 def rule(source: Source) -> Inline:
     """The decision rule in words."""
-    gravity = "PASS where |Δg| = |(|a|² - 1)/2| is at most the limit at every measured position"
+    gravity = (
+        "PASS where |Δg| = |(|a|² - 1)/2| is at most the limit at every measured position (simple acceptance: no guard"
+        " band)"
+    )
     if not source.table("fit"):
         return Fixed(f"{gravity}. No stand is declared: nothing is stated of other attitudes. {_AS_THEY_ARE}")
     factor = Decision.of(source.solved).coverage_factor
