@@ -428,7 +428,7 @@ class Result:
         """
         from tumble import pictures
 
-        if kind is None and is_one_of(file, pictures.CAPTIONS):
+        if kind is None and isinstance(file, str) and file in pictures.CAPTIONS:
             file, kind = None, str(file)
         with told_in_python():
             path = None if file is None else path_of(file)

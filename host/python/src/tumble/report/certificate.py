@@ -86,6 +86,8 @@ def certified(
         for key, (name, unit) in _CONDITIONS.items()
         if key in known
     ]
+    for name in [one for key in _CONDITIONS for one in (key, f"u_{key}") if isinstance(known.get(one), str)]:
+        raise ValueError(f"environment.{name} is {quoted(known[name])}, no number, which a certificate needs")
     tables = {"item": result.item or {}, "environment": environment}
     told: list[tuple[str, Any]] = [("run_file", result.run_file), ("run_sha256", result.run_sha256)]
     told += [(f"{table}.{key}", text) for table, labelled in tables.items() for key, text in labelled.items()]
@@ -131,6 +133,8 @@ def _labels(result: Result) -> dict[str, str | None]:
     if not re.fullmatch("[A-Z]{2}", found["country"] or ""):
         raise ValueError(f"country is {quoted(found['country'])}, no code of ISO 3166-1 such as DE")
     try:
+        if len(found["date"] or "") != len("2026-11-20"):  # other forms of ISO 8601 are none of XML's
+            raise ValueError
         date.fromisoformat(found["date"] or "")
     except ValueError:
         raise ValueError(f"date is {quoted(found['date'])}, no date such as 2026-11-20") from None
