@@ -461,7 +461,8 @@ def _explained(refusal: core.CoreRefusal, estimator: str) -> str:
     """A refusal in terms of what the user gave."""
     missing, lost = (", ".join(refusal.details.get(key, ())) for key in ("missing", "unidentified"))
     explained = {
-        "TUMBLE_E_MISSING_POSITION": f"{estimator} needs every fit position (another schedule: --schedule);"
+        "TUMBLE_E_MISSING_POSITION": f"{estimator} needs every fit position: measure it, or solve without it by"
+        " --estimator least_squares, or optimal with --stand; another schedule: --schedule;"
         f" missing {missing}",
         "TUMBLE_E_NOT_HARMONIC": f"the schedule lacks positions that {estimator} needs; least_squares solves any"
         " schedule",

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from tumble.cli import options
 from tumble.defaults import DEFAULT_SCHEDULE
 from tumble.errors import EXIT_PASS, BadInput, TumbleError, UsageError, quoted
-from tumble.estimators import LEAST_SQUARES
+from tumble.estimators import HARMONIC, LEAST_SQUARES, OPTIMAL
 from tumble.schedule import ANY_POSE, file_of
 
 if TYPE_CHECKING:
@@ -294,6 +294,8 @@ def _after_import(done: Imported, run: str | None, stand: str | None) -> str:
     from tumble.files.schedule_file import default_estimator
     from tumble.model.inclined import layout
 
+    has_closed_form = default_estimator(CoreSchedule(done.schedule)) in HARMONIC  # which needs every position
+
     if run is None:
         return "\nNext: the same with --out RUN.csv, which writes the run file for tumble solve.\n"
     command = [os.environ.get("TUMBLE_PROGRAM", "tumble"), "solve", run]
@@ -308,8 +310,8 @@ def _after_import(done: Imported, run: str | None, stand: str | None) -> str:
                 "\nNext: measure what lacks, or leave out that inclination: the estimator inclined takes"
                 "\ninclinations on both sides of the level, three or more, turned in equal steps.\n"
             )
-    elif default_estimator(CoreSchedule(measured)) != default_estimator(CoreSchedule(done.schedule)):
-        command += ["--estimator", LEAST_SQUARES]  # of the positions that were found
+    elif has_closed_form and len(measured.fit_indices) < len(done.schedule.fit_indices):
+        command += ["--estimator", LEAST_SQUARES if stand is None else OPTIMAL]  # of the positions that were found
     command += ["--out", os.path.join(os.path.dirname(run), "result.json")]  # which apply and report take
     lines = _command_lines(command[:2], command[2:3], *zip(command[3::2], command[4::2]))
     if done.settings.schedule_name == "six_faces" and stand is None:
