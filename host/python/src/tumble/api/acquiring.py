@@ -92,7 +92,7 @@ def acquire(
     move : callable, optional
         Turns the table to an angle in degrees, returns when it is there. Without it somebody is asked to turn it.
     stop : callable
-        Needed with `move`: stops the table; called whatever ends the run, from an exception in `move` to Ctrl-C.
+        Needed with `move`: stops the table; always called when the run ends, from an exception in `move` to Ctrl-C.
     limits_deg : pair of float
         Needed with `move`: the lowest and the highest angle. A schedule beyond is refused before anything moves.
     mount : callable, optional

@@ -11,7 +11,7 @@ For every room from here up. A complaint is one line with file, row and column (
     stand_file     stand files, and files of a [block] alone
     schedule_file  schedule files
     can_log        frames in the log of a CAN bus
-    containers     recordings that are no text: TDMS, HDF5, ULog, DataFlash, ROS bags, MCAP and others
+    containers     binary recordings: TDMS, HDF5, ULog, DataFlash, ROS bags, MCAP and others
     toml           TOML with every key and every value checked, for files of other kinds too
     disk           bytes of a file, as a whole or in blocks, decompressed; files written as a whole or not at all
 """

@@ -1,4 +1,4 @@
-"""Recordings that are no text: TDMS, HDF5, ULog, DataFlash, ROS bags, MCAP, Parquet, NPZ and MAT.
+"""Binary recordings: TDMS, HDF5, ULog, DataFlash, ROS bags, MCAP, Parquet, NPZ and MAT.
 
 Which of them a file is, shows in its beginning. Each reader gives tables, a name for each: of a group of channels, of a
 topic, of one of several sensors. The one that has the outputs, or that `--rows source=NAME` chooses, goes on as text,
