@@ -160,7 +160,7 @@ def test_the_stand_file_says_the_signs(tumble, refused, tmp_path):
     assert "K negative in x, y, z (--signs=---)" in refused("import", file)
     done = tumble("import", file, "--stand", paper_stand(tmp_path, scale_v_per_g=-2.0), "--out", tmp_path / "run.csv")
     assert done.returncode == 0 and places(tmp_path / "run.csv") == expected(IN_ORDER)
-    assert "- signs of K: of scale_v_per_g in stand.toml" in done.stdout
+    assert "- signs of K: ---, from scale_v_per_g in stand.toml" in done.stdout
     assert "assumed positive" not in done.stdout
 
 
@@ -169,7 +169,7 @@ def test_signs_that_are_said_are_not_the_stand_file_s(tumble, tmp_path):
     stand = paper_stand(tmp_path, scale_v_per_g=-2.0)
     done = tumble("import", logged(tmp_path), "--stand", stand, "--signs=+++", "--out", tmp_path / "run.csv")
     assert done.returncode == 0 and places(tmp_path / "run.csv") == expected(IN_ORDER)
-    assert "scale_v_per_g" not in done.stdout and "- signs of K in x, y, z: +++, as given" in done.stdout
+    assert "scale_v_per_g" not in done.stdout and "- signs of K: +++, as given" in done.stdout
 
 
 def test_a_stand_file_without_a_block_keeps_the_signs_of_the_recipe(tumble, refused, tmp_path):

@@ -206,13 +206,13 @@ def test_a_column_that_says_the_same_in_every_row(imported, logged, name, value)
     said, means = imported("\n".join([f"{name},{head}", *(f"{value},{row}" for row in rows)]) + "\n")
     label = {"Pos": "position", "index": "number"}.get(name, name)
     assert is_right(means), said
-    assert f"- {label}: '{value}' in every row, which says nothing: not read" in said
+    assert f"- {label}: '{value}' is the same in every row, so it cannot identify positions: not read" in said
 
 
 @pytest.mark.parametrize("number", [lambda place: place + 1, lambda place: place % 9 + 1])
 def test_one_mounting_for_all_positions(imported, number):
     said, means = imported(labelled(lambda place: {"mounting": 1, "position": number(place)}))
-    assert is_right(means) and "- mounting: '1' in every row" in said
+    assert is_right(means) and "- mounting: '1' is the same in every row" in said
 
 
 def test_positions_that_are_the_same_in_every_row_of_their_own_file(imported):

@@ -144,8 +144,8 @@ LAST = "positions measured more than once: the last rest is used"
             {},
         ),
         (
-            "of 18 rests none fit the positions of this schedule; a missing inclination, or another one? "
-            "(--schedule; poses of your own: a schedule file)",
+            "of 18 rests none fit the positions of this schedule; is an inclination missing, or is this another "
+            "schedule? (--schedule; any_pose takes poses that nobody knows, a schedule file poses of your own)",
             range(18),
             {},
         ),
@@ -192,7 +192,7 @@ def test_what_is_taken_for_granted_is_told(tilts, visits, user_choices, notes):
     rests = rests_of(stand, visits, noise=1e-6, rng=np.random.default_rng(6))
     told = match.match(rests, SCHEDULE, UserChoices(SAID, **user_choices))
     shown = f"inclinations found from the rests: 1 at {tilts[0]:.2f}, 2 at {tilts[1]:.2f}, 3 at {tilts[2]:.2f} deg"
-    usual = ["signs of K in x, y, z: +++, as given", "order: the schedule's"]
+    usual = ["signs of K: +++, as given", "order: the schedule's"]
     assert sorted(told.notes) == sorted([*usual, *notes, *([] if UNKNOWN in notes else [shown])])
 
 
@@ -254,7 +254,7 @@ def test_a_schedule_is_advised_and_what_lacks_is_asked_for(tumble, refused, tmp_
     done = tumble("import", file, "--schedule", "inclined", "--out", tmp_path / "run.csv")
     assert "- no rest at 2.4\n" in done.stdout
     assert done.stdout.endswith(
-        "\nNext: measure what lacks, or leave out that inclination: the estimator inclined takes\n"
+        "\nNext: measure the missing rest, or leave out that inclination: the estimator inclined takes\n"
         "inclinations on both sides of the level, three or more, turned in equal steps.\n"
     )
 
@@ -290,7 +290,7 @@ def labelled(folder, names="123", visits=NUMBERS, label="angle"):
     return folder / "rows.csv", stand
 
 
-BY_LABELS = "signs of K in x, y, z: {}, assuming that the labels tell up from down; not given (--signs)"
+BY_LABELS = "signs of K: {}, assuming that the labels tell up from down; not given (--signs)"
 
 
 @pytest.mark.parametrize(

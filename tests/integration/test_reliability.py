@@ -234,10 +234,10 @@ def test_a_result_says_it(tumble):
     shown = tumble(*command).stdout
     assert max(map(len, shown.splitlines())) <= 80
     assert (
-        f"A run like this reliably shows {BY_NAME[worst['pattern']].description} only from {worst['size']:.3g}"
-        f" {worst['unit']} up; a smaller effect may change |a| by up to {1e6 * worst['norm_error_g']:.3g} ug"
-        " A run like this cannot show, at any size: products of two axes in the block's outputs; mountings"
-        " that sit tilted on the platform"
+        f"{BY_NAME[worst['pattern']].description.capitalize()} below {worst['size']:.3g} {worst['unit']} could go"
+        f" unnoticed; it would change |a| by up to {1e6 * worst['norm_error_g']:.3g} ug"
+        " A run like this cannot show, at any size: a product of two axes in the block's outputs; a tilt of the"
+        " mountings on the platform"
     ) in words(shown)
 
 
@@ -256,8 +256,9 @@ def test_a_plan_says_it_before_the_run(tumble):
         (name, one.size if one.size is None else pytest.approx(one.size, rel=1e-9)) for name, one in said.items()
     ]
     shown = words(tumble(*command).stdout)
-    assert "the block's second order only from 248 ug/g^2 up; a smaller effect may change |a| by up to 155 ug" in shown
-    assert "A run like this cannot show, at any size: the block's third order" in shown
+    said = "A second-order term of the block below 248 ug/g^2 could go unnoticed; it would change |a| by up to 155 ug"
+    assert said in shown
+    assert "A run like this cannot show, at any size: a third-order term of the block" in shown
     published = json.loads(tumble("plan", "budget", "--weights", "published", "--json").stdout)
     assert published["reliability"] is published["reliability_norm_g"] is None
 
@@ -266,7 +267,7 @@ def test_a_planned_schedule_says_it(tumble):
     command = ("plan", "schedule", "--norm", "3e-5", "--angles", "45")
     plan = json.loads(tumble(*command, "--json").stdout)
     assert plan["reliability_norm_g"] == max(one["norm_error_g"] or 0.0 for one in plan["reliability"]) > 3e-5
-    assert "A run like this reliably shows" in words(tumble(*command).stdout)
+    assert "could go unnoticed; it would change |a| by up to" in words(tumble(*command).stdout)
 
 
 def test_a_report_has_a_table_of_it(tumble, tmp_path):
@@ -276,7 +277,7 @@ def test_a_report_has_a_table_of_it(tumble, tmp_path):
     section = report.read_text().partition("<h2>What this run could not have shown</h2>")[2].partition("</section>")[0]
     assert section.count("<tr>") == 7 and 'data-path="/reliability/0/norm_error_g" data-power="6">92.' in section
     never = section.partition("Would not have shown at any size: ")[2]
-    assert "products of two axes" in never and "mountings that sit tilted" in never
+    assert "a product of two axes" in never and "a tilt of the mountings" in never
     older = json.loads(result.read_text())
     del older["reliability"], older["reliability_norm_g"]
     result.write_text(json.dumps(older))
@@ -297,7 +298,6 @@ def test_large_sizes_are_shown_in_percent_or_milli():
     """What a block laid by hand shows is coarse: no exponents."""
     drift = Undetected(BY_NAME["scale_drift"], 9.04e4, 0.0451)
     assert words(" ".join(lines([drift]))) == (
-        "A run like this reliably shows scales that drift only from 9.04 % up; a smaller effect may change |a| by up to"
-        " 45.1 mg"
+        "A scale drift below 9.04 % could go unnoticed; it would change |a| by up to 45.1 mg"
     )
-    assert "only from 2580 ppm up" in lines([replace(drift, size=2580.0)])[0]
+    assert "below 2580 ppm could" in lines([replace(drift, size=2580.0)])[0]

@@ -97,7 +97,7 @@ def test_an_autopilot_finds_the_force_by_its_own_formula(exported, name, which):
 @pytest.mark.parametrize("name", AUTOPILOTS)
 def test_what_an_autopilot_cannot_hold_is_named_with_its_size(exported, name):
     text = exported(result_of(SLOPE), "--format", name)
-    [said] = [line for line in text.splitlines() if "they leave up to" in line]
+    [said] = [line for line in text.splitlines() if "without them the error" in line]
     n, left = spread_attitudes(20_000), []
     for t in (-30.0, 70.0):
         force = n @ (K0 + SLOPE * (t - T0)).T / np.diag(K0)

@@ -1,6 +1,6 @@
 """What holds unless somebody says otherwise: for callers, and for the command line, which loads no numpy for it."""
 
-DEFAULT_ESTIMATOR = "refined"  # where a schedule has its circles, and for a block that is bolted on once and inclined:
+DEFAULT_ESTIMATOR = "refined"  # where a schedule goes round whole circles; of a block bolted on once and inclined:
 DEFAULT_INCLINED = "inclined"
 DEFAULT_LIMIT_G = 3e-4  # of the gravity check
 DEFAULT_COVERAGE_FACTOR = 3.0  # of u(|a|): the limit is three sigma of the length of a calibrated acceleration

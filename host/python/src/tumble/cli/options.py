@@ -44,7 +44,7 @@ _SHARED: dict[str, dict[str, Any]] = {  # by option, what argparse is told; {}: 
         "choices": ESTIMATORS,
         "default": _BY_SCHEDULE,
         "metavar": "NAME",
-        "help": f"{listed(ESTIMATORS, 'or')}; default: {DEFAULT_ESTIMATOR} where the schedule has its circles,"
+        "help": f"{listed(ESTIMATORS, 'or')}; default: {DEFAULT_ESTIMATOR} where the schedule goes round whole circles,"
         " inclined on inclined schedules, else least_squares{}",
     },
     "--model": {

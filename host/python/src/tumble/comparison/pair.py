@@ -321,7 +321,7 @@ def _notes(a: ComparedResult, b: ComparedResult, ratio: float) -> list[str]:
         found.append("A result by |a| alone has a frame of its own: the seat, and K element by element, say nothing.")
     gravities = a.gravity[0], b.gravity[0]
     if None in gravities:
-        found.append("Taken to be measured at one gravity: not both results tell theirs.")
+        found.append("Assumed the same local gravity: at least one result does not state it.")
     elif ratio != 1.0:
         sure = all(compared.gravity[1] is not None for compared in (a, b))
         rest = "" if sure else ", whose uncertainty is unknown and not counted"

@@ -28,6 +28,7 @@ from tumble.importing.match import (
     UserChoices,
     about_inclinations,
     every_part,
+    signs_note,
 )
 from tumble.importing.rests import FEWEST_IN_BLOCK, Found, Rests, rests_of
 from tumble.model.geometry import Geometry
@@ -104,8 +105,10 @@ def match(rests: Rests, schedule: Schedule, user_choices: UserChoices, named: di
     notes = [f"positions: from the labels of the rows, confirmed by gravity; mountings {_told(way.numbers)}"]
     notes += about_inclinations(way.fit)
     if way.fit.inclinations is not None and user_choices.signs is None:  # up and down exchanged look like another sign
-        signs = "".join("+" if own >= 0 else "-" for own in np.diag(way.fit.k))
-        notes.append(f"signs of K in x, y, z: {signs}, assuming that the labels tell up from down; not given (--signs)")
+        x, y, z = (1 if own >= 0 else -1 for own in np.diag(way.fit.k))
+        notes.append(signs_note((x, y, z), "assuming that the labels tell up from down; not given (--signs)"))
+    elif user_choices.signs is not None:
+        notes.append(signs_note(user_choices.signs, user_choices.signs_from))
     present = set(way.positions.tolist())
     missing = [place.label for index, place in enumerate(schedule.positions) if index not in present]
     notes += [f"no rows at {', '.join(missing)}"] if missing else []

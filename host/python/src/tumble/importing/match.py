@@ -74,7 +74,7 @@ class Doubtful(Exception):
 class UserChoices:
     """What the user chooses for matching rests to positions. `signs` of K's diagonal, None: not given, taken as
     positive; `order`: SCHEDULE or ANY; `tolerance`: rad; `repeats`: one of REPEATS, None: refuse; `leave_out`, `take`:
-    numbers of rests, from 1."""
+    numbers of rests, from 1; `signs_from`: where the signs are from, in words."""
 
     signs: Signs | None = None
     order: str = SCHEDULE
@@ -82,6 +82,7 @@ class UserChoices:
     repeats: str | None = None
     leave_out: frozenset[int] = frozenset()
     take: frozenset[int] = frozenset()
+    signs_from: str = "as given"
 
     def require_rests(self, count: int) -> None:
         """Raise UsageError where rests are named that are not there, or both ways."""
@@ -190,11 +191,11 @@ class _Matcher:
                 would += f" {self._described(best[0].seen.view, best[0].order)} ({self._option(best[0])})"
             raise Doubtful(f"{claimed}, {found} of {positions} positions are found; {would}", *map(self._remedy, best))
         if own is None or found < _FEWEST:
-            lacks = "; a missing inclination, or" if attitudes.inclinations_of(self._schedule) else ";"
+            lacks = "is an inclination missing, or " if attitudes.inclinations_of(self._schedule) else ""
             raise Doubtful(
                 f"of {int(self._used.sum())} rests {'none' if own is None else found} fit the positions of this "
-                f"schedule{lacks} another one? (--schedule; any_pose takes poses that nobody knows, a schedule file "
-                "poses of your own)"
+                f"schedule; {lacks}is this another schedule? (--schedule; any_pose takes poses that nobody knows, a "
+                "schedule file poses of your own)"
             )
         noise = float(np.median(np.linalg.norm(np.linalg.solve(own.seen.fit.k, self._rests.errors.T), axis=0)))  # rad
         rivals = [
@@ -429,8 +430,7 @@ class _Matcher:
         if self._user_choices.signs is None:
             notes.append("signs of K: not given, assumed positive (--signs, or scale_v_per_g of a stand file)")
         else:
-            told = "".join("+" if sign > 0 else "-" for sign in self._user_choices.signs)
-            notes.append(f"signs of K in x, y, z: {told}, as given")
+            notes.append(signs_note(self._user_choices.signs, self._user_choices.signs_from))
         if self._user_choices.order == ANY:
             run = [position for position in positions.tolist() if position != NONE]
             places = list(dict.fromkeys(run))
@@ -458,6 +458,11 @@ class _Matcher:
 
     def _is_among(self, numbers: frozenset[int]) -> Flags:
         return np.array([rest + 1 in numbers for rest in range(len(self._rests))], dtype=bool)
+
+
+def signs_note(signs: Signs, why: str) -> str:
+    """Which signs K is taken to have, and why."""
+    return f"signs of K: {''.join('+' if sign > 0 else '-' for sign in signs)}, {why}"
 
 
 # Positions in an order.

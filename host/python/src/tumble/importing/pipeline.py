@@ -295,7 +295,7 @@ def _labels_that_tell(
     texts = {name: [text for one in recordings for text in one.labels[name]] for name in sorted(names)}
     meant = set(texts.get("mounting", [])) if len(schedule.mountings) == 1 else set(told)
     notes = {
-        name: f"{name}: {quoted(rows[0])} in every row, which says nothing: not read"
+        name: f"{name}: {quoted(rows[0])} is the same in every row, so it cannot identify positions: not read"
         for name, rows in texts.items()
         if len(set(rows)) == 1 and not (name == "mounting" and rows[0] in meant)
     }

@@ -39,6 +39,7 @@ from tumble.importing.clocks import UNITS, Timing
 from tumble.importing.pipeline import Imported, Settings
 from tumble.importing.recording import COLUMNS, Choice
 from tumble.importing.rests import Thresholds
+from tumble.schedule import ANY_POSE
 
 WIDTH = 80
 _REMARKS = {
@@ -75,13 +76,16 @@ def _wrapped(line: str, mark: str = "") -> list[str]:
 
 def _table(found: doc.Import) -> list[str]:
     begin, end = ("from row", "to row") if found.thresholds.window_s is None else ("from s", "to s")
-    lines = [f"{'rest':>4} {'position':>8} {begin:>10} {end:>10} {'samples':>8} {'off mrad':>9}  remark"]
+    matched = found.schedule != ANY_POSE  # there a rest is at no given attitude
+    off = f" {'off mrad':>9}" if matched else ""
+    lines = [f"{'rest':>4} {'position':>8} {begin:>10} {end:>10} {'samples':>8}{off}  remark"]
     for number, rest in enumerate(found.rests, 1):
         label = "-" if rest.position is None else f"{rest.mounting}.{rest.position}"
         span = f"{rest.first_row:>10} {rest.last_row:>10}"
         if rest.from_s is not None and rest.to_s is not None:
             span = f"{rest.from_s:>10.2f} {rest.to_s:>10.2f}"
-        line = f"{number:>4} {label:>8} {span} {rest.samples:>8} {1e3 * rest.off_rad:>9.2f}  {_REMARKS[rest.state]}"
+        off = f" {1e3 * rest.off_rad:>9.2f}" if matched else ""
+        line = f"{number:>4} {label:>8} {span} {rest.samples:>8}{off}  {_REMARKS[rest.state]}"
         lines.append(line.rstrip()[:WIDTH])
     return lines
 
@@ -95,11 +99,14 @@ def _thresholds(found: doc.Import) -> list[str]:
     length = f"windows of {limits.window_samples} samples, rests of {limits.min_rest_samples} or more"
     if limits.window_s is not None:
         length = f"--window {limits.window_s:g} s, --min-rest {limits.min_rest_s:g} s"
-    return [
-        f"rests: {len(found.rests)}; noise of a sample, x y z: {noise}{unit}; still: scatter below --still "
-        f"{limits.still:g} times that, block means within --drift {limits.drift:g} of theirs; {length}",
-        f"matched within --tolerance {limits.tolerance_deg:g} deg; usual distance {1e3 * found.spread_rad:.3g} mrad",
+    lines = [
+        f"rests: {len(found.rests)}; noise of a sample, x y z: {noise}{unit}; at rest: scatter below {limits.still:g} "
+        f"times the noise (--still), block means within {limits.drift:g} times their own noise (--drift); {length}"
     ]
+    if found.schedule != ANY_POSE:
+        distance = f"{1e3 * found.spread_rad:.3g} mrad"
+        lines.append(f"matched within --tolerance {limits.tolerance_deg:g} deg; usual distance {distance}")
+    return lines
 
 
 def document(done: Imported) -> doc.Import:

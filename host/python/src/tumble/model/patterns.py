@@ -175,26 +175,26 @@ class Pattern:
 
 PATTERNS = (
     Pattern("drift", _felt(lambda s: [s.time - _MIDDLE]), "ug", RUN, "a drift of the outputs over the run"),
-    Pattern("drift_exp", _felt(_settling), "ug", RUN, "outputs that settle exponentially, as when warming up"),
+    Pattern("drift_exp", _felt(_settling), "ug", RUN, "an exponential settling of the outputs"),
     Pattern("step", _felt(_steps), "ug", RUN, "a step of the outputs within the run"),
-    Pattern("k2", _felt(lambda s: [s.force**2]), "ug/g^2", BLOCK, "the block's second order", lasts=True),
-    Pattern("k3", _felt(lambda s: [s.force**3]), "ug/g^3", BLOCK, "the block's third order", lasts=True),
-    Pattern("asymmetry", _felt(lambda s: [abs(s.force)]), "ug/g", BLOCK, "scales that differ by the sign", lasts=True),
+    Pattern("k2", _felt(lambda s: [s.force**2]), "ug/g^2", BLOCK, "a second-order term of the block", lasts=True),
+    Pattern("k3", _felt(lambda s: [s.force**3]), "ug/g^3", BLOCK, "a third-order term of the block", lasts=True),
+    Pattern("asymmetry", _felt(lambda s: [abs(s.force)]), "ug/g", BLOCK, "a scale that differs by sign", lasts=True),
     Pattern(
-        "cross_coupling", _cross_coupling, "ug/g^2", BLOCK, "products of two axes in the block's outputs", lasts=True
+        "cross_coupling", _cross_coupling, "ug/g^2", BLOCK, "a product of two axes in the block's outputs", lasts=True
     ),
-    Pattern("hysteresis", _felt(_half_circles), "ug", BLOCK, "outputs that remember the half circle before"),
-    Pattern("once_per_turn", _per_turn(1), "urad", STAND, "an error of the table angle, once per turn"),
-    Pattern("twice_per_turn", _per_turn(2), "urad", STAND, "an error of the table angle, twice per turn"),
-    Pattern("lost_steps", _lost_steps, "urad", STAND, "a table that loses something in every move"),
-    Pattern("seat", _seat, "urad", STAND, "mountings that sit tilted on the platform"),
-    Pattern("slip", _slip, "urad", STAND, "a block that moved within a mounting"),
-    Pattern("scale_drift", _felt(lambda s: [s.force * (s.time[:, None] - _MIDDLE)]), "ppm", RUN, "scales that drift"),
-    Pattern("position", _position, "ug", RUN, "one position that is off"),
+    Pattern("hysteresis", _felt(_half_circles), "ug", BLOCK, "hysteresis"),
+    Pattern("once_per_turn", _per_turn(1), "urad", STAND, "an error of the table angle once per turn"),
+    Pattern("twice_per_turn", _per_turn(2), "urad", STAND, "an error of the table angle twice per turn"),
+    Pattern("lost_steps", _lost_steps, "urad", STAND, "a loss of angle in every move of the table"),
+    Pattern("seat", _seat, "urad", STAND, "a tilt of the mountings on the platform"),
+    Pattern("slip", _slip, "urad", STAND, "a movement of the block within a mounting"),
+    Pattern("scale_drift", _felt(lambda s: [s.force * (s.time[:, None] - _MIDDLE)]), "ppm", RUN, "a scale drift"),
+    Pattern("position", _position, "ug", RUN, "an error at one position"),
     Pattern("alpha1_rad", lambda s: [{"": s.by(alpha1=1.0)}], "rad", STAND, "an axis tilt beyond the declared"),
-    Pattern("alpha2_plus_alpha3_rad", _level, "rad", STAND, "level and yaw beyond the declared"),
+    Pattern("alpha2_plus_alpha3_rad", _level, "rad", STAND, "a level or yaw beyond the declared"),
     Pattern("alpha3_difference_rad", _yaw_change, "rad", STAND, "a yaw change beyond the declared"),
-    Pattern("alpha4_rad", _set_angles, "rad", STAND, "set angles beyond the declared", random=True),
+    Pattern("alpha4_rad", _set_angles, "rad", STAND, "an error of set angles beyond the declared", random=True),
 )
 INCLINATION = Pattern("inclination_rad", _inclination, "rad", STAND, "an inclination beyond the declared")
 BY_NAME = {pattern.name: pattern for pattern in (*PATTERNS, INCLINATION)}

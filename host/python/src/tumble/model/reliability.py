@@ -198,9 +198,8 @@ def lines(found: Reliability, limit_g: float | None = None) -> list[str]:
         if limit_g is not None and worst.norm_g > limit_g:
             beyond = ", more than the limit; the verdict assumes that there is none"
         said.append(
-            f"A run like this reliably shows {worst.pattern.description} only from"
-            f" {_amount(worst.size, worst.pattern.unit)} up; a smaller effect may change |a| by up to"
-            f" {_amount(1e6 * worst.norm_g, 'ug')}{beyond}"
+            f"{worst.pattern.description.capitalize()} below {_amount(worst.size, worst.pattern.unit)} could go"
+            f" unnoticed; it would change |a| by up to {_amount(1e6 * worst.norm_g, 'ug')}{beyond}"
         )
     if unseen:
         said.append(f"A run like this cannot show, at any size: {unseen}")

@@ -25,8 +25,8 @@ _SEEN = "The errors of the stand as the run itself shows them, with their expand
 CAPTIONS = {
     "gravity_check": "The length of gravity that the calibrated block shows at each position, less 1 g. It must stay"
     " within the limit; at check positions, which were not fitted, this says most.",
-    "residuals": "What the coefficients leave of the mean outputs at each position, channel by channel. The grey"
-    " band holds 95 % of what the errors that the legend names would leave by themselves.",
+    "residuals": "Mean output minus the value computed from the coefficients, at each position, channel by channel. The"
+    " grey band holds 95 % of what the errors that the legend names would leave by themselves.",
     "samples": "All samples of the run. Every stretch, grey or white, is averaged for the position that is named"
     " above it.",
     "budget": "Where the uncertainty of each coefficient comes from: the shares of the stand's sources of error in its"

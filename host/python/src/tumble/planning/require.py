@@ -32,6 +32,7 @@ from tumble.documents.plan import (
     ROWS,
     Enough,
     Equation18,
+    GrowingPromise,
     OfSources,
     Require,
     Row,
@@ -40,7 +41,7 @@ from tumble.documents.plan import (
     SourceSizes,
     Weights,
 )
-from tumble.errors import UsageError
+from tumble.errors import UsageError, listed
 from tumble.estimators import INCLINED, OPTIMAL
 from tumble.model.estimators import circles
 from tumble.planning import tables, weights
@@ -418,6 +419,10 @@ def show(plan: Require, case: Case) -> None:
     published, just = plan.weights == "published", plan.just_enough
     asked = "" if plan.probability is None else f"{100.0 * plan.probability:g} %"
     out = tables.console()
+    if plan.promises:
+        answer = _answer(plan.estimator, plan.promises)
+        out.print(f"Does this stand reach {plan.limit_g:g} g? {answer}.", style="bold")
+        out.print()
     out.print(tables.heading(f"Requirements for {plan.limit_g:g} g, {plan.weights} weights, {plan.estimator}"))
     out.print(f"{case.block_sentence}; numbers are {plan.numbers}")
     rule = plan if plan.rule is UNSET else plan.rule
@@ -444,7 +449,7 @@ def show(plan: Require, case: Case) -> None:
         out.print(f"for {asked}: {just.factor:.3g} times at most; then run and |a| are within the limit with {asked}")
     optimal = plan.estimator == "optimal"
     out.print(_AT_MOST_OPTIMAL if optimal else _AT_MOST)
-    out.print("its share: a source may exceed it if others leave room; the end decides")
+    out.print("its share: may be exceeded if others stay below theirs; the last table decides")
     out.print("alone: one source, the others as the stand has them")
     if 0.0 in shown:
         out.print("none left: the others alone exceed the limit already")
@@ -462,6 +467,18 @@ def show(plan: Require, case: Case) -> None:
         _show_promises(out, plan, asked)
     if plan.extended is not UNSET:
         out.print(sentence(plan.extended))
+
+
+def _answer(estimator: str, promises: dict[Any, GrowingPromise]) -> str:
+    """Whether the stand is good enough for an estimator; else, for which others."""
+    others = [name for name, one in promises.items() if _reaches(one)]
+    if estimator in others:
+        return f"Yes with {estimator}"
+    return f"No with {estimator}; yes with --estimator {listed(others, 'or')}" if others else "No, with any estimator"
+
+
+def _reaches(one: GrowingPromise) -> bool:
+    return one.growth is None or one.growth >= 1.0
 
 
 def _most(size: Any) -> float | None:
@@ -489,10 +506,10 @@ _PROMISED = """\
 passes: probability that a run passes the gravity check; every attitude: that
 the error of |a| is within the limit at all of them; both of the nominal block
 u(|a|): its largest standard uncertainty; a run whose {factor:g} u(|a|) exceeds the limit is no PASS
-may grow: factor for all errors of the stand until the lower of these is {asked},
-or until such runs are no PASS any more
-margin: factor until a third of the limit is the standard deviation of a row of
-scale factors, biases or noise; at 1 it promises no probability"""
+may grow: all stand errors may be this many times larger before fewer than {asked}
+of runs pass
+margin: how far the worst row of errors is from a third of the limit; not a
+probability"""
 
 
 def _show_promises(out: Console, plan: Require, asked: str) -> None:
@@ -503,7 +520,7 @@ def _show_promises(out: Console, plan: Require, asked: str) -> None:
     rows = []
     for name, one in promises.items():
         growth, margin = ("no errors" if of is None else f"{of:.3g}" for of in (one.growth, plan.margins[name]))
-        reaches = "yes" if one.growth is None or one.growth >= 1.0 else "no"
+        reaches = "yes" if _reaches(one) else "no"
         reach = tables.scientific(one.coverage_factor * one.u_norm_worst_g)
         passes, everywhere = tables.percent(one.passes), tables.percent(one.every_attitude)
         rows.append((name, reaches, passes, everywhere, reach, growth, margin))

@@ -127,7 +127,8 @@ class Coefficients:
     @property
     def inverse_unit(self) -> str:
         """Of its elements."""
-        return f"{'g' if self.force_unit == 'g' else '(m/s^2)'}/{self.units[9]}"
+        unit = f"({self.units[9]})" if "/" in self.units[9] else self.units[9]
+        return f"{'g' if self.force_unit == 'g' else '(m/s^2)'}/{unit}"
 
     @property
     def u_inverse(self) -> Floats | None:

@@ -98,12 +98,12 @@ def run(arguments: argparse.Namespace) -> int:
         require_format(arguments.plot, "--plot")
     replayed = arguments.recipe is not None and os.path.exists(arguments.recipe)
     try:
-        done, settings, about_signs = _imported(arguments)
+        done, settings, about_stand = _imported(arguments)
     except (BadInput, UsageError) as refusal:
         refusal.remedy = _remedy(refusal, arguments) if refusal.assumed else ""
         raise
     remarks = [f"recipe {os.path.basename(arguments.recipe)} followed"] if replayed else []
-    done = replace(done, notes=(*remarks, *about_signs, *done.notes))
+    done = replace(done, notes=(*remarks, *about_stand, *done.notes))
     after = _after_import(done, arguments.out, arguments.stand)
     found = report.document(done)
     text = to_json(found) if arguments.json else report.text(found) + after
@@ -123,14 +123,14 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _imported(arguments: argparse.Namespace) -> tuple[Imported, Settings, list[str]]:
-    """By these options; the settings that they make, and remarks on signs. Raises TumbleError."""
+    """By these options; the settings that they make, and remarks on the stand file. Raises TumbleError."""
     from tumble.files.schedule_file import read_schedule
     from tumble.importing.any_pose import POSES
     from tumble.importing.pipeline import import_recordings
 
     replayed = arguments.recipe is not None and os.path.exists(arguments.recipe)
-    signs, about_signs = _told_signs(arguments)
-    settings = _settings(arguments, replayed, signs)
+    signs, signs_from, about_stand = _told_signs(arguments)
+    settings = _settings(arguments, replayed, signs, signs_from)
     is_any = settings.schedule_name == ANY_POSE
     schedule = POSES if is_any else read_schedule(settings.schedule_name).data
     done = import_recordings(arguments.recordings, schedule, settings)
@@ -138,7 +138,7 @@ def _imported(arguments: argparse.Namespace) -> tuple[Imported, Settings, list[s
         done = replace(
             done, schedule=schedule.part(index in done.matched.positions for index in range(len(schedule.positions)))
         )
-    return done, settings, about_signs
+    return done, settings, about_stand
 
 
 def _remedy(refusal: TumbleError, arguments: argparse.Namespace) -> str:
@@ -178,7 +178,7 @@ def _command_parts(arguments: argparse.Namespace) -> list[list[str]]:
     return parts
 
 
-def _settings(arguments: argparse.Namespace, replayed: bool, signs: Signs | None) -> Settings:
+def _settings(arguments: argparse.Namespace, replayed: bool, signs: Signs | None, signs_from: str | None) -> Settings:
     """The recipe's, or the usual ones, with what the options say, and the `signs` that they say. Raises TumbleError."""
     from tumble.files.stand_file import read_stand
     from tumble.importing import report
@@ -196,6 +196,7 @@ def _settings(arguments: argparse.Namespace, replayed: bool, signs: Signs | None
     user_choices = _with(
         base.user_choices,
         signs=signs,
+        signs_from=signs_from,
         order=arguments.order,
         tolerance=degrees and math.radians(degrees),
         repeats=arguments.repeats,
@@ -242,26 +243,26 @@ def _thresholds(arguments: argparse.Namespace, base: Thresholds) -> Thresholds:
     return replace(base, **said)  # type: ignore[arg-type] # samples are whole, the rest are not
 
 
-def _told_signs(arguments: argparse.Namespace) -> tuple[Signs | None, list[str]]:
-    """The signs of K that the options say, and remarks on where they are from; None: they say none."""
+def _told_signs(arguments: argparse.Namespace) -> tuple[Signs | None, str | None, list[str]]:
+    """The signs of K that the options say, where a stand file has them, and remarks on it; None: they say none."""
     from tumble.files.stand_file import read_stand
     from tumble.importing.report import parse_signs
     from tumble.stand import by_channel
 
-    of_stand, remarks = None, []
+    of_stand, source, remarks = None, None, []
     if arguments.stand is not None:
         block, name = read_stand(arguments.stand).block, os.path.basename(arguments.stand)
         if block is None:
             remarks = [f"signs of K: {name} has no [block], and tells none"]
         else:
             x, y, z = (1 if scale > 0 else -1 for scale in by_channel(block["scale_v_per_g"]).tolist())
-            of_stand, remarks = (x, y, z), [f"signs of K: of scale_v_per_g in {name}"]
+            of_stand, source = (x, y, z), f"from scale_v_per_g in {name}"
     if arguments.signs is None:
-        return of_stand, remarks
+        return of_stand, source, remarks
     if (signs := parse_signs(arguments.signs)) is None:
         told = quoted(arguments.signs)
         raise UsageError(f"--signs: {told} is not three of + and -, of x, y and z, such as --signs=+-+")
-    return signs, []
+    return signs, None, []
 
 
 def _parse_rests(text: str | None, option: str) -> frozenset[int]:
@@ -307,7 +308,7 @@ def _after_import(done: Imported, run: str | None, stand: str | None) -> str:
     if layout(done.schedule) is not None:
         if layout(measured) is None:
             return (
-                "\nNext: measure what lacks, or leave out that inclination: the estimator inclined takes"
+                "\nNext: measure the missing rest, or leave out that inclination: the estimator inclined takes"
                 "\ninclinations on both sides of the level, three or more, turned in equal steps.\n"
             )
     elif has_closed_form and len(measured.fit_indices) < len(done.schedule.fit_indices):
