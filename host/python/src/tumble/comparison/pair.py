@@ -307,11 +307,11 @@ def _of_sharing(names: tuple[str, ...] | None, one_stand: OneStand | None, two_s
             "Nothing is counted as shared. That is right for two stands; on one, both have errors in common, which"
             f" cancel: u is too large then{advice}."
         )
-    levelled = f"stand levelled {one_stand.levelled}"
     if not names:
-        return f"Counted as shared: nothing, as nothing that this stand declares returns with every run ({levelled})."
+        because = ", because the stand was levelled again" if one_stand.levelled == ANEW else ""
+        return f"No stand error is common to both runs{because}."
     listed = ", ".join(_WORDS.get(name, name) for name in names)
-    return f"Counted once, as both have it of one stand: {listed} ({levelled})."
+    return f"Counted once, as both have it of one stand: {listed} (stand levelled {one_stand.levelled})."
 
 
 def _notes(a: ComparedResult, b: ComparedResult, ratio: float) -> list[str]:

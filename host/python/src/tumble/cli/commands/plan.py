@@ -349,7 +349,7 @@ def _describe_schedule(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--angles", choices=_STEPS, default="22.5", help="step of the table angles in degrees; default: 22.5"
     )
-    parser.add_argument("--remounting", metavar="SECONDS", help="time to remount the block; default: 300")
+    parser.add_argument("--remounting", metavar="SECONDS", help="time to re-mount the block; default: 300")
     parser.add_argument(
         "--inclination",
         choices=_STEEP,
