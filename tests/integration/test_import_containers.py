@@ -1,4 +1,4 @@
-"""`tumble import` of recordings that are no text: the run file is that of the same numbers in CSV, to the last bit.
+"""`tumble import` of binary recordings: the run file is that of the same numbers in CSV, to the last bit.
 
 Files are written by nptdms, h5py, rosbags, mcap, pyarrow, numpy and scipy; those of autopilots here, as PX4 and
 ArduPilot publish their formats (docs.px4.io/main/en/dev_log/ulog_file_format; libraries/AP_Logger/LogStructure.h).

@@ -1,6 +1,6 @@
 """The clock of a recording: of a column of numbers in any unit, of dates and times of day, of a rate that is said.
 
-What a header says of the unit is believed unless nobody could be so quick; what it does not say, the numbers show: how
+What a header says of the unit is believed unless it is impossible; what it does not say, the numbers show: how
 long a sample takes, and all of them. Rows that come in bursts, or share a time stamp, are spread evenly. Neighbouring
 rows that have changed places are sorted; a clock that is set back has a gap there.
 """
