@@ -10,6 +10,7 @@ from calibrations import result
 from documents import valid
 from fleets import TRUTH, fleet, forecast_of, off_when_due, rows_of
 
+from tumble.errors import BadInput
 from tumble.history import History, due, trend
 from tumble.history.calibrations import PARAMETERS, numbers_of, row_of, unpacked
 from tumble.history.due import Forecast, norm_gradients, worst_changes
@@ -177,3 +178,30 @@ def test_a_stand_elsewhere_has_another_gravity(tmp_path):
         fleet_, _ = trend.fleet_of(history.columns())
     values = fleet_[""][0].values[0]
     assert values[1] == pytest.approx(values[0], abs=1e-12)
+
+
+def test_a_block_is_of_the_type_of_its_last_calibration(tumble, tmp_path):
+    """With all its calibrations, whatever types they name: block B000000 was without one until its fifth."""
+    rows = rows_of(fleet(3, 6, 61).series)
+    for row in rows[:4]:
+        row["type"] = ""
+    with History(tmp_path / "history.db") as history:
+        history.add_rows(rows)
+        told = [history.trend(), history.trend("B000000"), history.trend(type="T")]
+        assert [(one.blocks, one.calibrations) for one in told] == [(3, 18)] * 3
+        assert len(history.trend("B000000").points) == 6 * 12
+        assert [len(history.due(1e-4, **one).blocks) for one in ({}, {"serial": "B000000"}, {"type": "T"})] == [3, 1, 3]
+        assert [len(history.show(type="T").calibrations), len(history.columns("B000000", type="T")["id"])] == [18, 6]
+        with pytest.raises(BadInput, match="no calibration of type ''"):
+            history.show(type="")
+    told = valid(tumble("history", "trend", "--type", "T", "--json", cwd=tmp_path).stdout, "history")
+    assert (told["blocks"], told["calibrations"]) == (3, 18)
+
+
+def test_a_last_calibration_that_does_not_count_names_the_type_too(tmp_path):
+    rows = rows_of(fleet(1, 3, 62).series)
+    rows[2].update({f"u_{name}": None for name in PARAMETERS}, type="X")
+    with History(tmp_path / "history.db") as history:
+        history.add_rows(rows)
+        told = [history.trend(), history.trend("B000000"), history.trend(type="X")]
+    assert [[(one.type, one.calibrations) for one in of.types] for of in told] == [[("X", 2)]] * 3

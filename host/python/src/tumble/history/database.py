@@ -63,15 +63,19 @@ class Database:
         return len(new)
 
     def read(self, serials: Iterable[str] = (), kind: str | None = None) -> Columns:
-        """All columns, by block and time, as arrays; a number that is not there is NaN. Raises BadInput."""
-        from sqlalchemy import select
+        """All columns, by block and time, as arrays; a number that is not there is NaN. `kind`: of the blocks of this
+        type, which is that of their last calibrations. Raises BadInput."""
+        from sqlalchemy import func, select
 
         table = self._tables["calibration"]
         query = select(*(table.c[name] for name in COLUMNS)).order_by(table.c.serial, table.c.created_s, table.c.id)
         if wanted := list(serials):
             query = query.where(table.c.serial.in_(wanted))
         if kind is not None:
-            query = query.where(table.c.type == kind)
+            newest = table.c.created_s.desc(), table.c.id.desc()
+            place = func.row_number().over(partition_by=table.c.serial, order_by=newest).label("place")
+            of = select(table.c.serial, table.c.type, place).subquery()
+            query = query.where(table.c.serial.in_(select(of.c.serial).where(of.c.place == 1, of.c.type == kind)))
         with self._transaction() as connection:
             rows = connection.execute(query).fetchall()
         return {name: _array(name, [row[place] for row in rows]) for place, name in enumerate(COLUMNS)}

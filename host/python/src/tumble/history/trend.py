@@ -149,8 +149,8 @@ class Filtered:
 
 def fleet_of(columns: Columns) -> tuple[dict[str, list[Series]], dict[str, int]]:
     """Of what `Database.read` gives, by type, blocks of about as many calibrations together; and how many calibrations
-    are left out, by why. The type of a block is that of its last calibration. Of a run that was solved several times
-    the last one that was added counts."""
+    are left out, by why. The type of a block is that of its last calibration, whether that counts or not. Of a
+    run that was solved several times the last one that was added counts."""
     runs = list(zip(columns["run_sha256"], columns["serial"]))
     latest = {run: added for added, run in sorted(zip(columns["id"].tolist(), runs), key=lambda one: one[0])}
     is_again = [run[0] is not None and latest[run] != added for added, run in zip(columns["id"], runs)]
@@ -164,7 +164,8 @@ def fleet_of(columns: Columns) -> tuple[dict[str, list[Series]], dict[str, int]]
     kept, block = kept[order], block[order]
     first = np.cumsum(counts) - counts
     place = np.arange(len(kept)) - first[block]
-    kinds = columns["type"][kept[first + counts - 1]]
+    last_type = dict(zip(columns["serial"], columns["type"]))
+    kinds = np.array([last_type[serial] for serial in columns["serial"][kept[first]]], dtype=object)
     lengths = np.ceil(np.log2(counts)).astype(int)
     fleet: dict[str, list[Series]] = {}
     for kind in sorted(set(kinds)):
