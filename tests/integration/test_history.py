@@ -18,7 +18,7 @@ from test_store_golden import a_set
 
 import tumble as package
 from tumble.documents.base import written
-from tumble.errors import BadInput
+from tumble.errors import BadInput, UsageError
 from tumble.history import History, database
 from tumble.history.calibrations import PARAMETERS, iso, row_of, unpacked
 from tumble.store import codec
@@ -145,6 +145,9 @@ def test_volts_and_millivolts_are_one_block(tmp_path):
     ({"serial": None}, "r.json: names no block: write serial under [block] of the stand file, or give --serial NAME"),
     ({"created": None}, "r.json: has no date (key created): give --date YYYY-MM-DD"),
     ({"K": np.zeros((3, 3)).tolist()}, "r.json: K cannot be inverted: no calibration"),
+    ({"item": {"date": "2026-02-30"}}, "r.json: date of item: '2026-02-30' is not a date such as 2026-07-31"),
+    ({"environment": {"date": "2026-13-01"}},
+     "r.json: date of environment: '2026-13-01' is not a date such as 2026-07-31"),
 ])  # fmt: skip
 def test_a_result_without_block_day_or_numbers_is_refused(refused, tmp_path, more, line):
     put(tmp_path, **more)
@@ -160,6 +163,8 @@ def test_a_result_without_block_day_or_numbers_is_refused(refused, tmp_path, mor
     (("add", "empty", "--db", "one.db"), "empty: no result.json in it, nor in a folder below"),
     (("add", "r.json", "--date", "1.2.2026", "--db", "one.db"),
      "--date: '1.2.2026' is not a date such as 2026-07-31"),
+    (("add", "r.json", "--db", ""), "--db: is empty: give the name of a file, such as history.db, or a URL"),
+    (("show", "--db", "sqlite+pysqlite:///nothing.db"), "nothing.db: no such history; tumble history add makes it"),
     (("show", "--db", "nonsense://:x:y"), "--db: not the URL of a database, such as postgresql://USER@HOST/NAME"),
     (("due", "--limit", "0", "--db", "one.db"), "--limit: '0' is not an acceleration in g"),
     (("export", "--out", "a.csv", "--db", "one.db"), "--out: the file of an export ends in .parquet"),
@@ -176,6 +181,51 @@ def test_what_cannot_be_is_refused(refused, tumble, tmp_path, arguments, line):
         other.execute("CREATE TABLE own (number INTEGER)")
     other.close()
     assert refused("history", *arguments, cwd=tmp_path) == f"tumble: {line}\n"
+    assert not (tmp_path / "nothing.db").exists()
+
+
+def test_a_history_without_a_name_is_refused():
+    with pytest.raises(UsageError, match="--db: is empty"):
+        History("")
+
+
+def test_a_history_in_memory_is_read_while_it_is_open():
+    with History(":memory:") as history:
+        assert history.add_rows(rows_of(fleet(1, 2, 1).series)) == 2
+        assert len(history.show().calibrations) == 2
+    with History(":memory:") as history, pytest.raises(BadInput, match="holds no history"):
+        history.show()
+
+
+def test_a_label_that_is_no_day_is_a_fault_of_the_file(tmp_path):
+    with History(tmp_path / "h.db") as history, pytest.raises(BadInput, match="date of item: '2026-02-30' is not"):
+        history.add(put(tmp_path, item={"date": "2026-02-30"}))
+    with History(tmp_path / "h.db") as history, pytest.raises(UsageError, match="--date: '2026-02-30' is not"):
+        history.add(put(tmp_path), date="2026-02-30")
+
+
+def test_a_day_of_long_ago_has_four_digits_of_a_year(tmp_path):
+    with History(tmp_path / "h.db") as history:
+        history.add(put(tmp_path), date="0999-01-05")
+        told = valid(json.dumps(written(history.show())), "history")
+    assert told["calibrations"][0]["measured"] == "0999-01-05T00:00:00Z"
+
+
+@pytest.mark.parametrize("ask, line", [
+    (lambda one: one.trend(confidence=1.0), "confidence: '1.0' is not a number from 0.5 to 0.999999"),
+    (lambda one: one.trend(confidence=99.73), "confidence: '99.73' is not a number from 0.5 to 0.999999"),
+    (lambda one: one.due(1e-4, confidence="0.9"), "confidence: '0.9' is not a number from 0.5 to 0.999999"),
+    (lambda one: one.due(-1), "limit_g: '-1' is not a number of g above 0, at most 1"),
+    (lambda one: one.due(float("nan")), "limit_g: 'nan' is not a number of g above 0, at most 1"),
+    (lambda one: one.due(1e-4, coverage_factor=0.5), "coverage_factor: '0.5' is not a number from 1 to 10"),
+    (lambda one: one.due(1e-4, method="guess"), "method: 'guess' is not one of control-chart, staircase"),
+])  # fmt: skip
+def test_arguments_out_of_range_are_refused(tmp_path, ask, line):
+    with History(tmp_path / "h.db") as history:
+        history.add_rows(rows_of(fleet(2, 2, 1).series))
+        with pytest.raises(UsageError) as refused:
+            ask(history)
+    assert str(refused.value) == line
 
 
 def test_all_results_are_added_or_none(refused, tumble, tmp_path):
@@ -282,3 +332,10 @@ def test_the_history_of_a_computer_is_read(tumble, tmp_path):
 def test_a_memory_without_sets_is_refused(refused, tmp_path, image, line):
     (tmp_path / "nv.bin").write_bytes(image)
     assert refused("history", "add", "nv.bin", cwd=tmp_path) == f"tumble: nv.bin: {line}\n"
+
+
+def test_a_memory_has_dates_of_its_own(refused, tmp_path):
+    (tmp_path / "nv.bin").write_bytes(memory(entry(1, "2025-01-01")))
+    line = "tumble: --date: the sets in a memory have dates of their own: leave it out for nv.bin\n"
+    assert refused("history", "add", "nv.bin", "--date", "2026-01-01", cwd=tmp_path) == line
+    assert not (tmp_path / "history.db").exists()

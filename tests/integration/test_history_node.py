@@ -53,8 +53,10 @@ def test_a_set_of_a_computer_is_a_calibration(link, tumble, tmp_path, monkeypatc
 @pytest.mark.parametrize("arguments, line", [
     ((), "give results, or --node LINK"),
     (("r.json", "--node", "can:x"), "give results, or --node LINK"),
+    (("--node", "can:x", "--serial", "TB-7", "--date", "2026-01-01"),
+     "--date: the sets in the history of a node have dates of their own: leave it out"),
     (("--node", "can:x"),
      "--node: give --serial NAME: a node does not say of which block the sets in its history are"),
 ])  # fmt: skip
-def test_a_node_needs_the_name_of_its_block(refused, tmp_path, arguments, line):
+def test_a_node_needs_the_name_of_its_block_and_no_date(refused, tmp_path, arguments, line):
     assert refused("history", "add", *arguments, cwd=tmp_path) == f"tumble: {line}\n"

@@ -167,15 +167,18 @@ def seconds_of(date: str, option: str) -> int:
 
 def iso(seconds: float) -> str:
     """As documents have a time."""
-    return datetime.fromtimestamp(seconds, timezone.utc).strftime(_ISO)
+    return datetime.fromtimestamp(seconds, timezone.utc).isoformat(timespec="seconds").replace("+00:00", "Z")
 
 
 def _created(told: Result, file: str) -> int:
     """When it was measured: by a label `date` of the item or of the environment, else when it was solved."""
-    for labels in (told.item or {}, told.environment or {}):
+    for key, labels in (("item", told.item or {}), ("environment", told.environment or {})):
         day = _label(labels, "date", "run_date")
         if day is not None and _DATE.fullmatch(day):
-            return seconds_of(day, f"{file}: date")
+            try:
+                return seconds_of(day, f"date of {key}")
+            except UsageError as error:
+                raise BadInput(str(error), file) from None
     if told.created is None:
         raise BadInput("has no date (key created): give --date YYYY-MM-DD", file)
     return int(datetime.strptime(told.created, _ISO).replace(tzinfo=timezone.utc).timestamp())

@@ -37,7 +37,7 @@ class Database:
             import sqlalchemy
         self.name = where
         url = _url(where)
-        self._file = url.database if url.drivername == "sqlite" else None
+        self._file = url.database if url.get_backend_name() == "sqlite" and url.database != ":memory:" else None
         self.name = self._file or url.render_as_string(hide_password=True)
         self._tables = _tables()
         try:
@@ -147,6 +147,8 @@ def _url(where: str) -> Any:
     from sqlalchemy import make_url
     from sqlalchemy.exc import ArgumentError
 
+    if not where:
+        raise UsageError("--db: is empty: give the name of a file, such as history.db, or a URL")
     if "://" not in where:
         from sqlalchemy import URL
 

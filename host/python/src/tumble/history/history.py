@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterable, Iterator, Sequence
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
 
 CONTROL = 0.9973  # confidence of the control charts: three standard deviations
 COVERAGE = 3.0
+_CONFIDENCES = 0.5, 0.999999
 
 
 class History:
@@ -53,12 +56,15 @@ class History:
         of a navigation computer's memory, whose history is. Returns how many are new: one that is there already is not
         added again.
 
-        `serial`, `type`: of the block, in place of what the results say; `date`, YYYY-MM-DD: when it was measured.
-        All are added or none. Raises BadInput for a file that cannot be used, a result that names no block or no date.
+        `serial`, `type`: of the block, in place of what the results say; `date`, YYYY-MM-DD: when it was measured; not
+        for images, whose sets have dates of their own. All are added or none. Raises BadInput for a file that cannot
+        be used, a result that names no block or no date; UsageError for a `date` that is none, or with an image.
         """
         rows: list[Row] = []
         for name, data in _documents(results):
             if data and len(data) % MIN_SECTOR == 0 and kind_of(data) != JSON:
+                if date is not None:
+                    raise UsageError(f"--date: the sets in a memory have dates of their own: leave it out for {name}")
                 rows += calibrations.rows_of_image(read_image(data, name=name), name, serial, type)
             else:
                 rows.append(calibrations.row_of(data, name, serial, type, date))
@@ -86,9 +92,11 @@ class History:
         return report.listing(self._database.name, self.columns(*serials, type=type))
 
     def trend(self, serial: str | None = None, *, type: str | None = None, confidence: float = CONTROL) -> Trend:
-        """Growth of the types and alarms. `serial`: of one block the alarms alone, and the points of its charts."""
+        """Growth of the types and alarms. `serial`: of one block the alarms alone, and the points of its charts.
+        `confidence`: 0.5 to 0.999999. Raises UsageError, BadInput."""
         from tumble.history import report
 
+        _require("confidence", confidence, *_CONFIDENCES)
         columns = self._of_type(serial, type)
         return report.trend(self._database.name, columns, confidence, serial)
 
@@ -103,12 +111,16 @@ class History:
         confidence: float = CONTROL,
     ) -> Due:
         """When blocks are due, so that `coverage_factor` times the standard uncertainty of the length of a calibrated
-        acceleration stays within `limit_g`, in g. `method`: "control-chart" or "staircase"."""
+        acceleration stays within `limit_g`, in g, above 0 and at most 1. `coverage_factor`: 1 to 10; `method`:
+        "control-chart" or "staircase"; `confidence`: 0.5 to 0.999999. Raises UsageError, BadInput."""
         from tumble.history import report
         from tumble.history.due import METHODS
 
         if method not in METHODS:
             raise UsageError(f"method: {quoted(method)} is not one of {', '.join(METHODS)}")
+        _require("limit_g", limit_g, math.ulp(0.0), 1.0, "a number of g above 0, at most 1")
+        _require("coverage_factor", coverage_factor, 1.0, 10.0)
+        _require("confidence", confidence, *_CONFIDENCES)
         columns = self._of_type(serial, type)
         return report.due(self._database.name, columns, limit_g, coverage_factor, method, confidence, serial)
 
@@ -140,6 +152,11 @@ class History:
         return self.columns(type=type)
 
 
+def _require(name: str, value: float, low: float, high: float, what: str = "") -> None:
+    if not (isinstance(value, Real) and low <= value <= high):
+        raise UsageError(f"{name}: {quoted(value)} is not {what or f'a number from {low:g} to {high:g}'}")
+
+
 def _of(serials: Sequence[str], type: str | None) -> str:
     """Such as " of block A-1"."""
     told = [f" of block {quoted(', '.join(serials))}"] if serials else []
@@ -148,7 +165,6 @@ def _of(serials: Sequence[str], type: str | None) -> str:
 
 
 def _documents(results: Iterable[Any]) -> Iterator[tuple[str, bytes]]:
-    """Names and bytes."""
     for result in results:
         if not isinstance(result, (str, os.PathLike)):
             if not hasattr(result, "to_json"):

@@ -120,6 +120,9 @@ def add(arguments: argparse.Namespace) -> int:
     if arguments.node is not None and arguments.serial is None:
         raise UsageError("--node: give --serial NAME: a node does not say of which block the sets in its history are")
 
+    if arguments.node is not None and arguments.date is not None:
+        raise UsageError("--date: the sets in the history of a node have dates of their own: leave it out")
+
     from tumble.history import History
     from tumble.history.calibrations import rows_of_sets
 
