@@ -205,3 +205,33 @@ def test_a_last_calibration_that_does_not_count_names_the_type_too(tmp_path):
         history.add_rows(rows)
         told = [history.trend(), history.trend("B000000"), history.trend(type="X")]
     assert [[(one.type, one.calibrations) for one in of.types] for of in told] == [[("X", 2)]] * 3
+
+
+def test_a_calibration_without_gravity_was_made_at_the_usual_one(tumble, tmp_path):
+    """The growth of blocks whose first calibration states none, between two places: as if it stated it."""
+    rows = rows_of(fleet(6, 4, 63).series)
+    for place, row in enumerate(rows):
+        row["gravity_m_s2"] = gravity = (9.7803, 9.7803, 9.8322, 9.7803)[place % 4]
+        for axis in "xyz":
+            row[f"scale_{axis}"] *= gravity / 9.80665
+            row[f"bias_{axis}"] /= gravity / 9.80665
+    told = []
+    for name in ("stated", "history"):
+        with History(tmp_path / f"{name}.db") as history:
+            history.add_rows(rows)
+            told.append(history.trend())
+        for row in rows[::4]:
+            row["gravity_m_s2"] = None
+    assert told[0].types == told[1].types and told[0].types[0].growth[0].walk < 50.0
+    assert [one.without_gravity for one in told] == [0, 6]
+    assert tumble("history", "trend", cwd=tmp_path).stdout.splitlines()[1] == (
+        "Without gravity_m_s2: 6, taken as measured at their blocks' usual one"
+    )
+
+
+def test_the_usual_gravity_is_a_median():
+    none = np.nan
+    stated = np.array([[none, none, none], [none, 9.8, none], [9.9, none, 9.7], [9.7, 9.9, 9.8]])
+    assert trend.relative_gravity(stated) * 9.80665 == pytest.approx(
+        np.array([[9.80665] * 3, [9.8] * 3, [9.9, 9.7, 9.7], [9.7, 9.9, 9.8]]), rel=1e-15
+    )

@@ -148,6 +148,7 @@ class Trend(History, kw_only=True):
     confidence: Share of the calibrations of blocks that behave that give no alarm, at least.
     control_limit: Of z and ewma, for that.
     left_out: Calibrations that do not count, by why.
+    without_gravity: Those that count but state no gravity_m_s2: taken as measured at the usual one of their blocks.
     types: How their parameters grow: `drift`, `spread` and `walk` with their standard uncertainties.
     alarms: By time: `serial`, `parameter`, `kind` ("jump", "outlier", "open", "drift"), `size` and `z`; of_seat where
         only the seat has one.
@@ -161,6 +162,7 @@ class Trend(History, kw_only=True):
     blocks: Count
     calibrations: Count
     left_out: dict[str, Count]
+    without_gravity: Count
     types: tuple[TypeOfBlock, ...]
     alarms: tuple[Alarm, ...]
     points: tuple[Point, ...]

@@ -86,10 +86,15 @@ def trend(name: str, columns: Columns, confidence: float, serial: str | None = N
         blocks=sum(len(one.series.serials) for one in groups),
         calibrations=sum(int((one.series.rows >= 0).sum()) for one in groups),
         left_out=left_out,
+        without_gravity=sum(_without_gravity(one.series, columns) for one in groups),
         types=tuple(_type(kind, them) for kind, them in types.items()),
         alarms=tuple(sorted(alarms, key=lambda one: (one.measured, one.serial))),
         points=tuple(point for one in groups for point in _points(one, serial)),
     )
+
+
+def _without_gravity(series: Series, columns: Columns) -> int:
+    return int((np.isnan(columns["gravity_m_s2"][series.rows]) & (series.rows >= 0)).sum())
 
 
 def _type(kind: str, groups: Sequence[Group]) -> TypeOfBlock:
@@ -256,6 +261,8 @@ def render_listing(told: Listing) -> str:
 def render_trend(told: Trend) -> str:
     """Growth by type, then the alarms."""
     lines = [f"{_sizes(told)}{_left_out(told.left_out)}"]
+    if told.without_gravity:
+        lines.append(f"Without gravity_m_s2: {told.without_gravity}, taken as measured at their blocks' usual one")
     for kind in told.types:
         lines += ["", f"Type {kind.type or '-'}: {_sizes(kind)}"]
         if kind.growth is None:

@@ -31,6 +31,7 @@ from tumble.history.calibrations import OF_BLOCK, PARAMETERS
 from tumble.history.database import Columns
 
 DAY_S = 86400.0
+_STANDARD_GRAVITY = 9.80665  # m/s^2
 IN_ORDER, JUMP, OUTLIER, OPEN, DRIFT = range(5)  # what a calibration is to a parameter
 _ROUNDING = 1e-24  # a variance that even numbers without uncertainty have
 SMOOTHING = 0.2  # lambda of the moving average
@@ -48,8 +49,9 @@ def _unknown() -> Floats:
 @dataclass(frozen=True)
 class Series:
     """Calibrations of some blocks, in the order of time: `days` (blocks, most), since 1970; `values` and `variances`
-    (blocks, most, 12), scales as logarithms, the seat against the first one, NaN where there is none; `anew`: the seat
-    is another stand's from here on; `rows` (blocks, most): where they stand in the history, -1: nowhere."""
+    (blocks, most, 12), scales as logarithms, by standard gravity as the biases, the seat against the first one, NaN
+    where there is none; `anew`: the seat is another stand's from here on; `rows` (blocks, most): where they stand in
+    the history, -1: nowhere."""
 
     serials: list[str]
     days: Floats
@@ -183,8 +185,7 @@ def _series(columns: Columns, rows: Integers) -> Series:
     there = rows >= 0
     values = np.stack([columns[name] for name in PARAMETERS], axis=-1)[rows]
     variances = np.stack([columns[f"u_{name}"] for name in PARAMETERS], axis=-1)[rows] ** 2 + _ROUNDING
-    relative = columns["gravity_m_s2"][rows] / columns["gravity_m_s2"][rows][:, :1]
-    relative = np.where(np.isnan(relative), 1.0, relative)[..., None]
+    relative = relative_gravity(np.where(there, columns["gravity_m_s2"][rows], np.nan))[..., None]
     values[..., :3] = np.log(values[..., :3] / relative)
     values[..., 6:9] *= relative
     values[..., 9:] = turned_by(values[:, :1, 9:], values[..., 9:])
@@ -194,6 +195,17 @@ def _series(columns: Columns, rows: Integers) -> Series:
     anew[:, 1:] = (stand[:, 1:] != stand[:, :-1]) & there[:, 1:]
     days = np.where(there, columns["created_s"][rows] / DAY_S, np.nan)
     return Series(list(columns["serial"][rows[:, 0]]), days, values, variances, anew, rows)
+
+
+def relative_gravity(stated: Floats) -> Floats:
+    """Local gravity over the standard one, (blocks, most), by the `stated` (blocks, most) in m/s^2, NaN where none is.
+    A calibration that states none counts as measured at the usual gravity of its block, the median of those stated (of
+    an even number the lower of the middle two): a laboratory that did not write it down did not move either, and the
+    standard one is that of few places. Of a block that never states it all count as measured at the standard one."""
+    count = np.isfinite(stated).sum(axis=1, keepdims=True)
+    usual = np.take_along_axis(np.sort(stated, axis=1), np.maximum(count - 1, 0) // 2, axis=1)
+    found = np.where(np.isnan(stated), usual, stated) / _STANDARD_GRAVITY
+    return np.where(np.isnan(found), 1.0, found)
 
 
 def turned_by(first: Floats, then: Floats) -> Floats:
