@@ -41,7 +41,7 @@ def test_the_uncertainty_is_that_of_the_result():
             g = norm_gradients(forecast.angles, forecast.bias, attitudes)
             return np.sqrt(np.einsum("bni,bij,bnj->bn", g, forecast.covariance, g))
 
-        assert due.highest(u, 1)[0] == pytest.approx(worst_norm(k, spread.T @ spread).worst_g, rel=1e-9)
+        assert due.largest_over_attitudes(u, 1)[0] == pytest.approx(worst_norm(k, spread.T @ spread).worst_g, rel=1e-9)
 
 
 def test_the_day_is_where_the_grown_uncertainty_reaches_the_limit():
@@ -235,3 +235,16 @@ def test_the_usual_gravity_is_a_median():
     assert trend.relative_gravity(stated) * 9.80665 == pytest.approx(
         np.array([[9.80665] * 3, [9.8] * 3, [9.9, 9.7, 9.7], [9.7, 9.9, 9.8]]), rel=1e-15
     )
+
+
+def test_the_error_of_the_last_calibration_is_as_uncertain_as_forecast():
+    """Of a parameter, some days on: about the rate that the filter knows it scatters by v + (walk^2 + 2 c) tau + p
+    tau^2, though the filter knows the value itself better than the last calibration does."""
+    found, tau = fleet(3000, 6, 64), 200.0
+    last = trend.filtered(found.series, TRUTH).last
+    walk = TRUTH.walk * np.sqrt(tau) * np.random.default_rng(65).normal(size=found.rates.shape)
+    error = found.truth[:, -1] + found.rates * tau + walk - found.series.values[:, -1]
+    stated = found.series.variances[:, -1] + (TRUTH.walk**2 + 2.0 * last.p_xr) * tau + last.p_rr * tau**2
+    z = ((error - last.rate * tau) / np.sqrt(stated))[:, :9]
+    assert np.abs(z.mean(axis=0)).max() < 4.0 / np.sqrt(3000)
+    assert np.abs((z**2).mean(axis=0) - 1.0).max() < 4.0 * np.sqrt(2.0 / 3000)

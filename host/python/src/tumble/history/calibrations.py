@@ -201,7 +201,7 @@ def _covariance(told: Result) -> Floats | None:
 
 
 def _turn(k: Floats) -> tuple[Floats, Floats]:
-    """L and the turn Q, whose determinant is 1, so that K is L Q or, of channels of a left hand, -L Q."""
+    """L and the turn Q, whose determinant is 1, so that K is L Q or, of left-handed channels (det K < 0), -L Q."""
     q, triangle = np.linalg.qr(k.T)
     signs = np.sign(np.diag(triangle))
     lower, turn = (triangle.T * signs), (q * signs).T

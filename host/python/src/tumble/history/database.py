@@ -101,7 +101,7 @@ class Database:
             connection.execute(self._tables["document"].insert(), bodies)
 
     def _known(self, connection: Connection, hashes: list[str]) -> Iterable[str]:
-        """Those of them that are there, and others. Of many a server would go through the table again and again."""
+        """The hashes already stored; for more than 500, all stored hashes, since one scan is cheaper."""
         from sqlalchemy import select
 
         column = self._tables["calibration"].c.sha256

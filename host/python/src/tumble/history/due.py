@@ -1,17 +1,24 @@
 """When a block is to be calibrated again, so that the length |a| that it shows stays within a limit at every attitude.
 
 By its control chart (ILAC-G24 / OIML D 10:2022, method 2): with the coefficients of its last calibration a block shows
-at the attitude n, tau days later, a length that is off by
+at the attitude n, tau days later, a length that is off by m on average, with a variance about it:
 
-    m = g r tau  expected,  and by the variance  g C g + sum over parameters of g^2 (walk^2 tau + 2 c tau + p tau^2)
+    m = g r tau,    variance = g C g + sum over parameters of g^2 (walk^2 tau + 2 c tau + p tau^2)
 
-beside that: g the derivatives of |a| by the parameters, C the covariance of the calibration, r the rate of the block as
+Here are g the derivatives of |a| by the parameters, C the covariance of the calibration, r the rate of the block as
 its filter knows it, p the variance of r, and c its covariance with the last value. r and p are those of its type while
 the block has few calibrations. The block is due where |m| + coverage factor x standard uncertainty reaches the limit,
 which is a quadratic equation in tau, at the attitude where that is soonest.
 
-By the staircase (method 1 there) nothing but the last interval counts: where the last calibration found |a| off by at
-most KEPT of the limit, the next interval is LONGER times as long, within the limit it stays, else it is SHORTER.
+The filter's mean x differs from the last calibration y. That difference is not in m but in C: the variance of y about
+the truth is that of the filter plus that of x - y, and its covariance with the rate is c. So the limit holds for the
+stated share of all blocks, not of those with the same x - y. At tau = 0 the uncertainty is then the one that the result
+states, with its correlations; the filter, which takes one parameter at a time, does not know them. Where y is too far
+from x, that is an alarm.
+
+By the staircase (method 1 there) nothing but the last interval counts, from the last calibration that is a day earlier
+at least: where the last calibration found |a| off by at most KEPT of the limit, the next interval is LONGER times as
+long, within the limit it stays, else it is SHORTER.
 """
 
 from __future__ import annotations
@@ -73,13 +80,13 @@ class Forecast:
         found = np.zeros(len(self.rate))
         for at in range(0, len(found), _AT_ONCE):
             part = self.part(slice(at, at + _AT_ONCE))
-            hurry = partial(_hurry, part, limit_g, coverage)
+            inverse_days = partial(_inverse_days, part, limit_g, coverage)
             with np.errstate(divide="ignore"):
-                found[at : at + _AT_ONCE] = 1.0 / highest(hurry, len(part.rate))
+                found[at : at + _AT_ONCE] = 1.0 / largest_over_attitudes(inverse_days, len(part.rate))
         return found
 
 
-def _hurry(forecast: Forecast, limit_g: float, coverage: float, attitudes: Floats) -> Floats:
+def _inverse_days(forecast: Forecast, limit_g: float, coverage: float, attitudes: Floats) -> Floats:
     with np.errstate(divide="ignore"):
         found: Floats = 1.0 / forecast.days_at(limit_g, coverage, attitudes)
     return found
@@ -94,7 +101,8 @@ def worst_changes(angles: Floats, bias: Floats, changes: Floats) -> Floats:
         return found
 
     parts = [slice(at, at + _AT_ONCE) for at in range(0, len(changes), _AT_ONCE)]
-    return np.concatenate([np.zeros(0), *(highest(partial(off, one), len(changes[one])) for one in parts)])
+    largest = (largest_over_attitudes(partial(off, one), len(changes[one])) for one in parts)
+    return np.concatenate([np.zeros(0), *largest])
 
 
 def staircase(interval_days: Floats, found_g: Floats, limit_g: float) -> Floats:
@@ -103,12 +111,12 @@ def staircase(interval_days: Floats, found_g: Floats, limit_g: float) -> Floats:
     return interval_days * factor
 
 
-def highest(heights: Callable[[Floats], Floats], blocks: int) -> Floats:
-    """Of what every block has at attitudes (blocks, n, 3), the most: (blocks,)."""
+def largest_over_attitudes(values: Callable[[Floats], Floats], blocks: int) -> Floats:
+    """The largest of the `values` (blocks, n) of every block at attitudes (blocks, n, 3): (blocks,)."""
     start = np.broadcast_to(spread_attitudes(_ATTITUDES), (blocks, _ATTITUDES, 3))
-    seen = heights(start)
+    seen = values(start)
     best = seen.argmax(axis=1)
-    return climbed(heights, start[np.arange(blocks), best], seen[np.arange(blocks), best], _ROUNDS)[1]
+    return climbed(values, start[np.arange(blocks), best], seen[np.arange(blocks), best], _ROUNDS)[1]
 
 
 def norm_gradients(angles: Floats, bias: Floats, attitudes: Floats) -> Floats:

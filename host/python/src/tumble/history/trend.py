@@ -61,7 +61,7 @@ class Series:
     rows: Integers
 
     def every(self, step: int) -> Series:
-        """One block of so many."""
+        """Every `step`-th block."""
         return Series(
             self.serials[::step],
             self.days[::step],
@@ -106,7 +106,7 @@ class State(NamedTuple):
     rate_by_drift: Floats
 
     def after(self, tau: Floats, walk: Floats) -> State:
-        """So many days on."""
+        """Predicted `tau` days later."""
         return self._replace(
             x=self.x + self.rate * tau,
             p_xx=self.p_xx + tau * (2.0 * self.p_xr + tau * self.p_rr + walk**2),
@@ -181,7 +181,7 @@ def fleet_of(columns: Columns) -> tuple[dict[str, list[Series]], dict[str, int]]
 
 
 def _series(columns: Columns, rows: Integers) -> Series:
-    """By where in the history its calibrations are."""
+    """Build a Series; `rows` (blocks, most) are indices into the columns, -1 where there is none."""
     there = rows >= 0
     values = np.stack([columns[name] for name in PARAMETERS], axis=-1)[rows]
     variances = np.stack([columns[f"u_{name}"] for name in PARAMETERS], axis=-1)[rows] ** 2 + _ROUNDING
