@@ -248,3 +248,18 @@ def test_the_error_of_the_last_calibration_is_as_uncertain_as_forecast():
     z = ((error - last.rate * tau) / np.sqrt(stated))[:, :9]
     assert np.abs(z.mean(axis=0)).max() < 4.0 / np.sqrt(3000)
     assert np.abs((z**2).mean(axis=0) - 1.0).max() < 4.0 * np.sqrt(2.0 / 3000)
+
+
+@pytest.mark.parametrize("days, interval", [
+    ((0, 200, 200), 250.0), ((0, 200, 200.4), 250.5), ((0, 100, 100, 300), 250.0), ((0, 0), None), ((5,), None),
+])  # fmt: skip
+def test_the_staircase_passes_over_a_repeated_run(tmp_path, days, interval):
+    """Of a block that does not change the interval grows by a quarter: that to the last calibration of another day."""
+    found = fleet(1, len(days), 66)
+    found.series.values[:] = 0.0
+    found.series.days[:] = np.array(days) + 16000.0
+    with History(tmp_path / "history.db") as history:
+        history.add_rows(rows_of(found.series))
+        (told,) = history.due(1e-4, method="staircase").blocks
+    assert told.days == (interval and pytest.approx(interval, abs=1e-4))
+    assert told.why == ("one calibration" if interval is None else "interval")

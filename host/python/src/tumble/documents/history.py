@@ -113,7 +113,7 @@ class DueBlock(Document):
     due: null: unknown, or never within a hundred years.
     why: growth: the uncertainty reaches the limit then; interval: by the staircase; alarm: the last calibration is
         beyond its control limit; not shown: the limit is not kept even at once; no growth known: too few calibrations
-        of its type; one calibration: the staircase needs two.
+        of its type; one calibration: the staircase needs two, a day apart at least.
     """
 
     serial: str

@@ -56,7 +56,6 @@ def groups_of(columns: Columns, confidence: float) -> tuple[list[Group], dict[st
 
 
 def listing(name: str, columns: Columns) -> Listing:
-    """All of some columns."""
     keys = ("serial", "type", "stand", "schedule", "estimator", "sha256")
     rows = (
         Calibration(
@@ -219,11 +218,15 @@ def _due_blocks(group: Group, columns: Columns, limit_g: float, coverage: float,
 def _by_staircase(
     series: Series, columns: Columns, rows: Integers, end: Integers, limit_g: float
 ) -> tuple[Floats, Integers]:
-    blocks, before = np.arange(len(rows)), np.maximum(end - 1, 0)
+    """The last interval is that since the last calibration a day before at least: one that was repeated at once has
+    told nothing about intervals."""
+    blocks, last = np.arange(len(rows)), series.days[np.arange(len(rows)), end]
+    earlier = (series.days <= last[:, None] - 1.0).sum(axis=1)
+    before = np.maximum(earlier - 1, 0)
     changes = (series.values[blocks, end] - series.values[blocks, before])[:, :OF_BLOCK]
     off = dues.worst_changes(_of(columns, rows, 3), _of(columns, rows, 6), changes)
-    days = dues.staircase(series.days[blocks, end] - series.days[blocks, before], off, limit_g)
-    return np.where(end > 0, days, np.nan), np.where(end > 0, "interval", "one calibration")
+    days = dues.staircase(last - series.days[blocks, before], off, limit_g)
+    return np.where(earlier > 0, days, np.nan), np.where(earlier > 0, "interval", "one calibration")
 
 
 def _by_control_chart(
@@ -308,7 +311,7 @@ def _sizes(told: Trend | TypeOfBlock) -> str:
 
 
 def _cut(text: str | None, width: int = 16) -> str:
-    """In a column."""
+    """As ASCII, padded or cut to the `width` of a column."""
     shown = (text or "-").encode("ascii", "backslashreplace").decode()
     return f"{shown if len(shown) <= width else shown[: width - 3] + '...':{width}}"
 
