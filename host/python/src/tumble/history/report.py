@@ -218,8 +218,8 @@ def _due_blocks(group: Group, columns: Columns, limit_g: float, coverage: float,
 def _by_staircase(
     series: Series, columns: Columns, rows: Integers, end: Integers, limit_g: float
 ) -> tuple[Floats, Integers]:
-    """The last interval is that since the last calibration a day before at least: one that was repeated at once has
-    told nothing about intervals."""
+    """The last interval runs from the last calibration that is at least a day earlier: a run repeated on the same day
+    says nothing about intervals."""
     blocks, last = np.arange(len(rows)), series.days[np.arange(len(rows)), end]
     earlier = (series.days <= last[:, None] - 1.0).sum(axis=1)
     before = np.maximum(earlier - 1, 0)
