@@ -1,7 +1,7 @@
 """The remedy of a refusal, found by trying: what it advises, then what the user says left out, option by option.
 
-What a refusal advises may lead to the next refusal, whose advice is followed in turn. So what comes out is whole: an
-import with these options has been done.
+What a refusal advises may lead to the next refusal, whose advice is followed in turn. So an import with these options
+has been done.
 """
 
 from __future__ import annotations
