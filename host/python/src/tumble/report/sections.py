@@ -613,6 +613,6 @@ def _largest_unseen(source: Source, rows: list[tuple[Inline, ...]]) -> Inline:
     if not rows or error is None or limit is None:
         return Fixed("No such error has a known size.")
     name, size, unit, in_micro = rows[0]
-    told = line("A run like this reliably shows ", name, " only from ", size, " ", unit, " up; a smaller effect may")
+    told = line("The largest: ", name, " below ", size, " ", unit, " could go unnoticed; it would change |a| by up to ")
     judged = "more than the limit: the verdict assumes that there is none" if error > limit else "within the limit"
-    return line(told, " change |a| by up to ", in_micro, f" µg, {judged}.")
+    return line(told, in_micro, f" µg, {judged}.")
