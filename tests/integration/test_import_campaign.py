@@ -98,6 +98,14 @@ def test_a_few_dozen(name, count, tmp_path):
     require(outcomes(name, range(count), tmp_path), 0.8)
 
 
+@pytest.mark.toolchain
+def test_a_temperature_that_could_be_a_clock_is_none(tmp_path):
+    """T rises eight times in the run: in hours it would be a clock of 16 Hz, whose rests begin while the table
+    settles."""
+    [(_, case, outcome, what)] = outcomes(INCLINED, [1237], tmp_path)
+    assert is_true(case) and outcome == "right", what
+
+
 @pytest.mark.full
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [PAPER, INCLINED])

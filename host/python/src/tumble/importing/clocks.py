@@ -135,6 +135,11 @@ def of_texts(texts: list[str], file: str, lines: Integers) -> Clock:
     return _with_gaps(values - values[0], [], file)
 
 
+def moves_seldom(clock: Clock) -> bool:
+    """Does it change at fewer rows than a run has positions, as a temperature may?"""
+    return len(clock.seconds) > _FEWEST_ROWS and int((np.diff(clock.seconds) != 0.0).sum()) < _FEWEST_STEPS
+
+
 def contradiction(own: Clock, rate_hz: float, name: str) -> list[str]:
     """That the file's `own` clock, of the column `name`, has another rate than the one that the user says; nothing
     where they agree, or where the clock has moved on too seldom to tell."""

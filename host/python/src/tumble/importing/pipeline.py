@@ -198,11 +198,17 @@ class _Joined:
 
     @classmethod
     def _by_clock(cls, recordings: list[Recording], thresholds: Thresholds) -> _Joined:
-        """By another unit of the clock, where nobody says it and its own shows next to no rest."""
+        """Without the clock, if it is hardly one, or by another unit of it, where nobody says it and its own shows next
+        to no rest."""
         own = cls._of(recordings, thresholds)
         clock, is_enough = recordings[0].clock, len(own.found.rests) >= _FEWEST_RESTS
         if is_enough or len(recordings) > 1 or clock is None or not clock.unit or clock.told:
             return own
+        if clocks.moves_seldom(clock):
+            note = "clock: it changes at a few rows: not used (--columns time=)"
+            without = cls._of([replace(recordings[0], clock=None, notes=(*recordings[0].notes, note))], thresholds)
+            if len(without.found.rests) >= _FEWEST_RESTS:
+                return without
         for unit in clocks.others(clock, len(own.outputs), 1):
             size = clocks.UNITS[unit] / clocks.UNITS[clock.unit]
             note = f"clock: {clock.unit} would show {len(own.found.rests)} rests: read as {unit} (--time-unit)"
