@@ -44,14 +44,15 @@ _ALIKE = 0.1  # part by which most rests may differ
 _FAR_FROM_1_G = 1.25  # factor
 
 Calibrate = Callable[[Floats], Floats]
-CalibrateWarm = Callable[[Floats, Floats], Floats]
+CalibrateAtTemperature = Callable[[Floats, Floats], Floats]
 
 
 @dataclass(frozen=True)
 class Demand:
     """What to do with data: `calibrate` turns outputs in `unit` into what is appended, `with_uncertainty` or without;
     `layout`: what the user says about the data's layout; `unit_told`: by the run of the result, not assumed; `one_g`:
-    as what is appended has it; `warm`: in place of `calibrate`, of outputs and temperatures (samples,), deg C."""
+    as what is appended has it; `at_temperature`: in place of `calibrate`, of outputs and temperatures (samples,), in
+    deg C."""
 
     calibrate: Calibrate
     unit: str
@@ -59,7 +60,7 @@ class Demand:
     layout: LayoutOptions
     unit_told: bool = True
     one_g: float = 1.0
-    warm: CalibrateWarm | None = None
+    at_temperature: CalibrateAtTemperature | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -69,10 +70,10 @@ class Demand:
     def values(self, outputs: Floats, factor: float, felt_c: Floats) -> Floats:
         """In the order of `names`; `factor`: from the data's unit to the result's; `felt_c`: temperatures (samples,),
         NaN where they are not known. Raises BadInput."""
-        if self.warm is not None:
+        if self.at_temperature is not None:
             if (unknown := np.isnan(felt_c)).any():
                 raise BadInput("tells no temperature, which this result needs", "data", int(unknown.argmax()) + 1)
-            return self.warm(outputs * factor, felt_c)
+            return self.at_temperature(outputs * factor, felt_c)
         found = self.calibrate(outputs * factor)
         return np.concatenate([found[:, 3:], found[:, :3]], axis=1)
 
@@ -155,7 +156,7 @@ class CsvData:
         self._preamble, self._end = "".join(head[:-1]), _end_of(head[-1]) or "\n"
         self._names = split(head[-1].lstrip("\ufeff"), self._layout.delimiter)
         self.seen = Seen(raw_names(self._names, demand.with_uncertainty), unit_told=told is not None)
-        self._parser = RowParser(self._layout, OUTPUTS, decoded=_decoded, recorded=demand.warm is not None)
+        self._parser = RowParser(self._layout, OUTPUTS, decoded=_decoded, recorded=demand.at_temperature is not None)
         self._body = self._first[len("".join(head).encode("utf-8", "surrogateescape")) :]
         self._header = head[-1].rstrip("\r\n")
 
@@ -282,7 +283,7 @@ def with_calibrated(table: Any, name: str, demand: Demand, seen: Seen) -> Any:
         raise BadInput(str(error), name) from None
     told = unit_of(options, [names[place] for place in places], name, None, "outputs_unit")
     outputs = frames.stacked(table, places, OUTPUTS, name)
-    felt_c = np.zeros(0) if demand.warm is None else temperatures_of_rows(table, options.columns, name)
+    felt_c = np.zeros(0) if demand.at_temperature is None else temperatures_of_rows(table, options.columns, name)
     values = demand.values(outputs, factor_of(told, demand.unit, name), felt_c)
     seen.renamed, seen.unit_told = raw_names(names, demand.with_uncertainty), told is not None
     seen.weigh(values[:, -3:] / demand.one_g)

@@ -27,7 +27,7 @@ from tumble.schedule import Schedule
 _PASSES = 8
 _SETTLED = 1e-12  # of the largest coefficient
 _WEAK = 1e-6  # singular value of the design over its largest, columns of length 1
-_FEW = 0.02  # of powers of the temperatures, scaled to 1, over the root of their number: two runs show no parabola
+_LEAST_SINGULAR = 0.02  # of powers of the scaled temperatures, over the root of their number: two runs show no parabola
 
 
 class NotShown(ValueError):
@@ -150,7 +150,7 @@ class _System:
         singular = np.linalg.svd(design / np.maximum(length, 1e-300), compute_uv=False)
         powers = np.concatenate(self._powers)
         apart = np.linalg.svd(powers, compute_uv=False)[-1] / len(powers) ** 0.5
-        if len(design) < design.shape[1] or singular[-1] < _WEAK * singular[0] or apart < _FEW:
+        if len(design) < design.shape[1] or singular[-1] < _WEAK * singular[0] or apart < _LEAST_SINGULAR:
             raise NotShown("these positions and temperatures do not show all coefficients")
         means = np.concatenate([one.means.ravel() for one in self._runs]) / sigma
         found: Floats = np.linalg.lstsq(design / length, means, rcond=None)[0] / length

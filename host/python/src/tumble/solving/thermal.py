@@ -127,7 +127,7 @@ def solve_together(runs: Sequence[Measured], degree: int, kept: Collection[str],
         raise UsageError(f"--temperature: all at {low:.4g} to {high:.4g} deg C: runs {_LEAST_C:g} K apart or more")
     prepared = [_thermal_run(one) for one in runs]
     if not all((one.found[NOISE].sigma > 0.0).all() for one in prepared):  # nobody knows that of all: they count alike
-        prepared = [replace(one, found={**one.found, NOISE: _alike(one.found[NOISE])}) for one in prepared]
+        prepared = [replace(one, found={**one.found, NOISE: _with_equal_noise(one.found[NOISE])}) for one in prepared]
     try:
         found = fit(prepared, degree, float(np.round((low + high) / 2.0)), kept)
     except NotShown as error:
@@ -136,7 +136,7 @@ def solve_together(runs: Sequence[Measured], degree: int, kept: Collection[str],
     return ThermalSolution(tuple(runs), found, tuple(kept), confidence)
 
 
-def _alike(noise: Draws) -> Draws:
+def _with_equal_noise(noise: Draws) -> Draws:
     return replace(noise, sigma=np.ones_like(noise.sigma))
 
 
