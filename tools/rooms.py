@@ -60,7 +60,7 @@ MAY_IMPORT = {
     "history": {"documents", "model", "files", "store"},
     "report": {"documents", "model", "files", "solving", "pictures", "comparison"},
     "api": {"documents", "core", "model", "files", "solving", "fixture", "comparison", "pictures", "importing",
-            "acquisition", "report"},
+            "acquisition", "history", "report"},
     "watch": {"documents", "client"},
     "cli": {"documents", "core", "model", "files", "store", "solving", "fixture", "planning", "comparison", "pictures",
             "importing", "acquisition", "world", "report", "history", "api", "client", "watch", "workers", DOOR},

@@ -235,7 +235,7 @@ def test_the_page_lists_what_a_template_may_say(result, tmp_path):
     table = "".join(line.split("|")[1] for line in page.splitlines() if line.startswith("| `"))
     names = {name.split("[")[0] for name in re.findall(r"`([\w\[\]]+)`", table)}
     source = Source(package.load(result).document, "result")
-    assert names == {*context(source, "1", None), "figures", "since"}
+    assert names == {*context(source, "1", None), "figures", "since", "history"}
 
 
 BAD_TEMPLATES = {

@@ -49,6 +49,8 @@ from tumble.units import force_unit, per_g, per_g_of, spelled
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from tumble.history import History
+
 _UNKNOWN = "unknown"
 _DIGITS = 6  # of a value whose uncertainty is not known
 _MOST_DECIMALS = 12
@@ -539,6 +541,7 @@ class Result:
         logo: str | os.PathLike[str] | None = None,
         number: str | None = None,
         since: Result | str | os.PathLike[str] | None = None,
+        history: History | str | os.PathLike[str] | None = None,
         issued: str | None = None,
     ) -> None:
         """Write a calibration report, HTML or PDF as the file's name ends; docs/files.md tells what is in it.
@@ -558,6 +561,8 @@ class Result:
             result.
         since : Result or path, optional
             An earlier result of the same block: then the report says whether the block has changed, as `compare` does.
+        history : tumble.history.History, path or URL, optional
+            A history that has calibrations of the block: then the report shows them, and when the next one is due.
         issued : str, optional
             The date of issue, as "2026-11-28"; default: today's (UTC), or that of SOURCE_DATE_EPOCH.
 
@@ -574,7 +579,8 @@ class Result:
             given = {"template": template, "logo": logo}
             files = {key: None if one is None else path_of(one) for key, one in given.items()}
             kind = kind_of(name, "file")
-            write_bytes(name, self.reported(kind, run, since=since, issued=issued, number=number, **files))
+            text = self.reported(kind, run, since=since, history=history, issued=issued, number=number, **files)
+            write_bytes(name, text)
 
     def reported(
         self,
@@ -582,6 +588,7 @@ class Result:
         run: Any = None,
         *,
         since: Result | str | os.PathLike[str] | None = None,
+        history: History | str | os.PathLike[str] | None = None,
         issued: str | None = None,
         **given: str | None,
     ) -> bytes:
@@ -602,8 +609,16 @@ class Result:
             second = pair.ComparedResult.of("this result", self._told, complaints_of_result(self._told))
             earlier = before.document, comparison.document(pair.compare(first, second, None, DEFAULT_CONFIDENCE))
         day = require_date((created() or "")[:10] if issued is None else issued)
-        more: dict[str, Any] = {**given, "earlier": earlier, "issued": day}
+        more: dict[str, Any] = {**given, "earlier": earlier, "known": self._known(history), "issued": day}
         return made(self.document, self._name, kind, run=recording, attached=self._text, **more)
+
+    def _known(self, history: History | str | os.PathLike[str] | None) -> Any:
+        if history is None or not isinstance(history, (str, os.PathLike)):
+            return None if history is None else history.told_of(self._told, self._name)
+        from tumble.history import History
+
+        with History(history) as opened:
+            return opened.told_of(self._told, self._name)
 
 
 def load(file: str | os.PathLike[str] | Mapping[str, Any]) -> Result:

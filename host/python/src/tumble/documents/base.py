@@ -104,7 +104,8 @@ def _array(told: Any, kind: Any, shape: tuple[int | None, ...]) -> Floats:
         raise ValueError("an array of another length")
     if inner:
         return np.array([_array(row, kind, tuple(inner)) for row in told]).reshape(len(told), -1)
-    if not all(type(one) in (int, float) and kind.least <= one < LARGEST and math.isfinite(one) for one in told):
+    are_numbers = set(map(type, told)) <= {int, float}
+    if told and not (are_numbers and kind.least <= min(told) and max(told) < LARGEST and all(map(math.isfinite, told))):
         raise ValueError("an array of something else")
     return np.array(told, dtype=float)
 
@@ -166,7 +167,7 @@ def _parsed(data: bytes, file: str) -> dict[str, Any]:
         raise ValueError(f"{name} is not a number")
 
     try:
-        told = json.loads(data.decode("utf-8-sig"), parse_constant=refuse_constant)
+        told = _decoded(data) or json.loads(data.decode("utf-8-sig"), parse_constant=refuse_constant)
     except json.JSONDecodeError as error:
         if (kind := kind_of(data)) not in (None, JSON):
             raise BadInput(f"is {kind}; a result of tumble solve (JSON) is expected", file) from None
@@ -176,6 +177,14 @@ def _parsed(data: bytes, file: str) -> dict[str, Any]:
     if not isinstance(told, dict):
         raise BadInput("not a result: an object is expected", file)
     return told
+
+
+def _decoded(data: bytes) -> Any:
+    """Four times as fast as json, which tells what is wrong where this gives None."""
+    try:
+        return msgspec.json.decode(data)
+    except (msgspec.DecodeError, RecursionError):
+        return None
 
 
 _PLACE = re.compile(r"^(?P<what>.*?)(?: - at `(?:key in )?\$(?P<path>.*)`)?$", re.DOTALL)

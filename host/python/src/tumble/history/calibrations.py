@@ -47,7 +47,7 @@ def row_of(data: bytes, file: str, serial: str | None = None, kind: str | None =
     says. Raises BadInput, UsageError."""
     told = parse_result(data, file)
     item = told.item or {}
-    serial = serial or told.serial or _label(item, "serial", "serial_number")
+    serial = serial or serial_of(told)
     if serial is None:
         raise BadInput("names no block: write serial under [block] of the stand file, or give --serial NAME", file)
     covariance = _covariance(told)
@@ -73,6 +73,11 @@ def row_of(data: bytes, file: str, serial: str | None = None, kind: str | None =
     except (np.linalg.LinAlgError, ZeroDivisionError):
         raise BadInput("K cannot be inverted: no calibration", file) from None
     return row | {"document": zlib.compress(data, 1)}
+
+
+def serial_of(told: Result) -> str | None:
+    """Of the block that a result is of."""
+    return told.serial or _label(told.item or {}, "serial", "serial_number")
 
 
 def rows_of_image(image: Image, file: str, serial: str | None = None, kind: str | None = None) -> list[Row]:
@@ -128,14 +133,15 @@ def numbers_of(k: Floats, u0: Floats, covariance: Floats | None) -> Row:
     if not np.abs(np.linalg.det(k)) > 0.0:
         raise np.linalg.LinAlgError
     scale, angles, bias = intrinsic(k, u0)
-    values = [*scale, *angles, *bias, *_seat(k)]
+    lower, turn = _turn(k)
+    values = [*scale, *angles, *bias, *_seat(turn)]
     row: Row = dict(zip(PARAMETERS, map(float, values)))
     names = [f"u_{name}" for name in PARAMETERS]
     if covariance is None:
         return row | dict.fromkeys(names) | {"covariance": None}
     by_block = by_intrinsic(k, u0)
     by_block[:3] /= scale[:, None]  # relative, as trends and |a| have it
-    gradients = np.concatenate([by_block, _by_seat(k, covariance)])
+    gradients = np.concatenate([by_block, _by_seat(lower, turn, 1.0 if np.linalg.det(k) > 0.0 else -1.0)])
     joint = gradients @ covariance @ gradients.T
     row |= dict(zip(names, np.sqrt(np.maximum(np.diag(joint), 0.0)).tolist()))
     return row | {"covariance": packed(joint[:OF_BLOCK, :OF_BLOCK])}
@@ -208,9 +214,8 @@ def _turn(k: Floats) -> tuple[Floats, Floats]:
     return lower, turn * np.sign(np.linalg.det(turn))
 
 
-def _seat(k: Floats) -> Floats:
+def _seat(turn: Floats) -> Floats:
     """The vector of the turn Q, rad: along its axis, as long as its angle."""
-    turn = _turn(k)[1]
     values, vectors = np.linalg.eig(turn)
     axis = np.real(vectors[:, np.argmin(np.abs(values - 1.0))])
     cross = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
@@ -219,15 +224,11 @@ def _seat(k: Floats) -> Floats:
     return found
 
 
-def _by_seat(k: Floats, covariance: Floats) -> Floats:
+def _by_seat(lower: Floats, turn: Floats, sign: float) -> Floats:
     """Derivatives (3, 12) of a small turn of the seat, about the block's axes, by the coefficients: what of
-    L^-1 dK Q^T lies above the diagonal can be no part of L."""
-    lower, turn = _turn(k)
-    sign = 1.0 if np.linalg.det(k) > 0.0 else -1.0
-    inverse, found = np.linalg.inv(lower), np.zeros((3, len(covariance)))
-    for place in range(9):
-        change = np.zeros((3, 3))
-        change.flat[place] = sign
-        above = inverse @ change @ turn.T
-        found[:, place] = turn.T @ np.array([-above[1, 2], above[0, 2], -above[0, 1]])
+    L^-1 dK Q^T lies above the diagonal can be no part of L. `sign`: of det K."""
+    by_k = sign * np.einsum("ri,cj->rcij", np.linalg.inv(lower), turn)  # L^-1 dK Q^T by K_ij
+    above = np.stack([-by_k[1, 2], by_k[0, 2], -by_k[0, 1]]).reshape(3, 9)
+    found = np.zeros((3, 12))
+    found[:, :9] = turn.T @ above
     return found

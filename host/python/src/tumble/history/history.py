@@ -18,6 +18,7 @@ from tumble.store.image import MIN_SECTOR, read_image
 
 if TYPE_CHECKING:
     from tumble.documents.history import Due, Listing, Trend
+    from tumble.documents.result import Result
 
 CONTROL = 0.9973  # confidence of the control charts: three standard deviations
 COVERAGE = 3.0
@@ -123,6 +124,15 @@ class History:
         _require("confidence", confidence, *_CONFIDENCES)
         columns = self._of_type(serial, type)
         return report.due(self._database.name, columns, limit_g, coverage_factor, method, confidence, serial)
+
+    def told_of(self, result: Result, name: str) -> tuple[Trend, Due]:
+        """What is known of the block of a result called `name`, and when it is due by the limit and the coverage factor
+        of that result. Raises BadInput."""
+        serial = calibrations.serial_of(result)
+        if serial is None:
+            raise BadInput("names no block: write serial under [block] of its stand file", name)
+        factor = COVERAGE if result.decision is None else result.decision.coverage_factor
+        return self.trend(serial), self.due(result.verification.limit_g, serial, coverage_factor=factor)
 
     def to_frame(self, *serials: str, type: str | None = None) -> Any:
         """The columns as a DataFrame of pandas, `measured` as times."""

@@ -283,7 +283,7 @@ def render_trend(told: Trend) -> str:
     lines += [f"Alarms: {listed([f'{count} {kind}' for kind, count in sorted(counts.items())]) if counts else 'none'}"]
     for alarm in told.alarms[-_MOST_LINES:]:
         what = f"seat ({alarm.kind})" if alarm.of_seat else alarm.kind
-        size = f"{alarm.size:+.3g} {alarm.unit}, {alarm.z:+.1f} sigma"
+        size = f"{float(f'{alarm.size:.3g}'):+g} {alarm.unit}, {alarm.z:+.1f} sigma"
         lines.append(f"{_day(alarm.measured)} {_cut(alarm.serial)} {what:14} {alarm.parameter:9} {size}")
     if (more := len(told.alarms) - _MOST_LINES) > 0:
         lines.append(f"and {more} older ones (--json)")

@@ -5,6 +5,7 @@
     sections     who, what, where, when, and how; the coefficients; verdict and decision rule
     coefficients those of a result for other programs, by templates in exports
     thermal      those over temperature, likewise
+    history      what a history says of a block, and its page in a browser
     certificate  what a Digital Calibration Certificate says of one
     pages        the template (report.html.j2, report.css) filled in, numbered, and turned into PDF
 

@@ -8,8 +8,9 @@ from typing import Any
 
 from tumble.comparison import report
 from tumble.documents.comparison import Comparison
+from tumble.documents.history import Due, Trend
 from tumble.errors import UsageError, needing, quoted
-from tumble.report import pages, sections
+from tumble.report import history, pages, sections
 from tumble.report.pages import number_of, require_number
 from tumble.report.source import MISSING, Fixed, Source, Table, line, readable
 from tumble.solving.result import schedule_of
@@ -86,14 +87,15 @@ def made(
     number: str | None = None,
     issued: str | None = None,
     earlier: tuple[dict[str, Any], Comparison] | None = None,
+    known: tuple[Trend, Due] | None = None,
     attached: str = "",
 ) -> bytes:
     """A report on `document`, schema tumble.result/1, as JSON has it; `name`: what errors call it.
 
     `run`: the Recording that was solved, for a picture of its samples. `template`: a file of Jinja2; `logo`: a picture;
     `number`: one that is given. `issued`: the date of issue, None for none. `earlier`: an earlier result, and what has
-    changed since (schema tumble.comparison/1). `attached`: the document's JSON, which a PDF carries with it. Raises
-    BadInput, UsageError, NotInstalled.
+    changed since (schema tumble.comparison/1). `known`: what a history says of the block (tumble.history/1).
+    `attached`: the document's JSON, which a PDF carries with it. Raises BadInput, UsageError, NotInstalled.
     """
     told = number_of(document) if number is None else require_number(number)
     require_installed(kind)
@@ -101,6 +103,7 @@ def made(
     found = context(source, told, None if logo is None else pages.logo(logo), issued)
     before, changes = ({}, None) if earlier is None else earlier
     drawn = {"figures": pictures(source, run), "since": section(changes, before, document)}
+    drawn |= {"history": None if known is None else history.section(*known)}
     text = pages.html({**found, **drawn}, template)
     if kind != PDF:
         return text.encode("utf-8", "replace")
@@ -144,7 +147,7 @@ _OF_THE_SOURCE: tuple[Callable[[Source], Any], ...] = (  # what a template has u
 
 
 def context(source: Source, number: str, logo: str | None, issued: str | None = None) -> dict[str, Any]:
-    """What a template may say, but for `figures` and `since`. docs/files.md lists it."""
+    """What a template may say, but for `figures`, `since` and `history`. docs/files.md lists it."""
     from markupsafe import Markup
 
     given = sections.uncertainties(source)

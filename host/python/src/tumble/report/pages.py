@@ -104,6 +104,8 @@ def _drawn(root: Any) -> int:
 TEMPLATE = "report.html.j2"
 TABLES = "tables.html.j2"
 SINCE = "since.html.j2"
+HISTORY = "history.html.j2"
+HISTORY_PAGE = "history_page.html.j2"
 STYLE = "report.css"
 _OWN = "tumble"  # folder of the templates of this room
 _GIVEN = "\0"  # the user's template: whatever its file is called, it hides none of ours, and nothing extends it
@@ -124,16 +126,38 @@ def own(name: str) -> str:
 def html(context: dict[str, Any], template: str | None) -> str:
     """`template`: a file of the user's own, which may extend report.html.j2, also called tumble/report.html.j2;
     None: that one. Raises BadInput for one that cannot be used."""
-    from jinja2 import FunctionLoader, StrictUndefined, TemplateSyntaxError
+    from jinja2 import TemplateSyntaxError
+
+    if template is None:
+        return filled(TEMPLATE, context)
+    try:
+        given = read_bytes(template).decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise BadInput("not a template: no text in UTF-8", template) from None
+    environment = _environment({_GIVEN: (given, template, None)})
+    try:
+        text: str = environment.get_template(_GIVEN).render(context)
+        return text
+    except TemplateSyntaxError as error:
+        raise BadInput(f"not a template: {quoted(error.message, 80)}", template, error.lineno) from None
+    except Exception as error:  # whatever it computes
+        said = f"not a template of a report: {quoted(f'{type(error).__name__}: {error}', 80)}"
+        raise BadInput(said, template, _line_of(error, template)) from None
+
+
+def filled(name: str, context: dict[str, Any]) -> str:
+    """One of our own templates with what it says."""
+    text: str = _environment({}).get_template(name).render(context)
+    return text
+
+
+def _environment(more: dict[str, Any]) -> Any:
+    from jinja2 import FunctionLoader, StrictUndefined
     from jinja2.sandbox import SandboxedEnvironment
 
-    texts = {name: (own(name), f"{_OWN}/{name}", None) for name in (TEMPLATE, TABLES, SINCE)}
-    texts |= {f"{_OWN}/{name}": texts[name] for name in (TEMPLATE, TABLES, SINCE)}
-    if template is not None:
-        try:
-            texts[_GIVEN] = (read_bytes(template).decode("utf-8-sig"), template, None)
-        except UnicodeDecodeError:
-            raise BadInput("not a template: no text in UTF-8", template) from None
+    named = (TEMPLATE, TABLES, SINCE, HISTORY, HISTORY_PAGE)
+    texts = {name: (own(name), f"{_OWN}/{name}", None) for name in named}
+    texts |= {f"{_OWN}/{name}": texts[name] for name in named} | more
     environment = SandboxedEnvironment(
         loader=FunctionLoader(texts.get),
         autoescape=True,
@@ -143,15 +167,7 @@ def html(context: dict[str, Any], template: str | None) -> str:
         keep_trailing_newline=True,
     )
     environment.tests["missing"] = lambda said: said is MISSING
-    if template is None:
-        return environment.get_template(TEMPLATE).render(context)
-    try:
-        return environment.get_template(_GIVEN).render(context)
-    except TemplateSyntaxError as error:
-        raise BadInput(f"not a template: {quoted(error.message, 80)}", template, error.lineno) from None
-    except Exception as error:  # whatever it computes
-        said = f"not a template of a report: {quoted(f'{type(error).__name__}: {error}', 80)}"
-        raise BadInput(said, template, _line_of(error, template)) from None
+    return environment
 
 
 def _line_of(error: Exception, template: str) -> int | None:

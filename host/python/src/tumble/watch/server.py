@@ -13,12 +13,13 @@ import logging
 import re
 import socket
 import threading
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Mapping
 from importlib import resources
 from urllib.parse import urlsplit
 
 import uvicorn
 from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import Headers
 from starlette.middleware import Middleware
 from starlette.requests import Request
@@ -26,22 +27,29 @@ from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, R
 from starlette.routing import Route
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from tumble.errors import UsageError
+from tumble.errors import TumbleError, UsageError
 from tumble.watch.snapshot import View, document
 
 _LOOK_S = 0.1  # a change is told so late at most
 _SIGN_OF_LIFE_S = 5.0  # a comment, so that both ends and what is between them notice a line that is dead
 _MOST_CONNECTIONS = 64
 _LOOPBACK = ["localhost", "127.0.0.1", "::1"]
+HistoryPage = Callable[[Mapping[str, str]], str]  # HTML by the query; raises TumbleError for a bad one
 
 
 def application(
-    view: Callable[[], View], ending: Callable[[], bool], hosts: list[str] | None, has_metrics: bool = False
+    view: Callable[[], View],
+    ending: Callable[[], bool],
+    hosts: list[str] | None,
+    has_metrics: bool = False,
+    history: HistoryPage | None = None,
 ) -> Starlette:
     """The pages. `view`: returns the current view. `ending`: set when streams are to end. `hosts`: the host names that
     requests may use (None: any), so that no web page can read it under a name of its own (DNS rebinding).
-    `has_metrics`: serve /metrics to Prometheus, too."""
+    `has_metrics`: serve /metrics to Prometheus, too. `history`: makes the page /history."""
     page = resources.files("tumble.watch").joinpath("page.html").read_text(encoding="utf-8")
+    if history is not None:
+        page = page.replace("</footer>", '. <a href="history">Calibrations of the blocks</a></footer>')
     headers = {"Content-Security-Policy": _policy(page), **_HEADERS}
 
     async def index(_: Request) -> Response:
@@ -71,6 +79,18 @@ def application(
             return Response(metrics.text(view()), media_type=metrics.CONTENT_TYPE, headers=_HEADERS)
 
         routes.append(Route("/metrics", numbers))
+    if history is not None:
+        make, one_at_a_time = history, asyncio.Lock()  # of the database and matplotlib
+
+        async def calibrations(request: Request) -> Response:
+            try:
+                async with one_at_a_time:
+                    text = await run_in_threadpool(make, dict(request.query_params))
+            except TumbleError as error:
+                return PlainTextResponse(f"{error}\n", status_code=400, headers=_HEADERS)
+            return HTMLResponse(text, headers={"Content-Security-Policy": _NO_SCRIPT, **_HEADERS})
+
+        routes.append(Route("/history", calibrations))
     return Starlette(routes=routes, middleware=[Middleware(_OwnNames, names=hosts)])
 
 
@@ -97,6 +117,12 @@ _HEADERS = {
     "Referrer-Policy": "no-referrer",
     "Cross-Origin-Resource-Policy": "same-origin",
 }
+
+
+_NO_SCRIPT = (
+    "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none';"
+    " frame-ancestors 'none'"
+)
 
 
 def _policy(page: str) -> str:
@@ -128,14 +154,21 @@ class Server:
     """Serve in a thread of its own within the `with` block. `server.url`: the address. Raises UsageError where it
     cannot listen."""
 
-    def __init__(self, view: Callable[[], View], host: str, port: int, has_metrics: bool = False):
+    def __init__(
+        self,
+        view: Callable[[], View],
+        host: str,
+        port: int,
+        has_metrics: bool = False,
+        history: HistoryPage | None = None,
+    ):
         self._socket = _listening(host, port)
         address, port = self._socket.getsockname()[:2]
         shown = f"[{address}]" if ":" in address else address
         self.url = f"http://{shown}:{port}/"
         self.open_to_others = address not in _LOOPBACK and not address.startswith("127.")
         hosts = None if self.open_to_others else [*_LOOPBACK, address]
-        pages = application(view, lambda: self._server.should_exit, hosts, has_metrics)
+        pages = application(view, lambda: self._server.should_exit, hosts, has_metrics, history)
         config = uvicorn.Config(
             pages,
             log_config=None,

@@ -30,6 +30,9 @@ def describe(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--issued", metavar="DATE", help="of issue, such as 2026-11-28; default: today's (UTC)")
     parser.add_argument("--since", metavar="OLD.json", help="an earlier result of the block: has it changed since?")
+    parser.add_argument(
+        "--history", metavar="FILE|URL", help="of tumble history: the calibrations of the block, when it is due"
+    )
     options.add_layout(parser, "run file")
     parser.set_defaults(run_command=run)
 
@@ -51,14 +54,14 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.run is None and getattr(arguments, name) is not None:
             raise UsageError(f"--{name} says how the run file is laid out: it needs --run RUN.csv")
     layout = options.layout_options(arguments, COLUMNS)
-    inputs = arguments.result, arguments.run, arguments.template, arguments.logo, arguments.since
+    inputs = arguments.result, arguments.run, arguments.template, arguments.logo, arguments.since, arguments.history
     refuse_overwriting(arguments.out, *inputs)
     result = load(arguments.result)
     require_installed(kind)
     recorded = None
     if arguments.run is not None:
         recorded = recording_of(arguments.run, layout if layout.unit else replace(layout, unit=result.unit))
-    given = {name: getattr(arguments, name) for name in ("template", "logo", "number", "since", "issued")}
+    given = {name: getattr(arguments, name) for name in ("template", "logo", "number", "since", "history", "issued")}
     text = result.reported(kind, recorded, **given)
     if arguments.out is None:
         sys.stdout.buffer.write(text)

@@ -15,12 +15,16 @@ from tumble.errors import EXIT_PASS, BenchFault, UsageError, needing, quoted
 from tumble.messages import tell
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from tumble.watch.mqtt import Publisher
     from tumble.watch.runs import Follower
+    from tumble.watch.server import HistoryPage
     from tumble.watch.snapshot import Source
 
 _BENCH = "bench"
 _HTTP = "127.0.0.1:8402"
+_LIMIT_G = "3e-4"  # of the page of a history
 _FASTEST_S, _SLOWEST_S = 0.1, 60.0
 _PACES = 1e-3, 1e6
 _LOOK_S = 0.1
@@ -29,9 +33,9 @@ _LOOK_S = 0.1
 def describe(parser: argparse.ArgumentParser) -> None:
     parser.usage = (
         "%(prog)s [-h] SOURCE [--http [HOST:PORT]] [--metrics] [--mqtt URL]\n"
-        "                    [--every S] [--json]\n"
+        "                    [--history FILE|URL] [--every S] [--json]\n"
         "       %(prog)s [-h] bench [--http [HOST:PORT]] [--metrics] [--mqtt URL]\n"
-        "                    [--pace X] [bench options]"
+        "                    [--history FILE|URL] [--pace X] [bench options]"
     )
     parser.description = (
         "Follow a run live: state, reason and remedy, table angle, running mean and its standard error,"
@@ -62,6 +66,11 @@ def describe(parser: argparse.ArgumentParser) -> None:
         help="mqtt://[USER:PASSWORD@]HOST[:PORT]/TOPIC, or mqtts:// for TLS: publish every change there as JSON;"
         " default: user and password of the environment, TUMBLE_MQTT_USER and TUMBLE_MQTT_PASSWORD",
     )
+    parser.add_argument(
+        "--history",
+        metavar="FILE|URL",
+        help="of tumble history: on that page /history, when blocks are due, and their charts; implies --http",
+    )
     parser.add_argument("--every", metavar="S", default="0.5", help="seconds between two readings; default: 0.5")
     parser.add_argument("--pace", metavar="X", help="of bench: virtual seconds per second; default: 1, as a real stand")
     bench.add_options(parser.add_argument_group("with SOURCE bench"), shows_interactive=False)
@@ -85,17 +94,19 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 class _Audience(NamedTuple):
-    """Who looks on: `address` of a page for browsers (None: the terminal), whether it `has_metrics`, and what is
-    `publish`ed to."""
+    """Who looks on: `address` of a page for browsers (None: the terminal), whether it `has_metrics`, what is
+    `publish`ed to, and what makes the page of a `history`."""
 
     address: tuple[str, int] | None
     has_metrics: bool
     publish: Publisher | None
+    history: HistoryPage | None
 
 
 def _audience(arguments: argparse.Namespace) -> _Audience:
     """Raises UsageError, NotInstalled."""
-    http = _HTTP if arguments.metrics and arguments.http is None else arguments.http
+    is_asked = arguments.metrics or arguments.history is not None
+    http = _HTTP if is_asked and arguments.http is None else arguments.http
     address, publish = None if http is None else _address(http), None
     if address is not None:
         with needing("--http", extra="watch"):
@@ -108,7 +119,28 @@ def _audience(arguments: argparse.Namespace) -> _Audience:
         with needing("--mqtt", "paho-mqtt", extra="mqtt"):
             from tumble.watch.mqtt import Publisher
         publish = Publisher(arguments.mqtt)
-    return _Audience(address, arguments.metrics, publish)
+    history = None if arguments.history is None else _history(arguments.history)
+    return _Audience(address, arguments.metrics, publish, history)
+
+
+def _history(db: str) -> HistoryPage:
+    """The page of a history by what its address asks: one block `serial`, another `limit`. Raises TumbleError for a
+    history that cannot be read."""
+    from tumble.history import History
+    from tumble.history.calibrations import iso
+    from tumble.report import history
+    from tumble.report.make import HTML, require_installed
+
+    require_installed(HTML)
+
+    def page(query: Mapping[str, str]) -> str:
+        limit_g = options.parse_number(query.get("limit", _LIMIT_G), "limit", options.ABOVE_0, 1.0, "a number of g")
+        serial = query.get("serial")
+        with History(db) as blocks:
+            return history.page(blocks.trend(serial), blocks.due(limit_g, serial), iso(time.time())[:10])
+
+    page({})
+    return page
 
 
 def _address(text: str) -> tuple[str, int]:
@@ -212,7 +244,7 @@ def _shown(
         from tumble.watch.server import Server
 
         follower = Follower(source, name, every_s, on_change=told)
-        server = stack.enter_context(Server(follower.view, *audience.address, audience.has_metrics))
+        server = stack.enter_context(Server(follower.view, *audience.address, audience.has_metrics, audience.history))
         tell(f"tumble: {server.url} (Ctrl-C ends it)")
         if server.open_to_others:
             tell("tumble: warning: anyone who reaches this address can read the page; there is no password")
