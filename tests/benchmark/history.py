@@ -8,6 +8,7 @@ line to every parameter of every block.
 """
 
 import argparse
+import importlib.util
 import sys
 import tempfile
 import time
@@ -34,7 +35,7 @@ def main(arguments):
     parser.add_argument("--table", action="store_true", help="as Markdown")
     options = parser.parse_args(arguments)
     with tempfile.TemporaryDirectory() as folder:
-        found = measured(options.blocks, options.each, options.db or f"{folder}/history.db")
+        found = measured(options.blocks, options.each, options.db or f"{folder}/history.db", f"{folder}/h.parquet")
     lines_s = found["straight lines by pandas, s"]
     if options.table:
         print("| what | measured | beside pandas' straight lines |\n|---|---|---|")
@@ -44,8 +45,8 @@ def main(arguments):
     return 0
 
 
-def measured(blocks, each, where, seed=71, with_lines=True):
-    """Figures by name."""
+def measured(blocks, each, where, exported, seed=71, with_lines=True):
+    """Figures by name; `exported`: the file of Parquet."""
     made = fleet(blocks, each, seed, **SHARES)
     rows, seconds = rows_of(made.series), {}
 
@@ -60,8 +61,19 @@ def measured(blocks, each, where, seed=71, with_lines=True):
         assert timed("add again", lambda: history.add_rows(rows)) == 0
         told = timed("trend", lambda: history.trend(confidence=CONFIDENCE))
         due = timed("due", lambda: history.due(LIMIT_G, coverage_factor=COVERAGE, confidence=CONFIDENCE))
+        timed("export as Parquet", lambda: history.export(exported))
+        if importlib.util.find_spec("duckdb"):
+            timed("DuckDB: a slope of every block", lambda: slopes(exported, blocks))
         seconds |= lines(history.columns()) if with_lines else {}
     return {**alarms(made, told), **due_dates(made, due), **seconds}
+
+
+def slopes(exported, blocks):
+    """By DuckDB, from the exported file."""
+    import duckdb
+
+    query = f"SELECT serial, regr_slope(bias_x, epoch(measured)) FROM '{exported}' GROUP BY serial"
+    assert len(duckdb.sql(query).fetchall()) == blocks
 
 
 def alarms(made, told):

@@ -194,6 +194,8 @@ def test_a_block_is_of_the_type_of_its_last_calibration(tumble, tmp_path):
         assert [len(history.show(type="T").calibrations), len(history.columns("B000000", type="T")["id"])] == [18, 6]
         with pytest.raises(BadInput, match="no calibration of type ''"):
             history.show(type="")
+        with pytest.raises(BadInput, match="no calibration of block 'B000000' of type 'X'"):
+            history.trend("B000000", type="X")
     told = valid(tumble("history", "trend", "--type", "T", "--json", cwd=tmp_path).stdout, "history")
     assert (told["blocks"], told["calibrations"]) == (3, 18)
 

@@ -23,14 +23,15 @@ def check(found):
 
 
 def test_a_thousand_blocks(tmp_path):
-    check(benchmark.measured(1000, 10, str(tmp_path / "history.db"), with_lines=False))
+    pytest.importorskip("pyarrow")
+    check(benchmark.measured(1000, 10, str(tmp_path / "history.db"), str(tmp_path / "h.parquet"), with_lines=False))
 
 
 @pytest.mark.full
 def test_a_hundred_thousand_calibrations(tmp_path):
     """In seconds: no longer than pandas takes for straight lines."""
     pytest.importorskip("pandas")
-    found = benchmark.measured(10_000, 10, str(tmp_path / "history.db"))
+    found = benchmark.measured(10_000, 10, str(tmp_path / "history.db"), str(tmp_path / "h.parquet"))
     check(found)
     assert found["trend, s"] < 2.0 * found["straight lines by pandas, s"]
     assert found["due, s"] < 3.0 * found["straight lines by pandas, s"]

@@ -158,7 +158,7 @@ class History:
     def _of_type(self, serial: str | None, type: str | None) -> Columns:
         """Of one block all blocks of its type: its growth is theirs."""
         if serial is not None:
-            type = str(self.columns(serial)["type"][-1])
+            type = str(self.columns(serial, type=type)["type"][-1])
         return self.columns(type=type)
 
 
