@@ -27,9 +27,10 @@ from tumble.files.calibrated import OUTPUTS, Demand, Seen, with_calibrated
 from tumble.files.disk import RESULT_FILE, read_bytes, write_text
 from tumble.files.rows import HIGHEST_C, LOWEST_C, NUMBERS
 from tumble.files.run_layout import LayoutOptions
+from tumble.model import reliability
 from tumble.model.thermal import Polynomials, ThermalFit
 from tumble.solving.plausibility import outside
-from tumble.solving.result import created, declared_stand
+from tumble.solving.result import created, declared_stand, unseen
 from tumble.solving.thermal import BOLTING_KEPT, DEGREES, STAND_KEPT, Measured, ThermalSolution, solve_together
 from tumble.stand import by_channel
 from tumble.units import SI, force_unit, volts_per
@@ -162,6 +163,8 @@ def document_of(single: Sequence[Solved], found: ThermalSolution) -> Thermal:
         )
         if found.has_stand
         else None,
+        reliability=None if found.reliability is None else unseen(found.reliability),
+        reliability_norm_g=None if found.reliability is None else reliability.largest(found.reliability),
         max_abs_delta_g_g=max(float(np.abs(one).max()) for one in found.delta_g),
         at_one_temperature_g=found.at_one_temperature_g,
         passed=decision.passed,

@@ -151,7 +151,10 @@ def _coefficients(result: ThermalResult) -> tuple[tuple[str, ...], list[tuple[st
 
 def _checks(result: ThermalResult) -> list[str]:
     """A sentence for each."""
-    told = result.checked
+    from tumble.model import reliability
+    from tumble.model.patterns import BY_NAME
+
+    told, unseen = result.checked, []
     lines = [f"Gravity check: largest error {told.max_abs_delta_g_g:.2g} g, limit {told.decision.limit_g:g} g"]
     if told.fit is not None:
         lines.append(
@@ -167,7 +170,10 @@ def _checks(result: ThermalResult) -> list[str]:
         f"With the values at {told.reference_c:g} deg C alone |a| would be wrong by up to"
         f" {told.at_one_temperature_g * 1e6:.3g} ug"
     )
-    for one in told.runs:
-        verdict = "PASS" if one.passed else f"FAIL: {one.pass_reason}"
-        lines.append(f"{one.file} alone, at {one.mean_c:.3g} deg C: {verdict}")
+    for one in told.reliability or ():
+        unseen.append(reliability.Undetected(BY_NAME[one.pattern], one.size, one.norm_error_g))
+    lines += reliability.lines(tuple(unseen), told.decision.limit_g)
+    for run in told.runs:
+        verdict = "PASS" if run.passed else f"FAIL: {run.pass_reason}"
+        lines.append(f"{run.file} alone, at {run.mean_c:.3g} deg C: {verdict}")
     return lines

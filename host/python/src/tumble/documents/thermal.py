@@ -7,7 +7,7 @@ from typing import Annotated, Final, Literal
 from msgspec import Meta, field
 
 from tumble.documents.base import Document, Matrix, Share, Size, SizeMatrix, Sizes, Square, Vector, exactly, read
-from tumble.documents.result import Decision, DeclaredStand, Labels, Name, WorstNorm
+from tumble.documents.result import Decision, DeclaredStand, Labels, Name, Unseen, WorstNorm
 from tumble.units import UNIT
 
 THERMAL: Final = "tumble.thermal/1"
@@ -63,6 +63,10 @@ class Thermal(Document, kw_only=True):
     u_norm_g: At temperatures of the range, the worst standard uncertainty of |a| over all attitudes.
     kept: Sources of error whose errors are the same in all runs.
     fit: null without a stand file.
+    reliability: What all runs together could not have shown, as in a
+        [result](method.md#what-a-run-could-not-have-shown): what is the block's is in all of them, anything else in
+        one. null without a stand file.
+    reliability_norm_g: The largest `norm_error_g` of it; null if none is known.
     max_abs_delta_g_g: Largest gravity error of all positions, with the coefficients of their temperature.
     at_one_temperature_g: Largest error of |a| over the range with the coefficients of `reference_c` alone.
     passed: The decision over the whole range; with `pass_reason`.
@@ -83,6 +87,8 @@ class Thermal(Document, kw_only=True):
     covariance: Square | None
     u_norm_g: tuple[AtTemperature, ...]
     fit: ThermalFit | None
+    reliability: tuple[Unseen, ...] | None = None
+    reliability_norm_g: Size | None = None
     max_abs_delta_g_g: Size
     at_one_temperature_g: Size
     passed: bool = field(name="pass")

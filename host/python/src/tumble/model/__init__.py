@@ -16,6 +16,7 @@ uncertainties, checked in every solve, means something only as long as that hold
     stand_seen    the stand as a run shows it
     reliability   what a run, or a kind of run, cannot show
     thermal       K and U0 as polynomials of the temperature, of runs at several
+    thermal_reliability    what these runs cannot show, all together
 """
 
 from tumble.model.coefficients import closure, gravity_errors, intrinsic, residual_rms

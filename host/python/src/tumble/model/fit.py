@@ -114,12 +114,7 @@ class WholeModel:
         only by the errors of the stand, as cubes do on the diagonals; or only by rounding, as a yaw does where gravity
         lies along its axis."""
         outputs = np.array([(column / self._noise).ravel() for column in columns.values()]).T
-        shown, length = self._left.T @ outputs, np.linalg.norm(outputs, axis=0)
-        beside = outputs - self._coefficients @ (self._coefficients.T @ outputs)
-        seen = np.linalg.norm(shown, axis=0) > _NULL * length
-        seen &= np.linalg.norm(beside, axis=0) > _SHOWN * length
-        seen &= length > _NULL * length.max(initial=0.0)
-        return np.where(seen, shown, 0.0)
+        return what_is_shown(outputs, self._left.T @ outputs, self._coefficients)
 
     def given(self, besides: Columns) -> tuple[Floats, Floats]:
         """The space of other patterns that are there `besides`, (freedom, their rank), and what remains of `rest`."""
@@ -137,6 +132,17 @@ class WholeModel:
         part = own.T @ rest
         freedom = own.shape[1]
         return Score(freedom, chi_squared_log_above(float(part @ part), freedom), _sizes(list(columns), shown, rest))
+
+
+def what_is_shown(outputs: Floats, shown: Floats, coefficients: Floats) -> Floats:
+    """What the residuals have of columns of `outputs`, `shown`, without what they show by rounding, or of which the
+    coefficients, whose directions these are, leave almost nothing."""
+    length = np.linalg.norm(outputs, axis=0)
+    beside = outputs - coefficients @ (coefficients.T @ outputs)
+    seen = np.linalg.norm(shown, axis=0) > _NULL * length
+    seen &= np.linalg.norm(beside, axis=0) > _SHOWN * length
+    seen &= length > _NULL * length.max(initial=0.0)
+    return np.where(seen, shown, 0.0)
 
 
 def basis(columns: Floats) -> Floats:

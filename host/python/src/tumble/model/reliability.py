@@ -13,7 +13,9 @@ from __future__ import annotations
 
 import itertools
 import textwrap
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -83,7 +85,7 @@ def _is_hidden(effect: Floats, explaining: Floats, seen: float = _SEEN) -> bool:
 
 
 FOUND = 0.9  # share of runs
-_BESIDE = 1  # tests by the samples, beside those of patterns
+BESIDE = 1  # tests by the samples, beside those of patterns
 _ATTITUDES = 2500  # the error at the worst of them is within 1 % of the largest
 _MOST_SIGNED = 8  # columns; of more, each alone
 _HARMLESS = 1e-7  # error of |a| over what is added to the outputs, both in g
@@ -112,7 +114,7 @@ def reliability(given: Propagation, confidence: float = CONFIDENCE, rounding: fl
     model = WholeModel(schedule, means, variance, stand, terms)
     tested = [one for one in model.patterns if one.name not in terms]
     taken_up = {*DOUBTS, *(pattern for name in declared(stand, schedule) for pattern in SOURCES[name].patterns)}
-    false_alarms = (1.0 - confidence) / (len(tested) + _BESIDE)
+    false_alarms = (1.0 - confidence) / (len(tested) + BESIDE)
     attitudes = spread_attitudes(_ATTITUDES)  # where |a| counts
     gradient, found = norm_gradient(k, attitudes, terms), []
     for pattern in tested:
@@ -124,17 +126,32 @@ def reliability(given: Propagation, confidence: float = CONFIDENCE, rounding: fl
             lasting = [*pattern.columns(Scene(model.schedule, k, attitudes))]
         given_gains = model, k, given.gains, gradient
         places = [
-            _worst(*given_gains, pattern, columns, in_use, false_alarms / len(variants))
+            worst_of(*given_gains, pattern, columns, in_use, false_alarms / len(variants))
             for columns, in_use in zip(variants, lasting)
         ]
-        possible = [one for one in places if one is not None]
-        if possible:
-            found.append(max(possible, key=lambda one: np.inf if one.norm_g is None else one.norm_g))
+        found += worst_place(places)
+    return in_order(found)
+
+
+def worst_place(places: Iterable[Undetected | None]) -> list[Undetected]:
+    """Of a pattern, by what it is at its places: the one that does most harm; none of none."""
+    possible = [one for one in places if one is not None]
+    return [max(possible, key=lambda one: np.inf if one.norm_g is None else one.norm_g)] if possible else []
+
+
+def in_order(found: list[Undetected]) -> Reliability:
+    """The largest error first."""
     return tuple(sorted(found, key=lambda one: -1.0 if one.norm_g is None else one.norm_g, reverse=True))
 
 
-def _worst(
-    model: WholeModel,
+class Shows(Protocol):
+    """A model of a run, or of several at once: `whitened` as WholeModel has it."""
+
+    def whitened(self, columns: Columns) -> Floats: ...
+
+
+def worst_of(
+    model: Shows,
     k: Floats,
     gains: Floats,
     gradient: Floats,

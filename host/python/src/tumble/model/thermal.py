@@ -85,7 +85,7 @@ class ThermalFit:
 def fit(runs: Sequence[ThermalRun], degree: int, reference_c: float, kept: Collection[str] = ()) -> ThermalFit:
     """Fit all runs at once; the errors of sources named in `kept` stay from run to run. Raises NotShown."""
     scale = max(float(np.abs(one.temperature_c - reference_c).max()) for one in runs) or 1.0
-    system = _System(runs, degree, [(one.temperature_c - reference_c) / scale for one in runs], kept)
+    system = System(runs, degree, [(one.temperature_c - reference_c) / scale for one in runs], kept)
     beta, sizes = system.start(), np.zeros(system.count)
     for _ in range(_PASSES):
         rows, left = system.linearised(beta, sizes)
@@ -113,7 +113,7 @@ def _powers(at: Floats, count: int) -> Floats:
     return found
 
 
-class _System:
+class System:
     """The equations of all runs. Unknowns: coefficients of powers of the scaled temperatures `at`, then `count` errors
     over their sigma, of which `free` have no prior."""
 

@@ -17,7 +17,9 @@ from tumble.documents.result import WorstNorm
 from tumble.errors import BadInput, UsageError
 from tumble.model.coefficients import spread_attitudes, worst_norm
 from tumble.model.errors import NOISE, Draws, free, of_stand, sources
+from tumble.model.reliability import Reliability
 from tumble.model.thermal import NotShown, ThermalFit, ThermalRun, fit
+from tumble.model.thermal_reliability import reliability
 from tumble.solving.decision import FIT, GRAVITY, UNCERTAINTY, Decision, assumed, is_shown
 from tumble.solving.solution import Solution
 
@@ -102,6 +104,15 @@ class ThermalSolution:
         return Decision(failures, tuple(named), positions, limit_g, factor, worst)
 
     @cached_property
+    def reliability(self) -> Reliability | None:
+        """What the runs could not have shown, all together; None without a stand."""
+        stand = self._first.propagation.stand
+        if not self.has_stand:
+            return None
+        runs = [thermal_run(one) for one in self.runs]
+        return reliability(runs, self.fit.polynomials, self.range_c, stand, self.confidence, self.kept)
+
+    @cached_property
     def at_one_temperature_g(self) -> float:
         """How wrong |a| is, g, at the worst attitude and temperature of the range, with the coefficients of the
         reference temperature alone."""
@@ -125,7 +136,7 @@ def solve_together(runs: Sequence[Measured], degree: int, kept: Collection[str],
     low, high = float(felt.min()), float(felt.max())
     if high - low < _LEAST_C:
         raise UsageError(f"--temperature: all at {low:.4g} to {high:.4g} deg C: runs {_LEAST_C:g} K apart or more")
-    prepared = [_thermal_run(one) for one in runs]
+    prepared = [thermal_run(one) for one in runs]
     if not all((one.found[NOISE].sigma > 0.0).all() for one in prepared):  # nobody knows that of all: they count alike
         prepared = [replace(one, found={**one.found, NOISE: _with_equal_noise(one.found[NOISE])}) for one in prepared]
     try:
@@ -140,7 +151,7 @@ def _with_equal_noise(noise: Draws) -> Draws:
     return replace(noise, sigma=np.ones_like(noise.sigma))
 
 
-def _thermal_run(one: Measured) -> ThermalRun:
+def thermal_run(one: Measured) -> ThermalRun:
     """Its fit positions, with the errors of its stand."""
     given, variance = one.solution.propagation, one.solution.mean_variance
     fitted = given.schedule.fit_indices
