@@ -200,7 +200,10 @@ WRONG = {
     "estimator=\"optimal\" weighs the means by the stand's errors: it needs stand=": {"estimator": "optimal"},
     "limit_g: '0' is not a number of g above 0, at most 1": {"limit_g": 0},
     "confidence: '2' is not a number from 0.5 to 0.999999": {"confidence": 2},
-    "model: 'k4' is not one of k2, k3, drift, once each": {"model": "k4", "estimator": "least_squares"},
+    "model: 'k4' is not one of k2, k3, asymmetry, cross, drift, once each": {
+        "model": "k4",
+        "estimator": "least_squares",
+    },
     "stand: a int is neither the path of a stand file nor a tumble.Stand": {"stand": 7},
     "schedule: a int is neither a name nor the path of a schedule file nor a tumble.Schedule": {"schedule": 7},
 }

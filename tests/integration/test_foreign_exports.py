@@ -210,6 +210,9 @@ class Matlab:
     def rewritten(self, body):
         body = re.sub(r"\[(.*)\] \./", r"np.hstack([\1]) /", body)
         body = body.replace("((1:3) == j)", "(np.arange(1, 4) == j)")
+        body = re.sub(r"\(\[(\d) (\d) (\d)\] == j\)", r"(np.array([[\1, \2, \3]]) == j)", body)
+        body = re.sub(r"a\(:, \[(\d) (\d) (\d)\]\)", r"a[:, np.array([\1, \2, \3]) - 1]", body)
+        body = body.replace("abs(a)", "np.abs(a)").replace("sign(a)", "np.sign(a)")
         body = re.sub(r"tumble\.(\w+)\(:, j\)'", r"self.matrix('\1')[:, int(j) - 1][None]", body)
         body = re.sub(r"tumble\.(\w+)('?)", lambda m: f"self.matrix('{m[1]}'){'.T' if m[2] else ''}", body)
         body = re.sub(r"(tumble_\w+)\(", r"self.called('\1', ", body)

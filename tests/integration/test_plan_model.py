@@ -152,8 +152,8 @@ REFUSED = {
     ("plan", "paper", "--model", "k2"): "the paper's model has twelve coefficients; further terms are for other plans",
     ("plan", "budget", "--model", "k2"): "refined is a closed form of twelve coefficients; use --estimator"
     " least_squares, or optimal with --stand FILE",
-    ("plan", "require", "--model", "k4", "--estimator", "optimal"): "'k4' is not one of k2, k3, drift, once each",
-    ("plan", "schedule", "--model", "k2,k2"): "'k2' is not one of k2, k3, drift, once each",
+    ("plan", "require", "--model", "k4"): "'k4' is not one of k2, k3, asymmetry, cross, drift, once each",
+    ("plan", "schedule", "--model", "k2,k2"): "'k2' is not one of k2, k3, asymmetry, cross, drift, once each",
     ("bench", "--model", "k2"): "refined is a closed form of twelve coefficients; use --estimator least_squares, or"
     " optimal with --stand FILE",
     ("plan", "budget", "--model", "k2", "--weights", "published", "--estimator", "averaged"): "the paper's weights are"
@@ -171,7 +171,8 @@ def test_a_schedule_that_does_not_tell_them(command, refused, tmp_path):
     words = [tmp_path / word if word == "made" else word for word in command]
     line = refused(*words, "--schedule", "diagonal", "--model", "k3", "--estimator", "optimal")
     assert line == (
-        "tumble: --model k3: these positions cannot tell apart K3_x and K_xx, nor K3_y and K_yy, nor K3_z and K_zz\n"
+        "tumble: --model k3: these positions cannot tell apart K3_x and K_xx, nor K3_y and K_yy, nor K3_z and K_zz;"
+        " the schedule paper or three_mountings does\n"
     )
     assert not (tmp_path / "made").exists()
 

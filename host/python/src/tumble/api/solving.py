@@ -192,7 +192,7 @@ def solve(
     confidence : float, optional
         At which the run must fit its stand, 0.5 to 0.999999.
     model : str or list of str, optional
-        Further terms, "k2", "k3", "drift", of least_squares and optimal.
+        Further terms, "k2", "k3", "asymmetry", "cross", "drift", of least_squares and optimal.
     unit, columns : any, optional
         Of what is read here, as `read` has them.
 

@@ -49,8 +49,8 @@ _SHARED: dict[str, dict[str, Any]] = {  # by option, what argparse is told; {}: 
     },
     "--model": {
         "metavar": "TERM,...",
-        "help": f"further terms to find: {', '.join(TERMS)} (second and third order, drift over the run); needs"
-        f" --estimator {' or '.join(EXTENDABLE)}",
+        "help": f"further terms to find: {', '.join(TERMS)} (second and third order, a scale that differs by sign,"
+        f" products of two axes, drift over the run); needs --estimator {' or '.join(EXTENDABLE)}",
     },
     "--limit": {
         "metavar": "G",

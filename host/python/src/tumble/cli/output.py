@@ -39,7 +39,7 @@ from tumble.solving.decision import (
 from tumble.solving.many_runs import NORMAL_COVERAGE, MonteCarlo
 from tumble.solving.solution import Solution
 from tumble.solving.uncertainty import HANDS, NEARLY_INFINITE, PROBABILITY, Coverage, ExtendedTerms
-from tumble.terms import names
+from tumble.terms import UNITS_OF_VALUES, model_of, names
 from tumble.units import noise_unit, on_its_side, per_g, volts_per
 
 _COLUMNS = 80  # a narrower terminal wraps lines, which loses nothing
@@ -123,7 +123,7 @@ def _show(lines: list[Line | Table]) -> None:
 def page(solution: Solution, file: str, with_details: bool) -> list[Line | Table]:
     """All that a person is told of a solution, from top to bottom. `file`: what was solved."""
     decision, counters = decide(solution), solution.run.counters
-    model = f" with {', '.join(solution.found.terms)}" if solution.extended_terms is not None else ""
+    model = f" with {', '.join(model_of(solution.found.terms))}" if solution.extended_terms is not None else ""
     positions = f"{counters['positions']} of {len(solution.schedule.positions)} positions"
     solved = f"{file}: {counters['rows']} samples at {positions}, estimator {solution.found.estimator}{model}"
     why = misfit_sentence(solution)
@@ -175,7 +175,7 @@ def coefficient_table(solution: Solution, with_details: bool) -> tuple[tuple[str
     differences = _twelve(solution.comparison.k, solution.comparison.u0)
     if solution.extended_terms is not None:
         extended = solution.extended_terms
-        of_terms = [{"k2": "1/g", "k3": "1/g^2"}.get(term, unit) for term in extended.terms for _ in "xyz"]
+        of_terms = [UNITS_OF_VALUES.get(term, unit) for term in extended.terms for _ in "xyz"]
         values += extended.values.ravel().tolist()
         units += of_terms
         u += [None] * len(of_terms) if extended.u is None else extended.u.ravel().tolist()
@@ -430,7 +430,9 @@ def _cost_of_terms(extended: ExtendedTerms) -> list[str]:
             sizes = f"{before[worst] / scale[worst]:.3g} -> {after[worst] / scale[worst]:.3g}"
             parts.append(f"u({COEFFICIENTS[worst]}) {sizes} {unit}")
     parts.append(f"worst u(|a|) {without.u_norm_g * 1e6:.3g} -> {now.worst_g * 1e6:.3g} ug")
-    return textwrap.wrap(f"Because of {listed(extended.terms)}: {', '.join(parts)}", _COLUMNS, break_on_hyphens=False)
+    return textwrap.wrap(
+        f"Because of {listed(model_of(extended.terms))}: {', '.join(parts)}", _COLUMNS, break_on_hyphens=False
+    )
 
 
 def _simulated(found: MonteCarlo) -> list[str]:

@@ -32,7 +32,7 @@ from tumble.solving.decision import GRAVITY, UNCERTAINTY, Decision
 from tumble.solving.plausibility import TOLERANCE_C
 from tumble.solving.result import as_shown, schedule_of, stand_of
 from tumble.stand import SOURCES, PerChannel, Stand, over
-from tumble.terms import POWERS, Terms
+from tumble.terms import DRIFT, KEYS, Terms, expanded, model_of
 from tumble.units import volts_per
 
 _AGREEMENT = 1e-5  # of the standard uncertainties, in any direction: more than two computations differ by
@@ -83,7 +83,7 @@ class ComparedResult:
     @property
     def terms(self) -> Terms:
         """That it was solved with beside the twelve coefficients, drift among them."""
-        return () if self.document.extended is None else self.document.extended.terms
+        return () if self.document.extended is None else expanded(self.document.extended.terms)
 
     @property
     def failures(self) -> tuple[str, ...]:
@@ -283,9 +283,10 @@ def _of_both(a: ComparedResult, b: ComparedResult) -> list[str]:
     dates = _run_date(a), _run_date(b)
     if all(dates) and dates[0] > dates[1]:
         found.append(f"A was measured on {dates[0]}, B before, on {dates[1]}: {_EXCHANGED}")
-    for term in POWERS:
-        if (term in a.terms) != (term in b.terms):
-            which = "A" if term in a.terms else "B"
+    models = model_of(a.terms), model_of(b.terms)
+    for term in (one for one in KEYS if one != DRIFT):
+        if (term in models[0]) != (term in models[1]):
+            which = "A" if term in models[0] else "B"
             found.append(f"{term} is in the model of {which} alone: the others mean something else with it")
     return found
 

@@ -26,7 +26,7 @@ from tumble.estimators import COEFFICIENTS
 from tumble.files.rows import range_text
 from tumble.fixture.report import in_columns, wrapped
 from tumble.solving.decision import NOT_SHOWN, UNCERTAINTY, phrase
-from tumble.terms import names
+from tumble.terms import UNITS_OF_VALUES, names
 from tumble.units import per_g, rounded
 
 _MILLIONTHS = 1e6
@@ -53,7 +53,7 @@ def document(compared: pair.Comparison) -> Comparison:
         explained = Explained(name, one.size * _MILLIONTHS, one.u * _MILLIONTHS, of_name, one.p)
     seat = _rows([f"seat_{axis}" for axis in "xyz"], ["urad"] * 3, found.seat, _MILLIONTHS)
     units = [per_g(unit)] * 9 + [unit] * 3
-    units += ["1/g" if term == "k2" else "1/g^2" for term in compared.terms for _ in "xyz"]
+    units += [UNITS_OF_VALUES[term] for term in compared.terms for _ in "xyz"]
     coefficients = _rows([*COEFFICIENTS, *names(compared.terms)], units, found.coefficients)
     return Comparison(
         verdict=compared.verdict.value,

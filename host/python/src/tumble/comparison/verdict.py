@@ -38,12 +38,12 @@ NAMES = (
     *(f"bias_{axis}" for axis in "xyz"),
 )
 UNITS = ("ppm",) * 3 + ("urad",) * 3 + ("ug",) * 3
-_UNITS_OF_TERMS = {"k2": "ug/g^2", "k3": "ug/g^3"}
+_UNITS_OF_TERMS = {1: "ug/g", 2: "ug/g^2", 3: "ug/g^3"}  # by their power
 
 
 @dataclass(frozen=True)
 class Calibration:
-    """`values` (12 + 3 x terms,): K row by row, U0, then K2 and K3 as far as they are in `terms`, in the unit of the
+    """`values` (12 + 3 x terms,): K row by row, U0, then the values of `terms`, of POWERS, in the unit of the
     outputs and g. Their `covariance`, None where it is unknown: all of it, or without `in_common`, (draws, 12 + 3 x
     terms): errors that the other calibration has as well, draw by draw, one standard deviation of each."""
 
@@ -65,7 +65,7 @@ class Calibration:
     @property
     def parameter_units(self) -> tuple[str, ...]:
         """Of a millionth of each parameter."""
-        return UNITS + tuple(_UNITS_OF_TERMS[term] for term in self.terms for _ in "xyz")
+        return UNITS + tuple(_UNITS_OF_TERMS[POWERS[term]] for term in self.terms for _ in "xyz")
 
     @property
     def parameters(self) -> Floats:

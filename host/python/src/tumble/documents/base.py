@@ -68,6 +68,8 @@ if TYPE_CHECKING:
     Matrix: TypeAlias = Floats
     Sizes: TypeAlias = Floats
     SizeMatrix: TypeAlias = Floats
+    Six: TypeAlias = Floats
+    SixSizes: TypeAlias = Floats
     Covariance: TypeAlias = Floats
     Square: TypeAlias = Floats
     Numbers: TypeAlias = Floats
@@ -81,6 +83,8 @@ else:
     Matrix = _Array("Matrix", (3, 3))
     Sizes = _Array("Sizes", (3,), 0.0)
     SizeMatrix = _Array("SizeMatrix", (3, 3), 0.0)
+    Six = _Array("Six", (6,))
+    SixSizes = _Array("SixSizes", (6,), 0.0)
     Covariance = _Array("Covariance", (12, 12))
     Square = _Array("Square", (None, None))
     Numbers = _Array("Numbers", (None,))

@@ -18,6 +18,7 @@ from tumble.documents.base import (
     PerCoefficient,
     Positive,
     Share,
+    SixSizes,
     Size,
     SizeMatrix,
     SizePerCoefficient,
@@ -144,7 +145,7 @@ class ModelCost(Document):
     """Further terms of the model (--model): what they cost. Null for a term that is not in it.
 
     u_norm_of_K_U0_g: As u_norm_g, by K and U0 alone.
-    u_norm_g: Worst u(|a|), g, K2 and K3 applied.
+    u_norm_g: Worst u(|a|), g, the terms applied; a drift is over.
     """
 
     terms: Terms
@@ -154,6 +155,8 @@ class ModelCost(Document):
     u_norm_of_K_U0_g: Size
     without: WithoutTerms
     u_norm_g: Size
+    u_asymmetry: Sizes | UnsetType = UNSET
+    u_cross_per_g: SixSizes | UnsetType = UNSET
 
 
 class Promise(Document):

@@ -11,8 +11,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Annotated, Final, Generic, Literal, TypeAlias, TypeVar
 
 import msgspec
+import numpy as np
 from msgspec import UNSET, Meta, UnsetType, field
 
+from tumble.arrays import Floats
 from tumble.documents.base import (
     LARGEST,
     ByChannel,
@@ -25,6 +27,8 @@ from tumble.documents.base import (
     PlaceNumber,
     Positive,
     Share,
+    Six,
+    SixSizes,
     Size,
     SizeMatrix,
     Sizes,
@@ -37,7 +41,7 @@ from tumble.errors import quoted
 from tumble.files.disk import RESULT_FILE, read_bytes
 from tumble.schedule import CHECK, FIT
 from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, SOURCES
-from tumble.terms import KEYS, TERMS
+from tumble.terms import KEYS, TERMS, expanded
 from tumble.units import UNIT, spelled
 
 RESULT: Final = "tumble.result/1"
@@ -160,18 +164,22 @@ class WithoutTerms(Document):
 
 
 class Extended(Document):
-    """Further terms: U_i += K_ii (K2_i a_i^2 + K3_i a_i^3) + drift_i (t - 1/2), t from 0 at the first position of the
-    run to 1 at the last. Three numbers are those of the channels x, y, z; null for a term that is not in the model,
-    and uncertainties without a declared stand. U0 is that of the middle of the run.
+    """Further terms: U_i += K_ii (K2_i a_i^2 + K3_i a_i^3 + asymmetry_i |a_i| + sum_j cross_ij a_i a_j)
+    + drift_i (t - 1/2), j another axis than i, t from 0 at the first position of the run to 1 at the last. Three
+    numbers are those of the channels x, y, z; null or absent for a term that is not in the model, and uncertainties
+    without a declared stand. U0 is that of the middle of the run.
+
+    asymmetry: Half the difference of the scales for force along the axis and against it, over the scale.
+    cross_per_g: Of channel and the other axis: xy, yz, zx, xz, yx, zy, as names lists them.
 
     drift_v: From the first position to the last, in volts for outputs in V, mV, uV or kV, else in the unit of the
         outputs.
     names: Of the terms by channel, in the order that covariance has them.
     covariance: Of K row by row, U0, and what names lists, in the products of their units.
-    u_norm_of_K_U0_g: What u_norm_g.worst_g would be by the uncertainties of K and U0 alone; u_norm_g has those of K2
-        and K3 too, and what they have in common.
+    u_norm_of_K_U0_g: What u_norm_g.worst_g would be by the uncertainties of K and U0 alone; u_norm_g has those of the
+        terms of the force too, and what they have in common.
     without: The uncertainties of the same run without the further terms.
-    max_abs_difference: Core less numpy, of K_ii K2_i, K_ii K3_i and the drift, in the unit of the outputs.
+    max_abs_difference: Core less numpy, of K_ii K2_i and so on, and of the drift, in the unit of the outputs.
     """
 
     terms: Annotated[tuple[Term, ...], Meta(min_length=1, extra_json_schema={"uniqueItems": True})]
@@ -179,20 +187,38 @@ class Extended(Document):
     u_k2_per_g: Sizes | None = None
     k3_per_g2: Vector | None = None
     u_k3_per_g2: Sizes | None = None
+    asymmetry: Vector | UnsetType = UNSET
+    u_asymmetry: Sizes | UnsetType | None = UNSET
+    cross_per_g: Six | UnsetType = UNSET
+    u_cross_per_g: SixSizes | UnsetType | None = UNSET
     drift_v: Vector | None = None
     u_drift_v: Sizes | None = None
-    names: tuple[Annotated[str, exactly("(K2|K3|drift)_[xyz]")], ...] = ()
+    names: tuple[Annotated[str, exactly("(K2|K3|asymmetry|drift)_[xyz]|cross_(xy|yz|zx|xz|yx|zy)")], ...] = ()
     covariance: Square | None = None
     u_norm_of_K_U0_g: Size | None = None
     without: WithoutTerms | None = None
     max_abs_difference: Size | None = None
 
     def __post_init__(self) -> None:
-        size = 12 + 3 * len(self.terms)
-        if len(set(self.terms)) < len(self.terms) or any(getattr(self, KEYS[term]) is None for term in self.terms):
+        size = 12 + 3 * len(expanded(self.terms))
+        found = [getattr(self, KEYS[term]) for term in self.terms]
+        if len(set(self.terms)) < len(self.terms) or any(isinstance(one, None | UnsetType) for one in found):
             raise ValueError("terms without their sizes")
         if self.covariance is not None and self.covariance.shape != (size, size):
             raise ValueError("a covariance of another size")
+
+    @property
+    def values(self) -> list[Floats]:
+        """Those of terms.expanded, three each."""
+        return [np.array(three) for term in self.terms for three in np.reshape(getattr(self, KEYS[term]), (-1, 3))]
+
+    @property
+    def u_values(self) -> list[Floats] | None:
+        """Their standard uncertainties; None where they are unknown."""
+        found = [getattr(self, f"u_{KEYS[term]}") for term in self.terms]
+        if any(isinstance(one, None | UnsetType) for one in found):
+            return None
+        return [np.array(three) for one in found for three in np.reshape(one, (-1, 3))]
 
 
 class Shift(Document):
@@ -596,11 +622,11 @@ class Result(Document, kw_only=True):
         diagonal are `u_K` and `u_U0`, to 1e-9 of them (`optimal`: 1e-6); null without a stand file.
     u_norm_g: `worst_g`: standard uncertainty of the length of the calibrated acceleration, at the attitude where it is
         largest; `attitude`: that direction on the block's axes. [How](method.md#uncertainty)
-    extended: For `--model`, else null: `terms`, and their values by channel, `k2_per_g`, `k3_per_g2`, `drift_v` (over
-        the whole run; `U0` refers to its middle), each with its `u_` twin; `covariance` of `K`, `U0` and `names`;
-        `without`: `u_K`, `u_U0` and `u_norm_g` of the same run with twelve coefficients, and `u_norm_of_K_U0_g`;
-        `max_abs_difference` from numpy. `drift_v` is in volts as `noise_v` is. `stand_seen` then has no angles.
-        [How](method.md#more-coefficients)
+    extended: For `--model`, else null: `terms`, and their values by channel, `k2_per_g`, `k3_per_g2`, `asymmetry`,
+        `cross_per_g`, `drift_v` (over the whole run; `U0` refers to its middle), each with its `u_` twin; `covariance`
+        of `K`, `U0` and `names`; `without`: `u_K`, `u_U0` and `u_norm_g` of the same run with twelve coefficients, and
+        `u_norm_of_K_U0_g`; `max_abs_difference` from numpy. `drift_v` is in volts as `noise_v` is. `stand_seen`
+        then has no angles. [How](method.md#more-coefficients)
     second_order: Whether the declared angles are small enough for these uncertainties, which are of first order: `bias`
         is the expected shift of every coefficient by squares of the angles, in its unit; `matters` is true if any
         exceeds 0.2 u; `shifts` lists those coefficients (`source` with the largest part, `coefficient`, `bias_relative`

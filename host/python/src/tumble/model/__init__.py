@@ -6,6 +6,7 @@ uncertainties, checked in every solve, means something only as long as that hold
     geometry      the specific force on a stand with errors; the built-in schedules
     errors        the table of a stand's errors, and what they do to the outputs
     estimators    closed forms and least squares, their gains; what a schedule cannot identify
+    further       terms of the model beside the twelve coefficients
     inclined      the closed form of a block that is bolted on once, and inclined with its stand
     norm          any still poses, by |a| alone: nine coefficients
     optimal       generalised least squares: from the data, and as a table of gains

@@ -3,9 +3,9 @@ uncertainty (worst_norm), intrinsic parameters, gravity check, closure and resid
 
 The model (tumble.terms) is U = F(a) with
 
-    F_i(a) = U0_i + sum_j K_ij a_j + K_ii (K2_i a_i^2 + K3_i a_i^3)
+    F_i(a) = U0_i + sum_j K_ij a_j + K_ii (K2_i a_i^2 + K3_i a_i^3 + s_i |a_i| + sum_j C_ij a_i a_j)
 
-Without K2 and K3 a = K^-1 (U - U0). With them it is found from there by Newton's method, a - J^-1 (F(a) - U) with
+Without further terms a = K^-1 (U - U0). With them it is found from there by Newton's method, a - J^-1 (F(a) - U) with
 J = dF/da; what is exported to C and MATLAB (report/exports) does the same, PASSES times. Coefficients that are off by
 dc show a force that is off by da = -J^-1 (dF/dc) dc to first order; so the covariance of the
 coefficients gives that of the force, and of its length by the direction of a.
@@ -29,9 +29,10 @@ import numpy as np
 from tumble.arrays import Flags, Floats
 from tumble.documents.result import WorstNorm
 from tumble.model.estimators import time_of_run
+from tumble.model.further import felt, slope
 from tumble.model.geometry import ideal_force
 from tumble.schedule import Schedule
-from tumble.terms import DRIFT, POWERS, Terms
+from tumble.terms import DRIFT, POWERS, Terms, model_of, name
 
 PASSES = 12  # for whoever does not look whether it moves: each doubles the digits, once the root is near
 _STEPS = 50
@@ -45,22 +46,26 @@ class NotSolvable(Exception):
 
 
 class NoForce(NotSolvable):
-    """K2 or K3 is so large that outputs do not tell the force. `rows`: indices of such samples."""
+    """Further `terms` are so large that outputs do not tell the force. `rows`: indices of such samples."""
 
-    def __init__(self, rows: Flags):
+    def __init__(self, rows: Flags, terms: Terms):
         self.rows = np.flatnonzero(rows)
-        super().__init__("K2 or K3 is so large that the outputs do not tell the acceleration")
+        super().__init__(f"{_either(terms)} is so large that the outputs do not tell the acceleration")
+
+
+def _either(terms: Terms) -> str:
+    return " or ".join(map(name, model_of(terms)))
 
 
 class Force:
     """Outputs to specific force, in the unit of the coefficients, g or m/s^2: `values` in the order of COEFFICIENTS,
-    then those of `terms` (K2, K3); `covariance` of these, None where it is not known."""
+    then those of `terms`, of POWERS; `covariance` of these, None where it is not known."""
 
     def __init__(self, values: Floats, terms: Terms = (), covariance: Floats | None = None):
         self._covariance = covariance
         self._k, self._u0 = values[:9].reshape(3, 3), values[9:12]
         self._inverse = np.linalg.inv(self._k)
-        self._further = [(POWERS[term], size) for term, size in zip(terms, values[12:].reshape(-1, 3))]
+        self._further = dict(zip(terms, values[12:].reshape(-1, 3)))
 
     def of(self, outputs: Floats) -> Floats:
         """The force (samples, 3) of `outputs` (samples, 3), in the unit of the result; NaN where an output is. Raises
@@ -76,28 +81,28 @@ class Force:
         target = np.where(known[:, None], left, 0.0)
         with np.errstate(all="ignore"):  # what does not converge is told of below
             for _ in range(_STEPS):
-                slope = self._slope(found)
-                singular = np.linalg.det(slope) * sign <= 0.0
-                slope[singular] = self._k
+                steep = self._slope(found)
+                singular = np.linalg.det(steep) * sign <= 0.0
+                steep[singular] = self._k
                 shown = found @ self._k.T
-                for power, size in self._further:
-                    shown += np.diag(self._k) * size * found**power
-                step = np.linalg.solve(slope, (shown - target)[..., None])[..., 0]
+                for term, size in self._further.items():
+                    shown += np.diag(self._k) * size * felt(term, found)
+                step = np.linalg.solve(steep, (shown - target)[..., None])[..., 0]
                 found = found - step
                 moved = np.abs(step).max(axis=1)
                 open_ones = ~(moved <= _CLOSE * np.maximum(1.0, np.abs(found).max(axis=1))) | singular
                 if not open_ones.any():
                     break
         if open_ones.any():
-            raise NoForce(open_ones)
+            raise NoForce(open_ones, tuple(self._further))
         return np.where(known[:, None], found, np.nan)
 
     def _slope(self, force: Floats) -> Floats:
         """J (samples, 3, 3)."""
-        slope: Floats = np.repeat(self._k[None], len(force), axis=0)
-        for power, size in self._further:
-            slope[:, range(3), range(3)] += np.diag(self._k) * power * size * force ** (power - 1)
-        return slope
+        found: Floats = np.repeat(self._k[None], len(force), axis=0)
+        for term, size in self._further.items():
+            found += (np.diag(self._k) * size)[:, None] * slope(term, force)
+        return found
 
     @property
     def is_certain(self) -> bool:
@@ -122,9 +127,10 @@ class Force:
         for i in range(3):
             by_coefficient[:, i, 3 * i : 3 * i + 3] = force
             by_coefficient[:, i, 9 + i] = 1.0
-            for place, (power, size) in enumerate(self._further):
-                by_coefficient[:, i, 4 * i] += size[i] * force[:, i] ** power
-                by_coefficient[:, i, 12 + 3 * place + i] = self._k[i, i] * force[:, i] ** power
+            for place, (term, size) in enumerate(self._further.items()):
+                shown = felt(term, force)[:, i]
+                by_coefficient[:, i, 4 * i] += size[i] * shown
+                by_coefficient[:, i, 12 + 3 * place + i] = self._k[i, i] * shown
         gradient = rows @ by_coefficient
         variance = ((gradient @ self._covariance) * gradient).sum(axis=2)
         found: Floats = np.sqrt(np.maximum(variance, 0.0))
@@ -139,10 +145,11 @@ def linear_outputs(means: Floats, k: Floats, u0: Floats, sizes: Floats, terms: T
     if not powers:
         return still
     if (np.abs(np.diag(k)) < _LEAST_OWN * np.linalg.norm(k, axis=1)).any():
-        raise NotSolvable("a channel does not measure along its own axis, of which K2 and K3 are: channels exchanged?")
+        of = " and ".join(map(name, model_of(powers))) + (" are" if len(powers) > 1 else " is")
+        raise NotSolvable(f"a channel does not measure along its own axis, of which {of}: channels exchanged?")
     further = [size[term] / np.diag(k) for term in powers]
     if (sum(POWERS[term] * np.abs(one) for term, one in zip(powers, further)) >= 1.0).any():  # they turn within 1 g
-        raise NotSolvable("K2 or K3 comes out so large that the outputs do not tell the acceleration")
+        raise NotSolvable(f"{_either(powers)} comes out so large that the outputs do not tell the acceleration")
     force = Force(np.concatenate([k.ravel(), u0, *further]), powers).of(still)
     linear: Floats = u0 + force @ k.T
     return linear
@@ -180,7 +187,7 @@ def norm_gradient(k: Floats, attitudes: Floats, terms: Terms = ()) -> Floats:
     `terms`: (..., 12 + 3 x terms)."""
     n = np.asarray(attitudes, dtype=float)
     w = n @ np.linalg.inv(k)
-    further = [w * n ** POWERS[term] if term in POWERS else np.zeros(n.shape) for term in terms]
+    further = [w * felt(term, n) if term in POWERS else np.zeros(n.shape) for term in terms]
     by_k = np.einsum("...i,...j->...ij", w, n).reshape(*n.shape[:-1], 9)
     return np.concatenate([by_k, w, *further], axis=-1)
 

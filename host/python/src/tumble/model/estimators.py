@@ -16,9 +16,10 @@ from tumble.arrays import Floats, Integers
 from tumble.errors import UsageError
 from tumble.estimators import COEFFICIENTS, HARMONIC, INCLINED, NORM
 from tumble.model import inclined, norm
+from tumble.model.further import felt
 from tumble.model.geometry import built_in, ideal_force
 from tumble.schedule import Mounting, Schedule
-from tumble.terms import DRIFT, POWERS, Terms, names
+from tumble.terms import POWERS, Terms, names
 
 SENSITIVITY = 1e-3  # g, per square root of the positions: with less, the core's threshold, nothing is identified
 _SAME = 1e-9
@@ -112,9 +113,9 @@ def time_of_run(count: int) -> Floats:
 def columns_at(force: Floats, terms: Terms) -> Floats:
     """Outputs by the size of every term at specific forces (positions, 3), in the order of the run: (3 x terms,
     positions, 3)."""
-    felt = {term: force**power for term, power in POWERS.items()}
-    felt[DRIFT] = np.repeat(time_of_run(len(force)), 3, axis=1)
-    return np.array([felt[term] * np.eye(3)[i] for term in terms for i in range(3)]).reshape(-1, len(force), 3)
+    time = np.repeat(time_of_run(len(force)), 3, axis=1)
+    shown = [felt(term, force) if term in POWERS else time for term in terms]
+    return np.array([one * np.eye(3)[i] for one in shown for i in range(3)]).reshape(-1, len(force), 3)
 
 
 @lru_cache(_REMEMBERED)
@@ -225,12 +226,15 @@ def unidentified(schedule: Schedule) -> list[str]:
 
 
 def confused(schedule: Schedule, terms: Terms) -> list[list[str]]:
-    """Sets of coefficients that the fit positions cannot tell apart, each with a further one in it; the threshold is
-    that of `unidentified`. The schedule identifies the twelve; no term is felt by two channels."""
+    """Sets of coefficients that the fit positions cannot tell apart, each with a further one in it, alone where no
+    position shows it; the threshold is that of `unidentified`. The schedule identifies the twelve; no term is felt by
+    two channels."""
     matrix, all_names, found = design(schedule, terms), (*COEFFICIENTS, *names(terms)), []
     for channel in "xyz":
         own = [index for index, name in enumerate(all_names) if name.partition("_")[2].startswith(channel)]
-        own.sort(key=lambda index: index < 12)
+        unseen = [index for index in own if np.linalg.norm(matrix[:, index]) <= SENSITIVITY * len(matrix) ** 0.5]
+        found += [[all_names[index]] for index in unseen]
+        own = sorted(set(own) - set(unseen), key=lambda index: (index < 12, index))
         touched = np.linalg.norm(_null_space(matrix[:, own]), axis=0) > _TOUCHED
         found.append([all_names[index] for index, one in zip(own, touched) if one])
     return [alike for alike in found if alike]

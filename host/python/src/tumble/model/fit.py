@@ -28,7 +28,7 @@ from tumble.model.patterns import BY_NAME, INCLINATION, STAND, Columns, Pattern,
 from tumble.model.stand_seen import ANGLES, Estimate, StandSeen
 from tumble.schedule import Schedule
 from tumble.stand import LARGEST_ERROR_RAD, Stand
-from tumble.terms import Terms
+from tumble.terms import Terms, as_patterns
 
 PASSES = 4
 _FLOOR_G = 1e-7  # times the largest element of its row of K: the noise of a mean never counts as less
@@ -269,7 +269,7 @@ class _Search:
         self._model, self._seen, self._confidence = model, seen, confidence
         self._sampled = {one.name: one for one in sampled}
         self._known: Columns = {}
-        self._left = [*(one.name for one in model.patterns if one.name not in model.terms), *self._sampled]
+        self._left = [*(one.name for one in model.patterns if one.name not in as_patterns(model.terms)), *self._sampled]
 
     def run(self) -> Iterator[Explanation]:
         """Explanations, in the order in which they are found."""

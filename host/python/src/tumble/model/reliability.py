@@ -31,7 +31,7 @@ from tumble.model.patterns import BLOCK, BY_NAME, PATTERNS, Columns, Pattern, Sc
 from tumble.model.propagation import Propagation
 from tumble.schedule import Schedule
 from tumble.stand import SOURCES, Stand
-from tumble.terms import Terms
+from tumble.terms import Terms, as_patterns
 
 _SEEN = 1e-6  # of the effect, left by what explains it: rounding leaves 1e-14, any position that shows it a tenth
 _SHOWN = 1e-2  # of a pattern: what the block's misalignments alone leave of it, as of cubes on inclines, is less
@@ -112,7 +112,7 @@ def reliability(given: Propagation, confidence: float = CONFIDENCE, rounding: fl
     schedule, k, stand, terms = given.schedule, given.k, given.stand, given.terms
     means, variance = ideal_force(schedule) @ k.T, variance_of_means(stand, given.samples, rounding)
     model = WholeModel(schedule, means, variance, stand, terms)
-    tested = [one for one in model.patterns if one.name not in terms]
+    tested = [one for one in model.patterns if one.name not in as_patterns(terms)]
     taken_up = {*DOUBTS, *(pattern for name in declared(stand, schedule) for pattern in SOURCES[name].patterns)}
     false_alarms = (1.0 - confidence) / (len(tested) + BESIDE)
     attitudes = spread_attitudes(_ATTITUDES)  # where |a| counts

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from msgspec import UNSET, UnsetType
@@ -16,7 +16,7 @@ from tumble.model.coefficients import worst_norm
 from tumble.planning.case import Case
 from tumble.planning.promise import error_field
 from tumble.solving.uncertainty import ExtendedTerms
-from tumble.terms import DRIFT, KEYS, names
+from tumble.terms import DRIFT, KEYS, UNITS_OF_VALUES, model_of, names
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -36,16 +36,20 @@ def model_cost(case: Case, estimator: str) -> ExtendedTerms | None:
     return ExtendedTerms(case.terms, k, none, none, covariance, without)
 
 
+_ALWAYS = tuple(f"u_{KEYS[term]}" for term in ("k2", "k3", DRIFT))  # written, though not in the model
+
+
 def model_cost_part(found: ExtendedTerms | None) -> ModelCost | UnsetType:
     """The cost as a part of a plan: `extended` as in a result, without values."""
     if found is None:
         return UNSET
     without, worst, alone = found.without, found.worst_norm, found.worst_norm_of_twelve
     assert without is not None and worst is not None and alone is not None and found.u is not None  # of a planned stand
-    u = dict(zip(found.terms, found.u))
+    u: dict[str, Any] = dict.fromkeys(_ALWAYS)
+    u |= {f"u_{KEYS[term]}": size for term, size in found.by_term(found.u).items()}
     return ModelCost(
-        terms=found.terms,
-        **{f"u_{key}": u.get(term) for term, key in KEYS.items()},
+        terms=model_of(found.terms),
+        **u,
         u_norm_of_K_U0_g=alone.worst_g,
         without=plan.WithoutTerms(without.u_K, without.u_U0, without.u_norm_g),
         u_norm_g=worst.worst_g,
@@ -74,9 +78,9 @@ def show(out: Console, found: ExtendedTerms | None) -> None:
         (name, "V/g" if name.startswith("K") else "V", f"{now:.3e}", f"{before:.3e}", f"{now / before:.2f}")
         for name, now, before in zip(COEFFICIENTS, u, alone)
     ]
-    units = {"k2": "1/g", "k3": "1/g^2", DRIFT: "V"}
-    for name, size in zip(names(found.terms), of_values.ravel()):
-        rows.append((name, units[name.partition("_")[0].lower()], f"{size:.3e}", "", ""))
-    out.print(tables.heading(f"With {', '.join(found.terms)} in the model"))
+    units = [UNITS_OF_VALUES.get(term, "V") for term in found.terms for _ in "xyz"]
+    for name, unit, size in zip(names(found.terms), units, of_values.ravel()):
+        rows.append((name, unit, f"{size:.3e}", "", ""))
+    out.print(tables.heading(f"With {', '.join(model_of(found.terms))} in the model"))
     out.print(tables.table(("", "unit", "u", "u without", "times"), rows, left=(0, 1)))
     out.print(sentence(cost))

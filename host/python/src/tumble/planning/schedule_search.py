@@ -68,7 +68,7 @@ from tumble.schedule import Mounting, Position, Schedule
 from tumble.solving.computation import confused
 from tumble.solving.result import unseen
 from tumble.stand import by_channel
-from tumble.terms import DRIFT, EXTENDABLE, Terms
+from tumble.terms import DRIFT, EXTENDABLE, Terms, model_of
 from tumble.workers.over import ALONE, Piece, Progress, Result, Team, over
 
 if TYPE_CHECKING:
@@ -764,7 +764,7 @@ def show(found: Planned, written: str | None, stand: str | None) -> None:
     if written is not None:
         files = shlex.join(["--schedule", written, *([] if stand is None else ["--stand", stand])])
         how = f"--estimator {found.estimator}"
-        how += f" --model {','.join(found.case.terms)}" if found.case.terms else ""
+        how += f" --model {','.join(model_of(found.case.terms))}" if found.case.terms else ""
         by_record = not best.schedule.is_inclined or math.isfinite(found.case.stand.inclination)
         solved_after = found.estimator == OPTIMAL and not by_record
         on_bench = f"--estimator {INCLINED} --out run" if solved_after else how

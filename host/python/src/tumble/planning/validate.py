@@ -33,7 +33,7 @@ from tumble.planning.weights import estimator_gains
 from tumble.solving import optimal_run
 from tumble.solving.computation import estimate_inclinations, estimator_for
 from tumble.solving.many_runs import Chunk, Sources, chunks, drawn_outputs, stream_of
-from tumble.terms import POWERS, Terms
+from tumble.terms import POWERS, Terms, model_of
 from tumble.workers.over import ALONE, Progress, Result, Team, over
 
 U0_V = (0.01, -0.02, 0.03)  # of the simulated block: linear estimators do not care
@@ -204,7 +204,7 @@ def largest_gravity_errors(means: Floats, found: Floats, terms: Terms = ()) -> F
 
 def _everywhere(found: Floats, k: Floats, terms: Terms) -> Floats:
     """The largest of (8) over all attitudes at rest, without noise, for runs that found (runs, 12 + 3 x terms) of a
-    block with `k` and U0_V; beside K2 and K3, at two thousand of them."""
+    block with `k` and U0_V; beside further terms, at two thousand of them."""
     if set(terms) & set(POWERS):
         still = found.copy()
         for index, term in enumerate(terms):
@@ -356,7 +356,7 @@ def document(case: Case, found: dict[str, Figures], runs: int, seed: int, table:
         runs=runs,
         seed=seed,
         table=table,
-        model=case.terms or UNSET,
+        model=model_of(case.terms) or UNSET,
         names=COEFFICIENTS,
         limits=FigureLimits(
             bias_over_u=bias_limit(runs),

@@ -23,6 +23,8 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from tumble.errors import listed
+from tumble.terms import ASYMMETRY, CROSSES, POWERS, model_of, name as name_of
 from tumble.units import SI
 
 if TYPE_CHECKING:
@@ -33,7 +35,7 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class Format:
     """What it is `about`, how names of its files end, the unit of accelerations that it takes if nobody says another;
-    `twelve`: the program that it is for, if that has no place for K2 and K3; `scales`: the range in which it takes
+    `twelve`: the program that it is for, if that has no place for further terms; `scales`: the range in which it takes
     them, if it has an offset and a scale for each axis, and nothing else."""
 
     about: str
@@ -83,8 +85,7 @@ def exported(
     form = FORMATS[name]
     them = Coefficients.of(result, unit or form.unit)
     if form.twelve is not None and them.terms:
-        terms = " and ".join(map(str.upper, them.terms))
-        raise ValueError(f"{form.twelve} holds twelve coefficients, no {terms}")
+        raise ValueError(f"{form.twelve} holds twelve coefficients, no {_listed(them)}")
     names = _names(result, them, warnings, labels)
     fixed = None if step is None else _fixed_point(them, step)
     given = result.unit, result.environment, them.values, them.uncertainties
@@ -136,7 +137,6 @@ def _names(result: Result, them: Coefficients, warnings: Iterable[str], labels: 
 
     from tumble.model.coefficients import PASSES
     from tumble.solving.decision import Decision
-    from tumble.terms import POWERS
 
     k, check, decision = them.values[:9].reshape(3, 3), result.verification, Decision.of(result).sentence
     lengths = np.linalg.norm(k, axis=1, keepdims=True)
@@ -168,7 +168,9 @@ def _names(result: Result, them: Coefficients, warnings: Iterable[str], labels: 
         "force": force,
         "names": them.names,
         "terms": them.terms,
-        "powers": POWERS,
+        "further": {term: _further(term, them) for term in them.terms},
+        "model": model_of(them.terms),
+        "name_of": name_of,
         "passes": PASSES,
         "values": them.values.tolist(),
         "units": them.units,
@@ -185,6 +187,27 @@ def _names(result: Result, them: Coefficients, warnings: Iterable[str], labels: 
         "bias": (them.inverse @ them.values[9:12]).tolist(),  # K^-1 U0
         "temperature": result.temperature,
     }
+
+
+def _listed(them: Coefficients) -> str:
+    return listed([name_of(term) for term in model_of(them.terms)])
+
+
+def _further(term: str, them: Coefficients) -> list[dict[str, Any]]:
+    """Of a further term, by channel: the name of its size, and in C the product that it is a factor of, and that of its
+    slope by each component of the force."""
+    first, found = 12 + 3 * them.terms.index(term), []
+    for i, name in enumerate(them.names[first : first + 3]):
+        force, power = f"force[{i}]", POWERS[term]
+        if term in CROSSES:
+            j = (i + (1 if term == CROSSES[0] else 2)) % 3
+            felt, slopes = f"{force} * force[{j}]", {i: ["", f" * force[{j}]"], j: ["", f" * {force}"]}
+        elif term == ASYMMETRY:
+            felt, slopes = f"({force} < 0 ? -{force} : {force})", {i: ["", f" * ({force} < 0 ? -1 : 1)"]}
+        else:
+            felt, slopes = " * ".join([force] * power), {i: [f"{power} * ", f" * {force}" * (power - 1)]}
+        found.append({"name": name, "felt": felt, "slopes": slopes})
+    return found
 
 
 def _origin(result: Result, labels: bool) -> list[str]:
@@ -262,7 +285,7 @@ def _fixed_point(them: Coefficients, step: float) -> dict[str, Any]:
     from fractions import Fraction
 
     if them.terms:
-        raise ValueError("fixed point has no K2 and K3: export them as float or double")
+        raise ValueError(f"fixed point has no {_listed(them)}: export them as float or double")
     if not abs(them.values[9:12]).max() < _LARGEST_COUNT * step:
         raise ValueError(f"--step {step:g}: U0 has more counts than 32 bits hold")
     factors = [[Fraction(one) * Fraction(step) * 10**6 for one in row] for row in them.inverse.tolist()]

@@ -46,7 +46,7 @@ from tumble.solving.decision import ASSUMPTIONS, UNCERTAINTY, Decision, marks, r
 from tumble.solving.result import schedule_of
 from tumble.solving.uncertainty import HANDS, NEARLY_INFINITE
 from tumble.stand import SOURCES
-from tumble.terms import KEYS
+from tumble.terms import ASYMMETRY, CROSS, KEYS, expanded, names
 from tumble.units import noise_unit
 
 Names: TypeAlias = "dict[str, tuple[str, ...]]"
@@ -258,7 +258,7 @@ _NO_GAIN = (
     " all channels changes K and U0 in the same ratio, and cancels in |a| and in the bias in g."
 )
 _DENIED = " But the run does not fit the declared stand, so that U may be too small."
-_TERMS = {"k2": ("K2", "g\u207b¹"), "k3": ("K3", "g\u207b²"), "drift": ("drift", "")}
+_UNITS_OF_TERMS = {"k2": "g\u207b¹", "k3": "g\u207b²", ASYMMETRY: "1", CROSS: "g\u207b¹"}
 _INTRINSIC: dict[str, tuple[Path, str, tuple[Path, Path] | None]] = {  # name: path within its tables, unit; "": that
     # of K; path in SI
     **{f"Scale {axis}": (("scale", i), "", (("scale", i), ("u_scale", i))) for i, axis in enumerate("xyz")},
@@ -343,14 +343,13 @@ def intrinsic(source: Source, given: Uncertainties) -> Table:
 
 
 def further(source: Source) -> Table | None:
-    """K2, K3 and drift, with standard uncertainties; None where the model has none."""
-    terms = [term for term in _TERMS if term in source.array("extended", "terms")]
+    """K2, K3, drift and so on, with standard uncertainties; None where the model has none."""
     rows = []
-    for term in terms:
-        name, unit = _TERMS[term]
-        for i, axis in enumerate("xyz"):
+    for term in (term for term in KEYS if term in source.array("extended", "terms")):
+        unit = _UNITS_OF_TERMS.get(term) or noise_unit(str(source.at("unit")))
+        for i, label in enumerate(names(expanded((term,)))):
             value, u = source.with_uncertainty(("extended", KEYS[term], i), ("extended", f"u_{KEYS[term]}", i), None)
-            rows.append((Fixed(f"{name}_{axis}"), value, u, Fixed(unit or noise_unit(str(source.at("unit"))))))
+            rows.append((Fixed(label), value, u, Fixed(unit)))
     return Table(("", "Value", "u (k = 1)", "Unit"), aligned(rows, 1, 2), left=(3,)) if rows else None
 
 

@@ -17,7 +17,7 @@ from tumble.arrays import Floats
 from tumble.documents.result import Result, Si, SiUnits
 from tumble.estimators import COEFFICIENTS
 from tumble.model.coefficients import Force, by_intrinsic, variances
-from tumble.terms import KEYS, POWERS, Terms, names
+from tumble.terms import POWERS, UNITS_OF_VALUES, Terms, expanded, names
 from tumble.units import per_g, per_m_s2
 
 POWERS_OF_TWELVE = np.repeat([1.0, 0.0], [9, 3])  # of the gravity in their units
@@ -64,8 +64,8 @@ def gravity_of(environment: dict[str, Any] | None) -> tuple[float | None, float 
 
 @dataclass(frozen=True)
 class Coefficients:
-    """What is used: the twelve in the order of COEFFICIENTS, then K2 and K3 if the model has them, each with its unit
-    and its standard uncertainty, and their covariance (None: unknown), for accelerations in `force_unit`, "g" or
+    """What is used: the twelve in the order of COEFFICIENTS, then those of further terms of the model, each with its
+    unit and its standard uncertainty, and their covariance (None: unknown), for accelerations in `force_unit`, "g" or
     "m/s2". `terms`: of POWERS, those of the model."""
 
     values: Floats
@@ -80,19 +80,21 @@ class Coefficients:
         """Of a result. Raises ValueError for m/s2 where its environment names no gravity, and for a singular K."""
         extended, joint = result.extended, result.covariance
         terms: Terms = ()
+        further: list[Floats] = []
+        u_further: list[Floats] | None = []
         if extended is not None:
-            terms, joint = tuple(term for term in extended.terms if term in POWERS), extended.covariance
-        values = np.concatenate([result.K.ravel(), result.U0, *(getattr(extended, KEYS[term]) for term in terms)])
+            terms = tuple(term for term in expanded(extended.terms) if term in POWERS)  # a drift is the last of them
+            joint, further, u_further = extended.covariance, extended.values, extended.u_values
+        values = np.concatenate([result.K.ravel(), result.U0, *further[: len(terms)]])
         powers = np.concatenate([POWERS_OF_TWELVE, np.repeat([POWERS[term] - 1.0 for term in terms], 3)])
         joint = None if joint is None else joint[: len(values), : len(values)]
         stated = None
-        if result.u_K is not None and result.u_U0 is not None:
-            further = (getattr(extended, f"u_{KEYS[term]}") for term in terms)
-            stated = np.concatenate([result.u_K.ravel(), result.u_U0, *further]).tolist()
+        if result.u_K is not None and result.u_U0 is not None and u_further is not None:
+            stated = np.concatenate([result.u_K.ravel(), result.u_U0, *u_further[: len(terms)]]).tolist()
         unit, is_g = result.unit, force_unit == "g"
         force = "g" if is_g else "(m/s^2)"
         units = [per_g(unit) if is_g else per_m_s2(unit)] * 9 + [unit] * 3
-        units += [f"1/{force}" + ("" if POWERS[term] == 2 else "^2") for term in terms for _ in "xyz"]
+        units += [UNITS_OF_VALUES[term].replace("g", force) for term in terms for _ in "xyz"]
         if not is_g:
             gravity, u_gravity = gravity_of(result.environment)
             if gravity is None:

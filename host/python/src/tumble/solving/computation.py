@@ -21,14 +21,14 @@ from tumble.model import coefficients, estimators
 from tumble.model.coefficients import NotSolvable, linear_outputs
 from tumble.model.errors import by_gains
 from tumble.model.estimators import columns_at, magnification, unknowns
-from tumble.model.geometry import ideal_force
+from tumble.model.geometry import built_in, ideal_force
 from tumble.model.inclined import EQUAL, Inclinations, as_set, gains, gains_of_inclinations
 from tumble.model.optimal import OptimalEstimate, by_table
 from tumble.model.propagation import ManyRuns, Propagation
-from tumble.schedule import Schedule
+from tumble.schedule import BUILT_IN, Schedule
 from tumble.solving import optimal_run
 from tumble.solving.optimal_run import record_of, to_bytes
-from tumble.terms import Terms
+from tumble.terms import Terms, model_of
 
 
 @dataclass(frozen=True)
@@ -257,8 +257,15 @@ def _require(name: str, core: Floats | float | None, witness: Floats | float | N
 
 def confused(schedule: Schedule, terms: Terms) -> str | None:
     """What the fit positions cannot tell apart, in words; None where they can."""
-    found = [listed(them) for them in estimators.confused(schedule, terms)]
-    return f"these positions cannot tell apart {', nor '.join(found)}" if found else None
+    found = estimators.confused(schedule, terms)
+    if not found:
+        return None
+    unseen, alike = [them[0] for them in found if len(them) == 1], [listed(them) for them in found if len(them) > 1]
+    said = [f"do not show {listed(unseen, 'or')}"] if unseen else []
+    said += [f"cannot tell apart {', nor '.join(alike)}"] if alike else []
+    others = [name for name in BUILT_IN if not (own := built_in(name)).is_inclined and not own.is_laid_by_hand]
+    able = [name for name in others if not estimators.confused(built_in(name), terms)]
+    return f"these positions {' and '.join(said)}" + (f"; the schedule {listed(able, 'or')} does" if able else "")
 
 
 def require_told_apart(schedule: Schedule, terms: Terms, file: str = "") -> None:
@@ -266,7 +273,7 @@ def require_told_apart(schedule: Schedule, terms: Terms, file: str = "") -> None
     terms."""
     found = confused(schedule, terms) if terms else None
     if found is not None:
-        said = f"--model {','.join(terms)}: {found}"
+        said = f"--model {','.join(model_of(terms))}: {found}"
         raise BadInput(said, file) if file else UsageError(said)
 
 

@@ -24,7 +24,7 @@ from tumble.model.propagation import SHOWN, Propagation
 from tumble.schedule import BUILT_IN, Schedule
 from tumble.solving.result import as_shown
 from tumble.stand import PerChannel, Stand, by_channel, over, rounding_of
-from tumble.terms import KEYS, POWERS, Terms
+from tumble.terms import POWERS, Terms, expanded
 from tumble.units import volts_per
 
 _SAME = 1e-5  # of an uncertainty or of residuals: between the core's and numpy's optimal weights there is less
@@ -106,7 +106,7 @@ def expected(result: Result, schedule: Schedule, declared: Stand, step_v: PerCha
 
 def terms_of(result: Result) -> Terms:
     """The further terms of a result's model."""
-    return () if result.extended is None else result.extended.terms
+    return () if result.extended is None else expanded(result.extended.terms)
 
 
 def _part(result: Result, schedule: Schedule) -> Schedule | None:
@@ -134,7 +134,8 @@ def _linear_means(result: Result) -> Floats:
         return means
     k, volts = result.K, volts_per(result.unit)
     factors = {term: np.diag(k) if term in POWERS else np.ones(3) / volts for term in terms}
-    sizes = np.array([getattr(result.extended, KEYS[term]) * factors[term] for term in terms])
+    assert result.extended is not None
+    sizes = np.array([of * factors[term] for term, of in zip(terms, result.extended.values)])
     return linear_outputs(means, k, result.U0, sizes, terms)
 
 

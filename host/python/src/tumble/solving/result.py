@@ -36,7 +36,7 @@ from tumble.solving.noise import CHANNELS, of_means
 from tumble.solving.solution import Solution
 from tumble.solving.uncertainty import PROBABILITY, Coverage, ExtendedTerms, effective, factors_of
 from tumble.stand import SOURCES, PerChannel, Stand, by_channel, per_channel
-from tumble.terms import DRIFT, KEYS, names
+from tumble.terms import DRIFT, KEYS, model_of, names
 from tumble.units import per_g, volts_per
 
 _LARGEST = 1e9  # of an error of a stand, as stand files have it
@@ -224,16 +224,21 @@ def _measured(solution: Solution) -> list[tuple[int, tuple[int, int, str]]]:
 
 
 def extended(extended_terms: ExtendedTerms, volts_per_unit: float) -> doc.Extended:
-    """Null for a term that is not in the model; the drift in volts."""
+    """With the drift in volts."""
     scale = [volts_per_unit if term == DRIFT else 1.0 for term in extended_terms.terms]
-    sizes = dict(zip(extended_terms.terms, extended_terms.values * np.array(scale)[:, None]))
-    u = {} if extended_terms.u is None else dict(zip(extended_terms.terms, extended_terms.u * np.array(scale)[:, None]))
+    size, u = extended_terms.values, extended_terms.u
+    by_term: dict[str, Any] = {
+        KEYS[term]: size for term, size in extended_terms.by_term(size * np.array(scale)[:, None]).items()
+    }
+    u_by_term: dict[str, Any] = {f"u_{key}": None for key in by_term}
+    if u is not None:
+        u_by_term = {f"u_{KEYS[term]}": u for term, u in extended_terms.by_term(u * np.array(scale)[:, None]).items()}
     scales = np.concatenate([np.ones(12), np.repeat(scale, 3)])
     joint, alone = extended_terms.of_values, extended_terms.worst_norm_of_twelve
-    by_term = {key: found.get(term) for term, own in KEYS.items() for key, found in ((own, sizes), (f"u_{own}", u))}
     return doc.Extended(
-        extended_terms.terms,
+        model_of(extended_terms.terms),
         **by_term,
+        **u_by_term,
         names=names(extended_terms.terms),
         covariance=None if joint is None else scales[:, None] * joint * scales,
         u_norm_of_K_U0_g=None if alone is None else alone.worst_g,

@@ -28,14 +28,14 @@ from tumble.model.optimal import NOISE_FLOOR_G, OptimalEstimate
 from tumble.model.propagation import Propagation
 from tumble.solving.computation import compare_uncertainties
 from tumble.solving.noise import Noise
-from tumble.terms import POWERS, Terms
+from tumble.terms import POWERS, Terms, expanded, model_of
 
 
 @dataclass(frozen=True)
 class ExtendedTerms:
-    """`sizes` (terms, 3) of `terms` beside `k` (3, 3), in the unit of the outputs, and these less the witness's
-    (`difference`); `covariance` of K row by row, U0 and the sizes, and what uncertainties would be `without` the terms:
-    None without a declared stand."""
+    """`sizes` (terms, 3) of `terms`, expanded, beside `k` (3, 3), in the unit of the outputs, and these less the
+    witness's (`difference`); `covariance` of K row by row, U0 and the sizes, and what uncertainties would be
+    `without` the terms: None without a declared stand."""
 
     terms: Terms
     k: Floats
@@ -46,7 +46,7 @@ class ExtendedTerms:
 
     @property
     def values(self) -> Floats:
-        """K2 in 1/g, K3 in 1/g^2, the drift over the run in the unit of the outputs: (terms, 3)."""
+        """K2 in 1/g, K3 in 1/g^2, and so on, the drift over the run in the unit of the outputs: (terms, 3)."""
         return self.sizes * self.factors
 
     @property
@@ -72,9 +72,14 @@ class ExtendedTerms:
         joint = self.of_values
         return None if joint is None else np.sqrt(np.diag(joint)[12:]).reshape(-1, 3)
 
+    def by_term(self, numbers: Floats) -> dict[str, Floats]:
+        """Numbers (terms, 3) by the names that a model has: six of `cross`."""
+        of = dict(zip(self.terms, numbers))
+        return {term: np.concatenate([of[one] for one in expanded((term,))]) for term in model_of(self.terms)}
+
     @property
     def worst_norm(self) -> WorstNorm | None:
-        """Where the block shows the length of gravity worst, K2 and K3 applied."""
+        """Where the block shows the length of gravity worst, further terms applied."""
         return None if self.covariance is None else worst_norm(self.k, self.covariance, self.terms)
 
     @property
