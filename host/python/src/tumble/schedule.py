@@ -46,6 +46,11 @@ class Mounting:
     off_deg: tuple[float, float] = (0.0, 0.0)
 
 
+def mark_of(angle_deg: float) -> float:
+    """The mark of the table that an angle is at, deg: 0 to 360, to a millionth."""
+    return round(angle_deg % 360.0, 6) % 360.0
+
+
 @dataclass(frozen=True)
 class Position:
     """Where the table stands: `number` (1 to 255, unique within its mounting), `angle_deg`, and `use`.
@@ -62,6 +67,11 @@ class Position:
     def label(self) -> str:
         """What people call it: mounting and position, as in "2.7"."""
         return f"{self.mounting}.{self.number}"
+
+    @property
+    def mark(self) -> float:
+        """Of the table, at which it is."""
+        return mark_of(self.angle_deg)
 
 
 @dataclass(frozen=True)

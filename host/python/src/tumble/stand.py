@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from tumble.arrays import Flags, Floats, Integers
+from tumble.schedule import mark_of
 from tumble.terms import DRIFT, Terms
 from tumble.units import volts_per
 
@@ -253,6 +254,47 @@ class Stand:
         limit = per_channel(by_channel(sigma) * _SIGMAS_PER_LIMIT[self.limits])
         changed: dict[str, Any] = {source: limit}
         return replace(self, **changed)
+
+
+@dataclass(frozen=True)
+class SetAngles:
+    """What the marks of a table are known to be off by.
+
+    Parameters
+    ----------
+    learned, expires : str
+        Days, as 2026-11-30: until the end of the second the errors count as those of the stand.
+    runs : int
+        That they were learnt from.
+    angles_deg, errors, u : tuple of float
+        Of every mark the angle that is set, and the error of the angle that the table comes to, with its standard
+        uncertainty, rad.
+    repeatability, u_repeatability : float
+        Standard deviation with which the table comes to a mark again, and its standard uncertainty, rad.
+    """
+
+    learned: str
+    expires: str
+    runs: int
+    angles_deg: tuple[float, ...]
+    errors: tuple[float, ...]
+    u: tuple[float, ...]
+    repeatability: float
+    u_repeatability: float
+
+    @property
+    def by_mark(self) -> dict[float, float]:
+        """The errors, by the mark of the table."""
+        return dict(zip(map(mark_of, self.angles_deg), self.errors))
+
+    def left_on(self, stand: Stand, mountings: int) -> Stand:
+        """A stand whose set angles are corrected: what is left of their error, and what the marks have in common, which
+        adds to the zero of the table angle. A mark's error returns in each of so many `mountings`, so that in the
+        worst case it counts as often."""
+        anew = math.hypot(self.repeatability, self.u_repeatability)
+        left = math.hypot(anew, max(self.u) * math.sqrt(mountings))
+        common = stand.sigma("angle") / math.sqrt(len(self.u))
+        return stand.with_sigma("angle", left).with_sigma("level", math.hypot(stand.sigma("level"), common))
 
 
 def _with_keys(plain: Callable[..., None]) -> Callable[..., None]:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -36,9 +36,10 @@ from tumble.solving.decision import NO_UNIT
 from tumble.solving.many_runs import MonteCarlo, Verdict
 from tumble.solving.noise import CORRELATED
 from tumble.solving.plausibility import contradicted, in_environment
-from tumble.solving.result import created, document_of
+from tumble.solving.result import created, document_of, today
+from tumble.solving.set_angles import corrected, unusable
 from tumble.solving.solution import Solution, solve as solve_run
-from tumble.stand import Stand, by_channel
+from tumble.stand import SetAngles, Stand, by_channel
 from tumble.terms import parse
 from tumble.units import contradicts, looks_like, noise_unit
 
@@ -113,24 +114,49 @@ def solved(
     odd_rows = run_rows.check_rows(run, planned.data, stand_file, recording.name)
     environment = None if stand_file is None else stand_file.environment
     contradiction = contradicted(run, environment)
-    solution = solve_run(
-        in_environment(run, environment),
-        planned,
-        estimator,
-        defaults.DEFAULT_LIMIT_G if told_g is None else told_g,
-        None if stand_file is None else stand_file.stand,
-        recording.name,
-        0.0 if stand_file is None else stand_file.step_v,
+    solve_it = partial(
+        solve_run,
+        schedule=planned,
+        estimator=estimator,
+        limit_g=defaults.DEFAULT_LIMIT_G if told_g is None else told_g,
+        file=recording.name,
+        step_v=0.0 if stand_file is None else stand_file.step_v,
         confidence=confidence,
         terms=terms,
         coverage_factor=defaults.DEFAULT_COVERAGE_FACTOR if stand_file is None else stand_file.decided_by,
         signs=_signs(stand_file),
     )
+    run, about_angles = in_environment(run, environment), None
+    if stand_file is None or stand_file.set_angles is None:
+        solution = solve_it(run, stand=None if stand_file is None else stand_file.stand)
+    else:
+        solution, about_angles = _with_set_angles(solve_it, run, planned.data, stand_file, stand_file.set_angles)
     solution = replace(plausibility.with_order_flag(solution, stand_file), brought_stand=stand is None)
     odd = (*odd_rows, *plausibility.check_k(solution, stand_file, recording.name))
-    odd += () if contradiction is None else (contradiction,)
+    odd += tuple(filter(None, (contradiction, about_angles)))
     odd += (TWO_SERIALS,) if stand_file is not None and stand_file.has_two_serials else ()
     return Solved(solution, stand_file, odd, now, os.path.basename(recording.name) if recording.is_file else None)
+
+
+def _with_set_angles(
+    solve_it: partial[Solution], run: Run, schedule: Schedule, stand_file: StandFile, table: SetAngles
+) -> tuple[Solution, str | None]:
+    """A run on a stand with a table of set angles, by it if it can be used; and what a person is told of it."""
+    declared = stand_file.stand
+    why_not = unusable(table, schedule, run, solve_it.keywords["estimator"], today())
+    if why_not is not None:
+        return solve_it(run, stand=declared), why_not
+    left = table.left_on(declared, len(schedule.fitted_mountings))
+    solution = replace(solve_it(corrected(run, schedule, table), stand=left), set_angles=table)
+    if solution.fit is None or solution.fit.fits:
+        return solution, None
+    plain = solve_it(run, stand=declared)
+    if plain.fit is None or not plain.fit.fits:
+        return solution, None
+    return solution, (
+        f"the run fits the stand, but not with its table of set angles: they have changed since {table.learned};"
+        " learn it anew"
+    )
 
 
 def _any_poses(recording: Recording) -> tuple[Run, CoreSchedule]:

@@ -295,7 +295,7 @@ def checks(solution: Solution) -> list[str]:
         axis = int(np.abs(largest).argmax())
         size = f"{abs(largest[axis]):.2g} {unit}"
         lines.append(f"Closure: largest difference {size}, {'xyz'[axis]} of mounting {number}")
-    lines += [*_fit(solution), *_truth_and_temperature(solution), *_inclinations(solution)]
+    lines += [*_set_angles(solution), *_fit(solution), *_truth_and_temperature(solution), *_inclinations(solution)]
     return [*lines, *_consequences(solution), _DETAILS_HINT]
 
 
@@ -308,8 +308,15 @@ def remarks(solution: Solution) -> list[str]:
     if found.residual_rms is not None:
         yaw = " (yaw included)" if found.estimator in HARMONIC else ""
         lines.append(f"Residuals, rms: {_three(found.residual_rms)} {unit}{yaw}")
-    lines += [*_fit(solution), *_stand_seen(solution), *_inclinations(solution)]
+    lines += [*_set_angles(solution), *_fit(solution), *_stand_seen(solution), *_inclinations(solution)]
     return [*lines, *_intrinsic(solution), *_consequences(solution)]
+
+
+def _set_angles(solution: Solution) -> list[str]:
+    if (table := solution.set_angles) is None or solution.stand is None:
+        return []
+    left = 1e6 * solution.stand.sigma("angle")
+    return [f"Set angles: corrected by the table of {table.learned} ({table.runs} runs), to {left:.2g} urad"]
 
 
 def _check_positions(solution: Solution) -> list[str]:

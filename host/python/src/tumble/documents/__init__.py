@@ -6,6 +6,7 @@ bench        tumble.bench/1, node/1, stand/1, replay/1 and log/1, of `bench`, `r
 campaign     tumble.campaign/1 and tumble.hostile/1, of `campaign`
 comparison   tumble.comparison/1, of `compare`
 fixture      tumble.fixture/1, of `fixture check`
+further      further terms of the model, in a result
 history      tumble.history/1, of `history`
 importing    tumble.import/1, of `import`
 plan         tumble.plan/1, of `plan`

@@ -25,7 +25,8 @@ from tumble.documents.base import (
     Sizes,
     Three,
 )
-from tumble.documents.result import AtLeastOne, Remedy, SecondOrder, Term, Unseen, WorstNorm
+from tumble.documents.further import Term
+from tumble.documents.result import AtLeastOne, Remedy, SecondOrder, Unseen, WorstNorm
 from tumble.estimators import COEFFICIENTS, ESTIMATORS
 
 PLAN: Final = "tumble.plan/1"

@@ -11,10 +11,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Annotated, Final, Generic, Literal, TypeAlias, TypeVar
 
 import msgspec
-import numpy as np
 from msgspec import UNSET, Meta, UnsetType, field
 
-from tumble.arrays import Floats
 from tumble.documents.base import (
     LARGEST,
     ByChannel,
@@ -27,21 +25,18 @@ from tumble.documents.base import (
     PlaceNumber,
     Positive,
     Share,
-    Six,
-    SixSizes,
     Size,
     SizeMatrix,
     Sizes,
-    Square,
     Vector,
     exactly,
     read,
 )
+from tumble.documents.further import Extended
 from tumble.errors import quoted
 from tumble.files.disk import RESULT_FILE, read_bytes
 from tumble.schedule import CHECK, FIT
 from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, SOURCES
-from tumble.terms import KEYS, TERMS, expanded
 from tumble.units import UNIT, spelled
 
 RESULT: Final = "tumble.result/1"
@@ -50,6 +45,7 @@ REASONS = ("gravity", "fit", "uncertainty")  # why it did not pass, in this orde
 Name: TypeAlias = Annotated[str, exactly("[A-Za-z0-9_]+")]
 Coefficient: TypeAlias = Annotated[str, exactly("(K_[xyz][xyz]|U0_[xyz])")]
 Channels: TypeAlias = Annotated[tuple[Literal["ux", "uy", "uz"], ...], Meta(extra_json_schema={"uniqueItems": True})]
+Day: TypeAlias = Annotated[str, exactly("[0-9]{4}-[0-9]{2}-[0-9]{2}")]
 AtLeastOne: TypeAlias = Annotated[int, Meta(ge=1)]
 Counts: TypeAlias = tuple[AtLeastOne, AtLeastOne, AtLeastOne]
 Freedom: TypeAlias = Positive | None  # degrees of freedom; null: infinite
@@ -61,14 +57,12 @@ if TYPE_CHECKING:  # a type checker takes no names that are made
     Firmware: TypeAlias = str
     From: TypeAlias = str
     Scope: TypeAlias = str
-    Term: TypeAlias = str
     ToldBy: TypeAlias = str
     Use: TypeAlias = str
 else:
     Firmware = Literal["host", "zcu102"]
     From = Literal["stand", "run"]
     Scope = Literal["everywhere", "measured positions"]
-    Term = Literal[TERMS]
     ToldBy = Literal["run_file", "environment"]
     Use = Literal[FIT, CHECK]
 
@@ -157,68 +151,15 @@ class WorstNorm(Document):
     attitude: Vector
 
 
-class WithoutTerms(Document):
-    u_K: Matrix
-    u_U0: Sizes
-    u_norm_g: Size
+class SetAngles(Document):
+    """u_rad: Of the least certain mark. repeatability_rad: With which the table comes to a mark again."""
 
-
-class Extended(Document):
-    """Further terms: U_i += K_ii (K2_i a_i^2 + K3_i a_i^3 + asymmetry_i |a_i| + sum_j cross_ij a_i a_j)
-    + drift_i (t - 1/2), j another axis than i, t from 0 at the first position of the run to 1 at the last. Three
-    numbers are those of the channels x, y, z; null or absent for a term that is not in the model, and uncertainties
-    without a declared stand. U0 is that of the middle of the run.
-
-    asymmetry: Half the difference of the scales for force along the axis and against it, over the scale.
-    cross_per_g: Of channel and the other axis: xy, yz, zx, xz, yx, zy, as names lists them.
-
-    drift_v: From the first position to the last, in volts for outputs in V, mV, uV or kV, else in the unit of the
-        outputs.
-    names: Of the terms by channel, in the order that covariance has them.
-    covariance: Of K row by row, U0, and what names lists, in the products of their units.
-    u_norm_of_K_U0_g: What u_norm_g.worst_g would be by the uncertainties of K and U0 alone; u_norm_g has those of the
-        terms of the force too, and what they have in common.
-    without: The uncertainties of the same run without the further terms.
-    max_abs_difference: Core less numpy, of K_ii K2_i and so on, and of the drift, in the unit of the outputs.
-    """
-
-    terms: Annotated[tuple[Term, ...], Meta(min_length=1, extra_json_schema={"uniqueItems": True})]
-    k2_per_g: Vector | None = None
-    u_k2_per_g: Sizes | None = None
-    k3_per_g2: Vector | None = None
-    u_k3_per_g2: Sizes | None = None
-    asymmetry: Vector | UnsetType = UNSET
-    u_asymmetry: Sizes | UnsetType | None = UNSET
-    cross_per_g: Six | UnsetType = UNSET
-    u_cross_per_g: SixSizes | UnsetType | None = UNSET
-    drift_v: Vector | None = None
-    u_drift_v: Sizes | None = None
-    names: tuple[Annotated[str, exactly("(K2|K3|asymmetry|drift)_[xyz]|cross_(xy|yz|zx|xz|yx|zy)")], ...] = ()
-    covariance: Square | None = None
-    u_norm_of_K_U0_g: Size | None = None
-    without: WithoutTerms | None = None
-    max_abs_difference: Size | None = None
-
-    def __post_init__(self) -> None:
-        size = 12 + 3 * len(expanded(self.terms))
-        found = [getattr(self, KEYS[term]) for term in self.terms]
-        if len(set(self.terms)) < len(self.terms) or any(isinstance(one, None | UnsetType) for one in found):
-            raise ValueError("terms without their sizes")
-        if self.covariance is not None and self.covariance.shape != (size, size):
-            raise ValueError("a covariance of another size")
-
-    @property
-    def values(self) -> list[Floats]:
-        """Those of terms.expanded, three each."""
-        return [np.array(three) for term in self.terms for three in np.reshape(getattr(self, KEYS[term]), (-1, 3))]
-
-    @property
-    def u_values(self) -> list[Floats] | None:
-        """Their standard uncertainties; None where they are unknown."""
-        found = [getattr(self, f"u_{KEYS[term]}") for term in self.terms]
-        if any(isinstance(one, None | UnsetType) for one in found):
-            return None
-        return [np.array(three) for one in found for three in np.reshape(one, (-1, 3))]
+    learned: Day
+    expires: Day
+    runs: AtLeastOne
+    u_rad: Size
+    repeatability_rad: Size
+    u_repeatability_rad: Size
 
 
 class Shift(Document):
@@ -713,6 +654,10 @@ class Result(Document, kw_only=True):
     environment: From the stand file.
     temperature: Of the run, in deg C: `min_c`, `max_c`, and their `source`: "run_file" (its column; of a bench run the
         frames of the block) or "environment"; null: unknown.
+    set_angles: Where the stand file has a table of set angles that was used: when it was `learned` and `expires`, of
+        how many `runs`, the standard uncertainty `u_rad` of its least certain mark, and the repeatability. `means` are
+        then corrected by it, and `stand` has what is left in `angle_rad` and `level_rad`.
+        [How](method.md#set-angles-that-are-known)
     seed: Of a run on the bench: the same seed and inputs give the same result and bus log, byte for byte.
     bus: Of a run on the bench.
     firmware: Of a run on the bench: where the firmware ran.
@@ -769,6 +714,7 @@ class Result(Document, kw_only=True):
     item: Labels | None = None
     environment: Labels | None = None
     temperature: Temperature | None = None
+    set_angles: SetAngles | UnsetType = UNSET
     seed: Count | UnsetType = UNSET
     bus: Annotated[str, exactly("(inprocess|uml|socketcan:[A-Za-z0-9._-]{1,15})")] | UnsetType = UNSET
     firmware: Firmware | UnsetType = UNSET

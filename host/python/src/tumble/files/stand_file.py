@@ -9,6 +9,8 @@
 [environment]  gravity_m_s2 with its standard uncertainty u_gravity_m_s2, temperature_c, pressure_hpa, humidity_percent,
                and texts; carried into the result
 [accept]       delta_g_limit_g, coverage_factor                   how many u(|a|) must be within the limit
+[set_angles]   learned, expires, runs, angles_deg, errors_rad, u_rad, repeatability_rad, u_repeatability_rad: what the
+               table is known to be off by, as `tumble fixture learn` writes it
 
 noise_v, drift_v, scale_v_per_g and range_v are one number for all channels, or an array of three, of x, y and z.
 """
@@ -17,22 +19,40 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from datetime import date
 from numbers import Integral, Real
 from typing import Any
 
 import numpy as np
 
-from tumble.core import MAX_SAMPLES
+from tumble.core import MAX_POSITIONS, MAX_SAMPLES
 from tumble.defaults import DEFAULT_COVERAGE_FACTOR
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.files.rows import HIGHEST_C, LOWEST_C
 from tumble.files.toml import Table, read_toml
-from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, SOURCES, PerChannel, Source, Stand, by_channel, over
+from tumble.schedule import mark_of
+from tumble.stand import (
+    COMMON,
+    INDEPENDENT,
+    LARGEST_ERROR_RAD,
+    LIMIT_KINDS,
+    SOURCES,
+    PerChannel,
+    SetAngles,
+    Source,
+    Stand,
+    by_channel,
+    over,
+)
 
 SERIALS = ("serial", "serial_number")  # what [item] may call it
 TWO_SERIALS = "[block] and [item] of the stand file have different serial numbers: a certificate takes that of [block]"
+SET_ANGLES = "set_angles"
+_ANEW = ("repeatability_rad", "u_repeatability_rad")
+_MOST_RUNS = 10000
 _LARGEST_ANGLE_RAD = 0.5
 _COVERAGE_FACTORS = (1.0, 10.0)
 _LARGEST_V = 1e9  # far beyond any block, and far from where squares overflow
@@ -63,6 +83,7 @@ class StandFile:
     environment: dict[str, Any] | None = None
     delta_g_limit_g: float | None = None
     coverage_factor: float | None = None
+    set_angles: SetAngles | None = None
 
     @property
     def serial(self) -> str | None:
@@ -112,9 +133,10 @@ def read_stand(file: str, data: bytes | None = None) -> StandFile:
 def _parsed(top: Table, file: str) -> StandFile:
     if top.keys and top.keys <= {"mounting", "position"}:
         raise BadInput("is a schedule file (--schedule), not a stand file", file)
-    top.only("stand", "block", "motion", "item", "environment", "accept")
+    top.only("stand", "block", "motion", "item", "environment", "accept", SET_ANGLES)
     stand, block, motion = top.table("stand"), top.table("block"), top.table("motion")
     item, environment, accept = top.table("item"), top.table("environment"), top.table("accept")
+    set_angles = top.table(SET_ANGLES)
     if stand is None:
         raise top.refuse("no table [stand]")
     return StandFile(
@@ -126,6 +148,7 @@ def _parsed(top: Table, file: str) -> StandFile:
         environment=None if environment is None else _environment(environment),
         delta_g_limit_g=None if accept is None else _limit(accept),
         coverage_factor=None if accept is None else accept.number("coverage_factor", *_COVERAGE_FACTORS, default=None),
+        set_angles=None if set_angles is None else _set_angles(set_angles),
     )
 
 
@@ -144,6 +167,57 @@ def stand_file_of(stand: Any) -> StandFile:
     if isinstance(stand, (str, os.PathLike)):
         return read_stand(os.fspath(stand))
     raise UsageError(f"stand: a {type(stand).__name__} is neither the path of a stand file nor a tumble.Stand")
+
+
+def _set_angles(table: Table) -> SetAngles:
+    table.only("learned", "expires", "runs", "angles_deg", "errors_rad", "u_rad", *_ANEW)
+    learned, expires = (table.text(key) for key in ("learned", "expires"))
+    for key, day in (("learned", learned), ("expires", expires)):
+        if not is_day(day):
+            raise table.refuse(f"must be a day such as 2026-11-30, not {quoted(day)}", key)
+    angles = table.numbers("angles_deg", 2, MAX_POSITIONS)
+    if len(set(map(mark_of, angles))) < len(angles):
+        raise table.refuse("has an angle twice", "angles_deg")
+    errors = table.vector("errors_rad", len(angles))
+    if max(map(abs, errors)) > LARGEST_ERROR_RAD:
+        raise table.refuse(f"must be {-LARGEST_ERROR_RAD:g} to {LARGEST_ERROR_RAD:g}", "errors_rad")
+    u = table.vector("u_rad", len(angles))
+    if not all(0.0 <= one <= _LARGEST_ANGLE_RAD for one in u):
+        raise table.refuse(f"must be 0 to {_LARGEST_ANGLE_RAD:g}", "u_rad")
+    repeatability, u_repeatability = (table.number(key, 0.0, _LARGEST_ANGLE_RAD) for key in _ANEW)
+    runs = table.integer("runs", 2, _MOST_RUNS)
+    return SetAngles(learned, expires, runs, angles, errors, u, repeatability, u_repeatability)
+
+
+def is_day(text: str) -> bool:
+    """Of the calendar, as 2026-11-30."""
+    try:
+        return date.fromisoformat(text).isoformat() == text
+    except ValueError:
+        return False
+
+
+def with_set_angles(text: str, found: SetAngles) -> str:
+    """The text of a stand file with these in place of any that it has."""
+    kept = re.sub(rf"(?ms)^[ \t]*\[{SET_ANGLES}\].*?(?=^[ \t]*\[|\Z)", "", text).rstrip()
+
+    def array(values: Iterable[float]) -> str:
+        numbers = [repr(one) for one in values]
+        lines = [", ".join(numbers[start : start + 4]) for start in range(0, len(numbers), 4)]
+        return "[\n  " + ",\n  ".join(lines) + ",\n]"
+
+    own = [
+        f"[{SET_ANGLES}]",
+        f'learned = "{found.learned}"',
+        f'expires = "{found.expires}"',
+        f"runs = {found.runs}",
+        f"angles_deg = {array(found.angles_deg)}",
+        f"errors_rad = {array(found.errors)}",
+        f"u_rad = {array(found.u)}",
+        f"repeatability_rad = {found.repeatability!r}",
+        f"u_repeatability_rad = {found.u_repeatability!r}",
+    ]
+    return "\n".join([kept, "", *own, ""])
 
 
 def converter_step_v(block: dict[str, Any]) -> PerChannel:

@@ -170,6 +170,14 @@ class Table:
         value = self._get(key, _REQUIRED, f"{length} numbers", lambda v: _is_vector(v, length))
         return tuple(map(float, value))
 
+    def numbers(self, key: str, fewest: int, most: int) -> tuple[float, ...]:
+        """Finite numbers, from `fewest` to `most` of them."""
+        value = self._get(
+            key, _REQUIRED, f"{fewest} to {most} numbers",
+            lambda v: isinstance(v, list) and fewest <= len(v) <= most and _is_vector(v, len(v)),
+        )  # fmt: skip
+        return tuple(map(float, value))
+
     def matrix(self, key: str) -> tuple[tuple[float, ...], ...]:
         """3 x 3 finite numbers."""
         value = self._get(

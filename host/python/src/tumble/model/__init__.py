@@ -16,6 +16,7 @@ uncertainties, checked in every solve, means something only as long as that hold
     patterns      what a run that does not fit may show instead: a table
     stand_seen    the stand as a run shows it
     reliability   what a run, or a kind of run, cannot show
+    set_angles    what the marks of a table are off by: learnt from several runs, taken out of another
     thermal       K and U0 as polynomials of the temperature, of runs at several
     thermal_reliability    what these runs cannot show, all together
 """

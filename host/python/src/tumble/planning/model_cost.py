@@ -9,8 +9,8 @@ import numpy as np
 from msgspec import UNSET, UnsetType
 
 from tumble.documents import plan
+from tumble.documents.further import WithoutTerms
 from tumble.documents.plan import ModelCost
-from tumble.documents.result import WithoutTerms
 from tumble.estimators import COEFFICIENTS
 from tumble.model.coefficients import worst_norm
 from tumble.planning.case import Case

@@ -14,6 +14,7 @@ The core computes, the numpy model confirms, and only then is there a solution w
     result       the document that is written of a solution, schema tumble.result/1, and stand and schedule read back
     coefficients those of a result, in g or m/s^2, with K^-1
     expected     what the declared stand makes one expect of a result, source by source
+    set_angles   a run on a stand whose set angles are known
     thermal      runs at several temperatures, together, and the decision on them
     many_runs    thousands of runs drawn from a stand, and whether they confirm a result's uncertainties
 """

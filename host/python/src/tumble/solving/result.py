@@ -20,6 +20,7 @@ from tumble.arrays import Floats
 from tumble.core import CoreRefusal, CoreSchedule, built_in
 from tumble.distributions import student_quantile
 from tumble.documents import result as doc
+from tumble.documents.further import Extended
 from tumble.documents.result import Result
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.estimators import COEFFICIENTS
@@ -35,7 +36,7 @@ from tumble.solving.many_runs import COVERAGE, LEVEL, MonteCarlo
 from tumble.solving.noise import CHANNELS, of_means
 from tumble.solving.solution import Solution
 from tumble.solving.uncertainty import PROBABILITY, Coverage, ExtendedTerms, effective, factors_of
-from tumble.stand import SOURCES, PerChannel, Stand, by_channel, per_channel
+from tumble.stand import SOURCES, PerChannel, SetAngles, Stand, by_channel, per_channel
 from tumble.terms import DRIFT, KEYS, model_of, names
 from tumble.units import per_g, volts_per
 
@@ -95,6 +96,13 @@ def created(clock: bool = True) -> str | None:
         raise UsageError(f"SOURCE_DATE_EPOCH: {quoted(told)} is not a whole number of seconds since 1970")
     moment = datetime.now(timezone.utc) if told is None else datetime.fromtimestamp(int(told), timezone.utc)
     return f"{moment:%Y-%m-%dT%H:%M:%SZ}"
+
+
+def today() -> str:
+    """The day of `created`, as 2026-11-30."""
+    moment = created()
+    assert moment is not None  # of a clock
+    return moment[:10]
 
 
 def document_of(
@@ -163,7 +171,13 @@ def document_of(
         item=item,
         environment=environment,
         temperature=None if (t := temperature) is None else doc.Temperature(t.low_c, t.high_c, t.source),
+        set_angles=UNSET if (table := solution.set_angles) is None else _set_angles(table),
     )
+
+
+def _set_angles(table: SetAngles) -> doc.SetAngles:
+    worst = max(table.u)
+    return doc.SetAngles(table.learned, table.expires, table.runs, worst, table.repeatability, table.u_repeatability)
 
 
 def inclinations_of(solution: Solution) -> tuple[doc.Inclination, ...] | UnsetType:
@@ -223,7 +237,7 @@ def _measured(solution: Solution) -> list[tuple[int, tuple[int, int, str]]]:
     return [(i, (int(one.mounting), int(one.number), one.use)) for i, one in enumerate(positions) if samples[i] > 0]
 
 
-def extended(extended_terms: ExtendedTerms, volts_per_unit: float) -> doc.Extended:
+def extended(extended_terms: ExtendedTerms, volts_per_unit: float) -> Extended:
     """With the drift in volts."""
     scale = [volts_per_unit if term == DRIFT else 1.0 for term in extended_terms.terms]
     size, u = extended_terms.values, extended_terms.u
@@ -235,7 +249,7 @@ def extended(extended_terms: ExtendedTerms, volts_per_unit: float) -> doc.Extend
         u_by_term = {f"u_{KEYS[term]}": u for term, u in extended_terms.by_term(u * np.array(scale)[:, None]).items()}
     scales = np.concatenate([np.ones(12), np.repeat(scale, 3)])
     joint, alone = extended_terms.of_values, extended_terms.worst_norm_of_twelve
-    return doc.Extended(
+    return Extended(
         model_of(extended_terms.terms),
         **by_term,
         **u_by_term,

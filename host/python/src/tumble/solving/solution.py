@@ -57,7 +57,7 @@ from tumble.solving.computation import (
 from tumble.solving.many_runs import MonteCarlo, simulate
 from tumble.solving.noise import NO_STAND, Noise, estimate_noise, sampled_patterns
 from tumble.solving.uncertainty import Coverage, ExtendedTerms, Uncertainties, confirmed, coverage
-from tumble.stand import PerChannel, Stand, over
+from tumble.stand import PerChannel, SetAngles, Stand, over
 from tumble.terms import Terms
 from tumble.units import volts_per
 from tumble.workers.over import ALONE, Progress, Team
@@ -76,6 +76,7 @@ class Solution:
     asked for it; `extended_terms`: terms of the model beside the twelve coefficients, None where nobody asked for any;
     `is_out_of_order`: axes or signs of K are those of an exchange or reversal, and no block is declared to have them;
     `knows_signs`: a block is declared, with the signs of its scales;
+    `set_angles`: what the means were corrected by, None where they were not;
     `coverage_factor`: how many u(|a|) must be within the limit; `inclinations`: as the run shows them, of a block that
     is bolted on once; `brought_stand`: the schedule brought the stand, nobody declared one.
     """
@@ -101,6 +102,7 @@ class Solution:
     coverage_factor: float = DEFAULT_COVERAGE_FACTOR
     inclinations: Inclinations | None = None
     brought_stand: bool = False
+    set_angles: SetAngles | None = None
 
     @cached_property
     def u_inclinations(self) -> Floats | None:

@@ -20,7 +20,8 @@ from tumble import core
 from tumble.arrays import Flags, Floats, Integers
 from tumble.core import uncertainties, uncertainties_of_gains
 from tumble.distributions import student_quantile
-from tumble.documents.result import WithoutTerms, WorstNorm
+from tumble.documents.further import WithoutTerms
+from tumble.documents.result import WorstNorm
 from tumble.errors import BadInput
 from tumble.estimators import INCLINED, NORM, OPTIMAL
 from tumble.model.coefficients import variances, worst_norm

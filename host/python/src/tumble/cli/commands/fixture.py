@@ -1,4 +1,5 @@
-"""`tumble fixture check`: is the stand what its file declares, and good enough?"""
+"""`tumble fixture check`: is the stand what its file declares, and good enough? `tumble fixture learn`: what is its
+table off by?"""
 
 from __future__ import annotations
 
@@ -12,6 +13,7 @@ from tumble.cli import options
 from tumble.defaults import ANEW, DEFAULT_LIMIT_G, LEVELLED, ONCE
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BadInput, UsageError, file_name, quoted
 from tumble.messages import warn
+from tumble.schedule import file_of
 
 if TYPE_CHECKING:
     from tumble.core import CoreSchedule
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
 
 AGAINST = ("declared", "needed")
 DEFAULT_CONFIDENCE = 0.95
+DEFAULT_VALID_DAYS = 365
 
 
 def describe(parser: argparse.ArgumentParser) -> None:
@@ -55,18 +58,92 @@ def describe(parser: argparse.ArgumentParser) -> None:
     )
     subject.add_argument("--json", action="store_true", help="print one JSON document, schema tumble.fixture/1")
     subject.set_defaults(run_command=check)
+    _describe_learn(subjects)
+
+
+def _describe_learn(subjects: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    subject = subjects.add_parser(
+        "learn",
+        help="the errors of set angles that stay from run to run, from several runs",
+        description="What the marks of the stand's table are off by, from several runs on it, of one block or several,"
+        " and how well the table comes to a mark again. The new stand file is the given one with a table"
+        " [set_angles], by which tumble solve corrects the angles of a run until it expires.",
+        epilog="Exit codes: 0 learnt, 1 the runs do not fit, or their set angles do not stay: nothing is written, 2 bad"
+        " input, 3 core and numpy disagree, 130 interrupted. Example: tumble fixture learn --stand stand.toml"
+        " monday.csv tuesday.csv friday.csv --out learnt.toml",
+    )
+    subject.add_argument("--stand", metavar="FILE", required=True, help="stand file (TOML)")
+    subject.add_argument(
+        "runs", metavar="RUN.csv", nargs="+", help="run files with columns mounting,position,ux,uy,uz; three or more"
+    )
+    options.add(subject, "--schedule", "--estimator")
+    subject.add_argument("--out", metavar="STAND.toml", required=True, help="write the new stand file here")
+    subject.add_argument(
+        "--valid-days",
+        metavar="N",
+        default=str(DEFAULT_VALID_DAYS),
+        help=f"how long the table is used, 1 to 3650; default: {DEFAULT_VALID_DAYS}",
+    )
+    subject.set_defaults(run_command=learn)
+
+
+def learn(arguments: argparse.Namespace) -> int:
+    """Learn, write and print. Returns the exit code; raises TumbleError."""
+    days = options.parse_whole(arguments.valid_days, "--valid-days", 1, 3650)
+    _require_different(arguments.runs)
+
+    from tumble.cli.output import print_lines
+    from tumble.files.disk import read_bytes, refuse_overwriting, write_text
+    from tumble.files.schedule_file import read_schedule
+    from tumble.files.stand_file import read_stand, with_set_angles
+    from tumble.fixture.learn import FEWEST_RUNS, lesson, lines
+    from tumble.solving.result import today
+
+    if len(arguments.runs) < FEWEST_RUNS:
+        raise UsageError(f"set angles that stay show in {FEWEST_RUNS} runs or more, not in {len(arguments.runs)}")
+    refuse_overwriting(arguments.out, arguments.stand, *arguments.runs, file_of(arguments.schedule))
+    options.require_ending(arguments.out, "--out", ".toml")
+    data = read_bytes(arguments.stand)
+    stand_file = read_stand(arguments.stand, data)
+    if stand_file.stand.angle == 0.0:
+        raise BadInput("angle_rad is 0: there is nothing to learn", arguments.stand)
+    schedule = None
+    if arguments.schedule is not None:
+        schedule = read_schedule(arguments.schedule, estimator=arguments.estimator)
+        if schedule.data.is_inclined or schedule.data.is_laid_by_hand:
+            raise UsageError("--schedule: set angles are learnt on a level table that turns to them")
+    views, warnings = _views(arguments, stand_file, schedule, stand_file.delta_g_limit_g or DEFAULT_LIMIT_G)
+    found = lesson([view.solution for view in views], stand_file.stand, today(), days)
+    warn(warnings)
+    print_lines([[(line, "")] for line in lines(found, stand_file.stand)])
+    if found.unfit:
+        names = ", ".join(file_name(arguments.runs[index]) for index in found.unfit)
+        warn([f"not written: with these set angles {names} does not fit the stand; tumble solve says what it shows"])
+        return EXIT_LIMITS_FAILED
+    if not found.is_worth_it:
+        warn(["not written: the set angles do not stay from run to run, less than half of their error would go"])
+        return EXIT_LIMITS_FAILED
+    text = with_set_angles(data.decode("utf-8"), found.table)
+    read_stand(arguments.out, text.encode("utf-8"))
+    write_text(arguments.out, text)
+    return EXIT_PASS
+
+
+def _require_different(runs: list[str]) -> None:
+    """Raise UsageError for a run that is given twice: it would count as two."""
+    seen: set[str] = set()
+    for run in runs:
+        path = os.path.realpath(run)
+        if path in seen:
+            raise UsageError(f"the run {quoted(run)} is given twice")
+        seen.add(path)
 
 
 def check(arguments: argparse.Namespace) -> int:
     """Check and print. Returns the exit code; raises TumbleError."""
     limit_g = options.parse_limit(arguments.limit)
     confidence = options.parse_number(arguments.confidence, "--confidence", 0.5, 0.9999)
-    seen: set[str] = set()
-    for run in arguments.runs:  # given twice, it would count as two
-        path = os.path.realpath(run)
-        if path in seen:
-            raise UsageError(f"the run {quoted(run)} is given twice")
-        seen.add(path)
+    _require_different(arguments.runs)
 
     from tumble.core import CoreSchedule, paper_schedule
     from tumble.documents.base import to_json
