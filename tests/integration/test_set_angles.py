@@ -14,9 +14,12 @@ import tumble
 from tumble import core
 from tumble.cli.main import main
 from tumble.files.stand_file import read_stand, with_set_angles
-from tumble.model import Geometry
+from tumble.model import Geometry, Propagation
+from tumble.model.coefficients import norm_gradient, spread_attitudes, worst_norm
 from tumble.model.set_angles import LearningRun, learn, turned_back
 from tumble.schedule import mark_of
+from tumble.solving import uncertainty
+from tumble.solving.computation import estimator_for
 from tumble.stand import SetAngles
 
 pytestmark = pytest.mark.python
@@ -27,6 +30,7 @@ U0 = np.array([0.02, -0.01, 0.03])
 PLACE = [int(position.mark / 45.0) for position in PAPER.positions]
 DAY = {"SOURCE_DATE_EPOCH": "1796000000"}  # 2026-11-30
 TODAY = "2026-11-30"
+ESTIMATORS = ("refined", "optimal")
 
 
 def declared():
@@ -307,3 +311,38 @@ def test_what_is_left_of_a_stand():
     assert left.sigma("angle") == pytest.approx(np.sqrt(2 * 2e-6**2 + 2 * 1e-6**2))
     assert left.sigma("level") == pytest.approx(np.sqrt((2e-5 / 3) ** 2 + (2e-4 / 3) ** 2 / 2))
     assert [mark_of(angle) for angle in (360.0, -45.0, 405.0, 1e-9, 22.5)] == [0.0, 315.0, 45.0, 0.0, 22.5]
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("count", [3, 5, 10])
+def test_what_a_table_gains(count):
+    """200 campaigns of so many runs, and four further runs that are solved with the table: pytest -s prints the figures
+    of docs/method.md."""
+    rng, schedule = np.random.default_rng(count), core.CoreSchedule(PAPER)
+    truth, samples = np.concatenate([NOMINAL_K.ravel(), U0]), np.full(18, 25)
+    gradient = norm_gradient(NOMINAL_K, spread_attitudes(2000))
+    before, after = {name: [] for name in ESTIMATORS}, {name: [] for name in ESTIMATORS}
+    stated, held, off = {name: [] for name in ESTIMATORS}, {name: [] for name in ESTIMATORS}, []
+    for _ in range(200):
+        table = table_of(rng)
+        runs = [drawn(rng, table) for _ in range(count + 4)]
+        found = learn([as_learnt(means) for means in runs[:count]], ANGLE)
+        off.append(found.u.max())
+        numbers = tuple(found.errors), tuple(found.u), found.repeatability, found.u_repeatability
+        left = SetAngles(TODAY, TODAY, count, found.marks, *numbers).left_on(declared(), 2)
+        later = np.array(runs[count:])
+        back = np.array([turned_back(PAPER, means, found.errors[PLACE]) for means in later])
+        for name in ESTIMATORS:
+            plain, known = (Propagation(PAPER, NOMINAL_K, stand, samples, name) for stand in (declared(), left))
+            before[name].append(estimator_for(plain)(later) - truth)
+            after[name].append(estimator_for(known)(back) - truth)
+            u = uncertainty.standard_uncertainties(known, schedule, np.ones(18, dtype=bool))
+            held[name].append(np.abs(after[name][-1]) < 2.0 * u)
+            stated[name].append(worst_norm(NOMINAL_K, known.covariance()).worst_g)
+    for name in ESTIMATORS:
+        rms = [np.sqrt(((np.concatenate(one[name]) @ gradient.T) ** 2).mean(axis=0)).max() for one in (before, after)]
+        coverage, claimed = np.concatenate(held[name]).mean(axis=0), np.mean(stated[name])
+        print(f"{count} runs, u {1e6 * np.mean(off):.1f} urad, {name}: {1e6 * rms[0]:.1f} -> {1e6 * rms[1]:.1f} ug, stated"
+              f" {1e6 * claimed:.1f}, coverage {100 * coverage.min():.1f} to {100 * coverage.max():.1f} %")  # fmt: skip
+        assert rms[1] == pytest.approx(claimed, rel=0.1) and coverage.min() > 0.93
+        assert name == "optimal" or rms[1] < rms[0] / 3.5

@@ -75,7 +75,10 @@ COMMANDS = {  # in the order in which they are listed
     ),
     "fixture": Command(
         "judge a stand by the runs made on it",
-        ("tumble fixture check --stand stand.toml run.csv",),
+        (
+            "tumble fixture check --stand stand.toml run.csv",
+            "tumble fixture learn --stand old.toml a.csv b.csv c.csv --out new.toml",
+        ),
     ),
     "draw": Command(
         "draw the stand, mountings, angles, the run or the bus, as SVG",

@@ -69,8 +69,7 @@ def _describe_learn(subjects: argparse._SubParsersAction[argparse.ArgumentParser
         " and how well the table comes to a mark again. The new stand file is the given one with a table"
         " [set_angles], by which tumble solve corrects the angles of a run until it expires.",
         epilog="Exit codes: 0 learnt, 1 the runs do not fit, or their set angles do not stay: nothing is written, 2 bad"
-        " input, 3 core and numpy disagree, 130 interrupted. Example: tumble fixture learn --stand stand.toml"
-        " monday.csv tuesday.csv friday.csv --out learnt.toml",
+        " input, 3 core and numpy disagree, 130 interrupted.",
     )
     subject.add_argument("--stand", metavar="FILE", required=True, help="stand file (TOML)")
     subject.add_argument(
