@@ -139,8 +139,8 @@ def test_two_standard_uncertainties_hold_the_truth_in_95_percent(name, model, es
     assert np.abs(coverage - 0.9545).max() < 4.0 * np.sqrt(0.9545 * 0.0455 / runs)
 
 
-def noisy(tmp_path, schedule=THREE):
-    rng, stand = np.random.default_rng(6), stand_named("paper")
+def noisy(tmp_path, schedule=THREE, seed=6):
+    rng, stand = np.random.default_rng(seed), stand_named("paper")
     yaws, angles = (rng.normal(size=n) * s for n, s in ((3, 4e-4), (len(schedule.positions), 4e-5)))
     means = run_of(schedule, alpha3=yaws[: len(schedule.mountings)], delta=angles)
     means += rng.normal(size=means.shape) * stand.sigma("noise") / np.sqrt(50)
@@ -184,6 +184,25 @@ def test_terminal_and_python_show_them(tmp_path, capsys):
     outputs = np.array([outputs_of(one, NOMINAL_K, U0) for one in force])
     assert np.abs(result.apply(outputs) - force).max() < 2e-3  # a yaw of its mounting turns it
     assert np.abs(np.linalg.norm(result.apply(outputs), axis=1) - 1.0).max() < 6e-5
+
+
+def test_a_comparison_and_a_report_have_them(tmp_path, capsys):
+    options = ["--schedule", "three_mountings", "--estimator", "optimal", "--model", "asymmetry,cross"]
+    files = []
+    for seed in (6, 7):
+        files.append(tmp_path / f"{seed}.json")
+        solved(capsys, noisy(tmp_path, seed=seed), *STAND, *options, "--out", files[-1])
+    capsys.readouterr()
+    assert main(["compare", *map(str, files), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    validate(found, schema("comparison"))
+    units = {row["name"]: row["unit"] for row in found["parameters"][9:]}
+    pairs = [f"cross_{pair}" for pair in CROSS]
+    assert units == {**{f"asymmetry_{axis}": "ug/g" for axis in "xyz"}, **dict.fromkeys(pairs, "ug/g^2")}
+    assert {row["name"]: row["unit"] for row in found["coefficients"]}["cross_zy"] == "1/g"
+    assert main(["report", str(files[0]), "--out", str(tmp_path / "report.html")]) == 0
+    text = (tmp_path / "report.html").read_text()
+    assert all(name in text for name in ("asymmetry_x", *pairs)) and "g\u207b\u00b9" in text
 
 
 @pytest.mark.parametrize(

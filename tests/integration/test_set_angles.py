@@ -113,6 +113,18 @@ def test_its_uncertainties_are_true():
     assert abs(np.mean(anew)) < 4.0 / np.sqrt(25) and np.std(anew) < 1.6
 
 
+def test_the_errors_of_an_encoder_are_in_the_table():
+    """As large as declared, they are not drawn to 0 by a small `angle_rad`."""
+    rng, angle = np.random.default_rng(13), 2.0 * np.pi / 8.0 * np.arange(8)
+    table = 3e-4 * (np.sin(angle) + np.cos(2.0 * angle))
+    stand = dataclasses.replace(declared(), angle=1e-5, encoder=3e-4)
+    assert stand.set_angle == pytest.approx(np.sqrt(1e-5**2 + 2 * 3e-4**2))
+    runs = [dataclasses.replace(as_learnt(drawn(rng, table)), stand=stand) for _ in range(3)]
+    found = learn(runs, stand.set_angle)
+    assert np.abs((found.errors - table) / found.u).max() < 4.0
+    assert TABLE.left_on(stand, 2).encoder == 0.0
+
+
 def test_angles_are_turned_back_exactly():
     rng = np.random.default_rng(5)
     errors = rng.normal(size=18) * 1e-3
@@ -238,6 +250,7 @@ def test_learning_anew_replaces_the_table(tmp_path, today):
 REFUSED = {
     "two runs": (["run0.csv", "run1.csv"], [], "set angles that stay show in 3 runs or more, not in 2"),
     "one twice": (["run0.csv", "run1.csv", "run0.csv"], [], "the run 'run0.csv' is given twice"),
+    "one copied": (["run0.csv", "run1.csv", "copy.csv"], [], "two of the runs are the same, to the byte"),
     "days": (["run0.csv", "run1.csv", "run2.csv"], ["--valid-days", "0"], "--valid-days: '0' is not a whole number"),
     "inclined": (
         ["run0.csv", "run1.csv", "run2.csv"],
@@ -251,6 +264,7 @@ REFUSED = {
 def test_what_is_refused(case, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     run_files(tmp_path, np.random.default_rng(1), np.zeros(8), 3)
+    (tmp_path / "copy.csv").write_bytes((tmp_path / "run0.csv").read_bytes())
     runs, options, said = REFUSED[case]
     code = main(["fixture", "learn", "--stand", str(STAND), *runs, *options, "--out", "new.toml"])
     captured = capsys.readouterr()
@@ -342,7 +356,8 @@ def test_what_a_table_gains(count):
     for name in ESTIMATORS:
         rms = [np.sqrt(((np.concatenate(one[name]) @ gradient.T) ** 2).mean(axis=0)).max() for one in (before, after)]
         coverage, claimed = np.concatenate(held[name]).mean(axis=0), np.mean(stated[name])
-        print(f"{count} runs, u {1e6 * np.mean(off):.1f} urad, {name}: {1e6 * rms[0]:.1f} -> {1e6 * rms[1]:.1f} ug, stated"
-              f" {1e6 * claimed:.1f}, coverage {100 * coverage.min():.1f} to {100 * coverage.max():.1f} %")  # fmt: skip
+        gained = f"{1e6 * rms[0]:.1f} -> {1e6 * rms[1]:.1f} ug, stated {1e6 * claimed:.1f}"
+        share = f"{100 * coverage.min():.1f} to {100 * coverage.max():.1f} %"
+        print(f"{count} runs, u {1e6 * np.mean(off):.1f} urad, {name}: {gained}, coverage {share}")
         assert rms[1] == pytest.approx(claimed, rel=0.1) and coverage.min() > 0.93
         assert name == "optimal" or rms[1] < rms[0] / 3.5

@@ -239,6 +239,11 @@ class Stand:
         rows are means of the stand's `samples`; a lone row among many is one sample."""
         return np.where(rows > 1, rows, self.samples if rows.max(initial=0) <= 1 else 1)
 
+    @property
+    def set_angle(self) -> float:
+        """Standard deviation of the angle at a mark, with the errors of the encoder: two waves, of two numbers each."""
+        return math.hypot(self.sigma("angle"), math.sqrt(2.0) * self.sigma("encoder"))
+
     def sigma(self, source: str) -> float:
         """Standard deviation of an angle, named by its attribute, such as "axis_tilt"."""
         limit: float = getattr(self, source)
@@ -293,8 +298,9 @@ class SetAngles:
         worst case it counts as often."""
         anew = math.hypot(self.repeatability, self.u_repeatability)
         left = math.hypot(anew, max(self.u) * math.sqrt(mountings))
-        common = stand.sigma("angle") / math.sqrt(len(self.u))
-        return stand.with_sigma("angle", left).with_sigma("level", math.hypot(stand.sigma("level"), common))
+        common = stand.set_angle / math.sqrt(len(self.u))
+        level = math.hypot(stand.sigma("level"), common)
+        return stand.with_sigma("angle", left).with_sigma("encoder", 0.0).with_sigma("level", level)
 
 
 def _with_keys(plain: Callable[..., None]) -> Callable[..., None]:

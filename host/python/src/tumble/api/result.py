@@ -307,7 +307,7 @@ class Result:
         columns: dict[str, str] | None = None,
         outputs_unit: str | None = None,
     ) -> Any:
-        """Calibrate outputs: a = K^-1 (U - U0); with K2 and K3 in the result, the root of their equation.
+        """Calibrate outputs: a = K^-1 (U - U0); with further terms in the result, the root of their equation.
 
         A column temperature, deg C, of a table is held against that of the run: a UserWarning where a row is more than
         1 deg C outside. Where nobody tells the unit of the data or of the run, another such warning comes if the

@@ -184,7 +184,7 @@ def _is_one(a: Stand, b: Stand) -> bool:
 
 @dataclass(frozen=True)
 class Comparison:
-    """B held against A. `terms`: K2 and K3 as far as both have them; `shared`: names of the errors that were counted
+    """B held against A. `terms`: further ones as far as both have them; `shared`: names of the errors that were counted
     once, None where no stand was named, or where it is not the stand of both."""
 
     a: ComparedResult

@@ -3,7 +3,7 @@
 The difference of twelve coefficients is that of nine parameters which stay when the block turns, and three angles of
 the seat. So three questions are asked, each with the p of its test:
 
-- whole: do the parameters differ, all together? Chi-squared of nine (with K2 and K3: more) degrees of freedom.
+- whole: do the parameters differ, all together? Chi-squared of nine (with further terms: more) degrees of freedom.
 - alone: does any one of them? The smallest p, times their number. It sees a single change sooner.
 - seat: chi-squared of the three angles, by generalised least squares of the twelve differences.
 

@@ -154,9 +154,9 @@ class Comparison(Document, kw_only=True):
     assumes: What the one or the other result rests on, as assumes of tumble.result/1.
     unit: Of the outputs of both.
     parameters: What does not depend on how the block sits: scale_x, scale_y, scale_z, relative, in ppm; angle_xy,
-        angle_xz, angle_yz in urad; bias_x, bias_y, bias_z in ug; K2 and K3 where both results have them.
+        angle_xz, angle_yz in urad; bias_x, bias_y, bias_z in ug; further terms where both results have them.
     seat: Turn of the block in its seat, about its axes x, y and z, if nothing else has changed.
-    coefficients: K row by row, U0, then K2 and K3 where both results have them.
+    coefficients: K row by row, U0, then further terms where both results have them.
     tests: null without uncertainties.
     warnings: Sentences that a person is told on stderr beside the comparison.
     notes: What the comparison rests on, and what it leaves out.

@@ -6,8 +6,8 @@ order (`ErrorField`). All are linear in independent draws of unit variance, one 
 noise. The estimator sees the same draws as the check: on fitted positions the check judges residuals.
 
 The error of |a| at a unit attitude a is a'S a + b'a: `forms` holds S by its six elements, then b. (8) is its exact
-counterpart, (|a|^2 - 1)/2. A block whose K2 and K3 are found and applied adds their errors to it, which are of higher
-order in a.
+counterpart, (|a|^2 - 1)/2. A block whose further terms are found and applied adds their errors to it, which are of
+higher order in a.
 
 The errors are jointly normal, to first order. A normal vector is a length, whose law is chi, times a direction, all of
 which are alike; and what is asked for, the largest of its errors, grows with the length in proportion. So
@@ -199,7 +199,7 @@ def growing_promise(case: Case, estimator: str, probability: float) -> GrowingPr
 
 
 def _promise(case: Case, estimator: str, k: Floats) -> tuple[Promise, Law, Law]:
-    """The promise with the laws of the gravity check and of |a|, for which K2 and K3 need more than a quadratic
+    """The promise with the laws of the gravity check and of |a|, for which further terms need more than a quadratic
     form."""
     field, count = error_field(case, estimator, k), _DIRECTIONS["attitudes"]
     check = Law.of(field.gravity, _DIRECTIONS["positions"], lambda errors: np.abs(errors).max(axis=1))

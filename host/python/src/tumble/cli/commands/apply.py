@@ -23,7 +23,7 @@ _IN_MEMORY = 1 << 24  # bytes of output, before they go to a temporary file
 def describe(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         "Write measured data again with the acceleration in its last three columns, x, y, z: by K and U0 of"
-        " a result, and by its K2 and K3. Other columns are kept. CSV; Parquet where pyarrow or polars is installed."
+        " a result, and its further terms. Other columns are kept. CSV; Parquet where pyarrow or polars is installed."
     )
     parser.epilog = (
         "Several files are joined, or written into --out FOLDER one by one. Exit codes: 0 done, 2 bad input, 77"

@@ -104,7 +104,7 @@ def learn(arguments: argparse.Namespace) -> int:
     options.require_ending(arguments.out, "--out", ".toml")
     data = read_bytes(arguments.stand)
     stand_file = read_stand(arguments.stand, data)
-    if stand_file.stand.angle == 0.0:
+    if stand_file.stand.set_angle == 0.0:
         raise BadInput("angle_rad is 0: there is nothing to learn", arguments.stand)
     schedule = None
     if arguments.schedule is not None:
@@ -112,6 +112,9 @@ def learn(arguments: argparse.Namespace) -> int:
         if schedule.data.is_inclined or schedule.data.is_laid_by_hand:
             raise UsageError("--schedule: set angles are learnt on a level table that turns to them")
     views, warnings = _views(arguments, stand_file, schedule, stand_file.delta_g_limit_g or DEFAULT_LIMIT_G)
+    hashes = [view.solution.run.sha256 for view in views]
+    if len(set(hashes)) < len(hashes):
+        raise UsageError("two of the runs are the same, to the byte")
     found = lesson([view.solution for view in views], stand_file.stand, today(), days)
     warn(warnings)
     print_lines([[(line, "")] for line in lines(found, stand_file.stand)])
