@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Annotated, Final, Generic, Literal, TypeAlias,
 from msgspec import Meta, field
 
 from tumble.documents.base import Count, Document, Positive, Share, Size, exactly
+from tumble.documents.further import OF_FORCE
 from tumble.documents.result import REASONS, Labels, Name
 
 COMPARISON: Final = "tumble.comparison/1"
 
 Text: TypeAlias = Annotated[str, Meta(min_length=1)]
-Parameter: TypeAlias = Annotated[str, exactly("(scale_[xyz]|angle_(xy|xz|yz)|bias_[xyz]|K[23]_[xyz])")]
-Coefficient: TypeAlias = Annotated[str, exactly("(K_[xyz]{2}|U0_[xyz]|K[23]_[xyz])")]
+Parameter: TypeAlias = Annotated[str, exactly(f"(scale_[xyz]|angle_(xy|xz|yz)|bias_[xyz]|{OF_FORCE})")]
+Coefficient: TypeAlias = Annotated[str, exactly(f"(K_[xyz][xyz]|U0_[xyz]|{OF_FORCE})")]
 if TYPE_CHECKING:
     Verdict: TypeAlias = str
     Apparent: TypeAlias = str
@@ -26,7 +27,7 @@ else:
     Verdict = Literal["unchanged", "seat", "block", "cannot tell"]
     Apparent = Literal["unchanged", "seat", "block"]
     Reason = Literal[tuple(" and ".join(some) for count in (1, 2, 3) for some in combinations(REASONS, count))]
-    Millionths = Literal["ppm", "urad", "ug", "ug/g^2", "ug/g^3"]
+    Millionths = Literal["ppm", "urad", "ug", "ug/g", "ug/g^2", "ug/g^3"]
     Levelled = Literal["once", "anew"]
     Source = Literal["alpha1", "alpha2", "platform", "encoder"]
 _UNIQUE: Final = Meta(extra_json_schema={"uniqueItems": True})

@@ -15,6 +15,7 @@ if TYPE_CHECKING:  # a type checker takes no names that are made
     Term: TypeAlias = str
 else:
     Term = Literal[TERMS]
+OF_FORCE = "(K2|K3|asymmetry)_[xyz]|cross_(xy|yz|zx|xz|yx|zy)"  # what a pattern has of their names
 
 
 class WithoutTerms(Document):
@@ -53,7 +54,7 @@ class Extended(Document):
     u_cross_per_g: SixSizes | UnsetType | None = UNSET
     drift_v: Vector | None = None
     u_drift_v: Sizes | None = None
-    names: tuple[Annotated[str, exactly("(K2|K3|asymmetry|drift)_[xyz]|cross_(xy|yz|zx|xz|yx|zy)")], ...] = ()
+    names: tuple[Annotated[str, exactly(f"({OF_FORCE}|drift_[xyz])")], ...] = ()
     covariance: Square | None = None
     u_norm_of_K_U0_g: Size | None = None
     without: WithoutTerms | None = None

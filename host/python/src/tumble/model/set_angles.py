@@ -72,13 +72,14 @@ def learn(runs: Sequence[LearningRun], angle: float) -> Learnt:
         rows, left = _equations(parts, repeatability)
         information = rows.T @ rows + np.eye(len(marks)) / angle**2
         covariance = np.linalg.inv(information)
-        found = found + covariance @ (rows.T @ left - found / angle**2)
+        change = covariance @ (rows.T @ left - found / angle**2)
+        found = found + change
     left_out = np.eye(len(marks)) - 1.0 / len(marks)  # what is common to all
     errors, covariance = left_out @ found, left_out @ covariance @ left_out
     best = _likelihood(parts, repeatability)
     upper = _lowered(lambda size: best - _likelihood(parts, size) - _DROP, repeatability, 8.0 * angle)
     u = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    p = tuple(part.p(repeatability) for part in (_Part(run, marks, found) for run in runs))
+    p = tuple(part.p(repeatability, change) for part in parts)
     return Learnt(marks, errors, u, repeatability, upper - repeatability, p)
 
 
@@ -99,9 +100,10 @@ class _Part:
         self.shown, self.by_mark = left.T @ model.rest, self.steep[:, None] * (right @ of_mark)
         self.beyond, self.freedom = float(model.rest @ model.rest - self.shown @ self.shown), model.freedom
 
-    def p(self, repeatability: float) -> float:
-        """How often a run that fits has a larger chi-squared."""
-        square = self.beyond + float((self.shown**2 / (1.0 + (repeatability * self.steep) ** 2)).sum())
+    def p(self, repeatability: float, change: Floats) -> float:
+        """How often a run that fits has a larger chi-squared, with the marks off by a `change` (marks,) more."""
+        left, variance = self.shown - self.by_mark @ change, 1.0 + (repeatability * self.steep) ** 2
+        square = self.beyond + float((left**2 / variance).sum())
         return chi_squared_above(square, self.freedom)
 
 
