@@ -13,8 +13,9 @@ from jsonschema import validate
 import tumble
 from tumble import core
 from tumble.cli.main import main
+from tumble.distributions import chi_squared_above
 from tumble.files.stand_file import read_stand, with_set_angles
-from tumble.model import Geometry, Propagation
+from tumble.model import Geometry, Propagation, WholeModel
 from tumble.model.coefficients import norm_gradient, spread_attitudes, worst_norm
 from tumble.model.set_angles import LearningRun, learn, turned_back
 from tumble.schedule import mark_of
@@ -361,3 +362,24 @@ def test_what_a_table_gains(count):
         print(f"{count} runs, u {1e6 * np.mean(off):.1f} urad, {name}: {gained}, coverage {share}")
         assert rms[1] == pytest.approx(claimed, rel=0.1) and coverage.min() > 0.93
         assert name == "optimal" or rms[1] < rms[0] / 3.5
+
+
+@pytest.mark.full
+@pytest.mark.parametrize(
+    ("change", "least", "most"), [(0.0, 0.0, 0.02), (2e-5, 0.01, 0.3), (5e-5, 0.7, 0.95), (2e-4, 1.0, 1.0)]
+)
+def test_how_large_a_change_is_noticed(change, least, most):
+    """The share of 300 runs that do not fit, of five runs' tables whose marks have moved by so much since."""
+    rng, refused = np.random.default_rng(14), 0
+    for _ in range(30):
+        table = table_of(rng)
+        found = learn([as_learnt(drawn(rng, table)) for _ in range(5)], ANGLE)
+        numbers = tuple(found.errors), tuple(found.u), found.repeatability, found.u_repeatability
+        left = SetAngles(TODAY, TODAY, 5, found.marks, *numbers).left_on(declared(), 2)
+        for _ in range(10):
+            means = drawn(rng, table + rng.normal(size=8) * change)
+            back = turned_back(PAPER, means, found.errors[PLACE])
+            model = WholeModel(PAPER, back, left.mean_variance(np.full(18, 25)), left)
+            refused += chi_squared_above(model.chi_squared, model.freedom) < 0.001
+    print(f"marks moved by {1e6 * change:.0f} urad: {100 * refused / 300:.0f} % of runs do not fit")
+    assert least <= refused / 300 <= most
