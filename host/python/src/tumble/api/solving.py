@@ -18,7 +18,8 @@ from tumble.api.result import Result
 from tumble.arrays import Floats
 from tumble.core import MAX_POSITIONS, CoreRefusal, CoreSchedule
 from tumble.documents.base import to_json
-from tumble.documents.result import Explanation, Result as ResultDocument
+from tumble.documents.labels import measured_s, serial_of
+from tumble.documents.result import Explanation, Result as ResultDocument, read_result
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.estimators import ESTIMATORS, NORM, OPTIMAL
 from tumble.files import run_rows
@@ -29,6 +30,7 @@ from tumble.fixture.judge import Limits
 from tumble.model.fit import NOISE_V
 from tumble.model.inclined import EQUAL
 from tumble.model.norm import of_poses
+from tumble.model.prior import Growth, LastCalibration, Run as RunFacts
 from tumble.model.stand_seen import NAMES
 from tumble.schedule import ANY_POSE, Schedule
 from tumble.solving import hands, noise, plausibility
@@ -36,10 +38,11 @@ from tumble.solving.decision import NO_UNIT
 from tumble.solving.many_runs import MonteCarlo, Verdict
 from tumble.solving.noise import CORRELATED
 from tumble.solving.plausibility import contradicted, in_environment
+from tumble.solving.prior_run import Rule, solve_with_prior
 from tumble.solving.result import created, document_of
 from tumble.solving.solution import Solution, solve as solve_run
 from tumble.stand import Stand, by_channel
-from tumble.terms import parse
+from tumble.terms import Terms, parse
 from tumble.units import contradicts, looks_like, noise_unit
 
 
@@ -79,6 +82,7 @@ def solved(
     limit_g: float | None = None,
     confidence: float = defaults.DEFAULT_CONFIDENCE,
     model: Any = (),
+    prior: LastCalibration | None = None,
 ) -> Solved:
     """Solve a recording; arguments as of `solve`. Raises TumbleError."""
     if estimator is not None and not is_one_of(estimator, (*ESTIMATORS, NORM)):
@@ -87,6 +91,8 @@ def solved(
         raise UsageError(defaults.NEEDS_STAND)
     now = created()
     stand_file = None if stand is None else stand_file_of(stand)
+    if prior is not None and estimator is None and stand is not None:
+        estimator = OPTIMAL  # the one whose least squares a prior enters
     of_poses_alone = isinstance(schedule, str) and schedule == ANY_POSE
     if of_poses_alone or estimator == NORM:
         if not of_poses_alone and schedule is not None:
@@ -113,24 +119,103 @@ def solved(
     odd_rows = run_rows.check_rows(run, planned.data, stand_file, recording.name)
     environment = None if stand_file is None else stand_file.environment
     contradiction = contradicted(run, environment)
-    solution = solve_run(
-        in_environment(run, environment),
-        planned,
-        estimator,
-        defaults.DEFAULT_LIMIT_G if told_g is None else told_g,
-        None if stand_file is None else stand_file.stand,
-        recording.name,
-        0.0 if stand_file is None else stand_file.step_v,
-        confidence=confidence,
-        terms=terms,
-        coverage_factor=defaults.DEFAULT_COVERAGE_FACTOR if stand_file is None else stand_file.decided_by,
-        signs=_signs(stand_file),
-    )
+    run = in_environment(run, environment)
+    rule_g = defaults.DEFAULT_LIMIT_G if told_g is None else told_g
+    coverage_factor = defaults.DEFAULT_COVERAGE_FACTOR if stand_file is None else stand_file.decided_by
+    step_v = 0.0 if stand_file is None else stand_file.step_v
+    declared = None if stand_file is None else stand_file.stand
+    if prior is not None:
+        require_prior(estimator, terms, planned.data)
+        assert declared is not None  # optimal has one
+        known = prior.at(facts_of(stand_file, run.sha256, run.unit, now))
+        rule = Rule(rule_g, confidence, coverage_factor)
+        solution = solve_with_prior(known, run, planned, rule, declared, recording.name, step_v)
+    else:
+        solution = solve_run(
+            run,
+            planned,
+            estimator,
+            rule_g,
+            declared,
+            recording.name,
+            step_v,
+            confidence=confidence,
+            terms=terms,
+            coverage_factor=coverage_factor,
+            signs=_signs(stand_file),
+        )
     solution = replace(plausibility.with_order_flag(solution, stand_file), brought_stand=stand is None)
     odd = (*odd_rows, *plausibility.check_k(solution, stand_file, recording.name))
     odd += () if contradiction is None else (contradiction,)
     odd += (TWO_SERIALS,) if stand_file is not None and stand_file.has_two_serials else ()
     return Solved(solution, stand_file, odd, now, os.path.basename(recording.name) if recording.is_file else None)
+
+
+def require_prior(estimator: str, terms: Terms, schedule: Schedule) -> None:
+    """Raise UsageError where a solve has no prior."""
+    if estimator != OPTIMAL:
+        raise UsageError(f"--prior enters the least squares of --estimator optimal; {estimator} has none")
+    if terms:
+        raise UsageError(f"--prior is of the twelve coefficients alone: leave out --model {','.join(terms)}")
+    if schedule.is_inclined:
+        raise UsageError("--prior takes no block that is inclined with its stand: its run determines all by itself")
+
+
+def facts_of(stand: Any, sha256: str | None, unit: str = "V", now: str | None = None) -> RunFacts:
+    """What of a run decides whether a prior is for it. `stand`: as of `solve`. Raises TumbleError."""
+    stand_file = None if stand is None else stand_file_of(stand)
+    item, environment = (None, None) if stand_file is None else (stand_file.item, stand_file.environment)
+    try:
+        measured = measured_s(item, environment, now or created())
+    except ValueError as error:
+        raise BadInput(str(error), stand if isinstance(stand, str) else "stand") from None
+    assert measured is not None  # a solve looks at the clock
+    return RunFacts(
+        serial_of(None if stand_file is None else stand_file.serial, item),
+        unit,
+        measured,
+        sha256 or None,
+        None if stand_file is None else stand_file.stand,
+        (environment or {}).get("gravity_m_s2"),
+    )
+
+
+def last_calibration(prior: Any, growth: Any) -> LastCalibration | None:
+    """What callers give as a prior, and how its block has changed since. Raises TumbleError."""
+    if prior is None:
+        if growth is not None:
+            raise UsageError("--growth: without --prior there is nothing that grows")
+        return None
+    declared = None if growth is None else growth_of(growth)
+    if isinstance(prior, LastCalibration):
+        return prior if declared is None else replace(prior, growth=declared)
+    if declared is None:
+        raise UsageError(
+            "--prior: nobody says how much such a block changes: give --growth SCALE,ANGLE,BIAS, in ppm, urad and ug"
+            " a year"
+        )
+    if isinstance(prior, Result):
+        return LastCalibration.of(prior.checked, "prior", declared)
+    if isinstance(prior, (str, os.PathLike)):
+        file = os.fspath(prior)
+        return LastCalibration.of(read_result(file), file, declared)
+    raise UsageError(f"prior: a {type(prior).__name__} is neither a result nor the path of one")
+
+
+def growth_of(growth: Any) -> Growth:
+    """Of three numbers, ppm, urad and ug a year, or a text of these. Raises UsageError."""
+    try:
+        sizes = [*map(float, growth.split(","))] if isinstance(growth, str) else [*map(as_number, growth)]
+    except (TypeError, ValueError):
+        sizes = []
+    if len(sizes) != 3 or not all(0.0 <= one <= _MOST_GROWTH for one in sizes):
+        raise UsageError(
+            f"--growth: {quoted(growth)} is not three numbers from 0 to {_MOST_GROWTH:g}, ppm, urad and ug a year"
+        )
+    return Growth.declared(*(one * 1e-6 for one in sizes))
+
+
+_MOST_GROWTH = 1e5  # a tenth: no block that is worth a prior
 
 
 def _any_poses(recording: Recording) -> tuple[Run, CoreSchedule]:
@@ -166,6 +251,8 @@ def solve(
     limit_g: float | None = None,
     confidence: float = defaults.DEFAULT_CONFIDENCE,
     model: str | Iterable[str] = (),
+    prior: LastCalibration | Result | str | os.PathLike[str] | None = None,
+    growth: Sequence[float] | None = None,
     unit: str | None = None,
     columns: dict[str, str] | None = None,
 ) -> Result:
@@ -193,6 +280,9 @@ def solve(
         At which the run must fit its stand, 0.5 to 0.999999.
     model : str or list of str, optional
         Further terms, "k2", "k3", "drift", of least_squares and optimal.
+    prior, growth : any, optional
+        The last calibration of this block, a Result, a path or what `History.prior` returns; and standard deviations of
+        what changes in a year: scales in ppm, angles between axes in urad, biases in ug. Not used if they disagree.
     unit, columns : any, optional
         Of what is read here, as `read` has them.
 
@@ -216,13 +306,8 @@ def solve(
     >>> result = tumble.solve("examples/paper_stand.csv", stand="examples/paper_stand.toml")
     >>> result.passed, result.K.shape, result.u_U0.shape
     (True, (3, 3), (3,))
-    >>> round(float(result.K[2, 2]), 3)
-    2.004
     """
-    if limit_g is not None and not 0.0 < as_number(limit_g) <= 1.0:
-        raise UsageError(f"limit_g: {quoted(limit_g)} is not a number of g above 0, at most 1")
-    if not 0.5 <= as_number(confidence) <= 0.999999:
-        raise UsageError(f"confidence: {quoted(confidence)} is not a number from 0.5 to 0.999999")
+    _require_rule(limit_g, confidence)
     with told_in_python():
         if isinstance(run, Recording) and (unit is not None or columns is not None):
             raise UsageError("unit and columns are of what is read here: give them to tumble.read")
@@ -234,8 +319,16 @@ def solve(
             limit_g=limit_g,
             confidence=confidence,
             model=model,
+            prior=last_calibration(prior, growth),
         )
         return Result(to_json(found.document), tuple(found.complaints))
+
+
+def _require_rule(limit_g: float | None, confidence: float) -> None:
+    if limit_g is not None and not 0.0 < as_number(limit_g) <= 1.0:
+        raise UsageError(f"limit_g: {quoted(limit_g)} is not a number of g above 0, at most 1")
+    if not 0.5 <= as_number(confidence) <= 0.999999:
+        raise UsageError(f"confidence: {quoted(confidence)} is not a number from 0.5 to 0.999999")
 
 
 def complaints(solution: Solution, odd: Sequence[str] = (), confirmed_unit: bool = False) -> list[str]:
@@ -268,6 +361,8 @@ def complaints(solution: Solution, odd: Sequence[str] = (), confirmed_unit: bool
     told += plausibility.unchecked(solution)
     if (doubt := misfit_sentence(solution)) is not None:
         told.append(f"{doubt}; the uncertainties {misfit_consequence(solution)}")
+    if solution.prior is not None and (changed := solution.prior.finding) is not None:
+        told.append(f"{changed}; the prior is not used")
     return told
 
 

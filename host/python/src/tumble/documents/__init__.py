@@ -8,7 +8,9 @@ comparison   tumble.comparison/1, of `compare`
 fixture      tumble.fixture/1, of `fixture check`
 history      tumble.history/1, of `history`
 importing    tumble.import/1, of `import`
+labels       the block and the day of a result, by keys or labels
 plan         tumble.plan/1, of `plan`
+prior        what tumble.result/1 says of the last calibration of a block
 result       tumble.result/1, of `solve` and `bench`
 store        tumble.store/1, of `store dump`
 thermal      tumble.thermal/1, of `solve --temperature`

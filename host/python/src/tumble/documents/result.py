@@ -33,6 +33,7 @@ from tumble.documents.base import (
     exactly,
     read,
 )
+from tumble.documents.prior import Prior
 from tumble.errors import quoted
 from tumble.files.disk import RESULT_FILE, read_bytes
 from tumble.schedule import CHECK, FIT
@@ -687,6 +688,8 @@ class Result(Document, kw_only=True):
     environment: From the stand file.
     temperature: Of the run, in deg C: `min_c`, `max_c`, and their `source`: "run_file" (its column; of a bench run the
         frames of the block) or "environment"; null: unknown.
+    prior: For `--prior`: the last calibration of the block, whether the run agrees with it, and what it brings.
+        [How](method.md#with-the-last-calibration)
     seed: Of a run on the bench: the same seed and inputs give the same result and bus log, byte for byte.
     bus: Of a run on the bench.
     firmware: Of a run on the bench: where the firmware ran.
@@ -743,6 +746,7 @@ class Result(Document, kw_only=True):
     item: Labels | None = None
     environment: Labels | None = None
     temperature: Temperature | None = None
+    prior: Prior | UnsetType = UNSET
     seed: Count | UnsetType = UNSET
     bus: Annotated[str, exactly("(inprocess|uml|socketcan:[A-Za-z0-9._-]{1,15})")] | UnsetType = UNSET
     firmware: Firmware | UnsetType = UNSET
