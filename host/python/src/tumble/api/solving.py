@@ -38,6 +38,7 @@ from tumble.solving.decision import NO_UNIT
 from tumble.solving.many_runs import MonteCarlo, Verdict
 from tumble.solving.noise import CORRELATED
 from tumble.solving.plausibility import contradicted, in_environment
+from tumble.solving.prior import temperature_notice
 from tumble.solving.prior_run import Rule, solve_with_prior
 from tumble.solving.result import created, document_of
 from tumble.solving.solution import Solution, solve as solve_run
@@ -361,8 +362,9 @@ def complaints(solution: Solution, odd: Sequence[str] = (), confirmed_unit: bool
     told += plausibility.unchecked(solution)
     if (doubt := misfit_sentence(solution)) is not None:
         told.append(f"{doubt}; the uncertainties {misfit_consequence(solution)}")
-    if solution.prior is not None and (changed := solution.prior.finding) is not None:
-        told.append(f"{changed}; the prior is not used")
+    if solution.prior is not None:
+        told += filter(None, [temperature_notice(solution.prior.prior, solution.run.temperature)])
+        told += [] if (changed := solution.prior.finding) is None else [f"{changed}; the prior is not used"]
     return told
 
 

@@ -606,7 +606,7 @@ class Result(Document, kw_only=True):
         is the expected shift of every coefficient by squares of the angles, in its unit; `matters` is true if any
         exceeds 0.2 u; `shifts` lists those coefficients (`source` with the largest part, `coefficient`, `bias_relative`
         and `limit` over the scale factor of the row); `bias_K_xx_relative` = alpha3^2/2, the reduction of K_xx by a yaw
-        in a linear estimate, and its `limit`; null without a stand file.
+        in a linear estimate, and its `limit`; null without a stand file, and with a prior that is used.
         [How](method.md#what-the-linear-theory-leaves-out)
     monte_carlo: For `--monte-carlo`, else null: `runs`, `seed`, whether all `agrees`, and for every coefficient the
         mean error (`shift`), `u`, the 95 % `interval` and the `linear_interval`, their `difference`, its `tolerance`,
@@ -681,7 +681,8 @@ class Result(Document, kw_only=True):
         rows), `bias` (`bias_g` times gravity), `u_K`, `u_scale` and `u_bias` including `u_gravity_m_s2`, null if that
         or the stand file is missing; `units`.
     u_intrinsic: Their standard uncertainties, same names; null without a stand file.
-    reference: The result of the C core less that of numpy, and the largest differences.
+    reference: The result of the C core less that of numpy, and the largest differences; with a prior that is used, of
+        numpy's two computations.
     means: Per measured position: samples, mean, scatter.
     counters: Rows, positions, blank and comment lines, columns ignored.
     item: From the stand file.

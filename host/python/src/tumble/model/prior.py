@@ -35,7 +35,7 @@ from tumble.model.errors import by_gains, covariance_of, sources
 from tumble.model.estimators import design, null_space
 from tumble.model.optimal import NOISE_FLOOR_G, Whitened, mean_sigma, samples_in_a_mean
 from tumble.schedule import Schedule
-from tumble.stand import SOURCES, PerChannel, Stand, by_channel
+from tumble.stand import ALWAYS, SOURCES, PerChannel, Stand
 
 PARAMETERS = (
     *(f"scale_{axis}" for axis in "xyz"),
@@ -63,7 +63,6 @@ def by_parameters(k: Floats, u0: Floats) -> Floats:
 
 DAY_S = 86400.0
 YEAR = 365.25  # days
-STAYS = ("platform_rad", "encoder_rad")  # errors that a stand keeps: two runs on it have them in common
 
 
 @dataclass(frozen=True)
@@ -107,7 +106,7 @@ class Prior:
 
     For whoever is told of it: `source`, its name; `created`, when it was measured; `days` since; `growth` (9,),
     standard deviations of what may have changed in these days, and `drift` (9,), what is expected to have, which
-    `values` have in them; `growth_by` as in Growth.
+    `values` have in them; `growth_by` as in Growth; `temperature_c`: lowest and highest of its run, None: not told.
     """
 
     values: Floats
@@ -120,6 +119,7 @@ class Prior:
     growth: Floats
     drift: Floats
     growth_by: str
+    temperature_c: tuple[float, float] | None = None
 
     def rows(self, k: Floats, u0: Floats) -> tuple[Floats, Floats]:
         """The rows at these coefficients (9, 12), of covariance 1, and what is left of them there (9,)."""
@@ -171,8 +171,19 @@ class LastCalibration:
             values[:3] += np.log(ratio)
             values[6:] /= ratio
         own = by_parameter @ covariance @ by_parameter.T
-        created, by = iso(measured), self.growth.by
-        return Prior(values, own + np.diag(growth**2), k, u0, self.name, created, days, growth, drift, by)
+        return Prior(
+            values=values,
+            covariance=own + np.diag(growth**2),
+            k=k,
+            u0=u0,
+            source=self.name,
+            created=iso(measured),
+            days=days,
+            growth=growth,
+            drift=drift,
+            growth_by=self.growth.by,
+            temperature_c=None if told.temperature is None else (told.temperature.min_c, told.temperature.max_c),
+        )
 
     def _usable(self) -> tuple[Floats, Floats, Floats, int]:
         """K, U0, their covariance, and the day. Raises BadInput."""
@@ -200,8 +211,7 @@ class LastCalibration:
             raise self._refused("is of this very run: a prior is of an earlier one")
         if told.stand is None or run.stand is None or (told.stand.name or "") != run.stand.name:
             return
-        sizes = {one.key: by_channel(getattr(run.stand, one.attribute)) for one in SOURCES.values()}
-        if kept := [key for key in STAYS if sizes[key].any()]:
+        if kept := [one.key for one in SOURCES.values() if one.returns == ALWAYS and getattr(run.stand, one.attribute)]:
             raise self._refused(
                 f"is of the same stand, which keeps its {' and '.join(kept)}: the two are not independent"
             )

@@ -6,11 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+from tumble.files.rows import Temperatures, range_text
 from tumble.model.prior import Change, Prior, PriorTest
 
 Unit = Literal["ppm", "urad", "ug"]
 _UNITS: Mapping[str, Unit] = {"scale": "ppm", "angle": "urad", "bias": "ug"}
 _NAMED = 3
+TOLERANCE_C = 1.0  # as for data that a result is applied to
 
 
 @dataclass(frozen=True)
@@ -33,6 +35,17 @@ class PriorOutcome:
         best = [_change_text(one) for one in test.changes[:_NAMED]]
         explained = f"; explained best by {' or '.join(best)}" if best else ""
         return f"the block has changed since {since}, or one of the two runs is wrong: {test_text(test)}{explained}"
+
+
+def temperature_notice(prior: Prior, run: Temperatures | None) -> str | None:
+    """That the two were measured at temperatures that differ by more than TOLERANCE_C; None where they were not, or
+    nobody tells."""
+    if prior.temperature_c is None or run is None:
+        return None
+    low, high = prior.temperature_c
+    if run.low_c - TOLERANCE_C <= high and low <= run.high_c + TOLERANCE_C:
+        return None
+    return f"the prior is of {range_text(low, high)}, the run of {run.text}: growth counts days, not kelvins"
 
 
 def test_text(test: PriorTest) -> str:
