@@ -645,7 +645,8 @@ class Result(Document, kw_only=True):
         unit. `white_noise`: that noise is white, if no position has four samples. `undithered`: that rounding errors
         are independent, if all samples of a position round alike. `temperature`: that the block is used at the
         temperature of its run, if neither run file nor environment states it. `hands`: that faces lie as the schedule
-        `hand_laid` has it, if no stand is declared. `frame`: that K is in a frame of the block's own, if it comes from
+        `hand_laid` has it, if no stand is declared. `growth`: that the block has changed no more than stated since the
+        calibration that is its `prior`. `frame`: that K is in a frame of the block's own, if it comes from
         |a| alone.
     assumed_for: By name as in `assumes`: the coefficients that depend on it; an empty list: all. A table marks each of
         these (`*` seat, `^` linear).

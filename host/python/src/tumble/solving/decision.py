@@ -62,6 +62,7 @@ ASSUMPTIONS: Mapping[str, Assumption] = {
         "a frame of the block's own",
         "|a| does not show how x, y, z are turned against its seat: K_xy, K_xz, K_yz are 0 by convention",
     ),
+    "growth": Assumption("the stated growth", "the last calibration of the block is in them (--prior)"),
     "linear": Assumption("linearity", "the positions do not show all higher orders of the block", "^"),
     "order": Assumption("nothing exchanged or reversed", "no [block] says that its axes are such"),
     "incline": Assumption(
@@ -100,6 +101,7 @@ def assumed(solution: Solution) -> dict[str, Coefficients]:
         rests_on["linear"] = tuple(COEFFICIENTS[index] for index in np.flatnonzero(moved_k))
     whole = {
         "frame": found.estimator == NORM,
+        "growth": solution.prior is not None and solution.prior.used,
         "hands": found.estimator != NORM and solution.stand is not None and solution.brought_stand,
         "means": solution.stand is not None and solution.brought_stand and solution.noise.measured is None,
         "order": solution.is_out_of_order,
