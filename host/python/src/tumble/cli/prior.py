@@ -17,9 +17,7 @@ _DB = "history.db"
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """--prior, --growth, --db."""
-    group = parser.add_argument_group(
-        "with the last calibration of the block, such as --prior last.json --growth 50,20,50"
-    )
+    group = parser.add_argument_group("with the last calibration of the block")
     group.add_argument(
         "--prior",
         metavar=f"RESULT.json|{HISTORY}",
@@ -29,8 +27,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--growth",
         metavar="SCALE,ANGLE,BIAS",
-        help="standard deviations of what changes in a year: scales in ppm, angles between axes in urad, biases in ug;"
-        f" default: those of its type in the {HISTORY}",
+        help="standard deviations of what changes in a year, such as 50,20,50: scales in ppm, angles between axes in"
+        f" urad, biases in ug; default: those of its type in the {HISTORY}",
     )
     group.add_argument("--db", metavar="FILE|URL", help=f"of the {HISTORY}; default: {_DB}")
 
