@@ -20,8 +20,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "lib"))
 
 from fleets import TRUTH, fleet, forecast_of, off_when_due, rows_of
 
+from tumble.documents.labels import iso
 from tumble.history import History, trend
-from tumble.history.calibrations import OF_BLOCK, PARAMETERS, iso
+from tumble.history.calibrations import OF_BLOCK, PARAMETERS
 
 SHARES = {"jumps": 0.001, "outliers": 0.001, "size": 6.0, "seats": 0.005}
 LIMIT_G, COVERAGE, CONFIDENCE = 6e-5, 2.0, 0.9973

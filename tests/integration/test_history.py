@@ -18,9 +18,10 @@ from test_store_golden import a_set
 
 import tumble as package
 from tumble.documents.base import written
+from tumble.documents.labels import iso
 from tumble.errors import BadInput, UsageError
 from tumble.history import History, database
-from tumble.history.calibrations import PARAMETERS, iso, row_of, unpacked
+from tumble.history.calibrations import PARAMETERS, row_of, unpacked
 from tumble.store import codec
 
 pytestmark = pytest.mark.python

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from tumble import client
+from tumble.documents.labels import iso
 from tumble.history import History
-from tumble.history.calibrations import PARAMETERS, iso, numbers_of
+from tumble.history.calibrations import PARAMETERS, numbers_of
 
 pytest.importorskip("can", reason="python-can is not installed")
 pytest.importorskip("canopen", reason="python-canopen is not installed")

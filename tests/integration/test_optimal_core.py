@@ -16,7 +16,7 @@ from tumble.model.coefficients import spread_attitudes
 from tumble.model.errors import by_gains, covariance_of, sources
 from tumble.model.estimators import unidentified
 from tumble.model.geometry import built_in
-from tumble.model.optimal import CORRECTIONS, _Whitened, mean_sigma, optimal_table, samples_in_a_mean
+from tumble.model.optimal import CORRECTIONS, Whitened, mean_sigma, optimal_table, samples_in_a_mean
 from tumble.schedule import BUILT_IN, Position, Schedule
 from tumble.solving import optimal_run
 from tumble.stand import COMMON, INDEPENDENT, PAPER_STAND, Stand
@@ -65,7 +65,7 @@ def record_for(schedule, k, stand):
 def largest_angle(schedule, k, stand, means):
     """Of all that the witness takes for an error of the stand on its way, and what the second order changes in it."""
     samples = samples_in_a_mean(schedule, stand, np.ones(len(schedule.positions)))
-    problem = _Whitened(schedule, k, stand, mean_sigma(k, stand, 0.0, samples)[0], ())
+    problem = Whitened(schedule, k, stand, mean_sigma(k, stand, 0.0, samples)[0], ())
     measured = means[schedule.fit_indices].reshape(1, -1)
     x, largest, turns = problem.solve(measured.T).T, 0.0, 0.0
     for _ in range(CORRECTIONS + 1):

@@ -20,7 +20,10 @@ from tumble.files.run_layout import COLUMNS, DECIMALS, TEMPERATURE, LayoutOption
 from tumble.schedule import BUILT_IN
 from tumble.units import is_unit, spelled
 
-_NAMES = "at|columns|dbc|decimal|delimiter|estimator|logo|model|number|run|schedule|stand|temperature|template|unit"
+_NAMES = (
+    "at|columns|dbc|decimal|delimiter|estimator|growth|logo|model|number|prior|run|schedule|stand|temperature|template"
+    "|unit"
+)
 _COLUMNS = re.compile(r"--columns (\w+=(?!:)[^\s,;)]+(?:,\w+=[^\s,;)]+)*)")
 _OPTION = re.compile(r"--(?=[a-z])")
 _WITH_VALUES = (
@@ -31,6 +34,7 @@ _WITH_VALUES = (
     (re.compile(r"--(decimal) ([.,])(?=\))"), r'\1="\2"'),
     (re.compile(rf"--(schedule) ({'|'.join(BUILT_IN)})(?![\w.-])"), r'\1="\2"'),
     (re.compile(r"--(dbc) FILE.dbc"), r"\1="),
+    (re.compile(r"--(growth) SCALE,ANGLE,BIAS"), r"\1=(SCALE, ANGLE, BIAS)"),
     (re.compile(r"--(stand) FILE"), r"\1="),
     (re.compile(r"--(resume)(?![\w-])"), r"\1=True"),
     (re.compile(rf"--({_NAMES}):"), r"\1:"),

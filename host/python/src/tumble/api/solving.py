@@ -4,10 +4,10 @@ and of the command line, which prints them."""
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
-from typing import Any
+from functools import cached_property
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -18,7 +18,8 @@ from tumble.api.result import Result
 from tumble.arrays import Floats
 from tumble.core import MAX_POSITIONS, CoreRefusal, CoreSchedule
 from tumble.documents.base import to_json
-from tumble.documents.result import Explanation, Result as ResultDocument
+from tumble.documents.labels import measured_s, serial_of
+from tumble.documents.result import Explanation, Result as ResultDocument, read_result
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.estimators import ESTIMATORS, NORM, OPTIMAL
 from tumble.files import run_rows
@@ -29,6 +30,7 @@ from tumble.fixture.judge import Limits
 from tumble.model.fit import NOISE_V
 from tumble.model.inclined import EQUAL
 from tumble.model.norm import of_poses
+from tumble.model.prior import Growth, LastCalibration, Run as RunFacts
 from tumble.model.stand_seen import NAMES
 from tumble.schedule import ANY_POSE, Schedule
 from tumble.solving import hands, noise, plausibility
@@ -36,11 +38,13 @@ from tumble.solving.decision import NO_UNIT
 from tumble.solving.many_runs import MonteCarlo, Verdict
 from tumble.solving.noise import CORRELATED
 from tumble.solving.plausibility import contradicted, in_environment
+from tumble.solving.prior import temperature_notice
+from tumble.solving.prior_run import Rule, solve_with_prior
 from tumble.solving.result import created, document_of, today
 from tumble.solving.set_angles import corrected, unusable
 from tumble.solving.solution import Solution, solve as solve_run
 from tumble.stand import SetAngles, Stand, by_channel
-from tumble.terms import parse
+from tumble.terms import Terms, parse
 from tumble.units import contradicts, looks_like, noise_unit
 
 
@@ -80,6 +84,7 @@ def solved(
     limit_g: float | None = None,
     confidence: float = defaults.DEFAULT_CONFIDENCE,
     model: Any = (),
+    prior: LastCalibration | None = None,
 ) -> Solved:
     """Solve a recording; arguments as of `solve`. Raises TumbleError."""
     if estimator is not None and not is_one_of(estimator, (*ESTIMATORS, NORM)):
@@ -88,49 +93,49 @@ def solved(
         raise UsageError(defaults.NEEDS_STAND)
     now = created()
     stand_file = None if stand is None else stand_file_of(stand)
-    of_poses_alone = isinstance(schedule, str) and schedule == ANY_POSE
-    if of_poses_alone or estimator == NORM:
-        if not of_poses_alone and schedule is not None:
-            raise UsageError(f"--estimator {NORM} knows no directions: it takes --schedule {ANY_POSE} alone")
-        if estimator not in (None, NORM):
-            raise UsageError(f"--schedule {ANY_POSE} tells no directions, which {estimator} needs; {NORM} does not")
-        estimator = NORM
-        terms = parse(as_list(model), estimator)
-        run, planned = _any_poses(recording)
-        stand_file = hands.poses(run) if stand_file is None else stand_file
-    else:
-        further = as_list(model)
-        if estimator is None and stand is None and not further and hands.brings_stand(schedule):
-            estimator = OPTIMAL  # the tilts of faces that were laid by hand spoil U0 of plain least squares
-        planned, estimator = planned_with(defaults.DEFAULT_SCHEDULE if schedule is None else schedule, estimator)
-        terms = parse(further, estimator)
-        if planned.data.is_laid_by_hand:
-            planned = hands.as_measured(planned, recording.mounting, recording.position)
-        run, planned = recording.averaged_on(planned)
-        if stand_file is None and hands.brings_stand(schedule):
-            stand_file = hands.faces(run, planned.data, recording.name)
+    if prior is not None and estimator is None and stand is not None:
+        estimator = OPTIMAL  # the one whose least squares a prior enters
+    run, planned, estimator, terms, stand_file = _planned(recording, stand_file, schedule, estimator, as_list(model))
     declared_g = None if stand_file is None else stand_file.delta_g_limit_g
     told_g = declared_g if limit_g is None else limit_g
     odd_rows = run_rows.check_rows(run, planned.data, stand_file, recording.name)
     environment = None if stand_file is None else stand_file.environment
     contradiction = contradicted(run, environment)
-    solve_it = partial(
-        solve_run,
-        schedule=planned,
-        estimator=estimator,
-        limit_g=defaults.DEFAULT_LIMIT_G if told_g is None else told_g,
-        file=recording.name,
-        step_v=0.0 if stand_file is None else stand_file.step_v,
-        confidence=confidence,
-        terms=terms,
-        coverage_factor=defaults.DEFAULT_COVERAGE_FACTOR if stand_file is None else stand_file.decided_by,
-        signs=_signs(stand_file),
+    rule = Rule(
+        defaults.DEFAULT_LIMIT_G if told_g is None else told_g,
+        confidence,
+        defaults.DEFAULT_COVERAGE_FACTOR if stand_file is None else stand_file.decided_by,
     )
+    step_v = 0.0 if stand_file is None else stand_file.step_v
+    known = None
+    if prior is not None:
+        require_prior(estimator, terms, planned.data)
+        known = prior.at(facts_of(stand_file, run.sha256, run.unit, now))
+
+    def solve_it(run: Run, stand: Stand | None) -> Solution:
+        if known is not None:
+            assert stand is not None  # optimal has one
+            return solve_with_prior(known, run, planned, rule, stand, recording.name, step_v)
+        return solve_run(
+            run,
+            planned,
+            estimator,
+            rule.limit_g,
+            stand,
+            recording.name,
+            step_v,
+            confidence=confidence,
+            terms=terms,
+            coverage_factor=rule.coverage_factor,
+            signs=_signs(stand_file),
+        )
+
     run, about_angles = in_environment(run, environment), None
     if stand_file is None or stand_file.set_angles is None:
-        solution = solve_it(run, stand=None if stand_file is None else stand_file.stand)
+        solution = solve_it(run, None if stand_file is None else stand_file.stand)
     else:
-        solution, about_angles = _with_set_angles(solve_it, run, planned.data, stand_file, stand_file.set_angles)
+        table = stand_file.set_angles
+        solution, about_angles = _with_set_angles(solve_it, estimator, run, planned.data, stand_file, table)
     solution = replace(plausibility.with_order_flag(solution, stand_file), brought_stand=stand is None)
     odd = (*odd_rows, *plausibility.check_k(solution, stand_file, recording.name))
     odd += tuple(filter(None, (contradiction, about_angles)))
@@ -138,25 +143,120 @@ def solved(
     return Solved(solution, stand_file, odd, now, os.path.basename(recording.name) if recording.is_file else None)
 
 
+def _planned(
+    recording: Recording, stand_file: StandFile | None, schedule: Any, estimator: str | None, further: str | None
+) -> tuple[Run, CoreSchedule, str, Terms, StandFile | None]:
+    """The run on its schedule, the estimator and the `further` terms to find, and the stand, which some schedules
+    bring. Raises BadInput, UsageError."""
+    of_poses_alone = isinstance(schedule, str) and schedule == ANY_POSE
+    if of_poses_alone or estimator == NORM:
+        if not of_poses_alone and schedule is not None:
+            raise UsageError(f"--estimator {NORM} knows no directions: it takes --schedule {ANY_POSE} alone")
+        if estimator not in (None, NORM):
+            raise UsageError(f"--schedule {ANY_POSE} tells no directions, which {estimator} needs; {NORM} does not")
+        run, planned = _any_poses(recording)
+        return run, planned, NORM, parse(further, NORM), hands.poses(run) if stand_file is None else stand_file
+    if estimator is None and stand_file is None and not further and hands.brings_stand(schedule):
+        estimator = OPTIMAL  # the tilts of faces that were laid by hand spoil U0 of plain least squares
+    planned, estimator = planned_with(defaults.DEFAULT_SCHEDULE if schedule is None else schedule, estimator)
+    terms = parse(further, estimator)
+    if planned.data.is_laid_by_hand:
+        planned = hands.as_measured(planned, recording.mounting, recording.position)
+    run, planned = recording.averaged_on(planned)
+    if stand_file is None and hands.brings_stand(schedule):
+        stand_file = hands.faces(run, planned.data, recording.name)
+    return run, planned, estimator, terms, stand_file
+
+
+_Solve: TypeAlias = "Callable[[Run, Stand | None], Solution]"
+
+
 def _with_set_angles(
-    solve_it: partial[Solution], run: Run, schedule: Schedule, stand_file: StandFile, table: SetAngles
+    solve_it: _Solve, estimator: str, run: Run, schedule: Schedule, stand_file: StandFile, table: SetAngles
 ) -> tuple[Solution, str | None]:
     """A run on a stand with a table of set angles, by it if it can be used; and what a person is told of it."""
     declared = stand_file.stand
-    why_not = unusable(table, schedule, run, solve_it.keywords["estimator"], today())
+    why_not = unusable(table, schedule, run, estimator, today())
     if why_not is not None:
-        return solve_it(run, stand=declared), why_not
+        return solve_it(run, declared), why_not
     left = table.left_on(declared, len(schedule.fitted_mountings))
-    solution = replace(solve_it(corrected(run, schedule, table), stand=left), set_angles=table)
+    solution = replace(solve_it(corrected(run, schedule, table), left), set_angles=table)
     if solution.fit is None or solution.fit.fits:
         return solution, None
-    plain = solve_it(run, stand=declared)
+    plain = solve_it(run, declared)
     if plain.fit is None or not plain.fit.fits:
         return solution, None
     return solution, (
         f"the run fits the stand, but not with its table of set angles: they have changed since {table.learned};"
         " learn it anew"
     )
+
+
+def require_prior(estimator: str, terms: Terms, schedule: Schedule) -> None:
+    """Raise UsageError where a solve has no prior."""
+    if estimator != OPTIMAL:
+        raise UsageError(f"--prior enters the least squares of --estimator optimal; {estimator} has none")
+    if terms:
+        raise UsageError(f"--prior is of the twelve coefficients alone: leave out --model {','.join(terms)}")
+    if schedule.is_inclined:
+        raise UsageError("--prior takes no block that is inclined with its stand: its run determines all by itself")
+
+
+def facts_of(stand: Any, sha256: str | None, unit: str = "V", now: str | None = None) -> RunFacts:
+    """What of a run decides whether a prior is for it. `stand`: as of `solve`. Raises TumbleError."""
+    stand_file = None if stand is None else stand_file_of(stand)
+    item, environment = (None, None) if stand_file is None else (stand_file.item, stand_file.environment)
+    try:
+        measured = measured_s(item, environment, now or created())
+    except ValueError as error:
+        raise BadInput(str(error), stand if isinstance(stand, str) else "stand") from None
+    assert measured is not None  # a solve looks at the clock
+    return RunFacts(
+        serial_of(None if stand_file is None else stand_file.serial, item),
+        unit,
+        measured,
+        sha256 or None,
+        None if stand_file is None else stand_file.stand,
+        (environment or {}).get("gravity_m_s2"),
+    )
+
+
+def last_calibration(prior: Any, growth: Any) -> LastCalibration | None:
+    """What callers give as a prior, and how its block has changed since. Raises TumbleError."""
+    if prior is None:
+        if growth is not None:
+            raise UsageError("--growth: without --prior there is nothing that grows")
+        return None
+    declared = None if growth is None else growth_of(growth)
+    if isinstance(prior, LastCalibration):
+        return prior if declared is None else replace(prior, growth=declared)
+    if declared is None:
+        raise UsageError(
+            "--prior: nobody says how much such a block changes: give --growth SCALE,ANGLE,BIAS, in ppm, urad and ug"
+            " a year"
+        )
+    if isinstance(prior, Result):
+        return LastCalibration.of(prior.checked, "prior", declared)
+    if isinstance(prior, (str, os.PathLike)):
+        file = os.fspath(prior)
+        return LastCalibration.of(read_result(file), file, declared)
+    raise UsageError(f"prior: a {type(prior).__name__} is neither a result nor the path of one")
+
+
+def growth_of(growth: Any) -> Growth:
+    """Of three numbers, ppm, urad and ug a year, or a text of these. Raises UsageError."""
+    try:
+        sizes = [*map(float, growth.split(","))] if isinstance(growth, str) else [*map(as_number, growth)]
+    except (TypeError, ValueError):
+        sizes = []
+    if len(sizes) != 3 or not all(0.0 <= one <= _MOST_GROWTH for one in sizes):
+        raise UsageError(
+            f"--growth: {quoted(growth)} is not three numbers from 0 to {_MOST_GROWTH:g}, ppm, urad and ug a year"
+        )
+    return Growth.declared(*(one * 1e-6 for one in sizes))
+
+
+_MOST_GROWTH = 1e5  # a tenth: no block that is worth a prior
 
 
 def _any_poses(recording: Recording) -> tuple[Run, CoreSchedule]:
@@ -192,6 +292,8 @@ def solve(
     limit_g: float | None = None,
     confidence: float = defaults.DEFAULT_CONFIDENCE,
     model: str | Iterable[str] = (),
+    prior: LastCalibration | Result | str | os.PathLike[str] | None = None,
+    growth: Sequence[float] | None = None,
     unit: str | None = None,
     columns: dict[str, str] | None = None,
 ) -> Result:
@@ -219,6 +321,9 @@ def solve(
         At which the run must fit its stand, 0.5 to 0.999999.
     model : str or list of str, optional
         Further terms, "k2", "k3", "asymmetry", "cross", "drift", of least_squares and optimal.
+    prior, growth : any, optional
+        The last calibration of this block, a Result, a path or what `History.prior` returns; and standard deviations of
+        what changes in a year: scales in ppm, angles between axes in urad, biases in ug. Not used if they disagree.
     unit, columns : any, optional
         Of what is read here, as `read` has them.
 
@@ -242,13 +347,8 @@ def solve(
     >>> result = tumble.solve("examples/paper_stand.csv", stand="examples/paper_stand.toml")
     >>> result.passed, result.K.shape, result.u_U0.shape
     (True, (3, 3), (3,))
-    >>> round(float(result.K[2, 2]), 3)
-    2.004
     """
-    if limit_g is not None and not 0.0 < as_number(limit_g) <= 1.0:
-        raise UsageError(f"limit_g: {quoted(limit_g)} is not a number of g above 0, at most 1")
-    if not 0.5 <= as_number(confidence) <= 0.999999:
-        raise UsageError(f"confidence: {quoted(confidence)} is not a number from 0.5 to 0.999999")
+    _require_rule(limit_g, confidence)
     with told_in_python():
         if isinstance(run, Recording) and (unit is not None or columns is not None):
             raise UsageError("unit and columns are of what is read here: give them to tumble.read")
@@ -260,8 +360,16 @@ def solve(
             limit_g=limit_g,
             confidence=confidence,
             model=model,
+            prior=last_calibration(prior, growth),
         )
         return Result(to_json(found.document), tuple(found.complaints))
+
+
+def _require_rule(limit_g: float | None, confidence: float) -> None:
+    if limit_g is not None and not 0.0 < as_number(limit_g) <= 1.0:
+        raise UsageError(f"limit_g: {quoted(limit_g)} is not a number of g above 0, at most 1")
+    if not 0.5 <= as_number(confidence) <= 0.999999:
+        raise UsageError(f"confidence: {quoted(confidence)} is not a number from 0.5 to 0.999999")
 
 
 def complaints(solution: Solution, odd: Sequence[str] = (), confirmed_unit: bool = False) -> list[str]:
@@ -294,6 +402,9 @@ def complaints(solution: Solution, odd: Sequence[str] = (), confirmed_unit: bool
     told += plausibility.unchecked(solution)
     if (doubt := misfit_sentence(solution)) is not None:
         told.append(f"{doubt}; the uncertainties {misfit_consequence(solution)}")
+    if solution.prior is not None:
+        told += filter(None, [temperature_notice(solution.prior.prior, solution.run.temperature)])
+        told += [] if (changed := solution.prior.finding) is None else [f"{changed}; the prior is not used"]
     return told
 
 

@@ -8,6 +8,7 @@ them in, and of the table of coefficients. Plain text leaves the styles away; ri
 from __future__ import annotations
 
 import math
+import os
 import sys
 import textwrap
 from dataclasses import dataclass
@@ -37,6 +38,7 @@ from tumble.solving.decision import (
     would_show,
 )
 from tumble.solving.many_runs import NORMAL_COVERAGE, MonteCarlo
+from tumble.solving.prior import test_text
 from tumble.solving.solution import Solution
 from tumble.solving.uncertainty import HANDS, NEARLY_INFINITE, PROBABILITY, Coverage, ExtendedTerms
 from tumble.terms import UNITS_OF_VALUES, model_of, names
@@ -129,6 +131,8 @@ def page(solution: Solution, file: str, with_details: bool) -> list[Line | Table
     why = misfit_sentence(solution)
     warning = "" if why is None else f"Beware: {why}. The uncertainties below {misfit_consequence(solution)}."
     bewares = [*textwrap.wrap(warning, _COLUMNS, break_on_hyphens=False), ""] if warning else []
+    if solution.prior is not None and (changed := solution.prior.finding) is not None:
+        bewares += [*textwrap.wrap(f"Beware: {changed}. The prior is not used.", _COLUMNS, break_on_hyphens=False), ""]
     colour = "green" if decision.passed and not decision.where else "yellow"
     if not decision.passed and not decision.is_not_shown:
         colour = "red"
@@ -295,7 +299,8 @@ def checks(solution: Solution) -> list[str]:
         axis = int(np.abs(largest).argmax())
         size = f"{abs(largest[axis]):.2g} {unit}"
         lines.append(f"Closure: largest difference {size}, {'xyz'[axis]} of mounting {number}")
-    lines += [*_set_angles(solution), *_fit(solution), *_truth_and_temperature(solution), *_inclinations(solution)]
+    lines += [*_set_angles(solution), *_fit(solution), *_prior(solution), *_truth_and_temperature(solution)]
+    lines += _inclinations(solution)
     return [*lines, *_consequences(solution), _DETAILS_HINT]
 
 
@@ -308,7 +313,8 @@ def remarks(solution: Solution) -> list[str]:
     if found.residual_rms is not None:
         yaw = " (yaw included)" if found.estimator in HARMONIC else ""
         lines.append(f"Residuals, rms: {_three(found.residual_rms)} {unit}{yaw}")
-    lines += [*_set_angles(solution), *_fit(solution), *_stand_seen(solution), *_inclinations(solution)]
+    lines += [*_set_angles(solution), *_fit(solution), *_prior(solution), *_stand_seen(solution)]
+    lines += _inclinations(solution)
     return [*lines, *_intrinsic(solution), *_consequences(solution)]
 
 
@@ -348,6 +354,23 @@ def _fit(solution: Solution) -> list[str]:
         return []
     freedom = f"{fit.freedom} degrees of freedom"
     return [f"Fit to the stand: chi-squared {fit.chi_squared:.3g}, {freedom}, p {fit.p:.2g}"]
+
+
+def _prior(solution: Solution) -> list[str]:
+    """What a prior brings, or why it does not."""
+    if (told := solution.prior) is None:
+        return []
+    prior = told.prior
+    said = f"Prior: {os.path.basename(prior.source)}, {prior.days:.0f} days earlier, "
+    said += "agrees" if told.used else "NOT USED"
+    lines = [f"{said}: {test_text(told.test)}"]
+    if told.used and solution.u_norm is not None:
+        alone = "unknown" if told.u_norm_alone_g is None else f"{told.u_norm_alone_g * 1e6:.3g}"
+        sizes = f"prior {prior.worst_norm.worst_g * 1e6:.3g}, run {alone}, both {solution.u_norm.worst_g * 1e6:.3g} ug"
+        lines.append(f"Worst u(|a|) of each: {sizes}")
+    if told.undetermined:
+        lines.append(f"The run alone does not determine {listed(told.undetermined)}: they rest on the prior")
+    return [line for one in lines for line in textwrap.wrap(one, _COLUMNS, break_on_hyphens=False)]
 
 
 def _three(values: Floats) -> str:

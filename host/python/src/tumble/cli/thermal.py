@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from tumble.cli.output import Line, Table
 
 _COLUMNS = 80
-_ALONE = ("monte_carlo", "model", "seed", "details")  # options of one run
+_ALONE = ("monte_carlo", "model", "seed", "details", "prior", "growth", "db")  # options of one run
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

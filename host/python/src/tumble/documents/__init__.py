@@ -9,7 +9,9 @@ fixture      tumble.fixture/1, of `fixture check`
 further      further terms of the model, in a result
 history      tumble.history/1, of `history`
 importing    tumble.import/1, of `import`
+labels       the block and the day of a result, by keys or labels
 plan         tumble.plan/1, of `plan`
+prior        what tumble.result/1 says of the last calibration of a block
 result       tumble.result/1, of `solve` and `bench`
 store        tumble.store/1, of `store dump`
 thermal      tumble.thermal/1, of `solve --temperature`

@@ -33,6 +33,7 @@ from tumble.documents.base import (
     read,
 )
 from tumble.documents.further import Extended
+from tumble.documents.prior import Prior
 from tumble.errors import quoted
 from tumble.files.disk import RESULT_FILE, read_bytes
 from tumble.schedule import CHECK, FIT
@@ -572,7 +573,7 @@ class Result(Document, kw_only=True):
         is the expected shift of every coefficient by squares of the angles, in its unit; `matters` is true if any
         exceeds 0.2 u; `shifts` lists those coefficients (`source` with the largest part, `coefficient`, `bias_relative`
         and `limit` over the scale factor of the row); `bias_K_xx_relative` = alpha3^2/2, the reduction of K_xx by a yaw
-        in a linear estimate, and its `limit`; null without a stand file.
+        in a linear estimate, and its `limit`; null without a stand file, and with a prior that is used.
         [How](method.md#what-the-linear-theory-leaves-out)
     monte_carlo: For `--monte-carlo`, else null: `runs`, `seed`, whether all `agrees`, and for every coefficient the
         mean error (`shift`), `u`, the 95 % `interval` and the `linear_interval`, their `difference`, its `tolerance`,
@@ -611,7 +612,8 @@ class Result(Document, kw_only=True):
         unit. `white_noise`: that noise is white, if no position has four samples. `undithered`: that rounding errors
         are independent, if all samples of a position round alike. `temperature`: that the block is used at the
         temperature of its run, if neither run file nor environment states it. `hands`: that faces lie as the schedule
-        `hand_laid` has it, if no stand is declared. `frame`: that K is in a frame of the block's own, if it comes from
+        `hand_laid` has it, if no stand is declared. `growth`: that the block has changed no more than stated since the
+        calibration that is its `prior`. `frame`: that K is in a frame of the block's own, if it comes from
         |a| alone.
     assumed_for: By name as in `assumes`: the coefficients that depend on it; an empty list: all. A table marks each of
         these (`*` seat, `^` linear).
@@ -647,7 +649,8 @@ class Result(Document, kw_only=True):
         rows), `bias` (`bias_g` times gravity), `u_K`, `u_scale` and `u_bias` including `u_gravity_m_s2`, null if that
         or the stand file is missing; `units`.
     u_intrinsic: Their standard uncertainties, same names; null without a stand file.
-    reference: The result of the C core less that of numpy, and the largest differences.
+    reference: The result of the C core less that of numpy, and the largest differences; with a prior that is used, of
+        numpy's two computations.
     means: Per measured position: samples, mean, scatter.
     counters: Rows, positions, blank and comment lines, columns ignored.
     item: From the stand file.
@@ -658,6 +661,8 @@ class Result(Document, kw_only=True):
         how many `runs`, the standard uncertainty `u_rad` of its least certain mark, and the repeatability. `means` are
         then corrected by it, and `stand` has what is left in `angle_rad` and `level_rad`.
         [How](method.md#set-angles-that-are-known)
+    prior: For `--prior`: the last calibration of the block, whether the run agrees with it, and what it brings.
+        [How](method.md#with-the-last-calibration)
     seed: Of a run on the bench: the same seed and inputs give the same result and bus log, byte for byte.
     bus: Of a run on the bench.
     firmware: Of a run on the bench: where the firmware ran.
@@ -715,6 +720,7 @@ class Result(Document, kw_only=True):
     environment: Labels | None = None
     temperature: Temperature | None = None
     set_angles: SetAngles | UnsetType = UNSET
+    prior: Prior | UnsetType = UNSET
     seed: Count | UnsetType = UNSET
     bus: Annotated[str, exactly("(inprocess|uml|socketcan:[A-Za-z0-9._-]{1,15})")] | UnsetType = UNSET
     firmware: Firmware | UnsetType = UNSET

@@ -10,15 +10,15 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-import re
 import zlib
 from collections.abc import Sequence
-from datetime import datetime, timezone
 from typing import Any
 
 import numpy as np
+from msgspec import UnsetType
 
 from tumble.arrays import Floats
+from tumble.documents.labels import is_believed, label, measured_s, seconds_of_day, serial_of
 from tumble.documents.result import Result, parse_result
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.model.coefficients import by_intrinsic, intrinsic
@@ -34,9 +34,7 @@ PARAMETERS = (
 )
 OF_BLOCK = 9  # of these; the last three are of its seat
 _TRIANGLE = np.tril_indices(OF_BLOCK)
-_DATE = re.compile(r"\d{4}-\d\d-\d\d")
-_ISO = "%Y-%m-%dT%H:%M:%SZ"
-_REASONS_OF_NUMBERS = {"gravity", "fit"}  # why a result's numbers are not to be believed
+ON_BOARD = "on board"  # in place of the estimator of a set that a computer made
 _ROLLED_BACK, _DECAYED = 4, 6  # origins of an entry: a copy of an older set, an event
 _OTHER_BLOCK_BEFORE = 0x8000  # a flag of an entry: those before are of another block
 Row = dict[str, Any]
@@ -47,7 +45,9 @@ def row_of(data: bytes, file: str, serial: str | None = None, kind: str | None =
     says. Raises BadInput, UsageError."""
     told = parse_result(data, file)
     item = told.item or {}
-    serial = serial or serial_of(told)
+    if not isinstance(told.prior, UnsetType) and told.prior.used:
+        raise BadInput("rests on an earlier calibration, which would count twice: solve it without --prior", file)
+    serial = serial or serial_of(told.serial, item)
     if serial is None:
         raise BadInput("names no block: write serial under [block] of the stand file, or give --serial NAME", file)
     covariance = _covariance(told)
@@ -55,13 +55,13 @@ def row_of(data: bytes, file: str, serial: str | None = None, kind: str | None =
         "sha256": hashlib.sha256(data).hexdigest(),
         "run_sha256": told.run_sha256,
         "serial": serial,
-        "type": kind or _label(item, "type", "model") or "",
+        "type": kind or label(item, "type", "model") or "",
         "stand": None if told.stand is None else told.stand.name,
         "created_s": seconds_of(date, "--date") if date else _created(told, file),
         "schedule": None if told.schedule is None else told.schedule.name,
         "estimator": told.estimator,
         "passed": told.passed,
-        "believed": not _REASONS_OF_NUMBERS & set((told.pass_reason or "").split(" and ")) and told.verification.passed,
+        "believed": is_believed(told),
         "limit_g": told.verification.limit_g,
         "temperature_c": None if told.temperature is None else (told.temperature.min_c + told.temperature.max_c) / 2.0,
         "gravity_m_s2": (told.environment or {}).get("gravity_m_s2"),
@@ -73,11 +73,6 @@ def row_of(data: bytes, file: str, serial: str | None = None, kind: str | None =
     except (np.linalg.LinAlgError, ZeroDivisionError):
         raise BadInput("K cannot be inverted: no calibration", file) from None
     return row | {"document": zlib.compress(data, 1)}
-
-
-def serial_of(told: Result) -> str | None:
-    """Of the block that a result is of."""
-    return told.serial or _label(told.item or {}, "serial", "serial_number")
 
 
 def rows_of_image(image: Image, file: str, serial: str | None = None, kind: str | None = None) -> list[Row]:
@@ -119,7 +114,7 @@ def _row_of_entry(entry: HistoryEntry, serial: str, kind: str | None) -> Row:
         "serial": serial,
         "type": kind or "",
         "created_s": entry.date_utc_s,
-        "estimator": "on board",
+        "estimator": ON_BOARD,
         "passed": True,
         "believed": True,
         "temperature_c": entry.temperature_c if entry.flags & HAS_TEMPERATURE else None,
@@ -164,35 +159,20 @@ def unpacked(texts: list[bytes]) -> Floats:
 def seconds_of(date: str, option: str) -> int:
     """Of a day, in seconds since 1970 UTC. Raises UsageError."""
     try:
-        if not _DATE.fullmatch(date):
-            raise ValueError
-        return int(datetime.fromisoformat(date).replace(tzinfo=timezone.utc).timestamp())
+        return seconds_of_day(date)
     except ValueError:
         raise UsageError(f"{option}: {quoted(date)} is not a date such as 2026-07-31") from None
 
 
-def iso(seconds: float) -> str:
-    """As documents have a time."""
-    return datetime.fromtimestamp(seconds, timezone.utc).isoformat(timespec="seconds").replace("+00:00", "Z")
-
-
 def _created(told: Result, file: str) -> int:
     """When it was measured: by a label `date` of the item or of the environment, else when it was solved."""
-    for key, labels in (("item", told.item or {}), ("environment", told.environment or {})):
-        day = _label(labels, "date", "run_date")
-        if day is not None and _DATE.fullmatch(day):
-            try:
-                return seconds_of(day, f"date of {key}")
-            except UsageError as error:
-                raise BadInput(str(error), file) from None
-    if told.created is None:
+    try:
+        found = measured_s(told.item, told.environment, told.created)
+    except ValueError as error:
+        raise BadInput(str(error), file) from None
+    if found is None:
         raise BadInput("has no date (key created): give --date YYYY-MM-DD", file)
-    return int(datetime.strptime(told.created, _ISO).replace(tzinfo=timezone.utc).timestamp())
-
-
-def _label(labels: dict[str, Any], *names: str) -> str | None:
-    plain = {re.sub(r"\W+", "_", key.strip().lower()): str(text) for key, text in labels.items()}
-    return next((plain[name] for name in names if plain.get(name)), None)
+    return found
 
 
 def _covariance(told: Result) -> Floats | None:

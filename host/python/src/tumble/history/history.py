@@ -9,16 +9,20 @@ from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from tumble.documents.labels import iso, serial_of
+from tumble.documents.result import Result, parse_result
 from tumble.errors import BadInput, UsageError, needing, quoted
 from tumble.files.disk import JSON, RESULT_FILE, kind_of, path_of, read_bytes, written
 from tumble.history import calibrations
 from tumble.history.calibrations import Row
 from tumble.history.database import Columns, Database
+from tumble.model.prior import DAY_S, Growth, LastCalibration
 from tumble.store.image import MIN_SECTOR, read_image
 
 if TYPE_CHECKING:
     from tumble.documents.history import Due, Listing, Trend
-    from tumble.documents.result import Result
 
 CONTROL = 0.9973  # confidence of the control charts: three standard deviations
 COVERAGE = 3.0
@@ -128,11 +132,50 @@ class History:
     def told_of(self, result: Result, name: str) -> tuple[Trend, Due]:
         """What is known of the block of a result called `name`, and when it is due by the limit and the coverage factor
         of that result. Raises BadInput."""
-        serial = calibrations.serial_of(result)
+        serial = serial_of(result.serial, result.item)
         if serial is None:
             raise BadInput("names no block: write serial under [block] of its stand file", name)
         factor = COVERAGE if result.decision is None else result.decision.coverage_factor
         return self.trend(serial), self.due(result.verification.limit_g, serial, coverage_factor=factor)
+
+    def prior(
+        self,
+        serial: str,
+        *,
+        on: str | None = None,
+        other_than_run: str | None = None,
+        growth: Growth | None = None,
+    ) -> LastCalibration:
+        """The last calibration of a block that counts, as a prior of its next run, and how blocks of its type grow.
+        `on`, YYYY-MM-DD: the day of that run; `other_than_run`: SHA-256 of its file, which may be in the history
+        already; `growth`: in place of that of its type. Raises BadInput, UsageError where the growth is not known."""
+        columns = self.columns(serial)
+        end_s = math.inf if on is None else calibrations.seconds_of(on, "on") + DAY_S
+        counts = columns["believed"] & np.isfinite(columns["u_scale_x"]) & (columns["created_s"] < end_s)
+        counts &= columns["estimator"] != calibrations.ON_BOARD
+        if other_than_run is not None:
+            counts &= columns["run_sha256"] != other_than_run
+        if not counts.any():
+            raise BadInput(f"no earlier calibration of block {quoted(serial)} that may be a prior", self._database.name)
+        row = int(np.flatnonzero(counts)[-1])
+        name = f"{self._database.name}: {serial} of {iso(columns['created_s'][row])[:10]}"
+        result = parse_result(self.document(columns["sha256"][row]), name)
+        known = self._growth_of(str(columns["type"][-1])) if growth is None else growth
+        return LastCalibration(result, name, known, serial, int(columns["created_s"][row]))
+
+    def _growth_of(self, kind: str) -> Growth:
+        from tumble.history import trend as trends
+
+        series = trends.fleet_of(self.columns(type=kind))[0].get(kind, [])
+        found = trends.growth_of(series, trends.control_limit(CONTROL))
+        if found is None:
+            intervals = sum(one.intervals for one in series)
+            raise UsageError(
+                f"growth of type {quoted(kind or '-')} unknown: {intervals} intervals between calibrations,"
+                f" {trends.LEAST_INTERVALS} are needed; give --growth SCALE,ANGLE,BIAS, in ppm, urad and ug a year"
+            )
+        block = slice(calibrations.OF_BLOCK)
+        return Growth(found.walk[block], found.drift[block], found.spread[block], "history")
 
     def to_frame(self, *serials: str, type: str | None = None) -> Any:
         """The columns as a DataFrame of pandas, `measured` as times."""

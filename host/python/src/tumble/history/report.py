@@ -20,9 +20,10 @@ from tumble.documents.history import (
     Trend,
     TypeOfBlock,
 )
+from tumble.documents.labels import iso
 from tumble.errors import listed
 from tumble.history import due as dues, trend as trends
-from tumble.history.calibrations import OF_BLOCK, PARAMETERS, iso, unpacked
+from tumble.history.calibrations import OF_BLOCK, PARAMETERS, unpacked
 from tumble.history.database import Columns
 from tumble.history.trend import DAY_S, Filtered, Growth, Series
 

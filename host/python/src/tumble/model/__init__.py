@@ -10,6 +10,7 @@ uncertainties, checked in every solve, means something only as long as that hold
     inclined      the closed form of a block that is bolted on once, and inclined with its stand
     norm          any still poses, by |a| alone: nine coefficients
     optimal       generalised least squares: from the data, and as a table of gains
+    prior         the last calibration of a block beside its run, and whether the two agree
     propagation   how errors reach an estimate: gains, covariance, what each source brings; what is left out
     coefficients  what follows from them: specific force, |a| and its uncertainty, intrinsic parameters, gravity check
     fit           chi-squared of a run on its stand; of a misfit, what explains it (patterns)

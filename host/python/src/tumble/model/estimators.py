@@ -219,7 +219,7 @@ def unidentified(schedule: Schedule) -> list[str]:
     A direction counts as identified when its singular value, per square root of the number of positions, is at least
     1e-3 g: the threshold of the core, which tests pivots instead.
     """
-    touched = np.linalg.norm(_null_space(design(schedule)), axis=0) > _NULL_COMPONENT
+    touched = np.linalg.norm(null_space(design(schedule)), axis=0) > _NULL_COMPONENT
     lost = {name for name, one in zip(COEFFICIENTS, touched) if one}
     by_column = [*(f"K_{i}{j}" for j in "xyz" for i in "xyz"), *(f"U0_{i}" for i in "xyz")]
     return [name for name in by_column if name in lost]
@@ -235,12 +235,12 @@ def confused(schedule: Schedule, terms: Terms) -> list[list[str]]:
         unseen = [index for index in own if np.linalg.norm(matrix[:, index]) <= SENSITIVITY * len(matrix) ** 0.5]
         found += [[all_names[index]] for index in unseen]
         own = sorted(set(own) - set(unseen), key=lambda index: (index < 12, index))
-        touched = np.linalg.norm(_null_space(matrix[:, own]), axis=0) > _TOUCHED
+        touched = np.linalg.norm(null_space(matrix[:, own]), axis=0) > _TOUCHED
         found.append([all_names[index] for index, one in zip(own, touched) if one])
     return [alike for alike in found if alike]
 
 
-def _null_space(matrix: Floats) -> Floats:
+def null_space(matrix: Floats) -> Floats:
     """Directions (n, unknowns) that no output shows."""
     _, singular, directions = np.linalg.svd(matrix)
     strength = np.zeros(len(directions))

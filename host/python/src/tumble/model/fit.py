@@ -22,9 +22,10 @@ from tumble.arrays import Floats, Integers
 from tumble.distributions import chi_squared_above, chi_squared_log_above
 from tumble.documents.result import Explanation
 from tumble.model.errors import NOISE, OF_OUTPUTS, Errors, declared, free, of_stand
-from tumble.model.estimators import by_coefficients, design, estimate
+from tumble.model.estimators import by_coefficients, design, estimate, null_space
 from tumble.model.norm import TURNED
 from tumble.model.patterns import BY_NAME, INCLINATION, STAND, Columns, Pattern, Scene, patterns_of
+from tumble.model.prior import Prior
 from tumble.model.stand_seen import ANGLES, Estimate, StandSeen
 from tumble.schedule import Schedule
 from tumble.stand import LARGEST_ERROR_RAD, Stand
@@ -50,24 +51,39 @@ class Score:
 class WholeModel:
     """The declared `stand`, in the unit of the `means` (positions, 3) of a schedule, all measured; `variance`
     (positions, 3), or (positions,) for channels that are alike, of each mean by its noise. `terms`: unknown too.
+    `known`: K (3, 3) and U0 (3,), at which what the positions do not determine of the coefficients is held; with a
+    `prior`, whose rows are then among the residuals, they are where it begins.
 
     `rest`: what no unknown explains, as independent numbers of variance 1; `chi_squared`: the sum of its squares, which
-    is the smallest, and `freedom` its degrees of freedom: every declared error brings a square of its own. `patterns`:
-    that it may show instead, and the `scene` that they are made from."""
+    is the smallest, at `k` and `u0`, and `freedom` its degrees of freedom: every declared error brings a square of its
+    own. `patterns`: that it may show instead, and the `scene` that they are made from."""
 
-    def __init__(self, schedule: Schedule, means: Floats, variance: Floats, stand: Stand, terms: Terms = ()):
+    def __init__(
+        self,
+        schedule: Schedule,
+        means: Floats,
+        variance: Floats,
+        stand: Stand,
+        terms: Terms = (),
+        known: tuple[Floats, Floats] | None = None,
+        prior: Prior | None = None,
+    ):
         self._given = schedule, means, variance, stand
+        self._begun, self._prior = known, prior
         self.terms, self._further = terms, design(schedule, terms)[:, 12:]
         self._sizes = np.zeros(3 * len(terms))
         self.schedule, self._outputs = schedule.fitted, means[schedule.fit_indices]
-        self.k, self._u0 = estimate(self.schedule, self._outputs, "least_squares")
+        self.k, self.u0 = estimate(self.schedule, self._outputs, "least_squares") if known is None else known
         by_channel = np.broadcast_to(variance.reshape(len(means), -1), means.shape)[schedule.fit_indices]
         self._noise = np.maximum(np.sqrt(by_channel), _FLOOR_G * np.abs(self.k).max(axis=1))
         names = [*(name for name in declared(stand, schedule) if name != NOISE), *free(stand, schedule)]
         self._errors = Errors(self.schedule, of_stand(self.schedule, self.k, stand, names))
         self._sigma = self._errors.sigma
         self._known = np.flatnonzero(~self._errors.free)  # those that have a prior
-        self._turned = TURNED if "seat" in free(stand, schedule) else ()  # of K: the block's frame is free to turn
+        turned = np.eye(12)[list(TURNED)]  # of K: the block's frame is free to turn
+        self._held = turned if "seat" in free(stand, schedule) else np.zeros((0, 12))
+        if known is not None and prior is None:
+            self._held = null_space(design(self.schedule))
         self._largest = np.full(len(self._sigma), LARGEST_ERROR_RAD)
         for name in set(OF_OUTPUTS) & set(names):
             self._largest[self._errors.of[name]] = np.inf
@@ -81,7 +97,8 @@ class WholeModel:
         """The same run with other noise, or another standard deviation of set angles, rad."""
         schedule, means, of_means, stand = self._given
         stand = stand if angle is None else stand.with_sigma("angle", angle)
-        return WholeModel(schedule, means, of_means if variance is None else variance, stand, self.terms)
+        of_means = of_means if variance is None else variance
+        return WholeModel(schedule, means, of_means, stand, self.terms, self._begun, self._prior)
 
     def _linearise(self) -> None:
         """Solve the problem that is linear where the pass before ended. `_left`: the directions of `rest` among outputs
@@ -91,12 +108,16 @@ class WholeModel:
         noise = self._noise.reshape(-1, 1)
         derivatives = self._errors.derivative(self.k, self._x).reshape(len(self._x), -1).T
         prior = np.eye(len(self._x), by_unknown.shape[1] + len(self._x), by_unknown.shape[1])[self._known]
-        fixed = np.eye(prior.shape[1])[list(self._turned)] / self._noise.min()
-        system = np.vstack([np.hstack([by_unknown / noise, derivatives * self._sigma / noise]), prior, fixed])
+        fixed = np.pad(self._held, ((0, 0), (0, prior.shape[1] - 12))) / self._noise.min()
+        rows, of_rows = (np.zeros((0, 12)), np.zeros(0)) if self._prior is None else self._prior.rows(self.k, self.u0)
+        rows = np.pad(rows, ((0, 0), (0, prior.shape[1] - 12)))
+        system = np.vstack([np.hstack([by_unknown / noise, derivatives * self._sigma / noise]), prior, fixed, rows])
         sigma = np.where(self._sigma > 0.0, self._sigma, 1.0)
-        shown = (self._outputs - self._errors.outputs(self.k, self._u0, self._x)).ravel() - self._further @ self._sizes
+        shown = (self._outputs - self._errors.outputs(self.k, self.u0, self._x)).ravel() - self._further @ self._sizes
         left = shown / noise[:, 0]
-        right = np.concatenate([left, ((self._errors.mean - self._x) / sigma)[self._known], np.zeros(len(fixed))])
+        right = np.concatenate(
+            [left, ((self._errors.mean - self._x) / sigma)[self._known], np.zeros(len(fixed)), of_rows]
+        )
         length = np.sqrt((system**2).sum(axis=0))
         q, r = np.linalg.qr(system / length, mode="complete")
         unknowns = system.shape[1]
@@ -104,7 +125,7 @@ class WholeModel:
         self._coefficients, self._left = q[: len(left), :12], q[: len(left), unknowns:]
         self.rest = q[:, unknowns:].T @ right
         self.k = self.k + change[:9].reshape(3, 3)
-        self._u0 = self._u0 + change[9:12]
+        self.u0 = self.u0 + change[9:12]
         self._sizes = self._sizes + change[12 : by_unknown.shape[1]]
         self._x = np.clip(self._x + change[by_unknown.shape[1] :] * self._sigma, -self._largest, self._largest)
 

@@ -114,11 +114,14 @@ class OptimalTable:
     floored: bool
 
 
-class _Whitened:
+class Whitened:
     """The problem of a schedule's fit positions, linearised at one K: unknowns are the errors of the stand, over their
-    sigma, then the `count` coefficients and sizes. All rows are scaled to the noise of the noisiest channel."""
+    sigma, then the `count` coefficients and sizes. `rows` (n, count): what else is known of these, each of variance 1.
+    All rows are scaled to the noise of the noisiest channel."""
 
-    def __init__(self, schedule: Schedule, k: Floats, stand: Stand, sigma: Floats, terms: Terms):
+    def __init__(
+        self, schedule: Schedule, k: Floats, stand: Stand, sigma: Floats, terms: Terms, rows: Floats | None = None
+    ):
         self.schedule, self.design, largest = schedule.fitted, design(schedule, terms), float(sigma.max())
         self.found = shared_errors(self.schedule, k, stand) | of_stand(self.schedule, k, stand, ["alpha4"])
         self.errors, self.count = Errors(self.schedule, self.found), self.design.shape[1]
@@ -129,17 +132,23 @@ class _Whitened:
         self.corrections = CORRECTIONS_INCLINED if "inclination" in self.found else CORRECTIONS
         self.weights = np.tile(channel_weights(sigma), len(self.design) // 3)
         prior = largest * np.eye(self.by_error.shape[1], self.model.shape[1])
-        self.system = np.vstack([self.model * self.weights[:, None], prior])
+        self._rows = np.zeros((0, self.count)) if rows is None else rows
+        known = largest * np.hstack([np.zeros((len(self._rows), self.by_error.shape[1])), self._rows])
+        self._known = largest * np.eye(len(self._rows))
+        self.system = np.vstack([self.model * self.weights[:, None], prior, known])
 
     @cached_property
     def _length(self) -> Floats:
         length: Floats = np.sqrt((self.system**2).sum(axis=0))
         return length
 
-    def solve(self, outputs: Floats) -> Floats:
-        """Best estimate of all unknowns, for outputs (3 x fit positions, any number of columns), by singular values."""
+    def solve(self, outputs: Floats, known: Floats | None = None) -> Floats:
+        """Best estimate of all unknowns, for outputs (3 x fit positions, any number of columns), by singular values;
+        `known` (n, as many columns): what the rows are known to be, 0 unless given."""
         right = np.zeros((len(self.system), outputs.shape[1]))
         right[: len(outputs)] = outputs * self.weights[:, None]
+        if known is not None:
+            right[len(right) - len(known) :] = self._known @ known
         solution = np.linalg.lstsq(self.system / self._length, right, rcond=None)[0] / self._length[:, None]
         residual = right - self.system.astype(np.longdouble) @ solution
         better = np.linalg.lstsq(self.system / self._length, residual.astype(float), rcond=None)[0]
@@ -151,24 +160,31 @@ class _Whitened:
         sizes: Floats = x[:, : -self.count] * self.errors.sigma
         return sizes
 
-    def solve_exactly(self, measured: Floats) -> tuple[Floats, Floats]:
+    def solve_exactly(self, measured: Floats, known: Floats | None = None) -> tuple[Floats, Floats]:
         """All unknowns (runs, n) on the exact geometry, from `measured` (runs, fit positions, 3); and the outputs
         (runs, 3 x fit positions) without what this has beyond its linearisation, and without what the declared means of
-        the errors add."""
+        the errors add. `known` (n,): of the rows, alike in all runs."""
         corrected = measured = measured.reshape(len(measured), -1) - self.expected
-        x = self.solve(measured.T).T
+        of_rows = None if known is None else np.repeat(known[:, None], len(measured), axis=1)
+        x = self.solve(measured.T, of_rows).T
         for _ in range(self.corrections):
             found, sizes = x[:, -self.count :], self.sizes(x) + self.errors.mean
             exact = self.errors.outputs(found[:, :9].reshape(-1, 3, 3), found[:, 9:12], sizes)
             further = found[:, 12:] @ self.design[:, 12:].T
             corrected = measured - (exact.reshape(measured.shape) + further - x @ self.model.T - self.expected)
-            x = self.solve(corrected.T).T
+            x = self.solve(corrected.T, of_rows).T
         return x, corrected
 
     @cached_property
     def gains(self) -> Floats:
         """Of the coefficients and sizes (count, 3 x fit positions)."""
         return self.solve(np.eye(len(self.design)))[-self.count :]
+
+    @cached_property
+    def gains_of_rows(self) -> Floats:
+        """Of the coefficients and sizes (count, n), by what the rows are known to be."""
+        count = len(self._rows)
+        return self.solve(np.zeros((len(self.design), count)), np.eye(count))[-self.count :]
 
 
 def optimal_table(
@@ -188,7 +204,7 @@ def optimal_table(
     k = np.asarray(k, dtype=float)
     sigma, floored = mean_sigma(k, stand, step, stand.samples if samples is None else samples)
     require_drift(stand.sigmas("drift") / sigma)
-    whitened = _Whitened(schedule, k, stand, sigma, terms)
+    whitened = Whitened(schedule, k, stand, sigma, terms)
     errors, outputs = len(whitened.errors.sigma), len(whitened.design)
     q, r = np.linalg.qr(whitened.system)
     data = q[:outputs].T
@@ -293,7 +309,7 @@ def optimal_estimate(
     that the run shows, which the uncertainties are for."""
     first = unknowns(schedule, means, "least_squares")[:9].reshape(3, 3) if known_k is None else known_k
     number = samples_in_a_mean(schedule, stand, samples) if known_samples is None else known_samples
-    whitened = _Whitened(schedule, first, stand, mean_sigma(first, stand, step, number)[0], terms)
+    whitened = Whitened(schedule, first, stand, mean_sigma(first, stand, step, number)[0], terms)
     x, _ = whitened.solve_exactly(means[None, schedule.fit_indices])
     found, angles = x[0, -whitened.count :], whitened.errors.arguments(whitened.sizes(x)[0])
     tilts = [angles[name] for name in ("alpha1", "alpha3", "seat_h", "seat_n") if name in angles]
@@ -310,7 +326,7 @@ def optimal_estimate(
 def by_table(table: OptimalTable, schedule: Schedule, stand: Stand, terms: Terms, means: Floats) -> Floats:
     """All unknowns (runs, 12 + 3 x terms) of means (runs, positions, 3) by the gains of a table that was made with
     further `terms`, which the core does not evaluate."""
-    whitened = _Whitened(schedule, table.k, stand, table.sigma_mean / table.weights, terms)
+    whitened = Whitened(schedule, table.k, stand, table.sigma_mean / table.weights, terms)
     corrected = whitened.solve_exactly(means[:, schedule.fit_indices])[1]
     found: Floats = corrected @ table.gains.T
     return found
@@ -330,7 +346,7 @@ def optimal_covariance(
     position's own noise. Arguments as of `optimal`; `mean_variance` (positions, 3): what the noise of a mean counts at
     least."""
     number = samples_in_a_mean(schedule, stand, samples) if known_samples is None else known_samples
-    whitened = _Whitened(schedule, k, stand, mean_sigma(k, stand, step, number)[0], terms)
+    whitened = Whitened(schedule, k, stand, mean_sigma(k, stand, step, number)[0], terms)
     least = (NOISE_FLOOR_G * np.abs(k).max()) ** 2
     variance = np.maximum(0.0 if mean_variance is None else mean_variance, least)
     errors = sources(schedule, k, stand.with_step(step), samples, variance)

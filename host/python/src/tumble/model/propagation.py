@@ -27,6 +27,7 @@ from tumble.model.errors import Draws, brought, by_gains, covariance_of, exact_o
 from tumble.model.estimators import columns_at, gains_at
 from tumble.model.geometry import ideal_force
 from tumble.model.optimal import OptimalTable, optimal_covariance, optimal_table, samples_in_a_mean
+from tumble.model.prior import Given, Prior
 from tumble.schedule import Schedule
 from tumble.stand import PerChannel, Stand
 from tumble.terms import Terms
@@ -38,8 +39,8 @@ SHOWN = ("alpha1", "inclination")  # sources that a run shows of a block that is
 class Propagation:
     """Of an estimate on a `schedule`, all of it measured, of a block of sensitivity `k` (3, 3), with `samples`
     (positions,): rows of each, as Stand.averaged_over takes them. `stand` and the converter's `step` (0: unknown) in
-    the outputs' unit; `terms`: further unknowns of the model. Methods raise UsageError where the schedule does not
-    allow the estimator."""
+    the outputs' unit; `terms`: further unknowns of the model; `prior`: what the estimate rests on beside the run, and
+    the U0 (3,) that it came to. Methods raise UsageError where the schedule does not allow the estimator."""
 
     schedule: Schedule
     k: Floats
@@ -48,6 +49,7 @@ class Propagation:
     estimator: str
     step: PerChannel = 0.0
     terms: Terms = ()
+    prior: tuple[Prior, Floats] | None = None
 
     @property
     def weights(self) -> Floats:
@@ -64,9 +66,15 @@ class Propagation:
     def gains(self) -> Floats:
         """By which the estimator finds K row by row, U0 and the sizes of further terms (12 + 3 x terms, 3 x fit
         positions)."""
+        if self.prior is not None:
+            return self._given.gains(self.k, self.prior[1], self.prior[0])[0]
         if self.estimator == OPTIMAL:
             return self.table.gains
         return gains_at(self.schedule, self.k, self.estimator, self.terms, self.weights)
+
+    @property
+    def _given(self) -> Given:
+        return Given(self.schedule, self.stand, self.samples, self.step)
 
     def of_means(self, means: Floats) -> tuple[Floats, Floats, Floats]:
         """What errors of the means (draws, positions, 3) do, with D the derivatives of the outputs by the unknowns: to
@@ -108,6 +116,8 @@ class Propagation:
 
     def covariance(self, variance: Floats | None = None) -> Floats:
         """Of the unknowns. That of `optimal` needs no table."""
+        if self.prior is not None:
+            return self._given.covariance(self.k, self.prior[1], self.prior[0], variance)
         if self.estimator == OPTIMAL:
             given = self.schedule, self.k, self.stand, self.samples
             return optimal_covariance(*given, self.step, variance, self.terms)

@@ -50,18 +50,19 @@ def seat_is_unseen(schedule: Schedule, k: Floats, terms: Terms = ()) -> bool:
     return _is_hidden(unit_effect(fitted, "platform").derivative(k).reshape(1, -1).T, explaining)
 
 
-def moved_by_a_seat(schedule: Schedule, k: Floats, estimator: str) -> dict[str, Floats]:
+def moved_by_a_seat(schedule: Schedule, k: Floats, estimator: str, gains: Floats | None = None) -> dict[str, Floats]:
     """Standard deviations (12,) of K row by row and U0 that a seat of one radian would bring, drawn in every mounting,
-    and a platform of one radian, to first order. `estimator`: one of estimators.LINEAR."""
+    and a platform of one radian, to first order. `estimator`: one of estimators.LINEAR; `gains` (12, 3 x fit
+    positions): in place of its own."""
     fitted = schedule.fitted
     errors = of_stand(fitted, k, _UNIT_SEAT, ("seat", "platform"))
-    moved = brought(by_gains(fitted, gains_at(fitted, k, estimator)), errors)
+    moved = brought(by_gains(fitted, gains_at(fitted, k, estimator) if gains is None else gains), errors)
     return {name: np.linalg.norm(draws, axis=0) for name, draws in moved.items()}
 
 
-def unseen_patterns(schedule: Schedule, k: Floats, estimator: str) -> dict[str, Flags]:
+def unseen_patterns(schedule: Schedule, k: Floats, estimator: str, gains: Floats | None = None) -> dict[str, Flags]:
     """By name of a pattern of the block that no fit position shows, in one channel or more: the elements of K (3, 3)
-    that it moves, where it moves any. `estimator`: one that needs no stand."""
+    that it moves, where it moves any. `estimator`: one that needs no stand; `gains` as of moved_by_a_seat."""
     fitted, found = schedule.fitted, {}
     inclinations = unit_effect(fitted, "inclination").derivative(k)
     if estimator == NORM:  # what turns a pose shows nothing
@@ -70,9 +71,8 @@ def unseen_patterns(schedule: Schedule, k: Floats, estimator: str) -> dict[str, 
     for pattern in (one for one in PATTERNS if one.whose == BLOCK):
         columns = [one.reshape(-1, 1) for one in pattern.columns(Scene(fitted, k))[0].values()]
         hidden = [one for one in columns if one.any() and _is_hidden(one, explaining, _SHOWN)]
-        moved = np.abs(
-            gains_at(fitted, k, estimator)[:9] @ np.sum(hidden or [np.zeros_like(columns[0])], axis=0)
-        ).reshape(3, 3)
+        used = gains_at(fitted, k, estimator) if gains is None else gains
+        moved = np.abs(used[:9] @ np.sum(hidden or [np.zeros_like(columns[0])], axis=0)).reshape(3, 3)
         if moved.max() > _SEEN * max(np.abs(one).max() for one in columns):  # else it is a bias
             found[pattern.name] = moved > _COUNTS * moved.max()
     return found
@@ -111,7 +111,8 @@ def reliability(given: Propagation, confidence: float = CONFIDENCE, rounding: fl
     Raises UsageError."""
     schedule, k, stand, terms = given.schedule, given.k, given.stand, given.terms
     means, variance = ideal_force(schedule) @ k.T, variance_of_means(stand, given.samples, rounding)
-    model = WholeModel(schedule, means, variance, stand, terms)
+    known = None if given.prior is None else (k, np.zeros(3))
+    model = WholeModel(schedule, means, variance, stand, terms, known)
     tested = [one for one in model.patterns if one.name not in as_patterns(terms)]
     taken_up = {*DOUBTS, *(pattern for name in declared(stand, schedule) for pattern in SOURCES[name].patterns)}
     false_alarms = (1.0 - confidence) / (len(tested) + BESIDE)

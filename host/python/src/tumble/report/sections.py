@@ -430,10 +430,12 @@ def findings(source: Source) -> Facts:
     gravity = "passed" if source.at(*check, "pass") else "FAILED"
     local = source.rounded(3, "environment", "gravity_m_s2")
     micro_g = Fixed("which is not stated") if local is MISSING else line(local, " µm/s²")
+    prior = [(Fixed("Last calibration of the block"), _prior(source))] if source.table("prior") else []
     return [
         (Fixed("Gravity check"), line(gravity, ": largest |Δg| ", largest, ", limit ", limit)),
         (Fixed("Fit to the declared stand"), _fit(source)),
         (Fixed("Uncertainty at every attitude"), _uncertainty(source)),
+        *prior,
         (Fixed("One µg here"), line("a millionth of the local gravity, ", micro_g)),
     ]
 
@@ -473,6 +475,17 @@ def _fit(source: Source) -> Inline:
     chi2, dof = source.rounded(3, "fit", "chi2"), source.told("fit", "dof")
     p, confidence = source.rounded(2, "fit", "p"), source.told("fit", "confidence")
     return line(word, ": χ² ", chi2, " with ", dof, " degrees of freedom, p ", p, "; confidence ", confidence)
+
+
+def _prior(source: Source) -> Inline:
+    """Whether the run agrees with it, and what it is worth."""
+    chi2, dof, p = source.rounded(3, "prior", "chi2"), source.told("prior", "dof"), source.rounded(2, "prior", "p")
+    test = line(": χ² ", chi2, " with ", dof, " degrees of freedom, p ", p)
+    of = line(", of ", source.told("prior", "created"), ", ", source.rounded(3, "prior", "days"), " days earlier")
+    if not source.at("prior", "used"):
+        return line("the run does NOT AGREE with it", of, test, "; the result is that of the run alone")
+    worth = source.millionths(_places(source), "prior", "u_norm_worst_alone_g")
+    return line("used", of, test, "; by it alone the worst u(|a|) is ", worth, " µg")
 
 
 def _uncertainty(source: Source) -> Inline:

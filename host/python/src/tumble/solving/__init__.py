@@ -6,6 +6,8 @@ The core computes, the numpy model confirms, and only then is there a solution w
     computation  what the core makes of the means of one run or of many, held against the model; a disagreement gives
                  no result
     optimal_run  the weights of the optimal estimator: made for a run or for many, their record, evaluated by the core
+    prior        what became of the last calibration of a block beside its run
+    prior_run    a run solved with it
     hands        the stand of a block that is laid by hand
     noise        the noise that a run itself shows, and where it counts
     uncertainty  the standard uncertainties that a result states, of further terms too, and how well they are known

@@ -80,7 +80,7 @@ def compute(
 
     Raises CoreRefusal; NotSolvable, also where a channel does not feel gravity.
     """
-    linear, lone = means, means[None, measured]
+    lone = means[None, measured]
     if weighting is not None:
         weighed = schedule if weighting.schedule is None else weighting.schedule
         table = optimal_run.make_table(weighed, means, measured, weighting, terms)
@@ -94,6 +94,20 @@ def compute(
         found = inclined
     else:
         found = np.concatenate([one.ravel() for one in core.estimate(schedule, means, measured, estimator)])
+    return computation_of(schedule, means, measured, estimator, limit_g, found, terms)
+
+
+def computation_of(
+    schedule: core.CoreSchedule,
+    means: Floats,
+    measured: Flags,
+    estimator: str,
+    limit_g: float,
+    found: Floats,
+    terms: Terms = (),
+) -> Computation:
+    """What follows from coefficients and sizes `found` (12 + 3 x terms,), as `compute` has it."""
+    linear = means
     k, u0, sizes = found[:9].reshape(3, 3), found[9:12], found[12:].reshape(-1, 3)
     response, rounding = np.linalg.norm(k, axis=1), _ROUNDING * np.abs(means[measured]).max(axis=0)
     dead = response <= np.maximum(core.MIN_ROW_RATIO * response.max(), rounding)

@@ -62,6 +62,7 @@ ASSUMPTIONS: Mapping[str, Assumption] = {
         "a frame of the block's own",
         "|a| does not show how x, y, z are turned against its seat: K_xy, K_xz, K_yz are 0 by convention",
     ),
+    "growth": Assumption("the stated growth", "the last calibration of the block is in them (--prior)"),
     "linear": Assumption("linearity", "the positions do not show all higher orders of the block", "^"),
     "order": Assumption("nothing exchanged or reversed", "no [block] says that its axes are such"),
     "incline": Assumption(
@@ -86,19 +87,21 @@ def assumed(solution: Solution) -> dict[str, Coefficients]:
     found, run, schedule = solution.found, solution.run, solution.measured_schedule
     rests_on: dict[str, Coefficients] = {}
     linear = "least_squares" if found.estimator == OPTIMAL else found.estimator  # what is most like `optimal`
+    gains = None if solution.propagation.prior is None else solution.propagation.gains
     if found.estimator != NORM and rests_on_a_seat(schedule, found.k, solution.stand, found.terms):
         # those whose uncertainty an undeclared tilt of a size to be expected would raise by a tenth or more
         stated = solution.stated or solution.scatter_alone
         variance = np.zeros(12) if stated is None else np.diag(stated.covariance)[:12]
-        moved = np.array(list(moved_by_a_seat(schedule, found.k, linear).values()))
+        moved = np.array(list(moved_by_a_seat(schedule, found.k, linear, gains).values()))
         least_rad = _EXPECTED_RAD * moved.max() * (_COUNTS if stated is None else _ROUNDING)
         raised = (_EXPECTED_RAD * moved) ** 2 > np.maximum((_RAISED**2 - 1.0) * variance, least_rad**2)
         rests_on["seat"] = tuple(COEFFICIENTS[index] for index in np.flatnonzero(raised.any(axis=0)))
-    if unseen := unseen_patterns(schedule, found.k, linear):
+    if unseen := unseen_patterns(schedule, found.k, linear, gains):
         moved_k = np.any(list(unseen.values()), axis=0).ravel()
         rests_on["linear"] = tuple(COEFFICIENTS[index] for index in np.flatnonzero(moved_k))
     whole = {
         "frame": found.estimator == NORM,
+        "growth": solution.prior is not None and solution.prior.used,
         "hands": found.estimator != NORM and solution.stand is not None and solution.brought_stand,
         "means": solution.stand is not None and solution.brought_stand and solution.noise.measured is None,
         "order": solution.is_out_of_order,

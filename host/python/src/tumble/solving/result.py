@@ -21,6 +21,7 @@ from tumble.core import CoreRefusal, CoreSchedule, built_in
 from tumble.distributions import student_quantile
 from tumble.documents import result as doc
 from tumble.documents.further import Extended
+from tumble.documents.prior import Change, OfParameters, Prior
 from tumble.documents.result import Result
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.estimators import COEFFICIENTS
@@ -34,6 +35,7 @@ from tumble.solving.coefficients import si_of
 from tumble.solving.decision import assumed, decide, would_show
 from tumble.solving.many_runs import COVERAGE, LEVEL, MonteCarlo
 from tumble.solving.noise import CHANNELS, of_means
+from tumble.solving.prior import PriorOutcome, unit_of
 from tumble.solving.solution import Solution
 from tumble.solving.uncertainty import PROBABILITY, Coverage, ExtendedTerms, effective, factors_of
 from tumble.stand import SOURCES, PerChannel, SetAngles, Stand, by_channel, per_channel
@@ -172,6 +174,29 @@ def document_of(
         environment=environment,
         temperature=None if (t := temperature) is None else doc.Temperature(t.low_c, t.high_c, t.source),
         set_angles=UNSET if (table := solution.set_angles) is None else _set_angles(table),
+        prior=UNSET if solution.prior is None else prior_part(solution.prior),
+    )
+
+
+def prior_part(outcome: PriorOutcome) -> Prior:
+    """What became of a prior."""
+    prior, test = outcome.prior, outcome.test
+    growth, drift = (OfParameters(*one.reshape(3, 3)) for one in (prior.growth, prior.drift))
+    return Prior(
+        source=prior.source,
+        created=prior.created,
+        days=prior.days,
+        growth=growth,
+        growth_by="history" if prior.growth_by == "history" else "declared",
+        drift=drift,
+        chi2=test.chi_squared,
+        dof=test.freedom,
+        p=test.p,
+        used=outcome.used,
+        changes=tuple(Change(one.parameter, one.size * 1e6, one.u * 1e6, unit_of(one)) for one in test.changes),
+        undetermined=outcome.undetermined,
+        u_norm_worst_without_g=outcome.u_norm_alone_g,
+        u_norm_worst_alone_g=prior.worst_norm.worst_g,
     )
 
 

@@ -56,6 +56,7 @@ from tumble.solving.computation import (
 )
 from tumble.solving.many_runs import MonteCarlo, simulate
 from tumble.solving.noise import NO_STAND, Noise, estimate_noise, sampled_patterns
+from tumble.solving.prior import PriorOutcome
 from tumble.solving.uncertainty import Coverage, ExtendedTerms, Uncertainties, confirmed, coverage
 from tumble.stand import PerChannel, SetAngles, Stand, over
 from tumble.terms import Terms
@@ -103,6 +104,7 @@ class Solution:
     inclinations: Inclinations | None = None
     brought_stand: bool = False
     set_angles: SetAngles | None = None
+    prior: PriorOutcome | None = None
 
     @cached_property
     def u_inclinations(self) -> Floats | None:
@@ -144,8 +146,9 @@ class Solution:
 
     @cached_property
     def second_order(self) -> SecondOrder | None:
-        """Whether the declared stand is good enough for the linear theory of uncertainties; None without a stand."""
-        if self.stand is None:
+        """Whether the declared stand is good enough for the linear theory of uncertainties; None without a stand, and
+        with a prior."""
+        if self.stand is None or self.propagation.prior is not None:
             return None
         return second_order(self.propagation, self._u, estimator_or_linear(self.propagation))
 

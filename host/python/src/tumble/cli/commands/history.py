@@ -214,8 +214,9 @@ def due(arguments: argparse.Namespace) -> int:
 
     import time
 
+    from tumble.documents.labels import iso
     from tumble.history import History, report
-    from tumble.history.calibrations import iso, seconds_of
+    from tumble.history.calibrations import seconds_of
 
     now = iso(time.time() if arguments.on is None else seconds_of(arguments.on, "--on"))
     with History(arguments.db) as history:

@@ -7,7 +7,7 @@ import os
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from tumble.cli import options, thermal
+from tumble.cli import options, prior, thermal
 from tumble.defaults import NEEDS_STAND
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
 from tumble.estimators import ESTIMATORS, NORM, OPTIMAL
@@ -26,8 +26,9 @@ def describe(parser: argparse.ArgumentParser) -> None:
         "Solve a recorded run: the firmware's code computes, an independent numpy computation confirms."
     )
     parser.epilog = (
-        "Exit codes: 0 pass, 1 gravity check failed, the run does not fit its stand, or its uncertainty does not"
-        " show the limit (NOT SHOWN), 2 bad input, 3 core and numpy disagree, 130 interrupted."
+        "Exit codes: 0 pass, 1 gravity check failed, the run does not fit its stand, its uncertainty does not show the"
+        " limit (NOT SHOWN), or the block has changed since its prior; 2 bad input, 3 core and numpy disagree, 130"
+        " interrupted."
     )
     parser.add_argument(
         "run",
@@ -49,6 +50,7 @@ def describe(parser: argparse.ArgumentParser) -> None:
         " decide nearly all cases); 1000 to 1000000; needs --stand",
     )
     thermal.add_options(parser)
+    prior.add_options(parser)
     parser.add_argument("--seed", metavar="N", help="of --monte-carlo, 0 to 2^64 - 1; default: 1")
     options.add(parser.add_argument_group("processes for --monte-carlo"), *options.WORKERS)
     options.add_layout(parser, "run file")
@@ -63,6 +65,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.temperature is not None:
         return thermal.run(arguments, limit_g, confidence)
     arguments.run = thermal.only_run(arguments)
+    prior.require_options(arguments)
     runs, seed = _parse_monte_carlo(arguments)
     parse(arguments.model, arguments.estimator)
 
@@ -75,7 +78,9 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.solving.decision import decide
 
     recording = recording_of(arguments.run, options.layout_options(arguments, (*COLUMNS, TEMPERATURE)))
-    refuse_overwriting(arguments.out, arguments.run, arguments.stand, file_of(arguments.schedule))
+    refuse_overwriting(
+        arguments.out, arguments.run, arguments.stand, file_of(arguments.schedule), prior.file_of(arguments)
+    )
     options.require_ending(arguments.out, "--out", ".json")
     found = solved(
         recording,
@@ -85,6 +90,7 @@ def run(arguments: argparse.Namespace) -> int:
         limit_g=limit_g,
         confidence=confidence,
         model=arguments.model or (),
+        prior=prior.last_calibration(arguments, recording),
     )
     if runs is not None:
         found = replace(found, solution=_simulated(arguments, found.solution, runs, seed))
@@ -95,7 +101,8 @@ def run(arguments: argparse.Namespace) -> int:
     warn(found.complaints)
     title = os.path.basename(recording.name)
     print_solution(found.solution, text if arguments.json else None, title, arguments.details)
-    return EXIT_PASS if decide(found.solution).passed else EXIT_LIMITS_FAILED
+    has_changed = found.solution.prior is not None and not found.solution.prior.used
+    return EXIT_PASS if decide(found.solution).passed and not has_changed else EXIT_LIMITS_FAILED
 
 
 def _parse_monte_carlo(arguments: argparse.Namespace) -> tuple[int | None, int]:

@@ -126,8 +126,8 @@ def _audience(arguments: argparse.Namespace) -> _Audience:
 def _history(db: str) -> HistoryPage:
     """The page of a history by what its address asks: one block `serial`, another `limit`. Raises TumbleError for a
     history that cannot be read."""
+    from tumble.documents.labels import iso
     from tumble.history import History
-    from tumble.history.calibrations import iso
     from tumble.report import history
     from tumble.report.make import HTML, require_installed
 
