@@ -7,7 +7,7 @@ import os
 import warnings
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from tumble import defaults
 from tumble._version import __version__
 from tumble.api.arguments import layout_options, told_in_python
 from tumble.api.recording import Recording, recording_of
-from tumble.api.result import warnings_of
+from tumble.api.result import Figures, warnings_of
 from tumble.api.solving import Solved, solved
 from tumble.arrays import Floats
 from tumble.documents import result as doc, thermal as document
@@ -24,7 +24,7 @@ from tumble.documents.thermal import Thermal
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.files import frames
 from tumble.files.calibrated import OUTPUTS, Demand, Seen, with_calibrated
-from tumble.files.disk import RESULT_FILE, read_bytes, write_text
+from tumble.files.disk import RESULT_FILE, path_of, read_bytes, write_bytes, write_text
 from tumble.files.rows import HIGHEST_C, LOWEST_C, NUMBERS
 from tumble.files.run_layout import LayoutOptions
 from tumble.model.thermal import Polynomials, ThermalFit
@@ -33,6 +33,9 @@ from tumble.solving.result import created, declared_stand
 from tumble.solving.thermal import BOLTING_KEPT, DEGREES, STAND_KEPT, Measured, ThermalSolution, solve_together
 from tumble.stand import by_channel
 from tumble.units import SI, force_unit, volts_per
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def solve_thermal(
@@ -153,6 +156,7 @@ def document_of(single: Sequence[Solved], found: ThermalSolution) -> Thermal:
         u_K=tuple(u[:, :9].reshape(-1, 3, 3)) if found.has_stand else None,
         u_U0=tuple(u[:, 9:]) if found.has_stand else None,
         covariance=thermal.covariance if found.has_stand else None,
+        at=tuple(_at(found, one) for one in (found.range_c[0], thermal.polynomials.reference_c, found.range_c[1])),
         u_norm_g=tuple(
             document.AtTemperature(temperature_c=at, worst_g=one.worst_g, attitude=one.attitude)
             for at, one in found.u_norms
@@ -177,6 +181,18 @@ def document_of(single: Sequence[Solved], found: ThermalSolution) -> Thermal:
     )
 
 
+def _at(found: ThermalSolution, temperature_c: float) -> document.CoefficientsAt:
+    k, u0 = found.fit.polynomials.at(temperature_c)
+    u = np.sqrt(np.diag(found.fit.covariance_at(temperature_c))) if found.has_stand else None
+    return document.CoefficientsAt(
+        temperature_c=temperature_c,
+        K=k,
+        U0=u0,
+        u_K=None if u is None else u[:9].reshape(3, 3),
+        u_U0=None if u is None else u[9:],
+    )
+
+
 def _of_run(one: Measured, its: Solved, delta_g: Floats) -> document.RunAtTemperature:
     alone = its.document
     return document.RunAtTemperature(
@@ -191,6 +207,8 @@ def _of_run(one: Measured, its: Solved, delta_g: Floats) -> document.RunAtTemper
         pass_reason=alone.pass_reason,
         K=alone.K,
         U0=alone.U0,
+        u_K=alone.u_K,
+        u_U0=alone.u_U0,
         max_abs_delta_g_g=float(np.abs(delta_g).max()),
     )
 
@@ -198,8 +216,10 @@ def _of_run(one: Measured, its: Solved, delta_g: Floats) -> document.RunAtTemper
 class ThermalResult:
     """A calibration over temperature. Made by `solve_thermal` or `load_thermal`; immutable."""
 
-    def __init__(self, told: Thermal):
+    def __init__(self, told: Thermal, name: str = "the result"):
+        """`name`: what errors call it."""
         self._told = told
+        self._name = name
         self._polynomials = Polynomials(told.reference_c, np.array(told.K), np.array(told.U0))
 
     @property
@@ -229,7 +249,7 @@ class ThermalResult:
     def covariance_at(self, temperature_c: float) -> Floats:
         """Of K row by row and U0 at a temperature, deg C: (12, 12). Raises BadInput without a stand."""
         if self._told.covariance is None:
-            raise BadInput("no uncertainties: no stand was declared", "the result")
+            raise BadInput("no uncertainties: no stand was declared", self._name)
         return ThermalFit(self._polynomials, self._told.covariance, 0.0, 0).covariance_at(temperature_c)
 
     @property
@@ -275,7 +295,7 @@ class ThermalResult:
         if of_force not in ("g", SI):
             raise UsageError(f"unit: {quoted(unit)} is neither g nor m/s2")
         if of_force == SI and not isinstance(gravity, (int, float)):
-            raise BadInput("its environment has no gravity_m_s2, which m/s2 needs", "the result")
+            raise BadInput("its environment has no gravity_m_s2, which m/s2 needs", self._name)
         per_g = float(gravity) if of_force == SI and isinstance(gravity, (int, float)) else 1.0
 
         def warm(outputs: Floats, felt_c: Floats) -> Floats:
@@ -285,6 +305,69 @@ class ThermalResult:
 
         told = "unit" not in self._told.assumes
         return Demand(lambda outputs: outputs, self.unit, False, layout, told, per_g, warm)
+
+    def plot(self, file: str | os.PathLike[str] | None = None, kind: str | None = None) -> dict[str, Figure]:
+        """Pictures by name: figures of matplotlib, as wide as a page of A4.
+
+        "coefficients": each over temperature, with its uncertainty and the runs alone; "residuals": the runs alone less
+        the polynomials; "uncertainty": of |a| at the worst attitude, over temperature (with a stand).
+
+        Parameters
+        ----------
+        file : path, optional
+            Write it, .png, .svg or .pdf by its name; without `kind` the coefficients. A kind in place of the file is
+            that kind, unwritten.
+        kind : str, optional
+            This picture alone.
+
+        Raises
+        ------
+        UsageError, BadInput
+        NotInstalled
+            Without matplotlib.
+        """
+        from tumble import pictures
+
+        if kind is None and isinstance(file, str) and file in pictures.thermal.CAPTIONS:
+            file, kind = None, str(file)
+        with told_in_python():
+            path = None if file is None else path_of(file)
+            if path is not None:
+                pictures.require_format(path, "file")
+                kind = "coefficients" if kind is None else kind
+            drawn = Figures(pictures.thermal.figures(self._told, kind))
+            if path is not None and kind is not None:
+                write_bytes(path, pictures.written(drawn[kind], path))
+        return drawn
+
+    def report(
+        self,
+        file: str | os.PathLike[str],
+        *,
+        template: str | os.PathLike[str] | None = None,
+        logo: str | os.PathLike[str] | None = None,
+        number: str | None = None,
+        issued: str | None = None,
+    ) -> None:
+        """Write a calibration report, HTML or PDF as the file's name ends; arguments and errors as of
+        `Result.report`."""
+        from tumble.report.make import kind_of
+
+        with told_in_python():
+            name = path_of(file)
+            files = {
+                key: None if one is None else path_of(one) for key, one in (("template", template), ("logo", logo))
+            }
+            write_bytes(name, self.reported(kind_of(name, "file"), issued=issued, number=number, **files))
+
+    def reported(self, kind: str, *, issued: str | None = None, **given: str | None) -> bytes:
+        """What `report` writes; `kind`: "html" or "pdf"; `given`: template, logo, number."""
+        from tumble.report.make import made_over_temperature
+        from tumble.report.pages import require_date
+
+        day, text = require_date((created() or "")[:10] if issued is None else issued), self.to_json()
+        more: dict[str, Any] = {**given, "issued": day, "attached": text}
+        return made_over_temperature(json.loads(text), self._name, kind, **more)
 
     def to_json(self) -> str:
         """As `save` writes it, schema tumble.thermal/1."""
@@ -326,4 +409,4 @@ def load_thermal(file: str | os.PathLike[str]) -> ThermalResult:
         For a file that cannot be used.
     """
     name = os.fspath(file)
-    return ThermalResult(document.parse_thermal(read_bytes(name, RESULT_FILE), name))
+    return ThermalResult(document.parse_thermal(read_bytes(name, RESULT_FILE), name), name)

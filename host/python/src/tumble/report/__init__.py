@@ -5,6 +5,7 @@
     sections     who, what, where, when, and how; the coefficients; verdict and decision rule
     coefficients those of a result for other programs, by templates in exports
     thermal      those over temperature, likewise
+    temperatures the sections of a report on a calibration over temperature
     certificate  what a Digital Calibration Certificate says of one
     pages        the template (report.html.j2, report.css) filled in, numbered, and turned into PDF
 

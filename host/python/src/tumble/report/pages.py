@@ -102,10 +102,12 @@ def _drawn(root: Any) -> int:
 
 
 TEMPLATE = "report.html.j2"
+THERMAL = "thermal.html.j2"  # extends that of a result, and stands in its place
 TABLES = "tables.html.j2"
 SINCE = "since.html.j2"
 STYLE = "report.css"
 _OWN = "tumble"  # folder of the templates of this room
+_OF_A_RESULT = "result.html.j2"  # what THERMAL extends
 _GIVEN = "\0"  # the user's template: whatever its file is called, it hides none of ours, and nothing extends it
 EXTRA = "report"
 _PANGO = "libpango-1.0-0 libpangoft2-1.0-0 libharfbuzz-subset0 fonts-dejavu-core"  # as Debian calls it, and a font
@@ -121,14 +123,17 @@ def own(name: str) -> str:
     return files("tumble.report").joinpath(name).read_text(encoding="utf-8")
 
 
-def html(context: dict[str, Any], template: str | None) -> str:
+def html(context: dict[str, Any], template: str | None, built_in: str = TEMPLATE) -> str:
     """`template`: a file of the user's own, which may extend report.html.j2, also called tumble/report.html.j2;
-    None: that one. Raises BadInput for one that cannot be used."""
+    None: that one. `built_in`: what has this name, TEMPLATE or THERMAL. Raises BadInput for one that cannot be used."""
     from jinja2 import FunctionLoader, StrictUndefined, TemplateSyntaxError
     from jinja2.sandbox import SandboxedEnvironment
 
     texts = {name: (own(name), f"{_OWN}/{name}", None) for name in (TEMPLATE, TABLES, SINCE)}
     texts |= {f"{_OWN}/{name}": texts[name] for name in (TEMPLATE, TABLES, SINCE)}
+    if built_in != TEMPLATE:
+        texts[_OF_A_RESULT] = texts[TEMPLATE]
+        texts[TEMPLATE] = texts[f"{_OWN}/{TEMPLATE}"] = own(built_in), f"{_OWN}/{built_in}", None
     if template is not None:
         try:
             texts[_GIVEN] = (read_bytes(template).decode("utf-8-sig"), template, None)

@@ -14,6 +14,7 @@ import numpy as np
 
 from tumble.arrays import Floats
 from tumble.documents.result import WorstNorm
+from tumble.documents.thermal import Thermal
 from tumble.errors import BadInput, UsageError
 from tumble.model.coefficients import spread_attitudes, worst_norm
 from tumble.model.errors import NOISE, Draws, free, of_stand, sources
@@ -113,6 +114,24 @@ class ThermalSolution:
             force = np.linalg.solve(k, (n @ warm_k.T + warm_u0 - u0).T)
             found.append(float(np.abs(np.linalg.norm(force, axis=0) - 1.0).max()))
         return max(found)
+
+
+def decision_of(told: Thermal) -> Decision:
+    """As a document tells it."""
+    return Decision(
+        tuple((told.pass_reason or "").split(" and ")) if told.pass_reason else (),
+        told.assumes,
+        sum(one.positions for one in told.runs),
+        told.decision.limit_g,
+        told.decision.coverage_factor,
+        told.decision.u_norm_worst_g,
+    )
+
+
+def verdict_of(told: Thermal) -> tuple[str, str]:
+    """Its word, and what stands behind it: the range, and why or under which assumptions."""
+    decision, (low, high) = decision_of(told), told.range_c
+    return decision.word, f" from {low:.3g} to {high:.3g} deg C{decision.reason}"
 
 
 def solve_together(runs: Sequence[Measured], degree: int, kept: Collection[str], confidence: float) -> ThermalSolution:
