@@ -13,7 +13,7 @@ import numpy as np
 
 from tumble import defaults
 from tumble._version import __version__
-from tumble.api.arguments import layout_options, told_in_python
+from tumble.api.arguments import layout_options, require_flag, told_in_python
 from tumble.api.recording import Recording, recording_of
 from tumble.api.result import Figures, warnings_of
 from tumble.api.solving import Solved, solved
@@ -28,6 +28,7 @@ from tumble.files.disk import RESULT_FILE, path_of, read_bytes, write_bytes, wri
 from tumble.files.rows import HIGHEST_C, LOWEST_C, NUMBERS
 from tumble.files.run_layout import LayoutOptions
 from tumble.model.thermal import Polynomials, ThermalFit
+from tumble.solving.coefficients import gravity_of
 from tumble.solving.plausibility import outside
 from tumble.solving.result import created, declared_stand
 from tumble.solving.thermal import BOLTING_KEPT, DEGREES, STAND_KEPT, Measured, ThermalSolution, solve_together
@@ -243,14 +244,35 @@ class ThermalResult:
         return self._told.range_c
 
     def at(self, temperature_c: float | Floats) -> tuple[Floats, Floats]:
-        """K (..., 3, 3), outputs' unit per g, and U0 (..., 3) at temperatures (...), deg C."""
+        """K (..., 3, 3), outputs' unit per g, and U0 (..., 3) at temperatures (...), deg C; with a UserWarning where
+        these are outside the range of the runs by more than 1 deg C, so that the polynomials are extrapolated."""
+        self._warn_outside(temperature_c)
         return self._polynomials.at(temperature_c)
 
+    def uncertainty_at(self, temperature_c: float) -> tuple[Floats, Floats]:
+        """Standard uncertainties of K (3, 3) and U0 (3,) at a temperature, deg C; warns as `at` does. Beyond the range
+        they hold if the block goes on as the polynomials do, which no run has shown. Raises BadInput without a
+        stand."""
+        self._warn_outside(temperature_c)
+        u = np.sqrt(np.diag(self._fit.covariance_at(temperature_c)))
+        return u[:9].reshape(3, 3), u[9:]
+
     def covariance_at(self, temperature_c: float) -> Floats:
-        """Of K row by row and U0 at a temperature, deg C: (12, 12). Raises BadInput without a stand."""
+        """Of K row by row and U0 at a temperature, deg C: (12, 12); as `uncertainty_at`."""
+        self._warn_outside(temperature_c)
+        return self._fit.covariance_at(temperature_c)
+
+    @property
+    def _fit(self) -> ThermalFit:
+        """Raises BadInput."""
         if self._told.covariance is None:
             raise BadInput("no uncertainties: no stand was declared", self._name)
-        return ThermalFit(self._polynomials, self._told.covariance, 0.0, 0).covariance_at(temperature_c)
+        return ThermalFit(self._polynomials, self._told.covariance, 0.0, 0)
+
+    def _warn_outside(self, temperature_c: float | Floats) -> None:
+        if outside(doc.Temperature(*self.range_c, "run_file"), temperature_c) is not None:
+            low, high = self.range_c
+            warnings.warn(f"extrapolated: the runs were at {low:.3g} to {high:.3g} deg C", stacklevel=3)
 
     @property
     def complaints(self) -> list[str]:
@@ -258,15 +280,26 @@ class ThermalResult:
         own = [] if self.passed else [f"it did not pass: {self._told.pass_reason}"]
         return [*own, *self._told.warnings]
 
-    def apply(self, data: Any, temperature_c: Any = None, *, unit: str = "g", columns: Any = None) -> Any:
+    def apply(
+        self,
+        data: Any,
+        temperature_c: Any = None,
+        *,
+        unit: str = "g",
+        uncertainty: bool = False,
+        columns: Any = None,
+    ) -> Any:
         """Calibrate outputs: a = K(T)^-1 (U - U0(T)).
 
         `data`: an array (..., 3) of outputs in the result's unit, with `temperature_c` (...) or one for all, deg C,
         gives an array of the same shape; a table with columns ux, uy, uz and temperature, as `Result.apply` takes it,
-        gives the same kind with x, y, z behind. `unit`: "g" or "m/s2". Raises UsageError, BadInput.
+        gives the same kind with x, y, z behind. `unit`: "g" or "m/s2". `uncertainty`: also standard uncertainties, at
+        the temperature of each sample, as `Result.apply` has them: an array is then (..., 7). Raises UsageError,
+        BadInput.
         """
+        require_flag(uncertainty, "uncertainty")
         with told_in_python():
-            demand = self.demand(layout_options(columns, None, wanted=OUTPUTS), unit)
+            demand = self.demand(layout_options(columns, None, wanted=OUTPUTS), unit, uncertainty)
             if frames.is_table(data):
                 seen = Seen()
                 found = with_calibrated(data, frames.library_of(data) or "table", demand, seen)
@@ -285,26 +318,31 @@ class ThermalResult:
             if (warning := outside(known, felt)) is not None:
                 warnings.warn(warning, stacklevel=2)
             force: Floats = demand.values(values.reshape(-1, 3), 1.0, felt.ravel())
-            return force.reshape(values.shape)
+            count = force.shape[1] - 3  # of uncertainties, which stand before x, y, z in a table
+            return np.roll(force, 3, axis=1).reshape(*values.shape[:-1], 3 + count)
 
     def demand(self, layout: LayoutOptions, unit: str, uncertainty: bool = False) -> Demand:
         """What is to be done with data. Raises UsageError, BadInput."""
-        gravity, of_force = (self._told.environment or {}).get("gravity_m_s2"), str(force_unit(unit))
-        if uncertainty:
-            raise UsageError("no uncertainties of data over temperature: ThermalResult.covariance_at in Python")
+        (gravity, u_gravity), of_force = gravity_of(self._told.environment), str(force_unit(unit))
         if of_force not in ("g", SI):
             raise UsageError(f"unit: {quoted(unit)} is neither g nor m/s2")
-        if of_force == SI and not isinstance(gravity, (int, float)):
+        if of_force == SI and gravity is None:
             raise BadInput("its environment has no gravity_m_s2, which m/s2 needs", self._name)
-        per_g = float(gravity) if of_force == SI and isinstance(gravity, (int, float)) else 1.0
+        if uncertainty and of_force == SI and u_gravity is None:
+            raise BadInput("no uncertainties: its environment has no u_gravity_m_s2", self._name)
+        fit = self._fit if uncertainty else ThermalFit(self._polynomials, np.zeros((0, 0)), 0.0, 0)
+        per_g, u_per_g = (gravity or 1.0, u_gravity or 0.0) if of_force == SI else (1.0, 0.0)
 
         def warm(outputs: Floats, felt_c: Floats) -> Floats:
-            k, u0 = self.at(felt_c)
-            force: Floats = per_g * np.asarray(np.linalg.solve(k, (outputs - u0)[..., None])[..., 0])
-            return force
+            force = fit.of(outputs, felt_c)
+            if not uncertainty:
+                return per_g * force
+            by_gravity = u_per_g * np.column_stack([force, np.linalg.norm(force, axis=1)])
+            u = np.hypot(per_g * fit.uncertainty(force, felt_c), by_gravity)
+            return np.concatenate([u, per_g * force], axis=1)
 
         told = "unit" not in self._told.assumes
-        return Demand(lambda outputs: outputs, self.unit, False, layout, told, per_g, warm)
+        return Demand(lambda outputs: outputs, self.unit, uncertainty, layout, told, per_g, warm)
 
     def plot(self, file: str | os.PathLike[str] | None = None, kind: str | None = None) -> dict[str, Figure]:
         """Pictures by name: figures of matplotlib, as wide as a page of A4.

@@ -158,8 +158,8 @@ def rule(source: ThermalSource) -> Inline:
         source.told("decision", "coverage_factor"),
         " times the standard uncertainty of |a| is at most the limit at every attitude, at"
         f" {len(source.solved.u_norm_g)} temperatures of the range. Where only the last does not hold, conformity is"
-        " not shown, which is no PASS. That uncertainty counts the errors of the declared stand alone. Nothing is stated"
-        f" outside the range. {compared}",
+        " not shown, which is no PASS. That uncertainty counts the errors of the declared stand alone. Nothing is"
+        f" stated outside the range. {compared}",
     )
 
 
