@@ -25,7 +25,7 @@ from tumble.model.errors import NOISE, Draws, Errors
 from tumble.model.geometry import STEP, ideal_force
 from tumble.schedule import Schedule
 
-_PASSES = 8
+_PASSES = 30  # each leaves a tenth or less of the change before it
 _SETTLED = 1e-12  # of the largest coefficient
 _WEAK = 1e-6  # singular value of the design over its largest, columns of length 1
 _AT_ONCE = 1 << 14  # samples: what an uncertainty needs for one is 200 numbers
@@ -34,6 +34,10 @@ _LEAST_SINGULAR = 0.02  # of powers of the scaled temperatures, over the root of
 
 class NotShown(ValueError):
     """The runs do not show all coefficients."""
+
+
+class TooAlike(NotShown):
+    """Their positions and temperatures would not, whatever the outputs."""
 
 
 @dataclass(frozen=True)
@@ -173,7 +177,7 @@ class _System:
         powers = np.concatenate(self._powers)
         apart = np.linalg.svd(powers, compute_uv=False)[-1] / len(powers) ** 0.5
         if len(design) < design.shape[1] or singular[-1] < _WEAK * singular[0] or apart < _LEAST_SINGULAR:
-            raise NotShown("these positions and temperatures do not show all coefficients")
+            raise TooAlike("these positions and temperatures do not show all coefficients")
         means = np.concatenate([one.means.ravel() for one in self._runs]) / sigma
         found: Floats = np.linalg.lstsq(design / length, means, rcond=None)[0] / length
         return found

@@ -18,7 +18,7 @@ from tumble.documents.thermal import Thermal
 from tumble.errors import BadInput, UsageError
 from tumble.model.coefficients import spread_attitudes, worst_norm
 from tumble.model.errors import NOISE, Draws, free, of_stand, sources
-from tumble.model.thermal import NotShown, ThermalFit, ThermalRun, fit
+from tumble.model.thermal import NotShown, ThermalFit, ThermalRun, TooAlike, fit
 from tumble.solving.decision import FIT, GRAVITY, UNCERTAINTY, Decision, assumed, is_shown
 from tumble.solving.solution import Solution
 
@@ -150,8 +150,9 @@ def solve_together(runs: Sequence[Measured], degree: int, kept: Collection[str],
     try:
         found = fit(prepared, degree, float(np.round((low + high) / 2.0)), kept)
     except NotShown as error:
-        needed = f"{degree + 1} distinct temperatures or more are needed"
-        raise UsageError(f"--temperature: {error}; {needed}, these are {low:.4g} to {high:.4g} deg C") from None
+        span = f"{low:.4g} to {high:.4g} deg C"
+        needed = f"; {degree + 1} distinct temperatures or more are needed, these are {span}"
+        raise UsageError(f"--temperature: {error}{needed if isinstance(error, TooAlike) else ''}") from None
     return ThermalSolution(tuple(runs), found, tuple(kept), confidence)
 
 
