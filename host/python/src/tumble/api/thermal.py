@@ -176,7 +176,10 @@ def document_of(single: Sequence[Solved], found: ThermalSolution) -> Thermal:
         warnings=tuple(f"{one.name}: {told}" for one, its in zip(found.runs, single) for told in its.complaints),
         kept=found.kept,
         stand=None if stand is None else declared_stand(stand, step_v),
-        runs=tuple(_of_run(one, its, delta_g) for one, its, delta_g in zip(found.runs, single, found.delta_g)),
+        runs=tuple(
+            _of_run(name, one, its, delta_g)
+            for name, one, its, delta_g in zip(_told_apart(found.runs), found.runs, single, found.delta_g)
+        ),
         item=None if file is None else file.item,
         environment=None if file is None else file.environment,
     )
@@ -194,10 +197,19 @@ def _at(found: ThermalSolution, temperature_c: float) -> document.CoefficientsAt
     )
 
 
-def _of_run(one: Measured, its: Solved, delta_g: Floats) -> document.RunAtTemperature:
+def _told_apart(runs: Sequence[Measured]) -> list[str]:
+    """Names of their files; with those of their folders where else two would be one."""
+    paths = [os.path.split(one.name) for one in runs]
+    names = [name for _, name in paths]
+    if len(set(names)) == len(names):
+        return names
+    return [f"{os.path.basename(folder)}/{name}" if folder else name for folder, name in paths]
+
+
+def _of_run(name: str, one: Measured, its: Solved, delta_g: Floats) -> document.RunAtTemperature:
     alone = its.document
     return document.RunAtTemperature(
-        file=os.path.basename(one.name),
+        file=name,
         sha256=alone.run_sha256,
         range_c=(float(one.temperature_c.min()), float(one.temperature_c.max())),
         mean_c=float(one.temperature_c.mean()),
