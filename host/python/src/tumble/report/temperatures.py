@@ -55,7 +55,7 @@ def findings(source: ThermalSource) -> Facts:
     """The three things that are judged, and how they came out; what one temperature would be wrong by."""
     failures, factor = decision_of(source.solved).failures, source.told("decision", "coverage_factor")
     limit = source.scaled(("decision", "limit_g"), plain, power=_MICRO)
-    largest = source.scaled(("max_abs_delta_g_g",), _THREE_DIGITS, power=_MICRO)
+    largest = source.millionths(1, "max_abs_delta_g_g")
     gravity = "FAILED" if "gravity" in failures else "passed"
     fit: Inline = Fixed(_NOBODY_KNOWS)
     u: Inline = fit
@@ -137,11 +137,11 @@ def runs(source: ThermalSource) -> Table:
         at: Path = ("runs", i)
         low, high = source.rounded(3, *at, "range_c", 0), source.rounded(3, *at, "range_c", 1)
         alone = Fixed("PASS" if one.passed else f"no PASS: {one.pass_reason}")
-        error = source.scaled((*at, "max_abs_delta_g_g"), _THREE_DIGITS, power=_MICRO)
+        error = source.millionths(1, *at, "max_abs_delta_g_g")
         schedule = source.told(*at, "schedule")
         where = (schedule if schedule is not MISSING else Fixed("its own"), source.told(*at, "estimator"))
         mean, positions = source.rounded(3, *at, "mean_c"), source.told(*at, "positions")
-        rows.append((source.told(*at, "file"), mean, line(low, " to ", high), positions, *where, alone, error))
+        rows.append((Fixed(f"{i + 1}"), mean, line(low, " to ", high), positions, *where, alone, error))
     head = ("Run", "Mean, °C", "Range, °C", "Positions", "Schedule", "Estimator", "Alone", "|Δg|, µg")
     return Table(head, aligned(rows, 1, 7), left=(4, 5, 6))
 
@@ -186,4 +186,10 @@ def declared(source: ThermalSource) -> tuple[Inline, Table] | None:
 
 def data(source: ThermalSource) -> Facts:
     """The files of the runs, with their SHA-256."""
-    return [(source.told("runs", i, "file"), source.told("runs", i, "sha256")) for i in range(len(source.solved.runs))]
+    found: Facts = []
+    for i, one in enumerate(source.solved.runs):
+        at = ("runs", i)
+        file = source.told(*at, "file")
+        said = file if one.sha256 is None else line(file, "; SHA-256 ", source.told(*at, "sha256"))
+        found.append((Fixed(f"Run {i + 1}"), said))
+    return found
