@@ -360,7 +360,8 @@ class ThermalResult:
         """Pictures by name: figures of matplotlib, as wide as a page of A4.
 
         "coefficients": each over temperature, with its uncertainty and the runs alone; "residuals": the runs alone less
-        the polynomials; "uncertainty": of |a| at the worst attitude, over temperature (with a stand).
+        the polynomials; "uncertainty": of the length of a calibrated acceleration at the worst attitude, over
+        temperature (with a stand).
 
         Parameters
         ----------
