@@ -3,7 +3,6 @@ range, values at three temperatures, the polynomials, the runs."""
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 from tumble.documents.base import checked
@@ -23,7 +22,6 @@ from tumble.report.source import (
     joined,
     line,
     plain,
-    rounded,
 )
 from tumble.schedule import WITH_STAND
 from tumble.solving.decision import UNCERTAINTY
@@ -32,7 +30,6 @@ from tumble.stand import SOURCES
 from tumble.units import per_g
 
 _MICRO = 6
-_THREE_DIGITS = partial(rounded, digits=3)
 _HEADINGS = ("at T0", "per K", "per K²")
 _NOBODY_KNOWS = "not judged: no stand is declared"
 
@@ -86,7 +83,7 @@ def worst_norm(source: ThermalSource) -> Inline:
         return NO_UNCERTAINTY
     worst = max(range(len(known)), key=lambda i: known[i].worst_g)
     at = ("u_norm_g", worst)
-    u = source.scaled((*at, "worst_g"), _THREE_DIGITS, power=_MICRO)
+    u = source.millionths(1, *at, "worst_g")
     return line(u, " µg, at ", source.rounded(3, *at, "temperature_c"), " °C")
 
 
@@ -165,7 +162,8 @@ def rule(source: ThermalSource) -> Inline:
 
 def method(source: ThermalSource) -> Facts:
     """What was done with the runs, and by what; where and at what temperatures."""
-    kept = [Fixed(SOURCES[name].words if name in SOURCES else name) for name in source.solved.kept]
+    there = [SOURCES[name] for name in source.solved.kept if name in SOURCES]
+    kept = [Fixed(one.words) for one in there if source.decimal("stand", one.key)]  # none of these has channels
     degree = ("linear", "quadratic")[source.solved.degree - 1]
     span = line(source.rounded(4, "range_c", 0), " to ", source.rounded(4, "range_c", 1), " °C")
     return [
