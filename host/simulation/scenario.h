@@ -115,6 +115,7 @@ typedef struct {
     sim_drive_config_t drive;
     sim_operator_config_t operator;
     uint32_t bits_per_second;
+    uint32_t of_seed; /* what stays from run to run (truth.h) is that of this seed; 0: of the run's own */
     sim_fault_t faults[SIM_MAX_FAULTS];
     uint32_t fault_count;
     tumble_schedule_t schedule; /* points to the two below, or to constant data */

@@ -27,7 +27,8 @@ double sim_sensor_temperature_c(const sim_sensor_t *sensor, double time_s)
 {
     const sim_temperature_t *const t = &sensor->config->temperature;
     const double gone = (t->tau_s > 0.0) ? sim_exp(-time_s / t->tau_s) : 0.0;
-    return t->end_c + (t->start_c - t->end_c) * gone + sensor->faults[SIM_FAULT_WARM].value;
+    const double soaked = t->end_c + (t->start_c - t->end_c) * gone + sensor->faults[SIM_FAULT_WARM].value;
+    return soaked + t->ramp_c_per_h * (time_s / 3600.0);
 }
 
 /* It has the same variance, but for the very first samples after power-on. */
@@ -63,6 +64,16 @@ static void draw_ahead(sim_sensor_t *sensor)
     sensor->used = 0;
 }
 
+/* What d degrees above the reference add to a channel, but for its own scale and slope of the bias. */
+static double warmed_v(const sim_temperature_t *t, int channel, const double a_g[TUMBLE_CHANNELS], double d)
+{
+    double change = t->bias_v_per_c2[channel] * (d * d);
+    for (int j = 0; j < TUMBLE_CHANNELS; j++) {
+        change += (t->k_per_c[channel][j] + t->k_per_c2[channel][j] * d) * d * a_g[j];
+    }
+    return change;
+}
+
 static double output_v(const sim_sensor_t *sensor, int channel, const double a_g[TUMBLE_CHANNELS], double time_s,
                        double above_reference_c)
 {
@@ -74,7 +85,7 @@ static double output_v(const sim_sensor_t *sensor, int channel, const double a_g
     const double scale = 1.0 + config->temperature.scale_per_c[channel] * above_reference_c;
     const double bias = config->u0_v[channel] + config->drift_v_per_h[channel] * (time_s / 3600.0) +
                         config->temperature.bias_v_per_c[channel] * above_reference_c;
-    return bias + response * scale;
+    return bias + response * scale + warmed_v(&config->temperature, channel, a_g, above_reference_c);
 }
 
 /* To the nearest count, not beyond the range. */

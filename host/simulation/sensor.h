@@ -15,15 +15,20 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* The temperature goes from start to end as end + (start - end) exp(-t/tau). At the reference the block has its K, U0.
+/* The temperature goes from start to end as end + (start - end) exp(-t/tau), and rises besides by the ramp. At the
+ * reference the block has its K, U0; d degrees above it K + d (scale K + k_per_c) + d^2 k_per_c2, and U0 likewise.
  */
 typedef struct {
     double start_c;
     double end_c;
     double tau_s; /* 0: at the end from the beginning */
+    double ramp_c_per_h;
     double reference_c;
     double bias_v_per_c[TUMBLE_CHANNELS];
+    double bias_v_per_c2[TUMBLE_CHANNELS];
     double scale_per_c[TUMBLE_CHANNELS]; /* relative change of a channel's row of K */
+    double k_per_c[TUMBLE_CHANNELS][TUMBLE_CHANNELS];
+    double k_per_c2[TUMBLE_CHANNELS][TUMBLE_CHANNELS];
 } sim_temperature_t;
 
 typedef struct {

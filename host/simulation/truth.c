@@ -91,17 +91,18 @@ static void draw_drift(sim_truth_t *truth, const sim_stand_t *stand, uint64_t se
 void sim_truth_draw(sim_truth_t *truth, const sim_scenario_t *scenario, uint64_t seed)
 {
     const sim_stand_t *const stand = &scenario->stand;
+    const uint64_t lasting = (scenario->of_seed > 0U) ? scenario->of_seed : seed; /* of what stays from run to run */
     memset(truth, 0, sizeof *truth);
-    truth->alpha1_rad = draw_once(stand, stand->axis_tilt_rad, seed, SIM_CAUSE_AXIS_TILT);
+    truth->alpha1_rad = draw_once(stand, stand->axis_tilt_rad, lasting, SIM_CAUSE_AXIS_TILT);
     truth->alpha2_rad = draw_once(stand, stand->level_rad, seed, SIM_CAUSE_LEVEL);
-    truth->platform_rad = draw_once(stand, stand->platform_rad, seed, SIM_CAUSE_PLATFORM);
-    draw_encoder(truth, stand, seed);
+    truth->platform_rad = draw_once(stand, stand->platform_rad, lasting, SIM_CAUSE_PLATFORM);
+    draw_encoder(truth, stand, lasting);
     draw_drift(truth, stand, seed);
     if (scenario->block.given) {
         memcpy(truth->block.k_v_per_g, scenario->block.sensor.k_v_per_g, sizeof truth->block.k_v_per_g);
         memcpy(truth->block.u0_v, scenario->block.sensor.u0_v, sizeof truth->block.u0_v);
     } else {
-        draw_block(&truth->block, &scenario->block, seed);
+        draw_block(&truth->block, &scenario->block, lasting);
     }
     for (uint8_t m = 0; m < scenario->schedule.mounting_count; m++) {
         draw_mounting(truth, scenario, seed, m);

@@ -27,7 +27,8 @@ typedef struct {
 } sim_truth_t;
 
 /* Draw what is fixed for a run: K, U0, alpha1, alpha2, the platform, encoder and drift; and the first yaw and seat of
- * every bolting, the first errors of every inclination. */
+ * every bolting, the first errors of every inclination. K, U0, alpha1, platform and encoder stay from run to run: they
+ * are those of the scenario's `of_seed`, if it has one. */
 void sim_truth_draw(sim_truth_t *truth, const sim_scenario_t *scenario, uint64_t seed);
 
 /* The block has been bolted on again: a new seat for this mounting (index in the schedule), and a new yaw, unless one

@@ -59,6 +59,8 @@ const bench_key_t bench_config_keys[] = {
     {"stand.sag_along_rad_per_g", BENCH_F64, 1, STAND(sag_along_rad_per_g), -1, 1,
      "rad/g; it leans about h by the force along the axis"},
     {"stand.limits", BENCH_ENUM, 1, STAND(law), 0, 0, "sigma1|sigma3|uniform"},
+    {"stand.of_seed", BENCH_U32, 1, AT(scenario.of_seed), 0, WHOLE_32,
+     "block, axis tilt, platform and encoder are those of this seed; 0: of the run's"},
     {"stand.remount", BENCH_ENUM, 1, STAND(remount), 0, 0, "independent|common"},
 
     {"block.k", BENCH_F64, 9, SENSOR(k_v_per_g), -BIG, BIG, "V/g; the true K, row by row; with block.u0"},
@@ -86,9 +88,14 @@ const bench_key_t bench_config_keys[] = {
     {"block.end_c", BENCH_F64, 1, TEMPERATURE(end_c), -64, 63.5, "degrees C in the end"},
     {"block.warm_s", BENCH_F64, 1, TEMPERATURE(tau_s), 0, 1e6,
      "s; time constant of warming up; 0: warm from the start"},
+    {"block.ramp_c_per_h", BENCH_F64, 1, TEMPERATURE(ramp_c_per_h), -BIG, BIG,
+     "degrees C per hour; besides, from power-on"},
     {"block.reference_c", BENCH_F64, 1, TEMPERATURE(reference_c), -64, 63.5, "degrees C at which K and U0 hold"},
     {"block.bias_v_per_c", BENCH_F64, 3, TEMPERATURE(bias_v_per_c), -BIG, BIG, "V per degree; of the biases"},
     {"block.scale_per_c", BENCH_F64, 3, TEMPERATURE(scale_per_c), -1, 1, "per degree; relative, of the rows of K"},
+    {"block.k_per_c", BENCH_F64, 9, TEMPERATURE(k_per_c), -BIG, BIG, "V/g per degree; of K, row by row, besides"},
+    {"block.k_per_c2", BENCH_F64, 9, TEMPERATURE(k_per_c2), -BIG, BIG, "V/g per degree squared; of K, row by row"},
+    {"block.bias_v_per_c2", BENCH_F64, 3, TEMPERATURE(bias_v_per_c2), -BIG, BIG, "V per degree squared; of the biases"},
 
     {"motion.speed_deg_s", BENCH_F64, 1, DRIVE(speed_deg_s), 1e-3, 1e4,
      "deg/s; the drive's most, and the profile's"},

@@ -4,6 +4,7 @@
 
 #include <stddef.h>
 #include <stdio.h>
+#include <string.h>
 
 const char *bench_end_name(world_end_t end)
 {
@@ -304,6 +305,38 @@ static void put_inclinations(const bench_world_t *world, bench_json_t *json)
     }
 }
 
+/* K and U0 by powers of the degrees above the reference; not of a block that is the same at all temperatures. */
+static void put_temperature(const bench_world_t *world, bench_json_t *json)
+{
+    static const double NONE[TUMBLE_CHANNELS][TUMBLE_CHANNELS];
+    const sim_temperature_t *const t = &world->config->scenario.block.sensor.temperature;
+    const tumble_coefficients_t *const block = &world->truth.block;
+    double slope[TUMBLE_CHANNELS][TUMBLE_CHANNELS];
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        for (int j = 0; j < TUMBLE_CHANNELS; j++) {
+            slope[i][j] = t->scale_per_c[i] * block->k_v_per_g[i][j] + t->k_per_c[i][j];
+        }
+    }
+    if (memcmp(t->scale_per_c, NONE, sizeof t->scale_per_c) == 0 && memcmp(t->k_per_c, NONE, sizeof NONE) == 0 &&
+        memcmp(t->k_per_c2, NONE, sizeof NONE) == 0 && memcmp(t->bias_v_per_c, NONE, sizeof t->bias_v_per_c) == 0 &&
+        memcmp(t->bias_v_per_c2, NONE, sizeof t->bias_v_per_c2) == 0) {
+        return;
+    }
+    bench_json_open(json, "over_temperature", '{');
+    bench_json_number(json, "reference_c", t->reference_c);
+    bench_json_open(json, "K", '[');
+    bench_json_matrix(json, NULL, block->k_v_per_g);
+    bench_json_matrix(json, NULL, slope);
+    bench_json_matrix(json, NULL, t->k_per_c2);
+    bench_json_close(json, ']');
+    bench_json_open(json, "U0", '[');
+    bench_json_vector(json, NULL, block->u0_v, TUMBLE_CHANNELS);
+    bench_json_vector(json, NULL, t->bias_v_per_c, TUMBLE_CHANNELS);
+    bench_json_vector(json, NULL, t->bias_v_per_c2, TUMBLE_CHANNELS);
+    bench_json_close(json, ']');
+    bench_json_close(json, '}');
+}
+
 /* Which faults have come, and how often: one that never did was set up wrongly. */
 static void put_faults(const bench_world_t *world, bench_json_t *json)
 {
@@ -333,6 +366,7 @@ void bench_report_truth(const bench_world_t *world, bench_json_t *json)
     put_inclinations(world, json);
     bench_json_vector(json, "encoder_rad", truth->encoder_rad, TUMBLE_WAVES);
     bench_json_vector(json, "drift_v", truth->drift_v, TUMBLE_CHANNELS);
+    put_temperature(world, json);
     bench_json_close(json, '}');
     put_faults(world, json);
 }

@@ -10,11 +10,12 @@ from conftest import EXAMPLES
 import tumble as package
 from tumble.api.thermal import load_thermal, solve_thermal
 from tumble.files.stand_file import read_stand
-from tumble.model.coefficients import spread_attitudes
+from tumble.model.coefficients import Force, spread_attitudes
 from tumble.model.errors import NOISE, exact_outputs, sources
 from tumble.model.fit import WholeModel
 from tumble.model.geometry import built_in, ideal_force
 from tumble.model.thermal import NotShown, ThermalRun, fit
+from tumble.solving.coefficients import covariance_in_si
 
 pytestmark = pytest.mark.python
 
@@ -281,3 +282,51 @@ def test_runs_that_tell_no_temperature(refused, tmp_path):
     out = tmp_path / "t.json"
     out.write_text(solve_thermal(files, at=(0.0, 30.0)).to_json())
     assert "row 2: tells no temperature" in refused("apply", out, files[0])
+
+
+@pytest.fixture(scope="module")
+def solved(runs):
+    stand = read_stand(str(EXAMPLES / "paper_stand.toml"))
+    labels = {**(stand.environment or {}), "gravity_m_s2": 9.8106, "u_gravity_m_s2": 2e-5}
+    return solve_thermal(runs, temperature="quadratic", stand=replace(stand, environment=labels))
+
+
+def test_uncertainties_of_data_are_those_of_its_temperature(tumble, solved, tmp_path):
+    """Row by row, those of a result with the coefficients and the covariance of that temperature, in either unit."""
+    rng = np.random.default_rng(8)
+    force, felt = 1.3 * rng.standard_normal((40, 3)), rng.uniform(-40.0, 70.0, 40)
+    k, u0 = true_at(felt)
+    outputs = np.einsum("pij,pj->pi", k, force) + u0
+    outputs[7] = np.nan
+    for unit, gravity, u_gravity in (("g", 1.0, 0.0), ("m/s2", 9.8106, 2e-5)):
+        found = solved.apply(outputs, felt, unit=unit, uncertainty=True)
+        assert found.shape == (40, 7) and np.isnan(found[7]).all()
+        for row in (0, 13, 39):
+            values = np.append(*(one.ravel() for one in solved.at(felt[row])))
+            covariance, powers = solved.covariance_at(felt[row]), np.repeat([1.0, 0.0], (9, 3))
+            covariance = covariance_in_si(values, powers, covariance, gravity, u_gravity)
+            alone = Force(values / gravity**powers, (), covariance)
+            expected = alone.of(outputs[row][None])
+            assert found[row] == pytest.approx(np.append(expected, alone.uncertainty(expected)), rel=1e-9)
+    (tmp_path / "warm.json").write_text(solved.to_json())
+    rows = [",".join(map(repr, one)) for one in np.column_stack([outputs, felt])[:5].tolist()]
+    (tmp_path / "data.csv").write_text("\n".join(["ux,uy,uz,temperature", *rows]) + "\n")
+    done = tumble("apply", tmp_path / "warm.json", tmp_path / "data.csv", "--uncertainty", "--unit", "m/s2")
+    lines = [line.split(",") for line in done.stdout.splitlines()]
+    assert lines[0][4:] == ["u_x", "u_y", "u_z", "u_norm", "x", "y", "z"]
+    told = np.array([line[4:] for line in lines[1:]], dtype=float)
+    assert told == pytest.approx(np.roll(found[:5], -3, axis=1), rel=1e-4)
+
+
+def test_coefficients_at_a_temperature_and_beyond_the_range(solved, runs):
+    u_k, u_u0 = solved.uncertainty_at(70.5)
+    assert np.append(u_k, u_u0) == pytest.approx(np.sqrt(np.diag(solved.covariance_at(70.5))), rel=1e-12)
+    for ask in (solved.at, solved.uncertainty_at, solved.covariance_at):
+        with pytest.warns(UserWarning, match="extrapolated: the runs were at -40 to 70 deg C"):
+            ask(90.0)
+    with pytest.warns(UserWarning, match="extrapolated"):
+        assert (solved.uncertainty_at(120.0)[0] > 3.0 * u_k).all()
+    bare = solve_thermal(runs[:2])
+    for ask in (bare.uncertainty_at, bare.covariance_at, lambda t: bare.apply(np.eye(3), t, uncertainty=True)):
+        with pytest.raises(package.BadInput, match="no uncertainties: no stand was declared"):
+            ask(-20.0)

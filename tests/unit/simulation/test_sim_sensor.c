@@ -142,6 +142,32 @@ static void test_drift_and_temperature(void)
     ASSERT_SAME_DOUBLE(35.0, sim_sensor_temperature_c(&sensor, 0.0));
 }
 
+/* K and U0 are polynomials of the temperature, and a chamber may go on warming at a rate. */
+static void test_quadratic_in_temperature(void)
+{
+    int32_t counts[3];
+    config.temperature = (sim_temperature_t){.start_c = -40.0,
+                                             .end_c = -40.0,
+                                             .ramp_c_per_h = 36.0,
+                                             .reference_c = 20.0,
+                                             .bias_v_per_c2 = {1e-6, 0.0, 0.0},
+                                             .scale_per_c = {0.0, 0.0, 1e-4},
+                                             .k_per_c = {{0.0, 0.0, 0.0}, {1e-4, 2e-4, 3e-4}, {0.0, 0.0, 0.0}},
+                                             .k_per_c2 = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {4e-6, 5e-6, 6e-6}}};
+    start();
+    ASSERT_SAME_DOUBLE(-40.0, sim_sensor_temperature_c(&sensor, 0.0));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, -30.0, sim_sensor_temperature_c(&sensor, 1000.0));
+    (void)sample(1000.0, counts);
+    const double step_v = sim_sensor_v_per_count(&config);
+    const double d = -50.0;
+    TEST_ASSERT_DOUBLE_WITHIN(step_v, ideal_v(0) + 1e-6 * d * d, counts[0] * step_v);
+    const double slope = d * (1e-4 * FORCE_G[0] + 2e-4 * FORCE_G[1] + 3e-4 * FORCE_G[2]);
+    TEST_ASSERT_DOUBLE_WITHIN(step_v, ideal_v(1) + slope, counts[1] * step_v);
+    const double square = d * d * (4e-6 * FORCE_G[0] + 5e-6 * FORCE_G[1] + 6e-6 * FORCE_G[2]);
+    const double response = ideal_v(2) - config.u0_v[2];
+    TEST_ASSERT_DOUBLE_WITHIN(step_v, ideal_v(2) + response * 1e-4 * d + square, counts[2] * step_v);
+}
+
 static void put_in_force(sim_fault_kind_t kind, sim_fault_effect_t effect)
 {
     memset(sensor.faults, 0, sizeof sensor.faults);

@@ -54,6 +54,27 @@ static void test_a_remounting_draws_again_for_its_mounting_alone(void)
     TEST_ASSERT_TRUE(before.alpha3_rad[1] != truth.alpha3_rad[1]);
 }
 
+/* Block, axis, platform and encoder of one seed, in runs of others: all else is drawn anew, and as without it. */
+static void test_what_stays_from_run_to_run_is_of_its_own_seed(void)
+{
+    sim_truth_t own;
+    sim_truth_t lasting;
+    sim_truth_t mixed;
+    scenario.stand.platform_rad = scenario.stand.encoder_rad = scenario.stand.seat_rad = 1e-4;
+    sim_truth_draw(&own, &scenario, 4);
+    sim_truth_draw(&lasting, &scenario, 9);
+    scenario.of_seed = 9;
+    sim_truth_draw(&mixed, &scenario, 4);
+    TEST_ASSERT_EQUAL_MEMORY(&lasting.block, &mixed.block, sizeof mixed.block);
+    TEST_ASSERT_EQUAL_MEMORY(lasting.encoder_rad, mixed.encoder_rad, sizeof mixed.encoder_rad);
+    ASSERT_SAME_DOUBLE(lasting.alpha1_rad, mixed.alpha1_rad);
+    ASSERT_SAME_DOUBLE(lasting.platform_rad, mixed.platform_rad);
+    ASSERT_SAME_DOUBLE(own.alpha2_rad, mixed.alpha2_rad);
+    TEST_ASSERT_EQUAL_MEMORY(own.alpha3_rad, mixed.alpha3_rad, sizeof mixed.alpha3_rad);
+    TEST_ASSERT_EQUAL_MEMORY(own.theta_n_rad, mixed.theta_n_rad, sizeof mixed.theta_n_rad);
+    TEST_ASSERT_TRUE(own.alpha1_rad != mixed.alpha1_rad);
+}
+
 static void test_drawn_blocks_lie_within_their_limits(void)
 {
     double widest = 0.0;

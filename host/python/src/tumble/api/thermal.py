@@ -7,15 +7,15 @@ import os
 import warnings
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tumble import defaults
 from tumble._version import __version__
-from tumble.api.arguments import layout_options, told_in_python
+from tumble.api.arguments import layout_options, require_flag, told_in_python
 from tumble.api.recording import Recording, recording_of
-from tumble.api.result import warnings_of
+from tumble.api.result import Figures, warnings_of
 from tumble.api.solving import Solved, solved
 from tumble.arrays import Floats
 from tumble.documents import result as doc, thermal as document
@@ -24,16 +24,20 @@ from tumble.documents.thermal import Thermal
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.files import frames
 from tumble.files.calibrated import OUTPUTS, Demand, Seen, with_calibrated
-from tumble.files.disk import RESULT_FILE, read_bytes, write_text
+from tumble.files.disk import RESULT_FILE, path_of, read_bytes, write_bytes, write_text
 from tumble.files.rows import HIGHEST_C, LOWEST_C, NUMBERS
 from tumble.files.run_layout import LayoutOptions
 from tumble.model import reliability
 from tumble.model.thermal import Polynomials, ThermalFit
+from tumble.solving.coefficients import gravity_of
 from tumble.solving.plausibility import outside
 from tumble.solving.result import created, declared_stand, unseen
 from tumble.solving.thermal import BOLTING_KEPT, DEGREES, STAND_KEPT, Measured, ThermalSolution, solve_together
 from tumble.stand import by_channel
 from tumble.units import SI, force_unit, volts_per
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def solve_thermal(
@@ -154,6 +158,7 @@ def document_of(single: Sequence[Solved], found: ThermalSolution) -> Thermal:
         u_K=tuple(u[:, :9].reshape(-1, 3, 3)) if found.has_stand else None,
         u_U0=tuple(u[:, 9:]) if found.has_stand else None,
         covariance=thermal.covariance if found.has_stand else None,
+        at=tuple(_at(found, one) for one in (found.range_c[0], thermal.polynomials.reference_c, found.range_c[1])),
         u_norm_g=tuple(
             document.AtTemperature(temperature_c=at, worst_g=one.worst_g, attitude=one.attitude)
             for at, one in found.u_norms
@@ -174,16 +179,40 @@ def document_of(single: Sequence[Solved], found: ThermalSolution) -> Thermal:
         warnings=tuple(f"{one.name}: {told}" for one, its in zip(found.runs, single) for told in its.complaints),
         kept=found.kept,
         stand=None if stand is None else declared_stand(stand, step_v),
-        runs=tuple(_of_run(one, its, delta_g) for one, its, delta_g in zip(found.runs, single, found.delta_g)),
+        runs=tuple(
+            _of_run(name, one, its, delta_g)
+            for name, one, its, delta_g in zip(_told_apart(found.runs), found.runs, single, found.delta_g)
+        ),
         item=None if file is None else file.item,
         environment=None if file is None else file.environment,
     )
 
 
-def _of_run(one: Measured, its: Solved, delta_g: Floats) -> document.RunAtTemperature:
+def _at(found: ThermalSolution, temperature_c: float) -> document.CoefficientsAt:
+    k, u0 = found.fit.polynomials.at(temperature_c)
+    u = np.sqrt(np.diag(found.fit.covariance_at(temperature_c))) if found.has_stand else None
+    return document.CoefficientsAt(
+        temperature_c=temperature_c,
+        K=k,
+        U0=u0,
+        u_K=None if u is None else u[:9].reshape(3, 3),
+        u_U0=None if u is None else u[9:],
+    )
+
+
+def _told_apart(runs: Sequence[Measured]) -> list[str]:
+    """Names of their files; with those of their folders where else two would be one."""
+    paths = [os.path.split(one.name) for one in runs]
+    names = [name for _, name in paths]
+    if len(set(names)) == len(names):
+        return names
+    return [f"{os.path.basename(folder)}/{name}" if folder else name for folder, name in paths]
+
+
+def _of_run(name: str, one: Measured, its: Solved, delta_g: Floats) -> document.RunAtTemperature:
     alone = its.document
     return document.RunAtTemperature(
-        file=os.path.basename(one.name),
+        file=name,
         sha256=alone.run_sha256,
         range_c=(float(one.temperature_c.min()), float(one.temperature_c.max())),
         mean_c=float(one.temperature_c.mean()),
@@ -194,6 +223,8 @@ def _of_run(one: Measured, its: Solved, delta_g: Floats) -> document.RunAtTemper
         pass_reason=alone.pass_reason,
         K=alone.K,
         U0=alone.U0,
+        u_K=alone.u_K,
+        u_U0=alone.u_U0,
         max_abs_delta_g_g=float(np.abs(delta_g).max()),
     )
 
@@ -201,8 +232,10 @@ def _of_run(one: Measured, its: Solved, delta_g: Floats) -> document.RunAtTemper
 class ThermalResult:
     """A calibration over temperature. Made by `solve_thermal` or `load_thermal`; immutable."""
 
-    def __init__(self, told: Thermal):
+    def __init__(self, told: Thermal, name: str = "the result"):
+        """`name`: what errors call it."""
         self._told = told
+        self._name = name
         self._polynomials = Polynomials(told.reference_c, np.array(told.K), np.array(told.U0))
 
     @property
@@ -226,14 +259,35 @@ class ThermalResult:
         return self._told.range_c
 
     def at(self, temperature_c: float | Floats) -> tuple[Floats, Floats]:
-        """K (..., 3, 3), outputs' unit per g, and U0 (..., 3) at temperatures (...), deg C."""
+        """K (..., 3, 3), outputs' unit per g, and U0 (..., 3) at temperatures (...), deg C; with a UserWarning where
+        these are outside the range of the runs by more than 1 deg C, so that the polynomials are extrapolated."""
+        self._warn_outside(temperature_c)
         return self._polynomials.at(temperature_c)
 
+    def uncertainty_at(self, temperature_c: float) -> tuple[Floats, Floats]:
+        """Standard uncertainties of K (3, 3) and U0 (3,) at a temperature, deg C; warns as `at` does. Beyond the range
+        they hold if the block goes on as the polynomials do, which no run has shown. Raises BadInput without a
+        stand."""
+        self._warn_outside(temperature_c)
+        u = np.sqrt(np.diag(self._fit.covariance_at(temperature_c)))
+        return u[:9].reshape(3, 3), u[9:]
+
     def covariance_at(self, temperature_c: float) -> Floats:
-        """Of K row by row and U0 at a temperature, deg C: (12, 12). Raises BadInput without a stand."""
+        """Of K row by row and U0 at a temperature, deg C: (12, 12); as `uncertainty_at`."""
+        self._warn_outside(temperature_c)
+        return self._fit.covariance_at(temperature_c)
+
+    @property
+    def _fit(self) -> ThermalFit:
+        """Raises BadInput."""
         if self._told.covariance is None:
-            raise BadInput("no uncertainties: no stand was declared", "the result")
-        return ThermalFit(self._polynomials, self._told.covariance, 0.0, 0).covariance_at(temperature_c)
+            raise BadInput("no uncertainties: no stand was declared", self._name)
+        return ThermalFit(self._polynomials, self._told.covariance, 0.0, 0)
+
+    def _warn_outside(self, temperature_c: float | Floats) -> None:
+        if outside(doc.Temperature(*self.range_c, "run_file"), temperature_c) is not None:
+            low, high = self.range_c
+            warnings.warn(f"extrapolated: the runs were at {low:.3g} to {high:.3g} deg C", stacklevel=3)
 
     @property
     def complaints(self) -> list[str]:
@@ -241,15 +295,26 @@ class ThermalResult:
         own = [] if self.passed else [f"it did not pass: {self._told.pass_reason}"]
         return [*own, *self._told.warnings]
 
-    def apply(self, data: Any, temperature_c: Any = None, *, unit: str = "g", columns: Any = None) -> Any:
+    def apply(
+        self,
+        data: Any,
+        temperature_c: Any = None,
+        *,
+        unit: str = "g",
+        uncertainty: bool = False,
+        columns: Any = None,
+    ) -> Any:
         """Calibrate outputs: a = K(T)^-1 (U - U0(T)).
 
         `data`: an array (..., 3) of outputs in the result's unit, with `temperature_c` (...) or one for all, deg C,
         gives an array of the same shape; a table with columns ux, uy, uz and temperature, as `Result.apply` takes it,
-        gives the same kind with x, y, z behind. `unit`: "g" or "m/s2". Raises UsageError, BadInput.
+        gives the same kind with x, y, z behind. `unit`: "g" or "m/s2". `uncertainty`: also standard uncertainties, at
+        the temperature of each sample, as `Result.apply` has them: an array is then (..., 7). Raises UsageError,
+        BadInput.
         """
+        require_flag(uncertainty, "uncertainty")
         with told_in_python():
-            demand = self.demand(layout_options(columns, None, wanted=OUTPUTS), unit)
+            demand = self.demand(layout_options(columns, None, wanted=OUTPUTS), unit, uncertainty)
             if frames.is_table(data):
                 seen = Seen()
                 found = with_calibrated(data, frames.library_of(data) or "table", demand, seen)
@@ -268,26 +333,95 @@ class ThermalResult:
             if (warning := outside(known, felt)) is not None:
                 warnings.warn(warning, stacklevel=2)
             force: Floats = demand.values(values.reshape(-1, 3), 1.0, felt.ravel())
-            return force.reshape(values.shape)
+            count = force.shape[1] - 3  # of uncertainties, which stand before x, y, z in a table
+            return np.roll(force, 3, axis=1).reshape(*values.shape[:-1], 3 + count)
 
     def demand(self, layout: LayoutOptions, unit: str, uncertainty: bool = False) -> Demand:
         """What is to be done with data. Raises UsageError, BadInput."""
-        gravity, of_force = (self._told.environment or {}).get("gravity_m_s2"), str(force_unit(unit))
-        if uncertainty:
-            raise UsageError("no uncertainties of data over temperature: ThermalResult.covariance_at in Python")
+        (gravity, u_gravity), of_force = gravity_of(self._told.environment), str(force_unit(unit))
         if of_force not in ("g", SI):
             raise UsageError(f"unit: {quoted(unit)} is neither g nor m/s2")
-        if of_force == SI and not isinstance(gravity, (int, float)):
-            raise BadInput("its environment has no gravity_m_s2, which m/s2 needs", "the result")
-        per_g = float(gravity) if of_force == SI and isinstance(gravity, (int, float)) else 1.0
+        if of_force == SI and gravity is None:
+            raise BadInput("its environment has no gravity_m_s2, which m/s2 needs", self._name)
+        if uncertainty and of_force == SI and u_gravity is None:
+            raise BadInput("no uncertainties: its environment has no u_gravity_m_s2", self._name)
+        fit = self._fit if uncertainty else ThermalFit(self._polynomials, np.zeros((0, 0)), 0.0, 0)
+        per_g, u_per_g = (gravity or 1.0, u_gravity or 0.0) if of_force == SI else (1.0, 0.0)
 
         def warm(outputs: Floats, felt_c: Floats) -> Floats:
-            k, u0 = self.at(felt_c)
-            force: Floats = per_g * np.asarray(np.linalg.solve(k, (outputs - u0)[..., None])[..., 0])
-            return force
+            force = fit.of(outputs, felt_c)
+            if not uncertainty:
+                return per_g * force
+            by_gravity = u_per_g * np.column_stack([force, np.linalg.norm(force, axis=1)])
+            u = np.hypot(per_g * fit.uncertainty(force, felt_c), by_gravity)
+            return np.concatenate([u, per_g * force], axis=1)
 
         told = "unit" not in self._told.assumes
-        return Demand(lambda outputs: outputs, self.unit, False, layout, told, per_g, warm)
+        return Demand(lambda outputs: outputs, self.unit, uncertainty, layout, told, per_g, warm)
+
+    def plot(self, file: str | os.PathLike[str] | None = None, kind: str | None = None) -> dict[str, Figure]:
+        """Pictures by name: figures of matplotlib, as wide as a page of A4.
+
+        "coefficients": each over temperature, with its uncertainty and the runs alone; "residuals": the runs alone less
+        the polynomials; "uncertainty": of the length of a calibrated acceleration at the worst attitude, over
+        temperature (with a stand).
+
+        Parameters
+        ----------
+        file : path, optional
+            Write it, .png, .svg or .pdf by its name; without `kind` the coefficients. A kind in place of the file is
+            that kind, unwritten.
+        kind : str, optional
+            This picture alone.
+
+        Raises
+        ------
+        UsageError, BadInput
+        NotInstalled
+            Without matplotlib.
+        """
+        from tumble import pictures
+
+        if kind is None and isinstance(file, str) and file in pictures.thermal.CAPTIONS:
+            file, kind = None, str(file)
+        with told_in_python():
+            path = None if file is None else path_of(file)
+            if path is not None:
+                pictures.require_format(path, "file")
+                kind = "coefficients" if kind is None else kind
+            drawn = Figures(pictures.thermal.figures(self._told, kind))
+            if path is not None and kind is not None:
+                write_bytes(path, pictures.written(drawn[kind], path))
+        return drawn
+
+    def report(
+        self,
+        file: str | os.PathLike[str],
+        *,
+        template: str | os.PathLike[str] | None = None,
+        logo: str | os.PathLike[str] | None = None,
+        number: str | None = None,
+        issued: str | None = None,
+    ) -> None:
+        """Write a calibration report, HTML or PDF as the file's name ends; arguments and errors as of
+        `Result.report`."""
+        from tumble.report.make import kind_of
+
+        with told_in_python():
+            name = path_of(file)
+            files = {
+                key: None if one is None else path_of(one) for key, one in (("template", template), ("logo", logo))
+            }
+            write_bytes(name, self.reported(kind_of(name, "file"), issued=issued, number=number, **files))
+
+    def reported(self, kind: str, *, issued: str | None = None, **given: str | None) -> bytes:
+        """What `report` writes; `kind`: "html" or "pdf"; `given`: template, logo, number."""
+        from tumble.report.make import made_over_temperature
+        from tumble.report.pages import require_date
+
+        day, text = require_date((created() or "")[:10] if issued is None else issued), self.to_json()
+        more: dict[str, Any] = {**given, "issued": day, "attached": text}
+        return made_over_temperature(json.loads(text), self._name, kind, **more)
 
     def to_json(self) -> str:
         """As `save` writes it, schema tumble.thermal/1."""
@@ -329,4 +463,4 @@ def load_thermal(file: str | os.PathLike[str]) -> ThermalResult:
         For a file that cannot be used.
     """
     name = os.fspath(file)
-    return ThermalResult(document.parse_thermal(read_bytes(name, RESULT_FILE), name))
+    return ThermalResult(document.parse_thermal(read_bytes(name, RESULT_FILE), name), name)

@@ -14,9 +14,11 @@ import textwrap
 from dataclasses import dataclass
 
 import numpy as np
+from msgspec import UnsetType
 
 from tumble.api.solving import misfit_consequence, misfit_sentence, named, noise_notice, simulation_complaint
 from tumble.arrays import Floats
+from tumble.documents.result import Truth
 from tumble.errors import listed
 from tumble.estimators import COEFFICIENTS, HARMONIC
 from tumble.files.rows import OF_ENVIRONMENT, OF_RUN_FILE
@@ -25,6 +27,7 @@ from tumble.messages import signed_for
 from tumble.model import reliability
 from tumble.model.fit import SYSTEMATIC
 from tumble.model.stand_seen import NAMES, Estimate
+from tumble.model.thermal import Polynomials
 from tumble.schedule import CHECK
 from tumble.solving.decision import (
     ASSUMPTIONS,
@@ -203,7 +206,7 @@ def coefficient_table(solution: Solution, with_details: bool) -> tuple[tuple[str
         rows = [(*row, "0" if d == 0.0 else f"{d:.0e}") for row, d in zip(rows, differences)]
     if solution.truth is not None:
         headings = ("", "value", "unit", "u", "u, rel.", *headings[5:], "truth", "error/u")
-        known = zip(_twelve(solution.truth.K, solution.truth.U0), _errors_over_u(solution).tolist())
+        known = zip(_twelve(*_truth_of_run(solution.truth, solution)), _errors_over_u(solution).tolist())
         for i, (true, error) in enumerate(known):
             rows[i] += (f"{true:+.{decimals}f}", "-" if math.isnan(error) else f"{error:+.2f}")
     return headings, rows
@@ -223,12 +226,22 @@ def _relative(u: float | None, of: float, millionths: str) -> str:
     return f"{ratio:.0f} {millionths}" if ratio >= 100 else f"{ratio:.3g} {millionths}"
 
 
+def _truth_of_run(truth: Truth, solution: Solution) -> tuple[Floats, Floats]:
+    """K and U0 in the middle of the temperatures of the run, of a block that changes with its temperature."""
+    warm, felt = truth.over_temperature, solution.run.temperature
+    if isinstance(warm, UnsetType) or felt is None:
+        return truth.K, truth.U0
+    polynomials = Polynomials(warm.reference_c, np.array(warm.K), np.array(warm.U0))
+    return polynomials.at((felt.low_c + felt.high_c) / 2.0)
+
+
 def _errors_over_u(solution: Solution) -> Floats:
     """Estimate less truth over the standard uncertainty (12,). A stand without errors leaves none: NaN."""
     truth, u_k, u_u0 = solution.truth, solution.u_k, solution.u_u0
     assert truth is not None and u_k is not None and u_u0 is not None  # who simulates a run declares its stand
     u = np.concatenate([u_k.ravel(), u_u0])
-    errors = np.concatenate([(solution.found.k - truth.K).ravel(), solution.found.u0 - truth.U0])
+    k, u0 = _truth_of_run(truth, solution)
+    errors = np.concatenate([(solution.found.k - k).ravel(), solution.found.u0 - u0])
     over: Floats = np.divide(errors, u, out=np.full(12, np.nan), where=u > 0)
     return over
 

@@ -98,20 +98,10 @@ def _celsius(text: str) -> float:
 def page(result: ThermalResult) -> list[Line | Table]:
     """All that a person is told, from top to bottom."""
     from tumble.cli.output import Table
-    from tumble.solving.decision import Decision, phrase
+    from tumble.solving.thermal import decision_of, verdict_of
 
-    told, decision = result.checked, result.checked.decision
-    low, high = told.range_c
-    verdict = Decision(
-        tuple((told.pass_reason or "").split(" and ")) if told.pass_reason else (),
-        told.assumes,
-        sum(one.positions for one in told.runs),
-        decision.limit_g,
-        decision.coverage_factor,
-        decision.u_norm_worst_g,
-    )
-    span = f"{low:.3g} to {high:.3g} deg C"
-    said = f"{verdict.word} from {span}{phrase(told.assumes) if told.passed else verdict.reason}"
+    told = result.checked
+    verdict, said = decision_of(told), "".join(verdict_of(told))
     colour = "green" if told.passed else "yellow" if verdict.is_not_shown else "red"
     by = f"({'T' if told.reference_c == 0 else f'T - {told.reference_c:g} deg C'})"
     title = f"{len(told.runs)} runs, {verdict.positions} positions; powers of {by} in K"

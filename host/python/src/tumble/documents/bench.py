@@ -13,7 +13,7 @@ from msgspec import UNSET, Meta, UnsetType, field
 
 from tumble.documents import base
 from tumble.documents.base import Count, Document, Matrix, Positive, Size, Vector, exactly
-from tumble.documents.result import Table, Use
+from tumble.documents.result import OverTemperature, Table, Use
 
 BENCH: Final = "tumble.bench/1"
 NODE: Final = "tumble.node/1"
@@ -102,6 +102,7 @@ class Truth(Document):
     tau_rad: Likewise: error of the zero of the table angle at each; alpha2 is not in it.
     encoder_rad: By the sine and cosine of the table angle, and of its double.
     drift_v: By channel.
+    over_temperature: Of a block that changes with its temperature: `K` and `U0` above are those at its `reference_c`.
     """
 
     K: Matrix
@@ -116,6 +117,7 @@ class Truth(Document):
     drift_v: Annotated[tuple[float, ...], Meta(min_length=3, max_length=3)]
     beta_rad: tuple[float, ...] | UnsetType = UNSET
     tau_rad: tuple[float, ...] | UnsetType = UNSET
+    over_temperature: OverTemperature | UnsetType = UNSET
 
 
 class Fault(Document):

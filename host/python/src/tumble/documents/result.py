@@ -513,6 +513,17 @@ class Table(Document):
     highest_deg: float
 
 
+class OverTemperature(Document):
+    """A simulated block at the temperature T.
+
+    K: By powers of (T - `reference_c`) / 1 K, from 0 to 2; with `U0`.
+    """
+
+    reference_c: float
+    K: Annotated[tuple[Matrix, ...], Meta(min_length=3, max_length=3)]
+    U0: Annotated[tuple[Vector, ...], Meta(min_length=3, max_length=3)]
+
+
 class Truth(Document):
     """What a simulated run was made of; angles are the errors of the stand.
 
@@ -524,6 +535,7 @@ class Truth(Document):
     tau_rad: Likewise: error of the zero of the table angle, one per mounting; alpha2 is not in it.
     encoder_rad: Where declared: errors by the sine and cosine of the table angle, and of its double.
     drift_v: Where declared: from the first fit position to the last.
+    over_temperature: Of a block that changes with its temperature: `K` and `U0` above are those at its `reference_c`.
     """
 
     K: Matrix
@@ -538,6 +550,7 @@ class Truth(Document):
     drift_v: Annotated[tuple[float, ...], Meta(min_length=3, max_length=3)] | UnsetType = UNSET
     beta_rad: Annotated[tuple[float, ...], Meta(min_length=1)] | UnsetType = UNSET
     tau_rad: Annotated[tuple[float, ...], Meta(min_length=1)] | UnsetType = UNSET
+    over_temperature: OverTemperature | UnsetType = UNSET
 
 
 class Result(Document, kw_only=True):

@@ -20,11 +20,25 @@ class AtTemperature(WorstNorm, kw_only=True):
     temperature_c: float
 
 
+class CoefficientsAt(Document, kw_only=True):
+    """At one temperature.
+
+    u_K: Standard uncertainties; null without a stand file; with `u_U0`.
+    """
+
+    temperature_c: float
+    K: Matrix
+    U0: Vector
+    u_K: SizeMatrix | None
+    u_U0: Sizes | None
+
+
 class RunAtTemperature(Document, kw_only=True):
     """One of the runs.
 
     passed: Its own verdict, solved alone; with `pass_reason`.
     K: Solved alone, at its mean temperature; with `U0`.
+    u_K: Standard uncertainties of these; null without a stand file; with `u_U0`.
     max_abs_delta_g_g: Largest gravity error of its positions, with the coefficients of their temperature.
     """
 
@@ -39,6 +53,8 @@ class RunAtTemperature(Document, kw_only=True):
     pass_reason: str | None
     K: Matrix
     U0: Vector
+    u_K: SizeMatrix | None = None
+    u_U0: Sizes | None = None
     max_abs_delta_g_g: Size
 
 
@@ -60,6 +76,7 @@ class Thermal(Document, kw_only=True):
     U0: The same, in the outputs' unit.
     u_K: Standard uncertainties, same shape; null without a stand file; with `u_U0`.
     covariance: Of all coefficients, power by power, K row by row and then U0; null without a stand file.
+    at: The coefficients at the lowest temperature, at `reference_c` and at the highest.
     u_norm_g: At temperatures of the range, the worst standard uncertainty of |a| over all attitudes.
     kept: Sources of error whose errors are the same in all runs.
     fit: null without a stand file.
@@ -85,6 +102,7 @@ class Thermal(Document, kw_only=True):
     u_K: tuple[SizeMatrix, ...] | None
     u_U0: tuple[Sizes, ...] | None
     covariance: Square | None
+    at: tuple[CoefficientsAt, ...] = ()
     u_norm_g: tuple[AtTemperature, ...]
     fit: ThermalFit | None
     reliability: tuple[Unseen, ...] | None = None

@@ -120,21 +120,33 @@ class Force:
         assert self._covariance is not None  # as is_certain says
         known: Flags = np.isfinite(force.sum(axis=1))
         to_force = np.linalg.inv(np.where(known[:, None, None], self._slope(force), self._k))
-        with np.errstate(invalid="ignore"):
-            direction = force / np.linalg.norm(force, axis=1)[:, None]
-        rows = np.concatenate([to_force, direction[:, None] @ to_force], axis=1)  # of the outputs, for all four
         by_coefficient = np.zeros((len(force), 3, 12 + 3 * len(self._further)))  # dF/dc
+        by_coefficient[:, :, :12] = outputs_by_coefficient(force)
         for i in range(3):
-            by_coefficient[:, i, 3 * i : 3 * i + 3] = force
-            by_coefficient[:, i, 9 + i] = 1.0
             for place, (term, size) in enumerate(self._further.items()):
                 shown = felt(term, force)[:, i]
                 by_coefficient[:, i, 4 * i] += size[i] * shown
                 by_coefficient[:, i, 12 + 3 * place + i] = self._k[i, i] * shown
-        gradient = rows @ by_coefficient
+        gradient = with_length(to_force, force) @ by_coefficient
         variance = ((gradient @ self._covariance) * gradient).sum(axis=2)
         found: Floats = np.sqrt(np.maximum(variance, 0.0))
         return found
+
+
+def outputs_by_coefficient(force: Floats) -> Floats:
+    """How outputs at a `force` (samples, 3) change with K row by row and U0: (samples, 3, 12)."""
+    found = np.zeros((len(force), 3, 12))
+    for i in range(3):
+        found[:, i, 3 * i : 3 * i + 3] = force
+        found[:, i, 9 + i] = 1.0
+    return found
+
+
+def with_length(to_force: Floats, force: Floats) -> Floats:
+    """Rows (samples, 4, 3): `to_force` (samples, 3, 3), from outputs to components, and the same for the length."""
+    with np.errstate(invalid="ignore"):
+        direction = force / np.linalg.norm(force, axis=1)[:, None]
+    return np.concatenate([to_force, direction[:, None] @ to_force], axis=1)
 
 
 def linear_outputs(means: Floats, k: Floats, u0: Floats, sizes: Floats, terms: Terms) -> Floats:

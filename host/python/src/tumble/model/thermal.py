@@ -20,18 +20,24 @@ import numpy as np
 
 from tumble.arrays import Floats
 from tumble.distributions import chi_squared_above
+from tumble.model.coefficients import outputs_by_coefficient, with_length
 from tumble.model.errors import NOISE, Draws, Errors
 from tumble.model.geometry import STEP, ideal_force
 from tumble.schedule import Schedule
 
-_PASSES = 8
+_PASSES = 30  # each leaves a tenth or less of the change before it
 _SETTLED = 1e-12  # of the largest coefficient
 _WEAK = 1e-6  # singular value of the design over its largest, columns of length 1
+_AT_ONCE = 1 << 14  # samples: what an uncertainty needs for one is 200 numbers
 _LEAST_SINGULAR = 0.02  # of powers of the scaled temperatures, over the root of their number: two runs show no parabola
 
 
 class NotShown(ValueError):
     """The runs do not show all coefficients."""
+
+
+class TooAlike(NotShown):
+    """Their positions and temperatures would not, whatever the outputs."""
 
 
 @dataclass(frozen=True)
@@ -73,6 +79,26 @@ class ThermalFit:
     def p(self) -> float:
         """Probability of a chi-squared at least as large."""
         return chi_squared_above(self.chi_squared, self.freedom) if self.freedom else 1.0
+
+    def of(self, outputs: Floats, temperature_c: Floats) -> Floats:
+        """The force (samples, 3) of `outputs` (samples, 3) at temperatures (samples,)."""
+        k, u0 = self.polynomials.at(temperature_c)
+        force: Floats = np.asarray(np.linalg.solve(k, (outputs - u0)[..., None])[..., 0], dtype=float)
+        return force
+
+    def uncertainty(self, force: Floats, temperature_c: Floats) -> Floats:
+        """Standard uncertainties (samples, 4) of the components of a `force` (samples, 3) at temperatures (samples,),
+        and of its length, as model.coefficients.Force has them."""
+        found = [np.zeros((0, 4))]
+        for start in range(0, len(force), _AT_ONCE):
+            own = slice(start, start + _AT_ONCE)
+            to_force: Floats = np.asarray(np.linalg.inv(self.polynomials.at(temperature_c[own])[0]), dtype=float)
+            by_row = with_length(to_force, force[own]) @ outputs_by_coefficient(force[own])
+            powers = _powers(temperature_c[own] - self.polynomials.reference_c, len(self.polynomials.k))
+            gradient = np.einsum("nm,nic->nimc", powers, by_row).reshape(len(by_row), 4, -1)
+            variance = ((gradient @ self.covariance) * gradient).sum(axis=2)
+            found.append(np.sqrt(np.maximum(variance, 0.0)))
+        return np.concatenate(found)
 
     def covariance_at(self, temperature_c: float) -> Floats:
         """Of K row by row and U0 at a temperature: (12, 12)."""
@@ -151,7 +177,7 @@ class System:
         powers = np.concatenate(self._powers)
         apart = np.linalg.svd(powers, compute_uv=False)[-1] / len(powers) ** 0.5
         if len(design) < design.shape[1] or singular[-1] < _WEAK * singular[0] or apart < _LEAST_SINGULAR:
-            raise NotShown("these positions and temperatures do not show all coefficients")
+            raise TooAlike("these positions and temperatures do not show all coefficients")
         means = np.concatenate([one.means.ravel() for one in self._runs]) / sigma
         found: Floats = np.linalg.lstsq(design / length, means, rcond=None)[0] / length
         return found

@@ -4,6 +4,7 @@ figures      all that a result has what it takes for, by name; kinds: these name
 CAPTIONS     a sentence or two for each; caption: for that of a document
 comparison   two calibrations of one block
 trend, control_chart    all calibrations of one block
+thermal.figures         a calibration over temperature
 stand, mountings, angles, inclinations    what one does with one's hands, by a schedule
 states, wiring              the run and the bus, by the firmware's own tables
 svg          a picture as an element of a page of HTML, or a file of its own; written: as .png, .svg or .pdf
@@ -16,11 +17,13 @@ result       by position, by sample, the stand and its inclinations as they are 
 uncertainty  budget, correlation, attitude
 recording    what is imported
 history      one block over years
+thermal      one block over temperature
 histograms   of a simulated campaign
 drawings     stand, mountings, angles, inclinations
 diagrams     states, wiring
 """
 
+from tumble.pictures import thermal
 from tumble.pictures.canvas import require, require_format, svg, written
 from tumble.pictures.comparison import comparison
 from tumble.pictures.diagrams import states, wiring
@@ -43,6 +46,7 @@ __all__ = [
     "stand",
     "states",
     "svg",
+    "thermal",
     "trend",
     "wiring",
     "written",

@@ -6,6 +6,7 @@
     coefficients those of a result for other programs, by templates in exports
     thermal      those over temperature, likewise
     history      what a history says of a block, and its page in a browser
+    temperatures the sections of a report on a calibration over temperature
     certificate  what a Digital Calibration Certificate says of one
     pages        the template (report.html.j2, report.css) filled in, numbered, and turned into PDF
 

@@ -10,9 +10,9 @@ from tumble.comparison import report
 from tumble.documents.comparison import Comparison
 from tumble.documents.history import Due, Trend
 from tumble.errors import UsageError, needing, quoted
-from tumble.report import history, pages, sections
+from tumble.report import history, pages, sections, temperatures
 from tumble.report.pages import number_of, require_number
-from tumble.report.source import MISSING, Fixed, Source, Table, line, readable
+from tumble.report.source import MISSING, DocumentSource, Fixed, Source, Table, line, readable
 from tumble.solving.result import schedule_of
 
 
@@ -105,9 +105,46 @@ def made(
     drawn = {"figures": pictures(source, run), "since": section(changes, before, document)}
     drawn |= {"history": None if known is None else history.section(*known)}
     text = pages.html({**found, **drawn}, template)
-    if kind != PDF:
-        return text.encode("utf-8", "replace")
-    return pages.pdf(text, template or name, attached, issued)
+    return _finished(text, kind, template or name, attached, issued)
+
+
+def made_over_temperature(
+    document: dict[str, Any],
+    name: str,
+    kind: str = HTML,
+    *,
+    template: str | None = None,
+    logo: str | None = None,
+    number: str | None = None,
+    issued: str | None = None,
+    attached: str = "",
+) -> bytes:
+    """A report on `document`, schema tumble.thermal/1; the rest as `made` has it."""
+    told = number_of(document) if number is None else require_number(number)
+    require_installed(kind)
+    source = temperatures.ThermalSource(document, name)
+    found = {
+        **_common(source, told, None if logo is None else pages.logo(logo), issued),
+        **{one.__name__: one(source) for one in _OVER_TEMPERATURE},
+        "figures": _over_temperature(source),
+        "unseen": sections.unseen(source),
+        **dict.fromkeys(("simulated", "since", "history"), None),
+    }
+    text = pages.html(found, template, pages.THERMAL)
+    return _finished(text, kind, template or name, attached, issued)
+
+
+def _finished(text: str, kind: str, name: str, attached: str, issued: str | None) -> bytes:
+    return pages.pdf(text, name, attached, issued) if kind == PDF else text.encode("utf-8", "replace")
+
+
+def _over_temperature(source: temperatures.ThermalSource) -> list[dict[str, Any]]:
+    from markupsafe import Markup
+
+    from tumble.pictures import svg, thermal
+
+    drawn = thermal.figures(source.solved).items()
+    return [{"name": name, "svg": Markup(svg(one)), "caption": thermal.CAPTIONS[name]} for name, one in drawn]
 
 
 def pictures(source: Source, run: Any) -> list[dict[str, Any]]:
@@ -141,33 +178,23 @@ def _mountings(source: Source) -> list[tuple[str, str, str]]:
 
 _OF_THE_SOURCE: tuple[Callable[[Source], Any], ...] = (  # what a template has under the names of these
     *(sections.verdict, sections.findings, sections.rule, sections.positions, sections.about_positions),
-    *(sections.explanations, sections.unseen, sections.assumptions, sections.method, sections.environment),
-    *(sections.declared, sections.seen, sections.further, sections.worst_norm, sections.item),
+    *(sections.explanations, sections.unseen, sections.method, sections.environment),
+    *(sections.declared, sections.seen, sections.further, sections.worst_norm),
+)
+_OVER_TEMPERATURE: tuple[Callable[[temperatures.ThermalSource], Any], ...] = (
+    *(temperatures.verdict, temperatures.findings, temperatures.rule, temperatures.method, temperatures.declared),
+    *(temperatures.about_values, temperatures.coefficients, temperatures.powers, temperatures.runs),
+    *(temperatures.worst_norm, temperatures.data),
 )
 
 
 def context(source: Source, number: str, logo: str | None, issued: str | None = None) -> dict[str, Any]:
     """What a template may say, but for `figures`, `since` and `history`. docs/files.md lists it."""
-    from markupsafe import Markup
-
     given = sections.uncertainties(source)
-    date = MISSING if issued is None else Fixed(issued)
     return {
-        "number": number,
-        "logo": logo,
-        "style": Markup(pages.own(pages.STYLE).replace("NUMBER", pages.css_string(number))),
-        "created": source.at("created") or "",
-        "document": source.document,
+        **_common(source, number, logo, issued),
         **{one.__name__: one(source) for one in _OF_THE_SOURCE},
         "simulated": line("seed ", source.told("seed")) if "seed" in source.document else None,
-        "warnings": None if source.at("warnings") is None else source.each("warnings"),
-        "parties": sections.facts(source, sections.PARTIES),
-        "issued": date,
-        "dates": sections.dates(source, date),
-        "issue": sections.issue(source, date),
-        "labels": sections.further_labels(source),
-        "traceability": sections.facts(source, sections.TRACEABILITY),
-        "deviations": sections.facts(source, sections.DEVIATIONS),
         "uncertainties": given.about,
         "coefficients": sections.coefficients(source, given),
         "in_si": bool(source.table("si")),
@@ -177,4 +204,28 @@ def context(source: Source, number: str, logo: str | None, issued: str | None = 
             (Fixed("Run file"), source.told("run_file")),
             (Fixed("SHA-256 of the run file"), source.told("run_sha256")),
         ],
+    }
+
+
+def _common(source: DocumentSource, number: str, logo: str | None, issued: str | None) -> dict[str, Any]:
+    """What is the same of a result and of a calibration over temperature."""
+    from markupsafe import Markup
+
+    date = MISSING if issued is None else Fixed(issued)
+    return {
+        "number": number,
+        "logo": logo,
+        "style": Markup(pages.own(pages.STYLE).replace("NUMBER", pages.css_string(number))),
+        "created": source.at("created") or "",
+        "document": source.document,
+        "warnings": None if source.at("warnings") is None else source.each("warnings"),
+        "assumptions": sections.assumptions(source),
+        "item": sections.item(source),
+        "parties": sections.facts(source, sections.PARTIES),
+        "issued": date,
+        "dates": sections.dates(source, date),
+        "issue": sections.issue(source, date),
+        "labels": sections.further_labels(source),
+        "traceability": sections.facts(source, sections.TRACEABILITY),
+        "deviations": sections.facts(source, sections.DEVIATIONS),
     }

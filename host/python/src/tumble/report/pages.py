@@ -102,12 +102,14 @@ def _drawn(root: Any) -> int:
 
 
 TEMPLATE = "report.html.j2"
+THERMAL = "thermal.html.j2"  # extends that of a result, and stands in its place
 TABLES = "tables.html.j2"
 SINCE = "since.html.j2"
 HISTORY = "history.html.j2"
 HISTORY_PAGE = "history_page.html.j2"
 STYLE = "report.css"
 _OWN = "tumble"  # folder of the templates of this room
+_OF_A_RESULT = "result.html.j2"  # what THERMAL extends
 _GIVEN = "\0"  # the user's template: whatever its file is called, it hides none of ours, and nothing extends it
 EXTRA = "report"
 _PANGO = "libpango-1.0-0 libpangoft2-1.0-0 libharfbuzz-subset0 fonts-dejavu-core"  # as Debian calls it, and a font
@@ -123,18 +125,18 @@ def own(name: str) -> str:
     return files("tumble.report").joinpath(name).read_text(encoding="utf-8")
 
 
-def html(context: dict[str, Any], template: str | None) -> str:
+def html(context: dict[str, Any], template: str | None, built_in: str = TEMPLATE) -> str:
     """`template`: a file of the user's own, which may extend report.html.j2, also called tumble/report.html.j2;
-    None: that one. Raises BadInput for one that cannot be used."""
+    None: that one. `built_in`: what has this name, TEMPLATE or THERMAL. Raises BadInput for one that cannot be used."""
     from jinja2 import TemplateSyntaxError
 
     if template is None:
-        return filled(TEMPLATE, context)
+        return filled(TEMPLATE, context, built_in)
     try:
         given = read_bytes(template).decode("utf-8-sig")
     except UnicodeDecodeError:
         raise BadInput("not a template: no text in UTF-8", template) from None
-    environment = _environment({_GIVEN: (given, template, None)})
+    environment = _environment(built_in, {_GIVEN: (given, template, None)})
     try:
         text: str = environment.get_template(_GIVEN).render(context)
         return text
@@ -145,19 +147,22 @@ def html(context: dict[str, Any], template: str | None) -> str:
         raise BadInput(said, template, _line_of(error, template)) from None
 
 
-def filled(name: str, context: dict[str, Any]) -> str:
+def filled(name: str, context: dict[str, Any], built_in: str = TEMPLATE) -> str:
     """One of our own templates with what it says."""
-    text: str = _environment({}).get_template(name).render(context)
+    text: str = _environment(built_in, {}).get_template(name).render(context)
     return text
 
 
-def _environment(more: dict[str, Any]) -> Any:
+def _environment(built_in: str, more: dict[str, Any]) -> Any:
     from jinja2 import FunctionLoader, StrictUndefined
     from jinja2.sandbox import SandboxedEnvironment
 
     named = (TEMPLATE, TABLES, SINCE, HISTORY, HISTORY_PAGE)
     texts = {name: (own(name), f"{_OWN}/{name}", None) for name in named}
     texts |= {f"{_OWN}/{name}": texts[name] for name in named} | more
+    if built_in != TEMPLATE:
+        texts[_OF_A_RESULT] = texts[TEMPLATE]
+        texts[TEMPLATE] = texts[f"{_OWN}/{TEMPLATE}"] = own(built_in), f"{_OWN}/{built_in}", None
     environment = SandboxedEnvironment(
         loader=FunctionLoader(texts.get),
         autoescape=True,

@@ -25,6 +25,7 @@ from tumble.report.source import (
     NO_UNCERTAINTY,
     NU,
     STANDARD_GRAVITY,
+    DocumentSource,
     Factor,
     Facts,
     Fixed,
@@ -86,7 +87,7 @@ _NUMBERS = {  # which the section on the method has
 }
 
 
-def facts(source: Source, names: Names, tables: tuple[str, ...] = TABLES) -> Facts:
+def facts(source: DocumentSource, names: Names, tables: tuple[str, ...] = TABLES) -> Facts:
     """What labels tell, by what a report calls them."""
     return [
         (Fixed(name), _listed([source.told(*path) for path in _labels(source, keys, tables)]))
@@ -94,7 +95,7 @@ def facts(source: Source, names: Names, tables: tuple[str, ...] = TABLES) -> Fac
     ]
 
 
-def item(source: Source) -> Facts:
+def item(source: DocumentSource) -> Facts:
     """What was calibrated, its condition. The serial number is that of [block], and what the labels say beside it."""
     serial, labelled = source.at("serial"), _labels(source, ITEM[_SERIAL], OF_THE_ITEM)
     others = [source.told(*path) for path in labelled if source.at(*path) != serial]
@@ -102,20 +103,20 @@ def item(source: Source) -> Facts:
     return [(name, both if name == Fixed(_SERIAL) else said) for name, said in facts(source, ITEM, OF_THE_ITEM)]
 
 
-def dates(source: Source, issued: Inline) -> Facts:
+def dates(source: DocumentSource, issued: Inline) -> Facts:
     """Of the run, of its result, of the report."""
     computed = (Fixed("Result computed (UTC)"), source.told("created"))
     return [*facts(source, DATES), computed, (Fixed(ISSUED), issued)]
 
 
-def issue(source: Source, issued: Inline) -> Facts:
+def issue(source: DocumentSource, issued: Inline) -> Facts:
     """What stands above the place to sign; who authorises may as well sign alone."""
     by = _labels(source, PARTIES[AUTHORISED], TABLES)
     authorised = [(Fixed(AUTHORISED), _listed([source.told(*path) for path in by]))] if by else []
     return [(Fixed(ISSUED), issued), *authorised]
 
 
-def further_labels(source: Source) -> Facts:
+def further_labels(source: DocumentSource) -> Facts:
     """Those of no other section, by their own names."""
     sections = [(names, TABLES) for names in (PARTIES, DATES, TRACEABILITY, DEVIATIONS, _IN_THE_HEAD)]
     sections.append((ITEM, OF_THE_ITEM))
@@ -128,7 +129,7 @@ def further_labels(source: Source) -> Facts:
     ]
 
 
-def _labels(source: Source, keys: tuple[str, ...], tables: tuple[str, ...]) -> list[tuple[str, str]]:
+def _labels(source: DocumentSource, keys: tuple[str, ...], tables: tuple[str, ...]) -> list[tuple[str, str]]:
     """Where labels of these names are, by table and key: the first name first, and of each [item] first."""
     return [
         (table, key) for wanted in keys for table in tables for key in source.table(table) if plain_key(key) == wanted
@@ -177,16 +178,20 @@ def method(source: Source) -> Facts:
     ]
 
 
-def environment(source: Source) -> Facts:
+def environment(source: DocumentSource) -> Facts:
     """Where and at what temperature."""
     low, high = source.told("temperature", "min_c"), source.told("temperature", "max_c")
     who = {"run_file": " (measured in the run)", "environment": " (as the stand file states)"}
     same = source.decimal("temperature", "min_c") == source.decimal("temperature", "max_c")
     span = low if same else line(low, " to ", high)
     temperature = line(span, " °C", who.get(str(source.at("temperature", "source")), ""))
+    return [(Fixed("Temperature of the run"), MISSING if low is MISSING else temperature), *conditions(source)]
+
+
+def conditions(source: DocumentSource) -> Facts:
+    """Where, but for the temperature."""
     gravity, u = source.told("environment", "gravity_m_s2"), source.told("environment", "u_gravity_m_s2")
     return [
-        (Fixed("Temperature of the run"), MISSING if low is MISSING else temperature),
         (Fixed("Pressure"), _with_unit(source.told("environment", "pressure_hpa"), "hPa")),
         (Fixed("Relative humidity"), _with_unit(source.told("environment", "humidity_percent"), "%")),
         (Fixed("Local gravity, g"), _with_unit(gravity, "m/s²")),
@@ -196,10 +201,15 @@ def environment(source: Source) -> Facts:
 
 def declared(source: Source) -> tuple[Inline, Table] | None:
     """The stand as it is declared: what its numbers are, and these; None without one."""
+    schedule = schedule_of(source.solved, source.name) if source.table("stand") else None
+    return declared_stand(source, schedule is not None and schedule.data.is_laid_by_hand)
+
+
+def declared_stand(source: DocumentSource, by_hand: bool) -> tuple[Inline, Table] | None:
+    """The same; `by_hand`: the block was laid by hand, without a rotary stand."""
     if not source.table("stand"):
         return None
-    kind, schedule = str(source.at("stand", "limits")), schedule_of(source.solved, source.name)
-    by_hand = schedule is not None and schedule.data.is_laid_by_hand
+    kind = str(source.at("stand", "limits"))
     about = line("Stand: ", source.told("stand", "name"), ". Its file declares ", _MEANING.get(kind, kind), ".")
     rows = []
     for one in SOURCES.values():  # what is not declared is 0 and left out, unless every rotary stand has it
@@ -245,7 +255,7 @@ def _with_unit(said: Inline, unit: str) -> Inline:
     return said if said is MISSING else line(said, f" {unit}")
 
 
-def _unit(source: Source, key: str) -> str:
+def _unit(source: DocumentSource, key: str) -> str:
     """Of an error of a stand, by the end of its key."""
     return "rad" if key.endswith("_rad") else noise_unit(str(source.at("unit")))
 
@@ -565,7 +575,7 @@ def gravity(source: Source) -> Inline:
     return line("mm/s² are by the local gravity, ", local, " m/s².")
 
 
-def assumptions(source: Source) -> Facts:
+def assumptions(source: DocumentSource) -> Facts:
     """What the result rests on that nobody tested, and the coefficients that do."""
     rows: Facts = []
     for i, name in enumerate(source.array("assumes")):
@@ -598,7 +608,7 @@ def explanations(source: Source) -> Table | None:
     return Table(("The run shows", "Size", "u (k = 1)", "Unit", "p"), rows, left=(3,)) if rows else None
 
 
-def unseen(source: Source) -> tuple[Table, Inline, Inline] | None:
+def unseen(source: DocumentSource) -> tuple[Table, Inline, Inline] | None:
     """What the run could not have shown: the sizes that cost most, the names of what shows at no size, and whether the
     largest error is beyond the limit. None where nothing is told of it: without a stand, and in older results."""
     rows: list[tuple[Inline, ...]] = []
@@ -619,9 +629,10 @@ def unseen(source: Source) -> tuple[Table, Inline, Inline] | None:
     return Table(columns, rows[:_MOST_UNSEEN], left=(2,)), names, _largest_unseen(source, rows)
 
 
-def _largest_unseen(source: Source, rows: list[tuple[Inline, ...]]) -> Inline:
+def _largest_unseen(source: DocumentSource, rows: list[tuple[Inline, ...]]) -> Inline:
     """Of `rows` as `unseen` has them."""
     error, limit = source.decimal("reliability_norm_g"), source.decimal("verification", "limit_g")
+    limit = source.decimal("decision", "limit_g") if limit is None else limit
     if not rows or error is None or limit is None:
         return Fixed("No such error has a known size.")
     name, size, unit, in_micro = rows[0]

@@ -261,13 +261,12 @@ STANDARD_GRAVITY = Decimal("9.80665")  # m/s^2 (CGPM 1901); the local one differ
 _DIGITS_ALONE = 7  # of a value whose uncertainty is not known
 
 
-class Source:
-    """A document, and the same by its types, `solved`. `name`: what errors call it. Raises BadInput."""
+class DocumentSource:
+    """A document. `name`: what errors call it."""
 
     def __init__(self, document: dict[str, Any], name: str):
         self.document = document
         self.name = name
-        self.solved = checked(Result, RESULT, document, name)
 
     def at(self, *path: Key) -> Any:
         """What is there, of whatever kind; None where nothing is."""
@@ -354,6 +353,14 @@ class Source:
                 return None
             found = product(found, factor)
         return found
+
+
+class Source(DocumentSource):
+    """A result's document, and the same by its types, `solved`. Raises BadInput."""
+
+    def __init__(self, document: dict[str, Any], name: str):
+        super().__init__(document, name)
+        self.solved = checked(Result, RESULT, document, name)
 
 
 def _named(times: tuple[Factor, ...]) -> tuple[str, ...]:

@@ -14,11 +14,12 @@ import numpy as np
 
 from tumble.arrays import Floats
 from tumble.documents.result import WorstNorm
+from tumble.documents.thermal import Thermal
 from tumble.errors import BadInput, UsageError
 from tumble.model.coefficients import spread_attitudes, worst_norm
 from tumble.model.errors import NOISE, Draws, free, of_stand, sources
 from tumble.model.reliability import Reliability
-from tumble.model.thermal import NotShown, ThermalFit, ThermalRun, fit
+from tumble.model.thermal import NotShown, ThermalFit, ThermalRun, TooAlike, fit
 from tumble.model.thermal_reliability import reliability
 from tumble.solving.decision import FIT, GRAVITY, UNCERTAINTY, Decision, assumed, is_shown
 from tumble.solving.solution import Solution
@@ -126,6 +127,24 @@ class ThermalSolution:
         return max(found)
 
 
+def decision_of(told: Thermal) -> Decision:
+    """As a document tells it."""
+    return Decision(
+        tuple((told.pass_reason or "").split(" and ")) if told.pass_reason else (),
+        told.assumes,
+        sum(one.positions for one in told.runs),
+        told.decision.limit_g,
+        told.decision.coverage_factor,
+        told.decision.u_norm_worst_g,
+    )
+
+
+def verdict_of(told: Thermal) -> tuple[str, str]:
+    """Its word, and what stands behind it: the range, and why or under which assumptions."""
+    decision, (low, high) = decision_of(told), told.range_c
+    return decision.word, f" from {low:.3g} to {high:.3g} deg C{decision.reason}"
+
+
 def solve_together(runs: Sequence[Measured], degree: int, kept: Collection[str], confidence: float) -> ThermalSolution:
     """Of runs that were solved alone, by one stand and in one unit; T0 is the middle of the range, in whole degrees.
     Raises BadInput, UsageError."""
@@ -142,8 +161,9 @@ def solve_together(runs: Sequence[Measured], degree: int, kept: Collection[str],
     try:
         found = fit(prepared, degree, float(np.round((low + high) / 2.0)), kept)
     except NotShown as error:
-        needed = f"{degree + 1} distinct temperatures or more are needed"
-        raise UsageError(f"--temperature: {error}; {needed}, these are {low:.4g} to {high:.4g} deg C") from None
+        span = f"{low:.4g} to {high:.4g} deg C"
+        needed = f"; {degree + 1} distinct temperatures or more are needed, these are {span}"
+        raise UsageError(f"--temperature: {error}{needed if isinstance(error, TooAlike) else ''}") from None
     return ThermalSolution(tuple(runs), found, tuple(kept), confidence)
 
 

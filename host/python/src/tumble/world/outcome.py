@@ -202,4 +202,5 @@ def _truth(simulated: bench.Truth) -> Truth:
         name: tuple(value) if isinstance(value, list) else value for name, value in bench.written(simulated).items()
     }
     declared = {name: told[name] if any(told[name]) else UNSET for name in ("encoder_rad", "drift_v")}
+    declared["over_temperature"] = simulated.over_temperature
     return Truth(**{**told, **declared, "K": np.array(told["K"]), "U0": np.array(told["U0"])})

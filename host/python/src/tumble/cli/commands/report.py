@@ -18,7 +18,9 @@ def describe(parser: argparse.ArgumentParser) -> None:
     parser.epilog = (
         "Exit codes: 0 done, also of a result that failed; 2 bad input; 77 a package is missing; 130 interrupted."
     )
-    parser.add_argument("result", metavar="RESULT.json", help="a result of tumble solve or tumble bench")
+    parser.add_argument(
+        "result", metavar="RESULT.json", help="a result of tumble solve, also over temperature, or of tumble bench"
+    )
     parser.add_argument(
         "--out", metavar="FILE.html|.pdf", help="default: HTML on standard output, unless that is a terminal"
     )
@@ -47,6 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     from tumble.api.recording import recording_of
     from tumble.api.result import load
+    from tumble.api.thermal import is_thermal, load_thermal
     from tumble.files.disk import refuse_overwriting, write_bytes
     from tumble.files.run_layout import COLUMNS
 
@@ -56,13 +59,21 @@ def run(arguments: argparse.Namespace) -> int:
     layout = options.layout_options(arguments, COLUMNS)
     inputs = arguments.result, arguments.run, arguments.template, arguments.logo, arguments.since, arguments.history
     refuse_overwriting(arguments.out, *inputs)
-    result = load(arguments.result)
-    require_installed(kind)
-    recorded = None
-    if arguments.run is not None:
-        recorded = recording_of(arguments.run, layout if layout.unit else replace(layout, unit=result.unit))
-    given = {name: getattr(arguments, name) for name in ("template", "logo", "number", "since", "history", "issued")}
-    text = result.reported(kind, recorded, **given)
+    given = {name: getattr(arguments, name) for name in ("template", "logo", "number", "issued")}
+    if is_thermal(arguments.result):
+        for name in ("run", "since", "history"):
+            if getattr(arguments, name) is not None:
+                raise UsageError(f"--{name} is for a result of one run, not for one over temperature")
+        warm = load_thermal(arguments.result)
+        require_installed(kind)
+        text = warm.reported(kind, **given)
+    else:
+        result = load(arguments.result)
+        require_installed(kind)
+        recorded = None
+        if arguments.run is not None:
+            recorded = recording_of(arguments.run, layout if layout.unit else replace(layout, unit=result.unit))
+        text = result.reported(kind, recorded, since=arguments.since, history=arguments.history, **given)
     if arguments.out is None:
         sys.stdout.buffer.write(text)
         sys.stdout.buffer.flush()
