@@ -64,7 +64,7 @@ ASSUMPTIONS: Mapping[str, Assumption] = {
         "|a| does not show how x, y, z are turned against its seat: K_xy, K_xz, K_yz are 0 by convention",
     ),
     "linear": Assumption("linearity", "the positions do not show all higher orders of the block", "^"),
-    "order": Assumption("nothing exchanged or reversed", "no [block] says that its axes are such"),
+    "order": Assumption("nothing exchanged or reversed (it looks so)", "no [block] says that its axes are such"),
     "incline": Assumption(
         "the stated direction of inclination", "no [block] says the sign of the scale that an exchange turns"
     ),
