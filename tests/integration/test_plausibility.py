@@ -218,14 +218,22 @@ def test_without_a_stand_the_command_warns(tumble, tmp_path):
     verdict = done.stdout.partition("\n\n")[0]
     assert " nothing exchanged or reversed (it looks so), " in " ".join(verdict.split())
     assert max(map(len, verdict.splitlines())) <= 80
-    relative = {
-        row.split()[0].rstrip("*^"): row.split()[-1] for row in done.stdout.splitlines() if row[:2] in ("K_", "U0")
-    }
-    assert {name for name, last in relative.items() if last == "-"} == {
-        *(f"K_{row}{column}" for row in "yz" for column in "xyz"),
-        "U0_y",
-        "U0_z",
-    }  # K_yy is no scale of uy: u over it was 8e+05 ppm
+
+
+def test_a_channel_along_another_axis_has_no_relative_uncertainty(tumble, tmp_path):
+    """K_yy is no scale of uy then: u over it was 8e+05 ppm."""
+    schedule, rng = built_in("paper"), np.random.default_rng(1)
+    means = Geometry(schedule).outputs(2.0 * AXES + 0.01, [0.1, 0.2, 0.3])[:, [0, 2, 1]]
+    rows = [
+        f"{place.mounting},{place.number}," + ",".join(f"{one:.7f}" for one in mean + 1e-4 * rng.normal(size=3))
+        for place, mean in zip(schedule.positions, means)
+        for _ in range(20)
+    ]
+    (tmp_path / "run.csv").write_text("\n".join(["mounting,position,ux,uy,uz", *rows, ""]))
+    done = tumble("solve", tmp_path / "run.csv")
+    last = {row.split()[0].rstrip("*^"): row.split()[-1] for row in done.stdout.splitlines() if row[:2] in ("K_", "U0")}
+    without = {f"K_{row}{column}" for row in "yz" for column in "xyz"} | {"U0_y", "U0_z"}
+    assert len(last) == 12 and {name for name, text in last.items() if text == "-"} == without
 
 
 ODD = {
