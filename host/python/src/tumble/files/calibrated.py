@@ -54,7 +54,8 @@ _ROWS = 1 << 16  # of Parquet
 _STEADY_ROWS, _STEADY = 20, 0.02  # rows of which the length scatters by no larger part of itself
 _FEWEST_RESTS, _MOST_RESTS = 3, 100_000
 _ALIKE = 0.1  # part by which most rests may differ
-_FAR_FROM_1_G = 1.25  # factor
+_FAR_FROM_1_G, _NEVER_1_G = 1.25, 2.0  # factors
+_NEARLY_ALL = 0.95
 
 Calibrate = Callable[[Floats], Floats]
 CalibrateAtTemperature = Callable[[Floats, Floats], Floats]
@@ -123,13 +124,28 @@ class Seen:
         """That rests are not of 1 g: outputs in another unit? None where units are told, or nothing says so."""
         usual = float(np.median(self.rests_g)) if len(self.rests_g) >= _FEWEST_RESTS else 1.0
         alike = sum(abs(one - usual) < _ALIKE * usual for one in self.rests_g)
-        if (self.unit_told and demand.unit_told) or usual == 0.0 or 2 * alike < len(self.rests_g):
+        if (self.unit_told and demand.unit_told) or usual == 0.0:
             return None
-        if 1.0 / _FAR_FROM_1_G < usual < _FAR_FROM_1_G:
+        if 1.0 / _FAR_FROM_1_G < usual < _FAR_FROM_1_G or (2 * alike < len(self.rests_g) and not self._never_1_g):
             return None
         other = looks_as_applied(usual, demand.unit)
         seen = f"outputs look to be in {other or 'another unit'}, the result is for {demand.unit}"
         return f"at rest the acceleration comes out as {usual:.3g} g: {seen}"
+
+    def refusal(self, demand: Demand) -> str | None:
+        """The same where nearly no rest may be one of 1 g, and what to do if all is right; else None."""
+        doubt = self.doubt(demand) if self._never_1_g else None
+        if doubt is None:
+            return None
+        remedy = (
+            f"name the unit in the header, as ux [{demand.unit}]" if demand.unit_told else "solve again with --unit"
+        )
+        return f"{doubt}; if it is right, {remedy}"
+
+    @property
+    def _never_1_g(self) -> bool:
+        far = sum(not 1.0 / _NEVER_1_G < one < _NEVER_1_G for one in self.rests_g)
+        return far >= _NEARLY_ALL * len(self.rests_g)
 
 
 def factor_of(told: str | None, unit: str, name: str) -> float:

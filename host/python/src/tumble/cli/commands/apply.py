@@ -195,8 +195,11 @@ def _calibrate(
 
 
 def _tell_of_doubts(seen: Seen, known_c: Temperature | None, demand: Demand, file: str) -> None:
+    """Raises BadInput where nearly no rest comes out as one of 1 g."""
     from tumble.api.result import warnings_of
 
+    if (refusal := seen.refusal(demand)) is not None:
+        raise BadInput(refusal, file)
     if not seen.unit_told:
         taken = f"{demand.unit}, as in the result{'' if demand.unit_told else ', whose run names none either'}"
         tell(f"tumble: notice: {file_name(file)}: no unit in its header (as ux [V]): outputs taken for {taken}")
