@@ -236,6 +236,22 @@ def run_of_csv(tmp_path_factory):
     return rows_of(folder / "run.csv")
 
 
+@pytest.mark.parametrize("name", ["a.ulg", "a.bin"])
+def test_the_second_sensor_of_an_autopilot_says_which_parameters_are_its(name, tumble, tmp_path):
+    _, write, first, second = FORMATS[name]
+    write(tmp_path / name, {"one": recorded()[1], "two": others()})
+    for source, number in ((first, None), (second, 2)):
+        done = tumble(
+            "import", tmp_path / name, "--rows", f"source={source}", "--signs=---" if number else "--signs=+++"
+        )
+        told = " ".join((done.stdout + done.stderr).split())
+        assert f"source {source!r} of 2" in told
+        assert ("--accelerometer" in told) == (number is not None)
+        assert (
+            number is None or f"the autopilot's accelerometer {number}: export it with --accelerometer {number}" in told
+        )
+
+
 @pytest.mark.parametrize("name", FORMATS)
 def test_apply_takes_the_same_outputs(name, tumble, tmp_path):
     """They become CSV, beside every other column."""

@@ -33,6 +33,7 @@ _WITH_VALUES = (
     (re.compile(r"--(dbc) FILE.dbc"), r"\1="),
     (re.compile(r"--(stand) FILE"), r"\1="),
     (re.compile(r"--(resume)(?![\w-])"), r"\1=True"),
+    (re.compile(r"--(accelerometer) (\d+)"), r"\1=\2"),
     (re.compile(rf"--({_NAMES}):"), r"\1:"),
     (re.compile(rf"--({_NAMES})(?![\w-])"), r"\1="),
 )

@@ -363,6 +363,7 @@ _KINDS: dict[str, tuple[bytes, str, Callable[[str], Iterator[Source]]]] = {  # h
 _OF_SUFFIX = {".parquet": "Parquet", ".pq": "Parquet", ".npz": "NPZ", ".mat": "MAT"}  # where the beginning is no sign
 
 
+OF_AUTOPILOTS = ("ULog", "DataFlash")  # whose sources end in the number of the instance, from 0
 CAUTIONS = {
     "DataFlash": "ArduPilot logs IMU after its own calibration: record with INS_ACC*OFFS 0, INS_ACC*SCAL 1 and"
     " INS_TCAL*_ENABLE 0"

@@ -12,6 +12,7 @@ import itertools
 import os
 import re
 import zlib
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
@@ -145,6 +146,9 @@ def _read_container(
     which = f": source {quoted(table.source)}" if table.source else ""
     among = f" of {len(tables)}" if len(tables) > 1 else ""
     notes = [f"{kind}{which}{among}", *filter(None, [containers.CAUTIONS.get(kind)])]
+    if kind in containers.OF_AUTOPILOTS and (instance := re.search(r"_([1-9])$", table.source)):
+        number = int(instance[1]) + 1
+        notes.append(f"the autopilot's accelerometer {number}: export it with --accelerometer {number}")
     return replace(own, data=data, notes=(*notes, *own.notes))
 
 
@@ -162,7 +166,7 @@ def _read_table(
         raise refused.advising(*_named_columns(data, refused.row, options)) from None
     names = list(layout.names)
     columns = _optional_columns(names, options, file, layout.header_row)
-    notes = run_layout.about_header(data, layout, options)
+    notes = run_layout.about_header(data, layout, options) + _other_sensors(names, layout.indices)
     layout, units, unit_note = run_layout.below_units(data, layout, options, file)
     notes += unit_note
     if layout.decimal == ",":
@@ -274,6 +278,18 @@ def _named_columns(data: bytes, row: int | None, options: run_layout.LayoutOptio
         told = ",".join(f"{one}={name}" for one, name in zip(wanted, way))
         found.append(Remedy({"columns": told}, f"the outputs are {listed(way)}"))
     return found
+
+
+def _other_sensors(names: list[str], outputs: Sequence[int]) -> list[str]:
+    """That columns named as the outputs are but for a number, as ax2 beside ax, may be those of another sensor."""
+    plain = [run_layout.unit_in(name)[0] for name in names]
+    stems = [re.sub(r"\d", "", name) for name in plain]
+    alike = [[plain[k] for k in range(len(names)) if k not in outputs and stems[k] == stems[own]] for own in outputs]
+    told = [",".join(f"{one}={name}" for one, name in zip(OUTPUTS, axes)) for axes in zip(*alike)]
+    is_sensor = (
+        len(set(map(len, alike))) == 1 and all(stems[own] for own in outputs) and not any("," in n for n in plain)
+    )
+    return [f"another sensor? --columns {one}" for one in told] if is_sensor else []
 
 
 def _about_columns(told: dict[str, str], unit: str, unit_told: bool) -> list[str]:
