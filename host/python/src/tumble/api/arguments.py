@@ -20,7 +20,10 @@ from tumble.files.run_layout import COLUMNS, DECIMALS, TEMPERATURE, LayoutOption
 from tumble.schedule import BUILT_IN
 from tumble.units import is_unit, spelled
 
-_NAMES = "accelerometer|at|columns|dbc|decimal|delimiter|estimator|logo|model|number|run|schedule|stand|temperature|template|unit"
+_NAMES = (
+    "accelerometer|at|columns|dbc|decimal|delimiter|estimator|logo|"
+    "model|number|run|schedule|stand|temperature|template|unit"
+)
 _COLUMNS = re.compile(r"--columns (\w+=(?!:)[^\s,;)]+(?:,\w+=[^\s,;)]+)*)")
 _OPTION = re.compile(r"--(?=[a-z])")
 _WITH_VALUES = (
