@@ -199,6 +199,7 @@ def test_sources_that_are_none(result):
     ("--model k2,k3: not told apart", 'model="k2,k3": not told apart'),
     ("--model: 'k4' is not one of", "model: 'k4' is not one of"),
     ("is a schedule file (--schedule)", "is a schedule file (schedule=)"),
+    ("export it with --accelerometer 2", "export it with accelerometer=2"),
     ("--monte-carlo and --units stay", "--monte-carlo and --units stay"),
 ])  # fmt: skip
 def test_options_become_arguments(told, expected):

@@ -71,17 +71,36 @@ def written(path, unit, rows):
     (9.81, "9.81 g: outputs look to be in m/s^2, the result is for g"),
     (1000.0, "1e+03 g: outputs look to be in mg, the result is for g"),
     (5.16, "5.16 g: outputs look to be in another unit, the result is for g"),
-    (1.0, None),
+    (0.4, "0.4 g: outputs look to be in another unit, the result is for g"),
 ])  # fmt: skip
-def test_data_of_another_unit_that_nobody_names(times, seen, in_g, tmp_path, capsysbinary):
+def test_data_of_another_unit_that_nobody_names_is_refused(times, seen, in_g, tmp_path, capsysbinary):
+    in_g.save(tmp_path / "g.json")
+    data = written(tmp_path / "data.csv", "", outputs(in_g, times) - (times - 1.0) * in_g.U0)
+    for words in ((), ("--out", tmp_path / "out.csv")):
+        said = applied(capsysbinary, tmp_path / "g.json", data, *words, code=2)
+        line = f"at rest the acceleration comes out as {seen}; if it is right, name the unit in the header, as ux [g]"
+        assert (said.out, said.err.decode()) == (b"", f"tumble: {data}: {line}\n")
+    assert not (tmp_path / "out.csv").exists()
+
+
+def test_counts_with_an_offset_are_refused(in_g, tmp_path, capsysbinary):
+    """No two rests are alike then, but none of them is one of 1 g."""
+    in_g.save(tmp_path / "g.json")
+    rests = np.repeat(SLOWLY[::20], 20, axis=0)
+    data = written(tmp_path / "data.csv", "", 1638.4 * rests + [900.0, -1200.0, 300.0])
+    said = applied(capsysbinary, tmp_path / "g.json", data, code=2)
+    assert said.out == b"" and b"at rest the acceleration comes out as" in said.err
+
+
+@pytest.mark.parametrize("times, is_told", [(1.0, False), (0.7, True), (1.4, True)])
+def test_rests_not_far_from_1_g_are_written(times, is_told, in_g, tmp_path, capsysbinary):
+    """A poor calibration, or another unit? A warning."""
     in_g.save(tmp_path / "g.json")
     data = written(tmp_path / "data.csv", "", outputs(in_g, times) - (times - 1.0) * in_g.U0)
     told = applied(capsysbinary, tmp_path / "g.json", data).err.decode().splitlines()
     taken = "no unit in its header (as ux [V]): outputs taken for g, as in the result"
     assert told[0] == f"tumble: notice: {data}: {taken}"
-    assert [line for line in told if "at rest" in line] == (
-        [] if seen is None else [f"tumble: warning: {data}: at rest the acceleration comes out as {seen}"]
-    )
+    assert any("at rest the acceleration comes out as" in line for line in told) == is_told
 
 
 def test_a_unit_that_is_named_is_believed(in_g, tmp_path, capsysbinary):
@@ -95,8 +114,8 @@ def test_a_unit_that_is_named_is_believed(in_g, tmp_path, capsysbinary):
 def test_a_result_whose_run_named_no_unit(saved, tmp_path, capsysbinary):
     """Its unit is assumed, so what its data say of theirs proves nothing."""
     data = written(tmp_path / "data.csv", " [V]", outputs(tumble.load(saved), 1e3))
-    told = applied(capsysbinary, saved, data).err.decode()
-    assert "outputs look to be in mV, the result is for V" in told and "no unit in its header" not in told
+    told = applied(capsysbinary, saved, data, code=2).err.decode()
+    assert told.endswith("outputs look to be in mV, the result is for V; if it is right, solve again with --unit\n")
     data = written(tmp_path / "data.csv", "", outputs(tumble.load(saved), 1.0))
     assert "outputs taken for V, as in the result, whose run names none either" in (
         applied(capsysbinary, saved, data).err.decode()

@@ -63,14 +63,13 @@ def test_two_exact_names_are_refused():
 
 
 @pytest.mark.parametrize("suffix", ["npz", "mat", "NPZ"])
-def test_files_of_arrays_that_belong_elsewhere(paper, suffix, refused, tmp_path):
+def test_files_of_arrays_with_one_row(paper, suffix, refused, tmp_path):
     """They were called "not a text file"."""
     file = tmp_path / f"run.{suffix}"
     np.savez(open(file, "wb"), ux=[0.1], uy=[0.2], uz=[1.9])  # noqa: SIM115
     paper.save(tmp_path / "result.json")
-    said = refused("apply", tmp_path / "result.json", file)
-    assert said == f"tumble: {file}: apply takes CSV and Parquet; of arrays, Result.apply in Python (docs/client.md)\n"
-    assert refused("import", file) == f"tumble: {file}: NPZ without three columns of numbers, of one length\n"
+    for command in (("apply", tmp_path / "result.json"), ("import",)):
+        assert refused(*command, file) == f"tumble: {file}: NPZ without three columns of numbers, of one length\n"
 
 
 def test_a_recording_is_sent_to_import(refused):

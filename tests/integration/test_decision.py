@@ -88,9 +88,58 @@ def test_more_samples_and_a_third_mounting_are_said_where_they_help():
 
     question, told = remedies(2e-4, noise=3e-3)
     assert set(told) == {"samples", "mountings", "stand"} or set(told) == {"samples", "stand"}
-    assert question.reach_g(told["samples"].to / 50) <= 2e-4 < question.reach_g(0.97 * told["samples"].to / 50)
+    wanted_g = 0.9 * 2e-4  # as the next run is another
+    assert question.reach_g(told["samples"].to / 50) <= wanted_g < question.reach_g(0.97 * told["samples"].to / 50)
     question, told = remedies(3e-4, seat=2e-4)
     assert set(told) == {"mountings", "stand"} and told["mountings"].reach_g < 5e-5
+
+
+def of_faces(seed, samples, noise_g=2e-2):
+    """Faces that were laid as `hand_laid` has them, of a noisy sensor."""
+    schedule, rng = model.built_in("hand_laid"), np.random.default_rng(seed)
+    tilts = rng.normal(0, 3e-3, (2, 6))
+    force = model.Geometry(schedule).force(seat_h=tilts[0], seat_n=tilts[1]).repeat(samples, axis=0)
+    rows = np.repeat([[one.mounting, one.number] for one in schedule.positions], samples, axis=0)
+    outputs = force + rng.normal(0, noise_g, force.shape)
+    return package.solve(package.read(np.column_stack([rows, outputs]), unit="g"), schedule="hand_laid")
+
+
+def of_poses(seed, count, samples=50, noise_g=2e-3, limit_g=2.2e-3):
+    """Poses as hands find them: each the best of a few, far from those before."""
+    rng, found = np.random.default_rng(seed), []
+    while len(found) < count:
+        some = rng.normal(size=(6, 3))
+        some /= np.linalg.norm(some, axis=1, keepdims=True)
+        found.append(min(some, key=lambda one: max([one @ other for other in found], default=0.0)))
+    force = np.repeat(found, samples, axis=0)
+    rows = np.column_stack([np.ones(len(force)), np.arange(1, count + 1).repeat(samples)])
+    outputs = force + rng.normal(0, noise_g, force.shape)
+    run = package.read(np.column_stack([rows, outputs]), unit="g")
+    return package.solve(run, schedule="any_pose", limit_g=limit_g)
+
+
+def passes_when_followed(change, first, second, seeds):
+    """How often the advice to `change` something leads to PASS, of the runs that it is given to; how many those are."""
+    passed = advised = 0
+    for seed in seeds:
+        found = first(seed)
+        told = {one["change"]: one["to"] for one in found.document["would_show"] or ()}
+        if change in told:
+            advised += 1
+            passed += second(1000 + seed, told[change]).passed
+    return passed, advised
+
+
+def test_as_many_samples_as_are_advised_are_enough():
+    """It was a run in two that passed then."""
+    passed, advised = passes_when_followed("samples", lambda seed: of_faces(seed, 30), of_faces, range(12))
+    assert advised == 12 and passed >= 11
+
+
+def test_as_many_poses_as_are_advised_are_enough():
+    """Of poses that leave a direction out no number of samples is enough, and a better stand nobody has."""
+    passed, advised = passes_when_followed("poses", lambda seed: of_poses(seed, 12), of_poses, range(10))
+    assert advised >= 6 and passed >= advised - 1
 
 
 def test_rounding_is_averaged_away_by_no_samples():

@@ -221,6 +221,7 @@ FORMATS = {  # name of a file: how messages call the format, its writer, the sou
     "a.mcap": ("MCAP", write_mcap, "/one", "/two"),
 }
 FILES = [name for name in FORMATS if name != "folder"]
+FACES = ("mounting,position", *(f"{number},1" for number in (1, 3, 5, 2, 4, 6)))  # +x, +y, +z, -x, -y, -z
 TABLES = {"a.parquet": ("Parquet", write_parquet), "a.npz": ("NPZ", write_npz), "a.mat": ("MAT", write_mat)}
 
 
@@ -233,6 +234,42 @@ def run_of_csv(tmp_path_factory):
     write_csv(folder / "a.csv")
     assert main(["import", str(folder / "a.csv"), "--out", str(folder / "run.csv")]) == 0
     return rows_of(folder / "run.csv")
+
+
+@pytest.mark.parametrize("name", ["a.ulg", "a.bin"])
+def test_the_second_sensor_of_an_autopilot_says_which_parameters_are_its(name, tumble, tmp_path):
+    _, write, first, second = FORMATS[name]
+    write(tmp_path / name, {"one": recorded()[1], "two": others()})
+    for source, number in ((first, None), (second, 2)):
+        done = tumble(
+            "import", tmp_path / name, "--rows", f"source={source}", "--signs=---" if number else "--signs=+++"
+        )
+        told = " ".join((done.stdout + done.stderr).split())
+        assert f"source {source!r} of 2" in told
+        assert ("--accelerometer" in told) == (number is not None)
+        assert (
+            number is None or f"the autopilot's accelerometer {number}: export it with --accelerometer {number}" in told
+        )
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_apply_takes_the_same_outputs(name, tumble, tmp_path):
+    """They become CSV, beside every other column."""
+    from tumble.files.run_layout import LayoutOptions
+    from tumble.importing.recording import Timing, read
+
+    run, file = tmp_path / "faces.csv", tmp_path / name
+    np.savetxt(run, GRAVITY * np.vstack([np.eye(3), -np.eye(3)]), delimiter=",", header="ux,uy,uz", comments="")
+    run.write_text("\n".join(f"{row},{text}" for row, text in zip(FACES, run.read_text().splitlines())))
+    result = tmp_path / "result.json"
+    solved = tumble("solve", run, "--schedule", "hand_laid", "--unit", SI, "--out", result)
+    assert solved.returncode == 0, solved.stderr
+    FORMATS[name][1](file, {FORMATS[name][2].strip("/").split("_")[0]: recorded()[1]})
+    done = tumble("apply", result, file, "--out", tmp_path / "out.csv")
+    assert done.returncode == 0, done.stderr
+    found = np.genfromtxt(tmp_path / "out.csv", delimiter=",", skip_header=1)[:, -3:]
+    outputs = read(str(file), LayoutOptions(), Timing()).outputs
+    assert found == pytest.approx(outputs / GRAVITY, abs=1e-8)
 
 
 def rows_of(run):

@@ -216,7 +216,24 @@ def test_without_a_stand_the_command_warns(tumble, tmp_path):
     assert done.returncode == 0
     assert "tumble: warning: channel uy measures along z: K_yz = 2.01 V/g" in done.stderr
     verdict = done.stdout.partition("\n\n")[0]
-    assert " nothing exchanged or reversed, " in " ".join(verdict.split()) and max(map(len, verdict.splitlines())) <= 80
+    assert " nothing exchanged or reversed (it looks so), " in " ".join(verdict.split())
+    assert max(map(len, verdict.splitlines())) <= 80
+
+
+def test_a_channel_along_another_axis_has_no_relative_uncertainty(tumble, tmp_path):
+    """K_yy is no scale of uy then: u over it was 8e+05 ppm."""
+    schedule, rng = built_in("paper"), np.random.default_rng(1)
+    means = Geometry(schedule).outputs(2.0 * AXES + 0.01, [0.1, 0.2, 0.3])[:, [0, 2, 1]]
+    rows = [
+        f"{place.mounting},{place.number}," + ",".join(f"{one:.7f}" for one in mean + 1e-4 * rng.normal(size=3))
+        for place, mean in zip(schedule.positions, means)
+        for _ in range(20)
+    ]
+    (tmp_path / "run.csv").write_text("\n".join(["mounting,position,ux,uy,uz", *rows, ""]))
+    done = tumble("solve", tmp_path / "run.csv")
+    last = {row.split()[0].rstrip("*^"): row.split()[-1] for row in done.stdout.splitlines() if row[:2] in ("K_", "U0")}
+    without = {f"K_{row}{column}" for row in "yz" for column in "xyz"} | {"U0_y", "U0_z"}
+    assert len(last) == 12 and {name for name, text in last.items() if text == "-"} == without
 
 
 ODD = {

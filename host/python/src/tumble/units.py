@@ -29,7 +29,9 @@ _LOOKS_LIKE = {  # and what says so; sensors of 1 V/g are common, of 9.81 V/g th
     "g": "g, or volts of a sensor of 1 V/g: --unit g or V",
     "mg": "mg, or mV of a sensor of 1 V/g: --unit mg or mV",
 }
+ANOTHER_UNIT = "another unit (--unit)"
 _NO_VOLTS = 100.0  # per g, no sensor gives
+_ROUGHLY = 1.5  # a factor by which no scale of an accelerometer is off
 _NEAR = 1.05  # of that, a factor: closer than most sensors come by chance
 _VOLTS_PER_UNIT = {"V": 1.0, "mV": 1e-3, "uV": 1e-6, "µV": 1e-6, "kV": 1e3}
 _LEAST = 1e-3  # of an uncertainty without an exponent
@@ -72,10 +74,12 @@ def looks_like(per_g: float) -> str | None:
 
 
 def contradicts(per_g: float, unit: str) -> str | None:
-    """The unit of acceleration that outputs look to be in, where they are told to be in another `unit` of acceleration
-    and 1 g comes out as so much; None where nothing speaks against it."""
-    seen = _acceleration(per_g)
-    return seen if unit in _KNOWN_BESIDE_VOLTS and seen != unit else None
+    """The unit that outputs look to be in, as "m/s^2 (--unit m/s^2)", where they are told to be in another `unit` of
+    acceleration and 1 g comes out as so much; None where nothing speaks against it."""
+    if unit not in _KNOWN_BESIDE_VOLTS or _is_roughly(per_g, _KNOWN_BESIDE_VOLTS[unit]):
+        return None
+    seen = next((other for other, size in _KNOWN_BESIDE_VOLTS.items() if _is_roughly(per_g, size)), None)
+    return f"{seen} (--unit {seen})" if seen else ANOTHER_UNIT
 
 
 def looks_as_applied(length_g: float, unit: str) -> str | None:
@@ -85,6 +89,10 @@ def looks_as_applied(length_g: float, unit: str) -> str | None:
     if unit not in _VOLTS_PER_UNIT:
         sizes = {other: size / _PER_G[unit] for other, size in _PER_G.items()} if unit in _PER_G else {}
     return next((other for other, size in sizes.items() if size / _NEAR < length_g < size * _NEAR), None)
+
+
+def _is_roughly(per_g: float, size: float) -> bool:
+    return size / _ROUGHLY < per_g < size * _ROUGHLY
 
 
 def _acceleration(per_g: float) -> str | None:

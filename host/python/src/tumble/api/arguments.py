@@ -21,8 +21,8 @@ from tumble.schedule import BUILT_IN
 from tumble.units import is_unit, spelled
 
 _NAMES = (
-    "at|columns|dbc|decimal|delimiter|estimator|growth|logo|model|number|prior|run|schedule|stand|temperature|template"
-    "|unit"
+    "accelerometer|at|columns|dbc|decimal|delimiter|estimator|growth|logo|"
+    "model|number|prior|run|schedule|stand|temperature|template|unit"
 )
 _COLUMNS = re.compile(r"--columns (\w+=(?!:)[^\s,;)]+(?:,\w+=[^\s,;)]+)*)")
 _OPTION = re.compile(r"--(?=[a-z])")
@@ -37,6 +37,7 @@ _WITH_VALUES = (
     (re.compile(r"--(growth) SCALE,ANGLE,BIAS"), r"\1=(SCALE, ANGLE, BIAS)"),
     (re.compile(r"--(stand) FILE"), r"\1="),
     (re.compile(r"--(resume)(?![\w-])"), r"\1=True"),
+    (re.compile(r"--(accelerometer) (\d+)"), r"\1=\2"),
     (re.compile(rf"--({_NAMES}):"), r"\1:"),
     (re.compile(rf"--({_NAMES})(?![\w-])"), r"\1="),
 )

@@ -45,7 +45,7 @@ from tumble.solving.set_angles import corrected, unusable
 from tumble.solving.solution import Solution, solve as solve_run
 from tumble.stand import SetAngles, Stand, by_channel
 from tumble.terms import Terms, parse
-from tumble.units import contradicts, looks_like, noise_unit
+from tumble.units import ANOTHER_UNIT, contradicts, looks_like, noise_unit
 
 
 @dataclass(frozen=True)
@@ -378,13 +378,13 @@ def complaints(solution: Solution, odd: Sequence[str] = (), confirmed_unit: bool
     told: list[str] = []
     one_g, unit = plausibility.size_of(solution.found.k), solution.run.unit
     # That 1 g comes out as if in another unit: than the one of acceleration that is told, or than the volt that nobody
-    # tells. A declared block does not count here: it may have been declared in that other unit.
+    # tells. A declared block does not count where that unit is known: it may have been declared in it.
     if not solution.run.unit_told:
         told += [] if confirmed_unit else [NO_UNIT]
         if (seen := looks_like(one_g)) is not None:
             told.append(f"1 g gives {one_g:.4g}, and nobody names its unit: it looks like {seen}")
-    elif (other := contradicts(one_g, unit)) is not None:
-        told.append(f"1 g gives {one_g:.4g} {unit}: outputs look to be in {other} (--unit {other})")
+    elif (other := contradicts(one_g, unit)) is not None and (other != ANOTHER_UNIT or not confirmed_unit):
+        told.append(f"1 g gives {one_g:.4g} {unit}: outputs look to be in {other}")
     told += odd
     if (span := plausibility.spanned(solution.run)) is not None:
         told.append(span)

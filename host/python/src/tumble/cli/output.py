@@ -167,12 +167,14 @@ def coefficient_table(solution: Solution, with_details: bool) -> tuple[tuple[str
     the standard uncertainty. Then the same of further terms of the model.
 
     An uncertainty is given over the scale of its row, K_ii: of K_ii itself in ppm, of a cross-axis sensitivity as the
-    angle that it is, in urad, of U0 in ug; of a further term in ug, as that of an output in g, at 1 g. A name that ends
-    in a mark rests on what `notes` say of it.
+    angle that it is, in urad, of U0 in ug; of a further term in ug, as that of an output in g, at 1 g. Of a channel
+    that measures along another axis, which has no such scale, it is left out. A name that ends in a mark rests on what
+    `notes` say of it.
     """
     u_named = "std uncertainty" if solution.scatter_alone is None else "u, scatter alone"
     unit, found, shown = solution.run.unit, solution.found, solution.scatter_alone or solution.stated
-    marked, scale = marks(assumed(solution)), np.diag(found.k)
+    marked = marks(assumed(solution))
+    scale = np.where(np.abs(found.k).argmax(axis=1) == np.arange(3), np.diag(found.k), 0.0)
     decimals = max(0, min(12, 9 - math.floor(math.log10(np.abs(found.k).max()))))
     values = _twelve(found.k, found.u0)
     units = [per_g(unit)] * 9 + [unit] * 3

@@ -284,18 +284,18 @@ class Decision(Document):
 
 
 class Remedy(Document):
-    """What would show that the limit is met. change: the estimator, samples at each position, mountings;
+    """What would show that the limit is met. change: the estimator, samples at each position, mountings, poses;
     inclinations: the steepest, deg; stand or converter: how many times better.
 
     reach_g: Coverage factor times the worst u(|a|) then.
     """
 
-    change: Literal["estimator", "samples", "mountings", "inclinations", "stand", "converter"]
+    change: Literal["estimator", "samples", "mountings", "poses", "inclinations", "stand", "converter"]
     to: str | int | float
     reach_g: Size
 
     def __post_init__(self) -> None:
-        kind = {"estimator": str, "samples": int, "mountings": int}.get(self.change, (int, float))
+        kind = {"estimator": str, "samples": int, "mountings": int, "poses": int}.get(self.change, (int, float))
         if not isinstance(self.to, kind) or (not isinstance(self.to, str) and self.to < 0):
             raise ValueError("a change to something else")
 

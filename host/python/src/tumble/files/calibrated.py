@@ -7,10 +7,12 @@ u_y, u_z, u_norm behind.
 
 from __future__ import annotations
 
+import codecs
 import io
 import math
+import re
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from typing import Any, BinaryIO
 
@@ -30,7 +32,18 @@ from tumble.files.rows import (
     temperatures_of_rows,
     temperatures_of_table,
 )
-from tumble.files.run_layout import LayoutOptions, detect, find_all, require_text, split, unit_of
+from tumble.files.run_layout import (
+    UTF_16,
+    LayoutOptions,
+    about_header,
+    below_units,
+    body_of,
+    detect,
+    find_all,
+    has_header,
+    require_text,
+    unit_of,
+)
 from tumble.units import looks_as_applied, noise_unit, volts_per
 
 OUTPUTS = ("ux", "uy", "uz")
@@ -41,7 +54,8 @@ _ROWS = 1 << 16  # of Parquet
 _STEADY_ROWS, _STEADY = 20, 0.02  # rows of which the length scatters by no larger part of itself
 _FEWEST_RESTS, _MOST_RESTS = 3, 100_000
 _ALIKE = 0.1  # part by which most rests may differ
-_FAR_FROM_1_G = 1.25  # factor
+_FAR_FROM_1_G, _NEVER_1_G = 1.25, 2.0  # factors
+_NEARLY_ALL = 0.95
 
 Calibrate = Callable[[Floats], Floats]
 CalibrateAtTemperature = Callable[[Floats, Floats], Floats]
@@ -82,13 +96,14 @@ class Demand:
 class Seen:
     """What was found beside the outputs: columns that were `renamed`; `temperatures_c`, the lowest and the highest,
     empty where the data tell none; sentences on columns that are `passed_over`; `unit_told`: of the outputs, by the
-    data or the user; `rests_g`: the length of the acceleration wherever it is steady."""
+    data or the user; `rests_g`: the length of the acceleration wherever it is steady; `notes`: on the layout."""
 
     renamed: dict[str, str] = field(default_factory=dict)
     temperatures_c: tuple[float, ...] = ()
     passed_over: tuple[str, ...] = ()
     unit_told: bool = False
     rests_g: list[float] = field(default_factory=list)
+    notes: tuple[str, ...] = ()
 
     def feel(self, found: Temperatures | None, passed_over: tuple[str, ...]) -> None:
         """Keep what further rows say of their temperature."""
@@ -109,13 +124,28 @@ class Seen:
         """That rests are not of 1 g: outputs in another unit? None where units are told, or nothing says so."""
         usual = float(np.median(self.rests_g)) if len(self.rests_g) >= _FEWEST_RESTS else 1.0
         alike = sum(abs(one - usual) < _ALIKE * usual for one in self.rests_g)
-        if (self.unit_told and demand.unit_told) or usual == 0.0 or 2 * alike < len(self.rests_g):
+        if (self.unit_told and demand.unit_told) or usual == 0.0:
             return None
-        if 1.0 / _FAR_FROM_1_G < usual < _FAR_FROM_1_G:
+        if 1.0 / _FAR_FROM_1_G < usual < _FAR_FROM_1_G or (2 * alike < len(self.rests_g) and not self._never_1_g):
             return None
         other = looks_as_applied(usual, demand.unit)
         seen = f"outputs look to be in {other or 'another unit'}, the result is for {demand.unit}"
         return f"at rest the acceleration comes out as {usual:.3g} g: {seen}"
+
+    def refusal(self, demand: Demand) -> str | None:
+        """The same where nearly no rest may be one of 1 g, and what to do if all is right; else None."""
+        doubt = self.doubt(demand) if self._never_1_g else None
+        if doubt is None:
+            return None
+        remedy = (
+            f"name the unit in the header, as ux [{demand.unit}]" if demand.unit_told else "solve again with --unit"
+        )
+        return f"{doubt}; if it is right, {remedy}"
+
+    @property
+    def _never_1_g(self) -> bool:
+        far = sum(not 1.0 / _NEVER_1_G < one < _NEVER_1_G for one in self.rests_g)
+        return far >= _NEARLY_ALL * len(self.rests_g)
 
 
 def factor_of(told: str | None, unit: str, name: str) -> float:
@@ -141,33 +171,50 @@ def raw_names(names: list[str], with_uncertainty: bool) -> dict[str, str]:
 
 
 class CsvData:
-    """A CSV file of measured data, read in pieces that end where a line does. Raises BadInput."""
+    """A CSV file of measured data, laid out as `tumble import` takes it, read in pieces that end where a line does. A
+    header may stand in a comment or be missing, with rows above it, or a row of units below. Raises BadInput."""
 
     def __init__(self, stream: BinaryIO, file: str, demand: Demand):
-        self._demand, self._file = demand, file
-        self._pieces = pieces(blocks_of(stream, file, _PIECE), file)
+        self._demand, self._file, self.close = demand, file, stream.close
+        blocks = _in_utf_8(blocks_of(stream, file, _PIECE))
+        self._pieces = pieces(blocks, file)
+        if demand.layout.delimiter == " ":
+            self._pieces = map(_single_spaced, self._pieces)
         self._first = next(self._pieces, b"")
         require_text(self._first, file)
-        self._layout = detect(self._first, demand.layout, file)
+        options = replace(demand.layout, has_preamble=True)
+        layout = detect(self._first, options, file)
+        lines, names_row = _lines(self._first), layout.header_row
+        is_named = has_header(self._first, layout)
+        notes = about_header(self._first, layout, options)
+        self._layout, _, more = below_units(self._first, layout, options, file)
         told = self._layout.unit if self._layout.unit_told else None
         self._factor = factor_of(told, demand.unit, file)
-        lines = _lines(self._first)
         head = [next(lines) for _ in range(self._layout.header_row)]
-        self._preamble, self._end = "".join(head[:-1]), _end_of(head[-1]) or "\n"
-        self._names = split(head[-1].lstrip("\ufeff"), self._layout.delimiter)
-        self.seen = Seen(raw_names(self._names, demand.with_uncertainty), unit_told=told is not None)
+        self._names = list(layout.names)
+        renamed = raw_names(self._names, demand.with_uncertainty) if is_named else {}
+        self.seen = Seen(renamed, unit_told=told is not None, notes=(*notes, *more))
         self._parser = RowParser(self._layout, OUTPUTS, decoded=_decoded, recorded=demand.at_temperature is not None)
-        self._body = self._first[len("".join(head).encode("utf-8", "surrogateescape")) :]
-        self._header = head[-1].rstrip("\r\n")
+        self._body = body_of(self._first, self._layout.header_row)
+        above, self._units = (head[: names_row - 1], head[names_row:]) if is_named else (head, [])
+        self._preamble, self._header = "".join(above), head[names_row - 1] if is_named else ""
+        self._end = _end_of(self._header or next(lines, "")) or "\n"
 
     @property
     def header(self) -> bytes:
-        """What stands above the rows: the file's own, with the names of the new columns."""
-        delimiter = self._layout.delimiter
-        own = self._header
+        """What stands above the rows: the file's own, with the names of the new columns, and their units below if the
+        file has units there."""
+        if not self._header:
+            return _encoded(self._preamble)
+        delimiter, names = self._layout.delimiter, self._demand.names
+        own = self._header.rstrip("\r\n")
         if self.seen.renamed:
-            own = delimiter.join(_quoted(self.seen.renamed.get(name, name), delimiter) for name in self._names)
-        return _encoded(self._preamble + delimiter.join([own, *self._demand.names]) + self._end)
+            sign = own[: len(own) - len(own.lstrip("\ufeff# "))]
+            own = sign + delimiter.join(_quoted(self.seen.renamed.get(name, name), delimiter) for name in self._names)
+        lines = [delimiter.join([own, *names]) + self._end]
+        for line, text in zip(self._units, ("g" if self._demand.one_g == 1.0 else "m/s^2", "", "")):
+            lines.append(delimiter.join([line.rstrip("\r\n"), *[text] * len(names)]) + self._end)
+        return _encoded(self._preamble + "".join(lines))
 
     def require_header_of(self, other: CsvData) -> None:
         """The rows of both can stand in one file. Raises BadInput."""
@@ -215,6 +262,22 @@ class CsvData:
             text = [one if math.isfinite(number) else "" for one, number in zip(text, numbers)]
         own = line[: len(line) - len(end)] if end else line
         return self._layout.delimiter.join([own, *text]) + (end or self._end)
+
+
+def _in_utf_8(blocks: Iterator[bytes]) -> Iterator[bytes]:
+    """Of text in UTF-16, if its first bytes say so."""
+    first = next(blocks, b"")
+    if not first.startswith(UTF_16):
+        yield from chain([first] if first else [], blocks)
+        return
+    decode = codecs.getincrementaldecoder("utf-16")("replace").decode
+    for block in chain([first], blocks):
+        yield decode(block).encode()
+
+
+def _single_spaced(piece: bytes) -> bytes:
+    """With one blank between columns, however they are aligned."""
+    return re.sub(rb"(?m)^ | (?=\r?$)", b"", re.sub(rb"[ \t]+", b" ", piece))
 
 
 def _lines(data: bytes) -> Iterator[str]:

@@ -28,7 +28,7 @@ import numpy as np
 
 from tumble.errors import BadInput, NotInstalled, Remedy, UsageError, file_name, needing, quoted
 from tumble.files import frames, run_layout
-from tumble.files.disk import bounded
+from tumble.files.disk import bounded, opened
 from tumble.files.run_layout import LayoutOptions
 
 SOURCE = "source"  # --rows source=NAME
@@ -37,6 +37,7 @@ SI = "m/s^2"
 _FEWEST_COLUMNS, _MOST_ACROSS = 3, 16  # of a table; of an array in it
 _LONGEST_CAUSE = 100
 _LONGEST_LIST = 400  # characters
+_BEGINNING = 1 << 10  # bytes that show what a file is
 
 
 @dataclass(frozen=True)
@@ -362,6 +363,7 @@ _KINDS: dict[str, tuple[bytes, str, Callable[[str], Iterator[Source]]]] = {  # h
 _OF_SUFFIX = {".parquet": "Parquet", ".pq": "Parquet", ".npz": "NPZ", ".mat": "MAT"}  # where the beginning is no sign
 
 
+OF_AUTOPILOTS = ("ULog", "DataFlash")  # whose sources end in the number of the instance, from 0
 CAUTIONS = {
     "DataFlash": "ArduPilot logs IMU after its own calibration: record with INS_ACC*OFFS 0, INS_ACC*SCAL 1 and"
     " INS_TCAL*_ENABLE 0"
@@ -373,6 +375,17 @@ def kind_of(file: str, beginning: bytes) -> str | None:
     found = next((kind for kind, (magic, *_) in _KINDS.items() if re.match(magic, beginning)), None)
     is_text = beginning and b"\0" not in beginning  # as MATLAB's save -ascii, whose files end in .mat
     return found or (None if is_text else _OF_SUFFIX.get(frames.suffix_of(file)))
+
+
+def kind_in(file: str) -> str | None:
+    """The same of what this file or folder has; None as well for one that cannot be read."""
+    if os.path.isfile(os.path.join(file, METADATA)):
+        return ROS_2
+    try:
+        with opened(file) as stream:
+            return kind_of(file, stream.read(_BEGINNING))
+    except (BadInput, OSError):
+        return None
 
 
 def refuse(data: bytes, file: str) -> None:

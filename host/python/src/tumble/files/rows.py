@@ -24,12 +24,11 @@ from tumble.arrays import Floats, Integers
 from tumble.core import MAX_MEAN
 from tumble.errors import BadInput, quoted
 from tumble.files import frames
-from tumble.files.run_layout import NUMBER, Column, Layout, as_text, split, temperature_column
+from tumble.files.run_layout import NO_VALUE, NUMBER, Column, Layout, as_text, split, temperature_column
 from tumble.schedule import Schedule
 
 LARGEST_OUTPUT: float = MAX_MEAN  # of either sign: beyond, no output is believed
 NUMBERS = 256  # of mountings and of positions: 0 to 255
-NO_VALUE = {"", "nan", "-", "null", "none", "n/a"}  # what loggers write instead of one, in small letters, without sign
 OUTPUTS, LINE, TIME, FELT = slice(0, 3), 3, 4, 5  # columns of what RowParser gives
 _NOT_FINITE = {"nan", "inf", "infinity"}
 _DIGITS = re.compile(r"[+-]?\d*(e[+-]?\d+)?", re.IGNORECASE)  # what a decimal comma leaves on either side of it

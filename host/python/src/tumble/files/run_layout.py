@@ -6,10 +6,11 @@ What the user says wins; the rest is read off the header line and the first rows
 from __future__ import annotations
 
 import csv
+import io
 import itertools
 import re
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
 
 from tumble.errors import BadInput, listed, quoted
 from tumble.files.disk import JSON, TOML
@@ -19,12 +20,16 @@ COLUMNS = ("mounting", "position", "ux", "uy", "uz")
 TEMPERATURE = "temperature"  # a column that need not be there
 DEFAULT_UNIT = "V"
 DECIMALS = (".", ",")
+UTF_16 = (b"\xff\xfe", b"\xfe\xff")  # how its files begin
+_UTF_8 = b"\xef\xbb\xbf"
 _LINE_END = re.compile(rb"\r\n?|\n")
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
 _HEAD_BYTES = 1 << 16
 _ROWS_TO_LOOK_AT = 200
 _LONGEST_HEADER = 400
+_MOST_UNITS = 3  # rows of units and the like, below a header
+NO_VALUE = {"", "nan", "-", "null", "none", "n/a"}  # what loggers write instead of one, in small letters, without sign
 _BRACKETED = re.compile(r"[\[(]((?:[^\[\]()]|\([^\[\]()]*\))*)[\])]\s*$")  # m/(s^2) has its own
 _TOML = re.compile(r"\s*(\[\[?[\w.]+\]\]?\s*(#.*)?$|[\w.]+\s*=)")
 _TIME_UNITS = ("", "s", "sec", "ms", "msec", "us", "usec", "ns", "nsec", "min", "h", "d")
@@ -109,7 +114,7 @@ def is_delimiter(sign: object) -> bool:
 
 def decoded(data: bytes) -> str:
     """Text of a file: UTF-8 with or without a mark, or else one byte a character (only names can differ then)."""
-    return as_text(data.removeprefix(b"\xef\xbb\xbf"))
+    return as_text(data.removeprefix(_UTF_8))
 
 
 def as_text(data: bytes) -> str:
@@ -123,7 +128,7 @@ def as_text(data: bytes) -> str:
 def body_of(data: bytes, lines: int) -> bytes:
     """What follows so many lines."""
     if lines == 0:
-        return data
+        return data.removeprefix(_UTF_8)
     ends = [match.end() for match in itertools.islice(_LINE_END.finditer(data), lines)]
     return data[ends[-1] :] if len(ends) == lines else b""
 
@@ -135,7 +140,7 @@ def split(line: str, delimiter: str) -> list[str]:
 
 def require_text(data: bytes, file: str) -> None:
     """Raise BadInput for what is no text, or empty."""
-    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+    if data.startswith(UTF_16):
         raise BadInput("UTF-16 text; save it as UTF-8", file, 1)
     zero = data.find(b"\0")
     if zero >= 0:
@@ -422,3 +427,63 @@ def _detect_decimal(lines: list[str], delimiter: str, indices: tuple[int, ...]) 
             if mark:
                 return mark.pop() if len(mark) == 1 else "."
     return "."
+
+
+# What a recording may have, beside a run file.
+
+
+def has_header(data: bytes, layout: Layout) -> bool:
+    """Do the names of its columns stand there, or are they made up?"""
+    if layout.header_row == 0:
+        return False
+    try:
+        names = split(lines_of(data)[layout.header_row - 1].lstrip("# "), layout.delimiter)
+    except csv.Error:
+        return False
+    return tuple(names) == layout.names
+
+
+def about_header(data: bytes, layout: Layout, options: LayoutOptions) -> list[str]:
+    """Where it is, or that there is none."""
+    row = layout.header_row
+    if not has_header(data, layout):
+        taken = ",".join(f"{name}={place + 1}" for name, place in zip(options.wanted[-3:], layout.indices[-3:]))
+        return [f"header: none, columns are numbered from 1: {taken} (--columns)"]
+    if lines_of(data)[row - 1].startswith("#"):
+        return [f"header: the comment in row {row}"]
+    return [f"header: row {row}; the rows above it are not read"] if row - layout.comments - layout.blanks > 1 else []
+
+
+def below_units(data: bytes, layout: Layout, options: LayoutOptions, file: str) -> tuple[Layout, list[str], list[str]]:
+    """The layout with a row of units taken for a part of the header, if there is one, and what stands below it in
+    words, as in TOA5; the units of all columns; sentences."""
+    units, notes = [""] * layout.width, list[str]()
+    for row, line in itertools.islice(rows_of(data, layout), _MOST_UNITS):
+        try:
+            fields = split(line, layout.delimiter)
+        except csv.Error:
+            break
+        words = {field.lower() for field in fields}
+        if any(map(is_number, fields)) or len(fields) < layout.width or words <= NO_VALUE:
+            break
+        layout = replace(layout, header_row=row)
+        if notes:
+            notes.append(f"row {row} is not read")
+            continue
+        units = [field.strip("[]") if "(" in field[1:] else field.strip("[]()") for field in fields]
+        unit = unit_of(options, [f"[{units[index]}]" for index in layout.indices], file, row)
+        felt = layout.temperature
+        if felt is not None and not felt.unit and units[felt.index].lower() not in NO_VALUE:
+            felt = replace(felt, unit=units[felt.index])
+        told = layout.unit_told or unit is not None
+        layout = replace(layout, unit=unit or layout.unit, unit_told=told, temperature=felt)
+        notes.append(f"row {row} is read as units" + (f": {unit}" if unit else ""))
+    return layout, units, notes
+
+
+def rows_of(data: bytes, layout: Layout) -> Iterator[tuple[int, str]]:
+    """What follows the header, without comments and blank lines: numbers of lines and their text."""
+    body = as_text(body_of(data, layout.header_row))
+    for row, line in enumerate(io.StringIO(body, newline=None), start=layout.header_row + 1):
+        if line.strip() and not line.startswith("#"):
+            yield row, line

@@ -27,7 +27,7 @@ import numpy as np
 
 from tumble.arrays import Flags, Floats, Integers
 from tumble.distributions import f_quantile
-from tumble.errors import Remedy, UsageError
+from tumble.errors import Remedy, UsageError, listed
 from tumble.importing import attitudes
 from tumble.importing.attitudes import AXES, STRAIGHT, Attitudes, Fit, Seen, Signs, View
 from tumble.importing.rests import Rests
@@ -166,11 +166,29 @@ class _Matcher:
         if rough is None:
             used = int(self._used.sum())
             shown = "1 rest does" if used == 1 else f"{used} rests do"
+            if lacking := self._missing_faces():
+                raise Doubtful(
+                    f"{used} rests, but none with {listed(lacking, 'or')}: scale and bias need all six faces; lay the "
+                    "sensor on that face too, or check whether --still, --drift or --min-rest hide it"
+                )
             raise Doubtful(
                 f"{shown} not show scale and bias of every channel: give the recordings of {every_part(schedule)} "
                 "together, or check whether --still, --drift or --min-rest hide some"
             )
         self._rough = rough
+
+    def _missing_faces(self) -> list[str]:
+        """Such as "z down": of faces, by the channel that is farthest from where the others leave it, the few that no
+        rest shows; empty where two rests show the same, most are missing, or other attitudes are wanted as well."""
+        means, forces = self._rests.means[self._used], self._attitudes.forces
+        if not len(means) or len(forces) != 6 or not (np.abs(forces).max(axis=1) > math.cos(self._tolerance)).all():
+            return []
+        off = (means - np.median(means, axis=0)) * self._signs
+        axes = np.abs(off).argmax(axis=1)
+        seen = {(axis, bool(one[axis] > 0.0)) for axis, one in zip(axes.tolist(), off)}
+        lacking = [f"{AXES[axis]} {'up' if up else 'down'}" for axis in range(3) for up in (True, False)
+                   if (axis, up) not in seen]  # fmt: skip
+        return lacking if len(seen) == len(means) and len(lacking) <= 2 else []
 
     def claimed(self) -> _Hypothesis:
         """The one that is claimed, if it fits and nothing else does better, or as well. Raises Doubtful."""

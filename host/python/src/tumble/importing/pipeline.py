@@ -480,7 +480,7 @@ def _about_unit(recordings: Sequence[Recording], matched: Matched) -> list[str]:
     per_g = float(np.abs(np.linalg.det(matched.fit.k)) ** (1 / 3))
     if all(one.unit_told for one in recordings):
         seen, unit = contradicts(per_g, recordings[0].unit), recordings[0].unit
-        return [] if seen is None else [f"unit: {unit} is given, but 1 g is {per_g:.4g} of it, as in {seen} (--unit)"]
+        return [] if seen is None else [f"unit: {unit} is given, but 1 g is {per_g:.4g} of it, as in {seen}"]
     hint = _unit_hint(per_g)
     return [f"unit: not given, and the run file names none either {hint}"]
 

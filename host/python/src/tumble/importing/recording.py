@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import csv
 import functools
-import io
 import itertools
 import os
 import re
 import zlib
-from collections.abc import Iterator
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
@@ -27,7 +26,6 @@ from tumble.files.rows import (
     FELT,
     LARGEST_OUTPUT,
     LINE,
-    NO_VALUE,
     OUTPUTS as PLACES,
     TIME,
     NotANumber,
@@ -42,7 +40,6 @@ from tumble.importing.labels import LABELS
 OPTIONAL = ("time", *LABELS)
 COLUMNS = (*OUTPUTS, *OPTIONAL, run_layout.TEMPERATURE)  # that a user may name
 _MOST_LABELS = 256  # different running numbers: more count samples
-_MOST_UNITS = 3  # rows of units and the like, below a header
 _ROWS_IN_TURN, _MOST_SOURCES, _IN_TURN = 400, 4, 0.2  # that tell sources apart; the share of rows that change
 
 
@@ -116,7 +113,7 @@ def read(
 def _require_kind(file: str, beginning: bytes) -> None:
     """It is text, if it is no CAN log and none of containers. Raises BadInput."""
     known = can_log.kind_of(beginning) or containers.kind_of(file, beginning)
-    if beginning.strip() and known is None and not beginning.startswith(_MARKS):
+    if beginning.strip() and known is None and not beginning.startswith(run_layout.UTF_16):
         run_layout.require_text(beginning, file)
 
 
@@ -126,12 +123,9 @@ def _bytes_within(folder: str) -> bytes:
     return joined((read_bytes(one, most=MOST_OF_RECORDING) for one in inner), folder, MOST_OF_RECORDING)
 
 
-_MARKS = (b"\xff\xfe", b"\xfe\xff")  # of UTF-16
-
-
 def _utf_8(data: bytes) -> bytes:
     """Text of UTF-16 as UTF-8, which all others read."""
-    return data.decode("utf-16", "replace").encode() if data.startswith(_MARKS) else data
+    return data.decode("utf-16", "replace").encode() if data.startswith(run_layout.UTF_16) else data
 
 
 # Tables.
@@ -152,6 +146,9 @@ def _read_container(
     which = f": source {quoted(table.source)}" if table.source else ""
     among = f" of {len(tables)}" if len(tables) > 1 else ""
     notes = [f"{kind}{which}{among}", *filter(None, [containers.CAUTIONS.get(kind)])]
+    if kind in containers.OF_AUTOPILOTS and (instance := re.search(r"_([1-9])$", table.source)):
+        number = int(instance[1]) + 1
+        notes.append(f"the autopilot's accelerometer {number}: export it with --accelerometer {number}")
     return replace(own, data=data, notes=(*notes, *own.notes))
 
 
@@ -169,8 +166,8 @@ def _read_table(
         raise refused.advising(*_named_columns(data, refused.row, options)) from None
     names = list(layout.names)
     columns = _optional_columns(names, options, file, layout.header_row)
-    notes = _about_header(data, layout, options)
-    layout, units, unit_note = _below_units(data, layout, options, file)
+    notes = run_layout.about_header(data, layout, options) + _other_sensors(names, layout.indices)
+    layout, units, unit_note = run_layout.below_units(data, layout, options, file)
     notes += unit_note
     if layout.decimal == ",":
         notes.append("decimal mark: the comma")
@@ -283,22 +280,22 @@ def _named_columns(data: bytes, row: int | None, options: run_layout.LayoutOptio
     return found
 
 
+def _other_sensors(names: list[str], outputs: Sequence[int]) -> list[str]:
+    """That columns named as the outputs are but for a number, as ax2 beside ax, may be those of another sensor."""
+    plain = [run_layout.unit_in(name)[0] for name in names]
+    stems = [re.sub(r"\d", "", name) for name in plain]
+    alike = [[plain[k] for k in range(len(names)) if k not in outputs and stems[k] == stems[own]] for own in outputs]
+    told = [",".join(f"{one}={name}" for one, name in zip(OUTPUTS, axes)) for axes in zip(*alike)]
+    is_sensor = (
+        len(set(map(len, alike))) == 1 and all(stems[own] for own in outputs) and not any("," in n for n in plain)
+    )
+    return [f"another sensor? --columns {one}" for one in told] if is_sensor else []
+
+
 def _about_columns(told: dict[str, str], unit: str, unit_told: bool) -> list[str]:
     """Which columns the outputs are, and their unit."""
     names = ", ".join(told[name] for name in OUTPUTS)
     return [f"outputs {quoted(names, 100)[1:-1]} in {unit}{'' if unit_told else ', assumed because no unit is given'}"]
-
-
-def _about_header(data: bytes, layout: run_layout.Layout, options: run_layout.LayoutOptions) -> list[str]:
-    """Where it is, or that there is none."""
-    row = layout.header_row
-    line = "" if row == 0 else run_layout.lines_of(data)[row - 1]
-    if not all(name in line for name in layout.names):
-        taken = ",".join(f"{name}={place + 1}" for name, place in zip(OUTPUTS, layout.indices))
-        return [f"header: none, columns are numbered from 1: {taken} (--columns)"]
-    if line.startswith("#"):
-        return [f"header: the comment in row {row}"]
-    return [f"header: row {row}; the rows above it are not read"] if row - layout.comments - layout.blanks > 1 else []
 
 
 def _source_column(data: bytes, layout: run_layout.Layout, used: set[int], choice: Choice | None) -> int | None:
@@ -310,7 +307,7 @@ def _source_column(data: bytes, layout: run_layout.Layout, used: set[int], choic
             raise UsageError(f"--rows: no column {quoted(choice.column)} among {quoted(','.join(layout.names), 400)}")
         return found
     rows = []
-    for _, line in itertools.islice(_lines(data, layout), _ROWS_IN_TURN):
+    for _, line in itertools.islice(run_layout.rows_of(data, layout), _ROWS_IN_TURN):
         with suppress(csv.Error):
             rows.append(run_layout.split(line, layout.delimiter))
     for place, texts in enumerate(zip(*(row for row in rows if len(row) == layout.width))):
@@ -334,35 +331,6 @@ def _optional_columns(names: list[str], options: run_layout.LayoutOptions, file:
         if index is not None:
             found[wanted] = index
     return found
-
-
-def _below_units(
-    data: bytes, layout: run_layout.Layout, options: run_layout.LayoutOptions, file: str
-) -> tuple[run_layout.Layout, list[str], list[str]]:
-    """The layout with a row of units taken for a part of the header, if there is one, and what stands below it in
-    words, as in TOA5; the units of all columns; sentences."""
-    units, notes = [""] * layout.width, list[str]()
-    for row, line in itertools.islice(_lines(data, layout), _MOST_UNITS):
-        try:
-            fields = run_layout.split(line, layout.delimiter)
-        except csv.Error:
-            break
-        words = {field.lower() for field in fields}
-        if any(map(run_layout.is_number, fields)) or len(fields) < layout.width or words <= NO_VALUE:
-            break
-        layout = replace(layout, header_row=row)
-        if notes:
-            notes.append(f"row {row} is not read")
-            continue
-        units = [field.strip("[]") if "(" in field[1:] else field.strip("[]()") for field in fields]
-        unit = run_layout.unit_of(options, [f"[{units[index]}]" for index in layout.indices], file, row)
-        felt = layout.temperature
-        if felt is not None and not felt.unit and units[felt.index].lower() not in NO_VALUE:
-            felt = replace(felt, unit=units[felt.index])
-        told = layout.unit_told or unit is not None
-        layout = replace(layout, unit=unit or layout.unit, unit_told=told, temperature=felt)
-        notes.append(f"row {row} is read as units" + (f": {unit}" if unit else ""))
-    return layout, units, notes
 
 
 def _parse(
@@ -394,14 +362,6 @@ def _parse(
     if not len(rows):
         raise BadInput("no samples after the header", file, layout.header_row)
     return parser, rows
-
-
-def _lines(data: bytes, layout: run_layout.Layout) -> Iterator[tuple[int, str]]:
-    """What follows the header, without comments and blank lines: numbers of lines and their text."""
-    body = run_layout.as_text(run_layout.body_of(data, layout.header_row))
-    for row, line in enumerate(io.StringIO(body, newline=None), start=layout.header_row + 1):
-        if line.strip() and not line.startswith("#"):
-            yield row, line
 
 
 # Clocks.
@@ -442,7 +402,7 @@ def _rate_doubt(
         return []
     try:
         lines, texts = [], []
-        for row, line in itertools.islice(_lines(data, layout), clocks.ROWS_OF_CLOCK):
+        for row, line in itertools.islice(run_layout.rows_of(data, layout), clocks.ROWS_OF_CLOCK):
             lines.append(row)
             texts.append(run_layout.split(line, layout.delimiter)[columns["time"]])
         pointed = [text.replace(",", ".") if layout.decimal == "," else text for text in texts]

@@ -4,7 +4,8 @@ The recording is cut into blocks of a quarter of a window, for each channel a me
 blocks are a window. It is still if no channel scatters within its blocks more than `still` times the noise, and if the
 means of its blocks differ by no more than `drift` times what they differ at rest. Noise of samples and noise of block
 means are both taken from the recording itself: of all windows, the quietest cluster. So noise that is not white, or
-a coarse converter, is no motion.
+a coarse converter, is no motion. Where steady handling outweighs the rests it is a cluster as well, and theirs is
+small: a quieter one, however small, counts if it makes no fewer rests, which windows that are quiet by chance do not.
 
 A rest is a run of still windows. Blocks at its ends that are off its level or scatter, where the table settles,
 are left out, and half a window more at each end.
@@ -27,7 +28,9 @@ _PER_WINDOW = 4  # blocks
 FEWEST_IN_BLOCK = 4  # samples: fewer have no scatter to speak of
 _FEWEST_BLOCKS = 3  # of a rest
 _CLUSTER = 4.0  # a cluster of variances spans this factor: chi-squared of a few degrees of freedom
-_PART_OF_DENSEST = 0.4  # of the windows in the densest cluster: fewer are chance
+_PART_OF_DENSEST = 0.4  # of the windows in the densest cluster: fewer may be chance
+_PART_IF_LONG = 0.03  # of them, if they make rests: some 1 s for each 30 s of handling
+_FEWEST_RESTS = 4  # that do
 _NEAR = 3.0  # block noises: a block at an end that is further off the level of its rest is not at rest
 _STEPS = 0.5  # noise is no less than this part of the converter's step: the scatter of a value between two
 
@@ -113,20 +116,27 @@ def find_rests(outputs: Floats, gaps: Integers, interval_s: float | None, thresh
     if not whole.any():
         return nothing
     steps = np.array([smallest_step(channel) for channel in outputs.T])
-    floor = _STEPS * steps
-    scatter = np.sqrt(_quietest(within[whole]))
-    rounding = np.where(scatter < steps / 2, steps / math.sqrt(12.0), 0.0)
-    noise = np.maximum(scatter, floor)
-    white = noise / math.sqrt(block)
-    usual = np.sqrt(_quietest(means.var(axis=-1, ddof=1)[whole]))
-    block_noise = np.maximum(np.minimum(usual, noise), np.maximum(white, floor / 2))
-    still = whole & (within <= (thresholds.still * noise) ** 2).all(axis=1)
-    still &= (ranges <= thresholds.drift * block_noise).all(axis=1)
-    parts = (
-        _calm_part(blocks, first, last + _PER_WINDOW, _NEAR * block_noise, noise, guard) for first, last in _runs(still)
-    )
-    spans = [part for part in parts if part is not None and part[1] - part[0] >= fewest]
-    return Found(rests_of(outputs, spans, block, rounding), noise, rounding, block)
+
+    def of_quietest(share: float) -> Found:
+        floor = _STEPS * steps
+        scatter = np.sqrt(_quietest(within[whole], share))
+        rounding = np.where(scatter < steps / 2, steps / math.sqrt(12.0), 0.0)
+        noise = np.maximum(scatter, floor)
+        white = noise / math.sqrt(block)
+        usual = np.sqrt(_quietest(means.var(axis=-1, ddof=1)[whole], share))
+        block_noise = np.maximum(np.minimum(usual, noise), np.maximum(white, floor / 2))
+        still = whole & (within <= (thresholds.still * noise) ** 2).all(axis=1)
+        still &= (ranges <= thresholds.drift * block_noise).all(axis=1)
+        parts = (
+            _calm_part(blocks, first, last + _PER_WINDOW, _NEAR * block_noise, noise, guard)
+            for first, last in _runs(still)
+        )
+        spans = [part for part in parts if part is not None and part[1] - part[0] >= fewest]
+        return Found(rests_of(outputs, spans, block, rounding), noise, rounding, block)
+
+    found, quieter = of_quietest(_PART_OF_DENSEST), of_quietest(_PART_IF_LONG)
+    is_another = (thresholds.still * quieter.noise < found.noise).any()
+    return quieter if is_another and len(quieter.rests) >= max(_FEWEST_RESTS, len(found.rests)) else found
 
 
 def rests_of(outputs: Floats, spans: Sequence[tuple[int, int]], block: int, rounding: Floats) -> Rests:
@@ -175,13 +185,15 @@ def _blocks(outputs: Floats, gaps: Integers, length: int) -> _Blocks:
     return _Blocks(begin, means, variances, part, length)
 
 
-def _quietest(variances: Floats) -> Floats:
-    """Of each channel the median variance in the quietest cluster of windows (windows, 3): rest is one cluster on a
-    scale of factors, motion is spread over many of them."""
+def _quietest(variances: Floats, share: float) -> Floats:
+    """Of each channel the median variance in the quietest cluster of windows (windows, 3) with that `share` of what the
+    densest has: rest is one cluster on a scale of factors, motion is spread over many of them."""
     found = []
     for ordered in map(np.sort, variances.T):
         counts = np.searchsorted(ordered, _CLUSTER * ordered, side="right") - np.arange(len(ordered))
-        first = int(np.argmax(counts >= _PART_OF_DENSEST * counts.max()))
+        first = int(np.argmax(counts >= share * counts.max()))
+        if share < _PART_OF_DENSEST:  # the edge of a cluster: on to where it is densest
+            first += int(np.argmax(counts[first : first + counts[first]]))
         found.append(float(np.median(ordered[first : first + counts[first]])))
     return np.array(found)
 

@@ -6,8 +6,10 @@ residuals of the coefficients' fit, and C the covariance that the declared error
 Newton's way after Gauss, from a least-squares fit on the ideal stand; so it depends on no estimator.
 
 If it does not fit (`judge`), uncertainties made from the declaration mean nothing. Every pattern of model.patterns is
-tested by its own score; the smallest p, with Holm's correction, is the first explanation. Whatever remains is explained
-in the same way. A pattern may also show where the residuals as a whole still fit: it is told at the same confidence.
+tested by its own score; the smallest p, with Holm's correction, is the first explanation, unless its size is one that
+its cause never has (`Pattern.largest`). Whatever remains is explained in the same way; an error at a position twice, as
+two may be exchanged. A pattern may also show where the residuals as a whole still fit: it is told at the same
+confidence.
 """
 
 from __future__ import annotations
@@ -41,11 +43,13 @@ _SHOWN = 0.01
 @dataclass(frozen=True)
 class Score:
     """Of one pattern: degrees of `freedom` of its chi-squared, and the logarithm `log_p` of how often that is larger by
-    chance; `sizes` with their standard uncertainties, by label, of those that are determined."""
+    chance; `sizes` with their standard uncertainties, by label, of those that are determined; `spread`: how large they
+    are if they are random."""
 
     freedom: int
     log_p: float
     sizes: dict[str, tuple[float, float]]
+    spread: float
 
 
 class WholeModel:
@@ -151,8 +155,10 @@ class WholeModel:
             shown = np.where(np.linalg.norm(shown, axis=0) > _NULL * length, shown, 0.0)
         own = basis(shown)
         part = own.T @ rest
-        freedom = own.shape[1]
-        return Score(freedom, chi_squared_log_above(float(part @ part), freedom), _sizes(list(columns), shown, rest))
+        freedom, squares = own.shape[1], float(part @ part)
+        gain = float((shown**2).sum())  # what errors of variance 1 add to the squares, beside 1 for each by noise
+        spread = math.sqrt(max(squares - freedom, 0.0) / gain) if gain else 0.0
+        return Score(freedom, chi_squared_log_above(squares, freedom), _sizes(list(columns), shown, rest), spread)
 
 
 def what_is_shown(outputs: Floats, shown: Floats, coefficients: Floats) -> Floats:
@@ -197,7 +203,10 @@ EXPLAINED = 0.01  # largest p, after Holm, of an explanation
 ALIKE = 0.75  # patterns with a larger cosine may be taken for each other
 _CONTAINED = 0.9999
 _DIGITS = 9  # of log p: of patterns or places that show as much it is the first, whatever the rounding
-_RAD = {"rad": 1.0, "urad": 1e-6}  # units of angles
+_RAD = ("rad", "urad")  # units of angles
+_POSITION = "position"  # found twice, for two that were exchanged
+_SURE = 3.0  # standard uncertainties by which a size is too large
+_TOLD = 2.0  # of them that a size exceeds, before it is told
 NOISE_V = "noise_v"
 SYSTEMATIC = tuple(f"{name}_rad" for name in ANGLES)
 _DECLARED = (INCLINATION.name, *SYSTEMATIC)
@@ -320,8 +329,7 @@ class _Search:
             self._take(name, found)
 
     def _candidate(self, pattern: Pattern) -> _Candidate | None:
-        """None where the residuals cannot show it, or only by angles that are too large to be what it is called: all of
-        it is linear theory."""
+        """None where the residuals cannot show it, or only by a size that is too large to be what it is called."""
         besides = dict(self._known)
         if pattern.random:  # it must not be blamed for what an angle of the whole run does
             for name in SYSTEMATIC:
@@ -329,19 +337,23 @@ class _Search:
                 besides |= {f"{name} {label}": one for label, one in columns.items()}
         beside = self._model.given(besides)  # of which a pattern may have many places
         tested = [(self._model.score(one, beside), one) for one in pattern.columns(self._model.scene)]
-        shown = [(score, columns) for score, columns in tested if score.freedom > 0 and self._is_small(pattern, score)]
+        shown = [
+            (score, columns) for score, columns in tested if score.freedom > 0 and self._is_plausible(pattern, score)
+        ]
         if not shown:
             return None
         score, columns = min(shown, key=lambda one: round(one[0].log_p, _DIGITS))
         return _Candidate(pattern, columns, score, len(shown), math.log(len(shown)) + score.log_p)
 
-    def _is_small(self, pattern: Pattern, score: Score) -> bool:
-        """Are the angles that a pattern has for sizes, if it has, such as the linear theory holds for?"""
-        if pattern.unit not in _RAD:
-            return True
+    def _is_plausible(self, pattern: Pattern, score: Score) -> bool:
+        """May a cause of this kind be so large? An angle also where the linear theory holds."""
         told = self._of_whole_run(pattern)
-        sizes = [size for size, _ in score.sizes.values()] if told is None else [told.value / _RAD[pattern.unit]]
-        return all(abs(size) * _RAD[pattern.unit] <= LARGEST_ERROR_RAD for size in sizes)
+        if told is not None:
+            return abs(told.value) <= pattern.largest
+        if pattern.random:
+            return score.spread <= pattern.largest
+        sure = 0.0 if pattern.unit in _RAD else _SURE
+        return all(abs(size) - sure * u <= pattern.largest for size, u in score.sizes.values())
 
     def _of_whole_run(self, pattern: Pattern) -> Estimate | None:
         """An angle of the stand as it stands in the result."""
@@ -362,7 +374,8 @@ class _Search:
 
     def _take(self, name: str, found: dict[str, _Candidate]) -> None:
         """Make what has been found part of the model."""
-        self._left.remove(name)
+        if name != _POSITION or any(one.startswith(f"{name} ") for one in self._known):
+            self._left.remove(name)
         if name in self._sampled:
             self._model = self._model.again(variance=self._sampled[name].variance)
         elif found[name].pattern.random and self._seen.alpha4 is not None:
@@ -375,7 +388,8 @@ class _Search:
         seen = self._of_whole_run(one.pattern)
         if seen is not None:
             return Explanation((one.pattern.name, *alike), p, seen.value, seen.u, unit, None)
-        where = next(iter(one.columns)).partition(" ")[0] if one.pattern.name == "position" else ""
-        column = max(sizes, key=lambda label: abs(sizes[label][0]) / sizes[label][1], default=where)
-        found = sizes.get(column, (None, None))
+        where = next(iter(one.columns)).partition(" ")[0] if one.pattern.name == _POSITION else ""
+        known = {label: size for label, size in sizes.items() if abs(size[0]) > _TOLD * size[1]}
+        column = max(known, key=lambda label: abs(known[label][0]) / known[label][1], default=where)
+        found = known.get(column, (None, None))
         return Explanation((one.pattern.name, *alike), p, found[0], found[1], unit, column or None)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import os
 import sys
 from dataclasses import replace
@@ -15,19 +16,21 @@ from tumble.units import SI, force_unit
 
 if TYPE_CHECKING:
     from tumble.documents.result import Temperature
-    from tumble.files.calibrated import Demand, Seen
+    from tumble.files.calibrated import CsvData, Demand, Seen
 
+_SOURCE = "source"  # as tumble import names it
 _IN_MEMORY = 1 << 24  # bytes of output, before they go to a temporary file
 
 
 def describe(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         "Write measured data again with the acceleration in its last three columns, x, y, z: by K and U0 of"
-        " a result, and its further terms. Other columns are kept. CSV; Parquet where pyarrow or polars is installed."
+        " a result, and by its further terms. Other columns are kept. Any layout that tumble import reads: text"
+        " stays text, Parquet stays Parquet, other binary recordings become CSV."
     )
     parser.epilog = (
         "Several files are joined, or written into --out FOLDER one by one. Exit codes: 0 done, 2 bad input, 77"
-        " Parquet cannot be read here, 130 interrupted."
+        " a format cannot be read here, 130 interrupted."
     )
     parser.add_argument("result", metavar="RESULT.json", help="a result of tumble solve")
     parser.add_argument("data", metavar="DATA", nargs="+", help="files with columns ux,uy,uz, in the result's unit")
@@ -45,7 +48,8 @@ def describe(parser: argparse.ArgumentParser) -> None:
         help="standard uncertainties of x, y, z and of their norm, by those of the coefficients, as columns u_x, u_y,"
         " u_z, u_norm before x",
     )
-    options.add_layout(parser, "data", has_unit=False)
+    layout = options.add_layout(parser, "data", has_unit=False)
+    layout.add_argument("--rows", metavar="source=NAME", help="one of several sources in a binary recording")
     parser.set_defaults(run_command=run)
 
 
@@ -56,15 +60,13 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.documents.result import Temperature
     from tumble.files.calibrated import OUTPUTS
     from tumble.files.disk import together
-    from tumble.files.frames import PARQUET, SUFFIXES, suffix_of
+    from tumble.files.frames import PARQUET, suffix_of
     from tumble.files.run_layout import TEMPERATURE
     from tumble.solving.decision import complaints_of_result, phrase
 
     layout = replace(options.layout_options(arguments, (*OUTPUTS, TEMPERATURE), has_unit=False), wanted=OUTPUTS)
     targets = _targets(arguments)
-    for file in arguments.data:
-        if suffix_of(file) in SUFFIXES and suffix_of(file) not in PARQUET:
-            raise BadInput("apply takes CSV and Parquet; of arrays, Result.apply in Python (docs/client.md)", file)
+    source = _parse_source(arguments.rows)
     kinds = {suffix_of(file) in PARQUET for file in arguments.data}
     if arguments.out is not None and not os.path.isdir(arguments.out):
         options.require_ending(arguments.out, "--out", *(PARQUET if kinds == {True} else (".csv", ".tsv")))
@@ -90,14 +92,15 @@ def run(arguments: argparse.Namespace) -> int:
         import tempfile
 
         with tempfile.SpooledTemporaryFile(_IN_MEMORY) as spooled:  # no half of it on stdout where a row is bad
-            _calibrate(arguments.data, spooled, demand, known_c)  # type: ignore[arg-type] # a BinaryIO in all but name
+            _calibrate(arguments.data, spooled, demand, known_c, source)  # type: ignore[arg-type] # a BinaryIO in all but name
             spooled.seek(0)
             shutil.copyfileobj(spooled, sys.stdout.buffer)
             sys.stdout.buffer.flush()
     with together() as them:
         for target in dict.fromkeys(filter(None, targets)):
             with them.written(target) as out:
-                _calibrate([file for file, its in zip(arguments.data, targets) if its == target], out, demand, known_c)
+                own = [file for file, its in zip(arguments.data, targets) if its == target]
+                _calibrate(own, out, demand, known_c, source)
     warn(complaints, arguments.result)
     if assumes:
         tell(f"tumble: notice: {file_name(arguments.result)}: {phrase(assumes).removeprefix(', ')}")
@@ -110,7 +113,7 @@ def _targets(arguments: argparse.Namespace) -> list[str]:
 
     out, data = arguments.out, arguments.data
     into_folder = out is not None and os.path.isdir(out)
-    targets = [os.path.join(out, os.path.basename(file)) if into_folder else out or "" for file in data]
+    targets = [os.path.join(out, _name_within(file)) if into_folder else out or "" for file in data]
     if into_folder and len(set(targets)) < len(targets):
         raise UsageError(f"--out: two files of data have the same name, and would be one in {quoted(out)}")
     for target in set(targets):
@@ -118,10 +121,53 @@ def _targets(arguments: argparse.Namespace) -> list[str]:
     return targets
 
 
-def _calibrate(files: list[str], out: BinaryIO, demand: Demand, known_c: Temperature | None) -> None:
+def _name_within(file: str) -> str:
+    """Of the calibrated data, in a folder: that of the file; of a binary recording with the ending of CSV."""
+    from tumble.files.containers import kind_in
+    from tumble.files.frames import PARQUET, suffix_of
+
+    name = os.path.basename(os.path.normpath(file))
+    return name if suffix_of(file) in PARQUET or kind_in(file) is None else f"{os.path.splitext(name)[0]}.csv"
+
+
+def _parse_source(text: str | None) -> str | None:
+    """Read `source=NAME`."""
+    if text is None:
+        return None
+    column, _, name = text.partition("=")
+    if column.strip() != _SOURCE or not name.strip():
+        raise UsageError(f"--rows: {quoted(text)} is not {_SOURCE}=NAME")
+    return name.strip()
+
+
+def _data_of(file: str, demand: Demand, source: str | None) -> CsvData:
+    """CSV, or the table of a binary recording as such. Raises BadInput, UsageError."""
+    import io
+
+    from tumble.files import containers
+    from tumble.files.calibrated import CsvData
+    from tumble.files.disk import bounded, opened
+
+    kind = containers.kind_in(file)
+    if kind is None:
+        if source is not None:
+            raise UsageError(f"--rows {_SOURCE}={source}: {file_name(file)} is text, which has one source")
+        return CsvData(opened(file), file, demand)
+    options = replace(demand.layout, delimiter=",", decimal=".")
+    try:
+        table = containers.chosen(containers.read(file, kind), kind, source, options, file)
+    except BadInput as refusal:
+        refusal.assumed = ()  # which is said of imports
+        raise
+    with bounded(file):
+        return CsvData(io.BytesIO(table.text), file, replace(demand, layout=options))
+
+
+def _calibrate(
+    files: list[str], out: BinaryIO, demand: Demand, known_c: Temperature | None, source: str | None
+) -> None:
     """All files into one output: the header of the first, the rows of all. `known_c`: temperature of the result."""
-    from tumble.files.calibrated import CsvData, calibrate_parquet
-    from tumble.files.disk import opened
+    from tumble.files.calibrated import calibrate_parquet
     from tumble.files.frames import PARQUET, suffix_of
 
     first: Any = None
@@ -132,10 +178,11 @@ def _calibrate(files: list[str], out: BinaryIO, demand: Demand, known_c: Tempera
             _tell_of_names(seen.renamed, file)
             _tell_of_doubts(seen, known_c, demand, file)
             continue
-        with opened(file) as stream:
-            data = CsvData(stream, file, demand)
+        with contextlib.closing(_data_of(file, demand, source)) as data:
             if first is None:
                 _tell_of_names(data.seen.renamed, file)
+                if data.seen.notes:
+                    tell(f"tumble: notice: {file_name(file)}: {'; '.join(data.seen.notes)}")
                 out.write(data.header)
             else:
                 data.require_header_of(first)
@@ -148,8 +195,11 @@ def _calibrate(files: list[str], out: BinaryIO, demand: Demand, known_c: Tempera
 
 
 def _tell_of_doubts(seen: Seen, known_c: Temperature | None, demand: Demand, file: str) -> None:
+    """Raises BadInput where nearly no rest comes out as one of 1 g."""
     from tumble.api.result import warnings_of
 
+    if (refusal := seen.refusal(demand)) is not None:
+        raise BadInput(refusal, file)
     if not seen.unit_told:
         taken = f"{demand.unit}, as in the result{'' if demand.unit_told else ', whose run names none either'}"
         tell(f"tumble: notice: {file_name(file)}: no unit in its header (as ux [V]): outputs taken for {taken}")
