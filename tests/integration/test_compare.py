@@ -228,7 +228,7 @@ def test_without_uncertainties_nobody_can_tell(compare, tumble, tmp_path):
     ])  # fmt: skip
     assert (ROOT / "examples/paper_stand.toml").is_file()
     step = (ROOT / "docs/first-calibration.md").read_text().split("\n### 1. ")[1]
-    assert step.startswith("Describe the stand\n") and "Copy `examples/paper_stand.toml`" in step
+    assert step.startswith("Describe the stand\n") and "Copy `examples/diagonal_stand.toml`" in step
     both = tumble("compare", "b.json", "b.json", cwd=tmp_path).stdout.replace("\n", " ")
     assert both.startswith("CANNOT TELL: b.json and b.json have no uncertainties: solve their runs again with --stand")
 
