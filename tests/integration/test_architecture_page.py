@@ -42,7 +42,7 @@ def test_the_page_lists_what_the_tool_allows():
 
 @pytest.mark.parametrize(("old", "new"), [
     ("| `testing/`", "| `tasting/`"),
-    ("acquisition, report |", "report |"),
+    ("acquisition, history, report |", "history, report |"),
     ("`planning/` also files, workers", "`planning/` also files"),
 ])
 def test_another_list_is_noticed(old, new):
