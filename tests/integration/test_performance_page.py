@@ -83,5 +83,5 @@ def test_each_program_that_the_page_names_prints_a_table():
 def test_a_name_that_is_none_is_refused():
     refused = subprocess.run([ROOT / "tools/benchmark", "nothing"], capture_output=True, text=True, check=False)
     assert refused.returncode == 2
-    named = "all campaign cortex_m4 entered hand_laid history latency sample_way scaling simulation "
+    named = "all campaign cortex_m4 entered hand_laid history latency prior sample_way scaling simulation "
     assert f"NAME is one of: {named}" in refused.stderr

@@ -32,6 +32,7 @@ from tumble.model.prior import (
     Prior,
     Run,
     by_parameters,
+    difference_test,
     estimate_with_prior,
     parameters,
 )
@@ -116,6 +117,10 @@ def test_rows_in_the_same_least_squares_are_the_two_estimates_weighed(name):
     rows, difference = by_parameters(own.k, own.u0), told.values - parameters(own.k, own.u0)
     joint = rows @ covariance @ rows.T + told.covariance
     assert found.test.chi_squared == pytest.approx(difference @ np.linalg.solve(joint, difference), rel=1e-3)
+    of_difference = difference_test(told, own.k, own.u0, covariance)
+    assert of_difference.chi_squared == pytest.approx(difference @ np.linalg.solve(joint, difference), rel=1e-9)
+    assert of_difference.change == pytest.approx(found.test.change, abs=(0.03 * found.test.u_change).max())
+    assert of_difference.u_change == pytest.approx(found.test.u_change, rel=1e-3)
     assert found.test.freedom == 9
 
 
@@ -366,6 +371,18 @@ def test_a_changed_block_is_not_hidden(folder, tumble):
     text = tumble(*options(folder, "changed.csv")).stdout
     assert text.startswith("PASS") and "\nBeware: the block has changed since 2026-03-01" in text
     assert "365 days earlier, NOT USED" in text
+
+
+def test_another_block_under_the_same_number_is_told(folder, tmp_path, tumble, refused):
+    """Changed by 1 %, a thousand u, where nothing is linear: still no disagreement of two computations."""
+    other, sizes = NOMINAL_K * 1.01 + np.arange(9).reshape(3, 3) * 2e-3, U0 + 0.05
+    write_run(folder / "other.csv", PAPER, simulated(PAPER, other, sizes, seed=15))
+    write_run(folder / "other_one.csv", ONE, simulated(ONE, other, sizes, seed=15))
+    done = tumble(*options(folder, "other.csv"), "--json")
+    told = valid(done.stdout)
+    assert done.returncode == 1 and not told["prior"]["used"] and told["prior"]["p"] == 0.0
+    assert np.abs(np.array(told["K"]) - other).max() < 4.0 * np.max(told["u_K"])
+    assert "the block has changed since 2026-03-01" in refused(*options(folder, "other_one.csv"))
 
 
 def test_a_changed_block_has_no_result_where_the_run_does_not_determine_it(folder, refused):

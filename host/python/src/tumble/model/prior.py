@@ -323,6 +323,17 @@ def estimate_with_prior(
     raise NotSolvable("run and prior have no coefficients in common: axes or mountings exchanged, or another block")
 
 
+def difference_test(prior: Prior, k: Floats, u0: Floats, covariance: Floats) -> PriorTest:
+    """Of an estimate without the prior: K (3, 3), U0 (3,) and their covariance (12, 12). However far the two are from
+    each other, nothing is linearised between them."""
+    by = by_parameters(k, u0)
+    inverse = np.linalg.inv(by @ covariance @ by.T + prior.covariance)
+    difference = parameters(k, u0) - prior.values
+    chi_squared, pull, variance = float(difference @ inverse @ difference), inverse @ difference, np.diag(inverse)
+    p = chi_squared_above(chi_squared, len(difference))
+    return PriorTest(chi_squared, len(difference), p, pull / variance, 1.0 / np.sqrt(variance))
+
+
 def _test(schedule: Schedule, prior: Prior, k: Floats, u0: Floats, of_rows: Floats, brought: Floats) -> PriorTest:
     """At the estimate; `brought` (12, 12): covariance by the run."""
     rows, left = prior.rows(k, u0)

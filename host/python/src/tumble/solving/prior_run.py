@@ -27,7 +27,7 @@ from tumble.model.errors import by_coefficient
 from tumble.model.estimators import unidentified
 from tumble.model.fit import WholeModel, judge, variance_of_means
 from tumble.model.optimal import OptimalEstimate, mean_sigma, samples_in_a_mean
-from tumble.model.prior import Given, Prior, PriorTest, WithPrior, estimate_with_prior
+from tumble.model.prior import Given, Prior, WithPrior, difference_test, estimate_with_prior
 from tumble.model.propagation import SHARE, Propagation
 from tumble.model.stand_seen import RunSeen, estimate_stand_errors, pooled_noise, stand_for_estimate, weights_of
 from tumble.solving.computation import Comparison, Computation, compare, computation_of
@@ -61,12 +61,15 @@ def solve_with_prior(
         confidence=rule.confidence,
         coverage_factor=rule.coverage_factor,
     )
-    start = alone.found.k, alone.found.u0
-    joint = _solve(prior, schedule, run, alone.propagation, alone.mean_variance, rule.limit_g, file, start)
+    assert alone.covariance is not None  # of a declared stand
+    test = difference_test(prior, alone.found.k, alone.found.u0, alone.covariance)
     u_norm_g = None if alone.u_norm is None else alone.u_norm.worst_g
-    outcome = PriorOutcome(prior, joint.test, joint.test.p >= 1.0 - rule.confidence, u_norm_g)
+    outcome = PriorOutcome(prior, test, test.p >= 1.0 - rule.confidence, u_norm_g)
     if not outcome.used:
         return replace(alone, prior=outcome)
+    given, start = alone.propagation, (alone.found.k, alone.found.u0)
+    estimate = _estimate(prior, run, given, alone.mean_variance, file, start)
+    joint = _joint(estimate, prior, schedule, run, given, rule.limit_g, file)
     return replace(
         alone,
         found=joint.found,
@@ -96,11 +99,13 @@ def _by_prior(
     variance = noise.mean_variance[run.measured]
     schedule = planned.data.part(run.measured)
     given = Propagation(schedule, prior.k, declared, samples, OPTIMAL, step)
-    joint = _solve(prior, planned, run, given, variance, rule.limit_g, file)
-    outcome = PriorOutcome(prior, joint.test, joint.test.p >= 1.0 - rule.confidence, None, tuple(undetermined))
+    estimate = _estimate(prior, run, given, variance, file)
+    is_alike = estimate.test.p >= 1.0 - rule.confidence
+    outcome = PriorOutcome(prior, estimate.test, is_alike, None, tuple(undetermined))
     if (finding := outcome.finding) is not None:
         lost = ", ".join(undetermined)
         raise BadInput(f"{finding}; these positions without a prior cannot identify {lost}", file)
+    joint = _joint(estimate, prior, planned, run, given, rule.limit_g, file)
     found, alike = joint.found, stand_for_estimate(declared, joint.found.k)
     of_means = variance_of_means(declared, run.samples, noise.rounding)[run.measured]
     model = WholeModel(schedule, means, of_means, declared, known=(found.k, found.u0))
@@ -127,44 +132,53 @@ def _by_prior(
 
 
 @dataclass(frozen=True)
-class Joint:
+class _Joint:
     """Of run and prior together, as a Solution has it."""
 
     found: Computation
     comparison: Comparison
     stated: Uncertainties
     propagation: Propagation
-    test: PriorTest
 
 
-def _solve(
+def _estimate(
+    prior: Prior,
+    run: Run,
+    given: Propagation,
+    variance: Floats,
+    file: str,
+    start: tuple[Floats, Floats] | None = None,
+) -> WithPrior:
+    """Of a run whose measured positions are `given`; `variance` (positions measured, 3) of its means by the noise as
+    measured; `start` as of estimate_with_prior. Raises BadInput where there is no estimate."""
+    rest = Given(given.schedule, given.stand, given.samples, given.step)
+    try:
+        return estimate_with_prior(rest, run.means[run.measured], prior, variance, start)
+    except (NotSolvable, np.linalg.LinAlgError) as error:
+        raise BadInput(f"--prior: {error}", file) from None
+
+
+def _joint(
+    estimate: WithPrior,
     prior: Prior,
     schedule: core.CoreSchedule,
     run: Run,
     given: Propagation,
-    variance: Floats,
     limit_g: float,
     file: str,
-    start: tuple[Floats, Floats] | None = None,
-) -> Joint:
-    """Of a `run` on a `schedule`, which is `given` as it was measured; `variance` (positions measured, 3) of its means
-    by the noise as measured; `start` as of estimate_with_prior. Raises BadInput where there is no estimate, or one that
-    no block has; Disagreement."""
-    means = run.means[run.measured]
+) -> _Joint:
+    """What follows from an estimate, on the `schedule` of the run. Raises BadInput for one that no block has;
+    Disagreement."""
+    twelve = np.concatenate([estimate.k.ravel(), estimate.u0])
     try:
-        rest = Given(given.schedule, given.stand, given.samples, given.step)
-        estimate = estimate_with_prior(rest, means, prior, variance, start)
-        twelve = np.concatenate([estimate.k.ravel(), estimate.u0])
         found = computation_of(schedule, run.means, run.measured, OPTIMAL, limit_g, twelve)
-    except (NotSolvable, np.linalg.LinAlgError) as error:
+    except NotSolvable as error:
         raise BadInput(f"--prior: {error}", file) from None
-    comparison = _confirm(estimate, found, prior, given, means, run)
-    return Joint(
+    return _Joint(
         found,
-        comparison,
+        _confirm(estimate, found, prior, given, run.means[run.measured], run),
         Uncertainties(*by_coefficient(estimate.covariance), estimate.covariance),
         replace(given, k=estimate.k, prior=(prior, estimate.u0)),
-        estimate.test,
     )
 
 
