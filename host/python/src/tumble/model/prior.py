@@ -9,14 +9,14 @@ no part of a prior: it is left to the run. So a prior is nine rows
 of the covariance of p, beside the outputs of the run in one least-squares problem. As P depends on beta, the problem is
 made again where the one before ended.
 
-First the two are held against each other. With G the gains of the means, of covariance C, and M those of the whitened
-rows, the estimate leaves e = p - p(beta) of the rows, of covariance
+First the two are held against each other. Of a run that determines all coefficients it is the difference of its own
+parameters and the prior, in units of their joint covariance. Of another, with G the gains of the means, of covariance
+C, and M those of the whitened rows, the estimate leaves e = p - p(beta) of the rows, of covariance
 
     S = (I - P M)(I - P M)^T + P G C G^T P^T
 
 whose rank is 9, less the coefficients that the run alone does not determine. e^T S^+ e is then chi-squared if the block
-is the one that it was: for a run that determines all, it is that of the difference of its own estimate and the prior,
-in units of what both leave open.
+is the one that it was.
 """
 
 from __future__ import annotations
