@@ -6,6 +6,7 @@
  *     regions        where in the memory what is kept
  *     set            a set, and its bytes
  *     store          the active set, the factory set, a proposal, the set before: two slots, and what goes into them
+ *     over temperature    sets with slopes, for a board that asks for them
  *     history        the last sets that became active, in short, and their trend
  *     trend          what the history says of each coefficient's drift
  *     checkpoint     the finished positions of the run under way
@@ -139,6 +140,7 @@ enum {
                                         * service level open, when they could be changed */
 #define TUMBLE_SET_HAS_TEMPERATURE_RANGE 0x0080U /* of all samples averaged, also for means given up */
 #define TUMBLE_SET_FLAGS 0x00FFU
+#define TUMBLE_SET_HAS_SLOPES 0x0100U /* of version 2 alone: see "Sets over temperature" */
 
 typedef struct {
     /* Written by the store's jobs, which do not read what a caller puts here. For tumble_set_encode the caller fills them. */
@@ -212,13 +214,13 @@ typedef enum {
 
 /* What the last scan found in a region. Private to the store, as all that follows. */
 typedef struct {
-    tumble_set_stamp_t stamp;
+    tumble_set_stamp_t stamp; /* origin 0: there is no set */
     uint32_t crc;
-    bool valid;
-    bool newer; /* what is here is whole, but of a newer version */
 } tumble_store_place_t;
 
 typedef struct {
+    tumble_status_t (*read_set)(const uint8_t bytes[TUMBLE_SET_BYTES],
+                                tumble_set_t *set); /* of the versions it knows */
     uint8_t factory; /* the cell where the factory set is, or else where it would go; TUMBLE_FACTORY_PLACES: nowhere */
     bool lent;       /* `bytes` are: nothing else may be put there */
     uint16_t flags;  /* further ones for the record that is loaded */
@@ -230,6 +232,7 @@ typedef struct {
     tumble_cells_t cells;                  /* four of TUMBLE_FACTORY_PITCH in a sector */
     uint8_t bytes[TUMBLE_SET_PLACE_BYTES]; /* record and mark; lent to the owner for a record of its own, which no job
                                             * of the store can meet: there is one job at a time on one memory */
+    bool newer;                            /* in one of the places something is whole, but of a newer version */
 } tumble_store_t;
 
 static_assert(sizeof(tumble_store_t) <= 768U, "the store must stay small");
@@ -307,6 +310,43 @@ tumble_status_t tumble_store_rollback(tumble_store_t *store);
 
 /* Write the factory set. TUMBLE_E_STATE: there is one, or all TUMBLE_FACTORY_PLACES attempts are spent. */
 tumble_status_t tumble_store_write_factory(tumble_store_t *store, const tumble_set_t *set);
+
+/* ---- Sets over temperature: polynomials up to the second degree (tumble_thermal_t), in records of version 2.
+ *
+ * A board that calls tumble_store_init_thermal reads both versions; to any other a set of version 2 is one of a newer
+ * version. The record has the size of version 1, so jobs, power cuts and places are the same; all coefficients and
+ * uncertainties in it are single precision. Those numbers are the set: what is computed from them is the same everywhere.
+ *
+ * In the tumble_set_t of a set of version 2, the flag TUMBLE_SET_HAS_SLOPES is set, the coefficients are those at
+ * temperature_c, which is T0, and the range of temperatures is that of the polynomials. Its uncertainties are those at the
+ * temperature of the last run; of a factory set, the largest over the range. Without its slopes it cannot be written again:
+ * tumble_set_encode refuses the flag.
+ */
+#define TUMBLE_SET_SCHEMA_THERMAL 2U
+
+/* As tumble_set_encode, version 2. The set's coefficients, temperature and range are taken from `thermal`; its range is
+ * narrowed to half degrees within -64 and 63.5 degrees C, which a sample can tell.
+ * Returns as tumble_set_encode, and TUMBLE_E_ARGUMENT where nothing is left of the range; TUMBLE_E_NOT_FINITE also where a
+ * number is too large for single precision. */
+tumble_status_t tumble_set_encode_thermal(const tumble_set_t *set, const tumble_thermal_t *thermal,
+                                          uint8_t bytes[TUMBLE_SET_BYTES]);
+
+/* As tumble_set_decode, either version. A set of version 1 has no slopes: its coefficients hold at all temperatures that a
+ * sample can tell, -64 to 63.5 degrees C. */
+tumble_status_t tumble_set_decode_thermal(const uint8_t bytes[TUMBLE_SET_BYTES], tumble_set_t *set,
+                                          tumble_thermal_t *thermal);
+
+/* As tumble_store_init, for a store that reads both versions. */
+tumble_status_t tumble_store_init_thermal(tumble_store_t *store, const tumble_nv_t *nv);
+
+/* As tumble_store_read, with the polynomials. */
+tumble_status_t tumble_store_read_thermal(tumble_store_t *store, tumble_which_set_t which, tumble_set_t *set,
+                                          tumble_thermal_t *thermal);
+
+/* As tumble_store_commit (TUMBLE_SET_ACTIVE), tumble_store_hold (TUMBLE_SET_PROPOSAL) or tumble_store_write_factory
+ * (TUMBLE_SET_FACTORY), version 2. Returns as those and as tumble_set_encode_thermal. */
+tumble_status_t tumble_store_write_thermal(tumble_store_t *store, tumble_which_set_t which, const tumble_set_t *set,
+                                           const tumble_thermal_t *thermal);
 
 /* ---- The history: the last sets that became active, in short.
  *
