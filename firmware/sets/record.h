@@ -64,6 +64,9 @@ tumble_status_t tumble_thermal_read_set(const uint8_t bytes[TUMBLE_SET_BYTES], t
 void tumble_thermal_from_record(const uint8_t bytes[TUMBLE_SET_BYTES], const tumble_set_t *set,
                                 tumble_thermal_t *thermal);
 
+/* The job that has just begun writes this set instead. */
+tumble_status_t tumble_thermal_put(tumble_store_t *store, const tumble_set_t *set, const tumble_thermal_t *thermal);
+
 /* Put another stamp on the record of a set, and take it off. */
 void tumble_set_stamp(uint8_t bytes[TUMBLE_SET_BYTES], const tumble_set_stamp_t *stamp);
 void tumble_set_get_stamp(const uint8_t bytes[TUMBLE_SET_BYTES], tumble_set_stamp_t *stamp);

@@ -15,7 +15,8 @@
 #define STEPS 255            /* from there to the highest */
 #define LOWEST_C ((double)LOWEST_HALF_C / HALF_DEGREES)
 #define HIGHEST_C ((double)(LOWEST_HALF_C + STEPS) / HALF_DEGREES)
-#define NEEDED (TUMBLE_SET_HAS_TEMPERATURE | TUMBLE_SET_HAS_TEMPERATURE_RANGE)
+#define ALWAYS (TUMBLE_SET_HAS_SLOPES | TUMBLE_SET_HAS_TEMPERATURE_RANGE)
+#define DIFFERENCE (TUMBLE_SET_HAS_SLOPES | TUMBLE_SET_HAS_TEMPERATURE) /* T0 is the temperature of no run */
 
 static const uint8_t head[TUMBLE_SET_AT_FIELDS] = {
     0x54, 0x53, 0x45, 0x54, TUMBLE_SET_SCHEMA_THERMAL, 0, TUMBLE_SET_BYTES & 0xFFU, TUMBLE_SET_BYTES >> 8};
@@ -46,7 +47,7 @@ static void to_version_1(const uint8_t *bytes, uint32_t flags, uint8_t *plain)
 {
     (void)memcpy(plain, bytes, TUMBLE_SET_BYTES);
     plain[sizeof(uint32_t)] = TUMBLE_SET_SCHEMA;
-    tumble_put_u16(&plain[TUMBLE_SET_AT_FLAGS], (uint16_t)(flags & ~TUMBLE_SET_HAS_SLOPES));
+    tumble_put_u16(&plain[TUMBLE_SET_AT_FLAGS], (uint16_t)(flags ^ DIFFERENCE));
     for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
         const uint32_t at = (uint32_t)c * sizeof(double);
         tumble_put_f64(&plain[TUMBLE_SET_AT_K + at], number_in(bytes, c));
@@ -72,15 +73,15 @@ tumble_status_t tumble_thermal_read_set(const uint8_t bytes[TUMBLE_SET_BYTES], t
         return TUMBLE_E_CRC;
     }
     const uint32_t flags = tumble_get_u16(&bytes[TUMBLE_SET_AT_FLAGS]);
-    const uint32_t needed = NEEDED | TUMBLE_SET_HAS_SLOPES;
+    const bool in_order = (flags & (ALWAYS | TUMBLE_SET_HAS_TEMPERATURE)) == ALWAYS;
     uint8_t plain[TUMBLE_SET_BYTES];
-    tumble_status_t status = ((flags & needed) == needed) ? check_slopes(bytes) : TUMBLE_E_ARGUMENT;
+    tumble_status_t status = in_order ? check_slopes(bytes) : TUMBLE_E_ARGUMENT;
     if (status == TUMBLE_OK) {
         to_version_1(bytes, flags, plain);
         status = tumble_set_read_fields(plain, set);
     }
     if ((status == TUMBLE_OK) && (set != NULL)) {
-        set->flags |= TUMBLE_SET_HAS_SLOPES;
+        set->flags = (uint16_t)flags;
     }
     return status;
 }
@@ -153,7 +154,7 @@ static tumble_status_t plain_set(const tumble_set_t *set, const tumble_thermal_t
     plain->temperature_c = thermal->reference_c;
     plain->temperature_min_half_c = (int8_t)((LOWEST_HALF_C + STEPS) - from_highest);
     plain->temperature_max_half_c = (int8_t)(LOWEST_HALF_C + from_lowest);
-    plain->flags = (uint16_t)((set->flags & ~TUMBLE_SET_HAS_SLOPES) | NEEDED);
+    plain->flags = (uint16_t)((set->flags | ALWAYS | DIFFERENCE) ^ TUMBLE_SET_HAS_SLOPES);
     return is_range ? TUMBLE_OK : TUMBLE_E_ARGUMENT;
 }
 
@@ -162,7 +163,7 @@ static void to_version_2(const tumble_set_t *plain, const tumble_thermal_t *ther
 {
     const bool known = (plain->flags & TUMBLE_SET_HAS_UNCERTAINTY) != 0U;
     (void)memcpy(bytes, head, sizeof head);
-    tumble_put_u16(&bytes[TUMBLE_SET_AT_FLAGS], (uint16_t)(plain->flags | TUMBLE_SET_HAS_SLOPES));
+    tumble_put_u16(&bytes[TUMBLE_SET_AT_FLAGS], (uint16_t)(plain->flags ^ DIFFERENCE));
     for (int n = 0; n < (NUMBERS + TUMBLE_COEFFICIENTS); n++) {
         double number = 0.0;
         if (n < NUMBERS) {
@@ -231,6 +232,19 @@ static tumble_status_t begin(tumble_store_t *store, tumble_which_set_t which, co
 }
 
 /* A job that has begun has written nothing yet: its record waits in the store. */
+tumble_status_t tumble_thermal_put(tumble_store_t *store, const tumble_set_t *set, const tumble_thermal_t *thermal)
+{
+    tumble_set_t plain;
+    tumble_status_t status = plain_set(set, thermal, &plain);
+    if (status == TUMBLE_OK) {
+        status = tumble_set_encode_as(&plain, &store->stamp, store->bytes);
+        to_version_2(&plain, thermal, store->bytes);
+        tumble_set_stamp(store->bytes, &store->stamp);
+        tumble_store_mark(store->bytes);
+    }
+    return status;
+}
+
 tumble_status_t tumble_store_write_thermal(tumble_store_t *store, tumble_which_set_t which, const tumble_set_t *set,
                                            const tumble_thermal_t *thermal)
 {
@@ -242,10 +256,5 @@ tumble_status_t tumble_store_write_thermal(tumble_store_t *store, tumble_which_s
     if (status == TUMBLE_OK) {
         status = begin(store, which, &plain);
     }
-    if (status == TUMBLE_OK) {
-        to_version_2(&plain, thermal, store->bytes);
-        tumble_set_stamp(store->bytes, &store->stamp);
-        tumble_store_mark(store->bytes);
-    }
-    return status;
+    return (status == TUMBLE_OK) ? tumble_thermal_put(store, &plain, thermal) : status;
 }

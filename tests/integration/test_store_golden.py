@@ -51,7 +51,7 @@ def expected_fields(case):
         numbers["flags"] |= codec.HAS_TEMPERATURE_RANGE if numbers["temperature_range_c"] else 0
         numbers["serial"] = numbers["serial"].encode().ljust(24, b"\0").hex()
         slopes = numbers.pop("slopes", None)
-        numbers["flags"] |= codec.HAS_SLOPES if slopes else 0
+        numbers["flags"] ^= codec.HAS_SLOPES | codec.HAS_TEMPERATURE if slopes else 0
         numbers["slopes"] = [number for power in slopes or () for number in power]
         lengths = {"u_k": 9, "u_u0": 3, "check": 3, "temperature_range_c": 2}
         numbers = {name: [0.0] * lengths.get(name, 1) if value is None else value for name, value in numbers.items()}
@@ -200,14 +200,14 @@ def test_a_wrong_field_under_a_right_checksum_is_refused_by_both(firmware, chang
 
 @pytest.mark.parametrize("changed", [
     [(15, 0x00)],  # schema 2 without the flag of slopes
-    [(14, 0xBE)],  # no temperature
-    [(14, 0x3F)],  # no range
+    [(14, 0xBF)],  # the temperature of a run
+    [(14, 0x3E)],  # no range
     [(295, 0xAF)],  # an end below the other
     [(67, 0x7F), (66, 0x80)],  # infinite
 ], ids=["slopes", "temperature", "no range", "order", "infinite"])
 def test_a_wrong_field_of_version_2_is_refused_by_both(firmware, changed):
     whole = (GOLDEN / "set_slopes.bin").read_bytes()
-    assert whole[4:6] == bytes([2, 0]) and whole[14:16] == bytes([0xBF, 1]) and whole[294:296] == bytes([0xB0, 0x7F])
+    assert whole[4:6] == bytes([2, 0]) and whole[14:16] == bytes([0xBE, 1]) and whole[294:296] == bytes([0xB0, 0x7F])
     record = with_a_seal(whole, *changed)
     with pytest.raises(codec.NotARecord, match="a field is out of its range"):
         codec.decode_set(record)

@@ -318,7 +318,7 @@ tumble_status_t tumble_store_write_factory(tumble_store_t *store, const tumble_s
  * uncertainties in it are single precision. Those numbers are the set: what is computed from them is the same everywhere.
  *
  * In the tumble_set_t of a set of version 2, the flag TUMBLE_SET_HAS_SLOPES is set, the coefficients are those at
- * temperature_c, which is T0, and the range of temperatures is that of the polynomials. Its uncertainties are those at the
+ * temperature_c, which is T0 and no temperature of a run (TUMBLE_SET_HAS_TEMPERATURE is cleared), and the range of temperatures is that of the polynomials. Its uncertainties are those at the
  * temperature of the last run; of a factory set, the largest over the range. Without its slopes it cannot be written again:
  * tumble_set_encode refuses the flag.
  */
@@ -539,7 +539,8 @@ tumble_status_t tumble_checkpoint_read(tumble_checkpoint_t *checkpoint, uint8_t 
  *
  * The caller adds TUMBLE_OBJECTION_DOES_NOT_FIT, TUMBLE_OBJECTION_WHOLE_MODEL, TUMBLE_OBJECTION_DISTURBED,
  * TUMBLE_OBJECTION_OTHER_RULES, TUMBLE_OBJECTION_NEWER_SET and TUMBLE_OBJECTION_NOT_SHOWN: a set holds neither means nor
- * covariances, and knows neither its bus nor who set its rules, nor what else is in the memory.
+ * covariances, and knows neither its bus nor who set its rules, nor what else is in the memory. TUMBLE_OBJECTION_TEMPERATURE
+ * comes of tumble_thermal_sets_t.
  */
 /* Drift is allowed for so many months at most, however far apart the dates are. Otherwise a clock that is years ahead
  * would excuse any change; and after so long a time the block should be inspected. */
@@ -564,7 +565,8 @@ tumble_status_t tumble_checkpoint_read(tumble_checkpoint_t *checkpoint, uint8_t 
     X(TUMBLE_OBJECTION_WHOLE_MODEL, "twelve coefficients and the declared stand do not explain the run as a whole")    \
     X(TUMBLE_OBJECTION_DISTURBED, "too many samples or position reports were lost, refused or not believed")           \
     X(TUMBLE_OBJECTION_NEWER_SET, "the memory holds a set of a newer version, which this one would replace")           \
-    X(TUMBLE_OBJECTION_NOT_SHOWN, "three u(|a|) exceed the gravity limit at some attitude: it is not shown to be met")
+    X(TUMBLE_OBJECTION_NOT_SHOWN, "three u(|a|) exceed the gravity limit at some attitude: it is not shown to be met") \
+    X(TUMBLE_OBJECTION_TEMPERATURE, "the temperature is not known, or outside the range of the active set's slopes")
 
 /* The bit numbers. */
 typedef enum {
@@ -631,6 +633,29 @@ typedef struct {
     uint8_t flags;                /* TUMBLE_SETS_... */
 } tumble_sets_settings_t;
 
+/* Sets with slopes in a navigation computer, which asks for them by lending this memory, after tumble_thermal_sets_init.
+ * Private.
+ *
+ * Where the active set has slopes, a run is compared with its coefficients at the run's temperature. If they agree,
+ * tumble_thermal_update makes the next set of both, with the drift that the rules allow for the time between as growth; if
+ * they do not (TUMBLE_OBJECTION_CHANGE), or one of the uncertainties is not known, offset and scale are those of the run
+ * alone. The slopes stay either way. A run whose temperature is not known or outside the range is held, without slopes
+ * (TUMBLE_OBJECTION_TEMPERATURE). A run that is offered again is known by its gravity check, equal to the last bit. */
+typedef struct tumble_thermal_sets {
+    tumble_status_t (*read_set)(const uint8_t bytes[TUMBLE_SET_BYTES], tumble_set_t *set);
+    /* Bring a set, which the store has just read, to the run's temperature; returns objections. Null: a job has begun to
+     * write the run, and writes what it makes of the last such set. */
+    uint32_t (*consult)(struct tumble_thermal_sets *sets, tumble_store_t *store, const tumble_set_t *run,
+                        const tumble_commit_limits_t *limits, tumble_set_t *set);
+    tumble_thermal_t thermal; /* of the last set, as it was read */
+    tumble_uncertainty_t uncertainty;
+    uint64_t date_utc_s;
+    bool moves;    /* there are slopes, and the run can move them */
+    bool is_known; /* the uncertainty */
+} tumble_thermal_sets_t;
+
+void tumble_thermal_sets_init(tumble_thermal_sets_t *sets);
+
 /* The board's, const; must outlive the owner. */
 typedef struct {
     const char *serial;                     /* of the block, 1 to TUMBLE_SET_SERIAL_BYTES characters */
@@ -645,6 +670,9 @@ typedef struct {
      * of it in each step. Both null: not tested, and nothing of it is linked. */
     bool (*whole_step)(tumble_whole_work_t *work, const tumble_misfit_run_t *run);
     tumble_whole_work_t *whole_work;
+
+    /* Sets with slopes are read, and recalibrated. Null: they are of a newer version, and nothing of it is linked. */
+    tumble_thermal_sets_t *thermal;
 } tumble_sets_config_t;
 
 /* A clock that is set back by less than this makes no run due. */

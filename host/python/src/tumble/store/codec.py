@@ -27,7 +27,7 @@ COLDEST_C, WARMEST_C = -64.0, 63.5  # that a sample can tell
 _HEADS = {version: struct.pack("<4sHH", b"TSET", version, SET_BYTES) for version in (1, 2)}
 _SETS = {1: struct.Struct("<8sIBBH24sQ2d12d12d4dIBB2b5I"), 2: struct.Struct("<8sIBBH24sQ2d36f12f4dIBB2b5I")}
 _FLAGS = {1: 0x0FF, 2: 0x1FF}
-_NEEDED = HAS_SLOPES | HAS_TEMPERATURE | HAS_TEMPERATURE_RANGE  # of version 2
+_ALWAYS = HAS_SLOPES | HAS_TEMPERATURE_RANGE  # in version 2, and never HAS_TEMPERATURE, which is that of a run
 _ENTRY = struct.Struct("<4sIIBBHQf12f12f")
 _RUN_HEAD = struct.pack("<4sHH", b"TRUN", 1, CELL_BYTES)
 _POSITION = struct.Struct("<2sBxI3q3f2B14x")
@@ -129,8 +129,10 @@ def encode_set(s: CoefficientSet) -> bytes:
     flags = sum(bit for bit, value in known if value is not None) | (RESUMED if s.resumed else 0)
     flags |= (OTHER_RULES if s.other_rules else 0) | (0 if s.slopes is None else HAS_SLOPES)
     version = 1 if s.slopes is None else 2
-    if version == 2 and flags & _NEEDED != _NEEDED:
-        raise ValueError("slopes need the temperature that they are about, and the range where they hold")
+    if version == 2:
+        if s.temperature_c is None or s.temperature_range_c is None:
+            raise ValueError("slopes need the temperature that they are about, and the range where they hold")
+        flags &= ~HAS_TEMPERATURE
     serial = s.serial.encode()
     if len(serial) > 24 or b"\0" in serial:
         raise ValueError("a serial has at most 24 bytes of UTF-8, none of them zero")
@@ -160,7 +162,7 @@ def decode_set(bytes_: bytes) -> CoefficientSet:
     *numbers, samples, fit, check, low, high, schedule, stand, reasons, restores, from_crc = rest
     finite = all(map(math.isfinite, [temperature, gravity, *numbers]))
     in_range = low <= high if flags & HAS_TEMPERATURE_RANGE else low == high == 0
-    complete = version == 1 or flags & _NEEDED == _NEEDED
+    complete = version == 1 or flags & (_ALWAYS | HAS_TEMPERATURE) == _ALWAYS
     if origin not in ORIGINS or flags & ~_FLAGS[version] or not (finite and in_range and complete):
         raise NotARecord("a field is out of its range")
     slopes = None if version == 1 else [numbers[12:24], numbers[24:36]]
@@ -175,7 +177,7 @@ def decode_set(bytes_: bytes) -> CoefficientSet:
         estimator,
         serial.rstrip(b"\0").decode("utf-8", "backslashreplace"),
         date or None,
-        known(HAS_TEMPERATURE, temperature),
+        known(HAS_TEMPERATURE | HAS_SLOPES, temperature),
         known(HAS_GRAVITY, gravity),
         doubles[:9],
         doubles[9:12],
