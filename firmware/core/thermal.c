@@ -23,17 +23,17 @@ tumble_status_t tumble_thermal_at(const tumble_thermal_t *thermal, double temper
     }
     tumble_status_t status = check(thermal, temperature_c);
     const double kelvin = temperature_c - thermal->reference_c;
-    double found[TUMBLE_COEFFICIENTS];
+    tumble_coefficients_t found;
     for (int c = 0; (c < TUMBLE_COEFFICIENTS) && (status == TUMBLE_OK); c++) {
         double sum = 0.0;
         for (int m = TUMBLE_THERMAL_POWERS - 1; m >= 0; m--) {
             sum = (sum * kelvin) + tumble_coefficient(&thermal->power[m], c);
         }
-        found[c] = sum;
+        tumble_put_coefficient(&found, c, sum);
         status = tumble_is_finite(sum) ? TUMBLE_OK : TUMBLE_E_NOT_FINITE;
     }
     if (status == TUMBLE_OK) {
-        (void)memcpy(coefficients, found, sizeof found);
+        *coefficients = found;
     }
     return status;
 }
@@ -74,19 +74,19 @@ tumble_status_t tumble_thermal_update(tumble_thermal_t *thermal, tumble_uncertai
     }
     tumble_coefficients_t there;
     tumble_status_t status = tumble_thermal_at(thermal, run->temperature_c, &there);
-    double constant[TUMBLE_COEFFICIENTS];
-    double u[TUMBLE_COEFFICIENTS];
+    tumble_coefficients_t constant;
+    tumble_uncertainty_t u;
     for (int c = 0; (c < TUMBLE_COEFFICIENTS) && (status == TUMBLE_OK); c++) {
         double moved[2] = {0.0, 0.0};
         const double difference = tumble_coefficient(run->coefficients, c) - tumble_coefficient(&there, c);
         status = move(difference, tumble_coefficient(uncertainty, c), tumble_coefficient(growth, c),
                       tumble_coefficient(run->uncertainty, c), moved);
-        constant[c] = tumble_coefficient(&thermal->power[0], c) + moved[0];
-        u[c] = moved[1];
+        tumble_put_coefficient(&constant, c, tumble_coefficient(&thermal->power[0], c) + moved[0]);
+        tumble_put_coefficient(&u, c, moved[1]);
     }
     if (status == TUMBLE_OK) {
-        (void)memcpy(&thermal->power[0], constant, sizeof constant);
-        (void)memcpy(uncertainty, u, sizeof u);
+        thermal->power[0] = constant;
+        *uncertainty = u;
     }
     return status;
 }

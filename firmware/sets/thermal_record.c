@@ -99,11 +99,9 @@ void tumble_thermal_from_record(const uint8_t bytes[TUMBLE_SET_BYTES], const tum
         thermal->lowest_c = (double)set->temperature_min_half_c / HALF_DEGREES;
         thermal->highest_c = (double)set->temperature_max_half_c / HALF_DEGREES;
         for (int m = 1; m < TUMBLE_THERMAL_POWERS; m++) {
-            double slopes[TUMBLE_COEFFICIENTS];
             for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
-                slopes[c] = number_in(bytes, (m * TUMBLE_COEFFICIENTS) + c);
+                tumble_put_coefficient(&thermal->power[m], c, number_in(bytes, (m * TUMBLE_COEFFICIENTS) + c));
             }
-            (void)memcpy(&thermal->power[m], slopes, sizeof slopes);
         }
     }
 }

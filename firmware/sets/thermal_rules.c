@@ -4,8 +4,6 @@
 #include "sets/record.h"
 #include "sets/rules.h"
 
-#include <string.h>
-
 #define NEAR_SIGMAS 3.0
 #define ROUNDING 1e-6 /* of single precision, and more */
 
@@ -49,11 +47,6 @@ static uint32_t bring(tumble_thermal_sets_t *sets, const tumble_store_t *store, 
     return sets->moves ? 0U : TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_TEMPERATURE);
 }
 
-static void put(tumble_uncertainty_t *uncertainty, int c, double value)
-{
-    (void)memcpy((uint8_t *)uncertainty + ((size_t)c * sizeof value), &value, sizeof value);
-}
-
 /* Of what the run and the polynomials say together; or else of the run alone: as if it were certain, and anything might
  * have changed. */
 static void make(tumble_thermal_sets_t *sets, tumble_store_t *store, const tumble_set_t *run,
@@ -66,10 +59,11 @@ static void make(tumble_thermal_sets_t *sets, tumble_store_t *store, const tumbl
     const tumble_thermal_run_t there = {run->temperature_c, &run->coefficients, &made.uncertainty};
     const double months = tumble_commit_months(run->date_utc_s, sets->date_utc_s);
     for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
-        put(&growth, c, both ? ((double)limits->drift_per_month[c] * months * tumble_commit_length(run, c)) : 1.0);
+        tumble_put_coefficient(
+            &growth, c, both ? ((double)limits->drift_per_month[c] * months * tumble_commit_length(run, c)) : 1.0);
         if (!both) {
-            put(&sets->uncertainty, c, 0.0);
-            put(&made.uncertainty, c, 0.0);
+            tumble_put_coefficient(&sets->uncertainty, c, 0.0);
+            tumble_put_coefficient(&made.uncertainty, c, 0.0);
         }
     }
     if (tumble_thermal_update(&sets->thermal, &sets->uncertainty, &growth, &there) == TUMBLE_OK) {

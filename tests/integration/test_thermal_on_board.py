@@ -163,3 +163,30 @@ def test_what_makes_no_factory_set_is_refused(result, changes, serial, message):
     with pytest.raises(BadInput) as refused:
         factory_set(changed(result, **changes), serial)
     assert str(refused.value) == message
+
+
+def test_a_recalibration_at_one_temperature_serves_the_whole_range():
+    """A block that has changed by 200 ppm and 200 ug since, the same at all temperatures; a run at 35 deg C of 10 ppm."""
+    rng, axes = np.random.default_rng(46), np.vstack([np.eye(3), -np.eye(3), np.ones((1, 3)) / 3.0**0.5])
+    k, u0 = np.array([np.eye(3), SLOPE, SLOPE / 300.0]), np.array([[0.01, -0.02, 0.0], [5e-5] * 3, [1e-7] * 3])
+    factory = Polynomials(20.0, k, u0)
+    changed_k, changed_u0 = 2e-4 * np.eye(3), np.full(3, 2e-4)
+    now = Polynomials(20.0, k + np.array([changed_k, 0 * k[0], 0 * k[0]]), u0 + np.outer([1.0, 0.0, 0.0], changed_u0))
+    u_run = np.full(12, 1e-5)
+    there = np.concatenate([np.ravel(one) for one in now.at(35.0)]) + u_run * rng.normal(size=12)
+    growth = np.full(12, 2e-4)  # that of two months, of 1e-4 a month
+    updated, u = core_functions.thermal_update(factory, (-40.0, 60.0), u_run, growth, 35.0, there, u_run)
+    alone = Polynomials(20.0, there[None, :9].reshape(1, 3, 3), there[None, 9:])
+
+    def worst_g(held):
+        found = []
+        for at in np.arange(-40.0, 61.0, 5.0):
+            (k_at, u0_at), (k_held, u0_held) = now.at(at), held.at(at)
+            force = np.linalg.solve(k_held, (axes @ k_at.T + u0_at - u0_held).T)
+            found.append(np.abs(np.linalg.norm(force, axis=0) - 1.0).max())
+        return max(found)
+
+    before, after, single = worst_g(factory), worst_g(updated), worst_g(alone)
+    print(f"worst |a|: {1e6 * before:.0f} ug before, {1e6 * after:.0f} after; of the run alone {1e6 * single:.0f}")
+    assert before > 500e-6 and after < 20e-6 and single > 9e-3
+    assert (u < 1.05e-5).all() and (u > 0.95e-5).all()
