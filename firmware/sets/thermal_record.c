@@ -74,9 +74,9 @@ tumble_status_t tumble_thermal_read_set(const uint8_t bytes[TUMBLE_SET_BYTES], t
     }
     const uint32_t flags = tumble_get_u16(&bytes[TUMBLE_SET_AT_FLAGS]);
     const bool in_order = (flags & (ALWAYS | TUMBLE_SET_HAS_TEMPERATURE)) == ALWAYS;
-    uint8_t plain[TUMBLE_SET_BYTES];
     tumble_status_t status = in_order ? check_slopes(bytes) : TUMBLE_E_ARGUMENT;
     if (status == TUMBLE_OK) {
+        uint8_t plain[TUMBLE_SET_BYTES];
         to_version_1(bytes, flags, plain);
         status = tumble_set_read_fields(plain, set);
     }

@@ -139,10 +139,8 @@ def test_the_factory_set_of_the_page_is_one(tumble, tmp_path, result):
     assert (tmp_path / "nv.bin").stat().st_size == 65536
     active = tumble("store", "dump", tmp_path / "nv.bin").stdout.splitlines()[0]
     assert active.startswith("active (the factory set): sequence 0, factory, block '0042', ")
-    assert (
-        "degree 2 over -30 to 63.5 deg C about 20 deg C, slopes of K_xx, K_yy, K_zz 0.0001, -8e-05, 5e-05 V/g/K, "
-        in active
-    )
+    said = "degree 2 over -30 to 63.5 deg C about 20 deg C, slopes of K_xx, K_yy, K_zz 0.0001, -8e-05, 5e-05 V/g/K, "
+    assert said in active
 
 
 @pytest.mark.parametrize(
@@ -166,7 +164,7 @@ def test_what_makes_no_factory_set_is_refused(result, changes, serial, message):
 
 
 def test_a_recalibration_at_one_temperature_serves_the_whole_range():
-    """A block that has changed by 200 ppm and 200 ug since, the same at all temperatures; a run at 35 deg C of 10 ppm."""
+    """A block that has changed by 200 ppm and 200 ug, the same at all temperatures; a run at 35 deg C of 10 ppm."""
     rng, axes = np.random.default_rng(46), np.vstack([np.eye(3), -np.eye(3), np.ones((1, 3)) / 3.0**0.5])
     k, u0 = np.array([np.eye(3), SLOPE, SLOPE / 300.0]), np.array([[0.01, -0.02, 0.0], [5e-5] * 3, [1e-7] * 3])
     factory = Polynomials(20.0, k, u0)
