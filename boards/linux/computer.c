@@ -23,11 +23,13 @@ const char *computer_open_memory(computer_t *self, const char *path)
 static void add_keeper(computer_t *self, tumble_navcomp_config_t *config, const char *serial,
                        const tumble_sets_settings_t *settings)
 {
+    tumble_thermal_sets_init(&self->thermal_sets);
     self->keeper_config = (tumble_keeper_config_t){
         .sets = {.serial = serial,
                  .settings = settings,
                  .whole_step = tumble_whole_step,
-                 .whole_work = &self->whole_work},
+                 .whole_work = &self->whole_work,
+                 .thermal = &self->thermal_sets},
         .uncertainty = tumble_navcomp_uncertainty,
         .norm = tumble_navcomp_norm,
         .stand_view = tumble_stand_view,

@@ -35,6 +35,7 @@ typedef struct {
     tumble_stand_memory_t stand_memory;
     tumble_inclinations_memory_t inclinations_memory;
     tumble_whole_work_t whole_work;
+    tumble_thermal_sets_t thermal_sets;
 } computer_t;
 
 /* As can_socket_open. */

@@ -25,4 +25,9 @@ static inline double tumble_coefficient(const void *twelve, int c)
     return one;
 }
 
+static inline void tumble_put_coefficient(void *twelve, int c, double one)
+{
+    (void)memcpy((uint8_t *)twelve + ((size_t)c * sizeof one), &one, sizeof one);
+}
+
 #endif

@@ -258,7 +258,7 @@ bool tumble_keeper_has_work(const tumble_keeper_t *keeper)
     return tumble_keeper_busy(keeper) || keeper->stale || (keeper->task != (uint8_t)TASK_NONE) || (keeper->wants != 0U);
 }
 
-void tumble_keeper_fail(tumble_keeper_t *keeper, tumble_status_t status)
+TUMBLE_ONE_COPY void tumble_keeper_fail(tumble_keeper_t *keeper, tumble_status_t status)
 {
     keeper->status = (uint8_t)status;
     tumble_count(&keeper->counters.failures);
@@ -689,6 +689,10 @@ static tumble_status_t open_memory(tumble_keeper_t *keeper, const tumble_nv_t *n
     tumble_status_t status = tumble_store_init(&keeper->store, nv);
     if (status == TUMBLE_OK) {
         status = tumble_history_init(&keeper->history, nv);
+    }
+    const tumble_thermal_sets_t *thermal = keeper->config->sets.thermal;
+    if (thermal != NULL) {
+        keeper->store.read_set = thermal->read_set;
     }
     return (status == TUMBLE_OK) ? tumble_checkpoint_init(&keeper->checkpoint, nv) : status;
 }

@@ -223,6 +223,15 @@ static bool are_same(const tumble_coefficients_t *a, const tumble_coefficients_t
     return same;
 }
 
+/* Sets with slopes, if the board keeps any. */
+TUMBLE_ONE_COPY static uint32_t over_temperature(tumble_keeper_t *keeper, tumble_set_t *set)
+{
+    const tumble_sets_config_t *config = &keeper->config->sets;
+    return (config->thermal == NULL)
+               ? 0U
+               : config->thermal->consult(config->thermal, &keeper->store, &keeper->set, &keeper->settings.limits, set);
+}
+
 TUMBLE_ONE_COPY static void compare_with_sets(tumble_keeper_t *keeper)
 {
     tumble_set_t other;
@@ -231,6 +240,7 @@ TUMBLE_ONE_COPY static void compare_with_sets(tumble_keeper_t *keeper)
         return;
     }
     if (status == TUMBLE_OK) {
+        (void)over_temperature(keeper, &other);
         keeper->repeated = keeper->repeated || are_same(&other.coefficients, &keeper->set.coefficients);
     }
     keeper->at++;
@@ -294,7 +304,8 @@ static uint32_t object(const tumble_keeper_t *keeper, tumble_set_t *active)
     const uint32_t found =
         TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_DOES_NOT_FIT) | TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_WHOLE_MODEL) |
         TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_DISTURBED) | TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_NEWER_SET) |
-        TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_RULES) | TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_NOT_SHOWN);
+        TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_RULES) | TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_NOT_SHOWN) |
+        TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_TEMPERATURE);
     return (keeper->set.reasons & found) |
            tumble_commit_objections(&keeper->set, active, &keeper->settings.limits, keeper->repeated);
 }
@@ -313,6 +324,7 @@ TUMBLE_ONE_COPY static void decide(tumble_keeper_t *keeper)
         return;
     }
     note_rules(keeper);
+    keeper->set.reasons |= over_temperature(keeper, &active);
     object_if(keeper, tumble_store_has_newer(&keeper->store), TUMBLE_OBJECTION_NEWER_SET);
     keeper->objections = object(keeper, (status == TUMBLE_OK) ? &active : NULL);
     keeper->set.reasons = keeper->objections;
@@ -325,6 +337,7 @@ TUMBLE_ONE_COPY static void decide(tumble_keeper_t *keeper)
     } else {
         begin_job(keeper, TUMBLE_VERDICT_HELD, tumble_store_hold(&keeper->store, &keeper->set));
     }
+    (void)over_temperature(keeper, NULL);
 }
 
 void tumble_keeper_judge(tumble_keeper_t *keeper)

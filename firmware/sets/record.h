@@ -40,11 +40,32 @@ tumble_status_t tumble_record_check(const tumble_record_t *record, const uint8_t
 void tumble_record_seal(uint8_t *bytes, uint32_t size, uint32_t crc_before);
 bool tumble_record_is_sealed(const uint8_t *bytes, uint32_t size, uint32_t crc_before);
 
-/* For the store. As tumble_set_encode and _decode, with another stamp; without looking into the fields. A null set is
- * TUMBLE_E_ARGUMENT. */
+/* For the store. As tumble_set_encode, with another stamp; and as tumble_set_decode, where a null set is not written: the
+ * record is only checked. The latter also without head and CRC. */
 tumble_status_t tumble_set_encode_as(const tumble_set_t *set, const tumble_set_stamp_t *stamp,
                                      uint8_t bytes[TUMBLE_SET_BYTES]);
-tumble_status_t tumble_set_check(const uint8_t bytes[TUMBLE_SET_BYTES]);
+tumble_status_t tumble_set_read(const uint8_t bytes[TUMBLE_SET_BYTES], tumble_set_t *set);
+tumble_status_t tumble_set_read_fields(const uint8_t bytes[TUMBLE_SET_BYTES], tumble_set_t *set);
+
+/* Places in its bytes, for both versions (docs/embedding.md). */
+#define TUMBLE_SET_AT_FIELDS 8U
+#define TUMBLE_SET_AT_FLAGS 14U
+#define TUMBLE_SET_AT_K 64U
+#define TUMBLE_SET_AT_U 160U
+#define TUMBLE_SET_AT_RANGE 294U
+#define TUMBLE_SET_AT_CRC 316U
+
+/* The mark behind a record that is complete. */
+void tumble_store_mark(uint8_t bytes[TUMBLE_SET_PLACE_BYTES]);
+
+/* For sets over temperature: as tumble_set_read, both versions; and the polynomials of a record that it has read into
+ * `set`. */
+tumble_status_t tumble_thermal_read_set(const uint8_t bytes[TUMBLE_SET_BYTES], tumble_set_t *set);
+void tumble_thermal_from_record(const uint8_t bytes[TUMBLE_SET_BYTES], const tumble_set_t *set,
+                                tumble_thermal_t *thermal);
+
+/* The job that has just begun writes this set instead. */
+tumble_status_t tumble_thermal_put(tumble_store_t *store, const tumble_set_t *set, const tumble_thermal_t *thermal);
 
 /* Put another stamp on the record of a set, and take it off. */
 void tumble_set_stamp(uint8_t bytes[TUMBLE_SET_BYTES], const tumble_set_stamp_t *stamp);

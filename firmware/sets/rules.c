@@ -1,4 +1,4 @@
-#include "tumble/sets.h"
+#include "sets/rules.h"
 
 #include "core/arith.h"
 #include "core/coefficient.h"
@@ -23,8 +23,7 @@ static double uncertainty_of(const tumble_set_t *set, int c)
     return ((set->flags & TUMBLE_SET_HAS_UNCERTAINTY) != 0U) ? tumble_coefficient(&set->uncertainty, c) : 0.0;
 }
 
-/* |K_i| of the row that the coefficient belongs to. */
-static double length_of(const tumble_set_t *set, int c)
+double tumble_commit_length(const tumble_set_t *set, int c)
 {
     const double *row = set->coefficients.k_v_per_g[(c < ROWS_END) ? (c / TUMBLE_CHANNELS) : (c - ROWS_END)];
     return tumble_sqrt(tumble_dot(row, row));
@@ -64,7 +63,7 @@ static bool is_finite(const tumble_set_t *set)
     bool finite = true;
     for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
         const double u = uncertainty_of(set, c);
-        finite = finite && tumble_is_finite(value_of(set, c)) && tumble_is_positive(length_of(set, c)) &&
+        finite = finite && tumble_is_finite(value_of(set, c)) && tumble_is_positive(tumble_commit_length(set, c)) &&
                  tumble_is_finite(u) && !tumble_is_positive(-u);
     }
     return finite;
@@ -86,7 +85,7 @@ static bool is_certain(const tumble_set_t *candidate, const tumble_commit_limits
 {
     bool certain = true;
     for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
-        const double allowed = (double)limits->uncertainty[c] * length_of(candidate, c);
+        const double allowed = (double)limits->uncertainty[c] * tumble_commit_length(candidate, c);
         certain = certain && tumble_within(uncertainty_of(candidate, c), allowed);
     }
     return certain;
@@ -99,11 +98,11 @@ static bool are_dated(const tumble_set_t *candidate, const tumble_set_t *active)
     return (candidate->date_utc_s != 0U) && (active->date_utc_s != 0U);
 }
 
-static double months_between(const tumble_set_t *candidate, const tumble_set_t *active)
+double tumble_commit_months(uint64_t later_utc_s, uint64_t earlier_utc_s)
 {
     double months = 1.0;
-    if (are_dated(candidate, active) && (candidate->date_utc_s > active->date_utc_s)) {
-        months = tumble_larger((double)(candidate->date_utc_s - active->date_utc_s) / TUMBLE_MONTH_S, months);
+    if ((earlier_utc_s != 0U) && (later_utc_s > earlier_utc_s)) {
+        months = tumble_larger((double)(later_utc_s - earlier_utc_s) / TUMBLE_MONTH_S, months);
     }
     return tumble_exceeds(TUMBLE_COMMIT_MAX_MONTHS, months) ? months : TUMBLE_COMMIT_MAX_MONTHS;
 }
@@ -118,7 +117,7 @@ static double kelvin_between(const tumble_set_t *candidate, const tumble_set_t *
 static bool is_plausible(const tumble_set_t *candidate, const tumble_set_t *active,
                          const tumble_commit_limits_t *limits)
 {
-    const double months = months_between(candidate, active);
+    const double months = tumble_commit_months(candidate->date_utc_s, active->date_utc_s);
     const double kelvin = kelvin_between(candidate, active);
     bool plausible = true;
     for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
@@ -127,7 +126,7 @@ static bool is_plausible(const tumble_set_t *candidate, const tumble_set_t *acti
         const double drift =
             ((double)limits->drift_per_month[c] * months) + ((double)limits->drift_per_kelvin[c] * kelvin);
         const double allowed = ((double)limits->coverage * tumble_sqrt((u_new * u_new) + (u_old * u_old))) +
-                               (drift * length_of(candidate, c));
+                               (drift * tumble_commit_length(candidate, c));
         plausible = plausible && tumble_within(value_of(candidate, c) - value_of(active, c), allowed);
     }
     return plausible;

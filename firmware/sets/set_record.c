@@ -6,26 +6,21 @@
 #include <stddef.h>
 
 /* Places in the bytes; docs/embedding.md has them all. */
-#define AT_FIELDS 8U
 #define AT_SEQUENCE 8U
 #define AT_ORIGIN 12U
 #define AT_SERIAL 16U
 #define AT_TEMPERATURE 48U
 #define AT_GRAVITY 56U
-#define AT_K 64U
-#define AT_U 160U
 #define AT_CHECK 256U
 #define AT_CLOSURE 280U
-#define AT_RANGE 294U
 #define AT_RESTORES 308U
 #define AT_FROM_CRC 312U
-#define AT_CRC 316U
 
 #define FIELD(member, width, count) {(uint16_t)offsetof(tumble_set_t, member), (width), (count)}
 #define COUNT_OF(array) (sizeof(array) / sizeof((array)[0]))
 
 /* "TSET", schema, size */
-static const uint8_t head[AT_FIELDS] = {
+static const uint8_t head[TUMBLE_SET_AT_FIELDS] = {
     0x54, 0x53, 0x45, 0x54, TUMBLE_SET_SCHEMA, 0, TUMBLE_SET_BYTES & 0xFFU, TUMBLE_SET_BYTES >> 8};
 
 static const tumble_field_t fields[] = {
@@ -56,7 +51,7 @@ static const tumble_field_t fields[] = {
     FIELD(restores, 4, 1),
     FIELD(from_crc, 4, 1),
 };
-static const tumble_record_t record = {head, fields, AT_CRC, sizeof head, COUNT_OF(fields)};
+static const tumble_record_t record = {head, fields, TUMBLE_SET_AT_CRC, sizeof head, COUNT_OF(fields)};
 
 /* What is known by which flag, and what the doubles in it must be. */
 typedef enum { ANY_SIGN, NOT_NEGATIVE, POSITIVE } range_t;
@@ -78,13 +73,13 @@ static_assert((sizeof(tumble_coefficients_t) == DOUBLES(12U)) && (sizeof(tumble_
               "what is known together lies together");
 
 static const numbers_t numbers[] = {
-    {0, MEMBER(coefficients), AT_K, DOUBLES(12U), ANY_SIGN},
-    {TUMBLE_SET_HAS_UNCERTAINTY, MEMBER(uncertainty), AT_U, DOUBLES(12U), NOT_NEGATIVE},
+    {0, MEMBER(coefficients), TUMBLE_SET_AT_K, DOUBLES(12U), ANY_SIGN},
+    {TUMBLE_SET_HAS_UNCERTAINTY, MEMBER(uncertainty), TUMBLE_SET_AT_U, DOUBLES(12U), NOT_NEGATIVE},
     {TUMBLE_SET_HAS_TEMPERATURE, MEMBER(temperature_c), AT_TEMPERATURE, DOUBLES(1U), ANY_SIGN},
     {TUMBLE_SET_HAS_GRAVITY, MEMBER(gravity_m_s2), AT_GRAVITY, DOUBLES(1U), POSITIVE},
     {TUMBLE_SET_HAS_CHECK, MEMBER(max_abs_fit_g), AT_CHECK, DOUBLES(3U), NOT_NEGATIVE},
     {TUMBLE_SET_HAS_CLOSURE, MEMBER(closure_v), AT_CLOSURE, DOUBLES(1U), NOT_NEGATIVE},
-    {TUMBLE_SET_HAS_TEMPERATURE_RANGE, MEMBER(temperature_min_half_c), AT_RANGE, 2, ANY_SIGN},
+    {TUMBLE_SET_HAS_TEMPERATURE_RANGE, MEMBER(temperature_min_half_c), TUMBLE_SET_AT_RANGE, 2, ANY_SIGN},
 };
 
 static bool is_known(const numbers_t *row, uint32_t flags)
@@ -161,7 +156,6 @@ static uint32_t flags_in(const uint8_t *bytes)
     return tumble_get_u32(&bytes[AT_ORIGIN]) >> 16; /* origin, estimator, then the flags */
 }
 
-/* Everything but head and CRC. */
 static tumble_status_t check_fields(const uint8_t *bytes)
 {
     const uint32_t flags = flags_in(bytes);
@@ -173,14 +167,25 @@ static tumble_status_t check_fields(const uint8_t *bytes)
     if (!the_rest_is_zero(bytes, flags)) {
         return TUMBLE_E_FRAME;
     }
-    const bool in_order = tumble_get_i8(&bytes[AT_RANGE]) <= tumble_get_i8(&bytes[AT_RANGE + 1U]);
+    const bool in_order = tumble_get_i8(&bytes[TUMBLE_SET_AT_RANGE]) <= tumble_get_i8(&bytes[TUMBLE_SET_AT_RANGE + 1U]);
     return in_order ? check_numbers(bytes, flags) : TUMBLE_E_ARGUMENT;
 }
 
-tumble_status_t tumble_set_check(const uint8_t bytes[TUMBLE_SET_BYTES])
+tumble_status_t tumble_set_read_fields(const uint8_t bytes[TUMBLE_SET_BYTES], tumble_set_t *set)
+{
+    const tumble_status_t status = check_fields(bytes);
+    if ((status == TUMBLE_OK) && (set != NULL)) {
+        *set = (tumble_set_t){0};
+        tumble_record_read(&record, bytes, set);
+        set->record_crc = tumble_set_crc(bytes);
+    }
+    return status;
+}
+
+tumble_status_t tumble_set_read(const uint8_t bytes[TUMBLE_SET_BYTES], tumble_set_t *set)
 {
     const tumble_status_t status = tumble_record_check(&record, bytes, 0);
-    return (status == TUMBLE_OK) ? check_fields(bytes) : status;
+    return (status == TUMBLE_OK) ? tumble_set_read_fields(bytes, set) : status;
 }
 
 TUMBLE_ONE_COPY void tumble_set_stamp(uint8_t bytes[TUMBLE_SET_BYTES], const tumble_set_stamp_t *stamp)
@@ -189,7 +194,7 @@ TUMBLE_ONE_COPY void tumble_set_stamp(uint8_t bytes[TUMBLE_SET_BYTES], const tum
     bytes[AT_ORIGIN] = stamp->origin;
     tumble_put_u32(&bytes[AT_RESTORES], stamp->restores);
     tumble_put_u32(&bytes[AT_FROM_CRC], stamp->from_crc);
-    tumble_record_seal(bytes, AT_CRC, 0);
+    tumble_record_seal(bytes, TUMBLE_SET_AT_CRC, 0);
 }
 
 void tumble_set_get_stamp(const uint8_t bytes[TUMBLE_SET_BYTES], tumble_set_stamp_t *stamp)
@@ -208,7 +213,7 @@ void tumble_set_add_flags(uint8_t bytes[TUMBLE_SET_BYTES], uint16_t flags)
 
 uint32_t tumble_set_crc(const uint8_t bytes[TUMBLE_SET_BYTES])
 {
-    return tumble_get_u32(&bytes[AT_CRC]);
+    return tumble_get_u32(&bytes[TUMBLE_SET_AT_CRC]);
 }
 
 static void put_fields(const tumble_set_t *set, uint8_t *bytes)
@@ -243,14 +248,5 @@ tumble_status_t tumble_set_encode(const tumble_set_t *set, uint8_t bytes[TUMBLE_
 
 tumble_status_t tumble_set_decode(const uint8_t bytes[TUMBLE_SET_BYTES], tumble_set_t *set)
 {
-    if ((bytes == NULL) || (set == NULL)) {
-        return TUMBLE_E_ARGUMENT;
-    }
-    const tumble_status_t status = tumble_set_check(bytes);
-    if (status == TUMBLE_OK) {
-        *set = (tumble_set_t){0};
-        tumble_record_read(&record, bytes, set);
-        set->record_crc = tumble_set_crc(bytes);
-    }
-    return status;
+    return ((bytes == NULL) || (set == NULL)) ? TUMBLE_E_ARGUMENT : tumble_set_read(bytes, set);
 }

@@ -62,18 +62,23 @@ static uint8_t cell_of(const tumble_store_t *store, uint8_t region)
     return (region == FACTORY) ? store->factory : (uint8_t)(region * TUMBLE_FACTORY_PLACES);
 }
 
+static bool is_there(const tumble_store_place_t *place)
+{
+    return place->stamp.origin != 0U;
+}
+
 /* NO_REGION: there is none. */
 static uint8_t active_region(const tumble_store_t *store)
 {
     const tumble_store_place_t *a = &store->places[SLOT_A];
     const tumble_store_place_t *b = &store->places[SLOT_B];
-    if (a->valid && (!b->valid || (a->stamp.sequence > b->stamp.sequence))) {
+    if (is_there(a) && (!is_there(b) || (a->stamp.sequence > b->stamp.sequence))) {
         return SLOT_A;
     }
-    if (b->valid) {
+    if (is_there(b)) {
         return SLOT_B;
     }
-    return store->places[FACTORY].valid ? FACTORY : NO_REGION;
+    return is_there(&store->places[FACTORY]) ? FACTORY : NO_REGION;
 }
 
 static bool was_rolled_back(const tumble_store_place_t *place)
@@ -90,11 +95,11 @@ static uint8_t previous_region(const tumble_store_t *store)
     }
     const tumble_store_place_t *place = &store->places[active];
     const uint8_t other = other_slot(active);
-    if (store->places[other].valid && !was_rolled_back(place)) {
+    if (is_there(&store->places[other]) && !was_rolled_back(place)) {
         return other;
     }
     const bool is_factory_copy = was_rolled_back(place) && (place->stamp.restores == 0U);
-    return (store->places[FACTORY].valid && !is_factory_copy) ? FACTORY : NO_REGION;
+    return (is_there(&store->places[FACTORY]) && !is_factory_copy) ? FACTORY : NO_REGION;
 }
 
 /* Is the proposal active already, and has only not been cleared yet? */
@@ -102,7 +107,7 @@ static bool is_stale(const tumble_store_t *store)
 {
     const tumble_store_place_t *proposal = &store->places[PROPOSAL];
     const uint8_t active = active_region(store);
-    return proposal->valid && is_slot(active) && (store->places[active].stamp.from_crc == proposal->crc);
+    return is_there(proposal) && is_slot(active) && (store->places[active].stamp.from_crc == proposal->crc);
 }
 
 static uint8_t find(const tumble_store_t *store, tumble_which_set_t which)
@@ -111,9 +116,9 @@ static uint8_t find(const tumble_store_t *store, tumble_which_set_t which)
     case TUMBLE_SET_ACTIVE:
         return active_region(store);
     case TUMBLE_SET_FACTORY:
-        return store->places[FACTORY].valid ? FACTORY : NO_REGION;
+        return is_there(&store->places[FACTORY]) ? FACTORY : NO_REGION;
     case TUMBLE_SET_PROPOSAL:
-        return (store->places[PROPOSAL].valid && !is_stale(store)) ? PROPOSAL : NO_REGION;
+        return (is_there(&store->places[PROPOSAL]) && !is_stale(store)) ? PROPOSAL : NO_REGION;
     case TUMBLE_SET_PREVIOUS:
         return previous_region(store);
     default:
@@ -124,7 +129,7 @@ static uint8_t find(const tumble_store_t *store, tumble_which_set_t which)
 /* Record and mark. */
 
 /* See the edge case above. */
-static void set_mark(uint8_t bytes[TUMBLE_SET_PLACE_BYTES])
+void tumble_store_mark(uint8_t bytes[TUMBLE_SET_PLACE_BYTES])
 {
     uint8_t *mark = &bytes[TUMBLE_SET_BYTES];
     (void)memset(mark, 0xFF, TUMBLE_SET_MARK_BYTES);
@@ -138,9 +143,10 @@ static bool is_marked(const uint8_t bytes[TUMBLE_SET_PLACE_BYTES])
     return (memcmp(mark, done, sizeof done) == 0) && (tumble_get_u32(&mark[MARK_CRC]) == tumble_set_crc(bytes));
 }
 
-static bool is_valid(const uint8_t bytes[TUMBLE_SET_PLACE_BYTES])
+/* What was read into the store. */
+static bool is_valid(const tumble_store_t *store)
 {
-    return is_marked(bytes) && (tumble_set_check(bytes) == TUMBLE_OK);
+    return is_marked(store->bytes) && (store->read_set(store->bytes, NULL) == TUMBLE_OK);
 }
 
 /* Its checksum and its mark are right, so nothing has decayed. */
@@ -155,6 +161,7 @@ static bool is_whole(const uint8_t bytes[TUMBLE_SET_PLACE_BYTES])
 static void begin_scan(tumble_store_t *store)
 {
     (void)memset(store->places, 0, sizeof store->places);
+    store->newer = false;
     store->factory = TUMBLE_FACTORY_PLACES;
     tumble_cells_scan(&store->cells);
 }
@@ -172,7 +179,7 @@ tumble_status_t tumble_store_init(tumble_store_t *store, const tumble_nv_t *nv)
     if (store == NULL) {
         return TUMBLE_E_ARGUMENT;
     }
-    *store = (tumble_store_t){.factory = TUMBLE_FACTORY_PLACES};
+    *store = (tumble_store_t){.factory = TUMBLE_FACTORY_PLACES, .read_set = tumble_set_read};
     return tumble_cells_open(&store->cells, &kind, nv);
 }
 
@@ -180,21 +187,20 @@ tumble_status_t tumble_store_init(tumble_store_t *store, const tumble_nv_t *nv)
 static void note_place(tumble_store_t *store)
 {
     const tumble_cells_t *cells = &store->cells;
-    const bool valid = cells->was_read && is_valid(store->bytes);
+    const bool valid = cells->was_read && is_valid(store);
     const bool blank = tumble_cells_is_blank(cells, store->bytes);
     const bool newer = cells->was_read && !valid && is_whole(store->bytes);
     const uint8_t region = (uint8_t)(cells->at / TUMBLE_FACTORY_PLACES);
     tumble_store_place_t *place = &store->places[region];
     const bool nowhere = (store->factory == TUMBLE_FACTORY_PLACES);
-    if ((region == FACTORY) && !place->valid && (valid || (blank && nowhere))) {
+    if ((region == FACTORY) && !is_there(place) && (valid || (blank && nowhere))) {
         store->factory = cells->at;
     }
-    if (valid && !place->valid) {
-        place->valid = true;
+    if (valid && !is_there(place)) {
         place->crc = tumble_set_crc(store->bytes);
         tumble_set_get_stamp(store->bytes, &place->stamp);
     }
-    place->newer = place->newer || newer;
+    store->newer = store->newer || newer;
     tumble_cells_note(&store->cells, valid || blank || newer);
 }
 
@@ -216,7 +222,7 @@ TUMBLE_ONE_COPY static void clear_leftovers(tumble_store_t *store)
     static const uint8_t clear_proposal[] = {CELL_ERASE | IN_PROPOSAL, CELL_END};
     const uint8_t active = active_region(store);
     const bool rejected =
-        is_slot(active) && was_rolled_back(&store->places[active]) && store->places[other_slot(active)].valid;
+        is_slot(active) && was_rolled_back(&store->places[active]) && is_there(&store->places[other_slot(active)]);
     aim(store, active);
     if (is_stale(store)) {
         tumble_cells_begin(&store->cells, rejected ? clear_both : clear_proposal);
@@ -261,7 +267,7 @@ static void scan(tumble_store_t *store)
  * stamped "accepted"; the copy that a rollback has staged stays stamped "rolled back". */
 static tumble_cells_event_t load(tumble_store_t *store)
 {
-    if (!is_valid(store->bytes)) {
+    if (!is_valid(store)) {
         return tumble_cells_fail(&store->cells, TUMBLE_E_CRC);
     }
     if (*store->cells.plan == (CELL_LOAD | IN_PROPOSAL)) {
@@ -269,7 +275,7 @@ static tumble_cells_event_t load(tumble_store_t *store)
     }
     tumble_set_add_flags(store->bytes, store->flags);
     tumble_set_stamp(store->bytes, &store->stamp);
-    set_mark(store->bytes);
+    tumble_store_mark(store->bytes);
     return tumble_cells_pass(&store->cells);
 }
 
@@ -323,11 +329,7 @@ bool tumble_store_has(const tumble_store_t *store, tumble_which_set_t which)
 
 bool tumble_store_has_newer(const tumble_store_t *store)
 {
-    bool newer = false;
-    for (uint32_t region = 0; region < REGIONS; region++) {
-        newer = newer || store->places[region].newer;
-    }
-    return newer;
+    return store->newer;
 }
 
 uint32_t tumble_store_proposal(const tumble_store_t *store)
@@ -349,7 +351,7 @@ tumble_status_t tumble_store_read(tumble_store_t *store, tumble_which_set_t whic
     }
     tumble_status_t status = tumble_cells_read(&store->cells, cell_of(store, region), store->bytes);
     if (status == TUMBLE_OK) {
-        status = is_marked(store->bytes) ? tumble_set_decode(store->bytes, set) : TUMBLE_E_FRAME;
+        status = is_marked(store->bytes) ? store->read_set(store->bytes, set) : TUMBLE_E_FRAME;
         if (status != TUMBLE_OK) {
             tumble_count(&store->cells.nv_errors);
         }
@@ -387,7 +389,7 @@ static tumble_status_t take(tumble_store_t *store, const tumble_set_t *set, cons
 {
     const tumble_status_t status = tumble_set_encode_as(set, &store->stamp, store->bytes);
     if (status == TUMBLE_OK) {
-        set_mark(store->bytes);
+        tumble_store_mark(store->bytes);
         tumble_cells_begin(&store->cells, plan);
     }
     return status;
@@ -487,6 +489,6 @@ tumble_status_t tumble_store_write_factory(tumble_store_t *store, const tumble_s
     if (status != TUMBLE_OK) {
         return status;
     }
-    const bool possible = !store->places[FACTORY].valid && (store->factory < TUMBLE_FACTORY_PLACES);
+    const bool possible = !is_there(&store->places[FACTORY]) && (store->factory < TUMBLE_FACTORY_PLACES);
     return possible ? take(store, set, plan) : TUMBLE_E_STATE;
 }

@@ -486,7 +486,7 @@ static bool counts_as_valid(const seeded_run_t *run, uint32_t offset)
     const tumble_keeper_t *const keeper = &run->memory->keeper;
     const uint32_t region = offset / SIM_NV_SECTOR;
     if (region <= TUMBLE_REGION_PROPOSAL) {
-        return keeper->store.places[region].valid;
+        return keeper->store.places[region].stamp.origin != 0U;
     }
     const uint32_t cell = offset % SIM_NV_SECTOR / TUMBLE_HISTORY_BYTES;
     return !tumble_history_busy(&keeper->history) &&

@@ -61,6 +61,8 @@ CANDIDATES = {
     "inclined": 22,
     "uncertainties of `inclined`": 23,
     "one of `inclined`": 24,
+    "a calibration at a temperature": 25,
+    "slopes, updated by a run": 26,
 }
 SAMPLES = 512  # in one loop, as benchmark.h has it
 BUDGETS = "build/{0}/boards/*/budget_*.csv"  # by preset

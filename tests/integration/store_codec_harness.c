@@ -43,10 +43,12 @@ static int print_bytes(const uint8_t *written, size_t size)
 static int print_set(void)
 {
     tumble_set_t set;
-    const tumble_status_t status = tumble_set_decode(bytes, &set);
+    tumble_thermal_t thermal;
+    const tumble_status_t status = tumble_set_decode_thermal(bytes, &set, &thermal);
     if (status != TUMBLE_OK) {
         return (int)status;
     }
+    const bool has_slopes = (set.flags & TUMBLE_SET_HAS_SLOPES) != 0U;
     const double check[] = {set.max_abs_fit_g, set.max_abs_check_g, set.limit_g};
     (void)printf("sequence %" PRIu32 "\norigin %u\nestimator %u\nflags %u\n", set.sequence, set.origin, set.estimator,
                  set.flags);
@@ -68,7 +70,12 @@ static int print_set(void)
     (void)printf("restores %" PRIu32 "\nfrom_crc %" PRIu32 "\n", set.restores, set.from_crc);
     const double range_c[] = {set.temperature_min_half_c / 2.0, set.temperature_max_half_c / 2.0};
     print_doubles("temperature_range_c", range_c, 2);
-    return (tumble_set_encode(&set, bytes) == TUMBLE_OK) ? print_bytes(bytes, TUMBLE_SET_BYTES) : 1;
+    double slopes[2 * TUMBLE_COEFFICIENTS];
+    memcpy(slopes, &thermal.power[1], sizeof slopes);
+    print_doubles("slopes", slopes, has_slopes ? 2 * TUMBLE_COEFFICIENTS : 0);
+    const tumble_status_t written =
+        has_slopes ? tumble_set_encode_thermal(&set, &thermal, bytes) : tumble_set_encode(&set, bytes);
+    return (written == TUMBLE_OK) ? print_bytes(bytes, TUMBLE_SET_BYTES) : 1;
 }
 
 static int print_entry(void)

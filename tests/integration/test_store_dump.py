@@ -89,6 +89,27 @@ def test_the_document_has_all_that_is_there(tumble, tmp_path):
                     "scatter": position["scatter"], "temperature": {"min_c": -63.0, "max_c": 21.5}}
 
 
+SLOPES = [[1e-4, 0.0, 0.0, 0.0, -2e-4, 0.0, 0.0, 0.0, 3e-4, 5e-5, -5e-5, 6e-5],
+          [0.0] * 8 + [2e-7, 0.0, 0.0, 1e-7]]  # fmt: skip
+
+
+def test_the_dump_says_the_slopes(tumble, tmp_path):
+    image, warm = an_image(), {"temperature_c": 21.5, "temperature_range_c": [-40.0, 60.0]}
+    put(image, 4096, place(a_set(sequence=8, origin=2, slopes=SLOPES, **warm)))
+    put(image, 0, place(a_set(sequence=0, origin=1, slopes=[SLOPES[0], [0.0] * 12], **warm)))
+    (tmp_path / "nv").write_bytes(image)
+    active, factory = tumble("store", "dump", tmp_path / "nv").stdout.splitlines()[:2]
+    said = (", slopes of K_xx, K_yy, K_zz 0.0001, -0.0002, 0.0003 V/g/K, of U0 5e-05, -5e-05, 6e-05 V/K, ",
+            "slopes of K_xx, K_yy, K_zz 0, 0, 2e-07 V/g/K^2, of U0 0, 0, 1e-07 V/K^2, gravity")
+    assert ", degree 2 over -40 to 60 deg C about 21.5 deg C" + "".join(said) in active
+    assert ", degree 1 over -40 to 60 deg C about 21.5 deg C" + said[0] + "gravity" in factory
+    found = document_of(tumble("store", "dump", tmp_path / "nv", "--json"), "store")
+    kept = codec.decode_set(codec.encode_set(a_set(slopes=SLOPES, **warm))).slopes
+    assert found["slots"]["A"]["slopes"] == {"degree": 2, "K": [rows(one[:9]) for one in kept],
+                                             "U0": [one[9:] for one in kept]}
+    assert found["factory"]["slopes"]["degree"] == 1 and "slopes" not in found["slots"]["B"]
+
+
 def test_unknown_is_null_in_the_document(tumble, tmp_path):
     blank = tmp_path / "blank"
     blank.write_bytes(b"\xff" * 8 * 4096)
@@ -111,11 +132,12 @@ def test_unknown_is_null_in_the_document(tumble, tmp_path):
     assert told["origin"] == "decayed" and told["K"][0] == [None, *entry["values"][1:3]]
 
 
-@pytest.mark.parametrize("at, said", [(4, "(schema 2, flags 0x3f)"), (15, "(schema 1, flags 0x23f)")])
-def test_a_set_of_a_newer_version_is_not_torn(at, said, tumble, tmp_path):
+@pytest.mark.parametrize("at, byte, said", [(4, 3, "(schema 3, flags 0x3f)"), (15, 2, "(schema 1, flags 0x23f)"),
+                                            (15, 1, "(schema 1, flags 0x13f)")])
+def test_a_set_of_a_newer_version_is_not_torn(at, byte, said, tumble, tmp_path):
     image = an_image()
     record = bytearray(image[2 * 4096 : 2 * 4096 + 316])
-    record[at] = 2
+    record[at] = byte
     sealed = golden.sealed(bytes(record))
     put(image, 2 * 4096, sealed + codec.mark_of(sealed))
     (tmp_path / "nv").write_bytes(image)

@@ -50,6 +50,9 @@ def expected_fields(case):
         numbers["flags"] |= codec.OTHER_RULES if numbers.pop("other_rules") else 0
         numbers["flags"] |= codec.HAS_TEMPERATURE_RANGE if numbers["temperature_range_c"] else 0
         numbers["serial"] = numbers["serial"].encode().ljust(24, b"\0").hex()
+        slopes = numbers.pop("slopes", None)
+        numbers["flags"] ^= codec.HAS_SLOPES | codec.HAS_TEMPERATURE if slopes else 0
+        numbers["slopes"] = [number for power in slopes or () for number in power]
         lengths = {"u_k": 9, "u_u0": 3, "check": 3, "temperature_range_c": 2}
         numbers = {name: [0.0] * lengths.get(name, 1) if value is None else value for name, value in numbers.items()}
     if case["kind"] == "position":
@@ -84,6 +87,8 @@ def test_python_writes_the_golden_files_and_reads_them(name):
     numbers = {key: golden.exact(value) for key, value in case["numbers"].items()}
     assert golden.encode(case) == record
     fingerprint = numbers.pop("fingerprint", None)
+    if case["kind"] == "set":
+        numbers.setdefault("slopes", None)
     read = {"set": codec.decode_set, "entry": codec.decode_entry, "run": codec.decode_run,
             "position": lambda r: codec.decode_position(r, fingerprint)}[case["kind"]](record)
     assert read == fingerprint if case["kind"] == "run" else vars(read) == numbers
@@ -141,6 +146,35 @@ def test_any_set_comes_back(found):
     assert codec.decode_set(codec.encode_set(found)) == found
 
 
+SINGLE = st.floats(min_value=-(2.0**100), max_value=2.0**100, width=32, allow_subnormal=False)
+SLOPES = st.lists(st.lists(SINGLE, min_size=12, max_size=12), min_size=2, max_size=2)
+
+
+@given(SLOPES, st.lists(SINGLE, min_size=12, max_size=12), HALF_DEGREES, FINITE)
+def test_any_set_with_slopes_comes_back_of_both(firmware, slopes, constant, range_c, temperature_c):
+    found = a_set(k=constant[:9], u0=constant[9:], u_k=[abs(c) for c in constant[:9]], u_u0=[0.0] * 3, slopes=slopes,
+                  temperature_c=temperature_c, temperature_range_c=range_c)
+    record = codec.encode_set(found)
+    assert (len(record), codec.decode_set(record)) == (codec.SET_BYTES, found)
+    assert firmware("set", record)[::2] == (0, record)
+
+
+@pytest.mark.parametrize(("changes", "message"), [
+    ({"temperature_c": None}, "slopes need the temperature that they are about, and the range where they hold"),
+    ({"temperature_range_c": None}, "slopes need the temperature that they are about, and the range where they hold"),
+    ({"temperature_range_c": [20.1, 20.4]}, "a temperature range must hold a half degree"),
+    ({"k": [4e38] * 9}, "a number is too large for single precision"),
+])
+def test_slopes_that_cannot_be_kept_are_refused(changes, message):
+    with pytest.raises(ValueError, match=message):
+        codec.encode_set(a_set(**{"temperature_range_c": [20.0, 30.0], "slopes": [[0.0] * 12] * 2, **changes}))
+
+
+def test_the_range_of_slopes_is_narrowed():
+    kept = codec.decode_set(codec.encode_set(a_set(temperature_range_c=[-20.4, 20.4], slopes=[[0.0] * 12] * 2)))
+    assert kept.temperature_range_c == [-20.0, 20.0]
+
+
 def with_a_seal(record, *changed):
     record = bytearray(record[:-4])
     for at, byte in changed:
@@ -162,6 +196,22 @@ def test_a_wrong_field_under_a_right_checksum_is_refused_by_both(firmware, chang
         codec.decode_set(record)
     assert firmware("set", record)[0] != 0
     assert codec.decode_set(with_a_seal(whole)).temperature_range_c == [-13.0, -11.5]
+
+
+@pytest.mark.parametrize("changed", [
+    [(15, 0x00)],  # schema 2 without the flag of slopes
+    [(14, 0xBF)],  # the temperature of a run
+    [(14, 0x3E)],  # no range
+    [(295, 0xAF)],  # an end below the other
+    [(67, 0x7F), (66, 0x80)],  # infinite
+], ids=["slopes", "temperature", "no range", "order", "infinite"])
+def test_a_wrong_field_of_version_2_is_refused_by_both(firmware, changed):
+    whole = (GOLDEN / "set_slopes.bin").read_bytes()
+    assert whole[4:6] == bytes([2, 0]) and whole[14:16] == bytes([0xBE, 1]) and whole[294:296] == bytes([0xB0, 0x7F])
+    record = with_a_seal(whole, *changed)
+    with pytest.raises(codec.NotARecord, match="a field is out of its range"):
+        codec.decode_set(record)
+    assert firmware("set", record)[0] != 0
 
 
 RANGES = {  # deg C, by how many half degrees they are off the cold end and off the warm one
@@ -242,12 +292,16 @@ def test_a_changed_byte_of_a_golden_file_is_told(name, tmp_path):
     assert check_golden(tmp_path) == (1, f"{name}.bin is stale\nleft_over.bin is of no case\n")
 
 
-def test_the_factory_set_of_the_page_is_one(tumble, tmp_path):
-    """docs/embedding.md, the last block of code, as it stands there."""
+def run_of_page(first_line, folder):
+    """The block of code of docs/embedding.md that begins so, as it stands there."""
     page = (ROOT / "docs" / "embedding.md").read_text(encoding="utf-8")
-    code = page[page.index("    from tumble.store.codec import") :]
-    script = "\n".join(line[4:] for line in code.splitlines())
-    subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True)
+    lines = page[page.index(first_line) :].splitlines()
+    script = "\n".join(line[4:] for line in itertools.takewhile(lambda line: not line or line[0] == " ", lines))
+    subprocess.run([sys.executable, "-c", script], cwd=folder, check=True)
+
+
+def test_the_factory_set_of_the_page_is_one(tumble, tmp_path):
+    run_of_page("    from tumble.store.codec import CoefficientSet", tmp_path)
     image = tmp_path / "nv.bin"
     assert image.stat().st_size == 65536  # as tumble-node --nv has it
     done = tumble("store", "dump", image)

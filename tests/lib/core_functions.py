@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from _tumble_core import ffi, lib
@@ -21,6 +22,7 @@ from tumble.core import (
     unpack,
 )
 from tumble.model.optimal import OptimalTable
+from tumble.model.thermal import Polynomials
 from tumble.solving.optimal_run import Weighting, make_table, record_of, to_bytes
 from tumble.stand import Stand
 
@@ -174,3 +176,51 @@ def apply_table(table: OptimalTable, schedule: CoreSchedule, means: Floats) -> O
 def estimate_optimal(schedule: CoreSchedule, means: Floats, measured: Flags, weighting: Weighting) -> OptimalEstimate:
     """By a table made for the run."""
     return apply_table(make_table(schedule, means, measured, weighting), schedule.part(measured), means[measured])
+
+
+def _thermal(polynomials: Polynomials, range_c: tuple[float, float]) -> Any:
+    """A tumble_thermal_t."""
+    struct = ffi.new("tumble_thermal_t *", [polynomials.reference_c, *range_c])
+    for power, k, u0 in zip(struct.power, polynomials.k, polynomials.u0):
+        power.k_v_per_g, power.u0_v = k.tolist(), u0.tolist()
+    return struct
+
+
+def thermal_at(polynomials: Polynomials, range_c: tuple[float, float], temperature_c: float) -> tuple[Floats, Floats]:
+    """K and U0 at a temperature within a range."""
+    coefficients = ffi.new("tumble_coefficients_t *")
+    require_ok(lib.tumble_thermal_at(_thermal(polynomials, range_c), temperature_c, coefficients))
+    return unpack(coefficients)
+
+
+def thermal_apply(
+    polynomials: Polynomials, range_c: tuple[float, float], temperature_c: float, outputs: Floats
+) -> Floats:
+    """Specific force (g) from outputs (V), both (3,), at a temperature."""
+    calibration, force = ffi.new("tumble_calibration_t *"), np.empty(3)
+    require_ok(lib.tumble_thermal_calibration(_thermal(polynomials, range_c), temperature_c, calibration))
+    lib.tumble_calibration_apply(calibration, ffi.from_buffer("double[]", outputs), ffi.from_buffer("double[]", force))
+    return force
+
+
+def thermal_update(
+    polynomials: Polynomials,
+    range_c: tuple[float, float],
+    u: Floats,
+    growth: Floats,
+    temperature_c: float,
+    run: Floats,
+    u_run: Floats,
+) -> tuple[Polynomials, Floats]:
+    """The polynomials moved by a run, and their uncertainty (12,) there; K row by row, then U0."""
+    thermal = _thermal(polynomials, range_c)
+    coefficients = ffi.new("tumble_coefficients_t *", [run[:9].reshape(3, 3).tolist(), run[9:].tolist()])
+    uncertain = [
+        ffi.new("tumble_uncertainty_t *", [one[:9].reshape(3, 3).tolist(), one[9:].tolist()])
+        for one in (u, growth, u_run)
+    ]
+    of_run = ffi.new("tumble_thermal_run_t *", [temperature_c, coefficients, uncertain[2]])
+    require_ok(lib.tumble_thermal_update(thermal, uncertain[0], uncertain[1], of_run))
+    powers = [unpack(ffi.addressof(thermal.power, power)) for power in range(len(thermal.power))]
+    moved = Polynomials(polynomials.reference_c, *(np.array(one) for one in zip(*powers)))
+    return moved, np.concatenate([np.ravel(one) for one in unpack(uncertain[0])])

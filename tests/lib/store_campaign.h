@@ -60,15 +60,18 @@ static campaign_t run_campaign(bool all_twice, const char *part)
         const char *name;
         const scenario_t *scenarios;
         size_t count;
-    } parts[] = {{"store", store_scenarios, COUNT_SCENARIOS(store_scenarios)},
-                 {"history", history_scenarios, COUNT_SCENARIOS(history_scenarios)},
-                 {"checkpoint", checkpoint_scenarios, COUNT_SCENARIOS(checkpoint_scenarios)}};
+        bool over_temperature;
+    } parts[] = {{"store", store_scenarios, COUNT_SCENARIOS(store_scenarios), false},
+                 {"thermal", store_scenarios, COUNT_SCENARIOS(store_scenarios), true},
+                 {"history", history_scenarios, COUNT_SCENARIOS(history_scenarios), false},
+                 {"checkpoint", checkpoint_scenarios, COUNT_SCENARIOS(checkpoint_scenarios), false}};
     campaign_t campaign = {.sectors = TUMBLE_REGION_COUNT};
-    for (size_t p = 0; p < 3U; p++) {
+    for (size_t p = 0; p < COUNT_SCENARIOS(parts); p++) {
         if (part != NULL && strcmp(part, parts[p].name) != 0) {
             continue;
         }
         const unsigned long before = campaign.cases;
+        jobs_over_temperature = parts[p].over_temperature;
         run_scenarios(&campaign, parts[p].scenarios, parts[p].count, all_twice);
         (void)printf("%s: %lu cases, %lu bad\n", parts[p].name, campaign.cases - before, campaign.bad);
     }

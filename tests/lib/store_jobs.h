@@ -6,6 +6,7 @@
 #include "store_sets.h"
 
 static tumble_store_t jobs_store;
+static bool jobs_over_temperature; /* the store reads both versions, and all sets but SECOND are of version 2 */
 
 /* Sets by their tags; 0: there is none. What a loss of power must not touch, and what the job is to make of it. */
 typedef struct {
@@ -22,22 +23,32 @@ enum { FACTORY = 1, FIRST = 2, SECOND = 3, THIRD = 4, HELD = 5, NEW = 6, TAGS = 
 
 static inline bool jobs_boot(nv_memory_t *memory)
 {
-    return tumble_store_init(&jobs_store, &memory->nv) == TUMBLE_OK && store_settles(&jobs_store);
+    const tumble_status_t status = jobs_over_temperature ? tumble_store_init_thermal(&jobs_store, &memory->nv)
+                                                         : tumble_store_init(&jobs_store, &memory->nv);
+    return status == TUMBLE_OK && store_settles(&jobs_store);
+}
+
+static inline bool has_slopes(unsigned tag)
+{
+    return jobs_over_temperature && tag != SECOND;
 }
 
 static inline unsigned tag_of(tumble_which_set_t which, uint8_t *origin)
 {
     tumble_set_t set;
+    tumble_thermal_t thermal;
     *origin = 0;
     if (!tumble_store_has(&jobs_store, which)) {
         return 0;
     }
-    if (tumble_store_read(&jobs_store, which, &set) != TUMBLE_OK) {
+    const tumble_status_t status = jobs_over_temperature ? tumble_store_read_thermal(&jobs_store, which, &set, &thermal)
+                                                         : tumble_store_read(&jobs_store, which, &set);
+    if (status != TUMBLE_OK) {
         return MIXED;
     }
     *origin = set.origin;
     for (unsigned tag = 1; tag < TAGS; tag++) {
-        if (set_is(&set, tag)) {
+        if (has_slopes(tag) ? thermal_is(&set, &thermal, tag) : set_is(&set, tag)) {
             return tag;
         }
     }
@@ -63,22 +74,31 @@ static inline tumble_status_t ended(tumble_status_t begun)
     return store_settles(&jobs_store) ? tumble_store_outcome(&jobs_store) : TUMBLE_E_PORT_BUSY;
 }
 
+static inline tumble_status_t put(tumble_which_set_t which, unsigned tag)
+{
+    const tumble_set_t set = set_of(tag);
+    const tumble_thermal_t thermal = thermal_of(tag);
+    if (has_slopes(tag)) {
+        return ended(tumble_store_write_thermal(&jobs_store, which, &set, &thermal));
+    }
+    return ended((which == TUMBLE_SET_ACTIVE)     ? tumble_store_commit(&jobs_store, &set)
+                 : (which == TUMBLE_SET_PROPOSAL) ? tumble_store_hold(&jobs_store, &set)
+                                                  : tumble_store_write_factory(&jobs_store, &set));
+}
+
 static inline tumble_status_t job_commit(void)
 {
-    const tumble_set_t set = set_of(NEW);
-    return ended(tumble_store_commit(&jobs_store, &set));
+    return put(TUMBLE_SET_ACTIVE, NEW);
 }
 
 static inline tumble_status_t job_hold(void)
 {
-    const tumble_set_t set = set_of(NEW);
-    return ended(tumble_store_hold(&jobs_store, &set));
+    return put(TUMBLE_SET_PROPOSAL, NEW);
 }
 
 static inline tumble_status_t job_factory(void)
 {
-    const tumble_set_t set = set_of(NEW);
-    return ended(tumble_store_write_factory(&jobs_store, &set));
+    return put(TUMBLE_SET_FACTORY, NEW);
 }
 
 static inline tumble_status_t job_accept(void)
@@ -99,22 +119,19 @@ static inline tumble_status_t job_rollback(void)
 /* Preparations. Each ends with a note of what is there. */
 static inline void put_commit(unsigned tag)
 {
-    const tumble_set_t set = set_of(tag);
-    (void)ended(tumble_store_commit(&jobs_store, &set));
+    (void)put(TUMBLE_SET_ACTIVE, tag);
 }
 
 static inline void put_hold(unsigned tag)
 {
-    const tumble_set_t set = set_of(tag);
-    (void)ended(tumble_store_hold(&jobs_store, &set));
+    (void)put(TUMBLE_SET_PROPOSAL, tag);
 }
 
 static inline void prepare_sets(nv_memory_t *memory, const start_t *start)
 {
-    const tumble_set_t set = set_of(FACTORY);
     (void)jobs_boot(memory);
     if (start->factory != 0U) {
-        (void)ended(tumble_store_write_factory(&jobs_store, &set));
+        (void)put(TUMBLE_SET_FACTORY, FACTORY);
     }
     for (unsigned i = 0; i < start->commits; i++) {
         put_commit(FIRST + i);

@@ -60,6 +60,51 @@ static inline bool set_is(const tumble_set_t *set, unsigned tag)
     return memcmp(bytes, expected[tag], sizeof bytes) == 0;
 }
 
+/* The polynomials of a set of version 2, of which every number is by `tag` as well. */
+static inline tumble_thermal_t thermal_of(unsigned tag)
+{
+    const tumble_set_t set = set_of(tag);
+    tumble_thermal_t thermal = {set.temperature_c, -20.0 - tag, 50.0, {set.coefficients}};
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) {
+            thermal.power[1].k_v_per_g[i][j] = (i + 2.0 * j - tag) / 65536.0;
+            thermal.power[2].k_v_per_g[i][j] = (j - i + tag / 8.0) / 1048576.0;
+        }
+        thermal.power[1].u0_v[i] = (i - 2.0 * tag) / 131072.0;
+        thermal.power[2].u0_v[i] = ((double)tag - i) / 2097152.0;
+    }
+    return thermal;
+}
+
+/* The bytes of a set of version 2, likewise. */
+static inline void thermal_bytes(const tumble_set_t *set, const tumble_thermal_t *thermal,
+                                 uint8_t bytes[TUMBLE_SET_BYTES])
+{
+    tumble_set_t unstamped = *set;
+    unstamped.sequence = 0;
+    unstamped.restores = 0;
+    unstamped.from_crc = 0;
+    unstamped.origin = TUMBLE_ORIGIN_FACTORY;
+    (void)tumble_set_encode_thermal(&unstamped, thermal, bytes);
+}
+
+/* One of version 2, slopes and all. */
+static inline bool thermal_is(const tumble_set_t *set, const tumble_thermal_t *thermal, unsigned tag)
+{
+    static uint8_t expected[256][TUMBLE_SET_BYTES];
+    uint8_t bytes[TUMBLE_SET_BYTES];
+    if (tag > 255U || set->reasons != tag || (set->flags & TUMBLE_SET_HAS_SLOPES) == 0U) {
+        return false;
+    }
+    if (expected[tag][0] == 0U) {
+        const tumble_set_t made = set_of(tag);
+        const tumble_thermal_t of_tag = thermal_of(tag);
+        thermal_bytes(&made, &of_tag, expected[tag]);
+    }
+    thermal_bytes(set, thermal, bytes);
+    return memcmp(bytes, expected[tag], sizeof bytes) == 0;
+}
+
 #define STEPS_AT_MOST 20000
 
 /* Step until nothing is under way; false: it never ends. */

@@ -23,11 +23,14 @@ typedef enum {
     ADDITION,
     INCLINED,
     U_INCLINED,
+    THERMAL,
+    U_THERMAL,
     FUNCTIONS
 } function_t;
 
-static const char *const names[FUNCTIONS] = {"averaged",      "refined",   "least_squares", "gains",    "inversion",
-                                             "gravity_check", "intrinsic", "addition",      "inclined", "u_inclined"};
+static const char *const names[FUNCTIONS] = {"averaged",  "refined",       "least_squares", "gains",
+                                             "inversion", "gravity_check", "intrinsic",     "addition",
+                                             "inclined",  "u_inclined",    "thermal",       "u_thermal"};
 static uint64_t hashes[FUNCTIONS];
 static uint32_t done[FUNCTIONS]; /* how many of the block's inputs were not refused */
 static uint32_t left_out;
@@ -219,6 +222,39 @@ static void try_inclined(dice_t *dice)
 
 /* Sums next to a power of two, where the library of the target is known to fail for one difference of the exponents, 33:
  * that one is left out here, and looked at by misrounded_sums. */
+static void random_twelve(dice_t *dice, void *twelve, double size, bool positive)
+{
+    double numbers[TUMBLE_COEFFICIENTS];
+    for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
+        const double number = size * random_number(dice, 3);
+        numbers[c] = positive ? magnitude(number) : number;
+    }
+    memcpy(twelve, numbers, sizeof numbers);
+}
+
+/* A run moves the polynomials, and these give a calibration elsewhere. */
+static void try_thermal(dice_t *dice)
+{
+    tumble_thermal_t thermal = {.reference_c = 20.0 * dice_signed_unit(dice), .lowest_c = -64.0, .highest_c = 63.5};
+    tumble_coefficients_t coefficients;
+    tumble_uncertainty_t u;
+    tumble_uncertainty_t growth;
+    tumble_uncertainty_t u_run;
+    tumble_calibration_t calibration;
+    for (int m = 0; m < TUMBLE_THERMAL_POWERS; m++) {
+        random_twelve(dice, &thermal.power[m], (m == 0) ? 1.0 : (m == 1) ? 0x1p-13 : 0x1p-21, false);
+    }
+    random_twelve(dice, &coefficients, 1.0, false);
+    random_twelve(dice, &u, 1e-5, true);
+    random_twelve(dice, &growth, 1e-5, true);
+    random_twelve(dice, &u_run, 1e-5, true);
+    const tumble_thermal_run_t run = {70.0 * dice_signed_unit(dice), &coefficients, &u_run};
+    tumble_status_t status = tumble_thermal_update(&thermal, &u, &growth, &run);
+    hash_result(U_THERMAL, status, &u, sizeof u);
+    status = tumble_thermal_calibration(&thermal, 70.0 * dice_signed_unit(dice), &calibration);
+    hash_result(THERMAL, status, &calibration, sizeof calibration);
+}
+
 static void try_additions(dice_t *dice)
 {
     for (int32_t difference = 0; difference < 64; difference++) {
@@ -282,6 +318,7 @@ int main(void)
             try_calibration(&dice, (span == 60) ? 12 : 0);
             try_additions(&dice);
             try_inclined(&dice);
+            try_thermal(&dice);
         }
         for (int function = 0; function < FUNCTIONS; function++) {
             put(names[function]);

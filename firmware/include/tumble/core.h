@@ -9,6 +9,7 @@
  *     blocks         samples of a run to the standard errors of its means, if their noise is not white
  *     estimators     means to K and U0: averaged, refined, least_squares, or optimal by a gain record
  *     calibration    K and U0 inverted: outputs to specific force
+ *     over temperature    K and U0 as polynomials of the block's temperature
  *     verification   the gravity check: does the calibrated block find 1 g at every position?
  *     uncertainty    how far K and U0 may be from the truth, from what the stand is declared to be
  *     the stand seen, the whole model, misfit    what the run itself says about the stand
@@ -1186,6 +1187,58 @@ static inline void tumble_whole_begin(tumble_whole_work_t *work)
  * that have a mean count; there are at least TUMBLE_UNKNOWNS of them, as for any estimate. Call it until it returns false:
  * then the verdict is there. */
 bool tumble_whole_step(tumble_whole_work_t *work, const tumble_misfit_run_t *run);
+
+/* ---- Over temperature: K and U0 as polynomials of the block's temperature T,
+ *
+ *     K(T) = K_0 + K_1 (T - T0) + K_2 (T - T0)^2,     U0(T) likewise,
+ *
+ * as `tumble solve --temperature` finds them from runs at several temperatures. They hold within the range of those runs,
+ * and are refused elsewhere. A new run at one temperature changes K_0 and U0_0, and leaves the slopes as they are:
+ *
+ *     tumble_calibration_t calibration;
+ *     double a_g[TUMBLE_CHANNELS];
+ *     if (tumble_thermal_calibration(&thermal, temperature_c, &calibration) == TUMBLE_OK) {
+ *         tumble_calibration_apply(&calibration, u_v, a_g);
+ *     }
+ */
+#define TUMBLE_THERMAL_POWERS 3
+
+typedef struct {
+    double reference_c; /* T0 */
+    double lowest_c;    /* the range, its ends with it */
+    double highest_c;
+    tumble_coefficients_t power[TUMBLE_THERMAL_POWERS]; /* of (T - T0)^m: V/g and V, per K^m; 0 above the degree */
+} tumble_thermal_t;
+
+/* The coefficients at a temperature. Returns TUMBLE_OK; TUMBLE_E_ARGUMENT (null, or the temperature is outside the range);
+ * TUMBLE_E_NOT_FINITE (the temperature is not known, or a number of the polynomials is none). */
+tumble_status_t tumble_thermal_at(const tumble_thermal_t *thermal, double temperature_c,
+                                  tumble_coefficients_t *coefficients);
+
+/* The same inverted. Returns as tumble_thermal_at, and TUMBLE_E_SINGULAR. */
+tumble_status_t tumble_thermal_calibration(const tumble_thermal_t *thermal, double temperature_c,
+                                           tumble_calibration_t *calibration);
+
+/* A run at one temperature. */
+typedef struct {
+    double temperature_c;
+    const tumble_coefficients_t *coefficients;
+    const tumble_uncertainty_t *uncertainty;
+} tumble_thermal_run_t;
+
+/* Move the polynomials by what a run says at its temperature; the slopes stay. For each coefficient, with c and u of the
+ * polynomials there, g what it may have changed since, c_run and u_run:
+ *
+ *     c + w (c_run - c),     w = (u^2 + g^2) / (u^2 + g^2 + u_run^2),
+ *
+ * which is least squares with the polynomials as prior. Its uncertainty is given as (1 - w) sqrt(u^2 + g^2) + w u_run. That
+ * is a bound for whatever errors both have in common, as on the same stand; independent ones would make it smaller.
+ * `*uncertainty` is that of the polynomials at the run's temperature, before and after. Whether run and polynomials agree
+ * at all is for the caller to test before (tumble_commit_objections).
+ * Returns TUMBLE_OK; as tumble_thermal_at; TUMBLE_E_ARGUMENT (null, a negative u or g, or all three 0);
+ * TUMBLE_E_NOT_FINITE (a number is none, or too large). */
+tumble_status_t tumble_thermal_update(tumble_thermal_t *thermal, tumble_uncertainty_t *uncertainty,
+                                      const tumble_uncertainty_t *growth, const tumble_thermal_run_t *run);
 
 #ifdef __cplusplus
 }

@@ -6,6 +6,7 @@
  *     regions        where in the memory what is kept
  *     set            a set, and its bytes
  *     store          the active set, the factory set, a proposal, the set before: two slots, and what goes into them
+ *     over temperature    sets with slopes, for a board that asks for them
  *     history        the last sets that became active, in short, and their trend
  *     trend          what the history says of each coefficient's drift
  *     checkpoint     the finished positions of the run under way
@@ -139,6 +140,7 @@ enum {
                                         * service level open, when they could be changed */
 #define TUMBLE_SET_HAS_TEMPERATURE_RANGE 0x0080U /* of all samples averaged, also for means given up */
 #define TUMBLE_SET_FLAGS 0x00FFU
+#define TUMBLE_SET_HAS_SLOPES 0x0100U /* of version 2 alone: see "Sets over temperature" */
 
 typedef struct {
     /* Written by the store's jobs, which do not read what a caller puts here. For tumble_set_encode the caller fills them. */
@@ -212,13 +214,13 @@ typedef enum {
 
 /* What the last scan found in a region. Private to the store, as all that follows. */
 typedef struct {
-    tumble_set_stamp_t stamp;
+    tumble_set_stamp_t stamp; /* origin 0: there is no set */
     uint32_t crc;
-    bool valid;
-    bool newer; /* what is here is whole, but of a newer version */
 } tumble_store_place_t;
 
 typedef struct {
+    tumble_status_t (*read_set)(const uint8_t bytes[TUMBLE_SET_BYTES],
+                                tumble_set_t *set); /* of the versions it knows */
     uint8_t factory; /* the cell where the factory set is, or else where it would go; TUMBLE_FACTORY_PLACES: nowhere */
     bool lent;       /* `bytes` are: nothing else may be put there */
     uint16_t flags;  /* further ones for the record that is loaded */
@@ -230,6 +232,7 @@ typedef struct {
     tumble_cells_t cells;                  /* four of TUMBLE_FACTORY_PITCH in a sector */
     uint8_t bytes[TUMBLE_SET_PLACE_BYTES]; /* record and mark; lent to the owner for a record of its own, which no job
                                             * of the store can meet: there is one job at a time on one memory */
+    bool newer;                            /* in one of the places something is whole, but of a newer version */
 } tumble_store_t;
 
 static_assert(sizeof(tumble_store_t) <= 768U, "the store must stay small");
@@ -307,6 +310,43 @@ tumble_status_t tumble_store_rollback(tumble_store_t *store);
 
 /* Write the factory set. TUMBLE_E_STATE: there is one, or all TUMBLE_FACTORY_PLACES attempts are spent. */
 tumble_status_t tumble_store_write_factory(tumble_store_t *store, const tumble_set_t *set);
+
+/* ---- Sets over temperature: polynomials up to the second degree (tumble_thermal_t), in records of version 2.
+ *
+ * A board that calls tumble_store_init_thermal reads both versions; to any other a set of version 2 is one of a newer
+ * version. The record has the size of version 1, so jobs, power cuts and places are the same; all coefficients and
+ * uncertainties in it are single precision. Those numbers are the set: what is computed from them is the same everywhere.
+ *
+ * In the tumble_set_t of a set of version 2, the flag TUMBLE_SET_HAS_SLOPES is set, the coefficients are those at
+ * temperature_c, which is T0 and no temperature of a run (TUMBLE_SET_HAS_TEMPERATURE is cleared), and the range of temperatures is that of the polynomials. Its uncertainties are those at the
+ * temperature of the last run; of a factory set, the largest over the range. Without its slopes it cannot be written again:
+ * tumble_set_encode refuses the flag.
+ */
+#define TUMBLE_SET_SCHEMA_THERMAL 2U
+
+/* As tumble_set_encode, version 2. The set's coefficients, temperature and range are taken from `thermal`; its range is
+ * narrowed to half degrees within -64 and 63.5 degrees C, which a sample can tell.
+ * Returns as tumble_set_encode, and TUMBLE_E_ARGUMENT where nothing is left of the range; TUMBLE_E_NOT_FINITE also where a
+ * number is too large for single precision. */
+tumble_status_t tumble_set_encode_thermal(const tumble_set_t *set, const tumble_thermal_t *thermal,
+                                          uint8_t bytes[TUMBLE_SET_BYTES]);
+
+/* As tumble_set_decode, either version. A set of version 1 has no slopes: its coefficients hold at all temperatures that a
+ * sample can tell, -64 to 63.5 degrees C. */
+tumble_status_t tumble_set_decode_thermal(const uint8_t bytes[TUMBLE_SET_BYTES], tumble_set_t *set,
+                                          tumble_thermal_t *thermal);
+
+/* As tumble_store_init, for a store that reads both versions. */
+tumble_status_t tumble_store_init_thermal(tumble_store_t *store, const tumble_nv_t *nv);
+
+/* As tumble_store_read, with the polynomials. */
+tumble_status_t tumble_store_read_thermal(tumble_store_t *store, tumble_which_set_t which, tumble_set_t *set,
+                                          tumble_thermal_t *thermal);
+
+/* As tumble_store_commit (TUMBLE_SET_ACTIVE), tumble_store_hold (TUMBLE_SET_PROPOSAL) or tumble_store_write_factory
+ * (TUMBLE_SET_FACTORY), version 2. Returns as those and as tumble_set_encode_thermal. */
+tumble_status_t tumble_store_write_thermal(tumble_store_t *store, tumble_which_set_t which, const tumble_set_t *set,
+                                           const tumble_thermal_t *thermal);
 
 /* ---- The history: the last sets that became active, in short.
  *
@@ -499,7 +539,8 @@ tumble_status_t tumble_checkpoint_read(tumble_checkpoint_t *checkpoint, uint8_t 
  *
  * The caller adds TUMBLE_OBJECTION_DOES_NOT_FIT, TUMBLE_OBJECTION_WHOLE_MODEL, TUMBLE_OBJECTION_DISTURBED,
  * TUMBLE_OBJECTION_OTHER_RULES, TUMBLE_OBJECTION_NEWER_SET and TUMBLE_OBJECTION_NOT_SHOWN: a set holds neither means nor
- * covariances, and knows neither its bus nor who set its rules, nor what else is in the memory.
+ * covariances, and knows neither its bus nor who set its rules, nor what else is in the memory. TUMBLE_OBJECTION_TEMPERATURE
+ * comes of tumble_thermal_sets_t.
  */
 /* Drift is allowed for so many months at most, however far apart the dates are. Otherwise a clock that is years ahead
  * would excuse any change; and after so long a time the block should be inspected. */
@@ -524,7 +565,8 @@ tumble_status_t tumble_checkpoint_read(tumble_checkpoint_t *checkpoint, uint8_t 
     X(TUMBLE_OBJECTION_WHOLE_MODEL, "twelve coefficients and the declared stand do not explain the run as a whole")    \
     X(TUMBLE_OBJECTION_DISTURBED, "too many samples or position reports were lost, refused or not believed")           \
     X(TUMBLE_OBJECTION_NEWER_SET, "the memory holds a set of a newer version, which this one would replace")           \
-    X(TUMBLE_OBJECTION_NOT_SHOWN, "three u(|a|) exceed the gravity limit at some attitude: it is not shown to be met")
+    X(TUMBLE_OBJECTION_NOT_SHOWN, "three u(|a|) exceed the gravity limit at some attitude: it is not shown to be met") \
+    X(TUMBLE_OBJECTION_TEMPERATURE, "the temperature is not known, or outside the range of the active set's slopes")
 
 /* The bit numbers. */
 typedef enum {
@@ -591,6 +633,29 @@ typedef struct {
     uint8_t flags;                /* TUMBLE_SETS_... */
 } tumble_sets_settings_t;
 
+/* Sets with slopes in a navigation computer, which asks for them by lending this memory, after tumble_thermal_sets_init.
+ * Private.
+ *
+ * Where the active set has slopes, a run is compared with its coefficients at the run's temperature. If they agree,
+ * tumble_thermal_update makes the next set of both, with the drift that the rules allow for the time between as growth; if
+ * they do not (TUMBLE_OBJECTION_CHANGE), or one of the uncertainties is not known, offset and scale are those of the run
+ * alone. The slopes stay either way. A run whose temperature is not known or outside the range is held, without slopes
+ * (TUMBLE_OBJECTION_TEMPERATURE). A run that is offered again is known by its gravity check, equal to the last bit. */
+typedef struct tumble_thermal_sets {
+    tumble_status_t (*read_set)(const uint8_t bytes[TUMBLE_SET_BYTES], tumble_set_t *set);
+    /* Bring a set, which the store has just read, to the run's temperature; returns objections. Null: a job has begun to
+     * write the run, and writes what it makes of the last such set. */
+    uint32_t (*consult)(struct tumble_thermal_sets *sets, tumble_store_t *store, const tumble_set_t *run,
+                        const tumble_commit_limits_t *limits, tumble_set_t *set);
+    tumble_thermal_t thermal; /* of the last set, as it was read */
+    tumble_uncertainty_t uncertainty;
+    uint64_t date_utc_s;
+    bool moves;    /* there are slopes, and the run can move them */
+    bool is_known; /* the uncertainty */
+} tumble_thermal_sets_t;
+
+void tumble_thermal_sets_init(tumble_thermal_sets_t *sets);
+
 /* The board's, const; must outlive the owner. */
 typedef struct {
     const char *serial;                     /* of the block, 1 to TUMBLE_SET_SERIAL_BYTES characters */
@@ -605,6 +670,9 @@ typedef struct {
      * of it in each step. Both null: not tested, and nothing of it is linked. */
     bool (*whole_step)(tumble_whole_work_t *work, const tumble_misfit_run_t *run);
     tumble_whole_work_t *whole_work;
+
+    /* Sets with slopes are read, and recalibrated. Null: they are of a newer version, and nothing of it is linked. */
+    tumble_thermal_sets_t *thermal;
 } tumble_sets_config_t;
 
 /* A clock that is set back by less than this makes no run due. */

@@ -71,6 +71,12 @@ static const tumble_gain_record_t *record;
 #define ESTIMATE() tumble_estimate_inclined(&tumble_schedule_inclined, &benchmark_inclined, &found, NULL)
 #elif CANDIDATE == 23 || CANDIDATE == 24
 #define ESTIMATE() tumble_uncertainty_inclined(&inclined_judged, &uncertainty, NULL)
+#elif CANDIDATE == 25
+#define BEGIN() thermal_begin()
+#define ESTIMATE() tumble_thermal_calibration(&thermal, 31.0, &found)
+#elif CANDIDATE == 26
+#define BEGIN() thermal_begin()
+#define ESTIMATE() tumble_thermal_update(&thermal, &uncertainty, &growth, &warm_run)
 #elif CANDIDATE == 15
 #define ESTIMATE() tumble_uncertainty_gains(&benchmark_table, &judged, &uncertainty)
 #endif
@@ -97,6 +103,31 @@ static const tumble_judged_run_t inclined_judged = {.schedule = &tumble_schedule
                                                     .coefficients = &benchmark_coefficients,
                                                     .only = (CANDIDATE == 24) ? 0x200 : 0};
 #define FOUND uncertainty
+#elif CANDIDATE == 25 || CANDIDATE == 26
+static tumble_thermal_t thermal = {.reference_c = 21.5, .lowest_c = -40.0, .highest_c = 60.0};
+static void thermal_begin(void)
+{
+    for (int m = 0; m < TUMBLE_THERMAL_POWERS; m++) {
+        const double size = (m == 0) ? 1.0 : (m == 1) ? 1e-4 : 1e-7;
+        for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+            for (int j = 0; j < TUMBLE_CHANNELS; j++) {
+                thermal.power[m].k_v_per_g[i][j] = size * benchmark_coefficients.k_v_per_g[i][j];
+            }
+            thermal.power[m].u0_v[i] = size * benchmark_coefficients.u0_v[i];
+        }
+    }
+}
+#if CANDIDATE == 25
+static tumble_calibration_t found;
+#define FOUND found
+#else
+#define U 1.1e-5
+static const tumble_uncertainty_t growth = {{{U, U, U}, {U, U, U}, {U, U, U}}, {U, U, U}};
+static const tumble_uncertainty_t u_run = {{{U, U, U}, {U, U, U}, {U, U, U}}, {U, U, U}};
+static tumble_uncertainty_t uncertainty = {{{U, U, U}, {U, U, U}, {U, U, U}}, {U, U, U}};
+static const tumble_thermal_run_t warm_run = {31.0, &benchmark_coefficients, &u_run};
+#define FOUND uncertainty
+#endif
 #else
 static tumble_coefficients_t found;
 #define FOUND found

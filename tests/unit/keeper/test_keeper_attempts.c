@@ -211,12 +211,13 @@ static void test_none_of_them_reaches_the_active_set(void)
 /* Every objection that a run can earn has an attempt above; the others cannot be earned with an active set that is good and
  * not dated after the present, with limits that init has looked at, or without a write at service level
  * (test_keeper_service.c), or without a set of a newer version in the memory (test_keeper_decay.c), or on a board that
- * does not ask for u(|a|), as here (test_keeper_uncertainty.c). */
+ * does not ask for u(|a|), as here (test_keeper_uncertainty.c), or without slopes (test_keeper_thermal.c). */
 static void test_no_objection_is_left_out(void)
 {
-    static const tumble_objection_t others[] = {
-        TUMBLE_OBJECTION_NOT_FINITE,  TUMBLE_OBJECTION_FIRST,     TUMBLE_OBJECTION_LIMITS,   TUMBLE_OBJECTION_OLDER,
-        TUMBLE_OBJECTION_OTHER_RULES, TUMBLE_OBJECTION_NEWER_SET, TUMBLE_OBJECTION_NOT_SHOWN};
+    static const tumble_objection_t others[] = {TUMBLE_OBJECTION_NOT_FINITE,  TUMBLE_OBJECTION_FIRST,
+                                                TUMBLE_OBJECTION_LIMITS,      TUMBLE_OBJECTION_OLDER,
+                                                TUMBLE_OBJECTION_OTHER_RULES, TUMBLE_OBJECTION_NEWER_SET,
+                                                TUMBLE_OBJECTION_NOT_SHOWN,   TUMBLE_OBJECTION_TEMPERATURE};
     for (int o = 0; o < TUMBLE_OBJECTION_COUNT; o++) {
         bool known = false;
         for (size_t i = 0; i < COUNT_OF(others); i++) {

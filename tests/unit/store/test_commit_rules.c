@@ -361,7 +361,8 @@ static void test_numbers_names_and_sentences(void)
     TEST_ASSERT_EQUAL_INT(14, TUMBLE_OBJECTION_DISTURBED);
     TEST_ASSERT_EQUAL_INT(15, TUMBLE_OBJECTION_NEWER_SET);
     TEST_ASSERT_EQUAL_INT(16, TUMBLE_OBJECTION_NOT_SHOWN);
-    TEST_ASSERT_EQUAL_INT(17, TUMBLE_OBJECTION_COUNT);
+    TEST_ASSERT_EQUAL_INT(17, TUMBLE_OBJECTION_TEMPERATURE);
+    TEST_ASSERT_EQUAL_INT(18, TUMBLE_OBJECTION_COUNT);
     for (int i = 0; i < TUMBLE_OBJECTION_COUNT; i++) {
         const char *const name = tumble_objection_name((tumble_objection_t)i);
         const char *const sentence = tumble_objection_sentence((tumble_objection_t)i);

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Final, Literal, TypeAlias
 
-from msgspec import Meta
+from msgspec import UNSET, Meta, UnsetType
 
 from tumble.documents.base import Document
 from tumble.documents.result import AtLeastOne
@@ -43,16 +43,32 @@ class Check(Document):
     limit_g: float
 
 
+class Slopes(Document):
+    """K(T) and U0(T) of a set of version 2: K, U0 + slopes[0] (T - temperature_c) + slopes[1] (T - temperature_c)^2,
+    within temperature.
+
+    degree: The highest power of which a slope is not 0.
+    K: Slopes of K, V/g per K and per K^2.
+    U0: Those of U0, V per K and per K^2.
+    """
+
+    degree: Annotated[int, Meta(ge=0, le=2)]
+    K: Annotated[tuple[Matrix, ...], Meta(min_length=2, max_length=2)]
+    U0: Annotated[tuple[Vector, ...], Meta(min_length=2, max_length=2)]
+
+
 class Set(Document):
     """sequence: The calibration counter as it was made active with; 0: factory.
     estimator: Its number on board.
     serial: Of the block.
     date_utc_s: Seconds since 1970 UTC; null: not known.
-    temperature_c: Mean of the run, or of its part after a loss of power.
+    temperature_c: Mean of the run, or of its part after a loss of power; with slopes, T0, which they are about.
+    temperature: Of the run; with slopes, where they hold.
     u_K: Standard uncertainties; null: not known.
     check: The gravity check.
     samples: Of the whole run.
     reasons: Why it was held, bits.
+    slopes: Only of a set of version 2.
     """
 
     sequence: Word
@@ -79,6 +95,7 @@ class Set(Document):
     from_crc: Word
     resumed: bool
     other_rules: bool
+    slopes: Slopes | UnsetType = UNSET
 
 
 class Slots(Document):

@@ -21,10 +21,13 @@ ORIGINS = {1: "factory", 2: "committed", 3: "accepted", 4: "rolled back", 5: "he
 HAS_TEMPERATURE, HAS_GRAVITY, HAS_UNCERTAINTY, HAS_CHECK, HAS_CLOSURE, RESUMED, OTHER_RULES, HAS_TEMPERATURE_RANGE = (
     1 << bit for bit in range(8)
 )
+HAS_SLOPES = 1 << 8
 COLDEST_C, WARMEST_C = -64.0, 63.5  # that a sample can tell
 
-_SET_HEAD = struct.pack("<4sHH", b"TSET", 1, SET_BYTES)
-_SET = struct.Struct("<8sIBBH24sQ2d12d12d4dIBB2b5I")
+_HEADS = {version: struct.pack("<4sHH", b"TSET", version, SET_BYTES) for version in (1, 2)}
+_SETS = {1: struct.Struct("<8sIBBH24sQ2d12d12d4dIBB2b5I"), 2: struct.Struct("<8sIBBH24sQ2d36f12f4dIBB2b5I")}
+_FLAGS = {1: 0x0FF, 2: 0x1FF}
+_ALWAYS = HAS_SLOPES | HAS_TEMPERATURE_RANGE  # in version 2, and never HAS_TEMPERATURE, which is that of a run
 _ENTRY = struct.Struct("<4sIIBBHQf12f12f")
 _RUN_HEAD = struct.pack("<4sHH", b"TRUN", 1, CELL_BYTES)
 _POSITION = struct.Struct("<2sBxI3q3f2B14x")
@@ -40,7 +43,7 @@ class NewerVersion(NotARecord):
 
 @dataclass
 class CoefficientSet:
-    """A coefficient set, with the names of docs/embedding.md. None: unknown."""
+    """A coefficient set, with the names of docs/embedding.md. None: unknown. With slopes it is of version 2."""
 
     sequence: int
     origin: int
@@ -65,7 +68,8 @@ class CoefficientSet:
     from_crc: int
     resumed: bool
     other_rules: bool = False  # judged, committed or accepted under rules other than the board's
-    temperature_range_c: list[float] | None = None  # least and largest of the run's samples
+    temperature_range_c: list[float] | None = None  # of the run's samples; with slopes, where these hold
+    slopes: list[list[float]] | None = None  # per K and per K^2 about temperature_c: K row by row, then U0
 
 
 @dataclass
@@ -99,16 +103,21 @@ def _check_seal(bytes_: bytes, before: int = 0) -> None:
         raise NotARecord("its checksum is wrong")
 
 
-def _half_degrees(range_c: list[float]) -> tuple[int, int]:
-    """A range in half degrees, rounded outwards."""
+def _half_degrees(range_c: list[float], inwards: bool) -> tuple[int, int]:
+    """A range in half degrees, rounded outwards or inwards."""
     low_c, high_c = range_c
     if not COLDEST_C <= low_c <= high_c <= WARMEST_C:
         raise ValueError(f"a temperature range must lie within {COLDEST_C} and {WARMEST_C} deg C, the lower end first")
-    return math.floor(2 * low_c), math.ceil(2 * high_c)
+    of_low, of_high = (math.ceil, math.floor) if inwards else (math.floor, math.ceil)
+    low, high = of_low(2 * low_c), of_high(2 * high_c)
+    if low > high:
+        raise ValueError("a temperature range must hold a half degree")
+    return low, high
 
 
 def encode_set(s: CoefficientSet) -> bytes:
-    """Encode a set into 320 bytes. Widens the temperature range to half degrees. Raises ValueError."""
+    """Encode a set into 320 bytes. Widens the temperature range to half degrees; with slopes, narrows it, and rounds
+    coefficients and uncertainties to single precision. Raises ValueError."""
     known = (
         (HAS_TEMPERATURE, s.temperature_c),
         (HAS_GRAVITY, s.gravity_m_s2),
@@ -118,31 +127,46 @@ def encode_set(s: CoefficientSet) -> bytes:
         (HAS_TEMPERATURE_RANGE, s.temperature_range_c),
     )
     flags = sum(bit for bit, value in known if value is not None) | (RESUMED if s.resumed else 0)
-    flags |= OTHER_RULES if s.other_rules else 0
+    flags |= (OTHER_RULES if s.other_rules else 0) | (0 if s.slopes is None else HAS_SLOPES)
+    version = 1 if s.slopes is None else 2
+    if version == 2:
+        if s.temperature_c is None or s.temperature_range_c is None:
+            raise ValueError("slopes need the temperature that they are about, and the range where they hold")
+        flags &= ~HAS_TEMPERATURE
     serial = s.serial.encode()
     if len(serial) > 24 or b"\0" in serial:
         raise ValueError("a serial has at most 24 bytes of UTF-8, none of them zero")
-    record = _SET.pack(
-        *(_SET_HEAD, s.sequence, s.origin, s.estimator, flags, serial, s.date_utc_s or 0),
-        *(s.temperature_c or 0.0, s.gravity_m_s2 or 0.0, *s.k, *s.u0),
-        *(*(s.u_k or [0.0] * 9), *(s.u_u0 or [0.0] * 3), *(s.check or [0.0] * 3), s.closure_v or 0.0),
-        *(s.samples, s.fit_positions, s.check_positions, *_half_degrees(s.temperature_range_c or [0.0, 0.0])),
-        *(s.schedule_crc, s.stand_crc, s.reasons, s.restores, s.from_crc),
-    )
+    slopes = [number for power in s.slopes or () for number in power]
+    low, high = _half_degrees(s.temperature_range_c or [0.0, 0.0], inwards=version == 2)
+    try:
+        record = _SETS[version].pack(
+            *(_HEADS[version], s.sequence, s.origin, s.estimator, flags, serial, s.date_utc_s or 0),
+            *(s.temperature_c or 0.0, s.gravity_m_s2 or 0.0, *s.k, *s.u0, *slopes),
+            *(*(s.u_k or [0.0] * 9), *(s.u_u0 or [0.0] * 3), *(s.check or [0.0] * 3), s.closure_v or 0.0),
+            *(s.samples, s.fit_positions, s.check_positions, low, high),
+            *(s.schedule_crc, s.stand_crc, s.reasons, s.restores, s.from_crc),
+        )
+    except OverflowError:
+        raise ValueError("a number is too large for single precision") from None
     return record + struct.pack("<I", zlib.crc32(record))
 
 
 def decode_set(bytes_: bytes) -> CoefficientSet:
-    """Decode a set of 320 bytes. Raises NotARecord."""
-    if len(bytes_) != SET_BYTES or bytes_[:8] != _SET_HEAD:
+    """Decode a set of 320 bytes, of either version. Raises NotARecord."""
+    version = next((version for version, head in _HEADS.items() if bytes_[:8] == head), None)
+    if len(bytes_) != SET_BYTES or version is None:
         raise NotARecord("there is no set of coefficients")
     _check_seal(bytes_)
-    _, sequence, origin, estimator, flags, serial, date, temperature, gravity, *rest = _SET.unpack(bytes_[:-4])
-    doubles, (samples, fit, check, low, high, schedule, stand, reasons, restores, from_crc) = rest[:28], rest[28:]
-    finite = all(map(math.isfinite, [temperature, gravity, *doubles]))
+    fields = _SETS[version].unpack(bytes_[:-4])
+    _, sequence, origin, estimator, flags, serial, date, temperature, gravity, *rest = fields
+    *numbers, samples, fit, check, low, high, schedule, stand, reasons, restores, from_crc = rest
+    finite = all(map(math.isfinite, [temperature, gravity, *numbers]))
     in_range = low <= high if flags & HAS_TEMPERATURE_RANGE else low == high == 0
-    if origin not in ORIGINS or flags >> 8 or not finite or not in_range:
+    complete = version == 1 or flags & (_ALWAYS | HAS_TEMPERATURE) == _ALWAYS
+    if origin not in ORIGINS or flags & ~_FLAGS[version] or not (finite and in_range and complete):
         raise NotARecord("a field is out of its range")
+    slopes = None if version == 1 else [numbers[12:24], numbers[24:36]]
+    doubles = numbers if version == 1 else numbers[:12] + numbers[36:]
 
     def known(bit: int, value: Any) -> Any:
         return value if flags & bit else None
@@ -153,7 +177,7 @@ def decode_set(bytes_: bytes) -> CoefficientSet:
         estimator,
         serial.rstrip(b"\0").decode("utf-8", "backslashreplace"),
         date or None,
-        known(HAS_TEMPERATURE, temperature),
+        known(HAS_TEMPERATURE | HAS_SLOPES, temperature),
         known(HAS_GRAVITY, gravity),
         doubles[:9],
         doubles[9:12],
@@ -172,7 +196,13 @@ def decode_set(bytes_: bytes) -> CoefficientSet:
         bool(flags & RESUMED),
         bool(flags & OTHER_RULES),
         known(HAS_TEMPERATURE_RANGE, [low / 2, high / 2]),
+        slopes,
     )
+
+
+def degree_of(slopes: list[list[float]]) -> int:
+    """The highest power of the temperature of which a slope is not 0."""
+    return max((power for power, numbers in enumerate(slopes, 1) if any(numbers)), default=0)
 
 
 def mark_of(record: bytes) -> bytes:
@@ -195,7 +225,7 @@ def decode_place(bytes_: bytes) -> CoefficientSet:
 def _require_known(record: bytes) -> None:
     """Raises NewerVersion for a valid set with another schema or unknown flags."""
     magic, schema, flags = record[:4], *struct.unpack_from("<H8xH", record, 4)
-    if magic == _SET_HEAD[:4] and (schema != 1 or flags >> 8):
+    if magic == _HEADS[1][:4] and (schema not in _FLAGS or flags & ~_FLAGS[schema]):
         _check_seal(record)
         raise NewerVersion(f"a set of a newer version (schema {schema}, flags {flags:#x})")
 

@@ -6,9 +6,19 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from msgspec import UNSET
+
 from tumble.documents.base import DocumentT
-from tumble.documents.store import Check, Checkpoint, Entry, KeptPosition, Range, Set, Slots, Store
-from tumble.store.codec import HAS_TEMPERATURE, HAS_UNCERTAINTY, ORIGINS, CoefficientSet, HistoryEntry, Position
+from tumble.documents.store import Check, Checkpoint, Entry, KeptPosition, Range, Set, Slopes, Slots, Store
+from tumble.store.codec import (
+    HAS_TEMPERATURE,
+    HAS_UNCERTAINTY,
+    ORIGINS,
+    CoefficientSet,
+    HistoryEntry,
+    Position,
+    degree_of,
+)
 from tumble.store.image import Image
 
 _DECAYED = {6: "decayed"}  # in the history alone
@@ -39,8 +49,14 @@ def _set(found: CoefficientSet | None) -> Set | None:
         temperature=_range(found.temperature_range_c),
         check=None if found.check is None else Check(*found.check),
         **_coefficients(found.k + found.u0, None if found.u_k is None else found.u_k + (found.u_u0 or [])),
+        slopes=UNSET if found.slopes is None else _slopes(found.slopes),
         **{key: getattr(found, key) or None for key in ("samples", "schedule_crc", "stand_crc")},
     )
+
+
+def _slopes(slopes: list[list[float]]) -> Slopes:
+    powers = [_coefficients(numbers, None) for numbers in slopes]
+    return Slopes(degree_of(slopes), tuple(one["K"] for one in powers), tuple(one["U0"] for one in powers))
 
 
 def _entry(entry: HistoryEntry) -> Entry:

@@ -132,7 +132,15 @@ def _set_line(name: str, found: codec.CoefficientSet | None) -> str:
         f"K_xx, K_yy, K_zz {diagonal} V/g",
         f"U0 {', '.join(f'{u:.6g}' for u in found.u0)} V",
     ]
-    parts += [f"at {range_text(*found.temperature_range_c)}"] if found.temperature_range_c else []
+    where = range_text(*found.temperature_range_c) if found.temperature_range_c else ""
+    if found.slopes is not None:
+        parts += [f"degree {codec.degree_of(found.slopes)} over {where} about {found.temperature_c:.4g} deg C"]
+        for power, numbers in enumerate(found.slopes[: codec.degree_of(found.slopes)], 1):
+            per = "K" if power == 1 else f"K^{power}"
+            parts += [f"slopes of K_xx, K_yy, K_zz {', '.join(f'{numbers[i]:.4g}' for i in (0, 4, 8))} V/g/{per}"]
+            parts += [f"of U0 {', '.join(f'{u:.4g}' for u in numbers[9:])} V/{per}"]
+    else:
+        parts += [f"at {where}"] if where else []
     parts += [f"gravity check {max(found.check[:2]):.2g} of {found.check[2]:.2g} g"] if found.check else []
     parts += [f"reasons {found.reasons:#06x}"] if found.reasons else []
     parts += ["under other rules than the board's"] if found.other_rules else []
