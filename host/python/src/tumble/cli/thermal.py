@@ -158,7 +158,7 @@ def _checks(result: ThermalResult) -> list[str]:
         lines.append("Uncertainties are unknown: --stand FILE describes the stand")
     lines.append(
         f"With the values at {told.reference_c:g} deg C alone |a| would be wrong by up to"
-        f" {told.at_one_temperature_g * 1e6:.3g} ug"
+        f" {reliability.amount(told.at_one_temperature_g * 1e6, 'ug')}"
     )
     for one in told.reliability or ():
         unseen.append(reliability.Undetected(BY_NAME[one.pattern], one.size, one.norm_error_g))
