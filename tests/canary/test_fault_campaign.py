@@ -64,7 +64,7 @@ PLANTED = {
          "(samples > procedure->config->samples)")]),
     "proposal": ("proposal", "power off", [
         (STORE, "aim(store, active);\n    if (is_stale(store)) {",
-         "aim(store, active);\n    if (store->places[PROPOSAL].valid) {")]),
+         "aim(store, active);\n    if (is_there(&store->places[PROPOSAL])) {")]),
     "mark": ("decayed", "bits flipped", [
         (STORE, " && (tumble_get_u32(&mark[MARK_CRC]) == tumble_set_crc(bytes))", "")]),
     "record": ("decayed", "bits flipped", [
