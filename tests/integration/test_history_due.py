@@ -231,6 +231,24 @@ def test_a_calibration_without_gravity_was_made_at_the_usual_one(tumble, tmp_pat
     )
 
 
+@pytest.mark.parametrize(
+    ("temperatures", "apart"), [((20.0, None, 21.0, 20.5), 1.0), ((20.0, 25.5, None, 20.0), 5.5), ((None,) * 4, 0.0)]
+)
+def test_temperatures_of_a_block_that_differ_are_told(temperatures, apart, tumble, tmp_path):
+    """Not those of different blocks, which may be measured at different ones."""
+    rows = rows_of(fleet(6, 4, 64).series)
+    for place, row in enumerate(rows):
+        row.update(temperature_c=temperatures[place % 4], gravity_m_s2=9.80665)
+    if apart == 1.0:
+        for row in rows[:4]:
+            row["temperature_c"] = 60.0
+    with History(tmp_path / "history.db") as history:
+        history.add_rows(rows)
+        assert history.trend().temperatures_apart_c == apart
+    second = tumble("history", "trend", cwd=tmp_path).stdout.splitlines()[1]
+    assert second == ("Temperatures of a block differ by up to 5.5 deg C: that counts as a change" if apart > 1 else "")
+
+
 def test_the_usual_gravity_is_a_median():
     none = np.nan
     stated = np.array([[none, none, none], [none, 9.8, none], [9.9, none, 9.7], [9.7, 9.9, 9.8]])
