@@ -198,7 +198,7 @@ def description_of(pattern: str) -> str:
     return BY_NAME[pattern].description if pattern in BY_NAME else pattern
 
 
-def _amount(size: float, unit: str) -> str:
+def amount(size: float, unit: str) -> str:
     """Three digits without an exponent; from 1e4 on in the next larger unit: 9 % instead of 9e+04 ppm."""
     if size >= 1e4 and unit == "ppm":
         size, unit = size * 1e-4, "%"
@@ -216,8 +216,8 @@ def lines(found: Reliability, limit_g: float | None = None) -> list[str]:
         if limit_g is not None and worst.norm_g > limit_g:
             beyond = ", more than the limit; the verdict assumes that there is none"
         said.append(
-            f"{worst.pattern.description.capitalize()} below {_amount(worst.size, worst.pattern.unit)} could go"
-            f" unnoticed; it would change |a| by up to {_amount(1e6 * worst.norm_g, 'ug')}{beyond}"
+            f"{worst.pattern.description.capitalize()} below {amount(worst.size, worst.pattern.unit)} could go"
+            f" unnoticed; it would change |a| by up to {amount(1e6 * worst.norm_g, 'ug')}{beyond}"
         )
     if unseen:
         said.append(f"A run like this cannot show, at any size: {unseen}")
