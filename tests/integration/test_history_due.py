@@ -119,6 +119,8 @@ def test_blocks_are_listed_by_their_days(tumble, tmp_path):
     done = tumble("history", "due", "--limit", "1e-4", "--on", "2000-01-01", "--json", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     assert valid(done.stdout, "history")["blocks"][0]["serial"] == told.blocks[0].serial
+    never = tumble("history", "due", "--limit", "1", "--serial", "B000003", cwd=tmp_path)
+    assert never.stdout.splitlines()[-1].endswith(" -  not in 100 years")
     late = tumble("history", "due", "--limit", "1e-4", "--on", "2100-01-01", "--serial", "B000003", cwd=tmp_path)
     assert late.returncode == 1
     assert late.stdout.splitlines()[0] == "Limit 0.0001 g, 3 u(|a|); 1 block"

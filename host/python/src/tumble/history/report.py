@@ -323,8 +323,9 @@ def render_due(told: Due) -> str:
     for one in told.blocks:
         days = "-" if one.days is None else f"{one.days:.0f}"
         day = "-" if one.due is None else _day(one.due)
-        late = f", not within {_FOR_EVER / YEAR:g} years" if one.due is None and one.why in _TAKES_TIME else ""
-        lines.append(f"{day:10} {_cut(one.serial)} {_cut(one.type, 12)} {_day(one.last)} {days:>6}  {one.why}{late}")
+        never = one.due is None and one.why in _TAKES_TIME
+        why = f"not in {_FOR_EVER / YEAR:g} years" if never else one.why
+        lines.append(f"{day:10} {_cut(one.serial)} {_cut(one.type, 12)} {_day(one.last)} {days:>6}  {why}")
     return "\n".join([*lines, ""])
 
 
