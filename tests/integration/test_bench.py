@@ -233,6 +233,29 @@ def test_keys_win_over_the_stand_file_and_the_scenario(tumble, tmp_path):
     assert sum(line.startswith("fault") for line in lines) == 2
 
 
+def test_the_stand_of_the_keys_is_that_of_a_file(tumble, tmp_path):
+    """A result is confirmed by the stand that the firmware was told of, wherever that was declared."""
+    of_file = other = (EXAMPLES / "angle_stand.toml").read_text()
+    for line, instead in {
+        "angle_rad = 2e-4\n": "angle_rad = 3e-5\nencoder_rad = 6e-5\ndrift_v = [1e-5, 2e-5, 3e-5]\n",
+        "noise_v = 1.5e-4 ": "noise_v = 4.5e-4 ",
+        'limits = "sigma1"\n': 'limits = "sigma3"\n',
+    }.items():
+        assert other.count(line) == 1
+        other = other.replace(line, instead)
+    (tmp_path / "angle.toml").write_text(of_file)
+    (tmp_path / "other.toml").write_text(other)
+    keys = ("angle_rad=3e-5", "encoder_rad=6e-5", "drift_v=1e-5 2e-5 3e-5", "limits=sigma3")
+    told = [word for key in keys for word in ("--set", f"stand.{key}")]
+    for folder, options in {"file": ("other.toml",), "keys": ("angle.toml", *told)}.items():
+        done = tumble("bench", "--stand", *options, "--out", folder, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+    by_file, by_keys = (result_of(tmp_path / folder) for folder in ("file", "keys"))
+    assert by_keys["K"] == by_file["K"] and by_keys["stand"].keys() == by_file["stand"].keys()
+    for name in ("u_K", "u_U0", "covariance"):
+        np.testing.assert_allclose(by_keys[name], by_file[name], rtol=1e-12)
+
+
 def test_many_runs_are_those_of_their_seeds(tumble, tmp_path):
     given = ("--stand", EXAMPLES / "lab_stand.toml", "--estimator", "optimal", "--samples", "20")
     done = tumble("bench", *given, "--runs", "3", "--jobs", "2", "--seed", "8", cwd=tmp_path)

@@ -37,7 +37,10 @@ OPTIONS = {
         "lacks positions that refined needs; least_squares solves any schedule",
     ),
     "something more": (["run.csv"], "unrecognized arguments: run.csv (see tumble bench --help)"),
-    "out in no folder": (["--out", "nowhere/run"], "nowhere/run: the folder cannot be made: no such file or folder"),
+    "out in no folder": (
+        ["--out", "nowhere/run"],
+        "nowhere/run: the folder cannot be made: make the folder nowhere first",
+    ),
     "out empty": (["--out", ""], "not a folder name"),
     "out is a full folder": (["--out", str(EXAMPLES)], "is not an empty folder; remove it or choose another --out"),
     "out is a file": (["--out", str(EXAMPLES / "paper_stand.toml")], "is there already and is not a folder"),

@@ -119,6 +119,8 @@ def test_blocks_are_listed_by_their_days(tumble, tmp_path):
     done = tumble("history", "due", "--limit", "1e-4", "--on", "2000-01-01", "--json", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     assert valid(done.stdout, "history")["blocks"][0]["serial"] == told.blocks[0].serial
+    never = tumble("history", "due", "--limit", "1", "--serial", "B000003", cwd=tmp_path)
+    assert never.stdout.splitlines()[-1].endswith(" -  not in 100 years")
     late = tumble("history", "due", "--limit", "1e-4", "--on", "2100-01-01", "--serial", "B000003", cwd=tmp_path)
     assert late.returncode == 1
     assert late.stdout.splitlines()[0] == "Limit 0.0001 g, 3 u(|a|); 1 block"
@@ -229,6 +231,24 @@ def test_a_calibration_without_gravity_was_made_at_the_usual_one(tumble, tmp_pat
     assert tumble("history", "trend", cwd=tmp_path).stdout.splitlines()[1] == (
         "Without gravity_m_s2: 6, taken as measured at their blocks' usual one"
     )
+
+
+@pytest.mark.parametrize(
+    ("temperatures", "apart"), [((20.0, None, 21.0, 20.5), 1.0), ((20.0, 25.5, None, 20.0), 5.5), ((None,) * 4, 0.0)]
+)
+def test_temperatures_of_a_block_that_differ_are_told(temperatures, apart, tumble, tmp_path):
+    """Not those of different blocks, which may be measured at different ones."""
+    rows = rows_of(fleet(6, 4, 64).series)
+    for place, row in enumerate(rows):
+        row.update(temperature_c=temperatures[place % 4], gravity_m_s2=9.80665)
+    if apart == 1.0:
+        for row in rows[:4]:
+            row["temperature_c"] = 60.0
+    with History(tmp_path / "history.db") as history:
+        history.add_rows(rows)
+        assert history.trend().temperatures_apart_c == apart
+    second = tumble("history", "trend", cwd=tmp_path).stdout.splitlines()[1]
+    assert second == ("Temperatures of a block differ by up to 5.5 deg C: that counts as a change" if apart > 1 else "")
 
 
 def test_the_usual_gravity_is_a_median():

@@ -37,7 +37,7 @@ ROWS = {  # arguments of the command, name of the output, what the line says
     "schedule": (("plan", "schedule"), "s.json", "does not end in .toml"),
     "bench, a folder": (("bench",), "full", "is there already and is not an empty folder"),
     "bench, a file": (("bench",), "run.csv", "is there already and is not a folder"),
-    "bench, no such folder": (("bench",), "none/run", "the folder cannot be made: no such file or folder"),
+    "bench, no such folder": (("bench",), "none/run", "the folder cannot be made: make the folder none first"),
     "bench, a run goes on": (("bench",), "busy", "of a run that goes on or was killed"),
 }  # fmt: skip
 

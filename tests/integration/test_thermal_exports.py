@@ -143,6 +143,7 @@ int main(void)
     [
         (["--format", "csv"], "over temperature there are formats c, px4, ardupilot, not csv"),
         (["--format", "c", "--number", "fixed", "--step", "1e-6"], "over temperature in double or float, for g alone"),
+        (["--format", "px4", "--unit", "m/s2"], "over temperature for g alone: leave out --unit"),
         (["--format", "px4"], "outputs in V: PX4 calibrates accelerations, in m/s^2 or g"),
     ],
 )

@@ -148,7 +148,11 @@ def test_the_factory_set_of_the_page_is_one(tumble, tmp_path, result):
     [
         ({"passed": False, "pass_reason": "gravity"}, None, "the calibration: it did not pass: gravity"),
         ({"unit": "g"}, None, "the calibration: its outputs are in g, and a set is in volts"),
-        ({"serial": None}, None, "the calibration: a set names its block by a serial of at most 24 bytes"),
+        (
+            {"serial": None},
+            None,
+            "the calibration: names no block: write serial under [block] of the stand file, or give it",
+        ),
         ({}, "x" * 25, "the calibration: a set names its block by a serial of at most 24 bytes"),
         (
             {"range_c": (64.0, 80.0)},

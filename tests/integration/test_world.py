@@ -271,3 +271,10 @@ def test_setting_keys_in_two_threads_mixes_nothing():
 
     with ThreadPoolExecutor(2) as pool:
         assert sum(map(len, pool.map(make, range(2)))) == 600
+
+
+def test_the_stand_of_the_keys_confirms_the_result():
+    keys = {"stand.axis_tilt_rad": 1e-5, "stand.platform_rad": 1e-4, "block.noise_limits": "sigma3"}
+    found = tumble.World(3, **keys).run().result
+    declared = found.document["stand"]
+    assert declared["platform_rad"] == 1e-4 and declared["noise_v"] == pytest.approx(1e-4, rel=1e-15)

@@ -385,7 +385,8 @@ def _prior(solution: Solution) -> list[str]:
         lines.append(f"Worst u(|a|) of each: {sizes}")
     if told.undetermined:
         lines.append(f"The run alone does not determine {listed(told.undetermined)}: they rest on the prior")
-    return [line for one in lines for line in textwrap.wrap(one, _COLUMNS, break_on_hyphens=False)]
+    wrapped = [textwrap.wrap(one, _COLUMNS, subsequent_indent="  ", break_on_hyphens=False) for one in lines]
+    return [line for one in wrapped for line in one]
 
 
 def _three(values: Floats) -> str:
@@ -453,7 +454,8 @@ def _consequences(solution: Solution) -> list[str]:
     if (norm := solution.u_norm) is None:
         return []
     x, y, z = norm.attitude
-    lines = [f"Worst u(|a|): {norm.worst_g * 1e6:.3g} ug, at the attitude ({x:+.2f}, {y:+.2f}, {z:+.2f})"]
+    size = reliability.amount(norm.worst_g * 1e6, "ug")
+    lines = [f"Worst u(|a|): {size}, at the attitude ({x:+.2f}, {y:+.2f}, {z:+.2f})"]
     lines += [] if solution.extended_terms is None else _cost_of_terms(solution.extended_terms)
     lines += [] if solution.reliability is None else reliability.lines(solution.reliability, solution.limit_g)
     return lines + ([] if solution.monte_carlo is None else _simulated(solution.monte_carlo))

@@ -111,7 +111,11 @@ def page(result: ThermalResult) -> list[Line | Table]:
         [(title, "bold")],
         Table(*_coefficients(result)),
         [("", "")],
-        *([(line, "")] for sentence in _checks(result) for line in textwrap.wrap(sentence, _COLUMNS)),
+        *(
+            [(line, "")]
+            for sentence in _checks(result)
+            for line in textwrap.wrap(sentence, _COLUMNS, subsequent_indent="  ")
+        ),
     ]
 
 
@@ -153,7 +157,8 @@ def _checks(result: ThermalResult) -> list[str]:
         )
     if told.u_norm_g:
         worst = max(told.u_norm_g, key=lambda one: one.worst_g)
-        lines.append(f"Worst u(|a|): {worst.worst_g * 1e6:.3g} ug, at {worst.temperature_c:.3g} deg C")
+        size = reliability.amount(worst.worst_g * 1e6, "ug")
+        lines.append(f"Worst u(|a|): {size}, at {worst.temperature_c:.3g} deg C")
     else:
         lines.append("Uncertainties are unknown: --stand FILE describes the stand")
     lines.append(

@@ -152,6 +152,7 @@ class Trend(History, kw_only=True):
     types: How their parameters grow: `drift`, `spread` and `walk` with their standard uncertainties.
     alarms: By time: `serial`, `parameter`, `kind` ("jump", "outlier", "open", "drift"), `size` and `z`; of_seat where
         only the seat has one.
+    temperatures_apart_c: Largest difference of the temperatures of a block, as far as they are known.
     points: Values and control charts of a single block that was asked for, else none.
     """
 
@@ -163,6 +164,7 @@ class Trend(History, kw_only=True):
     calibrations: Count
     left_out: dict[str, Count]
     without_gravity: Count
+    temperatures_apart_c: Size
     types: tuple[TypeOfBlock, ...]
     alarms: tuple[Alarm, ...]
     points: tuple[Point, ...]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -32,6 +33,8 @@ KINDS = {trends.JUMP: "jump", trends.OUTLIER: "outlier", trends.OPEN: "open", tr
 YEAR = 365.25  # days
 MILLION = 1e6
 _FOR_EVER = 100.0 * YEAR
+_SAME_C = 1.0  # temperatures that differ by less need no remark
+_TAKES_TIME = ("growth", "interval")  # whys of a day that may lie beyond that
 _MOST_LINES = 40  # of a list, as text
 
 
@@ -87,6 +90,7 @@ def trend(name: str, columns: Columns, confidence: float, serial: str | None = N
         calibrations=sum(int((one.series.rows >= 0).sum()) for one in groups),
         left_out=left_out,
         without_gravity=sum(_without_gravity(one.series, columns) for one in groups),
+        temperatures_apart_c=max((_temperatures_apart(one.series, columns) for one in groups), default=0.0),
         types=tuple(_type(kind, them) for kind, them in types.items()),
         alarms=tuple(sorted(alarms, key=lambda one: (one.measured, one.serial))),
         points=tuple(point for one in groups for point in _points(one, serial)),
@@ -95,6 +99,14 @@ def trend(name: str, columns: Columns, confidence: float, serial: str | None = N
 
 def _without_gravity(series: Series, columns: Columns) -> int:
     return int((np.isnan(columns["gravity_m_s2"][series.rows]) & (series.rows >= 0)).sum())
+
+
+def _temperatures_apart(series: Series, columns: Columns) -> float:
+    """The largest difference within a block, of those that are known."""
+    known = np.where(series.rows >= 0, columns["temperature_c"][series.rows], np.nan)
+    highest = np.where(np.isnan(known), -np.inf, known).max(axis=1, initial=-np.inf)
+    lowest = np.where(np.isnan(known), np.inf, known).min(axis=1, initial=np.inf)
+    return float(np.maximum(highest - lowest, 0.0).max(initial=0.0))
 
 
 def _type(kind: str, groups: Sequence[Group]) -> TypeOfBlock:
@@ -267,6 +279,9 @@ def render_trend(told: Trend) -> str:
     lines = [f"{_sizes(told)}{_left_out(told.left_out)}"]
     if told.without_gravity:
         lines.append(f"Without gravity_m_s2: {told.without_gravity}, taken as measured at their blocks' usual one")
+    if told.temperatures_apart_c > _SAME_C:
+        apart = f"{told.temperatures_apart_c:.3g} deg C"
+        lines.append(f"Temperatures of a block differ by up to {apart}: that counts as a change")
     for kind in told.types:
         lines += ["", f"Type {kind.type or '-'}: {_sizes(kind)}"]
         if kind.growth is None:
@@ -274,8 +289,9 @@ def render_trend(told: Trend) -> str:
             continue
         lines.append(f"{'':9} {'drift/year':>20} {'spread/year':>20} {'walk/sqrt(year)':>20}  {'unit':5} {'ratio':>5}")
         for one in kind.growth:
-            sizes = ((one.drift, one.u_drift), (one.spread, one.u_spread), (one.walk, one.u_walk))
-            cells = " ".join(f"{f'{size:+.3g} +- {0.0 if u is None else u:.2g}':>20}" for size, u in sizes)
+            drift = _with_uncertainty(one.drift, one.u_drift, sign="+")
+            deviations = [_with_uncertainty(one.spread, one.u_spread), _with_uncertainty(one.walk, one.u_walk)]
+            cells = " ".join(f"{cell:>20}" for cell in (drift, *deviations))
             ratio = "-" if one.ratio is None else f"{one.ratio:.2f}"
             lines.append(f"{one.name:9} {cells}  {one.unit:5} {ratio:>5}")
     share = f"{(1.0 - told.confidence) * 100:.3g} %"
@@ -291,6 +307,14 @@ def render_trend(told: Trend) -> str:
     return "\n".join([*lines, ""])
 
 
+def _with_uncertainty(size: float, u: float | None, sign: str = "") -> str:
+    """With as many decimals as the first two digits of its uncertainty have."""
+    if not u:
+        return f"{size:{sign}.3g} +- {'unknown' if u is None else '0'}"
+    decimals = max(0, 1 - math.floor(math.log10(u)))
+    return f"{size:{sign}.{decimals}f} +- {u:.{decimals}f}"
+
+
 def render_due(told: Due) -> str:
     """A line for each block, the one that is due first, first."""
     rule = f"{told.coverage_factor:g} u(|a|)" if told.method == dues.CONTROL_CHART else "staircase"
@@ -299,7 +323,9 @@ def render_due(told: Due) -> str:
     for one in told.blocks:
         days = "-" if one.days is None else f"{one.days:.0f}"
         day = "-" if one.due is None else _day(one.due)
-        lines.append(f"{day:10} {_cut(one.serial)} {_cut(one.type, 12)} {_day(one.last)} {days:>6}  {one.why}")
+        never = one.due is None and one.why in _TAKES_TIME
+        why = f"not in {_FOR_EVER / YEAR:g} years" if never else one.why
+        lines.append(f"{day:10} {_cut(one.serial)} {_cut(one.type, 12)} {_day(one.last)} {days:>6}  {why}")
     return "\n".join([*lines, ""])
 
 

@@ -26,7 +26,9 @@ def factory_set(found: Thermal, serial: str | None = None) -> CoefficientSet:
         raise BadInput(f"it did not pass: {found.pass_reason}", "the calibration")
     if noise_unit(found.unit) != "V":
         raise BadInput(f"its outputs are in {found.unit}, and a set is in volts", "the calibration")
-    if serial is None or len(serial.encode()) > _SERIAL_BYTES:
+    if serial is None:
+        raise BadInput("names no block: write serial under [block] of the stand file, or give it", "the calibration")
+    if len(serial.encode()) > _SERIAL_BYTES:
         raise BadInput(f"a set names its block by a serial of at most {_SERIAL_BYTES} bytes", "the calibration")
     low_c, high_c = max(found.range_c[0], COLDEST_C), min(found.range_c[1], WARMEST_C)
     if np.ceil(2 * low_c) > np.floor(2 * high_c):

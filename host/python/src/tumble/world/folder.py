@@ -61,7 +61,10 @@ class RunFolder:
             raise self._cannot_be_made(error) from None
 
     def _cannot_be_made(self, error: OSError) -> BadInput:
-        return BadInput(f"the folder cannot be made: {reason(error)}", self.path)
+        parent = os.path.dirname(os.path.normpath(self.path))
+        is_missing = isinstance(error, FileNotFoundError) and bool(parent) and not os.path.lexists(parent)
+        why = f"make the folder {file_name(parent)} first" if is_missing else reason(error)
+        return BadInput(f"the folder cannot be made: {why}", self.path)
 
     def _cannot_be_written(self, error: OSError) -> BadInput:
         return BadInput(f"cannot be written: {reason(error)}", self.path)

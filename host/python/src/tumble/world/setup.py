@@ -22,7 +22,18 @@ from tumble.files.stand_file import StandFile, converter_step_v
 from tumble.model.optimal import optimal_table
 from tumble.schedule import Mounting, Position, Schedule
 from tumble.solving.optimal_run import Known, record_of, require_declared_inclinations, to_bytes
-from tumble.stand import PAPER_STAND, SOURCES, PerChannel, Stand, by_channel, per_channel
+from tumble.stand import (
+    COMMON,
+    INDEPENDENT,
+    LIMIT_KINDS,
+    PAPER_STAND,
+    SOURCES,
+    PerChannel,
+    Stand,
+    by_channel,
+    over,
+    per_channel,
+)
 from tumble.terms import Terms
 
 _MOST_BITS = 24
@@ -49,6 +60,10 @@ BY_OPTION = {  # keys of a scenario that the check of the result has to know of:
     "block.range_v": ("--block", "[block] of the stand"),
 }
 _REPEATED = ("fault", "profile.receive_pdo", "profile.transmit_pdo", "profile.write", "drive.lacks")
+_DECLARED = {  # keys by which a scenario declares a stand to the firmware: fields of Stand
+    **{f"stand.{one.key}": one.attribute for one in SOURCES.values() if one.attribute != "noise"},
+    "block.noise_v": "noise",
+}
 _USUAL_BLOCK = {"scale_v_per_g": -2.0, "misalignment_rad": 0.02}  # the program's own, where no file describes a block
 _FEWEST_SAMPLES = 16  # before which the procedure does not look at an error budget
 _MOST = 1e6  # times the budget that one sample's noise counts as, at most
@@ -117,6 +132,37 @@ def scenario_text(setup: Setup, file: str | None = None, given: bytes | None = N
         keys = {_told_key(line) for line in told}
         lines = [*("" if _key(line) in keys else line for line in lines), *told]
     return "".join(f"{line}\n" for line in lines)
+
+
+def as_declared(setup: Setup, lines: Sequence[str]) -> Setup:
+    """The setup with the stand that the `lines` of a scenario declare to the firmware, in place of the stand file's:
+    the result is confirmed by the same. What cannot be simulated is left for the program to refuse."""
+    own = set(scenario_text(setup).splitlines())
+    pairs = (line.partition("=") for line in lines if line not in own)
+    told = {key.strip(): value.strip() for key, _, value in pairs}
+    limits = told.get("stand.limits", setup.stand.limits)
+    noise_limits = told.get("block.noise_limits", setup.stand.limits)
+    remounting = told.get("stand.remount", setup.stand.remounting)
+    if {limits, noise_limits} - {*LIMIT_KINDS} or remounting not in (INDEPENDENT, COMMON):
+        return setup
+    try:
+        changed: dict[str, Any] = {one: _sizes(told[key]) for key, one in _DECLARED.items() if key in told}
+    except ValueError:
+        return setup
+    stand = replace(setup.stand, limits=limits, remounting=remounting, **changed)
+    if noise_limits != limits:
+        per_limit = replace(stand, limits=noise_limits).limits_over_sigma / stand.limits_over_sigma
+        stand = replace(stand, noise=over(stand.noise, per_limit))
+    return replace(setup, stand=stand)
+
+
+def _sizes(text: str) -> PerChannel:
+    """One number or three. Raises ValueError."""
+    first, *others = map(float, text.split() or [text])
+    if not others:
+        return first
+    second, third = others
+    return first, second, third
 
 
 def _overridden(own: list[str], file: str, given: bytes) -> list[str]:

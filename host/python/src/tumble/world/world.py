@@ -31,7 +31,7 @@ from tumble.world.border import (
     Refused,
     keys,
 )
-from tumble.world.setup import BY_OPTION, Setup, gain_record, scenario_text, setup_of
+from tumble.world.setup import BY_OPTION, Setup, as_declared, gain_record, scenario_text, setup_of
 
 if TYPE_CHECKING:
     from tumble.world.virtual_bus import VirtualBus
@@ -109,6 +109,7 @@ class World:
         lines = list(_lines(keys))
         given = {line.partition("=")[0].strip() for line in lines}
         own = [one for one in scenario_text(self._setup).splitlines() if one.partition("=")[0].strip() not in given]
+        self._setup = as_declared(self._setup, lines)
         record = gain_record(self._setup) if self._setup.estimator == OPTIMAL else None
         try:
             self._border = Border(seed, [*lines, *own], record, operator, memory)

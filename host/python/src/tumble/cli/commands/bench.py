@@ -133,6 +133,7 @@ def run(arguments: argparse.Namespace, onlooker: Onlooker | None = None) -> int:
     wanted, stand_file = _read_setup(arguments, given)
     extra = None if arguments.scenario is None else given[arguments.scenario]
     scenario = setup.scenario_text(wanted, arguments.scenario, extra, arguments.set)
+    wanted = setup.as_declared(wanted, scenario.splitlines())
     gain_record = setup.gain_record(wanted) if wanted.estimator == OPTIMAL else None
     if arguments.runs is not None:
         return _run_many(arguments, scenario, gain_record)

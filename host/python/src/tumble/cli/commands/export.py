@@ -65,7 +65,9 @@ def run(arguments: argparse.Namespace) -> int:
     options.require_ending(arguments.out, "--out", *FORMATS[arguments.format].endings)
     try:
         if is_thermal(arguments.result):
-            if arguments.number == FIXED or arguments.unit == SI:
+            if arguments.unit == SI:
+                raise ValueError("over temperature for g alone: leave out --unit")
+            if arguments.number == FIXED:
                 raise ValueError("over temperature in double or float, for g alone")
             warm = load_thermal(arguments.result)
             text, warnings = thermal.exported(warm.checked, arguments.format, arguments.number, number), warm.complaints
