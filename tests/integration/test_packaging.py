@@ -440,7 +440,7 @@ def test_the_wheel_has_the_page_of_watch(packages):
 def test_the_wheel_has_what_reports_are_made_of(packages):
     room = ROOT / "host/python/src/tumble/report"
     files = sorted(path.name for path in room.iterdir() if path.suffix in (".j2", ".css"))
-    pages = [f"{name}.html.j2" for name in ("history", "history_page", "report", "since", "tables")]
+    pages = [f"{name}.html.j2" for name in ("history", "history_page", "report", "since", "tables", "thermal")]
     assert files == sorted([*pages, "report.css"])
     for name in files:
         assert (packages["wheel"] / "tumble/report" / name).read_bytes() == (room / name).read_bytes()

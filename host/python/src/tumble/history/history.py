@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tumble.documents.labels import iso, serial_of
-from tumble.documents.result import Result, parse_result
+from tumble.documents.result import Result as ResultDocument, parse_result
 from tumble.errors import BadInput, UsageError, needing, quoted
 from tumble.files.disk import JSON, RESULT_FILE, kind_of, path_of, read_bytes, written
 from tumble.history import calibrations
@@ -129,7 +129,7 @@ class History:
         columns = self._of_type(serial, type)
         return report.due(self._database.name, columns, limit_g, coverage_factor, method, confidence, serial)
 
-    def told_of(self, result: Result, name: str) -> tuple[Trend, Due]:
+    def told_of(self, result: ResultDocument, name: str) -> tuple[Trend, Due]:
         """What is known of the block of a result called `name`, and when it is due by the limit and the coverage factor
         of that result. Raises BadInput."""
         serial = serial_of(result.serial, result.item)
