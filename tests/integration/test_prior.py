@@ -527,9 +527,13 @@ def test_what_rests_on_a_prior_is_no_calibration_of_its_own(folder, tmp_path, tu
     said = refused("history", "add", tmp_path / "one.json", "--db", tmp_path / "h.db")
     why = "rests on an earlier calibration, which would count twice: solve it without --prior"
     assert said == f"tumble: {tmp_path / 'one.json'}: {why}\n"
+    for pair in ((folder / "last.json", tmp_path / "one.json"), (tmp_path / "one.json", folder / "last.json")):
+        why = "rests on an earlier calibration, which hides a change: solve it without --prior"
+        assert refused("compare", *pair) == f"tumble: {tmp_path / 'one.json'}: {why}\n"
     tumble(*options(folder, "changed.csv"), "--out", tmp_path / "changed.json")
     row = row_of((tmp_path / "changed.json").read_bytes(), "changed.json")
     assert row["serial"] == "A-1" and row["believed"]
+    assert "HAS CHANGED" in tumble("compare", folder / "last.json", tmp_path / "changed.json").stdout
 
 
 # In many runs.

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Final, Literal
 
-from msgspec import Meta, field
+from msgspec import UNSET, Meta, UnsetType, field
 
 from tumble.documents.base import Document, Matrix, Share, Size, SizeMatrix, Sizes, Square, Vector, exactly, read
-from tumble.documents.result import Decision, DeclaredStand, Labels, Name, Unseen, WorstNorm
+from tumble.documents.result import Decision, DeclaredStand, Labels, Name, SetAngles, Unseen, WorstNorm
 from tumble.units import UNIT
 
 THERMAL: Final = "tumble.thermal/1"
@@ -87,6 +87,7 @@ class Thermal(Document, kw_only=True):
     max_abs_delta_g_g: Largest gravity error of all positions, with the coefficients of their temperature.
     at_one_temperature_g: Largest error of |a| over the range with the coefficients of `reference_c` alone.
     passed: The decision over the whole range; with `pass_reason`.
+    set_angles: The table by which the runs were corrected, as in a result; missing where none was used.
     """
 
     schema: Literal["tumble.thermal/1"] = THERMAL
@@ -116,6 +117,7 @@ class Thermal(Document, kw_only=True):
     warnings: tuple[str, ...] = ()
     kept: tuple[Name, ...] = ()
     stand: DeclaredStand | None = None
+    set_angles: SetAngles | UnsetType = UNSET
     runs: Annotated[tuple[RunAtTemperature, ...], Meta(min_length=1)] = ()
     item: Labels | None = None
     environment: Labels | None = None
