@@ -290,13 +290,15 @@ def test_labels_name_block_and_day():
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A stand file, last.json of a block, and runs of it: full.csv, one.csv of one mounting; changed.csv of both."""
+    """A stand file, last.json of a block (bent.json: with K2), and runs of it: full.csv, one.csv of one mounting; changed.csv of both."""
     path = tmp_path_factory.mktemp("prior")
     told = (EXAMPLES / "paper_stand.toml").read_text().replace("[block]\n", '[block]\nserial = "A-1"\n')
     (path / "stand.toml").write_text(told + '\n[environment]\ndate = "2027-03-01"\n')
     (path / "then.toml").write_text(told + '\n[environment]\ndate = "2026-03-01"\n')
     write_run(path / "first.csv", PAPER, simulated(PAPER, NOMINAL_K, U0, seed=11))
-    package.solve(path / "first.csv", stand=path / "then.toml", estimator="optimal").save(path / "last.json")
+    given = {"stand": path / "then.toml", "estimator": "optimal"}
+    package.solve(path / "first.csv", **given).save(path / "last.json")
+    package.solve(path / "first.csv", **given, model="k2").save(path / "bent.json")
     write_run(path / "full.csv", PAPER, simulated(PAPER, NOMINAL_K, U0, seed=12))
     write_run(path / "one.csv", ONE, simulated(ONE, NOMINAL_K, U0, seed=13))
     changed = U0 + np.array([0.0, 8e-4, 0.0])
@@ -518,6 +520,18 @@ def test_a_later_calibration_and_the_run_itself_are_passed_over(folder, tmp_path
             opened.prior("Z", **of)
         with pytest.raises(UsageError, match=r"^growth of type '-' unknown: 2 intervals between calibrations, 10 are"):
             opened.prior("A-1")
+
+
+def test_a_calibration_with_further_terms_is_passed_over(folder, tmp_path):
+    """Its twelve coefficients mean something else."""
+    bent = json.loads((folder / "bent.json").read_text()) | {"environment": {"date": "2026-03-05"}}
+    (tmp_path / "bent.json").write_text(json.dumps(bent))
+    with History(tmp_path / "h.db") as opened:
+        opened.add(tmp_path / "bent.json")
+        with pytest.raises(BadInput, match="no earlier calibration of block 'A-1' that may be a prior"):
+            opened.prior("A-1", growth=GROWTH)
+        opened.add(folder / "last.json")
+        assert iso(opened.prior("A-1", growth=GROWTH).measured_s).startswith("2026-03-01")
 
 
 def test_what_rests_on_a_prior_is_no_calibration_of_its_own(folder, tmp_path, tumble, refused):
