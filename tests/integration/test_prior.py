@@ -290,7 +290,8 @@ def test_labels_name_block_and_day():
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A stand file, last.json of a block (bent.json: with K2), and runs of it: full.csv, one.csv of one mounting; changed.csv of both."""
+    """A stand file, last.json of a block, bent.json with K2, and runs of it: full.csv, one.csv of one mounting;
+    changed.csv of both."""
     path = tmp_path_factory.mktemp("prior")
     told = (EXAMPLES / "paper_stand.toml").read_text().replace("[block]\n", '[block]\nserial = "A-1"\n')
     (path / "stand.toml").write_text(told + '\n[environment]\ndate = "2027-03-01"\n')
