@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated, Final, Literal
 
+import numpy as np
 from msgspec import UNSET, Meta, UnsetType, field
 
 from tumble.documents.base import Document, Matrix, Share, Size, SizeMatrix, Sizes, Square, Vector, exactly, read
-from tumble.documents.result import Decision, DeclaredStand, Labels, Name, SetAngles, Unseen, WorstNorm
+from tumble.documents.result import Decision, DeclaredStand, Labels, Name, SetAngles, Unseen, WorstNorm, require_usable
 from tumble.units import UNIT
 
 THERMAL: Final = "tumble.thermal/1"
@@ -131,6 +132,11 @@ class Thermal(Document, kw_only=True):
             raise ValueError("u_K, u_U0 and covariance must be all known or all null")
         if self.covariance is not None and self.covariance.shape != (12 * powers, 12 * powers):
             raise ValueError("a covariance of another size")
+        require_usable(self.pass_reason, self.environment)
+        if self.passed != (self.pass_reason is None):
+            raise ValueError("pass and pass_reason contradict each other")
+        if not np.linalg.det(self.K[0]):
+            raise ValueError("K cannot be inverted")
 
 
 def parse_thermal(data: bytes, file: str) -> Thermal:
