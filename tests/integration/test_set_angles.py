@@ -341,6 +341,24 @@ def test_what_is_refused(case, tmp_path, capsys, monkeypatch):
     assert captured.err.startswith("tumble: ") and captured.err.count("\n") == 1 and said in captured.err
 
 
+def test_what_cannot_be_written_is_not_printed_either(tmp_path, capsys, today):
+    rng = np.random.default_rng(6)
+    code, out = learnt(tmp_path, run_files(tmp_path, rng, table_of(rng), 3), name="none/learnt.toml")
+    captured = capsys.readouterr()
+    assert (code, captured.out) == (2, "")
+    assert captured.err == f"tumble: {out}: cannot be written: no such file or folder\n"
+
+
+def test_several_runs_that_do_not_fit_are_named(tmp_path, capsys, today):
+    rng = np.random.default_rng(17)
+    table = table_of(rng)
+    drift = np.linspace(0, 3e-3, 18)[:, None]
+    runs = [write_run(tmp_path / f"bad{i}.csv", PAPER, drawn(rng, table) + drift) for i in range(2)]
+    code, out = learnt(tmp_path, [*run_files(tmp_path, rng, table, 5), *runs])
+    said = r"bad0\.csv and \S*bad1\.csv do not fit the stand; tumble solve says what they show\n"
+    assert (code, out.exists()) == (1, False) and re.search(said, capsys.readouterr().err)
+
+
 def test_the_stand_file_is_not_replaced(tmp_path, capsys):
     stand = tmp_path / "stand.toml"
     stand.write_text(STAND.read_text())

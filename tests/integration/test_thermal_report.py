@@ -114,7 +114,7 @@ def test_a_document_of_an_earlier_version_has_its_values_all_the_same(result, tm
 CONTRADICTORY = {
     "degree": (lambda told: told | {"degree": 1}, "degree 1 needs 2 powers of K and U0"),
     "covariance": (lambda told: told | {"covariance": [[1.0]]}, "a covariance of another size"),
-    "u": (lambda told: told | {"u_K": None}, "u_K, u_U0 and covariance must be all known or all null"),
+    "u": (lambda told: told | {"u_K": None}, "u_K and u_U0 must be both known or both null"),
     "pass": (lambda told: told | {"pass_reason": "gravity"}, "pass and pass_reason contradict each other"),
     "reason": (lambda told: told | {"pass_reason": "luck"}, "pass_reason is 'luck'"),
     "gravity": (lambda told: told | {"environment": {"gravity_m_s2": "x"}}, "environment.gravity_m_s2 is 'x'"),

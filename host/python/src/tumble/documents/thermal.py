@@ -128,8 +128,8 @@ class Thermal(Document, kw_only=True):
         by_power = [self.K, self.U0, *(one for one in (self.u_K, self.u_U0) if one is not None)]
         if any(len(one) != powers for one in by_power):
             raise ValueError(f"degree {self.degree} needs {powers} powers of K and U0")
-        if (self.u_K is None) != (self.u_U0 is None) or (self.u_K is None) != (self.covariance is None):
-            raise ValueError("u_K, u_U0 and covariance must be all known or all null")
+        if (self.u_K is None) != (self.u_U0 is None):
+            raise ValueError("u_K and u_U0 must be both known or both null")
         if self.covariance is not None and self.covariance.shape != (12 * powers, 12 * powers):
             raise ValueError("a covariance of another size")
         require_usable(self.pass_reason, self.environment)
