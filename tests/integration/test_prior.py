@@ -290,13 +290,16 @@ def test_labels_name_block_and_day():
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A stand file, last.json of a block, and runs of it: full.csv, one.csv of one mounting; changed.csv of both."""
+    """A stand file, last.json of a block, bent.json with K2, and runs of it: full.csv, one.csv of one mounting;
+    changed.csv of both."""
     path = tmp_path_factory.mktemp("prior")
     told = (EXAMPLES / "paper_stand.toml").read_text().replace("[block]\n", '[block]\nserial = "A-1"\n')
     (path / "stand.toml").write_text(told + '\n[environment]\ndate = "2027-03-01"\n')
     (path / "then.toml").write_text(told + '\n[environment]\ndate = "2026-03-01"\n')
     write_run(path / "first.csv", PAPER, simulated(PAPER, NOMINAL_K, U0, seed=11))
-    package.solve(path / "first.csv", stand=path / "then.toml", estimator="optimal").save(path / "last.json")
+    given = {"stand": path / "then.toml", "estimator": "optimal"}
+    package.solve(path / "first.csv", **given).save(path / "last.json")
+    package.solve(path / "first.csv", **given, model="k2").save(path / "bent.json")
     write_run(path / "full.csv", PAPER, simulated(PAPER, NOMINAL_K, U0, seed=12))
     write_run(path / "one.csv", ONE, simulated(ONE, NOMINAL_K, U0, seed=13))
     changed = U0 + np.array([0.0, 8e-4, 0.0])
@@ -520,6 +523,18 @@ def test_a_later_calibration_and_the_run_itself_are_passed_over(folder, tmp_path
             opened.prior("A-1")
 
 
+def test_a_calibration_with_further_terms_is_passed_over(folder, tmp_path):
+    """Its twelve coefficients mean something else."""
+    bent = json.loads((folder / "bent.json").read_text()) | {"environment": {"date": "2026-03-05"}}
+    (tmp_path / "bent.json").write_text(json.dumps(bent))
+    with History(tmp_path / "h.db") as opened:
+        opened.add(tmp_path / "bent.json")
+        with pytest.raises(BadInput, match="no earlier calibration of block 'A-1' that may be a prior"):
+            opened.prior("A-1", growth=GROWTH)
+        opened.add(folder / "last.json")
+        assert iso(opened.prior("A-1", growth=GROWTH).measured_s).startswith("2026-03-01")
+
+
 def test_what_rests_on_a_prior_is_no_calibration_of_its_own(folder, tmp_path, tumble, refused):
     """The history would count the earlier one twice. A prior that was not used changes nothing."""
     done = tumble(*options(folder, "one.csv"), "--out", tmp_path / "one.json")
@@ -527,9 +542,13 @@ def test_what_rests_on_a_prior_is_no_calibration_of_its_own(folder, tmp_path, tu
     said = refused("history", "add", tmp_path / "one.json", "--db", tmp_path / "h.db")
     why = "rests on an earlier calibration, which would count twice: solve it without --prior"
     assert said == f"tumble: {tmp_path / 'one.json'}: {why}\n"
+    for pair in ((folder / "last.json", tmp_path / "one.json"), (tmp_path / "one.json", folder / "last.json")):
+        why = "rests on an earlier calibration, which hides a change: solve it without --prior"
+        assert refused("compare", *pair) == f"tumble: {tmp_path / 'one.json'}: {why}\n"
     tumble(*options(folder, "changed.csv"), "--out", tmp_path / "changed.json")
     row = row_of((tmp_path / "changed.json").read_bytes(), "changed.json")
     assert row["serial"] == "A-1" and row["believed"]
+    assert "HAS CHANGED" in tumble("compare", folder / "last.json", tmp_path / "changed.json").stdout
 
 
 # In many runs.

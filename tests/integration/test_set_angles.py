@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import re
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from documents import schema
 from jsonschema import validate
 
 import tumble
-from tumble import core
+from tumble import core, pictures
 from tumble.cli.main import main
 from tumble.distributions import chi_squared_above
 from tumble.files.stand_file import read_stand, with_set_angles
@@ -134,6 +135,14 @@ def test_angles_are_turned_back_exactly():
     assert np.abs(turned_back(PAPER, means, errors) - ideal).max() < 1e-11
 
 
+def test_a_known_k_turns_back_what_the_positions_do_not_identify():
+    part = PAPER.part(np.arange(18) < 9)
+    errors = np.random.default_rng(6).normal(size=9) * 1e-3
+    means, ideal = (Geometry(part).force(delta=delta) @ NOMINAL_K.T + U0 for delta in (errors, 0.0 * errors))
+    assert np.abs(turned_back(part, means, errors, NOMINAL_K) - ideal).max() < 1e-15
+    assert turned_back(part, means, errors) is means
+
+
 def run_files(tmp_path, rng, table, count, first=0, **how):
     return [write_run(tmp_path / f"run{first + i}.csv", PAPER, drawn(rng, table, **how)) for i in range(count)]
 
@@ -248,6 +257,65 @@ def test_learning_anew_replaces_the_table(tmp_path, today):
     assert again.count("[set_angles]") == 1 and "[item]" in again and "[stand]" in again
 
 
+def test_a_run_of_one_mounting_is_corrected_by_the_k_of_its_prior(tmp_path, capsys, today, monkeypatch):
+    """Its result is that of the same run on a table without errors, and the report names the table."""
+    rng = np.random.default_rng(15)
+    table = table_of(rng)
+    _, stand = learnt(tmp_path, run_files(tmp_path, rng, table, 5))
+    known = read_stand(str(stand)).set_angles
+    stand.write_text(stand.read_text().replace("[block]\n", '[block]\nserial = "A-1"\n'))
+    then = stand.with_name("then.toml")
+    then.write_text(stand.read_text() + '\n[environment]\ndate = "2026-03-01"\n')
+    (last,) = run_files(tmp_path, rng, table, 1, first=8)
+    tumble.solve(last, stand=then, estimator="optimal").save(tmp_path / "last.json")
+    part = PAPER.part(np.arange(18) < 9)
+    noise = rng.normal(size=(9, 3)) * 3e-5
+    off = np.array(known.errors)[PLACE[:9]]
+    found = []
+    zeros = dataclasses.replace(known, errors=(0.0,) * 8)
+    (tmp_path / "none.toml").write_text(with_set_angles(stand.read_text(), zeros))
+    for name, delta, of in (("off.csv", off, stand), ("exact.csv", 0.0 * off, tmp_path / "none.toml")):
+        run = write_run(tmp_path / name, part, Geometry(part).force(delta=delta) @ NOMINAL_K.T + U0 + noise)
+        options = ["--prior", tmp_path / "last.json", "--growth", "50,20,50", "--out", tmp_path / "r.json"]
+        code, result, err = solved(capsys, run, "--stand", of, *options)
+        assert (code, err, result["prior"]["used"], result["fit"]["fits"]) == (0, "", True, True)
+        found.append(result)
+    for key in ("K", "U0"):
+        off, exact = (np.array(result[key]) for result in found)
+        assert np.abs(off - exact).max() < 1e-3 * np.min(found[0][f"u_{key}"])
+    monkeypatch.setattr(pictures, "figures", lambda told, run=None: {})
+    said = plain_report(tumble.load(tmp_path / "r.json"))
+    assert f"corrected by the table of {TODAY}, learnt from 5 runs, which expires on 2027-11-30" in said
+
+
+def plain_report(found):
+    text = re.sub(r"(?s)<(style|svg|script).*?</\1>|<[^>]+>", "", found.reported("html").decode("utf-8"))
+    return " ".join(text.split())
+
+
+def test_runs_at_several_temperatures_are_corrected_all_or_none(tmp_path, capsys, today):
+    stand = tmp_path / "stand.toml"
+    eight = dataclasses.replace(
+        TABLE, angles_deg=tuple(45.0 * i for i in range(8)), errors=(1e-5, -1e-5) * 4, u=(1e-6,) * 8
+    )
+    stand.write_text(with_set_angles(STAND.read_text(), eight))
+    runs = run_files(tmp_path, np.random.default_rng(2), np.array(eight.errors), 3, anew=1e-6)
+    warm = ["solve", *map(str, runs), "--temperature", "linear", "--at", "0,20,40", "--estimator", "least_squares"]
+    assert main([*warm, "--stand", str(stand), "--out", str(tmp_path / "warm.json")]) == 0
+    assert f"\nSet angles: corrected by the table of {TODAY} (3 runs)\n" in capsys.readouterr().out
+    told = json.loads((tmp_path / "warm.json").read_text())
+    validate(told, schema("thermal"))
+    assert (told["set_angles"]["runs"], told["set_angles"]["u_rad"]) == (3, 1e-6)
+    odd = dataclasses.replace(eight, angles_deg=eight.angles_deg[1::2], errors=(1e-5,) * 4, u=(1e-6,) * 4)
+    stand.write_text(with_set_angles(STAND.read_text(), odd))
+    few = PAPER.part([position.mark in odd.angles_deg for position in PAPER.positions])
+    write_run(runs[1], few, drawn(np.random.default_rng(3), np.zeros(8), schedule=few, place=[0] * 8))
+    assert main([*warm, "--stand", str(stand)]) == 2
+    why = "cannot be corrected by the table of set angles, as other runs are: leave out this run, or the table"
+    captured = capsys.readouterr()
+    assert (captured.out, captured.err) == ("", f"tumble: {runs[0]}: {why}\n")
+
+
 REFUSED = {
     "two runs": (["run0.csv", "run1.csv"], [], "set angles that stay show in 3 runs or more, not in 2"),
     "one twice": (["run0.csv", "run1.csv", "run0.csv"], [], "the run 'run0.csv' is given twice"),
@@ -271,6 +339,24 @@ def test_what_is_refused(case, tmp_path, capsys, monkeypatch):
     captured = capsys.readouterr()
     assert (code, captured.out, (tmp_path / "new.toml").exists()) == (2, "", False)
     assert captured.err.startswith("tumble: ") and captured.err.count("\n") == 1 and said in captured.err
+
+
+def test_what_cannot_be_written_is_not_printed_either(tmp_path, capsys, today):
+    rng = np.random.default_rng(6)
+    code, out = learnt(tmp_path, run_files(tmp_path, rng, table_of(rng), 3), name="none/learnt.toml")
+    captured = capsys.readouterr()
+    assert (code, captured.out) == (2, "")
+    assert captured.err == f"tumble: {out}: cannot be written: no such file or folder\n"
+
+
+def test_several_runs_that_do_not_fit_are_named(tmp_path, capsys, today):
+    rng = np.random.default_rng(17)
+    table = table_of(rng)
+    drift = np.linspace(0, 3e-3, 18)[:, None]
+    runs = [write_run(tmp_path / f"bad{i}.csv", PAPER, drawn(rng, table) + drift) for i in range(2)]
+    code, out = learnt(tmp_path, [*run_files(tmp_path, rng, table, 5), *runs])
+    said = r"bad0\.csv and \S*bad1\.csv do not fit the stand; tumble solve says what they show\n"
+    assert (code, out.exists()) == (1, False) and re.search(said, capsys.readouterr().err)
 
 
 def test_the_stand_file_is_not_replaced(tmp_path, capsys):

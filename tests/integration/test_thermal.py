@@ -282,6 +282,12 @@ def test_runs_that_tell_no_temperature(refused, tmp_path):
     out = tmp_path / "t.json"
     out.write_text(solve_thermal(files, at=(0.0, 30.0)).to_json())
     assert "row 2: tells no temperature" in refused("apply", out, files[0])
+    pyarrow = pytest.importorskip("pyarrow")
+    table = pyarrow.table({"ux": [0.1, 0.1], "uy": [0.1, 0.1], "uz": [2.0, 2.0], "temperature": [20.0, None]})
+    pytest.importorskip("pyarrow.parquet").write_table(table, tmp_path / "warm.parquet")
+    said = refused("apply", out, tmp_path / "warm.parquet", "--out", tmp_path / "new.parquet")
+    why = f"{tmp_path / 'warm.parquet'}: row 2: tells no temperature, which this result needs\n"
+    assert said.endswith(why) and not (tmp_path / "new.parquet").exists()
 
 
 @pytest.fixture(scope="module")

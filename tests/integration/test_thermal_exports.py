@@ -105,6 +105,12 @@ def test_what_an_autopilot_cannot_hold_is_named_with_its_size(exported, name):
     assert float(said.split("up to ")[1].split()[0]) == pytest.approx(max(left), rel=0.05)
 
 
+@pytest.mark.parametrize("name", ["c", *AUTOPILOTS])
+def test_a_pass_without_a_stand_holds_at_the_measured_positions(exported, name):
+    said = "Verdict: PASS from -30 to 70 deg C at the 108 measured positions only: no stand declared, no uncertainty"
+    assert said in exported(result_of(SLOPE), "--format", name)
+
+
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 @pytest.mark.parametrize(("real", "off"), [("double", 1e-13), ("float", 1e-6)])
 def test_the_c_header_finds_the_force(exported, tmp_path, real, off):

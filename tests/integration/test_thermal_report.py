@@ -111,6 +111,26 @@ def test_a_document_of_an_earlier_version_has_its_values_all_the_same(result, tm
     assert len(rows) == 12 and rows[0][1][0].path == "/K/0/0/0"
 
 
+CONTRADICTORY = {
+    "degree": (lambda told: told | {"degree": 1}, "degree 1 needs 2 powers of K and U0"),
+    "covariance": (lambda told: told | {"covariance": [[1.0]]}, "a covariance of another size"),
+    "u": (lambda told: told | {"u_K": None}, "u_K and u_U0 must be both known or both null"),
+    "pass": (lambda told: told | {"pass_reason": "gravity"}, "pass and pass_reason contradict each other"),
+    "reason": (lambda told: told | {"pass_reason": "luck"}, "pass_reason is 'luck'"),
+    "gravity": (lambda told: told | {"environment": {"gravity_m_s2": "x"}}, "environment.gravity_m_s2 is 'x'"),
+    "singular": (lambda told: told | {"K": [np.zeros((3, 3)).tolist(), *told["K"][1:]]}, "K cannot be inverted"),
+}
+
+
+@pytest.mark.parametrize("case", CONTRADICTORY)
+def test_a_document_that_contradicts_itself_is_refused(case, result, refused, tmp_path):
+    changed, why = CONTRADICTORY[case]
+    (tmp_path / "odd.json").write_text(json.dumps(changed(json.loads(result.to_json()))))
+    said = refused("report", tmp_path / "odd.json", "--out", tmp_path / "odd.html")
+    assert said == f"tumble: {tmp_path / 'odd.json'}: not a result of schema tumble.thermal/1: {why}\n"
+    assert not (tmp_path / "odd.html").exists()
+
+
 def test_by_command_as_pdf(tumble, refused, result, tmp_path):
     pypdf = pytest.importorskip("pypdf")
     pytest.importorskip("weasyprint")

@@ -135,7 +135,8 @@ def solved(
         solution = solve_it(run, None if stand_file is None else stand_file.stand)
     else:
         table = stand_file.set_angles
-        solution, about_angles = _with_set_angles(solve_it, estimator, run, planned.data, stand_file, table)
+        k = None if known is None else known.k
+        solution, about_angles = _with_set_angles(solve_it, estimator, run, planned.data, stand_file, table, k)
     solution = replace(plausibility.with_order_flag(solution, stand_file), brought_stand=stand is None)
     odd = (*odd_rows, *plausibility.check_k(solution, stand_file, recording.name))
     odd += tuple(filter(None, (contradiction, about_angles)))
@@ -172,15 +173,22 @@ _Solve: TypeAlias = "Callable[[Run, Stand | None], Solution]"
 
 
 def _with_set_angles(
-    solve_it: _Solve, estimator: str, run: Run, schedule: Schedule, stand_file: StandFile, table: SetAngles
+    solve_it: _Solve,
+    estimator: str,
+    run: Run,
+    schedule: Schedule,
+    stand_file: StandFile,
+    table: SetAngles,
+    known: Floats | None,
 ) -> tuple[Solution, str | None]:
-    """A run on a stand with a table of set angles, by it if it can be used; and what a person is told of it."""
+    """A run on a stand with a table of set angles, by it if it can be used; and what a person is told of it. `known`: K
+    (3, 3) of the prior, if there is one."""
     declared = stand_file.stand
     why_not = unusable(table, schedule, run, estimator, today())
     if why_not is not None:
         return solve_it(run, declared), why_not
     left = table.left_on(declared, len(schedule.fitted_mountings))
-    solution = replace(solve_it(corrected(run, schedule, table), left), set_angles=table)
+    solution = replace(solve_it(corrected(run, schedule, table, known), left), set_angles=table)
     if solution.fit is None or solution.fit.fits:
         return solution, None
     plain = solve_it(run, declared)

@@ -10,6 +10,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from msgspec import UNSET
 
 from tumble import defaults
 from tumble._version import __version__
@@ -31,7 +32,7 @@ from tumble.model import reliability
 from tumble.model.thermal import Polynomials, ThermalFit
 from tumble.solving.coefficients import gravity_of
 from tumble.solving.plausibility import outside
-from tumble.solving.result import created, declared_stand, unseen
+from tumble.solving.result import created, declared_stand, set_angles_part, unseen
 from tumble.solving.thermal import BOLTING_KEPT, DEGREES, STAND_KEPT, Measured, ThermalSolution, solve_together
 from tumble.stand import by_channel
 from tumble.units import SI, force_unit, volts_per
@@ -113,8 +114,17 @@ def solved_together(
             raise UsageError("--temperature: with estimator norm every run has a frame of its own; give a schedule")
         told = None if temperatures_c is None else temperatures_c[number]
         measured.append(Measured(recording.name, one.solution, _temperatures_c(recording, one, told)))
+    _require_one_stand(recordings, single)
     kept = (*STAND_KEPT, *(BOLTING_KEPT if bolted_once else ()))
     return single, solve_together(measured, DEGREES[degree], kept, confidence)
+
+
+def _require_one_stand(recordings: Sequence[Recording], single: Sequence[Solved]) -> None:
+    """Raise BadInput where a table of set angles corrects some of the runs alone."""
+    plain = [recording.name for recording, one in zip(recordings, single) if one.solution.set_angles is None]
+    if plain and len(plain) < len(single):
+        why = "cannot be corrected by the table of set angles, as other runs are: leave out this run, or the table"
+        raise BadInput(why, plain[0])
 
 
 def _temperatures_c(recording: Recording, one: Solved, told_c: float | None) -> Floats:
@@ -179,6 +189,7 @@ def document_of(single: Sequence[Solved], found: ThermalSolution) -> Thermal:
         warnings=tuple(f"{one.name}: {told}" for one, its in zip(found.runs, single) for told in its.complaints),
         kept=found.kept,
         stand=None if stand is None else declared_stand(stand, step_v),
+        set_angles=UNSET if first.solution.set_angles is None else set_angles_part(first.solution.set_angles),
         runs=tuple(
             _of_run(name, one, its, delta_g)
             for name, one, its, delta_g in zip(_told_apart(found.runs), found.runs, single, found.delta_g)

@@ -145,11 +145,15 @@ def _coefficients(result: ThermalResult) -> tuple[tuple[str, ...], list[tuple[st
 
 def _checks(result: ThermalResult) -> list[str]:
     """A sentence for each."""
+    from msgspec import UnsetType
+
     from tumble.model import reliability
     from tumble.model.patterns import BY_NAME
 
     told, unseen = result.checked, []
     lines = [f"Gravity check: largest error {told.max_abs_delta_g_g:.2g} g, limit {told.decision.limit_g:g} g"]
+    if not isinstance(told.set_angles, UnsetType):
+        lines.append(f"Set angles: corrected by the table of {told.set_angles.learned} ({told.set_angles.runs} runs)")
     if told.fit is not None:
         lines.append(
             f"Fit of all runs to the stand: chi-squared {told.fit.chi2:.3g}, {told.fit.dof} degrees of freedom,"

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from msgspec import UnsetType
 
 from tumble.arrays import Floats
 from tumble.comparison.verdict import Calibration, Found, Verdict, is_covariance, judge, test_of
@@ -70,7 +71,9 @@ class ComparedResult:
 
     @classmethod
     def of(cls, name: str, document: Result, complaints: Sequence[str] = ()) -> ComparedResult:
-        """Raises BadInput for a singular K, and for a covariance that is none."""
+        """Raises BadInput for a singular K, for a covariance that is none, and for a result with a prior in it."""
+        if not isinstance(document.prior, UnsetType) and document.prior.used:
+            raise BadInput("rests on an earlier calibration, which hides a change: solve it without --prior", name)
         try:
             found = Coefficients.of(document)
         except ValueError as error:

@@ -746,13 +746,18 @@ class Result(Document, kw_only=True):
         self.unit = spelled(self.unit)  # as runs have it now; older results have it as it was typed
         if not isinstance(self.passed, bool):
             self.passed = self.verification.passed
-        told = () if self.pass_reason is None else self.pass_reason.split(" and ")
-        if list(told) != [one for one in REASONS if one in told]:
-            raise ValueError(f"pass_reason is {quoted(self.pass_reason)}")
-        for key, least in (("gravity_m_s2", 1e-300), ("u_gravity_m_s2", 0.0)):
-            size = (self.environment or {}).get(key, 1.0)
-            if isinstance(size, str) or not least <= size < LARGEST:
-                raise ValueError(f"environment.{key} is {quoted(size)}")
+        require_usable(self.pass_reason, self.environment)
+
+
+def require_usable(pass_reason: str | None, environment: Labels | None) -> None:
+    """Raise ValueError for reasons that are none, and for a local gravity that is no number above 0."""
+    told = () if pass_reason is None else pass_reason.split(" and ")
+    if list(told) != [one for one in REASONS if one in told]:
+        raise ValueError(f"pass_reason is {quoted(pass_reason)}")
+    for key, least in (("gravity_m_s2", 1e-300), ("u_gravity_m_s2", 0.0)):
+        size = (environment or {}).get(key, 1.0)
+        if isinstance(size, str) or not least <= size < LARGEST:
+            raise ValueError(f"environment.{key} is {quoted(size)}")
 
 
 def read_result(file: str) -> Result:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated, Final, Literal
 
-from msgspec import Meta, field
+import numpy as np
+from msgspec import UNSET, Meta, UnsetType, field
 
 from tumble.documents.base import Document, Matrix, Share, Size, SizeMatrix, Sizes, Square, Vector, exactly, read
-from tumble.documents.result import Decision, DeclaredStand, Labels, Name, Unseen, WorstNorm
+from tumble.documents.result import Decision, DeclaredStand, Labels, Name, SetAngles, Unseen, WorstNorm, require_usable
 from tumble.units import UNIT
 
 THERMAL: Final = "tumble.thermal/1"
@@ -87,6 +88,7 @@ class Thermal(Document, kw_only=True):
     max_abs_delta_g_g: Largest gravity error of all positions, with the coefficients of their temperature.
     at_one_temperature_g: Largest error of |a| over the range with the coefficients of `reference_c` alone.
     passed: The decision over the whole range; with `pass_reason`.
+    set_angles: The table by which the runs were corrected, as in a result; missing where none was used.
     """
 
     schema: Literal["tumble.thermal/1"] = THERMAL
@@ -116,9 +118,25 @@ class Thermal(Document, kw_only=True):
     warnings: tuple[str, ...] = ()
     kept: tuple[Name, ...] = ()
     stand: DeclaredStand | None = None
+    set_angles: SetAngles | UnsetType = UNSET
     runs: Annotated[tuple[RunAtTemperature, ...], Meta(min_length=1)] = ()
     item: Labels | None = None
     environment: Labels | None = None
+
+    def __post_init__(self) -> None:
+        powers = self.degree + 1
+        by_power = [self.K, self.U0, *(one for one in (self.u_K, self.u_U0) if one is not None)]
+        if any(len(one) != powers for one in by_power):
+            raise ValueError(f"degree {self.degree} needs {powers} powers of K and U0")
+        if (self.u_K is None) != (self.u_U0 is None):
+            raise ValueError("u_K and u_U0 must be both known or both null")
+        if self.covariance is not None and self.covariance.shape != (12 * powers, 12 * powers):
+            raise ValueError("a covariance of another size")
+        require_usable(self.pass_reason, self.environment)
+        if self.passed != (self.pass_reason is None):
+            raise ValueError("pass and pass_reason contradict each other")
+        if not np.linalg.det(self.K[0]):
+            raise ValueError("K cannot be inverted")
 
 
 def parse_thermal(data: bytes, file: str) -> Thermal:

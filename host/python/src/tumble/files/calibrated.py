@@ -347,7 +347,10 @@ def with_calibrated(table: Any, name: str, demand: Demand, seen: Seen) -> Any:
     told = unit_of(options, [names[place] for place in places], name, None, "outputs_unit")
     outputs = frames.stacked(table, places, OUTPUTS, name)
     felt_c = np.zeros(0) if demand.at_temperature is None else temperatures_of_rows(table, options.columns, name)
-    values = demand.values(outputs, factor_of(told, demand.unit, name), felt_c)
+    try:
+        values = demand.values(outputs, factor_of(told, demand.unit, name), felt_c)
+    except BadInput as error:
+        raise BadInput(error.fault, name, error.row) from None
     seen.renamed, seen.unit_told = raw_names(names, demand.with_uncertainty), told is not None
     seen.weigh(values[:, -3:] / demand.one_g)
     seen.feel(*temperatures_of_table(table, options.columns, len(outputs), name))

@@ -155,13 +155,13 @@ class History:
         counts &= columns["estimator"] != calibrations.ON_BOARD
         if other_than_run is not None:
             counts &= columns["run_sha256"] != other_than_run
-        if not counts.any():
-            raise BadInput(f"no earlier calibration of block {quoted(serial)} that may be a prior", self._database.name)
-        row = int(np.flatnonzero(counts)[-1])
-        name = f"{self._database.name}: {serial} of {iso(columns['created_s'][row])[:10]}"
-        result = parse_result(self.document(columns["sha256"][row]), name)
-        known = self._growth_of(str(columns["type"][-1])) if growth is None else growth
-        return LastCalibration(result, name, known, serial, int(columns["created_s"][row]))
+        for row in reversed(np.flatnonzero(counts).tolist()):
+            name = f"{self._database.name}: {serial} of {iso(columns['created_s'][row])[:10]}"
+            result = parse_result(self.document(columns["sha256"][row]), name)
+            if result.extended is None:  # a prior has the twelve alone
+                known = self._growth_of(str(columns["type"][-1])) if growth is None else growth
+                return LastCalibration(result, name, known, serial, int(columns["created_s"][row]))
+        raise BadInput(f"no earlier calibration of block {quoted(serial)} that may be a prior", self._database.name)
 
     def _growth_of(self, kind: str) -> Growth:
         from tumble.history import trend as trends

@@ -144,12 +144,13 @@ def _lowered(depth: Callable[[float], float], low: float, high: float) -> float:
     return high
 
 
-def turned_back(schedule: Schedule, means: Floats, errors: Floats) -> Floats:
+def turned_back(schedule: Schedule, means: Floats, errors: Floats, known: Floats | None = None) -> Floats:
     """The means (positions, 3) as they would be at the angles that were set, of a table that came to angles off by
-    `errors` (positions,), rad; as they are where the positions do not identify the twelve."""
-    if unidentified(schedule):
-        return means
+    `errors` (positions,), rad. Where the positions do not identify the twelve, by the K that is `known` (3, 3); as they
+    are where none is."""
     off, back = geometry_of(schedule).force(delta=errors) - ideal_force(schedule), means
+    if unidentified(schedule):
+        return means if known is None else means - off @ known.T
     for _ in range(_CORRECTIONS):
         k, _ = estimate(schedule, back, "least_squares")
         back = means - off @ k.T

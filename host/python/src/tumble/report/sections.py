@@ -211,12 +211,15 @@ def declared_stand(source: DocumentSource, by_hand: bool) -> tuple[Inline, Table
         return None
     kind = str(source.at("stand", "limits"))
     about = line("Stand: ", source.told("stand", "name"), ". Its file declares ", _MEANING.get(kind, kind), ".")
+    left = _LEFT if source.table("set_angles") else ()
+    if left:
+        about = line(about, " Set angles and zero: what the table of set angles leaves of them.")
     rows = []
     for one in SOURCES.values():  # what is not declared is 0 and left out, unless every rotary stand has it
         by_channel = isinstance(source.at("stand", one.key), list)
         places = [("stand", one.key, i) for i in range(3)] if by_channel else [("stand", one.key)]
         if any(source.decimal(*place) for place in places) or (one.required and not (by_hand and one.is_angle)):
-            size = joined([source.told(*place) for place in places], ", ")
+            size = joined([source.rounded(3, *at) if one.key in left else source.told(*at) for at in places], ", ")
             rows.append((Fixed(one.words), size, Fixed(_unit(source, one.key))))
     return about, Table(("Source of error", "Declared", "Unit"), rows, left=(2,))
 
@@ -260,6 +263,7 @@ def _unit(source: DocumentSource, key: str) -> str:
     return "rad" if key.endswith("_rad") else noise_unit(str(source.at("unit")))
 
 
+_LEFT = ("angle_rad", "level_rad")  # computed where set angles are corrected
 _TWO_DIGITS, _THREE_DIGITS = partial(rounded, digits=2), partial(rounded, digits=3)
 _MANY = 1000
 _STUDENT = f" k is Student's t for {NU} effective degrees of freedom (Welch and Satterthwaite)."
@@ -440,11 +444,13 @@ def findings(source: Source) -> Facts:
     gravity = "passed" if source.at(*check, "pass") else "FAILED"
     local = source.rounded(3, "environment", "gravity_m_s2")
     micro_g = Fixed("which is not stated") if local is MISSING else line(local, " µm/s²")
+    corrected = [(Fixed("Set angles"), set_angles(source))] if source.table("set_angles") else []
     prior = [(Fixed("Last calibration of the block"), _prior(source))] if source.table("prior") else []
     return [
         (Fixed("Gravity check"), line(gravity, ": largest |Δg| ", largest, ", limit ", limit)),
         (Fixed("Fit to the declared stand"), _fit(source)),
         (Fixed("Uncertainty at every attitude"), _uncertainty(source)),
+        *corrected,
         *prior,
         (Fixed("One µg here"), line("a millionth of the local gravity, ", micro_g)),
     ]
@@ -485,6 +491,14 @@ def _fit(source: Source) -> Inline:
     chi2, dof = source.rounded(3, "fit", "chi2"), source.told("fit", "dof")
     p, confidence = source.rounded(2, "fit", "p"), source.told("fit", "confidence")
     return line(word, ": χ² ", chi2, " with ", dof, " degrees of freedom, p ", p, "; confidence ", confidence)
+
+
+def set_angles(source: DocumentSource) -> Inline:
+    """By which table they were corrected."""
+    learned = line("corrected by the table of ", source.told("set_angles", "learned"), ", learnt from ")
+    expires = line(source.told("set_angles", "runs"), " runs, which expires on ", source.told("set_angles", "expires"))
+    u = source.scaled(("set_angles", "u_rad"), _THREE_DIGITS, power=6)
+    return line(learned, expires, "; u of its marks at most ", u, " µrad")
 
 
 def _prior(source: Source) -> Inline:

@@ -8,7 +8,7 @@ from typing import Any
 from tumble.documents.base import checked
 from tumble.documents.thermal import THERMAL, Thermal
 from tumble.estimators import COEFFICIENTS
-from tumble.report.sections import Verdict, conditions, declared_stand
+from tumble.report.sections import Verdict, conditions, declared_stand, set_angles
 from tumble.report.source import (
     MISSING,
     NO_UNCERTAINTY,
@@ -69,6 +69,7 @@ def findings(source: ThermalSource) -> Facts:
         (Fixed("Gravity check"), line(gravity, ": largest |Δg| ", largest, " µg, limit ", limit, " µg")),
         (Fixed("Fit of all runs to the declared stand"), fit),
         (Fixed("Uncertainty at every attitude and temperature"), u),
+        *([(Fixed("Set angles"), set_angles(source))] if source.table("set_angles") else []),
         (
             Fixed("Without the polynomials"),
             line("|a| is wrong by up to ", wrong, " µg with the values at ", reference, " °C"),

@@ -14,6 +14,7 @@ from tumble.documents.thermal import Thermal
 from tumble.estimators import COEFFICIENTS
 from tumble.model.thermal import Polynomials
 from tumble.report.coefficients import DOUBLE, FLOAT, FORMATS as OF_ONE, axes_of, comment, filled
+from tumble.solving.thermal import verdict_of
 
 FORMATS = ("c", "px4", "ardupilot")
 _ARDUPILOT_C = 35.0  # its reference, whatever that of the result is
@@ -26,11 +27,11 @@ def exported(told: Thermal, name: str, number: str = DOUBLE, accelerometer: int 
     if name not in FORMATS:
         raise ValueError(f"over temperature there are formats {', '.join(FORMATS)}, not {name}")
     decision, (low, high) = told.decision, told.range_c
-    verdict = "PASS" if told.passed else f"not passed: {told.pass_reason}"
+    verdict = "".join(verdict_of(told))
     about = [
         f"Coefficients of a three-axis block of accelerometers, {low:.4g} to {high:.4g} deg C, {len(told.runs)} runs.",
         f"Outputs in {ascii(told.unit)[1:-1]}. Gravity check: largest error {told.max_abs_delta_g_g!r} g.",
-        f"Verdict: {verdict}, limit {decision.limit_g!r} g.",
+        f"Verdict: {verdict}; limit {decision.limit_g!r} g.",
         *(["Uncertainties unknown: no stand was declared."] if told.u_K is None else []),
         *(f"WARNING: {comment(one)}" for one in told.warnings),
     ]

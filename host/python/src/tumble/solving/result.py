@@ -173,7 +173,7 @@ def document_of(
         item=item,
         environment=environment,
         temperature=None if (t := temperature) is None else doc.Temperature(t.low_c, t.high_c, t.source),
-        set_angles=UNSET if (table := solution.set_angles) is None else _set_angles(table),
+        set_angles=UNSET if (table := solution.set_angles) is None else set_angles_part(table),
         prior=UNSET if solution.prior is None else prior_part(solution.prior),
     )
 
@@ -200,7 +200,8 @@ def prior_part(outcome: PriorOutcome) -> Prior:
     )
 
 
-def _set_angles(table: SetAngles) -> doc.SetAngles:
+def set_angles_part(table: SetAngles) -> doc.SetAngles:
+    """What means were corrected by."""
     worst = max(table.u)
     return doc.SetAngles(table.learned, table.expires, table.runs, worst, table.repeatability, table.u_repeatability)
 

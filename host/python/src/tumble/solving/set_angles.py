@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from tumble.arrays import Floats
 from tumble.estimators import NORM
 from tumble.files.run_file import Run
 from tumble.model.set_angles import turned_back
@@ -24,9 +25,9 @@ def unusable(table: SetAngles, schedule: Schedule, run: Run, estimator: str, tod
     return f"{of} has no {missing[0]:g} deg, so that {counts}" if missing else None
 
 
-def corrected(run: Run, schedule: Schedule, table: SetAngles) -> Run:
-    """The run at the angles that were set, to which the table did not quite come."""
+def corrected(run: Run, schedule: Schedule, table: SetAngles, known: Floats | None = None) -> Run:
+    """The run at the angles that were set, to which the table did not quite come; `known` as of turned_back."""
     part, means = schedule.part(run.measured), run.means.copy()
     errors = np.array([table.by_mark[one.mark] for one in part.positions])
-    means[run.measured] = turned_back(part, means[run.measured], errors)
+    means[run.measured] = turned_back(part, means[run.measured], errors, known)
     return replace(run, means=means)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from tumble.cli import options
 from tumble.defaults import ANEW, DEFAULT_LIMIT_G, LEVELLED, ONCE
-from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BadInput, UsageError, file_name, quoted
+from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BadInput, UsageError, file_name, listed, quoted
 from tumble.messages import warn
 from tumble.schedule import file_of
 
@@ -116,18 +116,20 @@ def learn(arguments: argparse.Namespace) -> int:
     if len(set(hashes)) < len(hashes):
         raise UsageError("two of the runs are the same, to the byte")
     found = lesson([view.solution for view in views], stand_file.stand, today(), days)
+    if not found.unfit and found.is_worth_it:
+        text = with_set_angles(data.decode("utf-8"), found.table)
+        read_stand(arguments.out, text.encode("utf-8"))
+        write_text(arguments.out, text)
     warn(warnings)
     print_lines([[(line, "")] for line in lines(found, stand_file.stand)])
     if found.unfit:
-        names = ", ".join(file_name(arguments.runs[index]) for index in found.unfit)
-        warn([f"not written: with these set angles {names} does not fit the stand; tumble solve says what it shows"])
+        names = listed([file_name(arguments.runs[index]) for index in found.unfit])
+        do, show = ("do", "they show") if found.unfit[1:] else ("does", "it shows")
+        warn([f"not written: with these set angles {names} {do} not fit the stand; tumble solve says what {show}"])
         return EXIT_LIMITS_FAILED
     if not found.is_worth_it:
         warn(["not written: the set angles do not stay from run to run, less than half of their error would go"])
         return EXIT_LIMITS_FAILED
-    text = with_set_angles(data.decode("utf-8"), found.table)
-    read_stand(arguments.out, text.encode("utf-8"))
-    write_text(arguments.out, text)
     return EXIT_PASS
 
 
