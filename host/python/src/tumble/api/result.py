@@ -614,11 +614,11 @@ class Result:
 
     def _known(self, history: History | str | os.PathLike[str] | None) -> Any:
         if history is None or not isinstance(history, (str, os.PathLike)):
-            return None if history is None else history.told_of(self._told, self._name)
+            return None if history is None else history.trend_and_due(self._told, self._name)
         from tumble.history import History
 
         with History(history) as opened:
-            return opened.told_of(self._told, self._name)
+            return opened.trend_and_due(self._told, self._name)
 
 
 def load(file: str | os.PathLike[str] | Mapping[str, Any]) -> Result:

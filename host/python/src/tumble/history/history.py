@@ -129,7 +129,7 @@ class History:
         columns = self._of_type(serial, type)
         return report.due(self._database.name, columns, limit_g, coverage_factor, method, confidence, serial)
 
-    def told_of(self, result: ResultDocument, name: str) -> tuple[Trend, Due]:
+    def trend_and_due(self, result: ResultDocument, name: str) -> tuple[Trend, Due]:
         """What is known of the block of a result called `name`, and when it is due by the limit and the coverage factor
         of that result. Raises BadInput."""
         serial = serial_of(result.serial, result.item)

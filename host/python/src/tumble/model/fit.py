@@ -139,7 +139,7 @@ class WholeModel:
         only by the errors of the stand, as cubes do on the diagonals; or only by rounding, as a yaw does where gravity
         lies along its axis."""
         outputs = np.array([(column / self._noise).ravel() for column in columns.values()]).T
-        return what_is_shown(outputs, self._left.T @ outputs, self._coefficients)
+        return shown_by_residuals(outputs, self._left.T @ outputs, self._coefficients)
 
     def given(self, besides: Columns) -> tuple[Floats, Floats]:
         """The space of other patterns that are there `besides`, (freedom, their rank), and what remains of `rest`."""
@@ -161,7 +161,7 @@ class WholeModel:
         return Score(freedom, chi_squared_log_above(squares, freedom), _sizes(list(columns), shown, rest), spread)
 
 
-def what_is_shown(outputs: Floats, shown: Floats, coefficients: Floats) -> Floats:
+def shown_by_residuals(outputs: Floats, shown: Floats, coefficients: Floats) -> Floats:
     """What the residuals have of columns of `outputs`, `shown`, without what they show by rounding, or of which the
     coefficients, whose directions these are, leave almost nothing."""
     length = np.linalg.norm(outputs, axis=0)

@@ -145,14 +145,14 @@ def in_order(found: list[Undetected]) -> Reliability:
     return tuple(sorted(found, key=lambda one: -1.0 if one.norm_g is None else one.norm_g, reverse=True))
 
 
-class Shows(Protocol):
+class ResidualModel(Protocol):
     """A model of a run, or of several at once: `whitened` as WholeModel has it."""
 
     def whitened(self, columns: Columns) -> Floats: ...
 
 
 def worst_of(
-    model: Shows,
+    model: ResidualModel,
     k: Floats,
     gains: Floats,
     gradient: Floats,

@@ -13,7 +13,7 @@ import numpy as np
 from tumble.arrays import Floats
 from tumble.model.coefficients import norm_gradient, spread_attitudes
 from tumble.model.errors import NOISE, declared
-from tumble.model.fit import DOUBTS, what_is_shown
+from tumble.model.fit import DOUBTS, shown_by_residuals
 from tumble.model.patterns import BLOCK, PATTERNS, Columns, Pattern, Scene
 from tumble.model.reliability import BESIDE, Reliability, in_order, worst_of, worst_place
 from tumble.model.thermal import Polynomials, System, ThermalRun
@@ -99,4 +99,4 @@ class _Joint:
         of_unknowns = self._q[: len(outputs)].T @ outputs
         shown = -self._q @ of_unknowns
         shown[: len(outputs)] += outputs
-        return what_is_shown(outputs, shown, self._coefficients)
+        return shown_by_residuals(outputs, shown, self._coefficients)

@@ -95,7 +95,7 @@ def learn(arguments: argparse.Namespace) -> int:
     from tumble.files.disk import read_bytes, refuse_overwriting, write_text
     from tumble.files.schedule_file import read_schedule
     from tumble.files.stand_file import read_stand, with_set_angles
-    from tumble.fixture.learn import FEWEST_RUNS, lesson, lines
+    from tumble.fixture.learn import FEWEST_RUNS, learnt_table, lines
     from tumble.solving.result import today
 
     if len(arguments.runs) < FEWEST_RUNS:
@@ -115,7 +115,7 @@ def learn(arguments: argparse.Namespace) -> int:
     hashes = [view.solution.run.sha256 for view in views]
     if len(set(hashes)) < len(hashes):
         raise UsageError("two of the runs are the same, to the byte")
-    found = lesson([view.solution for view in views], stand_file.stand, today(), days)
+    found = learnt_table([view.solution for view in views], stand_file.stand, today(), days)
     if not found.unfit and found.is_worth_it:
         text = with_set_angles(data.decode("utf-8"), found.table)
         read_stand(arguments.out, text.encode("utf-8"))
